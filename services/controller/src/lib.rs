@@ -1,0 +1,3 @@
+//! The control laws and the control loop.
+
+pub mod law;
