@@ -1,0 +1,297 @@
+//! Checks across keys: each value by itself is in its range already.
+
+use super::Scenario;
+use super::actor::{Actor, MAX_ACTORS, MAX_PROFILE_POINTS, Profile, SpeedPoint};
+use super::controller::Release;
+use super::document::Problem;
+use super::perception::MAX_LATENCY_SCANS;
+use super::plant::Integrator;
+use super::quantity::{Acceleration, Time};
+use super::v2x::{MAX_PROGRAM_PHASES, MAX_SIGNALS, Signal};
+
+/// Runs every check; the first problem ends it.
+pub(super) fn all(scenario: &Scenario) -> Result<(), Problem> {
+    periods(scenario)?;
+    plant(scenario)?;
+    perception(scenario)?;
+    signals(&scenario.v2x.signals)?;
+    controller(scenario)?;
+    actors(&scenario.actors)
+}
+
+fn fail<T>(
+    path: impl Into<String>,
+    message: impl Into<String>,
+    expected: impl Into<String>,
+) -> Result<T, Problem> {
+    Err(Problem::new(path, message, expected))
+}
+
+fn multiple(path: &str, value_ms: u32, base: &str, base_ms: u32) -> Result<(), Problem> {
+    if value_ms.is_multiple_of(base_ms) {
+        return Ok(());
+    }
+    Err(Problem::new(
+        path,
+        format!("{path} = {value_ms} is not a whole multiple of {base} = {base_ms}"),
+        format!("{path} to be a multiple of {base}"),
+    )
+    .against(base))
+}
+
+fn periods(scenario: &Scenario) -> Result<(), Problem> {
+    let plant = scenario.plant.period_ms.value();
+    let perception = scenario.perception.period_ms.value();
+    let controller = scenario.controller.period_ms.value();
+    multiple("perception.period_ms", perception, "plant.period_ms", plant)?;
+    multiple("v2x.period_ms", scenario.v2x.period_ms.value(), "plant.period_ms", plant)?;
+    multiple("controller.period_ms", controller, "plant.period_ms", plant)?;
+    if scenario.controller.release == Release::Radar {
+        multiple("controller.period_ms", controller, "perception.period_ms", perception)?;
+    }
+    let extra = scenario.runtime.extra_delay_ms.value();
+    multiple("runtime.extra_delay_ms", extra, "plant.period_ms", plant)
+}
+
+fn plant(scenario: &Scenario) -> Result<(), Problem> {
+    let plant = &scenario.plant;
+    let (period, step) = (plant.period_ms.value(), plant.integration_step_ms.value());
+    match plant.integrator {
+        Integrator::Fine if !period.is_multiple_of(step) => {
+            return Err(Problem::new(
+                "plant.integration_step_ms",
+                format!("a step of {step} ms does not divide plant.period_ms = {period}"),
+                "a divisor of the period",
+            )
+            .against("plant.period_ms"));
+        }
+        Integrator::PaperEuler => {
+            multiple("plant.integration_step_ms", step, "plant.period_ms", period)?;
+            let lag_ms = 1e3 * plant.actuator_time_constant_s.value();
+            if f64::from(step) > lag_ms {
+                return Err(Problem::new(
+                    "plant.integration_step_ms",
+                    format!("a step of {step} ms is longer than the actuator's time constant"),
+                    format!("at most {lag_ms} ms, or the Euler step oscillates"),
+                )
+                .against("plant.actuator_time_constant_s"));
+            }
+        }
+        Integrator::Fine => {}
+    }
+    let bounds = (plant.min_acceleration_mps2, plant.max_acceleration_mps2);
+    around_zero("plant.min_acceleration_mps2", "plant.max_acceleration_mps2", bounds)?;
+    let gateway = &plant.gateway;
+    let bounds = (gateway.min_request_mps2, gateway.max_request_mps2);
+    around_zero("plant.gateway.min_request_mps2", "plant.gateway.max_request_mps2", bounds)?;
+    let fallback = &plant.fallback;
+    if fallback.emergency_deceleration_mps2 < fallback.stop_deceleration_mps2 {
+        return Err(Problem::new(
+            "plant.fallback.emergency_deceleration_mps2",
+            "the emergency stop is softer than the stop in lane",
+            format!("at least {}", fallback.stop_deceleration_mps2.value()),
+        )
+        .against("plant.fallback.stop_deceleration_mps2"));
+    }
+    Ok(())
+}
+
+fn around_zero(
+    min_path: &str,
+    max_path: &str,
+    (min, max): (Acceleration, Acceleration),
+) -> Result<(), Problem> {
+    if min.value() >= 0.0 {
+        return fail(min_path, "this bound leaves no way to brake", "a negative number");
+    }
+    if max.value() <= 0.0 {
+        return fail(max_path, "this bound leaves no way to drive", "a positive number");
+    }
+    Ok(())
+}
+
+fn perception(scenario: &Scenario) -> Result<(), Problem> {
+    let perception = &scenario.perception;
+    let (latency, period) = (perception.radar.latency_ms.value(), perception.period_ms.value());
+    multiple("perception.radar.latency_ms", latency, "perception.period_ms", period)?;
+    if latency / period > MAX_LATENCY_SCANS {
+        return fail(
+            "perception.radar.latency_ms",
+            format!("{latency} ms are more than {MAX_LATENCY_SCANS} scans"),
+            format!("at most {} ms", MAX_LATENCY_SCANS * period),
+        );
+    }
+    let selection = &perception.target_selection;
+    if selection.leave_half_width_m < selection.enter_half_width_m {
+        return Err(Problem::new(
+            "perception.target_selection.leave_half_width_m",
+            "the path is narrower for leaving than for entering",
+            format!("at least {}", selection.enter_half_width_m.value()),
+        )
+        .against("perception.target_selection.enter_half_width_m"));
+    }
+    Ok(())
+}
+
+fn controller(scenario: &Scenario) -> Result<(), Problem> {
+    let controller = &scenario.controller;
+    let bounds = (controller.min_request_mps2, controller.max_request_mps2);
+    around_zero("controller.min_request_mps2", "controller.max_request_mps2", bounds)?;
+    if controller.deadline() > controller.period_ms {
+        return Err(Problem::new(
+            "controller.deadline_ms",
+            "the deadline is longer than the period",
+            format!("at most {} ms", controller.period_ms.value()),
+        )
+        .against("controller.period_ms"));
+    }
+    Ok(())
+}
+
+fn signals(signals: &[Signal]) -> Result<(), Problem> {
+    if signals.len() > MAX_SIGNALS {
+        return fail(
+            "v2x.signals",
+            format!("{} signals", signals.len()),
+            format!("at most {MAX_SIGNALS}"),
+        );
+    }
+    for (i, signal) in signals.iter().enumerate() {
+        let path = format!("v2x.signals.{i}");
+        if !(1..=MAX_PROGRAM_PHASES).contains(&signal.program.len()) {
+            return fail(
+                format!("{path}.program"),
+                format!("a program of {} phases", signal.program.len()),
+                format!("1 to {MAX_PROGRAM_PHASES} phases"),
+            );
+        }
+        if i > 0 && signals[i - 1].stop_line_m >= signal.stop_line_m {
+            return fail(
+                format!("{path}.stop_line_m"),
+                "this stop line is not ahead of the signal before",
+                format!("more than {} m", signals[i - 1].stop_line_m.value()),
+            );
+        }
+        let id = |s: &Signal| (s.intersection_id, s.signal_group);
+        if signals[..i].iter().any(|other| id(other) == id(signal)) {
+            return fail(
+                format!("{path}.intersection_id"),
+                "another signal has the same intersection and signal group",
+                "a pair of ids of its own",
+            );
+        }
+    }
+    Ok(())
+}
+
+fn actors(actors: &[Actor]) -> Result<(), Problem> {
+    if actors.len() > MAX_ACTORS {
+        return fail("actors", format!("{} actors", actors.len()), format!("at most {MAX_ACTORS}"));
+    }
+    let mut points = 0;
+    for (i, actor) in actors.iter().enumerate() {
+        let path = format!("actors.{i}");
+        if actors[..i].iter().any(|other| other.name == actor.name) {
+            return fail(
+                format!("{path}.name"),
+                "another actor has the same name",
+                "a name of its own",
+            );
+        }
+        if actor.leaves_at_s.is_some_and(|leaves| leaves <= actor.appears_at_s) {
+            return fail(
+                format!("{path}.leaves_at_s"),
+                "it leaves before it appears",
+                format!("later than {} s", actor.appears_at_s.value()),
+            );
+        }
+        profile(actor, &path)?;
+        points += actor.profile.points().map_or(0, <[_]>::len);
+        if points > MAX_PROFILE_POINTS {
+            return fail(
+                format!("{path}.profile"),
+                "too many points in the speed tables",
+                format!("at most {MAX_PROFILE_POINTS} in all actors together"),
+            );
+        }
+        lateral(actor, &path)?;
+    }
+    Ok(())
+}
+
+fn profile(actor: &Actor, path: &str) -> Result<(), Problem> {
+    let key = format!("{path}.profile");
+    match &actor.profile {
+        Profile::Constant | Profile::Sine(_) => {}
+        Profile::Steps(steps) => increasing(&format!("{key}.steps"), steps, |step| step.time_s)?,
+        Profile::Piecewise(pieces) => {
+            increasing(&format!("{key}.piecewise"), pieces, |piece| piece.time_s)?;
+        }
+        Profile::Speeds(points) => {
+            increasing(&format!("{key}.speeds"), points, |point: &SpeedPoint| point.0)?;
+        }
+        Profile::Csv(csv) => {
+            if csv.points.is_empty() {
+                return fail(
+                    format!("{key}.csv"),
+                    "the file has not been read, for this scenario is not a file itself",
+                    "points, or a scenario file",
+                );
+            }
+            increasing(&format!("{key}.csv.points"), &csv.points, |point| point.0)?;
+        }
+    }
+    match (actor.profile.points(), actor.initial_speed_mps) {
+        (None, None) => fail(
+            format!("{path}.initial_speed_mps"),
+            "missing key `initial_speed_mps`",
+            "a speed, which may be 0",
+        ),
+        (Some(_), Some(_)) => fail(
+            format!("{path}.initial_speed_mps"),
+            "the speed is given twice",
+            "no initial speed beside a table of speeds",
+        ),
+        (None, Some(initial)) if actor.max_speed_mps.is_some_and(|max| initial > max) => fail(
+            format!("{path}.initial_speed_mps"),
+            "the initial speed is above max_speed_mps",
+            "at most the highest speed",
+        ),
+        _ => Ok(()),
+    }
+}
+
+fn increasing<T>(path: &str, items: &[T], time: impl Fn(&T) -> Time) -> Result<(), Problem> {
+    if items.is_empty() {
+        return fail(path, "an empty list", "at least one entry");
+    }
+    if items.len() > MAX_PROFILE_POINTS {
+        return fail(path, "too many entries", format!("at most {MAX_PROFILE_POINTS}"));
+    }
+    match items.windows(2).position(|pair| time(&pair[0]) >= time(&pair[1])) {
+        None => Ok(()),
+        Some(i) => fail(
+            format!("{path}.{}", i + 1),
+            "times must increase",
+            format!("a time after {} s", time(&items[i]).value()),
+        ),
+    }
+}
+
+fn lateral(actor: &Actor, path: &str) -> Result<(), Problem> {
+    let mut free_from = 0.0;
+    for (i, motion) in actor.lateral.iter().enumerate() {
+        if motion.time_s.value() < free_from {
+            return fail(
+                format!("{path}.lateral.{i}.time_s"),
+                "this motion starts before the one before it ends",
+                format!("at least {free_from} s"),
+            );
+        }
+        free_from = motion.time_s.value() + motion.duration_s.value();
+    }
+    if actor.lateral.len() > 100 {
+        return fail(format!("{path}.lateral"), "too many motions", "at most 100");
+    }
+    Ok(())
+}

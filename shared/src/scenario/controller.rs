@@ -1,0 +1,182 @@
+//! `[controller]`: which law drives, how often, and its parameters.
+
+use serde::{Deserialize, Serialize};
+
+use super::quantity::{
+    Acceleration, Length, PeriodMs, PositiveWeight, Steps, TimeConstant, Weight,
+};
+
+/// The control law and its loop. The defaults drive; the paper's scenarios set what differs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Controller {
+    /// Which law.
+    pub name: ControllerName,
+    /// Period of the control loop, ms; it is also the step of the predictive laws.
+    pub period_ms: PeriodMs,
+    /// What starts a cycle.
+    pub release: Release,
+    /// Time from the scheduled release by which a cycle must have finished, ms; absent: the period.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub deadline_ms: Option<PeriodMs>,
+    /// Desired gap of the predictive laws.
+    pub spacing_policy: SpacingPolicy,
+    /// The paper's problem or the one for the road.
+    pub formulation: Formulation,
+    /// Solver of the predictive laws.
+    pub solver: Solver,
+    /// Steps of the prediction.
+    pub horizon: Steps,
+    /// Time headway t_h, s.
+    pub time_headway_s: TimeConstant,
+    /// Gap at standstill d_b, m.
+    pub standstill_distance_m: Length,
+    /// Time constant tau of the actuator in the law's model, s.
+    pub model_time_constant_s: TimeConstant,
+    /// Smallest request, m/s² (negative).
+    pub min_request_mps2: Acceleration,
+    /// Largest request, m/s².
+    pub max_request_mps2: Acceleration,
+    /// Weights of the predictive laws.
+    pub weights: Weights,
+    /// Parameters of the `six-mode` law; the law checks them.
+    #[serde(skip_serializing_if = "toml::Table::is_empty")]
+    pub six_mode: toml::Table,
+    /// Parameters of the `quadratic-bounded` law; the law checks them.
+    #[serde(skip_serializing_if = "toml::Table::is_empty")]
+    pub quadratic_bounded: toml::Table,
+}
+
+impl Controller {
+    /// Time from the scheduled release by which a cycle must have finished.
+    #[must_use]
+    pub fn deadline(&self) -> PeriodMs {
+        self.deadline_ms.unwrap_or(self.period_ms)
+    }
+}
+
+impl Default for Controller {
+    fn default() -> Self {
+        Self {
+            name: ControllerName::CaccMpc,
+            period_ms: PeriodMs::of(100),
+            release: Release::Radar,
+            deadline_ms: None,
+            spacing_policy: SpacingPolicy::ConstantTimeHeadway,
+            formulation: Formulation::Drive,
+            solver: Solver::Riccati,
+            horizon: Steps::of(100),
+            time_headway_s: TimeConstant::of(1.5),
+            standstill_distance_m: Length::of(12.0),
+            model_time_constant_s: TimeConstant::of(0.5),
+            min_request_mps2: Acceleration::of(-4.9),
+            max_request_mps2: Acceleration::of(4.9),
+            weights: Weights::default(),
+            six_mode: toml::Table::new(),
+            quadratic_bounded: toml::Table::new(),
+        }
+    }
+}
+
+/// The control laws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ControllerName {
+    /// Predictive following without the light (He et al. 2024, the baseline).
+    AccMpc,
+    /// Predictive following through signalised intersections (He et al. 2024).
+    CaccMpc,
+    /// Six switched modes (Wang et al. 2014).
+    SixMode,
+    /// Dynamic output feedback under quadratic boundedness (Gao et al. 2015).
+    QuadraticBounded,
+}
+
+impl ControllerName {
+    /// Every law, in the order of `timegap list`.
+    pub const ALL: [Self; 4] = [Self::AccMpc, Self::CaccMpc, Self::SixMode, Self::QuadraticBounded];
+
+    /// The name as scenario files and the command line spell it.
+    #[must_use]
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::AccMpc => "acc-mpc",
+            Self::CaccMpc => "cacc-mpc",
+            Self::SixMode => "six-mode",
+            Self::QuadraticBounded => "quadratic-bounded",
+        }
+    }
+}
+
+/// What starts a control cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Release {
+    /// The radar sample that is due at the same time: the period is a multiple of the radar's.
+    Radar,
+    /// A timer of its own.
+    Timer,
+}
+
+/// Desired gap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SpacingPolicy {
+    /// v t_h + d_b at the first cycle, then frozen: what the CACC paper's figures were made with.
+    ConstantDistance,
+    /// v t_h + d_b of the present speed.
+    ConstantTimeHeadway,
+}
+
+/// Which optimisation problem the predictive laws pose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Formulation {
+    /// As printed: the rate of the gap error without t_h a, the lead at constant speed, the light as
+    /// given.
+    Paper,
+    /// For the road: the exact constant-time-headway model, lead acceleration, set speed.
+    Drive,
+}
+
+/// Solver of the predictive laws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Solver {
+    /// The stage-wise interior point of this project.
+    Riccati,
+    /// The general conic solver of the same name.
+    Clarabel,
+}
+
+/// Weights of 1/2 sum(q1 e² + q2 ed² + q3 a² + r u²) + light_weight sum(1/min(D, d_th) - 1/d_th).
+/// The defaults are the set that fits all of the paper's scenarios at once.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Weights {
+    /// Gap error.
+    pub q1: Weight,
+    /// Speed error.
+    pub q2: Weight,
+    /// Acceleration.
+    pub q3: Weight,
+    /// Request.
+    pub r: PositiveWeight,
+    /// Light penalty w.
+    pub light_weight: Weight,
+    /// Distance d_th at which the light penalty begins, m.
+    pub light_threshold_m: Length,
+}
+
+impl Default for Weights {
+    fn default() -> Self {
+        Self {
+            q1: Weight::of(19.243),
+            q2: Weight::of(135.712),
+            q3: Weight::of(0.00159),
+            r: PositiveWeight::of(1.0),
+            light_weight: Weight::of(275_773.0),
+            light_threshold_m: Length::of(108.5),
+        }
+    }
+}

@@ -1,0 +1,231 @@
+//! A scenario's text as a TOML document with positions, and the overrides laid over it.
+//!
+//! Positions of overridden values count on past the end of the text, one stretch per override, so
+//! that one error path serves both: a position leads back to the file's line or to the option.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use serde::de::DeserializeOwned;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::error::ScenarioError;
+use super::overrides::{Override, Overrides};
+
+/// Longest text of a scenario, bytes.
+pub const MAX_TEXT_BYTES: usize = 1 << 20;
+
+/// Something wrong with a value that was read well by itself: out of tune with another key, or
+/// refused by the law that it is for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Problem {
+    /// Dotted path of the offending key, array elements by their index: `actors.0.gap_m`.
+    pub path: String,
+    /// What is wrong.
+    pub message: String,
+    /// What would have been right.
+    pub expected: String,
+    /// The key that `path` is out of tune with; shown instead when only that one was written, or
+    /// was set on the command line.
+    pub against: Option<String>,
+}
+
+impl Problem {
+    /// A problem at `path`.
+    pub fn new(
+        path: impl Into<String>,
+        message: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> Self {
+        let (path, message, expected) = (path.into(), message.into(), expected.into());
+        Self { path, message, expected, against: None }
+    }
+
+    /// Names the key that this one is out of tune with.
+    #[must_use]
+    pub fn against(mut self, path: &str) -> Self {
+        self.against = Some(path.to_owned());
+        self
+    }
+}
+
+/// A parsed document with its overrides.
+pub(super) struct Document<'a> {
+    source: &'a str,
+    text: &'a str,
+    options: Vec<(usize, &'a str)>,
+    root: Spanned<DeTable<'a>>,
+}
+
+impl<'a> Document<'a> {
+    /// Parses `text` and lays `overrides` over it, in their order.
+    pub(super) fn parse(
+        source: &'a str,
+        text: &'a str,
+        overrides: &'a Overrides,
+    ) -> Result<Self, ScenarioError> {
+        if text.len() > MAX_TEXT_BYTES {
+            let message = format!("the text has {} bytes", text.len());
+            return Err(ScenarioError::whole(source, message)
+                .expecting(format!("at most {MAX_TEXT_BYTES} bytes")));
+        }
+        let root = DeTable::parse(text).map_err(|error| {
+            let span = error.span().unwrap_or(0..0);
+            ScenarioError::at(source, text, span, error.message())
+        })?;
+        let mut document = Self { source, text, options: Vec::new(), root };
+        let mut base = text.len() + 1;
+        for option in overrides.iter() {
+            document.lay_over(option, base)?;
+            document.options.push((base, option.option()));
+            base += option.option().len() + 1;
+        }
+        Ok(document)
+    }
+
+    /// Reads the document into a type.
+    pub(super) fn read<T: DeserializeOwned>(&self) -> Result<T, ScenarioError> {
+        let deserializer = toml::Deserializer::from(self.root.clone());
+        T::deserialize(deserializer)
+            .map_err(|error| self.error(error.span().unwrap_or(0..0), error.message()))
+    }
+
+    /// The text of an integer at the top level, when there is one.
+    pub(super) fn integer(&self, key: &str) -> Option<&str> {
+        Some(self.root.get_ref().get(key)?.get_ref().as_integer()?.as_str())
+    }
+
+    /// The error for a problem, at its key's value or at the nearest table above it that exists.
+    pub(super) fn problem(&self, problem: &Problem) -> ScenarioError {
+        let (nearest, written) = self.locate(&problem.path);
+        let other = problem.against.as_deref().map(|path| self.locate(path));
+        let span = match other {
+            Some((span, true)) if !written || span.start > self.text.len() => span,
+            _ => nearest,
+        };
+        self.error(span, &problem.message).expecting(problem.expected.as_str())
+    }
+
+    fn error(&self, span: Range<usize>, message: &str) -> ScenarioError {
+        let option = self.options.iter().rev().find(|(base, _)| *base <= span.start);
+        match option {
+            Some(&(base, option)) => {
+                let span = span.start - base..span.end.saturating_sub(base);
+                ScenarioError::in_option(option, span, message)
+            }
+            None => ScenarioError::at(self.source, self.text, span, message),
+        }
+    }
+
+    /// The place of the key's value, or of the nearest table above it, and which of the two it is.
+    fn locate(&self, path: &str) -> (Range<usize>, bool) {
+        let mut span = self.root.span();
+        let mut value: Option<&DeValue<'_>> = None;
+        for segment in path.split('.') {
+            let next = match value {
+                None => self.root.get_ref().get(segment),
+                Some(DeValue::Table(table)) => table.get(segment),
+                Some(DeValue::Array(array)) => {
+                    segment.parse().ok().and_then(|i: usize| array.get(i))
+                }
+                Some(_) => None,
+            };
+            let Some(next) = next else { return (span, false) };
+            span = next.span();
+            value = Some(next.get_ref());
+        }
+        (span, true)
+    }
+
+    fn lay_over(&mut self, option: &'a Override, base: usize) -> Result<(), ScenarioError> {
+        let mut value = option.value()?;
+        shift(&mut value, base + option.value_start());
+        set_in_table(self.root.get_mut(), option.path(), value, base).map_err(
+            |(span, message, expected)| {
+                ScenarioError::in_option(option.option(), span, &message).expecting(expected)
+            },
+        )
+    }
+}
+
+/// Names of keys with their places in the option.
+type Path = [(String, Range<usize>)];
+/// Why a path leads nowhere: place in the option, message, expectation.
+type DeadEnd = (Range<usize>, String, String);
+
+/// Puts `new` at `path`, making the tables on the way that do not exist.
+fn set_in_table<'a>(
+    table: &mut DeTable<'a>,
+    path: &'a Path,
+    new: Spanned<DeValue<'a>>,
+    base: usize,
+) -> Result<(), DeadEnd> {
+    let [(name, span), rest @ ..] = path else { return Ok(()) };
+    let key = || Spanned::new(base + span.start..base + span.end, Cow::from(name.as_str()));
+    if rest.is_empty() {
+        table.insert(key(), new);
+        return Ok(());
+    }
+    if !table.contains_key(name.as_str()) {
+        table.insert(key(), Spanned::new(key().span(), DeValue::Table(DeTable::new())));
+    }
+    let below = table.get_mut(name.as_str()).expect("the key was there or has been put there");
+    set_below(below, (name, span), rest, new, base)
+}
+
+/// Puts `new` at `path` inside the value that `name` holds.
+fn set_below<'a>(
+    value: &mut Spanned<DeValue<'a>>,
+    (name, span): (&str, &Range<usize>),
+    path: &'a Path,
+    new: Spanned<DeValue<'a>>,
+    base: usize,
+) -> Result<(), DeadEnd> {
+    let [(index, index_span), rest @ ..] = path else {
+        *value = new;
+        return Ok(());
+    };
+    let kind = value.get_ref().type_str();
+    match value.get_mut() {
+        DeValue::Table(table) => set_in_table(table, path, new, base),
+        DeValue::Array(array) => {
+            let length = array.len();
+            match index.parse().ok().and_then(|i: usize| array.get_mut(i)) {
+                Some(element) => set_below(element, (index, index_span), rest, new, base),
+                None => Err((
+                    index_span.clone(),
+                    format!("no element `{index}` in an array of {length}"),
+                    match length {
+                        0 => "a value for the whole array".to_owned(),
+                        _ => format!("an index from 0 to {}", length - 1),
+                    },
+                )),
+            }
+        }
+        _ => Err((
+            span.clone(),
+            format!("`{name}` holds a value ({kind}), so it has no keys"),
+            "a table on the way to the key".to_owned(),
+        )),
+    }
+}
+
+/// Moves all positions of a value by `by`.
+fn shift(value: &mut Spanned<DeValue<'_>>, by: usize) {
+    let span = value.span();
+    let mut inner = std::mem::replace(value.get_mut(), DeValue::Boolean(false));
+    match &mut inner {
+        DeValue::Array(array) => array.iter_mut().for_each(|element| shift(element, by)),
+        DeValue::Table(table) => {
+            let entries = std::mem::take(table);
+            for (key, mut value) in entries {
+                shift(&mut value, by);
+                let span = key.span();
+                table.insert(Spanned::new(span.start + by..span.end + by, key.into_inner()), value);
+            }
+        }
+        _ => {}
+    }
+    *value = Spanned::new(span.start + by..span.end + by, inner);
+}

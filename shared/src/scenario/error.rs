@@ -1,0 +1,295 @@
+//! Errors of scenario files, shown with the line, a caret and what was expected.
+
+use std::fmt;
+use std::ops::Range;
+
+/// Why a scenario was refused.
+///
+/// `Display` writes what a person needs to mend it:
+///
+/// ```text
+/// error: corridor.toml:12:13: -50 is out of range
+///    |
+/// 12 | period_ms = -50
+///    |             ^^^ expected a period from 1 to 10000, in whole milliseconds
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ScenarioError {
+    message: String,
+    expected: Option<String>,
+    place: Box<Place>,
+}
+
+/// Where the fault lies.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Place {
+    /// In a text: file name or option, line and column (from 1), the line itself and the length of
+    /// the mark in characters. An option of the command line has one line and shows no number.
+    Text { source: String, line: usize, column: usize, text: String, mark: usize, numbered: bool },
+    /// In the whole of a file or an argument.
+    Whole { source: String },
+}
+
+impl ScenarioError {
+    /// An error about a whole file or argument.
+    pub(super) fn whole(source: &str, message: impl Into<String>) -> Self {
+        let place = Place::Whole { source: source.to_owned() };
+        Self { message: message.into(), expected: None, place: Box::new(place) }
+    }
+
+    /// An error at a byte range of a file's text.
+    pub(super) fn at(source: &str, text: &str, span: Range<usize>, message: &str) -> Self {
+        Self::in_text(source, text, span, message, true)
+    }
+
+    /// An error at a byte range of an option of the command line.
+    pub(super) fn in_option(option: &str, span: Range<usize>, message: &str) -> Self {
+        Self::in_text(option, option, span, message, false)
+    }
+
+    fn in_text(
+        source: &str,
+        text: &str,
+        span: Range<usize>,
+        message: &str,
+        numbered: bool,
+    ) -> Self {
+        let start = floor_char_boundary(text, span.start);
+        let end = floor_char_boundary(text, span.end.max(start));
+        let line_start = text[..start].rfind('\n').map_or(0, |at| at + 1);
+        let line_end = text[start..].find('\n').map_or(text.len(), |at| start + at);
+        let place = Place::Text {
+            source: source.to_owned(),
+            line: text[..line_start].matches('\n').count() + 1,
+            column: text[line_start..start].chars().count() + 1,
+            text: text[line_start..line_end].trim_end_matches('\r').to_owned(),
+            mark: text[start..end.clamp(start, line_end)].chars().count().max(1),
+            numbered,
+        };
+        let (message, expected) = split_expectation(message);
+        Self { message, expected, place: Box::new(place) }
+    }
+
+    /// Says what would have been right.
+    #[must_use]
+    pub(super) fn expecting(mut self, expected: impl Into<String>) -> Self {
+        self.expected = Some(expected.into());
+        self
+    }
+
+    /// What is wrong, without its place.
+    #[must_use]
+    pub fn message(&self) -> &str {
+        &self.message
+    }
+
+    /// What would have been right, where that is known.
+    #[must_use]
+    pub fn expected(&self) -> Option<&str> {
+        self.expected.as_deref()
+    }
+
+    /// Line and column of the fault, both from 1, where it has a place in a file.
+    #[must_use]
+    pub fn line_and_column(&self) -> Option<(usize, usize)> {
+        match *self.place {
+            Place::Text { line, column, numbered: true, .. } => Some((line, column)),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for ScenarioError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &*self.place {
+            Place::Whole { source } => {
+                write!(f, "error: {}: {}", printable(source), printable(&self.message))?;
+                match &self.expected {
+                    Some(expected) => write!(f, ", expected {}", printable(expected)),
+                    None => Ok(()),
+                }
+            }
+            Place::Text { source, line, column, text, mark, numbered } => {
+                let message = printable(&self.message);
+                let number = if *numbered { line.to_string() } else { String::new() };
+                if *numbered {
+                    writeln!(f, "error: {}:{line}:{column}: {message}", printable(source))?;
+                } else {
+                    writeln!(f, "error: {}: {message}", printable(source))?;
+                }
+                let (text, column, mark) = excerpt(text, *column, *mark);
+                let gutter = " ".repeat(number.len());
+                writeln!(f, "{gutter} |")?;
+                writeln!(f, "{number} | {text}")?;
+                let (indent, carets) = (" ".repeat(column - 1), "^".repeat(mark));
+                write!(f, "{gutter} | {indent}{carets}")?;
+                match &self.expected {
+                    Some(expected) => write!(f, " expected {}", printable(expected)),
+                    None => Ok(()),
+                }
+            }
+        }
+    }
+}
+
+impl std::error::Error for ScenarioError {}
+
+/// Most characters of a source line shown before and after the fault.
+const CONTEXT: usize = 100;
+
+/// Cuts a long line around the mark and makes it printable, character for character.
+fn excerpt(text: &str, column: usize, mark: usize) -> (String, usize, usize) {
+    let skipped = column.saturating_sub(CONTEXT);
+    let shown: String =
+        text.chars().skip(skipped).take(2 * CONTEXT).map(|c| visible(c, ' ')).collect();
+    (shown, column - skipped, mark.min(CONTEXT))
+}
+
+/// Replaces control characters, so that a hostile file cannot write to the terminal.
+fn printable(text: &str) -> String {
+    text.chars().map(|c| visible(c, '\u{fffd}')).collect()
+}
+
+fn visible(c: char, tab: char) -> char {
+    match c {
+        '\t' => tab,
+        c if c.is_control() => '\u{fffd}',
+        c => c,
+    }
+}
+
+fn floor_char_boundary(text: &str, at: usize) -> usize {
+    let at = at.min(text.len());
+    (0..=at).rev().find(|&at| text.is_char_boundary(at)).unwrap_or(0)
+}
+
+/// Splits serde's and our own "what is wrong, expected what", in the words of a scenario's author.
+fn split_expectation(message: &str) -> (String, Option<String>) {
+    let (what, expected) = match message.split_once(", expected ") {
+        Some((what, expected)) => (what, Some(expected)),
+        None => match message.split_once(", there are no ") {
+            Some((what, _)) => (what, Some("no key here")),
+            None => (message, None),
+        },
+    };
+    let what = what
+        .replace("unknown field `", "unknown key `")
+        .replace("missing field `", "missing key `");
+    let expected = expected.map(|expected| {
+        match expected {
+            "f64" => "a number",
+            "i64" | "u64" | "i32" | "u32" => "a whole number",
+            "a map" => "a table",
+            "a sequence" => "an array",
+            "a boolean" => "true or false",
+            other if other.starts_with("struct ") => "a table",
+            other => other.strip_prefix("one of ").unwrap_or(other),
+        }
+        .to_owned()
+    });
+    let expected = expected.map(|expected| match nearest(&what, &expected) {
+        Some(near) if !what.is_empty() => format!("{expected} (did you mean `{near}`?)"),
+        _ => expected,
+    });
+    (what, expected)
+}
+
+/// The accepted word nearest to the refused one, when it is near enough to be a slip.
+fn nearest(what: &str, expected: &str) -> Option<String> {
+    if !what.starts_with("unknown ") {
+        return None;
+    }
+    let refused = what.split('`').nth(1)?;
+    let limit = 1 + refused.chars().count() / 4;
+    let (distance, word) = expected
+        .split('`')
+        .skip(1)
+        .step_by(2)
+        .map(|word| (edit_distance(refused, word), word))
+        .min_by_key(|(distance, _)| *distance)?;
+    (distance <= limit).then(|| word.to_owned())
+}
+
+/// Levenshtein's distance, on the first 64 characters of each word.
+pub(super) fn edit_distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().take(64).collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.chars().take(64).enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, &y) in b.iter().enumerate() {
+            let substituted = diagonal + usize::from(x != y);
+            diagonal = row[j + 1];
+            row[j + 1] = substituted.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_caret_stands_under_the_fault() {
+        let text = "a = 1\nperiod_ms = -50 # ms\n";
+        let error = ScenarioError::at("x.toml", text, 18..21, "-50 is out of range, expected more");
+        assert_eq!(
+            error.to_string(),
+            "error: x.toml:2:13: -50 is out of range\n  \
+               |\n\
+             2 | period_ms = -50 # ms\n  \
+               |             ^^^ expected more"
+        );
+        assert_eq!(error.line_and_column(), Some((2, 13)));
+    }
+
+    #[test]
+    fn columns_count_characters_and_marks_stay_on_their_line() {
+        let text = "name = \"grün\" x\nnext";
+        let error = ScenarioError::at("x", text, 15..text.len(), "bad");
+        assert_eq!(error.line_and_column(), Some((1, 15)));
+        assert!(error.to_string().ends_with("              ^"), "{error}");
+    }
+
+    #[test]
+    fn a_position_past_the_end_or_inside_a_character_is_survived() {
+        for (start, end) in [(3, 4), (4, 2), (99, 120)] {
+            let _ = ScenarioError::at("x", "grün", start..end, "bad").to_string();
+        }
+        let _ = ScenarioError::at("x", "", 0..0, "bad").to_string();
+    }
+
+    #[test]
+    fn control_characters_do_not_reach_the_terminal() {
+        let error = ScenarioError::at("a\u{1b}[2J", "x = \u{1b}]", 4..5, "bad\u{7} thing");
+        assert!(!error.to_string().contains(['\u{1b}', '\u{7}']));
+    }
+
+    #[test]
+    fn a_long_line_is_cut_around_the_mark() {
+        let text = format!("{}!{}", "x".repeat(5000), "y".repeat(5000));
+        let shown = ScenarioError::at("x", &text, 5000..5001, "bad").to_string();
+        assert!(shown.len() < 500);
+        let lines: Vec<&str> = shown.lines().collect();
+        assert_eq!(lines[2].find('!'), lines[3].find('^'));
+    }
+
+    #[test]
+    fn a_slip_of_the_pen_gets_a_suggestion() {
+        let message = "unknown field `perod_ms`, expected one of `period_ms`, `range_m`";
+        let error = ScenarioError::at("x", "perod_ms = 1", 0..8, message);
+        assert_eq!(error.message(), "unknown key `perod_ms`");
+        assert_eq!(error.expected(), Some("`period_ms`, `range_m` (did you mean `period_ms`?)"));
+        let message = "unknown field `colour`, expected one of `period_ms`, `range_m`";
+        let error = ScenarioError::at("x", "colour = 1", 0..6, message);
+        assert_eq!(error.expected(), Some("`period_ms`, `range_m`"));
+    }
+
+    #[test]
+    fn edit_distances() {
+        assert_eq!(edit_distance("kitten", "sitting"), 3);
+        assert_eq!(edit_distance("", "abc"), 3);
+        assert_eq!(edit_distance("gap_m", "gap_m"), 0);
+    }
+}

@@ -1,0 +1,190 @@
+//! The files behind a scenario: the scenario file itself and speed tables in CSV.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use super::Scenario;
+use super::actor::{MAX_PROFILE_POINTS, Profile, SpeedPoint};
+use super::document::{Document, MAX_TEXT_BYTES, Problem};
+use super::error::ScenarioError;
+use super::quantity::{Speed, Time};
+
+/// Reads a text file of at most [`MAX_TEXT_BYTES`].
+pub(super) fn read(path: &Path) -> Result<String, String> {
+    let file = File::open(path).map_err(|error| format!("cannot be opened: {error}"))?;
+    let metadata = file.metadata().map_err(|error| format!("cannot be read: {error}"))?;
+    if !metadata.is_file() {
+        return Err("is not a regular file".to_owned());
+    }
+    let mut bytes = Vec::new();
+    file.take(MAX_TEXT_BYTES as u64 + 1)
+        .read_to_end(&mut bytes)
+        .map_err(|error| format!("cannot be read: {error}"))?;
+    if bytes.len() > MAX_TEXT_BYTES {
+        return Err(format!("is larger than {MAX_TEXT_BYTES} bytes"));
+    }
+    String::from_utf8(bytes)
+        .map_err(|error| format!("is not UTF-8 text (byte {})", error.utf8_error().valid_up_to()))
+}
+
+/// Fills in the speed tables that the scenario's actors take from files.
+pub(super) fn load(
+    scenario: &mut Scenario,
+    document: &Document<'_>,
+    directory: &Path,
+) -> Result<(), ScenarioError> {
+    for (index, actor) in scenario.actors.iter_mut().enumerate() {
+        let Profile::Csv(csv) = &mut actor.profile else { continue };
+        if !csv.points.is_empty() {
+            continue;
+        }
+        let path = directory.join(&csv.file);
+        let text = read(&path).map_err(|message| {
+            document.problem(&Problem::new(
+                format!("actors.{index}.profile.csv.file"),
+                format!("{} {message}", path.display()),
+                "a CSV file with the columns time_s and speed_mps",
+            ))
+        })?;
+        csv.points = parse_csv(&path.display().to_string(), &text)?;
+    }
+    Ok(())
+}
+
+/// Reads the columns `time_s` and `speed_mps` of a CSV text; other columns are passed over.
+fn parse_csv(source: &str, text: &str) -> Result<Vec<SpeedPoint>, ScenarioError> {
+    let mut columns = None;
+    let mut points: Vec<SpeedPoint> = Vec::new();
+    let mut start = 0;
+    for line in text.split_inclusive('\n') {
+        let (offset, line) = (start, line.trim_end_matches(['\n', '\r']));
+        start = offset + text[offset..].find('\n').map_or(text.len() - offset, |at| at + 1);
+        if line.trim().is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let fields = split(offset, line);
+        let Some((time, speed)) = columns else {
+            columns = Some((
+                column(source, text, &fields, "time_s")?,
+                column(source, text, &fields, "speed_mps")?,
+            ));
+            continue;
+        };
+        let time_s = number::<Time>(source, text, &fields, time, "time_s")?;
+        let speed_mps = number::<Speed>(source, text, &fields, speed, "speed_mps")?;
+        if points.last().is_some_and(|last| last.0 >= time_s) {
+            let (span, _) = &fields[time];
+            return Err(ScenarioError::at(source, text, span.clone(), "times must increase")
+                .expecting("a time later than the line before"));
+        }
+        if points.len() == MAX_PROFILE_POINTS {
+            return Err(ScenarioError::whole(source, "too many lines")
+                .expecting(format!("at most {MAX_PROFILE_POINTS} points")));
+        }
+        points.push(SpeedPoint(time_s, speed_mps));
+    }
+    if points.is_empty() {
+        return Err(ScenarioError::whole(source, "no values")
+            .expecting("a line `time_s,speed_mps` and at least one line of numbers"));
+    }
+    Ok(points)
+}
+
+type Field<'a> = (std::ops::Range<usize>, &'a str);
+
+fn split(offset: usize, line: &str) -> Vec<Field<'_>> {
+    let mut at = offset;
+    line.split(',')
+        .map(|field| {
+            let lead = field.len() - field.trim_start().len();
+            let text = field.trim();
+            let span = at + lead..at + lead + text.len();
+            at += field.len() + 1;
+            (span, text)
+        })
+        .collect()
+}
+
+fn column(
+    source: &str,
+    text: &str,
+    fields: &[Field<'_>],
+    name: &str,
+) -> Result<usize, ScenarioError> {
+    fields.iter().position(|(_, field)| *field == name).ok_or_else(|| {
+        let span = fields.first().map_or(0..0, |(span, _)| span.clone());
+        ScenarioError::at(source, text, span, &format!("no column `{name}`"))
+            .expecting("the names of the columns in the first line: time_s,speed_mps")
+    })
+}
+
+fn number<T: TryFrom<f64, Error = String>>(
+    source: &str,
+    text: &str,
+    fields: &[Field<'_>],
+    column: usize,
+    name: &str,
+) -> Result<T, ScenarioError> {
+    let Some((span, field)) = fields.get(column) else {
+        let span = fields.last().map_or(0..0, |(span, _)| span.clone());
+        return Err(ScenarioError::at(source, text, span, &format!("no `{name}` in this line"))
+            .expecting("as many columns as in the first line"));
+    };
+    let value: f64 = field.parse().map_err(|_| {
+        ScenarioError::at(source, text, span.clone(), &format!("`{field}` is not a number"))
+            .expecting(format!("`{name}`"))
+    })?;
+    T::try_from(value).map_err(|message| ScenarioError::at(source, text, span.clone(), &message))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(text: &str) -> String {
+        parse_csv("lead.csv", text).expect_err("the table is wrong").to_string()
+    }
+
+    #[test]
+    fn columns_are_found_by_name() {
+        let text = "# a drive\nnote, speed_mps ,time_s\nx, 1.5 ,0\n\ny,2,0.1\r\n";
+        let points = parse_csv("lead.csv", text).expect("the table is right");
+        let expected = [(0.0, 1.5), (0.1, 2.0)];
+        let expected = expected.map(|(t, v)| SpeedPoint(Time::of(t), Speed::of(v)));
+        assert_eq!(points, expected);
+    }
+
+    #[test]
+    fn faults_are_shown_where_they_are() {
+        let shown = refusal("time_s,speed_mps\n0,1\n0.0,2\n");
+        assert!(shown.contains("lead.csv:3:1: times must increase"), "{shown}");
+        let shown = refusal("time_s,speed_mps\n0,NaN\n");
+        assert!(shown.contains("lead.csv:2:3: NaN is out of range"), "{shown}");
+        let shown = refusal("time_s,speed_mps\n0,-1\n");
+        assert!(shown.contains("lead.csv:2:3: -1 is out of range"), "{shown}");
+        let shown = refusal("time_s,speed_mps\n0, fast\n");
+        assert!(shown.contains("lead.csv:2:4: `fast` is not a number"), "{shown}");
+        let shown = refusal("time_s,speed_mps\n0\n");
+        assert!(shown.contains("lead.csv:2:1: no `speed_mps` in this line"), "{shown}");
+        let shown = refusal("t,v\n0,1\n");
+        assert!(shown.contains("lead.csv:1:1: no column `time_s`"), "{shown}");
+        for empty in ["", "\n\n", "time_s,speed_mps\n"] {
+            assert!(refusal(empty).contains("no values"));
+        }
+    }
+
+    #[test]
+    fn an_endless_table_is_refused() {
+        let mut text = String::from("time_s,speed_mps\n");
+        for i in 0..=MAX_PROFILE_POINTS {
+            text.push_str(&format!("{i},0\n"));
+        }
+        assert!(refusal(&text).contains("too many lines"));
+    }
+
+    #[test]
+    fn a_directory_is_not_a_scenario() {
+        assert_eq!(read(Path::new("/")), Err("is not a regular file".to_owned()));
+    }
+}

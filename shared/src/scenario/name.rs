@@ -1,0 +1,66 @@
+//! Texts of a scenario that end up in file names and on terminals.
+
+use serde::{Deserialize, Serialize};
+
+/// Name of a scenario: it becomes part of the run directory's name.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct Name(String);
+
+/// A line of prose, without control characters.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct Line(String);
+
+impl Name {
+    /// The name.
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl Line {
+    /// The text.
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl TryFrom<String> for Name {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        let good = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+        if (1..=64).contains(&name.len()) && name.chars().all(good) {
+            Ok(Self(name))
+        } else {
+            Err("not a name, expected 1 to 64 letters, digits, `-` or `_`".to_owned())
+        }
+    }
+}
+
+impl TryFrom<String> for Line {
+    type Error = String;
+
+    fn try_from(line: String) -> Result<Self, String> {
+        if line.chars().count() <= 500 && !line.chars().any(char::is_control) {
+            Ok(Self(line))
+        } else {
+            Err("not a line of text, expected at most 500 characters in one line".to_owned())
+        }
+    }
+}
+
+impl From<Name> for String {
+    fn from(name: Name) -> String {
+        name.0
+    }
+}
+
+impl From<Line> for String {
+    fn from(line: Line) -> String {
+        line.0
+    }
+}

@@ -1,0 +1,116 @@
+//! Keys of a scenario set from the command line.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use toml::Spanned;
+use toml::de::DeValue;
+
+use super::error::ScenarioError;
+
+/// Most segments of an overridden key's path.
+const MAX_SEGMENTS: usize = 16;
+
+/// Keys to be set over a scenario file's own, in order: a later one wins.
+#[derive(Clone, Debug, Default)]
+pub struct Overrides {
+    list: Vec<Override>,
+}
+
+/// One key and its value, as given in an option of the command line.
+#[derive(Clone, Debug)]
+pub(super) struct Override {
+    /// The option as a person would type it: `--set plant.period_ms=5`, `--seed 7`.
+    option: String,
+    /// Names of the keys from the top, with their place in `option`.
+    path: Vec<(String, Range<usize>)>,
+    /// Where the value starts in `option`; it ends with it.
+    value_start: usize,
+}
+
+impl Overrides {
+    /// No override.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds the argument of a `--set`: `dotted.path=VALUE`, array elements by their index
+    /// (`actors.0.gap_m=30`). VALUE is a TOML value; a plain word needs no quotes.
+    ///
+    /// # Errors
+    /// When the argument has no `=` or its path is not one. The value is read with the scenario.
+    pub fn set(&mut self, argument: &str) -> Result<(), ScenarioError> {
+        let option = format!("--set {argument}");
+        let start = "--set ".len();
+        let Some(equals) = argument.find('=') else {
+            return Err(ScenarioError::in_option(&option, start..option.len(), "no `=`")
+                .expecting("KEY=VALUE, for example plant.period_ms=5"));
+        };
+        let mut path = Vec::new();
+        let mut at = start;
+        for segment in argument[..equals].split('.') {
+            let span = at..at + segment.len();
+            at = span.end + 1;
+            let name = segment.trim();
+            let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+            if name.is_empty() || !name.chars().all(bare) || path.len() == MAX_SEGMENTS {
+                let message = format!("`{name}` cannot be a key of a scenario");
+                return Err(ScenarioError::in_option(&option, span, &message)
+                    .expecting("names joined by dots, for example actors.0.gap_m"));
+            }
+            path.push((name.to_owned(), span));
+        }
+        self.list.push(Override { option, path, value_start: start + equals + 1 });
+        Ok(())
+    }
+
+    /// Adds an option of its own that stands for a key, such as `--seed 7` for `seed`. Errors name
+    /// the option.
+    pub fn option(&mut self, option: &str, path: &str, value: &str) {
+        let value_start = option.len() + 1;
+        let option = format!("{option} {value}");
+        let path = path.split('.').map(|name| (name.to_owned(), 0..value_start - 1)).collect();
+        self.list.push(Override { option, path, value_start });
+    }
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = &Override> {
+        self.list.iter()
+    }
+}
+
+impl Override {
+    pub(super) fn option(&self) -> &str {
+        &self.option
+    }
+
+    pub(super) fn path(&self) -> &[(String, Range<usize>)] {
+        &self.path
+    }
+
+    pub(super) fn value_start(&self) -> usize {
+        self.value_start
+    }
+
+    /// The value, with positions from its own start.
+    pub(super) fn value(&self) -> Result<Spanned<DeValue<'_>>, ScenarioError> {
+        let text = &self.option[self.value_start..];
+        match DeValue::parse(text) {
+            Ok(value) => Ok(value),
+            Err(_) if is_plain_word(text) => {
+                Ok(Spanned::new(0..text.len(), DeValue::String(Cow::from(text))))
+            }
+            Err(error) => {
+                let span = error.span().unwrap_or(0..text.len());
+                let span = self.value_start + span.start..self.value_start + span.end;
+                Err(ScenarioError::in_option(&self.option, span, error.message()))
+            }
+        }
+    }
+}
+
+/// A text that can only be meant as a string: it starts like a word or a path.
+fn is_plain_word(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_alphabetic() || matches!(c, '_' | '.' | '/'))
+        && !text.contains(|c: char| c.is_control())
+}

@@ -1,0 +1,131 @@
+//! `[plant]`: the ego vehicle and its actuator gateway.
+
+use serde::{Deserialize, Serialize};
+
+use super::quantity::{
+    Acceleration, AccelerationMagnitude, Duration, JerkMagnitude, Length, Mass, PeriodMs, Power,
+    Speed, TimeConstant,
+};
+
+/// The ego vehicle. It stands or moves forward, never back.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Plant {
+    /// Period of the plant's loop and of `vehicle/odometry`, ms. Every other period is a multiple.
+    pub period_ms: PeriodMs,
+    /// How the ego and the actors are integrated.
+    pub integrator: Integrator,
+    /// Step of the integration, ms. `fine`: divides the plant's period. `paper-euler`: a multiple of
+    /// it, at most the actuator's time constant; samples inside a step are the step's own straight
+    /// lines.
+    pub integration_step_ms: PeriodMs,
+    /// Time constant of the first-order lag from request to acceleration, s.
+    pub actuator_time_constant_s: TimeConstant,
+    /// Strongest deceleration that the brakes and tyres give, m/s² (negative).
+    pub min_acceleration_mps2: Acceleration,
+    /// Strongest acceleration that the driveline and tyres give, m/s².
+    pub max_acceleration_mps2: Acceleration,
+    /// Speed at the start, m/s.
+    pub initial_speed_mps: Speed,
+    /// Acceleration at the start, m/s².
+    pub initial_acceleration_mps2: Acceleration,
+    /// Length of the ego, m.
+    pub length_m: Length,
+    /// Limits the acceleration by the engine's power; absent: unlimited, as in the papers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub powertrain: Option<Powertrain>,
+    /// Bounds that no request passes, whatever its source.
+    pub gateway: Gateway,
+    /// What the gateway does when no newer valid command arrives.
+    pub fallback: Fallback,
+}
+
+impl Default for Plant {
+    fn default() -> Self {
+        Self {
+            period_ms: PeriodMs::of(10),
+            integrator: Integrator::Fine,
+            integration_step_ms: PeriodMs::of(1),
+            actuator_time_constant_s: TimeConstant::of(0.5),
+            min_acceleration_mps2: Acceleration::of(-9.0),
+            max_acceleration_mps2: Acceleration::of(5.0),
+            initial_speed_mps: Speed::of(0.0),
+            initial_acceleration_mps2: Acceleration::of(0.0),
+            length_m: Length::of(4.5),
+            powertrain: None,
+            gateway: Gateway::default(),
+            fallback: Fallback::default(),
+        }
+    }
+}
+
+/// How motion is integrated, of the ego and of the actors alike.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Integrator {
+    /// The lag exactly, in short steps with constant request.
+    #[default]
+    Fine,
+    /// x += T v, v += T a, a += T/tau (u - a), all from the start of the step: the model's own
+    /// Euler step, in which the CACC paper integrates its plant (T = 100 ms there).
+    PaperEuler,
+}
+
+/// A limit on traction: acceleration <= power / (mass * speed).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Powertrain {
+    /// Mass of the ego, kg.
+    pub mass_kg: Mass,
+    /// Largest power at the wheels, kW.
+    pub max_power_kw: Power,
+}
+
+/// Bounds of the actuator gateway.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Gateway {
+    /// Smallest request let through, m/s² (negative).
+    pub min_request_mps2: Acceleration,
+    /// Largest request let through, m/s².
+    pub max_request_mps2: Acceleration,
+    /// Fastest rise of the request, m/s³; absent: only the range is bounded, as in the papers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_rise_mps3: Option<JerkMagnitude>,
+    /// Fastest fall of the request (braking harder), m/s³; absent: only the range is bounded.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_fall_mps3: Option<JerkMagnitude>,
+}
+
+impl Default for Gateway {
+    fn default() -> Self {
+        Self {
+            min_request_mps2: Acceleration::of(-8.0),
+            max_request_mps2: Acceleration::of(5.0),
+            max_rise_mps3: None,
+            max_fall_mps3: None,
+        }
+    }
+}
+
+/// The plant's answer to silence: first the rest of the last plan, then a stop in lane.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Fallback {
+    /// Longest time for which the last plan is followed after its command was due to be replaced, s.
+    pub follow_plan_s: Duration,
+    /// Deceleration of the stop in lane, m/s².
+    pub stop_deceleration_mps2: AccelerationMagnitude,
+    /// Deceleration when the ground truth ahead demands more than the stop in lane gives, m/s².
+    pub emergency_deceleration_mps2: AccelerationMagnitude,
+}
+
+impl Default for Fallback {
+    fn default() -> Self {
+        Self {
+            follow_plan_s: Duration::of(1.0),
+            stop_deceleration_mps2: AccelerationMagnitude::of(2.5),
+            emergency_deceleration_mps2: AccelerationMagnitude::of(8.0),
+        }
+    }
+}

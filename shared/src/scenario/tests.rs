@@ -1,0 +1,390 @@
+//! Tests of whole documents: defaults, refusals with their places, overrides, round trips.
+
+use proptest::prelude::*;
+
+use super::controller::ControllerName;
+use super::*;
+
+const SHORT: &str = "schema_version = 1\nname = \"short\"\n";
+
+fn refusal(rest: &str) -> String {
+    let text = format!("{SHORT}{rest}");
+    Scenario::parse("x.toml", &text).expect_err("this scenario is wrong").to_string()
+}
+
+fn open(text: &str, arguments: &[&str]) -> Result<Scenario, ScenarioError> {
+    let mut overrides = Overrides::new();
+    for argument in arguments {
+        overrides.set(argument)?;
+    }
+    Scenario::build("x.toml", text, &overrides, None, &|_| Ok(()))
+}
+
+#[test]
+fn two_lines_are_a_scenario() {
+    let scenario = Scenario::parse("x.toml", SHORT).expect("all else has defaults");
+    assert_eq!(scenario.plant.period_ms.value(), 10);
+    assert_eq!(scenario.perception.period_ms.value(), 50);
+    assert_eq!(scenario.v2x.period_ms.value(), 100);
+    assert_eq!(scenario.controller.period_ms.value(), 100);
+    assert_eq!(scenario.controller.deadline().value(), 100);
+}
+
+#[test]
+fn every_built_in_scenario_is_right_and_carries_its_name_and_summary() {
+    for builtin in builtin::ALL {
+        let scenario = Scenario::open(builtin.name, &Overrides::new(), &|_| Ok(()))
+            .unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(scenario.name.as_str(), builtin.name);
+        assert_eq!(scenario.description.as_str(), builtin.summary);
+    }
+}
+
+#[test]
+fn the_effective_scenario_reads_back_equal() {
+    for builtin in builtin::ALL {
+        let scenario = Scenario::parse(builtin.name, builtin.text).expect("it is right");
+        let again = Scenario::parse("effective.toml", &scenario.to_toml())
+            .unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(scenario, again);
+        assert_eq!(scenario.to_toml(), again.to_toml());
+    }
+}
+
+#[test]
+fn a_wrong_value_is_shown_with_line_caret_and_expectation() {
+    assert_eq!(
+        refusal("[perception]\nperiod_ms = -50 # too fast\n"),
+        "error: x.toml:4:13: -50 is out of range\n  \
+           |\n\
+         4 | period_ms = -50 # too fast\n  \
+           |             ^^^ expected a period from 1 to 10000, in whole milliseconds"
+    );
+}
+
+#[test]
+fn refusals_of_single_values() {
+    let cases = [
+        ("[plant]\npowertrain = { mass_kg = 0, max_power_kw = 90 }", "4:26: 0 is out of range"),
+        ("[plant]\ninitial_speed_mps = nan", "4:21: NaN is out of range"),
+        ("[plant]\ninitial_speed_mps = -inf", "4:21: -inf is out of range"),
+        ("duration_s = 1e300", "3:14: 1"),
+        ("duration_s = 0", "3:14: 0 is out of range"),
+        ("seed = -1", "3:8: -1 is out of range"),
+        ("seed = 1.5", "3:8: invalid type: floating point `1.5`"),
+        ("set_speed_mps = \"fast\"", "3:17: invalid type: string \"fast\""),
+        ("[plant]\nperiod_ms = 99999999999", "4:13: 99999999999 is out of range"),
+        ("[perception.radar]\ndropout_probability = 1.1", "4:23: 1.1 is out of range"),
+        ("[controller]\nname = \"cac-mpc\"", "4:8: unknown variant `cac-mpc`"),
+        ("[controller]\nweights = { q1 = -1 }", "4:18: -1 is out of range"),
+        (
+            "[[actors]]\nname = \"a\"\ngap_m = 1\nprofile.sine = { period_s = 3 }",
+            "6:16: missing key",
+        ),
+        ("[[actors]]\ngap_m = 1", "3:1: missing key `name`"),
+        ("v2x = 3", "3:7: invalid type: integer `3`"),
+    ];
+    for (rest, expected) in cases {
+        let shown = refusal(rest);
+        assert!(shown.starts_with(&format!("error: x.toml:{expected}")), "{rest}\n{shown}");
+    }
+}
+
+#[test]
+fn unknown_keys_are_refused_at_every_level() {
+    let cases = [
+        "colour = 1",
+        "[plant]\ncolour = 1",
+        "[plant.gateway]\ncolour = 1",
+        "[plant.fallback]\ncolour = 1",
+        "[plant.powertrain]\ncolour = 1",
+        "[perception]\ncolour = 1",
+        "[perception.radar]\ncolour = 1",
+        "[perception.tracker]\ncolour = 1",
+        "[perception.target_selection]\ncolour = 1",
+        "[v2x]\ncolour = 1",
+        "[[v2x.signals]]\ncolour = 1",
+        "[[v2x.signals]]\nprogram = [{ colour = 1 }]",
+        "[[actors]]\ncolour = 1",
+        "[[actors]]\nprofile.colour = 1",
+        "[[actors]]\nprofile.sine.colour = 1",
+        "[[actors]]\nprofile.steps = [{ colour = 1 }]",
+        "[[actors]]\nprofile.csv.colour = 1",
+        "[[actors]]\nlateral = [{ colour = 1 }]",
+        "[controller]\ncolour = 1",
+        "[controller.weights]\ncolour = 1",
+        "[runtime]\ncolour = 1",
+        "[runtime.services]\ncolour = 1",
+        "[runtime.services.plant]\ncolour = 1",
+    ];
+    for case in cases {
+        let shown = refusal(case);
+        assert!(shown.contains("`colour`") && shown.contains("^^^^^^ expected `"), "{shown}");
+    }
+}
+
+#[test]
+fn keys_out_of_tune_are_shown_where_they_are_written() {
+    let actor = "[[actors]]\nname = \"a\"\ngap_m = 9\n";
+    let cases = [
+        (
+            "[controller]\nperiod_ms = 75".into(),
+            "4:13: controller.period_ms = 75 is not a whole multiple of plant",
+        ),
+        (
+            "[controller]\nperiod_ms = 70".into(),
+            "4:13: controller.period_ms = 70 is not a whole multiple of perception",
+        ),
+        (
+            "[plant]\nperiod_ms = 20".into(),
+            "4:13: perception.period_ms = 50 is not a whole multiple",
+        ),
+        ("[plant]\nintegration_step_ms = 3".into(), "4:23: a step of 3 ms does not divide"),
+        ("[controller]\nmax_request_mps2 = -1".into(), "4:20: this bound leaves no way to drive"),
+        ("[controller]\ndeadline_ms = 101".into(), "4:15: the deadline is longer"),
+        (
+            "[perception.radar]\nlatency_ms = 30".into(),
+            "4:14: perception.radar.latency_ms = 30 is not",
+        ),
+        ("[runtime]\nextra_delay_ms = 5".into(), "4:18: runtime.extra_delay_ms = 5 is not"),
+        (actor.to_owned(), "3:1: missing key `initial_speed_mps`"),
+        (format!("{actor}profile.steps = []\ninitial_speed_mps = 1"), "6:17: an empty list"),
+        (
+            format!(
+                "{actor}initial_speed_mps = 1\nprofile.piecewise = [{{ time_s = 2, \
+                 acceleration_mps2 = 1 }}, {{ time_s = 2, acceleration_mps2 = 1 }}]"
+            ),
+            "7:61: times must increase",
+        ),
+        (
+            format!("{actor}initial_speed_mps = 1\n{actor}initial_speed_mps = 1"),
+            "8:8: another actor has the same name",
+        ),
+        (
+            format!("{actor}initial_speed_mps = 1\nleaves_at_s = 0"),
+            "7:15: it leaves before it appears",
+        ),
+        (format!("{actor}profile.csv.file = \"a.csv\""), "6:9: the file has not been read"),
+    ];
+    for (rest, expected) in cases {
+        let shown = refusal(&rest);
+        assert!(shown.starts_with(&format!("error: x.toml:{expected}")), "{rest}\n{shown}");
+    }
+}
+
+#[test]
+fn a_newer_schema_is_named_before_its_unknown_keys() {
+    let text = "a_new_key = 1\nschema_version = 2\nname = \"x\"\n";
+    let shown = Scenario::parse("x.toml", text).expect_err("version 2 is not known").to_string();
+    assert!(shown.starts_with("error: x.toml:2:18: version 2 of the schema"), "{shown}");
+}
+
+#[test]
+fn a_name_cannot_lead_out_of_the_run_directory() {
+    let text = "schema_version = 1\nname = \"../../etc\"\n";
+    let shown = Scenario::parse("x.toml", text).expect_err("not a name").to_string();
+    assert!(shown.starts_with("error: x.toml:2:8: not a name"), "{shown}");
+}
+
+#[test]
+fn overrides_reach_every_key() {
+    let text = builtin::find("cacc-a").expect("it is built in").text;
+    let scenario = open(
+        text,
+        &[
+            "controller.solver=clarabel",
+            "actors.0.gap_m=30",
+            "actors.0.profile.sine={ amplitude_mps2 = 1, period_s = 4 }",
+            "perception.radar.latency_ms=100",
+            "v2x.signals.0.program.0.duration_s=6",
+            "runtime.services.controller.core=1",
+            "plant.powertrain={mass_kg=1500,max_power_kw=90}",
+            "controller.six_mode.variant=literal",
+            "seed=7",
+        ],
+    );
+    // A string cannot be descended into: the profile of the file is `"constant"`.
+    let shown = scenario.expect_err("a word has no keys").to_string();
+    assert!(shown.contains("`profile` holds a value (string), so it has no keys"), "{shown}");
+
+    let scenario = open(
+        text,
+        &[
+            "controller.solver=clarabel",
+            "actors.0.gap_m=30",
+            "actors.0.profile={ sine = { amplitude_mps2 = 1, period_s = 4 } }",
+            "perception.radar.latency_ms=100",
+            "v2x.signals.0.program.0.duration_s=6",
+            "runtime.services.controller.core=1",
+            "plant.powertrain={mass_kg=1500,max_power_kw=90}",
+            "controller.six_mode.variant=literal",
+            "seed=7",
+        ],
+    )
+    .unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(scenario.actors[0].gap_m.value(), 30.0);
+    assert_eq!(scenario.v2x.signals[0].program[0].duration_s.value(), 6.0);
+    assert_eq!(scenario.seed.value(), 7);
+    assert_eq!(scenario.controller.six_mode["variant"].as_str(), Some("literal"));
+    let again = Scenario::parse("effective.toml", &scenario.to_toml()).expect("it reads back");
+    assert_eq!(scenario, again);
+}
+
+#[test]
+fn a_wrong_override_is_shown_as_it_was_typed() {
+    let text = builtin::find("cacc-a").expect("it is built in").text;
+    let cases = [
+        ("plant.period_ms=-5", "-5 is out of range", "                      ^^ expected a period"),
+        ("plant.perod_ms=5", "unknown key `perod_ms`", "            ^^^^^^^^ expected"),
+        ("actors.1.gap_m=5", "no element `1` in an array of 1", "             ^ expected an index"),
+        ("actors.lead.gap_m=5", "no element `lead`", "             ^^^^ expected an index"),
+        ("seed.x=5", "missing", "never"),
+        ("seed", "no `=`", "      ^^^^ expected KEY=VALUE"),
+        ("a..b=1", "`` cannot be a key", "        ^ expected names"),
+        ("controller.name=cruise", "unknown variant `cruise`", "^^^^^^ expected `acc-mpc`"),
+        (
+            "controller.period_ms=70",
+            "= 70 is not a whole multiple",
+            "^^ expected controller.period_ms",
+        ),
+        ("plant.period_ms=30", "perception.period_ms = 50 is not", "^^ expected perception.period"),
+        ("actors.0.profile=[1,", "", "^"),
+        ("description=\"a", "", "^"),
+    ];
+    for (argument, message, caret) in cases {
+        let shown = match open(text, &[argument]) {
+            Ok(_) if caret == "never" => continue,
+            Ok(_) => panic!("{argument} was taken"),
+            Err(error) => error.to_string(),
+        };
+        assert!(shown.starts_with(&format!("error: --set {argument}: ")), "{shown}");
+        if caret != "never" {
+            assert!(shown.contains(message) && shown.contains(caret), "{shown}");
+        }
+    }
+}
+
+#[test]
+fn an_option_of_its_own_is_named_in_its_errors() {
+    let text = builtin::find("cacc-a").expect("it is built in").text;
+    let mut overrides = Overrides::new();
+    overrides.option("--controller", "controller.name", "cac-mpc");
+    let shown = Scenario::build("x.toml", text, &overrides, None, &|_| Ok(()))
+        .expect_err("no such controller")
+        .to_string();
+    assert!(shown.starts_with("error: --controller cac-mpc: unknown"), "{shown}");
+    assert!(shown.contains("did you mean `cacc-mpc`?"), "{shown}");
+}
+
+#[test]
+fn the_last_override_of_a_key_wins() {
+    let scenario = open(SHORT, &["seed=3", "seed=4"]).expect("both are right");
+    assert_eq!(scenario.seed.value(), 4);
+}
+
+#[test]
+fn a_law_can_refuse_its_own_parameters_with_their_place() {
+    let text = format!("{SHORT}[controller.six_mode]\nrange_m = \"far\"\n");
+    let shown = Scenario::build("x.toml", &text, &Overrides::new(), None, &|_| {
+        Err(Problem::new("controller.six_mode.range_m", "not a range", "metres"))
+    })
+    .expect_err("the law refuses it")
+    .to_string();
+    assert!(shown.starts_with("error: x.toml:4:11: not a range"), "{shown}");
+}
+
+#[test]
+fn hostile_documents_are_refused_in_order() {
+    let deep = format!("{SHORT}x = {}1{}", "[".repeat(100_000), "]".repeat(100_000));
+    let dotted = format!("{SHORT}{}x = 1", "a.".repeat(200_000));
+    let header = format!("{SHORT}[{}x]\n", "a.".repeat(200_000));
+    let inline = format!("{SHORT}x = {}1{}", "{a=".repeat(100_000), "}".repeat(100_000));
+    for text in [deep, dotted, header, inline] {
+        assert!(Scenario::parse("x.toml", &text).is_err());
+    }
+    let long = format!("{SHORT}# {}", "x".repeat(MAX_TEXT_BYTES));
+    let shown = Scenario::parse("x.toml", &long).expect_err("it is too long").to_string();
+    assert!(shown.contains("expected at most 1048576 bytes"), "{shown}");
+    let crowd = format!("{SHORT}{}", "[[actors]]\nname = \"a\"\ngap_m = 1\n".repeat(20_000));
+    assert!(Scenario::parse("x.toml", &crowd).is_err());
+}
+
+#[test]
+fn an_unknown_scenario_lists_the_known_ones() {
+    let error = Scenario::open("cacc-d", &Overrides::new(), &|_| Ok(())).expect_err("no such");
+    let shown = error.to_string();
+    assert!(shown.contains("cacc-a, cacc-b") && shown.contains("did you mean cacc-a?"), "{shown}");
+    let error = Scenario::open("no/such.toml", &Overrides::new(), &|_| Ok(())).expect_err("none");
+    assert!(error.to_string().contains("no/such.toml: cannot be opened"), "{error}");
+}
+
+#[test]
+fn every_controller_name_is_spelt_as_it_is_read() {
+    for name in ControllerName::ALL {
+        let argument = format!("controller.name={}", name.as_str());
+        let scenario = open(SHORT, &[&argument]).expect("it is a name");
+        assert_eq!(scenario.controller.name, name);
+    }
+}
+
+#[test]
+fn a_speed_table_in_a_file_becomes_part_of_the_effective_scenario() {
+    let directory = std::env::temp_dir().join(format!("timegap-scenario-{}", std::process::id()));
+    std::fs::create_dir_all(&directory).expect("the temporary directory is writable");
+    let write = |name: &str, text: &str| {
+        std::fs::write(directory.join(name), text).expect("the temporary directory is writable");
+    };
+    write("lead.csv", "time_s,speed_mps\n0,10\n5,12.5\n");
+    write(
+        "drive.toml",
+        &format!(
+            "{SHORT}[[actors]]\nname = \"lead\"\ngap_m = 9\nprofile.csv.file = \"lead.csv\"\n"
+        ),
+    );
+    let path = directory.join("drive.toml").display().to_string();
+    let opened = Scenario::open(&path, &Overrides::new(), &|_| Ok(()));
+    write("lead.csv", "time_s,speed_mps\n0,10\n0,12.5\n");
+    let refused = Scenario::open(&path, &Overrides::new(), &|_| Ok(()));
+    std::fs::remove_file(directory.join("lead.csv")).expect("it was written above");
+    let missing = Scenario::open(&path, &Overrides::new(), &|_| Ok(()));
+    std::fs::remove_dir_all(&directory).expect("it was made above");
+
+    let scenario = opened.unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(scenario.actors[0].profile.points().map(<[_]>::len), Some(2));
+    let again = Scenario::parse("effective.toml", &scenario.to_toml()).expect("it reads back");
+    assert_eq!(scenario, again);
+    let shown = refused.expect_err("time stands still").to_string();
+    assert!(shown.contains("lead.csv:3:1: times must increase"), "{shown}");
+    let shown = missing.expect_err("the table is gone").to_string();
+    assert!(shown.contains("drive.toml:6:20: ") && shown.contains("lead.csv cannot be opened"));
+}
+
+proptest! {
+    #[test]
+    fn no_text_makes_the_reader_panic(text in "\\PC{0,200}") {
+        let _ = Scenario::parse("x.toml", &text).map_err(|error| error.to_string());
+    }
+
+    #[test]
+    fn no_mutation_of_a_scenario_makes_the_reader_panic(
+        at in 0usize..2000, length in 0usize..12, put in "[\\[\\]{}=.,\"'#\n a-z0-9é-]{0,6}",
+    ) {
+        let mut text = builtin::find("corridor").expect("it is built in").text.to_owned();
+        let (at, end) = (at.min(text.len()), (at + length).min(text.len()));
+        if text.is_char_boundary(at) && text.is_char_boundary(end) {
+            text.replace_range(at..end, &put);
+        }
+        match Scenario::parse("x.toml", &text) {
+            Ok(scenario) => {
+                let again = Scenario::parse("again.toml", &scenario.to_toml());
+                prop_assert_eq!(again.as_ref(), Ok(&scenario));
+            }
+            Err(error) => prop_assert!(error.to_string().starts_with("error: ")),
+        }
+    }
+
+    #[test]
+    fn no_override_makes_the_reader_panic(argument in "[a-z.0-9_=\\[\\]{}\" é]{0,40}") {
+        let _ = open(SHORT, &[&argument]).map_err(|error| error.to_string());
+    }
+}

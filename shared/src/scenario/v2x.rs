@@ -1,0 +1,84 @@
+//! `[v2x]`: the roadside unit and its signals.
+
+use serde::{Deserialize, Serialize};
+
+use super::quantity::{Distance, Duration, IntersectionId, PeriodMs, Reach, SignalGroupId, Time};
+
+/// Most signals of a scenario.
+pub const MAX_SIGNALS: usize = 64;
+/// Most phases of one program.
+pub const MAX_PROGRAM_PHASES: usize = 64;
+
+/// The simulated roadside unit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct V2x {
+    /// Period of `v2x/spat` and `v2x/map`, ms.
+    pub period_ms: PeriodMs,
+    /// Signals farther ahead of the ego than this are not received, m.
+    pub range_m: Reach,
+    /// The signals along the road, in order of their stop lines.
+    pub signals: Vec<Signal>,
+}
+
+impl Default for V2x {
+    fn default() -> Self {
+        Self { period_ms: PeriodMs::of(100), range_m: Reach::of(300.0), signals: Vec::new() }
+    }
+}
+
+/// A signal group on the ego's lane with a fixed-time program.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Signal {
+    /// Position of the stop line along the road, m from the ego's front bumper at the start.
+    pub stop_line_m: Distance,
+    /// Id of the intersection.
+    pub intersection_id: IntersectionId,
+    /// Id of the signal group, 1 when absent.
+    #[serde(default = "first_group")]
+    pub signal_group: SignalGroupId,
+    /// Time by which the program is ahead at the start of the run, s: its first phase begins that
+    /// much before t = 0.
+    #[serde(default = "no_offset")]
+    pub offset_s: Time,
+    /// `true`: the program repeats for ever. `false`: it runs once and its last phase stays.
+    #[serde(default = "yes")]
+    pub repeat: bool,
+    /// The phases in their order.
+    pub program: Vec<ProgramPhase>,
+}
+
+/// One phase of a program.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ProgramPhase {
+    /// What the signal shows.
+    pub phase: Phase,
+    /// For how long, s.
+    pub duration_s: Duration,
+}
+
+/// What a signal shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Phase {
+    /// Go.
+    Green,
+    /// Stop if that is comfortable.
+    Yellow,
+    /// Stop.
+    Red,
+}
+
+fn first_group() -> SignalGroupId {
+    SignalGroupId::of(1)
+}
+
+fn no_offset() -> Time {
+    Time::of(0.0)
+}
+
+fn yes() -> bool {
+    true
+}
