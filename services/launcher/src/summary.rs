@@ -112,7 +112,7 @@ impl Summary {
         let (outcome, aborted_because) = outcome(&group.ended, plant);
         Self {
             schema_version: 1,
-            scenario: scenario.name.to_string(),
+            scenario: scenario.name.as_str().into(),
             controller: scenario.controller.name.as_str().into(),
             mode: mode.name(),
             seed: scenario.seed.value(),
