@@ -1,3 +1,19 @@
-//! What all services agree on: messages, time, runtime, scenarios and statistics.
+//! What all services of timegap agree on: messages, time, the runtime, scenarios and statistics.
+//!
+//! The arrow of dependence points one way: launcher → services → shared. Nothing here knows a
+//! control law or a vehicle model.
+//!
+//! * [`messages`]: the fixed-layout messages and the topics that carry them
+//! * [`runtime`]: a service's life: its ports, its releases on either clock, its scheduling
+//! * [`report`]: what a service tells the launcher when it ends
+//! * [`statistics`]: histograms and percentiles
+//! * [`scenario`]: scenario files
 
+pub mod messages;
+pub mod report;
+pub mod runtime;
 pub mod scenario;
+mod service;
+pub mod statistics;
+
+pub use service::Service;

@@ -1,0 +1,119 @@
+//! A comfortable driver: the improved intelligent driver model (Treiber and Kesting, Traffic Flow
+//! Dynamics, 2013, section 11.3.7).
+//!
+//! ```text
+//! s*     = s0 + max(0, v T + v (v - v_lead) / (2 sqrt(a b)))
+//! a_free = a (1 - (v/v0)^4)                 for v <= v0
+//!        = -b (1 - v0/v)^(1/2)              for v >  v0
+//! z      = s*/s
+//! a_follow = a (1 - z²)                     for v <= v0, z >= 1
+//!          = a_free (1 - z^(2a/a_free))     for v <= v0, z <  1
+//!          = a_free + a (1 - z²)            for v >  v0, z >= 1
+//!          = a_free                         for v >  v0, z <  1
+//! ```
+//!
+//! It is explicit and always has an answer. The road controller rolls it out as its reference, and
+//! both laws fall back to it when no solution of a convex program is at hand.
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `T` | [`Obstacle::headway_s`] | s |
+//! | `s0` | [`Obstacle::standstill_m`] | m |
+//! | `s` | [`Obstacle::gap_m`] | m |
+//! | `v_lead` | [`Obstacle::speed_mps`] | m/s |
+//! | `a` | [`Driver::acceleration_mps2`] | m/s² |
+//! | `b` | [`Driver::deceleration_mps2`] | m/s² |
+//! | `v0` | `desired_mps` | m/s |
+
+/// Temper of the driver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Driver {
+    /// Acceleration on a free road from standstill, m/s².
+    pub acceleration_mps2: f64,
+    /// Deceleration that it finds comfortable, m/s², positive.
+    pub deceleration_mps2: f64,
+    /// Hardest braking it is capable of, m/s², positive.
+    pub hardest_mps2: f64,
+}
+
+/// Something ahead that it must not reach: a vehicle or a closed stop line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Obstacle {
+    /// Distance to it, m.
+    pub gap_m: f64,
+    /// Its speed, m/s.
+    pub speed_mps: f64,
+    /// Time headway kept to it, s.
+    pub headway_s: f64,
+    /// Distance kept at standstill, m.
+    pub standstill_m: f64,
+}
+
+impl Driver {
+    /// Acceleration with nothing ahead, m/s².
+    #[must_use]
+    pub fn free_mps2(&self, speed_mps: f64, desired_mps: f64) -> f64 {
+        let (v, v0) = (speed_mps.max(0.0), desired_mps.max(0.1));
+        if v <= v0 {
+            let ratio = v / v0;
+            self.acceleration_mps2 * (1.0 - ratio * ratio * ratio * ratio)
+        } else {
+            -self.deceleration_mps2 * (1.0 - v0 / v).sqrt()
+        }
+    }
+
+    /// Acceleration behind `obstacle`, m/s².
+    #[must_use]
+    pub fn follow_mps2(&self, speed_mps: f64, desired_mps: f64, obstacle: &Obstacle) -> f64 {
+        let (v, a) = (speed_mps.max(0.0), self.acceleration_mps2);
+        let closing = v - obstacle.speed_mps;
+        let braking = v * closing / (2.0 * (a * self.deceleration_mps2).sqrt());
+        let desired = obstacle.standstill_m + (v * obstacle.headway_s + braking).max(0.0);
+        let z = desired / obstacle.gap_m.max(0.1);
+        let free = self.free_mps2(v, desired_mps);
+        let wanted = if v <= desired_mps {
+            if z >= 1.0 {
+                a * (1.0 - z * z)
+            } else if free > 1e-3 * a {
+                free * (1.0 - libm::pow(z, 2.0 * a / free))
+            } else {
+                free
+            }
+        } else if z >= 1.0 {
+            free + a * (1.0 - z * z)
+        } else {
+            free
+        };
+        wanted.max(-self.hardest_mps2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DRIVER: Driver =
+        Driver { acceleration_mps2: 1.5, deceleration_mps2: 1.8, hardest_mps2: 4.9 };
+
+    #[test]
+    fn the_desired_gap_is_an_equilibrium() {
+        let lead = Obstacle { gap_m: 27.5, speed_mps: 15.0, headway_s: 1.5, standstill_m: 5.0 };
+        assert!(DRIVER.follow_mps2(15.0, 25.0, &lead).abs() < 1e-12);
+        assert!(DRIVER.free_mps2(25.0, 25.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn it_stops_short_of_a_standing_obstacle_comfortably() {
+        let (mut x, mut v, mut hardest) = (0.0, 20.0, 0.0_f64);
+        for _ in 0..6000 {
+            let line =
+                Obstacle { gap_m: 180.0 - x, speed_mps: 0.0, headway_s: 0.6, standstill_m: 1.0 };
+            let a = DRIVER.follow_mps2(v, 20.0, &line);
+            hardest = hardest.min(a);
+            x += 0.01 * v;
+            v = (v + 0.01 * a).max(0.0);
+        }
+        assert!(x > 177.0 && x < 179.1, "{x}");
+        assert!(hardest > -2.6, "{hardest}");
+    }
+}

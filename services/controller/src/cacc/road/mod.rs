@@ -1,0 +1,3 @@
+//! Road.
+mod config;
+pub use config::RoadConfig;

@@ -1,0 +1,110 @@
+//! Weights of the paper's cost.
+//!
+//! The paper prints none. These sets were calibrated against its figures with the convention
+//!
+//! ```text
+//! J = 1/2 sum(Q1 e² + Q2 ed² + Q3 a² + R u²) + w sum(1/min(D, d_th) - 1/d_th)
+//! ```
+
+use serde::{Deserialize, Serialize};
+
+use super::config::ConfigError;
+
+/// Weights of the paper's cost: `Q1`, `Q2`, `Q3`, `R`, `w` and `d_th`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Weights {
+    /// `Q1`, on the spacing error, 1/m².
+    pub gap_error_per_m2: f64,
+    /// `Q2`, on the speed error, s²/m².
+    pub speed_error_s2_per_m2: f64,
+    /// `Q3`, on the acceleration, s⁴/m².
+    pub acceleration_s4_per_m2: f64,
+    /// `R`, on the request, s⁴/m².
+    pub request_s4_per_m2: f64,
+    /// `w`, on the light's penalty `1/D`, m.
+    pub light_m: f64,
+    /// `d_th`, the margin beyond which the light costs nothing, m.
+    pub light_threshold_m: f64,
+}
+
+/// A named set of [`Weights`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum WeightSet {
+    /// Calibrated on all scenarios at once: [`JOINT`].
+    #[default]
+    Joint,
+    /// Fitted to scenario A alone: [`SCENARIO_A`].
+    ScenarioA,
+    /// Fitted to scenario C alone: [`SCENARIO_C`].
+    ScenarioC,
+    /// Fitted to Table 3 alone: [`TABLE_3`].
+    Table3,
+    /// The set given by the key `weights`.
+    Custom,
+}
+
+impl WeightSet {
+    /// The weights of a named set; `None` for [`WeightSet::Custom`].
+    #[must_use]
+    pub fn weights(self) -> Option<Weights> {
+        match self {
+            Self::Joint => Some(JOINT),
+            Self::ScenarioA => Some(SCENARIO_A),
+            Self::ScenarioC => Some(SCENARIO_C),
+            Self::Table3 => Some(TABLE_3),
+            Self::Custom => None,
+        }
+    }
+}
+
+/// One set for all scenarios; the reference closed loops were made with it.
+pub const JOINT: Weights = set(19.243, 135.712, 0.00159, 275_773.0, 108.5);
+/// Fitted to scenario A alone.
+pub const SCENARIO_A: Weights = set(19.5, 29.5, 1.29, 1.16e5, 43.8);
+/// Fitted to scenario C alone.
+pub const SCENARIO_C: Weights = set(1275.0, 9998.0, 0.001, 2.6e7, 306.0);
+/// Fitted to Table 3 alone (lead acceleration 2.594 m/s²).
+pub const TABLE_3: Weights = set(0.988, 0.516, 0.020, 1401.0, 37.5);
+
+const fn set(q1: f64, q2: f64, q3: f64, w: f64, d_th: f64) -> Weights {
+    Weights {
+        gap_error_per_m2: q1,
+        speed_error_s2_per_m2: q2,
+        acceleration_s4_per_m2: q3,
+        request_s4_per_m2: 1.0,
+        light_m: w,
+        light_threshold_m: d_th,
+    }
+}
+
+impl Weights {
+    /// Checks that the cost is convex and finite.
+    ///
+    /// # Errors
+    /// Names the first key that is not finite or has the wrong sign.
+    pub fn validate(&self) -> Result<(), ConfigError> {
+        let non_negative = [
+            ("weights.gap_error_per_m2", self.gap_error_per_m2),
+            ("weights.speed_error_s2_per_m2", self.speed_error_s2_per_m2),
+            ("weights.acceleration_s4_per_m2", self.acceleration_s4_per_m2),
+            ("weights.light_m", self.light_m),
+        ];
+        for (key, value) in non_negative {
+            if !(value.is_finite() && value >= 0.0) {
+                return Err(ConfigError::range(key, "finite and not negative", value));
+            }
+        }
+        let positive = [
+            ("weights.request_s4_per_m2", self.request_s4_per_m2),
+            ("weights.light_threshold_m", self.light_threshold_m),
+        ];
+        for (key, value) in positive {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(ConfigError::range(key, "finite and positive", value));
+            }
+        }
+        Ok(())
+    }
+}

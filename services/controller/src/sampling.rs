@@ -1,0 +1,198 @@
+//! From the newest samples to what a law is told: every figure brought to the time of the release.
+
+use crate::law::{Ego, Input, MAX_PHASES, MAX_SIGNALS, Phase, PhaseInterval, SignalAhead, Target};
+use shared::messages::{Map, Odometry, PhaseState, RadarTracks, Signal, Spat};
+use shared::scenario::Scenario;
+
+/// A stop line is forgotten when it is this far behind, m.
+const PASSED_M: f64 = 50.0;
+
+/// What of the input does not come from samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setting {
+    /// Control period, s.
+    pub period_s: f64,
+    /// Driver's set speed, m/s.
+    pub set_speed_mps: f64,
+    /// Legal limit, m/s, infinite when unknown.
+    pub speed_limit_mps: f64,
+}
+
+impl Setting {
+    /// The setting of a scenario.
+    #[must_use]
+    pub fn of(scenario: &Scenario) -> Self {
+        Self {
+            period_s: f64::from(scenario.controller.period_ms.value()) / 1e3,
+            set_speed_mps: scenario.set_speed_mps.value(),
+            speed_limit_mps: scenario.speed_limit_mps.map_or(f64::INFINITY, |v| v.value()),
+        }
+    }
+}
+
+/// The newest samples of all inputs.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Samples<'a> {
+    /// Ego motion.
+    pub odometry: Option<&'a Odometry>,
+    /// Target.
+    pub radar: Option<&'a RadarTracks>,
+    /// Signal timing.
+    pub spat: Option<&'a Spat>,
+    /// Stop lines.
+    pub map: Option<&'a Map>,
+}
+
+/// What the law is told at `time_s`. Without odometry the ego is taken to stand at the origin.
+#[must_use]
+pub fn input(setting: &Setting, samples: &Samples<'_>, time_s: f64) -> Input {
+    let ego = samples.odometry.map_or_else(Ego::default, |odometry| ego_at(odometry, time_s));
+    Input {
+        time_s,
+        period_s: setting.period_s,
+        ego,
+        target: samples.radar.and_then(|radar| target_at(radar, time_s)),
+        signals: signals_ahead(samples, &ego, time_s),
+        set_speed_mps: setting.set_speed_mps,
+        speed_limit_mps: setting.speed_limit_mps,
+    }
+}
+
+fn age_s(acquisition_ns: i64, time_s: f64) -> f64 {
+    (time_s - acquisition_ns as f64 / 1e9).max(0.0)
+}
+
+/// Ego motion at constant acceleration since the sample.
+fn ego_at(odometry: &Odometry, time_s: f64) -> Ego {
+    let age = age_s(odometry.header.acquisition_ns, time_s);
+    let (v, a) = (odometry.speed_mps, odometry.acceleration_mps2);
+    // Braking ends at standstill.
+    let moving = if a < 0.0 { age.min(v / -a) } else { age };
+    Ego {
+        position_m: odometry.position_m + v * moving + 0.5 * a * moving * moving,
+        speed_mps: v + a * moving,
+        acceleration_mps2: a,
+    }
+}
+
+/// The target at constant relative speed since the sample.
+fn target_at(radar: &RadarTracks, time_s: f64) -> Option<Target> {
+    let target = &radar.target;
+    let age_s = age_s(radar.header.acquisition_ns, time_s);
+    (target.valid != 0).then(|| Target {
+        track_id: target.track_id,
+        gap_m: target.gap_m + target.relative_speed_mps * age_s,
+        relative_speed_mps: target.relative_speed_mps,
+        acceleration_mps2: target.acceleration_mps2,
+        age_s,
+    })
+}
+
+/// Stop lines of the map with their timing, nearest first.
+fn signals_ahead(
+    samples: &Samples<'_>,
+    ego: &Ego,
+    time_s: f64,
+) -> [Option<SignalAhead>; MAX_SIGNALS] {
+    let mut ahead = [None; MAX_SIGNALS];
+    let Some(map) = samples.map else { return ahead };
+    let count = usize::try_from(map.count).map_or(0, |count| count.min(map.lanes.len()));
+    let near = map.lanes[..count]
+        .iter()
+        .filter(|lane| lane.stop_line_m - ego.position_m > -PASSED_M)
+        .take(MAX_SIGNALS);
+    for (place, lane) in ahead.iter_mut().zip(near) {
+        let timing = samples.spat.and_then(|spat| {
+            let count = usize::try_from(spat.count).map_or(0, |n| n.min(spat.signals.len()));
+            spat.signals[..count].iter().find(|signal| {
+                (signal.intersection_id, signal.signal_group)
+                    == (lane.intersection_id, lane.signal_group)
+            })
+        });
+        let mut signal = SignalAhead {
+            id: lane.intersection_id.wrapping_mul(256).wrapping_add(lane.signal_group),
+            distance_m: lane.stop_line_m - ego.position_m,
+            ..SignalAhead::default()
+        };
+        if let Some(timing) = timing {
+            announce(timing, time_s, &mut signal);
+        }
+        *place = Some(signal);
+    }
+    ahead
+}
+
+/// The intervals that have not ended yet. What ends before its announced successor begins to be
+/// known leaves the phase unknown: it is never guessed.
+fn announce(timing: &Signal, time_s: f64, signal: &mut SignalAhead) {
+    let count = usize::try_from(timing.count).map_or(0, |n| n.min(timing.intervals.len()));
+    let left = timing.intervals[..count].iter().filter(|i| i.likely_end_s > time_s + 1e-9);
+    for (place, interval) in signal.intervals[..MAX_PHASES].iter_mut().zip(left) {
+        *place = PhaseInterval {
+            phase: match PhaseState::from_wire(interval.state) {
+                PhaseState::Unavailable => Phase::Unknown,
+                PhaseState::StopAndRemain => Phase::Red,
+                PhaseState::ProtectedMovementAllowed => Phase::Green,
+                PhaseState::ProtectedClearance => Phase::Yellow,
+            },
+            ends_in_s: interval.likely_end_s - time_s,
+        };
+        signal.count += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bytemuck::Zeroable;
+    use shared::messages::{Interval, Lane};
+
+    const SETTING: Setting =
+        Setting { period_s: 0.1, set_speed_mps: 20.0, speed_limit_mps: f64::INFINITY };
+
+    #[test]
+    fn motion_is_brought_to_the_release_and_braking_ends_at_standstill() {
+        let mut odometry = Odometry::zeroed();
+        odometry.header.acquisition_ns = 1_000_000_000;
+        (odometry.position_m, odometry.speed_mps) = (10.0, 2.0);
+        odometry.acceleration_mps2 = -4.0;
+        let samples = Samples { odometry: Some(&odometry), ..Samples::default() };
+        let soon = input(&SETTING, &samples, 1.25).ego;
+        assert_eq!((soon.position_m, soon.speed_mps), (10.375, 1.0));
+        let late = input(&SETTING, &samples, 9.0).ego;
+        assert_eq!((late.position_m, late.speed_mps), (10.5, 0.0));
+    }
+
+    #[test]
+    fn an_old_target_is_extrapolated_and_its_age_told() {
+        let mut radar = RadarTracks::zeroed();
+        radar.target.valid = 1;
+        (radar.target.gap_m, radar.target.relative_speed_mps) = (40.0, -10.0);
+        let samples = Samples { radar: Some(&radar), ..Samples::default() };
+        let target = input(&SETTING, &samples, 0.2).target.expect("valid");
+        assert_eq!((target.gap_m, target.age_s), (38.0, 0.2));
+        radar.target.valid = 0;
+        let samples = Samples { radar: Some(&radar), ..Samples::default() };
+        assert_eq!(input(&SETTING, &samples, 0.2).target, None);
+    }
+
+    #[test]
+    fn a_phase_that_ended_unannounced_is_unknown_not_green() {
+        let mut spat = Spat::zeroed();
+        spat.count = 1;
+        spat.signals[0].count = 2;
+        for (place, (state, end)) in [(6, 5.0), (3, 9.0)].into_iter().enumerate() {
+            let interval = Interval { state, likely_end_s: end, ..Interval::zeroed() };
+            spat.signals[0].intervals[place] = interval;
+        }
+        let mut map = Map::zeroed();
+        map.count = 1;
+        map.lanes[0] = Lane { stop_line_m: 80.0, ..Lane::zeroed() };
+        let samples = Samples { spat: Some(&spat), map: Some(&map), ..Samples::default() };
+        let at = |time_s| input(&SETTING, &samples, time_s).signals[0].expect("in the map");
+        assert_eq!((at(1.0).count, at(1.0).intervals[0].phase), (2, Phase::Green));
+        assert_eq!(at(1.0).intervals[0].ends_in_s, 4.0);
+        assert_eq!((at(5.0).count, at(5.0).intervals[0].phase), (1, Phase::Red));
+        assert_eq!((at(9.5).count, at(9.5).intervals[0].phase), (0, Phase::Unknown));
+    }
+}

@@ -1,0 +1,219 @@
+//! The control loop: sample, decide, publish.
+
+use crate::law::{Input, Law, MAX_PLAN, Output, Quality};
+use crate::sampling::{Samples, Setting, input};
+use shared::messages::{
+    Command, Diagnostics, FIGURES, Header, Map, Message, Odometry, Origins, PLAN_LEN, RadarTracks,
+    ServiceState, Spat,
+};
+use shared::report::{ControllerReport, Details, ModeChange};
+use shared::runtime::{
+    Cycle, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber, monotonic_ns,
+};
+use shared::scenario::{Scenario, controller};
+use shared::statistics::Latencies;
+
+/// Mode changes that are kept; later ones are counted by nobody, since a law that changes so often
+/// has shown what it does.
+const MAX_MODE_CHANGES: usize = 4096;
+/// Part of the control period after which the loop no longer waits for the radar to release it.
+const FALLBACK: f64 = 0.5;
+
+const _: () = assert!(MAX_PLAN == PLAN_LEN, "a command carries every plan");
+
+/// Runs the controller in its group, to the end of the run.
+///
+/// # Errors
+/// If the group's shared memory is not usable or the scenario's law cannot be set up.
+pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
+    let scenario = runtime.scenario()?;
+    let law = crate::build(&scenario)
+        .map_err(|problem| RuntimeError::Setup(format!("{}: {}", problem.path, problem.message)))?;
+    let mut controller = Loop::open(&mut runtime, &scenario, law)?;
+    runtime.begin(&scenario)?;
+    runtime.run_cycles(|runtime| controller.cycle(runtime))?;
+    let report = controller.report(runtime.skipped());
+    runtime.finish(Details::Controller(report))
+}
+
+struct Loop {
+    law: Box<dyn Law>,
+    setting: Setting,
+    release: controller::Release,
+    plan_period_ns: i64,
+    deadline_ns: i64,
+    fallback_ns: i64,
+    odometry: Subscriber<Odometry>,
+    radar: Subscriber<RadarTracks>,
+    spat: Subscriber<Spat>,
+    map: Subscriber<Map>,
+    command: Publisher<Command>,
+    diagnostics: Publisher<Diagnostics>,
+    output: Output,
+    solve: Latencies,
+    deadline_misses: u64,
+    relaxed: u64,
+    backup: u64,
+    mode: Option<u32>,
+    mode_changes: Vec<(f64, u32, u32, u32)>,
+}
+
+impl Loop {
+    fn open(
+        runtime: &mut Runtime,
+        scenario: &Scenario,
+        mut law: Box<dyn Law>,
+    ) -> Result<Self, RuntimeError> {
+        let period_ns = i64::from(scenario.controller.period_ms.value()) * 1_000_000;
+        let release = scenario.controller.release;
+        let mut output = Output::default();
+        // Faults its code and data in before the loop; forgotten at once.
+        law.step(&Input { period_s: 0.1, ..Input::default() }, &mut output);
+        law.reset();
+        Ok(Self {
+            law,
+            setting: Setting::of(scenario),
+            release,
+            plan_period_ns: period_ns,
+            deadline_ns: i64::from(scenario.controller.deadline().value()) * 1_000_000,
+            fallback_ns: (period_ns as f64 * FALLBACK) as i64,
+            odometry: runtime.subscriber()?,
+            radar: match release {
+                controller::Release::Radar => runtime.releasing_subscriber()?,
+                controller::Release::Timer => runtime.subscriber()?,
+            },
+            spat: runtime.subscriber()?,
+            map: runtime.subscriber()?,
+            command: runtime.publisher()?,
+            diagnostics: runtime.publisher()?,
+            output,
+            solve: Latencies::default(),
+            deadline_misses: 0,
+            relaxed: 0,
+            backup: 0,
+            mode: None,
+            mode_changes: Vec::with_capacity(MAX_MODE_CHANGES),
+        })
+    }
+
+    fn cycle(&mut self, runtime: &mut Runtime) -> Result<Cycle, RuntimeError> {
+        let release = match self.release {
+            controller::Release::Radar => {
+                runtime.next_release_by(&mut self.radar, self.fallback_ns)?
+            }
+            controller::Release::Timer => runtime.next_release(Overrun::Skip),
+        };
+        let Some(release) = release else { return Ok(Cycle::Last) };
+        // The radar's sample comes last: whoever waits for it first, waits once.
+        runtime.update(&mut self.radar)?;
+        runtime.update(&mut self.odometry)?;
+        runtime.update(&mut self.spat)?;
+        runtime.update(&mut self.map)?;
+
+        let samples = Samples {
+            odometry: self.odometry.newest(),
+            radar: self.radar.newest(),
+            spat: self.spat.newest(),
+            map: self.map.newest(),
+        };
+        let input = input(&self.setting, &samples, release.time_s);
+        let begun = monotonic_ns();
+        self.law.step(&input, &mut self.output);
+        self.solve.record_ns(monotonic_ns() - begun);
+
+        let origins = Origins {
+            odometry: self.odometry.origin(),
+            radar: self.radar.origin(),
+            spat: self.spat.origin(),
+        };
+        let header = Header::new(release.step, release.scheduled_ns, origins);
+        self.command.send(self.command_of(header, &release))?;
+        let lateness = runtime.clock().now_ns() - release.scheduled_ns;
+        self.deadline_misses += u64::from(lateness > self.deadline_ns);
+        self.diagnostics.send(self.diagnostics_of(header, &release))?;
+        self.account(release.time_s);
+
+        let complete = self.odometry.newest().is_some() && self.radar.newest().is_some();
+        let state = if complete { ServiceState::Running } else { ServiceState::Degraded };
+        runtime.end_cycle(state)?;
+        Ok(Cycle::Next)
+    }
+
+    fn command_of(&self, header: Header, release: &Release) -> Command {
+        let plan_len = self.output.plan_len.clamp(1, MAX_PLAN);
+        let mut plan_mps2 = [0.0; PLAN_LEN];
+        plan_mps2[..plan_len].copy_from_slice(&self.output.plan_mps2[..plan_len]);
+        Command {
+            header,
+            start_ns: release.start_ns,
+            plan_period_ns: self.plan_period_ns,
+            plan_len: plan_len as u64,
+            plan_mps2,
+        }
+    }
+
+    fn diagnostics_of(&self, header: Header, release: &Release) -> Diagnostics {
+        let age = |acquisition_ns: Option<i64>| {
+            acquisition_ns.map_or(-1, |acquired| release.start_ns - acquired)
+        };
+        let mut figures = [0.0; FIGURES];
+        figures.copy_from_slice(&self.output.figures);
+        Diagnostics {
+            header,
+            mode: self.output.mode,
+            mode_reason: self.output.mode_reason,
+            quality: match self.output.quality {
+                Quality::Full => 0,
+                Quality::Relaxed => 1,
+                Quality::Backup => 2,
+            },
+            solver_iterations: self.output.solver_iterations,
+            request_mps2: self.output.request_mps2(),
+            odometry_age_ns: age(acquired(&self.odometry)),
+            radar_age_ns: age(acquired(&self.radar)),
+            spat_age_ns: age(acquired(&self.spat)),
+            figures,
+        }
+    }
+
+    fn account(&mut self, time_s: f64) {
+        match self.output.quality {
+            Quality::Full => {}
+            Quality::Relaxed => self.relaxed += 1,
+            Quality::Backup => self.backup += 1,
+        }
+        let mode = self.output.mode;
+        if let Some(before) = self.mode
+            && before != mode
+            && self.mode_changes.len() < MAX_MODE_CHANGES
+        {
+            self.mode_changes.push((time_s, before, mode, self.output.mode_reason));
+        }
+        self.mode = Some(mode);
+    }
+
+    fn report(&self, skipped: u64) -> ControllerReport {
+        let name = |names: &[&str], index: u32| {
+            names.get(index as usize).map_or_else(|| index.to_string(), ToString::to_string)
+        };
+        let change = |&(t_s, from, to, reason): &(f64, u32, u32, u32)| ModeChange {
+            t_s,
+            from: name(self.law.mode_names(), from),
+            to: name(self.law.mode_names(), to),
+            reason: name(self.law.reason_names(), reason),
+        };
+        ControllerReport {
+            deadline_us: self.deadline_ns as f64 / 1e3,
+            // A release left out is a deadline missed.
+            deadline_misses: self.deadline_misses + skipped,
+            solve_us: self.solve.percentiles_us(),
+            relaxed: self.relaxed,
+            backup: self.backup,
+            mode_changes: self.mode_changes.iter().map(change).collect(),
+        }
+    }
+}
+
+fn acquired<T: Message>(topic: &Subscriber<T>) -> Option<i64> {
+    topic.newest().map(|sample| sample.header().acquisition_ns)
+}

@@ -1,0 +1,147 @@
+//! The command line.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use shared::Service;
+use std::path::PathBuf;
+
+/// An adaptive-cruise stack as real processes over shared memory: driven, measured, broken.
+#[derive(Debug, Parser)]
+#[command(name = "timegap", version, after_help = EXIT_STATUS, disable_help_subcommand = true)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXIT_STATUS: &str = "Exit status: 0 all well; 1 the run broke a requirement (a collision, a \
+red light, a failed check); 2 bad usage or a bad file; 3 the machine would not let it run; \
+130 interrupted.";
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run the process group through a scenario
+    Run(RunArguments),
+    /// List the scenarios and controllers
+    List(ListArguments),
+    /// Run one service; started by the launcher
+    #[command(hide = true)]
+    Service(ServiceArguments),
+}
+
+/// Arguments of `run`.
+#[derive(Debug, Args)]
+pub struct RunArguments {
+    /// Name of a built-in scenario (see `timegap list`), or a TOML file
+    #[arg(default_value = "cacc-a")]
+    pub scenario: String,
+    #[command(flatten)]
+    pub scenario_options: ScenarioOptions,
+    #[command(flatten)]
+    pub group: GroupOptions,
+    /// Clock: `realtime`, or `lockstep` in simulated time, byte for byte repeatable
+    #[arg(long, value_enum, default_value_t = ModeName::Realtime)]
+    pub mode: ModeName,
+    /// Directory for the results [default: runs/<time>-<scenario>]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print the summary as JSON, and nothing else, on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What a scenario can be changed by.
+#[derive(Clone, Debug, Default, Args)]
+pub struct ScenarioOptions {
+    /// Control law (see `timegap list`)
+    #[arg(long, value_name = "NAME")]
+    pub controller: Option<String>,
+    /// Seed of all random numbers
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Length of the run, s
+    #[arg(long, value_name = "SECONDS")]
+    pub duration: Option<String>,
+    /// Change any key of the scenario, by its dotted path; may be given again
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+}
+
+/// How a group is brought up.
+#[derive(Clone, Debug, Args)]
+pub struct GroupOptions {
+    /// Run PROGRAM in the place of a service; may be given again
+    #[arg(long = "service", value_name = "NAME=PROGRAM", value_parser = service_program)]
+    pub programs: Vec<(Service, PathBuf)>,
+    /// Time in which all services must be ready, s
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = positive_seconds)]
+    pub ready_timeout: f64,
+}
+
+/// Clock by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ModeName {
+    /// The wall's clock.
+    Realtime,
+    /// Simulated time.
+    Lockstep,
+}
+
+impl From<ModeName> for shared::runtime::Mode {
+    fn from(name: ModeName) -> Self {
+        match name {
+            ModeName::Realtime => Self::Realtime,
+            ModeName::Lockstep => Self::Lockstep,
+        }
+    }
+}
+
+/// Arguments of `list`.
+#[derive(Debug, Args)]
+pub struct ListArguments {
+    /// Print this built-in scenario's file
+    #[arg(long, value_name = "NAME")]
+    pub show: Option<String>,
+    /// Print the list as JSON
+    #[arg(long, conflicts_with = "show")]
+    pub json: bool,
+}
+
+/// Arguments of `service`.
+#[derive(Debug, Args)]
+pub struct ServiceArguments {
+    /// Which one
+    pub name: String,
+    /// The service's own arguments
+    pub arguments: Vec<String>,
+}
+
+fn service_program(argument: &str) -> Result<(Service, PathBuf), String> {
+    let (name, program) = argument.split_once('=').ok_or("expected NAME=PROGRAM")?;
+    Ok((name.parse()?, PathBuf::from(program)))
+}
+
+fn positive_seconds(argument: &str) -> Result<f64, String> {
+    match argument.parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds <= 3600.0 => Ok(seconds),
+        _ => Err("expected a number of seconds above 0 and at most 3600".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_service_program_names_a_service() {
+        let (service, program) = service_program("controller=./mine").expect("a known service");
+        assert_eq!((service, program), (Service::Controller, PathBuf::from("./mine")));
+        assert!(service_program("radar=./mine").is_err_and(|e| e.contains("perception-sim")));
+    }
+}

@@ -1,0 +1,158 @@
+//! The drive as the launcher hears it on the topics, sample by sample.
+
+use shared::messages::{Command, Diagnostics, Heartbeat, Odometry, VehicleTruth};
+use shared::report::ReceivedTopic;
+use shared::runtime::{Group, Observed, Observer, RuntimeError};
+
+/// Everything that was heard.
+#[derive(Clone, Debug, Default)]
+pub struct Drive {
+    /// One entry per odometry message, in order of time.
+    pub steps: Vec<DriveStep>,
+    /// What the launcher received, per topic.
+    pub received: Vec<ReceivedTopic>,
+}
+
+/// The drive at one simulation step. What is published more seldom is absent in between.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DriveStep {
+    /// Simulation step.
+    pub step: u64,
+    /// Run time, s.
+    pub time_s: f64,
+    /// Ego position, m.
+    pub position_m: f64,
+    /// Ego speed, m/s.
+    pub speed_mps: f64,
+    /// Ego acceleration, m/s².
+    pub acceleration_mps2: f64,
+    /// Request of the command of this step, m/s².
+    pub request_mps2: Option<f64>,
+    /// Gap to the nearest vehicle in lane, m.
+    pub gap_m: Option<f64>,
+    /// Speed of that vehicle, m/s.
+    pub lead_speed_mps: Option<f64>,
+    /// Mode of the law.
+    pub mode: Option<u32>,
+    /// Figures of the law.
+    pub figures: Option<[f64; shared::messages::FIGURES]>,
+}
+
+/// Listens to a group from before its start.
+#[derive(Debug)]
+pub struct DriveLog {
+    // Ports before the node that owns them.
+    odometry: Observed<Odometry>,
+    truth: Observed<VehicleTruth>,
+    command: Observed<Command>,
+    diagnostics: Observed<Diagnostics>,
+    heartbeat: Observed<Heartbeat>,
+    _observer: Observer,
+    odometries: Vec<Odometry>,
+    truths: Vec<VehicleTruth>,
+    requests: Vec<(u64, f64)>,
+    cycles: Vec<(u64, u32, [f64; shared::messages::FIGURES])>,
+}
+
+impl DriveLog {
+    /// Opens all topics.
+    pub fn listen(group: &Group) -> Result<Self, RuntimeError> {
+        let observer = Observer::join(group, "launcher")?;
+        Ok(Self {
+            odometry: observer.listen()?,
+            truth: observer.listen()?,
+            command: observer.listen()?,
+            diagnostics: observer.listen()?,
+            heartbeat: observer.listen()?,
+            _observer: observer,
+            odometries: Vec::new(),
+            truths: Vec::new(),
+            requests: Vec::new(),
+            cycles: Vec::new(),
+        })
+    }
+
+    /// Takes what arrived.
+    pub fn drain(&mut self) -> Result<(), RuntimeError> {
+        self.odometry.drain(|m| self.odometries.push(*m))?;
+        self.truth.drain(|m| self.truths.push(*m))?;
+        self.command.drain(|m| self.requests.push((m.header.step, m.plan_mps2[0])))?;
+        self.diagnostics.drain(|m| self.cycles.push((m.header.step, m.mode, m.figures)))?;
+        self.heartbeat.drain(|_| {})
+    }
+
+    /// Newest step that the vehicle was heard of.
+    pub fn reached(&self) -> u64 {
+        self.odometries.last().map_or(0, |odometry| odometry.header.step)
+    }
+
+    /// Takes the rest and joins the topics by step.
+    pub fn finish(mut self) -> Result<Drive, RuntimeError> {
+        self.drain()?;
+        let received = vec![
+            self.odometry.received(),
+            self.truth.received(),
+            self.command.received(),
+            self.diagnostics.received(),
+            self.heartbeat.received(),
+        ];
+        let mut truths = self.truths.iter().peekable();
+        let mut requests = self.requests.iter().peekable();
+        let mut cycles = self.cycles.iter().peekable();
+        let steps = self.odometries.iter().map(|odometry| {
+            let step = odometry.header.step;
+            let truth = take_step(&mut truths, step, |truth| truth.header.step);
+            let lead = truth.and_then(|truth| nearest_ahead(truth, odometry.position_m));
+            let cycle = take_step(&mut cycles, step, |cycle| cycle.0);
+            DriveStep {
+                step,
+                time_s: odometry.header.acquisition_ns as f64 / 1e9,
+                position_m: odometry.position_m,
+                speed_mps: odometry.speed_mps,
+                acceleration_mps2: odometry.acceleration_mps2,
+                request_mps2: take_step(&mut requests, step, |request| request.0).map(|r| r.1),
+                gap_m: lead.map(|(gap_m, _)| gap_m),
+                lead_speed_mps: lead.map(|(_, speed_mps)| speed_mps),
+                mode: cycle.map(|cycle| cycle.1),
+                figures: cycle.map(|cycle| cycle.2),
+            }
+        });
+        let steps = steps.collect();
+        Ok(Drive { steps, received })
+    }
+}
+
+/// The item of `step` from a sequence in order of steps; earlier ones are passed over.
+fn take_step<'a, T>(
+    items: &mut std::iter::Peekable<std::slice::Iter<'a, T>>,
+    step: u64,
+    step_of: impl Fn(&T) -> u64,
+) -> Option<&'a T> {
+    while items.next_if(|item| step_of(item) < step).is_some() {}
+    items.next_if(|item| step_of(item) == step)
+}
+
+/// Gap to and speed of the nearest vehicle in lane whose rear is not behind the ego's front by more
+/// than a car's length.
+fn nearest_ahead(truth: &VehicleTruth, position_m: f64) -> Option<(f64, f64)> {
+    let count = usize::try_from(truth.count).map_or(0, |count| count.min(truth.vehicles.len()));
+    truth.vehicles[..count]
+        .iter()
+        .filter(|vehicle| vehicle.in_lane != 0)
+        .map(|vehicle| (vehicle.rear_position_m - position_m, vehicle.speed_mps))
+        .filter(|(gap_m, _)| *gap_m > -5.0)
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn items_are_joined_by_step() {
+        let items = [(0, 'a'), (5, 'b'), (10, 'c')];
+        let mut iter = items.iter().peekable();
+        let mut at = |step| take_step(&mut iter, step, |item| item.0).map(|item| item.1);
+        assert_eq!([at(0), at(1), at(6), at(10), at(11)], [Some('a'), None, None, Some('c'), None]);
+    }
+}

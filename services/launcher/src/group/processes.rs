@@ -1,0 +1,175 @@
+//! The group's processes.
+
+use super::events::{Event, follow};
+use super::janitor::DONE;
+use super::root::RunRoot;
+use crate::error::Error;
+use shared::Service;
+use shared::runtime::{ToService, inherit_only};
+use std::io::Write;
+use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::path::PathBuf;
+use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
+use std::sync::mpsc::Sender;
+use std::time::{Duration, Instant};
+
+/// One service's process.
+#[derive(Debug)]
+pub struct Process {
+    service: Service,
+    child: Child,
+    orders: Option<ChildStdin>,
+    status: Option<ExitStatus>,
+}
+
+impl Process {
+    /// Starts `service`, as this program again or as `program`, in the process group `group`, or
+    /// in a new one for 0.
+    pub fn spawn(
+        service: Service,
+        program: Option<&PathBuf>,
+        root: &RunRoot,
+        group: i32,
+        events: Sender<Event>,
+    ) -> Result<Self, Error> {
+        let mut command = match program {
+            Some(program) => Command::new(program),
+            None => this_program(&["service", service.name()])?,
+        };
+        command
+            .arg0(format!("timegap-{service}"))
+            .arg(root.path())
+            .arg("0")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .process_group(group);
+        inherit_only(&mut command, root.lock());
+        let mut child = command.spawn().map_err(|e| match program {
+            Some(program) => {
+                Error::Path { action: "start", path: program.clone(), reason: e }
+            }
+            None => Error::Machine(format!("cannot start {service}: {e}")),
+        })?;
+        let orders = child.stdin.take();
+        let out = child.stdout.take().expect("piped");
+        let err = child.stderr.take().expect("piped");
+        follow(service, out, err, events)
+            .map_err(|e| Error::Machine(format!("cannot start a thread: {e}")))?;
+        Ok(Self { service, child, orders, status: None })
+    }
+
+    /// The service.
+    pub fn service(&self) -> Service {
+        self.service
+    }
+
+    /// Process id.
+    pub fn pid(&self) -> i32 {
+        i32::try_from(self.child.id()).expect("process ids are positive and fit")
+    }
+
+    /// Tells the service something. One that is gone does not hear it.
+    pub fn order(&mut self, order: &ToService) {
+        if let Some(orders) = &mut self.orders {
+            let line = serde_json::to_string(order).expect("orders are plain data");
+            if writeln!(orders, "{line}").is_err() {
+                self.orders = None;
+            }
+        }
+    }
+
+    /// Waits until the process is gone; kills it after `grace`.
+    pub fn end(&mut self, grace: Duration) -> ExitStatus {
+        // The end of the orders tells the service to go.
+        self.orders = None;
+        let begun = Instant::now();
+        loop {
+            if let Some(status) = self.poll() {
+                return status;
+            }
+            if begun.elapsed() > grace {
+                // Ours and not yet waited for: the id cannot be another's.
+                let _ = self.child.kill();
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    /// The exit status if the process is gone.
+    pub fn poll(&mut self) -> Option<ExitStatus> {
+        if self.status.is_none() {
+            self.status = self.child.try_wait().ok().flatten();
+        }
+        self.status
+    }
+}
+
+/// What an exit status means, in words.
+pub fn describe(status: ExitStatus) -> String {
+    match (status.code(), status.signal()) {
+        (Some(0), _) => "ok".into(),
+        (Some(code), _) => format!("exit status {code}"),
+        (None, Some(signal)) => {
+            let name = signal_hook::low_level::signal_name(signal).unwrap_or("an unknown signal");
+            format!("killed by {name}")
+        }
+        (None, None) => "unknown".into(),
+    }
+}
+
+/// The janitor's process.
+#[derive(Debug)]
+pub struct Janitor {
+    child: Child,
+    lines: Option<ChildStdin>,
+}
+
+impl Janitor {
+    /// Starts the janitor of the run at `root`, outside the services' process group.
+    pub fn spawn(root: &RunRoot) -> Result<Self, Error> {
+        let mut command = this_program(&["service", "janitor"])?;
+        command
+            .arg0("timegap-janitor")
+            .arg(root.path())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .process_group(0);
+        let mut child = command
+            .spawn()
+            .map_err(|e| Error::Machine(format!("cannot start the janitor: {e}")))?;
+        let lines = child.stdin.take();
+        Ok(Self { child, lines })
+    }
+
+    /// Tells it which process group the services form.
+    pub fn watch(&mut self, group: i32) {
+        self.say(&group.to_string());
+    }
+
+    /// Sends it home: the launcher has cleaned up.
+    pub fn dismiss(mut self) {
+        self.say(DONE);
+        drop(self.lines.take());
+        let _ = self.child.wait();
+    }
+
+    fn say(&mut self, line: &str) {
+        if let Some(lines) = &mut self.lines
+            && writeln!(lines, "{line}").is_err()
+        {
+            self.lines = None;
+        }
+    }
+}
+
+fn this_program(arguments: &[&str]) -> Result<Command, Error> {
+    let program = std::env::current_exe()
+        .map_err(|e| Error::Machine(format!("cannot find this program's own file: {e}")))?;
+    // A new build may have replaced the file meanwhile.
+    let program = if program.exists() { program } else { PathBuf::from("/proc/self/exe") };
+    let mut command = Command::new(program);
+    command.args(arguments);
+    Ok(command)
+}

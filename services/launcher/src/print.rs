@@ -1,0 +1,173 @@
+//! What a person reads after a run.
+
+use crate::summary::Summary;
+use shared::report::Outcome;
+use shared::statistics::Percentiles;
+use std::fmt::Write;
+
+/// The run in ten seconds' reading.
+pub fn summary(summary: &Summary) -> String {
+    let mut text = String::new();
+    let mut line = |label: &str, value: String| {
+        writeln!(text, "  {label:<14} {value}").expect("a string takes all");
+    };
+    line("outcome", outcome(summary));
+    drive(summary, &mut line);
+    timing(summary, &mut line);
+    messages(summary, &mut line);
+    machine(summary, &mut line);
+    format!(
+        "{} · {} · {} · seed {}\n{text}",
+        summary.scenario, summary.controller, summary.mode, summary.seed
+    )
+}
+
+fn outcome(summary: &Summary) -> String {
+    let word = match summary.outcome {
+        Outcome::Completed => "completed",
+        Outcome::Collision => "COLLISION",
+        Outcome::RedLight => "RED LIGHT",
+        Outcome::SafeStop => "safe stop",
+        Outcome::Aborted => "aborted",
+    };
+    let because =
+        summary.aborted_because.as_ref().map_or_else(String::new, |why| format!(" ({why})"));
+    let speed = match summary.simulated_per_wall {
+        Some(ratio) if summary.mode == "lockstep" => format!(", {ratio:.0} simulated s per s"),
+        _ => String::new(),
+    };
+    format!(
+        "{word}{because}, {:.1} s driven in {:.2} s of wall time (ready after {:.0} ms{speed})",
+        summary.duration_s, summary.wall_s, summary.ready_ms
+    )
+}
+
+fn drive(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
+    let control = &summary.control.figures;
+    if let Some(crossed) = control.stop_line_crossing_s {
+        let past = control.past_stop_line_at_switch_m.map_or_else(String::new, |past| {
+            format!(", {past:.1} m past it when the light changed")
+        });
+        line("stop line", format!("crossed at {crossed:.2} s{past}"));
+    } else if let Some(past) = control.past_stop_line_at_switch_m {
+        line("stop line", format!("{:.1} m before it when the light changed", -past));
+    }
+    if let Some(gap) = control.min_gap_m {
+        let ttc = control
+            .min_ttc_s
+            .map_or_else(String::new, |ttc| format!(", time to collision at least {ttc:.1} s"));
+        let end = control
+            .final_gap_error_m
+            .map_or_else(String::new, |error| format!(", off the desired one by {error:.2} m at the end"));
+        line("gap", format!("at least {gap:.1} m{end}{ttc}"));
+    }
+    if let (Some(low), Some(high)) = (control.min_accel_mps2, control.max_accel_mps2) {
+        let jerk = control
+            .max_abs_jerk_mps3
+            .map_or_else(String::new, |jerk| format!(", jerk at most {jerk:.1} m/s³"));
+        line("acceleration", format!("{low:.2} to {high:.2} m/s²{jerk}"));
+    }
+    if let Some(changes) = &summary.control.mode_changes
+        && !changes.is_empty()
+    {
+        let shown: Vec<_> =
+            changes.iter().take(8).map(|c| format!("{} at {:.1} s", c.to, c.t_s)).collect();
+        let more = changes.len().saturating_sub(8);
+        let more = if more > 0 { format!(", and {more} more") } else { String::new() };
+        line("modes", shown.join(", ") + &more);
+    }
+}
+
+fn timing(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
+    let timing = &summary.timing;
+    if let Some(solve) = timing.solve_us {
+        line("law", percentiles(&solve));
+    }
+    if let (Some(cycles), Some(relaxed), Some(backup)) =
+        (timing.cycles, timing.relaxed_cycles, timing.backup_cycles)
+        && relaxed + backup > 0
+    {
+        line("", format!("{relaxed} of {cycles} commands relaxed, {backup} from the backup law"));
+    }
+    if summary.mode == "lockstep" {
+        return;
+    }
+    if let Some(reaction) = timing.reaction_time_us {
+        line("reaction time", percentiles(&reaction));
+        let hops = &timing.hops_us;
+        let parts = [
+            ("radar to controller", hops.radar_to_controller),
+            ("compute", hops.controller_compute),
+            ("controller to plant", hops.controller_to_plant),
+        ];
+        let parts: Vec<_> = parts
+            .iter()
+            .filter_map(|(name, p)| p.map(|p| format!("{name} {}", duration(p.p50))))
+            .collect();
+        line("", format!("medians of its parts: {}", parts.join(", ")));
+    }
+    if let (Some(misses), Some(cycles), Some(deadline)) =
+        (timing.deadline_misses, timing.cycles, timing.deadline_us)
+    {
+        line("deadline", format!("{misses} of {cycles} cycles missed {}", duration(deadline)));
+    }
+}
+
+fn messages(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
+    let sent: u64 = summary.messages.values().map(|topic| topic.sent).sum();
+    let lost: u64 = summary.messages.values().filter_map(|topic| topic.lost).sum();
+    if sent > 0 {
+        line("messages", format!("{sent} sent on {} topics, {lost} lost", summary.messages.len()));
+    }
+}
+
+fn machine(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
+    for service in &summary.services {
+        let Some(granted) = &service.scheduling else { continue };
+        let core = granted.core.map_or_else(|| "any core".into(), |core| format!("core {core}"));
+        let locked = if granted.memory_locked { "memory locked" } else { "memory not locked" };
+        let rss = service.peak_rss_kib.unwrap_or(0) as f64 / 1024.0;
+        let refused = if granted.refused.is_empty() {
+            String::new()
+        } else {
+            format!("; not granted: {}", granted.refused.join(", "))
+        };
+        line(
+            service.name,
+            format!("{}, {core}, {locked}, {rss:.1} MiB{refused}", granted.granted),
+        );
+    }
+}
+
+fn percentiles(p: &Percentiles) -> String {
+    format!(
+        "p50 {}, p99 {}, max {} (n = {})",
+        duration(p.p50),
+        duration(p.p99),
+        duration(p.max),
+        p.count
+    )
+}
+
+/// A duration in µs with the unit that reads best.
+fn duration(us: f64) -> String {
+    if us < 1e3 {
+        format!("{us:.1} µs")
+    } else if us < 1e6 {
+        format!("{:.2} ms", us / 1e3)
+    } else {
+        format!("{:.2} s", us / 1e6)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations_choose_their_unit() {
+        assert_eq!(duration(12.34), "12.3 µs");
+        assert_eq!(duration(1234.0), "1.23 ms");
+        assert_eq!(duration(2_500_000.0), "2.50 s");
+    }
+}

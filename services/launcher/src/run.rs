@@ -1,0 +1,113 @@
+//! `timegap run`: one scenario, from the file to the results.
+
+use crate::cli::{GroupOptions, RunArguments, ScenarioOptions};
+use crate::error::Error;
+use crate::group::{Ended, GroupOutcome, Launch, launch};
+use crate::output::OutputDirectory;
+use crate::summary::Summary;
+use crate::{print, trajectory};
+use indicatif::{ProgressBar, ProgressStyle};
+use shared::report::Outcome;
+use shared::runtime::Mode;
+use shared::scenario::{Overrides, Scenario};
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+/// Runs the command.
+pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
+    let begun = Instant::now();
+    let scenario = open(&arguments.scenario, &arguments.scenario_options)?;
+    let mode = arguments.mode.into();
+    let output = OutputDirectory::create(arguments.out.as_deref(), &scenario.name.to_string())?;
+    output.write("scenario.toml", scenario.to_toml().as_bytes())?;
+
+    let bar = progress_bar(&scenario, arguments.json);
+    let result = drive(&scenario, mode, &arguments.group, &mut |time_ns| {
+        bar.set_position(time_ns.unsigned_abs() / 1_000_000);
+    });
+    bar.finish_and_clear();
+    let group = result?;
+
+    let summary = Summary::new(&scenario, mode, &group, begun.elapsed());
+    let json = serde_json::to_string_pretty(&summary).expect("a summary is plain data");
+    output.write("summary.json", (json.clone() + "\n").as_bytes())?;
+    let figures = controller::figure_names(&scenario);
+    output.write("trajectory.csv", trajectory::csv(&group.drive, figures).as_bytes())?;
+    for (service, line) in &group.wrote {
+        eprintln!("{service}: {line}");
+    }
+    if arguments.json {
+        println!("{json}");
+    } else {
+        print!("{}", print::summary(&summary));
+        println!("  {:<14} {}", "results", output.path().display());
+    }
+    Ok(exit_code(&group.ended, summary.outcome))
+}
+
+/// Opens a scenario and lays the options over it.
+pub fn open(name: &str, options: &ScenarioOptions) -> Result<Scenario, Error> {
+    let mut overrides = Overrides::new();
+    let mut add = |key: &str, value: String| overrides.push(&format!("{key}={value}"));
+    if let Some(controller) = &options.controller {
+        add("controller.name", format!("\"{controller}\"")).map_err(usage)?;
+    }
+    if let Some(seed) = options.seed {
+        add("seed", seed.to_string()).map_err(usage)?;
+    }
+    if let Some(duration) = &options.duration {
+        add("duration_s", duration.clone()).map_err(usage)?;
+    }
+    for option in &options.set {
+        overrides.push(option).map_err(usage)?;
+    }
+    Scenario::open(name, &overrides, &controller::check).map_err(usage)
+}
+
+fn usage(error: impl std::fmt::Display) -> Error {
+    Error::Usage(error.to_string())
+}
+
+/// Drives a scenario through a process group. `progress` is told the run time reached, ns.
+pub fn drive(
+    scenario: &Scenario,
+    mode: Mode,
+    options: &GroupOptions,
+    progress: &mut dyn FnMut(i64),
+) -> Result<GroupOutcome, Error> {
+    let start_delay = match mode {
+        Mode::Realtime => Duration::from_secs_f64(scenario.runtime.start_delay_ms.value() / 1e3),
+        Mode::Lockstep => Duration::ZERO,
+    };
+    let launching = Launch {
+        mode,
+        timetable: shared::runtime::Timetable::of(scenario),
+        scenario: scenario.to_toml(),
+        programs: options.programs.iter().cloned().collect(),
+        ready_timeout: Duration::from_secs_f64(options.ready_timeout),
+        start_delay,
+    };
+    launch(launching, progress)
+}
+
+/// A bar on a terminal, for runs longer than a second; nothing elsewhere.
+fn progress_bar(scenario: &Scenario, quiet: bool) -> ProgressBar {
+    use std::io::IsTerminal;
+    if quiet || !std::io::stderr().is_terminal() || scenario.duration_s.value() <= 1.0 {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{msg} {wide_bar} {percent:>3} %")
+        .expect("the template is valid");
+    let bar = ProgressBar::new((scenario.duration_s.value() * 1e3) as u64).with_style(style);
+    bar.set_message(scenario.name.to_string());
+    bar
+}
+
+/// Exit status of a run.
+pub fn exit_code(ended: &Ended, outcome: Outcome) -> ExitCode {
+    match (ended, outcome) {
+        (Ended::Interrupted, _) => ExitCode::from(130),
+        (_, Outcome::Completed) => ExitCode::SUCCESS,
+        _ => ExitCode::FAILURE,
+    }
+}

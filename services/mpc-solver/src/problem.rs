@@ -1,0 +1,305 @@
+//! The problem as data: what is fixed by the builder and what a control cycle may overwrite.
+
+use crate::builder::{ProblemBuilder, ProblemError};
+
+/// Largest horizon, steps.
+pub const MAX_HORIZON: usize = 1000;
+/// Most rows a problem can have.
+pub const MAX_ROWS: usize = 4;
+
+/// What happens at and beyond a limit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Softness {
+    /// The limit holds, or the problem is infeasible.
+    Hard,
+    /// Exact penalty on the violation `σ ≥ 0`: `linear · σ + ½ quadratic · σ²`.
+    Soft {
+        /// Price `λ > 0` of the violation, cost per unit.
+        linear: f64,
+        /// Curvature `κ ≥ 0` of the price, cost per unit squared (not used by the light).
+        quadratic: f64,
+    },
+}
+
+/// A bound `g'x_k ≤ h_k` on the stages `from..=to`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// The bounded linear function `g` of the state.
+    pub gradient: [f64; 3],
+    /// First stage bounded, at least 1.
+    pub from: usize,
+    /// Last stage bounded, at most `N`; below `from` the row is switched off.
+    pub to: usize,
+    /// The same limit `h` for all stages; [`Problem::row_limits_mut`] sets it stage by stage.
+    pub limit: f64,
+    /// Hard or soft.
+    pub softness: Softness,
+}
+
+/// Weights of the light's cost `w (1/min(D, d_th) − 1/d_th)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightCost {
+    /// Weight `w > 0`, cost times metre.
+    pub weight: f64,
+    /// Threshold `d_th > 0` beyond which the margin costs nothing, m; may be infinite.
+    pub threshold: f64,
+    /// Hard: `D > 0` or infeasible. Soft: the linear price of the margin's shortfall, cost/m.
+    pub softness: Softness,
+}
+
+/// The margin `D_k = c_k'x_k + o_k` at one stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LightStage {
+    /// `c_k`.
+    pub gradient: [f64; 3],
+    /// `o_k`, m.
+    pub offset: f64,
+}
+
+/// How the last state is treated, besides its cost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Terminal {
+    /// `½ x_N'P x_N + p'x_N` only.
+    Cost,
+    /// The same, and `x_N = x_f`.
+    Equality([f64; 3]),
+}
+
+/// A problem of the class described at the head of the crate.
+///
+/// Weights, dynamics and bounds are checked by the builder and stay. What a control cycle changes
+/// has a setter here that costs nothing and checks nothing; every [`crate::Solver::solve`] calls
+/// [`Problem::check`] and answers bad numbers with [`crate::Status::InvalidInput`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Problem {
+    pub(crate) horizon: usize,
+    pub(crate) a: [[f64; 3]; 3],
+    pub(crate) b: [f64; 3],
+    pub(crate) q: [[f64; 3]; 3],
+    pub(crate) s: [f64; 3],
+    pub(crate) r: f64,
+    pub(crate) p: [[f64; 3]; 3],
+    pub(crate) p_lin: [f64; 3],
+    pub(crate) u_min: f64,
+    pub(crate) u_max: f64,
+    pub(crate) terminal: Terminal,
+    pub(crate) rows: Vec<Row>,
+    pub(crate) light: Option<LightCost>,
+    pub(crate) x0: [f64; 3],
+    pub(crate) d: Vec<[f64; 3]>,
+    pub(crate) q_lin: Vec<[f64; 3]>,
+    pub(crate) r_lin: Vec<f64>,
+    /// `limits[j][k]` = `h_{j,k}` for `k = 0..=N` (entry 0 is not used).
+    pub(crate) limits: Vec<Vec<f64>>,
+    /// `light_stages[k - 1]` is stage `k`; the first `light_len` are in force.
+    pub(crate) light_stages: Vec<LightStage>,
+    pub(crate) light_len: usize,
+}
+
+impl Problem {
+    /// Starts a problem of `horizon` steps with the identity as dynamics and no cost: dynamics, input
+    /// cost and bounds must be given.
+    pub fn builder(horizon: usize) -> ProblemBuilder {
+        ProblemBuilder::new(horizon)
+    }
+
+    /// Sets `x_0`.
+    pub fn set_initial_state(&mut self, x0: [f64; 3]) {
+        self.x0 = x0;
+    }
+
+    /// Sets `x_f`; without effect on a problem that ends in a cost.
+    pub fn set_terminal_target(&mut self, target: [f64; 3]) {
+        if let Terminal::Equality(x_f) = &mut self.terminal {
+            *x_f = target;
+        }
+    }
+
+    /// Sets `p`, the linear part of the terminal cost.
+    pub fn set_terminal_gradient(&mut self, gradient: [f64; 3]) {
+        self.p_lin = gradient;
+    }
+
+    /// `d_k`, `k = 0..N`; zero at first.
+    pub fn disturbances_mut(&mut self) -> &mut [[f64; 3]] {
+        &mut self.d
+    }
+
+    /// `q_k`, `k = 0..N`; zero at first.
+    pub fn state_gradients_mut(&mut self) -> &mut [[f64; 3]] {
+        &mut self.q_lin
+    }
+
+    /// `ρ_k`, `k = 0..N`; zero at first.
+    pub fn input_gradients_mut(&mut self) -> &mut [f64] {
+        &mut self.r_lin
+    }
+
+    /// `h_{row,k}`, `k = 0..=N`, in the order in which the rows were added; positive infinity where there
+    /// is no limit, entry 0 is not used.
+    ///
+    /// # Panics
+    /// If the problem has no such row.
+    pub fn row_limits_mut(&mut self, row: usize) -> &mut [f64] {
+        &mut self.limits[row]
+    }
+
+    /// Moves a row to the stages `from..=to`, cut to `1..=N`; `to < from` switches it off.
+    ///
+    /// # Panics
+    /// If the problem has no such row.
+    pub fn set_row_stages(&mut self, row: usize, from: usize, to: usize) {
+        self.rows[row].from = from.max(1);
+        self.rows[row].to = to.min(self.horizon);
+    }
+
+    /// Sets the margins of stages `1..=K` from an iterator, first stage first; what exceeds the
+    /// horizon is dropped, an empty iterator switches the light off.
+    ///
+    /// Without effect on a problem built without [`ProblemBuilder::light`].
+    pub fn set_light(&mut self, stages: impl IntoIterator<Item = LightStage>) {
+        self.light_len = 0;
+        for (slot, stage) in self.light_stages.iter_mut().zip(stages) {
+            *slot = stage;
+            self.light_len += 1;
+        }
+    }
+
+    /// Tells whether all numbers that can be overwritten are such that the problem has a meaning.
+    ///
+    /// # Errors
+    /// The first [`ProblemError`] found: something not finite (only limits may be `+∞`).
+    pub fn check(&self) -> Result<(), ProblemError> {
+        // 0·x is zero for finite x and NaN else, and one sum of them has no branch per number.
+        let mut sum = 0.0;
+        for x in self.x0.iter().chain(&self.p_lin) {
+            sum += 0.0 * x;
+        }
+        for k in 0..self.horizon {
+            let (d, q) = (&self.d[k], &self.q_lin[k]);
+            sum += 0.0 * (d[0] + d[1] + d[2] + q[0] + q[1] + q[2] + self.r_lin[k]);
+        }
+        for stage in &self.light_stages[..self.light_len] {
+            let c = &stage.gradient;
+            sum += 0.0 * (c[0] + c[1] + c[2] + stage.offset);
+        }
+        if let Terminal::Equality(x_f) = &self.terminal {
+            sum += 0.0 * (x_f[0] + x_f[1] + x_f[2]);
+        }
+        if sum != 0.0 {
+            return Err(ProblemError::NotFinite("state, disturbance, gradient, light or target"));
+        }
+        for (row, limits) in self.rows.iter().zip(&self.limits) {
+            for h in limits.iter().take(row.to + 1).skip(row.from) {
+                if h.is_nan() || *h == f64::NEG_INFINITY {
+                    return Err(ProblemError::NotFinite("row limit"));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Number of steps `N`.
+    pub fn horizon(&self) -> usize {
+        self.horizon
+    }
+
+    /// `x_0`.
+    pub fn initial_state(&self) -> [f64; 3] {
+        self.x0
+    }
+
+    /// `(u_min, u_max)`.
+    pub fn input_bounds(&self) -> (f64, f64) {
+        (self.u_min, self.u_max)
+    }
+
+    /// The rows, in the order in which they were added.
+    pub fn rows(&self) -> &[Row] {
+        &self.rows
+    }
+
+    /// The margins in force, stages `1..=K`.
+    pub fn light_stages(&self) -> &[LightStage] {
+        &self.light_stages[..self.light_len]
+    }
+
+    /// One step of the dynamics: `A x + B u + d_k`.
+    #[inline]
+    pub fn step(&self, k: usize, x: &[f64; 3], u: f64) -> [f64; 3] {
+        let (a, b, d) = (&self.a, &self.b, &self.d[k]);
+        [
+            a[0][0] * x[0] + a[0][1] * x[1] + a[0][2] * x[2] + b[0] * u + d[0],
+            a[1][1] * x[1] + a[1][2] * x[2] + b[1] * u + d[1],
+            a[2][2] * x[2] + b[2] * u + d[2],
+        ]
+    }
+
+    /// The states that `inputs` lead to, into `states[0..=N]`.
+    ///
+    /// # Panics
+    /// If `inputs` is shorter than `N` or `states` shorter than `N + 1`.
+    pub fn roll_out(&self, inputs: &[f64], states: &mut [[f64; 3]]) {
+        let mut x = self.x0;
+        states[0] = x;
+        for k in 0..self.horizon {
+            x = self.step(k, &x, inputs[k]);
+            states[k + 1] = x;
+        }
+    }
+
+    /// The objective of a pair of trajectories, penalties included; infinite outside of a hard
+    /// light's domain. Violations of hard rows, bounds and the terminal equality cost nothing here.
+    ///
+    /// # Panics
+    /// If `inputs` is shorter than `N` or `states` shorter than `N + 1`.
+    pub fn objective(&self, inputs: &[f64], states: &[[f64; 3]]) -> f64 {
+        let mut cost = 0.0;
+        for k in 0..self.horizon {
+            let (x, u, q) = (&states[k], inputs[k], &self.q_lin[k]);
+            cost += 0.5 * quadratic(&self.q, x) + dot(q, x);
+            cost += u * (dot(&self.s, x) + 0.5 * self.r * u + self.r_lin[k]);
+        }
+        let x_n = &states[self.horizon];
+        cost += 0.5 * quadratic(&self.p, x_n) + dot(&self.p_lin, x_n);
+        for (row, limits) in self.rows.iter().zip(&self.limits) {
+            if let Softness::Soft { linear, quadratic } = row.softness {
+                for k in row.from..=row.to {
+                    let z = (dot(&row.gradient, &states[k]) - limits[k]).max(0.0);
+                    cost += z * (linear + 0.5 * quadratic * z);
+                }
+            }
+        }
+        if let Some(light) = &self.light {
+            for (stage, x) in self.light_stages().iter().zip(&states[1..]) {
+                cost += light.value(dot(&stage.gradient, x) + stage.offset);
+            }
+        }
+        cost
+    }
+}
+
+impl LightCost {
+    /// `φ(D)`.
+    pub fn value(&self, margin: f64) -> f64 {
+        let level = |p: f64| self.weight * (1.0 / p.min(self.threshold) - 1.0 / self.threshold);
+        match self.softness {
+            Softness::Hard if margin <= 0.0 => f64::INFINITY,
+            Softness::Hard => level(margin),
+            Softness::Soft { linear, .. } => {
+                let knee = (self.weight / linear).sqrt().min(self.threshold);
+                if margin < knee { level(knee) + linear * (knee - margin) } else { level(margin) }
+            }
+        }
+    }
+}
+
+#[inline]
+pub(crate) fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline]
+pub(crate) fn quadratic(m: &[[f64; 3]; 3], x: &[f64; 3]) -> f64 {
+    dot(&[dot(&m[0], x), dot(&m[1], x), dot(&m[2], x)], x)
+}

@@ -1,0 +1,8 @@
+//! The traffic and radar as a program of its own: `timegap run --service perception-sim=PROGRAM`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    shared::runtime::run_service(shared::Service::PerceptionSim, &arguments, perception_sim::run)
+}

@@ -1,0 +1,8 @@
+//! The plant as a program of its own: `timegap run --service plant=PROGRAM`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    shared::runtime::run_service(shared::Service::Plant, &arguments, plant::run)
+}

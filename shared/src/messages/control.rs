@@ -1,0 +1,59 @@
+//! What the controller asks of the vehicle, and why.
+
+use super::{Header, Topic, message};
+use bytemuck::{Pod, Zeroable};
+use iceoryx2::prelude::ZeroCopySend;
+
+/// Requests that a command can carry.
+pub const PLAN_LEN: usize = 128;
+/// Law-specific figures in a diagnostics message.
+pub const FIGURES: usize = 8;
+
+/// The controller's request with its whole plan, so that the plant has a valid future to follow
+/// when the controller dies.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
+#[type_name("timegap_msgs/msg/Command")]
+pub struct Command {
+    /// Common header; its acquisition time is that of the release.
+    pub header: Header,
+    /// When the cycle began to work on its inputs, ns of run time.
+    pub start_ns: i64,
+    /// Time between two requests of the plan, ns.
+    pub plan_period_ns: i64,
+    /// Valid entries of `plan_mps2`, at least 1.
+    pub plan_len: u64,
+    /// Requested accelerations, m/s²; the first is for now. Unused entries are 0.
+    pub plan_mps2: [f64; PLAN_LEN],
+}
+
+message!(Command, Topic::Command);
+
+/// What the controller saw and decided in one cycle.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
+#[type_name("timegap_msgs/msg/Diagnostics")]
+pub struct Diagnostics {
+    /// Common header, as of the command of the same cycle.
+    pub header: Header,
+    /// Mode of the law, an index into its mode names.
+    pub mode: u32,
+    /// Reason of the last mode change, an index into its reason names.
+    pub mode_reason: u32,
+    /// Quality of the command: 0 full, 1 relaxed, 2 backup.
+    pub quality: u32,
+    /// Iterations of the solver.
+    pub solver_iterations: u32,
+    /// First request, m/s².
+    pub request_mps2: f64,
+    /// Age of the odometry sample at the release, ns; −1 without a sample.
+    pub odometry_age_ns: i64,
+    /// Age of the radar sample at the release, ns; −1 without a sample.
+    pub radar_age_ns: i64,
+    /// Age of the SPAT sample at the release, ns; −1 without a sample.
+    pub spat_age_ns: i64,
+    /// Figures of the law, named by it.
+    pub figures: [f64; FIGURES],
+}
+
+message!(Diagnostics, Topic::Diagnostics);

@@ -1,0 +1,91 @@
+//! The header that every message starts with.
+
+use bytemuck::{Pod, Zeroable};
+use iceoryx2::prelude::ZeroCopySend;
+
+/// Stamps of one input sample that a message was computed from.
+///
+/// All stamps are run time: nanoseconds since the group's common start instant, the same in every
+/// process. An input that was not there has `sequence` 0 and stamps of −1.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable, ZeroCopySend)]
+#[type_name("timegap_msgs/msg/Origin")]
+pub struct Origin {
+    /// Sequence number of the sample, counted from 1.
+    pub sequence: u64,
+    /// When the world was as the sample says, ns of run time.
+    pub acquisition_ns: i64,
+    /// When the sample was published, ns of run time.
+    pub publish_ns: i64,
+}
+
+impl Origin {
+    /// The origin of an input that was not there.
+    pub const NONE: Self = Self { sequence: 0, acquisition_ns: -1, publish_ns: -1 };
+
+    /// The origin that a message with `header` is to those computed from it.
+    #[must_use]
+    pub fn of(header: &Header) -> Self {
+        Self {
+            sequence: header.sequence,
+            acquisition_ns: header.acquisition_ns,
+            publish_ns: header.publish_ns,
+        }
+    }
+
+    /// True if there was such an input.
+    #[must_use]
+    pub fn is_some(&self) -> bool {
+        self.sequence != 0
+    }
+}
+
+/// Stamps of the inputs of a message, one place per sensor topic, so that the whole cause-effect
+/// chain of any command can be rebuilt from the command alone.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable, ZeroCopySend)]
+#[type_name("timegap_msgs/msg/Origins")]
+pub struct Origins {
+    /// The `vehicle/odometry` sample.
+    pub odometry: Origin,
+    /// The `radar/tracks` sample.
+    pub radar: Origin,
+    /// The `v2x/spat` sample.
+    pub spat: Origin,
+}
+
+impl Origins {
+    /// No inputs, as in a message that starts a chain.
+    pub const NONE: Self =
+        Self { odometry: Origin::NONE, radar: Origin::NONE, spat: Origin::NONE };
+}
+
+/// What every message starts with.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable, ZeroCopySend)]
+#[type_name("timegap_msgs/msg/Header")]
+pub struct Header {
+    /// Number of this message on its topic from its source, counted from 1 in each incarnation.
+    pub sequence: u64,
+    /// Simulation step that the message belongs to.
+    pub step: u64,
+    /// When the world was as the message says, ns of run time: the scheduled instant of the
+    /// source's release, so that a source that stalls ages its own data.
+    pub acquisition_ns: i64,
+    /// When the message was handed to the transport, ns of run time.
+    pub publish_ns: i64,
+    /// Which restart of the source sent it: 0 for the first process.
+    pub incarnation: u32,
+    /// Service that sent it, [`crate::Service`] as a number.
+    pub source: u32,
+    /// Stamps of the inputs it was computed from.
+    pub origins: Origins,
+}
+
+impl Header {
+    /// A header to be filled in by the publisher, for a message of `step` made from `origins`.
+    #[must_use]
+    pub fn new(step: u64, acquisition_ns: i64, origins: Origins) -> Self {
+        Self { step, acquisition_ns, origins, ..Self::zeroed() }
+    }
+}

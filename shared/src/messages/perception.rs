@@ -1,0 +1,91 @@
+//! What the radar sees, and what is really there.
+
+use super::{Header, Topic, message};
+use bytemuck::{Pod, Zeroable};
+use iceoryx2::prelude::ZeroCopySend;
+
+/// Most tracks, and most vehicles of the truth, that a message carries.
+pub const MAX_TRACKS: usize = 8;
+
+/// One raw radar track.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
+#[type_name("timegap_msgs/msg/Track")]
+pub struct Track {
+    /// Identity of the track.
+    pub id: u32,
+    /// 1 if the track was selected as the in-path target.
+    pub in_path: u32,
+    /// Bumper-to-bumper range, m.
+    pub range_m: f64,
+    /// Range rate, m/s, negative when closing.
+    pub range_rate_mps: f64,
+    /// Azimuth, rad, positive to the left.
+    pub azimuth_rad: f64,
+}
+
+/// The in-path target after tracking.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
+#[type_name("timegap_msgs/msg/TrackedTarget")]
+pub struct TrackedTarget {
+    /// 1 if there is a target; all other fields are 0 otherwise.
+    pub valid: u32,
+    /// Identity of the track: a new number means a new vehicle.
+    pub track_id: u32,
+    /// Bumper-to-bumper distance, m.
+    pub gap_m: f64,
+    /// Target speed minus ego speed, m/s.
+    pub relative_speed_mps: f64,
+    /// Absolute acceleration of the target, m/s².
+    pub acceleration_mps2: f64,
+}
+
+/// Output of the radar and its tracker.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
+#[type_name("timegap_msgs/msg/RadarTracks")]
+pub struct RadarTracks {
+    /// Common header.
+    pub header: Header,
+    /// The selected and filtered in-path target.
+    pub target: TrackedTarget,
+    /// Valid entries of `tracks`.
+    pub count: u64,
+    /// Raw tracks, nearest first; unused entries are 0.
+    pub tracks: [Track; MAX_TRACKS],
+}
+
+message!(RadarTracks, Topic::RadarTracks);
+
+/// A vehicle as it really is.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
+#[type_name("timegap_msgs/msg/VehicleTruthItem")]
+pub struct VehicleTruthItem {
+    /// 1 if the vehicle's body reaches into the ego's lane.
+    pub in_lane: u64,
+    /// Position of the rear bumper on the ego's axis, m.
+    pub rear_position_m: f64,
+    /// Speed, m/s.
+    pub speed_mps: f64,
+    /// Acceleration, m/s².
+    pub acceleration_mps2: f64,
+    /// Lateral offset from the ego's lane centre, m, positive to the left.
+    pub lateral_m: f64,
+}
+
+/// All simulated vehicles as they really are at the header's step.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
+#[type_name("timegap_msgs/msg/VehicleTruth")]
+pub struct VehicleTruth {
+    /// Common header.
+    pub header: Header,
+    /// Valid entries of `vehicles`.
+    pub count: u64,
+    /// The vehicles in the scenario's order; unused entries are 0.
+    pub vehicles: [VehicleTruthItem; MAX_TRACKS],
+}
+
+message!(VehicleTruth, Topic::VehicleTruth);

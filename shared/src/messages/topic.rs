@@ -1,0 +1,100 @@
+//! The topics: who publishes what for whom.
+
+use super::Header;
+use crate::Service;
+use bytemuck::Pod;
+use core::fmt::Debug;
+use iceoryx2::prelude::ZeroCopySend;
+
+/// Version of all message layouts, an attribute of every topic: a process built with another
+/// version cannot open it.
+pub const LAYOUT_VERSION: &str = "1";
+
+/// A message type with its topic.
+pub trait Message: Pod + ZeroCopySend + Debug + PartialEq {
+    /// Topic that carries the type.
+    const TOPIC: Topic;
+
+    /// The common header.
+    fn header(&self) -> &Header;
+
+    /// The common header, to be stamped.
+    fn header_mut(&mut self) -> &mut Header;
+}
+
+/// Every topic of the group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Topic {
+    /// `vehicle/odometry`
+    Odometry,
+    /// `radar/tracks`
+    RadarTracks,
+    /// `v2x/spat`
+    Spat,
+    /// `v2x/map`
+    Map,
+    /// `control/command`
+    Command,
+    /// `control/diagnostics`
+    Diagnostics,
+    /// `truth/vehicles`
+    VehicleTruth,
+    /// `truth/signals`
+    SignalTruth,
+    /// `health/heartbeat`
+    Heartbeat,
+}
+
+/// All topics, in the order of the data's way.
+pub const TOPICS: [Topic; 9] = [
+    Topic::Odometry,
+    Topic::RadarTracks,
+    Topic::Spat,
+    Topic::Map,
+    Topic::Command,
+    Topic::Diagnostics,
+    Topic::VehicleTruth,
+    Topic::SignalTruth,
+    Topic::Heartbeat,
+];
+
+impl Topic {
+    /// Name on the wire.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Odometry => "vehicle/odometry",
+            Self::RadarTracks => "radar/tracks",
+            Self::Spat => "v2x/spat",
+            Self::Map => "v2x/map",
+            Self::Command => "control/command",
+            Self::Diagnostics => "control/diagnostics",
+            Self::VehicleTruth => "truth/vehicles",
+            Self::SignalTruth => "truth/signals",
+            Self::Heartbeat => "health/heartbeat",
+        }
+    }
+
+    /// Service that publishes it; `None` where every service does.
+    #[must_use]
+    pub const fn source(self) -> Option<Service> {
+        match self {
+            Self::Odometry => Some(Service::Plant),
+            Self::RadarTracks | Self::VehicleTruth => Some(Service::PerceptionSim),
+            Self::Spat | Self::Map | Self::SignalTruth => Some(Service::V2xSim),
+            Self::Command | Self::Diagnostics => Some(Service::Controller),
+            Self::Heartbeat => None,
+        }
+    }
+
+    /// Services whose cycles are computed from it: those that a lockstep run makes wait for it.
+    #[must_use]
+    pub const fn consumers(self) -> &'static [Service] {
+        match self {
+            Self::Odometry => &[Service::PerceptionSim, Service::V2xSim, Service::Controller],
+            Self::RadarTracks | Self::Spat | Self::Map => &[Service::Controller],
+            Self::Command | Self::VehicleTruth | Self::SignalTruth => &[Service::Plant],
+            Self::Diagnostics | Self::Heartbeat => &[],
+        }
+    }
+}

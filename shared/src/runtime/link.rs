@@ -1,0 +1,131 @@
+//! The link between the launcher and a service: JSON lines on the service's standard streams.
+//!
+//! The launcher writes [`ToService`] to the service's standard input and reads [`FromService`] from
+//! its standard output. The end of the input is the launcher's death, and an order to stop at once.
+
+use super::{RuntimeError, scheduling::Granted};
+use crate::report::ServiceReport;
+use serde::{Deserialize, Serialize};
+use std::io::{BufRead, Write};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, sync_channel};
+
+/// The common start instant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StartOrder {
+    /// Run time 0, in `CLOCK_MONOTONIC` ns.
+    pub start_ns: i64,
+}
+
+/// What the launcher says to a service.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ToService {
+    /// Begin.
+    Start(StartOrder),
+    /// End after the releases of this step; in realtime, at once.
+    StopAfter(u64),
+    /// End at once.
+    Abort,
+}
+
+/// What a service says to the launcher.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FromService {
+    /// All ports are open; what the kernel granted.
+    Ready(Granted),
+    /// The service reached the end it was told, with this report.
+    Report(Box<ServiceReport>),
+    /// The plant ended the run in this step; the others may finish it.
+    Ended(u64),
+    /// The service cannot go on.
+    Failed(String),
+}
+
+/// First step that is not to be run any more, shared with the link's thread and signal handlers.
+#[derive(Clone, Debug)]
+pub(super) struct End(Arc<AtomicUsize>);
+
+impl Default for End {
+    fn default() -> Self {
+        Self(Arc::new(AtomicUsize::new(usize::MAX)))
+    }
+}
+
+impl End {
+    /// True if `step` is not to be run any more.
+    pub(super) fn is_before(&self, step: u64) -> bool {
+        self.0.load(Ordering::Relaxed) as u64 <= step
+    }
+
+    /// True if the run was aborted.
+    pub(super) fn is_now(&self) -> bool {
+        self.0.load(Ordering::Relaxed) == 0
+    }
+
+    /// Ends the run before `step`, unless it ends earlier.
+    pub(super) fn set_before(&self, step: u64) {
+        self.0.fetch_min(usize::try_from(step).unwrap_or(usize::MAX), Ordering::Relaxed);
+    }
+}
+
+/// The service's end of the link.
+#[derive(Debug)]
+pub(super) struct Link {
+    start: Receiver<StartOrder>,
+    pub(super) end: End,
+}
+
+impl Link {
+    /// Listens to the launcher and to the signals that ask for an end.
+    pub(super) fn open() -> Result<Self, RuntimeError> {
+        let end = End::default();
+        for signal in [signal_hook::consts::SIGTERM, signal_hook::consts::SIGINT] {
+            signal_hook::flag::register_usize(signal, Arc::clone(&end.0), 0)
+                .map_err(|e| RuntimeError::Link(format!("signal handler: {e}")))?;
+        }
+        let (sender, start) = sync_channel(1);
+        let orders = end.clone();
+        std::thread::Builder::new()
+            .name("link".into())
+            .stack_size(128 * 1024)
+            .spawn(move || {
+                for line in std::io::stdin().lock().lines() {
+                    match line.ok().and_then(|l| serde_json::from_str::<ToService>(&l).ok()) {
+                        Some(ToService::Start(order)) => {
+                            // A second start order finds the channel full and is of no use.
+                            let _ = sender.try_send(order);
+                        }
+                        Some(ToService::StopAfter(step)) => orders.set_before(step + 1),
+                        Some(ToService::Abort) | None => orders.set_before(0),
+                    }
+                }
+                orders.set_before(0);
+            })
+            .map_err(|e| RuntimeError::Link(format!("thread: {e}")))?;
+        Ok(Self { start, end })
+    }
+
+    /// Waits for the start order.
+    pub(super) fn wait_for_start(&self) -> Result<StartOrder, RuntimeError> {
+        loop {
+            match self.start.recv_timeout(std::time::Duration::from_millis(50)) {
+                Ok(order) => return Ok(order),
+                Err(_) if self.end.is_now() => return Err(RuntimeError::Stopped),
+                Err(_) => {}
+            }
+        }
+    }
+
+    /// Tells the launcher something.
+    pub(super) fn say(&self, message: &FromService) -> Result<(), RuntimeError> {
+        let mut line = serde_json::to_vec(message).expect("link messages are plain data");
+        line.push(b'\n');
+        let mut out = std::io::stdout().lock();
+        out.write_all(&line)
+            .and_then(|()| out.flush())
+            .map_err(|e| RuntimeError::Link(format!("the launcher does not listen: {e}")))
+    }
+}

@@ -1,0 +1,43 @@
+//! A service's life: join the group, open ports, be released, end.
+//!
+//! ```text
+//! Runtime::join ── publisher / subscriber ── begin ──► next_release ─► update, send ─┐
+//!   group file        iceoryx2 ports       ready, start      ▲                       │
+//!                                                            └───────────────────────┘ ─► finish
+//! ```
+//!
+//! One code path serves two clocks, and only this module knows which of them is in use:
+//!
+//! * **realtime**: [`Runtime::next_release`] sleeps until the absolute instant of the next release
+//!   and [`Runtime::update`] takes what is there;
+//! * **lockstep**: `next_release` returns at once and `update` waits for the samples that are due
+//!   in the step. The plant's odometry paces everybody, since everybody waits for it, directly or
+//!   through somebody else; no coordinator is needed. Publishers wait when an observer lags, so that
+//!   nobody loses a message, and all stamps are simulated time: same scenario, same seed, same
+//!   bytes.
+//!
+//! `unsafe` is allowed in `scheduling` and `spawn` alone, for system calls that no crate wraps.
+
+mod clock;
+mod error;
+mod group;
+mod link;
+mod observer;
+mod port;
+mod release;
+pub mod scheduling;
+mod session;
+mod spawn;
+mod timetable;
+mod transport;
+
+pub use clock::{Clock, Mode, monotonic_ns};
+pub use error::RuntimeError;
+pub use group::Group;
+pub use link::{FromService, StartOrder, ToService};
+pub use observer::{Observed, Observer};
+pub use port::{Publisher, Subscriber};
+pub use release::{Overrun, Release};
+pub use session::{Cycle, Runtime, run_service};
+pub use spawn::inherit_only;
+pub use timetable::Timetable;

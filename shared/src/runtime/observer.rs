@@ -1,0 +1,68 @@
+//! Somebody who only listens: the launcher, a recorder.
+
+use super::port::Tally;
+use super::transport::Transport;
+use super::{Group, RuntimeError, Subscriber};
+use crate::Service;
+use crate::messages::Message;
+use crate::report::ReceivedTopic;
+
+/// A listener in a running group.
+#[derive(Debug)]
+pub struct Observer {
+    transport: Transport,
+    mode: super::Mode,
+}
+
+impl Observer {
+    /// Joins `group` under `name`.
+    ///
+    /// # Errors
+    /// If the run's shared memory is not usable.
+    pub fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
+        Ok(Self { transport: Transport::join(group, name)?, mode: group.mode })
+    }
+
+    /// Listens to `T`'s topic from now on.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Topic`].
+    pub fn listen<T: Message>(&self) -> Result<Observed<T>, RuntimeError> {
+        let port = (self.transport.topic::<T>()?.subscriber_builder())
+            .create()
+            .map_err(|e| RuntimeError::Topic { topic: T::TOPIC, reason: format!("{e:?}") })?;
+        Ok(Observed(Subscriber {
+            port,
+            listener: None,
+            newest: None,
+            ahead: None,
+            last: [(0, 0); Service::ALL.len() + 1],
+            tally: Tally::new(self.mode),
+        }))
+    }
+
+    /// Removes what dead processes of the run left.
+    pub fn clean_up_dead_nodes(&self) {
+        self.transport.clean_up_dead_nodes();
+    }
+}
+
+/// What an observer hears on one topic.
+#[derive(Debug)]
+pub struct Observed<T: Message>(Subscriber<T>);
+
+impl<T: Message> Observed<T> {
+    /// Takes all messages that arrived, in order.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Receive`].
+    pub fn drain(&mut self, each: impl FnMut(&T)) -> Result<(), RuntimeError> {
+        self.0.drain(u64::MAX, each)
+    }
+
+    /// What was received so far.
+    #[must_use]
+    pub fn received(&self) -> ReceivedTopic {
+        self.0.tally.borrow().received(T::TOPIC)
+    }
+}

@@ -1,0 +1,23 @@
+//! Releases: when a service's cycles begin.
+
+/// What a service does when it missed whole periods.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Overrun {
+    /// Runs every missed cycle, late: for the plant, whose integration knows no gaps.
+    CatchUp,
+    /// Leaves them out and counts them: for everybody who samples the present.
+    Skip,
+}
+
+/// One release of a service.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Release {
+    /// Simulation step.
+    pub step: u64,
+    /// Time of the step, s of run time.
+    pub time_s: f64,
+    /// Scheduled instant, ns of run time.
+    pub scheduled_ns: i64,
+    /// When the service really began, ns of run time.
+    pub start_ns: i64,
+}

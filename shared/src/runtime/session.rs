@@ -1,0 +1,380 @@
+//! One service's life in the group.
+
+use super::link::Link;
+use super::port::Tally;
+use super::scheduling::{Granted, Request, apply};
+use super::transport::Transport;
+use super::{
+    Clock, FromService, Group, Mode, Overrun, Publisher, Release, RuntimeError, Subscriber,
+};
+use crate::Service;
+use crate::messages::{Header, Heartbeat, Message, Origins, ServiceState, Topic};
+use crate::scenario::Scenario;
+use crate::report::{Details, ServiceReport};
+use crate::statistics::Latencies;
+use std::cell::RefCell;
+use std::path::Path;
+use std::process::ExitCode;
+use std::rc::Rc;
+use std::time::Duration;
+
+/// Run time between two heartbeats, ns.
+const HEARTBEAT_NS: i64 = 100_000_000;
+
+/// What a cycle says of the run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cycle {
+    /// It goes on.
+    Next,
+    /// It is over.
+    Last,
+}
+
+/// A service that joined the group.
+#[derive(Debug)]
+pub struct Runtime {
+    group: Group,
+    service: Service,
+    incarnation: u32,
+    transport: Transport,
+    clock: Rc<Clock>,
+    link: Link,
+    sent: Vec<(Topic, Rc<RefCell<Tally>>)>,
+    received: Vec<(Topic, Rc<RefCell<Tally>>)>,
+    heartbeat: Option<Publisher<Heartbeat>>,
+    granted: Option<Granted>,
+    step: u64,
+    next_step: u64,
+    cycles: u64,
+    skipped: u64,
+    jitter: Latencies,
+}
+
+impl Runtime {
+    /// Joins the group whose root is `root` as `service`.
+    ///
+    /// # Errors
+    /// If the group file, the link or the run's shared memory is not usable.
+    pub fn join(service: Service, root: &Path, incarnation: u32) -> Result<Self, RuntimeError> {
+        let link = Link::open()?;
+        let group = Group::read(root)?;
+        let transport = Transport::join(&group, service.name())?;
+        let clock = Rc::new(Clock::new(group.mode, group.timetable.step_ns));
+        link.end.set_before(group.timetable.last_step + 1);
+        Ok(Self {
+            group,
+            service,
+            incarnation,
+            transport,
+            clock,
+            link,
+            sent: Vec::new(),
+            received: Vec::new(),
+            heartbeat: None,
+            granted: None,
+            step: 0,
+            next_step: 0,
+            cycles: 0,
+            skipped: 0,
+            jitter: Latencies::default(),
+        })
+    }
+
+    /// Opens the sending end of `T`'s topic.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Topic`].
+    pub fn publisher<T: Message>(&mut self) -> Result<Publisher<T>, RuntimeError> {
+        let tally = Tally::new(self.group.mode);
+        self.sent.push((T::TOPIC, Rc::clone(&tally)));
+        let awaited = match self.group.mode {
+            Mode::Lockstep => !T::TOPIC.consumers().is_empty(),
+            // The radar alone can release a service.
+            Mode::Realtime => T::TOPIC == Topic::RadarTracks,
+        };
+        Ok(Publisher {
+            port: self.transport.publisher::<T>(self.link.end.clone())?,
+            notifier: awaited.then(|| self.transport.notifier(T::TOPIC)).transpose()?,
+            clock: Rc::clone(&self.clock),
+            timetable: self.group.timetable,
+            source: self.service,
+            incarnation: self.incarnation,
+            tally,
+        })
+    }
+
+    /// Opens the receiving end of `T`'s topic.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Topic`].
+    pub fn subscriber<T: Message>(&mut self) -> Result<Subscriber<T>, RuntimeError> {
+        self.subscribe(self.group.mode == Mode::Lockstep)
+    }
+
+    /// Opens the receiving end of `T`'s topic so that its samples can release this service.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Topic`].
+    pub fn releasing_subscriber<T: Message>(&mut self) -> Result<Subscriber<T>, RuntimeError> {
+        self.subscribe(true)
+    }
+
+    fn subscribe<T: Message>(&mut self, waits: bool) -> Result<Subscriber<T>, RuntimeError> {
+        let tally = Tally::new(self.group.mode);
+        self.received.push((T::TOPIC, Rc::clone(&tally)));
+        // The listener first: whoever notifies must find it.
+        let listener = waits.then(|| self.transport.listener(T::TOPIC)).transpose()?;
+        let port = self
+            .transport
+            .topic::<T>()?
+            .subscriber_builder()
+            .create()
+            .map_err(|e| RuntimeError::Topic { topic: T::TOPIC, reason: format!("{e:?}") })?;
+        let last = [(0, 0); Service::ALL.len() + 1];
+        Ok(Subscriber { port, listener, newest: None, ahead: None, last, tally })
+    }
+
+    /// The effective scenario.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Setup`] if the group file does not hold one.
+    pub fn scenario(&self) -> Result<Scenario, RuntimeError> {
+        Scenario::parse("scenario", &self.group.scenario)
+            .map_err(|e| RuntimeError::Setup(e.to_string()))
+    }
+
+    /// Tells the launcher that all ports are open, and waits for the common start.
+    ///
+    /// # Errors
+    /// If the link breaks or the run ends before it began.
+    pub fn begin(&mut self, scenario: &Scenario) -> Result<(), RuntimeError> {
+        self.heartbeat = Some(self.publisher::<Heartbeat>()?);
+        let request = match self.group.mode {
+            Mode::Realtime => Request::of(scenario, self.service),
+            Mode::Lockstep => Request::NOTHING,
+        };
+        let granted = apply(&request);
+        self.granted = Some(granted.clone());
+        self.link.say(&FromService::Ready(granted))?;
+        let order = self.link.wait_for_start()?;
+        self.clock.start(order.start_ns);
+        Ok(())
+    }
+
+    /// Waits for the next release on the timer; `None` at the end of the run.
+    pub fn next_release(&mut self, overrun: Overrun) -> Option<Release> {
+        if self.group.mode == Mode::Realtime {
+            loop {
+                let scheduled = self.clock.scheduled_ns(self.next_step);
+                if self.link.end.is_before(self.next_step) {
+                    return None;
+                }
+                let late = self.clock.now_ns() - scheduled;
+                if late < 0 {
+                    self.clock.sleep_until_run_time(scheduled);
+                } else if overrun == Overrun::CatchUp || !self.skip_missed(late) {
+                    break;
+                }
+            }
+        }
+        self.release()
+    }
+
+    /// Waits for the next release by a sample of `T`'s topic, which must be due whenever this
+    /// service is. In realtime a sample that is `fallback_ns` late is not waited for any longer.
+    ///
+    /// # Errors
+    /// If the topic breaks.
+    pub fn next_release_by<T: Message>(
+        &mut self,
+        samples: &mut Subscriber<T>,
+        fallback_ns: i64,
+    ) -> Result<Option<Release>, RuntimeError> {
+        if self.group.mode == Mode::Realtime {
+            loop {
+                if self.link.end.is_before(self.next_step) {
+                    return Ok(None);
+                }
+                samples.drain(u64::MAX, |_| {})?;
+                let late = self.clock.now_ns() - self.clock.scheduled_ns(self.next_step);
+                if self.skip_missed(late) {
+                    continue;
+                }
+                if samples.reaches(self.next_step) || late >= fallback_ns {
+                    break;
+                }
+                let wait = (fallback_ns - late).clamp(1_000, 50_000_000).unsigned_abs();
+                samples.wait(Duration::from_nanos(wait))?;
+            }
+        }
+        Ok(self.release())
+    }
+
+    /// Leaves out the releases that are over by more than a period; true if there were any.
+    fn skip_missed(&mut self, late_ns: i64) -> bool {
+        let period = self.group.timetable.period_ns(self.service);
+        let missed = u64::try_from(late_ns / period).unwrap_or(0);
+        self.skipped += missed;
+        self.next_step += missed * self.group.timetable.stride(self.service);
+        missed > 0
+    }
+
+    fn release(&mut self) -> Option<Release> {
+        if self.link.end.is_before(self.next_step) {
+            return None;
+        }
+        self.step = self.next_step;
+        self.next_step += self.group.timetable.stride(self.service);
+        self.clock.set_step(self.step);
+        let scheduled_ns = self.clock.scheduled_ns(self.step);
+        let start_ns = self.clock.now_ns();
+        if self.group.mode == Mode::Realtime {
+            self.jitter.record_ns(start_ns - scheduled_ns);
+        }
+        self.cycles += 1;
+        let time_s = scheduled_ns as f64 / 1e9;
+        Some(Release { step: self.step, time_s, scheduled_ns, start_ns })
+    }
+
+    /// Takes the newest sample of `T`'s topic; in lockstep, waits for the one that is due.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Starved`] if a due sample never comes, [`RuntimeError::Stopped`] if the run
+    /// ends meanwhile.
+    pub fn update<T: Message>(&self, topic: &mut Subscriber<T>) -> Result<(), RuntimeError> {
+        match (self.group.mode, T::TOPIC.source()) {
+            (Mode::Lockstep, Some(source)) => {
+                let due = self.group.timetable.latest_release(source, self.step);
+                let patience = Duration::from_nanos(self.group.patience_ns.unsigned_abs());
+                topic.await_step(due, self.step, &self.link.end, patience)
+            }
+            _ => topic.drain(u64::MAX, |_| {}),
+        }
+    }
+
+    /// Sends the heartbeat when it is due; called once at the end of every cycle.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Send`].
+    pub fn end_cycle(&mut self, state: ServiceState) -> Result<(), RuntimeError> {
+        let scheduled_ns = self.clock.scheduled_ns(self.step);
+        let period_ns = self.group.timetable.period_ns(self.service);
+        let cycles = self.cycles;
+        let heartbeat = self.heartbeat.as_mut().expect("`begin` opened the heartbeat");
+        // Due once in every heartbeat period, or in every cycle if the service's own is longer.
+        if scheduled_ns % HEARTBEAT_NS < period_ns {
+            let header = Header::new(self.step, scheduled_ns, Origins::NONE);
+            heartbeat.send(Heartbeat { header, cycles, state: state as u64 })?;
+        }
+        Ok(())
+    }
+
+    /// Ends the run for the whole group after the current step: for the plant's referee.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Link`].
+    pub fn end_run(&mut self) -> Result<(), RuntimeError> {
+        self.link.end.set_before(self.step + 1);
+        self.link.say(&FromService::Ended(self.step))
+    }
+
+    /// Reports to the launcher and keeps all ports open until it has heard everybody, so that
+    /// nobody's last message is lost with its sender.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Link`].
+    pub fn finish(self, details: Details) -> Result<(), RuntimeError> {
+        let report = ServiceReport {
+            service: self.service,
+            cycles: self.cycles,
+            skipped: self.skipped,
+            release_jitter_us: self.jitter.percentiles_us(),
+            sent: self.sent.iter().map(|(topic, tally)| tally.borrow().sent(*topic)).collect(),
+            received: (self.received.iter())
+                .map(|(topic, tally)| tally.borrow().received(*topic))
+                .collect(),
+            peak_rss_kib: peak_rss_kib(),
+            scheduling: self.granted.expect("`begin` comes before `finish`"),
+            details,
+        };
+        self.link.say(&FromService::Report(Box::new(report)))?;
+        while !self.link.end.is_now() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        Ok(())
+    }
+
+    /// Runs cycles until one says that the run is over, or it is.
+    ///
+    /// # Errors
+    /// What a cycle says, but for [`RuntimeError::Stopped`], which is an end like any other.
+    pub fn run_cycles(
+        &mut self,
+        mut cycle: impl FnMut(&mut Self) -> Result<Cycle, RuntimeError>,
+    ) -> Result<(), RuntimeError> {
+        loop {
+            match cycle(self) {
+                Ok(Cycle::Next) => {}
+                Ok(Cycle::Last) | Err(RuntimeError::Stopped) => return Ok(()),
+                Err(error) => return Err(error),
+            }
+        }
+    }
+
+    /// The group.
+    #[must_use]
+    pub fn group(&self) -> &Group {
+        &self.group
+    }
+
+    /// The clock.
+    #[must_use]
+    pub fn clock(&self) -> &Clock {
+        &self.clock
+    }
+
+    /// Releases left out so far.
+    #[must_use]
+    pub fn skipped(&self) -> u64 {
+        self.skipped
+    }
+}
+
+/// Peak resident set of this process, KiB; 0 where the kernel does not tell.
+fn peak_rss_kib() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    line.and_then(|line| line.trim().trim_end_matches(" kB").parse().ok()).unwrap_or(0)
+}
+
+/// A service process from its start to its exit status. `arguments` are the run's root and the
+/// incarnation.
+pub fn run_service(
+    service: Service,
+    arguments: &[String],
+    run: fn(Runtime) -> Result<(), RuntimeError>,
+) -> ExitCode {
+    let (root, incarnation) = match arguments {
+        [root, incarnation] if incarnation.parse::<u32>().is_ok() => (root, incarnation),
+        _ => {
+            eprintln!("{service} is a service of timegap: start it with `timegap run`");
+            return ExitCode::from(2);
+        }
+    };
+    let incarnation = incarnation.parse().expect("checked above");
+    tracing_subscriber::fmt()
+        .with_writer(std::io::stderr)
+        .with_max_level(tracing::Level::WARN)
+        .without_time()
+        .with_ansi(false)
+        .with_target(false)
+        .init();
+    match Runtime::join(service, Path::new(root), incarnation).and_then(run) {
+        Ok(()) | Err(RuntimeError::Stopped) => ExitCode::SUCCESS,
+        Err(error) => {
+            let line = serde_json::to_string(&FromService::Failed(error.to_string()));
+            println!("{}", line.expect("a string is plain data"));
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! iceoryx2 as timegap uses it: one private node per process and one way to open each topic.
+
+use super::{Group, Mode, RuntimeError};
+use crate::messages::{LAYOUT_VERSION, Message, Topic};
+use iceoryx2::config::Config;
+use iceoryx2::port::{BackpressureAction, listener::Listener, notifier::Notifier};
+use iceoryx2::prelude::*;
+use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
+use iceoryx2::service::port_factory::{event, publish_subscribe};
+use super::link::End;
+
+/// The iceoryx2 variant of all topics.
+pub(super) type Ipc = ipc::Service;
+
+/// Processes on one topic: the group, each restarted beside its dead self, and observers.
+const MAX_PEERS: usize = 10;
+
+/// A node in the run's private iceoryx2 domain.
+#[derive(Debug)]
+pub(super) struct Transport {
+    node: Node<Ipc>,
+    mode: Mode,
+    buffer: usize,
+}
+
+impl Transport {
+    /// Joins the run's domain.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Node`] if the root is not usable or shared memory is not to be had.
+    pub(super) fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
+        let error =
+            |reason: String| RuntimeError::Node { root: group.root.clone(), reason };
+        let config = domain(group).map_err(error)?;
+        let name = NodeName::new(name).map_err(|e| error(format!("{e:?}")))?;
+        let node = NodeBuilder::new()
+            .name(&name)
+            .config(&config)
+            // signal-hook owns the signals.
+            .signal_handling_mode(SignalHandlingMode::Disabled)
+            .create::<Ipc>()
+            .map_err(|e| error(format!("{e:?}")))?;
+        // Twice what the plant publishes between two releases of the slowest service.
+        let slowest = group.timetable.strides.into_iter().max().unwrap_or(1);
+        let buffer = usize::try_from(2 * slowest + 8).expect("strides are small");
+        Ok(Self { node, mode: group.mode, buffer })
+    }
+
+    /// Opens the publish-subscribe service of `T`'s topic.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Topic`].
+    pub(super) fn topic<T: Message>(
+        &self,
+    ) -> Result<publish_subscribe::PortFactory<Ipc, T, ()>, RuntimeError> {
+        let error = |reason: String| RuntimeError::Topic { topic: T::TOPIC, reason };
+        let key = AttributeKey::try_from("layout").expect("short enough for a key");
+        let version = AttributeValue::try_from(LAYOUT_VERSION).expect("short enough for a value");
+        let attributes = AttributeVerifier::new()
+            .require(&key, &version)
+            .map_err(|e| error(format!("{e:?}")))?;
+        self.node
+            .service_builder(&service_name(T::TOPIC))
+            .publish_subscribe::<T>()
+            .max_publishers(MAX_PEERS)
+            .max_subscribers(MAX_PEERS)
+            .max_nodes(2 * MAX_PEERS)
+            .subscriber_max_buffer_size(self.buffer)
+            .history_size(0)
+            .enable_safe_overflow(self.mode == Mode::Realtime)
+            .open_or_create_with_attributes(&attributes)
+            .map_err(|e| error(format!("{e:?}")))
+    }
+
+    /// Creates the publisher of `T`'s topic. In lockstep it waits while a subscriber's buffer is
+    /// full, unless the run was aborted.
+    pub(super) fn publisher<T: Message>(
+        &self,
+        end: End,
+    ) -> Result<iceoryx2::port::publisher::Publisher<Ipc, T, ()>, RuntimeError> {
+        let topic = self.topic::<T>()?;
+        topic
+            .publisher_builder()
+            .set_backpressure_handler(move |_| {
+                if end.is_now() {
+                    return BackpressureAction::DiscardData;
+                }
+                std::thread::sleep(std::time::Duration::from_micros(20));
+                BackpressureAction::Retry
+            })
+            .create()
+            .map_err(|e| RuntimeError::Topic { topic: T::TOPIC, reason: format!("{e:?}") })
+    }
+
+    fn event(&self, topic: Topic) -> Result<event::PortFactory<Ipc>, RuntimeError> {
+        self.node
+            .service_builder(&service_name(topic))
+            .event()
+            .max_listeners(MAX_PEERS)
+            .max_notifiers(MAX_PEERS)
+            .max_nodes(2 * MAX_PEERS)
+            .open_or_create()
+            .map_err(|e| RuntimeError::Topic { topic, reason: format!("{e:?}") })
+    }
+
+    pub(super) fn notifier(&self, topic: Topic) -> Result<Notifier<Ipc>, RuntimeError> {
+        self.event(topic)?
+            .notifier_builder()
+            .create()
+            .map_err(|e| RuntimeError::Topic { topic, reason: format!("{e:?}") })
+    }
+
+    pub(super) fn listener(&self, topic: Topic) -> Result<Listener<Ipc>, RuntimeError> {
+        self.event(topic)?
+            .listener_builder()
+            .create()
+            .map_err(|e| RuntimeError::Topic { topic, reason: format!("{e:?}") })
+    }
+
+    /// Removes what dead processes of the run left, so that their ports do not block the living.
+    pub(super) fn clean_up_dead_nodes(&self) {
+        self.node.try_cleanup_dead_nodes();
+    }
+}
+
+/// iceoryx2's configuration for the run's private domain.
+fn domain(group: &Group) -> Result<Config, String> {
+    let mut config = Config::default();
+    let root = group.root.to_str().ok_or("the path is not UTF-8")?;
+    config.global.prefix =
+        FileName::new(group.prefix.as_bytes()).map_err(|e| format!("prefix: {e:?}"))?;
+    config
+        .global
+        .set_root_path(&Path::new(root.as_bytes()).map_err(|e| format!("path: {e:?}"))?);
+    Ok(config)
+}
+
+fn service_name(topic: Topic) -> ServiceName {
+    topic.name().try_into().expect("topic names are valid service names")
+}

@@ -1,0 +1,62 @@
+//! The services by name.
+
+use serde::{Deserialize, Serialize};
+
+/// A process of the group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Service {
+    /// The ego vehicle, its actuator gateway and the referee.
+    Plant = 1,
+    /// The other vehicles and the radar.
+    PerceptionSim = 2,
+    /// The roadside unit.
+    V2xSim = 3,
+    /// The control law and its loop.
+    Controller = 4,
+}
+
+impl Service {
+    /// All services, in the order of the data's way.
+    pub const ALL: [Self; 4] = [Self::Plant, Self::PerceptionSim, Self::V2xSim, Self::Controller];
+
+    /// Name on the command line, in `ps` (behind `timegap-`) and in results.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Plant => "plant",
+            Self::PerceptionSim => "perception-sim",
+            Self::V2xSim => "v2x-sim",
+            Self::Controller => "controller",
+        }
+    }
+
+    /// Position in [`Service::ALL`].
+    #[must_use]
+    pub const fn index(self) -> usize {
+        self as usize - 1
+    }
+
+    /// Number in message headers.
+    #[must_use]
+    pub const fn to_wire(self) -> u32 {
+        self as u32
+    }
+}
+
+impl std::fmt::Display for Service {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl std::str::FromStr for Service {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        Self::ALL.into_iter().find(|service| service.name() == name).ok_or_else(|| {
+            let names = Self::ALL.map(Self::name).join(", ");
+            format!("unknown service `{name}`, expected one of {names}")
+        })
+    }
+}

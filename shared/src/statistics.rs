@@ -1,0 +1,98 @@
+//! Latency histograms and their percentiles.
+
+use hdrhistogram::Histogram;
+use serde::{Deserialize, Serialize};
+
+/// Longest duration a histogram tells apart, ns; longer ones are counted as this.
+const HIGHEST_NS: u64 = 60_000_000_000;
+
+/// A histogram of durations, allocated once: recording allocates nothing.
+///
+/// High dynamic range from 1 ns to 60 s with two significant decimal digits.
+#[derive(Clone, Debug)]
+pub struct Latencies(Histogram<u64>);
+
+impl Default for Latencies {
+    fn default() -> Self {
+        let histogram = Histogram::new_with_bounds(1, HIGHEST_NS, 2)
+            .expect("1 <= low, 2 low <= high and 2 digits are valid bounds");
+        Self(histogram)
+    }
+}
+
+impl Latencies {
+    /// Records one duration, ns; a negative one counts as zero.
+    pub fn record_ns(&mut self, duration_ns: i64) {
+        self.0.saturating_record(u64::try_from(duration_ns).unwrap_or(0));
+    }
+
+    /// Number of recorded durations.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        self.0.len()
+    }
+
+    /// Percentiles in microseconds; `None` if nothing was recorded.
+    #[must_use]
+    pub fn percentiles_us(&self) -> Option<Percentiles> {
+        if self.0.is_empty() {
+            return None;
+        }
+        let at = |quantile: f64| self.0.value_at_quantile(quantile) as f64 / 1e3;
+        Some(Percentiles {
+            p50: at(0.5),
+            p90: at(0.9),
+            p99: at(0.99),
+            p999: at(0.999),
+            p9999: at(0.9999),
+            max: self.0.max() as f64 / 1e3,
+            count: self.0.len(),
+        })
+    }
+}
+
+/// Percentiles of a distribution and the number of samples behind them.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Percentiles {
+    /// Median.
+    pub p50: f64,
+    /// 90th percentile.
+    pub p90: f64,
+    /// 99th percentile.
+    pub p99: f64,
+    /// 99.9th percentile.
+    pub p999: f64,
+    /// 99.99th percentile.
+    pub p9999: f64,
+    /// Largest sample.
+    pub max: f64,
+    /// Number of samples.
+    pub count: u64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percentiles_of_a_known_distribution() {
+        let mut latencies = Latencies::default();
+        for us in 1..=10_000 {
+            latencies.record_ns(us * 1_000);
+        }
+        let p = latencies.percentiles_us().expect("samples were recorded");
+        let near = |got: f64, exact: f64| (got - exact).abs() <= exact * 0.01;
+        assert!(near(p.p50, 5_000.0) && near(p.p90, 9_000.0) && near(p.p99, 9_900.0), "{p:?}");
+        assert!(near(p.p999, 9_990.0) && near(p.p9999, 9_999.0) && near(p.max, 1e4), "{p:?}");
+        assert_eq!(p.count, 10_000);
+    }
+
+    #[test]
+    fn nothing_recorded_is_none_and_extremes_saturate() {
+        let mut latencies = Latencies::default();
+        assert_eq!(latencies.percentiles_us(), None);
+        latencies.record_ns(-5);
+        latencies.record_ns(i64::MAX);
+        assert_eq!(latencies.count(), 2);
+    }
+}
