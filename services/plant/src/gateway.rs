@@ -16,8 +16,8 @@
 
 use shared::scenario::plant::{Fallback, Gateway as Bounds, Plant};
 
-/// Longest plan that is kept, in control steps; later requests are not used.
-pub const MAX_PLAN: usize = 128;
+/// Longest plan that is kept, in control steps: as long as a command carries.
+const MAX_PLAN: usize = shared::messages::PLAN_LEN;
 
 /// Distance kept from the vehicle ahead in an emergency stop, m.
 const EMERGENCY_MARGIN_M: f64 = 1.0;
