@@ -1,1 +1,5 @@
-//! 
+//! The simulated ego vehicle: its motion, its actuator gateway and the referee of a run.
+
+pub mod gateway;
+pub mod longitudinal;
+pub mod referee;

@@ -1,1 +1,4 @@
-//! 
+//! The simulated roadside unit: signal programs, signal phase and timing, map.
+
+pub mod program;
+pub mod roadside_unit;

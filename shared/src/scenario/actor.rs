@@ -9,8 +9,8 @@ use super::quantity::{
     Acceleration, AccelerationMagnitude, Distance, Duration, Lateral, Length, Speed, Time,
 };
 
-/// Most actors of a scenario.
-pub const MAX_ACTORS: usize = 16;
+/// Most actors of a scenario: as many as one message carries.
+pub const MAX_ACTORS: usize = crate::messages::MAX_TRACKS;
 /// Most points of all speed tables of a scenario together, those of CSV files included.
 pub const MAX_PROFILE_POINTS: usize = 20_000;
 

@@ -1,0 +1,376 @@
+//! The actuator gateway: the last word on what reaches the actuators.
+//!
+//! A command carries a plan: requests for successive control steps from its start time on. While
+//! commands keep coming, each plan's first request acts. When none comes, the gateway goes down a
+//! short ladder, and back up with the next valid command:
+//!
+//! | rung | entered | request |
+//! |---|---|---|
+//! | [`Source::Command`] | a valid command | the plan's first request |
+//! | [`Source::Plan`] | its control step is over | the plan's later requests; past its end, the last one for one step, then that one as far as it brakes |
+//! | [`Source::StopInLane`] | `follow_plan_s` later | `-stop_deceleration_mps2` |
+//! | [`Source::Emergency`] | below the first rung, when the ground truth ahead needs more | `-emergency_deceleration_mps2`, until standstill |
+//!
+//! Every request, whatever its source, is bounded in range; its rise and fall are bounded except
+//! that an emergency brakes at once.
+
+use shared::scenario::plant::{Fallback, Gateway as Bounds, Plant};
+
+/// Longest plan that is kept, in control steps: as long as a command carries.
+const MAX_PLAN: usize = shared::messages::PLAN_LEN;
+
+/// Distance kept from the vehicle ahead in an emergency stop, m.
+const EMERGENCY_MARGIN_M: f64 = 1.0;
+
+/// Why a command was not accepted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rejection {
+    /// It has no request, or its control step has no duration.
+    Empty,
+    /// One of its requests is not a finite number.
+    NotFinite,
+    /// It is not newer than the one that is being followed.
+    NotNewer,
+    /// It starts more than one control step from now.
+    FromTheFuture,
+}
+
+/// Where the request that acts comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Source {
+    /// Nothing yet: the run has only begun.
+    #[default]
+    None,
+    /// A command in its own control step.
+    Command,
+    /// The rest of the last command's plan.
+    Plan,
+    /// A stop in lane at moderate deceleration.
+    StopInLane,
+    /// A stop as hard as the ground truth ahead demands.
+    Emergency,
+}
+
+/// What the actuators get.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Actuation {
+    /// The request, m/s².
+    pub request_mps2: f64,
+    /// Where it comes from.
+    pub source: Source,
+    /// The bounds of the gateway changed it.
+    pub limited: bool,
+}
+
+/// The vehicle ahead as it truly is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ahead {
+    /// Bumper-to-bumper distance, m.
+    pub gap_m: f64,
+    /// Speed, m/s.
+    pub speed_mps: f64,
+    /// Acceleration, m/s².
+    pub acceleration_mps2: f64,
+}
+
+/// The gateway.
+#[derive(Clone, Debug)]
+pub struct Gateway {
+    bounds: Bounds,
+    fallback: Fallback,
+    period_s: f64,
+    follow_plan_ns: u64,
+    plan: [f64; MAX_PLAN],
+    plan_len: usize,
+    start_ns: u64,
+    step_ns: u64,
+    last_request_mps2: f64,
+    emergency: bool,
+}
+
+impl Gateway {
+    /// A gateway that has heard nothing yet.
+    #[must_use]
+    pub fn new(plant: &Plant) -> Self {
+        Self {
+            bounds: plant.gateway,
+            fallback: plant.fallback,
+            period_s: 1e-3 * f64::from(plant.period_ms.value()),
+            follow_plan_ns: plant.fallback.follow_plan_s.nanoseconds(),
+            plan: [0.0; MAX_PLAN],
+            plan_len: 0,
+            start_ns: 0,
+            step_ns: 0,
+            last_request_mps2: plant.initial_acceleration_mps2.value(),
+            emergency: false,
+        }
+    }
+
+    /// Takes a command: `plan_mps2[k]` is meant for `start_ns + k * step_ns` on.
+    ///
+    /// # Errors
+    /// When the command cannot be used; the one before stays in force.
+    pub fn accept(
+        &mut self,
+        now_ns: u64,
+        start_ns: u64,
+        step_ns: u64,
+        plan_mps2: &[f64],
+    ) -> Result<(), Rejection> {
+        if plan_mps2.is_empty() || step_ns == 0 {
+            return Err(Rejection::Empty);
+        }
+        if plan_mps2.iter().any(|request| !request.is_finite()) {
+            return Err(Rejection::NotFinite);
+        }
+        if start_ns > now_ns.saturating_add(step_ns) {
+            return Err(Rejection::FromTheFuture);
+        }
+        if self.plan_len > 0 && start_ns <= self.start_ns {
+            return Err(Rejection::NotNewer);
+        }
+        let len = plan_mps2.len().min(MAX_PLAN);
+        self.plan[..len].copy_from_slice(&plan_mps2[..len]);
+        self.plan_len = len;
+        self.start_ns = start_ns;
+        self.step_ns = step_ns;
+        Ok(())
+    }
+
+    /// The request for the plant's period that starts at `now_ns`, with the ego at `speed_mps`.
+    /// Called once in each period.
+    pub fn actuate(&mut self, now_ns: u64, speed_mps: f64, ahead: Option<&Ahead>) -> Actuation {
+        let (mut source, mut wanted) = self.planned(now_ns);
+        if matches!(source, Source::Plan | Source::StopInLane) {
+            let needed = ahead.map_or(0.0, |ahead| required_deceleration(speed_mps, ahead));
+            let soft = self.fallback.stop_deceleration_mps2.value();
+            self.emergency |= needed > soft.max(-wanted);
+            self.emergency &= speed_mps > 0.0;
+            if self.emergency {
+                source = Source::Emergency;
+                wanted = -self.fallback.emergency_deceleration_mps2.value();
+            }
+        } else {
+            self.emergency = false;
+        }
+        let request_mps2 = self.bounded(wanted, source);
+        self.last_request_mps2 = request_mps2;
+        Actuation { request_mps2, source, limited: request_mps2 != wanted }
+    }
+
+    fn planned(&self, now_ns: u64) -> (Source, f64) {
+        let stop = (Source::StopInLane, -self.fallback.stop_deceleration_mps2.value());
+        let age_ns = now_ns.saturating_sub(self.start_ns);
+        if self.plan_len == 0 {
+            let waiting = now_ns <= self.follow_plan_ns;
+            return if waiting { (Source::None, self.last_request_mps2) } else { stop };
+        }
+        if age_ns < self.step_ns {
+            return (Source::Command, self.plan[0]);
+        }
+        if age_ns > self.step_ns.saturating_add(self.follow_plan_ns) {
+            return stop;
+        }
+        let k = usize::try_from(age_ns / self.step_ns).unwrap_or(usize::MAX);
+        let last = self.plan[self.plan_len - 1];
+        let request = match k {
+            _ if k < self.plan_len => self.plan[k],
+            _ if k == self.plan_len => last,
+            _ => last.min(0.0),
+        };
+        (Source::Plan, request)
+    }
+
+    fn bounded(&self, wanted: f64, source: Source) -> f64 {
+        let mut request = wanted;
+        if let Some(rise) = self.bounds.max_rise_mps3 {
+            request = request.min(self.last_request_mps2 + rise.value() * self.period_s);
+        }
+        if let Some(fall) = self.bounds.max_fall_mps3
+            && source != Source::Emergency
+        {
+            request = request.max(self.last_request_mps2 - fall.value() * self.period_s);
+        }
+        request.clamp(self.bounds.min_request_mps2.value(), self.bounds.max_request_mps2.value())
+    }
+}
+
+/// Constant deceleration that keeps the ego behind the vehicle ahead, m/s², when that one keeps its
+/// present acceleration until it stands; 0 when none is needed.
+#[must_use]
+pub fn required_deceleration(speed_mps: f64, ahead: &Ahead) -> f64 {
+    let room = (ahead.gap_m - EMERGENCY_MARGIN_M).max(0.1);
+    let braking = (-ahead.acceleration_mps2).max(0.0);
+    let closing = speed_mps - ahead.speed_mps;
+    let lead_stops_in_s = if braking > 0.0 { ahead.speed_mps / braking } else { f64::INFINITY };
+    // Equal speeds are reached after 2 room / closing at the deceleration that just avoids contact.
+    let meets_in_s = if closing > 0.0 { 2.0 * room / closing } else { f64::INFINITY };
+    if meets_in_s <= lead_stops_in_s && closing > 0.0 {
+        braking + closing * closing / (2.0 * room)
+    } else if lead_stops_in_s.is_finite() {
+        let to_its_stop = 0.5 * ahead.speed_mps * lead_stops_in_s;
+        speed_mps * speed_mps / (2.0 * (room + to_its_stop))
+    } else {
+        0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use shared::scenario::quantity::{AccelerationMagnitude, Duration, JerkMagnitude, Speed};
+
+    use super::*;
+    use crate::longitudinal::Vehicle;
+
+    const STEP_NS: u64 = 100_000_000;
+    const PERIOD_NS: u64 = 10_000_000;
+
+    fn gateway() -> Gateway {
+        Gateway::new(&Plant::default())
+    }
+
+    fn at(gateway: &mut Gateway, now_ns: u64) -> (f64, Source) {
+        let actuation = gateway.actuate(now_ns, 20.0, None);
+        (actuation.request_mps2, actuation.source)
+    }
+
+    #[test]
+    fn the_ladder_is_gone_down_by_time_and_up_by_a_command() {
+        let mut gateway = gateway();
+        assert_eq!(at(&mut gateway, 0), (0.0, Source::None));
+        let plan = [1.0, 0.5, -0.5, -1.0];
+        assert_eq!(gateway.accept(0, 0, STEP_NS, &plan), Ok(()));
+        assert_eq!(at(&mut gateway, 0), (1.0, Source::Command));
+        assert_eq!(at(&mut gateway, STEP_NS - 1), (1.0, Source::Command));
+        assert_eq!(at(&mut gateway, STEP_NS), (0.5, Source::Plan));
+        assert_eq!(at(&mut gateway, 3 * STEP_NS), (-1.0, Source::Plan));
+        assert_eq!(at(&mut gateway, 9 * STEP_NS), (-1.0, Source::Plan));
+        assert_eq!(at(&mut gateway, 11 * STEP_NS), (-1.0, Source::Plan));
+        assert_eq!(at(&mut gateway, 11 * STEP_NS + 1), (-2.5, Source::StopInLane));
+        let now = 12 * STEP_NS;
+        assert_eq!(gateway.accept(now, now, STEP_NS, &[0.7]), Ok(()));
+        assert_eq!(at(&mut gateway, now), (0.7, Source::Command));
+    }
+
+    #[test]
+    fn a_single_request_is_held_for_one_step_and_then_only_if_it_brakes() {
+        for (request, later) in [(1.5, 0.0), (-1.5, -1.5)] {
+            let mut gateway = gateway();
+            gateway.accept(0, 0, STEP_NS, &[request]).expect("it is valid");
+            assert_eq!(at(&mut gateway, STEP_NS), (request, Source::Plan));
+            assert_eq!(at(&mut gateway, 2 * STEP_NS), (later, Source::Plan));
+        }
+    }
+
+    #[test]
+    fn a_plant_that_never_hears_a_command_stops() {
+        let mut gateway = gateway();
+        assert_eq!(at(&mut gateway, 1_000_000_000).1, Source::None);
+        assert_eq!(at(&mut gateway, 1_010_000_000), (-2.5, Source::StopInLane));
+    }
+
+    #[test]
+    fn unusable_commands_are_refused_and_change_nothing() {
+        let mut gateway = gateway();
+        gateway.accept(0, STEP_NS / 2, STEP_NS, &[1.0]).expect("it is valid");
+        for (start, step, plan, why) in [
+            (STEP_NS, STEP_NS, &[][..], Rejection::Empty),
+            (STEP_NS, 0, &[0.0], Rejection::Empty),
+            (STEP_NS, STEP_NS, &[0.0, f64::NAN], Rejection::NotFinite),
+            (STEP_NS, STEP_NS, &[f64::NEG_INFINITY], Rejection::NotFinite),
+            (STEP_NS / 2, STEP_NS, &[0.0], Rejection::NotNewer),
+            (0, STEP_NS, &[0.0], Rejection::NotNewer),
+            (STEP_NS + 1, STEP_NS, &[0.0], Rejection::FromTheFuture),
+            (u64::MAX, u64::MAX - 1, &[0.0], Rejection::FromTheFuture),
+        ] {
+            assert_eq!(gateway.accept(0, start, step, plan), Err(why));
+        }
+        assert_eq!(at(&mut gateway, STEP_NS), (1.0, Source::Command));
+    }
+
+    #[test]
+    fn a_plan_longer_than_the_store_is_cut() {
+        let mut gateway = gateway();
+        gateway.accept(0, 0, PERIOD_NS / 10, &[-0.5; 1000]).expect("it is valid");
+        assert_eq!(at(&mut gateway, 2 * STEP_NS), (-0.5, Source::Plan));
+    }
+
+    #[test]
+    fn range_and_rate_are_bounded_and_said_so() {
+        let mut plant = Plant::default();
+        plant.gateway.max_rise_mps3 = Some(JerkMagnitude::of(10.0));
+        plant.gateway.max_fall_mps3 = Some(JerkMagnitude::of(50.0));
+        let mut gateway = Gateway::new(&plant);
+        gateway.accept(0, 0, STEP_NS, &[100.0, -100.0]).expect("it is valid");
+        let first = gateway.actuate(0, 20.0, None);
+        assert!(first.limited && (first.request_mps2 - 0.1).abs() < 1e-12);
+        let second = gateway.actuate(STEP_NS, 20.0, None);
+        assert!(second.limited && (second.request_mps2 + 0.4).abs() < 1e-12);
+        let mut free = Gateway::new(&Plant::default());
+        free.accept(0, 0, STEP_NS, &[100.0, -100.0]).expect("it is valid");
+        assert_eq!(free.actuate(0, 20.0, None).request_mps2, 5.0);
+        assert_eq!(free.actuate(STEP_NS, 20.0, None).request_mps2, -8.0);
+    }
+
+    #[test]
+    fn required_deceleration_by_hand() {
+        let ahead =
+            |gap_m, speed_mps, acceleration_mps2| Ahead { gap_m, speed_mps, acceleration_mps2 };
+        // Standing obstacle: v²/(2 d).
+        assert!((required_deceleration(20.0, &ahead(41.0, 0.0, 0.0)) - 5.0).abs() < 1e-12);
+        // Constant lead: closing²/(2 d).
+        assert!((required_deceleration(20.0, &ahead(26.0, 10.0, 0.0)) - 2.0).abs() < 1e-12);
+        // A lead that brakes to a stop from the same speed: its stopping distance is ours too.
+        assert!((required_deceleration(20.0, &ahead(11.0, 20.0, -5.0)) - 4.0).abs() < 1e-12);
+        // Opening, and a lead that drives on.
+        assert_eq!(required_deceleration(10.0, &ahead(5.0, 20.0, 1.0)), 0.0);
+    }
+
+    #[test]
+    fn silence_before_a_standing_car_ends_in_an_emergency_stop_without_contact() {
+        let mut plant = Plant { initial_speed_mps: Speed::of(20.0), ..Plant::default() };
+        plant.fallback.follow_plan_s = Duration::of(0.5);
+        plant.fallback.emergency_deceleration_mps2 = AccelerationMagnitude::of(8.0);
+        let (mut gateway, mut vehicle) = (Gateway::new(&plant), Vehicle::new(&plant));
+        gateway.accept(0, 0, STEP_NS, &[0.0]).expect("it is valid");
+        let obstacle_m = 70.0;
+        let mut emergencies = 0;
+        for k in 0..1000 {
+            let state = vehicle.state();
+            let gap_m = obstacle_m - state.position_m;
+            let ahead = Ahead { gap_m, speed_mps: 0.0, acceleration_mps2: 0.0 };
+            let actuation = gateway.actuate(k * PERIOD_NS, state.speed_mps, Some(&ahead));
+            emergencies += usize::from(actuation.source == Source::Emergency);
+            vehicle.step(actuation.request_mps2);
+        }
+        assert!(emergencies > 0);
+        assert_eq!(vehicle.state().speed_mps, 0.0);
+        assert!(vehicle.state().position_m < obstacle_m);
+    }
+
+    proptest! {
+        #[test]
+        fn whatever_comes_the_request_is_finite_and_in_range(
+            commands in prop::collection::vec(
+                (0u64..40, prop::collection::vec(prop::num::f64::ANY, 0..4)), 0..60),
+            gap_m in prop::num::f64::NORMAL, lead in 0.0..40.0f64, a in -10.0..10.0f64,
+        ) {
+            let mut plant = Plant::default();
+            plant.gateway.max_rise_mps3 = Some(JerkMagnitude::of(20.0));
+            let mut gateway = Gateway::new(&plant);
+            let ahead = Ahead { gap_m, speed_mps: lead, acceleration_mps2: a };
+            let (mut now, mut last) = (0, 0.0);
+            for (wait, plan) in commands {
+                let _ = gateway.accept(now, now, STEP_NS, &plan);
+                for _ in 0..wait {
+                    let request = gateway.actuate(now, 20.0, Some(&ahead)).request_mps2;
+                    prop_assert!((-8.0..=5.0).contains(&request));
+                    prop_assert!(request <= last + 0.2 + 1e-12);
+                    last = request;
+                    now += PERIOD_NS;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,466 @@
+//! The referee: what truly happened, from the ground truth alone.
+//!
+//! It sees the ego, the vehicle ahead and the signals as they are, once in each period of the plant,
+//! and keeps the figures of the run's summary. A collision or a red light ends the run.
+//!
+//! Between two samples the ego is taken to move on a straight line: so are the time at which it
+//! crosses a stop line and its place at the instant of a signal's switch interpolated, as the
+//! papers' figures are.
+
+use shared::scenario::Scenario;
+use shared::scenario::controller::SpacingPolicy;
+use shared::scenario::v2x::Phase;
+
+use crate::gateway::Ahead;
+use crate::longitudinal::State;
+
+/// Most signals watched at a time.
+pub const MAX_SIGNALS: usize = 16;
+
+/// Slowest closing speed for which a time to collision is counted, m/s: below it the quotient says
+/// nothing but that the gap is constant.
+const MIN_CLOSING_MPS: f64 = 0.01;
+
+/// A signal as it truly is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SignalTruth {
+    /// Identity, equal for equal signals.
+    pub id: u32,
+    /// Position of the stop line along the road, m.
+    pub stop_line_m: f64,
+    /// Phase at the time of the sample.
+    pub phase: Phase,
+    /// Time since the start of the run at which this phase ends; `None`: it stays.
+    pub ends_ns: Option<u64>,
+    /// The phase after this one.
+    pub next_phase: Phase,
+}
+
+impl SignalTruth {
+    /// The phase at a time, up to the end of the phase after the present one.
+    #[must_use]
+    pub fn phase_at(&self, time_s: f64) -> Phase {
+        match self.ends_ns {
+            Some(ends_ns) if time_s >= seconds(ends_ns) => self.next_phase,
+            _ => self.phase,
+        }
+    }
+}
+
+/// What ends a run before its time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Violation {
+    /// The gap to the vehicle ahead was used up.
+    Collision {
+        /// When, s.
+        time_s: f64,
+        /// Speed difference at contact, m/s.
+        closing_mps: f64,
+    },
+    /// A stop line was crossed on red.
+    RedLight {
+        /// When, s.
+        time_s: f64,
+        /// Which signal.
+        id: u32,
+    },
+}
+
+/// Control figures of a run; `None` where a figure does not apply.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Figures {
+    /// Smallest gap, m.
+    pub min_gap_m: Option<f64>,
+    /// Smallest time to collision at constant speeds, s.
+    pub min_ttc_s: Option<f64>,
+    /// Gap minus desired gap at the end, m.
+    pub final_gap_error_m: Option<f64>,
+    /// Speed at the end minus that of the vehicle ahead, or minus the set speed when there is none,
+    /// m/s.
+    pub final_speed_error_mps: Option<f64>,
+    /// Largest magnitude of the jerk, m/s³.
+    pub max_abs_jerk_mps3: Option<f64>,
+    /// Smallest acceleration, m/s².
+    pub min_accel_mps2: Option<f64>,
+    /// Largest acceleration, m/s².
+    pub max_accel_mps2: Option<f64>,
+    /// When the first signal's stop line was crossed, s.
+    pub stop_line_crossing_s: Option<f64>,
+    /// Place of the ego past the first signal's stop line when that signal first switched, m;
+    /// negative: before it.
+    pub past_stop_line_at_switch_m: Option<f64>,
+    /// Stop lines crossed on red.
+    pub red_lights: u32,
+}
+
+/// Watches one run.
+#[derive(Clone, Debug)]
+pub struct Referee {
+    time_headway_s: f64,
+    standstill_distance_m: f64,
+    set_speed_mps: f64,
+    /// Desired gap where the policy freezes it, m.
+    frozen_gap_m: Option<f64>,
+    last: Option<Sample>,
+    signals: [Option<SignalTruth>; MAX_SIGNALS],
+    first_signal: Option<u32>,
+    violation: Option<Violation>,
+    figures: Figures,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Sample {
+    time_s: f64,
+    ego: State,
+}
+
+impl Referee {
+    /// A referee at the start of a run.
+    #[must_use]
+    pub fn new(scenario: &Scenario) -> Self {
+        let controller = &scenario.controller;
+        let time_headway_s = controller.time_headway_s.value();
+        let standstill_distance_m = controller.standstill_distance_m.value();
+        let initial_speed_mps = scenario.plant.initial_speed_mps.value();
+        let frozen = controller.spacing_policy == SpacingPolicy::ConstantDistance;
+        Self {
+            time_headway_s,
+            standstill_distance_m,
+            set_speed_mps: scenario.set_speed_mps.value(),
+            frozen_gap_m: frozen
+                .then_some(time_headway_s * initial_speed_mps + standstill_distance_m),
+            last: None,
+            signals: [None; MAX_SIGNALS],
+            first_signal: None,
+            violation: None,
+            figures: Figures::default(),
+        }
+    }
+
+    /// Takes the truth at `now_ns`: the ego, the vehicle ahead in its lane if there is one, and the
+    /// signals not yet far behind, nearest first. A sample that is not later than the one before, or
+    /// not finite, is passed over.
+    ///
+    /// Returns the violation that this sample shows, once.
+    pub fn observe(
+        &mut self,
+        now_ns: u64,
+        ego: &State,
+        ahead: Option<&Ahead>,
+        signals: &[SignalTruth],
+    ) -> Option<Violation> {
+        let sample = Sample { time_s: seconds(now_ns), ego: *ego };
+        let finite = ego.position_m.is_finite()
+            && ego.speed_mps.is_finite()
+            && ego.acceleration_mps2.is_finite();
+        if !finite || self.last.is_some_and(|last| last.time_s >= sample.time_s) {
+            return None;
+        }
+        self.motion(&sample);
+        let ahead = ahead.filter(|ahead| ahead.gap_m.is_finite() && ahead.speed_mps.is_finite());
+        let collision = self.spacing(&sample, ahead);
+        let red_light = self.signals(&sample, signals);
+        self.last = Some(sample);
+        if self.violation.is_some() {
+            return None;
+        }
+        self.violation = collision.or(red_light);
+        self.violation
+    }
+
+    /// The figures so far.
+    #[must_use]
+    pub fn figures(&self) -> Figures {
+        self.figures
+    }
+
+    /// The first violation of the run.
+    #[must_use]
+    pub fn violation(&self) -> Option<Violation> {
+        self.violation
+    }
+
+    fn motion(&mut self, sample: &Sample) {
+        let acceleration = sample.ego.acceleration_mps2;
+        let figures = &mut self.figures;
+        figures.min_accel_mps2 = smaller(figures.min_accel_mps2, acceleration);
+        figures.max_accel_mps2 = larger(figures.max_accel_mps2, acceleration);
+        if let Some(last) = self.last {
+            let rise = acceleration - last.ego.acceleration_mps2;
+            let jerk = (rise / (sample.time_s - last.time_s)).abs();
+            figures.max_abs_jerk_mps3 = larger(figures.max_abs_jerk_mps3, jerk);
+        }
+    }
+
+    fn spacing(&mut self, sample: &Sample, ahead: Option<&Ahead>) -> Option<Violation> {
+        let speed = sample.ego.speed_mps;
+        let Some(ahead) = ahead else {
+            self.figures.final_gap_error_m = None;
+            self.figures.final_speed_error_mps = Some(speed - self.set_speed_mps);
+            return None;
+        };
+        let closing = speed - ahead.speed_mps;
+        let desired =
+            self.frozen_gap_m.unwrap_or(self.time_headway_s * speed + self.standstill_distance_m);
+        let figures = &mut self.figures;
+        figures.final_gap_error_m = Some(ahead.gap_m - desired);
+        figures.final_speed_error_mps = Some(closing);
+        figures.min_gap_m = smaller(figures.min_gap_m, ahead.gap_m);
+        if closing > MIN_CLOSING_MPS {
+            figures.min_ttc_s = smaller(figures.min_ttc_s, ahead.gap_m.max(0.0) / closing);
+        }
+        let contact = ahead.gap_m <= 0.0;
+        contact.then_some(Violation::Collision { time_s: sample.time_s, closing_mps: closing })
+    }
+
+    fn signals(&mut self, sample: &Sample, signals: &[SignalTruth]) -> Option<Violation> {
+        if self.first_signal.is_none() {
+            self.first_signal = signals.first().map(|signal| signal.id);
+        }
+        let mut violation = None;
+        if let Some(last) = self.last {
+            for slot in 0..MAX_SIGNALS {
+                if let Some(signal) = self.signals[slot] {
+                    violation = violation.or(self.passage(&last, sample, &signal));
+                }
+            }
+        }
+        self.remember(signals);
+        violation
+    }
+
+    /// Looks at one signal over the time from the sample before to this one.
+    fn passage(
+        &mut self,
+        last: &Sample,
+        sample: &Sample,
+        signal: &SignalTruth,
+    ) -> Option<Violation> {
+        let first = self.first_signal == Some(signal.id);
+        let (from, to) = (last.ego.position_m, sample.ego.position_m);
+        let switch_s = signal.ends_ns.map(seconds);
+        if let Some(switch_s) = switch_s
+            && first
+            && self.figures.past_stop_line_at_switch_m.is_none()
+            && switch_s > last.time_s
+            && switch_s <= sample.time_s
+        {
+            let share = (switch_s - last.time_s) / (sample.time_s - last.time_s);
+            let place = from + share * (to - from);
+            self.figures.past_stop_line_at_switch_m = Some(place - signal.stop_line_m);
+        }
+        if !(from < signal.stop_line_m && signal.stop_line_m <= to) {
+            return None;
+        }
+        let share = (signal.stop_line_m - from) / (to - from);
+        let time_s = last.time_s + share * (sample.time_s - last.time_s);
+        if first && self.figures.stop_line_crossing_s.is_none() {
+            self.figures.stop_line_crossing_s = Some(time_s);
+        }
+        if signal.phase_at(time_s) != Phase::Red {
+            return None;
+        }
+        self.figures.red_lights += 1;
+        Some(Violation::RedLight { time_s, id: signal.id })
+    }
+
+    /// Keeps the signals for the next sample. One that is no longer told of (out of radio range, or
+    /// a lost message) stays as it was last known.
+    fn remember(&mut self, signals: &[SignalTruth]) {
+        for signal in signals.iter().filter(|signal| signal.stop_line_m.is_finite()) {
+            let known = |slot: &&mut Option<SignalTruth>| slot.is_some_and(|s| s.id == signal.id);
+            let slot = match self.signals.iter_mut().find(known) {
+                Some(slot) => Some(slot),
+                None => self.signals.iter_mut().min_by(|a, b| place(a).total_cmp(&place(b))),
+            };
+            if let Some(slot) = slot {
+                *slot = Some(*signal);
+            }
+        }
+    }
+}
+
+/// Order in which stored signals give way to new ones: free slots first, then the farthest behind.
+fn place(slot: &Option<SignalTruth>) -> f64 {
+    slot.map_or(f64::NEG_INFINITY, |signal| signal.stop_line_m)
+}
+
+fn smaller(kept: Option<f64>, value: f64) -> Option<f64> {
+    Some(kept.map_or(value, |kept| kept.min(value)))
+}
+
+fn larger(kept: Option<f64>, value: f64) -> Option<f64> {
+    Some(kept.map_or(value, |kept| kept.max(value)))
+}
+
+fn seconds(time_ns: u64) -> f64 {
+    time_ns as f64 * 1e-9
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use shared::scenario::builtin;
+
+    use super::*;
+
+    const PERIOD_NS: u64 = 10_000_000;
+
+    fn scenario(name: &str) -> Scenario {
+        let builtin = builtin::find(name).expect("it is built in");
+        Scenario::parse(name, builtin.text).expect("it is right")
+    }
+
+    fn state(position_m: f64, speed_mps: f64, acceleration_mps2: f64) -> State {
+        State { position_m, speed_mps, acceleration_mps2 }
+    }
+
+    fn signal(id: u32, stop_line_m: f64, phase: Phase, ends_s: f64) -> SignalTruth {
+        let next_phase = if phase == Phase::Red { Phase::Green } else { Phase::Red };
+        SignalTruth { id, stop_line_m, phase, ends_ns: Some((ends_s * 1e9) as u64), next_phase }
+    }
+
+    /// Drives at constant speed past one signal that is `phase` until `ends_s`.
+    fn pass(speed: f64, stop_line_m: f64, phase: Phase, ends_s: f64) -> Referee {
+        let mut referee = Referee::new(&scenario("cacc-a"));
+        for k in 0..=1000 {
+            let t = k as f64 * 0.01;
+            let mut truth = signal(1, stop_line_m, phase, ends_s);
+            if t >= ends_s {
+                truth = SignalTruth { phase: truth.next_phase, ends_ns: None, ..truth };
+            }
+            referee.observe(k * PERIOD_NS, &state(speed * t, speed, 0.0), None, &[truth]);
+        }
+        referee
+    }
+
+    #[test]
+    fn crossing_and_switch_are_interpolated() {
+        let figures = pass(15.0, 65.05, Phase::Green, 5.004).figures();
+        let close =
+            |figure: Option<f64>, value: f64| (figure.expect("it applies") - value).abs() < 1e-9;
+        assert!(close(figures.stop_line_crossing_s, 65.05 / 15.0));
+        assert!(close(figures.past_stop_line_at_switch_m, 15.0 * 5.004 - 65.05));
+        assert_eq!(figures.red_lights, 0);
+    }
+
+    #[test]
+    fn a_red_light_is_judged_at_the_instant_of_crossing() {
+        // The line is crossed at 5.0033 s, between the samples at 5.00 s and 5.01 s.
+        let line = 15.0 * 5.0 + 0.05;
+        assert_eq!(pass(15.0, line, Phase::Green, 5.004).violation(), None);
+        let violation = pass(15.0, line, Phase::Green, 5.003).violation();
+        assert!(matches!(violation, Some(Violation::RedLight { time_s, id: 1 })
+                if (time_s - line / 15.0).abs() < 1e-9));
+        assert_eq!(pass(15.0, line, Phase::Red, 5.003).violation(), None);
+        assert!(pass(15.0, line, Phase::Red, 5.004).violation().is_some());
+        assert_eq!(pass(15.0, line, Phase::Yellow, 6.0).violation(), None);
+    }
+
+    #[test]
+    fn a_signal_that_is_no_longer_told_of_still_counts() {
+        let mut referee = Referee::new(&scenario("cacc-a"));
+        let red = SignalTruth { ends_ns: None, ..signal(1, 5.0, Phase::Red, 0.0) };
+        assert_eq!(referee.observe(0, &state(4.9, 15.0, 0.0), None, &[red]), None);
+        let violation = referee.observe(PERIOD_NS, &state(5.05, 15.0, 0.0), None, &[]);
+        assert!(matches!(violation, Some(Violation::RedLight { id: 1, .. })));
+    }
+
+    #[test]
+    fn the_reference_run_of_scenario_a_gives_the_reference_figures() {
+        let csv =
+            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/cacc-a-cacc.csv"));
+        let mut referee = Referee::new(&scenario("cacc-a"));
+        for (k, line) in csv.lines().skip(1).enumerate() {
+            let row: Vec<f64> = line.split(',').map(|f| f.parse().expect("a number")).collect();
+            let truth = signal(1, 80.0, Phase::Green, 5.0);
+            let truth = match k < 50 {
+                true => truth,
+                false => SignalTruth { phase: Phase::Red, ends_ns: None, ..truth },
+            };
+            let ahead = Ahead { gap_m: row[7], speed_mps: row[8], acceleration_mps2: 0.0 };
+            let now_ns = k as u64 * 100_000_000;
+            let violation =
+                referee.observe(now_ns, &state(row[1], row[2], row[3]), Some(&ahead), &[truth]);
+            assert_eq!(violation, None);
+        }
+        let figures = referee.figures();
+        // 3.91 s and 20.2 m in the table of the reconstruction.
+        assert!((figures.stop_line_crossing_s.expect("it crosses") - 3.91).abs() < 0.005);
+        assert!((figures.past_stop_line_at_switch_m.expect("it switches") - 20.2).abs() < 0.05);
+        assert!((figures.min_gap_m.expect("there is a lead") - 24.158_18).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_collision_is_reported_once() {
+        let mut referee = Referee::new(&scenario("following"));
+        let ahead = |gap_m| Ahead { gap_m, speed_mps: 10.0, acceleration_mps2: 0.0 };
+        let ego = state(0.0, 15.0, 0.0);
+        assert_eq!(referee.observe(0, &ego, Some(&ahead(0.01)), &[]), None);
+        assert_eq!(
+            referee.observe(PERIOD_NS, &ego, Some(&ahead(-0.04)), &[]),
+            Some(Violation::Collision { time_s: 0.01, closing_mps: 5.0 })
+        );
+        assert_eq!(referee.observe(2 * PERIOD_NS, &ego, Some(&ahead(-0.09)), &[]), None);
+        assert!(matches!(referee.violation(), Some(Violation::Collision { .. })));
+        assert_eq!(referee.figures().min_ttc_s, Some(0.0));
+    }
+
+    #[test]
+    fn figures_that_do_not_apply_are_absent() {
+        let mut referee = Referee::new(&scenario("following"));
+        assert_eq!(referee.figures(), Figures::default());
+        referee.observe(0, &state(0.0, 25.0, 0.5), None, &[]);
+        let figures = referee.figures();
+        assert_eq!(figures.min_gap_m, None);
+        assert_eq!(figures.min_ttc_s, None);
+        assert_eq!(figures.final_gap_error_m, None);
+        assert_eq!(figures.final_speed_error_mps, Some(-5.0));
+        assert_eq!(figures.max_abs_jerk_mps3, None);
+        assert_eq!(figures.min_accel_mps2, Some(0.5));
+        // An opening gap has no time to collision.
+        let ahead = Ahead { gap_m: 30.0, speed_mps: 26.0, acceleration_mps2: 0.0 };
+        referee.observe(PERIOD_NS, &state(0.25, 25.0, 0.4), Some(&ahead), &[]);
+        let figures = referee.figures();
+        assert_eq!(figures.min_ttc_s, None);
+        assert_eq!(figures.final_gap_error_m, Some(30.0 - (1.5 * 25.0 + 12.0)));
+        assert!((figures.max_abs_jerk_mps3.expect("two samples") - 10.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn more_signals_than_slots_drop_the_ones_behind() {
+        let mut referee = Referee::new(&scenario("corridor"));
+        for k in 0..100u32 {
+            let position = 100.0 * f64::from(k);
+            let ahead = signal(k, position + 50.0, Phase::Red, 1e6);
+            let now_ns = u64::from(k) * PERIOD_NS;
+            let violation = referee.observe(now_ns, &state(position, 10.0, 0.0), None, &[ahead]);
+            assert_eq!(violation.is_some(), k == 1);
+        }
+        assert_eq!(referee.figures().red_lights, 99);
+    }
+
+    proptest! {
+        #[test]
+        fn no_input_makes_a_figure_that_is_not_a_number(
+            samples in prop::collection::vec(
+                (prop::num::f64::ANY, prop::num::f64::ANY, prop::num::f64::ANY,
+                 prop::num::f64::ANY, prop::num::f64::ANY, prop::num::f64::ANY), 1..30),
+        ) {
+            let mut referee = Referee::new(&scenario("cacc-a"));
+            for (k, (x, v, a, gap_m, speed_mps, line)) in samples.into_iter().enumerate() {
+                let ahead = Ahead { gap_m, speed_mps, acceleration_mps2: 0.0 };
+                let truth = signal(1, line, Phase::Green, 0.1);
+                referee.observe(k as u64 * PERIOD_NS, &state(x, v, a), Some(&ahead), &[truth]);
+            }
+            let f = referee.figures();
+            for figure in [
+                f.min_gap_m, f.min_ttc_s, f.final_gap_error_m, f.final_speed_error_mps,
+                f.max_abs_jerk_mps3, f.min_accel_mps2, f.max_accel_mps2,
+                f.stop_line_crossing_s, f.past_stop_line_at_switch_m,
+            ].into_iter().flatten() {
+                prop_assert!(!figure.is_nan());
+            }
+        }
+    }
+}
