@@ -50,14 +50,16 @@ pub(super) struct Situation {
     pub(super) before: Option<Choice>,
 }
 
+/// Costs this close are alike; the line is then still far away.
+const TIE: f64 = 1.0;
+
 /// Chooses.
 pub(super) fn choose(s: &Situation, hysteresis: f64) -> (Choice, Reason) {
     if s.known && s.reaches {
         let share = 1.0 + hysteresis;
         let cheaper = match s.before {
-            Some(Choice::Pass) => s.pass_cost <= s.stop_cost * share,
-            Some(Choice::Stop) => s.pass_cost * share <= s.stop_cost,
-            None => s.pass_cost <= s.stop_cost,
+            Some(Choice::Stop) => s.pass_cost * share <= s.stop_cost + TIE,
+            Some(Choice::Pass) | None => s.pass_cost <= s.stop_cost * share + TIE,
         };
         if cheaper || !s.comfortable_stop {
             return (Choice::Pass, Reason::GreenInReach);
@@ -91,7 +93,7 @@ mod tests {
     #[test]
     fn hysteresis_keeps_what_was_chosen() {
         assert_eq!(choose(&S, 0.2), (Choice::Pass, Reason::GreenInReach));
-        let stopping = Situation { before: Some(Choice::Stop), ..S };
+        let stopping = Situation { before: Some(Choice::Stop), stop_cost: 10.5, ..S };
         assert_eq!(choose(&stopping, 0.2), (Choice::Stop, Reason::StopCheaper));
         let passing = Situation { before: Some(Choice::Pass), stop_cost: 9.0, ..S };
         assert_eq!(choose(&passing, 0.2), (Choice::Pass, Reason::GreenInReach));

@@ -107,11 +107,6 @@ impl Filter {
         }
     }
 
-    /// Whether the vehicle can stop before a line at `distance_m` by braking from now on.
-    pub(super) fn can_stop(&self, ego: Motion, distance_m: f64) -> bool {
-        self.stops_before(self.min_mps2, ego, distance_m)
-    }
-
     /// The largest request up to `u` that passes `test`; the smallest there is when none does.
     fn lower(&self, u: f64, test: impl Fn(f64) -> bool) -> f64 {
         if test(u) {
@@ -240,7 +235,7 @@ mod tests {
     fn past_the_point_of_no_return_it_crosses_before_red() {
         let ego = Motion { position_m: 0.0, speed_mps: 15.0, acceleration_mps2: 0.0 };
         let pass = |red_in_s| Gate { distance_m: 20.0, rule: Rule::Pass { red_in_s } };
-        assert!(!filter().can_stop(ego, 20.0));
+        assert!(!filter().stops_before(-4.9, ego, 20.0));
         assert!(filter().apply(-3.0, ego, None, &[pass(1.45)]) > -0.5);
         assert_eq!(filter().apply(-3.0, ego, None, &[pass(9.0)]), -3.0);
         assert_eq!(filter().apply(1.0, ego, None, &[pass(0.5)]), -4.9);

@@ -407,7 +407,14 @@ impl RoadLaw {
     }
 
     /// Writes the chosen plan, the previous one or the driver's, and filters its first request.
-    fn write(&mut self, input: &Input, seen: &Seen, choice: Option<Choice>, output: &mut Output) {
+    /// Returns whether the nearest line is to be stopped at as things stand.
+    fn write(
+        &mut self,
+        input: &Input,
+        seen: &Seen,
+        choice: Option<Choice>,
+        output: &mut Output,
+    ) -> bool {
         let taken = choice.unwrap_or(Choice::Pass);
         let n = self.config.horizon_steps;
         let candidate = match taken {
@@ -450,7 +457,11 @@ impl RoadLaw {
             self.config.road.lead_deceleration_mps2,
         );
         let mut safe = filter.apply(wanted, seen.ego, seen.lead.as_ref(), &gates[..count]);
-        if seen.ego.speed_mps < STANDSTILL && safe < STANDSTILL {
+        let room_m = self.config.road.stop_margin_m + 1.0;
+        let waits = gates[..count]
+            .first()
+            .is_some_and(|gate| gate.rule == Rule::Stop && gate.distance_m < room_m);
+        if seen.ego.speed_mps < STANDSTILL && (waits || safe < STANDSTILL) {
             safe = safe.min(HOLD_MPS2);
         }
         output.figures[2] = safe - wanted;
@@ -461,6 +472,7 @@ impl RoadLaw {
             }
         }
         output.plan_mps2[0] = safe;
+        gates[..count].first().is_some_and(|gate| gate.rule == Rule::Stop)
     }
 }
 
@@ -482,7 +494,7 @@ impl Law for RoadLaw {
         };
         self.work.lead.update(seen.lead.as_ref(), self.lag.step_s, self.lead_decay);
         let (choice, reason) = self.plan(input, &seen, output);
-        self.write(input, &seen, choice, output);
+        let closed = self.write(input, &seen, choice, output);
         if let Some(lead) = &seen.lead {
             let v = seen.ego.speed_mps;
             let desired = self.config.time_headway_s * v + self.config.road.standstill_gap_m;
@@ -490,8 +502,8 @@ impl Law for RoadLaw {
             output.figures[1] = v - lead.speed_mps;
         }
         output.mode = match (choice, seen.lead) {
-            (Some(Choice::Stop), _) => 3,
-            (Some(Choice::Pass), _) => 2,
+            (Some(_), _) if closed => 3,
+            (Some(_), _) => 2,
             (None, Some(_)) => 1,
             (None, None) => 0,
         };

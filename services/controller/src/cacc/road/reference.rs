@@ -18,6 +18,8 @@ use crate::law::MAX_PLAN;
 
 /// Headway that the driver keeps to a stop line, s.
 const LINE_HEADWAY_S: f64 = 0.5;
+/// Band of speed above `v*` over which gliding fades into braking, m/s.
+const GLIDE_BAND_MPS: f64 = 1.0;
 /// Slowest speed at which a later line's arrival is estimated, m/s.
 const CREEP_MPS: f64 = 1.0;
 
@@ -150,7 +152,10 @@ impl Scene<'_> {
         let wait = left + LINE_HEADWAY_S;
         let room = (distance - self.stop_margin_m).max(0.0);
         let glide = b * ((wait * wait + 2.0 * room / b).sqrt() - wait);
-        stop.max(self.driver.free_mps2(v, glide.min(self.desired_mps)))
+        // Above the glide speed the line is to be braked for as if it stayed closed.
+        let share = (1.0 + (glide - v) / GLIDE_BAND_MPS).clamp(0.0, 1.0);
+        let free = self.driver.free_mps2(v, glide.min(self.desired_mps));
+        stop + share * (free - stop).max(0.0)
     }
 
     /// A line behind the nearest is open when it is green now and will be on arrival.
