@@ -1,3 +1,4 @@
 //! The control laws and the control loop.
 
 pub mod law;
+pub mod six_mode;
