@@ -38,7 +38,12 @@ impl Boundaries {
         let braking_m = braking(p, speed, relative).max(p.standstill_gap_m);
         let warning_m =
             (desired_m + closing_allowance(p, relative)).max(braking_m + p.least_band_m);
-        Self { desired_m, warning_m, braking_m, following_m: following(p, speed, relative.max(0.0)) }
+        Self {
+            desired_m,
+            warning_m,
+            braking_m,
+            following_m: following(p, speed, relative.max(0.0)),
+        }
     }
 }
 
@@ -70,7 +75,9 @@ fn braking(p: &Parameters, speed: f64, relative: f64) -> f64 {
 
 /// R_j, eq (6): empirical, with a pole at V_r = -2 m/s.
 fn following(p: &Parameters, speed: f64, relative: f64) -> f64 {
-    5.0 * relative + 30.0 / 7.0 * speed + (speed + relative)
+    5.0 * relative
+        + 30.0 / 7.0 * speed
+        + (speed + relative)
         + 8.0 * (18.0 - relative) / (relative + 2.0)
         - relative * relative / (2.0 * p.braking_mps2)
 }

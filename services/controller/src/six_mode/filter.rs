@@ -33,8 +33,7 @@ impl TargetFilter {
             let predicted = self.gap_m + period * (self.speed_mps - ego.speed_mps);
             self.gap_m = predicted + share * (target.gap_m - predicted);
         } else {
-            *self =
-                Self { track: Some(target.track_id), gap_m: target.gap_m, speed_mps: speed };
+            *self = Self { track: Some(target.track_id), gap_m: target.gap_m, speed_mps: speed };
         }
         (self.gap_m, self.speed_mps - ego.speed_mps)
     }

@@ -45,7 +45,7 @@
 //! | 3. (8) has no bound as R -> R_w | limit and floor of the denominator |
 //! | 4. R_j has a pole at V_r = -2 and drops 30 m up to V_r = 3 | max(V_r, 0), hysteresis |
 //! | 5. no row for V_r = 0 | one order of tests for all V_r, a sign band |
-//! | 6. modes 2, 3, 4, 6 ignore the set speed | minimum with the cruise law |
+//! | 6. modes 2, 3, 4, 6 ignore the set speed; no gap is regulated between R_x and R_j | minimum with the cruise law; the push of (9) fades towards R_w |
 //! | 7. avoid ends and begins again at R_b | leave above R_b + `braking_hysteresis_m` |
 //! | 8. noise changes modes all the time | hysteresis, dwell, filter |
 //! | 9. range edge, steps of the request, stale filter | range hysteresis, jerk limit, filter reset |
@@ -72,6 +72,8 @@ const MEAN: usize = 4;
 const BLIND_REQUEST: f64 = -1.0;
 /// Control period assumed when the given one is not usable, s.
 const BLIND_PERIOD: f64 = 0.1;
+/// Largest distance shown among the figures, m: the literal R_j has a pole.
+const FARTHEST: f64 = 1e6;
 /// No road vehicle is faster, m/s; anything above is a broken input.
 const FASTEST: f64 = 150.0;
 
@@ -253,7 +255,7 @@ impl Law for SixMode {
                 output.figures[..6].copy_from_slice(&[
                     b.warning_m,
                     b.braking_m,
-                    b.following_m,
+                    b.following_m.clamp(-FARTHEST, FARTHEST),
                     b.desired_m,
                     s.gap_m,
                     s.relative_mps,
@@ -305,7 +307,8 @@ fn check(input: &Input) -> Option<Checked> {
         && !input.set_speed_mps.is_nan()
         && !input.speed_limit_mps.is_nan()
         && input.target.is_none_or(|t| {
-            within(t.gap_m, -1e4, 1e6) && within(t.relative_speed_mps, -2.0 * FASTEST, FASTEST)
+            within(t.gap_m, -FARTHEST, FARTHEST)
+                && within(t.relative_speed_mps, -2.0 * FASTEST, FASTEST)
         });
     usable.then(|| Checked {
         ego: Ego { speed_mps: input.ego.speed_mps.max(0.0), ..input.ego },

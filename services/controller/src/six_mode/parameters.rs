@@ -52,6 +52,8 @@ pub struct Parameters {
     pub following_hysteresis_m: f64,
     /// Relative speed that counts as opening or closing once the other held, m/s (trap 5).
     pub sign_band_mps: f64,
+    /// Steady driving accelerates less when the gap is within this of R_w, m (trap 6).
+    pub opening_fade_m: f64,
     /// The avoid mode ends this far above R_b, m (trap 7).
     pub braking_hysteresis_m: f64,
     /// The decelerate mode ends this far above R_w, m (trap 8).
@@ -89,6 +91,7 @@ impl Default for Parameters {
             approach_floor_m: 2.0,
             following_hysteresis_m: 3.0,
             sign_band_mps: 0.1,
+            opening_fade_m: 10.0,
             braking_hysteresis_m: 3.0,
             warning_hysteresis_m: 1.0,
             threshold_hysteresis_mps: 0.15,
@@ -146,6 +149,7 @@ impl Parameters {
             ("least_band_m", self.least_band_m, 50.0),
             ("approach_limit_mps2", self.approach_limit_mps2, 12.0),
             ("approach_floor_m", self.approach_floor_m, 50.0),
+            ("opening_fade_m", self.opening_fade_m, 100.0),
             ("jerk_limit_mps3", self.jerk_limit_mps3, 1000.0),
             ("emergency_jerk_limit_mps3", self.emergency_jerk_limit_mps3, 1000.0),
         ];
@@ -200,12 +204,7 @@ impl Parameters {
             self.approach_threshold_mps,
             "approach_threshold_mps",
         )?;
-        below(
-            "range_hysteresis_m",
-            self.range_hysteresis_m,
-            self.sensor_range_m,
-            "sensor_range_m",
-        )
+        below("range_hysteresis_m", self.range_hysteresis_m, self.sensor_range_m, "sensor_range_m")
     }
 }
 

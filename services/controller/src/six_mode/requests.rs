@@ -32,7 +32,7 @@ pub(super) fn cruise(p: &Parameters, set_speed: f64, speed: f64) -> f64 {
 pub(super) fn following(p: &Parameters, mode: Mode, s: &Situation, b: &Boundaries) -> f64 {
     match mode {
         Mode::Approach => approach(p, s, b),
-        Mode::Steady => steady(p, s.relative_mps),
+        Mode::Steady => steady(p, s, b),
         Mode::Decelerate => LEVELS[level(s.gap_m, b)],
         Mode::Avoid => -p.braking_mps2,
         Mode::Accelerate | Mode::Cruise => FULL_ACCELERATION,
@@ -53,14 +53,21 @@ fn approach(p: &Parameters, s: &Situation, b: &Boundaries) -> f64 {
     }
 }
 
-/// Eqs (9) and (10).
-fn steady(p: &Parameters, relative: f64) -> f64 {
+/// Eqs (9) and (10). The robust law lets the push of eq (9) fade towards R_w, which itself grows
+/// with the ego's speed: otherwise steady and decelerate take turns for ever (trap 6).
+fn steady(p: &Parameters, s: &Situation, b: &Boundaries) -> f64 {
+    let relative = s.relative_mps;
     if relative.abs() < p.steady_band_mps {
         p.steady_gain_per_s * relative
     } else if relative < 0.0 {
         STEADY_CLOSING
     } else {
-        STEADY_OPENING
+        match p.variant {
+            Variant::Literal => STEADY_OPENING,
+            Variant::Robust => {
+                STEADY_OPENING * ((s.gap_m - b.warning_m) / p.opening_fade_m).clamp(0.0, 1.0)
+            }
+        }
     }
 }
 
@@ -106,8 +113,14 @@ mod tests {
     #[test]
     fn steady_follows_equations_9_and_10() {
         let p = Parameters::default();
-        assert_eq!(steady(&p, 0.1), 0.02 * 0.1);
-        assert_eq!(steady(&p, -0.3), -0.1);
-        assert_eq!(steady(&p, 0.3), 0.4);
+        let b = Boundaries { warning_m: 40.0, ..Boundaries::default() };
+        let at = |p: &Parameters, gap_m, relative_mps| {
+            steady(p, &Situation { gap_m, speed_mps: 10.0, relative_mps }, &b)
+        };
+        assert_eq!(at(&p, 60.0, 0.1), 0.02 * 0.1);
+        assert_eq!(at(&p, 60.0, -0.3), -0.1);
+        assert_eq!(at(&p, 60.0, 0.3), 0.4);
+        assert_eq!(at(&p, 45.0, 0.3), 0.2);
+        assert_eq!(at(&Parameters::literal(), 45.0, 0.3), 0.4);
     }
 }

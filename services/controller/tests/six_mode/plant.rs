@@ -52,7 +52,13 @@ pub(crate) fn ask(law: &mut dyn Law, input: &Input) -> Output {
 }
 
 /// Input of a single release, no speed limit.
-pub(crate) fn input(time: f64, period: f64, set_speed: f64, ego: Ego, target: Option<Target>) -> Input {
+pub(crate) fn input(
+    time: f64,
+    period: f64,
+    set_speed: f64,
+    ego: Ego,
+    target: Option<Target>,
+) -> Input {
     Input {
         time_s: time,
         period_s: period,

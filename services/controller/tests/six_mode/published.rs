@@ -13,10 +13,8 @@ use rand_pcg::Pcg32;
 const PERIOD: f64 = 0.05;
 const SET_SPEED: f64 = 70.0 / 3.6;
 const LAG: f64 = 0.183;
-const TRACE: &str = include_str!(concat!(
-    env!("CARGO_MANIFEST_DIR"),
-    "/../../tests/data/six-mode-trace.csv"
-));
+const TRACE: &str =
+    include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/six-mode-trace.csv"));
 
 /// State at one release.
 struct Row {
@@ -115,8 +113,7 @@ fn the_run_agrees_with_the_reference_trace() {
     let rows = run(Parameters::published(), None);
     let mut compared = 0;
     for (row, line) in rows.iter().zip(TRACE.lines().skip(1)) {
-        let reference: Vec<f64> =
-            line.split(',').map(|v| v.parse().expect("a number")).collect();
+        let reference: Vec<f64> = line.split(',').map(|v| v.parse().expect("a number")).collect();
         let ours = [
             row.time,
             f64::from(row.mode),
