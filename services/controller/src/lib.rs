@@ -1,4 +1,5 @@
 //! The control laws and the control loop.
 
 pub mod law;
+pub mod quadratic_bounded;
 pub mod six_mode;
