@@ -21,7 +21,7 @@ use super::model::{DISTURBANCES, Parameters, RULES, STATES, State, StateMatrix};
 use nalgebra::{SMatrix, SVector};
 
 /// States of model and controller together.
-pub const CLOSED: usize = 2 * STATES;
+pub(super) const CLOSED: usize = 2 * STATES;
 const AUGMENTED: usize = CLOSED + DISTURBANCES;
 
 /// z = [x; xc].

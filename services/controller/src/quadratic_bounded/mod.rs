@@ -55,6 +55,8 @@ mod certificate;
 mod design;
 mod law;
 mod model;
+#[cfg(feature = "synthesize")]
+pub mod synthesis;
 
 pub use certificate::{ClosedMatrix, ClosedState, Gains, closed_loop};
 pub use design::{Condition, Design, DesignError, Failure};

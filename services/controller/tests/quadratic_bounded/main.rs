@@ -4,3 +4,4 @@ mod design;
 mod plant;
 mod promise;
 mod published;
+mod scenario;
