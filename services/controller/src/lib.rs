@@ -6,7 +6,9 @@
 pub mod cacc;
 pub mod law;
 pub mod laws;
+pub mod quadratic_bounded;
 pub mod sampling;
 mod service;
+pub mod six_mode;
 
 pub use service::run;
