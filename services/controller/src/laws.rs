@@ -4,6 +4,9 @@ use crate::cacc::config::{Config, ConfigError, SolverKind, SpacingPolicy};
 use crate::cacc::weights::{WeightSet, Weights};
 use crate::cacc::{self, BuildError};
 use crate::law::Law;
+use crate::quadratic_bounded::{Design, QuadraticBounded};
+use crate::six_mode::SixMode;
+use serde::de::DeserializeOwned;
 use shared::scenario::controller::{
     self, Controller, ControllerName, SpacingPolicy as ScenarioPolicy,
 };
@@ -33,7 +36,8 @@ pub fn build(scenario: &Scenario) -> Result<Box<dyn Law>, Problem> {
     match controller.name {
         ControllerName::AccMpc => predictive(cacc::Controller::AccMpc, controller),
         ControllerName::CaccMpc => predictive(cacc::Controller::CaccMpc, controller),
-        ControllerName::SixMode | ControllerName::QuadraticBounded => Err(Problem::new("controller.name", "not built yet", "acc-mpc or cacc-mpc")),
+        ControllerName::SixMode => six_mode(controller),
+        ControllerName::QuadraticBounded => quadratic_bounded(controller),
     }
 }
 
@@ -65,11 +69,52 @@ fn predictive(
     }
 }
 
+fn six_mode(controller: &Controller) -> Result<Box<dyn Law>, Problem> {
+    let table = "controller.six_mode";
+    let parameters = read_table(&controller.six_mode, table)?;
+    match SixMode::new(parameters) {
+        Ok(law) => Ok(Box::new(law)),
+        Err(error) => Err(Problem::new(
+            format!("{table}.{}", error.key),
+            error.to_string(),
+            "a parameter in its range",
+        )),
+    }
+}
+
+fn quadratic_bounded(controller: &Controller) -> Result<Box<dyn Law>, Problem> {
+    let table = "controller.quadratic_bounded";
+    let mut settings = controller.quadratic_bounded.clone();
+    let design = match settings.remove("design") {
+        None => Design::shipped(),
+        Some(path) => load_design(&path)
+            .map_err(|why| Problem::new(format!("{table}.design"), why, "a certified design"))?,
+    };
+    let settings = read_table(&settings, table)?;
+    match QuadraticBounded::new(design, settings) {
+        Ok(law) => Ok(Box::new(law)),
+        Err(error) => Err(Problem::new(table, error, "a setting in its range")),
+    }
+}
+
+/// Reads and verifies a design file; a relative path starts at the working directory.
+fn load_design(path: &toml::Value) -> Result<Design, String> {
+    let path = path.as_str().ok_or("the path of a design is a string")?;
+    let text = std::fs::read_to_string(path).map_err(|error| format!("{path}: {error}"))?;
+    Design::load(&text).map_err(|error| format!("{path}: {error}"))
+}
+
+/// The law's own table as its type.
+fn read_table<T: DeserializeOwned>(table: &toml::Table, path: &str) -> Result<T, Problem> {
+    table.clone().try_into().map_err(|error: toml::de::Error| {
+        let message = error.message().lines().collect::<Vec<_>>().join(" ");
+        Problem::new(path, message, "the keys of the law, with values of their types")
+    })
+}
+
 /// The predictive laws' settings from the scenario's keys.
 fn predictive_config(controller: &Controller) -> Result<Config, Problem> {
-    let road = controller.road.clone().try_into().map_err(|error| {
-        Problem::new("controller.road", error_line(&error), "the keys of the road formulation")
-    })?;
+    let road = read_table(&controller.road, "controller.road")?;
     let weights = &controller.weights;
     Ok(Config {
         spacing_policy: match controller.spacing_policy {
@@ -122,8 +167,4 @@ fn config_problem(error: &ConfigError) -> Problem {
         ConfigError::Missing(_) | ConfigError::Conflict(..) => "one set of weights".to_owned(),
     };
     Problem::new(format!("controller.{path}"), error.to_string(), expected)
-}
-
-fn error_line(error: &toml::de::Error) -> String {
-    error.message().lines().collect::<Vec<_>>().join(" ")
 }
