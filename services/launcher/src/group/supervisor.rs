@@ -270,7 +270,7 @@ impl Supervisor<'_> {
     /// A living service that has not reported.
     fn silent(&mut self) -> Option<Service> {
         let reports = &self.reports;
-        let mut processes = self.processes.iter_mut();
+        let processes = self.processes.iter_mut();
         processes
             .filter(|process| !reports.contains_key(&process.service()))
             .find_map(|process| process.poll().is_none().then_some(process.service()))
