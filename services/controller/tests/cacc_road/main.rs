@@ -1,6 +1,7 @@
 //! The road formulation in a closed loop.
 
 mod cases;
+mod comfort;
 mod solvers;
 mod world;
 
@@ -93,7 +94,7 @@ fn dbg_red() {
     println!("{} {}", r.hardest_mps2, r.max_jerk_mps3);
 }
 
-fn random_case(seed: u64, law: &mut RoadLaw, verbose: bool) -> Result<f64, Breach> {
+fn random_case(seed: u64, law: &mut RoadLaw, verbose: bool) -> Result<(f64, bool), Breach> {
     let mut case = Case::new(seed);
     if verbose {
         println!("{:?}", case.kind);
@@ -101,13 +102,16 @@ fn random_case(seed: u64, law: &mut RoadLaw, verbose: bool) -> Result<f64, Breac
     law.reset();
     let mut output = Output::default();
     let mut hardest = 0.0_f64;
+    let mut record = comfort::Record::default();
     while case.world.time_s < case.seconds {
-        for event in case.events() {
+        let events = case.events();
+        for &event in &events {
             if verbose {
                 println!("{event:?}");
             }
             case.world.apply(event);
         }
+        record.note(&case.world, &events);
         let r = case.world.step(law, &mut output);
         if verbose {
             trace(&case.world, &output, law);
@@ -115,7 +119,7 @@ fn random_case(seed: u64, law: &mut RoadLaw, verbose: bool) -> Result<f64, Breac
         r?;
         hardest = hardest.min(case.world.ego.acceleration_mps2);
     }
-    Ok(hardest)
+    Ok((hardest, record.comfortable()))
 }
 
 #[test]
@@ -130,9 +134,14 @@ fn dbg_random() {
             "lies" => law_with(Box::new(Fake::new(Temper::Lies, seed))),
             _ => law(),
         };
-        if let Err(breach) = random_case(seed, &mut law, n == 1) {
-            println!("seed {seed}: {breach:?}");
-            bad += 1;
+        match random_case(seed, &mut law, n == 1) {
+            Err(breach) => {
+                println!("seed {seed}: {breach:?}");
+                bad += 1;
+            }
+            Ok((hardest, comfortable)) => {
+                println!("seed {seed}: hardest {hardest:.2} comfortable {comfortable}");
+            }
         }
     }
     println!("bad {bad} of {n}");
