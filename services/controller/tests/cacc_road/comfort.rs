@@ -21,7 +21,7 @@ struct Sample {
 
 /// The run, step by step.
 #[derive(Default)]
-pub struct Record {
+pub(crate) struct Record {
     samples: Vec<Sample>,
     braked_mps2: f64,
     last_phase: Option<(u32, usize)>,
@@ -29,7 +29,7 @@ pub struct Record {
 
 impl Record {
     /// Notes the world at a release, after `events`.
-    pub fn note(&mut self, world: &World, events: &[Event]) {
+    pub(crate) fn note(&mut self, world: &World, events: &[Event]) {
         let nearest = world.signals.iter().find(|s| s.line_m > world.ego.position_m);
         let line = nearest.map(|s| {
             let red_in = match s.phase {
@@ -54,7 +54,7 @@ impl Record {
     }
 
     /// Whether there was a comfortable way on at every event.
-    pub fn comfortable(&self) -> bool {
+    pub(crate) fn comfortable(&self) -> bool {
         (0..self.samples.len()).filter(|&i| self.samples[i].event).all(|i| self.exists(i))
     }
 
