@@ -71,10 +71,12 @@ mod builder;
 mod clarabel;
 mod kkt;
 mod problem;
+mod riccati;
 mod solver;
 
 pub use builder::{ProblemBuilder, ProblemError};
 pub use clarabel::Clarabel;
 pub use kkt::{Multipliers, Residuals, residuals};
 pub use problem::{LightCost, LightStage, MAX_HORIZON, MAX_ROWS, Problem, Row, Softness, Terminal};
+pub use riccati::Riccati;
 pub use solver::{Kind, Report, Solver, Start, Status};

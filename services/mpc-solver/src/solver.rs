@@ -1,8 +1,8 @@
 //! What every solver takes and returns.
 
-use crate::Clarabel;
 use crate::kkt::{Multipliers, Residuals};
 use crate::problem::Problem;
+use crate::{Clarabel, Riccati};
 
 /// Where a solver starts from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -62,7 +62,7 @@ pub trait Solver {
 /// The solvers by name, for configuration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Kind {
-    /// [`crate::Riccati`], named `riccati`.
+    /// [`Riccati`], named `riccati`.
     #[default]
     Riccati,
     /// [`Clarabel`], named `clarabel`.
@@ -72,9 +72,9 @@ pub enum Kind {
 impl Kind {
     /// A solver of this kind for horizons up to `max_horizon`, at its default tolerance.
     pub fn create(self, max_horizon: usize) -> Box<dyn Solver + Send> {
-        let _ = max_horizon;
         match self {
-            Self::Riccati | Self::Clarabel => Box::new(Clarabel::new()),
+            Self::Riccati => Box::new(Riccati::new(max_horizon)),
+            Self::Clarabel => Box::new(Clarabel::new()),
         }
     }
 }

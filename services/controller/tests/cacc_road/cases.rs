@@ -17,44 +17,44 @@ use rand_pcg::Pcg64Mcg;
 use crate::world::{Event, Lead, PERIOD_S, Signal, World};
 
 /// A world and what happens in it.
-pub struct Case {
-    pub world: World,
-    pub seconds: f64,
-    pub random: Random,
-    pub kind: Kind,
+pub(crate) struct Case {
+    pub(crate) world: World,
+    pub(crate) seconds: f64,
+    pub(crate) random: Random,
+    pub(crate) kind: Kind,
 }
 
 /// How the lead drives and what else may happen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Kind {
-    pub lead_obeys: bool,
-    pub wild_lead: bool,
-    pub jumps: bool,
-    pub silences: bool,
+pub(crate) struct Kind {
+    pub(crate) lead_obeys: bool,
+    pub(crate) wild_lead: bool,
+    pub(crate) jumps: bool,
+    pub(crate) silences: bool,
 }
 
-pub struct Random(Pcg64Mcg);
+pub(crate) struct Random(Pcg64Mcg);
 
 impl Random {
-    pub fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Self(Pcg64Mcg::seed_from_u64(seed))
     }
 
-    pub fn unit(&mut self) -> f64 {
+    pub(crate) fn unit(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
-    pub fn chance(&mut self, p: f64) -> bool {
+    pub(crate) fn chance(&mut self, p: f64) -> bool {
         self.unit() < p
     }
 }
 
 /// Distance and time to stop from a speed and acceleration with a constant request, by small steps.
-pub fn stop(v: f64, a: f64, u: f64) -> f64 {
+pub(crate) fn stop(v: f64, a: f64, u: f64) -> f64 {
     let (mut x, mut v, mut a) = (0.0, v, a);
     let dt = 0.01;
     while v > 0.0 {
@@ -66,7 +66,7 @@ pub fn stop(v: f64, a: f64, u: f64) -> f64 {
 }
 
 /// Whether full braking from now on keeps `margin` from a lead that brakes at 4 m/s².
-pub fn survives(v: f64, a: f64, gap: f64, v_lead: f64, margin: f64) -> bool {
+pub(crate) fn survives(v: f64, a: f64, gap: f64, v_lead: f64, margin: f64) -> bool {
     let (mut x, mut v, mut a) = (0.0, v, a);
     let (mut x_lead, mut v_lead) = (gap, v_lead);
     let dt = 0.02;
@@ -84,7 +84,7 @@ pub fn survives(v: f64, a: f64, gap: f64, v_lead: f64, margin: f64) -> bool {
 }
 
 impl Case {
-    pub fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         let mut r = Random::new(seed);
         let set = r.between(8.0, 22.0);
         let v = if r.chance(0.2) { 0.0 } else { r.between(0.0, set) };
@@ -123,7 +123,7 @@ impl Case {
     }
 
     /// What happens at this step.
-    pub fn events(&mut self) -> Vec<Event> {
+    pub(crate) fn events(&mut self) -> Vec<Event> {
         let (r, world) = (&mut self.random, &self.world);
         let mut events = Vec::new();
         if self.kind.jumps && world.silence == 0 && r.chance(0.01) {

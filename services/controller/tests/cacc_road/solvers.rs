@@ -1,11 +1,10 @@
 //! Solvers that do not solve: what the law does without them must be as safe.
 
-use controller::cacc::config::SolverKind;
 use mpc_solver::{Multipliers, Problem, Report, Residuals, Solver, Start, Status};
 
 /// What a [`Fake`] answers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Temper {
+pub(crate) enum Temper {
     /// Never finds anything.
     Fails,
     /// Calls any inputs within the bounds a solution.
@@ -13,7 +12,7 @@ pub enum Temper {
 }
 
 /// A solver that does not solve.
-pub struct Fake {
+pub(crate) struct Fake {
     temper: Temper,
     state: u64,
     inputs: Vec<f64>,
@@ -22,7 +21,7 @@ pub struct Fake {
 }
 
 impl Fake {
-    pub fn new(temper: Temper, seed: u64) -> Self {
+    pub(crate) fn new(temper: Temper, seed: u64) -> Self {
         Self {
             temper,
             state: seed | 1,
@@ -73,7 +72,38 @@ impl Solver for Fake {
     }
 }
 
-/// A solver by name.
-pub fn real(kind: SolverKind) -> Box<dyn Solver + Send> {
-    kind.create(100)
+/// A real solver that stops working.
+pub(crate) struct Flaky {
+    inner: Box<dyn Solver + Send>,
+    left: usize,
+}
+
+impl Flaky {
+    /// Works for the first `solves` solves.
+    pub(crate) fn new(inner: Box<dyn Solver + Send>, solves: usize) -> Self {
+        Self { inner, left: solves }
+    }
+}
+
+impl Solver for Flaky {
+    fn solve(&mut self, problem: &Problem, start: Start) -> Report {
+        let mut report = self.inner.solve(problem, start);
+        if self.left == 0 {
+            report.status = Status::Infeasible;
+        }
+        self.left = self.left.saturating_sub(1);
+        report
+    }
+
+    fn inputs(&self) -> &[f64] {
+        self.inner.inputs()
+    }
+
+    fn states(&self) -> &[[f64; 3]] {
+        self.inner.states()
+    }
+
+    fn multipliers(&self) -> &Multipliers {
+        self.inner.multipliers()
+    }
 }

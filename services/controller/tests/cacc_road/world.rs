@@ -6,20 +6,20 @@ use controller::law::{
 };
 
 /// Control period, s.
-pub const PERIOD_S: f64 = 0.1;
+pub(crate) const PERIOD_S: f64 = 0.1;
 const SUBSTEPS: usize = 100;
 const LAG_S: f64 = 0.5;
 
 /// A fixed-time signal whose running phase can be cut or stretched.
 #[derive(Clone, Copy, Debug)]
-pub struct Signal {
-    pub id: u32,
-    pub line_m: f64,
+pub(crate) struct Signal {
+    pub(crate) id: u32,
+    pub(crate) line_m: f64,
     /// Lengths of green, yellow and red, s.
-    pub lengths_s: [f64; 3],
+    pub(crate) lengths_s: [f64; 3],
     /// 0 green, 1 yellow, 2 red.
-    pub phase: usize,
-    pub left_s: f64,
+    pub(crate) phase: usize,
+    pub(crate) left_s: f64,
 }
 
 const PHASES: [Phase; 3] = [Phase::Green, Phase::Yellow, Phase::Red];
@@ -48,7 +48,7 @@ impl Signal {
 
 /// What happens to the scene at a time.
 #[derive(Clone, Copy, Debug)]
-pub enum Event {
+pub(crate) enum Event {
     /// The running phase of a signal ends in so many seconds.
     Jump { signal: usize, left_s: f64 },
     /// All signals fall silent, or (`unknown`) announce an unknown phase.
@@ -65,35 +65,35 @@ pub enum Event {
 
 /// A vehicle ahead; position of its rear bumper.
 #[derive(Clone, Copy, Debug)]
-pub struct Lead {
-    pub track: u32,
-    pub position_m: f64,
-    pub speed_mps: f64,
+pub(crate) struct Lead {
+    pub(crate) track: u32,
+    pub(crate) position_m: f64,
+    pub(crate) speed_mps: f64,
     pub acceleration_mps2: f64,
 }
 
 /// The state of everything.
 #[derive(Clone, Debug)]
-pub struct World {
-    pub time_s: f64,
-    pub ego: Ego,
-    pub lead: Option<Lead>,
-    pub signals: Vec<Signal>,
-    pub set_speed_mps: f64,
+pub(crate) struct World {
+    pub(crate) time_s: f64,
+    pub(crate) ego: Ego,
+    pub(crate) lead: Option<Lead>,
+    pub(crate) signals: Vec<Signal>,
+    pub(crate) set_speed_mps: f64,
     /// 0 heard, 1 silent, 2 unknown.
-    pub silence: u8,
-    pub tracks: u32,
+    pub(crate) silence: u8,
+    pub(crate) tracks: u32,
 }
 
 /// Something that must not happen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Breach {
+pub(crate) enum Breach {
     Collision { time_s: f64 },
     RedLight { time_s: f64, line_m: f64, speed_mps: f64 },
 }
 
 impl World {
-    pub fn new(speed_mps: f64, set_speed_mps: f64) -> Self {
+    pub(crate) fn new(speed_mps: f64, set_speed_mps: f64) -> Self {
         Self {
             time_s: 0.0,
             ego: Ego { speed_mps, ..Ego::default() },
@@ -105,7 +105,7 @@ impl World {
         }
     }
 
-    pub fn apply(&mut self, event: Event) {
+    pub(crate) fn apply(&mut self, event: Event) {
         match event {
             Event::Jump { signal, left_s } => self.signals[signal].left_s = left_s,
             Event::Silence { unknown } => self.silence = if unknown { 2 } else { 1 },
@@ -128,7 +128,7 @@ impl World {
         }
     }
 
-    pub fn input(&self) -> Input {
+    pub(crate) fn input(&self) -> Input {
         let mut signals = [None; MAX_SIGNALS];
         if self.silence != 1 {
             let ahead = self.signals.iter().filter(|s| s.line_m > self.ego.position_m);
@@ -159,7 +159,7 @@ impl World {
     }
 
     /// One control period under `law`.
-    pub fn step(&mut self, law: &mut dyn Law, output: &mut Output) -> Result<(), Breach> {
+    pub(crate) fn step(&mut self, law: &mut dyn Law, output: &mut Output) -> Result<(), Breach> {
         law.step(&self.input(), output);
         let u = output.request_mps2();
         assert!((-4.9..=4.9).contains(&u), "request {u} out of bounds");
@@ -167,7 +167,7 @@ impl World {
     }
 
     /// One control period under a request.
-    pub fn advance(&mut self, u: f64) -> Result<(), Breach> {
+    pub(crate) fn advance(&mut self, u: f64) -> Result<(), Breach> {
         let dt = PERIOD_S / SUBSTEPS as f64;
         for _ in 0..SUBSTEPS {
             let before = self.ego.position_m;

@@ -107,6 +107,27 @@ impl Filter {
         }
     }
 
+    /// Whether braking with a constant `request` from now on is enough: it stops before each line that
+    /// is to be stopped at, and behind the lead if that goes on as it does now.
+    pub(super) fn suffices(
+        &self,
+        request: f64,
+        ego: Motion,
+        lead: Option<&LeadNow>,
+        gates: &[Gate],
+    ) -> bool {
+        let ego = Motion { position_m: 0.0, ..ego };
+        let rest = self.lag.stop(ego, request).distance_m;
+        let stops = gates
+            .iter()
+            .all(|gate| gate.rule != Rule::Stop || rest <= gate.distance_m - LINE_MARGIN_M);
+        stops
+            && lead.is_none_or(|lead| {
+                let now = (-lead.acceleration_mps2).max(0.0);
+                self.keeps_gap(ego, 0.0, request, lead, now)
+            })
+    }
+
     /// The largest request up to `u` that passes `test`; the smallest there is when none does.
     fn lower(&self, u: f64, test: impl Fn(f64) -> bool) -> f64 {
         if test(u) {
@@ -161,8 +182,19 @@ impl Filter {
     /// Whether braking after one period of `u` keeps the gap while the lead brakes with
     /// `deceleration` from now on.
     fn stays_behind(&self, u: f64, ego: Motion, lead: &LeadNow, deceleration: f64) -> bool {
-        let mut ego = self.period.advance(Motion { position_m: 0.0, ..ego }, u);
-        let mut time = self.period.step_s;
+        let next = self.period.advance(Motion { position_m: 0.0, ..ego }, u);
+        self.keeps_gap(next, self.period.step_s, SURE * self.min_mps2, lead, deceleration)
+    }
+
+    /// Whether an ego in state `ego` after `time` keeps the gap under a constant request.
+    fn keeps_gap(
+        &self,
+        mut ego: Motion,
+        mut time: f64,
+        request: f64,
+        lead: &LeadNow,
+        deceleration: f64,
+    ) -> bool {
         for _ in 0..CHECKS {
             let gap = lead_position(lead, deceleration, time) - ego.position_m;
             if gap < self.min_gap_m {
@@ -177,7 +209,7 @@ impl Filter {
             {
                 break;
             }
-            ego = self.check.advance(ego, SURE * self.min_mps2);
+            ego = self.check.advance(ego, request);
             time += CHECK_S;
         }
         true

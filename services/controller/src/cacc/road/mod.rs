@@ -456,7 +456,11 @@ impl RoadLaw {
             self.config.road.min_gap_m,
             self.config.road.lead_deceleration_mps2,
         );
-        let mut safe = filter.apply(wanted, seen.ego, seen.lead.as_ref(), &gates[..count]);
+        // Nothing calls for more than the comfort bound as long as it is enough.
+        let comfort = -self.config.road.comfort_deceleration_mps2;
+        let enough = filter.suffices(comfort, seen.ego, seen.lead.as_ref(), &gates[..count]);
+        let tempered = if enough { wanted.max(comfort) } else { wanted };
+        let mut safe = filter.apply(tempered, seen.ego, seen.lead.as_ref(), &gates[..count]);
         let room_m = self.config.road.stop_margin_m + 1.0;
         let waits = gates[..count]
             .first()

@@ -17,7 +17,9 @@ use crate::cacc::kinematics::{LagStep, Motion};
 use crate::law::MAX_PLAN;
 
 /// Headway that the driver keeps to a stop line, s.
-const LINE_HEADWAY_S: f64 = 0.5;
+const LINE_HEADWAY_S: f64 = 1.0;
+/// Lag `h` that it reckons with when it glides, s.
+const GLIDE_LAG_S: f64 = 0.5;
 /// Band of speed above `v*` over which gliding fades into braking, m/s.
 const GLIDE_BAND_MPS: f64 = 1.0;
 /// Slowest speed at which a later line's arrival is estimated, m/s.
@@ -149,7 +151,7 @@ impl Scene<'_> {
         let stop = self.driver.follow_mps2(v, self.desired_mps, &line);
         let Some(left) = opens_in_s else { return stop };
         let b = self.driver.deceleration_mps2;
-        let wait = left + LINE_HEADWAY_S;
+        let wait = left + GLIDE_LAG_S;
         let room = (distance - self.stop_margin_m).max(0.0);
         let glide = b * ((wait * wait + 2.0 * room / b).sqrt() - wait);
         // Above the glide speed the line is to be braked for as if it stayed closed.

@@ -1,0 +1,218 @@
+//! Searches one weight set for all of the paper's scenarios.
+//!
+//! ```text
+//! cargo run --release -p controller --example joint_weights -- [EVALUATIONS] [SEED]
+//! ```
+//!
+//! Score: the mean over all published figures of `((ours - paper) / joint tolerance)²`. Searched: `Q1`,
+//! `Q2`, `Q3`, `w`, `d_th` and the lead's acceleration in Table 3, which the paper does not give; `R`
+//! only scales the cost and stays 1. Nelder-Mead in the logarithms, restarted from the best point with a
+//! fresh simplex; every second restart begins far from it. Same arguments, same result.
+
+use controller::cacc::config::{Config, SolverKind, SpacingPolicy};
+use controller::cacc::paper::PaperLaw;
+use controller::cacc::published::{Calibration, Row, Runs, rows};
+use controller::cacc::scenes::{self, Recording, Scene};
+use controller::cacc::weights::{JOINT, WeightSet, Weights};
+use rand_core::{Rng, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+const DIMENSIONS: usize = 6;
+type Point = [f64; DIMENSIONS];
+
+fn main() {
+    let mut arguments = std::env::args().skip(1);
+    let budget = arguments.next().map_or(3000, |a| a.parse().expect("EVALUATIONS is a number"));
+    let seed = arguments.next().map_or(1, |a| a.parse().expect("SEED is a number"));
+
+    let given = point(&JOINT, scenes::TABLE_3_LEAD_JOINT_MPS2);
+    let mut search = Search::new(budget, seed, given);
+    println!("given: score {:.4}", search.best.1);
+    let mut round = 0;
+    while search.left > 0 {
+        let spread = if round % 2 == 0 { 0.3 } else { 1.5 };
+        search.restart(spread);
+        round += 1;
+        println!(
+            "{:6} left: score {:.4} {:?}",
+            search.left,
+            search.best.1,
+            search.best.0.map(libm::exp)
+        );
+    }
+    report("given", &given);
+    report("best", &search.best.0);
+}
+
+fn report(name: &str, at: &Point) {
+    let (weights, lead) = weights(at);
+    println!("{name}: {weights:?}, lead in Table 3 {lead:.4} m/s²");
+    for row in evaluate(at) {
+        let ours = row.ours.unwrap_or(f64::NAN);
+        println!(
+            "  {:26} {:7.2} {:7.2} {}",
+            row.id,
+            row.paper,
+            ours,
+            if row.ok { "" } else { "out" }
+        );
+    }
+}
+
+struct Search {
+    left: usize,
+    random: Pcg64Mcg,
+    best: (Point, f64),
+}
+
+impl Search {
+    fn new(left: usize, seed: u64, start: Point) -> Self {
+        let best = (start, score(&evaluate(&start)));
+        Self { left, random: Pcg64Mcg::seed_from_u64(seed), best }
+    }
+
+    fn value(&mut self, at: &Point) -> f64 {
+        self.left = self.left.saturating_sub(1);
+        let value = score(&evaluate(at));
+        if value < self.best.1 {
+            self.best = (*at, value);
+        }
+        value
+    }
+
+    fn unit(&mut self) -> f64 {
+        (self.random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// One descent by the method of Nelder and Mead from a simplex around the best point.
+    fn restart(&mut self, spread: f64) {
+        let mut simplex: Vec<(Point, f64)> = Vec::with_capacity(DIMENSIONS + 1);
+        let centre = self.best.0;
+        for i in 0..=DIMENSIONS {
+            let mut at = centre;
+            for x in &mut at {
+                *x += spread * (2.0 * self.unit() - 1.0);
+            }
+            // The lead's acceleration is known to within a few percent.
+            at[5] = centre[5] + 0.1 * (at[5] - centre[5]);
+            if i == 0 && spread < 1.0 {
+                at = centre;
+            }
+            simplex.push((at, self.value(&at)));
+        }
+        for _ in 0..120 {
+            if self.left == 0 {
+                return;
+            }
+            simplex.sort_by(|a, b| a.1.total_cmp(&b.1));
+            let worst = simplex[DIMENSIONS];
+            let mut middle = [0.0; DIMENSIONS];
+            for (at, _) in &simplex[..DIMENSIONS] {
+                for (m, x) in middle.iter_mut().zip(at) {
+                    *m += x / DIMENSIONS as f64;
+                }
+            }
+            let along = |t: f64| -> Point {
+                std::array::from_fn(|i| middle[i] + t * (worst.0[i] - middle[i]))
+            };
+            let reflected = (along(-1.0), self.value(&along(-1.0)));
+            if reflected.1 < simplex[0].1 {
+                let expanded = (along(-2.0), self.value(&along(-2.0)));
+                simplex[DIMENSIONS] = if expanded.1 < reflected.1 { expanded } else { reflected };
+            } else if reflected.1 < simplex[DIMENSIONS - 1].1 {
+                simplex[DIMENSIONS] = reflected;
+            } else {
+                let contracted = (along(0.5), self.value(&along(0.5)));
+                if contracted.1 < worst.1 {
+                    simplex[DIMENSIONS] = contracted;
+                } else {
+                    let best = simplex[0].0;
+                    for corner in &mut simplex[1..] {
+                        let at = std::array::from_fn(|j| 0.5 * (best[j] + corner.0[j]));
+                        *corner = (at, self.value(&at));
+                    }
+                }
+            }
+            if simplex[DIMENSIONS].1 - simplex[0].1 < 1e-5 {
+                return;
+            }
+        }
+    }
+}
+
+fn point(weights: &Weights, lead_mps2: f64) -> Point {
+    [
+        weights.gap_error_per_m2,
+        weights.speed_error_s2_per_m2,
+        weights.acceleration_s4_per_m2,
+        weights.light_m,
+        weights.light_threshold_m,
+        lead_mps2,
+    ]
+    .map(libm::log)
+}
+
+fn weights(at: &Point) -> (Weights, f64) {
+    let [q1, q2, q3, w, d_th, lead] = at.map(libm::exp);
+    let weights = Weights {
+        gap_error_per_m2: q1,
+        speed_error_s2_per_m2: q2,
+        acceleration_s4_per_m2: q3,
+        request_s4_per_m2: 1.0,
+        light_m: w,
+        light_threshold_m: d_th,
+    };
+    (weights, lead)
+}
+
+fn score(rows: &[Row]) -> f64 {
+    let sum: f64 = rows
+        .iter()
+        .map(|row| {
+            let tolerance = if row.tolerance > 0.0 { row.tolerance } else { 0.5 };
+            let z = row.ours.map_or(10.0, |ours| (ours - row.paper) / tolerance);
+            (z * z).min(100.0)
+        })
+        .sum();
+    sum / rows.len() as f64
+}
+
+fn evaluate(at: &Point) -> Vec<Row> {
+    let (set, lead) = weights(at);
+    let table_3 = scenes::table_3(lead);
+    let runs = [
+        drive(&scenes::A, set, false),
+        drive(&scenes::A, set, true),
+        drive(&scenes::B, set, true),
+        drive(&scenes::C, set, false),
+        drive(&scenes::C, set, true),
+        drive(&table_3, set, false),
+        drive(&table_3, set, true),
+    ];
+    let runs = Runs {
+        a_acc: Some(runs[0].trajectory()),
+        a_cacc: Some(runs[1].trajectory()),
+        b_cacc: Some(runs[2].trajectory()),
+        c_acc: Some(runs[3].trajectory()),
+        c_cacc: Some(runs[4].trajectory()),
+        t3_acc: Some(runs[5].trajectory()),
+        t3_cacc: Some(runs[6].trajectory()),
+    };
+    rows(&runs, Calibration::Joint)
+}
+
+fn drive(scene: &Scene, set: Weights, light: bool) -> Recording {
+    let config = Config {
+        spacing_policy: if scene.no_reverse {
+            SpacingPolicy::MeasuredHeadway
+        } else {
+            SpacingPolicy::ConstantDistance
+        },
+        weight_set: WeightSet::Custom,
+        weights: Some(set),
+        ..Config::default()
+    };
+    let solver = SolverKind::Riccati.create(config.horizon_steps);
+    let mut law = PaperLaw::new(&config, &set, light, solver).expect("the weights are positive");
+    scenes::run(scene, &mut law)
+}

@@ -1,0 +1,260 @@
+//! The light, over its stages.
+
+use super::PROXIMAL;
+use super::pairs::{Pairs, greater, largest};
+use crate::problem::{LightCost, LightStage, Softness, dot};
+
+/// Variable `p`; pairs `(s, α)`, with a finite threshold `(d_th − p, β)`, and, if soft, `(σ, λ − α)`.
+#[derive(Clone, Debug)]
+pub(in crate::riccati) struct LightBarrier {
+    pub(in crate::riccati) len: usize,
+    /// `w`.
+    cost: f64,
+    threshold: f64,
+    price: f64,
+    is_soft: bool,
+    is_capped: bool,
+    p: Vec<f64>,
+    per_p: Vec<f64>,
+    dp: Vec<f64>,
+    below: Pairs,
+    capped: Pairs,
+    slip: Pairs,
+    /// `W` by stage; entry 0 belongs to stage 1.
+    pub(in crate::riccati) weight: Vec<f64>,
+    /// Force against `c`: the predictor's, or what the corrector adds to it.
+    pub(in crate::riccati) force: Vec<f64>,
+    /// `m/W` of the predictor, as a margin.
+    offset: Vec<f64>,
+    /// `1/(H + β/(d_th − p))`.
+    compliance: Vec<f64>,
+}
+
+impl LightBarrier {
+    pub(in crate::riccati) fn new(len: usize) -> Self {
+        let zeros = || vec![0.0; len];
+        Self {
+            len: 0,
+            cost: 0.0,
+            threshold: 0.0,
+            price: 0.0,
+            is_soft: false,
+            is_capped: false,
+            p: zeros(),
+            per_p: zeros(),
+            dp: zeros(),
+            below: Pairs::new(len),
+            capped: Pairs::new(len),
+            slip: Pairs::new(len),
+            weight: zeros(),
+            force: zeros(),
+            offset: zeros(),
+            compliance: zeros(),
+        }
+    }
+
+    /// Starts at half of the margins that the states leave, at least `least`, with multipliers near the
+    /// curve: too small ones cost a dozen iterations.
+    pub(in crate::riccati) fn start(
+        &mut self,
+        light: Option<&LightCost>,
+        stages: &[LightStage],
+        states: &[[f64; 3]],
+        least: f64,
+        mu: f64,
+    ) {
+        self.len = stages.len();
+        let Some(light) = light else { return };
+        self.cost = light.weight;
+        self.threshold = light.threshold;
+        self.is_capped = light.threshold < f64::INFINITY;
+        (self.is_soft, self.price) = match light.softness {
+            Softness::Hard => (false, f64::INFINITY),
+            Softness::Soft { linear, .. } => (true, linear),
+        };
+        let top = if self.is_capped { 0.5 * self.threshold } else { f64::INFINITY };
+        for (k, stage) in stages.iter().enumerate() {
+            let d = dot(&stage.gradient, &states[k + 1]) + stage.offset;
+            let p = (0.5 * d).max(2.0 * least).min(top);
+            let steep = 0.3 * light.weight / (p * p);
+            let s = (d - p).max(least);
+            let alpha = (mu / s).max(steep).min(0.5 * self.price);
+            self.p[k] = p;
+            self.below.slack[k] = s;
+            self.below.multiplier[k] = alpha;
+            if self.is_capped {
+                let room = self.threshold - p;
+                self.capped.slack[k] = room;
+                self.capped.multiplier[k] = (mu / room).max(0.1 * steep);
+            }
+            if self.is_soft {
+                let gamma = self.price - alpha;
+                self.slip.slack[k] = (p + s - d).max(mu / gamma).max(least);
+                self.slip.multiplier[k] = gamma;
+            }
+        }
+    }
+
+    /// Models the pairs for the predictor; returns the sum and the number of the products.
+    pub(in crate::riccati) fn predict(&mut self, stages: &[LightStage]) -> (f64, usize) {
+        let len = self.len;
+        if len == 0 {
+            return (0.0, 0);
+        }
+        let mut gap = self.below.invert(len);
+        let mut families = 1;
+        if self.is_capped {
+            gap += self.capped.invert(len);
+            families += 1;
+        }
+        if self.is_soft {
+            gap += self.slip.invert(len);
+            families += 1;
+        }
+        let (p, per_p) = (&self.p[..len], &mut self.per_p[..len]);
+        let (s, alpha) = (&self.below.slack[..len], &self.below.multiplier[..len]);
+        let compliance = &mut self.compliance[..len];
+        let offset = &mut self.offset[..len];
+        for k in 0..len {
+            per_p[k] = 1.0 / p[k];
+            compliance[k] = 2.0 * alpha[k] * per_p[k];
+        }
+        if self.is_capped {
+            let (beta, per) = (&self.capped.multiplier[..len], &self.capped.per_slack[..len]);
+            for k in 0..len {
+                compliance[k] += beta[k] * (2.0 * per_p[k] + per[k]);
+            }
+        }
+        let (w, per_alpha) = (&mut self.weight[..len], &self.below.per_multiplier[..len]);
+        for k in 0..len {
+            let soft = 1.0 / compliance[k];
+            compliance[k] = soft;
+            w[k] = s[k] * per_alpha[k] + soft + PROXIMAL;
+            offset[k] =
+                s[k] + p[k] + self.cost * (per_p[k] * per_p[k]) * soft + PROXIMAL * alpha[k];
+        }
+        if self.is_soft {
+            let (sigma, per) = (&self.slip.slack[..len], &self.slip.per_multiplier[..len]);
+            for k in 0..len {
+                let ratio = sigma[k] * per[k];
+                w[k] += ratio;
+                offset[k] += ratio * alpha[k];
+            }
+        }
+        let force = &mut self.force[..len];
+        for k in 0..len {
+            w[k] = 1.0 / w[k];
+            force[k] = w[k] * (offset[k] - stages[k].offset);
+        }
+        (gap, families * len)
+    }
+
+    /// Sets `force` to what the corrector's targets add.
+    pub(in crate::riccati) fn correct(&mut self, tau: f64) {
+        let len = self.len;
+        let force = &mut self.force[..len];
+        self.below.aim(len, tau);
+        for k in 0..len {
+            force[k] = self.below.target[k] * self.below.per_multiplier[k];
+        }
+        if self.is_capped {
+            self.capped.aim(len, tau);
+            for k in 0..len {
+                force[k] -= self.capped.target[k] * self.capped.per_slack[k] * self.compliance[k];
+            }
+        }
+        if self.is_soft {
+            self.slip.aim(len, tau);
+            for k in 0..len {
+                force[k] -= self.slip.target[k] * self.slip.per_multiplier[k];
+            }
+        }
+        for k in 0..len {
+            force[k] *= self.weight[k];
+        }
+    }
+
+    /// Takes the sweep's states.
+    pub(in crate::riccati) fn follow(
+        &mut self,
+        stages: &[LightStage],
+        states: &[[f64; 3]],
+        corrected: bool,
+    ) {
+        let len = self.len;
+        let add = if corrected { 1.0 } else { 0.0 };
+        let (stages, states) = (&stages[..len], &states[1..=len]);
+        for k in 0..len {
+            let margin = dot(&stages[k].gradient, &states[k]) + stages[k].offset;
+            let next = self.weight[k] * (self.offset[k] - margin) + add * self.force[k];
+            let b = &mut self.below;
+            b.relative[k] = (b.target[k] * b.per_slack[k] - next) * b.per_multiplier[k];
+            let mut pull = self.cost * (self.per_p[k] * self.per_p[k]) - next;
+            if self.is_capped {
+                let c = &mut self.capped;
+                pull -= c.target[k] * c.per_slack[k];
+                c.relative[k] = -pull * self.compliance[k] * c.per_slack[k];
+            }
+            self.dp[k] = pull * self.compliance[k];
+            if self.is_soft {
+                let c = &mut self.slip;
+                c.relative[k] =
+                    (c.target[k] * c.per_slack[k] - (self.price - next)) * c.per_multiplier[k];
+            }
+        }
+    }
+
+    fn reach_p(&self) -> f64 {
+        largest(self.len, [&self.dp, &self.per_p], |[dp, per_p]| greater(-dp * per_p, 0.0))
+    }
+
+    pub(in crate::riccati) fn reach_affine(&self) -> f64 {
+        let mut reach = self.below.reach_affine(self.len).max(self.reach_p());
+        if self.is_capped {
+            reach = reach.max(self.capped.reach_affine(self.len));
+        }
+        if self.is_soft {
+            reach = reach.max(self.slip.reach_affine(self.len));
+        }
+        reach
+    }
+
+    pub(in crate::riccati) fn gap_affine(&self, a: f64) -> f64 {
+        let mut gap = self.below.gap_affine(self.len, a);
+        if self.is_capped {
+            gap += self.capped.gap_affine(self.len, a);
+        }
+        if self.is_soft {
+            gap += self.slip.gap_affine(self.len, a);
+        }
+        gap
+    }
+
+    pub(in crate::riccati) fn reach(&self) -> f64 {
+        let mut reach = self.below.reach(self.len).max(self.reach_p());
+        if self.is_capped {
+            reach = reach.max(self.capped.reach(self.len));
+        }
+        if self.is_soft {
+            reach = reach.max(self.slip.reach(self.len));
+        }
+        reach
+    }
+
+    pub(in crate::riccati) fn advance(&mut self, a: f64) {
+        self.below.advance(self.len, a);
+        if self.is_capped {
+            self.capped.advance(self.len, a);
+        }
+        if self.is_soft {
+            self.slip.advance(self.len, a);
+        }
+        for (p, dp) in self.p[..self.len].iter_mut().zip(&self.dp) {
+            *p += a * dp;
+        }
+    }
+
+    pub(in crate::riccati) fn multipliers(&self) -> &[f64] {
+        &self.below.multiplier[..self.len]
+    }
+}

@@ -1,0 +1,67 @@
+//! Proof that no input satisfies the hard constraints.
+//!
+//! Multipliers `μ ≥ 0` of the hard rows, `α ≥ 0` of a hard light and `y` of the terminal equality combine the
+//! constraints into one function that is affine in the inputs and not positive wherever all of them hold:
+//!
+//! ```text
+//! f(u) = Σ μ_{j,k}(g_j'x_k − h_{j,k}) − Σ α_k D_k + y'(x_N − x_f)
+//! ```
+//!
+//! Its gradient comes from one backward sweep, its least value over the box of the inputs bound by bound.
+//! A positive least value is the proof; it holds for any multipliers, wherever they come from.
+
+use crate::kkt::Multipliers;
+use crate::problem::{Problem, Softness, Terminal, dot};
+
+/// Part of the summed magnitudes that the least value must exceed, far above their rounding.
+const MARGIN: f64 = 1e-9;
+
+/// Whether `multipliers` prove `problem` infeasible.
+pub(super) fn proves_infeasible(problem: &Problem, multipliers: &Multipliers) -> bool {
+    let n = problem.horizon;
+    let a = &problem.a;
+    let mut costate = [0.0; 3];
+    let mut least = 0.0;
+    let mut magnitude = 0.0;
+    let mut add = |value: f64| {
+        least += value;
+        magnitude += value.abs();
+    };
+    if let Terminal::Equality(x_f) = &problem.terminal {
+        costate = multipliers.terminal;
+        add(-dot(&costate, x_f));
+    }
+    let hard_light = problem.light.is_some_and(|light| light.softness == Softness::Hard);
+    for k in (0..n).rev() {
+        // `costate` belongs to stage k + 1, whose constraints come first.
+        for (j, row) in problem.rows.iter().enumerate() {
+            let (mu, h) = (multipliers.rows[j][k + 1].max(0.0), problem.limits[j][k + 1]);
+            let in_force = k + 1 >= row.from && k < row.to && h < f64::INFINITY;
+            if in_force && row.softness == Softness::Hard {
+                add(-mu * h);
+                for i in 0..3 {
+                    costate[i] += mu * row.gradient[i];
+                }
+            }
+        }
+        if hard_light && k < problem.light_len {
+            let (stage, alpha) = (&problem.light_stages[k], multipliers.light[k + 1].max(0.0));
+            add(-alpha * stage.offset);
+            for i in 0..3 {
+                costate[i] -= alpha * stage.gradient[i];
+            }
+        }
+        add(dot(&costate, &problem.d[k]));
+        let slope = dot(&costate, &problem.b);
+        add((slope * problem.u_min).min(slope * problem.u_max));
+        costate = [
+            a[0][0] * costate[0],
+            a[0][1] * costate[0] + a[1][1] * costate[1],
+            a[0][2] * costate[0] + a[1][2] * costate[1] + a[2][2] * costate[2],
+        ];
+    }
+    for i in 0..3 {
+        add(costate[i] * problem.x0[i]);
+    }
+    magnitude.is_finite() && least > MARGIN * magnitude
+}

@@ -1,0 +1,203 @@
+//! The light's cost as a graph, and its tangents.
+//!
+//! `α ∈ −∂φ(D)` is a curve in the plane of the margin `D` and the multiplier `α`, never rising: flat at the
+//! price `λ` up to the knee `√(w/λ)` (soft lights only), the hyperbola `w/D²` down to `d_th`, vertical there, and
+//! flat at zero beyond. A Newton step replaces the curve by its tangent at one of its points; the point of
+//! the tangent that the step ends at is brought back to the curve *by the coordinate that moves less far*: by
+//! `D` when the margin has grown, by `α` when it has shrunk. On the hyperbola, the one would leave the
+//! domain, the other cross zero; so neither does, and no line search is needed. (Circuit simulators bring diodes
+//! back to their characteristics in the same way.)
+
+use crate::problem::{LightCost, Softness};
+
+/// The curve's constants.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LightGraph {
+    weight: f64,
+    threshold: f64,
+    /// `λ`; infinite for a hard light.
+    price: f64,
+    /// The largest `D` at which `α = λ`; zero for a hard light.
+    knee: f64,
+    /// `α` at the upper end of the vertical part.
+    top: f64,
+    /// Slope that stands for the vertical part.
+    stiffness: f64,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Region {
+    /// `D ≥ d_th`, `α = 0`.
+    #[default]
+    Clear,
+    /// `D = d_th`.
+    Edge,
+    /// `α = w/D²`.
+    Hyperbola,
+    /// `α = λ`.
+    Straight,
+}
+
+/// A tangent `α = alpha − slope (D − margin)`.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Tangent {
+    region: Region,
+    margin: f64,
+    alpha: f64,
+    /// Its slope, ≥ 0.
+    pub(super) slope: f64,
+}
+
+impl LightGraph {
+    pub(super) fn new(light: &LightCost) -> Self {
+        let (w, d_th) = (light.weight, light.threshold);
+        let price = match light.softness {
+            Softness::Hard => f64::INFINITY,
+            Softness::Soft { linear, .. } => linear,
+        };
+        let top = (w / (d_th * d_th)).min(price);
+        let stiffness = if d_th < f64::INFINITY { 1e5 * w / (d_th * d_th * d_th) } else { 0.0 };
+        Self {
+            weight: w,
+            threshold: d_th,
+            price,
+            knee: (w / price).sqrt().min(d_th),
+            top,
+            stiffness,
+        }
+    }
+
+    /// Where to start when the light's absence would give the margin `margin`, and at most `best`
+    /// anywhere on the horizon.
+    pub(super) fn start(&self, margin: f64, best: f64) -> Tangent {
+        if margin >= self.threshold {
+            return self.clear();
+        }
+        let guess = best.clamp(0.1, 0.5 * self.threshold);
+        self.hyperbola_at(margin.max(guess))
+    }
+
+    fn clear(&self) -> Tangent {
+        Tangent { region: Region::Clear, margin: self.threshold, alpha: 0.0, slope: 0.0 }
+    }
+
+    fn edge(&self, alpha: f64) -> Tangent {
+        let slope = self.stiffness;
+        Tangent {
+            region: Region::Edge,
+            margin: self.threshold,
+            alpha: alpha.clamp(0.0, self.top),
+            slope,
+        }
+    }
+
+    fn straight(&self) -> Tangent {
+        Tangent { region: Region::Straight, margin: self.knee, alpha: self.price, slope: 0.0 }
+    }
+
+    fn hyperbola_at(&self, margin: f64) -> Tangent {
+        if margin <= self.knee {
+            return self.straight();
+        }
+        let alpha = self.weight / (margin * margin);
+        Tangent { region: Region::Hyperbola, margin, alpha, slope: 2.0 * alpha / margin }
+    }
+
+    fn hyperbola_with(&self, alpha: f64) -> Tangent {
+        if alpha >= self.price {
+            return self.straight();
+        }
+        let margin = (self.weight / alpha).sqrt();
+        Tangent { region: Region::Hyperbola, margin, alpha, slope: 2.0 * alpha / margin }
+    }
+
+    /// Takes the point of `tangent` at `margin` back to the curve: the new tangent, the multiplier of the
+    /// point, and how far it was from the curve, relative (1 or more when it changes to another part).
+    #[inline]
+    pub(super) fn project(&self, tangent: &Tangent, margin: f64) -> (Tangent, f64, f64) {
+        let alpha = tangent.alpha - tangent.slope * (margin - tangent.margin);
+        let d_th = self.threshold;
+        let next = match tangent.region {
+            Region::Clear if margin >= d_th => *tangent,
+            Region::Clear => self.edge(0.0),
+            Region::Straight if margin <= self.knee => *tangent,
+            Region::Straight if margin < d_th => self.hyperbola_at(margin),
+            Region::Straight => self.edge(self.top),
+            Region::Hyperbola if margin >= d_th && alpha <= 0.0 => self.clear(),
+            Region::Hyperbola if margin >= d_th => self.edge(alpha),
+            Region::Hyperbola if margin >= tangent.margin => self.hyperbola_at(margin),
+            Region::Hyperbola => self.hyperbola_with(alpha),
+            Region::Edge if alpha <= 0.0 => self.clear(),
+            Region::Edge if alpha <= self.top => self.edge(alpha),
+            Region::Edge => self.hyperbola_with(alpha),
+        };
+        let distance = if next.region != tangent.region {
+            1.0
+        } else if next.region == Region::Hyperbola {
+            (next.alpha - alpha).abs().max(next.slope * (margin - next.margin).abs()) / next.alpha
+        } else if next.region == Region::Edge {
+            (margin - d_th).abs() / d_th
+        } else {
+            0.0
+        };
+        (next, alpha, distance)
+    }
+}
+
+impl Tangent {
+    /// The force on the margin's gradient `c` when the tangent is written `α = force − slope (D − o)`.
+    #[inline(always)]
+    pub(super) fn force(&self, offset: f64) -> f64 {
+        self.alpha + self.slope * (self.margin - offset)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn graph(softness: Softness) -> LightGraph {
+        LightGraph::new(&LightCost { weight: 900.0, threshold: 30.0, softness })
+    }
+
+    /// `min_D φ(D) + c D` one tangent at a time.
+    fn minimise(graph: &LightGraph, c: f64, start: f64) -> (f64, usize) {
+        let mut tangent = graph.hyperbola_at(start);
+        for steps in 1..100 {
+            // The tangent's α must equal c.
+            let margin = tangent.margin + (tangent.alpha - c) / tangent.slope;
+            let (next, _, distance) = graph.project(&tangent, margin);
+            if distance < 1e-12 {
+                return (margin, steps);
+            }
+            tangent = next;
+        }
+        panic!("not settled from {start}");
+    }
+
+    #[test]
+    fn finds_the_minimum_from_any_start() {
+        let hard = graph(Softness::Hard);
+        for start in [0.01, 0.5, 3.0, 10.0, 29.0] {
+            let (margin, steps) = minimise(&hard, 4.0, start);
+            assert!((margin - 15.0).abs() < 1e-9, "{start}: {margin}");
+            assert!(steps < 24, "{start}: {steps}");
+        }
+        // From above, where a plain Newton step would leave the domain.
+        assert!(minimise(&hard, 4.0, 29.0).1 <= 6);
+    }
+
+    #[test]
+    fn parts_meet_where_they_should() {
+        let soft = graph(Softness::Soft { linear: 9.0, quadratic: 0.0 });
+        assert_eq!(soft.knee, 10.0);
+        assert_eq!(soft.top, 1.0);
+        assert_eq!(soft.hyperbola_at(9.0).region, Region::Straight);
+        assert_eq!(soft.hyperbola_with(9.5).region, Region::Straight);
+        let (next, _, _) = soft.project(&soft.clear(), 29.0);
+        assert_eq!(next.region, Region::Edge);
+        let (next, alpha, _) = soft.project(&next, 30.0 - 2.0 / soft.stiffness);
+        assert!((alpha - 2.0).abs() < 1e-9);
+        assert_eq!(next.region, Region::Hyperbola);
+    }
+}

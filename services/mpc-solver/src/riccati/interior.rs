@@ -1,0 +1,269 @@
+//! The robust method: a primal-dual interior point with Mehrotra's predictor and corrector.
+//!
+//! Each iteration factors once and solves twice. States are not iterates: the step is computed in the
+//! new values, and the inputs' trajectory implies the rest. Dynamics, slacks, stationarity and the
+//! terminal equality are linear in the iterates, so a step of length `a` takes exactly the part `a` of their
+//! residuals away; what remains to watch are the products of the pairs and `w/p² = α + β`.
+
+use super::barrier::input::InputBarrier;
+use super::barrier::light::LightBarrier;
+use super::barrier::row::RowBarrier;
+use super::recursion::{InputModel, Models, Open, Plant, Sweep};
+use crate::kkt::Multipliers;
+use crate::problem::{MAX_ROWS, Problem, Terminal, dot, quadratic};
+
+/// Distance of the first inputs from their bounds, part of the range.
+const START_MARGIN: f64 = 0.3;
+/// Least first slack of rows and light, m or m/s.
+const START_SLACK: f64 = 1.0;
+/// First products, part of the quadratic cost of the first trajectory, and their limits.
+const START_PRODUCT: f64 = 1e-4;
+const START_PRODUCTS: (f64, f64) = (1e-2, 1e3);
+
+/// Work memory.
+#[derive(Clone, Debug)]
+pub(super) struct Interior {
+    sweep: Sweep,
+    input: InputBarrier,
+    rows: [RowBarrier; MAX_ROWS],
+    light: LightBarrier,
+    y: [f64; 3],
+    /// What is left of the first iterate's linear residuals.
+    open: f64,
+    /// Full step of the current iteration.
+    inputs: Vec<f64>,
+    states: Vec<[f64; 3]>,
+    /// Constant part of the corrector's change of the inputs.
+    constants: Vec<f64>,
+}
+
+struct Barriers<'a> {
+    problem: &'a Problem,
+    input: &'a InputBarrier,
+    rows: &'a [RowBarrier],
+    light: &'a LightBarrier,
+}
+
+impl Models for Barriers<'_> {
+    #[inline(always)]
+    fn input(&self, k: usize) -> InputModel {
+        InputModel::Free(self.input.weight[k], self.input.push[k])
+    }
+
+    #[inline(always)]
+    fn state(&self, k: usize, mut add: impl FnMut(&[f64; 3], f64, f64)) {
+        for row in self.rows {
+            let i = k.wrapping_sub(row.from);
+            if i < row.len {
+                add(&row.gradient, row.weight[i], row.force[i]);
+            }
+        }
+        if k <= self.light.len {
+            let stage = &self.problem.light_stages[k - 1];
+            add(&stage.gradient, self.light.weight[k - 1], -self.light.force[k - 1]);
+        }
+    }
+}
+
+impl Interior {
+    pub(super) fn new(max_horizon: usize) -> Self {
+        Self {
+            sweep: Sweep::new(max_horizon),
+            input: InputBarrier::new(max_horizon),
+            rows: std::array::from_fn(|_| RowBarrier::new(max_horizon)),
+            light: LightBarrier::new(max_horizon),
+            y: [0.0; 3],
+            open: 1.0,
+            inputs: vec![0.0; max_horizon],
+            states: vec![[0.0; 3]; max_horizon + 1],
+            constants: vec![0.0; max_horizon],
+        }
+    }
+
+    /// Starts near a trajectory, whatever it violates; far numbers in it are not trusted.
+    pub(super) fn start(&mut self, problem: &Problem, inputs: &[f64], states: &[[f64; 3]]) {
+        let n = problem.horizon;
+        let cost: f64 = states[..n].iter().map(|x| quadratic(&problem.q, x)).sum();
+        let (least, most) = START_PRODUCTS;
+        // In this order NaN becomes `most`.
+        let mu = (START_PRODUCT * 0.5 * cost).min(most).max(least);
+        self.input.start(inputs, (problem.u_min, problem.u_max), START_MARGIN, mu);
+        for (barrier, (row, h)) in
+            self.rows.iter_mut().zip(problem.rows.iter().zip(&problem.limits))
+        {
+            barrier.start(row, h, states, START_SLACK, mu);
+        }
+        self.light.start(problem.light.as_ref(), problem.light_stages(), states, START_SLACK, mu);
+        self.y = [0.0; 3];
+        self.open = 1.0;
+    }
+
+    /// One iteration; returns the mean product of the pairs before it, or nothing if the step cannot be
+    /// computed, in which case the iterate stays as it was.
+    pub(super) fn iterate(&mut self, problem: &Problem, plant: &Plant) -> Option<f64> {
+        match problem.terminal {
+            Terminal::Cost => self.step::<false>(problem, plant),
+            Terminal::Equality(_) => self.step::<true>(problem, plant),
+        }
+    }
+
+    fn step<const PINNED: bool>(&mut self, problem: &Problem, plant: &Plant) -> Option<f64> {
+        let count = problem.rows.len();
+        let (mut gap, mut pairs) = self.input.predict();
+        for (row, h) in self.rows.iter_mut().zip(&problem.limits) {
+            let (row_gap, row_pairs) = row.predict(h);
+            gap += row_gap;
+            pairs += row_pairs;
+        }
+        let (light_gap, light_pairs) = self.light.predict(problem.light_stages());
+        gap += light_gap;
+        let mu = gap / (pairs + light_pairs) as f64;
+
+        let Self { input, rows, light, sweep, .. } = self;
+        let barriers = Barriers { problem, input, rows: &rows[..count], light };
+        let end = plant.factor(problem, &barriers, sweep, problem.horizon);
+        let y = end.multiplier(problem);
+        self.forward(problem, plant, &y);
+        self.follow(problem, false);
+        let rows = &self.rows[..count];
+        let mut reach = self.input.reach_affine().max(self.light.reach_affine());
+        for row in rows {
+            reach = reach.max(row.reach_affine());
+        }
+        let affine = 1.0 / reach;
+        let left: f64 = rows.iter().map(|row| row.gap_affine(affine)).sum();
+        let left = left + self.input.gap_affine(affine) + self.light.gap_affine(affine);
+        let ratio = left / gap;
+
+        let tau = mu * (ratio * ratio * ratio).clamp(1e-6, 1.0);
+        self.input.correct(tau);
+        for row in &mut self.rows[..count] {
+            row.correct(tau);
+        }
+        self.light.correct(tau);
+        let dy = self.resolve::<PINNED>(problem, plant, &end);
+        self.follow(problem, true);
+        let mut reach = self.input.reach().max(self.light.reach());
+        for row in &self.rows[..count] {
+            reach = reach.max(row.reach());
+        }
+        let last = &self.states[problem.horizon];
+        if !(reach + mu + last[0] + last[1] + last[2]).is_finite() {
+            return None;
+        }
+        let fraction = (1.0 - mu.min(0.01)).max(0.5 + 0.5 * affine).min(0.9995);
+        let a = (fraction / reach.max(f64::MIN_POSITIVE)).min(1.0);
+        self.input.advance(&self.inputs, a);
+        for row in &mut self.rows[..count] {
+            row.advance(a);
+        }
+        self.light.advance(a);
+        for i in 0..3 {
+            self.y[i] += a * (y[i] + dy[i] - self.y[i]);
+        }
+        self.open *= 1.0 - a;
+        Some(mu)
+    }
+
+    fn forward(&mut self, problem: &Problem, plant: &Plant, y: &[f64; 3]) {
+        let n = problem.horizon;
+        let (gains, d) = (&self.sweep.gains[..n], &problem.d[..n]);
+        let (inputs, states) = (&mut self.inputs[..n], &mut self.states[..=n]);
+        let mut x = problem.x0;
+        states[0] = x;
+        for k in 0..n {
+            let u = -gains[k].input(gains[k].offset(y), &x);
+            inputs[k] = u;
+            let next = plant.step::<false>(&x, u);
+            x = [next[0] + d[k][0], next[1] + d[k][1], next[2] + d[k][2]];
+            states[k + 1] = x;
+        }
+    }
+
+    /// Adds to the step what the corrector's forces make: the recursion again, for the vectors only.
+    fn resolve<const PINNED: bool>(
+        &mut self,
+        problem: &Problem,
+        plant: &Plant,
+        end: &Open,
+    ) -> [f64; 3] {
+        let n = problem.horizon;
+        let Self { input, rows, light, sweep, constants, inputs, states, .. } = self;
+        let barriers = Barriers { problem, input, rows: &rows[..problem.rows.len()], light };
+        let (gains, constants) = (&sweep.gains[..n], &mut constants[..n]);
+        let (push, inputs) = (&input.push[..n], &mut inputs[..n]);
+        let mut v = [0.0; 3];
+        let mut t = [0.0; 3];
+        barriers.push(n, &mut v);
+        for k in (0..n).rev() {
+            let gain = &gains[k];
+            let f = plant.input_of::<false>(&v) + push[k];
+            constants[k] = f * gain.inverse;
+            let mut next = plant.transposed(&v);
+            if k > 0 {
+                barriers.push(k, &mut next);
+            }
+            for i in 0..3 {
+                v[i] = next[i] - gain.feedback[i] * f;
+                if PINNED {
+                    t[i] -= gain.open[i] * f;
+                }
+            }
+        }
+        let y = if PINNED { end.solve(&t) } else { [0.0; 3] };
+        let mut x = [0.0; 3];
+        for k in 0..n {
+            let gain = &gains[k];
+            let open = gain.open[0] * y[0] + gain.open[1] * y[1] + gain.open[2] * y[2];
+            let u = -gain.input(constants[k] + open, &x);
+            inputs[k] += u;
+            x = plant.step::<false>(&x, u);
+            for i in 0..3 {
+                states[k + 1][i] += x[i];
+            }
+        }
+        y
+    }
+
+    fn follow(&mut self, problem: &Problem, corrected: bool) {
+        self.input.follow(&self.inputs);
+        for row in &mut self.rows[..problem.rows.len()] {
+            row.follow(&self.states, corrected);
+        }
+        self.light.follow(problem.light_stages(), &self.states, corrected);
+    }
+
+    /// What is left of the first iterate's linear residuals, as a part of them.
+    pub(super) fn open(&self) -> f64 {
+        self.open
+    }
+
+    /// Copies the iterate out; the inputs are within their bounds.
+    pub(super) fn read(
+        &self,
+        problem: &Problem,
+        inputs: &mut [f64],
+        multipliers: &mut Multipliers,
+    ) {
+        for (out, u) in inputs[..problem.horizon].iter_mut().zip(&self.input.u) {
+            *out = u.max(problem.u_min).min(problem.u_max);
+        }
+        for (out, row) in multipliers.rows.iter_mut().zip(&self.rows[..problem.rows.len()]) {
+            out[row.from..row.from + row.len].copy_from_slice(row.multipliers());
+        }
+        multipliers.light[1..=self.light.len].copy_from_slice(self.light.multipliers());
+        multipliers.terminal = self.y;
+    }
+}
+
+impl Barriers<'_> {
+    /// The forces on `x_k` alone.
+    #[inline(always)]
+    fn push(&self, k: usize, gradient: &mut [f64; 3]) {
+        self.state(k, |g, _, force| {
+            for i in 0..3 {
+                gradient[i] += force * g[i];
+            }
+        });
+    }
+}

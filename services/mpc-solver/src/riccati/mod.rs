@@ -1,0 +1,189 @@
+//! The solver made for the problem: an active-set method for the common case, an interior point for
+//! the rest, both on one stage-wise recursion.
+//!
+//! 1. `active` guesses which inputs are at their bounds and where on its graph the light is, solves what
+//!    remains, and improves the guess: one or two sweeps for most cruise problems, about seven with a light.
+//! 2. `interior` takes over when rows are active or the guesses do not settle.
+//! 3. What either returns is checked by [`crate::residuals`], which knows nothing of the methods: the status is
+//!    [`Status::Solved`] only if the optimality conditions hold to 1e-8.
+//! 4. While the interior point is not feasible, `certificate` asks whether its multipliers prove that
+//!    nothing is.
+//!
+//! The equations are at the head of `recursion`; `graph` has the light, `barrier` the inequalities of the
+//! interior point.
+
+mod active;
+mod barrier;
+mod certificate;
+mod graph;
+mod interior;
+mod recursion;
+
+use crate::kkt::{Multipliers, Residuals, residuals};
+use crate::problem::Problem;
+use crate::solver::{Report, Solver, Start, Status};
+use active::{ActiveSet, Outcome};
+use interior::Interior;
+use recursion::Plant;
+
+/// Largest scaled residual of the optimality conditions that counts as solved.
+pub const TOLERANCE: f64 = 1e-8;
+/// Iterations of the interior point.
+const MAX_ITERATIONS: u32 = 60;
+/// Mean product of the pairs from which on the optimality conditions are looked at.
+const NEARLY: f64 = 1e-6;
+/// Part of the first iterate's infeasibility that counts as feasible.
+const CLOSED: f64 = 1e-9;
+/// Fruitless looks at the optimality conditions after which the machine's precision is at its end.
+const MAX_LOOKS: u32 = 8;
+
+/// The solver; see the head of the crate for its problem.
+#[derive(Clone, Debug)]
+pub struct Riccati {
+    capacity: usize,
+    active: ActiveSet,
+    interior: Interior,
+    inputs: Vec<f64>,
+    states: Vec<[f64; 3]>,
+    multipliers: Multipliers,
+    horizon: usize,
+    /// Whether the active set of the last solve can start the next one.
+    settled: bool,
+}
+
+impl Riccati {
+    /// A solver for horizons up to `max_horizon`; all its memory is allocated here.
+    pub fn new(max_horizon: usize) -> Self {
+        Self {
+            capacity: max_horizon,
+            active: ActiveSet::new(max_horizon),
+            interior: Interior::new(max_horizon),
+            inputs: vec![0.0; max_horizon],
+            states: vec![[0.0; 3]; max_horizon + 1],
+            multipliers: Multipliers::new(max_horizon),
+            horizon: 0,
+            settled: false,
+        }
+    }
+
+    /// The active set's attempt; `None` if it has to be given up.
+    fn try_active(
+        &mut self,
+        problem: &Problem,
+        plant: &Plant,
+        warm: bool,
+    ) -> (Option<Residuals>, u32) {
+        let (outcome, rounds) = self.active.solve(
+            problem,
+            plant,
+            warm,
+            &mut self.inputs,
+            &mut self.states,
+            &mut self.multipliers,
+        );
+        let found = (outcome == Outcome::Settled).then(|| self.residuals(problem));
+        (found.filter(|r| r.max() <= TOLERANCE), rounds)
+    }
+
+    /// The interior point, from the trajectory at hand.
+    fn run_interior(&mut self, problem: &Problem, plant: &Plant) -> (Status, Residuals, u32) {
+        let n = problem.horizon;
+        let mut looks = 0;
+        self.multipliers.clear();
+        self.interior.start(problem, &self.inputs[..n], &self.states[..=n]);
+        for iteration in 1..=MAX_ITERATIONS {
+            let Some(mu) = self.interior.iterate(problem, plant) else {
+                return (Status::IterationLimit, self.take_interior(problem), iteration);
+            };
+            let open = self.interior.open();
+            if mu < NEARLY && open < CLOSED {
+                let found = self.take_interior(problem);
+                looks += 1;
+                if found.max() <= TOLERANCE {
+                    return (Status::Solved, found, iteration);
+                }
+                if looks == MAX_LOOKS {
+                    return (Status::IterationLimit, found, iteration);
+                }
+            }
+            if open > CLOSED && iteration % 4 == 0 {
+                let found = self.take_interior(problem);
+                if certificate::proves_infeasible(problem, &self.multipliers) {
+                    return (Status::Infeasible, found, iteration);
+                }
+            }
+        }
+        (Status::IterationLimit, self.take_interior(problem), MAX_ITERATIONS)
+    }
+
+    fn take_interior(&mut self, problem: &Problem) -> Residuals {
+        self.interior.read(problem, &mut self.inputs, &mut self.multipliers);
+        problem.roll_out(&self.inputs, &mut self.states);
+        self.residuals(problem)
+    }
+
+    fn residuals(&self, problem: &Problem) -> Residuals {
+        residuals(problem, &self.inputs, &self.states, &self.multipliers)
+    }
+
+    /// The answer to a problem that cannot be computed with.
+    fn refuse(&mut self, problem: &Problem) -> Report {
+        self.horizon = problem.horizon.min(self.capacity);
+        self.settled = false;
+        self.inputs.fill(0.0_f64.max(problem.u_min).min(problem.u_max));
+        self.states.fill(problem.x0);
+        self.multipliers.clear();
+        let residuals = Residuals { stationarity: f64::NAN, ..Residuals::default() };
+        Report { status: Status::InvalidInput, iterations: 0, residuals, objective: f64::NAN }
+    }
+}
+
+impl Solver for Riccati {
+    fn solve(&mut self, problem: &Problem, start: Start) -> Report {
+        let n = problem.horizon;
+        if n > self.capacity || problem.check().is_err() {
+            return self.refuse(problem);
+        }
+        let plant = Plant::new(problem);
+        let mut found = None;
+        let mut iterations = 0;
+        if let (Start::Shifted(steps), true) = (start, self.settled && self.horizon == n) {
+            self.active.shift(n, steps);
+            self.multipliers.clear();
+            (found, iterations) = self.try_active(problem, &plant, true);
+        }
+        self.horizon = n;
+        if found.is_none() {
+            self.multipliers.clear();
+            let (cold, rounds) = self.try_active(problem, &plant, false);
+            found = cold;
+            iterations += rounds;
+        }
+        self.settled = found.is_some();
+        let (status, residuals) = match found {
+            Some(residuals) => (Status::Solved, residuals),
+            None => {
+                let (status, residuals, steps) = self.run_interior(problem, &plant);
+                iterations += steps;
+                (status, residuals)
+            }
+        };
+        if !self.states[..=n].iter().flatten().sum::<f64>().is_finite() {
+            return Report { iterations, ..self.refuse(problem) };
+        }
+        let objective = problem.objective(&self.inputs, &self.states);
+        Report { status, iterations, residuals, objective }
+    }
+
+    fn inputs(&self) -> &[f64] {
+        &self.inputs[..self.horizon]
+    }
+
+    fn states(&self) -> &[[f64; 3]] {
+        &self.states[..=self.horizon]
+    }
+
+    fn multipliers(&self) -> &Multipliers {
+        &self.multipliers
+    }
+}
