@@ -35,57 +35,13 @@ fn row(name: &str, design: &Design, settings: &Settings) {
 }
 
 #[test]
-fn try_it() {
-    let shipped = Design::shipped();
-    for cap in [20.0, 15.0, 10.0, 5.0, 2.0, 0.0] {
-        row(
-            &format!("shipped cap {cap}"),
-            &shipped,
-            &Settings { gap_error_limit_m: cap, ..Settings::default() },
-        );
-    }
-    let p = Parameters::reference;
-    let o = Options::default;
-    let sets: Vec<(String, Parameters, Options)> = vec![
-        ("ref".into(), p(), o()),
-        ("rule outputs".into(), p(), Options { rule_outputs: true, ..o() }),
-        ("w dd 10".into(), p(), Options { weights: [10.0, 1.0, 1.0, 1.0], ..o() }),
-        ("w dv 10".into(), p(), Options { weights: [1.0, 10.0, 1.0, 1.0], ..o() }),
-        ("w dd,dv 10".into(), p(), Options { weights: [10.0, 10.0, 1.0, 1.0], ..o() }),
-        ("w a,u .1".into(), p(), Options { weights: [1.0, 1.0, 0.1, 0.1], ..o() }),
-        ("w a,u .001".into(), p(), Options { weights: [1.0, 1.0, 0.001, 0.001], ..o() }),
-        ("wbar 2.0".into(), Parameters { lead_acceleration_mps2: 2.0, ..p() }, o()),
-        ("wbar 1.0".into(), Parameters { lead_acceleration_mps2: 1.0, ..p() }, o()),
-        ("wbar 0.5".into(), Parameters { lead_acceleration_mps2: 0.5, ..p() }, o()),
-        ("du 1.0".into(), Parameters { increment_bound_mps2: 1.0, ..p() }, o()),
-        ("dd 21".into(), Parameters { gap_error_bound_m: 21.0, ..p() }, o()),
-        ("x0 0,-8.34".into(), Parameters { start_set: vec![[0.0, -8.34, 0.0, 0.0]], ..p() }, o()),
-        ("x0 10,-8.34".into(), Parameters { start_set: vec![[10.0, -8.34, 0.0, 0.0]], ..p() }, o()),
-    ];
-    for (name, parameters, search) in sets {
-        for alpha in [0.01, 0.02, 0.03, 0.05] {
-            let search =
-                Options { least_alpha: alpha, greatest_alpha: alpha, alphas: 1, ..search.clone() };
-            match synthesize(&DesignRequest { parameters: parameters.clone(), search }) {
-                Ok(s) => {
-                    row(
-                        &format!(
-                            "{name} {alpha} obj {:.2}",
-                            s.trials[0].outcome.clone().unwrap_or(0.0)
-                        ),
-                        &s.design,
-                        &Settings::default(),
-                    );
-                    row(
-                        &format!("{name} {alpha} cap 5"),
-                        &s.design,
-                        &Settings { gap_error_limit_m: 5.0, ..Settings::default() },
-                    );
-                }
-                Err(e) => {
-                    println!("{name} {alpha}: {}", e.to_string().lines().last().unwrap_or(""))
-                }
-            }
-        }
+fn regen() {
+    for name in ["quadratic-bounded", "quadratic-bounded-firm"] {
+        let text = std::fs::read_to_string(format!("designs/{name}.toml")).unwrap();
+        let s = synthesize(&DesignRequest::from_toml(&text).unwrap()).unwrap();
+        println!("{:?}", s.trials);
+        row(name, &s.design, &Settings::default());
+        std::fs::write(format!("designs/{name}.json"), s.design.to_json()).unwrap();
+        assert_eq!(Design::load(&s.design.to_json()).unwrap(), s.design);
     }
 }
