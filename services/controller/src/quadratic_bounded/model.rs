@@ -81,7 +81,8 @@ impl Parameters {
             request_bound_mps2: 3.5,
             increment_bound_mps2: 0.6,
             gap_error_rate_bound_mps: 15.0,
-            start_set: vec![[17.0, -5.56, 0.0, 0.0], [20.0, -8.33, 0.0, 0.0]],
+            // Behind leads that are 20 and 30 km/h slower.
+            start_set: vec![[17.0, -5.56, 0.0, 0.0], [20.0, -8.34, 0.0, 0.0]],
         }
     }
 

@@ -18,7 +18,8 @@
 //! The gains follow from a factorisation U N' = I - X Y. What comes out is not trusted: the design
 //! passes the same verification as one that is read from a file.
 //!
-//! Alpha enters the problem nonlinearly, so it is found by a line search on the objective.
+//! Alpha, the rate at which the ellipsoid contracts, enters the problem nonlinearly: a line search
+//! comes down from the greatest and ends at the first alpha with a certified design.
 
 use super::design::{Content, Design, DesignError, RuleContent};
 use super::model::{
@@ -61,9 +62,9 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self {
-            least_alpha: 0.01,
-            greatest_alpha: 0.03,
-            alphas: 5,
+            least_alpha: 0.005,
+            greatest_alpha: 0.05,
+            alphas: 13,
             beta: 0.1,
             margin: 1e-6,
             weights: [1.0; STATES],
@@ -88,16 +89,12 @@ impl Options {
         }
     }
 
-    /// The alphas of the line search, ascending.
+    /// The alphas of the line search, from the greatest down.
     fn grid(&self) -> impl Iterator<Item = f64> {
+        let ratio = self.least_alpha / self.greatest_alpha;
         let steps = self.alphas.max(2) - 1;
-        let ratio = self.greatest_alpha / self.least_alpha;
-        let (most, steps) = (self.greatest_alpha, steps as f64);
-        (0..self.alphas).map(move |k| most * libm::pow(ratio, k as f64 / steps - 1.0)).map({
-            // A single alpha is the greatest.
-            let single = self.alphas == 1;
-            move |a| if single { most } else { a }
-        })
+        (0..self.alphas)
+            .map(move |k| self.greatest_alpha * libm::pow(ratio, k as f64 / steps as f64))
     }
 }
 
@@ -136,9 +133,9 @@ pub struct Trial {
 /// A certified design and how it was found.
 #[derive(Clone, Debug)]
 pub struct Synthesis {
-    /// The design with the smallest objective.
+    /// The certified design with the greatest alpha.
     pub design: Design,
-    /// All solves, in order of alpha.
+    /// All solves, from the greatest alpha down; the last one gave the design.
     pub trials: Vec<Trial>,
 }
 
@@ -172,7 +169,7 @@ impl std::fmt::Display for SynthesisError {
 
 impl std::error::Error for SynthesisError {}
 
-/// Finds the design with the smallest objective over the line search on alpha.
+/// Finds the certified design with the greatest alpha of the line search.
 ///
 /// # Errors
 /// A bad parameter, or what each alpha failed with.
@@ -180,29 +177,22 @@ pub fn synthesize(request: &DesignRequest) -> Result<Synthesis, SynthesisError> 
     request.parameters.validate().map_err(SynthesisError::Parameter)?;
     request.search.validate().map_err(SynthesisError::Parameter)?;
     let mut trials = Vec::new();
-    let mut best: Option<(f64, Design)> = None;
     for alpha in request.search.grid() {
         let problem = Problem::new(&request.parameters, &request.search, alpha);
         let (solution, iterations) = problem.solve();
-        let outcome = solution.and_then(|(unknowns, objective)| {
+        let certified = solution.and_then(|(unknowns, objective)| {
             let design = problem.recover(&unknowns).map_err(|e| e.to_string())?;
             Ok((objective, design))
         });
-        trials.push(Trial {
-            alpha,
-            outcome: outcome.as_ref().map(|o| o.0).map_err(Clone::clone),
-            iterations,
-        });
-        if let Ok((objective, design)) = outcome
-            && best.as_ref().is_none_or(|b| objective < b.0)
-        {
-            best = Some((objective, design));
+        match certified {
+            Ok((objective, design)) => {
+                trials.push(Trial { alpha, outcome: Ok(objective), iterations });
+                return Ok(Synthesis { design, trials });
+            }
+            Err(why) => trials.push(Trial { alpha, outcome: Err(why), iterations }),
         }
     }
-    match best {
-        Some((_, design)) => Ok(Synthesis { design, trials }),
-        None => Err(SynthesisError::Infeasible(trials)),
-    }
+    Err(SynthesisError::Infeasible(trials))
 }
 
 /// The unknowns as matrices, scaled.
