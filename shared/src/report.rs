@@ -44,6 +44,8 @@ pub struct ServiceReport {
     pub sent: Vec<SentTopic>,
     /// Topics received.
     pub received: Vec<ReceivedTopic>,
+    /// Allocations of the loop between the start and the last cycle, where somebody counts them.
+    pub allocations_in_loop: Option<u64>,
     /// Peak resident set, KiB.
     pub peak_rss_kib: u64,
     /// What the kernel granted.

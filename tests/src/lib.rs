@@ -1,1 +1,198 @@
-//! 
+//! What the whole-system tests share: a command in a corner of its own, and what it leaves there.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant};
+
+/// Time after which a test that waits for an event gives up: a watchdog, not a measurement.
+pub const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A temporary directory of a test's own, in which its commands run.
+#[derive(Debug)]
+pub struct Corner {
+    path: PathBuf,
+    program: PathBuf,
+}
+
+impl Corner {
+    /// A new corner for commands of `program`.
+    #[must_use]
+    pub fn new(program: &str) -> Self {
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        // Short: event sockets below it must fit in 108 bytes.
+        let name = format!("tgt{:x}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
+        let path = PathBuf::from("/tmp").join(name);
+        std::fs::create_dir_all(&path).expect("the temporary directory is writable");
+        Self { path, program: program.into() }
+    }
+
+    /// The directory.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// A command whose runs live in this corner.
+    #[must_use]
+    pub fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(&self.program);
+        command
+            .args(arguments)
+            .current_dir(&self.path)
+            .env("TMPDIR", &self.path)
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        command
+    }
+
+    /// Runs a command to its end.
+    #[must_use]
+    pub fn run(&self, arguments: &[&str]) -> Output {
+        self.command(arguments).output().expect("the command starts")
+    }
+
+    /// Starts a command.
+    #[must_use]
+    pub fn start(&self, arguments: &[&str]) -> Child {
+        self.command(arguments).spawn().expect("the command starts")
+    }
+
+    /// Runs `timegap ARGUMENTS --json`, which must end with status 0, and reads what it printed.
+    #[must_use]
+    pub fn json(&self, arguments: &[&str]) -> Value {
+        let arguments: Vec<_> = arguments.iter().copied().chain(["--json"]).collect();
+        let output = self.run(&arguments);
+        assert!(output.status.success(), "{arguments:?}: {}", text(&output));
+        serde_json::from_slice(&output.stdout).expect("--json prints one JSON object")
+    }
+
+    /// Directories of runs that have not been removed.
+    #[must_use]
+    pub fn roots(&self) -> Vec<PathBuf> {
+        let base = std::fs::read_dir(&self.path).into_iter().flatten().flatten();
+        let base = base.map(|entry| entry.path()).find(|path| {
+            path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("timegap-"))
+        });
+        let roots = base.and_then(|base| std::fs::read_dir(base).ok()).into_iter().flatten();
+        roots.flatten().map(|entry| entry.path()).collect()
+    }
+
+    /// Living processes of runs in this corner, with the name that they go by.
+    #[must_use]
+    pub fn processes(&self) -> Vec<(i32, String)> {
+        let needle = self.path.to_string_lossy().into_owned();
+        let mut found = Vec::new();
+        for entry in std::fs::read_dir("/proc").into_iter().flatten().flatten() {
+            let Some(pid) = entry.file_name().to_str().and_then(|name| name.parse().ok()) else {
+                continue;
+            };
+            let line = std::fs::read(entry.path().join("cmdline")).unwrap_or_default();
+            let line = String::from_utf8_lossy(&line).into_owned();
+            let mut words = line.split('\0');
+            let name = words.next().unwrap_or_default().to_owned();
+            if name.starts_with("timegap-") && words.any(|word| word.starts_with(&needle)) {
+                found.push((pid, name));
+            }
+        }
+        found
+    }
+
+    /// Shared-memory objects of the runs whose roots are `roots`.
+    #[must_use]
+    pub fn shared_memory(roots: &[PathBuf]) -> Vec<String> {
+        let entries = std::fs::read_dir("/dev/shm").into_iter().flatten().flatten();
+        let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+        let ids: Vec<_> = roots
+            .iter()
+            .filter_map(|root| root.file_name().map(|id| format!("timegap_{}_", id.to_string_lossy())))
+            .collect();
+        names.filter(|name| ids.iter().any(|id| name.starts_with(id.as_str()))).collect()
+    }
+
+    /// Waits until nothing of `roots` is left: no process, no directory, no shared memory.
+    ///
+    /// # Panics
+    /// When something is still there after [`PATIENCE`].
+    pub fn expect_nothing_left(&self, roots: &[PathBuf]) {
+        let left = || {
+            (self.processes(), self.roots(), Self::shared_memory(roots))
+        };
+        let gone = wait_for(|| {
+            let (processes, roots, memory) = left();
+            processes.is_empty() && roots.is_empty() && memory.is_empty()
+        });
+        assert!(gone, "left behind: {:?}", left());
+    }
+
+    /// Waits until a service of this name is alive, and returns its process id.
+    ///
+    /// # Panics
+    /// When none appears in [`PATIENCE`].
+    #[must_use]
+    pub fn wait_for_process(&self, name: &str) -> i32 {
+        let mut pid = 0;
+        let alive = wait_for(|| {
+            let found = self.processes().into_iter().find(|(_, n)| n == name);
+            pid = found.map_or(0, |(pid, _)| pid);
+            pid != 0
+        });
+        assert!(alive, "no process {name} in {:?}", self.processes());
+        pid
+    }
+}
+
+impl Drop for Corner {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.path);
+    }
+}
+
+/// Polls `condition` until it holds; false when it does not within [`PATIENCE`].
+pub fn wait_for(mut condition: impl FnMut() -> bool) -> bool {
+    let begun = Instant::now();
+    while begun.elapsed() < PATIENCE {
+        if condition() {
+            return true;
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    false
+}
+
+/// Everything that a command printed.
+#[must_use]
+pub fn text(output: &Output) -> String {
+    format!(
+        "{}\n{}",
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    )
+}
+
+/// Rows of a CSV file as numbers, by the named columns. An empty field is NaN.
+///
+/// # Panics
+/// When a column is missing or a field is not a number.
+#[must_use]
+pub fn csv(text: &str, columns: &[&str]) -> Vec<Vec<f64>> {
+    let mut lines = text.lines();
+    let head: Vec<_> = lines.next().unwrap_or_default().split(',').collect();
+    let places: Vec<_> = columns
+        .iter()
+        .map(|column| head.iter().position(|name| name == column))
+        .map(|place| place.expect("the column is in the header"))
+        .collect();
+    let number = |field: &str| match field {
+        "" => f64::NAN,
+        field => field.parse().expect("a field is a number"),
+    };
+    lines
+        .map(|line| {
+            let fields: Vec<_> = line.split(',').collect();
+            places.iter().map(|&place| number(fields[place])).collect()
+        })
+        .collect()
+}

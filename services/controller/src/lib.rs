@@ -1,4 +1,14 @@
 //! The control laws and the control loop.
+//!
+//! A law is plain code behind one trait ([`law::Law`]); [`laws`] builds the one that a scenario
+//! names. The loop ([`run`]) samples the topics ([`sampling`]), asks the law and publishes.
 
 pub mod cacc;
 pub mod law;
+pub mod laws;
+pub mod quadratic_bounded;
+pub mod sampling;
+mod service;
+pub mod six_mode;
+
+pub use service::run;

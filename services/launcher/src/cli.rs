@@ -58,7 +58,7 @@ pub struct ScenarioOptions {
     pub controller: Option<String>,
     /// Seed of all random numbers
     #[arg(long, value_name = "N")]
-    pub seed: Option<u64>,
+    pub seed: Option<String>,
     /// Length of the run, s
     #[arg(long, value_name = "SECONDS")]
     pub duration: Option<String>,

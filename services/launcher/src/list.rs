@@ -2,24 +2,25 @@
 
 use crate::cli::ListArguments;
 use crate::error::Error;
-use shared::scenario::builtin::BUILTIN;
+use controller::laws;
+use shared::scenario::builtin;
 use shared::scenario::controller::ControllerName;
 use std::process::ExitCode;
 
 /// Runs the command.
 pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
     if let Some(name) = &arguments.show {
-        let found = BUILTIN.iter().find(|builtin| builtin.name == name);
+        let found = builtin::ALL.iter().find(|builtin| builtin.name == name);
         let builtin = found.ok_or_else(|| {
-            let names: Vec<_> = BUILTIN.iter().map(|builtin| builtin.name).collect();
+            let names: Vec<_> = builtin::ALL.iter().map(|builtin| builtin.name).collect();
             Error::Usage(format!("no built-in scenario `{name}`, expected one of {}", names.join(", ")))
         })?;
         print!("{}", builtin.text);
         return Ok(ExitCode::SUCCESS);
     }
-    let scenarios = BUILTIN.iter().map(|builtin| (builtin.name, builtin.line));
+    let scenarios = builtin::ALL.iter().map(|builtin| (builtin.name, builtin.summary));
     let controllers =
-        ControllerName::ALL.into_iter().map(|name| (name.as_str(), controller::describe(name)));
+        ControllerName::ALL.into_iter().map(|name| (name.as_str(), laws::describe(name)));
     if arguments.json {
         let entry = |(name, line)| serde_json::json!({"name": name, "description": line});
         let list = serde_json::json!({

@@ -6,6 +6,7 @@ use crate::group::{Ended, GroupOutcome, Launch, launch};
 use crate::output::OutputDirectory;
 use crate::summary::Summary;
 use crate::{print, trajectory};
+use controller::laws;
 use indicatif::{ProgressBar, ProgressStyle};
 use shared::report::Outcome;
 use shared::runtime::Mode;
@@ -18,7 +19,7 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     let begun = Instant::now();
     let scenario = open(&arguments.scenario, &arguments.scenario_options)?;
     let mode = arguments.mode.into();
-    let output = OutputDirectory::create(arguments.out.as_deref(), &scenario.name.to_string())?;
+    let output = OutputDirectory::create(arguments.out.as_deref(), scenario.name.as_str())?;
     output.write("scenario.toml", scenario.to_toml().as_bytes())?;
 
     let bar = progress_bar(&scenario, arguments.json);
@@ -31,7 +32,7 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     let summary = Summary::new(&scenario, mode, &group, begun.elapsed());
     let json = serde_json::to_string_pretty(&summary).expect("a summary is plain data");
     output.write("summary.json", (json.clone() + "\n").as_bytes())?;
-    let figures = controller::figure_names(&scenario);
+    let figures = laws::figure_names(&scenario);
     output.write("trajectory.csv", trajectory::csv(&group.drive, figures).as_bytes())?;
     for (service, line) in &group.wrote {
         eprintln!("{service}: {line}");
@@ -48,20 +49,19 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
 /// Opens a scenario and lays the options over it.
 pub fn open(name: &str, options: &ScenarioOptions) -> Result<Scenario, Error> {
     let mut overrides = Overrides::new();
-    let mut add = |key: &str, value: String| overrides.push(&format!("{key}={value}"));
     if let Some(controller) = &options.controller {
-        add("controller.name", format!("\"{controller}\"")).map_err(usage)?;
+        overrides.option("--controller", "controller.name", controller);
     }
-    if let Some(seed) = options.seed {
-        add("seed", seed.to_string()).map_err(usage)?;
+    if let Some(seed) = &options.seed {
+        overrides.option("--seed", "seed", seed);
     }
     if let Some(duration) = &options.duration {
-        add("duration_s", duration.clone()).map_err(usage)?;
+        overrides.option("--duration", "duration_s", duration);
     }
-    for option in &options.set {
-        overrides.push(option).map_err(usage)?;
+    for argument in &options.set {
+        overrides.set(argument).map_err(usage)?;
     }
-    Scenario::open(name, &overrides, &controller::check).map_err(usage)
+    Scenario::open(name, &overrides, &laws::check).map_err(usage)
 }
 
 fn usage(error: impl std::fmt::Display) -> Error {
@@ -76,7 +76,7 @@ pub fn drive(
     progress: &mut dyn FnMut(i64),
 ) -> Result<GroupOutcome, Error> {
     let start_delay = match mode {
-        Mode::Realtime => Duration::from_secs_f64(scenario.runtime.start_delay_ms.value() / 1e3),
+        Mode::Realtime => Duration::from_millis(scenario.runtime.start_delay_ms.value().into()),
         Mode::Lockstep => Duration::ZERO,
     };
     let launching = Launch {
@@ -99,7 +99,7 @@ fn progress_bar(scenario: &Scenario, quiet: bool) -> ProgressBar {
     let style = ProgressStyle::with_template("{msg} {wide_bar} {percent:>3} %")
         .expect("the template is valid");
     let bar = ProgressBar::new((scenario.duration_s.value() * 1e3) as u64).with_style(style);
-    bar.set_message(scenario.name.to_string());
+    bar.set_message(scenario.name.as_str().to_owned());
     bar
 }
 

@@ -79,6 +79,8 @@ pub struct ServiceSummary {
     pub restarts: u32,
     pub exit: Option<String>,
     pub peak_rss_kib: Option<u64>,
+    /// Allocations of the loop, in programs whose allocator counts; null elsewhere.
+    pub allocations_in_loop: Option<u64>,
     pub scheduling: Option<Granted>,
 }
 
@@ -112,7 +114,7 @@ impl Summary {
         let (outcome, aborted_because) = outcome(&group.ended, plant);
         Self {
             schema_version: 1,
-            scenario: scenario.name.to_string(),
+            scenario: scenario.name.as_str().into(),
             controller: scenario.controller.name.as_str().into(),
             mode: mode.name(),
             seed: scenario.seed.value(),
@@ -150,6 +152,8 @@ impl Summary {
                     restarts: 0,
                     exit: group.exits.get(&service).cloned(),
                     peak_rss_kib: report(service).map(|report| report.peak_rss_kib),
+                    allocations_in_loop: report(service)
+                        .and_then(|report| report.allocations_in_loop),
                     scheduling: report(service).map(|report| report.scheduling.clone()),
                 })
                 .collect(),

@@ -1,5 +1,10 @@
 //! The simulated ego vehicle: its motion, its actuator gateway and the referee of a run.
 
+pub mod chains;
 pub mod gateway;
 pub mod longitudinal;
 pub mod referee;
+mod service;
+mod truth;
+
+pub use service::run;

@@ -2,3 +2,6 @@
 
 pub mod program;
 pub mod roadside_unit;
+mod service;
+
+pub use service::run;

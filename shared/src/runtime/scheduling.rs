@@ -99,8 +99,10 @@ pub fn apply(request: &Request) -> Granted {
     {
         refused.push(format!("core {core}: {reason}"));
     }
+    // Pages stay once touched; locking untouched ones too would double the resident set for code
+    // that the loop never runs.
     let memory_locked = request.lock_memory
-        && match mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE) {
+        && match mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE | MlockAllFlags::ONFAULT) {
             Ok(()) => true,
             Err(e) => {
                 refused.push(format!("locked memory: {e}"));

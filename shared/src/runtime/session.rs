@@ -16,7 +16,17 @@ use std::cell::RefCell;
 use std::path::Path;
 use std::process::ExitCode;
 use std::rc::Rc;
+use std::sync::OnceLock;
 use std::time::Duration;
+
+static ALLOCATIONS: OnceLock<fn() -> u64> = OnceLock::new();
+
+/// Lets services report how often their loop allocated, by a counter of the calling thread's
+/// allocations: for programs whose global allocator counts.
+pub fn count_allocations_by(counter: fn() -> u64) {
+    // A second counter changes nothing.
+    let _ = ALLOCATIONS.set(counter);
+}
 
 /// Run time between two heartbeats, ns.
 const HEARTBEAT_NS: i64 = 100_000_000;
@@ -48,6 +58,7 @@ pub struct Runtime {
     cycles: u64,
     skipped: u64,
     jitter: Latencies,
+    allocations_in_loop: Option<u64>,
 }
 
 impl Runtime {
@@ -77,6 +88,7 @@ impl Runtime {
             cycles: 0,
             skipped: 0,
             jitter: Latencies::default(),
+            allocations_in_loop: None,
         })
     }
 
@@ -285,6 +297,7 @@ impl Runtime {
     /// [`RuntimeError::Link`].
     pub fn finish(self, details: Details) -> Result<(), RuntimeError> {
         let report = ServiceReport {
+            allocations_in_loop: self.allocations_in_loop,
             service: self.service,
             cycles: self.cycles,
             skipped: self.skipped,
@@ -312,13 +325,17 @@ impl Runtime {
         &mut self,
         mut cycle: impl FnMut(&mut Self) -> Result<Cycle, RuntimeError>,
     ) -> Result<(), RuntimeError> {
-        loop {
+        let allocations = || ALLOCATIONS.get().map(|count| count());
+        let before = allocations();
+        let result = loop {
             match cycle(self) {
                 Ok(Cycle::Next) => {}
-                Ok(Cycle::Last) | Err(RuntimeError::Stopped) => return Ok(()),
-                Err(error) => return Err(error),
+                Ok(Cycle::Last) | Err(RuntimeError::Stopped) => break Ok(()),
+                Err(error) => break Err(error),
             }
-        }
+        };
+        self.allocations_in_loop = allocations().zip(before).map(|(after, before)| after - before);
+        result
     }
 
     /// The group.

@@ -19,10 +19,8 @@ pub struct Controller {
     /// Time from the scheduled release by which a cycle must have finished, ms; absent: the period.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub deadline_ms: Option<PeriodMs>,
-    /// Desired gap of the predictive laws.
+    /// Desired gap of the predictive laws, and with it their formulation.
     pub spacing_policy: SpacingPolicy,
-    /// The paper's problem or the one for the road.
-    pub formulation: Formulation,
     /// Solver of the predictive laws.
     pub solver: Solver,
     /// Steps of the prediction.
@@ -37,8 +35,11 @@ pub struct Controller {
     pub min_request_mps2: Acceleration,
     /// Largest request, m/s².
     pub max_request_mps2: Acceleration,
-    /// Weights of the predictive laws.
+    /// Weights of the paper's problem.
     pub weights: Weights,
+    /// Parameters of the problem for the road; the law checks them.
+    #[serde(skip_serializing_if = "toml::Table::is_empty")]
+    pub road: toml::Table,
     /// Parameters of the `six-mode` law; the law checks them.
     #[serde(skip_serializing_if = "toml::Table::is_empty")]
     pub six_mode: toml::Table,
@@ -63,7 +64,6 @@ impl Default for Controller {
             release: Release::Radar,
             deadline_ms: None,
             spacing_policy: SpacingPolicy::ConstantTimeHeadway,
-            formulation: Formulation::Drive,
             solver: Solver::Riccati,
             horizon: Steps::of(100),
             time_headway_s: TimeConstant::of(1.5),
@@ -72,6 +72,7 @@ impl Default for Controller {
             min_request_mps2: Acceleration::of(-4.9),
             max_request_mps2: Acceleration::of(4.9),
             weights: Weights::default(),
+            road: toml::Table::new(),
             six_mode: toml::Table::new(),
             quadratic_bounded: toml::Table::new(),
         }
@@ -118,25 +119,18 @@ pub enum Release {
     Timer,
 }
 
-/// Desired gap.
+/// How the predictive laws form the desired gap, and with it which problem they pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SpacingPolicy {
-    /// v t_h + d_b at the first cycle, then frozen: what the CACC paper's figures were made with.
+    /// The paper's problem with v t_h + d_b of the first cycle, then frozen: what the figures of its
+    /// scenarios A, B and C were made with.
     ConstantDistance,
-    /// v t_h + d_b of the present speed.
+    /// The paper's problem with v t_h + d_b measured anew in each cycle, as in its Table 3; the
+    /// prediction leaves t_h a out of the error's rate.
+    MeasuredHeadway,
+    /// For the road: constant time headway predicted exactly, lead acceleration, set speed.
     ConstantTimeHeadway,
-}
-
-/// Which optimisation problem the predictive laws pose.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Formulation {
-    /// As printed: the rate of the gap error without t_h a, the lead at constant speed, the light as
-    /// given.
-    Paper,
-    /// For the road: the exact constant-time-headway model, lead acceleration, set speed.
-    Drive,
 }
 
 /// Solver of the predictive laws.

@@ -12,6 +12,17 @@
 //!          = a_free                         for v >  v0, z <  1
 //! ```
 //!
+//! Alone it brakes harder than needed when a vehicle cuts in closely. So it is tempered by the
+//! constant-acceleration heuristic of Kesting, Treiber and Helbing (2010, "Enhanced intelligent driver
+//! model", equations 5 to 7), with `a_l' = min(a_lead, a)`:
+//!
+//! ```text
+//! a_cah = v² a_l' / (v_lead² - 2 s a_l')               while the lead stops first
+//!       = a_l' - max(0, v - v_lead)² / (2 s)           else
+//! a_acc = a_follow                                     for a_follow >= a_cah
+//!       = a_cah + b tanh((a_follow - a_cah) / b)       else          (their coolness c = 1)
+//! ```
+//!
 //! It is explicit and always has an answer. The road controller rolls it out as its reference, and
 //! both laws fall back to it when no solution of a convex program is at hand.
 //!
@@ -21,6 +32,7 @@
 //! | `s0` | [`Obstacle::standstill_m`] | m |
 //! | `s` | [`Obstacle::gap_m`] | m |
 //! | `v_lead` | [`Obstacle::speed_mps`] | m/s |
+//! | `a_lead` | [`Obstacle::acceleration_mps2`] | m/s² |
 //! | `a` | [`Driver::acceleration_mps2`] | m/s² |
 //! | `b` | [`Driver::deceleration_mps2`] | m/s² |
 //! | `v0` | `desired_mps` | m/s |
@@ -43,6 +55,8 @@ pub struct Obstacle {
     pub gap_m: f64,
     /// Its speed, m/s.
     pub speed_mps: f64,
+    /// Its acceleration, m/s².
+    pub acceleration_mps2: f64,
     /// Time headway kept to it, s.
     pub headway_s: f64,
     /// Distance kept at standstill, m.
@@ -84,7 +98,26 @@ impl Driver {
         } else {
             free
         };
-        wanted.max(-self.hardest_mps2)
+        let heuristic = self.constant_acceleration_mps2(v, obstacle);
+        let b = self.deceleration_mps2;
+        let tempered = if wanted >= heuristic {
+            wanted
+        } else {
+            heuristic + b * libm::tanh((wanted - heuristic) / b)
+        };
+        tempered.max(-self.hardest_mps2)
+    }
+
+    /// Acceleration that just avoids a collision while the obstacle keeps its acceleration, m/s².
+    fn constant_acceleration_mps2(&self, speed_mps: f64, obstacle: &Obstacle) -> f64 {
+        let (v, v_lead, s) = (speed_mps, obstacle.speed_mps.max(0.0), obstacle.gap_m.max(0.1));
+        let a_lead = obstacle.acceleration_mps2.min(self.acceleration_mps2);
+        if a_lead < 0.0 && v_lead * (v - v_lead) <= -2.0 * s * a_lead {
+            v * v * a_lead / (v_lead * v_lead - 2.0 * s * a_lead)
+        } else {
+            let closing = (v - v_lead).max(0.0);
+            a_lead - closing * closing / (2.0 * s)
+        }
     }
 }
 
@@ -97,7 +130,13 @@ mod tests {
 
     #[test]
     fn the_desired_gap_is_an_equilibrium() {
-        let lead = Obstacle { gap_m: 27.5, speed_mps: 15.0, headway_s: 1.5, standstill_m: 5.0 };
+        let lead = Obstacle {
+            gap_m: 27.5,
+            speed_mps: 15.0,
+            acceleration_mps2: 0.0,
+            headway_s: 1.5,
+            standstill_m: 5.0,
+        };
         assert!(DRIVER.follow_mps2(15.0, 25.0, &lead).abs() < 1e-12);
         assert!(DRIVER.free_mps2(25.0, 25.0).abs() < 1e-12);
     }
@@ -106,8 +145,13 @@ mod tests {
     fn it_stops_short_of_a_standing_obstacle_comfortably() {
         let (mut x, mut v, mut hardest) = (0.0, 20.0, 0.0_f64);
         for _ in 0..6000 {
-            let line =
-                Obstacle { gap_m: 180.0 - x, speed_mps: 0.0, headway_s: 0.6, standstill_m: 1.0 };
+            let line = Obstacle {
+                gap_m: 180.0 - x,
+                speed_mps: 0.0,
+                acceleration_mps2: 0.0,
+                headway_s: 0.6,
+                standstill_m: 1.0,
+            };
             let a = DRIVER.follow_mps2(v, 20.0, &line);
             hardest = hardest.min(a);
             x += 0.01 * v;

@@ -20,8 +20,9 @@ use std::fmt;
 use mpc_solver::ProblemError;
 
 use crate::law::Law;
-use config::{Config, ConfigError};
+use config::{Config, ConfigError, SpacingPolicy};
 use paper::PaperLaw;
+use road::RoadLaw;
 
 /// Which of the two laws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,6 +73,9 @@ pub fn build(controller: Controller, config: &Config) -> Result<Box<dyn Law + Se
     config.validate()?;
     let uses_light = controller == Controller::CaccMpc;
     let solver = config.solver.create(config.horizon_steps);
+    if config.spacing_policy == SpacingPolicy::ConstantTimeHeadway {
+        return Ok(Box::new(RoadLaw::new(config, uses_light, solver)?));
+    }
     let weights = config.paper_weights().ok_or(ConfigError::Missing("weights"))?;
     Ok(Box::new(PaperLaw::new(config, &weights, uses_light, solver)?))
 }

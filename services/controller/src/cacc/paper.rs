@@ -189,6 +189,7 @@ impl PaperLaw {
         let lead = Obstacle {
             gap_m: target.gap_m,
             speed_mps: speed + target.relative_speed_mps,
+            acceleration_mps2: target.acceleration_mps2,
             headway_s: self.config.time_headway_s,
             standstill_m: self.config.buffer_m,
         };

@@ -270,10 +270,10 @@ impl Supervisor<'_> {
     /// A living service that has not reported.
     fn silent(&mut self) -> Option<Service> {
         let reports = &self.reports;
-        self.processes
-            .iter_mut()
-            .find(|process| !reports.contains_key(&process.service()) && process.poll().is_none())
-            .map(|process| process.service())
+        let processes = self.processes.iter_mut();
+        processes
+            .filter(|process| !reports.contains_key(&process.service()))
+            .find_map(|process| process.poll().is_none().then_some(process.service()))
     }
 
     fn unreported(&self) -> Option<Service> {

@@ -1,3 +1,564 @@
-//! Road.
+//! The formulation for the road.
+//!
+//! In each cycle: the signals ahead are remembered ([`SignalMemory`]) and the lead is predicted
+//! ([`Prediction`]). For the nearest stop line there are two candidates, to pass and to stop. Each has a
+//! reference, a comfortable driver rolled out over the horizon ([`Reference`]), and a convex program
+//! that smooths it and enforces the limits ([`Programs`]). [`choose`] takes one. The first request
+//! goes through a filter of pure kinematics ([`Filter`]), which has the last word.
+//!
+//! When a program is not solved, what is left of the previous plan is followed, and after it the
+//! driver's own requests. The filter judges these like any other.
+
 mod config;
+mod decision;
+mod filter;
+mod lead;
+mod program;
+mod reference;
+mod signals;
+
+use mpc_solver::{ProblemError, Solver, Start};
+
+use self::decision::{Choice, Reason, Situation, choose};
+use self::filter::{Filter, Gate, Rule};
+use self::lead::{LeadNow, Prediction};
+use self::program::{Deadline, Programs};
+use self::reference::{Reference, Scene};
+use self::signals::{Green, Line, SignalMemory};
+use super::config::Config;
+use super::driver::Driver;
+use super::kinematics::{Lag, LagStep, Motion};
+use super::paper::usable;
+use super::plan::PlanMemory;
+use crate::law::{Input, Law, MAX_PLAN, MAX_SIGNALS, Output, Quality};
 pub use config::RoadConfig;
+
+/// Speed that stands for "no limit", m/s.
+const NO_LIMIT_MPS: f64 = 70.0;
+/// A previous plan older than this is not followed, s.
+const MAX_PLAN_AGE_S: f64 = 0.5;
+/// A pass that was decided may come this close to the end of green, s.
+const LAST_MARGIN_S: f64 = 0.1;
+/// Margin of a comfortable stop, m.
+const STOP_ROOM_M: f64 = 0.3;
+/// Below this speed and request the vehicle is held, m/s and m/s².
+const STANDSTILL: f64 = 0.1;
+/// Request that holds the vehicle, m/s².
+const HOLD_MPS2: f64 = -0.5;
+
+const MODES: &[&str] = &["cruise", "follow", "pass", "stop"];
+const REASONS: &[&str] = &[
+    "start",
+    "target-lost",
+    "target-found",
+    "green-in-reach",
+    "green-out-of-reach",
+    "stop-cheaper",
+    "clears-in-yellow",
+    "emergency",
+    "signal-unknown",
+];
+const FIGURES: &[&str] = &[
+    "gap_error_m",
+    "speed_error_mps",
+    "filter_correction_mps2",
+    "solver_residual",
+    "pass_shortfall_m",
+    "pass_cost",
+    "stop_cost",
+];
+
+/// `acc-mpc` and `cacc-mpc` for the road.
+pub struct RoadLaw {
+    config: Config,
+    uses_light: bool,
+    solver: Box<dyn Solver + Send>,
+    programs: Programs,
+    driver: Driver,
+    lag: LagStep,
+    lead_decay: f64,
+    state: State,
+    work: Box<Work>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct State {
+    signals: SignalMemory,
+    chosen: Option<(u32, Choice)>,
+    plan: PlanMemory,
+    /// What the plan in memory was made for.
+    planned: Option<Choice>,
+    mode: Option<u32>,
+    reason: u32,
+}
+
+/// Buffers of one cycle.
+struct Work {
+    lead: Prediction,
+    pass: Candidate,
+    stop: Candidate,
+}
+
+/// A reference and the plan made from it.
+struct Candidate {
+    reference: Reference,
+    requests: [f64; MAX_PLAN],
+    solved: bool,
+    iterations: u32,
+    residual: f64,
+}
+
+impl Candidate {
+    const EMPTY: Self = Self {
+        reference: Reference::EMPTY,
+        requests: [0.0; MAX_PLAN],
+        solved: false,
+        iterations: 0,
+        residual: 0.0,
+    };
+}
+
+/// The measured scene of one cycle.
+struct Seen {
+    ego: Motion,
+    lead: Option<LeadNow>,
+    lines: [Line; MAX_SIGNALS],
+    count: usize,
+    desired_mps: f64,
+}
+
+impl RoadLaw {
+    /// Builds the law with its programs; `uses_light` makes it `cacc-mpc`.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when the settings do not make a convex program; a validated configuration
+    /// always does.
+    pub fn new(
+        config: &Config,
+        uses_light: bool,
+        solver: Box<dyn Solver + Send>,
+    ) -> Result<Self, ProblemError> {
+        let lag = Lag { tau_s: config.actuator_lag_s }.discretise(config.step_s);
+        let road = &config.road;
+        Ok(Self {
+            config: *config,
+            uses_light,
+            solver,
+            programs: Programs::new(config, &lag)?,
+            driver: Driver {
+                acceleration_mps2: road.acceleration_mps2,
+                deceleration_mps2: road.reference_deceleration_mps2,
+                hardest_mps2: -config.min_request_mps2,
+            },
+            lag,
+            lead_decay: libm::exp(-config.step_s / road.lead_decay_s),
+            state: State::new(config),
+            work: Box::new(Work {
+                lead: Prediction::ABSENT,
+                pass: Candidate::EMPTY,
+                stop: Candidate::EMPTY,
+            }),
+        })
+    }
+
+    /// What is measured, in the law's own terms; `None` when a number is missing.
+    fn look(&mut self, input: &Input) -> Option<Seen> {
+        let ego = &input.ego;
+        let lead = input.target.as_ref().map(|target| LeadNow {
+            gap_m: target.gap_m,
+            speed_mps: (ego.speed_mps + target.relative_speed_mps).max(0.0),
+            acceleration_mps2: target.acceleration_mps2,
+        });
+        let sum = ego.position_m + ego.speed_mps + ego.acceleration_mps2 + input.time_s;
+        let lead_sum = lead.map_or(0.0, |l| l.gap_m + l.speed_mps + l.acceleration_mps2);
+        let raw = input.target.map_or(0.0, |target| target.relative_speed_mps);
+        let period_fits = input.period_s > 0.0 && input.period_s <= 1.0;
+        if !((sum + lead_sum + raw).is_finite() && period_fits) {
+            return None;
+        }
+        if self.uses_light {
+            self.state.signals.update(input);
+        }
+        let mut lines = [Line::default(); MAX_SIGNALS];
+        let count = self.state.signals.lines().len();
+        lines[..count].copy_from_slice(self.state.signals.lines());
+        Some(Seen {
+            ego: Motion {
+                position_m: 0.0,
+                speed_mps: ego.speed_mps.clamp(0.0, NO_LIMIT_MPS),
+                acceleration_mps2: ego.acceleration_mps2.clamp(-15.0, 15.0),
+            },
+            lead,
+            lines,
+            count,
+            desired_mps: input.set_speed_mps.min(input.speed_limit_mps).clamp(0.0, NO_LIMIT_MPS),
+        })
+    }
+
+    /// Plans for the nearest line, decides about it and returns what was chosen.
+    fn plan(&mut self, input: &Input, seen: &Seen, output: &mut Output) -> (Option<Choice>, u32) {
+        let nearest = seen.lines[..seen.count].first().copied();
+        let Some(line) = nearest else {
+            self.candidate(Choice::Pass, input, seen, reference::Gate::Open, None);
+            self.state.chosen = None;
+            return (None, 0);
+        };
+        let now = input.time_s;
+        let line_m = line.at_m - input.ego.position_m;
+        let before = self.state.chosen.filter(|chosen| chosen.0 == line.id).map(|chosen| chosen.1);
+        let green = line.greens().iter().find(|green| green.clear_s > now).copied();
+        let margin = match before {
+            Some(Choice::Pass) => LAST_MARGIN_S,
+            _ => self.config.road.pass_margin_s,
+        };
+        let deadline = green.and_then(|green| {
+            let stage = ((green.to_s - margin - now) / self.lag.step_s).floor();
+            (stage >= 1.0).then(|| (stage.min(1e6)) as usize)
+        });
+        let n = self.config.horizon_steps;
+        let (mut reaches, mut clears, mut untouched) = (false, false, false);
+        if let Some(green) = green {
+            let gate = if green.from_s <= now {
+                reference::Gate::Open
+            } else {
+                reference::Gate::ClosedUntil(green.from_s)
+            };
+            let row = deadline.filter(|&stage| stage <= n).map(|stage| Deadline { stage, line_m });
+            self.candidate(Choice::Pass, input, seen, gate, row);
+            let arrival = self.arrival(Choice::Pass, seen.ego, line_m);
+            reaches = match (deadline, arrival) {
+                (Some(stage), Some(arrival)) => arrival <= stage,
+                (Some(stage), None) => stage > n,
+                (None, _) => false,
+            };
+            let clear = (green.clear_s - now - LAST_MARGIN_S) / self.lag.step_s;
+            clears = arrival.is_some_and(|stage| stage as f64 <= clear) || clear > n as f64;
+            // The undisturbed driver passes: nothing can be cheaper.
+            untouched = reaches
+                && self
+                    .work
+                    .pass
+                    .reference
+                    .reaches(line_m, n)
+                    .is_some_and(|k| deadline.is_some_and(|stage| k <= stage));
+            output.figures[4] = self.shortfall(seen.ego, line_m, deadline);
+        }
+        let (mut pass_cost, mut stop_cost) = (0.0, f64::INFINITY);
+        if !(line.known && untouched) {
+            let next = line
+                .greens()
+                .iter()
+                .find(|next| line.known && green.is_none_or(|green| next.from_s >= green.clear_s));
+            let gate = next
+                .map_or(reference::Gate::Closed, |next| reference::Gate::ClosedUntil(next.from_s));
+            self.candidate(Choice::Stop, input, seen, gate, None);
+            if green.is_some() {
+                pass_cost = self.cost(Choice::Pass, seen.ego);
+                stop_cost = self.cost(Choice::Stop, seen.ego);
+                output.figures[5] = pass_cost;
+                output.figures[6] = stop_cost;
+            }
+        }
+        let lag = Lag { tau_s: self.config.actuator_lag_s };
+        let comfort = -self.config.road.comfort_deceleration_mps2;
+        let comfortable_stop = lag.stop(seen.ego, comfort).distance_m <= line_m - STOP_ROOM_M;
+        let situation = Situation {
+            known: line.known,
+            reaches,
+            clears,
+            comfortable_stop,
+            pass_cost,
+            stop_cost,
+            before,
+        };
+        let (choice, reason) = choose(&situation, self.config.road.hysteresis);
+        self.state.chosen = Some((line.id, choice));
+        (Some(choice), reason_index(reason))
+    }
+
+    fn candidate(
+        &mut self,
+        choice: Choice,
+        input: &Input,
+        seen: &Seen,
+        gate: reference::Gate,
+        deadline: Option<Deadline>,
+    ) {
+        let Work { lead, pass, stop } = &mut *self.work;
+        let scene = Scene {
+            driver: self.driver,
+            lag: self.lag,
+            horizon: self.config.horizon_steps,
+            now_s: input.time_s,
+            desired_mps: seen.desired_mps,
+            headway_s: self.config.time_headway_s,
+            standstill_m: self.config.road.standstill_gap_m,
+            min_gap_m: self.config.road.min_gap_m,
+            stop_margin_m: self.config.road.stop_margin_m,
+            pass_margin_s: self.config.road.pass_margin_s,
+            origin_m: input.ego.position_m,
+            lead,
+            lines: &seen.lines[..seen.count],
+        };
+        let candidate = if choice == Choice::Pass { pass } else { stop };
+        candidate.reference.roll_out(&scene, seen.ego, gate);
+        let emergency =
+            candidate.reference.hardest_mps2 > self.config.road.comfort_deceleration_mps2;
+        let problem = if choice == Choice::Pass && !emergency {
+            self.programs.fill_go(&candidate.reference, lead, seen.desired_mps, deadline);
+            &self.programs.go
+        } else {
+            self.programs.fill_hold(&candidate.reference, lead, seen.desired_mps);
+            &self.programs.hold
+        };
+        let report = self.solver.solve(problem, Start::Cold);
+        candidate.solved = usable(&report);
+        candidate.iterations = report.iterations;
+        candidate.residual = report.residuals.max();
+        let n = self.config.horizon_steps;
+        let source =
+            if candidate.solved { self.solver.inputs() } else { &candidate.reference.request_mps2 };
+        candidate.requests[..n].copy_from_slice(&source[..n]);
+    }
+
+    fn candidate_of(&self, choice: Choice) -> &Candidate {
+        match choice {
+            Choice::Pass => &self.work.pass,
+            Choice::Stop => &self.work.stop,
+        }
+    }
+
+    /// First stage at which a candidate's plan is beyond the line.
+    fn arrival(&self, choice: Choice, ego: Motion, line_m: f64) -> Option<usize> {
+        let requests = &self.candidate_of(choice).requests[..self.config.horizon_steps];
+        let mut motion = ego;
+        for (k, &request) in requests.iter().enumerate() {
+            motion = self.lag.advance(motion, request);
+            if motion.position_m >= line_m {
+                return Some(k + 1);
+            }
+        }
+        None
+    }
+
+    /// How far the pass falls short of the line at the end of green, m; zero when it does not.
+    fn shortfall(&self, ego: Motion, line_m: f64, deadline: Option<usize>) -> f64 {
+        let Some(stage) = deadline else { return 0.0 };
+        let n = self.config.horizon_steps;
+        let mut motion = ego;
+        for &request in &self.work.pass.requests[..stage.min(n)] {
+            motion = self.lag.advance(motion, request);
+        }
+        if stage <= n { (line_m - motion.position_m).max(0.0) } else { 0.0 }
+    }
+
+    /// Cost of a plan: time lost against the driver who passes, acceleration and jerk.
+    fn cost(&self, choice: Choice, ego: Motion) -> f64 {
+        let road = &self.config.road;
+        let n = self.config.horizon_steps;
+        let passing = &self.work.pass.reference.motion;
+        let mut motion = ego;
+        let mut sum = 0.0;
+        for (k, &request) in self.candidate_of(choice).requests[..n].iter().enumerate() {
+            let jerk = (request - motion.acceleration_mps2) / self.config.actuator_lag_s;
+            motion = self.lag.advance(motion, request);
+            let (a, slower) =
+                (motion.acceleration_mps2, motion.speed_mps - passing[k + 1].speed_mps);
+            sum += road.speed_weight_s2_per_m2 * slower * slower
+                + road.acceleration_weight_s4_per_m2 * a * a
+                + road.jerk_weight_s6_per_m2 * jerk * jerk;
+        }
+        0.5 * sum
+    }
+
+    /// The rules of the filter for all lines ahead.
+    fn gates(
+        &self,
+        input: &Input,
+        seen: &Seen,
+        choice: Option<Choice>,
+    ) -> ([Gate; MAX_SIGNALS], usize) {
+        let now = input.time_s;
+        let n = self.config.horizon_steps;
+        let mut gates = [Gate { distance_m: 0.0, rule: Rule::Stop }; MAX_SIGNALS];
+        for (j, line) in seen.lines[..seen.count].iter().enumerate() {
+            let distance_m = line.at_m - input.ego.position_m;
+            let shown = |green: &&Green| green.from_s <= now && now < green.clear_s;
+            let open = line.greens().iter().find(shown);
+            let passes = match (j, open) {
+                (_, None) => false,
+                (0, Some(_)) => choice == Some(Choice::Pass),
+                (_, Some(green)) => {
+                    let reference = &self.candidate_of(choice.unwrap_or(Choice::Pass)).reference;
+                    let margin = self.config.road.pass_margin_s;
+                    line.known
+                        && reference.reaches(distance_m, n).is_some_and(|k| {
+                            now + k as f64 * self.lag.step_s <= green.to_s - margin
+                        })
+                }
+            };
+            let rule = match open {
+                Some(green) if passes => Rule::Pass { red_in_s: green.clear_s - now },
+                _ => Rule::Stop,
+            };
+            gates[j] = Gate { distance_m, rule };
+        }
+        (gates, seen.count)
+    }
+
+    /// Writes the chosen plan, the previous one or the driver's, and filters its first request.
+    /// Returns whether the nearest line is to be stopped at as things stand.
+    fn write(
+        &mut self,
+        input: &Input,
+        seen: &Seen,
+        choice: Option<Choice>,
+        output: &mut Output,
+    ) -> bool {
+        let taken = choice.unwrap_or(Choice::Pass);
+        let n = self.config.horizon_steps;
+        let candidate = match taken {
+            Choice::Pass => &self.work.pass,
+            Choice::Stop => &self.work.stop,
+        };
+        output.solver_iterations = candidate.iterations;
+        output.figures[3] = candidate.residual;
+        let plan = &mut self.state.plan;
+        if candidate.solved {
+            plan.store(&candidate.requests[..n], input.time_s);
+            self.state.planned = choice;
+            output.quality = if output.figures[4] > 0.0 && taken == Choice::Pass {
+                Quality::Relaxed
+            } else {
+                Quality::Full
+            };
+        } else {
+            output.quality = Quality::Backup;
+        }
+        let same = self.state.planned == choice;
+        let written = (candidate.solved || same)
+            && plan.write(input.time_s, input.period_s, MAX_PLAN_AGE_S, output);
+        if !written {
+            let mut driver = PlanMemory::new(self.config.step_s);
+            driver.store(&candidate.requests[..n], input.time_s);
+            driver.write(input.time_s, input.period_s, 0.0, output);
+        }
+        let (min, max) = (self.config.min_request_mps2, self.config.road.acceleration_mps2);
+        for request in &mut output.plan_mps2[..output.plan_len] {
+            *request = request.clamp(min, max);
+        }
+        let wanted = output.request_mps2();
+        let (gates, count) = self.gates(input, seen, choice);
+        let filter = Filter::new(
+            Lag { tau_s: self.config.actuator_lag_s },
+            input.period_s,
+            self.request_bounds_mps2(),
+            self.config.road.min_gap_m,
+            self.config.road.lead_deceleration_mps2,
+        );
+        let mut safe = filter.apply(wanted, seen.ego, seen.lead.as_ref(), &gates[..count]);
+        let room_m = self.config.road.stop_margin_m + 1.0;
+        let waits = gates[..count]
+            .first()
+            .is_some_and(|gate| gate.rule == Rule::Stop && gate.distance_m < room_m);
+        if seen.ego.speed_mps < STANDSTILL && (waits || safe < STANDSTILL) {
+            safe = safe.min(HOLD_MPS2);
+        }
+        output.figures[2] = safe - wanted;
+        if safe < wanted - 1e-9 {
+            // The rest of the plan was made for another beginning: it must not undo the braking.
+            for request in &mut output.plan_mps2[1..output.plan_len] {
+                *request = request.min(safe.max(-self.config.road.comfort_deceleration_mps2));
+            }
+        }
+        output.plan_mps2[0] = safe;
+        gates[..count].first().is_some_and(|gate| gate.rule == Rule::Stop)
+    }
+}
+
+impl Law for RoadLaw {
+    fn reset(&mut self) {
+        self.state = State::new(&self.config);
+    }
+
+    fn step(&mut self, input: &Input, output: &mut Output) {
+        *output = Output::default();
+        let Some(seen) = self.look(input) else {
+            output.quality = Quality::Backup;
+            if !self.state.plan.write(input.time_s, self.config.step_s, MAX_PLAN_AGE_S, output) {
+                output.set_request(-self.config.road.reference_deceleration_mps2);
+            }
+            output.mode = self.state.mode.unwrap_or(0);
+            output.mode_reason = self.state.reason;
+            return;
+        };
+        self.work.lead.update(seen.lead.as_ref(), self.lag.step_s, self.lead_decay);
+        let (choice, reason) = self.plan(input, &seen, output);
+        let closed = self.write(input, &seen, choice, output);
+        if let Some(lead) = &seen.lead {
+            let v = seen.ego.speed_mps;
+            let desired = self.config.time_headway_s * v + self.config.road.standstill_gap_m;
+            output.figures[0] = desired - lead.gap_m;
+            output.figures[1] = v - lead.speed_mps;
+        }
+        output.mode = match (choice, seen.lead) {
+            (Some(_), _) if closed => 3,
+            (Some(_), _) => 2,
+            (None, Some(_)) => 1,
+            (None, None) => 0,
+        };
+        output.mode_reason = self.state.note_mode(output.mode, reason);
+    }
+
+    fn request_bounds_mps2(&self) -> (f64, f64) {
+        (self.config.min_request_mps2, self.config.max_request_mps2)
+    }
+
+    fn mode_names(&self) -> &'static [&'static str] {
+        MODES
+    }
+
+    fn reason_names(&self) -> &'static [&'static str] {
+        REASONS
+    }
+
+    fn figure_names(&self) -> &'static [&'static str] {
+        FIGURES
+    }
+}
+
+impl State {
+    fn new(config: &Config) -> Self {
+        Self {
+            signals: SignalMemory::default(),
+            chosen: None,
+            plan: PlanMemory::new(config.step_s),
+            planned: None,
+            mode: None,
+            reason: 0,
+        }
+    }
+
+    fn note_mode(&mut self, mode: u32, reason: u32) -> u32 {
+        if self.mode.is_some_and(|old| old != mode) {
+            self.reason = match mode {
+                0 => 1,
+                1 => 2,
+                _ => reason,
+            };
+        }
+        self.mode = Some(mode);
+        self.reason
+    }
+}
+
+fn reason_index(reason: Reason) -> u32 {
+    match reason {
+        Reason::GreenInReach => 3,
+        Reason::GreenOutOfReach => 4,
+        Reason::StopCheaper => 5,
+        Reason::ClearsInYellow => 6,
+        Reason::Emergency => 7,
+        Reason::Unknown => 8,
+    }
+}

@@ -1,0 +1,119 @@
+//! Pass or stop.
+//!
+//! Both programs are solved; a pass counts when its plan reaches the line before green ends. Their
+//! plans are then judged by one cost. What was decided for a line stays until the other is better by
+//! the hysteresis. A line that can neither be passed in green nor be stopped at comfortably is a
+//! dilemma: it is crossed in yellow if that is possible, and only else braked for hard.
+
+/// What is done about the nearest line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Choice {
+    /// Cross it in the present or next green.
+    Pass,
+    /// Stop before it.
+    Stop,
+}
+
+/// Why.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Reason {
+    /// The pass is possible and the better of the two.
+    GreenInReach,
+    /// The line cannot be reached in green.
+    GreenOutOfReach,
+    /// The stop costs less.
+    StopCheaper,
+    /// Too late to stop comfortably, and clear before red.
+    ClearsInYellow,
+    /// Too late for either: brake.
+    Emergency,
+    /// The phase is not known.
+    Unknown,
+}
+
+/// What the choice depends on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Situation {
+    /// The phase is known.
+    pub(super) known: bool,
+    /// The pass reaches the line in green.
+    pub(super) reaches: bool,
+    /// Going on clears the line before red, by what is or was last announced.
+    pub(super) clears: bool,
+    /// Braking with the comfort bound from now on stops before the line.
+    pub(super) comfortable_stop: bool,
+    /// Cost of the pass's plan.
+    pub(super) pass_cost: f64,
+    /// Cost of the stop's plan.
+    pub(super) stop_cost: f64,
+    /// What was chosen for this line before.
+    pub(super) before: Option<Choice>,
+}
+
+/// Costs this close are alike; the line is then still far away.
+const TIE: f64 = 1.0;
+
+/// Chooses.
+pub(super) fn choose(s: &Situation, hysteresis: f64) -> (Choice, Reason) {
+    if s.known && s.reaches {
+        let share = 1.0 + hysteresis;
+        let cheaper = match s.before {
+            Some(Choice::Stop) => s.pass_cost * share <= s.stop_cost + TIE,
+            Some(Choice::Pass) | None => s.pass_cost <= s.stop_cost * share + TIE,
+        };
+        if cheaper || !s.comfortable_stop {
+            return (Choice::Pass, Reason::GreenInReach);
+        }
+        return (Choice::Stop, Reason::StopCheaper);
+    }
+    let reason = if s.known { Reason::GreenOutOfReach } else { Reason::Unknown };
+    if s.comfortable_stop {
+        (Choice::Stop, reason)
+    } else if s.clears {
+        (Choice::Pass, Reason::ClearsInYellow)
+    } else {
+        (Choice::Stop, Reason::Emergency)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const S: Situation = Situation {
+        known: true,
+        reaches: true,
+        clears: true,
+        comfortable_stop: true,
+        pass_cost: 10.0,
+        stop_cost: 11.0,
+        before: None,
+    };
+
+    #[test]
+    fn hysteresis_keeps_what_was_chosen() {
+        assert_eq!(choose(&S, 0.2), (Choice::Pass, Reason::GreenInReach));
+        let stopping = Situation { before: Some(Choice::Stop), stop_cost: 10.5, ..S };
+        assert_eq!(choose(&stopping, 0.2), (Choice::Stop, Reason::StopCheaper));
+        let passing = Situation { before: Some(Choice::Pass), stop_cost: 9.0, ..S };
+        assert_eq!(choose(&passing, 0.2), (Choice::Pass, Reason::GreenInReach));
+    }
+
+    #[test]
+    fn unknown_is_never_green() {
+        let unknown = Situation { known: false, ..S };
+        assert_eq!(choose(&unknown, 0.2), (Choice::Stop, Reason::Unknown));
+        let late = Situation { comfortable_stop: false, ..unknown };
+        assert_eq!(choose(&late, 0.2), (Choice::Pass, Reason::ClearsInYellow));
+        let red = Situation { clears: false, ..late };
+        assert_eq!(choose(&red, 0.2), (Choice::Stop, Reason::Emergency));
+    }
+
+    #[test]
+    fn yellow_is_crossed_only_when_stopping_is_uncomfortable() {
+        let yellow = Situation { reaches: false, ..S };
+        assert_eq!(choose(&yellow, 0.2), (Choice::Stop, Reason::GreenOutOfReach));
+        let late = Situation { comfortable_stop: false, ..yellow };
+        assert_eq!(choose(&late, 0.2), (Choice::Pass, Reason::ClearsInYellow));
+    }
+}

@@ -1,0 +1,73 @@
+//! Prediction of the lead: its acceleration as a known disturbance that decays.
+//!
+//! ```text
+//! a_l(t) = a_l(0) exp(-t / tau_l),   v_l' = a_l,   v_l never negative
+//! ```
+
+use crate::law::MAX_PLAN;
+
+/// The lead now, in the ego's frame: position 0 is the ego's front bumper now.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LeadNow {
+    pub(super) gap_m: f64,
+    pub(super) speed_mps: f64,
+    pub(super) acceleration_mps2: f64,
+}
+
+/// The lead's rear bumper over the horizon. Without a lead it is a point that rests at zero: the
+/// error coordinates only need some known motion to refer to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Prediction {
+    pub(super) present: bool,
+    pub(super) position_m: [f64; MAX_PLAN + 1],
+    pub(super) speed_mps: [f64; MAX_PLAN + 1],
+    pub(super) acceleration_mps2: [f64; MAX_PLAN + 1],
+}
+
+impl Prediction {
+    pub(super) const ABSENT: Self = Self {
+        present: false,
+        position_m: [0.0; MAX_PLAN + 1],
+        speed_mps: [0.0; MAX_PLAN + 1],
+        acceleration_mps2: [0.0; MAX_PLAN + 1],
+    };
+
+    /// Predicts in steps of `step_s`; `decay` is `exp(-step / tau_l)`.
+    pub(super) fn update(&mut self, lead: Option<&LeadNow>, step_s: f64, decay: f64) {
+        let Some(lead) = lead else {
+            *self = Self::ABSENT;
+            return;
+        };
+        self.present = true;
+        let (mut x, mut v, mut a) = (lead.gap_m, lead.speed_mps.max(0.0), lead.acceleration_mps2);
+        for k in 0..=MAX_PLAN {
+            self.position_m[k] = x;
+            self.speed_mps[k] = v;
+            self.acceleration_mps2[k] = if v > 0.0 || a > 0.0 { a } else { 0.0 };
+            // The mean acceleration over a step of the exponential, to second order.
+            let next = (v + step_s * 0.5 * (a + a * decay)).max(0.0);
+            x += step_s * 0.5 * (v + next);
+            v = next;
+            a *= decay;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_braking_lead_settles_or_stops_but_never_reverses() {
+        let mut prediction = Prediction::ABSENT;
+        let decay = libm::exp(-0.1 / 1.5);
+        let lead = LeadNow { gap_m: 20.0, speed_mps: 10.0, acceleration_mps2: -2.0 };
+        prediction.update(Some(&lead), 0.1, decay);
+        // All of the deceleration: a tau_l = 3 m/s.
+        assert!((prediction.speed_mps[MAX_PLAN] - 7.0).abs() < 0.01);
+        let lead = LeadNow { speed_mps: 2.0, ..lead };
+        prediction.update(Some(&lead), 0.1, decay);
+        assert_eq!(prediction.speed_mps[MAX_PLAN], 0.0);
+        assert!(prediction.position_m.windows(2).all(|pair| pair[1] >= pair[0]));
+    }
+}

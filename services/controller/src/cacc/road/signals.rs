@@ -1,0 +1,196 @@
+//! Memory of the signals ahead.
+//!
+//! A stop line that has been announced stays until it is passed: a signal that falls silent, or
+//! whose phase becomes unknown, is one that is not known to be green. What it announced last is
+//! kept, in absolute time, for a vehicle that can no longer stop comfortably.
+
+use crate::law::{Input, MAX_PHASES, MAX_SIGNALS, Phase, SignalAhead};
+
+/// A time during which a line may be crossed, on the clock of [`Input::time_s`], s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Green {
+    /// Start of green.
+    pub(super) from_s: f64,
+    /// End of green.
+    pub(super) to_s: f64,
+    /// End of the yellow that follows; the end of green where none is announced.
+    pub(super) clear_s: f64,
+}
+
+/// A stop line ahead and what its signal announced.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Line {
+    /// Intersection and signal group.
+    pub(super) id: u32,
+    /// Position of the stop line on the ego's odometer, m.
+    pub(super) at_m: f64,
+    /// Whether the current phase is known.
+    pub(super) known: bool,
+    greens: [Green; MAX_PHASES],
+    count: usize,
+}
+
+impl Line {
+    /// The announced greens that have not ended, and the one whose yellow has not, in order of time.
+    pub(super) fn greens(&self) -> &[Green] {
+        &self.greens[..self.count]
+    }
+
+    fn read(&mut self, signal: &SignalAhead, now_s: f64) {
+        let intervals = &signal.intervals[..signal.count.min(MAX_PHASES)];
+        let mut from = now_s;
+        let mut count = 0;
+        let mut greens = [Green::default(); MAX_PHASES];
+        let mut first = true;
+        for interval in intervals {
+            let to = now_s + interval.ends_in_s;
+            // An interval that is over, or one out of order, says nothing about the future.
+            if !(interval.ends_in_s > 0.0 && to >= from) {
+                continue;
+            }
+            match interval.phase {
+                Phase::Green => {
+                    greens[count] = Green { from_s: from, to_s: to, clear_s: to };
+                    count += 1;
+                }
+                Phase::Yellow if count > 0 && greens[count - 1].to_s == from => {
+                    greens[count - 1].clear_s = to;
+                }
+                Phase::Yellow if first => {
+                    greens[count] = Green { from_s: from, to_s: from, clear_s: to };
+                    count += 1;
+                }
+                Phase::Yellow | Phase::Red => {}
+                Phase::Unknown if first => {
+                    self.known = false;
+                    return;
+                }
+                Phase::Unknown => break,
+            }
+            first = false;
+            from = to;
+        }
+        self.known = !first;
+        if self.known {
+            self.greens = greens;
+            self.count = count;
+        }
+    }
+}
+
+/// The lines ahead, nearest first.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct SignalMemory {
+    lines: [Line; MAX_SIGNALS],
+    count: usize,
+}
+
+impl SignalMemory {
+    /// The lines ahead, nearest first.
+    pub(super) fn lines(&self) -> &[Line] {
+        &self.lines[..self.count]
+    }
+
+    /// Takes in what is announced and drops what is passed.
+    pub(super) fn update(&mut self, input: &Input) {
+        for line in &mut self.lines[..self.count] {
+            line.known = false;
+        }
+        for signal in input.signals.iter().flatten() {
+            if signal.distance_m.is_finite() {
+                self.take(signal, input);
+            }
+        }
+        let mut kept = 0;
+        for i in 0..self.count {
+            if self.lines[i].at_m > input.ego.position_m {
+                self.lines[kept] = self.lines[i];
+                kept += 1;
+            }
+        }
+        self.count = kept;
+        self.lines[..kept].sort_unstable_by(|a, b| a.at_m.total_cmp(&b.at_m));
+    }
+
+    fn take(&mut self, signal: &SignalAhead, input: &Input) {
+        let at_m = input.ego.position_m + signal.distance_m;
+        let known = (0..self.count).find(|&i| self.lines[i].id == signal.id);
+        let slot = match known {
+            Some(i) => i,
+            None if signal.distance_m <= 0.0 => return,
+            None if self.count < MAX_SIGNALS => {
+                self.count += 1;
+                self.count - 1
+            }
+            // Full: the farthest gives way to a nearer one.
+            None => {
+                let farthest = self.count - 1;
+                if self.lines[farthest].at_m <= at_m {
+                    return;
+                }
+                farthest
+            }
+        };
+        if known.is_none() {
+            self.lines[slot] = Line { id: signal.id, ..Line::default() };
+        }
+        self.lines[slot].at_m = at_m;
+        self.lines[slot].read(signal, input.time_s);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::law::{Ego, PhaseInterval};
+
+    fn input(position_m: f64, time_s: f64, signal: Option<SignalAhead>) -> Input {
+        let ego = Ego { position_m, ..Ego::default() };
+        let mut input = Input { time_s, ego, ..Input::default() };
+        input.signals[0] = signal;
+        input
+    }
+
+    fn signal(distance_m: f64, phases: &[(Phase, f64)]) -> SignalAhead {
+        let count = phases.len();
+        let mut signal = SignalAhead { id: 7, distance_m, count, ..SignalAhead::default() };
+        for (slot, &(phase, ends_in_s)) in signal.intervals.iter_mut().zip(phases) {
+            *slot = PhaseInterval { phase, ends_in_s };
+        }
+        signal
+    }
+
+    #[test]
+    fn greens_carry_their_yellow() {
+        let mut memory = SignalMemory::default();
+        let phases = [
+            (Phase::Yellow, 2.0),
+            (Phase::Red, 10.0),
+            (Phase::Green, 30.0),
+            (Phase::Yellow, 33.0),
+            (Phase::Red, 50.0),
+        ];
+        memory.update(&input(100.0, 5.0, Some(signal(80.0, &phases))));
+        let line = memory.lines()[0];
+        assert_eq!((line.at_m, line.known), (180.0, true));
+        let expected = [
+            Green { from_s: 5.0, to_s: 5.0, clear_s: 7.0 },
+            Green { from_s: 15.0, to_s: 35.0, clear_s: 38.0 },
+        ];
+        assert_eq!(line.greens(), expected);
+    }
+
+    #[test]
+    fn a_silent_signal_stays_unknown_until_it_is_passed() {
+        let mut memory = SignalMemory::default();
+        memory.update(&input(0.0, 0.0, Some(signal(50.0, &[(Phase::Green, 9.0)]))));
+        memory.update(&input(10.0, 1.0, None));
+        assert_eq!(memory.lines().len(), 1);
+        assert!(!memory.lines()[0].known);
+        assert_eq!(memory.lines()[0].greens()[0].to_s, 9.0);
+        memory.update(&input(20.0, 2.0, Some(signal(30.0, &[(Phase::Unknown, 9.0)]))));
+        assert!(!memory.lines()[0].known);
+        memory.update(&input(50.5, 4.0, None));
+        assert!(memory.lines().is_empty());
+    }
+}

@@ -1,0 +1,278 @@
+//! A design as a data file, and its verification on loading.
+
+use super::certificate::{self, ClosedMatrix, ClosedState, Gains, Verified};
+use super::model::{DISTURBANCES, ParameterError, Parameters, RULES, STATES, StateMatrix};
+use serde::{Deserialize, Serialize};
+
+/// Largest accepted file, bytes; a design needs about 8000.
+const LARGEST: usize = 64 * 1024;
+/// The design that comes with the law.
+const SHIPPED: &str =
+    include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/quadratic-bounded.json"));
+
+/// The file: content and digest.
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    format: String,
+    design: Content,
+    /// FNV-1a over the compact JSON text of `design`, 16 hexadecimal digits.
+    digest: String,
+}
+
+const FORMAT: &str = "timegap quadratic-bounded design 1";
+
+/// Numbers of a design, before verification.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Content {
+    pub(super) parameters: Parameters,
+    pub(super) alpha: f64,
+    pub(super) multipliers: [f64; DISTURBANCES],
+    pub(super) p: [[f64; 2 * STATES]; 2 * STATES],
+    pub(super) rules: [RuleContent; RULES],
+}
+
+/// Gains of one rule, by rows.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RuleContent {
+    pub(super) ac: [[f64; STATES]; STATES],
+    pub(super) l: [[f64; STATES]; STATES],
+    pub(super) fx: [f64; STATES],
+    pub(super) fy: [f64; STATES],
+}
+
+/// A design whose certificate has been verified: there is no other way to have one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Design {
+    content: Content,
+    verified: Verified,
+}
+
+impl Design {
+    /// Reads and verifies a design file.
+    ///
+    /// # Errors
+    /// What is wrong with the text, or the condition and the rule that the numbers fail.
+    pub fn load(text: &str) -> Result<Self, DesignError> {
+        if text.len() > LARGEST {
+            return Err(DesignError::TooLarge { bytes: text.len() });
+        }
+        let file: File =
+            serde_json::from_str(text).map_err(|e| DesignError::Syntax(e.to_string()))?;
+        if file.format != FORMAT {
+            return Err(DesignError::Format(file.format.chars().take(80).collect()));
+        }
+        let design = Self::verify(file.content_checked()?)?;
+        // Last, so that a change that matters is refused with the condition that it breaks.
+        if file.digest != digest(&design.content) {
+            return Err(DesignError::Digest);
+        }
+        Ok(design)
+    }
+
+    /// The design that comes with the law.
+    #[must_use]
+    pub fn shipped() -> Self {
+        Self::load(SHIPPED).expect("the shipped file is verified by the tests")
+    }
+
+    /// Verifies numbers from wherever they come.
+    pub(super) fn verify(content: Content) -> Result<Self, DesignError> {
+        content.parameters.validate().map_err(DesignError::Parameter)?;
+        let verified = certificate::verify(&content).map_err(DesignError::Condition)?;
+        Ok(Self { content, verified })
+    }
+
+    /// The file's text, which [`Design::load`] reads back to an equal design.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        let file = File {
+            format: FORMAT.to_owned(),
+            digest: digest(&self.content),
+            design: self.content.clone(),
+        };
+        let mut text = serde_json::to_string_pretty(&file).expect("numbers and strings only");
+        text.push('\n');
+        text
+    }
+
+    /// What the design is made for.
+    #[must_use]
+    pub fn parameters(&self) -> &Parameters {
+        &self.content.parameters
+    }
+
+    /// Gains of each rule.
+    #[must_use]
+    pub fn rules(&self) -> &[Gains; RULES] {
+        &self.verified.rules
+    }
+
+    /// P of the ellipsoid V = z' P z <= 1, z = [x; xc].
+    #[must_use]
+    pub fn p(&self) -> &ClosedMatrix {
+        &self.verified.p
+    }
+
+    /// The matrix of the best controller state: xc = reset x makes V least.
+    #[must_use]
+    pub fn reset(&self) -> &StateMatrix {
+        &self.verified.reset
+    }
+
+    /// X^-1: V = x' X^-1 x just after a reset.
+    #[must_use]
+    pub fn x_inverse(&self) -> &StateMatrix {
+        &self.verified.x_inverse
+    }
+
+    /// V = z' P z.
+    #[must_use]
+    pub fn lyapunov(&self, z: &ClosedState) -> f64 {
+        (z.transpose() * self.verified.p * z)[(0, 0)]
+    }
+
+    /// The contraction rate alpha of the certificate.
+    #[must_use]
+    pub fn alpha(&self) -> f64 {
+        self.content.alpha
+    }
+}
+
+impl File {
+    /// The content, if every number is one that arithmetic survives.
+    fn content_checked(&self) -> Result<Content, DesignError> {
+        let c = &self.design;
+        let numbers = c.p.iter().flatten().chain(&c.multipliers).chain([&c.alpha]).chain(
+            c.rules
+                .iter()
+                .flat_map(|r| r.ac.iter().chain(&r.l).flatten().chain(&r.fx).chain(&r.fy)),
+        );
+        match numbers.copied().find(|v| !(v.abs() <= 1e9)) {
+            Some(value) => Err(DesignError::Number(value)),
+            None => Ok(c.clone()),
+        }
+    }
+}
+
+/// FNV-1a, 64 bits: against accidents, not against an adversary, whom the certificate stops.
+fn digest(content: &Content) -> String {
+    let text = serde_json::to_vec(content).expect("numbers only");
+    let hash = text.iter().fold(0xcbf2_9ce4_8422_2325_u64, |h, byte| {
+        (h ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
+    });
+    format!("{hash:016x}")
+}
+
+/// The conditions of a certificate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Condition {
+    /// P is symmetric.
+    Symmetric,
+    /// 0 < alpha < 1, a_j > 0, sum a_j <= alpha.
+    Multipliers,
+    /// P > 0.
+    PositiveDefinite,
+    /// The ellipsoid cannot be left.
+    Invariance,
+    /// |Dd'| within its bound.
+    GapErrorRate,
+    /// |Du| within its bound.
+    Increment,
+    /// |Dd| within its bound.
+    GapError,
+    /// |Dv| within its bound.
+    SpeedError,
+    /// |a| within its bound.
+    Acceleration,
+    /// |u| within its bound.
+    Request,
+    /// The start states lie in the ellipsoid.
+    StartSet,
+}
+
+impl Condition {
+    fn text(self) -> &'static str {
+        match self {
+            Self::Symmetric => "P is symmetric",
+            Self::Multipliers => "multipliers are positive and sum to at most alpha < 1",
+            Self::PositiveDefinite => "P is positive definite",
+            Self::Invariance => "the ellipsoid is invariant (quadratic boundedness)",
+            Self::GapErrorRate => "gap error rate within its bound",
+            Self::Increment => "increment within its bound",
+            Self::GapError => "gap error within its bound",
+            Self::SpeedError => "speed error within its bound",
+            Self::Acceleration => "acceleration within its bound",
+            Self::Request => "request within its bound",
+            Self::StartSet => "start states inside the ellipsoid",
+        }
+    }
+}
+
+/// A condition that does not hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Failure {
+    /// Which condition.
+    pub condition: Condition,
+    /// Number of the rule, 1 or 2, where the condition is one of a rule.
+    pub rule: Option<usize>,
+    /// What was found: the value of the index, or the least scaled pivot.
+    pub value: f64,
+    /// What it is measured against.
+    pub bound: f64,
+}
+
+impl std::fmt::Display for Failure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "condition not met: {}", self.condition.text())?;
+        if let Some(rule) = self.rule {
+            write!(f, ", rule {rule}")?;
+        }
+        write!(f, " (found {:.6e}, limit {:.6e})", self.value, self.bound)
+    }
+}
+
+/// Why a file is not a usable design.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DesignError {
+    /// Longer than any design.
+    TooLarge {
+        /// Length of the text.
+        bytes: usize,
+    },
+    /// Not JSON of the right shape; the message has line and column.
+    Syntax(String),
+    /// Another format or version, as found.
+    Format(String),
+    /// A parameter outside its range.
+    Parameter(ParameterError),
+    /// A number too large to compute with.
+    Number(f64),
+    /// The certificate fails.
+    Condition(Failure),
+    /// The numbers are not those that were certified, though they pass.
+    Digest,
+}
+
+impl std::fmt::Display for DesignError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::TooLarge { bytes } => {
+                write!(f, "the design file has {bytes} bytes, more than {LARGEST}")
+            }
+            Self::Syntax(what) => write!(f, "not a design file: {what}"),
+            Self::Format(found) => write!(f, "format {found:?}: expected {FORMAT:?}"),
+            Self::Parameter(e) => write!(f, "design parameter {e}"),
+            Self::Number(v) => write!(f, "number {v:e} in the design: expected at most 1e9"),
+            Self::Condition(failure) => write!(f, "the certificate fails: {failure}"),
+            Self::Digest => write!(
+                f,
+                "the digest does not match: the numbers were changed after the design was made"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for DesignError {}

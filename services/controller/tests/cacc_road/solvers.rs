@@ -1,0 +1,79 @@
+//! Solvers that do not solve: what the law does without them must be as safe.
+
+use controller::cacc::config::SolverKind;
+use mpc_solver::{Multipliers, Problem, Report, Residuals, Solver, Start, Status};
+
+/// What a [`Fake`] answers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Temper {
+    /// Never finds anything.
+    Fails,
+    /// Calls any inputs within the bounds a solution.
+    Lies,
+}
+
+/// A solver that does not solve.
+pub struct Fake {
+    temper: Temper,
+    state: u64,
+    inputs: Vec<f64>,
+    states: Vec<[f64; 3]>,
+    multipliers: Multipliers,
+}
+
+impl Fake {
+    pub fn new(temper: Temper, seed: u64) -> Self {
+        Self {
+            temper,
+            state: seed | 1,
+            inputs: Vec::new(),
+            states: Vec::new(),
+            multipliers: Multipliers::new(128),
+        }
+    }
+
+    fn unit(&mut self) -> f64 {
+        self.state ^= self.state << 13;
+        self.state ^= self.state >> 7;
+        self.state ^= self.state << 17;
+        (self.state >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+impl Solver for Fake {
+    fn solve(&mut self, problem: &Problem, _start: Start) -> Report {
+        let n = problem.horizon();
+        let (low, high) = problem.input_bounds();
+        self.inputs.clear();
+        let level = low + (high - low) * self.unit();
+        for _ in 0..n {
+            let u = level + 0.5 * (self.unit() - 0.5);
+            self.inputs.push(u.clamp(low, high));
+        }
+        self.states.resize(n + 1, [0.0; 3]);
+        problem.roll_out(&self.inputs, &mut self.states);
+        let (status, residual) = match self.temper {
+            Temper::Fails => (Status::IterationLimit, f64::INFINITY),
+            Temper::Lies => (Status::Solved, 0.0),
+        };
+        let residuals = Residuals { stationarity: residual, ..Residuals::default() };
+        Report { status, iterations: 1, residuals, objective: 0.0 }
+    }
+
+    fn inputs(&self) -> &[f64] {
+        &self.inputs
+    }
+
+    fn states(&self) -> &[[f64; 3]] {
+        &self.states
+    }
+
+    fn multipliers(&self) -> &Multipliers {
+        &self.multipliers
+    }
+}
+
+/// A solver by name.
+pub fn real(kind: SolverKind) -> Box<dyn Solver + Send> {
+    kind.create(100)
+}

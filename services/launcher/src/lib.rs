@@ -1,0 +1,54 @@
+//! The `timegap` command: an adaptive-cruise stack as real processes over shared memory.
+
+mod cli;
+mod error;
+mod group;
+mod list;
+mod output;
+mod print;
+mod run;
+mod summary;
+mod trajectory;
+
+use clap::Parser;
+use cli::{Cli, Command, ServiceArguments};
+use error::Error;
+use shared::Service;
+use shared::runtime::run_service;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// The command, from its arguments to its exit status.
+#[must_use]
+pub fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Run(arguments) => run::run(&arguments),
+        Command::List(arguments) => list::run(&arguments),
+        Command::Service(arguments) => service(&arguments),
+    };
+    result.unwrap_or_else(|error| {
+        let text = error.to_string();
+        // A scenario's error brings its own heading, with the place.
+        let heading = if text.starts_with("error") { "" } else { "error: " };
+        eprintln!("{heading}{text}");
+        error.exit_code()
+    })
+}
+
+/// Becomes one of the group's processes.
+fn service(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
+    if arguments.name == "janitor" {
+        return match arguments.arguments.as_slice() {
+            [root] => Ok(group::run_janitor(Path::new(root))),
+            _ => Err(Error::Usage("the janitor needs the root of a run".into())),
+        };
+    }
+    let service: Service = arguments.name.parse().map_err(Error::Usage)?;
+    let run = match service {
+        Service::Plant => plant::run,
+        Service::PerceptionSim => perception_sim::run,
+        Service::V2xSim => v2x_sim::run,
+        Service::Controller => controller::run,
+    };
+    Ok(run_service(service, &arguments.arguments, run))
+}

@@ -1,0 +1,101 @@
+//! The perception loop: move the traffic, scan, track, publish.
+
+use crate::perception::{Perception, TrackList};
+use crate::radar::Ego;
+use crate::traffic::Vehicle;
+use bytemuck::Zeroable;
+use shared::messages::{
+    Header, MAX_TRACKS, Odometry, Origins, RadarTracks, ServiceState, Track, TrackedTarget,
+    VehicleTruth, VehicleTruthItem,
+};
+use shared::report::Details;
+use shared::runtime::{Cycle, Overrun, Runtime, RuntimeError};
+
+/// Runs traffic and radar in their group, to the end of the run.
+///
+/// # Errors
+/// If the group's shared memory is not usable.
+pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
+    let scenario = runtime.scenario()?;
+    let mut perception = Perception::new(&scenario);
+    let mut odometry = runtime.subscriber::<Odometry>()?;
+    let mut tracks = runtime.publisher::<RadarTracks>()?;
+    let mut truth = runtime.publisher::<VehicleTruth>()?;
+    let start =
+        Ego { speed_mps: scenario.plant.initial_speed_mps.value(), ..Ego::default() };
+    runtime.begin(&scenario)?;
+    runtime.run_cycles(|runtime| {
+        let Some(release) = runtime.next_release(Overrun::Skip) else { return Ok(Cycle::Last) };
+        runtime.update(&mut odometry)?;
+        let ego = odometry.newest().map_or(start, |odometry| ego_at(odometry, release.time_s));
+        let list = *perception.step(release.scheduled_ns.unsigned_abs(), &ego);
+
+        // The referee's copy first: the plant may be waiting for it.
+        let origins = Origins { odometry: odometry.origin(), ..Origins::NONE };
+        let header = Header::new(release.step, release.scheduled_ns, origins);
+        truth.send(truth_on_the_wire(header, perception.vehicles()))?;
+        let acquired = Header { acquisition_ns: list.acquisition_ns, ..header };
+        tracks.send(tracks_on_the_wire(acquired, &list))?;
+
+        let seen = odometry.newest().is_some();
+        runtime.end_cycle(if seen { ServiceState::Running } else { ServiceState::Degraded })?;
+        Ok(Cycle::Next)
+    })?;
+    runtime.finish(Details::None)
+}
+
+/// Ego motion at constant acceleration since the sample: the radar measures from where the ego is,
+/// not from where it was last heard of.
+fn ego_at(odometry: &Odometry, time_s: f64) -> Ego {
+    let age = (time_s - odometry.header.acquisition_ns as f64 / 1e9).max(0.0);
+    let (v, a) = (odometry.speed_mps, odometry.acceleration_mps2);
+    // Braking ends at standstill.
+    let moving = if a < 0.0 { age.min(v / -a) } else { age };
+    Ego {
+        position_m: odometry.position_m + v * moving + 0.5 * a * moving * moving,
+        speed_mps: v + a * moving,
+        acceleration_mps2: a,
+    }
+}
+
+fn truth_on_the_wire(header: Header, vehicles: &[Vehicle]) -> VehicleTruth {
+    let mut message = VehicleTruth { header, ..VehicleTruth::zeroed() };
+    let present = vehicles.iter().filter(|vehicle| vehicle.present).take(MAX_TRACKS);
+    for (item, vehicle) in message.vehicles.iter_mut().zip(present) {
+        *item = VehicleTruthItem {
+            in_lane: vehicle.in_ego_path().into(),
+            rear_position_m: vehicle.rear_position_m,
+            speed_mps: vehicle.speed_mps,
+            acceleration_mps2: vehicle.acceleration_mps2,
+            lateral_m: vehicle.lateral_m,
+        };
+        message.count += 1;
+    }
+    message
+}
+
+fn tracks_on_the_wire(header: Header, list: &TrackList) -> RadarTracks {
+    let mut message = RadarTracks { header, ..RadarTracks::zeroed() };
+    for (index, (wire, track)) in
+        message.tracks.iter_mut().zip(&list.tracks[..list.count]).enumerate()
+    {
+        *wire = Track {
+            id: track.id,
+            in_path: (list.target == Some(index)).into(),
+            range_m: track.detection.range_m,
+            range_rate_mps: track.detection.range_rate_mps,
+            azimuth_rad: track.detection.azimuth_rad,
+        };
+        message.count += 1;
+    }
+    if let Some(target) = list.target.and_then(|index| list.tracks.get(index)) {
+        message.target = TrackedTarget {
+            valid: 1,
+            track_id: target.id,
+            gap_m: target.gap_m,
+            relative_speed_mps: target.relative_speed_mps,
+            acceleration_mps2: target.acceleration_mps2,
+        };
+    }
+    message
+}

@@ -1,0 +1,101 @@
+//! The roadside unit's loop: what the signals show, and will show, by radio and in truth.
+
+use crate::roadside_unit::{Event, Lane, Movement, RoadsideUnit, Signals};
+use bytemuck::Zeroable;
+use shared::messages::{
+    self, Header, Interval, Map, Odometry, Origins, PhaseState, ServiceState, Signal, SignalTruth,
+    Spat,
+};
+use shared::report::Details;
+use shared::runtime::{Cycle, Overrun, Runtime, RuntimeError};
+use shared::scenario::v2x::Phase;
+
+/// Runs the roadside unit in its group, to the end of the run.
+///
+/// # Errors
+/// If the group's shared memory is not usable.
+pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
+    let scenario = runtime.scenario()?;
+    let unit = RoadsideUnit::new(&scenario.v2x);
+    let mut odometry = runtime.subscriber::<Odometry>()?;
+    let mut spat = runtime.publisher::<Spat>()?;
+    let mut map = runtime.publisher::<Map>()?;
+    let mut truth = runtime.publisher::<SignalTruth>()?;
+    runtime.begin(&scenario)?;
+    runtime.run_cycles(|runtime| {
+        let Some(release) = runtime.next_release(Overrun::Skip) else { return Ok(Cycle::Last) };
+        runtime.update(&mut odometry)?;
+        let ego_m = odometry.newest().map_or(0.0, |odometry| odometry.position_m);
+        let origins = Origins { odometry: odometry.origin(), ..Origins::NONE };
+        let header = Header::new(release.step, release.scheduled_ns, origins);
+        let time_ns = release.scheduled_ns.unsigned_abs();
+
+        // The referee's copy first: the plant may be waiting for it.
+        let (lanes, signals, count) = wire(&unit.truth(time_ns, ego_m));
+        truth.send(SignalTruth { header, count, lanes, signals })?;
+        let (lanes, signals, count) = wire(&unit.received(time_ns, ego_m));
+        map.send(Map { header, count, lanes })?;
+        spat.send(Spat { header, count, signals })?;
+
+        let seen = odometry.newest().is_some();
+        runtime.end_cycle(if seen { ServiceState::Running } else { ServiceState::Degraded })?;
+        Ok(Cycle::Next)
+    })?;
+    runtime.finish(Details::None)
+}
+
+type WireLanes = [messages::Lane; messages::MAX_LANES];
+type WireSignals = [Signal; messages::MAX_SIGNALS];
+
+fn wire(told: &Signals) -> (WireLanes, WireSignals, u64) {
+    let mut lanes = WireLanes::zeroed();
+    let mut signals = WireSignals::zeroed();
+    let mut count = 0;
+    for ((lane, movement), (wire_lane, wire_signal)) in
+        told.iter().zip(lanes.iter_mut().zip(&mut signals))
+    {
+        *wire_lane = lane_on_the_wire(lane);
+        *wire_signal = signal_on_the_wire(movement);
+        count += 1;
+    }
+    (lanes, signals, count)
+}
+
+fn lane_on_the_wire(lane: &Lane) -> messages::Lane {
+    messages::Lane {
+        intersection_id: lane.intersection_id.into(),
+        signal_group: lane.signal_group.into(),
+        stop_line_m: lane.stop_line_m,
+    }
+}
+
+fn signal_on_the_wire(movement: &Movement) -> Signal {
+    let mut signal = Signal {
+        intersection_id: movement.intersection_id.into(),
+        signal_group: movement.signal_group.into(),
+        count: movement.count as u64,
+        ..Signal::zeroed()
+    };
+    let events = &movement.events[..movement.count];
+    for (interval, event) in signal.intervals.iter_mut().zip(events) {
+        *interval = interval_on_the_wire(event);
+    }
+    signal
+}
+
+fn interval_on_the_wire(event: &Event) -> Interval {
+    // A phase that no switch is planned for lasts for ever.
+    let seconds = |end_ns: Option<u64>| end_ns.map_or(f64::INFINITY, |ns| ns as f64 / 1e9);
+    let state = match event.phase {
+        Phase::Green => PhaseState::ProtectedMovementAllowed,
+        Phase::Yellow => PhaseState::ProtectedClearance,
+        Phase::Red => PhaseState::StopAndRemain,
+    };
+    Interval {
+        state: state.to_wire(),
+        confidence: event.confidence.into(),
+        min_end_s: seconds(event.min_end_ns),
+        likely_end_s: seconds(event.likely_end_ns),
+        max_end_s: seconds(event.max_end_ns),
+    }
+}

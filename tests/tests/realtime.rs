@@ -1,0 +1,61 @@
+//! A realtime run: nothing lost, every chain accounted for. No test here asserts how fast.
+
+use serde_json::Value;
+use system_tests::Corner;
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("not a number: {value}"))
+}
+
+#[test]
+fn a_realtime_run_is_measured_whole() {
+    let corner = Corner::new(PROGRAM);
+    let summary = corner.json(&["run", "--duration", "3"]);
+    assert_eq!(summary["outcome"], "completed");
+    assert_eq!(summary["mode"], "realtime");
+    for (topic, counts) in summary["messages"].as_object().expect("topics") {
+        assert_eq!(counts["lost"].as_u64().unwrap_or(0), 0, "{topic}: {counts}");
+    }
+
+    let timing = &summary["timing"];
+    let cycles = timing["cycles"].as_u64().expect("counted");
+    let misses = timing["deadline_misses"].as_u64().expect("counted");
+    assert!(cycles > 0 && cycles <= 31 && misses <= 31, "{timing}");
+    let reaction = &timing["reaction_time_us"];
+    let count = reaction["count"].as_u64().expect("counted");
+    assert!(count > 0 && count <= cycles);
+    for hop in ["radar_to_controller", "controller_compute", "controller_to_plant"] {
+        assert_eq!(timing["hops_us"][hop]["count"].as_u64(), Some(count), "every chain has {hop}");
+    }
+    // The plant looks ten times for each command.
+    assert!(timing["data_age_us"]["count"].as_u64() > Some(count));
+    for figure in ["reaction_time_us", "data_age_us", "solve_us", "release_jitter_us"] {
+        let order = ["p50", "p90", "p99", "p999", "p9999", "max"].map(|p| number(&timing[figure][p]));
+        assert!(order.windows(2).all(|pair| pair[0] <= pair[1] * 1.01), "{figure}: {order:?}");
+    }
+
+    for service in summary["services"].as_array().expect("services") {
+        assert_eq!(service["exit"], "ok", "{service}");
+        let rss = service["peak_rss_kib"].as_u64().expect("read");
+        assert!(rss < 16 * 1024, "{service}");
+        let scheduling = &service["scheduling"];
+        // Whatever was granted is what the kernel said, and what was refused is named.
+        let granted = scheduling["granted"].as_str().expect("read back");
+        if granted != scheduling["requested"].as_str().expect("asked") {
+            assert!(!scheduling["refused"].as_array().expect("a list").is_empty(), "{service}");
+        }
+    }
+}
+
+#[test]
+fn the_control_loop_allocates_nothing() {
+    let corner = Corner::new(PROGRAM);
+    for mode in ["realtime", "lockstep"] {
+        let summary = corner.json(&["run", "cut-in", "--mode", mode, "--duration", "2"]);
+        for service in summary["services"].as_array().expect("services") {
+            assert_eq!(service["allocations_in_loop"].as_u64(), Some(0), "{mode}: {service}");
+        }
+    }
+}
