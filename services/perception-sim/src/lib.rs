@@ -1,1 +1,7 @@
-//! 
+//! The other vehicles, the radar that sees them and the tracker behind it.
+
+pub mod perception;
+pub mod radar;
+pub mod target_selection;
+pub mod tracker;
+pub mod traffic;

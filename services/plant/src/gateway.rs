@@ -182,14 +182,10 @@ impl Gateway {
     }
 
     fn bounded(&self, wanted: f64, source: Source) -> f64 {
-        let mut request = wanted;
-        if let Some(rise) = self.bounds.max_rise_mps3 {
-            request = request.min(self.last_request_mps2 + rise.value() * self.period_s);
-        }
-        if let Some(fall) = self.bounds.max_fall_mps3
-            && source != Source::Emergency
-        {
-            request = request.max(self.last_request_mps2 - fall.value() * self.period_s);
+        let (last, period_s) = (self.last_request_mps2, self.period_s);
+        let mut request = wanted.min(last + self.bounds.max_rise_mps3.value() * period_s);
+        if source != Source::Emergency {
+            request = request.max(last - self.bounds.max_fall_mps3.value() * period_s);
         }
         request.clamp(self.bounds.min_request_mps2.value(), self.bounds.max_request_mps2.value())
     }
@@ -218,7 +214,9 @@ pub fn required_deceleration(speed_mps: f64, ahead: &Ahead) -> f64 {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
-    use shared::scenario::quantity::{AccelerationMagnitude, Duration, JerkMagnitude, Speed};
+    use shared::scenario::quantity::{
+        AccelerationMagnitude, Duration, JerkMagnitude, PeriodMs, Speed,
+    };
 
     use super::*;
     use crate::longitudinal::Vehicle;
@@ -226,8 +224,13 @@ mod tests {
     const STEP_NS: u64 = 100_000_000;
     const PERIOD_NS: u64 = 10_000_000;
 
+    /// A gateway whose rates do not bind.
     fn gateway() -> Gateway {
-        Gateway::new(&Plant::default())
+        let mut plant = Plant::default();
+        plant.gateway.max_rise_mps3 = JerkMagnitude::of(1000.0);
+        plant.gateway.max_fall_mps3 = JerkMagnitude::of(1000.0);
+        plant.period_ms = PeriodMs::of(100);
+        Gateway::new(&plant)
     }
 
     fn at(gateway: &mut Gateway, now_ns: u64) -> (f64, Source) {
@@ -299,15 +302,15 @@ mod tests {
     #[test]
     fn range_and_rate_are_bounded_and_said_so() {
         let mut plant = Plant::default();
-        plant.gateway.max_rise_mps3 = Some(JerkMagnitude::of(10.0));
-        plant.gateway.max_fall_mps3 = Some(JerkMagnitude::of(50.0));
+        plant.gateway.max_rise_mps3 = JerkMagnitude::of(10.0);
+        plant.gateway.max_fall_mps3 = JerkMagnitude::of(50.0);
         let mut gateway = Gateway::new(&plant);
         gateway.accept(0, 0, STEP_NS, &[100.0, -100.0]).expect("it is valid");
         let first = gateway.actuate(0, 20.0, None);
         assert!(first.limited && (first.request_mps2 - 0.1).abs() < 1e-12);
         let second = gateway.actuate(STEP_NS, 20.0, None);
         assert!(second.limited && (second.request_mps2 + 0.4).abs() < 1e-12);
-        let mut free = Gateway::new(&Plant::default());
+        let mut free = self::gateway();
         free.accept(0, 0, STEP_NS, &[100.0, -100.0]).expect("it is valid");
         assert_eq!(free.actuate(0, 20.0, None).request_mps2, 5.0);
         assert_eq!(free.actuate(STEP_NS, 20.0, None).request_mps2, -8.0);
@@ -357,7 +360,7 @@ mod tests {
             gap_m in prop::num::f64::NORMAL, lead in 0.0..40.0f64, a in -10.0..10.0f64,
         ) {
             let mut plant = Plant::default();
-            plant.gateway.max_rise_mps3 = Some(JerkMagnitude::of(20.0));
+            plant.gateway.max_rise_mps3 = JerkMagnitude::of(20.0);
             let mut gateway = Gateway::new(&plant);
             let ahead = Ahead { gap_m, speed_mps: lead, acceleration_mps2: a };
             let (mut now, mut last) = (0, 0.0);

@@ -89,12 +89,10 @@ pub struct Gateway {
     pub min_request_mps2: Acceleration,
     /// Largest request let through, m/s².
     pub max_request_mps2: Acceleration,
-    /// Fastest rise of the request, m/s³; absent: only the range is bounded, as in the papers.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub max_rise_mps3: Option<JerkMagnitude>,
-    /// Fastest fall of the request (braking harder), m/s³; absent: only the range is bounded.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub max_fall_mps3: Option<JerkMagnitude>,
+    /// Fastest rise of the request, m/s³.
+    pub max_rise_mps3: JerkMagnitude,
+    /// Fastest fall of the request (braking harder), m/s³; an emergency stop is not held up.
+    pub max_fall_mps3: JerkMagnitude,
 }
 
 impl Default for Gateway {
@@ -102,8 +100,8 @@ impl Default for Gateway {
         Self {
             min_request_mps2: Acceleration::of(-8.0),
             max_request_mps2: Acceleration::of(5.0),
-            max_rise_mps3: None,
-            max_fall_mps3: None,
+            max_rise_mps3: JerkMagnitude::of(20.0),
+            max_fall_mps3: JerkMagnitude::of(50.0),
         }
     }
 }
