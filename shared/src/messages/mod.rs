@@ -42,6 +42,8 @@ pub use vehicle::Odometry;
 /// Declares `$type` to be the message of `$topic`, after checking its layout at compile time.
 macro_rules! message {
     ($type:ty, $topic:expr) => {
+        crate::runtime::carried!($type);
+
         impl crate::messages::Message for $type {
             const TOPIC: crate::messages::Topic = $topic;
 

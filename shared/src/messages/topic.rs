@@ -2,6 +2,7 @@
 
 use super::Header;
 use crate::Service;
+use crate::runtime::Carried;
 use bytemuck::Pod;
 use core::fmt::Debug;
 use iceoryx2::prelude::ZeroCopySend;
@@ -11,7 +12,7 @@ use iceoryx2::prelude::ZeroCopySend;
 pub const LAYOUT_VERSION: &str = "1";
 
 /// A message type with its topic.
-pub trait Message: Pod + ZeroCopySend + Debug + PartialEq {
+pub trait Message: Pod + ZeroCopySend + Debug + PartialEq + Carried {
     /// Topic that carries the type.
     const TOPIC: Topic;
 

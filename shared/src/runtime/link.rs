@@ -46,7 +46,7 @@ pub enum FromService {
 
 /// First step that is not to be run any more, shared with the link's thread and signal handlers.
 #[derive(Clone, Debug)]
-pub(super) struct End(Arc<AtomicUsize>);
+pub struct End(Arc<AtomicUsize>);
 
 impl Default for End {
     fn default() -> Self {

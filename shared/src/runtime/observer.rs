@@ -28,9 +28,7 @@ impl Observer {
     /// # Errors
     /// [`RuntimeError::Topic`].
     pub fn listen<T: Message>(&self) -> Result<Observed<T>, RuntimeError> {
-        let port = (self.transport.topic::<T>()?.subscriber_builder())
-            .create()
-            .map_err(|e| RuntimeError::Topic { topic: T::TOPIC, reason: format!("{e:?}") })?;
+        let port = T::receiver(&self.transport)?;
         Ok(Observed(Subscriber {
             port,
             listener: None,

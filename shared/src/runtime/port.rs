@@ -1,12 +1,11 @@
 //! Typed ends of a topic, with stamps, counts and digests.
 
 use super::link::End;
-use super::transport::Ipc;
+use super::transport::{Receiver, Sender, Waiter, Waker};
 use super::{Clock, Mode, RuntimeError, Timetable};
 use crate::messages::{Message, Topic};
 use crate::report::{ReceivedTopic, SentTopic};
 use crate::{Service, messages::Origin};
-use iceoryx2::port::{listener::Listener, notifier::Notifier};
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
@@ -66,8 +65,8 @@ impl Tally {
 /// The sending end of `T`'s topic.
 #[derive(Debug)]
 pub struct Publisher<T: Message> {
-    pub(super) port: iceoryx2::port::publisher::Publisher<Ipc, T, ()>,
-    pub(super) notifier: Option<Notifier<Ipc>>,
+    pub(super) port: Box<dyn Sender<T>>,
+    pub(super) notifier: Option<Waker>,
     pub(super) clock: Rc<Clock>,
     pub(super) timetable: Timetable,
     pub(super) source: Service,
@@ -89,7 +88,7 @@ impl<T: Message> Publisher<T> {
         header.source = self.source.to_wire();
         header.publish_ns = self.clock.now_ns();
         let step = header.step;
-        self.port.send_copy(message).map_err(|e| error(format!("{e:?}")))?;
+        self.port.send(&message).map_err(error)?;
         self.tally.borrow_mut().count(&message);
         if let Some(notifier) = &self.notifier
             && (self.timetable.is_awaited(T::TOPIC, step) || step.is_multiple_of(DRAIN_STEPS))
@@ -103,8 +102,8 @@ impl<T: Message> Publisher<T> {
 /// The receiving end of `T`'s topic: keeps the newest sample that is not of a later step.
 #[derive(Debug)]
 pub struct Subscriber<T: Message> {
-    pub(super) port: iceoryx2::port::subscriber::Subscriber<Ipc, T, ()>,
-    pub(super) listener: Option<Listener<Ipc>>,
+    pub(super) port: Box<dyn Receiver<T>>,
+    pub(super) listener: Option<Waiter>,
     pub(super) newest: Option<T>,
     pub(super) ahead: Option<T>,
     /// Incarnation and sequence number of the last message of each source.
@@ -145,11 +144,8 @@ impl<T: Message> Subscriber<T> {
     }
 
     fn receive(&mut self) -> Result<Option<T>, RuntimeError> {
-        let sample = self.port.receive().map_err(|e| RuntimeError::Receive {
-            topic: T::TOPIC,
-            reason: format!("{e:?}"),
-        })?;
-        let Some(sample) = sample.map(|sample| *sample.payload()) else { return Ok(None) };
+        let error = |reason| RuntimeError::Receive { topic: T::TOPIC, reason };
+        let Some(sample) = self.port.receive().map_err(error)? else { return Ok(None) };
         let header = sample.header();
         let mut tally = self.tally.borrow_mut();
         if let Some(last) = self.last.get_mut(header.source as usize) {

@@ -105,7 +105,7 @@ impl Runtime {
             Mode::Realtime => T::TOPIC == Topic::RadarTracks,
         };
         Ok(Publisher {
-            port: self.transport.publisher::<T>(self.link.end.clone())?,
+            port: T::sender(&self.transport, self.link.end.clone())?,
             notifier: awaited.then(|| self.transport.notifier(T::TOPIC)).transpose()?,
             clock: Rc::clone(&self.clock),
             timetable: self.group.timetable,
@@ -136,12 +136,7 @@ impl Runtime {
         self.received.push((T::TOPIC, Rc::clone(&tally)));
         // The listener first: whoever notifies must find it.
         let listener = waits.then(|| self.transport.listener(T::TOPIC)).transpose()?;
-        let port = self
-            .transport
-            .topic::<T>()?
-            .subscriber_builder()
-            .create()
-            .map_err(|e| RuntimeError::Topic { topic: T::TOPIC, reason: format!("{e:?}") })?;
+        let port = T::receiver(&self.transport)?;
         let last = [(0, 0); Service::ALL.len() + 1];
         Ok(Subscriber { port, listener, newest: None, ahead: None, last, tally })
     }

@@ -1,5 +1,6 @@
 //! iceoryx2 as timegap uses it: one private node per process and one way to open each topic.
 
+use super::link::End;
 use super::{Group, Mode, RuntimeError};
 use crate::messages::{LAYOUT_VERSION, Message, Topic};
 use iceoryx2::config::Config;
@@ -7,17 +8,79 @@ use iceoryx2::port::{BackpressureAction, listener::Listener, notifier::Notifier}
 use iceoryx2::prelude::*;
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
 use iceoryx2::service::port_factory::{event, publish_subscribe};
-use super::link::End;
+use std::fmt::Debug;
 
 /// The iceoryx2 variant of all topics.
-pub(super) type Ipc = ipc::Service;
+type Ipc = ipc::Service;
+
+/// Wakes those who wait for a topic.
+pub(super) type Waker = Notifier<Ipc>;
+/// Waits for a topic.
+pub(super) type Waiter = Listener<Ipc>;
 
 /// Processes on one topic: the group, each restarted beside its dead self, and observers.
 const MAX_PEERS: usize = 10;
 
+/// Sends messages of one type.
+pub trait Sender<T>: Debug {
+    /// Copies `message` into shared memory and hands it to all subscribers.
+    fn send(&self, message: &T) -> Result<(), String>;
+}
+
+impl<T: Message> Sender<T> for iceoryx2::port::publisher::Publisher<Ipc, T, ()> {
+    fn send(&self, message: &T) -> Result<(), String> {
+        self.send_copy(*message).map(|_| ()).map_err(|e| format!("{e:?}"))
+    }
+}
+
+/// Receives messages of one type.
+pub trait Receiver<T>: Debug {
+    /// The oldest message not yet taken.
+    fn receive(&self) -> Result<Option<T>, String>;
+}
+
+impl<T: Message> Receiver<T> for iceoryx2::port::subscriber::Subscriber<Ipc, T, ()> {
+    fn receive(&self) -> Result<Option<T>, String> {
+        let sample = Self::receive(self).map_err(|e| format!("{e:?}"))?;
+        Ok(sample.map(|sample| *sample.payload()))
+    }
+}
+
+/// A message type with its ports. Implemented where the type is declared, so that iceoryx2's
+/// generic code is compiled once per message and not once per service.
+pub trait Carried: Sized {
+    /// Creates the sending end of the type's topic.
+    fn sender(transport: &Transport, end: End) -> Result<Box<dyn Sender<Self>>, RuntimeError>;
+
+    /// Creates the receiving end of the type's topic.
+    fn receiver(transport: &Transport) -> Result<Box<dyn Receiver<Self>>, RuntimeError>;
+}
+
+/// Implements [`Carried`] for a concrete message type.
+macro_rules! carried {
+    ($type:ty) => {
+        impl crate::runtime::Carried for $type {
+            fn sender(
+                transport: &crate::runtime::Transport,
+                end: crate::runtime::End,
+            ) -> Result<Box<dyn crate::runtime::Sender<Self>>, crate::runtime::RuntimeError> {
+                transport.publisher::<Self>(end)
+            }
+
+            fn receiver(
+                transport: &crate::runtime::Transport,
+            ) -> Result<Box<dyn crate::runtime::Receiver<Self>>, crate::runtime::RuntimeError>
+            {
+                transport.subscriber::<Self>()
+            }
+        }
+    };
+}
+pub(crate) use carried;
+
 /// A node in the run's private iceoryx2 domain.
 #[derive(Debug)]
-pub(super) struct Transport {
+pub struct Transport {
     node: Node<Ipc>,
     mode: Mode,
     buffer: usize,
@@ -50,7 +113,7 @@ impl Transport {
     ///
     /// # Errors
     /// [`RuntimeError::Topic`].
-    pub(super) fn topic<T: Message>(
+    fn topic<T: Message>(
         &self,
     ) -> Result<publish_subscribe::PortFactory<Ipc, T, ()>, RuntimeError> {
         let error = |reason: String| RuntimeError::Topic { topic: T::TOPIC, reason };
@@ -74,12 +137,9 @@ impl Transport {
 
     /// Creates the publisher of `T`'s topic. In lockstep it waits while a subscriber's buffer is
     /// full, unless the run was aborted.
-    pub(super) fn publisher<T: Message>(
-        &self,
-        end: End,
-    ) -> Result<iceoryx2::port::publisher::Publisher<Ipc, T, ()>, RuntimeError> {
-        let topic = self.topic::<T>()?;
-        topic
+    pub(crate) fn publisher<T: Message>(&self, end: End) -> Result<Box<dyn Sender<T>>, RuntimeError> {
+        let port = self
+            .topic::<T>()?
             .publisher_builder()
             .set_backpressure_handler(move |_| {
                 if end.is_now() {
@@ -89,7 +149,15 @@ impl Transport {
                 BackpressureAction::Retry
             })
             .create()
-            .map_err(|e| RuntimeError::Topic { topic: T::TOPIC, reason: format!("{e:?}") })
+            .map_err(|e| RuntimeError::Topic { topic: T::TOPIC, reason: format!("{e:?}") })?;
+        Ok(Box::new(port))
+    }
+
+    pub(crate) fn subscriber<T: Message>(&self) -> Result<Box<dyn Receiver<T>>, RuntimeError> {
+        let port = (self.topic::<T>()?.subscriber_builder())
+            .create()
+            .map_err(|e| RuntimeError::Topic { topic: T::TOPIC, reason: format!("{e:?}") })?;
+        Ok(Box::new(port))
     }
 
     fn event(&self, topic: Topic) -> Result<event::PortFactory<Ipc>, RuntimeError> {
@@ -103,14 +171,14 @@ impl Transport {
             .map_err(|e| RuntimeError::Topic { topic, reason: format!("{e:?}") })
     }
 
-    pub(super) fn notifier(&self, topic: Topic) -> Result<Notifier<Ipc>, RuntimeError> {
+    pub(super) fn notifier(&self, topic: Topic) -> Result<Waker, RuntimeError> {
         self.event(topic)?
             .notifier_builder()
             .create()
             .map_err(|e| RuntimeError::Topic { topic, reason: format!("{e:?}") })
     }
 
-    pub(super) fn listener(&self, topic: Topic) -> Result<Listener<Ipc>, RuntimeError> {
+    pub(super) fn listener(&self, topic: Topic) -> Result<Waiter, RuntimeError> {
         self.event(topic)?
             .listener_builder()
             .create()

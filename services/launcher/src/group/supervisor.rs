@@ -145,6 +145,9 @@ impl Supervisor<'_> {
         let mut log = DriveLog::listen(&self.group)?;
         self.wait_until_ready(spawned)?;
         let ready_after = spawned.elapsed();
+        // A receiver that has not looked yet is not connected, and a full buffer of one that is not
+        // connected loses messages instead of holding their sender up.
+        log.drain()?;
 
         let delay = i64::try_from(self.launch.start_delay.as_nanos()).expect("start delays are short");
         let start_ns = monotonic_ns() + delay;
