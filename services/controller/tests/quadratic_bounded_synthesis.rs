@@ -13,7 +13,7 @@ use controller::quadratic_bounded::synthesis::{
     DesignRequest, Options, SynthesisError, synthesize,
 };
 use controller::quadratic_bounded::{Design, Parameters, Settings};
-use scenario::{CUT_IN, DEPART, FOLLOW, first, run};
+use scenario::{CUT_IN, DEPART, FOLLOW, KMH, first, run};
 
 const SHIPPED: &str =
     include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/quadratic-bounded.toml"));
@@ -85,6 +85,8 @@ struct Published {
     follow_steady: f64,
     depart_switch: f64,
     depart_range: f64,
+    fastest: f64,
+    braking_start: f64,
     least_gap_error: f64,
     last_gap_error: f64,
     hardest: f64,
@@ -103,6 +105,8 @@ impl Published {
             }),
             depart_switch: first(&depart, 20.0, |r| !r.follows),
             depart_range: first(&depart, 20.0, |r| r.gap > 150.0),
+            fastest: depart.iter().fold(0.0, |m, r| m.max(r.speed)),
+            braking_start: first(&cut_in, 17.0, |r| r.request < -0.02),
             least_gap_error: after.clone().fold(f64::INFINITY, |m, r| m.min(r.gap_error)),
             last_gap_error,
             hardest: after.fold(0.0, |m, r| m.min(r.acceleration)),
@@ -113,13 +117,15 @@ impl Published {
         }
     }
 
-    /// Whether the paper's other figures hold: 10 s, 30 s, 27.5 s, 54 s, no overshoot of the gap
-    /// but an end of it within the minute; and whether all happened within the ellipsoid.
+    /// Whether the paper's other figures hold: 10 s, 30 s, 27.5 s, 54 s, 18 s, no overshoot,
+    /// and a gap that is closed within the minute; and whether all happened within the ellipsoid.
     fn holds(&self) -> bool {
         (self.follow_start - 10.0).abs() <= 0.5
             && self.follow_steady <= 30.5
             && (self.depart_switch - 27.5).abs() <= 0.5
             && (self.depart_range - 54.0).abs() <= 1.0
+            && self.fastest <= 110.05 * KMH
+            && (self.braking_start - 18.0).abs() <= 0.3
             && self.least_gap_error >= -0.25
             && self.last_gap_error <= 2.0
             && self.lyapunov <= 1.0
@@ -172,7 +178,7 @@ fn a_certified_design_that_brakes_harder_in_the_cut_in() {
     let defaults = Settings::default();
     let shipped = Published::of(&Design::shipped(), &defaults);
     shipped.print("shipped");
-    assert!(shipped.holds() && (shipped.hardest + 0.73).abs() < 0.02);
+    assert!(shipped.holds() && (shipped.hardest + 0.72).abs() < 0.02);
     // Found by the search below: harder by half, and every figure of the paper holds.
     let firm = Published::of(&design(&DesignRequest::from_toml(FIRM).expect("valid")), &defaults);
     firm.print("firm");

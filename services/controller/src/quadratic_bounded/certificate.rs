@@ -16,7 +16,8 @@
 //! The blend of the rules is covered too: B, C and D are common, so z+ is the same blend of what
 //! the rules give, and V is convex. Within the ellipsoid |c z| <= sqrt(c P^-1 c'), which bounds every index.
 
-use super::design::{Condition, Content, Failure};
+use super::design::Content;
+use super::error::{Condition, Failure};
 use super::model::{DISTURBANCES, Parameters, RULES, STATES, State, StateMatrix};
 use nalgebra::{SMatrix, SVector};
 

@@ -1,11 +1,12 @@
 //! A design as a data file, and its verification on loading.
 
 use super::certificate::{self, ClosedMatrix, ClosedState, Gains, Verified};
-use super::model::{DISTURBANCES, ParameterError, Parameters, RULES, STATES, StateMatrix};
+use super::error::DesignError;
+use super::model::{DISTURBANCES, Parameters, RULES, STATES, StateMatrix};
 use serde::{Deserialize, Serialize};
 
 /// Largest accepted file, bytes; a design needs about 8000.
-const LARGEST: usize = 64 * 1024;
+pub(super) const LARGEST: usize = 64 * 1024;
 /// The design that comes with the law.
 const SHIPPED: &str =
     include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/quadratic-bounded.json"));
@@ -20,7 +21,7 @@ struct File {
     digest: String,
 }
 
-const FORMAT: &str = "timegap quadratic-bounded design 1";
+pub(super) const FORMAT: &str = "timegap quadratic-bounded design 1";
 
 /// Numbers of a design, before verification.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -150,7 +151,7 @@ impl File {
                 .iter()
                 .flat_map(|r| r.ac.iter().chain(&r.l).flatten().chain(&r.fx).chain(&r.fy)),
         );
-        match numbers.copied().find(|v| !(v.abs() <= 1e9)) {
+        match numbers.copied().find(|v| !(-1e9..=1e9).contains(v)) {
             Some(value) => Err(DesignError::Number(value)),
             None => Ok(c.clone()),
         }
@@ -165,114 +166,3 @@ fn digest(content: &Content) -> String {
     });
     format!("{hash:016x}")
 }
-
-/// The conditions of a certificate.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Condition {
-    /// P is symmetric.
-    Symmetric,
-    /// 0 < alpha < 1, a_j > 0, sum a_j <= alpha.
-    Multipliers,
-    /// P > 0.
-    PositiveDefinite,
-    /// The ellipsoid cannot be left.
-    Invariance,
-    /// |Dd'| within its bound.
-    GapErrorRate,
-    /// |Du| within its bound.
-    Increment,
-    /// |Dd| within its bound.
-    GapError,
-    /// |Dv| within its bound.
-    SpeedError,
-    /// |a| within its bound.
-    Acceleration,
-    /// |u| within its bound.
-    Request,
-    /// The start states lie in the ellipsoid.
-    StartSet,
-}
-
-impl Condition {
-    fn text(self) -> &'static str {
-        match self {
-            Self::Symmetric => "P is symmetric",
-            Self::Multipliers => "multipliers are positive and sum to at most alpha < 1",
-            Self::PositiveDefinite => "P is positive definite",
-            Self::Invariance => "the ellipsoid is invariant (quadratic boundedness)",
-            Self::GapErrorRate => "gap error rate within its bound",
-            Self::Increment => "increment within its bound",
-            Self::GapError => "gap error within its bound",
-            Self::SpeedError => "speed error within its bound",
-            Self::Acceleration => "acceleration within its bound",
-            Self::Request => "request within its bound",
-            Self::StartSet => "start states inside the ellipsoid",
-        }
-    }
-}
-
-/// A condition that does not hold.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Failure {
-    /// Which condition.
-    pub condition: Condition,
-    /// Number of the rule, 1 or 2, where the condition is one of a rule.
-    pub rule: Option<usize>,
-    /// What was found: the value of the index, or the least scaled pivot.
-    pub value: f64,
-    /// What it is measured against.
-    pub bound: f64,
-}
-
-impl std::fmt::Display for Failure {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "condition not met: {}", self.condition.text())?;
-        if let Some(rule) = self.rule {
-            write!(f, ", rule {rule}")?;
-        }
-        write!(f, " (found {:.6e}, limit {:.6e})", self.value, self.bound)
-    }
-}
-
-/// Why a file is not a usable design.
-#[derive(Clone, Debug, PartialEq)]
-pub enum DesignError {
-    /// Longer than any design.
-    TooLarge {
-        /// Length of the text.
-        bytes: usize,
-    },
-    /// Not JSON of the right shape; the message has line and column.
-    Syntax(String),
-    /// Another format or version, as found.
-    Format(String),
-    /// A parameter outside its range.
-    Parameter(ParameterError),
-    /// A number too large to compute with.
-    Number(f64),
-    /// The certificate fails.
-    Condition(Failure),
-    /// The numbers are not those that were certified, though they pass.
-    Digest,
-}
-
-impl std::fmt::Display for DesignError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::TooLarge { bytes } => {
-                write!(f, "the design file has {bytes} bytes, more than {LARGEST}")
-            }
-            Self::Syntax(what) => write!(f, "not a design file: {what}"),
-            Self::Format(found) => write!(f, "format {found:?}: expected {FORMAT:?}"),
-            Self::Parameter(e) => write!(f, "design parameter {e}"),
-            Self::Number(v) => write!(f, "number {v:e} in the design: expected at most 1e9"),
-            Self::Condition(failure) => write!(f, "the certificate fails: {failure}"),
-            Self::Digest => write!(
-                f,
-                "the digest does not match: the numbers were changed after the design was made"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for DesignError {}

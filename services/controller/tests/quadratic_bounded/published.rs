@@ -70,6 +70,6 @@ fn cut_in() {
     let hardest = rows.iter().fold(0.0, |m: f64, r| m.min(r.acceleration));
     println!("least gap error {least:.3} m, hardest braking {hardest:.3} m/s²");
     assert!(least > -0.25);
-    // The page's reference: -0.78, where the paper says "large".
+    // The page's reference design: -0.78. The paper says "large": see the module's documentation.
     assert!((-0.9..-0.7).contains(&hardest));
 }
