@@ -46,23 +46,32 @@ pub(super) struct ActiveSet {
 }
 
 struct Guess<'a> {
+    problem: &'a Problem,
     sides: &'a [i8],
     tangents: &'a [Tangent],
     stages: &'a [LightStage],
-    bounds: [f64; 2],
 }
 
 impl Models for Guess<'_> {
+    const DRIVEN: bool = true;
+
     #[inline(always)]
     fn input(&self, k: usize) -> InputModel {
+        let gradient = self.problem.r_lin[k];
         match self.sides[k] {
-            0 => InputModel::Free(0.0, 0.0),
-            side => InputModel::Held(self.bounds[usize::from(side > 0)]),
+            0 => InputModel::Free(0.0, gradient),
+            1 => InputModel::Held(self.problem.u_max, gradient),
+            _ => InputModel::Held(self.problem.u_min, gradient),
         }
     }
 
     #[inline(always)]
-    fn state(&self, k: usize, mut add: impl FnMut(&[f64; 3], f64, f64)) {
+    fn gradient(&self, k: usize) -> [f64; 3] {
+        if k < self.problem.horizon { self.problem.q_lin[k] } else { self.problem.p_lin }
+    }
+
+    #[inline(always)]
+    fn functions(&self, k: usize, mut add: impl FnMut(&[f64; 3], f64, f64)) {
         if k <= self.stages.len() {
             let (stage, tangent) = (&self.stages[k - 1], &self.tangents[k - 1]);
             add(&stage.gradient, tangent.slope, -tangent.force(stage.offset));
@@ -115,10 +124,10 @@ impl ActiveSet {
         for round in 1..=MAX_ROUNDS {
             let pin = {
                 let guess = Guess {
+                    problem,
                     sides: &self.sides,
                     tangents: &self.tangents,
                     stages: if without_light { &[] } else { problem.light_stages() },
-                    bounds: [problem.u_min, problem.u_max],
                 };
                 plant.factor(problem, &guess, &mut self.sweep, last)
             };

@@ -1,9 +1,9 @@
 //! The robust method: a primal-dual interior point with Mehrotra's predictor and corrector.
 //!
-//! Each iteration factors once and solves twice. States are not iterates: the step is computed in the
-//! new values, and the inputs' trajectory implies the rest. Dynamics, slacks, stationarity and the
-//! terminal equality are linear in the iterates, so a step of length `a` takes exactly the part `a` of their
-//! residuals away; what remains to watch are the products of the pairs and `w/p² = α + β`.
+//! Each iteration factors once and solves twice, for the change of the trajectory: computed as a difference of
+//! two trajectories it would lose the digits that the stiff models of active limits need. Dynamics,
+//! slacks, stationarity and the terminal equality are linear in the iterates, so a step of length `a`
+//! takes the part `a` of their residuals away; what remains to watch are the products of the pairs.
 
 use super::barrier::input::InputBarrier;
 use super::barrier::light::LightBarrier;
@@ -30,9 +30,13 @@ pub(super) struct Interior {
     y: [f64; 3],
     /// What is left of the first iterate's linear residuals.
     open: f64,
-    /// Full step of the current iteration.
-    inputs: Vec<f64>,
+    /// The trajectory of `input.u`, and the gradient of the quadratic cost along it.
     states: Vec<[f64; 3]>,
+    input_gradients: Vec<f64>,
+    state_gradients: Vec<[f64; 3]>,
+    /// Full step of the current iteration.
+    input_changes: Vec<f64>,
+    state_changes: Vec<[f64; 3]>,
     /// Constant part of the corrector's change of the inputs.
     constants: Vec<f64>,
 }
@@ -42,26 +46,26 @@ struct Barriers<'a> {
     input: &'a InputBarrier,
     rows: &'a [RowBarrier],
     light: &'a LightBarrier,
+    input_gradients: &'a [f64],
+    state_gradients: &'a [[f64; 3]],
 }
 
 impl Models for Barriers<'_> {
+    const DRIVEN: bool = false;
+
     #[inline(always)]
     fn input(&self, k: usize) -> InputModel {
-        InputModel::Free(self.input.weight[k], self.input.push[k])
+        InputModel::Free(self.input.weight[k], self.input_gradients[k])
     }
 
     #[inline(always)]
-    fn state(&self, k: usize, mut add: impl FnMut(&[f64; 3], f64, f64)) {
-        for row in self.rows {
-            let i = k.wrapping_sub(row.from);
-            if i < row.len {
-                add(&row.gradient, row.weight[i], row.force[i]);
-            }
-        }
-        if k <= self.light.len {
-            let stage = &self.problem.light_stages[k - 1];
-            add(&stage.gradient, self.light.weight[k - 1], -self.light.force[k - 1]);
-        }
+    fn gradient(&self, k: usize) -> [f64; 3] {
+        self.state_gradients[k]
+    }
+
+    #[inline(always)]
+    fn functions(&self, k: usize, add: impl FnMut(&[f64; 3], f64, f64)) {
+        each_function(self.problem, self.rows, self.light, k, add);
     }
 }
 
@@ -74,8 +78,11 @@ impl Interior {
             light: LightBarrier::new(max_horizon),
             y: [0.0; 3],
             open: 1.0,
-            inputs: vec![0.0; max_horizon],
             states: vec![[0.0; 3]; max_horizon + 1],
+            input_gradients: vec![0.0; max_horizon],
+            state_gradients: vec![[0.0; 3]; max_horizon + 1],
+            input_changes: vec![0.0; max_horizon],
+            state_changes: vec![[0.0; 3]; max_horizon + 1],
             constants: vec![0.0; max_horizon],
         }
     }
@@ -94,6 +101,7 @@ impl Interior {
             barrier.start(row, h, states, START_SLACK, mu);
         }
         self.light.start(problem.light.as_ref(), problem.light_stages(), states, START_SLACK, mu);
+        problem.roll_out(&self.input.u, &mut self.states);
         self.y = [0.0; 3];
         self.open = 1.0;
     }
@@ -111,18 +119,20 @@ impl Interior {
         let count = problem.rows.len();
         let (mut gap, mut pairs) = self.input.predict();
         for (row, h) in self.rows.iter_mut().zip(&problem.limits) {
-            let (row_gap, row_pairs) = row.predict(h);
+            let (row_gap, row_pairs) = row.predict(h, &self.states);
             gap += row_gap;
             pairs += row_pairs;
         }
-        let (light_gap, light_pairs) = self.light.predict(problem.light_stages());
+        let (light_gap, light_pairs) = self.light.predict(problem.light_stages(), &self.states);
         gap += light_gap;
         let mu = gap / (pairs + light_pairs) as f64;
 
-        let Self { input, rows, light, sweep, .. } = self;
-        let barriers = Barriers { problem, input, rows: &rows[..count], light };
+        self.differentiate(problem);
+        let Self { input, rows, light, sweep, input_gradients, state_gradients, .. } = self;
+        let rows = &rows[..count];
+        let barriers = Barriers { problem, input, rows, light, input_gradients, state_gradients };
         let end = plant.factor(problem, &barriers, sweep, problem.horizon);
-        let y = end.multiplier(problem);
+        let y = end.multiplier_of_change(problem, &self.states[problem.horizon]);
         self.forward(problem, plant, &y);
         self.follow(problem, false);
         let rows = &self.rows[..count];
@@ -147,13 +157,13 @@ impl Interior {
         for row in &self.rows[..count] {
             reach = reach.max(row.reach());
         }
-        let last = &self.states[problem.horizon];
+        let last = &self.state_changes[problem.horizon];
         if !(reach + mu + last[0] + last[1] + last[2]).is_finite() {
             return None;
         }
         let fraction = (1.0 - mu.min(0.01)).max(0.5 + 0.5 * affine).min(0.9995);
         let a = (fraction / reach.max(f64::MIN_POSITIVE)).min(1.0);
-        self.input.advance(&self.inputs, a);
+        self.input.advance(&self.input_changes, a);
         for row in &mut self.rows[..count] {
             row.advance(a);
         }
@@ -161,21 +171,39 @@ impl Interior {
         for i in 0..3 {
             self.y[i] += a * (y[i] + dy[i] - self.y[i]);
         }
+        for (x, dx) in self.states.iter_mut().zip(&self.state_changes[..=problem.horizon]) {
+            for i in 0..3 {
+                x[i] += a * dx[i];
+            }
+        }
         self.open *= 1.0 - a;
         Some(mu)
     }
 
+    /// Gradient of the quadratic cost at the iterate.
+    fn differentiate(&mut self, problem: &Problem) {
+        let n = problem.horizon;
+        let (u, states) = (&self.input.u[..n], &self.states[..=n]);
+        let by_input = &mut self.input_gradients[..n];
+        let by_state = &mut self.state_gradients[..=n];
+        let (q, s) = (&problem.q, &problem.s);
+        for k in 0..n {
+            let (x, linear) = (&states[k], &problem.q_lin[k]);
+            by_input[k] = problem.r * u[k] + dot(s, x) + problem.r_lin[k];
+            by_state[k] = std::array::from_fn(|i| dot(&q[i], x) + (s[i] * u[k] + linear[i]));
+        }
+        by_state[n] = std::array::from_fn(|i| dot(&problem.p[i], &states[n]) + problem.p_lin[i]);
+    }
+
     fn forward(&mut self, problem: &Problem, plant: &Plant, y: &[f64; 3]) {
         let n = problem.horizon;
-        let (gains, d) = (&self.sweep.gains[..n], &problem.d[..n]);
-        let (inputs, states) = (&mut self.inputs[..n], &mut self.states[..=n]);
-        let mut x = problem.x0;
-        states[0] = x;
+        let gains = &self.sweep.gains[..n];
+        let (inputs, states) = (&mut self.input_changes[..n], &mut self.state_changes[..=n]);
+        let mut x = [0.0; 3];
         for k in 0..n {
             let u = -gains[k].input(gains[k].offset(y), &x);
             inputs[k] = u;
-            let next = plant.step::<false>(&x, u);
-            x = [next[0] + d[k][0], next[1] + d[k][1], next[2] + d[k][2]];
+            x = plant.step::<false>(&x, u);
             states[k + 1] = x;
         }
     }
@@ -188,20 +216,28 @@ impl Interior {
         end: &Open,
     ) -> [f64; 3] {
         let n = problem.horizon;
-        let Self { input, rows, light, sweep, constants, inputs, states, .. } = self;
-        let barriers = Barriers { problem, input, rows: &rows[..problem.rows.len()], light };
+        let Self { input, rows, light, sweep, constants, .. } = self;
+        let rows = &rows[..problem.rows.len()];
+        let forces = |k: usize, v: &mut [f64; 3]| {
+            each_function(problem, rows, light, k, |g, _, force| {
+                for i in 0..3 {
+                    v[i] += force * g[i];
+                }
+            });
+        };
         let (gains, constants) = (&sweep.gains[..n], &mut constants[..n]);
-        let (push, inputs) = (&input.push[..n], &mut inputs[..n]);
+        let (push, inputs) = (&input.push[..n], &mut self.input_changes[..n]);
+        let states = &mut self.state_changes[..=n];
         let mut v = [0.0; 3];
         let mut t = [0.0; 3];
-        barriers.push(n, &mut v);
+        forces(n, &mut v);
         for k in (0..n).rev() {
             let gain = &gains[k];
             let f = plant.input_of::<false>(&v) + push[k];
             constants[k] = f * gain.inverse;
             let mut next = plant.transposed(&v);
             if k > 0 {
-                barriers.push(k, &mut next);
+                forces(k, &mut next);
             }
             for i in 0..3 {
                 v[i] = next[i] - gain.feedback[i] * f;
@@ -226,11 +262,11 @@ impl Interior {
     }
 
     fn follow(&mut self, problem: &Problem, corrected: bool) {
-        self.input.follow(&self.inputs);
+        self.input.follow(&self.input_changes);
         for row in &mut self.rows[..problem.rows.len()] {
-            row.follow(&self.states, corrected);
+            row.follow(&self.state_changes, corrected);
         }
-        self.light.follow(problem.light_stages(), &self.states, corrected);
+        self.light.follow(problem.light_stages(), &self.state_changes, corrected);
     }
 
     /// What is left of the first iterate's linear residuals, as a part of them.
@@ -256,14 +292,23 @@ impl Interior {
     }
 }
 
-impl Barriers<'_> {
-    /// The forces on `x_k` alone.
-    #[inline(always)]
-    fn push(&self, k: usize, gradient: &mut [f64; 3]) {
-        self.state(k, |g, _, force| {
-            for i in 0..3 {
-                gradient[i] += force * g[i];
-            }
-        });
+/// Gradient, curvature and force of each function of `x_k`.
+#[inline(always)]
+fn each_function(
+    problem: &Problem,
+    rows: &[RowBarrier],
+    light: &LightBarrier,
+    k: usize,
+    mut add: impl FnMut(&[f64; 3], f64, f64),
+) {
+    for row in rows {
+        let i = k.wrapping_sub(row.from);
+        if i < row.len {
+            add(&row.gradient, row.weight[i], row.force[i]);
+        }
+    }
+    if k <= light.len {
+        let stage = &problem.light_stages[k - 1];
+        add(&stage.gradient, light.weight[k - 1], -light.force[k - 1]);
     }
 }

@@ -27,7 +27,7 @@ use interior::Interior;
 use recursion::Plant;
 
 /// Largest scaled residual of the optimality conditions that counts as solved.
-pub const TOLERANCE: f64 = 1e-8;
+const TOLERANCE: f64 = 1e-8;
 /// Iterations of the interior point.
 const MAX_ITERATIONS: u32 = 60;
 /// Mean product of the pairs from which on the optimality conditions are looked at.

@@ -44,22 +44,29 @@ pub(super) struct Plant {
     driven: bool,
 }
 
-/// What a stage's input costs beyond the problem's own terms.
+/// What a stage's input costs, besides its curvature `r` and the cost of state times input.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum InputModel {
-    /// Curvature and gradient to add to `r` and `ρ_k`.
+    /// Curvature to add to `r`, and the gradient.
     Free(f64, f64),
-    /// Held at this value.
-    Held(f64),
+    /// Held at this value; the gradient.
+    Held(f64, f64),
 }
 
-/// The models that turn a stage of the problem into a linear-quadratic one.
+/// The models that turn a stage of the problem into a linear-quadratic one. Its unknowns may be the
+/// trajectory itself or a change of one: then there is no disturbance.
 pub(super) trait Models {
+    /// Whether the disturbances count.
+    const DRIVEN: bool;
+
     /// Model of `u_k`.
     fn input(&self, k: usize) -> InputModel;
 
+    /// Gradient of the cost of `x_k`, apart from that of the functions.
+    fn gradient(&self, k: usize) -> [f64; 3];
+
     /// Calls back with gradient, curvature and force of each function of `x_k`, `k ≥ 1`.
-    fn state(&self, k: usize, add: impl FnMut(&[f64; 3], f64, f64));
+    fn functions(&self, k: usize, add: impl FnMut(&[f64; 3], f64, f64));
 }
 
 /// Three states by four lanes: the columns of `Ψ`, and a vector that obeys the same recursion.
@@ -174,22 +181,23 @@ impl Plant {
     ///
     /// `last` is the last stage whose models differ from those of the sweep before; at `N` nothing is
     /// taken over.
-    pub(super) fn factor(
+    pub(super) fn factor<M: Models>(
         &self,
         problem: &Problem,
-        models: &impl Models,
+        models: &M,
         sweep: &mut Sweep,
         last: usize,
     ) -> Open {
-        match (self.last_only, self.driven) {
+        let driven = M::DRIVEN && self.driven;
+        match (self.last_only, driven) {
             (true, false) => self.hessians::<true, false>(problem, models, sweep, last),
             (true, true) => self.hessians::<true, true>(problem, models, sweep, last),
             (false, _) => self.hessians::<false, true>(problem, models, sweep, last),
         }
         match (self.last_only, problem.terminal) {
-            (true, Terminal::Cost) => self.opens::<true, false>(problem, models, sweep, last),
-            (true, Terminal::Equality(_)) => self.opens::<true, true>(problem, models, sweep, last),
-            (false, _) => self.opens::<false, true>(problem, models, sweep, last),
+            (true, Terminal::Cost) => self.opens::<true, false, M>(problem, models, sweep, last),
+            (true, Terminal::Equality(_)) => self.opens::<true, true, M>(problem, models, sweep, last),
+            (false, _) => self.opens::<false, true, M>(problem, models, sweep, last),
         }
     }
 
@@ -209,7 +217,7 @@ impl Plant {
             sweep.hessians[from]
         } else {
             let mut p = self.p;
-            models.state(n, |g, weight, _| add_rank_one(&mut p, g, weight));
+            models.functions(n, |g, weight, _| add_rank_one(&mut p, g, weight));
             p
         };
         for k in (0..top).rev() {
@@ -223,7 +231,7 @@ impl Plant {
             };
             let (extra, held) = match models.input(k) {
                 InputModel::Free(extra, _) => (extra, false),
-                InputModel::Held(_) => (0.0, true),
+                InputModel::Held(..) => (0.0, true),
             };
             let inverse = 1.0 / (self.r + extra + self.input_of::<LAST>(&pb));
             // What follows does not wait for the division: it is the longest link of the chain.
@@ -231,7 +239,7 @@ impl Plant {
             let f = [fa[0] + self.s[0], fa[1] + self.s[1], fa[2] + self.s[2]];
             let mut next = self.q;
             if k > 0 {
-                models.state(k, |g, weight, _| add_rank_one(&mut next, g, weight));
+                models.functions(k, |g, weight, _| add_rank_one(&mut next, g, weight));
             }
             let apa = self.congruence(&p);
             for i in 0..6 {
@@ -255,28 +263,28 @@ impl Plant {
     }
 
     /// `Ψ_k`, `p_k`, `W_k`, `t_k` and the gains' open part.
-    fn opens<const LAST: bool, const PINNED: bool>(
+    fn opens<const LAST: bool, const PINNED: bool, M: Models>(
         &self,
         problem: &Problem,
-        models: &impl Models,
+        models: &M,
         sweep: &mut Sweep,
         last: usize,
     ) -> Open {
         let n = problem.horizon;
-        let (d, q_lin, r_lin) = (&problem.d[..n], &problem.q_lin[..n], &problem.r_lin[..n]);
+        let d = &problem.d[..n];
         let (gains, carried) = (&mut sweep.gains[..n], &sweep.carried[..n]);
         let (top, from) = resume(n, last);
         let Open { mut linear, mut dual } = if top < n {
             sweep.opens[from]
         } else {
-            let v = &problem.p_lin;
+            let v = models.gradient(n);
             let mut linear = [[1.0, 0.0, 0.0, v[0]], [0.0, 1.0, 0.0, v[1]], [0.0, 0.0, 1.0, v[2]]];
-            models.state(n, |g, _, force| push(&mut linear, g, force));
+            models.functions(n, |g, _, force| push(&mut linear, g, force));
             Open { linear, dual: Lanes::default() }
         };
         let [a00, a01, a02, a11, a12, a22] = self.a;
         for k in (0..top).rev() {
-            if self.driven {
+            if M::DRIVEN && self.driven {
                 for j in 0..3 {
                     let moved =
                         linear[0][j] * d[k][0] + linear[1][j] * d[k][1] + linear[2][j] * d[k][2];
@@ -294,14 +302,14 @@ impl Plant {
             let (pull, open) = match models.input(k) {
                 InputModel::Free(_, force) => {
                     let mut pull = beta;
-                    pull[3] += r_lin[k] + force;
+                    pull[3] += force;
                     let open = pull.map(|b| b * gain.inverse);
                     gain.open = open;
                     (pull, open)
                 }
-                InputModel::Held(u) => {
+                InputModel::Held(u, force) => {
                     let mut free = beta;
-                    free[3] += r_lin[k];
+                    free[3] += force;
                     gain.open = free.map(|b| b * gain.inverse);
                     ([0.0, 0.0, 0.0, -u / gain.inverse], [0.0, 0.0, 0.0, -u])
                 }
@@ -312,11 +320,12 @@ impl Plant {
                 next[1][j] = a01 * linear[0][j] + a11 * linear[1][j];
                 next[2][j] = a02 * linear[0][j] + a12 * linear[1][j] + a22 * linear[2][j];
             }
+            let gradient = models.gradient(k);
             for i in 0..3 {
-                next[i][3] += q_lin[k][i];
+                next[i][3] += gradient[i];
             }
             if k > 0 {
-                models.state(k, |g, _, force| push(&mut next, g, force));
+                models.functions(k, |g, _, force| push(&mut next, g, force));
             }
             if PINNED {
                 for i in 0..3 {
@@ -346,7 +355,7 @@ fn resume(horizon: usize, last: usize) -> (usize, usize) {
 }
 
 impl Open {
-    /// `y` from `W_0 y = Ψ_0'x_0 + t_0 − x_f`.
+    /// `y` from `W_0 y = Ψ_0'x_0 + t_0 − x_f`; zero without a terminal equality.
     pub(super) fn multiplier(&self, problem: &Problem) -> [f64; 3] {
         let Terminal::Equality(x_f) = &problem.terminal else { return [0.0; 3] };
         let (x, psi) = (&problem.x0, &self.linear);
@@ -355,6 +364,12 @@ impl Open {
             reached - self.dual[j][3] - x_f[j]
         });
         self.solve(&miss)
+    }
+
+    /// The same for changes of a trajectory that ends at `x_N`; the new `y`.
+    pub(super) fn multiplier_of_change(&self, problem: &Problem, x_n: &[f64; 3]) -> [f64; 3] {
+        let Terminal::Equality(x_f) = &problem.terminal else { return [0.0; 3] };
+        self.solve(&std::array::from_fn(|j| x_n[j] - self.dual[j][3] - x_f[j]))
     }
 
     /// `W y = rhs` by `LDL'`, a proximal term far below the precision of `W` keeping it regular when the

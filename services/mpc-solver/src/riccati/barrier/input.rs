@@ -11,7 +11,7 @@ pub(in crate::riccati) struct InputBarrier {
     upper: Pairs,
     /// `W_k`.
     pub(in crate::riccati) weight: Vec<f64>,
-    /// Gradient on `u_k`: the predictor's, or what the corrector adds to it.
+    /// What the corrector adds to the gradient on `u_k`.
     pub(in crate::riccati) push: Vec<f64>,
 }
 
@@ -43,15 +43,16 @@ impl InputBarrier {
     }
 
     /// Models the pairs for the predictor; returns the sum and the number of the products.
+    ///
+    /// With `t = 0` the multipliers' new values leave nothing but `W du`: `push` is zero.
     pub(in crate::riccati) fn predict(&mut self) -> (f64, usize) {
         let len = self.len;
         let gap = self.lower.invert(len) + self.upper.invert(len);
         let (ll, lu) = (&self.lower.multiplier[..len], &self.upper.multiplier[..len]);
         let (pl, pu) = (&self.lower.per_slack[..len], &self.upper.per_slack[..len]);
-        let (u, w, push) = (&self.u[..len], &mut self.weight[..len], &mut self.push[..len]);
+        let w = &mut self.weight[..len];
         for k in 0..len {
             w[k] = ll[k] * pl[k] + lu[k] * pu[k];
-            push[k] = -w[k] * u[k];
         }
         (gap, 2 * len)
     }
@@ -69,16 +70,15 @@ impl InputBarrier {
         }
     }
 
-    /// Takes the sweep's inputs.
-    pub(in crate::riccati) fn follow(&mut self, inputs: &[f64]) {
+    /// Takes the sweep's changes of the inputs.
+    pub(in crate::riccati) fn follow(&mut self, changes: &[f64]) {
         let len = self.len;
-        let (inputs, u) = (&inputs[..len], &self.u[..len]);
+        let du = &changes[..len];
         let (pl, pu) = (&self.lower.per_slack[..len], &self.upper.per_slack[..len]);
         let (rl, ru) = (&mut self.lower.relative[..len], &mut self.upper.relative[..len]);
         for k in 0..len {
-            let du = inputs[k] - u[k];
-            rl[k] = du * pl[k];
-            ru[k] = -du * pu[k];
+            rl[k] = du[k] * pl[k];
+            ru[k] = -du[k] * pu[k];
         }
     }
 
@@ -94,11 +94,11 @@ impl InputBarrier {
         self.lower.reach(self.len).max(self.upper.reach(self.len))
     }
 
-    pub(in crate::riccati) fn advance(&mut self, inputs: &[f64], a: f64) {
+    pub(in crate::riccati) fn advance(&mut self, changes: &[f64], a: f64) {
         self.lower.advance(self.len, a);
         self.upper.advance(self.len, a);
-        for (u, target) in self.u[..self.len].iter_mut().zip(inputs) {
-            *u += a * (target - *u);
+        for (u, du) in self.u[..self.len].iter_mut().zip(changes) {
+            *u += a * du;
         }
     }
 }

@@ -22,9 +22,9 @@ pub(in crate::riccati) struct LightBarrier {
     slip: Pairs,
     /// `W` by stage; entry 0 belongs to stage 1.
     pub(in crate::riccati) weight: Vec<f64>,
-    /// Force against `c`: the predictor's, or what the corrector adds to it.
+    /// Force against `c`: the predictor's without a change of `D`, or what the corrector adds.
     pub(in crate::riccati) force: Vec<f64>,
-    /// `m/W` of the predictor, as a margin.
+    /// Change of `D` at which the predictor leaves `α` as it is.
     offset: Vec<f64>,
     /// `1/(H + β/(d_th − p))`.
     compliance: Vec<f64>,
@@ -96,7 +96,11 @@ impl LightBarrier {
     }
 
     /// Models the pairs for the predictor; returns the sum and the number of the products.
-    pub(in crate::riccati) fn predict(&mut self, stages: &[LightStage]) -> (f64, usize) {
+    pub(in crate::riccati) fn predict(
+        &mut self,
+        stages: &[LightStage],
+        states: &[[f64; 3]],
+    ) -> (f64, usize) {
         let len = self.len;
         if len == 0 {
             return (0.0, 0);
@@ -111,13 +115,16 @@ impl LightBarrier {
             gap += self.slip.invert(len);
             families += 1;
         }
+        let (stages, states) = (&stages[..len], &states[1..=len]);
         let (p, per_p) = (&self.p[..len], &mut self.per_p[..len]);
         let (s, alpha) = (&self.below.slack[..len], &self.below.multiplier[..len]);
         let compliance = &mut self.compliance[..len];
-        let offset = &mut self.offset[..len];
+        let (w, offset) = (&mut self.weight[..len], &mut self.offset[..len]);
         for k in 0..len {
             per_p[k] = 1.0 / p[k];
             compliance[k] = 2.0 * alpha[k] * per_p[k];
+            // With t = 0 the new β is free of its old value, and s of its own.
+            offset[k] = p[k] - dot(&stages[k].gradient, &states[k]) - stages[k].offset;
         }
         if self.is_capped {
             let (beta, per) = (&self.capped.multiplier[..len], &self.capped.per_slack[..len]);
@@ -125,26 +132,24 @@ impl LightBarrier {
                 compliance[k] += beta[k] * (2.0 * per_p[k] + per[k]);
             }
         }
-        let (w, per_alpha) = (&mut self.weight[..len], &self.below.per_multiplier[..len]);
+        let per_alpha = &self.below.per_multiplier[..len];
         for k in 0..len {
             let soft = 1.0 / compliance[k];
             compliance[k] = soft;
             w[k] = s[k] * per_alpha[k] + soft + PROXIMAL;
-            offset[k] =
-                s[k] + p[k] + self.cost * (per_p[k] * per_p[k]) * soft + PROXIMAL * alpha[k];
+            offset[k] += (self.cost * (per_p[k] * per_p[k]) - alpha[k]) * soft;
         }
         if self.is_soft {
             let (sigma, per) = (&self.slip.slack[..len], &self.slip.per_multiplier[..len]);
             for k in 0..len {
-                let ratio = sigma[k] * per[k];
-                w[k] += ratio;
-                offset[k] += ratio * alpha[k];
+                w[k] += sigma[k] * per[k];
+                // σ's residual and its product's cancel.
             }
         }
         let force = &mut self.force[..len];
         for k in 0..len {
             w[k] = 1.0 / w[k];
-            force[k] = w[k] * (offset[k] - stages[k].offset);
+            force[k] = alpha[k] + w[k] * offset[k];
         }
         (gap, families * len)
     }
@@ -174,22 +179,22 @@ impl LightBarrier {
         }
     }
 
-    /// Takes the sweep's states.
+    /// Takes the sweep's changes of the states.
     pub(in crate::riccati) fn follow(
         &mut self,
         stages: &[LightStage],
-        states: &[[f64; 3]],
+        changes: &[[f64; 3]],
         corrected: bool,
     ) {
         let len = self.len;
         let add = if corrected { 1.0 } else { 0.0 };
-        let (stages, states) = (&stages[..len], &states[1..=len]);
+        let (stages, changes) = (&stages[..len], &changes[1..=len]);
         for k in 0..len {
-            let margin = dot(&stages[k].gradient, &states[k]) + stages[k].offset;
-            let next = self.weight[k] * (self.offset[k] - margin) + add * self.force[k];
+            let change = dot(&stages[k].gradient, &changes[k]);
+            let da = self.weight[k] * (self.offset[k] - change) + add * self.force[k];
             let b = &mut self.below;
-            b.relative[k] = (b.target[k] * b.per_slack[k] - next) * b.per_multiplier[k];
-            let mut pull = self.cost * (self.per_p[k] * self.per_p[k]) - next;
+            let mut pull = self.cost * (self.per_p[k] * self.per_p[k]) - b.multiplier[k] - da;
+            b.relative[k] = (b.target[k] * b.per_slack[k] - da) * b.per_multiplier[k] - 1.0;
             if self.is_capped {
                 let c = &mut self.capped;
                 pull -= c.target[k] * c.per_slack[k];
@@ -198,8 +203,7 @@ impl LightBarrier {
             self.dp[k] = pull * self.compliance[k];
             if self.is_soft {
                 let c = &mut self.slip;
-                c.relative[k] =
-                    (c.target[k] * c.per_slack[k] - (self.price - next)) * c.per_multiplier[k];
+                c.relative[k] = (c.target[k] * c.per_slack[k] + da) * c.per_multiplier[k] - 1.0;
             }
         }
     }

@@ -20,9 +20,9 @@ pub(in crate::riccati) struct RowBarrier {
     slip: Pairs,
     /// `W` by stage, counted from `from`.
     pub(in crate::riccati) weight: Vec<f64>,
-    /// Force on `g`: the predictor's, or what the corrector adds to it.
+    /// Force on `g`: the predictor's without a change of `z`, or what the corrector adds.
     pub(in crate::riccati) force: Vec<f64>,
-    /// `−m/W` of the predictor.
+    /// Change of `z` at which the predictor leaves the multiplier as it is.
     offset: Vec<f64>,
     /// `1/(ν + κσ)`.
     per_stiffness: Vec<f64>,
@@ -78,39 +78,42 @@ impl RowBarrier {
     }
 
     /// Models the pairs for the predictor; returns the sum and the number of the products.
-    pub(in crate::riccati) fn predict(&mut self, limits: &[f64]) -> (f64, usize) {
+    pub(in crate::riccati) fn predict(
+        &mut self,
+        limits: &[f64],
+        states: &[[f64; 3]],
+    ) -> (f64, usize) {
         let len = self.len;
         if len == 0 {
             return (0.0, 0);
         }
         let mut gap = self.limit.invert(len);
-        let h = &limits[self.from..self.from + len];
+        let (h, states) = (&limits[self.from..][..len], &states[self.from..][..len]);
         let (s, m) = (&self.limit.slack[..len], &self.limit.multiplier[..len]);
         let pm = &self.limit.per_multiplier[..len];
         let (w, force) = (&mut self.weight[..len], &mut self.force[..len]);
         let offset = &mut self.offset[..len];
+        for i in 0..len {
+            // s + (residual of the slack), to begin with.
+            offset[i] = within_reach(h[i]) - dot(&self.gradient, &states[i]);
+            w[i] = s[i] * pm[i] + PROXIMAL;
+        }
         if let Some((_, curvature)) = self.price {
             gap += self.slip.invert(len);
             let (sigma, nu) = (&self.slip.slack[..len], &self.slip.multiplier[..len]);
             let per_stiffness = &mut self.per_stiffness[..len];
             for i in 0..len {
-                let bend = curvature * sigma[i];
-                let soft = 1.0 / (nu[i] + bend);
+                let soft = 1.0 / (nu[i] + curvature * sigma[i]);
                 per_stiffness[i] = soft;
-                w[i] = 1.0 / (s[i] * pm[i] + sigma[i] * soft + PROXIMAL);
-                offset[i] =
-                    within_reach(h[i]) + sigma[i] * soft * (bend - m[i]) - s[i] - PROXIMAL * m[i];
-                force[i] = -w[i] * offset[i];
+                w[i] += sigma[i] * soft;
+                offset[i] += sigma[i] - sigma[i] * nu[i] * soft;
             }
-            (gap, 2 * len)
-        } else {
-            for i in 0..len {
-                w[i] = 1.0 / (s[i] * pm[i] + PROXIMAL);
-                offset[i] = within_reach(h[i]) - s[i] - PROXIMAL * m[i];
-                force[i] = -w[i] * offset[i];
-            }
-            (gap, len)
         }
+        for i in 0..len {
+            w[i] = 1.0 / w[i];
+            force[i] = m[i] - w[i] * offset[i];
+        }
+        (gap, if self.price.is_some() { 2 * len } else { len })
     }
 
     /// Sets `force` to what the corrector's targets add.
@@ -132,23 +135,22 @@ impl RowBarrier {
         }
     }
 
-    /// Takes the sweep's states.
-    pub(in crate::riccati) fn follow(&mut self, states: &[[f64; 3]], corrected: bool) {
+    /// Takes the sweep's changes of the states.
+    pub(in crate::riccati) fn follow(&mut self, changes: &[[f64; 3]], corrected: bool) {
         let len = self.len;
-        let states = &states[self.from..self.from + len];
-        let (w, force) = (&self.weight[..len], &self.force[..len]);
-        let (offset, m) = (&self.offset[..len], &self.limit.multiplier[..len]);
+        let changes = &changes[self.from..][..len];
+        let (w, force, offset) = (&self.weight[..len], &self.force[..len], &self.offset[..len]);
         let (t, ps) = (&self.limit.target[..len], &self.limit.per_slack[..len]);
         let pm = &self.limit.per_multiplier[..len];
         let r = &mut self.limit.relative[..len];
         let add = if corrected { 1.0 } else { 0.0 };
         for i in 0..len {
-            let m_next = w[i] * (dot(&self.gradient, &states[i]) - offset[i]) + add * force[i];
-            r[i] = (t[i] * ps[i] - m_next) * pm[i];
+            let dm = w[i] * (dot(&self.gradient, &changes[i]) - offset[i]) + add * force[i];
+            r[i] = (t[i] * ps[i] - dm) * pm[i] - 1.0;
             if self.price.is_some() {
                 let push = self.slip.target[i] * self.slip.per_slack[i];
                 self.slip.relative[i] =
-                    (push - self.slip.multiplier[i] + (m_next - m[i])) * self.per_stiffness[i];
+                    (push - self.slip.multiplier[i] + dm) * self.per_stiffness[i];
             }
         }
     }
