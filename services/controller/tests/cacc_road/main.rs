@@ -64,21 +64,28 @@ fn drive(seed: u64, law: &mut RoadLaw) -> Result<Outcome, Breach> {
 /// Drives all `seeds`: no breach, and comfort wherever it was possible. Returns how often it was.
 fn all_are_safe(seeds: Range<u64>, make: impl Fn(u64) -> RoadLaw, comfort: bool) -> usize {
     let (mut comfortable, mut crossed, mut stops) = (0, 0, 0);
+    let mut failures = Vec::new();
     let count = (seeds.end - seeds.start) as usize;
     for seed in seeds {
         let outcome = match drive(seed, &mut make(seed)) {
             Ok(outcome) => outcome,
-            Err(breach) => panic!("seed {seed}: {breach:?}"),
+            Err(breach) => {
+                failures.push(format!("seed {seed}: {breach:?}"));
+                continue;
+            }
         };
         crossed += outcome.crossed;
         stops += outcome.stops;
         if outcome.comfortable {
             comfortable += 1;
             let hardest = outcome.hardest_mps2;
-            assert!(!comfort || hardest >= COMFORT_MPS2, "seed {seed}: {hardest} m/s²");
+            if comfort && hardest < COMFORT_MPS2 {
+                failures.push(format!("seed {seed}: {hardest:.2} m/s² was not necessary"));
+            }
         }
     }
     println!("{count} cases: {crossed} lines crossed, {stops} stops, {comfortable} comfortable");
+    assert!(failures.is_empty(), "{failures:#?}");
     // A vehicle that never goes is safe and useless.
     assert!(!comfort || crossed > count, "{crossed} lines crossed in {count} cases");
     comfortable
