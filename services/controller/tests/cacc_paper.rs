@@ -95,6 +95,20 @@ fn table_3_agrees_as_far_as_the_reference_solved_it() {
     assert!(position <= 0.35 && speed <= 0.45, "{position} m, {speed} m/s");
 }
 
+/// The two solvers drive alike.
+#[test]
+fn clarabel_drives_scenario_a_as_riccati_does() {
+    let config = Config { spacing_policy: SpacingPolicy::ConstantDistance, ..Config::default() };
+    let clarabel = SolverKind::Clarabel.create(config.horizon_steps);
+    let mut law = PaperLaw::new(&config, &weights::JOINT, true, clarabel)
+        .expect("a validated configuration is convex");
+    let other = scenes::run(&scenes::A, &mut law);
+    let ours = drive(&scenes::A, weights::JOINT, true);
+    for (a, b) in ours.request_mps2.iter().zip(&other.request_mps2) {
+        assert!((a - b).abs() < 1e-3, "{a} {b}");
+    }
+}
+
 /// The light has a solution at 2.2 s of Table 3: rolled out by hand, the plan meets every constraint
 /// of the paper's program.
 #[test]

@@ -157,7 +157,7 @@ mod tests {
             x += 0.01 * v;
             v = (v + 0.01 * a).max(0.0);
         }
-        assert!(x > 177.0 && x < 179.1, "{x}");
+        assert!(x > 177.0 && x < 179.3, "{x}");
         assert!(hardest > -2.6, "{hardest}");
     }
 }

@@ -18,7 +18,8 @@
 //!
 //! The paper's program can have no solution. Then, in this order: the same without the light; the
 //! same with `e_k <= d_b` softened from `k = 3`, the first stage that an input reaches, and `E_N`
-//! weighted instead of fixed; the previous plan, shifted; the driver model.
+//! weighted instead of fixed; the previous plan, shifted; the driver model. The paper has no case
+//! without a lead; the driver model then holds the set speed, and signals are not heeded.
 //!
 //! | symbol | here | unit |
 //! |---|---|---|
@@ -196,8 +197,8 @@ impl PaperLaw {
         driver.follow_mps2(speed, desired, &lead)
     }
 
-    /// Keeps a predicted speed at or below the set speed: `u <= v_set - v - a/2` once `v + a/2`
-    /// reaches it (the prototype's rule, with the second in which it acts left unwritten).
+    /// Keeps the predicted speed at or below the set speed: once the speed that the present
+    /// acceleration leads to, `v + a tau` with `tau` = 0.5 s, reaches it, `u <= (v_set - v - a tau) / 1 s`.
     fn cap_by_set_speed(&self, input: &Input, output: &mut Output) {
         let share = input.period_s / self.config.actuator_lag_s;
         let (mut v, mut a) = (input.ego.speed_mps, input.ego.acceleration_mps2);

@@ -90,6 +90,7 @@ impl Record {
             ego.speed_mps = next;
             ego.acceleration_mps2 += PERIOD_S / 0.5 * (u - a);
         }
-        true
+        // The record ends before the reference stands: not shown.
+        false
     }
 }

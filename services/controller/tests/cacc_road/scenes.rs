@@ -6,6 +6,7 @@ use controller::law::{
     Ego, Input, Law, MAX_SIGNALS, Output, Phase, PhaseInterval, Quality, SignalAhead, Target,
 };
 
+use crate::cases::Random;
 use crate::solvers::Flaky;
 use crate::world::{Event, Signal, World};
 use crate::{law, law_with};
@@ -317,4 +318,31 @@ fn false_numbers_never_reach_the_command() {
             }
         }
     }
+}
+#[test]
+fn measurement_noise_is_not_passed_on() {
+    let (mut law, mut output, mut random) = (law(), Output::default(), Random::new(5));
+    let mut noise = |deviation: f64| {
+        // The sum of three uniform numbers, scaled to the standard deviation.
+        let sum = random.unit() + random.unit() + random.unit() - 1.5;
+        2.0 * deviation * sum
+    };
+    let mut world = with_lead(World::new(15.0, 20.0), 27.5, 15.0);
+    let mut squares = 0.0;
+    for step in 0..600 {
+        let mut input = world.input();
+        let mut target = input.target.expect("there is a lead");
+        target.gap_m += noise(0.3);
+        target.relative_speed_mps += noise(0.1);
+        target.acceleration_mps2 += noise(0.3);
+        input.target = Some(target);
+        law.step(&input, &mut output);
+        let before = world.ego.acceleration_mps2;
+        world.advance(output.request_mps2()).expect("no breach");
+        let jerk = (world.ego.acceleration_mps2 - before) / 0.1;
+        squares += if step >= 50 { jerk * jerk } else { 0.0 };
+    }
+    let rms = (squares / 550.0).sqrt();
+    assert!(rms < 0.2, "{rms} m/s³");
+    assert!((world.ego.speed_mps - 15.0).abs() < 0.2);
 }

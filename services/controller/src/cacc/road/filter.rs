@@ -268,7 +268,7 @@ mod tests {
         let ego = Motion { position_m: 0.0, speed_mps: 15.0, acceleration_mps2: 0.0 };
         let pass = |red_in_s| Gate { distance_m: 20.0, rule: Rule::Pass { red_in_s } };
         assert!(!filter().stops_before(-4.9, ego, 20.0));
-        assert!(filter().apply(-3.0, ego, None, &[pass(1.45)]) > -0.5);
+        assert!(filter().apply(-3.0, ego, None, &[pass(1.35)]) > -0.5);
         assert_eq!(filter().apply(-3.0, ego, None, &[pass(9.0)]), -3.0);
         assert_eq!(filter().apply(1.0, ego, None, &[pass(0.5)]), -4.9);
     }

@@ -1,36 +1,61 @@
 //! The formulation for the road.
 //!
-//! In each cycle: the signals ahead are remembered ([`SignalMemory`]) and the lead is predicted
-//! ([`Prediction`]). For the nearest stop line there are two candidates, to pass and to stop. Each has a
-//! reference, a comfortable driver rolled out over the horizon ([`Reference`]), and a convex program
-//! that smooths it and enforces the limits ([`Programs`]). [`choose`] takes one. The first request
-//! goes through a filter of pure kinematics ([`Filter`]), which has the last word.
+//! In each cycle the signals ahead are remembered and the lead is predicted. For the nearest stop line
+//! there are two candidates, to pass and to stop. Each has a reference, a comfortable driver rolled out
+//! over the horizon, and a convex program that smooths it and enforces the limits:
+//!
+//! ```text
+//! x = (e, ed, a),   e = t_h v + s0 - gap,   ed = v - v_lead
+//! e+  = e + T ed + (t_h c_v + c_p) a + (t_h b_v + b_p) u + d_e        exact, linear
+//! ed+ = ed + c_v a + b_v u + d_ed,          a+ = c_a a + b_a u
+//! d   = what the lead's acceleration a_l(t) = a_l(0) exp(-t/tau_l) does to e and ed
+//!
+//! minimise  1/2 sum( q_e (e - e_ref)² + q_v (ed - ed_ref)² + q_a (a - a_ref)²
+//!                  + q_j ((u - a)/tau)² + r (u - u_ref)² ) + exact penalties
+//! pass:  position >= line at the last stage of green, comfortable requests only
+//! stop:  position <= line - margin while it is closed
+//! both:  position <= lead - gap_min,  0 <= v <= v_max
+//! ```
+//!
+//! One of the two is chosen by feasibility and by one cost for both plans, with hysteresis. The first
+//! request then goes through a filter of pure kinematics, which has the last word: after it the vehicle
+//! can still stop before each line that is not to be passed, can still stop behind a lead that brakes
+//! as hard as is reckoned with, and crosses a line that is passed before red.
 //!
 //! When a program is not solved, what is left of the previous plan is followed, and after it the
 //! driver's own requests. The filter judges these like any other.
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `T`, `tau` | [`Config::step_s`], [`Config::actuator_lag_s`] | s |
+//! | `t_h` | [`Config::time_headway_s`] | s |
+//! | `s0`, `gap_min` | [`RoadConfig::standstill_gap_m`], [`RoadConfig::min_gap_m`] | m |
+//! | `c`, `b` | [`super::kinematics::LagStep`] | s², s, 1 |
+//! | `tau_l` | [`RoadConfig::lead_decay_s`] | s |
+//! | `q_e`, `q_v`, `q_a`, `q_j`, `r` | the weights of [`RoadConfig`] | see there |
+//! | margin | [`RoadConfig::stop_margin_m`] | m |
 
 mod config;
 mod decision;
 mod filter;
 mod lead;
+mod planner;
 mod program;
 mod reference;
 mod signals;
 
-use mpc_solver::{ProblemError, Solver, Start};
+use mpc_solver::{ProblemError, Solver};
 
 use self::decision::{Choice, Reason, Situation, choose};
 use self::filter::{Filter, Gate, Rule};
-use self::lead::{LeadNow, Prediction};
-use self::program::{Deadline, Programs};
-use self::reference::{Reference, Scene};
+use self::lead::LeadNow;
+use self::planner::{Planner, Seen};
+use self::program::Deadline;
 use self::signals::{Green, Line, SignalMemory};
 use super::config::Config;
-use super::driver::Driver;
-use super::kinematics::{Lag, LagStep, Motion};
-use super::paper::usable;
+use super::kinematics::{Lag, Motion};
 use super::plan::PlanMemory;
-use crate::law::{Input, Law, MAX_PLAN, MAX_SIGNALS, Output, Quality};
+use crate::law::{Input, Law, MAX_SIGNALS, Output, Quality};
 pub use config::RoadConfig;
 
 /// Speed that stands for "no limit", m/s.
@@ -72,13 +97,8 @@ const FIGURES: &[&str] = &[
 pub struct RoadLaw {
     config: Config,
     uses_light: bool,
-    solver: Box<dyn Solver + Send>,
-    programs: Programs,
-    driver: Driver,
-    lag: LagStep,
-    lead_decay: f64,
+    planner: Planner,
     state: State,
-    work: Box<Work>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -92,41 +112,6 @@ struct State {
     reason: u32,
 }
 
-/// Buffers of one cycle.
-struct Work {
-    lead: Prediction,
-    pass: Candidate,
-    stop: Candidate,
-}
-
-/// A reference and the plan made from it.
-struct Candidate {
-    reference: Reference,
-    requests: [f64; MAX_PLAN],
-    solved: bool,
-    iterations: u32,
-    residual: f64,
-}
-
-impl Candidate {
-    const EMPTY: Self = Self {
-        reference: Reference::EMPTY,
-        requests: [0.0; MAX_PLAN],
-        solved: false,
-        iterations: 0,
-        residual: 0.0,
-    };
-}
-
-/// The measured scene of one cycle.
-struct Seen {
-    ego: Motion,
-    lead: Option<LeadNow>,
-    lines: [Line; MAX_SIGNALS],
-    count: usize,
-    desired_mps: f64,
-}
-
 impl RoadLaw {
     /// Builds the law with its programs; `uses_light` makes it `cacc-mpc`.
     ///
@@ -138,26 +123,11 @@ impl RoadLaw {
         uses_light: bool,
         solver: Box<dyn Solver + Send>,
     ) -> Result<Self, ProblemError> {
-        let lag = Lag { tau_s: config.actuator_lag_s }.discretise(config.step_s);
-        let road = &config.road;
         Ok(Self {
             config: *config,
             uses_light,
-            solver,
-            programs: Programs::new(config, &lag)?,
-            driver: Driver {
-                acceleration_mps2: road.acceleration_mps2,
-                deceleration_mps2: road.reference_deceleration_mps2,
-                hardest_mps2: -config.min_request_mps2,
-            },
-            lag,
-            lead_decay: libm::exp(-config.step_s / road.lead_decay_s),
+            planner: Planner::new(config, solver)?,
             state: State::new(config),
-            work: Box::new(Work {
-                lead: Prediction::ABSENT,
-                pass: Candidate::EMPTY,
-                stop: Candidate::EMPTY,
-            }),
         })
     }
 
@@ -199,7 +169,7 @@ impl RoadLaw {
     fn plan(&mut self, input: &Input, seen: &Seen, output: &mut Output) -> (Option<Choice>, u32) {
         let nearest = seen.lines[..seen.count].first().copied();
         let Some(line) = nearest else {
-            self.candidate(Choice::Pass, input, seen, reference::Gate::Open, None);
+            self.planner.candidate(Choice::Pass, input, seen, reference::Gate::Open, None);
             self.state.chosen = None;
             return (None, 0);
         };
@@ -212,7 +182,7 @@ impl RoadLaw {
             _ => self.config.road.pass_margin_s,
         };
         let deadline = green.and_then(|green| {
-            let stage = ((green.to_s - margin - now) / self.lag.step_s).floor();
+            let stage = ((green.to_s - margin - now) / self.planner.lag.step_s).floor();
             (stage >= 1.0).then(|| (stage.min(1e6)) as usize)
         });
         let n = self.config.horizon_steps;
@@ -224,24 +194,20 @@ impl RoadLaw {
                 reference::Gate::ClosedUntil(green.from_s)
             };
             let row = deadline.filter(|&stage| stage <= n).map(|stage| Deadline { stage, line_m });
-            self.candidate(Choice::Pass, input, seen, gate, row);
-            let arrival = self.arrival(Choice::Pass, seen.ego, line_m);
+            self.planner.candidate(Choice::Pass, input, seen, gate, row);
+            let arrival = self.planner.arrival(Choice::Pass, seen.ego, line_m);
             reaches = match (deadline, arrival) {
                 (Some(stage), Some(arrival)) => arrival <= stage,
                 (Some(stage), None) => stage > n,
                 (None, _) => false,
             };
-            let clear = (green.clear_s - now - LAST_MARGIN_S) / self.lag.step_s;
+            let clear = (green.clear_s - now - LAST_MARGIN_S) / self.planner.lag.step_s;
             clears = arrival.is_some_and(|stage| stage as f64 <= clear) || clear > n as f64;
             // The undisturbed driver passes: nothing can be cheaper.
-            untouched = reaches
-                && self
-                    .work
-                    .pass
-                    .reference
-                    .reaches(line_m, n)
-                    .is_some_and(|k| deadline.is_some_and(|stage| k <= stage));
-            output.figures[4] = self.shortfall(seen.ego, line_m, deadline);
+            let driver = &self.planner.candidate_of(Choice::Pass).reference;
+            let in_time = |k| deadline.is_some_and(|stage| k <= stage);
+            untouched = reaches && driver.reaches(line_m, n).is_some_and(in_time);
+            output.figures[4] = self.planner.shortfall(seen.ego, line_m, deadline);
         }
         let (mut pass_cost, mut stop_cost) = (0.0, f64::INFINITY);
         if !(line.known && untouched) {
@@ -251,10 +217,10 @@ impl RoadLaw {
                 .find(|next| line.known && green.is_none_or(|green| next.from_s >= green.clear_s));
             let gate = next
                 .map_or(reference::Gate::Closed, |next| reference::Gate::ClosedUntil(next.from_s));
-            self.candidate(Choice::Stop, input, seen, gate, None);
+            self.planner.candidate(Choice::Stop, input, seen, gate, None);
             if green.is_some() {
-                pass_cost = self.cost(Choice::Pass, seen.ego);
-                stop_cost = self.cost(Choice::Stop, seen.ego);
+                pass_cost = self.planner.cost(Choice::Pass, seen.ego);
+                stop_cost = self.planner.cost(Choice::Stop, seen.ego);
                 output.figures[5] = pass_cost;
                 output.figures[6] = stop_cost;
             }
@@ -276,101 +242,6 @@ impl RoadLaw {
         (Some(choice), reason_index(reason))
     }
 
-    fn candidate(
-        &mut self,
-        choice: Choice,
-        input: &Input,
-        seen: &Seen,
-        gate: reference::Gate,
-        deadline: Option<Deadline>,
-    ) {
-        let Work { lead, pass, stop } = &mut *self.work;
-        let scene = Scene {
-            driver: self.driver,
-            lag: self.lag,
-            horizon: self.config.horizon_steps,
-            now_s: input.time_s,
-            desired_mps: seen.desired_mps,
-            headway_s: self.config.time_headway_s,
-            standstill_m: self.config.road.standstill_gap_m,
-            min_gap_m: self.config.road.min_gap_m,
-            stop_margin_m: self.config.road.stop_margin_m,
-            pass_margin_s: self.config.road.pass_margin_s,
-            origin_m: input.ego.position_m,
-            lead,
-            lines: &seen.lines[..seen.count],
-        };
-        let candidate = if choice == Choice::Pass { pass } else { stop };
-        candidate.reference.roll_out(&scene, seen.ego, gate);
-        let emergency =
-            candidate.reference.hardest_mps2 > self.config.road.comfort_deceleration_mps2;
-        let problem = if choice == Choice::Pass && !emergency {
-            self.programs.fill_go(&candidate.reference, lead, seen.desired_mps, deadline);
-            &self.programs.go
-        } else {
-            self.programs.fill_hold(&candidate.reference, lead, seen.desired_mps);
-            &self.programs.hold
-        };
-        let report = self.solver.solve(problem, Start::Cold);
-        candidate.solved = usable(&report);
-        candidate.iterations = report.iterations;
-        candidate.residual = report.residuals.max();
-        let n = self.config.horizon_steps;
-        let source =
-            if candidate.solved { self.solver.inputs() } else { &candidate.reference.request_mps2 };
-        candidate.requests[..n].copy_from_slice(&source[..n]);
-    }
-
-    fn candidate_of(&self, choice: Choice) -> &Candidate {
-        match choice {
-            Choice::Pass => &self.work.pass,
-            Choice::Stop => &self.work.stop,
-        }
-    }
-
-    /// First stage at which a candidate's plan is beyond the line.
-    fn arrival(&self, choice: Choice, ego: Motion, line_m: f64) -> Option<usize> {
-        let requests = &self.candidate_of(choice).requests[..self.config.horizon_steps];
-        let mut motion = ego;
-        for (k, &request) in requests.iter().enumerate() {
-            motion = self.lag.advance(motion, request);
-            if motion.position_m >= line_m {
-                return Some(k + 1);
-            }
-        }
-        None
-    }
-
-    /// How far the pass falls short of the line at the end of green, m; zero when it does not.
-    fn shortfall(&self, ego: Motion, line_m: f64, deadline: Option<usize>) -> f64 {
-        let Some(stage) = deadline else { return 0.0 };
-        let n = self.config.horizon_steps;
-        let mut motion = ego;
-        for &request in &self.work.pass.requests[..stage.min(n)] {
-            motion = self.lag.advance(motion, request);
-        }
-        if stage <= n { (line_m - motion.position_m).max(0.0) } else { 0.0 }
-    }
-
-    /// Cost of a plan: time lost against the driver who passes, acceleration and jerk.
-    fn cost(&self, choice: Choice, ego: Motion) -> f64 {
-        let road = &self.config.road;
-        let n = self.config.horizon_steps;
-        let passing = &self.work.pass.reference.motion;
-        let mut motion = ego;
-        let mut sum = 0.0;
-        for (k, &request) in self.candidate_of(choice).requests[..n].iter().enumerate() {
-            let jerk = (request - motion.acceleration_mps2) / self.config.actuator_lag_s;
-            motion = self.lag.advance(motion, request);
-            let (a, slower) =
-                (motion.acceleration_mps2, motion.speed_mps - passing[k + 1].speed_mps);
-            sum += road.speed_weight_s2_per_m2 * slower * slower
-                + road.acceleration_weight_s4_per_m2 * a * a
-                + road.jerk_weight_s6_per_m2 * jerk * jerk;
-        }
-        0.5 * sum
-    }
-
     /// The rules of the filter for all lines ahead.
     fn gates(
         &self,
@@ -389,11 +260,12 @@ impl RoadLaw {
                 (_, None) => false,
                 (0, Some(_)) => choice == Some(Choice::Pass),
                 (_, Some(green)) => {
-                    let reference = &self.candidate_of(choice.unwrap_or(Choice::Pass)).reference;
+                    let reference =
+                        &self.planner.candidate_of(choice.unwrap_or(Choice::Pass)).reference;
                     let margin = self.config.road.pass_margin_s;
                     line.known
                         && reference.reaches(distance_m, n).is_some_and(|k| {
-                            now + k as f64 * self.lag.step_s <= green.to_s - margin
+                            now + k as f64 * self.planner.lag.step_s <= green.to_s - margin
                         })
                 }
             };
@@ -417,10 +289,7 @@ impl RoadLaw {
     ) -> bool {
         let taken = choice.unwrap_or(Choice::Pass);
         let n = self.config.horizon_steps;
-        let candidate = match taken {
-            Choice::Pass => &self.work.pass,
-            Choice::Stop => &self.work.stop,
-        };
+        let candidate = self.planner.candidate_of(taken);
         output.solver_iterations = candidate.iterations;
         output.figures[3] = candidate.residual;
         let plan = &mut self.state.plan;
@@ -496,7 +365,7 @@ impl Law for RoadLaw {
             output.mode_reason = self.state.reason;
             return;
         };
-        self.work.lead.update(seen.lead.as_ref(), self.lag.step_s, self.lead_decay);
+        self.planner.predict(seen.lead.as_ref());
         let (choice, reason) = self.plan(input, &seen, output);
         let closed = self.write(input, &seen, choice, output);
         if let Some(lead) = &seen.lead {
