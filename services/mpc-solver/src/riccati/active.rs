@@ -20,7 +20,7 @@ use crate::kkt::Multipliers;
 use crate::problem::{LightStage, Problem, dot};
 
 /// Rounds before the method is given up.
-const MAX_ROUNDS: u32 = 20;
+const MAX_ROUNDS: u32 = 12;
 /// Rounds after which a violated row is no longer hoped to come right.
 const PATIENCE: u32 = 4;
 /// Relative distance from the light's curve that counts as none.

@@ -17,8 +17,11 @@ const START_MARGIN: f64 = 0.3;
 /// Least first slack of rows and light, m or m/s.
 const START_SLACK: f64 = 1.0;
 /// First products, part of the quadratic cost of the first trajectory, and their limits.
-const START_PRODUCT: f64 = 1e-4;
-const START_PRODUCTS: (f64, f64) = (1e-2, 1e3);
+const START_PRODUCT: f64 = 1e-2;
+const START_PRODUCTS: (f64, f64) = (1.0, 1e5);
+
+/// Least target product: less would not improve the answer, only the conditioning suffers.
+const LEAST_TARGET: f64 = 1e-14;
 
 /// Work memory.
 #[derive(Clone, Debug)]
@@ -88,19 +91,28 @@ impl Interior {
     }
 
     /// Starts near a trajectory, whatever it violates; far numbers in it are not trusted.
-    pub(super) fn start(&mut self, problem: &Problem, inputs: &[f64], states: &[[f64; 3]]) {
+    ///
+    /// `boldness` above 1 starts farther inside: larger slacks and products.
+    pub(super) fn start(
+        &mut self,
+        problem: &Problem,
+        inputs: &[f64],
+        states: &[[f64; 3]],
+        boldness: f64,
+    ) {
         let n = problem.horizon;
         let cost: f64 = states[..n].iter().map(|x| quadratic(&problem.q, x)).sum();
         let (least, most) = START_PRODUCTS;
         // In this order NaN becomes `most`.
-        let mu = (START_PRODUCT * 0.5 * cost).min(most).max(least);
+        let mu = boldness * boldness * (START_PRODUCT * 0.5 * cost).min(most).max(least);
+        let slack = boldness * START_SLACK;
         self.input.start(inputs, (problem.u_min, problem.u_max), START_MARGIN, mu);
         for (barrier, (row, h)) in
             self.rows.iter_mut().zip(problem.rows.iter().zip(&problem.limits))
         {
-            barrier.start(row, h, states, START_SLACK, mu);
+            barrier.start(row, h, states, slack, mu);
         }
-        self.light.start(problem.light.as_ref(), problem.light_stages(), states, START_SLACK, mu);
+        self.light.start(problem.light.as_ref(), problem.light_stages(), states, slack, mu);
         problem.roll_out(&self.input.u, &mut self.states);
         self.y = [0.0; 3];
         self.open = 1.0;
@@ -145,12 +157,14 @@ impl Interior {
         let left = left + self.input.gap_affine(affine) + self.light.gap_affine(affine);
         let ratio = left / gap;
 
-        let tau = mu * (ratio * ratio * ratio).clamp(1e-6, 1.0);
-        self.input.correct(tau);
+        let tau = (mu * (ratio * ratio * ratio).clamp(1e-6, 1.0)).max(LEAST_TARGET);
+        // A short predictor step says little about the products at full length.
+        let trust = affine;
+        self.input.correct(tau, trust);
         for row in &mut self.rows[..count] {
-            row.correct(tau);
+            row.correct(tau, trust);
         }
-        self.light.correct(tau);
+        self.light.correct(tau, trust);
         let dy = self.resolve::<PINNED>(problem, plant, &end);
         self.follow(problem, true);
         let mut reach = self.input.reach().max(self.light.reach());
@@ -176,6 +190,7 @@ impl Interior {
                 x[i] += a * dx[i];
             }
         }
+
         self.open *= 1.0 - a;
         Some(mu)
     }

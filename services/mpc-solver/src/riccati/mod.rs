@@ -34,6 +34,11 @@ const MAX_ITERATIONS: u32 = 60;
 const NEARLY: f64 = 1e-6;
 /// Part of the first iterate's infeasibility that counts as feasible.
 const CLOSED: f64 = 1e-9;
+/// Iterations after which a start must have closed some of its infeasibility, and how much may be left.
+const TRIAL: u32 = 8;
+const OPENED: f64 = 0.9;
+/// How far inside the starts begin.
+const BOLDNESS: [f64; 3] = [1.0, 30.0, 1000.0];
 /// Fruitless looks at the optimality conditions after which the machine's precision is at its end.
 const MAX_LOOKS: u32 = 8;
 
@@ -85,12 +90,32 @@ impl Riccati {
         (found.filter(|r| r.max() <= TOLERANCE), rounds)
     }
 
-    /// The interior point, from the trajectory at hand.
+    /// The interior point, from the trajectory at hand; again from farther inside if its steps are
+    /// stuck at the boundary.
     fn run_interior(&mut self, problem: &Problem, plant: &Plant) -> (Status, Residuals, u32) {
-        let n = problem.horizon;
+        let mut iterations = 0;
+        for boldness in BOLDNESS {
+            let last = boldness == BOLDNESS[BOLDNESS.len() - 1];
+            self.interior.start(problem, &self.inputs, &self.states, boldness);
+            let (status, residuals, steps) = self.descend(problem, plant, last);
+            iterations += steps;
+            if status != Status::IterationLimit || last {
+                return (status, residuals, iterations);
+            }
+            self.inputs.fill(0.5 * (problem.u_min + problem.u_max));
+            problem.roll_out(&self.inputs, &mut self.states);
+        }
+        unreachable!("the last start returns")
+    }
+
+    fn descend(
+        &mut self,
+        problem: &Problem,
+        plant: &Plant,
+        last: bool,
+    ) -> (Status, Residuals, u32) {
         let mut looks = 0;
         self.multipliers.clear();
-        self.interior.start(problem, &self.inputs[..n], &self.states[..=n]);
         for iteration in 1..=MAX_ITERATIONS {
             let Some(mu) = self.interior.iterate(problem, plant) else {
                 return (Status::IterationLimit, self.take_interior(problem), iteration);
@@ -106,10 +131,14 @@ impl Riccati {
                     return (Status::IterationLimit, found, iteration);
                 }
             }
-            if open > CLOSED && iteration % 4 == 0 {
+            let stuck = !last && iteration == TRIAL && open > OPENED;
+            if open > CLOSED && iteration % 4 == 0 || stuck {
                 let found = self.take_interior(problem);
                 if certificate::proves_infeasible(problem, &self.multipliers) {
                     return (Status::Infeasible, found, iteration);
+                }
+                if stuck {
+                    return (Status::IterationLimit, found, iteration);
                 }
             }
         }

@@ -58,10 +58,10 @@ impl InputBarrier {
     }
 
     /// Sets `push` to what the corrector's targets add.
-    pub(in crate::riccati) fn correct(&mut self, tau: f64) {
+    pub(in crate::riccati) fn correct(&mut self, tau: f64, trust: f64) {
         let len = self.len;
-        self.lower.aim(len, tau);
-        self.upper.aim(len, tau);
+        self.lower.aim(len, tau, trust);
+        self.upper.aim(len, tau, trust);
         let (tl, tu) = (&self.lower.target[..len], &self.upper.target[..len]);
         let (pl, pu) = (&self.lower.per_slack[..len], &self.upper.per_slack[..len]);
         let push = &mut self.push[..len];

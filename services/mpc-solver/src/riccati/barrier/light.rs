@@ -155,21 +155,21 @@ impl LightBarrier {
     }
 
     /// Sets `force` to what the corrector's targets add.
-    pub(in crate::riccati) fn correct(&mut self, tau: f64) {
+    pub(in crate::riccati) fn correct(&mut self, tau: f64, trust: f64) {
         let len = self.len;
         let force = &mut self.force[..len];
-        self.below.aim(len, tau);
+        self.below.aim(len, tau, trust);
         for k in 0..len {
             force[k] = self.below.target[k] * self.below.per_multiplier[k];
         }
         if self.is_capped {
-            self.capped.aim(len, tau);
+            self.capped.aim(len, tau, trust);
             for k in 0..len {
                 force[k] -= self.capped.target[k] * self.capped.per_slack[k] * self.compliance[k];
             }
         }
         if self.is_soft {
-            self.slip.aim(len, tau);
+            self.slip.aim(len, tau, trust);
             for k in 0..len {
                 force[k] -= self.slip.target[k] * self.slip.per_multiplier[k];
             }

@@ -62,11 +62,11 @@ impl Pairs {
     }
 
     /// Targets of the corrector.
-    pub(super) fn aim(&mut self, len: usize, tau: f64) {
+    pub(super) fn aim(&mut self, len: usize, tau: f64, trust: f64) {
         let (s, l) = (&self.slack[..len], &self.multiplier[..len]);
         let (r, t) = (&self.relative[..len], &mut self.target[..len]);
         for k in 0..len {
-            t[k] = tau + s[k] * l[k] * (r[k] * (1.0 + r[k]));
+            t[k] = tau + trust * (s[k] * l[k]) * (r[k] * (1.0 + r[k]));
         }
     }
 

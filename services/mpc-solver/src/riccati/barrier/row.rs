@@ -117,13 +117,13 @@ impl RowBarrier {
     }
 
     /// Sets `force` to what the corrector's targets add.
-    pub(in crate::riccati) fn correct(&mut self, tau: f64) {
+    pub(in crate::riccati) fn correct(&mut self, tau: f64, trust: f64) {
         let len = self.len;
-        self.limit.aim(len, tau);
+        self.limit.aim(len, tau, trust);
         let (t, pm) = (&self.limit.target[..len], &self.limit.per_multiplier[..len]);
         let (w, force) = (&self.weight[..len], &mut self.force[..len]);
         if self.price.is_some() {
-            self.slip.aim(len, tau);
+            self.slip.aim(len, tau, trust);
             let (t2, soft) = (&self.slip.target[..len], &self.per_stiffness[..len]);
             for i in 0..len {
                 force[i] = w[i] * (t[i] * pm[i] - t2[i] * soft[i]);
