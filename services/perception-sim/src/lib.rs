@@ -2,6 +2,9 @@
 
 pub mod perception;
 pub mod radar;
+mod service;
 pub mod target_selection;
 pub mod tracker;
 pub mod traffic;
+
+pub use service::run;
