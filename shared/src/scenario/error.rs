@@ -174,6 +174,7 @@ fn split_expectation(message: &str) -> (String, Option<String>) {
     };
     let what = what
         .replace("unknown field `", "unknown key `")
+        .replace("unknown variant `", "unknown value `")
         .replace("missing field `", "missing key `");
     let expected = expected.map(|expected| {
         match expected {

@@ -75,7 +75,7 @@ fn refusals_of_single_values() {
         ("set_speed_mps = \"fast\"", "3:17: invalid type: string \"fast\""),
         ("[plant]\nperiod_ms = 99999999999", "4:13: 99999999999 is out of range"),
         ("[perception.radar]\ndropout_probability = 1.1", "4:23: 1.1 is out of range"),
-        ("[controller]\nname = \"cac-mpc\"", "4:8: unknown variant `cac-mpc`"),
+        ("[controller]\nname = \"cac-mpc\"", "4:8: unknown value `cac-mpc`"),
         ("[controller]\nweights = { q1 = -1 }", "4:18: -1 is out of range"),
         (
             "[[actors]]\nname = \"a\"\ngap_m = 1\nprofile.sine = { period_s = 3 }",
@@ -241,7 +241,7 @@ fn a_wrong_override_is_shown_as_it_was_typed() {
         ("seed.x=5", "missing", "never"),
         ("seed", "no `=`", "      ^^^^ expected KEY=VALUE"),
         ("a..b=1", "`` cannot be a key", "        ^ expected names"),
-        ("controller.name=cruise", "unknown variant `cruise`", "^^^^^^ expected `acc-mpc`"),
+        ("controller.name=cruise", "unknown value `cruise`", "^^^^^^ expected `acc-mpc`"),
         (
             "controller.period_ms=70",
             "= 70 is not a whole multiple",
