@@ -18,15 +18,10 @@ fn pid(child: &Child) -> i32 {
     i32::try_from(child.id()).expect("fits")
 }
 
-/// A long realtime run with all services alive.
+/// A long realtime run that drives.
 fn started(corner: &Corner) -> Child {
     let child = corner.start(&["run", "following", "--duration", "600", "--out", "out"]);
-    for service in SERVICES {
-        let _ = corner.wait_for_process(service);
-    }
-    // All of them, and driving: the first sample of the vehicle's motion is on its topic when the
-    // heartbeats come; shared memory is there before.
-    assert!(wait_for(|| !Corner::shared_memory(&corner.roots()).is_empty()));
+    assert!(wait_for(|| corner.path().join("out/live.json").exists()), "never drove");
     child
 }
 

@@ -57,10 +57,10 @@ pub struct ScenarioOptions {
     #[arg(long, value_name = "NAME")]
     pub controller: Option<String>,
     /// Seed of all random numbers
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub seed: Option<String>,
     /// Length of the run, s
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     pub duration: Option<String>,
     /// Change any key of the scenario, by its dotted path; may be given again
     #[arg(long = "set", value_name = "KEY=VALUE")]

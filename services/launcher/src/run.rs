@@ -11,6 +11,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use shared::report::Outcome;
 use shared::runtime::Mode;
 use shared::scenario::{Overrides, Scenario};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
@@ -23,7 +24,8 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     output.write("scenario.toml", scenario.to_toml().as_bytes())?;
 
     let bar = progress_bar(&scenario, arguments.json);
-    let result = drive(&scenario, mode, &arguments.group, &mut |time_ns| {
+    let live = Some(output.path().join("live.json"));
+    let result = drive(&scenario, mode, &arguments.group, live, &mut |time_ns| {
         bar.set_position(time_ns.unsigned_abs() / 1_000_000);
     });
     bar.finish_and_clear();
@@ -68,11 +70,13 @@ fn usage(error: impl std::fmt::Display) -> Error {
     Error::Usage(error.to_string())
 }
 
-/// Drives a scenario through a process group. `progress` is told the run time reached, ns.
+/// Drives a scenario through a process group. `live_file` is there while it drives and tells others
+/// how to join; `progress` is told the run time reached, ns.
 pub fn drive(
     scenario: &Scenario,
     mode: Mode,
     options: &GroupOptions,
+    live_file: Option<PathBuf>,
     progress: &mut dyn FnMut(i64),
 ) -> Result<GroupOutcome, Error> {
     let start_delay = match mode {
@@ -86,6 +90,7 @@ pub fn drive(
         programs: options.programs.iter().cloned().collect(),
         ready_timeout: Duration::from_secs_f64(options.ready_timeout),
         start_delay,
+        live_file,
     };
     launch(launching, progress)
 }

@@ -76,6 +76,22 @@ impl Topic {
         }
     }
 
+    /// Size of its message, bytes.
+    #[must_use]
+    pub const fn message_bytes(self) -> usize {
+        match self {
+            Self::Odometry => size_of::<super::Odometry>(),
+            Self::RadarTracks => size_of::<super::RadarTracks>(),
+            Self::Spat => size_of::<super::Spat>(),
+            Self::Map => size_of::<super::Map>(),
+            Self::Command => size_of::<super::Command>(),
+            Self::Diagnostics => size_of::<super::Diagnostics>(),
+            Self::VehicleTruth => size_of::<super::VehicleTruth>(),
+            Self::SignalTruth => size_of::<super::SignalTruth>(),
+            Self::Heartbeat => size_of::<super::Heartbeat>(),
+        }
+    }
+
     /// Service that publishes it; `None` where every service does.
     #[must_use]
     pub const fn source(self) -> Option<Service> {

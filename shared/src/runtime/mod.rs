@@ -41,5 +41,6 @@ pub use release::{Overrun, Release};
 pub use session::{Cycle, Runtime, count_allocations_by, run_service};
 pub use spawn::inherit_only;
 pub use timetable::Timetable;
+pub use transport::shared_memory_bytes;
 pub(crate) use link::End;
 pub(crate) use transport::{Carried, Receiver, Sender, Transport, carried};

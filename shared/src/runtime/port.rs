@@ -65,8 +65,8 @@ impl Tally {
 /// The sending end of `T`'s topic.
 #[derive(Debug)]
 pub struct Publisher<T: Message> {
-    pub(super) port: Box<dyn Sender<T>>,
-    pub(super) notifier: Option<Waker>,
+    pub(super) port: Rc<dyn Sender<T>>,
+    pub(super) notifier: Option<Rc<Waker>>,
     pub(super) clock: Rc<Clock>,
     pub(super) timetable: Timetable,
     pub(super) source: Service,
@@ -102,7 +102,7 @@ impl<T: Message> Publisher<T> {
 /// The receiving end of `T`'s topic: keeps the newest sample that is not of a later step.
 #[derive(Debug)]
 pub struct Subscriber<T: Message> {
-    pub(super) port: Box<dyn Receiver<T>>,
+    pub(super) port: Rc<dyn Receiver<T>>,
     pub(super) listener: Option<Waiter>,
     pub(super) newest: Option<T>,
     pub(super) ahead: Option<T>,

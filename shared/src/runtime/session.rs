@@ -3,7 +3,7 @@
 use super::link::Link;
 use super::port::Tally;
 use super::scheduling::{Granted, Request, apply};
-use super::transport::Transport;
+use super::transport::{Connect, Transport};
 use super::{
     Clock, FromService, Group, Mode, Overrun, Publisher, Release, RuntimeError, Subscriber,
 };
@@ -51,6 +51,7 @@ pub struct Runtime {
     link: Link,
     sent: Vec<(Topic, Rc<RefCell<Tally>>)>,
     received: Vec<(Topic, Rc<RefCell<Tally>>)>,
+    unconnected: Vec<(Topic, Rc<dyn Connect>)>,
     heartbeat: Option<Publisher<Heartbeat>>,
     granted: Option<Granted>,
     step: u64,
@@ -81,6 +82,7 @@ impl Runtime {
             link,
             sent: Vec::new(),
             received: Vec::new(),
+            unconnected: Vec::new(),
             heartbeat: None,
             granted: None,
             step: 0,
@@ -104,9 +106,15 @@ impl Runtime {
             // The radar alone can release a service.
             Mode::Realtime => T::TOPIC == Topic::RadarTracks,
         };
+        let port = T::sender(&self.transport, self.link.end.clone())?;
+        self.unconnected.push((T::TOPIC, Rc::clone(&port) as Rc<dyn Connect>));
+        let notifier = awaited.then(|| self.transport.notifier(T::TOPIC)).transpose()?.map(Rc::new);
+        if let Some(notifier) = &notifier {
+            self.unconnected.push((T::TOPIC, Rc::clone(notifier) as Rc<dyn Connect>));
+        }
         Ok(Publisher {
-            port: T::sender(&self.transport, self.link.end.clone())?,
-            notifier: awaited.then(|| self.transport.notifier(T::TOPIC)).transpose()?,
+            port,
+            notifier,
             clock: Rc::clone(&self.clock),
             timetable: self.group.timetable,
             source: self.service,
@@ -137,6 +145,7 @@ impl Runtime {
         // The listener first: whoever notifies must find it.
         let listener = waits.then(|| self.transport.listener(T::TOPIC)).transpose()?;
         let port = T::receiver(&self.transport)?;
+        self.unconnected.push((T::TOPIC, Rc::clone(&port) as Rc<dyn Connect>));
         let last = [(0, 0); Service::ALL.len() + 1];
         Ok(Subscriber { port, listener, newest: None, ahead: None, last, tally })
     }
@@ -165,6 +174,10 @@ impl Runtime {
         self.link.say(&FromService::Ready(granted))?;
         let order = self.link.wait_for_start()?;
         self.clock.start(order.start_ns);
+        // Everybody's ports exist now.
+        for (topic, port) in self.unconnected.drain(..) {
+            port.connect().map_err(|reason| RuntimeError::Topic { topic, reason })?;
+        }
         Ok(())
     }
 

@@ -1,14 +1,17 @@
 //! iceoryx2 as timegap uses it: one private node per process and one way to open each topic.
 
 use super::link::End;
-use super::{Group, Mode, RuntimeError};
-use crate::messages::{LAYOUT_VERSION, Message, Topic};
+use super::{Group, Mode, RuntimeError, Timetable};
+use crate::Service;
+use crate::messages::{LAYOUT_VERSION, Message, TOPICS, Topic};
 use iceoryx2::config::Config;
 use iceoryx2::port::{BackpressureAction, listener::Listener, notifier::Notifier};
 use iceoryx2::prelude::*;
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
 use iceoryx2::service::port_factory::{event, publish_subscribe};
+use iceoryx2::port::update_connections::UpdateConnections;
 use std::fmt::Debug;
+use std::rc::Rc;
 
 /// The iceoryx2 variant of all topics.
 type Ipc = ipc::Service;
@@ -21,8 +24,35 @@ pub(super) type Waiter = Listener<Ipc>;
 /// Processes on one topic: the group, each restarted beside its dead self, and observers.
 const MAX_PEERS: usize = 10;
 
+/// Messages that a subscriber can lag behind: twice what the plant publishes between two releases
+/// of the slowest service.
+fn buffer(timetable: &Timetable) -> usize {
+    let slowest = timetable.strides.into_iter().max().unwrap_or(1);
+    usize::try_from(2 * slowest + 8).expect("strides are small")
+}
+
+/// Shared memory that a group with this timetable may come to use, bytes: every publisher has room
+/// for what all its possible subscribers can lag behind.
+#[must_use]
+pub fn shared_memory_bytes(timetable: &Timetable) -> u64 {
+    /// Management segments of all nodes, services and connections, generously.
+    const MANAGEMENT: usize = 1 << 20;
+    let messages = MAX_PEERS * (buffer(timetable) + 2) + 2;
+    let publishers = |topic: Topic| topic.source().map_or(Service::ALL.len(), |_| 1);
+    let payload: usize =
+        TOPICS.iter().map(|&topic| publishers(topic) * messages * topic.message_bytes()).sum();
+    (payload + MANAGEMENT) as u64
+}
+
+/// An end of a topic that can be connected to all others that exist, ahead of the first message:
+/// connecting creates files and allocates.
+pub trait Connect: Debug {
+    /// Connects.
+    fn connect(&self) -> Result<(), String>;
+}
+
 /// Sends messages of one type.
-pub trait Sender<T>: Debug {
+pub trait Sender<T>: Connect {
     /// Copies `message` into shared memory and hands it to all subscribers.
     fn send(&self, message: &T) -> Result<(), String>;
 }
@@ -33,8 +63,14 @@ impl<T: Message> Sender<T> for iceoryx2::port::publisher::Publisher<Ipc, T, ()> 
     }
 }
 
+impl<Port: UpdateConnections + Debug> Connect for Port {
+    fn connect(&self) -> Result<(), String> {
+        self.update_connections().map_err(|e| format!("{e:?}"))
+    }
+}
+
 /// Receives messages of one type.
-pub trait Receiver<T>: Debug {
+pub trait Receiver<T>: Connect {
     /// The oldest message not yet taken.
     fn receive(&self) -> Result<Option<T>, String>;
 }
@@ -50,10 +86,10 @@ impl<T: Message> Receiver<T> for iceoryx2::port::subscriber::Subscriber<Ipc, T, 
 /// generic code is compiled once per message and not once per service.
 pub trait Carried: Sized {
     /// Creates the sending end of the type's topic.
-    fn sender(transport: &Transport, end: End) -> Result<Box<dyn Sender<Self>>, RuntimeError>;
+    fn sender(transport: &Transport, end: End) -> Result<Rc<dyn Sender<Self>>, RuntimeError>;
 
     /// Creates the receiving end of the type's topic.
-    fn receiver(transport: &Transport) -> Result<Box<dyn Receiver<Self>>, RuntimeError>;
+    fn receiver(transport: &Transport) -> Result<Rc<dyn Receiver<Self>>, RuntimeError>;
 }
 
 /// Implements [`Carried`] for a concrete message type.
@@ -63,13 +99,13 @@ macro_rules! carried {
             fn sender(
                 transport: &crate::runtime::Transport,
                 end: crate::runtime::End,
-            ) -> Result<Box<dyn crate::runtime::Sender<Self>>, crate::runtime::RuntimeError> {
+            ) -> Result<std::rc::Rc<dyn crate::runtime::Sender<Self>>, crate::runtime::RuntimeError> {
                 transport.publisher::<Self>(end)
             }
 
             fn receiver(
                 transport: &crate::runtime::Transport,
-            ) -> Result<Box<dyn crate::runtime::Receiver<Self>>, crate::runtime::RuntimeError>
+            ) -> Result<std::rc::Rc<dyn crate::runtime::Receiver<Self>>, crate::runtime::RuntimeError>
             {
                 transport.subscriber::<Self>()
             }
@@ -103,10 +139,7 @@ impl Transport {
             .signal_handling_mode(SignalHandlingMode::Disabled)
             .create::<Ipc>()
             .map_err(|e| error(format!("{e:?}")))?;
-        // Twice what the plant publishes between two releases of the slowest service.
-        let slowest = group.timetable.strides.into_iter().max().unwrap_or(1);
-        let buffer = usize::try_from(2 * slowest + 8).expect("strides are small");
-        Ok(Self { node, mode: group.mode, buffer })
+        Ok(Self { node, mode: group.mode, buffer: buffer(&group.timetable) })
     }
 
     /// Opens the publish-subscribe service of `T`'s topic.
@@ -137,7 +170,7 @@ impl Transport {
 
     /// Creates the publisher of `T`'s topic. In lockstep it waits while a subscriber's buffer is
     /// full, unless the run was aborted.
-    pub(crate) fn publisher<T: Message>(&self, end: End) -> Result<Box<dyn Sender<T>>, RuntimeError> {
+    pub(crate) fn publisher<T: Message>(&self, end: End) -> Result<Rc<dyn Sender<T>>, RuntimeError> {
         let port = self
             .topic::<T>()?
             .publisher_builder()
@@ -150,14 +183,14 @@ impl Transport {
             })
             .create()
             .map_err(|e| RuntimeError::Topic { topic: T::TOPIC, reason: format!("{e:?}") })?;
-        Ok(Box::new(port))
+        Ok(Rc::new(port))
     }
 
-    pub(crate) fn subscriber<T: Message>(&self) -> Result<Box<dyn Receiver<T>>, RuntimeError> {
+    pub(crate) fn subscriber<T: Message>(&self) -> Result<Rc<dyn Receiver<T>>, RuntimeError> {
         let port = (self.topic::<T>()?.subscriber_builder())
             .create()
             .map_err(|e| RuntimeError::Topic { topic: T::TOPIC, reason: format!("{e:?}") })?;
-        Ok(Box::new(port))
+        Ok(Rc::new(port))
     }
 
     fn event(&self, topic: Topic) -> Result<event::PortFactory<Ipc>, RuntimeError> {

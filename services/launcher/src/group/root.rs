@@ -71,6 +71,23 @@ pub fn open_lock(root: &Path) -> io::Result<File> {
     File::open(root.join(LOCK))
 }
 
+/// Checks that shared memory has room for `needed` bytes: a page that cannot be had later would end
+/// the process that touches it.
+pub fn check_room(needed: u64) -> Result<(), Error> {
+    let found = rustix::fs::statvfs(SHARED_MEMORY).map_err(|e| {
+        Error::Machine(format!("{SHARED_MEMORY} is needed for shared memory: {e}"))
+    })?;
+    let free = found.f_bavail * found.f_frsize;
+    if free >= needed {
+        return Ok(());
+    }
+    let [free, needed] = [free, needed].map(|bytes| bytes.div_ceil(1024));
+    Err(Error::Machine(format!(
+        "{SHARED_MEMORY} has {free} KiB free and a run may use {needed} KiB: free some, or enlarge \
+         it with `mount -o remount,size=64m {SHARED_MEMORY}`"
+    )))
+}
+
 /// Removes a run's directory and its shared memory.
 pub fn wipe(root: &Path) {
     if let Some(id) = root.file_name().and_then(|name| name.to_str()) {

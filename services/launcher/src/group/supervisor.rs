@@ -3,15 +3,15 @@
 use super::drive::{Drive, DriveLog};
 use super::events::{Event, follow_signals};
 use super::processes::{Janitor, Process, describe};
-use super::root::RunRoot;
+use super::root::{RunRoot, check_room};
 use crate::error::Error;
 use shared::Service;
 use shared::report::ServiceReport;
 use shared::runtime::{
-    FromService, Group, Mode, StartOrder, Timetable, ToService, monotonic_ns,
+    FromService, Group, Mode, StartOrder, Timetable, ToService, monotonic_ns, shared_memory_bytes,
 };
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
@@ -35,6 +35,8 @@ pub struct Launch {
     pub ready_timeout: Duration,
     /// Time between readiness and the common start instant.
     pub start_delay: Duration,
+    /// File that tells others how to join the group, there while it drives.
+    pub live_file: Option<PathBuf>,
 }
 
 /// Why a group ended.
@@ -78,6 +80,7 @@ pub struct GroupOutcome {
 /// # Errors
 /// If the group does not become ready; nothing of it is left then either.
 pub fn launch(launch: Launch, progress: &mut dyn FnMut(i64)) -> Result<GroupOutcome, Error> {
+    check_room(shared_memory_bytes(&launch.timetable))?;
     let root = RunRoot::create()?;
     let mut janitor = Janitor::spawn(&root)?;
     let (sender, events) = channel();
@@ -110,6 +113,26 @@ pub fn launch(launch: Launch, progress: &mut dyn FnMut(i64)) -> Result<GroupOutc
     root.remove();
     janitor.dismiss();
     outcome.map(|outcome| GroupOutcome { exits, ..outcome })
+}
+
+/// A copy of the group file where the user looks for it, for as long as this lives.
+struct LiveFile<'a>(&'a Path);
+
+impl<'a> LiveFile<'a> {
+    fn write(path: &'a Path, group: &Group) -> Self {
+        let text = serde_json::to_string_pretty(group).expect("a group is plain data");
+        if let Err(error) = std::fs::write(path, text) {
+            tracing::warn!("cannot write {}: {error}", path.display());
+        }
+        Self(path)
+    }
+}
+
+impl Drop for LiveFile<'_> {
+    fn drop(&mut self) {
+        // It may never have been written.
+        let _ = std::fs::remove_file(self.0);
+    }
 }
 
 struct Supervisor<'a> {
@@ -152,6 +175,7 @@ impl Supervisor<'_> {
         let delay = i64::try_from(self.launch.start_delay.as_nanos()).expect("start delays are short");
         let start_ns = monotonic_ns() + delay;
         self.order_all(&ToService::Start(StartOrder { start_ns }));
+        let _live = self.launch.live_file.as_deref().map(|path| LiveFile::write(path, &self.group));
         let ended = self.follow_run(start_ns, &mut log, progress)?;
         let ran_ns = (monotonic_ns() - start_ns).max(0);
         Ok(GroupOutcome {

@@ -1,0 +1,135 @@
+//! Bad input gets one clear error that says where and what was expected, exit status 2 (or 3 when
+//! the machine is to blame), and leaves nothing.
+
+use std::process::Command;
+use system_tests::{Corner, text};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
+
+/// Runs the command, which must end with `status` and say all of `words`.
+fn refused(arguments: &[&str], status: i32, words: &[&str]) {
+    let corner = Corner::new(PROGRAM);
+    refused_in(&corner, arguments, status, words);
+}
+
+fn refused_in(corner: &Corner, arguments: &[&str], status: i32, words: &[&str]) {
+    let output = corner.run(arguments);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(status), "{arguments:?}: {}", text(&output));
+    for word in words {
+        assert!(said.contains(word), "{arguments:?} should say `{word}`:\n{said}");
+    }
+    let errors = said.lines().filter(|line| line.starts_with("error")).count();
+    assert_eq!(errors, 1, "one error:\n{said}");
+    assert!(output.stdout.is_empty(), "nothing on standard output: {}", text(&output));
+    corner.expect_nothing_left(&[]);
+}
+
+/// A scenario file with these lines after the head, which are lines 1 to 3.
+fn scenario(corner: &Corner, lines: &str) -> String {
+    let text = format!("schema_version = 1\nname = \"mine\"\nduration_s = 1\n{lines}");
+    std::fs::write(corner.path().join("mine.toml"), text).expect("our own directory");
+    "mine.toml".into()
+}
+
+fn refused_scenario(lines: &str, words: &[&str]) {
+    let corner = Corner::new(PROGRAM);
+    let file = scenario(&corner, lines);
+    refused_in(&corner, &["run", &file], 2, words);
+}
+
+#[test]
+fn scenario_files() {
+    refused(&["run", "no-such"], 2, &["no-such", "cacc-a"]);
+    refused(&["run", "./no-such.toml"], 2, &["no-such.toml"]);
+    refused_scenario("[plant]\nperiod_ms = -10\n", &["mine.toml:5:13", "^", "1 to 10000"]);
+    refused_scenario("[plant]\npowertrain = { mass_kg = 0, max_power_kw = 90 }\n", &[
+        "mine.toml:5", "^", "100 to 100000 kg",
+    ]);
+    refused_scenario("set_speed_mps = nan\n", &["mine.toml:4:17", "^", "0 to 100 m/s"]);
+    refused_scenario("set_speed = 20\n", &["mine.toml:4:1", "^", "set_speed_mps"]);
+    refused_scenario("[controller]\nname = \"pid\"\n", &["mine.toml:5:8", "^", "cacc-mpc"]);
+    refused_scenario("[controller\n", &["mine.toml:4", "^"]);
+    refused_scenario("[perception]\nperiod_ms = 15\n", &["mine.toml:5", "^", "multiple"]);
+    refused_scenario("[controller]\nname = \"six-mode\"\nsix_mode = { braking_mps2 = -1 }\n", &[
+        "mine.toml:6", "^", "braking_mps2",
+    ]);
+    refused_scenario("schema_version = 2\n", &["mine.toml"]);
+}
+
+#[test]
+fn options() {
+    refused(&["run", "--set", "plant.period_ms=0"], 2, &["--set", "plant.period_ms", "1 to 10000"]);
+    refused(&["run", "--set", "plant.mass=1"], 2, &["--set", "plant.mass"]);
+    refused(&["run", "--set", "nonsense"], 2, &["--set", "KEY=VALUE"]);
+    refused(&["run", "--controller", "pid"], 2, &["--controller", "acc-mpc"]);
+    refused(&["run", "--duration", "-3"], 2, &["--duration", "duration"]);
+    refused(&["run", "--service", "radar=/bin/true"], 2, &["radar", "perception-sim"]);
+    refused(&["list", "--show", "no-such"], 2, &["no-such", "cacc-a"]);
+}
+
+#[test]
+fn output_directories() {
+    // Below a file no directory can be made, whoever asks.
+    refused(&["run", "--out", "/dev/null/results"], 2, &["/dev/null/results", "cannot"]);
+    refused(&["run", "--out", "/proc/results"], 2, &["/proc/results", "cannot"]);
+}
+
+#[test]
+fn a_service_that_exits_at_once() {
+    refused(&["run", "--service", "controller=/bin/true"], 3, &["controller", "before it was ready"]);
+    refused(&["run", "--service", "plant=/no/such/program"], 2, &["/no/such/program"]);
+}
+
+#[test]
+fn a_service_that_never_becomes_ready() {
+    let corner = Corner::new(PROGRAM);
+    let program = corner.path().join("sleeper");
+    std::fs::write(&program, "#!/bin/sh\nexec sleep 600\n").expect("our own directory");
+    let executable = std::os::unix::fs::PermissionsExt::from_mode(0o700);
+    std::fs::set_permissions(&program, executable).expect("our own file");
+    let service = format!("v2x-sim={}", program.display());
+    let arguments = ["run", "--service", &service, "--ready-timeout", "0.5"];
+    refused_in(&corner, &arguments, 3, &["v2x-sim", "not ready within 0.5 s"]);
+}
+
+#[test]
+fn a_foreign_base_directory() {
+    let corner = Corner::new(PROGRAM);
+    let uid = rustix::process::geteuid().as_raw();
+    let base = corner.path().join(format!("timegap-{uid}"));
+    std::os::unix::fs::symlink("/tmp", &base).expect("our own directory");
+    let output = corner.run(&["run", "cacc-a", "--mode", "lockstep"]);
+    assert_eq!(output.status.code(), Some(3), "{}", text(&output));
+    assert!(text(&output).contains("belongs to this user alone"), "{}", text(&output));
+}
+
+/// A full /dev/shm needs one of our own: a mount namespace, where the kernel grants it.
+#[test]
+fn full_shared_memory() {
+    let script = |size: &str| {
+        format!("mount -t tmpfs -o size={size} none /dev/shm && exec \"$0\" run cacc-a --mode lockstep")
+    };
+    let corner = Corner::new(PROGRAM);
+    let run = |size: &str| {
+        Command::new("unshare")
+            .args(["--user", "--map-root-user", "--mount", "sh", "-c", &script(size), PROGRAM])
+            .current_dir(corner.path())
+            .env("TMPDIR", corner.path())
+            .output()
+    };
+    match run("64m") {
+        Ok(output) if output.status.success() => {}
+        _ => {
+            eprintln!("no mount namespaces here: nothing was tested");
+            return;
+        }
+    }
+    for size in ["64k", "200k", "1m"] {
+        let output = run(size).expect("it started before");
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(3), "{size}: {}", text(&output));
+        assert!(said.contains("/dev/shm"), "{size}: {said}");
+        corner.expect_nothing_left(&[]);
+    }
+}
