@@ -95,6 +95,60 @@ fn table_3_agrees_as_far_as_the_reference_solved_it() {
     assert!(position <= 0.35 && speed <= 0.45, "{position} m, {speed} m/s");
 }
 
+/// A measured state beyond the buffer makes the paper's program infeasible; the law still answers.
+#[test]
+fn a_state_beyond_the_buffer_is_relaxed() {
+    let mut law = law(weights::JOINT, SpacingPolicy::MeasuredHeadway, false);
+    let mut output = Output::default();
+    let near = Target { track_id: 1, gap_m: 8.0, relative_speed_mps: -5.0, ..Target::default() };
+    law.step(&behind(near), &mut output);
+    assert_eq!((output.quality, output.plan_len), (Quality::Relaxed, 100));
+    assert!(output.request_mps2() < -4.0, "{}", output.request_mps2());
+}
+
+#[test]
+fn false_numbers_never_reach_the_command() {
+    let mut law = law(weights::JOINT, SpacingPolicy::MeasuredHeadway, true);
+    let mut output = Output::default();
+    for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
+        for field in 0..8 {
+            let mut target = Target { track_id: 1, gap_m: 30.0, ..Target::default() };
+            let mut input = behind(target);
+            let mut distance_m = 50.0;
+            match field {
+                0 => target.gap_m = x,
+                1 => target.relative_speed_mps = x,
+                2 => input.ego.speed_mps = x,
+                3 => input.ego.acceleration_mps2 = x,
+                4 => input.time_s = x,
+                5 => input.period_s = x,
+                6 => input.set_speed_mps = x,
+                _ => distance_m = x,
+            }
+            input.target = Some(target);
+            input.signals = light(Phase::Green, 4.0, distance_m);
+            law.reset();
+            law.step(&input, &mut output);
+            assert!(output.plan_len >= 1);
+            for u in &output.plan_mps2[..output.plan_len] {
+                assert!((-4.9..=4.9).contains(u), "field {field} at {x}: {u}");
+            }
+        }
+    }
+}
+
+fn behind(target: Target) -> Input {
+    Input {
+        time_s: 1.0,
+        period_s: 0.1,
+        ego: Ego { position_m: 10.0, speed_mps: 15.0, acceleration_mps2: 0.0 },
+        target: Some(target),
+        set_speed_mps: f64::INFINITY,
+        speed_limit_mps: f64::INFINITY,
+        ..Input::default()
+    }
+}
+
 /// The two solvers drive alike.
 #[test]
 fn clarabel_drives_scenario_a_as_riccati_does() {

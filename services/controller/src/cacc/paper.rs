@@ -44,8 +44,9 @@ use crate::law::{Input, Law, MAX_PLAN, Output, Phase, Quality, SignalAhead, Targ
 const MAX_PLAN_AGE_S: f64 = 1.0;
 /// Shortest time before the switch at which the light still counts, s.
 const SWITCH_S: f64 = 1e-6;
-/// An iterate whose scaled residuals are below this is as good as solved.
-const USABLE_RESIDUAL: f64 = 1e-5;
+/// An iterate whose scaled residuals are below this is as good as solved for driving: a tenth of a
+/// millimetre, or of a mm/s.
+const USABLE_RESIDUAL: f64 = 1e-4;
 
 /// Modes of the law.
 const MODES: &[&str] = &["cruise", "follow", "follow-with-light"];
