@@ -14,10 +14,11 @@
 //! light. It is a semismooth Newton method without a safeguard: it may cycle, and it knows rows only well enough
 //! to see whether they hold without being active. In both cases the interior point takes over.
 
-use super::graph::{LightGraph, Tangent};
+use super::light_graph::{LightGraph, Tangent};
 use super::recursion::{InputModel, Models, Plant, Sweep};
+use super::row_graph::RowTangent;
 use crate::kkt::Multipliers;
-use crate::problem::{LightStage, Problem, dot};
+use crate::problem::{LightStage, MAX_ROWS, Problem, dot};
 
 /// Rounds before the method is given up.
 const MAX_ROUNDS: u32 = 12;
@@ -43,6 +44,18 @@ pub(super) struct ActiveSet {
     sides: Vec<i8>,
     /// `tangents[k]` belongs to stage `k + 1`.
     tangents: Vec<Tangent>,
+    /// `rows[j][k]` belongs to stage `k`; only if `with_rows`.
+    rows: [Vec<RowTangent>; MAX_ROWS],
+    with_rows: bool,
+}
+
+/// Where a solve of the active set starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum From {
+    /// From nothing; rows only have to hold.
+    Nothing,
+    /// From the guess at hand, for so many rounds at most.
+    Guess(u32),
 }
 
 struct Guess<'a> {
@@ -50,6 +63,7 @@ struct Guess<'a> {
     sides: &'a [i8],
     tangents: &'a [Tangent],
     stages: &'a [LightStage],
+    rows: &'a [Vec<RowTangent>],
 }
 
 impl Models for Guess<'_> {
@@ -76,6 +90,13 @@ impl Models for Guess<'_> {
             let (stage, tangent) = (&self.stages[k - 1], &self.tangents[k - 1]);
             add(&stage.gradient, tangent.slope, -tangent.force(stage.offset));
         }
+        for (j, tangents) in self.rows.iter().enumerate() {
+            let tangent = &tangents[k];
+            if tangent.acts() {
+                let force = tangent.at(-self.problem.limits[j][k]);
+                add(&self.problem.rows[j].gradient, tangent.slope, force);
+            }
+        }
     }
 }
 
@@ -85,6 +106,8 @@ impl ActiveSet {
             sweep: Sweep::new(max_horizon),
             sides: vec![0; max_horizon],
             tangents: vec![Tangent::default(); max_horizon],
+            rows: std::array::from_fn(|_| vec![RowTangent::default(); max_horizon + 1]),
+            with_rows: false,
         }
     }
 
@@ -94,40 +117,73 @@ impl ActiveSet {
         self.sides.copy_within(steps..horizon, 0);
         self.sides[horizon - steps..horizon].fill(0);
         self.tangents.copy_within(steps..horizon, 0);
+        if self.with_rows {
+            for row in &mut self.rows {
+                row.copy_within(steps..=horizon, 0);
+                row[horizon + 1 - steps..=horizon].fill(RowTangent::default());
+            }
+        }
     }
 
-    /// Forgets the guess.
-    pub(super) fn clear(&mut self) {
-        self.sides.fill(0);
-        self.tangents.fill(Tangent::default());
+    /// Takes another guess: the input's side at stage `k`, the light's tangent at stage `k + 1`, the row's
+    /// at `k`.
+    pub(super) fn adopt(
+        &mut self,
+        problem: &Problem,
+        side: impl Fn(usize) -> i8,
+        light: impl Fn(&LightGraph, usize) -> Tangent,
+        row: impl Fn(usize, usize) -> RowTangent,
+    ) {
+        for (k, slot) in self.sides[..problem.horizon].iter_mut().enumerate() {
+            *slot = side(k);
+        }
+        if let Some(cost) = &problem.light {
+            let graph = LightGraph::new(cost);
+            for (k, slot) in self.tangents[..problem.light_len].iter_mut().enumerate() {
+                *slot = light(&graph, k);
+            }
+        }
+        self.with_rows = !problem.rows.is_empty();
+        for (j, limits) in problem.rows.iter().enumerate() {
+            for (k, slot) in self.rows[j][..=problem.horizon].iter_mut().enumerate() {
+                let in_force = k >= limits.from && k <= limits.to;
+                *slot = if in_force { row(j, k) } else { RowTangent::default() };
+            }
+        }
     }
 
-    /// Solves from the guess at hand (`warm`) or from none. Inputs, states and multipliers are those of
-    /// the last round.
+    /// Solves. Inputs, states and multipliers are those of the last round.
     pub(super) fn solve(
         &mut self,
         problem: &Problem,
         plant: &Plant,
-        warm: bool,
+        from: From,
         inputs: &mut [f64],
         states: &mut [[f64; 3]],
         multipliers: &mut Multipliers,
     ) -> (Outcome, u32) {
         let graph = problem.light.as_ref().map(LightGraph::new).unwrap_or_default();
         let lit = problem.light_len > 0;
+        let (warm, rounds) = match from {
+            From::Nothing => (false, MAX_ROUNDS),
+            From::Guess(rounds) => (true, rounds),
+        };
         if !warm {
-            self.clear();
+            self.sides.fill(0);
+            self.with_rows = false;
         }
+        let count = if self.with_rows { problem.rows.len() } else { 0 };
         // Cold, the first round goes without the light and only shows where the margins would be.
         let mut without_light = lit && !warm;
         let mut last = problem.horizon;
-        for round in 1..=MAX_ROUNDS {
+        for round in 1..=rounds {
             let pin = {
                 let guess = Guess {
                     problem,
                     sides: &self.sides,
                     tangents: &self.tangents,
                     stages: if without_light { &[] } else { problem.light_stages() },
+                    rows: &self.rows[..count],
                 };
                 plant.factor(problem, &guess, &mut self.sweep, last)
             };
@@ -150,16 +206,22 @@ impl ActiveSet {
             } else if lit {
                 off_curve = self.project(problem, &graph, states, &mut multipliers.light);
             }
+            let mut last_row = 0;
+            if self.with_rows {
+                let (distance, stage) = self.project_rows(problem, states, &mut multipliers.rows);
+                off_curve = off_curve.max(distance);
+                last_row = stage;
+            }
             let settled = changed.is_none() && off_curve <= ON_CURVE;
-            if (settled || round >= PATIENCE) && !rows_hold(problem, states) {
+            if !self.with_rows && (settled || round >= PATIENCE) && !rows_hold(problem, states) {
                 return (Outcome::GivenUp, round);
             }
             if settled {
                 return (Outcome::Settled, round);
             }
-            last = changed.unwrap_or(0).max(problem.light_len);
+            last = changed.unwrap_or(0).max(problem.light_len).max(last_row);
         }
-        (Outcome::GivenUp, MAX_ROUNDS)
+        (Outcome::GivenUp, rounds)
     }
 
     /// The forward sweep; returns the last input that changed sides.
@@ -224,6 +286,33 @@ impl ActiveSet {
             worst = worst.max(distance);
         }
         worst
+    }
+
+    /// The same for the rows; returns the largest distance, and the last stage with a changed tangent.
+    fn project_rows(
+        &mut self,
+        problem: &Problem,
+        states: &[[f64; 3]],
+        multipliers: &mut [Vec<f64>; MAX_ROWS],
+    ) -> (f64, usize) {
+        let (mut worst, mut last): (f64, usize) = (0.0, 0);
+        for (j, row) in problem.rows.iter().enumerate() {
+            for k in row.from..=row.to {
+                let h = problem.limits[j][k];
+                let slot = &mut self.rows[j][k];
+                let z = dot(&row.gradient, &states[k]) - h;
+                if h == f64::INFINITY || (z <= 0.0 && !slot.acts()) {
+                    multipliers[j][k] = 0.0;
+                    continue;
+                }
+                let (next, mu, distance) = slot.project(row, z, h.abs().max(1.0));
+                *slot = next;
+                multipliers[j][k] = mu;
+                worst = worst.max(distance);
+                last = last.max(k);
+            }
+        }
+        (worst, last)
     }
 }
 

@@ -5,6 +5,7 @@
 //! slacks, stationarity and the terminal equality are linear in the iterates, so a step of length `a`
 //! takes the part `a` of their residuals away; what remains to watch are the products of the pairs.
 
+use super::active::ActiveSet;
 use super::barrier::input::InputBarrier;
 use super::barrier::light::LightBarrier;
 use super::barrier::row::RowBarrier;
@@ -22,6 +23,17 @@ const START_PRODUCTS: (f64, f64) = (1.0, 1e5);
 
 /// Least target product: less would not improve the answer, only the conditioning suffers.
 const LEAST_TARGET: f64 = 1e-14;
+
+/// What an iteration did.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step {
+    /// Mean product of the pairs before it.
+    pub(super) mu: f64,
+    /// Length of the predictor's step.
+    pub(super) affine: f64,
+    /// Length of the step taken.
+    pub(super) length: f64,
+}
 
 /// Work memory.
 #[derive(Clone, Debug)]
@@ -118,16 +130,15 @@ impl Interior {
         self.open = 1.0;
     }
 
-    /// One iteration; returns the mean product of the pairs before it, or nothing if the step cannot be
-    /// computed, in which case the iterate stays as it was.
-    pub(super) fn iterate(&mut self, problem: &Problem, plant: &Plant) -> Option<f64> {
+    /// One iteration; nothing if the step cannot be computed, in which case the iterate stays as it was.
+    pub(super) fn iterate(&mut self, problem: &Problem, plant: &Plant) -> Option<Step> {
         match problem.terminal {
             Terminal::Cost => self.step::<false>(problem, plant),
             Terminal::Equality(_) => self.step::<true>(problem, plant),
         }
     }
 
-    fn step<const PINNED: bool>(&mut self, problem: &Problem, plant: &Plant) -> Option<f64> {
+    fn step<const PINNED: bool>(&mut self, problem: &Problem, plant: &Plant) -> Option<Step> {
         let count = problem.rows.len();
         let (mut gap, mut pairs) = self.input.predict();
         for (row, h) in self.rows.iter_mut().zip(&problem.limits) {
@@ -192,7 +203,7 @@ impl Interior {
         }
 
         self.open *= 1.0 - a;
-        Some(mu)
+        Some(Step { mu, affine, length: a })
     }
 
     /// Gradient of the quadratic cost at the iterate.
@@ -282,6 +293,16 @@ impl Interior {
             row.follow(&self.state_changes, corrected);
         }
         self.light.follow(problem.light_stages(), &self.state_changes, corrected);
+    }
+
+    /// Gives the active set the guess that the last step suggests.
+    pub(super) fn suggest(&self, problem: &Problem, active: &mut ActiveSet) {
+        active.adopt(
+            problem,
+            |k| self.input.side(k),
+            |graph, k| self.light.tangent(graph, k),
+            |j, k| self.rows[j].tangent(k),
+        );
     }
 
     /// What is left of the first iterate's linear residuals, as a part of them.

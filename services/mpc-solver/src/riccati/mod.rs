@@ -15,14 +15,15 @@
 mod active;
 mod barrier;
 mod certificate;
-mod graph;
 mod interior;
+mod light_graph;
 mod recursion;
+mod row_graph;
 
 use crate::kkt::{Multipliers, Residuals, residuals};
 use crate::problem::Problem;
 use crate::solver::{Report, Solver, Start, Status};
-use active::{ActiveSet, Outcome};
+use active::{ActiveSet, From, Outcome};
 use interior::Interior;
 use recursion::Plant;
 
@@ -39,6 +40,10 @@ const TRIAL: u32 = 8;
 const OPENED: f64 = 0.9;
 /// How far inside the starts begin.
 const BOLDNESS: [f64; 3] = [1.0, 30.0, 1000.0];
+thread_local! { static TH: (f64, f64) = (std::env::var("TH1").map(|s| s.parse().unwrap()).unwrap_or(0.9), std::env::var("TH2").map(|s| s.parse().unwrap()).unwrap_or(0.8)); }
+/// Rounds.
+const WARM_ROUNDS: u32 = 6;
+const POLISH_ROUNDS: u32 = 5;
 /// Fruitless looks at the optimality conditions after which the machine's precision is at its end.
 const MAX_LOOKS: u32 = 8;
 
@@ -76,12 +81,12 @@ impl Riccati {
         &mut self,
         problem: &Problem,
         plant: &Plant,
-        warm: bool,
+        from: From,
     ) -> (Option<Residuals>, u32) {
         let (outcome, rounds) = self.active.solve(
             problem,
             plant,
-            warm,
+            from,
             &mut self.inputs,
             &mut self.states,
             &mut self.multipliers,
@@ -96,7 +101,8 @@ impl Riccati {
         let mut iterations = 0;
         for boldness in BOLDNESS {
             let last = boldness == BOLDNESS[BOLDNESS.len() - 1];
-            self.interior.start(problem, &self.inputs, &self.states, boldness);
+            let n = problem.horizon;
+            self.interior.start(problem, &self.inputs[..n], &self.states[..=n], boldness);
             let (status, residuals, steps) = self.descend(problem, plant, last);
             iterations += steps;
             if status != Status::IterationLimit || last {
@@ -115,17 +121,32 @@ impl Riccati {
         last: bool,
     ) -> (Status, Residuals, u32) {
         let mut looks = 0;
+        let (mut tries, mut extra) = (0, 0);
         self.multipliers.clear();
         for iteration in 1..=MAX_ITERATIONS {
-            let Some(mu) = self.interior.iterate(problem, plant) else {
+            let Some(step) = self.interior.iterate(problem, plant) else {
                 return (Status::IterationLimit, self.take_interior(problem), iteration);
             };
-            let open = self.interior.open();
+            let (mu, open) = (step.mu, self.interior.open());
+            let th = TH.with(|t| *t);
+            if tries < 2 && step.length > th.0 && step.affine > th.1 && open < 1e-3 {
+                tries += 1;
+                self.interior.suggest(problem, &mut self.active);
+                let (found, rounds) = self.try_active(problem, plant, From::Guess(POLISH_ROUNDS));
+                if std::env::var("V").is_ok() {
+                    println!("{iteration} {step:?} {open:.1e} {found:?} {rounds}");
+                }
+                extra += rounds;
+                if let Some(residuals) = found {
+                    self.settled = true;
+                    return (Status::Solved, residuals, iteration + extra);
+                }
+            }
             if mu < NEARLY && open < CLOSED {
                 let found = self.take_interior(problem);
                 looks += 1;
                 if found.max() <= TOLERANCE {
-                    return (Status::Solved, found, iteration);
+                    return (Status::Solved, found, iteration + extra);
                 }
                 if looks == MAX_LOOKS {
                     return (Status::IterationLimit, found, iteration);
@@ -179,12 +200,12 @@ impl Solver for Riccati {
         if let (Start::Shifted(steps), true) = (start, self.settled && self.horizon == n) {
             self.active.shift(n, steps);
             self.multipliers.clear();
-            (found, iterations) = self.try_active(problem, &plant, true);
+            (found, iterations) = self.try_active(problem, &plant, From::Guess(WARM_ROUNDS));
         }
         self.horizon = n;
         if found.is_none() {
             self.multipliers.clear();
-            let (cold, rounds) = self.try_active(problem, &plant, false);
+            let (cold, rounds) = self.try_active(problem, &plant, From::Nothing);
             found = cold;
             iterations += rounds;
         }

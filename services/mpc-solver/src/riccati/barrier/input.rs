@@ -101,4 +101,9 @@ impl InputBarrier {
             *u += a * du;
         }
     }
+
+    /// The bound that `u_k` goes to: −1, 0 (none) or 1.
+    pub(in crate::riccati) fn side(&self, k: usize) -> i8 {
+        i8::from(self.upper.closes(k)) - i8::from(self.lower.closes(k))
+    }
 }

@@ -76,6 +76,14 @@ impl Pairs {
         largest(len, arrays, |[r, t, ps, pl]| greater(-r, 1.0 + r - t * (ps * pl)))
     }
 
+    /// Whether the slack of entry `k`, rather than its multiplier, goes to zero: by Tapia's indicator, which of
+    /// the two has shrunk more in the last step.
+    pub(super) fn closes(&self, k: usize) -> bool {
+        let remaining =
+            self.target[k] * (self.per_slack[k] * self.per_multiplier[k]) - self.relative[k];
+        1.0 + self.relative[k] < remaining
+    }
+
     /// Takes the part `a` of the step.
     pub(super) fn advance(&mut self, len: usize, a: f64) {
         let (s, l) = (&mut self.slack[..len], &mut self.multiplier[..len]);

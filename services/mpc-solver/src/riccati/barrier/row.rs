@@ -3,6 +3,7 @@
 use super::PROXIMAL;
 use super::pairs::Pairs;
 use crate::problem::{Row, Softness, dot};
+use crate::riccati::row_graph::RowTangent;
 
 /// Finite stand-in for an infinite limit.
 const NO_LIMIT: f64 = 1e9;
@@ -174,6 +175,18 @@ impl RowBarrier {
         self.limit.advance(self.len, a);
         if self.price.is_some() {
             self.slip.advance(self.len, a);
+        }
+    }
+
+    /// The part of the row's graph that stage `k` goes to.
+    pub(in crate::riccati) fn tangent(&self, k: usize) -> RowTangent {
+        let i = k - self.from;
+        match self.price {
+            _ if !self.limit.closes(i) => RowTangent::default(),
+            Some((price, curvature)) if !self.slip.closes(i) => {
+                RowTangent::beyond(price, curvature)
+            }
+            _ => RowTangent::edge(self.limit.multiplier[i]),
         }
     }
 
