@@ -22,6 +22,10 @@ red light, a failed check); 2 bad usage or a bad file; 3 the machine would not l
 pub enum Command {
     /// Run the process group through a scenario
     Run(RunArguments),
+    /// Run a paper's scenarios in lockstep and print its published figures beside ours
+    Reproduce(ReproduceArguments),
+    /// Controllers side by side on the same scenarios
+    Compare(CompareArguments),
     /// List the scenarios and controllers
     List(ListArguments),
     /// Run one service; started by the launcher
@@ -76,6 +80,69 @@ pub struct GroupOptions {
     /// Time in which all services must be ready, s
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = positive_seconds)]
     pub ready_timeout: f64,
+}
+
+/// Arguments of `reproduce`.
+#[derive(Debug, Args)]
+pub struct ReproduceArguments {
+    /// Which paper; all when omitted
+    #[arg(value_enum)]
+    pub paper: Option<PaperName>,
+    #[command(flatten)]
+    pub group: GroupOptions,
+    /// Directory for the results [default: runs/<time>-reproduce]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print the rows as JSON, and nothing else, on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A paper by the name of its controller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PaperName {
+    /// Wang, Liu, Zhang, Tong 2014.
+    SixMode,
+    /// Gao, Yan, Li, Hu 2015.
+    QuadraticBounded,
+    /// He, Xi, Huang, Chen, Huang 2024.
+    Cacc,
+}
+
+impl PaperName {
+    /// Name on the command line and in results.
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::SixMode => "six-mode",
+            Self::QuadraticBounded => "quadratic-bounded",
+            Self::Cacc => "cacc",
+        }
+    }
+}
+
+/// Arguments of `compare`.
+#[derive(Debug, Args)]
+pub struct CompareArguments {
+    /// Names of built-in scenarios, or TOML files
+    #[arg(required = true)]
+    pub scenarios: Vec<String>,
+    /// Controllers, by commas [default: all]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    pub controllers: Vec<String>,
+    /// Clock: figures of the drive repeat exactly in `lockstep`; `realtime` also measures deadlines
+    #[arg(long, value_enum, default_value_t = ModeName::Lockstep)]
+    pub mode: ModeName,
+    /// Change any key of every scenario, by its dotted path; may be given again
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    #[command(flatten)]
+    pub group: GroupOptions,
+    /// Directory for the results [default: runs/<time>-compare]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print the rows as JSON, and nothing else, on standard output
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Clock by name.

@@ -1,11 +1,13 @@
 //! The `timegap` command: an adaptive-cruise stack as real processes over shared memory.
 
 mod cli;
+mod compare;
 mod error;
 mod group;
 mod list;
 mod output;
 mod print;
+mod reproduce;
 mod run;
 mod summary;
 mod trajectory;
@@ -23,6 +25,8 @@ use std::process::ExitCode;
 pub fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Run(arguments) => run::run(&arguments),
+        Command::Reproduce(arguments) => reproduce::run(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments),
         Command::List(arguments) => list::run(&arguments),
         Command::Service(arguments) => service(&arguments),
     };

@@ -23,13 +23,7 @@ pub fn summary(summary: &Summary) -> String {
 }
 
 fn outcome(summary: &Summary) -> String {
-    let word = match summary.outcome {
-        Outcome::Completed => "completed",
-        Outcome::Collision => "COLLISION",
-        Outcome::RedLight => "RED LIGHT",
-        Outcome::SafeStop => "safe stop",
-        Outcome::Aborted => "aborted",
-    };
+    let word = outcome_word(summary.outcome);
     let because =
         summary.aborted_because.as_ref().map_or_else(String::new, |why| format!(" ({why})"));
     let speed = match summary.simulated_per_wall {
@@ -40,6 +34,17 @@ fn outcome(summary: &Summary) -> String {
         "{word}{because}, {:.1} s driven in {:.2} s of wall time (ready after {:.0} ms{speed})",
         summary.duration_s, summary.wall_s, summary.ready_ms
     )
+}
+
+/// An outcome in a word.
+pub fn outcome_word(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Completed => "completed",
+        Outcome::Collision => "COLLISION",
+        Outcome::RedLight => "RED LIGHT",
+        Outcome::SafeStop => "safe stop",
+        Outcome::Aborted => "aborted",
+    }
 }
 
 fn drive(summary: &Summary, line: &mut dyn FnMut(&str, String)) {

@@ -33,6 +33,13 @@ builtins! {
     "stop-and-go": "a lead in congested traffic, down to standstill and off again";
     "cut-in": "a slower car cuts in close ahead and later out again before a slow lorry";
     "corridor": "three signals in sequence behind a lead";
+    "six-mode": "six-mode paper: a lead that brakes, then a car that cuts in and stops";
+    "quadratic-bounded-follow":
+        "quadratic-bounded paper: a slower lead comes into range, then speeds up";
+    "quadratic-bounded-depart":
+        "quadratic-bounded paper: a lead drives away until the set speed is reached";
+    "quadratic-bounded-cut-in":
+        "quadratic-bounded paper: a slower car moves into the path 150 m ahead";
 }
 
 /// The built-in scenario of that name.

@@ -2,6 +2,7 @@
 
 use shared::Service;
 use shared::runtime::FromService;
+use signal_hook::iterator::Handle;
 use std::io::BufRead;
 use std::process::{ChildStderr, ChildStdout};
 use std::sync::mpsc::Sender;
@@ -50,10 +51,11 @@ pub fn follow(
     Ok(())
 }
 
-/// Turns the signals that ask for an end into events.
-pub fn follow_signals(events: Sender<Event>) -> std::io::Result<()> {
+/// Turns the signals that ask for an end into events, until the handle is closed.
+pub fn follow_signals(events: Sender<Event>) -> std::io::Result<Handle> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP])?;
+    let handle = signals.handle();
     std::thread::Builder::new().name("signals".into()).spawn(move || {
         for _ in signals.forever() {
             if events.send(Event::Signal).is_err() {
@@ -61,5 +63,5 @@ pub fn follow_signals(events: Sender<Event>) -> std::io::Result<()> {
             }
         }
     })?;
-    Ok(())
+    Ok(handle)
 }

@@ -84,7 +84,7 @@ pub fn launch(launch: Launch, progress: &mut dyn FnMut(i64)) -> Result<GroupOutc
     let root = RunRoot::create()?;
     let mut janitor = Janitor::spawn(&root)?;
     let (sender, events) = channel();
-    follow_signals(sender.clone())
+    let signals = follow_signals(sender.clone())
         .map_err(|e| Error::Machine(format!("cannot handle signals: {e}")))?;
     let group = Group {
         root: root.path().to_owned(),
@@ -110,6 +110,7 @@ pub fn launch(launch: Launch, progress: &mut dyn FnMut(i64)) -> Result<GroupOutc
         .map(|process| (process.service(), describe(process.end(EXIT_GRACE))))
         .collect();
     drop(supervisor);
+    signals.close();
     root.remove();
     janitor.dismiss();
     outcome.map(|outcome| GroupOutcome { exits, ..outcome })

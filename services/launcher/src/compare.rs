@@ -1,0 +1,139 @@
+//! `timegap compare`: controllers side by side on the same scenarios.
+
+use crate::cli::{CompareArguments, ScenarioOptions};
+use crate::error::Error;
+use crate::group::Ended;
+use crate::output::OutputDirectory;
+use crate::{print, run};
+use crate::summary::{Control, Summary, Timing};
+use serde::Serialize;
+use shared::report::Outcome;
+use shared::scenario::controller::ControllerName;
+use std::fmt::Write;
+use std::process::ExitCode;
+use std::time::Instant;
+
+#[derive(Debug, Serialize)]
+struct Comparison {
+    schema_version: u32,
+    rows: Vec<Row>,
+}
+
+#[derive(Debug, Serialize)]
+struct Row {
+    scenario: String,
+    controller: String,
+    mode: &'static str,
+    outcome: Outcome,
+    control: Control,
+    timing: Timing,
+}
+
+/// Runs the command.
+pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
+    let controllers = if arguments.controllers.is_empty() {
+        ControllerName::ALL.iter().map(|name| name.as_str().to_owned()).collect()
+    } else {
+        arguments.controllers.clone()
+    };
+    // Everything is read before anything runs.
+    let mut scenarios = Vec::new();
+    for name in &arguments.scenarios {
+        for controller in &controllers {
+            let options = ScenarioOptions {
+                controller: Some(controller.clone()),
+                set: arguments.set.clone(),
+                ..ScenarioOptions::default()
+            };
+            scenarios.push(run::open(name, &options)?);
+        }
+    }
+    let output = OutputDirectory::create(arguments.out.as_deref(), "compare")?;
+    let bar = run::count_bar(scenarios.len(), arguments.json);
+    let mut rows = Vec::new();
+    for scenario in &scenarios {
+        let what = format!("{} {}", scenario.name.as_str(), scenario.controller.name.as_str());
+        bar.set_message(what);
+        let begun = Instant::now();
+        let mode = arguments.mode.into();
+        let group = run::drive(scenario, mode, &arguments.group, None, &mut |_| bar.tick())?;
+        if group.ended == Ended::Interrupted {
+            return Err(Error::Interrupted);
+        }
+        let summary = Summary::new(scenario, mode, &group, begun.elapsed());
+        rows.push(Row {
+            scenario: summary.scenario,
+            controller: summary.controller,
+            mode: summary.mode,
+            outcome: summary.outcome,
+            control: summary.control,
+            timing: summary.timing,
+        });
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let whole = rows.iter().all(|row| row.outcome == Outcome::Completed);
+    let comparison = Comparison { schema_version: 1, rows };
+    let json = serde_json::to_string_pretty(&comparison).expect("plain data");
+    output.write("compare.json", (json.clone() + "\n").as_bytes())?;
+    if arguments.json {
+        println!("{json}");
+    } else {
+        print!("{}", table(&comparison.rows));
+        println!("results: {}", output.path().display());
+    }
+    Ok(if whole { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// The rows for people: one block per scenario.
+fn table(rows: &[Row]) -> String {
+    let mut text = String::new();
+    let mut scenario = None;
+    for row in rows {
+        if scenario != Some(&row.scenario) {
+            scenario = Some(&row.scenario);
+            writeln!(
+                text,
+                "{} ({})\n  {:<18} {:>10} {:>8} {:>8} {:>8} {:>15} {:>8} {:>9} {:>9} {:>8}",
+                row.scenario,
+                row.mode,
+                "",
+                "outcome",
+                "min gap",
+                "min TTC",
+                "gap off",
+                "acceleration",
+                "jerk",
+                "law p50",
+                "law p99",
+                "missed",
+            )
+            .expect("a string takes all");
+        }
+        let control = &row.control.figures;
+        let number = |value: Option<f64>, unit: &str| {
+            value.map_or_else(|| "-".into(), |value| format!("{value:.1}{unit}"))
+        };
+        let range = match (control.min_accel_mps2, control.max_accel_mps2) {
+            (Some(low), Some(high)) => format!("{low:.2} to {high:.2}"),
+            _ => "-".into(),
+        };
+        let solve = row.timing.solve_us;
+        writeln!(
+            text,
+            "  {:<18} {:>10} {:>8} {:>8} {:>8} {:>15} {:>8} {:>9} {:>9} {:>8}",
+            row.controller,
+            print::outcome_word(row.outcome),
+            number(control.min_gap_m, " m"),
+            number(control.min_ttc_s, " s"),
+            number(control.final_gap_error_m, " m"),
+            range,
+            number(control.max_abs_jerk_mps3, ""),
+            number(solve.map(|p| p.p50), " µs"),
+            number(solve.map(|p| p.p99), " µs"),
+            row.timing.deadline_misses.map_or_else(|| "-".into(), |misses| misses.to_string()),
+        )
+        .expect("a string takes all");
+    }
+    text
+}

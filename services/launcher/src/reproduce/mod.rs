@@ -1,0 +1,143 @@
+//! `timegap reproduce`: a paper's scenarios through the real processes, its published figures beside
+//! ours.
+
+mod cacc;
+mod plot;
+mod quadratic_bounded;
+mod row;
+mod six_mode;
+
+use crate::cli::{GroupOptions, PaperName, ReproduceArguments, ScenarioOptions};
+use crate::error::Error;
+use crate::group::{Drive, Ended, GroupOutcome};
+use crate::output::OutputDirectory;
+use crate::run;
+use crate::summary::Summary;
+use indicatif::ProgressBar;
+use row::{Row, Verdict};
+use serde::Serialize;
+use shared::runtime::Mode;
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// The papers, in the order of their names.
+pub const PAPERS: [PaperName; 3] =
+    [PaperName::SixMode, PaperName::QuadraticBounded, PaperName::Cacc];
+
+#[derive(Debug, Serialize)]
+struct Reproduction {
+    schema_version: u32,
+    ok: bool,
+    papers: Vec<Paper>,
+}
+
+#[derive(Debug, Serialize)]
+struct Paper {
+    paper: &'static str,
+    rows: Vec<Row>,
+}
+
+/// Runs the command.
+pub fn run(arguments: &ReproduceArguments) -> Result<ExitCode, Error> {
+    let output = OutputDirectory::create(arguments.out.as_deref(), "reproduce")?;
+    let papers = arguments.paper.map_or(PAPERS.to_vec(), |paper| vec![paper]);
+    let mut runner = Runner::new(&arguments.group, &papers, arguments.json);
+    let mut done = Vec::new();
+    for name in papers {
+        let (rows, plots) = match name {
+            PaperName::SixMode => six_mode::reproduce(&mut runner)?,
+            PaperName::QuadraticBounded => quadratic_bounded::reproduce(&mut runner)?,
+            PaperName::Cacc => cacc::reproduce(&mut runner)?,
+        };
+        for (file, picture) in plots {
+            output.write(&file, picture.as_bytes())?;
+        }
+        done.push(Paper { paper: name.as_str(), rows });
+    }
+    runner.bar.finish_and_clear();
+    let ok = done.iter().flat_map(|paper| &paper.rows).all(|row| row.verdict() != Verdict::Outside);
+    let reproduction = Reproduction { schema_version: 1, ok, papers: done };
+    let json = serde_json::to_string_pretty(&reproduction).expect("plain data");
+    output.write("reproduce.json", (json.clone() + "\n").as_bytes())?;
+    if arguments.json {
+        println!("{json}");
+    } else {
+        for paper in &reproduction.papers {
+            print!("{}", row::table(paper.paper, &paper.rows));
+        }
+        println!("results: {}", output.path().display());
+    }
+    Ok(if ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// A scenario that was driven in lockstep.
+pub struct Driven {
+    /// What was heard of the drive.
+    pub drive: Drive,
+    /// Its summary.
+    pub summary: Summary,
+    /// Names of the law's figures in the drive.
+    pub figure_names: &'static [&'static str],
+}
+
+impl Driven {
+    /// One of the law's figures over the control cycles: (time in s, value).
+    pub fn figure(&self, name: &str) -> Vec<(f64, f64)> {
+        let index = self.figure_names.iter().position(|figure| *figure == name);
+        let index = index.expect("the law has a figure of this name");
+        self.drive
+            .steps
+            .iter()
+            .filter_map(|step| step.figures.map(|figures| (step.time_s, figures[index])))
+            .collect()
+    }
+}
+
+/// Drives scenarios in lockstep, one after the other, with a progress bar over all.
+pub struct Runner<'a> {
+    group: &'a GroupOptions,
+    bar: ProgressBar,
+}
+
+impl<'a> Runner<'a> {
+    fn new(group: &'a GroupOptions, papers: &[PaperName], quiet: bool) -> Self {
+        let runs = papers
+            .iter()
+            .map(|paper| match paper {
+                PaperName::SixMode => six_mode::RUNS,
+                PaperName::QuadraticBounded => quadratic_bounded::RUNS,
+                PaperName::Cacc => cacc::RUNS,
+            })
+            .sum();
+        let bar = run::count_bar(runs, quiet);
+        Self { group, bar }
+    }
+
+    /// Drives a built-in scenario with these keys set.
+    pub fn drive(&mut self, name: &str, keys: &[&str]) -> Result<Driven, Error> {
+        self.bar.set_message(name.to_owned());
+        let options = ScenarioOptions {
+            set: keys.iter().map(ToString::to_string).collect(),
+            ..ScenarioOptions::default()
+        };
+        let scenario = run::open(name, &options)?;
+        let begun = Instant::now();
+        let group = run::drive(&scenario, Mode::Lockstep, self.group, None, &mut |_| {})?;
+        orderly(&group)?;
+        let summary = Summary::new(&scenario, Mode::Lockstep, &group, begun.elapsed());
+        self.bar.inc(1);
+        let figure_names = controller::laws::figure_names(&scenario);
+        Ok(Driven { drive: group.drive, summary, figure_names })
+    }
+}
+
+/// A run that did not reach its end has no figures.
+fn orderly(group: &GroupOutcome) -> Result<(), Error> {
+    match &group.ended {
+        Ended::Orderly => Ok(()),
+        Ended::Interrupted => Err(Error::Interrupted),
+        Ended::Broken { service, how } => {
+            Err(Error::NotReady { service: *service, what: format!("ended before its time: {how}") })
+        }
+    }
+}
