@@ -23,6 +23,13 @@
 //!       = a_cah + b tanh((a_follow - a_cah) / b)       else          (their coolness c = 1)
 //! ```
 //!
+//! Both react late to a lead that brakes hard while the gap is still ample. Beyond a deceleration of
+//! 1 m/s² the driver therefore takes what the heuristic asks for, in full from 2 m/s² on:
+//!
+//! ```text
+//! a_driver = a_acc + clamp(-a_lead / (1 m/s²) - 1, 0, 1) min(0, a_cah - a_acc)
+//! ```
+//!
 //! It is explicit and always has an answer. The road controller rolls it out as its reference, and
 //! both laws fall back to it when no solution of a convex program is at hand.
 //!
@@ -105,7 +112,8 @@ impl Driver {
         } else {
             heuristic + b * libm::tanh((wanted - heuristic) / b)
         };
-        tempered.max(-self.hardest_mps2)
+        let heed = (-obstacle.acceleration_mps2 - 1.0).clamp(0.0, 1.0);
+        (tempered + heed * (heuristic - tempered).min(0.0)).max(-self.hardest_mps2)
     }
 
     /// Acceleration that just avoids a collision while the obstacle keeps its acceleration, m/s².
@@ -139,6 +147,22 @@ mod tests {
         };
         assert!(DRIVER.follow_mps2(15.0, 25.0, &lead).abs() < 1e-12);
         assert!(DRIVER.free_mps2(25.0, 25.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_lead_that_brakes_hard_is_heeded_at_once() {
+        let ample = Obstacle {
+            gap_m: 52.0,
+            speed_mps: 20.0,
+            acceleration_mps2: -3.8,
+            headway_s: 1.5,
+            standstill_m: 5.0,
+        };
+        // What stops 52 m later than a lead that needs 52.6 m: 434 / (2 (52 + 52.6)).
+        let needed = -20.8 * 20.8 / (2.0 * (52.0 + 400.0 / 7.6));
+        assert!((DRIVER.follow_mps2(20.8, 25.0, &ample) - needed).abs() < 1e-9);
+        let gentle = Obstacle { acceleration_mps2: -0.8, ..ample };
+        assert!(DRIVER.follow_mps2(20.8, 25.0, &gentle) > 0.0);
     }
 
     #[test]

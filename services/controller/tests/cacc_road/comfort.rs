@@ -61,36 +61,64 @@ impl Record {
     fn exists(&self, i: usize) -> bool {
         let here = &self.samples[i];
         let (v, a) = (here.ego.speed_mps, here.ego.acceleration_mps2);
-        if !self.clear_of_lead(i, COMFORTABLE_MPS2) {
+        if !self.clear_of_lead(i, COMFORTABLE_MPS2, usize::MAX) {
             return false;
         }
         let Some((distance, red_in)) = here.line else { return true };
         if stop(v, a, COMFORTABLE_MPS2) <= distance - LINE_M {
             return true;
         }
-        red_in.is_some_and(|left| v * left >= distance + LINE_M) && self.clear_of_lead(i, 0.0)
+        let crossing = (distance / (v.max(0.1) * PERIOD_S)).ceil() as usize;
+        red_in.is_some_and(|left| v * left >= distance + LINE_M)
+            && self.clear_of_lead(i, 0.0, crossing)
     }
 
-    /// Whether a constant request keeps clear of the lead as it really drove.
-    fn clear_of_lead(&self, i: usize, u: f64) -> bool {
+    /// Whether a constant request keeps clear of the lead as it really drove, and as it was to be
+    /// expected: going on as at the event. Who brakes gently because a lead that brakes hard will change
+    /// its mind is not comfortable but lucky. Clear for so many steps is enough.
+    fn clear_of_lead(&self, i: usize, u: f64, steps: usize) -> bool {
         let Some(lead) = self.samples[i].lead else { return true };
-        let mut ego = self.samples[i].ego;
-        for later in &self.samples[i..] {
-            let Some(now) = later.lead.filter(|now| now.track == lead.track) else { return true };
-            let gap = now.position_m - ego.position_m;
-            let (v, a) = (ego.speed_mps, ego.acceleration_mps2);
-            if gap < GAP_M || !survives(v, a, gap, now.speed_mps, GAP_M) {
-                return false;
-            }
-            if v <= 0.0 {
-                return true;
-            }
-            let next = (v + PERIOD_S * a).max(0.0);
-            ego.position_m += 0.5 * PERIOD_S * (v + next);
-            ego.speed_mps = next;
-            ego.acceleration_mps2 += PERIOD_S / 0.5 * (u - a);
-        }
-        // The record ends before the reference stands: not shown.
-        false
+        let real = self.samples[i..].iter().map(|later| later.lead);
+        let mut expected = lead;
+        let on = std::iter::repeat_with(|| {
+            let now = expected;
+            let a = now.acceleration_mps2.min(0.0);
+            expected.speed_mps = (now.speed_mps + PERIOD_S * a).max(0.0);
+            expected.position_m += 0.5 * PERIOD_S * (now.speed_mps + expected.speed_mps);
+            Some(now)
+        });
+        let ego = self.samples[i].ego;
+        keeps_clear(ego, lead.track, real, u, steps)
+            && keeps_clear(ego, lead.track, on.take(600), u, steps)
     }
+}
+
+/// Whether a constant request keeps clear of a lead until it is gone, the ego stands or the steps are over.
+fn keeps_clear(
+    mut ego: Ego,
+    track: u32,
+    leads: impl Iterator<Item = Option<Lead>>,
+    u: f64,
+    steps: usize,
+) -> bool {
+    for (step, lead) in leads.enumerate() {
+        if step >= steps {
+            return true;
+        }
+        let Some(now) = lead.filter(|now| now.track == track) else { return true };
+        let gap = now.position_m - ego.position_m;
+        let (v, a) = (ego.speed_mps, ego.acceleration_mps2);
+        if gap < GAP_M || !survives(v, a, gap, now.speed_mps, GAP_M) {
+            return false;
+        }
+        if v <= 0.0 {
+            return true;
+        }
+        let next = (v + PERIOD_S * a).max(0.0);
+        ego.position_m += 0.5 * PERIOD_S * (v + next);
+        ego.speed_mps = next;
+        ego.acceleration_mps2 += PERIOD_S / 0.5 * (u - a);
+    }
+    // The record ends before the reference stands: not shown.
+    false
 }
