@@ -1,6 +1,7 @@
 //! Which law a scenario asks for, and with what parameters.
 
 use crate::cacc::config::{Config, ConfigError, SolverKind, SpacingPolicy};
+use crate::cacc::road::RoadConfig;
 use crate::cacc::weights::{WeightSet, Weights};
 use crate::cacc::{self, BuildError};
 use crate::law::Law;
@@ -114,7 +115,8 @@ fn read_table<T: DeserializeOwned>(table: &toml::Table, path: &str) -> Result<T,
 
 /// The predictive laws' settings from the scenario's keys.
 fn predictive_config(controller: &Controller) -> Result<Config, Problem> {
-    let road = read_table(&controller.road, "controller.road")?;
+    let mut road: RoadConfig = read_table(&controller.road, "controller.road")?;
+    road.standstill_gap_m = controller.standstill_distance_m.value();
     let weights = &controller.weights;
     Ok(Config {
         spacing_policy: match controller.spacing_policy {
@@ -158,7 +160,7 @@ fn config_problem(error: &ConfigError) -> Problem {
         "horizon_steps" => "horizon",
         "step_s" => "period_ms",
         "actuator_lag_s" => "model_time_constant_s",
-        "buffer_m" => "standstill_distance_m",
+        "buffer_m" | "road.standstill_gap_m" => "standstill_distance_m",
         other => other,
     };
     let expected = match error {

@@ -26,6 +26,8 @@ pub enum Command {
     Reproduce(ReproduceArguments),
     /// Controllers side by side on the same scenarios
     Compare(CompareArguments),
+    /// Design a controller offline (cargo feature `synthesize`)
+    Synthesize(SynthesizeArguments),
     /// List the scenarios and controllers
     List(ListArguments),
     /// Run one service; started by the launcher
@@ -143,6 +145,29 @@ pub struct CompareArguments {
     /// Print the rows as JSON, and nothing else, on standard output
     #[arg(long)]
     pub json: bool,
+}
+
+/// Arguments of `synthesize`.
+#[derive(Debug, Args)]
+pub struct SynthesizeArguments {
+    /// Which controller
+    #[arg(value_enum)]
+    pub controller: DesignName,
+    /// Parameters, TOML (see services/controller/designs/quadratic-bounded.toml)
+    pub file: PathBuf,
+    /// Where to write the design
+    #[arg(long, value_name = "FILE", default_value = "design.json")]
+    pub out: PathBuf,
+    /// Print the design as JSON, and nothing else, on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A controller that is designed offline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DesignName {
+    /// Gao, Yan, Li, Hu 2015.
+    QuadraticBounded,
 }
 
 /// Clock by name.

@@ -10,6 +10,7 @@ mod print;
 mod reproduce;
 mod run;
 mod summary;
+mod synthesize;
 mod trajectory;
 
 use clap::Parser;
@@ -27,6 +28,7 @@ pub fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
+        Command::Synthesize(arguments) => synthesize::run(&arguments),
         Command::List(arguments) => list::run(&arguments),
         Command::Service(arguments) => service(&arguments),
     };

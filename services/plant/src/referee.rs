@@ -8,7 +8,7 @@
 //! papers' figures are.
 
 use shared::scenario::Scenario;
-use shared::scenario::controller::SpacingPolicy;
+use shared::scenario::controller::{ControllerName, SpacingPolicy};
 use shared::scenario::v2x::Phase;
 
 use crate::gateway::Ahead;
@@ -96,16 +96,49 @@ pub struct Figures {
 /// Watches one run.
 #[derive(Clone, Debug)]
 pub struct Referee {
-    time_headway_s: f64,
-    standstill_distance_m: f64,
+    desired: DesiredGap,
     set_speed_mps: f64,
-    /// Desired gap where the policy freezes it, m.
-    frozen_gap_m: Option<f64>,
     last: Option<Sample>,
     signals: [Option<SignalTruth>; MAX_SIGNALS],
     first_signal: Option<u32>,
     violation: Option<Violation>,
     figures: Figures,
+}
+
+/// The gap that the scenario's law aims at, as far as the scenario tells.
+#[derive(Clone, Copy, Debug)]
+enum DesiredGap {
+    /// t_h v + d_b of the start, frozen, m.
+    Frozen(f64),
+    /// t_h v + d_b: t_h in s, d_b in m.
+    Headway(f64, f64),
+    /// Known to the law alone.
+    Unknown,
+}
+
+impl DesiredGap {
+    fn of(scenario: &Scenario) -> Self {
+        let controller = &scenario.controller;
+        let headway_s = controller.time_headway_s.value();
+        let standstill_m = controller.standstill_distance_m.value();
+        match (controller.name, controller.spacing_policy) {
+            (ControllerName::SixMode | ControllerName::QuadraticBounded, _) => Self::Unknown,
+            (_, SpacingPolicy::ConstantDistance) => {
+                Self::Frozen(headway_s * scenario.plant.initial_speed_mps.value() + standstill_m)
+            }
+            (_, SpacingPolicy::MeasuredHeadway | SpacingPolicy::ConstantTimeHeadway) => {
+                Self::Headway(headway_s, standstill_m)
+            }
+        }
+    }
+
+    fn at(self, speed_mps: f64) -> Option<f64> {
+        match self {
+            Self::Frozen(gap_m) => Some(gap_m),
+            Self::Headway(headway_s, standstill_m) => Some(headway_s * speed_mps + standstill_m),
+            Self::Unknown => None,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -118,17 +151,9 @@ impl Referee {
     /// A referee at the start of a run.
     #[must_use]
     pub fn new(scenario: &Scenario) -> Self {
-        let controller = &scenario.controller;
-        let time_headway_s = controller.time_headway_s.value();
-        let standstill_distance_m = controller.standstill_distance_m.value();
-        let initial_speed_mps = scenario.plant.initial_speed_mps.value();
-        let frozen = controller.spacing_policy == SpacingPolicy::ConstantDistance;
         Self {
-            time_headway_s,
-            standstill_distance_m,
+            desired: DesiredGap::of(scenario),
             set_speed_mps: scenario.set_speed_mps.value(),
-            frozen_gap_m: frozen
-                .then_some(time_headway_s * initial_speed_mps + standstill_distance_m),
             last: None,
             signals: [None; MAX_SIGNALS],
             first_signal: None,
@@ -200,10 +225,9 @@ impl Referee {
             return None;
         };
         let closing = speed - ahead.speed_mps;
-        let desired =
-            self.frozen_gap_m.unwrap_or(self.time_headway_s * speed + self.standstill_distance_m);
+        let desired = self.desired.at(speed);
         let figures = &mut self.figures;
-        figures.final_gap_error_m = Some(ahead.gap_m - desired);
+        figures.final_gap_error_m = desired.map(|desired| ahead.gap_m - desired);
         figures.final_speed_error_mps = Some(closing);
         figures.min_gap_m = smaller(figures.min_gap_m, ahead.gap_m);
         if closing > MIN_CLOSING_MPS {

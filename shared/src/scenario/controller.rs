@@ -67,7 +67,7 @@ impl Default for Controller {
             solver: Solver::Riccati,
             horizon: Steps::of(100),
             time_headway_s: TimeConstant::of(1.5),
-            standstill_distance_m: Length::of(12.0),
+            standstill_distance_m: Length::of(5.0),
             model_time_constant_s: TimeConstant::of(0.5),
             min_request_mps2: Acceleration::of(-4.9),
             max_request_mps2: Acceleration::of(4.9),

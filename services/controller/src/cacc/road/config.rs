@@ -9,6 +9,7 @@ use crate::cacc::config::{ConfigError, in_range};
 #[serde(deny_unknown_fields, default)]
 pub struct RoadConfig {
     /// Desired gap to a standing lead, m.
+    #[serde(skip)]
     pub standstill_gap_m: f64,
     /// Gap that is never given up knowingly, m.
     pub min_gap_m: f64,
