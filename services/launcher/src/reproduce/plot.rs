@@ -57,7 +57,11 @@ fn draw(
             .y_label_area_size(60)
             .build_cartesian_2d(0.0..until, low..high)?;
         let mut mesh = chart.configure_mesh();
-        mesh.y_desc(*label).light_line_style(WHITE).axis_desc_style(("sans-serif", 14));
+        mesh.y_desc(*label)
+            .y_labels(7)
+            .y_label_formatter(&|value| format!("{}", (value * 100.0).round() / 100.0))
+            .light_line_style(WHITE)
+            .axis_desc_style(("sans-serif", 14));
         if index + 1 == panels.len() {
             mesh.x_desc("time, s");
         }
@@ -83,6 +87,8 @@ fn draw(
 
 /// Range of the values with a margin, never empty.
 fn range(curves: &[Curve]) -> (f64, f64) {
+    // Room for the legend above the curves.
+    let legend = if curves.len() > 1 { 0.35 } else { 0.0 };
     let values = || curves.iter().flat_map(|curve| &curve.points).map(|point| point.1);
     let low = values().fold(f64::INFINITY, f64::min);
     let high = values().fold(f64::NEG_INFINITY, f64::max);
@@ -90,7 +96,7 @@ fn range(curves: &[Curve]) -> (f64, f64) {
         return (0.0, 1.0);
     }
     let margin = (0.08 * (high - low)).max(0.1);
-    (low - margin, high + margin)
+    (low - margin, high + margin + legend * (high - low))
 }
 
 #[cfg(test)]
