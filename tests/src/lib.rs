@@ -107,7 +107,9 @@ impl Corner {
         let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
         let ids: Vec<_> = roots
             .iter()
-            .filter_map(|root| root.file_name().map(|id| format!("timegap_{}_", id.to_string_lossy())))
+            .filter_map(|root| {
+                root.file_name().map(|id| format!("timegap_{}_", id.to_string_lossy()))
+            })
             .collect();
         names.filter(|name| ids.iter().any(|id| name.starts_with(id.as_str()))).collect()
     }
@@ -117,9 +119,7 @@ impl Corner {
     /// # Panics
     /// When something is still there after [`PATIENCE`].
     pub fn expect_nothing_left(&self, roots: &[PathBuf]) {
-        let left = || {
-            (self.processes(), self.roots(), Self::shared_memory(roots))
-        };
+        let left = || (self.processes(), self.roots(), Self::shared_memory(roots));
         let gone = wait_for(|| {
             let (processes, roots, memory) = left();
             processes.is_empty() && roots.is_empty() && memory.is_empty()

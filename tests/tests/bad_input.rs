@@ -43,17 +43,19 @@ fn scenario_files() {
     refused(&["run", "no-such"], 2, &["no-such", "cacc-a"]);
     refused(&["run", "./no-such.toml"], 2, &["no-such.toml"]);
     refused_scenario("[plant]\nperiod_ms = -10\n", &["mine.toml:5:13", "^", "1 to 10000"]);
-    refused_scenario("[plant]\npowertrain = { mass_kg = 0, max_power_kw = 90 }\n", &[
-        "mine.toml:5", "^", "100 to 100000 kg",
-    ]);
+    refused_scenario(
+        "[plant]\npowertrain = { mass_kg = 0, max_power_kw = 90 }\n",
+        &["mine.toml:5", "^", "100 to 100000 kg"],
+    );
     refused_scenario("set_speed_mps = nan\n", &["mine.toml:4:17", "^", "0 to 100 m/s"]);
     refused_scenario("set_speed = 20\n", &["mine.toml:4:1", "^", "set_speed_mps"]);
     refused_scenario("[controller]\nname = \"pid\"\n", &["mine.toml:5:8", "^", "cacc-mpc"]);
     refused_scenario("[controller\n", &["mine.toml:4", "^"]);
     refused_scenario("[perception]\nperiod_ms = 15\n", &["mine.toml:5", "^", "multiple"]);
-    refused_scenario("[controller]\nname = \"six-mode\"\nsix_mode = { braking_mps2 = -1 }\n", &[
-        "mine.toml:6", "^", "braking_mps2",
-    ]);
+    refused_scenario(
+        "[controller]\nname = \"six-mode\"\nsix_mode = { braking_mps2 = -1 }\n",
+        &["mine.toml:6", "^", "braking_mps2"],
+    );
     refused_scenario("schema_version = 2\n", &["mine.toml"]);
 }
 
@@ -77,7 +79,11 @@ fn output_directories() {
 
 #[test]
 fn a_service_that_exits_at_once() {
-    refused(&["run", "--service", "controller=/bin/true"], 3, &["controller", "before it was ready"]);
+    refused(
+        &["run", "--service", "controller=/bin/true"],
+        3,
+        &["controller", "before it was ready"],
+    );
     refused(&["run", "--service", "plant=/no/such/program"], 2, &["/no/such/program"]);
 }
 
@@ -108,7 +114,9 @@ fn a_foreign_base_directory() {
 #[test]
 fn full_shared_memory() {
     let script = |size: &str| {
-        format!("mount -t tmpfs -o size={size} none /dev/shm && exec \"$0\" run cacc-a --mode lockstep")
+        format!(
+            "mount -t tmpfs -o size={size} none /dev/shm && exec \"$0\" run cacc-a --mode lockstep"
+        )
     };
     let corner = Corner::new(PROGRAM);
     let run = |size: &str| {

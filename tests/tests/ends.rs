@@ -122,9 +122,8 @@ fn a_dead_runs_leftovers_are_removed_by_the_next() {
 fn two_runs_at_once_do_not_disturb_each_other() {
     let corner = Corner::new(PROGRAM);
     let alone = corner.json(&["run", "cut-in", "--mode", "lockstep", "--duration", "20"]);
-    let start = || {
-        corner.start(&["run", "cut-in", "--mode", "lockstep", "--duration", "20", "--json"])
-    };
+    let start =
+        || corner.start(&["run", "cut-in", "--mode", "lockstep", "--duration", "20", "--json"]);
     let both = [start(), start()];
     for child in both {
         let output = finished(child);

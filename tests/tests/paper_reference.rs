@@ -7,7 +7,14 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 fn compare(scenario: &str, controller: &str, reference: &str) {
     let corner = Corner::new(PROGRAM);
     let _ = corner.json(&[
-        "run", scenario, "--mode", "lockstep", "--controller", controller, "--out", "out",
+        "run",
+        scenario,
+        "--mode",
+        "lockstep",
+        "--controller",
+        controller,
+        "--out",
+        "out",
     ]);
     let ours = std::fs::read_to_string(corner.path().join("out/trajectory.csv")).expect("written");
     let ours = csv(&ours, &["time_s", "position_m", "speed_mps"]);

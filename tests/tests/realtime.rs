@@ -32,7 +32,8 @@ fn a_realtime_run_is_measured_whole() {
     // The plant looks ten times for each command.
     assert!(timing["data_age_us"]["count"].as_u64() > Some(count));
     for figure in ["reaction_time_us", "data_age_us", "solve_us", "release_jitter_us"] {
-        let order = ["p50", "p90", "p99", "p999", "p9999", "max"].map(|p| number(&timing[figure][p]));
+        let order =
+            ["p50", "p90", "p99", "p999", "p9999", "max"].map(|p| number(&timing[figure][p]));
         assert!(order.windows(2).all(|pair| pair[0] <= pair[1] * 1.01), "{figure}: {order:?}");
     }
 
@@ -57,7 +58,14 @@ fn the_loops_allocate_nothing_of_their_own() {
     for mode in ["realtime", "lockstep"] {
         for controller in ["acc-mpc", "cacc-mpc", "six-mode", "quadratic-bounded"] {
             let summary = corner.json(&[
-                "run", "corridor", "--mode", mode, "--duration", "1", "--controller", controller,
+                "run",
+                "corridor",
+                "--mode",
+                mode,
+                "--duration",
+                "1",
+                "--controller",
+                controller,
             ]);
             let sent = |topic: &str| summary["messages"][topic]["sent"].as_u64().expect("counted");
             let beats = sent("health/heartbeat") / 4;
@@ -70,7 +78,11 @@ fn the_loops_allocate_nothing_of_their_own() {
                 let services = summary["services"].as_array().expect("services");
                 let found = services.iter().find(|found| found["name"] == service);
                 let allocations = &found.expect("every service is listed")["allocations_in_loop"];
-                assert_eq!(allocations.as_u64(), Some(own + beats), "{mode} {controller} {service}");
+                assert_eq!(
+                    allocations.as_u64(),
+                    Some(own + beats),
+                    "{mode} {controller} {service}"
+                );
             }
         }
     }

@@ -70,7 +70,10 @@ fn cacc() {
         }
     }
     let crossing = find("joint", "A.cacc.cross_s");
-    assert_eq!((crossing["paper"].as_f64(), crossing["tolerance"].as_f64()), (Some(4.0), Some(0.25)));
+    assert_eq!(
+        (crossing["paper"].as_f64(), crossing["tolerance"].as_f64()),
+        (Some(4.0), Some(0.25))
+    );
 }
 
 #[test]
@@ -80,7 +83,9 @@ fn compare_puts_all_controllers_on_the_same_scenarios() {
     let rows = result["rows"].as_array().expect("a list");
     let names: Vec<_> = rows
         .iter()
-        .map(|row| format!("{} {}", row["scenario"].as_str().unwrap(), row["controller"].as_str().unwrap()))
+        .map(|row| {
+            format!("{} {}", row["scenario"].as_str().unwrap(), row["controller"].as_str().unwrap())
+        })
         .collect();
     let mut expected = Vec::new();
     for scenario in ["following", "cut-in"] {

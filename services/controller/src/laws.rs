@@ -17,7 +17,9 @@ use shared::scenario::{Problem, Scenario};
 #[must_use]
 pub fn describe(name: ControllerName) -> &'static str {
     match name {
-        ControllerName::AccMpc => "predictive following, blind to signals (He et al. 2024, baseline)",
+        ControllerName::AccMpc => {
+            "predictive following, blind to signals (He et al. 2024, baseline)"
+        }
         ControllerName::CaccMpc => {
             "predictive following through signalised intersections (He et al. 2024)"
         }
@@ -56,10 +58,7 @@ pub fn figure_names(scenario: &Scenario) -> &'static [&'static str] {
     build(scenario).map_or(&[], |law| law.figure_names())
 }
 
-fn predictive(
-    which: cacc::Controller,
-    controller: &Controller,
-) -> Result<Box<dyn Law>, Problem> {
+fn predictive(which: cacc::Controller, controller: &Controller) -> Result<Box<dyn Law>, Problem> {
     let config = predictive_config(controller)?;
     match cacc::build(which, &config) {
         Ok(law) => Ok(law),

@@ -79,7 +79,7 @@ fn ego_at(odometry: &Odometry, time_s: f64) -> Ego {
 fn target_at(radar: &RadarTracks, time_s: f64) -> Option<Target> {
     let target = &radar.target;
     let age_s = age_s(radar.header.acquisition_ns, time_s);
-    (target.valid != 0).then(|| Target {
+    (target.valid != 0).then_some(Target {
         track_id: target.track_id,
         gap_m: target.gap_m + target.relative_speed_mps * age_s,
         relative_speed_mps: target.relative_speed_mps,

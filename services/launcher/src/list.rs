@@ -13,7 +13,10 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
         let found = builtin::ALL.iter().find(|builtin| builtin.name == name);
         let builtin = found.ok_or_else(|| {
             let names: Vec<_> = builtin::ALL.iter().map(|builtin| builtin.name).collect();
-            Error::Usage(format!("no built-in scenario `{name}`, expected one of {}", names.join(", ")))
+            Error::Usage(format!(
+                "no built-in scenario `{name}`, expected one of {}",
+                names.join(", ")
+            ))
         })?;
         print!("{}", builtin.text);
         return Ok(ExitCode::SUCCESS);

@@ -61,9 +61,9 @@ fn drive(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
         let ttc = control
             .min_ttc_s
             .map_or_else(String::new, |ttc| format!(", time to collision at least {ttc:.1} s"));
-        let end = control
-            .final_gap_error_m
-            .map_or_else(String::new, |error| format!(", off the desired one by {error:.2} m at the end"));
+        let end = control.final_gap_error_m.map_or_else(String::new, |error| {
+            format!(", off the desired one by {error:.2} m at the end")
+        });
         line("gap", format!("at least {gap:.1} m{end}{ttc}"));
     }
     if let (Some(low), Some(high)) = (control.min_accel_mps2, control.max_accel_mps2) {
@@ -137,10 +137,7 @@ fn machine(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
         } else {
             format!("; not granted: {}", granted.refused.join(", "))
         };
-        line(
-            service.name,
-            format!("{}, {core}, {locked}, {rss:.1} MiB{refused}", granted.granted),
-        );
+        line(service.name, format!("{}, {core}, {locked}, {rss:.1} MiB{refused}", granted.granted));
     }
 }
 

@@ -12,8 +12,11 @@ pub fn run(arguments: &SynthesizeArguments) -> Result<ExitCode, Error> {
 
     let DesignName::QuadraticBounded = arguments.controller;
     let path = &arguments.file;
-    let text = std::fs::read_to_string(path)
-        .map_err(|reason| Error::Path { action: "read", path: path.clone(), reason })?;
+    let text = std::fs::read_to_string(path).map_err(|reason| Error::Path {
+        action: "read",
+        path: path.clone(),
+        reason,
+    })?;
     let usage = |error: SynthesisError| Error::Usage(format!("{}: {error}", path.display()));
     let request = DesignRequest::from_toml(&text).map_err(usage)?;
     let synthesis = match synthesize(&request) {
@@ -25,8 +28,11 @@ pub fn run(arguments: &SynthesizeArguments) -> Result<ExitCode, Error> {
         Err(error) => return Err(usage(error)),
     };
     let json = synthesis.design.to_json();
-    std::fs::write(&arguments.out, &json)
-        .map_err(|reason| Error::Path { action: "write", path: arguments.out.clone(), reason })?;
+    std::fs::write(&arguments.out, &json).map_err(|reason| Error::Path {
+        action: "write",
+        path: arguments.out.clone(),
+        reason,
+    })?;
     if arguments.json {
         println!("{json}");
         return Ok(ExitCode::SUCCESS);

@@ -21,8 +21,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     let mut odometry = runtime.subscriber::<Odometry>()?;
     let mut tracks = runtime.publisher::<RadarTracks>()?;
     let mut truth = runtime.publisher::<VehicleTruth>()?;
-    let start =
-        Ego { speed_mps: scenario.plant.initial_speed_mps.value(), ..Ego::default() };
+    let start = Ego { speed_mps: scenario.plant.initial_speed_mps.value(), ..Ego::default() };
     runtime.begin(&scenario)?;
     runtime.run_cycles(|runtime| {
         let Some(release) = runtime.next_release(Overrun::Skip) else { return Ok(Cycle::Last) };

@@ -119,8 +119,7 @@ impl Plant {
             next_phase: Phase::Red,
         };
         let mut signals = [DARK; MAX_SIGNALS];
-        let count =
-            self.signals.newest().map_or(0, |newest| truth::signals(newest, &mut signals));
+        let count = self.signals.newest().map_or(0, |newest| truth::signals(newest, &mut signals));
         let state = self.vehicle.state();
         let ahead = (self.vehicles.newest())
             .and_then(|newest| truth::ahead(newest, state.position_m, release.time_s));

@@ -38,7 +38,8 @@ pub(crate) fn signals(
     into: &mut [SignalTruth; MAX_SIGNALS],
 ) -> usize {
     let count = usize::try_from(truth.count).map_or(0, |count| count.min(truth.lanes.len()));
-    for ((lane, signal), place) in truth.lanes.iter().zip(&truth.signals).zip(&mut *into).take(count)
+    for ((lane, signal), place) in
+        truth.lanes.iter().zip(&truth.signals).zip(&mut *into).take(count)
     {
         let [now, next] = [signal.intervals[0], signal.intervals[1]];
         *place = SignalTruth {

@@ -56,8 +56,7 @@ pub struct Origins {
 
 impl Origins {
     /// No inputs, as in a message that starts a chain.
-    pub const NONE: Self =
-        Self { odometry: Origin::NONE, radar: Origin::NONE, spat: Origin::NONE };
+    pub const NONE: Self = Self { odometry: Origin::NONE, radar: Origin::NONE, spat: Origin::NONE };
 }
 
 /// What every message starts with.

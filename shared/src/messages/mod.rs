@@ -31,7 +31,9 @@ mod vehicle;
 pub use control::{Command, Diagnostics, FIGURES, PLAN_LEN};
 pub use header::{Header, Origin, Origins};
 pub use health::{Heartbeat, ServiceState};
-pub use perception::{MAX_TRACKS, RadarTracks, Track, TrackedTarget, VehicleTruth, VehicleTruthItem};
+pub use perception::{
+    MAX_TRACKS, RadarTracks, Track, TrackedTarget, VehicleTruth, VehicleTruthItem,
+};
 pub use topic::{LAYOUT_VERSION, Message, TOPICS, Topic};
 pub use v2x::{
     Interval, Lane, MAX_INTERVALS, MAX_LANES, MAX_SIGNALS, Map, PhaseState, Signal, SignalTruth,

@@ -52,7 +52,7 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// A clock whose steps are `step_ns` long; run time begins when [`Clock::start`] is called.
+    /// A clock whose steps are `step_ns` long; run time begins when the group starts.
     #[must_use]
     pub fn new(mode: Mode, step_ns: i64) -> Self {
         Self { mode, step_ns, start_ns: Cell::new(monotonic_ns()), step: Cell::new(0) }

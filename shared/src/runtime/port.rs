@@ -125,7 +125,11 @@ impl<T: Message> Subscriber<T> {
     }
 
     /// Takes all samples up to `step`, calling `each` on every one in order.
-    pub(super) fn drain(&mut self, step: u64, mut each: impl FnMut(&T)) -> Result<(), RuntimeError> {
+    pub(super) fn drain(
+        &mut self,
+        step: u64,
+        mut each: impl FnMut(&T),
+    ) -> Result<(), RuntimeError> {
         loop {
             let sample = match self.ahead.take() {
                 Some(sample) => sample,
@@ -193,9 +197,9 @@ impl<T: Message> Subscriber<T> {
     /// Waits for a notification, at most for `timeout`.
     pub(super) fn wait(&mut self, timeout: Duration) -> Result<(), RuntimeError> {
         let listener = self.listener.as_ref().expect("whoever waits has a listener");
-        listener.timed_wait(|_| {}, timeout).map(|_| ()).map_err(|e| RuntimeError::Receive {
-            topic: T::TOPIC,
-            reason: format!("{e:?}"),
-        })
+        listener
+            .timed_wait(|_| {}, timeout)
+            .map(|_| ())
+            .map_err(|e| RuntimeError::Receive { topic: T::TOPIC, reason: format!("{e:?}") })
     }
 }

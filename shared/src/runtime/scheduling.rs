@@ -68,8 +68,7 @@ impl Request {
     }
 
     /// Nothing: for runs in simulated time, which share the machine.
-    pub(super) const NOTHING: Self =
-        Self { policy: Policy::Other, core: None, lock_memory: false };
+    pub(super) const NOTHING: Self = Self { policy: Policy::Other, core: None, lock_memory: false };
 }
 
 /// What a service got, read back from the kernel.

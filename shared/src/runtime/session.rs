@@ -9,8 +9,8 @@ use super::{
 };
 use crate::Service;
 use crate::messages::{Header, Heartbeat, Message, Origins, ServiceState, Topic};
-use crate::scenario::Scenario;
 use crate::report::{Details, ServiceReport};
+use crate::scenario::Scenario;
 use crate::statistics::Latencies;
 use std::cell::RefCell;
 use std::path::Path;

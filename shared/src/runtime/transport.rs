@@ -5,11 +5,11 @@ use super::{Group, Mode, RuntimeError, Timetable};
 use crate::Service;
 use crate::messages::{LAYOUT_VERSION, Message, TOPICS, Topic};
 use iceoryx2::config::Config;
+use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::port::{BackpressureAction, listener::Listener, notifier::Notifier};
 use iceoryx2::prelude::*;
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
 use iceoryx2::service::port_factory::{event, publish_subscribe};
-use iceoryx2::port::update_connections::UpdateConnections;
 use std::fmt::Debug;
 use std::rc::Rc;
 
@@ -128,8 +128,7 @@ impl Transport {
     /// # Errors
     /// [`RuntimeError::Node`] if the root is not usable or shared memory is not to be had.
     pub(super) fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
-        let error =
-            |reason: String| RuntimeError::Node { root: group.root.clone(), reason };
+        let error = |reason: String| RuntimeError::Node { root: group.root.clone(), reason };
         let config = domain(group).map_err(error)?;
         let name = NodeName::new(name).map_err(|e| error(format!("{e:?}")))?;
         let node = NodeBuilder::new()
@@ -170,7 +169,10 @@ impl Transport {
 
     /// Creates the publisher of `T`'s topic. In lockstep it waits while a subscriber's buffer is
     /// full, unless the run was aborted.
-    pub(crate) fn publisher<T: Message>(&self, end: End) -> Result<Rc<dyn Sender<T>>, RuntimeError> {
+    pub(crate) fn publisher<T: Message>(
+        &self,
+        end: End,
+    ) -> Result<Rc<dyn Sender<T>>, RuntimeError> {
         let port = self
             .topic::<T>()?
             .publisher_builder()
@@ -230,9 +232,7 @@ fn domain(group: &Group) -> Result<Config, String> {
     let root = group.root.to_str().ok_or("the path is not UTF-8")?;
     config.global.prefix =
         FileName::new(group.prefix.as_bytes()).map_err(|e| format!("prefix: {e:?}"))?;
-    config
-        .global
-        .set_root_path(&Path::new(root.as_bytes()).map_err(|e| format!("path: {e:?}"))?);
+    config.global.set_root_path(&Path::new(root.as_bytes()).map_err(|e| format!("path: {e:?}"))?);
     Ok(config)
 }
 

@@ -46,9 +46,7 @@ impl Process {
             .process_group(group);
         inherit_only(&mut command, root.lock());
         let mut child = command.spawn().map_err(|e| match program {
-            Some(program) => {
-                Error::Path { action: "start", path: program.clone(), reason: e }
-            }
+            Some(program) => Error::Path { action: "start", path: program.clone(), reason: e },
             None => Error::Machine(format!("cannot start {service}: {e}")),
         })?;
         let orders = child.stdin.take();

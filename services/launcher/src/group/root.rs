@@ -31,11 +31,8 @@ impl RunRoot {
     pub fn create() -> Result<Self, Error> {
         let base = base()?;
         sweep(&base);
-        let id = format!(
-            "{:x}-{:x}",
-            std::process::id(),
-            shared::runtime::monotonic_ns() & 0xff_ffff
-        );
+        let id =
+            format!("{:x}-{:x}", std::process::id(), shared::runtime::monotonic_ns() & 0xff_ffff);
         let path = base.join(&id);
         let error = |reason| Error::Path { action: "create", path: path.clone(), reason };
         DirBuilder::new().mode(0o700).create(&path).map_err(error)?;
@@ -74,9 +71,8 @@ pub fn open_lock(root: &Path) -> io::Result<File> {
 /// Checks that shared memory has room for `needed` bytes: a page that cannot be had later would end
 /// the process that touches it.
 pub fn check_room(needed: u64) -> Result<(), Error> {
-    let found = rustix::fs::statvfs(SHARED_MEMORY).map_err(|e| {
-        Error::Machine(format!("{SHARED_MEMORY} is needed for shared memory: {e}"))
-    })?;
+    let found = rustix::fs::statvfs(SHARED_MEMORY)
+        .map_err(|e| Error::Machine(format!("{SHARED_MEMORY} is needed for shared memory: {e}")))?;
     let free = found.f_bavail * found.f_frsize;
     if free >= needed {
         return Ok(());

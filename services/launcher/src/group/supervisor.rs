@@ -173,7 +173,8 @@ impl Supervisor<'_> {
         // connected loses messages instead of holding their sender up.
         log.drain()?;
 
-        let delay = i64::try_from(self.launch.start_delay.as_nanos()).expect("start delays are short");
+        let delay =
+            i64::try_from(self.launch.start_delay.as_nanos()).expect("start delays are short");
         let start_ns = monotonic_ns() + delay;
         self.order_all(&ToService::Start(StartOrder { start_ns }));
         let _live = self.launch.live_file.as_deref().map(|path| LiveFile::write(path, &self.group));
@@ -195,13 +196,18 @@ impl Supervisor<'_> {
         while let Some(&first) = waiting.first() {
             let left = self.launch.ready_timeout.saturating_sub(spawned.elapsed());
             match self.events.recv_timeout(left) {
-                Ok(Event::Said(service, FromService::Ready(_))) => waiting.retain(|s| *s != service),
+                Ok(Event::Said(service, FromService::Ready(_))) => {
+                    waiting.retain(|s| *s != service)
+                }
                 Ok(Event::Said(service, FromService::Failed(reason))) => {
                     return Err(Error::NotReady { service, what: format!("failed: {reason}") });
                 }
                 Ok(Event::Gone(service)) => {
                     let what = format!("ended before it was ready ({})", self.how(service));
-                    return Err(Error::NotReady { service, what: what + &self.last_words(service) });
+                    return Err(Error::NotReady {
+                        service,
+                        what: what + &self.last_words(service),
+                    });
                 }
                 Ok(Event::Signal) => return Err(Error::Interrupted),
                 Ok(Event::Wrote(service, line)) => self.wrote.push((service, line)),

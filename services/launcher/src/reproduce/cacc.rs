@@ -111,8 +111,16 @@ impl Recorded {
     }
 
     fn trajectory(&self) -> Trajectory<'_> {
-        let [time_s, position_m, speed_mps, acceleration_mps2, request_mps2, gap_error_m, speed_error_mps, gap_m] =
-            &self.columns;
+        let [
+            time_s,
+            position_m,
+            speed_mps,
+            acceleration_mps2,
+            request_mps2,
+            gap_error_m,
+            speed_error_mps,
+            gap_m,
+        ] = &self.columns;
         Trajectory {
             time_s,
             position_m,

@@ -136,8 +136,9 @@ fn orderly(group: &GroupOutcome) -> Result<(), Error> {
     match &group.ended {
         Ended::Orderly => Ok(()),
         Ended::Interrupted => Err(Error::Interrupted),
-        Ended::Broken { service, how } => {
-            Err(Error::NotReady { service: *service, what: format!("ended before its time: {how}") })
-        }
+        Ended::Broken { service, how } => Err(Error::NotReady {
+            service: *service,
+            what: format!("ended before its time: {how}"),
+        }),
     }
 }

@@ -69,7 +69,9 @@ fn draw(
         for (place, curve) in curves.iter().enumerate() {
             let style = Palette99::pick(place).stroke_width(2);
             let drawn = chart.draw_series(LineSeries::new(curve.points.iter().copied(), style))?;
-            drawn.label(curve.name).legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], style));
+            drawn
+                .label(curve.name)
+                .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], style));
         }
         if curves.len() > 1 {
             chart
@@ -106,10 +108,13 @@ mod tests {
     #[test]
     fn a_picture_has_its_labels_and_survives_empty_and_constant_curves() {
         let constant = Curve::new("flat", vec![(0.0, 3.0), (5.0, 3.0)]);
-        let picture = chart("A title", &[
-            ("speed, km/h", vec![constant, Curve::new("nothing", Vec::new())]),
-            ("mode", vec![Curve::new("nothing", Vec::new())]),
-        ]);
+        let picture = chart(
+            "A title",
+            &[
+                ("speed, km/h", vec![constant, Curve::new("nothing", Vec::new())]),
+                ("mode", vec![Curve::new("nothing", Vec::new())]),
+            ],
+        );
         for text in ["A title", "speed, km/h", "mode", "time, s", "flat"] {
             assert!(picture.contains(text), "{text} is missing");
         }

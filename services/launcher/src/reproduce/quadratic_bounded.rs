@@ -19,11 +19,9 @@ const SET_SPEED_MPS: f64 = 110.0 / 3.6;
 pub fn reproduce(runner: &mut Runner<'_>) -> Result<(Vec<Row>, Plots), Error> {
     let mut rows = Vec::new();
     let mut plots = Plots::new();
-    for (name, judge) in [
-        ("follow", follow as fn(&Driven) -> Vec<Row>),
-        ("depart", depart),
-        ("cut-in", cut_in),
-    ] {
+    for (name, judge) in
+        [("follow", follow as fn(&Driven) -> Vec<Row>), ("depart", depart), ("cut-in", cut_in)]
+    {
         let driven = runner.drive(&format!("quadratic-bounded-{name}"), &[])?;
         rows.extend(judge(&driven));
         rows.extend(bounded(name, &driven));
@@ -135,11 +133,17 @@ fn picture(name: &str, driven: &Driven) -> String {
         .filter_map(|step| step.request_mps2.map(|request| (step.time_s, request)))
         .collect();
     let acceleration = steps().map(|step| (step.time_s, step.acceleration_mps2)).collect();
-    chart(&format!("Quadratic-bounded ACC: {name}"), &[
-        ("speed, km/h", vec![Curve::new("ego", ego), Curve::new("vehicle ahead", lead)]),
-        ("gap, m", vec![Curve::new("gap", gap)]),
-        ("m/s²", vec![Curve::new("acceleration", acceleration), Curve::new("request", request)]),
-    ])
+    chart(
+        &format!("Quadratic-bounded ACC: {name}"),
+        &[
+            ("speed, km/h", vec![Curve::new("ego", ego), Curve::new("vehicle ahead", lead)]),
+            ("gap, m", vec![Curve::new("gap", gap)]),
+            (
+                "m/s²",
+                vec![Curve::new("acceleration", acceleration), Curve::new("request", request)],
+            ),
+        ],
+    )
 }
 
 #[cfg(test)]

@@ -39,7 +39,13 @@ pub enum Verdict {
 
 impl Row {
     /// A figure that must lie within `tolerance` of the paper's.
-    pub fn near(id: &str, unit: &'static str, paper: f64, ours: Option<f64>, tolerance: f64) -> Self {
+    pub fn near(
+        id: &str,
+        unit: &'static str,
+        paper: f64,
+        ours: Option<f64>,
+        tolerance: f64,
+    ) -> Self {
         let ok = ours.is_some_and(|ours| (ours - paper).abs() <= tolerance + 1e-9);
         Self {
             id: id.into(),

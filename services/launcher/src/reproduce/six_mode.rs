@@ -64,9 +64,12 @@ fn picture(driven: &Driven, modes: &[(f64, u32)]) -> String {
         }
         mode.push((time_s, f64::from(now)));
     }
-    chart("Six-mode ACC: the published scenario", &[
-        ("mode", vec![Curve::new("mode", mode)]),
-        ("speed, km/h", vec![Curve::new("ego", ego), Curve::new("vehicle ahead", lead)]),
-        ("request, m/s²", vec![Curve::new("request", request)]),
-    ])
+    chart(
+        "Six-mode ACC: the published scenario",
+        &[
+            ("mode", vec![Curve::new("mode", mode)]),
+            ("speed, km/h", vec![Curve::new("ego", ego), Curve::new("vehicle ahead", lead)]),
+            ("request, m/s²", vec![Curve::new("request", request)]),
+        ],
+    )
 }
