@@ -11,8 +11,9 @@
 //! When no input changes sides and all margins lie on their tangents' points of contact, the
 //! trajectory satisfies the optimality conditions: `−(F x + f + βy)/δ − u` is the bound's multiplier over
 //! `−δ`. The guess then is right after one round or two for most cruise problems, and after about seven with a
-//! light. It is a semismooth Newton method without a safeguard: it may cycle, and it knows rows only well enough
-//! to see whether they hold without being active. In both cases the interior point takes over.
+//! light. It is a semismooth Newton method without a safeguard: it may cycle. Rows that become active one after the
+//! other on a third-order chain make it cycle for sure, so that from nothing it only asks whether rows hold;
+//! it treats them like the light when the guess comes from the interior point or a previous solution.
 
 use super::light_graph::{LightGraph, Tangent};
 use super::recursion::{InputModel, Models, Plant, Sweep};
@@ -23,7 +24,7 @@ use crate::problem::{LightStage, MAX_ROWS, Problem, dot};
 /// Rounds before the method is given up.
 const MAX_ROUNDS: u32 = 12;
 /// Rounds after which a violated row is no longer hoped to come right.
-const PATIENCE: u32 = 4;
+const PATIENCE: u32 = 2;
 /// Relative distance from the light's curve that counts as none.
 const ON_CURVE: f64 = 2e-10;
 
@@ -47,6 +48,8 @@ pub(super) struct ActiveSet {
     /// `rows[j][k]` belongs to stage `k`; only if `with_rows`.
     rows: [Vec<RowTangent>; MAX_ROWS],
     with_rows: bool,
+    /// Whether any of them acted in the last round.
+    rows_act: bool,
 }
 
 /// Where a solve of the active set starts.
@@ -108,21 +111,34 @@ impl ActiveSet {
             tangents: vec![Tangent::default(); max_horizon],
             rows: std::array::from_fn(|_| vec![RowTangent::default(); max_horizon + 1]),
             with_rows: false,
+            rows_act: false,
         }
     }
 
     /// Moves the guess forward by `steps`.
-    pub(super) fn shift(&mut self, horizon: usize, steps: usize) {
-        let steps = steps.min(horizon);
-        self.sides.copy_within(steps..horizon, 0);
-        self.sides[horizon - steps..horizon].fill(0);
-        self.tangents.copy_within(steps..horizon, 0);
+    pub(super) fn shift(&mut self, problem: &Problem, steps: usize) {
+        let n = problem.horizon;
+        let steps = steps.min(n);
+        self.sides.copy_within(steps..n, 0);
+        self.sides[n - steps..n].fill(0);
+        self.tangents.copy_within(steps..n, 0);
         if self.with_rows {
-            for row in &mut self.rows {
-                row.copy_within(steps..=horizon, 0);
-                row[horizon + 1 - steps..=horizon].fill(RowTangent::default());
+            for (tangents, row) in self.rows.iter_mut().zip(&problem.rows) {
+                tangents.copy_within(steps..=n, 0);
+                tangents[n + 1 - steps..=n].fill(RowTangent::default());
+                // The row may have moved since.
+                for (k, slot) in tangents[..=n].iter_mut().enumerate() {
+                    if k < row.from || k > row.to {
+                        *slot = RowTangent::default();
+                    }
+                }
             }
         }
+    }
+
+    /// Whether any row acts in the guess.
+    pub(super) fn has_rows(&self) -> bool {
+        self.with_rows && self.rows_act
     }
 
     /// Takes another guess: the input's side at stage `k`, the light's tangent at stage `k + 1`, the row's
@@ -296,6 +312,7 @@ impl ActiveSet {
         multipliers: &mut [Vec<f64>; MAX_ROWS],
     ) -> (f64, usize) {
         let (mut worst, mut last): (f64, usize) = (0.0, 0);
+        self.rows_act = false;
         for (j, row) in problem.rows.iter().enumerate() {
             for k in row.from..=row.to {
                 let h = problem.limits[j][k];
@@ -307,6 +324,7 @@ impl ActiveSet {
                 }
                 let (next, mu, distance) = slot.project(row, z, h.abs().max(1.0));
                 *slot = next;
+                self.rows_act |= next.acts();
                 multipliers[j][k] = mu;
                 worst = worst.max(distance);
                 last = last.max(k);

@@ -30,9 +30,16 @@ pub(super) struct Step {
     /// Mean product of the pairs before it.
     pub(super) mu: f64,
     /// Length of the predictor's step.
-    pub(super) affine: f64,
+    affine: f64,
     /// Length of the step taken.
-    pub(super) length: f64,
+    length: f64,
+}
+
+impl Step {
+    /// Whether both steps were nearly full: the active set then shows.
+    pub(super) fn is_fast(&self) -> bool {
+        self.affine > 0.8 && self.length > 0.9
+    }
 }
 
 /// Work memory.
@@ -132,13 +139,19 @@ impl Interior {
 
     /// One iteration; nothing if the step cannot be computed, in which case the iterate stays as it was.
     pub(super) fn iterate(&mut self, problem: &Problem, plant: &Plant) -> Option<Step> {
-        match problem.terminal {
-            Terminal::Cost => self.step::<false>(problem, plant),
-            Terminal::Equality(_) => self.step::<true>(problem, plant),
+        match (problem.terminal, plant.last_only) {
+            (Terminal::Cost, true) => self.step::<false, true>(problem, plant),
+            (Terminal::Equality(_), true) => self.step::<true, true>(problem, plant),
+            // Rare enough not to deserve its own code: what is pinned is not used.
+            (_, false) => self.step::<true, false>(problem, plant),
         }
     }
 
-    fn step<const PINNED: bool>(&mut self, problem: &Problem, plant: &Plant) -> Option<Step> {
+    fn step<const PINNED: bool, const LAST: bool>(
+        &mut self,
+        problem: &Problem,
+        plant: &Plant,
+    ) -> Option<Step> {
         let count = problem.rows.len();
         let (mut gap, mut pairs) = self.input.predict();
         for (row, h) in self.rows.iter_mut().zip(&problem.limits) {
@@ -156,7 +169,7 @@ impl Interior {
         let barriers = Barriers { problem, input, rows, light, input_gradients, state_gradients };
         let end = plant.factor(problem, &barriers, sweep, problem.horizon);
         let y = end.multiplier_of_change(problem, &self.states[problem.horizon]);
-        self.forward(problem, plant, &y);
+        self.forward::<LAST>(problem, plant, &y);
         self.follow(problem, false);
         let rows = &self.rows[..count];
         let mut reach = self.input.reach_affine().max(self.light.reach_affine());
@@ -176,7 +189,7 @@ impl Interior {
             row.correct(tau, trust);
         }
         self.light.correct(tau, trust);
-        let dy = self.resolve::<PINNED>(problem, plant, &end);
+        let dy = self.resolve::<PINNED, LAST>(problem, plant, &end);
         self.follow(problem, true);
         let mut reach = self.input.reach().max(self.light.reach());
         for row in &self.rows[..count] {
@@ -221,7 +234,7 @@ impl Interior {
         by_state[n] = std::array::from_fn(|i| dot(&problem.p[i], &states[n]) + problem.p_lin[i]);
     }
 
-    fn forward(&mut self, problem: &Problem, plant: &Plant, y: &[f64; 3]) {
+    fn forward<const LAST: bool>(&mut self, problem: &Problem, plant: &Plant, y: &[f64; 3]) {
         let n = problem.horizon;
         let gains = &self.sweep.gains[..n];
         let (inputs, states) = (&mut self.input_changes[..n], &mut self.state_changes[..=n]);
@@ -229,13 +242,13 @@ impl Interior {
         for k in 0..n {
             let u = -gains[k].input(gains[k].offset(y), &x);
             inputs[k] = u;
-            x = plant.step::<false>(&x, u);
+            x = plant.step::<LAST>(&x, u);
             states[k + 1] = x;
         }
     }
 
     /// Adds to the step what the corrector's forces make: the recursion again, for the vectors only.
-    fn resolve<const PINNED: bool>(
+    fn resolve<const PINNED: bool, const LAST: bool>(
         &mut self,
         problem: &Problem,
         plant: &Plant,
@@ -259,7 +272,7 @@ impl Interior {
         forces(n, &mut v);
         for k in (0..n).rev() {
             let gain = &gains[k];
-            let f = plant.input_of::<false>(&v) + push[k];
+            let f = plant.input_of::<LAST>(&v) + push[k];
             constants[k] = f * gain.inverse;
             let mut next = plant.transposed(&v);
             if k > 0 {
@@ -272,14 +285,17 @@ impl Interior {
                 }
             }
         }
-        let y = if PINNED { end.solve(&t) } else { [0.0; 3] };
+        let y = match problem.terminal {
+            Terminal::Cost => [0.0; 3],
+            Terminal::Equality(_) => end.solve(&t),
+        };
         let mut x = [0.0; 3];
         for k in 0..n {
             let gain = &gains[k];
             let open = gain.open[0] * y[0] + gain.open[1] * y[1] + gain.open[2] * y[2];
             let u = -gain.input(constants[k] + open, &x);
             inputs[k] += u;
-            x = plant.step::<false>(&x, u);
+            x = plant.step::<LAST>(&x, u);
             for i in 0..3 {
                 states[k + 1][i] += x[i];
             }

@@ -3,13 +3,15 @@
 //!
 //! 1. `active` guesses which inputs are at their bounds and where on its graph the light is, solves what
 //!    remains, and improves the guess: one or two sweeps for most cruise problems, about seven with a light.
-//! 2. `interior` takes over when rows are active or the guesses do not settle.
+//! 2. `interior` takes over when rows are active or the guesses do not settle. Once its steps are nearly
+//!    full it shows which inequalities are active; `active` then finishes in two or three sweeps, exactly.
 //! 3. What either returns is checked by [`crate::residuals`], which knows nothing of the methods: the status is
 //!    [`Status::Solved`] only if the optimality conditions hold to 1e-8.
 //! 4. While the interior point is not feasible, `certificate` asks whether its multipliers prove that
 //!    nothing is.
 //!
-//! The equations are at the head of `recursion`; `graph` has the light, `barrier` the inequalities of the
+//! The equations are at the head of `recursion`; `light_graph` and `row_graph` have the
+//! active set's view of the penalties, `barrier` the inequalities of the
 //! interior point.
 
 mod active;
@@ -40,10 +42,14 @@ const TRIAL: u32 = 8;
 const OPENED: f64 = 0.9;
 /// How far inside the starts begin.
 const BOLDNESS: [f64; 3] = [1.0, 30.0, 1000.0];
-thread_local! { static TH: (f64, f64) = (std::env::var("TH1").map(|s| s.parse().unwrap()).unwrap_or(0.9), std::env::var("TH2").map(|s| s.parse().unwrap()).unwrap_or(0.8)); }
-/// Rounds.
+/// Rounds of the active set from the previous solution: more would cost more than a cold start.
 const WARM_ROUNDS: u32 = 6;
-const POLISH_ROUNDS: u32 = 5;
+const WARM_ROUNDS_WITH_ROWS: u32 = 2;
+/// How often, and for how many rounds, the active set may try the interior point's suggestion, and what
+/// part of the first infeasibility may be left then.
+const MAX_TRIES: u32 = 2;
+const TRY_ROUNDS: u32 = 5;
+const NEARLY_CLOSED: f64 = 1e-3;
 /// Fruitless looks at the optimality conditions after which the machine's precision is at its end.
 const MAX_LOOKS: u32 = 8;
 
@@ -125,17 +131,13 @@ impl Riccati {
         self.multipliers.clear();
         for iteration in 1..=MAX_ITERATIONS {
             let Some(step) = self.interior.iterate(problem, plant) else {
-                return (Status::IterationLimit, self.take_interior(problem), iteration);
+                return (Status::IterationLimit, self.take_interior(problem), iteration + extra);
             };
             let (mu, open) = (step.mu, self.interior.open());
-            let th = TH.with(|t| *t);
-            if tries < 2 && step.length > th.0 && step.affine > th.1 && open < 1e-3 {
+            if tries < MAX_TRIES && step.is_fast() && open < NEARLY_CLOSED {
                 tries += 1;
                 self.interior.suggest(problem, &mut self.active);
-                let (found, rounds) = self.try_active(problem, plant, From::Guess(POLISH_ROUNDS));
-                if std::env::var("V").is_ok() {
-                    println!("{iteration} {step:?} {open:.1e} {found:?} {rounds}");
-                }
+                let (found, rounds) = self.try_active(problem, plant, From::Guess(TRY_ROUNDS));
                 extra += rounds;
                 if let Some(residuals) = found {
                     self.settled = true;
@@ -149,21 +151,21 @@ impl Riccati {
                     return (Status::Solved, found, iteration + extra);
                 }
                 if looks == MAX_LOOKS {
-                    return (Status::IterationLimit, found, iteration);
+                    return (Status::IterationLimit, found, iteration + extra);
                 }
             }
             let stuck = !last && iteration == TRIAL && open > OPENED;
             if open > CLOSED && iteration % 4 == 0 || stuck {
                 let found = self.take_interior(problem);
                 if certificate::proves_infeasible(problem, &self.multipliers) {
-                    return (Status::Infeasible, found, iteration);
+                    return (Status::Infeasible, found, iteration + extra);
                 }
                 if stuck {
-                    return (Status::IterationLimit, found, iteration);
+                    return (Status::IterationLimit, found, iteration + extra);
                 }
             }
         }
-        (Status::IterationLimit, self.take_interior(problem), MAX_ITERATIONS)
+        (Status::IterationLimit, self.take_interior(problem), MAX_ITERATIONS + extra)
     }
 
     fn take_interior(&mut self, problem: &Problem) -> Residuals {
@@ -197,13 +199,17 @@ impl Solver for Riccati {
         let plant = Plant::new(problem);
         let mut found = None;
         let mut iterations = 0;
+        let mut try_cold = true;
         if let (Start::Shifted(steps), true) = (start, self.settled && self.horizon == n) {
-            self.active.shift(n, steps);
+            self.active.shift(problem, steps);
             self.multipliers.clear();
-            (found, iterations) = self.try_active(problem, &plant, From::Guess(WARM_ROUNDS));
+            // Where rows were active, the cold attempt would fail as well.
+            try_cold = !self.active.has_rows();
+            let rounds = if try_cold { WARM_ROUNDS } else { WARM_ROUNDS_WITH_ROWS };
+            (found, iterations) = self.try_active(problem, &plant, From::Guess(rounds));
         }
         self.horizon = n;
-        if found.is_none() {
+        if found.is_none() && try_cold {
             self.multipliers.clear();
             let (cold, rounds) = self.try_active(problem, &plant, From::Nothing);
             found = cold;
