@@ -4,6 +4,7 @@ use crate::Service;
 use crate::runtime::scheduling::Granted;
 use crate::statistics::Percentiles;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Messages sent on a topic by one service.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -94,6 +95,8 @@ pub struct ModeChange {
     pub to: String,
     /// Why.
     pub reason: String,
+    /// The law's figures in the cycle of the change, by name.
+    pub figures: BTreeMap<String, f64>,
 }
 
 /// What the plant tells.

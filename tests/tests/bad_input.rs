@@ -71,6 +71,38 @@ fn options() {
 }
 
 #[test]
+fn a_tampered_design() {
+    let corner = Corner::new(PROGRAM);
+    let shipped = include_str!("../../services/controller/designs/quadratic-bounded.json");
+    std::fs::write(corner.path().join("good.json"), shipped).expect("our own directory");
+    // The first digit after the first decimal point of the gains.
+    let gains = shipped.find("\"rules\"").expect("the design has rules");
+    let point = gains + shipped[gains..].find('.').expect("a number") + 1;
+    let mut bytes = shipped.as_bytes().to_vec();
+    bytes[point] = if bytes[point] == b'9' { b'1' } else { b'9' };
+    std::fs::write(corner.path().join("bad.json"), bytes).expect("our own directory");
+    let run = |design: &str| {
+        let key = format!("controller.quadratic_bounded.design={design}");
+        let arguments = [
+            "run",
+            "quadratic-bounded-follow",
+            "--mode",
+            "lockstep",
+            "--duration",
+            "1",
+            "--set",
+            &key,
+        ];
+        corner.run(&arguments)
+    };
+    let good = run("good.json");
+    assert!(good.status.success(), "{}", text(&good));
+    let bad = run("bad.json");
+    assert_eq!(bad.status.code(), Some(2), "{}", text(&bad));
+    assert!(text(&bad).contains("bad.json") && text(&bad).contains("design"), "{}", text(&bad));
+}
+
+#[test]
 fn output_directories() {
     // Below a file no directory can be made, whoever asks.
     refused(&["run", "--out", "/dev/null/results"], 2, &["/dev/null/results", "cannot"]);

@@ -50,6 +50,22 @@ fn a_realtime_run_is_measured_whole() {
     }
 }
 
+#[test]
+fn the_timer_releases_as_well_as_the_radar() {
+    let corner = Corner::new(PROGRAM);
+    let timer = ["run", "--duration", "2", "--set", "controller.release=timer"];
+    let summary = corner.json(&timer);
+    assert_eq!(summary["outcome"], "completed");
+    let cycles = summary["timing"]["cycles"].as_u64().expect("counted");
+    assert!((1..=21).contains(&cycles), "{cycles}");
+    // In simulated time there is no difference: the sample of the step is there either way.
+    let drive = |release: &str| {
+        let key = format!("controller.release={release}");
+        corner.json(&["run", "--mode", "lockstep", "--set", &key])["control"].clone()
+    };
+    assert_eq!(drive("timer"), drive("radar"));
+}
+
 /// iceoryx2 0.10 makes one small allocation for every message that is sent (the reference count of
 /// the loaned sample). The loops themselves make none, so that the counts are equal.
 #[test]

@@ -36,6 +36,16 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     runtime.finish(Details::Controller(report))
 }
 
+/// A mode change as the loop keeps it.
+#[derive(Clone, Copy)]
+struct Change {
+    time_s: f64,
+    from: u32,
+    to: u32,
+    reason: u32,
+    figures: [f64; FIGURES],
+}
+
 struct Loop {
     law: Box<dyn Law>,
     setting: Setting,
@@ -55,7 +65,7 @@ struct Loop {
     relaxed: u64,
     backup: u64,
     mode: Option<u32>,
-    mode_changes: Vec<(f64, u32, u32, u32)>,
+    mode_changes: Vec<Change>,
 }
 
 impl Loop {
@@ -187,7 +197,13 @@ impl Loop {
             && before != mode
             && self.mode_changes.len() < MAX_MODE_CHANGES
         {
-            self.mode_changes.push((time_s, before, mode, self.output.mode_reason));
+            self.mode_changes.push(Change {
+                time_s,
+                from: before,
+                to: mode,
+                reason: self.output.mode_reason,
+                figures: self.output.figures,
+            });
         }
         self.mode = Some(mode);
     }
@@ -196,11 +212,17 @@ impl Loop {
         let name = |names: &[&str], index: u32| {
             names.get(index as usize).map_or_else(|| index.to_string(), ToString::to_string)
         };
-        let change = |&(t_s, from, to, reason): &(f64, u32, u32, u32)| ModeChange {
-            t_s,
-            from: name(self.law.mode_names(), from),
-            to: name(self.law.mode_names(), to),
-            reason: name(self.law.reason_names(), reason),
+        let figures = |values: &[f64; FIGURES]| {
+            let names = self.law.figure_names().iter().map(ToString::to_string);
+            // A figure that does not apply in this mode is left out.
+            names.zip(*values).filter(|(_, value)| value.is_finite()).collect()
+        };
+        let change = |change: &Change| ModeChange {
+            t_s: change.time_s,
+            from: name(self.law.mode_names(), change.from),
+            to: name(self.law.mode_names(), change.to),
+            reason: name(self.law.reason_names(), change.reason),
+            figures: figures(&change.figures),
         };
         ControllerReport {
             deadline_us: self.deadline_ns as f64 / 1e3,

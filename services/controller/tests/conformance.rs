@@ -2,6 +2,8 @@
 //!
 //! A new law is one line in [`laws`].
 
+use controller::cacc::config::{Config, SpacingPolicy};
+use controller::cacc::{self, Controller};
 use controller::law::{
     Ego, Input, Law, MAX_PLAN, Output, Phase, PhaseInterval, SignalAhead, Target,
 };
@@ -20,7 +22,17 @@ fn laws() -> Vec<(&'static str, Maker)> {
         ("quadratic-bounded", || {
             Box::new(QuadraticBounded::new(Design::shipped(), Settings::default()).expect("valid"))
         }),
+        ("acc-mpc", || predictive(Controller::AccMpc, SpacingPolicy::ConstantTimeHeadway)),
+        ("cacc-mpc", || predictive(Controller::CaccMpc, SpacingPolicy::ConstantTimeHeadway)),
+        ("acc-mpc paper", || predictive(Controller::AccMpc, SpacingPolicy::ConstantDistance)),
+        ("cacc-mpc paper", || predictive(Controller::CaccMpc, SpacingPolicy::ConstantDistance)),
+        ("cacc-mpc table 3", || predictive(Controller::CaccMpc, SpacingPolicy::MeasuredHeadway)),
     ]
+}
+
+fn predictive(which: Controller, spacing_policy: SpacingPolicy) -> Box<dyn Law> {
+    let config = Config { spacing_policy, ..Config::default() };
+    cacc::build(which, &config).expect("valid")
 }
 
 /// Runs a check for every law; a failure names the law.
