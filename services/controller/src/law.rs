@@ -145,6 +145,13 @@ impl Output {
         self.plan_len = 1;
     }
 
+    /// Makes every figure finite: what is no number is 0, what is beyond all numbers the largest one.
+    pub fn bound_figures(&mut self) {
+        for figure in &mut self.figures {
+            *figure = if figure.is_nan() { 0.0 } else { figure.clamp(f64::MIN, f64::MAX) };
+        }
+    }
+
     /// Request that acts now, m/s².
     #[must_use]
     pub fn request_mps2(&self) -> f64 {

@@ -257,6 +257,7 @@ impl Law for PaperLaw {
             // No number to go by: brake gently.
             *request = if request.is_finite() { request.clamp(min, max) } else { 0.3 * min };
         }
+        output.bound_figures();
         output.mode_reason = self.state.note_mode(output.mode);
     }
 

@@ -374,6 +374,7 @@ impl Law for RoadLaw {
             output.figures[0] = desired - lead.gap_m;
             output.figures[1] = v - lead.speed_mps;
         }
+        output.bound_figures();
         output.mode = match (choice, seen.lead) {
             (Some(_), _) if closed => 3,
             (Some(_), _) => 2,
