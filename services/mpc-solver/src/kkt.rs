@@ -84,6 +84,7 @@ pub fn residuals(
     let n = problem.horizon;
     let scale = dual_scale(problem, multipliers);
     let mut out = Residuals::default();
+    let mut cancelled: f64 = 0.0;
     // NaN must survive the maximum.
     let worst = |slot: &mut f64, value: f64| {
         if value > *slot || value.is_nan() {
@@ -102,7 +103,8 @@ pub fn residuals(
             let v =
                 problem.r * u + dot(&problem.s, x) + problem.r_lin[k] + dot(&problem.b, &costate);
             let room = if v > 0.0 { u - problem.u_min } else { problem.u_max - u };
-            worst(&mut out.stationarity, (v.abs() / scale).min(room.max(0.0)));
+            cancelled = cancelled.max(dot(&problem.b, &costate).abs());
+            worst(&mut out.stationarity, (v.abs() / scale.max(cancelled)).min(room.max(0.0)));
             worst(&mut out.feasibility, (problem.u_min - u).max(u - problem.u_max).max(0.0));
             let a = &problem.a;
             costate = [

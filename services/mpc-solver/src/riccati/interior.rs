@@ -5,6 +5,7 @@
 //! slacks, stationarity and the terminal equality are linear in the iterates, so a step of length `a`
 //! takes the part `a` of their residuals away; what remains to watch are the products of the pairs.
 
+use super::active::ActiveSet;
 use super::barrier::input::InputBarrier;
 use super::barrier::light::LightBarrier;
 use super::barrier::row::RowBarrier;
@@ -17,8 +18,29 @@ const START_MARGIN: f64 = 0.3;
 /// Least first slack of rows and light, m or m/s.
 const START_SLACK: f64 = 1.0;
 /// First products, part of the quadratic cost of the first trajectory, and their limits.
-const START_PRODUCT: f64 = 1e-4;
-const START_PRODUCTS: (f64, f64) = (1e-2, 1e3);
+const START_PRODUCT: f64 = 1e-2;
+const START_PRODUCTS: (f64, f64) = (1.0, 1e5);
+
+/// Least target product: less would not improve the answer, only the conditioning suffers.
+const LEAST_TARGET: f64 = 1e-14;
+
+/// What an iteration did.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step {
+    /// Mean product of the pairs before it.
+    pub(super) mu: f64,
+    /// Length of the predictor's step.
+    affine: f64,
+    /// Length of the step taken.
+    length: f64,
+}
+
+impl Step {
+    /// Whether both steps were nearly full: the active set then shows.
+    pub(super) fn is_fast(&self) -> bool {
+        self.affine > 0.8 && self.length > 0.9
+    }
+}
 
 /// Work memory.
 #[derive(Clone, Debug)]
@@ -88,34 +110,48 @@ impl Interior {
     }
 
     /// Starts near a trajectory, whatever it violates; far numbers in it are not trusted.
-    pub(super) fn start(&mut self, problem: &Problem, inputs: &[f64], states: &[[f64; 3]]) {
+    ///
+    /// `boldness` above 1 starts farther inside: larger slacks and products.
+    pub(super) fn start(
+        &mut self,
+        problem: &Problem,
+        inputs: &[f64],
+        states: &[[f64; 3]],
+        boldness: f64,
+    ) {
         let n = problem.horizon;
         let cost: f64 = states[..n].iter().map(|x| quadratic(&problem.q, x)).sum();
         let (least, most) = START_PRODUCTS;
         // In this order NaN becomes `most`.
-        let mu = (START_PRODUCT * 0.5 * cost).min(most).max(least);
+        let mu = boldness * boldness * (START_PRODUCT * 0.5 * cost).min(most).max(least);
+        let slack = boldness * START_SLACK;
         self.input.start(inputs, (problem.u_min, problem.u_max), START_MARGIN, mu);
         for (barrier, (row, h)) in
             self.rows.iter_mut().zip(problem.rows.iter().zip(&problem.limits))
         {
-            barrier.start(row, h, states, START_SLACK, mu);
+            barrier.start(row, h, states, slack, mu);
         }
-        self.light.start(problem.light.as_ref(), problem.light_stages(), states, START_SLACK, mu);
+        self.light.start(problem.light.as_ref(), problem.light_stages(), states, slack, mu);
         problem.roll_out(&self.input.u, &mut self.states);
         self.y = [0.0; 3];
         self.open = 1.0;
     }
 
-    /// One iteration; returns the mean product of the pairs before it, or nothing if the step cannot be
-    /// computed, in which case the iterate stays as it was.
-    pub(super) fn iterate(&mut self, problem: &Problem, plant: &Plant) -> Option<f64> {
-        match problem.terminal {
-            Terminal::Cost => self.step::<false>(problem, plant),
-            Terminal::Equality(_) => self.step::<true>(problem, plant),
+    /// One iteration; nothing if the step cannot be computed, in which case the iterate stays as it was.
+    pub(super) fn iterate(&mut self, problem: &Problem, plant: &Plant) -> Option<Step> {
+        match (problem.terminal, plant.last_only) {
+            (Terminal::Cost, true) => self.step::<false, true>(problem, plant),
+            (Terminal::Equality(_), true) => self.step::<true, true>(problem, plant),
+            // Rare enough not to deserve its own code: what is pinned is not used.
+            (_, false) => self.step::<true, false>(problem, plant),
         }
     }
 
-    fn step<const PINNED: bool>(&mut self, problem: &Problem, plant: &Plant) -> Option<f64> {
+    fn step<const PINNED: bool, const LAST: bool>(
+        &mut self,
+        problem: &Problem,
+        plant: &Plant,
+    ) -> Option<Step> {
         let count = problem.rows.len();
         let (mut gap, mut pairs) = self.input.predict();
         for (row, h) in self.rows.iter_mut().zip(&problem.limits) {
@@ -133,7 +169,7 @@ impl Interior {
         let barriers = Barriers { problem, input, rows, light, input_gradients, state_gradients };
         let end = plant.factor(problem, &barriers, sweep, problem.horizon);
         let y = end.multiplier_of_change(problem, &self.states[problem.horizon]);
-        self.forward(problem, plant, &y);
+        self.forward::<LAST>(problem, plant, &y);
         self.follow(problem, false);
         let rows = &self.rows[..count];
         let mut reach = self.input.reach_affine().max(self.light.reach_affine());
@@ -145,13 +181,15 @@ impl Interior {
         let left = left + self.input.gap_affine(affine) + self.light.gap_affine(affine);
         let ratio = left / gap;
 
-        let tau = mu * (ratio * ratio * ratio).clamp(1e-6, 1.0);
-        self.input.correct(tau);
+        let tau = (mu * (ratio * ratio * ratio).clamp(1e-6, 1.0)).max(LEAST_TARGET);
+        // A short predictor step says little about the products at full length.
+        let trust = affine;
+        self.input.correct(tau, trust);
         for row in &mut self.rows[..count] {
-            row.correct(tau);
+            row.correct(tau, trust);
         }
-        self.light.correct(tau);
-        let dy = self.resolve::<PINNED>(problem, plant, &end);
+        self.light.correct(tau, trust);
+        let dy = self.resolve::<PINNED, LAST>(problem, plant, &end);
         self.follow(problem, true);
         let mut reach = self.input.reach().max(self.light.reach());
         for row in &self.rows[..count] {
@@ -176,8 +214,9 @@ impl Interior {
                 x[i] += a * dx[i];
             }
         }
+
         self.open *= 1.0 - a;
-        Some(mu)
+        Some(Step { mu, affine, length: a })
     }
 
     /// Gradient of the quadratic cost at the iterate.
@@ -195,7 +234,7 @@ impl Interior {
         by_state[n] = std::array::from_fn(|i| dot(&problem.p[i], &states[n]) + problem.p_lin[i]);
     }
 
-    fn forward(&mut self, problem: &Problem, plant: &Plant, y: &[f64; 3]) {
+    fn forward<const LAST: bool>(&mut self, problem: &Problem, plant: &Plant, y: &[f64; 3]) {
         let n = problem.horizon;
         let gains = &self.sweep.gains[..n];
         let (inputs, states) = (&mut self.input_changes[..n], &mut self.state_changes[..=n]);
@@ -203,13 +242,13 @@ impl Interior {
         for k in 0..n {
             let u = -gains[k].input(gains[k].offset(y), &x);
             inputs[k] = u;
-            x = plant.step::<false>(&x, u);
+            x = plant.step::<LAST>(&x, u);
             states[k + 1] = x;
         }
     }
 
     /// Adds to the step what the corrector's forces make: the recursion again, for the vectors only.
-    fn resolve<const PINNED: bool>(
+    fn resolve<const PINNED: bool, const LAST: bool>(
         &mut self,
         problem: &Problem,
         plant: &Plant,
@@ -233,7 +272,7 @@ impl Interior {
         forces(n, &mut v);
         for k in (0..n).rev() {
             let gain = &gains[k];
-            let f = plant.input_of::<false>(&v) + push[k];
+            let f = plant.input_of::<LAST>(&v) + push[k];
             constants[k] = f * gain.inverse;
             let mut next = plant.transposed(&v);
             if k > 0 {
@@ -246,14 +285,17 @@ impl Interior {
                 }
             }
         }
-        let y = if PINNED { end.solve(&t) } else { [0.0; 3] };
+        let y = match problem.terminal {
+            Terminal::Cost => [0.0; 3],
+            Terminal::Equality(_) => end.solve(&t),
+        };
         let mut x = [0.0; 3];
         for k in 0..n {
             let gain = &gains[k];
             let open = gain.open[0] * y[0] + gain.open[1] * y[1] + gain.open[2] * y[2];
             let u = -gain.input(constants[k] + open, &x);
             inputs[k] += u;
-            x = plant.step::<false>(&x, u);
+            x = plant.step::<LAST>(&x, u);
             for i in 0..3 {
                 states[k + 1][i] += x[i];
             }
@@ -267,6 +309,16 @@ impl Interior {
             row.follow(&self.state_changes, corrected);
         }
         self.light.follow(problem.light_stages(), &self.state_changes, corrected);
+    }
+
+    /// Gives the active set the guess that the last step suggests.
+    pub(super) fn suggest(&self, problem: &Problem, active: &mut ActiveSet) {
+        active.adopt(
+            problem,
+            |k| self.input.side(k),
+            |graph, k| self.light.tangent(graph, k),
+            |j, k| self.rows[j].tangent(k),
+        );
     }
 
     /// What is left of the first iterate's linear residuals, as a part of them.

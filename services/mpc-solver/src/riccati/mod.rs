@@ -3,26 +3,29 @@
 //!
 //! 1. `active` guesses which inputs are at their bounds and where on its graph the light is, solves what
 //!    remains, and improves the guess: one or two sweeps for most cruise problems, about seven with a light.
-//! 2. `interior` takes over when rows are active or the guesses do not settle.
+//! 2. `interior` takes over when rows are active or the guesses do not settle. Once its steps are nearly
+//!    full it shows which inequalities are active; `active` then finishes in two or three sweeps, exactly.
 //! 3. What either returns is checked by [`crate::residuals`], which knows nothing of the methods: the status is
 //!    [`Status::Solved`] only if the optimality conditions hold to 1e-8.
 //! 4. While the interior point is not feasible, `certificate` asks whether its multipliers prove that
 //!    nothing is.
 //!
-//! The equations are at the head of `recursion`; `graph` has the light, `barrier` the inequalities of the
+//! The equations are at the head of `recursion`; `light_graph` and `row_graph` have the
+//! active set's view of the penalties, `barrier` the inequalities of the
 //! interior point.
 
 mod active;
 mod barrier;
 mod certificate;
-mod graph;
 mod interior;
+mod light_graph;
 mod recursion;
+mod row_graph;
 
 use crate::kkt::{Multipliers, Residuals, residuals};
 use crate::problem::Problem;
 use crate::solver::{Report, Solver, Start, Status};
-use active::{ActiveSet, Outcome};
+use active::{ActiveSet, From, Outcome};
 use interior::Interior;
 use recursion::Plant;
 
@@ -34,6 +37,19 @@ const MAX_ITERATIONS: u32 = 60;
 const NEARLY: f64 = 1e-6;
 /// Part of the first iterate's infeasibility that counts as feasible.
 const CLOSED: f64 = 1e-9;
+/// Iterations after which a start must have closed some of its infeasibility, and how much may be left.
+const TRIAL: u32 = 8;
+const OPENED: f64 = 0.9;
+/// How far inside the starts begin.
+const BOLDNESS: [f64; 3] = [1.0, 30.0, 1000.0];
+/// Rounds of the active set from the previous solution: more would cost more than a cold start.
+const WARM_ROUNDS: u32 = 6;
+const WARM_ROUNDS_WITH_ROWS: u32 = 2;
+/// How often, and for how many rounds, the active set may try the interior point's suggestion, and what
+/// part of the first infeasibility may be left then.
+const MAX_TRIES: u32 = 2;
+const TRY_ROUNDS: u32 = 5;
+const NEARLY_CLOSED: f64 = 1e-3;
 /// Fruitless looks at the optimality conditions after which the machine's precision is at its end.
 const MAX_LOOKS: u32 = 8;
 
@@ -71,12 +87,12 @@ impl Riccati {
         &mut self,
         problem: &Problem,
         plant: &Plant,
-        warm: bool,
+        from: From,
     ) -> (Option<Residuals>, u32) {
         let (outcome, rounds) = self.active.solve(
             problem,
             plant,
-            warm,
+            from,
             &mut self.inputs,
             &mut self.states,
             &mut self.multipliers,
@@ -85,35 +101,71 @@ impl Riccati {
         (found.filter(|r| r.max() <= TOLERANCE), rounds)
     }
 
-    /// The interior point, from the trajectory at hand.
+    /// The interior point, from the trajectory at hand; again from farther inside if its steps are
+    /// stuck at the boundary.
     fn run_interior(&mut self, problem: &Problem, plant: &Plant) -> (Status, Residuals, u32) {
-        let n = problem.horizon;
+        let mut iterations = 0;
+        for boldness in BOLDNESS {
+            let last = boldness == BOLDNESS[BOLDNESS.len() - 1];
+            let n = problem.horizon;
+            self.interior.start(problem, &self.inputs[..n], &self.states[..=n], boldness);
+            let (status, residuals, steps) = self.descend(problem, plant, last);
+            iterations += steps;
+            if status != Status::IterationLimit || last {
+                return (status, residuals, iterations);
+            }
+            self.inputs.fill(0.5 * (problem.u_min + problem.u_max));
+            problem.roll_out(&self.inputs, &mut self.states);
+        }
+        unreachable!("the last start returns")
+    }
+
+    fn descend(
+        &mut self,
+        problem: &Problem,
+        plant: &Plant,
+        last: bool,
+    ) -> (Status, Residuals, u32) {
         let mut looks = 0;
+        let (mut tries, mut extra) = (0, 0);
         self.multipliers.clear();
-        self.interior.start(problem, &self.inputs[..n], &self.states[..=n]);
         for iteration in 1..=MAX_ITERATIONS {
-            let Some(mu) = self.interior.iterate(problem, plant) else {
-                return (Status::IterationLimit, self.take_interior(problem), iteration);
+            let Some(step) = self.interior.iterate(problem, plant) else {
+                return (Status::IterationLimit, self.take_interior(problem), iteration + extra);
             };
-            let open = self.interior.open();
+            let (mu, open) = (step.mu, self.interior.open());
+            if tries < MAX_TRIES && step.is_fast() && open < NEARLY_CLOSED {
+                tries += 1;
+                self.interior.suggest(problem, &mut self.active);
+                let (found, rounds) = self.try_active(problem, plant, From::Guess(TRY_ROUNDS));
+                extra += rounds;
+                if let Some(residuals) = found {
+                    self.settled = true;
+                    return (Status::Solved, residuals, iteration + extra);
+                }
+            }
             if mu < NEARLY && open < CLOSED {
                 let found = self.take_interior(problem);
                 looks += 1;
                 if found.max() <= TOLERANCE {
-                    return (Status::Solved, found, iteration);
+                    return (Status::Solved, found, iteration + extra);
                 }
                 if looks == MAX_LOOKS {
-                    return (Status::IterationLimit, found, iteration);
+                    return (Status::IterationLimit, found, iteration + extra);
                 }
             }
-            if open > CLOSED && iteration % 4 == 0 {
+            let stuck = !last && iteration == TRIAL && open > OPENED;
+            if open > CLOSED && iteration % 4 == 0 || stuck {
                 let found = self.take_interior(problem);
                 if certificate::proves_infeasible(problem, &self.multipliers) {
-                    return (Status::Infeasible, found, iteration);
+                    return (Status::Infeasible, found, iteration + extra);
+                }
+                if stuck {
+                    return (Status::IterationLimit, found, iteration + extra);
                 }
             }
         }
-        (Status::IterationLimit, self.take_interior(problem), MAX_ITERATIONS)
+        (Status::IterationLimit, self.take_interior(problem), MAX_ITERATIONS + extra)
     }
 
     fn take_interior(&mut self, problem: &Problem) -> Residuals {
@@ -147,15 +199,19 @@ impl Solver for Riccati {
         let plant = Plant::new(problem);
         let mut found = None;
         let mut iterations = 0;
+        let mut try_cold = true;
         if let (Start::Shifted(steps), true) = (start, self.settled && self.horizon == n) {
-            self.active.shift(n, steps);
+            self.active.shift(problem, steps);
             self.multipliers.clear();
-            (found, iterations) = self.try_active(problem, &plant, true);
+            // Where rows were active, the cold attempt would fail as well.
+            try_cold = !self.active.has_rows();
+            let rounds = if try_cold { WARM_ROUNDS } else { WARM_ROUNDS_WITH_ROWS };
+            (found, iterations) = self.try_active(problem, &plant, From::Guess(rounds));
         }
         self.horizon = n;
-        if found.is_none() {
+        if found.is_none() && try_cold {
             self.multipliers.clear();
-            let (cold, rounds) = self.try_active(problem, &plant, false);
+            let (cold, rounds) = self.try_active(problem, &plant, From::Nothing);
             found = cold;
             iterations += rounds;
         }

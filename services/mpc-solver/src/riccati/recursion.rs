@@ -196,7 +196,9 @@ impl Plant {
         }
         match (self.last_only, problem.terminal) {
             (true, Terminal::Cost) => self.opens::<true, false, M>(problem, models, sweep, last),
-            (true, Terminal::Equality(_)) => self.opens::<true, true, M>(problem, models, sweep, last),
+            (true, Terminal::Equality(_)) => {
+                self.opens::<true, true, M>(problem, models, sweep, last)
+            }
             (false, _) => self.opens::<false, true, M>(problem, models, sweep, last),
         }
     }

@@ -108,7 +108,7 @@ fn roll(
         let x = path[k];
         // Towards some error with some damping, disturbed.
         let wish = -gain * (x[0] - goal) - 0.8 * x[1] + 0.5 * (phase + speed * t * k as f64).sin();
-        let u = wish.clamp(lo, hi);
+        let u = wish.clamp(0.95 * lo, 0.95 * hi);
         let d = disturbance(k);
         path.push([
             x[0] + t * (x[1] + headway * x[2]) + d[0],
@@ -135,7 +135,7 @@ fn rows(
         let to = if draw.chance(0.5) { n } else { 1 + draw.below(n) };
         let value = |x: &[f64; 3]| (0..3).map(|i| gradient[i] * x[i]).sum::<f64>();
         let top = path[1..].iter().map(value).fold(f64::NEG_INFINITY, f64::max);
-        let spare = if draw.chance(0.3) { 0.0 } else { draw.decades(-3.0, 1.0) };
+        let spare = draw.decades(-3.0, 1.0);
         let sink = if softness == Softness::Hard { 0.0 } else { draw.uniform(0.0, 10.0) };
         // Either one limit that the path touches, or a tube along the path.
         let tube = draw.chance(0.3);
@@ -163,8 +163,7 @@ fn light(
     }
     let softness = draw.softness(0.5);
     let threshold = if draw.chance(0.1) { f64::INFINITY } else { draw.decades(1.0, 2.5) };
-    let builder =
-        builder.light(LightCost { weight: draw.decades(2.0, 6.0), threshold, softness });
+    let builder = builder.light(LightCost { weight: draw.decades(2.0, 6.0), threshold, softness });
     let stages = 1 + draw.below(n);
     let t0 = t * (stages as f64 + draw.uniform(0.0, 1.0));
     let sign = if draw.chance(0.5) { 1.0 } else { -1.0 };

@@ -58,10 +58,10 @@ impl InputBarrier {
     }
 
     /// Sets `push` to what the corrector's targets add.
-    pub(in crate::riccati) fn correct(&mut self, tau: f64) {
+    pub(in crate::riccati) fn correct(&mut self, tau: f64, trust: f64) {
         let len = self.len;
-        self.lower.aim(len, tau);
-        self.upper.aim(len, tau);
+        self.lower.aim(len, tau, trust);
+        self.upper.aim(len, tau, trust);
         let (tl, tu) = (&self.lower.target[..len], &self.upper.target[..len]);
         let (pl, pu) = (&self.lower.per_slack[..len], &self.upper.per_slack[..len]);
         let push = &mut self.push[..len];
@@ -100,5 +100,10 @@ impl InputBarrier {
         for (u, du) in self.u[..self.len].iter_mut().zip(changes) {
             *u += a * du;
         }
+    }
+
+    /// The bound that `u_k` goes to: −1, 0 (none) or 1.
+    pub(in crate::riccati) fn side(&self, k: usize) -> i8 {
+        i8::from(self.upper.closes(k)) - i8::from(self.lower.closes(k))
     }
 }

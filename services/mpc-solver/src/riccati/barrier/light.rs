@@ -3,6 +3,7 @@
 use super::PROXIMAL;
 use super::pairs::{Pairs, greater, largest};
 use crate::problem::{LightCost, LightStage, Softness, dot};
+use crate::riccati::light_graph::{LightGraph, Tangent};
 
 /// Variable `p`; pairs `(s, α)`, with a finite threshold `(d_th − p, β)`, and, if soft, `(σ, λ − α)`.
 #[derive(Clone, Debug)]
@@ -155,21 +156,21 @@ impl LightBarrier {
     }
 
     /// Sets `force` to what the corrector's targets add.
-    pub(in crate::riccati) fn correct(&mut self, tau: f64) {
+    pub(in crate::riccati) fn correct(&mut self, tau: f64, trust: f64) {
         let len = self.len;
         let force = &mut self.force[..len];
-        self.below.aim(len, tau);
+        self.below.aim(len, tau, trust);
         for k in 0..len {
             force[k] = self.below.target[k] * self.below.per_multiplier[k];
         }
         if self.is_capped {
-            self.capped.aim(len, tau);
+            self.capped.aim(len, tau, trust);
             for k in 0..len {
                 force[k] -= self.capped.target[k] * self.capped.per_slack[k] * self.compliance[k];
             }
         }
         if self.is_soft {
-            self.slip.aim(len, tau);
+            self.slip.aim(len, tau, trust);
             for k in 0..len {
                 force[k] -= self.slip.target[k] * self.slip.per_multiplier[k];
             }
@@ -255,6 +256,19 @@ impl LightBarrier {
         }
         for (p, dp) in self.p[..self.len].iter_mut().zip(&self.dp) {
             *p += a * dp;
+        }
+    }
+
+    /// The part of the light's graph that entry `k` goes to.
+    pub(in crate::riccati) fn tangent(&self, graph: &LightGraph, k: usize) -> Tangent {
+        if !self.below.closes(k) {
+            graph.clear()
+        } else if self.is_capped && self.capped.closes(k) {
+            graph.edge(self.below.multiplier[k])
+        } else if self.is_soft && !self.slip.closes(k) {
+            graph.straight()
+        } else {
+            graph.hyperbola_at(self.p[k])
         }
     }
 

@@ -23,4 +23,4 @@ pub(super) mod pairs;
 pub(super) mod row;
 
 /// Compliance of the proximal term, unit of the limit per unit of its multiplier.
-const PROXIMAL: f64 = 1e-10;
+const PROXIMAL: f64 = 1e-12;

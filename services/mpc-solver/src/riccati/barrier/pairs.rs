@@ -62,11 +62,11 @@ impl Pairs {
     }
 
     /// Targets of the corrector.
-    pub(super) fn aim(&mut self, len: usize, tau: f64) {
+    pub(super) fn aim(&mut self, len: usize, tau: f64, trust: f64) {
         let (s, l) = (&self.slack[..len], &self.multiplier[..len]);
         let (r, t) = (&self.relative[..len], &mut self.target[..len]);
         for k in 0..len {
-            t[k] = tau + s[k] * l[k] * (r[k] * (1.0 + r[k]));
+            t[k] = tau + trust * (s[k] * l[k]) * (r[k] * (1.0 + r[k]));
         }
     }
 
@@ -74,6 +74,14 @@ impl Pairs {
     pub(super) fn reach(&self, len: usize) -> f64 {
         let arrays = [&self.relative[..], &self.target, &self.per_slack, &self.per_multiplier];
         largest(len, arrays, |[r, t, ps, pl]| greater(-r, 1.0 + r - t * (ps * pl)))
+    }
+
+    /// Whether the slack of entry `k`, rather than its multiplier, goes to zero: by Tapia's indicator, which of
+    /// the two has shrunk more in the last step.
+    pub(super) fn closes(&self, k: usize) -> bool {
+        let remaining =
+            self.target[k] * (self.per_slack[k] * self.per_multiplier[k]) - self.relative[k];
+        1.0 + self.relative[k] < remaining
     }
 
     /// Takes the part `a` of the step.

@@ -3,6 +3,7 @@
 use super::PROXIMAL;
 use super::pairs::Pairs;
 use crate::problem::{Row, Softness, dot};
+use crate::riccati::row_graph::RowTangent;
 
 /// Finite stand-in for an infinite limit.
 const NO_LIMIT: f64 = 1e9;
@@ -117,13 +118,13 @@ impl RowBarrier {
     }
 
     /// Sets `force` to what the corrector's targets add.
-    pub(in crate::riccati) fn correct(&mut self, tau: f64) {
+    pub(in crate::riccati) fn correct(&mut self, tau: f64, trust: f64) {
         let len = self.len;
-        self.limit.aim(len, tau);
+        self.limit.aim(len, tau, trust);
         let (t, pm) = (&self.limit.target[..len], &self.limit.per_multiplier[..len]);
         let (w, force) = (&self.weight[..len], &mut self.force[..len]);
         if self.price.is_some() {
-            self.slip.aim(len, tau);
+            self.slip.aim(len, tau, trust);
             let (t2, soft) = (&self.slip.target[..len], &self.per_stiffness[..len]);
             for i in 0..len {
                 force[i] = w[i] * (t[i] * pm[i] - t2[i] * soft[i]);
@@ -174,6 +175,18 @@ impl RowBarrier {
         self.limit.advance(self.len, a);
         if self.price.is_some() {
             self.slip.advance(self.len, a);
+        }
+    }
+
+    /// The part of the row's graph that stage `k` goes to.
+    pub(in crate::riccati) fn tangent(&self, k: usize) -> RowTangent {
+        let i = k - self.from;
+        match self.price {
+            _ if !self.limit.closes(i) => RowTangent::default(),
+            Some((price, curvature)) if !self.slip.closes(i) => {
+                RowTangent::beyond(price, curvature)
+            }
+            _ => RowTangent::edge(self.limit.multiplier[i]),
         }
     }
 

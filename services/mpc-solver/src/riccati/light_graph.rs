@@ -77,11 +77,13 @@ impl LightGraph {
         self.hyperbola_at(margin.max(guess))
     }
 
-    fn clear(&self) -> Tangent {
+    /// Beyond the threshold.
+    pub(super) fn clear(&self) -> Tangent {
         Tangent { region: Region::Clear, margin: self.threshold, alpha: 0.0, slope: 0.0 }
     }
 
-    fn edge(&self, alpha: f64) -> Tangent {
+    /// At the threshold.
+    pub(super) fn edge(&self, alpha: f64) -> Tangent {
         let slope = self.stiffness;
         Tangent {
             region: Region::Edge,
@@ -91,11 +93,13 @@ impl LightGraph {
         }
     }
 
-    fn straight(&self) -> Tangent {
+    /// Below the knee.
+    pub(super) fn straight(&self) -> Tangent {
         Tangent { region: Region::Straight, margin: self.knee, alpha: self.price, slope: 0.0 }
     }
 
-    fn hyperbola_at(&self, margin: f64) -> Tangent {
+    /// On the hyperbola, or below its knee, at a margin.
+    pub(super) fn hyperbola_at(&self, margin: f64) -> Tangent {
         if margin <= self.knee {
             return self.straight();
         }

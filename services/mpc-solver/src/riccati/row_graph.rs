@@ -1,0 +1,115 @@
+//! A row's penalty as a graph, and its tangents.
+//!
+//! `μ ∈ ∂ψ(z)` is zero below the limit, vertical at it up to the price `λ` (without end if hard), and `λ + κ z`
+//! beyond. As for the light ([`super::light_graph`]), a tangent stands for the curve in one round, and the point
+//! reached on it says which part comes next. The vertical part is a steep line through the multiplier that the
+//! round before has found, so that the multiplier settles and the limit is met exactly.
+
+use crate::problem::{Row, Softness};
+
+/// Slope that stands for the vertical part, cost per unit of the limit squared.
+const STIFFNESS: f64 = 1e8;
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Region {
+    /// `z ≤ 0`, `μ = 0`.
+    #[default]
+    Clear,
+    /// `z = 0`.
+    Edge,
+    /// `μ = λ + κ z`.
+    Beyond,
+}
+
+/// A tangent `μ = multiplier + slope z`.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct RowTangent {
+    region: Region,
+    multiplier: f64,
+    /// Its slope, ≥ 0.
+    pub(super) slope: f64,
+}
+
+impl RowTangent {
+    /// On the vertical part.
+    pub(super) fn edge(multiplier: f64) -> Self {
+        Self { region: Region::Edge, multiplier, slope: STIFFNESS }
+    }
+
+    /// Beyond the limit of a soft row.
+    pub(super) fn beyond(price: f64, curvature: f64) -> Self {
+        Self { region: Region::Beyond, multiplier: price, slope: curvature }
+    }
+
+    /// Whether it adds anything to the problem.
+    #[inline(always)]
+    pub(super) fn acts(&self) -> bool {
+        self.region != Region::Clear
+    }
+
+    /// `μ` at `z`, written for the force on the row's gradient: at `z = −limit`.
+    #[inline(always)]
+    pub(super) fn at(&self, z: f64) -> f64 {
+        self.multiplier + self.slope * z
+    }
+
+    /// Takes the point at `z` back to the curve: the new tangent, the multiplier of the point, and its
+    /// distance from the curve in units of the limit (1 or more when it changes to another part).
+    pub(super) fn project(&self, row: &Row, z: f64, unit: f64) -> (Self, f64, f64) {
+        let mu = self.at(z);
+        let (price, curvature) = match row.softness {
+            Softness::Hard => (f64::INFINITY, 0.0),
+            Softness::Soft { linear, quadratic } => (linear, quadratic),
+        };
+        let next = match self.region {
+            Region::Clear if z > 1e-10 * unit => Self::edge(0.0),
+            Region::Clear => *self,
+            Region::Edge if mu < 0.0 => Self::default(),
+            Region::Edge if mu > price => Self::beyond(price, curvature),
+            Region::Edge => Self::edge(mu),
+            Region::Beyond if z < 0.0 => Self::edge(price),
+            Region::Beyond => *self,
+        };
+        let distance = if next.region != self.region {
+            1.0
+        } else if next.region == Region::Edge {
+            z.abs() / unit
+        } else {
+            0.0
+        };
+        (next, mu, distance)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `min ½(z − a)² + ψ(z)` one tangent at a time: `z − a + μ = 0`.
+    fn minimise(row: &Row, a: f64) -> (f64, f64) {
+        let mut tangent = RowTangent::default();
+        for _ in 0..20 {
+            let z = (a - tangent.multiplier) / (1.0 + tangent.slope);
+            let (next, mu, distance) = tangent.project(row, z, 1.0);
+            if distance < 1e-12 {
+                return (z, mu);
+            }
+            tangent = next;
+        }
+        panic!("not settled for {a}");
+    }
+
+    #[test]
+    fn every_part_is_found() {
+        let softness = Softness::Soft { linear: 2.0, quadratic: 3.0 };
+        let mut row = Row { gradient: [1.0, 0.0, 0.0], from: 1, to: 1, limit: 0.0, softness };
+        assert_eq!(minimise(&row, -1.0), (-1.0, 0.0));
+        let (z, mu) = minimise(&row, 1.5);
+        assert!(z.abs() < 1e-12 && (mu - 1.5).abs() < 1e-6, "{z} {mu}");
+        let (z, mu) = minimise(&row, 10.0);
+        assert!((z - 2.0).abs() < 1e-12 && (mu - 8.0).abs() < 1e-12, "{z} {mu}");
+        row.softness = Softness::Hard;
+        let (z, mu) = minimise(&row, 10.0);
+        assert!(z.abs() < 1e-12 && (mu - 10.0).abs() < 1e-6, "{z} {mu}");
+    }
+}
