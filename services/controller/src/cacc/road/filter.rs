@@ -8,11 +8,13 @@
 //!
 //! From a safe state emergency braking is safe, so a safe request always exists, and the state stays
 //! safe: neither a line nor the lead is reached, whatever the law above wants. A state can be unsafe
-//! through no choice of ours (a vehicle cuts in, a light jumps). Behind a lead, what it does now then
-//! counts instead of the worst that it might do. At a line that is to be passed, the request must leave
-//! the vehicle able to stop, or fast enough to cross before red at the speed it has.
+//! through no choice of ours (a vehicle cuts in, a light jumps). Behind a lead the request is then at
+//! least comfortable braking, harder as far as what the lead does now calls for it, instead of the worst
+//! that it might do. At a line that is to be passed, the request must leave the vehicle able to stop, or
+//! fast enough to cross before red at the speed it has.
 
 use super::lead::LeadNow;
+use crate::cacc::config::Config;
 use crate::cacc::kinematics::{Lag, LagStep, Motion};
 
 /// Distance kept to a closed line, m.
@@ -55,26 +57,24 @@ pub(super) struct Filter {
     check: LagStep,
     min_mps2: f64,
     max_mps2: f64,
+    comfort_mps2: f64,
     min_gap_m: f64,
     lead_deceleration_mps2: f64,
 }
 
 impl Filter {
-    pub(super) fn new(
-        lag: Lag,
-        period_s: f64,
-        (min_mps2, max_mps2): (f64, f64),
-        min_gap_m: f64,
-        lead_deceleration_mps2: f64,
-    ) -> Self {
+    /// A filter for a control period of `period_s`.
+    pub(super) fn new(config: &Config, period_s: f64) -> Self {
+        let lag = Lag { tau_s: config.actuator_lag_s };
         Self {
             lag,
             period: lag.discretise(period_s),
             check: lag.discretise(CHECK_S),
-            min_mps2,
-            max_mps2,
-            min_gap_m,
-            lead_deceleration_mps2,
+            min_mps2: config.min_request_mps2,
+            max_mps2: config.max_request_mps2,
+            comfort_mps2: -config.road.comfort_deceleration_mps2,
+            min_gap_m: config.road.min_gap_m,
+            lead_deceleration_mps2: config.road.lead_deceleration_mps2,
         }
     }
 
@@ -103,8 +103,19 @@ impl Filter {
             self.lower(u, |u| self.stays_behind(u, ego, lead, worst))
         } else {
             let now = (-lead.acceleration_mps2).max(0.0);
-            self.lower(u, |u| self.stays_behind(u, ego, lead, now))
+            self.lower(u.min(self.comfort_mps2), |u| self.stays_behind(u, ego, lead, now))
         }
+    }
+
+    /// Whether the hardest braking from now on stops before a line.
+    pub(super) fn can_stop(&self, ego: Motion, distance_m: f64) -> bool {
+        self.stops_before(self.min_mps2, ego, distance_m)
+    }
+
+    /// Whether the speed that is left when the present deceleration has died away crosses a line
+    /// before red.
+    pub(super) fn can_cross(&self, ego: Motion, distance_m: f64, red_in_s: f64) -> bool {
+        self.crosses(0.0, ego, distance_m, red_in_s)
     }
 
     /// Whether braking with a constant `request` from now on is enough: it stops before each line that
@@ -227,7 +238,9 @@ mod tests {
     use super::*;
 
     fn filter() -> Filter {
-        Filter::new(Lag { tau_s: 0.5 }, 0.1, (-4.9, 4.9), 1.0, 4.0)
+        let mut config = Config::default();
+        config.road.min_gap_m = 1.0;
+        Filter::new(&config, 0.1)
     }
 
     #[test]
@@ -267,7 +280,7 @@ mod tests {
     fn past_the_point_of_no_return_it_crosses_before_red() {
         let ego = Motion { position_m: 0.0, speed_mps: 15.0, acceleration_mps2: 0.0 };
         let pass = |red_in_s| Gate { distance_m: 20.0, rule: Rule::Pass { red_in_s } };
-        assert!(!filter().stops_before(-4.9, ego, 20.0));
+        assert!(!filter().can_stop(ego, 20.0));
         assert!(filter().apply(-3.0, ego, None, &[pass(1.35)]) > -0.5);
         assert_eq!(filter().apply(-3.0, ego, None, &[pass(9.0)]), -3.0);
         assert_eq!(filter().apply(1.0, ego, None, &[pass(0.5)]), -4.9);

@@ -51,7 +51,7 @@ use self::filter::{Filter, Gate, Rule};
 use self::lead::LeadNow;
 use self::planner::{Planner, Seen};
 use self::program::Deadline;
-use self::signals::{Green, Line, SignalMemory};
+use self::signals::{Line, SignalMemory};
 use super::config::Config;
 use super::kinematics::{Lag, Motion};
 use super::plan::PlanMemory;
@@ -166,7 +166,13 @@ impl RoadLaw {
     }
 
     /// Plans for the nearest line, decides about it and returns what was chosen.
-    fn plan(&mut self, input: &Input, seen: &Seen, output: &mut Output) -> (Option<Choice>, u32) {
+    fn plan(
+        &mut self,
+        input: &Input,
+        seen: &Seen,
+        filter: &Filter,
+        output: &mut Output,
+    ) -> (Option<Choice>, u32) {
         let nearest = seen.lines[..seen.count].first().copied();
         let Some(line) = nearest else {
             self.planner.candidate(Choice::Pass, input, seen, reference::Gate::Open, None);
@@ -176,7 +182,11 @@ impl RoadLaw {
         let now = input.time_s;
         let line_m = line.at_m - input.ego.position_m;
         let before = self.state.chosen.filter(|chosen| chosen.0 == line.id).map(|chosen| chosen.1);
-        let green = line.greens().iter().find(|green| green.clear_s > now).copied();
+        let green = if line.known {
+            line.greens().iter().find(|green| green.clear_s > now).copied()
+        } else {
+            line.shown(now).copied()
+        };
         let margin = match before {
             Some(Choice::Pass) => LAST_MARGIN_S,
             _ => self.config.road.pass_margin_s,
@@ -202,7 +212,10 @@ impl RoadLaw {
                 (None, _) => false,
             };
             let clear = (green.clear_s - now - LAST_MARGIN_S) / self.planner.lag.step_s;
-            clears = arrival.is_some_and(|stage| stage as f64 <= clear) || clear > n as f64;
+            let red_in_s = green.clear_s - now;
+            clears = clear > n as f64
+                || arrival.is_some_and(|stage| stage as f64 <= clear)
+                || green.from_s <= now && filter.can_cross(seen.ego, line_m, red_in_s);
             // The undisturbed driver passes: nothing can be cheaper.
             let driver = &self.planner.candidate_of(Choice::Pass).reference;
             let in_time = |k| deadline.is_some_and(|stage| k <= stage);
@@ -227,7 +240,8 @@ impl RoadLaw {
         }
         let lag = Lag { tau_s: self.config.actuator_lag_s };
         let comfort = -self.config.road.comfort_deceleration_mps2;
-        let comfortable_stop = lag.stop(seen.ego, comfort).distance_m <= line_m - STOP_ROOM_M;
+        let room = STOP_ROOM_M.min(0.5 * line_m);
+        let comfortable_stop = lag.stop(seen.ego, comfort).distance_m <= line_m - room;
         let situation = Situation {
             known: line.known,
             reaches,
@@ -248,17 +262,20 @@ impl RoadLaw {
         input: &Input,
         seen: &Seen,
         choice: Option<Choice>,
+        filter: &Filter,
     ) -> ([Gate; MAX_SIGNALS], usize) {
         let now = input.time_s;
         let n = self.config.horizon_steps;
         let mut gates = [Gate { distance_m: 0.0, rule: Rule::Stop }; MAX_SIGNALS];
         for (j, line) in seen.lines[..seen.count].iter().enumerate() {
             let distance_m = line.at_m - input.ego.position_m;
-            let shown = |green: &&Green| green.from_s <= now && now < green.clear_s;
-            let open = line.greens().iter().find(shown);
+            let open = line.shown(now);
             let passes = match (j, open) {
                 (_, None) => false,
-                (0, Some(_)) => choice == Some(Choice::Pass),
+                // Beyond the point of no return a stop is no longer a choice.
+                (0, Some(_)) => {
+                    choice == Some(Choice::Pass) || !filter.can_stop(seen.ego, distance_m)
+                }
                 (_, Some(green)) => {
                     let reference =
                         &self.planner.candidate_of(choice.unwrap_or(Choice::Pass)).reference;
@@ -285,6 +302,7 @@ impl RoadLaw {
         input: &Input,
         seen: &Seen,
         choice: Option<Choice>,
+        filter: &Filter,
         output: &mut Output,
     ) -> bool {
         let taken = choice.unwrap_or(Choice::Pass);
@@ -317,14 +335,7 @@ impl RoadLaw {
             *request = request.clamp(min, max);
         }
         let wanted = output.request_mps2();
-        let (gates, count) = self.gates(input, seen, choice);
-        let filter = Filter::new(
-            Lag { tau_s: self.config.actuator_lag_s },
-            input.period_s,
-            self.request_bounds_mps2(),
-            self.config.road.min_gap_m,
-            self.config.road.lead_deceleration_mps2,
-        );
+        let (gates, count) = self.gates(input, seen, choice, filter);
         // Nothing calls for more than the comfort bound as long as it is enough.
         let comfort = -self.config.road.comfort_deceleration_mps2;
         let enough = filter.suffices(comfort, seen.ego, seen.lead.as_ref(), &gates[..count]);
@@ -366,8 +377,9 @@ impl Law for RoadLaw {
             return;
         };
         self.planner.predict(seen.lead.as_ref());
-        let (choice, reason) = self.plan(input, &seen, output);
-        let closed = self.write(input, &seen, choice, output);
+        let filter = Filter::new(&self.config, input.period_s);
+        let (choice, reason) = self.plan(input, &seen, &filter, output);
+        let closed = self.write(input, &seen, choice, &filter, output);
         if let Some(lead) = &seen.lead {
             let v = seen.ego.speed_mps;
             let desired = self.config.time_headway_s * v + self.config.road.standstill_gap_m;

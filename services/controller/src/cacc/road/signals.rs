@@ -26,6 +26,8 @@ pub(super) struct Line {
     pub(super) at_m: f64,
     /// Whether the current phase is known.
     pub(super) known: bool,
+    /// When the phase was last known, s.
+    heard_s: f64,
     greens: [Green; MAX_PHASES],
     count: usize,
 }
@@ -34,6 +36,13 @@ impl Line {
     /// The announced greens that have not ended, and the one whose yellow has not, in order of time.
     pub(super) fn greens(&self) -> &[Green] {
         &self.greens[..self.count]
+    }
+
+    /// The green, or its yellow, that is shown at `now_s`. Of a line that is no longer heard, only the one
+    /// that was shown when it was: a green that was announced for later is not known to have come.
+    pub(super) fn shown(&self, now_s: f64) -> Option<&Green> {
+        let heard = if self.known { now_s } else { self.heard_s };
+        self.greens().iter().find(|green| green.from_s <= heard && now_s < green.clear_s)
     }
 
     fn read(&mut self, signal: &SignalAhead, now_s: f64) {
@@ -72,6 +81,7 @@ impl Line {
         }
         self.known = !first;
         if self.known {
+            self.heard_s = now_s;
             self.greens = greens;
             self.count = count;
         }
@@ -187,10 +197,21 @@ mod tests {
         memory.update(&input(10.0, 1.0, None));
         assert_eq!(memory.lines().len(), 1);
         assert!(!memory.lines()[0].known);
-        assert_eq!(memory.lines()[0].greens()[0].to_s, 9.0);
+        assert_eq!(memory.lines()[0].shown(8.9).map(|green| green.to_s), Some(9.0));
+        assert_eq!(memory.lines()[0].shown(9.1), None);
         memory.update(&input(20.0, 2.0, Some(signal(30.0, &[(Phase::Unknown, 9.0)]))));
         assert!(!memory.lines()[0].known);
         memory.update(&input(50.5, 4.0, None));
         assert!(memory.lines().is_empty());
+    }
+
+    #[test]
+    fn a_green_announced_for_later_is_not_shown_when_it_is_not_heard() {
+        let mut memory = SignalMemory::default();
+        let phases = [(Phase::Red, 3.0), (Phase::Green, 20.0)];
+        memory.update(&input(0.0, 0.0, Some(signal(50.0, &phases))));
+        assert!(memory.lines()[0].shown(1.0).is_none());
+        memory.update(&input(1.0, 4.0, None));
+        assert!(memory.lines()[0].shown(4.0).is_none());
     }
 }
