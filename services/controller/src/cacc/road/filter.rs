@@ -25,6 +25,8 @@ const SURE: f64 = 0.95;
 const HALVINGS: usize = 13;
 /// Step in which ego and lead are compared, s.
 const CHECK_S: f64 = 0.1;
+/// Shares of the hardest braking with which a crossing behind a slower lead is tried.
+const BRAKING_SHARES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 /// Longest comparison, steps: well over the stop from 70 m/s.
 const CHECKS: usize = 250;
 
@@ -89,7 +91,7 @@ impl Filter {
         let mut u = request.clamp(self.min_mps2, self.max_mps2);
         for gate in gates {
             if let Rule::Pass { red_in_s } = gate.rule {
-                u = self.pass(u, ego, gate.distance_m, red_in_s);
+                u = self.pass(u, ego, lead, gate.distance_m, red_in_s);
             }
         }
         for gate in gates {
@@ -114,8 +116,14 @@ impl Filter {
 
     /// Whether the speed that is left when the present deceleration has died away crosses a line
     /// before red.
-    pub(super) fn can_cross(&self, ego: Motion, distance_m: f64, red_in_s: f64) -> bool {
-        self.crosses(0.0, ego, distance_m, red_in_s)
+    pub(super) fn can_cross(
+        &self,
+        ego: Motion,
+        lead: Option<&LeadNow>,
+        distance_m: f64,
+        red_in_s: f64,
+    ) -> bool {
+        self.has_room(0.0, ego, lead, distance_m, red_in_s)
     }
 
     /// Whether braking with a constant `request` from now on is enough: it stops before each line that
@@ -135,7 +143,7 @@ impl Filter {
         stops
             && lead.is_none_or(|lead| {
                 let now = (-lead.acceleration_mps2).max(0.0);
-                self.keeps_gap(ego, 0.0, request, lead, now)
+                self.keeps_gap(ego, 0.0, |_| request, lead, now)
             })
     }
 
@@ -155,14 +163,25 @@ impl Filter {
         low
     }
 
-    fn pass(&self, u: f64, ego: Motion, distance_m: f64, red_in_s: f64) -> f64 {
+    fn pass(
+        &self,
+        u: f64,
+        ego: Motion,
+        lead: Option<&LeadNow>,
+        distance_m: f64,
+        red_in_s: f64,
+    ) -> f64 {
         let crosses = |u: f64| self.crosses(u, ego, distance_m, red_in_s);
         let stops = |u: f64| self.stops_before(u, ego, distance_m);
-        if stops(u) || crosses(u) {
+        if stops(u) || self.has_room(u, ego, lead, distance_m, red_in_s) {
             return u;
         }
         if stops(self.min_mps2) {
             return self.lower(u, stops);
+        }
+        // Too late to stop. Room behind the lead is seen to after this.
+        if crosses(u) {
+            return u;
         }
         if !crosses(self.max_mps2) {
             // Neither is possible any more: cross as slowly as can be.
@@ -190,19 +209,59 @@ impl Filter {
         next.position_m + kept.max(0.0) * left >= distance_m + LINE_MARGIN_M
     }
 
+    /// Whether a lead that goes on as it does now leaves room to cross before red: at the speed kept, with
+    /// braking only after the line, or while braking for the lead all along.
+    fn has_room(
+        &self,
+        u: f64,
+        ego: Motion,
+        lead: Option<&LeadNow>,
+        distance_m: f64,
+        red_in_s: f64,
+    ) -> bool {
+        let Some(lead) = lead else { return self.crosses(u, ego, distance_m, red_in_s) };
+        let next = self.period.advance(Motion { position_m: 0.0, ..ego }, u);
+        let hardest = SURE * self.min_mps2;
+        let now = (-lead.acceleration_mps2).max(0.0);
+        let after = |at: f64| if at < distance_m { 0.0 } else { hardest };
+        if self.crosses(u, ego, distance_m, red_in_s)
+            && self.keeps_gap(next, self.period.step_s, after, lead, now)
+        {
+            return true;
+        }
+        BRAKING_SHARES.iter().any(|share| {
+            let request = share * hardest;
+            self.reaches(next, request, distance_m, red_in_s - self.period.step_s)
+                && self.keeps_gap(next, self.period.step_s, |_| request, lead, now)
+        })
+    }
+
+    /// Whether a constant request gets beyond a line in the time that is left.
+    fn reaches(&self, mut ego: Motion, request: f64, distance_m: f64, left_s: f64) -> bool {
+        let mut time = 0.0;
+        while time + CHECK_S <= left_s && ego.speed_mps > 0.0 {
+            ego = self.check.advance(ego, request);
+            time += CHECK_S;
+            if ego.position_m >= distance_m + LINE_MARGIN_M {
+                return true;
+            }
+        }
+        false
+    }
+
     /// Whether braking after one period of `u` keeps the gap while the lead brakes with
     /// `deceleration` from now on.
     fn stays_behind(&self, u: f64, ego: Motion, lead: &LeadNow, deceleration: f64) -> bool {
         let next = self.period.advance(Motion { position_m: 0.0, ..ego }, u);
-        self.keeps_gap(next, self.period.step_s, SURE * self.min_mps2, lead, deceleration)
+        self.keeps_gap(next, self.period.step_s, |_| SURE * self.min_mps2, lead, deceleration)
     }
 
-    /// Whether an ego in state `ego` after `time` keeps the gap under a constant request.
+    /// Whether an ego in state `ego` after `time` keeps the gap with a request that depends on its place.
     fn keeps_gap(
         &self,
         mut ego: Motion,
         mut time: f64,
-        request: f64,
+        request: impl Fn(f64) -> f64,
         lead: &LeadNow,
         deceleration: f64,
     ) -> bool {
@@ -220,7 +279,7 @@ impl Filter {
             {
                 break;
             }
-            ego = self.check.advance(ego, request);
+            ego = self.check.advance(ego, request(ego.position_m));
             time += CHECK_S;
         }
         true

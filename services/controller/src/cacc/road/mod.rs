@@ -215,7 +215,8 @@ impl RoadLaw {
             let red_in_s = green.clear_s - now;
             clears = clear > n as f64
                 || arrival.is_some_and(|stage| stage as f64 <= clear)
-                || green.from_s <= now && filter.can_cross(seen.ego, line_m, red_in_s);
+                || green.from_s <= now
+                    && filter.can_cross(seen.ego, seen.lead.as_ref(), line_m, red_in_s);
             // The undisturbed driver passes: nothing can be cheaper.
             let driver = &self.planner.candidate_of(Choice::Pass).reference;
             let in_time = |k| deadline.is_some_and(|stage| k <= stage);
