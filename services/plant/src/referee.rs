@@ -447,8 +447,17 @@ mod tests {
         referee.observe(PERIOD_NS, &state(0.25, 25.0, 0.4), Some(&ahead), &[]);
         let figures = referee.figures();
         assert_eq!(figures.min_ttc_s, None);
-        assert_eq!(figures.final_gap_error_m, Some(30.0 - (1.5 * 25.0 + 12.0)));
+        assert_eq!(figures.final_gap_error_m, Some(30.0 - (1.5 * 25.0 + 5.0)));
         assert!((figures.max_abs_jerk_mps3.expect("two samples") - 10.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_gap_that_only_the_law_knows_has_no_error() {
+        let mut referee = Referee::new(&scenario("six-mode"));
+        let ahead = Ahead { gap_m: 30.0, speed_mps: 26.0, acceleration_mps2: 0.0 };
+        referee.observe(0, &state(0.0, 25.0, 0.0), Some(&ahead), &[]);
+        assert_eq!(referee.figures().final_gap_error_m, None);
+        assert_eq!(referee.figures().min_gap_m, Some(30.0));
     }
 
     #[test]
