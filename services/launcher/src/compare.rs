@@ -77,10 +77,10 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
     let json = serde_json::to_string_pretty(&comparison).expect("plain data");
     output.write("compare.json", (json.clone() + "\n").as_bytes())?;
     if arguments.json {
-        println!("{json}");
+        print::out(&(json + "\n"));
     } else {
-        print!("{}", table(&comparison.rows));
-        println!("results: {}", output.path().display());
+        print::out(&table(&comparison.rows));
+        print::out(&format!("results: {}\n", output.path().display()));
     }
     Ok(if whole { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

@@ -2,6 +2,7 @@
 
 use crate::cli::ListArguments;
 use crate::error::Error;
+use crate::print;
 use controller::laws;
 use shared::scenario::builtin;
 use shared::scenario::controller::ControllerName;
@@ -18,7 +19,7 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
                 names.join(", ")
             ))
         })?;
-        print!("{}", builtin.text);
+        print::out(builtin.text);
         return Ok(ExitCode::SUCCESS);
     }
     let scenarios = builtin::ALL.iter().map(|builtin| (builtin.name, builtin.summary));
@@ -31,12 +32,15 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
             "scenarios": scenarios.map(entry).collect::<Vec<_>>(),
             "controllers": controllers.map(entry).collect::<Vec<_>>(),
         });
-        println!("{}", serde_json::to_string_pretty(&list).expect("plain data"));
+        let json = serde_json::to_string_pretty(&list).expect("plain data");
+        print::out(&(json + "\n"));
         return Ok(ExitCode::SUCCESS);
     }
-    println!("Scenarios (timegap run NAME; timegap list --show NAME prints the file):");
-    scenarios.for_each(|(name, line)| println!("  {name:<18} {line}"));
-    println!("Controllers (timegap run --controller NAME):");
-    controllers.for_each(|(name, line)| println!("  {name:<18} {line}"));
+    let mut text = String::new();
+    text.push_str("Scenarios (timegap run NAME; timegap list --show NAME prints the file):\n");
+    scenarios.for_each(|(name, line)| text.push_str(&format!("  {name:<26} {line}\n")));
+    text.push_str("Controllers (timegap run --controller NAME):\n");
+    controllers.for_each(|(name, line)| text.push_str(&format!("  {name:<26} {line}\n")));
+    print::out(&text);
     Ok(ExitCode::SUCCESS)
 }

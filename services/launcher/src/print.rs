@@ -3,7 +3,13 @@
 use crate::summary::Summary;
 use shared::report::Outcome;
 use shared::statistics::Percentiles;
-use std::fmt::Write;
+use std::fmt::Write as _;
+use std::io::Write as _;
+
+/// Writes text on standard output. Whoever closed it has read enough.
+pub fn out(text: &str) {
+    let _ = std::io::stdout().write_all(text.as_bytes());
+}
 
 /// The run in ten seconds' reading.
 pub fn summary(summary: &Summary) -> String {

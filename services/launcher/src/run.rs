@@ -40,10 +40,10 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
         eprintln!("{service}: {line}");
     }
     if arguments.json {
-        println!("{json}");
+        print::out(&(json + "\n"));
     } else {
-        print!("{}", print::summary(&summary));
-        println!("  {:<14} {}", "results", output.path().display());
+        let results = format!("  {:<14} {}\n", "results", output.path().display());
+        print::out(&(print::summary(&summary) + &results));
     }
     Ok(exit_code(&group.ended, summary.outcome))
 }

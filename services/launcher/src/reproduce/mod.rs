@@ -11,8 +11,8 @@ use crate::cli::{GroupOptions, PaperName, ReproduceArguments, ScenarioOptions};
 use crate::error::Error;
 use crate::group::{Drive, Ended, GroupOutcome};
 use crate::output::OutputDirectory;
-use crate::run;
 use crate::summary::Summary;
+use crate::{print, run};
 use indicatif::ProgressBar;
 use row::{Row, Verdict};
 use serde::Serialize;
@@ -60,12 +60,12 @@ pub fn run(arguments: &ReproduceArguments) -> Result<ExitCode, Error> {
     let json = serde_json::to_string_pretty(&reproduction).expect("plain data");
     output.write("reproduce.json", (json.clone() + "\n").as_bytes())?;
     if arguments.json {
-        println!("{json}");
+        print::out(&(json + "\n"));
     } else {
         for paper in &reproduction.papers {
-            print!("{}", row::table(paper.paper, &paper.rows));
+            print::out(&row::table(paper.paper, &paper.rows));
         }
-        println!("results: {}", output.path().display());
+        print::out(&format!("results: {}\n", output.path().display()));
     }
     Ok(if ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
