@@ -62,17 +62,9 @@ fn age_s(acquisition_ns: i64, time_s: f64) -> f64 {
     (time_s - acquisition_ns as f64 / 1e9).max(0.0)
 }
 
-/// Ego motion at constant acceleration since the sample.
 fn ego_at(odometry: &Odometry, time_s: f64) -> Ego {
-    let age = age_s(odometry.header.acquisition_ns, time_s);
-    let (v, a) = (odometry.speed_mps, odometry.acceleration_mps2);
-    // Braking ends at standstill.
-    let moving = if a < 0.0 { age.min(v / -a) } else { age };
-    Ego {
-        position_m: odometry.position_m + v * moving + 0.5 * a * moving * moving,
-        speed_mps: v + a * moving,
-        acceleration_mps2: a,
-    }
+    let (position_m, speed_mps) = odometry.moved_to(time_s);
+    Ego { position_m, speed_mps, acceleration_mps2: odometry.acceleration_mps2 }
 }
 
 /// The target at constant relative speed since the sample.

@@ -43,18 +43,10 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     runtime.finish(Details::None)
 }
 
-/// Ego motion at constant acceleration since the sample: the radar measures from where the ego is,
-/// not from where it was last heard of.
+/// The radar measures from where the ego is, not from where it was last heard of.
 fn ego_at(odometry: &Odometry, time_s: f64) -> Ego {
-    let age = (time_s - odometry.header.acquisition_ns as f64 / 1e9).max(0.0);
-    let (v, a) = (odometry.speed_mps, odometry.acceleration_mps2);
-    // Braking ends at standstill.
-    let moving = if a < 0.0 { age.min(v / -a) } else { age };
-    Ego {
-        position_m: odometry.position_m + v * moving + 0.5 * a * moving * moving,
-        speed_mps: v + a * moving,
-        acceleration_mps2: a,
-    }
+    let (position_m, speed_mps) = odometry.moved_to(time_s);
+    Ego { position_m, speed_mps, acceleration_mps2: odometry.acceleration_mps2 }
 }
 
 fn truth_on_the_wire(header: Header, vehicles: &[Vehicle]) -> VehicleTruth {

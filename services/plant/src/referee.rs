@@ -7,6 +7,7 @@
 //! crosses a stop line and its place at the instant of a signal's switch interpolated, as the
 //! papers' figures are.
 
+use shared::report::ControlFigures;
 use shared::scenario::Scenario;
 use shared::scenario::controller::{ControllerName, SpacingPolicy};
 use shared::scenario::v2x::Phase;
@@ -66,33 +67,6 @@ pub enum Violation {
     },
 }
 
-/// Control figures of a run; `None` where a figure does not apply.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Figures {
-    /// Smallest gap, m.
-    pub min_gap_m: Option<f64>,
-    /// Smallest time to collision at constant speeds, s.
-    pub min_ttc_s: Option<f64>,
-    /// Gap minus desired gap at the end, m.
-    pub final_gap_error_m: Option<f64>,
-    /// Speed at the end minus that of the vehicle ahead, or minus the set speed when there is none,
-    /// m/s.
-    pub final_speed_error_mps: Option<f64>,
-    /// Largest magnitude of the jerk, m/s³.
-    pub max_abs_jerk_mps3: Option<f64>,
-    /// Smallest acceleration, m/s².
-    pub min_accel_mps2: Option<f64>,
-    /// Largest acceleration, m/s².
-    pub max_accel_mps2: Option<f64>,
-    /// When the first signal's stop line was crossed, s.
-    pub stop_line_crossing_s: Option<f64>,
-    /// Place of the ego past the first signal's stop line when that signal first switched, m;
-    /// negative: before it.
-    pub past_stop_line_at_switch_m: Option<f64>,
-    /// Stop lines crossed on red.
-    pub red_lights: u32,
-}
-
 /// Watches one run.
 #[derive(Clone, Debug)]
 pub struct Referee {
@@ -102,7 +76,8 @@ pub struct Referee {
     signals: [Option<SignalTruth>; MAX_SIGNALS],
     first_signal: Option<u32>,
     violation: Option<Violation>,
-    figures: Figures,
+    red_lights: u32,
+    figures: ControlFigures,
 }
 
 /// The gap that the scenario's law aims at, as far as the scenario tells.
@@ -158,7 +133,8 @@ impl Referee {
             signals: [None; MAX_SIGNALS],
             first_signal: None,
             violation: None,
-            figures: Figures::default(),
+            red_lights: 0,
+            figures: ControlFigures::default(),
         }
     }
 
@@ -195,8 +171,14 @@ impl Referee {
 
     /// The figures so far.
     #[must_use]
-    pub fn figures(&self) -> Figures {
-        self.figures
+    pub fn figures(&self) -> &ControlFigures {
+        &self.figures
+    }
+
+    /// Stop lines crossed on red.
+    #[must_use]
+    pub fn red_lights(&self) -> u32 {
+        self.red_lights
     }
 
     /// The first violation of the run.
@@ -284,7 +266,7 @@ impl Referee {
         if signal.phase_at(time_s) != Phase::Red {
             return None;
         }
-        self.figures.red_lights += 1;
+        self.red_lights += 1;
         Some(Violation::RedLight { time_s, id: signal.id })
     }
 
@@ -360,12 +342,13 @@ mod tests {
 
     #[test]
     fn crossing_and_switch_are_interpolated() {
-        let figures = pass(15.0, 65.05, Phase::Green, 5.004).figures();
+        let referee = pass(15.0, 65.05, Phase::Green, 5.004);
+        let figures = referee.figures();
         let close =
             |figure: Option<f64>, value: f64| (figure.expect("it applies") - value).abs() < 1e-9;
         assert!(close(figures.stop_line_crossing_s, 65.05 / 15.0));
         assert!(close(figures.past_stop_line_at_switch_m, 15.0 * 5.004 - 65.05));
-        assert_eq!(figures.red_lights, 0);
+        assert_eq!(referee.red_lights(), 0);
     }
 
     #[test]
@@ -433,7 +416,7 @@ mod tests {
     #[test]
     fn figures_that_do_not_apply_are_absent() {
         let mut referee = Referee::new(&scenario("following"));
-        assert_eq!(referee.figures(), Figures::default());
+        assert_eq!(*referee.figures(), ControlFigures::default());
         referee.observe(0, &state(0.0, 25.0, 0.5), None, &[]);
         let figures = referee.figures();
         assert_eq!(figures.min_gap_m, None);
@@ -470,7 +453,7 @@ mod tests {
             let violation = referee.observe(now_ns, &state(position, 10.0, 0.0), None, &[ahead]);
             assert_eq!(violation.is_some(), k == 1);
         }
-        assert_eq!(referee.figures().red_lights, 99);
+        assert_eq!(referee.red_lights(), 99);
     }
 
     proptest! {

@@ -8,7 +8,7 @@ use crate::truth;
 use shared::messages::{
     self, Command, Header, Odometry, Origins, PLAN_LEN, ServiceState, VehicleTruth,
 };
-use shared::report::{ControlFigures, Details, Outcome, PlantReport};
+use shared::report::{Details, Outcome, PlantReport};
 use shared::runtime::{Cycle, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber};
 use shared::scenario::Scenario;
 use shared::scenario::v2x::Phase;
@@ -167,7 +167,6 @@ impl Plant {
     }
 
     fn report(&self) -> PlantReport {
-        let figures = self.referee.figures();
         let outcome = match self.referee.violation() {
             Some(Violation::Collision { .. }) => Outcome::Collision,
             Some(Violation::RedLight { .. }) => Outcome::RedLight,
@@ -177,18 +176,7 @@ impl Plant {
         PlantReport {
             outcome,
             duration_s: self.time_s,
-            control: ControlFigures {
-                min_gap_m: figures.min_gap_m,
-                min_ttc_s: figures.min_ttc_s,
-                final_gap_error_m: figures.final_gap_error_m,
-                final_speed_error_mps: figures.final_speed_error_mps,
-                max_abs_jerk_mps3: figures.max_abs_jerk_mps3,
-                min_accel_mps2: figures.min_accel_mps2,
-                max_accel_mps2: figures.max_accel_mps2,
-                stop_line_crossing_s: figures.stop_line_crossing_s,
-                past_stop_line_at_switch_m: figures.past_stop_line_at_switch_m,
-                fuel_l_per_100km: None,
-            },
+            control: self.referee.figures().clone(),
             reaction_time_us: self.chains.reaction_us(),
             data_age_us: self.chains.age_us(),
             hops_us: self.chains.hops_us(),

@@ -22,3 +22,15 @@ pub struct Odometry {
 }
 
 message!(Odometry, Topic::Odometry);
+
+impl Odometry {
+    /// Position in m and speed in m/s at `time_s`, if the acceleration stayed as it was since the
+    /// sample. Braking ends at standstill.
+    #[must_use]
+    pub fn moved_to(&self, time_s: f64) -> (f64, f64) {
+        let age_s = (time_s - self.header.acquisition_ns as f64 / 1e9).max(0.0);
+        let (v, a) = (self.speed_mps, self.acceleration_mps2);
+        let moving_s = if a < 0.0 { age_s.min(v / -a) } else { age_s };
+        (self.position_m + v * moving_s + 0.5 * a * moving_s * moving_s, v + a * moving_s)
+    }
+}
