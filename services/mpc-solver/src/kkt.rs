@@ -17,7 +17,9 @@
 //!
 //! The last three are graphs of monotone functions. The residual of each is the distance from its
 //! graph, in primal or in dual units, whichever is less: primal distances are taken as they are (metres,
-//! m/s, m/s²) relative to `max(1, |limit|)`, dual ones relative to the largest multiplier, at least 1.
+//! m/s, m/s²) relative to `max(1, |limit|)`, dual ones relative to the largest multiplier of a row, the light or
+//! the terminal equality, at least 1. For `v_k` that scale is at least the largest `B'λ` from stage `k` on, since
+//! that is what has to cancel in it.
 
 use crate::problem::{Problem, Softness, Terminal, dot};
 
@@ -103,6 +105,8 @@ pub fn residuals(
             let v =
                 problem.r * u + dot(&problem.s, x) + problem.r_lin[k] + dot(&problem.b, &costate);
             let room = if v > 0.0 { u - problem.u_min } else { problem.u_max - u };
+            // What is not finite would be lost in a minimum.
+            worst(&mut out.stationarity, 0.0 * v);
             cancelled = cancelled.max(dot(&problem.b, &costate).abs());
             worst(&mut out.stationarity, (v.abs() / scale.max(cancelled)).min(room.max(0.0)));
             worst(&mut out.feasibility, (problem.u_min - u).max(u - problem.u_max).max(0.0));
@@ -121,6 +125,7 @@ pub fn residuals(
             if (row.from..=row.to).contains(&k) && problem.limits[j][k] < f64::INFINITY {
                 let (h, mu) = (problem.limits[j][k], multipliers.rows[j][k]);
                 let z = dot(&row.gradient, x) - h;
+                worst(&mut out.complementarity, 0.0 * (z + mu));
                 worst(
                     &mut out.complementarity,
                     row_distance(&row.softness, z, mu, h.abs().max(1.0), scale),
@@ -134,6 +139,7 @@ pub fn residuals(
             let stage = &problem.light_stages[k - 1];
             let alpha = multipliers.light[k];
             let margin = dot(&stage.gradient, x) + stage.offset;
+            worst(&mut out.complementarity, 0.0 * (margin + alpha));
             worst(&mut out.complementarity, light_distance(problem, margin, alpha, scale));
             for i in 0..3 {
                 costate[i] -= alpha * stage.gradient[i];

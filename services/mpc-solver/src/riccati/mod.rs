@@ -224,10 +224,12 @@ impl Solver for Riccati {
                 (status, residuals)
             }
         };
-        if !self.states[..=n].iter().flatten().sum::<f64>().is_finite() {
+        let objective = problem.objective(&self.inputs, &self.states);
+        let finite = self.states[..=n].iter().flatten().sum::<f64>().is_finite();
+        // A solution outside of the light's domain does not exist: an infinite cost is an overflow.
+        if !finite || status == Status::Solved && !objective.is_finite() {
             return Report { iterations, ..self.refuse(problem) };
         }
-        let objective = problem.objective(&self.inputs, &self.states);
         Report { status, iterations, residuals, objective }
     }
 

@@ -13,6 +13,7 @@ pub(crate) const T: f64 = 0.1;
 /// One row of the table.
 pub(crate) struct Instance {
     pub(crate) id: usize,
+    pub(crate) step: usize,
     pub(crate) x0: [f64; 3],
     pub(crate) sign: f64,
     pub(crate) t0: f64,
@@ -50,6 +51,7 @@ fn parse(line: &str) -> Instance {
     let lit = field[7] == "1";
     Instance {
         id: number(0) as usize,
+        step: number(3) as usize,
         x0: [number(4), number(5), number(6)],
         sign: number(8),
         t0: number(9),

@@ -55,11 +55,11 @@ pub(crate) fn problem(draw: &mut Draw) -> Problem {
     let (u_min, u_max) = (draw.uniform(-8.0, -2.0), draw.uniform(1.0, 5.0));
     let x0 = [draw.uniform(-100.0, 30.0), draw.uniform(-15.0, 20.0), draw.uniform(-5.0, 3.0)];
     let q = [draw.decades(-1.0, 3.0), draw.decades(-1.0, 4.0), draw.decades(-3.0, 2.0)];
+    // Euler's step for the input, or one that reaches the speeds within the step.
+    let jump = if draw.chance(0.15) { 0.5 * t * t / tau } else { 0.0 };
+    let b = [0.3 * t * jump, jump, t / tau];
     let mut builder = Problem::builder(n)
-        .dynamics(
-            [[1.0, t, t * headway], [0.0, 1.0, t], [0.0, 0.0, 1.0 - t / tau]],
-            [0.0, 0.0, t / tau],
-        )
+        .dynamics([[1.0, t, t * headway], [0.0, 1.0, t], [0.0, 0.0, 1.0 - t / tau]], b)
         .input_bounds(u_min, u_max)
         .state_weights(q)
         .input_cost(draw.decades(-1.0, 1.0))
@@ -72,7 +72,7 @@ pub(crate) fn problem(draw: &mut Draw) -> Problem {
 
     let lead = if draw.chance(0.5) { draw.uniform(-6.0, 4.0) } else { 0.0 };
     let disturbance = |k: usize| [0.0, -t * lead * (-0.5 * t * k as f64).exp(), 0.0];
-    let path = roll(draw, n, t, tau, headway, (u_min, u_max), x0, &disturbance);
+    let path = roll(draw, n, [t, tau, headway], b, (u_min, u_max), x0, &disturbance);
     if draw.chance(0.5) {
         builder = builder.terminal_equality(path[n]);
     }
@@ -90,13 +90,11 @@ pub(crate) fn problem(draw: &mut Draw) -> Problem {
 }
 
 /// The states of a random input within its bounds.
-#[allow(clippy::too_many_arguments, reason = "the numbers of one model")]
 fn roll(
     draw: &mut Draw,
     n: usize,
-    t: f64,
-    tau: f64,
-    headway: f64,
+    [t, tau, headway]: [f64; 3],
+    b: [f64; 3],
     (lo, hi): (f64, f64),
     x0: [f64; 3],
     disturbance: &dyn Fn(usize) -> [f64; 3],
@@ -111,9 +109,9 @@ fn roll(
         let u = wish.clamp(0.95 * lo, 0.95 * hi);
         let d = disturbance(k);
         path.push([
-            x[0] + t * (x[1] + headway * x[2]) + d[0],
-            x[1] + t * x[2] + d[1],
-            x[2] + t / tau * (u - x[2]) + d[2],
+            x[0] + t * (x[1] + headway * x[2]) + b[0] * u + d[0],
+            x[1] + t * x[2] + b[1] * u + d[1],
+            x[2] - t / tau * x[2] + b[2] * u + d[2],
         ]);
     }
     path
