@@ -4,11 +4,11 @@
 //! cargo run --release -p controller --example joint_weights -- [EVALUATIONS] [SEED]
 //! ```
 //!
-//! Score: the mean over all published figures of `((ours - paper) / joint tolerance)²`. Searched: `Q1`,
-//! `Q2`, `Q3`, `w`, `d_th` and the lead's acceleration in Table 3, which the paper does not give; `R`
-//! only scales the cost and stays 1. Nelder-Mead in the logarithms, in turn from the best point with a fresh
-//! simplex and from the best of a sample of the whole box of plausible weights. Same arguments, same
-//! result.
+//! Score: the mean over all published figures of `((ours - paper) / joint tolerance)²`. Searched:
+//! `Q1`, `Q2`, `Q3`, `w`, `d_th` and the lead's acceleration in Table 3, which the paper does not
+//! give; `R` only scales the cost and stays 1. Nelder-Mead in the logarithms, in turn from the best
+//! point with a fresh simplex and from the best of a sample of the whole box of plausible weights.
+//! Same arguments, same result.
 
 use controller::cacc::config::{Config, SolverKind, SpacingPolicy};
 use controller::cacc::paper::PaperLaw;

@@ -13,8 +13,8 @@
 //! ```
 //!
 //! Alone it brakes harder than needed when a vehicle cuts in closely. So it is tempered by the
-//! constant-acceleration heuristic of Kesting, Treiber and Helbing (2010, "Enhanced intelligent driver
-//! model", equations 5 to 7), with `a_l' = min(a_lead, a)`:
+//! constant-acceleration heuristic of Kesting, Treiber and Helbing (2010, "Enhanced intelligent
+//! driver model", equations 5 to 7), with `a_l' = min(a_lead, a)`:
 //!
 //! ```text
 //! a_cah = v² a_l' / (v_lead² - 2 s a_l')               while the lead stops first
@@ -23,8 +23,8 @@
 //!       = a_cah + b tanh((a_follow - a_cah) / b)       else          (their coolness c = 1)
 //! ```
 //!
-//! Both react late to a lead that brakes hard while the gap is still ample. Beyond a deceleration of
-//! 1 m/s² the driver therefore takes what the heuristic asks for, in full from 2 m/s² on:
+//! Both react late to a lead that brakes hard while the gap is still ample. Beyond a deceleration
+//! of 1 m/s² the driver therefore takes what the heuristic asks for, in full from 2 m/s² on:
 //!
 //! ```text
 //! a_driver = a_acc + clamp(-a_lead / (1 m/s²) - 1, 0, 1) min(0, a_cah - a_acc)

@@ -199,7 +199,8 @@ impl PaperLaw {
     }
 
     /// Keeps the predicted speed at or below the set speed: once the speed that the present
-    /// acceleration leads to, `v + a tau` with `tau` = 0.5 s, reaches it, `u <= (v_set - v - a tau) / 1 s`.
+    /// acceleration leads to, `v + a tau` with `tau` = 0.5 s, reaches it, `u <= (v_set - v - a tau)
+    /// / 1 s`.
     fn cap_by_set_speed(&self, input: &Input, output: &mut Output) {
         let share = input.period_s / self.config.actuator_lag_s;
         let (mut v, mut a) = (input.ego.speed_mps, input.ego.acceleration_mps2);

@@ -1,16 +1,16 @@
 //! Random cases, and what counts as survivable and as comfortable.
 //!
 //! Survivable: at the start, and when a vehicle appears ahead, full braking begun at once (4.9 m/s²
-//! behind the lag of 0.5 s) keeps 2 m from it even if it brakes at 4 m/s² from that moment; leads never
-//! brake harder. The first line is farther than the full braking distance. A jump can end a green at
-//! once, never its yellow of at least 3 s, and can shorten or stretch a red; signals do not jump while
-//! they are not heard, and have been heard at least once.
+//! behind the lag of 0.5 s) keeps 2 m from it even if it brakes at 4 m/s² from that moment; leads
+//! never brake harder. The first line is farther than the full braking distance. A jump can end a
+//! green at once, never its yellow of at least 3 s, and can shorten or stretch a red; signals do
+//! not jump while they are not heard, and have been heard at least once.
 //!
 //! Comfortable: at each event (start, jump, silence, change of yellow, braking lead, vehicle that
-//! appears) a constant request of -2 m/s² from then on would have stopped 1 m before the nearest line
-//! or the speed kept would have crossed before red, and would have kept 2 m from the lead as it then
-//! really drove and as it was to be expected (going on as it did at the event), and all the way a gap
-//! from which full braking survives a lead that brakes at 4 m/s².
+//! appears) a constant request of -2 m/s² from then on would have stopped 1 m before the nearest
+//! line or the speed kept would have crossed before red, and would have kept 2 m from the lead as
+//! it then really drove and as it was to be expected (going on as it did at the event), and all the
+//! way a gap from which full braking survives a lead that brakes at 4 m/s².
 
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;

@@ -74,8 +74,8 @@ impl Record {
     }
 
     /// Whether a constant request keeps clear of the lead as it really drove, and as it was to be
-    /// expected: going on as at the event. Who brakes gently because a lead that brakes hard will change
-    /// its mind is not comfortable but lucky. Clear for so many steps is enough.
+    /// expected: going on as at the event. Who brakes gently because a lead that brakes hard will
+    /// change its mind is not comfortable but lucky. Clear for so many steps is enough.
     fn clear_of_lead(&self, i: usize, u: f64, steps: usize) -> bool {
         let Some(lead) = self.samples[i].lead else { return true };
         let real = self.samples[i..].iter().map(|later| later.lead);
@@ -93,7 +93,8 @@ impl Record {
     }
 }
 
-/// Whether a constant request keeps clear of a lead until it is gone, the ego stands or the steps are over.
+/// Whether a constant request keeps clear of a lead until it is gone, the ego stands or the steps
+/// are over.
 fn keeps_clear(
     mut ego: Ego,
     track: u32,

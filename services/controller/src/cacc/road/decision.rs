@@ -1,8 +1,8 @@
 //! Pass or stop.
 //!
 //! Both programs are solved; a pass counts when its plan reaches the line before green ends. Their
-//! plans are then judged by one cost. What was decided for a line stays until the other is better by
-//! the hysteresis. A line that can neither be passed in green nor be stopped at comfortably is a
+//! plans are then judged by one cost. What was decided for a line stays until the other is better
+//! by the hysteresis. A line that can neither be passed in green nor be stopped at comfortably is a
 //! dilemma: it is crossed in yellow if that is possible, and only else braked for hard.
 
 /// What is done about the nearest line.

@@ -1,17 +1,17 @@
 //! The last word on every request: pure kinematics with the actuator's lag.
 //!
-//! A request acts for one period and is then followed by emergency braking with a deceleration that the
-//! vehicle surely reaches. The request is safe when the vehicle then stops
+//! A request acts for one period and is then followed by emergency braking with a deceleration that
+//! the vehicle surely reaches. The request is safe when the vehicle then stops
 //!
 //! * before each closed line, and
 //! * behind the lead at all times, even if the lead brakes from now on as hard as it is reckoned with.
 //!
-//! From a safe state emergency braking is safe, so a safe request always exists, and the state stays
-//! safe: neither a line nor the lead is reached, whatever the law above wants. A state can be unsafe
-//! through no choice of ours (a vehicle cuts in, a light jumps). Behind a lead the request is then at
-//! least comfortable braking, harder as far as what the lead does now calls for it, instead of the worst
-//! that it might do. At a line that is to be passed, the request must leave the vehicle able to stop, or
-//! fast enough to cross before red at the speed it has.
+//! From a safe state emergency braking is safe, so a safe request always exists, and the state
+//! stays safe: neither a line nor the lead is reached, whatever the law above wants. A state can be
+//! unsafe through no choice of ours (a vehicle cuts in, a light jumps). Behind a lead the request
+//! is then at least comfortable braking, harder as far as what the lead does now calls for it,
+//! instead of the worst that it might do. At a line that is to be passed, the request must leave
+//! the vehicle able to stop, or fast enough to cross before red at the speed it has.
 
 use super::lead::LeadNow;
 use crate::cacc::config::Config;
@@ -126,8 +126,8 @@ impl Filter {
         self.has_room(0.0, ego, lead, distance_m, red_in_s)
     }
 
-    /// Whether braking with a constant `request` from now on is enough: it stops before each line that
-    /// is to be stopped at, and behind the lead if that goes on as it does now.
+    /// Whether braking with a constant `request` from now on is enough: it stops before each line
+    /// that is to be stopped at, and behind the lead if that goes on as it does now.
     pub(super) fn suffices(
         &self,
         request: f64,
@@ -209,8 +209,8 @@ impl Filter {
         next.position_m + kept.max(0.0) * left >= distance_m + LINE_MARGIN_M
     }
 
-    /// Whether a lead that goes on as it does now leaves room to cross before red: at the speed kept, with
-    /// braking only after the line, or while braking for the lead all along.
+    /// Whether a lead that goes on as it does now leaves room to cross before red: at the speed
+    /// kept, with braking only after the line, or while braking for the lead all along.
     fn has_room(
         &self,
         u: f64,
@@ -256,7 +256,8 @@ impl Filter {
         self.keeps_gap(next, self.period.step_s, |_| SURE * self.min_mps2, lead, deceleration)
     }
 
-    /// Whether an ego in state `ego` after `time` keeps the gap with a request that depends on its place.
+    /// Whether an ego in state `ego` after `time` keeps the gap with a request that depends on its
+    /// place.
     fn keeps_gap(
         &self,
         mut ego: Motion,

@@ -1,8 +1,8 @@
 //! The formulation for the road.
 //!
-//! In each cycle the signals ahead are remembered and the lead is predicted. For the nearest stop line
-//! there are two candidates, to pass and to stop. Each has a reference, a comfortable driver rolled out
-//! over the horizon, and a convex program that smooths it and enforces the limits:
+//! In each cycle the signals ahead are remembered and the lead is predicted. For the nearest stop
+//! line there are two candidates, to pass and to stop. Each has a reference, a comfortable driver
+//! rolled out over the horizon, and a convex program that smooths it and enforces the limits:
 //!
 //! ```text
 //! x = (e, ed, a),   e = t_h v + s0 - gap,   ed = v - v_lead
@@ -17,10 +17,10 @@
 //! both:  position <= lead - gap_min,  0 <= v <= v_max
 //! ```
 //!
-//! One of the two is chosen by feasibility and by one cost for both plans, with hysteresis. The first
-//! request then goes through a filter of pure kinematics, which has the last word: after it the vehicle
-//! can still stop before each line that is not to be passed, can still stop behind a lead that brakes
-//! as hard as is reckoned with, and crosses a line that is passed before red.
+//! One of the two is chosen by feasibility and by one cost for both plans, with hysteresis. The
+//! first request then goes through a filter of pure kinematics, which has the last word: after it
+//! the vehicle can still stop before each line that is not to be passed, can still stop behind a
+//! lead that brakes as hard as is reckoned with, and crosses a line that is passed before red.
 //!
 //! When a program is not solved, what is left of the previous plan is followed, and after it the
 //! driver's own requests. The filter judges these like any other.

@@ -8,8 +8,9 @@
 //! subject to  the exact lag, u within bounds
 //! ```
 //!
-//! With `g`, `h`, `c` the coefficients of the exactly discretised lag ([`LagStep`]) and `v_l`, `x_l` the
-//! predicted lead, the constant-time-headway model is linear, and the lead a known disturbance:
+//! With `g`, `h`, `c` the coefficients of the exactly discretised lag ([`LagStep`]) and `v_l`,
+//! `x_l` the predicted lead, the constant-time-headway model is linear, and the lead a known
+//! disturbance:
 //!
 //! ```text
 //! e+  = e + T ed + (t_h c_v + c_p) a + (t_h b_v + b_p) u + (T v_l - (x_l+ - x_l))
@@ -25,8 +26,8 @@
 //! | 2 | `v >= 0` | the same |
 //! | 3 | `p >= line` at the last stage of green | `a >= -comfort` |
 //!
-//! All rows are soft with an exact linear price: a measured state, a cut-in or a jumping countdown can
-//! make any of them impossible, and then the least violation is wanted, not a failed solve.
+//! All rows are soft with an exact linear price: a measured state, a cut-in or a jumping countdown
+//! can make any of them impossible, and then the least violation is wanted, not a failed solve.
 
 use mpc_solver::{Problem, ProblemError, Row, Softness};
 

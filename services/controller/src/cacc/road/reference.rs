@@ -1,8 +1,8 @@
 //! The reference: a comfortable driver, rolled out over the horizon.
 //!
-//! The driver heads for the desired speed behind the predicted lead and in front of closed lines. It
-//! knows when a line opens: with `D` the time left and `d` the distance, any speed up to `v*` leaves it
-//! able to stop with deceleration `b` and lag `h` when the line opens,
+//! The driver heads for the desired speed behind the predicted lead and in front of closed lines.
+//! It knows when a line opens: with `D` the time left and `d` the distance, any speed up to `v*`
+//! leaves it able to stop with deceleration `b` and lag `h` when the line opens,
 //!
 //! ```text
 //! d = v* (D + h) + v*² / (2 b)    ->    v* = b (sqrt((D + h)² + 2 d / b) - (D + h))
@@ -60,7 +60,8 @@ pub(super) struct Scene<'a> {
 pub(super) struct Reference {
     pub(super) motion: [Motion; MAX_PLAN + 1],
     pub(super) request_mps2: [f64; MAX_PLAN],
-    /// Farthest position allowed at each stage by lead and closed lines, never behind the driver, m.
+    /// Farthest position allowed at each stage by lead and closed lines, never behind the driver,
+    /// m.
     pub(super) ceiling_m: [f64; MAX_PLAN + 1],
     pub(super) hardest_mps2: f64,
 }
@@ -101,7 +102,8 @@ impl Reference {
 }
 
 impl Scene<'_> {
-    /// The driver's request at stage `k` and the ceiling that closed lines put on the next position.
+    /// The driver's request at stage `k` and the ceiling that closed lines put on the next
+    /// position.
     fn request(&self, k: usize, here: Motion, nearest: Gate) -> (f64, f64) {
         let v = here.speed_mps;
         let mut request = self.driver.free_mps2(v, self.desired_mps);

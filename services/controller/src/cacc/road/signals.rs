@@ -33,13 +33,15 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// The announced greens that have not ended, and the one whose yellow has not, in order of time.
+    /// The announced greens that have not ended, and the one whose yellow has not, in order of
+    /// time.
     pub(super) fn greens(&self) -> &[Green] {
         &self.greens[..self.count]
     }
 
-    /// The green, or its yellow, that is shown at `now_s`. Of a line that is no longer heard, only the one
-    /// that was shown when it was: a green that was announced for later is not known to have come.
+    /// The green, or its yellow, that is shown at `now_s`. Of a line that is no longer heard, only
+    /// the one that was shown when it was: a green that was announced for later is not known to
+    /// have come.
     pub(super) fn shown(&self, now_s: f64) -> Option<&Green> {
         let heard = if self.known { now_s } else { self.heard_s };
         self.greens().iter().find(|green| green.from_s <= heard && now_s < green.clear_s)
