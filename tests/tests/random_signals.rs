@@ -42,7 +42,7 @@ fn scenario(seed: u64) -> String {
         .expect("a string takes all");
         line += random.between(150.0, 400.0);
     }
-    if seed % 3 != 0 {
+    if !seed.is_multiple_of(3) {
         let gap = speed * random.between(1.5, 4.0) + 10.0;
         write!(
             text,
