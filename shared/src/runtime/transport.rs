@@ -25,10 +25,10 @@ pub(super) type Waiter = Listener<Ipc>;
 const MAX_PEERS: usize = 10;
 
 /// Messages that a subscriber can lag behind: twice what the plant publishes between two releases
-/// of the slowest service.
+/// of the slowest service, and enough for half a second without the processor at the usual rates.
 fn buffer(timetable: &Timetable) -> usize {
     let slowest = timetable.strides.into_iter().max().unwrap_or(1);
-    usize::try_from(2 * slowest + 8).expect("strides are small")
+    usize::try_from((2 * slowest + 8).max(50)).expect("strides are small")
 }
 
 /// Shared memory that a group with this timetable may come to use, bytes: every publisher has room
