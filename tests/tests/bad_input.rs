@@ -173,3 +173,27 @@ fn full_shared_memory() {
         corner.expect_nothing_left(&[]);
     }
 }
+
+/// A full disk: what was measured is told, then the failure, and no half file is left.
+#[test]
+fn full_disk() {
+    let corner = Corner::new(PROGRAM);
+    let disk = corner.path().join("disk");
+    std::fs::create_dir(&disk).expect("our own directory");
+    let script = "mount -t tmpfs -o size=40k none disk && { \"$0\" run cacc-a --mode lockstep \
+                  --out disk/out; status=$?; ls disk/out >&2; exit $status; }";
+    let output = Command::new("unshare")
+        .args(["--user", "--map-root-user", "--mount", "sh", "-c", script, PROGRAM])
+        .current_dir(corner.path())
+        .env("TMPDIR", corner.path())
+        .output();
+    match output {
+        Ok(output) if String::from_utf8_lossy(&output.stderr).contains("summary.json") => {
+            let said = text(&output);
+            assert_eq!(output.status.code(), Some(2), "{said}");
+            assert!(said.contains("stop line") && said.contains("No space left"), "{said}");
+            assert!(!said.contains(".part"), "a half file is left: {said}");
+        }
+        _ => eprintln!("no mount namespaces here: nothing was tested"),
+    }
+}

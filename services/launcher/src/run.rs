@@ -33,9 +33,10 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
 
     let summary = Summary::new(&scenario, mode, &group, begun.elapsed());
     let json = serde_json::to_string_pretty(&summary).expect("a summary is plain data");
-    output.write("summary.json", (json.clone() + "\n").as_bytes())?;
     let figures = laws::figure_names(&scenario);
-    output.write("trajectory.csv", trajectory::csv(&group.drive, figures).as_bytes())?;
+    let written = output.write("summary.json", (json.clone() + "\n").as_bytes()).and_then(|()| {
+        output.write("trajectory.csv", trajectory::csv(&group.drive, figures).as_bytes())
+    });
     for (service, line) in &group.wrote {
         eprintln!("{service}: {line}");
     }
@@ -45,6 +46,8 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
         let results = format!("  {:<14} {}\n", "results", output.path().display());
         print::out(&(print::summary(&summary) + &results));
     }
+    // What was measured has been told before a full disk is.
+    written?;
     Ok(exit_code(&group.ended, summary.outcome))
 }
 
