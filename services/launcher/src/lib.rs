@@ -17,14 +17,18 @@ use clap::Parser;
 use cli::{Cli, Command, ServiceArguments};
 use error::Error;
 use shared::Service;
-use shared::runtime::run_service;
+use shared::runtime::{log_warnings, run_service};
 use std::path::Path;
 use std::process::ExitCode;
 
 /// The command, from its arguments to its exit status.
 #[must_use]
 pub fn main() -> ExitCode {
-    let result = match Cli::parse().command {
+    let command = Cli::parse().command;
+    if !matches!(command, Command::Service(_)) {
+        log_warnings();
+    }
+    let result = match command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),

@@ -39,7 +39,7 @@ pub use link::{FromService, StartOrder, ToService};
 pub use observer::{Observed, Observer};
 pub use port::{Publisher, Subscriber};
 pub use release::{Overrun, Release};
-pub use session::{Cycle, Runtime, count_allocations_by, run_service};
+pub use session::{Cycle, Runtime, count_allocations_by, log_warnings, run_service};
 pub use spawn::inherit_only;
 pub use timetable::Timetable;
 pub use transport::shared_memory_bytes;

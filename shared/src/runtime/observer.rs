@@ -38,11 +38,6 @@ impl Observer {
             tally: Tally::new(self.mode),
         }))
     }
-
-    /// Removes what dead processes of the run left.
-    pub fn clean_up_dead_nodes(&self) {
-        self.transport.clean_up_dead_nodes();
-    }
 }
 
 /// What an observer hears on one topic.

@@ -346,12 +346,6 @@ impl Runtime {
         result
     }
 
-    /// The group.
-    #[must_use]
-    pub fn group(&self) -> &Group {
-        &self.group
-    }
-
     /// The clock.
     #[must_use]
     pub fn clock(&self) -> &Clock {
@@ -372,6 +366,17 @@ fn peak_rss_kib() -> u64 {
     line.and_then(|line| line.trim().trim_end_matches(" kB").parse().ok()).unwrap_or(0)
 }
 
+/// Sends warnings to standard error; once in a process.
+pub fn log_warnings() {
+    tracing_subscriber::fmt()
+        .with_writer(std::io::stderr)
+        .with_max_level(tracing::Level::WARN)
+        .without_time()
+        .with_ansi(false)
+        .with_target(false)
+        .init();
+}
+
 /// A service process from its start to its exit status. `arguments` are the run's root and the
 /// incarnation.
 pub fn run_service(
@@ -387,13 +392,7 @@ pub fn run_service(
         }
     };
     let incarnation = incarnation.parse().expect("checked above");
-    tracing_subscriber::fmt()
-        .with_writer(std::io::stderr)
-        .with_max_level(tracing::Level::WARN)
-        .without_time()
-        .with_ansi(false)
-        .with_target(false)
-        .init();
+    log_warnings();
     match Runtime::join(service, Path::new(root), incarnation).and_then(run) {
         Ok(()) | Err(RuntimeError::Stopped) => ExitCode::SUCCESS,
         Err(error) => {

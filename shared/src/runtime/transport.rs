@@ -219,11 +219,6 @@ impl Transport {
             .create()
             .map_err(|e| RuntimeError::Topic { topic, reason: format!("{e:?}") })
     }
-
-    /// Removes what dead processes of the run left, so that their ports do not block the living.
-    pub(super) fn clean_up_dead_nodes(&self) {
-        self.node.try_cleanup_dead_nodes();
-    }
 }
 
 /// iceoryx2's configuration for the run's private domain.
