@@ -16,7 +16,8 @@
 //!   nobody loses a message, and all stamps are simulated time: same scenario, same seed, same
 //!   bytes.
 //!
-//! `unsafe` is allowed in `scheduling` and `spawn` alone, for system calls that no crate wraps.
+//! `unsafe` is allowed in `scheduling`, `spawn` and `words` alone, for system calls that no crate
+//! wraps.
 
 mod clock;
 mod error;
@@ -30,6 +31,8 @@ mod session;
 mod spawn;
 mod timetable;
 mod transport;
+mod waking;
+mod words;
 
 pub use clock::{Clock, Mode, monotonic_ns};
 pub use error::RuntimeError;

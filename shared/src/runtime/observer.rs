@@ -31,7 +31,7 @@ impl Observer {
         let port = T::receiver(&self.transport)?;
         Ok(Observed(Subscriber {
             port,
-            listener: None,
+            waiter: None,
             newest: None,
             ahead: None,
             last: [(0, 0); Service::ALL.len() + 1],

@@ -1,7 +1,8 @@
 //! Typed ends of a topic, with stamps, counts and digests.
 
 use super::link::End;
-use super::transport::{Receiver, Sender, Waiter, Waker};
+use super::transport::{Receiver, Sender};
+use super::waking::{Ticket, Waiter, Waker};
 use super::{Clock, Mode, RuntimeError, Timetable};
 use crate::messages::{Message, Topic};
 use crate::report::{ReceivedTopic, SentTopic};
@@ -66,7 +67,7 @@ impl Tally {
 #[derive(Debug)]
 pub struct Publisher<T: Message> {
     pub(super) port: Rc<dyn Sender<T>>,
-    pub(super) notifier: Option<Rc<Waker>>,
+    pub(super) waker: Option<Waker>,
     pub(super) clock: Rc<Clock>,
     pub(super) timetable: Timetable,
     pub(super) source: Service,
@@ -90,10 +91,10 @@ impl<T: Message> Publisher<T> {
         let step = header.step;
         self.port.send(&message).map_err(error)?;
         self.tally.borrow_mut().count(&message);
-        if let Some(notifier) = &self.notifier
+        if let Some(waker) = &self.waker
             && (self.timetable.is_awaited(T::TOPIC, step) || step.is_multiple_of(DRAIN_STEPS))
         {
-            notifier.notify().map_err(|e| error(format!("{e:?}")))?;
+            waker.wake();
         }
         Ok(())
     }
@@ -103,7 +104,7 @@ impl<T: Message> Publisher<T> {
 #[derive(Debug)]
 pub struct Subscriber<T: Message> {
     pub(super) port: Rc<dyn Receiver<T>>,
-    pub(super) listener: Option<Waiter>,
+    pub(super) waiter: Option<Waiter>,
     pub(super) newest: Option<T>,
     pub(super) ahead: Option<T>,
     /// Incarnation and sequence number of the last message of each source.
@@ -178,6 +179,7 @@ impl<T: Message> Subscriber<T> {
     ) -> Result<(), RuntimeError> {
         let mut waiting_since = None;
         loop {
+            let ticket = self.ticket();
             self.drain(step, |_| {})?;
             if self.reaches(due) {
                 return Ok(());
@@ -190,16 +192,23 @@ impl<T: Message> Subscriber<T> {
                 let waited_s = since.elapsed().as_secs_f64();
                 return Err(RuntimeError::Starved { topic: T::TOPIC, step: due, waited_s });
             }
-            self.wait(Duration::from_millis(20))?;
+            self.wait(ticket, Duration::from_millis(20))?;
         }
     }
 
-    /// Waits for a notification, at most for `timeout`.
-    pub(super) fn wait(&mut self, timeout: Duration) -> Result<(), RuntimeError> {
-        let listener = self.listener.as_ref().expect("whoever waits has a listener");
-        listener
-            .timed_wait(|_| {}, timeout)
-            .map(|_| ())
-            .map_err(|e| RuntimeError::Receive { topic: T::TOPIC, reason: format!("{e:?}") })
+    /// To be taken before a look at the topic that may end in a wait.
+    pub(super) fn ticket(&self) -> Ticket {
+        self.waiter().ticket()
+    }
+
+    /// Waits for a sample sent since `ticket` was taken, at most for `timeout`.
+    pub(super) fn wait(&self, ticket: Ticket, timeout: Duration) -> Result<(), RuntimeError> {
+        self.waiter()
+            .wait(ticket, timeout)
+            .map_err(|e| RuntimeError::Receive { topic: T::TOPIC, reason: e.to_string() })
+    }
+
+    fn waiter(&self) -> &Waiter {
+        self.waiter.as_ref().expect("whoever waits subscribed with a waiter")
     }
 }

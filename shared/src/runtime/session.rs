@@ -108,13 +108,9 @@ impl Runtime {
         };
         let port = T::sender(&self.transport, self.link.end.clone())?;
         self.unconnected.push((T::TOPIC, Rc::clone(&port) as Rc<dyn Connect>));
-        let notifier = awaited.then(|| self.transport.notifier(T::TOPIC)).transpose()?.map(Rc::new);
-        if let Some(notifier) = &notifier {
-            self.unconnected.push((T::TOPIC, Rc::clone(notifier) as Rc<dyn Connect>));
-        }
         Ok(Publisher {
             port,
-            notifier,
+            waker: awaited.then(|| self.transport.waker(T::TOPIC)),
             clock: Rc::clone(&self.clock),
             timetable: self.group.timetable,
             source: self.service,
@@ -142,12 +138,11 @@ impl Runtime {
     fn subscribe<T: Message>(&mut self, waits: bool) -> Result<Subscriber<T>, RuntimeError> {
         let tally = Tally::new(self.group.mode);
         self.received.push((T::TOPIC, Rc::clone(&tally)));
-        // The listener first: whoever notifies must find it.
-        let listener = waits.then(|| self.transport.listener(T::TOPIC)).transpose()?;
+        let waiter = waits.then(|| self.transport.waiter(T::TOPIC));
         let port = T::receiver(&self.transport)?;
         self.unconnected.push((T::TOPIC, Rc::clone(&port) as Rc<dyn Connect>));
         let last = [(0, 0); Service::ALL.len() + 1];
-        Ok(Subscriber { port, listener, newest: None, ahead: None, last, tally })
+        Ok(Subscriber { port, waiter, newest: None, ahead: None, last, tally })
     }
 
     /// The effective scenario.
@@ -215,6 +210,7 @@ impl Runtime {
                 if self.link.end.is_before(self.next_step) {
                     return Ok(None);
                 }
+                let ticket = samples.ticket();
                 samples.drain(u64::MAX, |_| {})?;
                 let late = self.clock.now_ns() - self.clock.scheduled_ns(self.next_step);
                 if self.skip_missed(late) {
@@ -224,7 +220,7 @@ impl Runtime {
                     break;
                 }
                 let wait = (fallback_ns - late).clamp(1_000, 50_000_000).unsigned_abs();
-                samples.wait(Duration::from_nanos(wait))?;
+                samples.wait(ticket, Duration::from_nanos(wait))?;
             }
         }
         Ok(self.release())
