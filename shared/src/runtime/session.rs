@@ -5,7 +5,7 @@ use super::port::Tally;
 use super::scheduling::{Granted, Request, apply};
 use super::transport::{Connect, Transport};
 use super::{
-    Clock, FromService, Group, Mode, Overrun, Publisher, Release, RuntimeError, Subscriber,
+    Clock, FromService, Group, Mode, Overrun, Publisher, Release, RuntimeError, Subscriber, Usage,
 };
 use crate::Service;
 use crate::messages::{Header, Heartbeat, Message, Origins, ServiceState, Topic};
@@ -178,6 +178,7 @@ impl Runtime {
 
     /// Waits for the next release on the timer; `None` at the end of the run.
     pub fn next_release(&mut self, overrun: Overrun) -> Option<Release> {
+        let idle_ns = self.clock.now_ns();
         if self.group.mode == Mode::Realtime {
             loop {
                 let scheduled = self.clock.scheduled_ns(self.next_step);
@@ -192,7 +193,7 @@ impl Runtime {
                 }
             }
         }
-        self.release()
+        self.release(idle_ns)
     }
 
     /// Waits for the next release by a sample of `T`'s topic, which must be due whenever this
@@ -205,6 +206,7 @@ impl Runtime {
         samples: &mut Subscriber<T>,
         fallback_ns: i64,
     ) -> Result<Option<Release>, RuntimeError> {
+        let idle_ns = self.clock.now_ns();
         if self.group.mode == Mode::Realtime {
             loop {
                 if self.link.end.is_before(self.next_step) {
@@ -223,7 +225,7 @@ impl Runtime {
                 samples.wait(ticket, Duration::from_nanos(wait))?;
             }
         }
-        Ok(self.release())
+        Ok(self.release(idle_ns))
     }
 
     /// Leaves out the releases that are over by more than a period; true if there were any.
@@ -235,7 +237,7 @@ impl Runtime {
         missed > 0
     }
 
-    fn release(&mut self) -> Option<Release> {
+    fn release(&mut self, idle_ns: i64) -> Option<Release> {
         if self.link.end.is_before(self.next_step) {
             return None;
         }
@@ -244,12 +246,14 @@ impl Runtime {
         self.clock.set_step(self.step);
         let scheduled_ns = self.clock.scheduled_ns(self.step);
         let start_ns = self.clock.now_ns();
+        // In lockstep the wait begins in an earlier step, and takes no time.
+        let idle_ns = if self.group.mode == Mode::Realtime { idle_ns } else { start_ns };
         if self.group.mode == Mode::Realtime {
             self.jitter.record_ns(start_ns - scheduled_ns);
         }
         self.cycles += 1;
         let time_s = scheduled_ns as f64 / 1e9;
-        Some(Release { step: self.step, time_s, scheduled_ns, start_ns })
+        Some(Release { step: self.step, time_s, scheduled_ns, idle_ns, start_ns })
     }
 
     /// Takes the newest sample of `T`'s topic; in lockstep, waits for the one that is due.
@@ -346,6 +350,16 @@ impl Runtime {
     #[must_use]
     pub fn clock(&self) -> &Clock {
         &self.clock
+    }
+
+    /// What the calling thread used of the machine so far; nothing in simulated time, whose messages
+    /// repeat to the byte.
+    #[must_use]
+    pub fn usage(&self) -> Usage {
+        match self.group.mode {
+            Mode::Realtime => Usage::of_this_thread(),
+            Mode::Lockstep => Usage::default(),
+        }
     }
 
     /// Releases left out so far.
