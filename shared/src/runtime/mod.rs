@@ -16,7 +16,8 @@
 //!   nobody loses a message, and all stamps are simulated time: same scenario, same seed, same
 //!   bytes.
 //!
-//! `unsafe` is allowed in `scheduling` and `spawn` alone, for system calls that no crate wraps.
+//! `unsafe` is allowed in `scheduling`, `spawn`, `usage` and `words` alone, for system calls that no
+//! crate wraps.
 
 mod clock;
 mod error;
@@ -33,6 +34,9 @@ mod session;
 mod spawn;
 mod timetable;
 mod transport;
+mod usage;
+mod waking;
+mod words;
 
 pub use clock::{Clock, Mode, monotonic_ns};
 pub use error::RuntimeError;
@@ -50,3 +54,4 @@ pub use spawn::inherit_only;
 pub use timetable::Timetable;
 pub use transport::shared_memory_bytes;
 pub(crate) use transport::{Carried, Receiver, Sender, Transport, carried};
+pub use usage::Usage;
