@@ -1,6 +1,6 @@
 //! What the controller asks of the vehicle, and why.
 
-use super::{Header, Topic, message};
+use super::{Header, Topic, layout, message};
 use bytemuck::{Pod, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
 
@@ -28,6 +28,7 @@ pub struct Command {
 }
 
 message!(Command, Topic::Command);
+layout!(Command { header, start_ns, plan_period_ns, plan_len, plan_mps2 });
 
 /// What the controller saw and decided in one cycle.
 #[repr(C)]
@@ -57,3 +58,15 @@ pub struct Diagnostics {
 }
 
 message!(Diagnostics, Topic::Diagnostics);
+layout!(Diagnostics {
+    header,
+    mode,
+    mode_reason,
+    quality,
+    solver_iterations,
+    request_mps2,
+    odometry_age_ns,
+    radar_age_ns,
+    spat_age_ns,
+    figures,
+});

@@ -1,5 +1,6 @@
 //! The header that every message starts with.
 
+use super::layout;
 use bytemuck::{Pod, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
 
@@ -18,6 +19,8 @@ pub struct Origin {
     /// When the sample was published, ns of run time.
     pub publish_ns: i64,
 }
+
+layout!(Origin { sequence, acquisition_ns, publish_ns });
 
 impl Origin {
     /// The origin of an input that was not there.
@@ -54,6 +57,8 @@ pub struct Origins {
     pub spat: Origin,
 }
 
+layout!(Origins { odometry, radar, spat });
+
 impl Origins {
     /// No inputs, as in a message that starts a chain.
     pub const NONE: Self = Self { odometry: Origin::NONE, radar: Origin::NONE, spat: Origin::NONE };
@@ -80,6 +85,8 @@ pub struct Header {
     /// Stamps of the inputs it was computed from.
     pub origins: Origins,
 }
+
+layout!(Header { sequence, step, acquisition_ns, publish_ns, incarnation, source, origins });
 
 impl Header {
     /// A header to be filled in by the publisher, for a message of `step` made from `origins`.
