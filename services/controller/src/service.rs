@@ -135,6 +135,7 @@ impl Loop {
             odometry: self.odometry.origin(),
             radar: self.radar.origin(),
             spat: self.spat.origin(),
+            map: self.map.origin(),
         };
         let header = Header::new(release.step, release.scheduled_ns, origins);
         self.command.send(self.command_of(header, &release))?;

@@ -26,13 +26,6 @@ impl Counter {
         *last = (header.incarnation, header.sequence);
     }
 
-    /// Counts messages that were received and could not be written.
-    pub(crate) fn drop_messages(&mut self, topic: Topic, count: u64) {
-        let tally = self.topics.entry(topic).or_default();
-        tally.messages -= count;
-        tally.lost += count;
-    }
-
     /// What was counted so far.
     pub(crate) fn tally(&self) -> Tally {
         let of = |topic| self.topics.get(&topic).copied().unwrap_or_default();

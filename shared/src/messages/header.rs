@@ -55,13 +55,16 @@ pub struct Origins {
     pub radar: Origin,
     /// The `v2x/spat` sample.
     pub spat: Origin,
+    /// The `v2x/map` sample.
+    pub map: Origin,
 }
 
-layout!(Origins { odometry, radar, spat });
+layout!(Origins { odometry, radar, spat, map });
 
 impl Origins {
     /// No inputs, as in a message that starts a chain.
-    pub const NONE: Self = Self { odometry: Origin::NONE, radar: Origin::NONE, spat: Origin::NONE };
+    pub const NONE: Self =
+        Self { odometry: Origin::NONE, radar: Origin::NONE, spat: Origin::NONE, map: Origin::NONE };
 }
 
 /// What every message starts with.

@@ -137,9 +137,9 @@ impl Layout {
             assert!(field.offset == end, "a gap, or fields out of order");
             let element = field.shape.element;
             if let Element::Scalar(scalar) = element {
-                assert!(field.offset % scalar.bytes() == 0, "CDR would pad here");
+                assert!(field.offset.is_multiple_of(scalar.bytes()), "CDR would pad here");
             } else {
-                assert!(field.offset % 8 == 0, "nested structs begin on whole words");
+                assert!(field.offset.is_multiple_of(8), "nested structs begin on whole words");
             }
             let count = match field.shape.len {
                 Some(len) => len,
@@ -148,7 +148,7 @@ impl Layout {
             end += element.bytes() * count;
             index += 1;
         }
-        assert!(end == self.bytes && end % 8 == 0, "padding at the end");
+        assert!(end == self.bytes && end.is_multiple_of(8), "padding at the end");
     }
 
     /// All scalars of the struct in order, by their dotted path: `header.sequence`,

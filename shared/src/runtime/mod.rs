@@ -28,6 +28,7 @@ mod release;
 pub mod scheduling;
 mod session;
 mod spawn;
+mod tap;
 mod timetable;
 mod transport;
 
@@ -41,6 +42,7 @@ pub use port::{Publisher, Subscriber};
 pub use release::{Overrun, Release};
 pub use session::{Cycle, Runtime, count_allocations_by, log_warnings, run_service};
 pub use spawn::inherit_only;
+pub use tap::{Tap, Tapped};
 pub use timetable::Timetable;
 pub use transport::shared_memory_bytes;
 pub(crate) use transport::{Carried, Receiver, Sender, Transport, carried};
