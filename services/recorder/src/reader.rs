@@ -319,7 +319,7 @@ impl Scan {
 
     fn channel(&mut self, channel: &records::Channel) {
         // A topic that others added to the file is theirs.
-        let Some(topic) = Topic::of_name(&channel.topic) else { return };
+        let Some(topic) = Topic::by_name(&channel.topic) else { return };
         let ours = schema::ros2_definition(topic.layout());
         if self.schemas.get(&channel.schema_id).is_some_and(|theirs| *theirs == ours.as_bytes()) {
             self.channels.insert(channel.id, topic);

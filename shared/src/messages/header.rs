@@ -1,6 +1,7 @@
 //! The header that every message starts with.
 
 use super::layout;
+use crate::e2e::profile7::Protection;
 use bytemuck::{Pod, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
 
@@ -72,6 +73,8 @@ impl Origins {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable, ZeroCopySend)]
 #[type_name("timegap_msgs/msg/Header")]
 pub struct Header {
+    /// End-to-end protection of the whole message.
+    pub protection: Protection,
     /// Number of this message on its topic from its source, counted from 1 in each incarnation.
     pub sequence: u64,
     /// Simulation step that the message belongs to.
@@ -89,7 +92,16 @@ pub struct Header {
     pub origins: Origins,
 }
 
-layout!(Header { sequence, step, acquisition_ns, publish_ns, incarnation, source, origins });
+layout!(Header {
+    protection,
+    sequence,
+    step,
+    acquisition_ns,
+    publish_ns,
+    incarnation,
+    source,
+    origins
+});
 
 impl Header {
     /// A header to be filled in by the publisher, for a message of `step` made from `origins`.

@@ -10,6 +10,8 @@ use iceoryx2::prelude::ZeroCopySend;
 /// A scalar of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scalar {
+    /// A byte; an array of bytes is one big-endian number.
+    U8,
     /// Unsigned, 32 bits.
     U32,
     /// Unsigned, 64 bits.
@@ -25,6 +27,7 @@ impl Scalar {
     #[must_use]
     pub const fn bytes(self) -> usize {
         match self {
+            Self::U8 => 1,
             Self::U32 => 4,
             Self::U64 | Self::I64 | Self::F64 => 8,
         }
@@ -103,6 +106,7 @@ macro_rules! scalar {
         }
     };
 }
+scalar!(u8, U8);
 scalar!(u32, U32);
 scalar!(u64, U64);
 scalar!(i64, I64);
@@ -120,16 +124,14 @@ impl<T: FieldType, const N: usize> FieldType for [T; N] {
 }
 
 /// Shape of the field that a projection picks: lets a macro find a type by a field's name.
-#[doc(hidden)]
-#[must_use]
-pub const fn shape_of<S, F: FieldType>(_: fn(&S) -> &F) -> Shape {
+pub(crate) const fn shape_of<S, F: FieldType>(_: fn(&S) -> &F) -> Shape {
     F::SHAPE
 }
 
 impl Layout {
     /// Checks that the struct's bytes are its CDR body: fields in order without gaps, each scalar on
     /// a multiple of its size.
-    pub(super) const fn check(&self) {
+    pub(crate) const fn check(&self) {
         let mut end = 0;
         let mut index = 0;
         while index < self.fields.len() {
@@ -145,6 +147,9 @@ impl Layout {
                 Some(len) => len,
                 None => 1,
             };
+            if let Element::Scalar(Scalar::U8) = element {
+                assert!(count <= 8, "bytes form a number");
+            }
             end += element.bytes() * count;
             index += 1;
         }
@@ -163,6 +168,12 @@ impl Layout {
     fn collect(&self, prefix: &str, base: usize, into: &mut Vec<Place>) {
         for field in self.fields {
             let name = format!("{prefix}{}", field.name);
+            if field.shape.element == Element::Scalar(Scalar::U8) {
+                let bytes = field.shape.len.unwrap_or(1);
+                let offset = base + field.offset;
+                into.push(Place { path: name, offset, bytes, scalar: Scalar::U8 });
+                continue;
+            }
             for index in 0..field.shape.len.unwrap_or(1) {
                 let path = match field.shape.len {
                     Some(_) => format!("{name}.{index}"),
@@ -170,7 +181,9 @@ impl Layout {
                 };
                 let offset = base + field.offset + index * field.shape.element.bytes();
                 match field.shape.element {
-                    Element::Scalar(scalar) => into.push(Place { path, offset, scalar }),
+                    Element::Scalar(scalar) => {
+                        into.push(Place { path, offset, bytes: scalar.bytes(), scalar });
+                    }
                     Element::Struct(layout) => layout.collect(&format!("{path}."), offset, into),
                 }
             }
@@ -185,6 +198,8 @@ pub struct Place {
     pub path: String,
     /// Distance from the start of the message, bytes.
     pub offset: usize,
+    /// Its size, bytes.
+    pub bytes: usize,
     /// Type.
     pub scalar: Scalar,
 }
@@ -192,6 +207,8 @@ pub struct Place {
 /// A scalar's value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value {
+    /// Bytes as a big-endian number, and how many.
+    Bytes(u64, usize),
     /// Unsigned.
     Unsigned(u64),
     /// Signed.
@@ -203,6 +220,7 @@ pub enum Value {
 impl std::fmt::Display for Value {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
+            Self::Bytes(value, bytes) => write!(f, "0x{value:0digits$x}", digits = 2 * bytes),
             Self::Unsigned(value) => value.fmt(f),
             Self::Signed(value) => value.fmt(f),
             Self::Float(value) => value.fmt(f),
@@ -217,12 +235,16 @@ impl Place {
     /// If `message` is shorter than the struct that the place belongs to.
     #[must_use]
     pub fn read(&self, message: &[u8]) -> Value {
-        let word = |n| &message[self.offset..self.offset + n];
+        let bytes = &message[self.offset..self.offset + self.bytes];
         match self.scalar {
-            Scalar::U32 => Value::Unsigned(bytemuck::pod_read_unaligned::<u32>(word(4)).into()),
-            Scalar::U64 => Value::Unsigned(bytemuck::pod_read_unaligned(word(8))),
-            Scalar::I64 => Value::Signed(bytemuck::pod_read_unaligned(word(8))),
-            Scalar::F64 => Value::Float(bytemuck::pod_read_unaligned(word(8))),
+            Scalar::U8 => {
+                let value = bytes.iter().fold(0, |value, &byte| value << 8 | u64::from(byte));
+                Value::Bytes(value, self.bytes)
+            }
+            Scalar::U32 => Value::Unsigned(bytemuck::pod_read_unaligned::<u32>(bytes).into()),
+            Scalar::U64 => Value::Unsigned(bytemuck::pod_read_unaligned(bytes)),
+            Scalar::I64 => Value::Signed(bytemuck::pod_read_unaligned(bytes)),
+            Scalar::F64 => Value::Float(bytemuck::pod_read_unaligned(bytes)),
         }
     }
 }
@@ -238,7 +260,7 @@ macro_rules! layout {
                 fields: &[$(crate::messages::Field {
                     name: stringify!($field),
                     offset: core::mem::offset_of!($type, $field),
-                    shape: crate::messages::layout::shape_of(|message: &$type| &message.$field),
+                    shape: crate::messages::shape_of(|message: &$type| &message.$field),
                 }),*],
             };
         }
@@ -246,7 +268,7 @@ macro_rules! layout {
         const _: () = <$type as crate::messages::Laid>::LAYOUT.check();
     };
 }
-pub(super) use layout;
+pub(crate) use layout;
 
 #[cfg(test)]
 mod tests {
@@ -260,7 +282,7 @@ mod tests {
         for topic in TOPICS {
             let layout = topic.layout();
             let places = layout.scalars();
-            let covered: usize = places.iter().map(|place| place.scalar.bytes()).sum();
+            let covered: usize = places.iter().map(|place| place.bytes).sum();
             assert_eq!(covered, layout.bytes, "{}: every byte belongs to a scalar", layout.name);
             let paths: BTreeSet<_> = places.iter().map(|place| &place.path).collect();
             assert_eq!(paths.len(), places.len(), "{}: paths are unique", layout.name);

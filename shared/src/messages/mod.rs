@@ -67,5 +67,5 @@ macro_rules! message {
         };
     };
 }
-use layout::layout;
+pub(crate) use layout::{layout, shape_of};
 use message;

@@ -39,6 +39,8 @@ impl<T: Message> Tapped<T> {
     /// # Errors
     /// [`RuntimeError::Receive`].
     pub fn take(&self) -> Result<Option<T>, RuntimeError> {
-        self.0.receive().map_err(|reason| RuntimeError::Receive { topic: T::TOPIC, reason })
+        let taken = self.0.receive();
+        let taken = taken.map_err(|reason| RuntimeError::Receive { topic: T::TOPIC, reason })?;
+        Ok(taken.map(|(message, _)| message))
     }
 }

@@ -57,7 +57,6 @@ impl Attendant {
         Ok(Self { child, input, lines })
     }
 
-
     /// Tells it something. One that is gone does not hear it.
     pub fn say(&mut self, message: &impl Serialize) {
         let line = serde_json::to_string(message).expect("link messages are plain data");

@@ -43,6 +43,7 @@ pub fn header() -> String {
 
 fn member(field: &Field) -> String {
     let element = match field.shape.element {
+        Element::Scalar(Scalar::U8) => "uint8_t".into(),
         Element::Scalar(Scalar::U32) => "uint32_t".into(),
         Element::Scalar(Scalar::U64) => "uint64_t".into(),
         Element::Scalar(Scalar::I64) => "int64_t".into(),

@@ -38,6 +38,7 @@ pub fn module() -> String {
 
 fn type_of(field: &Field) -> String {
     let element = match field.shape.element {
+        Element::Scalar(Scalar::U8) => "ctypes.c_uint8",
         Element::Scalar(Scalar::U32) => "ctypes.c_uint32",
         Element::Scalar(Scalar::U64) => "ctypes.c_uint64",
         Element::Scalar(Scalar::I64) => "ctypes.c_int64",

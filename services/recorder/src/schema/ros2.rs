@@ -24,6 +24,7 @@ fn fields(layout: &Layout) -> String {
 
 fn type_of(field: &Field) -> String {
     let element = match field.shape.element {
+        Element::Scalar(Scalar::U8) => "uint8",
         Element::Scalar(Scalar::U32) => "uint32",
         Element::Scalar(Scalar::U64) => "uint64",
         Element::Scalar(Scalar::I64) => "int64",
