@@ -1,6 +1,6 @@
 //! `summary.json`: stable names for what a run measured. A figure that does not apply is null.
 
-use crate::group::{Drive, Ended, GroupOutcome};
+use crate::group::{Drive, Ended, GroupOutcome, RecordingSummary};
 use serde::Serialize;
 use shared::Service;
 use shared::report::{
@@ -34,6 +34,8 @@ pub struct Summary {
     pub control: Control,
     pub timing: Timing,
     pub messages: BTreeMap<String, TopicCounts>,
+    /// What became of the recording; null if none was asked for.
+    pub recording: Option<RecordingSummary>,
     pub faults: Vec<()>,
     pub services: Vec<ServiceSummary>,
     pub host: Host,
@@ -151,6 +153,7 @@ impl Summary {
                 backup_cycles: controller.map(|controller| controller.backup),
             },
             messages: messages(&group.reports, &group.drive),
+            recording: group.recording.clone(),
             faults: Vec::new(),
             services: Service::ALL
                 .into_iter()
