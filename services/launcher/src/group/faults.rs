@@ -1,6 +1,6 @@
 //! Faults that act on processes, and the record of all that went wrong.
 
-use super::processes::Disturbance;
+use super::disturbance::Disturbance;
 use serde::Serialize;
 use shared::Service;
 use shared::scenario::Scenario;
@@ -151,6 +151,23 @@ impl Faults {
             acts.push((index, act));
         }
         acts
+    }
+
+    /// True while a service is to recover from what befell it.
+    pub fn is_recovery_awaited(&self) -> bool {
+        self.records
+            .iter()
+            .any(|record| record.awaits.is_some() && record.recovered_after_us.is_none())
+    }
+
+    /// Run time at which something is due next, ns, as far as it is known.
+    pub fn next_ns(&self) -> Option<i64> {
+        let next = |planned: &Planned| {
+            let begin_ns = planned.begin_ns.filter(|_| !planned.done);
+            let until_ns = planned.running.as_ref().map(|(until_ns, _)| *until_ns);
+            begin_ns.into_iter().chain(until_ns).min()
+        };
+        self.planned.iter().filter_map(next).min()
     }
 
     /// Notes that the act on fault `index` was done at `now_ns`; `disturbance` is what runs for it.
