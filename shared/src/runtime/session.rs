@@ -296,7 +296,8 @@ impl Runtime {
                 if self.skip_missed(late) {
                     continue;
                 }
-                if samples.reaches(self.next_step) || late >= fallback_ns {
+                let first = self.is_restarted() && self.cycles == 0;
+                if first || samples.reaches(self.next_step) || late >= fallback_ns {
                     break;
                 }
                 let wait = (fallback_ns - late).clamp(1_000, 50_000_000).unsigned_abs();

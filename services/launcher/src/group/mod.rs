@@ -31,7 +31,7 @@ pub use disturbance::run as run_hog;
 pub use drive::Drive;
 #[cfg(test)]
 pub use drive::DriveStep;
+pub use faults::FaultRecord;
 pub use janitor::run as run_janitor;
 pub use recording::RecordingSummary;
-pub use faults::FaultRecord;
 pub use supervisor::{Ended, GroupOutcome, Launch, Moment, launch};
