@@ -122,8 +122,8 @@ impl Ladder {
         let odometry = fresh(ages.odometry_s, self.stale_odometry_s);
         let spat = !self.has_signals || fresh(ages.spat_s, self.stale_spat_s);
         let radar = fresh(ages.radar_s, self.stale_radar_s);
-        let radar_s =
-            ages.radar_s.unwrap_or_else(|| time_s - *self.waiting_since_s.get_or_insert(time_s));
+        let since_s = *self.remembered_s.get_or_insert(time_s);
+        let radar_s = ages.radar_s.unwrap_or(time_s - since_s);
         let silent = self.odometry.observe(odometry, 2);
         let lost = self.lead.observe(radar_s <= self.stale_radar_s + PREDICT_S, 1);
         // What was lost is found again by fresh samples alone.
