@@ -59,6 +59,8 @@ pub struct Timing {
     /// Cycles whose command had to be relaxed, and whose command came from the law's backup.
     pub relaxed_cycles: Option<u64>,
     pub backup_cycles: Option<u64>,
+    /// Commands that the scenario's misses and jitter kept from the actuators.
+    pub undelivered_commands: Option<u64>,
 }
 
 #[derive(Clone, Debug, Default, Serialize)]
@@ -142,6 +144,7 @@ impl Summary {
                 hops_us: plant.map(|plant| plant.hops_us).unwrap_or_default(),
                 relaxed_cycles: controller.map(|controller| controller.relaxed),
                 backup_cycles: controller.map(|controller| controller.backup),
+                undelivered_commands: plant.map(|plant| plant.undelivered_commands),
             },
             messages: messages(&group.reports, &group.drive),
             faults: Vec::new(),
