@@ -1,5 +1,6 @@
 //! The `timegap` command: an adaptive-cruise stack as real processes over shared memory.
 
+mod batch;
 mod cli;
 mod compare;
 mod error;

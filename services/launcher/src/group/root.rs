@@ -7,6 +7,7 @@ use std::io;
 use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::fs::{DirBuilderExt, MetadataExt, PermissionsExt};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicI64, Ordering};
 use std::time::Duration;
 
 /// Where POSIX shared memory lives.
@@ -31,14 +32,21 @@ impl RunRoot {
     pub fn create() -> Result<Self, Error> {
         let base = base()?;
         sweep(&base);
-        let id =
-            format!("{:x}-{:x}", std::process::id(), shared::runtime::monotonic_ns() & 0xff_ffff);
+        // The number keeps apart runs that threads of one launcher start at the same instant, the
+        // time those of launchers with the same id in containers that share a directory.
+        static NUMBER: AtomicI64 = AtomicI64::new(0);
+        let number = NUMBER.fetch_add(1, Ordering::Relaxed) & 0xfff;
+        let time = shared::runtime::monotonic_ns() & 0xfff;
+        let id = format!("{:x}-{:x}", std::process::id(), time << 12 | number);
         let path = base.join(&id);
         let error = |reason| Error::Path { action: "create", path: path.clone(), reason };
         DirBuilder::new().mode(0o700).create(&path).map_err(error)?;
-        let lock = File::create_new(path.join(LOCK)).map_err(error)?;
+        // Nobody may find the lock before it is taken: who can take it removes the root.
+        let unlocked = path.join("unlocked");
+        let lock = File::create_new(&unlocked).map_err(error)?;
         flock(&lock, FlockOperation::NonBlockingLockExclusive)
             .map_err(|e| Error::Machine(format!("cannot lock {}: {e}", path.display())))?;
+        std::fs::rename(&unlocked, path.join(LOCK)).map_err(error)?;
         Ok(Self { prefix: prefix_of(&id), path, lock })
     }
 
