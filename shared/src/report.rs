@@ -150,8 +150,8 @@ pub enum Outcome {
 pub struct ControlFigures {
     /// Smallest gap to a vehicle in lane, m.
     pub min_gap_m: Option<f64>,
-    /// Root mean square over time of the gap's distance from the desired one, while there was a
-    /// vehicle ahead, m.
+    /// Root mean square over time of the gap's distance from the desired one, while a vehicle ahead
+    /// was within the radar's range, m.
     pub rms_gap_error_m: Option<f64>,
     /// Largest magnitude of that distance, m.
     pub max_abs_gap_error_m: Option<f64>,

@@ -11,6 +11,7 @@ mod print;
 mod reproduce;
 mod run;
 mod summary;
+mod sweep;
 mod synthesize;
 mod trajectory;
 
@@ -33,6 +34,7 @@ pub fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
+        Command::Sweep(arguments) => sweep::run(&arguments),
         Command::Synthesize(arguments) => synthesize::run(&arguments),
         Command::List(arguments) => list::run(&arguments),
         Command::Service(arguments) => service(&arguments),

@@ -72,6 +72,8 @@ pub enum Violation {
 pub struct Referee {
     desired: DesiredGap,
     set_speed_mps: f64,
+    /// A vehicle farther away is none that a gap could be kept to, m.
+    reach_m: f64,
     last: Option<Sample>,
     signals: [Option<SignalTruth>; MAX_SIGNALS],
     first_signal: Option<u32>,
@@ -131,6 +133,7 @@ impl Referee {
         Self {
             desired: DesiredGap::of(scenario),
             set_speed_mps: scenario.set_speed_mps.value(),
+            reach_m: scenario.perception.radar.max_range_m.value(),
             last: None,
             signals: [None; MAX_SIGNALS],
             first_signal: None,
@@ -217,7 +220,7 @@ impl Referee {
         let figures = &mut self.figures;
         let gap_error = desired.map(|desired| ahead.gap_m - desired);
         figures.final_gap_error_m = gap_error;
-        if let Some(error) = gap_error {
+        if let Some(error) = gap_error.filter(|_| ahead.gap_m <= self.reach_m) {
             figures.max_abs_gap_error_m = larger(figures.max_abs_gap_error_m, error.abs());
             if let Some(last) = self.last {
                 figures.rms_gap_error_m = self.gap_error.add(error, sample.time_s - last.time_s);
