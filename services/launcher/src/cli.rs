@@ -30,6 +30,8 @@ pub enum Command {
     Sweep(crate::sweep::SweepArguments),
     /// Design a controller offline (cargo feature `synthesize`)
     Synthesize(SynthesizeArguments),
+    /// What this machine grants, what the rest costs, and the command that mends it
+    Doctor(crate::doctor::DoctorArguments),
     /// List the scenarios and controllers
     List(ListArguments),
     /// Run one service; started by the launcher

@@ -3,6 +3,7 @@
 mod batch;
 mod cli;
 mod compare;
+mod doctor;
 mod error;
 mod group;
 mod list;
@@ -36,6 +37,7 @@ pub fn main() -> ExitCode {
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Sweep(arguments) => sweep::run(&arguments),
         Command::Synthesize(arguments) => synthesize::run(&arguments),
+        Command::Doctor(arguments) => doctor::run(&arguments),
         Command::List(arguments) => list::run(&arguments),
         Command::Service(arguments) => service(&arguments),
     };

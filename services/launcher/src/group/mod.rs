@@ -20,4 +20,5 @@ pub use drive::Drive;
 #[cfg(test)]
 pub use drive::DriveStep;
 pub use janitor::run as run_janitor;
+pub use root::{base, shared_memory_room};
 pub use supervisor::{Ended, GroupOutcome, Launch, launch};

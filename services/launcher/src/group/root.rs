@@ -79,9 +79,7 @@ pub fn open_lock(root: &Path) -> io::Result<File> {
 /// Checks that shared memory has room for `needed` bytes: a page that cannot be had later would end
 /// the process that touches it.
 pub fn check_room(needed: u64) -> Result<(), Error> {
-    let found = rustix::fs::statvfs(SHARED_MEMORY)
-        .map_err(|e| Error::Machine(format!("{SHARED_MEMORY} is needed for shared memory: {e}")))?;
-    let free = found.f_bavail * found.f_frsize;
+    let (_, free) = shared_memory_room()?;
     if free >= needed {
         return Ok(());
     }
@@ -90,6 +88,13 @@ pub fn check_room(needed: u64) -> Result<(), Error> {
         "{SHARED_MEMORY} has {free} KiB free and a run may use {needed} KiB: free some, or enlarge \
          it with `mount -o remount,size=64m {SHARED_MEMORY}`"
     )))
+}
+
+/// Size of the file system of the shared memory and what is free of it, bytes.
+pub fn shared_memory_room() -> Result<(u64, u64), Error> {
+    let found = rustix::fs::statvfs(SHARED_MEMORY)
+        .map_err(|e| Error::Machine(format!("{SHARED_MEMORY} is needed for shared memory: {e}")))?;
+    Ok((found.f_blocks * found.f_frsize, found.f_bavail * found.f_frsize))
 }
 
 /// Removes a run's directory and its shared memory.
@@ -111,7 +116,7 @@ fn prefix_of(id: &str) -> String {
 }
 
 /// The user's own directory for all runs.
-fn base() -> Result<PathBuf, Error> {
+pub fn base() -> Result<PathBuf, Error> {
     let uid = rustix::process::geteuid().as_raw();
     let temporary = std::env::temp_dir();
     let temporary = if temporary.as_os_str().len() > LONGEST_BASE || !temporary.is_absolute() {
