@@ -1,6 +1,12 @@
 //! What a service tells the launcher when it ends.
 
+mod chains;
+
+pub use chains::{HopTimes, Hops, WorstChain};
+
 use crate::Service;
+use crate::e2e::Outcomes;
+use crate::runtime::Befallen;
 use crate::runtime::scheduling::Granted;
 use crate::statistics::Percentiles;
 use serde::{Deserialize, Serialize};
@@ -26,6 +32,8 @@ pub struct ReceivedTopic {
     pub received: u64,
     /// Gaps in the sequence numbers.
     pub lost: u64,
+    /// Outcomes of the end-to-end check.
+    pub e2e: Outcomes,
     /// XXH3 over the bytes of all messages in order, in lockstep.
     pub digest: Option<String>,
 }
@@ -51,6 +59,8 @@ pub struct ServiceReport {
     pub peak_rss_kib: u64,
     /// What the kernel granted.
     pub scheduling: Granted,
+    /// What faults did to the service's messages.
+    pub befallen: Vec<Befallen>,
     /// What only this service can tell.
     pub details: Details,
 }
@@ -112,21 +122,16 @@ pub struct PlantReport {
     pub reaction_time_us: Option<Percentiles>,
     /// Every actuation back to the radar acquisition behind it.
     pub data_age_us: Option<Percentiles>,
+    /// The waits of the reaction time that are designed.
+    pub designed_wait_us: Option<Percentiles>,
+    /// The reaction time without them.
+    pub net_reaction_us: Option<Percentiles>,
     /// The parts of the reaction time, which add up to it sample by sample.
     pub hops_us: Hops,
+    /// The chains with the longest reaction times, longest first.
+    pub worst_chains: Vec<WorstChain>,
     /// Commands that the scenario's misses and jitter kept from the actuators.
     pub undelivered_commands: u64,
-}
-
-/// The parts of the reaction time.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Hops {
-    /// Radar acquisition to the start of the control cycle that uses it.
-    pub radar_to_controller: Option<Percentiles>,
-    /// Start of the control cycle to its command's publication.
-    pub controller_compute: Option<Percentiles>,
-    /// Publication of the command to its first actuation.
-    pub controller_to_plant: Option<Percentiles>,
 }
 
 /// How a run ended.

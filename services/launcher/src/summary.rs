@@ -4,8 +4,8 @@ use crate::group::{Drive, Ended, GroupOutcome};
 use serde::Serialize;
 use shared::Service;
 use shared::report::{
-    ControlFigures, ControllerReport, Details, ModeChange, Outcome, PlantReport, ReceivedTopic,
-    ServiceReport,
+    ControlFigures, ControllerReport, Details, Hops, ModeChange, Outcome, PlantReport,
+    ReceivedTopic, ServiceReport, WorstChain,
 };
 use shared::runtime::Mode;
 use shared::runtime::scheduling::Granted;
@@ -55,7 +55,11 @@ pub struct Timing {
     pub data_age_us: Option<Percentiles>,
     pub release_jitter_us: Option<Percentiles>,
     pub solve_us: Option<Percentiles>,
-    pub hops_us: shared::report::Hops,
+    /// The waits of the reaction time that are designed, and the reaction time without them.
+    pub designed_wait_us: Option<Percentiles>,
+    pub net_reaction_us: Option<Percentiles>,
+    pub hops_us: Hops,
+    pub worst_chains: Vec<WorstChain>,
     /// Cycles whose command had to be relaxed, and whose command came from the law's backup.
     pub relaxed_cycles: Option<u64>,
     pub backup_cycles: Option<u64>,
@@ -141,7 +145,10 @@ impl Summary {
                 release_jitter_us: report(Service::Controller)
                     .and_then(|report| report.release_jitter_us),
                 solve_us: controller.and_then(|controller| controller.solve_us),
+                designed_wait_us: plant.and_then(|plant| plant.designed_wait_us),
+                net_reaction_us: plant.and_then(|plant| plant.net_reaction_us),
                 hops_us: plant.map(|plant| plant.hops_us).unwrap_or_default(),
+                worst_chains: plant.map(|plant| plant.worst_chains.clone()).unwrap_or_default(),
                 relaxed_cycles: controller.map(|controller| controller.relaxed),
                 backup_cycles: controller.map(|controller| controller.backup),
                 undelivered_commands: plant.map(|plant| plant.undelivered_commands),

@@ -16,12 +16,16 @@
 //!   nobody loses a message, and all stamps are simulated time: same scenario, same seed, same
 //!   bytes.
 //!
-//! `unsafe` is allowed in `scheduling` and `spawn` alone, for system calls that no crate wraps.
+//! `unsafe` is allowed in `scheduling`, `spawn`, `usage` and `words` alone, for system calls that no
+//! crate wraps.
 
 mod clock;
 mod error;
+mod faults;
 mod group;
+mod keeper;
 mod link;
+mod members;
 mod observer;
 mod port;
 mod release;
@@ -30,12 +34,18 @@ mod session;
 mod spawn;
 mod timetable;
 mod transport;
+mod usage;
+mod waking;
+mod words;
 
 pub use clock::{Clock, Mode, monotonic_ns};
 pub use error::RuntimeError;
+pub use faults::{Befallen, Injected, concerned};
 pub use group::Group;
+pub use keeper::Keeper;
 pub(crate) use link::End;
-pub use link::{FromService, StartOrder, ToService};
+pub use link::{FromService, PEER_JOINED, StartOrder, ToService};
+pub use members::enroll;
 pub use observer::{Observed, Observer};
 pub use port::{Publisher, Subscriber};
 pub use release::{Overrun, Release};
@@ -44,3 +54,4 @@ pub use spawn::inherit_only;
 pub use timetable::Timetable;
 pub use transport::shared_memory_bytes;
 pub(crate) use transport::{Carried, Receiver, Sender, Transport, carried};
+pub use usage::Usage;

@@ -1,25 +1,21 @@
 //! iceoryx2 as timegap uses it: one private node per process and one way to open each topic.
 
 use super::link::End;
+use super::waking::{Bells, Waiter, Waker};
 use super::{Group, Mode, RuntimeError, Timetable};
 use crate::Service;
 use crate::messages::{LAYOUT_VERSION, Message, TOPICS, Topic};
 use iceoryx2::config::Config;
+use iceoryx2::port::BackpressureAction;
 use iceoryx2::port::update_connections::UpdateConnections;
-use iceoryx2::port::{BackpressureAction, listener::Listener, notifier::Notifier};
 use iceoryx2::prelude::*;
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
-use iceoryx2::service::port_factory::{event, publish_subscribe};
+use iceoryx2::service::port_factory::publish_subscribe;
 use std::fmt::Debug;
 use std::rc::Rc;
 
 /// The iceoryx2 variant of all topics.
 type Ipc = ipc::Service;
-
-/// Wakes those who wait for a topic.
-pub(super) type Waker = Notifier<Ipc>;
-/// Waits for a topic.
-pub(super) type Waiter = Listener<Ipc>;
 
 /// Processes on one topic: the group, each restarted beside its dead self, and observers.
 const MAX_PEERS: usize = 10;
@@ -69,16 +65,39 @@ impl<Port: UpdateConnections + Debug> Connect for Port {
     }
 }
 
+/// A sending port, unique on this host.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SenderId(u128);
+
+impl SenderId {
+    /// The process that made it: iceoryx2's ids are seconds, nanoseconds, process, counter.
+    pub(super) fn pid(self) -> u32 {
+        (self.0 >> 64) as u32
+    }
+}
+
+/// An end of a topic that messages come out of.
+pub trait Input: Debug {
+    /// True if a message waits.
+    fn has_input(&self) -> bool;
+}
+
+impl<T: Message> Input for iceoryx2::port::subscriber::Subscriber<Ipc, T, ()> {
+    fn has_input(&self) -> bool {
+        self.has_samples().unwrap_or(false)
+    }
+}
+
 /// Receives messages of one type.
-pub trait Receiver<T>: Connect {
-    /// The oldest message not yet taken.
-    fn receive(&self) -> Result<Option<T>, String>;
+pub trait Receiver<T>: Connect + Input {
+    /// The oldest message not yet taken, and the port that sent it.
+    fn receive(&self) -> Result<Option<(T, SenderId)>, String>;
 }
 
 impl<T: Message> Receiver<T> for iceoryx2::port::subscriber::Subscriber<Ipc, T, ()> {
-    fn receive(&self) -> Result<Option<T>, String> {
+    fn receive(&self) -> Result<Option<(T, SenderId)>, String> {
         let sample = Self::receive(self).map_err(|e| format!("{e:?}"))?;
-        Ok(sample.map(|sample| *sample.payload()))
+        Ok(sample.map(|sample| (*sample.payload(), SenderId(sample.origin().value()))))
     }
 }
 
@@ -118,6 +137,7 @@ pub(crate) use carried;
 #[derive(Debug)]
 pub struct Transport {
     node: Node<Ipc>,
+    bells: Bells,
     mode: Mode,
     buffer: usize,
 }
@@ -138,7 +158,8 @@ impl Transport {
             .signal_handling_mode(SignalHandlingMode::Disabled)
             .create::<Ipc>()
             .map_err(|e| error(format!("{e:?}")))?;
-        Ok(Self { node, mode: group.mode, buffer: buffer(&group.timetable) })
+        let bells = Bells::map(&group.prefix).map_err(|e| error(format!("wake words: {e}")))?;
+        Ok(Self { node, bells, mode: group.mode, buffer: buffer(&group.timetable) })
     }
 
     /// Opens the publish-subscribe service of `T`'s topic.
@@ -161,7 +182,8 @@ impl Transport {
             .max_subscribers(MAX_PEERS)
             .max_nodes(2 * MAX_PEERS)
             .subscriber_max_buffer_size(self.buffer)
-            .history_size(0)
+            // What a restarted receiver begins with.
+            .history_size(1)
             .enable_safe_overflow(self.mode == Mode::Realtime)
             .open_or_create_with_attributes(&attributes)
             .map_err(|e| error(format!("{e:?}")))
@@ -185,6 +207,10 @@ impl Transport {
             })
             .create()
             .map_err(|e| RuntimeError::Topic { topic: T::TOPIC, reason: format!("{e:?}") })?;
+        if SenderId(port.id().value()).pid() != std::process::id() {
+            let reason = "iceoryx2 does not name the process in its port ids as expected".into();
+            return Err(RuntimeError::Topic { topic: T::TOPIC, reason });
+        }
         Ok(Rc::new(port))
     }
 
@@ -195,29 +221,12 @@ impl Transport {
         Ok(Rc::new(port))
     }
 
-    fn event(&self, topic: Topic) -> Result<event::PortFactory<Ipc>, RuntimeError> {
-        self.node
-            .service_builder(&service_name(topic))
-            .event()
-            .max_listeners(MAX_PEERS)
-            .max_notifiers(MAX_PEERS)
-            .max_nodes(2 * MAX_PEERS)
-            .open_or_create()
-            .map_err(|e| RuntimeError::Topic { topic, reason: format!("{e:?}") })
+    pub(super) fn waker(&self, topic: Topic) -> Waker {
+        self.bells.waker(topic)
     }
 
-    pub(super) fn notifier(&self, topic: Topic) -> Result<Waker, RuntimeError> {
-        self.event(topic)?
-            .notifier_builder()
-            .create()
-            .map_err(|e| RuntimeError::Topic { topic, reason: format!("{e:?}") })
-    }
-
-    pub(super) fn listener(&self, topic: Topic) -> Result<Waiter, RuntimeError> {
-        self.event(topic)?
-            .listener_builder()
-            .create()
-            .map_err(|e| RuntimeError::Topic { topic, reason: format!("{e:?}") })
+    pub(super) fn waiter(&self, topic: Topic) -> Waiter {
+        self.bells.waiter(topic)
     }
 }
 
