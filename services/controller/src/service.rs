@@ -136,6 +136,7 @@ impl Loop {
             odometry: self.odometry.origin(),
             radar: self.radar.origin(),
             spat: self.spat.origin(),
+            map: self.map.origin(),
         };
         let header = Header::new(release.step, release.scheduled_ns, origins);
         let radar_release_ns =

@@ -32,6 +32,8 @@ pub enum Command {
     Synthesize(SynthesizeArguments),
     /// What this machine grants, what the rest costs, and the command that mends it
     Doctor(crate::doctor::DoctorArguments),
+    /// A fault into a run that is going on
+    Inject(crate::inject::InjectArguments),
     /// List the scenarios and controllers
     List(ListArguments),
     /// Run one service; started by the launcher
@@ -55,6 +57,9 @@ pub struct RunArguments {
     /// Directory for the results [default: runs/<time>-<scenario>]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Keep no recording of the topics
+    #[arg(long)]
+    pub no_record: bool,
     /// Print the summary as JSON, and nothing else, on standard output
     #[arg(long)]
     pub json: bool,

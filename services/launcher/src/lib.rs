@@ -6,6 +6,7 @@ mod compare;
 mod doctor;
 mod error;
 mod group;
+mod inject;
 mod list;
 mod output;
 mod print;
@@ -38,6 +39,7 @@ pub fn main() -> ExitCode {
         Command::Sweep(arguments) => sweep::run(&arguments),
         Command::Synthesize(arguments) => synthesize::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
+        Command::Inject(arguments) => inject::run(&arguments),
         Command::List(arguments) => list::run(&arguments),
         Command::Service(arguments) => service(&arguments),
     };
@@ -57,6 +59,17 @@ fn service(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
             [root] => Ok(group::run_janitor(Path::new(root))),
             _ => Err(Error::Usage("the janitor needs the root of a run".into())),
         };
+    }
+    if arguments.name == "hog" {
+        return match arguments.arguments.as_slice() {
+            [_, what, number] if number.parse::<usize>().is_ok() => {
+                Ok(group::run_hog(what, number.parse().expect("checked")))
+            }
+            _ => Err(Error::Usage("the hog needs the root of a run, what and how much".into())),
+        };
+    }
+    if arguments.name == "recorder" {
+        return Ok(recorder::run(&arguments.arguments));
     }
     let service: Service = arguments.name.parse().map_err(Error::Usage)?;
     let run = match service {

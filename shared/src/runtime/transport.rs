@@ -162,6 +162,11 @@ impl Transport {
         Ok(Self { node, bells, mode: group.mode, buffer: buffer(&group.timetable) })
     }
 
+    /// Removes what dead processes left on the topics.
+    pub(super) fn remove_dead(&self) {
+        self.node.try_cleanup_dead_nodes();
+    }
+
     /// Opens the publish-subscribe service of `T`'s topic.
     ///
     /// # Errors
