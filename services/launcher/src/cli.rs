@@ -26,6 +26,8 @@ pub enum Command {
     Reproduce(ReproduceArguments),
     /// Controllers side by side on the same scenarios
     Compare(CompareArguments),
+    /// Many seeded runs with faults, and one verdict
+    Campaign(crate::campaign::CampaignArguments),
     /// A figure of the drive as a function of any key of a scenario
     Sweep(crate::sweep::SweepArguments),
     /// Design a controller offline (cargo feature `synthesize`)

@@ -45,7 +45,7 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
                 set: arguments.set.clone(),
                 ..ScenarioOptions::default()
             };
-            jobs.push(Job { scenario: run::open(name, &options)?, mode });
+            jobs.push(Job { scenario: run::open(name, &options)?, mode, sample_every: None });
         }
     }
     let output = OutputDirectory::create(arguments.out.as_deref(), "compare")?;

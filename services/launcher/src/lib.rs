@@ -1,6 +1,7 @@
 //! The `timegap` command: an adaptive-cruise stack as real processes over shared memory.
 
 mod batch;
+mod campaign;
 mod cli;
 mod compare;
 mod doctor;
@@ -36,6 +37,7 @@ pub fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
+        Command::Campaign(arguments) => campaign::run(&arguments),
         Command::Sweep(arguments) => sweep::run(&arguments),
         Command::Synthesize(arguments) => synthesize::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),

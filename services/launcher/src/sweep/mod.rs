@@ -61,7 +61,7 @@ pub fn run(arguments: &SweepArguments) -> Result<ExitCode, Error> {
     for keys in &points {
         let options = &arguments.scenario_options;
         let scenario = run::open_with(&arguments.scenario, options, "--param", keys)?;
-        jobs.push(Job { scenario, mode });
+        jobs.push(Job { scenario, mode, sample_every: None });
     }
     let output = OutputDirectory::create(arguments.out.as_deref(), "sweep")?;
     let bar = run::count_bar(jobs.len(), arguments.json);

@@ -3,12 +3,18 @@
 //! Each worker is a thread that launches one group after the other. An interrupt reaches every
 //! group that is up and keeps further ones from being launched; what finished before is kept.
 
+mod leftovers;
+mod usage;
+
+pub use usage::Growth;
+
 use crate::cli::GroupOptions;
 use crate::error::Error;
 use crate::group::{Drive, Ended};
 use crate::run;
 use crate::summary::Summary;
 use indicatif::ProgressBar;
+use leftovers::leftovers;
 use shared::runtime::Mode;
 use shared::scenario::Scenario;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -16,7 +22,8 @@ use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Sender, channel};
-use std::time::Instant;
+use std::time::{Duration, Instant};
+use usage::Sample;
 
 /// A run to be done.
 #[derive(Debug)]
@@ -25,6 +32,8 @@ pub struct Job {
     pub scenario: Scenario,
     /// Clock.
     pub mode: Mode,
+    /// Time between two samples of what the run's processes have; none: no samples.
+    pub sample_every: Option<Duration>,
 }
 
 /// A run that was done.
@@ -34,6 +43,10 @@ pub struct Done {
     pub summary: Summary,
     /// What was heard of the drive.
     pub drive: Drive,
+    /// What it left behind: it should be nothing.
+    pub leftovers: Vec<String>,
+    /// What its processes had, from time to time.
+    pub samples: Vec<Sample>,
 }
 
 /// How many runs go on at once: so many as chosen, or as there are cores; in realtime one, since
@@ -105,12 +118,21 @@ fn work(
 
 fn drive(job: &Job, group: &GroupOptions) -> Result<Done, Error> {
     let begun = Instant::now();
-    let outcome = run::drive(&job.scenario, job.mode, group, None, &mut |_| {})?;
+    let mut samples: Vec<Sample> = Vec::new();
+    let mut next = Duration::ZERO;
+    let outcome = run::drive(&job.scenario, job.mode, group, None, &mut |moment| {
+        let time = Duration::from_nanos(moment.time_ns.max(0).unsigned_abs());
+        if let Some(every) = job.sample_every.filter(|_| time >= next) {
+            samples.push(Sample::take());
+            next = time + every;
+        }
+    })?;
     if outcome.ended == Ended::Interrupted {
         return Err(Error::Interrupted);
     }
     let summary = Summary::new(&job.scenario, job.mode, &outcome, begun.elapsed());
-    Ok(Done { summary, drive: outcome.drive })
+    let leftovers = leftovers(&outcome.root);
+    Ok(Done { summary, drive: outcome.drive, leftovers, samples })
 }
 
 /// Notices the signals that ask for an end also between two groups, when no group listens.
