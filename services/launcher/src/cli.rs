@@ -36,7 +36,7 @@ pub enum Command {
     Doctor(crate::doctor::DoctorArguments),
     /// A fault into a run that is going on
     Inject(crate::inject::InjectArguments),
-    /// List the scenarios and controllers
+    /// List the scenarios, controllers and campaigns
     List(ListArguments),
     /// Run one service; started by the launcher
     #[command(hide = true)]
@@ -202,7 +202,7 @@ impl From<ModeName> for shared::runtime::Mode {
 /// Arguments of `list`.
 #[derive(Debug, Args)]
 pub struct ListArguments {
-    /// Print this built-in scenario's file
+    /// Print this built-in scenario's or campaign's file
     #[arg(long, value_name = "NAME")]
     pub show: Option<String>,
     /// Print the list as JSON

@@ -131,22 +131,45 @@ fn first_seed() -> u32 {
     1
 }
 
-/// The campaigns that come with the program: name, contents.
-pub const BUILTIN: [(&str, &str); 3] = [
-    ("kills", include_str!("../../campaigns/kills.toml")),
-    ("messages", include_str!("../../campaigns/messages.toml")),
-    ("soak", include_str!("../../campaigns/soak.toml")),
+/// A campaign compiled into the program.
+#[derive(Clone, Copy, Debug)]
+pub struct Builtin {
+    /// Name, as given on the command line.
+    pub name: &'static str,
+    /// What it is about, in one line.
+    pub summary: &'static str,
+    /// The campaign file.
+    pub text: &'static str,
+}
+
+/// Every built-in campaign.
+pub const BUILTIN: [Builtin; 3] = [
+    Builtin {
+        name: "kills",
+        summary: "1,000 SIGKILLs at random instants over all four services, in realtime",
+        text: include_str!("../../campaigns/kills.toml"),
+    },
+    Builtin {
+        name: "messages",
+        summary: "10,000 runs in lockstep with seeded faults of messages",
+        text: include_str!("../../campaigns/messages.toml"),
+    },
+    Builtin {
+        name: "soak",
+        summary: "half an hour of realtime with random kills: nothing grows",
+        text: include_str!("../../campaigns/soak.toml"),
+    },
 ];
 
 impl Campaign {
     /// The built-in campaign of that name, or the file at that path.
     pub fn open(argument: &str) -> Result<Self, Error> {
-        if let Some((_, text)) = BUILTIN.iter().find(|(name, _)| *name == argument) {
-            return Self::parse(&format!("built-in {argument}"), text);
+        if let Some(builtin) = BUILTIN.iter().find(|builtin| builtin.name == argument) {
+            return Self::parse(&format!("built-in {argument}"), builtin.text);
         }
         let path = Path::new(argument);
         if !path.exists() {
-            let names = BUILTIN.map(|(name, _)| name).join(", ");
+            let names = BUILTIN.map(|builtin| builtin.name).join(", ");
             let what = "no built-in campaign and no file of this name";
             return Err(Error::Usage(format!("{argument}: {what}, expected a path or {names}")));
         }
@@ -223,9 +246,10 @@ mod tests {
 
     #[test]
     fn the_built_in_campaigns_read_back_as_they_are() {
-        for (name, _) in BUILTIN {
+        for Builtin { name, summary, .. } in BUILTIN {
             let campaign = Campaign::open(name).unwrap_or_else(|error| panic!("{error}"));
             assert_eq!(campaign.name.as_str(), name);
+            assert_eq!(campaign.description.as_str(), summary);
             let again = Campaign::parse("again", &campaign.to_toml());
             assert_eq!(again.expect("it was written by us"), campaign);
         }

@@ -22,7 +22,8 @@ use crate::error::Error;
 use crate::output::OutputDirectory;
 use crate::run;
 use clap::Args;
-use file::{BUILTIN, Campaign, Shard};
+pub use file::BUILTIN;
+use file::{Campaign, Shard};
 use journal::Journal;
 use plan::Planned;
 use record::Record;
@@ -174,7 +175,7 @@ fn open(arguments: &CampaignArguments) -> Result<Campaign, Error> {
         (Some(name), _) => Campaign::open(name)?,
         (None, Some(begun)) => begun.clone(),
         (None, None) => {
-            let names = BUILTIN.map(|(name, _)| name).join(", ");
+            let names = BUILTIN.map(|builtin| builtin.name).join(", ");
             let what = "no campaign is named, expected a file or one of";
             return Err(Error::Usage(format!("{what} {names}")));
         }

@@ -93,9 +93,10 @@ fn totals(verdict: &Verdict) -> String {
     }
     let corrupted = match (all.corrupted, all.undetected_corruptions) {
         (0, _) => String::new(),
-        (all, undetected) => format!(", {all} corrupted of which {undetected} went unnoticed"),
+        (all, undetected) => format!(", {all} of them corrupted, {undetected} unnoticed"),
     };
-    line("messages", format!("{} lost{corrupted}", all.messages_lost));
+    let (lost, disturbed) = (all.messages_lost, all.disturbed);
+    line("messages", format!("{lost} lost, {disturbed} disturbed by faults{corrupted}"));
     line("left behind", format!("{} objects or processes", all.leaks));
     if let (Some(memory), Some(descriptors), Some(shared)) =
         (all.memory_growth_kib, all.descriptor_growth, all.shared_memory_growth_kib)
@@ -140,8 +141,8 @@ fn requirements(verdict: &Verdict) -> String {
 pub fn csv(records: &[Record]) -> String {
     let mut text = String::from(
         "run,scenario,controller,fault,seed,outcome,avoidable,duration_s,min_gap_m,min_ttc_s,\
-         kills,max_detection_us,max_recovery_us,unrecovered,messages_lost,corrupted,undetected,\
-         leaks\n",
+         kills,max_detection_us,max_recovery_us,unrecovered,messages_lost,disturbed,corrupted,\
+         undetected,leaks\n",
     );
     let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
     let most = |values: &[f64]| number(values.iter().copied().max_by(f64::total_cmp));
@@ -169,6 +170,7 @@ pub fn csv(records: &[Record]) -> String {
             most(&record.recovery_us),
             record.unrecovered.to_string(),
             record.messages_lost.to_string(),
+            record.disturbed.to_string(),
             record.corrupted.to_string(),
             record.undetected.to_string(),
             record.leaks.len().to_string(),

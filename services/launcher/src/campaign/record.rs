@@ -39,6 +39,8 @@ pub struct Record {
     /// Time on each rung of the ladder, s.
     pub rungs_s: BTreeMap<String, f64>,
     pub messages_lost: u64,
+    /// Messages that faults befell, at all their receivers.
+    pub disturbed: u64,
     /// Messages that corruption befell, and how many of them no check refused.
     pub corrupted: u64,
     pub undetected: u64,
@@ -69,6 +71,7 @@ impl Record {
             unrecovered: 0,
             rungs_s: BTreeMap::new(),
             messages_lost: 0,
+            disturbed: 0,
             corrupted: 0,
             undetected: 0,
             leaks: Vec::new(),
@@ -112,6 +115,7 @@ impl Record {
                 _ => 0,
             },
             messages_lost: summary.messages.values().filter_map(|topic| topic.lost).sum(),
+            disturbed: faults.iter().filter_map(|fault| fault.messages).sum(),
             corrupted,
             undetected: corrupted.saturating_sub(refused),
             leaks: done.leftovers.clone(),

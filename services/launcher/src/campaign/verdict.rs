@@ -191,7 +191,7 @@ mod tests {
             "aborted_because": null, "avoidable": false, "duration_s": 1.0, "min_gap_m": gap_m,
             "min_ttc_s": null, "kills": recovery_us.len(), "detection_us": recovery_us,
             "recovery_us": recovery_us, "unrecovered": 0, "rungs_s": {"full": 1.0},
-            "messages_lost": 1, "corrupted": 0, "undetected": 0, "leaks": [], "growth": null,
+            "messages_lost": 1, "disturbed": 0, "corrupted": 0, "undetected": 0, "leaks": [], "growth": null,
         });
         serde_json::from_value(value).expect("a record")
     }
