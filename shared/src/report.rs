@@ -137,6 +137,8 @@ pub struct PlantReport {
     pub hops_us: Hops,
     /// The chains with the longest reaction times, longest first.
     pub worst_chains: Vec<WorstChain>,
+    /// Commands that the scenario's misses and jitter kept from the actuators.
+    pub undelivered_commands: u64,
 }
 
 /// How a run ended.
@@ -160,14 +162,21 @@ pub enum Outcome {
 pub struct ControlFigures {
     /// Smallest gap to a vehicle in lane, m.
     pub min_gap_m: Option<f64>,
+    /// Root mean square over time of the gap's distance from the desired one, while a vehicle ahead
+    /// was within the radar's range, m.
+    pub rms_gap_error_m: Option<f64>,
+    /// Largest magnitude of that distance, m.
+    pub max_abs_gap_error_m: Option<f64>,
     /// Smallest time to collision, s.
     pub min_ttc_s: Option<f64>,
-    /// Desired minus real gap at the end, m.
+    /// Real minus desired gap at the end, m.
     pub final_gap_error_m: Option<f64>,
     /// Ego minus lead speed at the end, or minus the set speed without a lead, m/s.
     pub final_speed_error_mps: Option<f64>,
     /// Largest magnitude of the jerk, m/s³.
     pub max_abs_jerk_mps3: Option<f64>,
+    /// Root mean square of the jerk over time, m/s³.
+    pub rms_jerk_mps3: Option<f64>,
     /// Smallest acceleration, m/s².
     pub min_accel_mps2: Option<f64>,
     /// Largest acceleration, m/s².

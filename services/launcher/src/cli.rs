@@ -26,11 +26,17 @@ pub enum Command {
     Reproduce(ReproduceArguments),
     /// Controllers side by side on the same scenarios
     Compare(CompareArguments),
+    /// Many seeded runs with faults, and one verdict
+    Campaign(crate::campaign::CampaignArguments),
+    /// A figure of the drive as a function of any key of a scenario
+    Sweep(crate::sweep::SweepArguments),
     /// Design a controller offline (cargo feature `synthesize`)
     Synthesize(SynthesizeArguments),
+    /// What this machine grants, what the rest costs, and the command that mends it
+    Doctor(crate::doctor::DoctorArguments),
     /// A fault into a run that is going on
     Inject(crate::inject::InjectArguments),
-    /// List the scenarios and controllers
+    /// List the scenarios, controllers and campaigns
     List(ListArguments),
     /// Run one service; started by the launcher
     #[command(hide = true)]
@@ -196,7 +202,7 @@ impl From<ModeName> for shared::runtime::Mode {
 /// Arguments of `list`.
 #[derive(Debug, Args)]
 pub struct ListArguments {
-    /// Print this built-in scenario's file
+    /// Print this built-in scenario's or campaign's file
     #[arg(long, value_name = "NAME")]
     pub show: Option<String>,
     /// Print the list as JSON

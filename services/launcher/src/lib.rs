@@ -1,7 +1,10 @@
 //! The `timegap` command: an adaptive-cruise stack as real processes over shared memory.
 
+mod batch;
+mod campaign;
 mod cli;
 mod compare;
+mod doctor;
 mod error;
 mod group;
 mod inject;
@@ -11,6 +14,7 @@ mod print;
 mod reproduce;
 mod run;
 mod summary;
+mod sweep;
 mod synthesize;
 mod trajectory;
 
@@ -33,7 +37,10 @@ pub fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
+        Command::Campaign(arguments) => campaign::run(&arguments),
+        Command::Sweep(arguments) => sweep::run(&arguments),
         Command::Synthesize(arguments) => synthesize::run(&arguments),
+        Command::Doctor(arguments) => doctor::run(&arguments),
         Command::Inject(arguments) => inject::run(&arguments),
         Command::List(arguments) => list::run(&arguments),
         Command::Service(arguments) => service(&arguments),

@@ -71,6 +71,8 @@ pub struct Timing {
     /// Cycles whose command had to be relaxed, and whose command came from the law's backup.
     pub relaxed_cycles: Option<u64>,
     pub backup_cycles: Option<u64>,
+    /// Commands that the scenario's misses and jitter kept from the actuators.
+    pub undelivered_commands: Option<u64>,
 }
 
 #[derive(Clone, Debug, Default, Serialize)]
@@ -161,6 +163,7 @@ impl Summary {
                 max_command_gap_us: plant.and_then(|plant| plant.max_command_gap_us),
                 relaxed_cycles: controller.map(|controller| controller.relaxed),
                 backup_cycles: controller.map(|controller| controller.backup),
+                undelivered_commands: plant.map(|plant| plant.undelivered_commands),
             },
             messages: messages(&group.reports, &group.drive),
             recording: group.recording.clone(),

@@ -1,6 +1,7 @@
 //! The plant's loop: publish the motion, take the newest command, move on.
 
 use crate::chains::{Actuated, Chains};
+use crate::delivery::{Arrival, Delivery};
 use crate::gateway::{self, Actuation, Gateway, Source};
 use crate::longitudinal::Vehicle;
 use crate::referee::{MAX_SIGNALS, Referee, SignalTruth, Violation};
@@ -16,7 +17,6 @@ use shared::runtime::{
 };
 use shared::scenario::Scenario;
 use shared::scenario::v2x::Phase;
-use std::collections::VecDeque;
 
 /// Runs the plant in its group, to the end of the run or the first violation.
 ///
@@ -43,11 +43,7 @@ struct Plant {
     command: Subscriber<Command>,
     vehicles: Subscriber<VehicleTruth>,
     signals: Subscriber<messages::SignalTruth>,
-    extra_delay_ns: i64,
-    /// Commands on their way through the extra delay, oldest first.
-    delayed: VecDeque<Command>,
-    /// Incarnation and sequence number of the last command taken from the topic.
-    taken: Option<(u32, u64)>,
+    delivery: Delivery,
     active: Option<Command>,
     request_mps2: f64,
     time_s: f64,
@@ -72,8 +68,6 @@ struct Kept {
 
 impl Plant {
     fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Self, RuntimeError> {
-        let extra_ms = scenario.runtime.extra_delay_ms.value();
-        let in_flight = extra_ms / scenario.plant.period_ms.value() + 2;
         Ok(Self {
             vehicle: Vehicle::new(&scenario.plant),
             gateway: Gateway::new(&scenario.plant),
@@ -83,9 +77,7 @@ impl Plant {
             command: runtime.subscriber()?,
             vehicles: runtime.subscriber()?,
             signals: runtime.subscriber()?,
-            extra_delay_ns: i64::from(extra_ms) * 1_000_000,
-            delayed: VecDeque::with_capacity(in_flight as usize),
-            taken: None,
+            delivery: Delivery::new(scenario),
             active: None,
             request_mps2: scenario.plant.initial_acceleration_mps2.value(),
             time_s: 0.0,
@@ -199,16 +191,9 @@ impl Plant {
     /// Lets the newest due command act on the actuators.
     fn actuate(&mut self, release: &Release, now_ns: i64) -> Actuation {
         if let Some(command) = self.command.newest() {
-            let identity = (command.header.incarnation, command.header.sequence);
-            if self.taken != Some(identity) && self.delayed.len() < self.delayed.capacity() {
-                self.taken = Some(identity);
-                self.delayed.push_back(*command);
-            }
+            self.delivery.take(command);
         }
-        let delay_ns = self.extra_delay_ns;
-        let due = |command: &Command| now_ns >= command.header.publish_ns + delay_ns;
-        while self.delayed.front().is_some_and(due) {
-            let command = self.delayed.pop_front().expect("the front was just seen");
+        if let Some(Arrival { command, delay_ns }) = self.delivery.arrived(now_ns) {
             let plan_len = usize::try_from(command.plan_len).map_or(0, |len| len.min(PLAN_LEN));
             // The plan is moved by the delay with the rest of the command.
             let start_ns = command.header.acquisition_ns + delay_ns;
@@ -259,6 +244,7 @@ impl Plant {
             net_reaction_us: self.chains.net_reaction_us(),
             hops_us: self.chains.hops_us(),
             worst_chains: self.chains.worst().report(),
+            undelivered_commands: self.delivery.undelivered(),
         }
     }
 }

@@ -29,9 +29,9 @@ mod watch;
 
 pub use disturbance::run as run_hog;
 pub use drive::Drive;
-#[cfg(test)]
 pub use drive::DriveStep;
 pub use faults::FaultRecord;
 pub use janitor::run as run_janitor;
 pub use recording::RecordingSummary;
+pub use root::{base, shared_memory_room};
 pub use supervisor::{Ended, GroupOutcome, Launch, Moment, launch};

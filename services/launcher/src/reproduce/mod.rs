@@ -2,7 +2,7 @@
 //! ours.
 
 mod cacc;
-mod plot;
+pub mod plot;
 mod quadratic_bounded;
 mod row;
 mod six_mode;
