@@ -1,5 +1,10 @@
 //! The command line.
 
+use crate::recordings::diff::DiffArguments;
+use crate::recordings::export::ExportArguments;
+use crate::recordings::info::InfoArguments;
+use crate::recordings::layouts::LayoutsArguments;
+use crate::recordings::recover::RecoverArguments;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use shared::Service;
 use std::path::PathBuf;
@@ -26,6 +31,16 @@ pub enum Command {
     Reproduce(ReproduceArguments),
     /// Controllers side by side on the same scenarios
     Compare(CompareArguments),
+    /// What a recording holds
+    Info(InfoArguments),
+    /// Make a recording whole that was cut off
+    Recover(RecoverArguments),
+    /// Write a recording as tables
+    Export(ExportArguments),
+    /// Find where two recordings part
+    Diff(DiffArguments),
+    /// Print the messages' layouts for Python or C
+    Layouts(LayoutsArguments),
     /// Design a controller offline (cargo feature `synthesize`)
     Synthesize(SynthesizeArguments),
     /// List the scenarios and controllers

@@ -7,6 +7,7 @@ mod group;
 mod list;
 mod output;
 mod print;
+mod recordings;
 mod reproduce;
 mod run;
 mod summary;
@@ -32,6 +33,11 @@ pub fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
+        Command::Info(arguments) => recordings::info::run(&arguments),
+        Command::Recover(arguments) => recordings::recover::run(&arguments),
+        Command::Export(arguments) => recordings::export::run(&arguments),
+        Command::Diff(arguments) => recordings::diff::run(&arguments),
+        Command::Layouts(arguments) => recordings::layouts::run(&arguments),
         Command::Synthesize(arguments) => synthesize::run(&arguments),
         Command::List(arguments) => list::run(&arguments),
         Command::Service(arguments) => service(&arguments),
