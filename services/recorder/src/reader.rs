@@ -141,6 +141,10 @@ impl Recording {
     /// early is no error: see [`Recording::damage`].
     pub fn open(path: &Path) -> Result<Self, ReadError> {
         let path = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
+        if std::fs::metadata(&path).is_ok_and(|file| !file.is_file()) {
+            let reason = "it is no regular file".into();
+            return Err(ReadError::Foreign { path, reason });
+        }
         let file = std::fs::read(&path)
             .map_err(|reason| ReadError::File { path: path.clone(), reason })?;
         Self::of_bytes(path, &file)
