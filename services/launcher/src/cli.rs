@@ -5,6 +5,7 @@ use crate::recordings::export::ExportArguments;
 use crate::recordings::info::InfoArguments;
 use crate::recordings::layouts::LayoutsArguments;
 use crate::recordings::recover::RecoverArguments;
+use crate::recordings::replay::ReplayArguments;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use shared::Service;
 use std::path::PathBuf;
@@ -37,6 +38,8 @@ pub enum Command {
     Recover(RecoverArguments),
     /// Write a recording as tables
     Export(ExportArguments),
+    /// Give a recorded run's inputs to the controller again and compare its commands
+    Replay(ReplayArguments),
     /// Find where two recordings part
     Diff(DiffArguments),
     /// Print the messages' layouts for Python or C

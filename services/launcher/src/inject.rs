@@ -123,8 +123,8 @@ fn fault(arguments: &InjectArguments) -> Result<Fault, Error> {
         let after = shared::scenario::quantity::Time::try_from(after);
         fault.at_s = Some(after.map_err(|e| quantity("in", e))?);
     }
-    fault.probability = Probability::try_from(arguments.probability)
-        .map_err(|e| quantity("probability", e))?;
+    fault.probability =
+        Probability::try_from(arguments.probability).map_err(|e| quantity("probability", e))?;
     if let Some(ms) = arguments.delay_ms {
         fault.delay_ms = Some(DelayMs::try_from(ms).map_err(|e| quantity("delay-ms", e))?);
     }

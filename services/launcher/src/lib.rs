@@ -37,6 +37,7 @@ pub fn main() -> ExitCode {
         Command::Info(arguments) => recordings::info::run(&arguments),
         Command::Recover(arguments) => recordings::recover::run(&arguments),
         Command::Export(arguments) => recordings::export::run(&arguments),
+        Command::Replay(arguments) => recordings::replay::run(&arguments),
         Command::Diff(arguments) => recordings::diff::run(&arguments),
         Command::Layouts(arguments) => recordings::layouts::run(&arguments),
         Command::Synthesize(arguments) => synthesize::run(&arguments),
@@ -71,6 +72,9 @@ fn service(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
     }
     if arguments.name == "recorder" {
         return Ok(recorder::run(&arguments.arguments));
+    }
+    if arguments.name == "replayer" {
+        return Ok(recorder::replay(&arguments.arguments));
     }
     let service: Service = arguments.name.parse().map_err(Error::Usage)?;
     let run = match service {

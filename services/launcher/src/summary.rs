@@ -1,6 +1,6 @@
 //! `summary.json`: stable names for what a run measured. A figure that does not apply is null.
 
-use crate::group::{FaultRecord, Drive, Ended, GroupOutcome, RecordingSummary};
+use crate::group::{Drive, Ended, FaultRecord, GroupOutcome, RecordingSummary};
 use serde::Serialize;
 use shared::Service;
 use shared::e2e::Outcomes;

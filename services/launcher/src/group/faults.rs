@@ -95,8 +95,7 @@ impl Faults {
                 Kind::RestartStorm => fault.times.map_or(STORM, |times| times.value()),
                 _ => 1,
             };
-            let planned =
-                Planned { number, fault, begin_ns, left, running: None, done: false };
+            let planned = Planned { number, fault, begin_ns, left, running: None, done: false };
             self.planned.push(planned);
         } else {
             self.records.push(FaultRecord {
@@ -176,7 +175,8 @@ impl Faults {
         if matches!(planned.fault.kind, Kind::Stop | Kind::Hog | Kind::Memory) {
             planned.running = Some((planned.fault.end_ns(now_ns), disturbance));
         }
-        let record = FaultRecord { t_s: now_ns as f64 / 1e9, ..record(&planned.fault, planned.number) };
+        let record =
+            FaultRecord { t_s: now_ns as f64 / 1e9, ..record(&planned.fault, planned.number) };
         self.records.push(record);
     }
 
@@ -302,7 +302,8 @@ mod tests {
     #[test]
     fn a_stopped_service_goes_on_when_its_time_is_over_unless_it_was_replaced() {
         let text = "[[faults]]\nkind = \"stop\"\nservice = \"v2x-sim\"\nat_s = 1\nfor_s = 0.5";
-        for (replaced, acts) in [(false, vec![(0, Act::Continue(Service::V2xSim))]), (true, vec![])] {
+        for (replaced, acts) in [(false, vec![(0, Act::Continue(Service::V2xSim))]), (true, vec![])]
+        {
             let mut faults = faults(text);
             assert_eq!(faults.due(1_000_000_000, None, |_| true).len(), 1);
             faults.done(0, 1_000_000_000, None);

@@ -23,6 +23,7 @@ mod janitor;
 mod member;
 mod processes;
 mod recording;
+mod replay;
 mod root;
 mod supervisor;
 mod watch;
@@ -31,7 +32,8 @@ pub use disturbance::run as run_hog;
 pub use drive::Drive;
 #[cfg(test)]
 pub use drive::DriveStep;
+pub use faults::FaultRecord;
 pub use janitor::run as run_janitor;
 pub use recording::RecordingSummary;
-pub use faults::FaultRecord;
+pub use replay::{Replayed, replay};
 pub use supervisor::{Ended, GroupOutcome, Launch, Moment, launch};

@@ -248,7 +248,8 @@ impl Supervisor<'_> {
         let live_file = self.launch.live_file.as_deref();
         let _live = live_file.map(|path| LiveFile::write(path, &self.group));
         let fifo = self.launch.scenario.runtime.scheduling == Scheduling::Fifo;
-        let priority = (self.launch.mode == Mode::Realtime && fifo).then(|| Priority::raise(PRIORITY));
+        let priority =
+            (self.launch.mode == Mode::Realtime && fifo).then(|| Priority::raise(PRIORITY));
         let ended = self.follow_run(&mut log, watch)?;
         drop(priority);
         let ran_ns = (monotonic_ns() - self.start_ns).max(0);

@@ -1,11 +1,11 @@
 //! A run under way: what happened, what is due, who is silent.
 
 use super::control::Answer;
+use super::disturbance::Disturbance;
 use super::drive::DriveLog;
 use super::events::Event;
 use super::faults::Act;
 use super::member::{Phase, Verdict};
-use super::disturbance::Disturbance;
 use super::recording::RecorderProcess;
 use super::supervisor::{EXIT_GRACE, Ended, Moment, Supervisor};
 use crate::error::Error;

@@ -7,7 +7,7 @@ use clap::Args;
 use recorder::{Record, Recording};
 use serde::Serialize;
 use shared::Service;
-use shared::messages::{Header, Topic};
+use shared::messages::Topic;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -71,8 +71,7 @@ struct Divergence {
 fn streams(recording: &Recording) -> BTreeMap<(Topic, u32), Vec<Record<'_>>> {
     let mut streams: BTreeMap<_, Vec<_>> = BTreeMap::new();
     for record in recording.records() {
-        let header: Header = bytemuck::pod_read_unaligned(&record.bytes[..size_of::<Header>()]);
-        streams.entry((record.topic, header.source)).or_default().push(record);
+        streams.entry((record.topic, record.header().source)).or_default().push(record);
     }
     streams
 }

@@ -5,6 +5,7 @@ pub mod export;
 pub mod info;
 pub mod layouts;
 pub mod recover;
+pub mod replay;
 
 use crate::error::Error;
 use recorder::{Recording, Tally};
