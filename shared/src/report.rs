@@ -2,7 +2,7 @@
 
 use crate::Service;
 use crate::runtime::scheduling::Granted;
-use crate::statistics::Percentiles;
+use crate::statistics::{Percentiles, QuantileCurve};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -114,6 +114,21 @@ pub struct PlantReport {
     pub data_age_us: Option<Percentiles>,
     /// The parts of the reaction time, which add up to it sample by sample.
     pub hops_us: Hops,
+    /// The same distributions whole.
+    pub curves: ChainCurves,
+}
+
+/// Distributions of the reaction time and its parts.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ChainCurves {
+    /// Radar acquisition to the first actuation that uses it.
+    pub reaction_time: QuantileCurve,
+    /// Radar acquisition to the start of the control cycle that uses it.
+    pub radar_to_controller: QuantileCurve,
+    /// Start of the control cycle to its command's publication.
+    pub controller_compute: QuantileCurve,
+    /// Publication of the command to its first actuation.
+    pub controller_to_plant: QuantileCurve,
 }
 
 /// The parts of the reaction time.

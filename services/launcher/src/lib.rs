@@ -7,6 +7,7 @@ mod group;
 mod list;
 mod output;
 mod print;
+mod report;
 mod reproduce;
 mod run;
 mod summary;

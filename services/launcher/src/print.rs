@@ -158,7 +158,7 @@ fn percentiles(p: &Percentiles) -> String {
 }
 
 /// A duration in µs with the unit that reads best.
-fn duration(us: f64) -> String {
+pub fn duration(us: f64) -> String {
     if us < 1e3 {
         format!("{us:.1} µs")
     } else if us < 1e6 {

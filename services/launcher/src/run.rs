@@ -4,6 +4,7 @@ use crate::cli::{GroupOptions, RunArguments, ScenarioOptions};
 use crate::error::Error;
 use crate::group::{Ended, GroupOutcome, Launch, launch};
 use crate::output::OutputDirectory;
+use crate::report::{self, RunPicture};
 use crate::summary::Summary;
 use crate::{print, trajectory};
 use controller::laws;
@@ -37,6 +38,10 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     let written = output.write("summary.json", (json.clone() + "\n").as_bytes()).and_then(|()| {
         output.write("trajectory.csv", trajectory::csv(&group.drive, figures).as_bytes())
     });
+    let written = written.and_then(|()| {
+        let page = report::run_page(&scenario, &summary, &RunPicture::of(&scenario, &group));
+        output.write(report::FILE, page.as_bytes())
+    });
     for (service, line) in &group.wrote {
         eprintln!("{service}: {line}");
     }
@@ -44,7 +49,8 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
         print::out(&(json + "\n"));
     } else {
         let results = format!("  {:<14} {}\n", "results", output.path().display());
-        print::out(&(print::summary(&summary) + &results));
+        let page = format!("  {:<14} {}\n", "report", output.path().join(report::FILE).display());
+        print::out(&(print::summary(&summary) + &results + &page));
     }
     // What was measured has been told before a full disk is.
     written?;

@@ -10,7 +10,7 @@
 //! ```
 
 use shared::messages::{Command, Origin};
-use shared::report::Hops;
+use shared::report::{ChainCurves, Hops};
 use shared::statistics::{Latencies, Percentiles};
 
 /// Histograms of all chains of a run.
@@ -92,6 +92,17 @@ impl Chains {
             radar_to_controller: self.radar_to_controller.percentiles_us(),
             controller_compute: self.controller_compute.percentiles_us(),
             controller_to_plant: self.controller_to_plant.percentiles_us(),
+        }
+    }
+
+    /// Whole distributions of the reaction time and its parts.
+    #[must_use]
+    pub fn curves(&self) -> ChainCurves {
+        ChainCurves {
+            reaction_time: self.reaction.quantile_curve(),
+            radar_to_controller: self.radar_to_controller.quantile_curve(),
+            controller_compute: self.controller_compute.quantile_curve(),
+            controller_to_plant: self.controller_to_plant.quantile_curve(),
         }
     }
 }

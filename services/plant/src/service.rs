@@ -180,6 +180,7 @@ impl Plant {
             reaction_time_us: self.chains.reaction_us(),
             data_age_us: self.chains.age_us(),
             hops_us: self.chains.hops_us(),
+            curves: self.chains.curves(),
         }
     }
 }

@@ -9,6 +9,8 @@ use shared::runtime::{Group, Observed, Observer, RuntimeError};
 pub struct Drive {
     /// One entry per odometry message, in order of time.
     pub steps: Vec<DriveStep>,
+    /// The other vehicles as they really were, in order of time.
+    pub vehicles: Vec<VehicleTruth>,
     /// What the launcher received, per topic.
     pub received: Vec<ReceivedTopic>,
 }
@@ -26,6 +28,8 @@ pub struct DriveStep {
     pub speed_mps: f64,
     /// Ego acceleration, m/s².
     pub acceleration_mps2: f64,
+    /// Request that the actuators follow, after the gateway's bounds, m/s².
+    pub applied_mps2: f64,
     /// Request of the command of this step, m/s².
     pub request_mps2: Option<f64>,
     /// Gap to the nearest vehicle in lane, m.
@@ -34,6 +38,8 @@ pub struct DriveStep {
     pub lead_speed_mps: Option<f64>,
     /// Mode of the law.
     pub mode: Option<u32>,
+    /// Quality of the command: 0 full, 1 relaxed, 2 backup.
+    pub quality: Option<u32>,
     /// Figures of the law.
     pub figures: Option<[f64; shared::messages::FIGURES]>,
 }
@@ -51,7 +57,7 @@ pub struct DriveLog {
     odometries: Vec<Odometry>,
     truths: Vec<VehicleTruth>,
     requests: Vec<(u64, f64)>,
-    cycles: Vec<(u64, u32, [f64; shared::messages::FIGURES])>,
+    cycles: Vec<Diagnostics>,
 }
 
 impl DriveLog {
@@ -77,7 +83,7 @@ impl DriveLog {
         self.odometry.drain(|m| self.odometries.push(*m))?;
         self.truth.drain(|m| self.truths.push(*m))?;
         self.command.drain(|m| self.requests.push((m.header.step, m.plan_mps2[0])))?;
-        self.diagnostics.drain(|m| self.cycles.push((m.header.step, m.mode, m.figures)))?;
+        self.diagnostics.drain(|m| self.cycles.push(*m))?;
         self.heartbeat.drain(|_| {})
     }
 
@@ -103,22 +109,24 @@ impl DriveLog {
             let step = odometry.header.step;
             let truth = take_step(&mut truths, step, |truth| truth.header.step);
             let lead = truth.and_then(|truth| nearest_ahead(truth, odometry.position_m));
-            let cycle = take_step(&mut cycles, step, |cycle| cycle.0);
+            let cycle = take_step(&mut cycles, step, |cycle| cycle.header.step);
             DriveStep {
                 step,
                 time_s: odometry.header.acquisition_ns as f64 / 1e9,
                 position_m: odometry.position_m,
                 speed_mps: odometry.speed_mps,
                 acceleration_mps2: odometry.acceleration_mps2,
+                applied_mps2: odometry.request_mps2,
                 request_mps2: take_step(&mut requests, step, |request| request.0).map(|r| r.1),
                 gap_m: lead.map(|(gap_m, _)| gap_m),
                 lead_speed_mps: lead.map(|(_, speed_mps)| speed_mps),
-                mode: cycle.map(|cycle| cycle.1),
-                figures: cycle.map(|cycle| cycle.2),
+                mode: cycle.map(|cycle| cycle.mode),
+                quality: cycle.map(|cycle| cycle.quality),
+                figures: cycle.map(|cycle| cycle.figures),
             }
         });
         let steps = steps.collect();
-        Ok(Drive { steps, received })
+        Ok(Drive { steps, vehicles: self.truths, received })
     }
 }
 

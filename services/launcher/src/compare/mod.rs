@@ -1,9 +1,12 @@
 //! `timegap compare`: controllers side by side on the same scenarios.
 
+mod page;
+
 use crate::cli::{CompareArguments, ScenarioOptions};
 use crate::error::Error;
 use crate::group::Ended;
 use crate::output::OutputDirectory;
+use crate::report::{self, RunPicture};
 use crate::summary::{Control, Summary, Timing};
 use crate::{print, run};
 use serde::Serialize;
@@ -27,6 +30,8 @@ struct Row {
     outcome: Outcome,
     control: Control,
     timing: Timing,
+    #[serde(skip)]
+    picture: RunPicture,
 }
 
 /// Runs the command.
@@ -68,6 +73,7 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
             outcome: summary.outcome,
             control: summary.control,
             timing: summary.timing,
+            picture: RunPicture::of_drive(scenario, &group.drive),
         });
         bar.inc(1);
     }
@@ -75,13 +81,17 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
     let whole = rows.iter().all(|row| row.outcome == Outcome::Completed);
     let comparison = Comparison { schema_version: 1, rows };
     let json = serde_json::to_string_pretty(&comparison).expect("plain data");
-    output.write("compare.json", (json.clone() + "\n").as_bytes())?;
+    let written = output.write("compare.json", (json.clone() + "\n").as_bytes());
+    let written =
+        written.and_then(|()| output.write(report::FILE, page::page(&comparison.rows).as_bytes()));
     if arguments.json {
         print::out(&(json + "\n"));
     } else {
         print::out(&table(&comparison.rows));
         print::out(&format!("results: {}\n", output.path().display()));
+        print::out(&format!("report:  {}\n", output.path().join(report::FILE).display()));
     }
+    written?;
     Ok(if whole { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
