@@ -20,8 +20,11 @@
 
 mod clock;
 mod error;
+mod faults;
 mod group;
+mod keeper;
 mod link;
+mod members;
 mod observer;
 mod port;
 mod release;
@@ -33,9 +36,12 @@ mod transport;
 
 pub use clock::{Clock, Mode, monotonic_ns};
 pub use error::RuntimeError;
+pub use faults::{Befallen, Injected, concerned};
 pub use group::Group;
+pub use keeper::Keeper;
 pub(crate) use link::End;
-pub use link::{FromService, StartOrder, ToService};
+pub use link::{FromService, PEER_JOINED, StartOrder, ToService};
+pub use members::enroll;
 pub use observer::{Observed, Observer};
 pub use port::{Publisher, Subscriber};
 pub use release::{Overrun, Release};

@@ -70,7 +70,7 @@ pub struct Plot {
     pub height: f64,
     /// Behind the curves.
     pub strips: Vec<Strip>,
-    /// The curves, first one on top.
+    /// The curves; of those with the same stroke the first is on top.
     pub curves: Vec<Curve>,
     /// Marked places on the horizontal axis.
     pub marks: Vec<Mark>,
@@ -132,7 +132,10 @@ impl Picture for Plot {
             let x = area.x(self.x.share(mark.x));
             svg.line("mark", (x, TOP), (x, TOP + height));
         }
-        for curve in self.curves.iter().rev() {
+        // Broken strokes last: what is under them still shows.
+        let (solid, broken): (Vec<_>, Vec<_>) =
+            self.curves.iter().rev().partition(|curve| curve.stroke == Stroke::Solid);
+        for curve in solid.into_iter().chain(broken) {
             let points = stairs(curve);
             let places =
                 points.iter().map(|(x, y)| (area.x(self.x.share(*x)), area.y(self.y.share(*y))));
@@ -203,7 +206,7 @@ impl Area {
     }
 
     fn grid(&self, svg: &mut Svg, x: &Axis, y: &Axis) {
-        for tick in y.ticks((self.bottom - self.top) as usize / 25) {
+        for tick in y.ticks(((self.bottom - self.top) as usize / 25).min(10)) {
             let at = self.y(tick.share);
             svg.line("grid-line", (self.left, at), (self.right, at));
             svg.text("tick", Anchor::End, (self.left - 6.0, at + 4.0), &tick.label);
