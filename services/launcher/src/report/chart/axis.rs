@@ -231,10 +231,10 @@ mod tests {
     #[test]
     fn durations_say_their_unit() {
         let axis = Axis::durations("", [30.0, 12_000.0].into_iter());
-        assert_eq!(labels(&axis, 6), ["100 µs", "1 ms", "10 ms"]);
+        assert_eq!(labels(&axis, 6), ["10 µs", "100 µs", "1 ms", "10 ms"]);
         assert!(axis.share(30.0) >= 0.0 && axis.share(12_000.0) <= 1.0);
         let narrow = Axis::durations("", [30.0, 40.0].into_iter());
-        assert_eq!(labels(&narrow, 9), ["50 µs", "100 µs", "200 µs"]);
+        assert_eq!(labels(&narrow, 9), ["10 µs", "20 µs", "50 µs", "100 µs"]);
     }
 
     #[test]
