@@ -6,5 +6,6 @@ pub mod longitudinal;
 pub mod referee;
 mod service;
 mod truth;
+mod worst;
 
 pub use service::run;

@@ -1,6 +1,6 @@
 //! The plant's loop: publish the motion, take the newest command, move on.
 
-use crate::chains::Chains;
+use crate::chains::{Actuated, Chains};
 use crate::gateway::{Actuation, Gateway, Source};
 use crate::longitudinal::Vehicle;
 use crate::referee::{MAX_SIGNALS, Referee, SignalTruth, Violation};
@@ -55,7 +55,7 @@ impl Plant {
             vehicle: Vehicle::new(&scenario.plant),
             gateway: Gateway::new(&scenario.plant),
             referee: Referee::new(scenario),
-            chains: Chains::default(),
+            chains: Chains::new(i64::from(scenario.controller.deadline().value()) * 1_000_000),
             odometry: runtime.publisher()?,
             command: runtime.subscriber()?,
             vehicles: runtime.subscriber()?,
@@ -154,7 +154,8 @@ impl Plant {
             }
         }
         if let Some(active) = &self.active {
-            self.chains.actuated(active, now_ns);
+            let (scheduled_ns, start_ns) = (release.scheduled_ns, release.start_ns);
+            self.chains.actuated(active, &Actuated { scheduled_ns, start_ns, now_ns });
         }
         let state = self.vehicle.state();
         let ahead = (self.vehicles.newest())
@@ -179,8 +180,11 @@ impl Plant {
             control: self.referee.figures().clone(),
             reaction_time_us: self.chains.reaction_us(),
             data_age_us: self.chains.age_us(),
+            designed_wait_us: self.chains.designed_wait_us(),
+            net_reaction_us: self.chains.net_reaction_us(),
             hops_us: self.chains.hops_us(),
             curves: self.chains.curves(),
+            worst_chains: self.chains.worst().report(),
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::group::{Drive, DriveStep, GroupOutcome};
 use controller::laws;
 use plant::referee::DesiredGap;
 use shared::messages::VehicleTruth;
-use shared::report::{ChainCurves, Details};
+use shared::report::{ChainCurves, Details, WorstChain};
 use shared::scenario::Scenario;
 use shared::scenario::controller::ControllerName;
 use shared::scenario::v2x::Phase;
@@ -52,6 +52,8 @@ pub struct RunPicture {
     pub faults: Vec<FaultMark>,
     /// Latencies of the chain's parts.
     pub latencies: ChainCurves,
+    /// The chains with the longest reaction times, longest first.
+    pub worst_chains: Vec<WorstChain>,
 }
 
 /// Where another vehicle was.
@@ -101,11 +103,14 @@ pub struct FaultMark {
 impl RunPicture {
     /// From what the launcher heard of a run.
     pub fn of(scenario: &Scenario, group: &GroupOutcome) -> Self {
-        let latencies = group.reports.values().find_map(|report| match &report.details {
-            Details::Plant(plant) => Some(plant.curves.clone()),
-            _ => None,
-        });
-        Self { latencies: latencies.unwrap_or_default(), ..Self::of_drive(scenario, &group.drive) }
+        let mut run = Self::of_drive(scenario, &group.drive);
+        for report in group.reports.values() {
+            if let Details::Plant(plant) = &report.details {
+                run.latencies = plant.curves.clone();
+                run.worst_chains.clone_from(&plant.worst_chains);
+            }
+        }
+        run
     }
 
     /// From the drive alone.
@@ -154,6 +159,7 @@ impl RunPicture {
             rungs: Vec::new(),
             faults: Vec::new(),
             latencies: ChainCurves::default(),
+            worst_chains: Vec::new(),
         }
     }
 }

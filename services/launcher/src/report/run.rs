@@ -159,12 +159,19 @@ fn times(summary: &Summary, run: &RunPicture) -> String {
         return note.to_owned() + &timing::percentiles(summary);
     }
     let count = summary.timing.reaction_time_us.map_or(0, |p| p.count);
-    let drawn = timing::latencies(run, count).map_or_else(String::new, |plot| figure(&plot));
-    format!(
-        "<div class=\"grid\">\n<div class=\"stack\">\n{drawn}</div>\n<div class=\"stack\">\n{}\
-         </div>\n</div>\n",
+    let hops = timing::latencies(run, count).map_or_else(String::new, |plot| figure(&plot));
+    let worst =
+        timing::worst_chains(&run.worst_chains).map_or_else(String::new, |bands| figure(&bands));
+    let mut text = format!(
+        "<div class=\"grid\">\n<div class=\"stack\">\n{hops}</div>\n<div class=\"stack\">\n{}\
+         {worst}</div>\n</div>\n",
         timing::percentiles(summary)
-    )
+    );
+    if !run.worst_chains.is_empty() {
+        text.push_str("<h3 class=\"sub\">What the longest chains met with</h3>\n");
+        text.push_str(&timing::worst_table(&run.worst_chains));
+    }
+    text
 }
 
 fn messages(summary: &Summary) -> String {

@@ -1,41 +1,139 @@
-//! Pictures and tables of time: the latency of each hop, its percentiles.
+//! Pictures and tables of time: the latency of each hop, its percentiles, the worst chains.
 
-use super::chart::{Axis, Curve, Plot, Stroke, Tone};
-use super::html::{Column, stacked_table};
+use super::chart::{Axis, Bands, Curve, Plot, Row, Span, Stroke, Tone};
+use super::html::{Cell, Column, stacked_table};
 use super::picture::RunPicture;
+use crate::print::duration;
 use crate::summary::Summary;
-use shared::report::ChainCurves;
+use shared::report::{HopTimes, WorstChain};
 use shared::statistics::{Percentiles, QuantileCurve};
+
+/// Chains drawn as timelines; the table has them all.
+const DRAWN_CHAINS: usize = 5;
+
+/// The hops in order of time, with their colours. Waits are dotted, work is dashed, what the
+/// transport takes is solid.
+const HOPS: [(&str, Tone, Stroke); 7] = [
+    ("radar publishes", Tone::Series(1), Stroke::Dashed),
+    ("waits for the controller", Tone::Series(5), Stroke::Dotted),
+    ("controller wakes", Tone::Series(2), Stroke::Solid),
+    ("controller computes", Tone::Series(3), Stroke::Dashed),
+    ("waits for the plant", Tone::Muted, Stroke::Dotted),
+    ("plant wakes", Tone::Series(4), Stroke::Solid),
+    ("plant actuates", Tone::Series(6), Stroke::Dashed),
+];
 
 /// Distributions of the chain's hops on a logarithmic axis; none without samples.
 pub fn latencies(run: &RunPicture, count: u64) -> Option<Plot> {
-    let ChainCurves { reaction_time, radar_to_controller, controller_compute, controller_to_plant } =
-        &run.latencies;
+    let curves = &run.latencies;
     let hops = [
-        ("reaction time", Tone::Series(0), Stroke::Solid, reaction_time),
-        ("radar to controller", Tone::Series(1), Stroke::Solid, radar_to_controller),
-        ("controller", Tone::Series(2), Stroke::Dashed, controller_compute),
-        ("controller to plant", Tone::Series(3), Stroke::Solid, controller_to_plant),
+        &curves.radar_publish,
+        &curves.controller_queue,
+        &curves.radar_transport,
+        &curves.controller_compute,
+        &curves.command_wait,
+        &curves.command_transport,
+        &curves.actuate,
     ];
-    let values = hops.iter().flat_map(|hop| hop.3).map(|point| point.1);
-    let x = Axis::durations("latency", values);
-    let curves: Vec<_> = hops
-        .iter()
-        .filter(|hop| hop.3.iter().any(|point| point.1 > 0.0))
-        .map(|(name, tone, stroke, curve)| {
+    let whole = [
+        ("reaction time", Tone::Series(0), Stroke::Solid),
+        ("without designed waits", Tone::Series(7), Stroke::Dashed),
+    ];
+    let named = whole.iter().zip([&curves.reaction_time, &curves.net_reaction]);
+    let named = named.chain(HOPS.iter().zip(hops));
+    let drawn: Vec<_> = named
+        .filter(|(_, curve)| curve.iter().any(|point| point.1 > 0.0))
+        .map(|((name, tone, stroke), curve)| {
             Curve::new(name, *tone, distribution(curve, count)).stroke(*stroke)
         })
         .collect();
-    (!curves.is_empty()).then(|| Plot {
+    let x = Axis::durations("latency", drawn.iter().flat_map(|c| &c.points).map(|p| p.0));
+    (!drawn.is_empty()).then(|| Plot {
         title: format!("Latency of each hop (n = {count})"),
         x,
         y: Axis::percentiles("share of the samples at or below", count),
-        height: 300.0,
+        height: 320.0,
         strips: Vec::new(),
-        curves,
+        curves: drawn,
         marks: Vec::new(),
         more_keys: Vec::new(),
     })
+}
+
+/// The longest chains as timelines; none without chains.
+pub fn worst_chains(chains: &[WorstChain]) -> Option<Bands> {
+    let longest = chains.first()?.reaction_time_us / 1e3;
+    let rows = chains.iter().take(DRAWN_CHAINS).map(|chain| Row {
+        name: format!("{} until {:.3} s", duration(chain.reaction_time_us), chain.t_s),
+        spans: spans(&chain.hops_us),
+    });
+    Some(Bands {
+        title: "The longest chains, from radar to actuation".into(),
+        x: Axis::linear("ms since the radar's acquisition", 0.0, longest.max(1e-3)),
+        rows: rows.collect(),
+        marks: Vec::new(),
+    })
+}
+
+/// The parts of a chain one after the other, ms; those of no length are left out.
+fn spans(hops: &HopTimes) -> Vec<Span> {
+    let lengths_us = [
+        hops.radar_publish,
+        hops.controller_queue,
+        hops.radar_transport,
+        hops.controller_compute,
+        hops.command_wait,
+        hops.command_transport,
+        hops.actuate,
+    ];
+    let mut from = 0.0;
+    let mut spans = Vec::new();
+    for ((label, tone, _), length_us) in HOPS.iter().zip(lengths_us) {
+        let to = from + length_us / 1e3;
+        if length_us > 0.0 {
+            spans.push(Span { from, to, label: (*label).to_owned(), tone: *tone });
+        }
+        from = to;
+    }
+    spans
+}
+
+/// What the longest chains met with.
+pub fn worst_table(chains: &[WorstChain]) -> String {
+    let age = |us: Option<f64>| us.map_or_else(|| "–".to_owned(), duration);
+    let rows: Vec<Vec<Cell>> = chains
+        .iter()
+        .map(|chain| {
+            vec![
+                Cell::Plain(format!("until {:.3} s", chain.t_s)),
+                Cell::Plain(duration(chain.reaction_time_us)),
+                Cell::Plain(duration(chain.reaction_time_us - chain.designed_wait_us)),
+                Cell::Plain(age(chain.radar_age_us)),
+                Cell::Plain(chain.solver_iterations.to_string()),
+                Cell::Plain(format!(
+                    "{} + {}",
+                    chain.voluntary_switches, chain.involuntary_switches
+                )),
+                Cell::Plain(format!("{} + {}", chain.minor_faults, chain.major_faults)),
+                if chain.deadline_missed {
+                    Cell::Bad("missed".into())
+                } else {
+                    Cell::Good("kept".into())
+                },
+            ]
+        })
+        .collect();
+    let head = [
+        ("chain", Column::Text),
+        ("reaction", Column::Number),
+        ("without waits", Column::Number),
+        ("radar age", Column::MoreNumber),
+        ("iterations", Column::MoreNumber),
+        ("switches, own + forced", Column::MoreNumber),
+        ("page faults, minor + major", Column::MoreNumber),
+        ("deadline", Column::Number),
+    ];
+    stacked_table(&head, &rows)
 }
 
 /// A quantile curve as points (latency, share). The largest of n samples stands at 1 - 1/2n: nobody
@@ -52,6 +150,7 @@ pub fn percentiles(summary: &Summary) -> String {
     let hops = &timing.hops_us;
     let rows: Vec<Vec<String>> = [
         ("Reaction time, radar to first actuation", timing.reaction_time_us),
+        ("… without the designed waits", timing.net_reaction_us),
         ("… radar to start of the control cycle", hops.radar_to_controller),
         ("… control cycle to its command", hops.controller_compute),
         ("… command to actuation", hops.controller_to_plant),
@@ -85,7 +184,7 @@ pub fn percentiles(summary: &Summary) -> String {
 /// A percentile that so few samples cannot tell from the maximum is a dash.
 fn row(name: &str, p: &Percentiles) -> Vec<String> {
     let known = |nine_in: u64, us: f64| {
-        if p.count >= nine_in { crate::print::duration(us) } else { "–".to_owned() }
+        if p.count >= nine_in { duration(us) } else { "–".to_owned() }
     };
     vec![
         name.to_owned(),
@@ -94,7 +193,7 @@ fn row(name: &str, p: &Percentiles) -> Vec<String> {
         known(100, p.p99),
         known(1_000, p.p999),
         known(10_000, p.p9999),
-        crate::print::duration(p.max),
+        duration(p.max),
         p.count.to_string(),
     ]
 }
