@@ -1,5 +1,6 @@
 //! The command line.
 
+use crate::trace::TraceArguments;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use shared::Service;
 use std::path::PathBuf;
@@ -26,6 +27,8 @@ pub enum Command {
     Reproduce(ReproduceArguments),
     /// Controllers side by side on the same scenarios
     Compare(CompareArguments),
+    /// A recorded run as a trace for Perfetto
+    Trace(TraceArguments),
     /// Design a controller offline (cargo feature `synthesize`)
     Synthesize(SynthesizeArguments),
     /// List the scenarios and controllers

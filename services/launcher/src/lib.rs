@@ -12,6 +12,7 @@ mod reproduce;
 mod run;
 mod summary;
 mod synthesize;
+mod trace;
 mod trajectory;
 
 use clap::Parser;
@@ -33,6 +34,7 @@ pub fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
+        Command::Trace(arguments) => trace::run(&arguments),
         Command::Synthesize(arguments) => synthesize::run(&arguments),
         Command::List(arguments) => list::run(&arguments),
         Command::Service(arguments) => service(&arguments),

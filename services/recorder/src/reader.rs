@@ -4,7 +4,7 @@ use crate::writer::ENCAPSULATION;
 use crate::{FILE, Metadata, Tally, schema};
 use mcap::records::{self, Record as Raw};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use shared::messages::{Message, Topic};
+use shared::messages::{Header, Message, Topic};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -95,6 +95,12 @@ pub struct Record<'a> {
 }
 
 impl Record<'_> {
+    /// The header that every message starts with.
+    #[must_use]
+    pub fn header(&self) -> Header {
+        bytemuck::pod_read_unaligned(&self.bytes[..size_of::<Header>()])
+    }
+
     /// The message, if `T` is the topic's type.
     #[must_use]
     pub fn message<T: Message>(&self) -> Option<T> {

@@ -113,7 +113,7 @@ impl DriveLog {
         let steps = self.odometries.iter().map(|odometry| {
             let step = odometry.header.step;
             let truth = take_step(&mut truths, step, |truth| truth.header.step);
-            let lead = truth.and_then(|truth| nearest_ahead(truth, odometry.position_m));
+            let lead = truth.and_then(|truth| truth.nearest_ahead(odometry.position_m));
             let cycle = take_step(&mut cycles, step, |cycle| cycle.header.step);
             DriveStep {
                 step,
@@ -143,18 +143,6 @@ fn take_step<'a, T>(
 ) -> Option<&'a T> {
     while items.next_if(|item| step_of(item) < step).is_some() {}
     items.next_if(|item| step_of(item) == step)
-}
-
-/// Gap to and speed of the nearest vehicle in lane whose rear is not behind the ego's front by more
-/// than a car's length.
-fn nearest_ahead(truth: &VehicleTruth, position_m: f64) -> Option<(f64, f64)> {
-    let count = usize::try_from(truth.count).map_or(0, |count| count.min(truth.vehicles.len()));
-    truth.vehicles[..count]
-        .iter()
-        .filter(|vehicle| vehicle.in_lane != 0)
-        .map(|vehicle| (vehicle.rear_position_m - position_m, vehicle.speed_mps))
-        .filter(|(gap_m, _)| *gap_m > -5.0)
-        .min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 #[cfg(test)]
