@@ -31,6 +31,8 @@ pub enum Command {
     Trace(TraceArguments),
     /// Design a controller offline (cargo feature `synthesize`)
     Synthesize(SynthesizeArguments),
+    /// A fault into a run that is going on
+    Inject(crate::inject::InjectArguments),
     /// List the scenarios and controllers
     List(ListArguments),
     /// Run one service; started by the launcher

@@ -4,6 +4,7 @@ mod cli;
 mod compare;
 mod error;
 mod group;
+mod inject;
 mod list;
 mod output;
 mod print;
@@ -36,6 +37,7 @@ pub fn main() -> ExitCode {
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
         Command::Synthesize(arguments) => synthesize::run(&arguments),
+        Command::Inject(arguments) => inject::run(&arguments),
         Command::List(arguments) => list::run(&arguments),
         Command::Service(arguments) => service(&arguments),
     };
@@ -54,6 +56,14 @@ fn service(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
         return match arguments.arguments.as_slice() {
             [root] => Ok(group::run_janitor(Path::new(root))),
             _ => Err(Error::Usage("the janitor needs the root of a run".into())),
+        };
+    }
+    if arguments.name == "hog" {
+        return match arguments.arguments.as_slice() {
+            [_, what, number] if number.parse::<usize>().is_ok() => {
+                Ok(group::run_hog(what, number.parse().expect("checked")))
+            }
+            _ => Err(Error::Usage("the hog needs the root of a run, what and how much".into())),
         };
     }
     if arguments.name == "recorder" {

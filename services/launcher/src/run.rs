@@ -2,7 +2,7 @@
 
 use crate::cli::{GroupOptions, RunArguments, ScenarioOptions};
 use crate::error::Error;
-use crate::group::{Ended, GroupOutcome, Launch, launch};
+use crate::group::{Ended, GroupOutcome, Launch, Moment, launch};
 use crate::output::OutputDirectory;
 use crate::report::{self, RunPicture};
 use crate::summary::Summary;
@@ -29,8 +29,8 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
         live_file: Some(output.path().join("live.json")),
         recording: (!arguments.no_record).then(|| output.path().join(recorder::FILE)),
     };
-    let result = drive(&scenario, mode, &arguments.group, Some(keep), &mut |time_ns| {
-        bar.set_position(time_ns.unsigned_abs() / 1_000_000);
+    let result = drive(&scenario, mode, &arguments.group, Some(keep), &mut |moment| {
+        bar.set_position(moment.time_ns.unsigned_abs() / 1_000_000);
     });
     bar.finish_and_clear();
     let group = result?;
@@ -91,13 +91,13 @@ pub struct Keep {
     pub recording: Option<PathBuf>,
 }
 
-/// Drives a scenario through a process group. `progress` is told the run time reached, ns.
+/// Drives a scenario through a process group. `watch` sees it go.
 pub fn drive(
     scenario: &Scenario,
     mode: Mode,
     options: &GroupOptions,
     keep: Option<Keep>,
-    progress: &mut dyn FnMut(i64),
+    watch: &mut dyn FnMut(&Moment<'_>),
 ) -> Result<GroupOutcome, Error> {
     let start_delay = match mode {
         Mode::Realtime => Duration::from_millis(scenario.runtime.start_delay_ms.value().into()),
@@ -106,15 +106,14 @@ pub fn drive(
     let keep = keep.unwrap_or_default();
     let launching = Launch {
         mode,
-        timetable: shared::runtime::Timetable::of(scenario),
-        scenario: scenario.to_toml(),
+        scenario: scenario.clone(),
         programs: options.programs.iter().cloned().collect(),
         ready_timeout: Duration::from_secs_f64(options.ready_timeout),
         start_delay,
         live_file: keep.live_file,
         recording: keep.recording,
     };
-    launch(launching, progress)
+    launch(launching, watch)
 }
 
 /// A bar on a terminal, for runs longer than a second; nothing elsewhere.

@@ -1,8 +1,9 @@
 //! `summary.json`: stable names for what a run measured. A figure that does not apply is null.
 
-use crate::group::{Drive, Ended, GroupOutcome, RecordingSummary};
+use crate::group::{Drive, Ended, FaultRecord, GroupOutcome, RecordingSummary};
 use serde::Serialize;
 use shared::Service;
+use shared::e2e::Outcomes;
 use shared::report::{
     ControlFigures, ControllerReport, Details, Hops, ModeChange, Outcome, PlantReport,
     ReceivedTopic, ServiceReport, WorstChain,
@@ -36,7 +37,7 @@ pub struct Summary {
     pub messages: BTreeMap<String, TopicCounts>,
     /// What became of the recording; null if none was asked for.
     pub recording: Option<RecordingSummary>,
-    pub faults: Vec<()>,
+    pub faults: Vec<FaultRecord>,
     pub services: Vec<ServiceSummary>,
     pub host: Host,
 }
@@ -74,7 +75,10 @@ pub struct TopicCounts {
     pub received: Option<u64>,
     /// Most messages that one of the topic's readers missed.
     pub lost: Option<u64>,
+    /// Messages that the topic's readers refused; null if nobody reads it.
     pub e2e_errors: Option<u64>,
+    /// Outcomes of the end-to-end check, summed over the topic's readers.
+    pub e2e: Outcomes,
     /// XXH3 over the bytes of all messages of each sender, in lockstep.
     pub digests: BTreeMap<String, String>,
 }
@@ -154,12 +158,12 @@ impl Summary {
             },
             messages: messages(&group.reports, &group.drive),
             recording: group.recording.clone(),
-            faults: Vec::new(),
+            faults: group.faults.clone(),
             services: Service::ALL
                 .into_iter()
                 .map(|service| ServiceSummary {
                     name: service.name(),
-                    restarts: 0,
+                    restarts: group.restarts.get(&service).copied().unwrap_or(0),
                     exit: group.exits.get(&service).cloned(),
                     peak_rss_kib: report(service).map(|report| report.peak_rss_kib),
                     allocations_in_loop: report(service)
@@ -214,10 +218,12 @@ fn messages(
         }
     }
     let received = reports.values().flat_map(|report| &report.received).chain(&drive.received);
-    for ReceivedTopic { topic, received, lost, .. } in received {
+    for ReceivedTopic { topic, received, lost, e2e, .. } in received {
         let counts = topics.entry(topic.clone()).or_default();
         counts.received = Some(counts.received.map_or(*received, |least| least.min(*received)));
         counts.lost = Some(counts.lost.map_or(*lost, |most| most.max(*lost)));
+        counts.e2e.add(e2e);
+        counts.e2e_errors = Some(counts.e2e.refused());
     }
     topics
 }

@@ -1,8 +1,9 @@
 //! What the pictures of a run are drawn from: plain series over run time, wherever they came from.
 
-use crate::group::{Drive, DriveStep, GroupOutcome};
+use crate::group::{Drive, DriveStep, FaultRecord, GroupOutcome};
 use controller::laws;
 use plant::referee::DesiredGap;
+use shared::Service;
 use shared::messages::VehicleTruth;
 use shared::report::{ChainCurves, Details, WorstChain};
 use shared::scenario::Scenario;
@@ -104,6 +105,8 @@ impl RunPicture {
     /// From what the launcher heard of a run.
     pub fn of(scenario: &Scenario, group: &GroupOutcome) -> Self {
         let mut run = Self::of_drive(scenario, &group.drive);
+        run.faults = group.faults.iter().map(fault).collect();
+        run.faults.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
         for report in group.reports.values() {
             if let Details::Plant(plant) = &report.details {
                 run.latencies = plant.curves.clone();
@@ -162,6 +165,22 @@ impl RunPicture {
             worst_chains: Vec::new(),
         }
     }
+}
+
+/// A fault in words.
+fn fault(record: &FaultRecord) -> FaultMark {
+    let whom = record.service.map(Service::name).or(record.topic).unwrap_or_default();
+    let after = |what: &str, us: Option<f64>| {
+        us.map(|us| format!("{what} after {}", crate::print::duration(us)))
+    };
+    let outcome = [
+        record.messages.map(|messages| format!("{messages} messages")),
+        after("detected", record.detected_after_us),
+        after("recovered", record.recovered_after_us),
+    ];
+    let outcome: Vec<_> = outcome.into_iter().flatten().collect();
+    let label = format!("{} {whom}", record.kind).trim_end().to_owned();
+    FaultMark { t_s: record.t_s, label, outcome: outcome.join(", ") }
 }
 
 /// Gap that the law aims at, where there is somebody to keep it to.

@@ -162,11 +162,9 @@ fn times(summary: &Summary, run: &RunPicture) -> String {
     let hops = timing::latencies(run, count).map_or_else(String::new, |plot| figure(&plot));
     let worst =
         timing::worst_chains(&run.worst_chains).map_or_else(String::new, |bands| figure(&bands));
-    let mut text = format!(
-        "<div class=\"grid\">\n<div class=\"stack\">\n{hops}</div>\n<div class=\"stack\">\n{}\
-         {worst}</div>\n</div>\n",
-        timing::percentiles(summary)
-    );
+    let mut text =
+        format!("<div class=\"grid\">\n{hops}{worst}</div>\n<div class=\"gap\"></div>\n");
+    text.push_str(&timing::percentiles(summary));
     if !run.worst_chains.is_empty() {
         text.push_str("<h3 class=\"sub\">What the longest chains met with</h3>\n");
         text.push_str(&timing::worst_table(&run.worst_chains));

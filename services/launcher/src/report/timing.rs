@@ -62,27 +62,36 @@ pub fn latencies(run: &RunPicture, count: u64) -> Option<Plot> {
 
 /// The longest chains as timelines; none without chains.
 pub fn worst_chains(chains: &[WorstChain]) -> Option<Bands> {
-    let longest = chains.first()?.reaction_time_us / 1e3;
-    let rows = chains.iter().take(DRAWN_CHAINS).map(|chain| Row {
-        name: format!("{} until {:.3} s", duration(chain.reaction_time_us), chain.t_s),
-        spans: spans(&chain.hops_us),
-    });
+    let rows: Vec<_> = chains
+        .iter()
+        .take(DRAWN_CHAINS)
+        .map(|chain| {
+            let (reaction, waited) = (chain.reaction_time_us, chain.hops_us.command_wait);
+            let (reaction, waited) = (duration(reaction), duration(waited));
+            let name = format!("{reaction} until {:.3} s, waited {waited}", chain.t_s);
+            Row { name, spans: spans(&chain.hops_us) }
+        })
+        .collect();
+    let ends = rows.iter().filter_map(|row| row.spans.last()).map(|span| span.to);
+    let longest = ends.fold(0.0, f64::max);
     Some(Bands {
-        title: "The longest chains, from radar to actuation".into(),
-        x: Axis::linear("ms since the radar's acquisition", 0.0, longest.max(1e-3)),
-        rows: rows.collect(),
+        title: "The longest chains, without the wait for the plant's release".into(),
+        x: Axis::linear("ms from radar to actuation", 0.0, longest.max(1e-3)),
+        rows,
         marks: Vec::new(),
     })
 }
 
-/// The parts of a chain one after the other, ms; those of no length are left out.
+/// The parts of a chain one after the other, ms. Those of no length are left out, and so is the wait
+/// for the plant: it is designed, and longer than all else.
 fn spans(hops: &HopTimes) -> Vec<Span> {
+    let command_wait = 0.0;
     let lengths_us = [
         hops.radar_publish,
         hops.controller_queue,
         hops.radar_transport,
         hops.controller_compute,
-        hops.command_wait,
+        command_wait,
         hops.command_transport,
         hops.actuate,
     ];

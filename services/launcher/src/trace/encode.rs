@@ -180,14 +180,21 @@ fn cycles(timeline: &Timeline, frame: &Frame) -> Vec<Event> {
         let category = if missed { "cycle,deadline-miss" } else { "cycle" };
         let mut begin = event(EventType::SliceBegin, track, category, "cycle");
         begin.categories = category.split(',').map(Into::into).collect();
-        begin.flow_ids = leaving.remove(&index).unwrap_or_default();
+        let flows = leaving.remove(&index).unwrap_or_default();
+        let started = cycle.start_ns.filter(|ns| (begin_ns..finish_ns).contains(ns));
+        if started.is_none() {
+            begin.flow_ids.clone_from(&flows);
+        }
         begin.terminating_flow_ids = arriving.remove(&index).unwrap_or_default();
         begin.debug_annotations = annotations(cycle);
         events.push((begin_ns, begin));
-        if let Some(start_ns) = cycle.start_ns.filter(|ns| (begin_ns..finish_ns).contains(ns)) {
+        if let Some(start_ns) = started {
+            // Arrows come to where the sample is worked on.
+            let mut compute = event(EventType::SliceBegin, track, "compute", "compute");
+            compute.flow_ids = flows;
             events.push((begin_ns, event(EventType::SliceBegin, track, "wait", "wait")));
             events.push((start_ns, end(track)));
-            events.push((start_ns, event(EventType::SliceBegin, track, "compute", "compute")));
+            events.push((start_ns, compute));
             events.push((finish_ns, end(track)));
         }
         events.push((finish_ns, end(track)));
