@@ -1,5 +1,6 @@
 //! The command line.
 
+use crate::live::LiveOptions;
 use crate::trace::TraceArguments;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use shared::Service;
@@ -56,6 +57,8 @@ pub struct RunArguments {
     /// Directory for the results [default: runs/<time>-<scenario>]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub live: LiveOptions,
     /// Keep no recording of the topics
     #[arg(long)]
     pub no_record: bool,

@@ -6,6 +6,7 @@ mod error;
 mod group;
 mod inject;
 mod list;
+mod live;
 mod output;
 mod print;
 mod report;

@@ -32,7 +32,8 @@ pub fn summary(summary: &Summary) -> String {
     )
 }
 
-fn outcome(summary: &Summary) -> String {
+/// How a run ended, in a line.
+pub fn outcome(summary: &Summary) -> String {
     let word = outcome_word(summary.outcome);
     let because =
         summary.aborted_because.as_ref().map_or_else(String::new, |why| format!(" ({why})"));

@@ -3,6 +3,7 @@
 use crate::cli::{GroupOptions, RunArguments, ScenarioOptions};
 use crate::error::Error;
 use crate::group::{Ended, GroupOutcome, Launch, Moment, launch};
+use crate::live::Live;
 use crate::output::OutputDirectory;
 use crate::report::{self, RunPicture};
 use crate::summary::Summary;
@@ -24,18 +25,27 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     let output = OutputDirectory::create(arguments.out.as_deref(), scenario.name.as_str())?;
     output.write("scenario.toml", scenario.to_toml().as_bytes())?;
 
-    let bar = progress_bar(&scenario, arguments.json);
+    let mut live = Live::open(&arguments.live, &scenario)?;
+    let bar = progress_bar(&scenario, arguments.json || arguments.live.watch);
     let keep = Keep {
         live_file: Some(output.path().join("live.json")),
         recording: (!arguments.no_record).then(|| output.path().join(recorder::FILE)),
     };
     let result = drive(&scenario, mode, &arguments.group, Some(keep), &mut |moment| {
         bar.set_position(moment.time_ns.unsigned_abs() / 1_000_000);
+        live.look(moment);
     });
     bar.finish_and_clear();
+    let summary = result
+        .as_ref()
+        .map(|group| Summary::new(&scenario, mode, group, begun.elapsed()))
+        .map_err(ToString::to_string);
+    live.end(&match &summary {
+        Ok(summary) => print::outcome(summary),
+        Err(why) => why.clone(),
+    });
     let group = result?;
-
-    let summary = Summary::new(&scenario, mode, &group, begun.elapsed());
+    let summary = summary.expect("a run that succeeded has one");
     let json = serde_json::to_string_pretty(&summary).expect("a summary is plain data");
     let figures = laws::figure_names(&scenario);
     let written = output.write("summary.json", (json.clone() + "\n").as_bytes()).and_then(|()| {

@@ -160,6 +160,11 @@ impl DriveLog {
         self.observer.remove_dead();
     }
 
+    /// Everything heard so far: motion of the ego, the other vehicles, control cycles.
+    pub fn heard(&self) -> (&[Odometry], &[VehicleTruth], &[Diagnostics]) {
+        (&self.odometries, &self.truths, &self.cycles)
+    }
+
     /// Newest step that the vehicle was heard of.
     pub fn reached(&self) -> u64 {
         self.odometries.last().map_or(0, |odometry| odometry.header.step)
