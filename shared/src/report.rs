@@ -2,7 +2,7 @@
 
 mod chains;
 
-pub use chains::{HopTimes, Hops, WorstChain};
+pub use chains::{ChainCurves, HopTimes, Hops, WorstChain};
 
 use crate::Service;
 use crate::e2e::Outcomes;
@@ -139,6 +139,8 @@ pub struct PlantReport {
     pub worst_chains: Vec<WorstChain>,
     /// Commands that the scenario's misses and jitter kept from the actuators.
     pub undelivered_commands: u64,
+    /// Whole distributions of the reaction time and its parts.
+    pub curves: ChainCurves,
 }
 
 /// How a run ended.

@@ -32,6 +32,17 @@ impl Latencies {
         self.0.len()
     }
 
+    /// The whole distribution, as a curve; empty if nothing was recorded.
+    #[must_use]
+    pub fn quantile_curve(&self) -> QuantileCurve {
+        // Ten points between the median and the next quarter, the next eighth, and so on.
+        let points = self
+            .0
+            .iter_quantiles(10)
+            .map(|point| (point.quantile(), point.value_iterated_to() as f64 / 1e3));
+        points.collect()
+    }
+
     /// Percentiles in microseconds; `None` if nothing was recorded.
     #[must_use]
     pub fn percentiles_us(&self) -> Option<Percentiles> {
@@ -50,6 +61,10 @@ impl Latencies {
         })
     }
 }
+
+/// A distribution by its quantiles: (share of the samples, value in µs) in rising order, finer
+/// towards the tail.
+pub type QuantileCurve = Vec<(f64, f64)>;
 
 /// Percentiles of a distribution and the number of samples behind them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -85,6 +100,20 @@ mod tests {
         assert!(near(p.p50, 5_000.0) && near(p.p90, 9_000.0) && near(p.p99, 9_900.0), "{p:?}");
         assert!(near(p.p999, 9_990.0) && near(p.p9999, 9_999.0) && near(p.max, 1e4), "{p:?}");
         assert_eq!(p.count, 10_000);
+    }
+
+    #[test]
+    fn the_curve_rises_to_the_largest_sample() {
+        let mut latencies = Latencies::default();
+        assert!(latencies.quantile_curve().is_empty());
+        for us in 1..=1_000 {
+            latencies.record_ns(us * 1_000);
+        }
+        let curve = latencies.quantile_curve();
+        assert!(curve.windows(2).all(|pair| pair[0].0 <= pair[1].0 && pair[0].1 <= pair[1].1));
+        let median = curve.iter().find(|point| point.0 >= 0.5).map(|point| point.1);
+        assert!(median.is_some_and(|us| (us - 500.0).abs() <= 5.0), "{median:?}");
+        assert!(curve.last().is_some_and(|last| last.0 == 1.0 && (last.1 - 1000.0).abs() <= 10.0));
     }
 
     #[test]

@@ -9,14 +9,17 @@ mod error;
 mod group;
 mod inject;
 mod list;
+mod live;
 mod output;
 mod print;
 mod recordings;
+mod report;
 mod reproduce;
 mod run;
 mod summary;
 mod sweep;
 mod synthesize;
+mod trace;
 mod trajectory;
 
 use clap::Parser;
@@ -46,6 +49,7 @@ pub fn main() -> ExitCode {
         Command::Replay(arguments) => recordings::replay::run(&arguments),
         Command::Diff(arguments) => recordings::diff::run(&arguments),
         Command::Layouts(arguments) => recordings::layouts::run(&arguments),
+        Command::Trace(arguments) => trace::run(&arguments),
         Command::Synthesize(arguments) => synthesize::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
         Command::Inject(arguments) => inject::run(&arguments),
