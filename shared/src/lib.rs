@@ -6,9 +6,10 @@
 //! * [`messages`]: the fixed-layout messages and the topics that carry them
 //! * [`runtime`]: a service's life: its ports, its releases on either clock, its scheduling
 //! * [`report`]: what a service tells the launcher when it ends
-//! * [`statistics`]: histograms and percentiles
+//! * [`statistics`]: histograms and percentiles, [`histogram_log`]: histograms as files
 //! * [`scenario`]: scenario files
 
+pub mod histogram_log;
 pub mod messages;
 pub mod report;
 pub mod runtime;

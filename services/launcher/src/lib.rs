@@ -1,5 +1,6 @@
 //! The `timegap` command: an adaptive-cruise stack as real processes over shared memory.
 
+mod bench;
 mod cli;
 mod compare;
 mod error;
@@ -31,6 +32,7 @@ pub fn main() -> ExitCode {
     let result = match command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
+        Command::Bench(arguments) => bench::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Synthesize(arguments) => synthesize::run(&arguments),
         Command::List(arguments) => list::run(&arguments),
@@ -51,6 +53,12 @@ fn service(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
         return match arguments.arguments.as_slice() {
             [root] => Ok(group::run_janitor(Path::new(root))),
             _ => Err(Error::Usage("the janitor needs the root of a run".into())),
+        };
+    }
+    if arguments.name == "bench" {
+        return match arguments.arguments.as_slice() {
+            [job] => bench::run_peer(job),
+            _ => Err(Error::Usage("a process of `timegap bench` needs its job".into())),
         };
     }
     let service: Service = arguments.name.parse().map_err(Error::Usage)?;

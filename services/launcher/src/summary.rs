@@ -1,7 +1,7 @@
 //! `summary.json`: stable names for what a run measured. A figure that does not apply is null.
 
 use crate::group::{Drive, Ended, GroupOutcome};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use shared::Service;
 use shared::report::{
     ControlFigures, ControllerReport, Details, Hops, ModeChange, Outcome, PlantReport,
@@ -88,7 +88,7 @@ pub struct ServiceSummary {
     pub scheduling: Option<Granted>,
 }
 
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Host {
     pub cpus: usize,
     pub kernel: String,

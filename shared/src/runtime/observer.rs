@@ -3,7 +3,6 @@
 use super::port::Tally;
 use super::transport::Transport;
 use super::{Group, RuntimeError, Subscriber};
-use crate::Service;
 use crate::messages::Message;
 use crate::report::ReceivedTopic;
 
@@ -29,14 +28,7 @@ impl Observer {
     /// [`RuntimeError::Topic`].
     pub fn listen<T: Message>(&self) -> Result<Observed<T>, RuntimeError> {
         let port = T::receiver(&self.transport)?;
-        Ok(Observed(Subscriber {
-            port,
-            waiter: None,
-            newest: None,
-            ahead: None,
-            last: [(0, 0); Service::ALL.len() + 1],
-            tally: Tally::new(self.mode),
-        }))
+        Ok(Observed(Subscriber::new(port, None, Tally::new(self.mode))))
     }
 }
 

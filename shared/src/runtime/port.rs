@@ -113,6 +113,15 @@ pub struct Subscriber<T: Message> {
 }
 
 impl<T: Message> Subscriber<T> {
+    pub(super) fn new(
+        port: Rc<dyn Receiver<T>>,
+        waiter: Option<Waiter>,
+        tally: Rc<RefCell<Tally>>,
+    ) -> Self {
+        let last = [(0, 0); Service::ALL.len() + 1];
+        Self { port, waiter, newest: None, ahead: None, last, tally }
+    }
+
     /// The newest sample of the last update.
     #[must_use]
     pub fn newest(&self) -> Option<&T> {

@@ -133,7 +133,8 @@ fn pin(core: usize) -> Result<(), String> {
 }
 
 /// Cores that this thread may run on.
-fn usable_cores() -> Vec<usize> {
+#[must_use]
+pub fn usable_cores() -> Vec<usize> {
     let set = sched_getaffinity(None).unwrap_or_else(|_| CpuSet::new());
     (0..CpuSet::MAX_CPU).filter(|&core| set.is_set(core)).collect()
 }

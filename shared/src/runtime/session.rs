@@ -141,8 +141,7 @@ impl Runtime {
         let waiter = waits.then(|| self.transport.waiter(T::TOPIC));
         let port = T::receiver(&self.transport)?;
         self.unconnected.push((T::TOPIC, Rc::clone(&port) as Rc<dyn Connect>));
-        let last = [(0, 0); Service::ALL.len() + 1];
-        Ok(Subscriber { port, waiter, newest: None, ahead: None, last, tally })
+        Ok(Subscriber::new(port, waiter, tally))
     }
 
     /// The effective scenario.

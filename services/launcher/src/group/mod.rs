@@ -20,4 +20,6 @@ pub use drive::Drive;
 #[cfg(test)]
 pub use drive::DriveStep;
 pub use janitor::run as run_janitor;
+pub use processes::{Janitor, this_program};
+pub use root::{RunRoot, check_room};
 pub use supervisor::{Ended, GroupOutcome, Launch, launch};
