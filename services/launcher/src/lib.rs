@@ -57,8 +57,8 @@ fn service(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
     }
     if arguments.name == "bench" {
         return match arguments.arguments.as_slice() {
-            [job] => bench::run_peer(job),
-            _ => Err(Error::Usage("a process of `timegap bench` needs its job".into())),
+            [root, job] => bench::run_peer(Path::new(root), job),
+            _ => Err(Error::Usage("a process of `timegap bench` needs its root and job".into())),
         };
     }
     let service: Service = arguments.name.parse().map_err(Error::Usage)?;

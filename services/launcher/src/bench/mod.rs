@@ -101,7 +101,7 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
         signal_hook::flag::register(signal, Arc::clone(&interrupted))
             .map_err(|e| Error::Machine(format!("cannot handle signals: {e}")))?;
     }
-    let stage = Stage::create()?;
+    let stage = Stage::create(Arc::clone(&interrupted))?;
     let cells = plan::cells(arguments.quick, stage.cores().len());
     let seconds = arguments.seconds.unwrap_or(if arguments.quick { QUICK_S } else { FULL_S });
     let mut bench = Bench::new(&stage, arguments.quick, seconds);
@@ -226,24 +226,30 @@ impl<'a> Bench<'a> {
         let count = (self.seconds * 1e6 / f64::from(cell.period_us)).ceil() as u64;
         let outcome = self.stage.wake(mechanism, cell.conditions, cell.period_us, count)?;
         let us = self.figure(cell, &table::mechanism(mechanism), &outcome);
-        let (bytes, passing) = match mechanism {
-            Mechanism::Futex => return Ok(self.floor(cell, FloorMeasure::Futex, us)),
-            Mechanism::Eventfd => return Ok(self.floor(cell, FloorMeasure::Eventfd, us)),
-            Mechanism::Iceoryx2Event => {
-                return Ok(self.floor(cell, FloorMeasure::Iceoryx2Event, us));
+        let lost = us.map(|_| outcome.misses);
+        match mechanism {
+            Mechanism::Futex => self.floor(cell, FloorMeasure::Futex, us),
+            Mechanism::Eventfd => self.floor(cell, FloorMeasure::Eventfd, us),
+            Mechanism::Iceoryx2Event => self.floor(cell, FloorMeasure::Iceoryx2Event, us),
+            Mechanism::Message => {
+                self.transport(cell, Topic::RadarTracks.message_bytes(), Passing::Copied, lost, us);
             }
-            Mechanism::Message => (Topic::RadarTracks.message_bytes(), Passing::Copied),
-            Mechanism::Payload(bytes) => (bytes, Passing::Loaned),
-        };
-        self.report.transport_us.push(TransportRow {
-            conditions: cell.conditions,
-            period_us: cell.period_us,
-            bytes,
-            passing,
-            lost: us.map(|_| outcome.misses),
-            us,
-        });
+            Mechanism::Payload(bytes) => self.transport(cell, bytes, Passing::Loaned, lost, us),
+        }
         Ok(())
+    }
+
+    fn transport(
+        &mut self,
+        cell: &Cell,
+        bytes: usize,
+        passing: Passing,
+        lost: Option<u64>,
+        us: Option<Percentiles>,
+    ) {
+        let Cell { conditions, period_us, .. } = *cell;
+        let row = TransportRow { conditions, period_us, bytes, passing, lost, us };
+        self.report.transport_us.push(row);
     }
 
     fn floor(&mut self, cell: &Cell, measure: FloorMeasure, us: Option<Percentiles>) {

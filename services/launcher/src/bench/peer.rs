@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use shared::runtime::scheduling::{Granted, Policy, Request, apply};
 use shared::runtime::{SharedWords, monotonic_ns, sleep_until};
 use shared::statistics::Latencies;
-use std::path::PathBuf;
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
 
@@ -61,8 +61,6 @@ pub struct Job {
     pub task: Task,
     /// The process that must outlive it.
     pub parent: u32,
-    /// Root of the group whose topics it uses.
-    pub root: PathBuf,
     /// Name of the page of words.
     pub page: String,
     /// Priority under `SCHED_FIFO`; none for the time-sharing default.
@@ -82,8 +80,8 @@ pub struct Outcome {
     pub misses: u64,
 }
 
-/// Does a job and prints its outcome.
-pub fn run(job: &str) -> Result<ExitCode, Error> {
+/// Does a job on the stage at `root` and prints its outcome.
+pub fn run(root: &Path, job: &str) -> Result<ExitCode, Error> {
     let job: Job = serde_json::from_str(job)
         .map_err(|e| Error::Usage(format!("a process of `timegap bench`: {e}")))?;
     // Whatever ends the benchmark ends this process.
@@ -98,8 +96,8 @@ pub fn run(job: &str) -> Result<ExitCode, Error> {
             load::run(kind)
         }
         Task::Metronome => metronome_job(&job),
-        Task::Source(mechanism, count) => source(&job, mechanism, count),
-        Task::Sink(mechanism) => sink(&job, mechanism),
+        Task::Source(mechanism, count) => source(&job, root, mechanism, count),
+        Task::Sink(mechanism) => sink(&job, root, mechanism),
     }?;
     println!("{}", serde_json::to_string(&outcome).expect("plain data"));
     Ok(ExitCode::SUCCESS)
@@ -149,9 +147,9 @@ fn metronome_job(job: &Job) -> Result<Outcome, Error> {
     }
 }
 
-fn source(job: &Job, mechanism: Mechanism, count: u64) -> Result<Outcome, Error> {
+fn source(job: &Job, root: &Path, mechanism: Mechanism, count: u64) -> Result<Outcome, Error> {
     let page = page(&job.page)?;
-    let mut source = Source::open(mechanism, &job.root, &page)?;
+    let mut source = Source::open(mechanism, root, &page)?;
     while page.word(words::READY).load(Ordering::Acquire) == 0 {
         std::thread::sleep(std::time::Duration::from_micros(200));
     }
@@ -172,9 +170,9 @@ fn source(job: &Job, mechanism: Mechanism, count: u64) -> Result<Outcome, Error>
     Ok(Outcome { granted, latencies: Latencies::default(), cycles: count, misses: 0 })
 }
 
-fn sink(job: &Job, mechanism: Mechanism) -> Result<Outcome, Error> {
+fn sink(job: &Job, root: &Path, mechanism: Mechanism) -> Result<Outcome, Error> {
     let page = page(&job.page)?;
-    let mut sink = Sink::open(mechanism, &job.root, &page)?;
+    let mut sink = Sink::open(mechanism, root, &page)?;
     let granted = schedule(job);
     page.word(words::READY).store(1, Ordering::Release);
     let mut latencies = Latencies::default();

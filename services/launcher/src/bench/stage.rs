@@ -7,10 +7,12 @@ use crate::group::{Janitor, RunRoot, check_room, this_program};
 use rustix::event::{EventfdFlags, eventfd};
 use shared::runtime::scheduling::usable_cores;
 use shared::runtime::{Group, Mode, SharedWords, Timetable};
+use std::io::Read;
 use std::os::fd::OwnedFd;
 use std::os::unix::process::CommandExt;
 use std::process::{Child, Stdio};
-use std::sync::atomic::Ordering;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Priorities, as a group's services have them: whoever wakes goes before who is woken.
@@ -18,39 +20,52 @@ const SOURCE_PRIORITY: u8 = 81;
 const SINK_PRIORITY: u8 = 80;
 /// The metronome goes before every service: it sees the machine and nothing of ours.
 const METRONOME_PRIORITY: u8 = 90;
-/// Time after which a process that should have been ready or done is given up.
+/// Time after which a process that should have been ready is given up.
 const PATIENCE: Duration = Duration::from_secs(60);
+/// Time between two looks at a process that will end by itself.
+const LOOK: Duration = Duration::from_millis(2);
 /// Shared memory for the largest payloads, bytes.
 const ROOM: u64 = 32 << 20;
 
 /// A process of the benchmark; killed with its handle.
 #[derive(Debug)]
-pub struct Peer(Option<Child>);
+pub struct Peer {
+    child: Child,
+    interrupted: Arc<AtomicBool>,
+}
 
 impl Peer {
     /// What came of its job, once it has ended.
     pub fn finish(mut self) -> Result<Outcome, Error> {
-        let child = self.0.take().expect("finished once");
-        let output = child
-            .wait_with_output()
-            .map_err(|e| Error::Machine(format!("lost a process of the benchmark: {e}")))?;
-        serde_json::from_slice(&output.stdout).map_err(|_| {
-            let words = String::from_utf8_lossy(&output.stderr).trim().to_owned();
-            Error::Machine(format!(
-                "a process of the benchmark failed ({}): {words}",
-                output.status
-            ))
+        let lost = |e| Error::Machine(format!("lost a process of the benchmark: {e}"));
+        let status = loop {
+            // What it prints fits into a pipe, so that it ends without being read.
+            if let Some(status) = self.child.try_wait().map_err(lost)? {
+                break status;
+            }
+            if self.interrupted.load(Ordering::Relaxed) {
+                return Err(Error::Interrupted);
+            }
+            std::thread::sleep(LOOK);
+        };
+        let read = |pipe: Option<&mut dyn Read>| {
+            let mut text = String::new();
+            pipe.map_or(Ok(0), |pipe| pipe.read_to_string(&mut text)).map_err(lost).map(|_| text)
+        };
+        let said = read(self.child.stdout.as_mut().map(|pipe| pipe as &mut dyn Read))?;
+        let wrote = read(self.child.stderr.as_mut().map(|pipe| pipe as &mut dyn Read))?;
+        serde_json::from_str(&said).map_err(|_| {
+            let wrote = wrote.trim();
+            Error::Machine(format!("a process of the benchmark failed ({status}): {wrote}"))
         })
     }
 }
 
 impl Drop for Peer {
     fn drop(&mut self) {
-        if let Some(child) = &mut self.0 {
-            // Ours and not yet waited for.
-            let _ = child.kill();
-            let _ = child.wait();
-        }
+        // Ours; where it has ended, there is nothing to kill and nothing to wait for.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
     }
 }
 
@@ -62,10 +77,12 @@ pub struct Stage {
     page_name: String,
     page: SharedWords,
     cores: Vec<usize>,
+    interrupted: Arc<AtomicBool>,
 }
 
 impl Stage {
-    pub fn create() -> Result<Self, Error> {
+    /// A new stage. Once `interrupted` is set, waiting for its processes fails.
+    pub fn create(interrupted: Arc<AtomicBool>) -> Result<Self, Error> {
         check_room(ROOM)?;
         let root = RunRoot::create()?;
         let janitor = Janitor::spawn(&root)?;
@@ -81,7 +98,7 @@ impl Stage {
         let page_name = format!("{}bench", root.prefix());
         let page = peer::page(&page_name)?;
         let (root, janitor) = (Some(root), Some(janitor));
-        Ok(Self { root, janitor, page_name, page, cores: usable_cores() })
+        Ok(Self { root, janitor, page_name, page, cores: usable_cores(), interrupted })
     }
 
     /// Cores that the benchmark may use.
@@ -168,21 +185,22 @@ impl Stage {
         let job = Job {
             task,
             parent: std::process::id(),
-            root: root.path().to_owned(),
             page: self.page_name.clone(),
             priority,
             core,
             period_ns: i64::from(period_us) * 1000,
         };
         let job = serde_json::to_string(&job).expect("plain data");
-        let child = this_program(&["service", "bench", &job])?
+        let child = this_program(&["service", "bench"])?
             .arg0("timegap-bench")
+            .arg(root.path())
+            .arg(job)
             .stdin(stdin.map_or_else(Stdio::null, Stdio::from))
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
             .map_err(|e| Error::Machine(format!("cannot start a process: {e}")))?;
-        Ok(Peer(Some(child)))
+        Ok(Peer { child, interrupted: Arc::clone(&self.interrupted) })
     }
 }
 

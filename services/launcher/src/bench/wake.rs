@@ -33,7 +33,7 @@ pub struct Source<'a> {
 enum SourceWay {
     Futex,
     Eventfd,
-    Event(EventSender),
+    Event(Box<EventSender>),
     Message(Box<Publisher<RadarTracks>>),
     Payload(PayloadSender),
 }
@@ -56,7 +56,7 @@ impl<'a> Source<'a> {
             Mechanism::Eventfd => (SourceWay::Eventfd, None),
             Mechanism::Iceoryx2Event => {
                 let probe = open()?;
-                (SourceWay::Event(probe.event_sender()?), Some(probe))
+                (SourceWay::Event(Box::new(probe.event_sender()?)), Some(probe))
             }
             Mechanism::Message => {
                 let probe = open()?;
@@ -126,7 +126,7 @@ pub struct Sink<'a> {
 enum SinkWay {
     Futex,
     Eventfd,
-    Event(EventReceiver),
+    Event(Box<EventReceiver>),
     Message(Box<Subscriber<RadarTracks>>),
     Payload(PayloadReceiver),
 }
@@ -139,7 +139,7 @@ impl<'a> Sink<'a> {
             Mechanism::Eventfd => (SinkWay::Eventfd, None),
             Mechanism::Iceoryx2Event => {
                 let probe = open()?;
-                (SinkWay::Event(probe.event_receiver()?), Some(probe))
+                (SinkWay::Event(Box::new(probe.event_receiver()?)), Some(probe))
             }
             Mechanism::Message => {
                 let probe = open()?;
