@@ -138,18 +138,14 @@ pub fn cells(quick: bool, cores: usize) -> Vec<Cell> {
         add(Measure::Wake(Mechanism::Message), WAKE_PERIOD_US);
         for period_us in CONTROLLER_PERIODS_US {
             let telling = matches!(period_us, 1_000 | COLD_PERIOD_US);
-            let whole = best && conditions.placement == cells_placement(cores);
+            // The default placement's table is whole even in a quick run.
+            let whole = best && conditions.placement == Placement::SameCore;
             if !quick || whole || telling {
                 cells.push(Cell { measure: Measure::Chain, conditions, period_us });
             }
         }
     }
     cells
-}
-
-/// The placement whose deadline table even a quick run shows whole.
-fn cells_placement(cores: usize) -> Placement {
-    if cores > 1 { Placement::TwoCores } else { Placement::SameCore }
 }
 
 /// All conditions, the quietest first.
