@@ -6,7 +6,7 @@ pub use chains::{HopTimes, Hops, WorstChain};
 
 use crate::Service;
 use crate::runtime::scheduling::Granted;
-use crate::statistics::Percentiles;
+use crate::statistics::{Latencies, Percentiles};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -124,6 +124,8 @@ pub struct PlantReport {
     pub hops_us: Hops,
     /// The chains with the longest reaction times, longest first.
     pub worst_chains: Vec<WorstChain>,
+    /// Histograms of the reaction time, the data age and the parts, by their names.
+    pub histograms: BTreeMap<String, Latencies>,
 }
 
 /// How a run ended.

@@ -4,7 +4,7 @@ use crate::cli::{GroupOptions, RunArguments, ScenarioOptions};
 use crate::error::Error;
 use crate::group::{Ended, GroupOutcome, Launch, launch};
 use crate::output::OutputDirectory;
-use crate::summary::Summary;
+use crate::summary::{self, Summary};
 use crate::{print, trajectory};
 use controller::laws;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -36,6 +36,11 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     let figures = laws::figure_names(&scenario);
     let written = output.write("summary.json", (json.clone() + "\n").as_bytes()).and_then(|()| {
         output.write("trajectory.csv", trajectory::csv(&group.drive, figures).as_bytes())
+    });
+    let written = written.and_then(|()| match mode {
+        Mode::Realtime => output.write_histograms(&summary::histograms(&group)),
+        // Simulated time has no latencies of its own.
+        Mode::Lockstep => Ok(()),
     });
     for (service, line) in &group.wrote {
         eprintln!("{service}: {line}");

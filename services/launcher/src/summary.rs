@@ -10,7 +10,7 @@ use shared::report::{
 use shared::runtime::Mode;
 use shared::runtime::scheduling::Granted;
 use shared::scenario::Scenario;
-use shared::statistics::Percentiles;
+use shared::statistics::{Latencies, Percentiles};
 use std::collections::BTreeMap;
 use std::time::Duration;
 
@@ -180,6 +180,13 @@ fn outcome(ended: &Ended, plant: Option<&PlantReport>) -> (Outcome, Option<Strin
             (Outcome::Aborted, Some(format!("{service} ended before its time: {how}")))
         }
     }
+}
+
+/// The histograms that the plant brought back, by name; none if it brought no report.
+pub fn histograms(group: &GroupOutcome) -> Vec<(String, Latencies)> {
+    let plant = group.reports.get(&Service::Plant).and_then(plant_details);
+    let histograms = plant.into_iter().flat_map(|plant| &plant.histograms);
+    histograms.map(|(name, histogram)| (name.clone(), histogram.clone())).collect()
 }
 
 fn plant_details(report: &ServiceReport) -> Option<&PlantReport> {

@@ -184,6 +184,7 @@ impl Plant {
             net_reaction_us: self.chains.net_reaction_us(),
             hops_us: self.chains.hops_us(),
             worst_chains: self.chains.worst().report(),
+            histograms: self.chains.histograms(),
         }
     }
 }

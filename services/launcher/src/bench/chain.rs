@@ -7,8 +7,9 @@ use crate::cli::{GroupOptions, ScenarioOptions};
 use crate::error::Error;
 use crate::group::Ended;
 use crate::run;
-use crate::summary::{Summary, Timing};
+use crate::summary::{self, Summary, Timing};
 use shared::runtime::Mode;
+use shared::statistics::Latencies;
 use std::time::{Duration, Instant};
 
 /// The CACC paper's scenario A: the light is ahead for its first four seconds.
@@ -21,6 +22,8 @@ const READY_TIMEOUT_S: f64 = 20.0;
 /// What a group and its metronome measured in the same seconds.
 pub struct Chain {
     pub timing: Timing,
+    /// The group's histograms, by name.
+    pub histograms: Vec<(String, Latencies)>,
     /// The metronome's.
     pub floor: Outcome,
     /// What the kernel did not grant the group.
@@ -54,7 +57,8 @@ pub fn run(stage: &Stage, cell: &Cell, seconds: f64) -> Result<Chain, Error> {
     let as_asked = granted.clone().all(|granted| granted.granted == granted.requested)
         && floor.granted.granted == floor.granted.requested;
     let refused = granted.chain([&floor.granted]).flat_map(|g| g.refused.iter().cloned()).collect();
-    Ok(Chain { timing: summary.timing, floor, refused, as_asked })
+    let histograms = summary::histograms(&outcome);
+    Ok(Chain { timing: summary.timing, histograms, floor, refused, as_asked })
 }
 
 fn options(stage: &Stage, cell: &Cell, seconds: f64) -> ScenarioOptions {

@@ -128,10 +128,7 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
     let changes = before.map(|before| baseline::compare(&before, &report, arguments.factor));
     let json = serde_json::to_string_pretty(&report).expect("plain data") + "\n";
     output.write("bench.json", json.as_bytes())?;
-    let mut log = Vec::new();
-    shared::histogram_log::write(&mut log, histograms.iter().map(|(tag, h)| (tag.as_str(), h)))
-        .expect("memory takes all, and tags are words");
-    output.write("histograms.hlog", &log)?;
+    output.write_histograms(&histograms)?;
     if let Some(path) = &arguments.save {
         std::fs::write(path, &json).map_err(|reason| Error::Path {
             action: "write",
@@ -275,6 +272,11 @@ impl<'a> Bench<'a> {
         self.refused.extend(chain.refused);
         let Cell { conditions, period_us, .. } = *cell;
         let floor = self.figure(cell, "sleep-beside-chain", &chain.floor);
+        if chain.as_asked {
+            let tagged = chain.histograms.into_iter();
+            let tagged = tagged.map(|(name, h)| (format!("{name}:{}", table::tag(cell)), h));
+            self.histograms.extend(tagged);
+        }
         let timing = chain.timing;
         let (floor_cycles, floor_misses) = (chain.floor.cycles, chain.floor.misses);
         let per_million =
