@@ -26,7 +26,7 @@ const _: () = assert!(MAX_PLAN == PLAN_LEN, "a command carries every plan");
 /// # Errors
 /// If the group's shared memory is not usable or the scenario's law cannot be set up.
 pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
-    let scenario = runtime.scenario()?;
+    let scenario = runtime.scenario();
     let law = crate::laws::build(&scenario)
         .map_err(|problem| RuntimeError::Setup(format!("{}: {}", problem.path, problem.message)))?;
     let mut controller = Loop::open(&mut runtime, &scenario, law)?;
@@ -136,6 +136,7 @@ impl Loop {
             odometry: self.odometry.origin(),
             radar: self.radar.origin(),
             spat: self.spat.origin(),
+            map: self.map.origin(),
         };
         let header = Header::new(release.step, release.scheduled_ns, origins);
         let radar_release_ns =

@@ -30,6 +30,8 @@ pub enum Command {
     Compare(CompareArguments),
     /// Design a controller offline (cargo feature `synthesize`)
     Synthesize(SynthesizeArguments),
+    /// A fault into a run that is going on
+    Inject(crate::inject::InjectArguments),
     /// List the scenarios and controllers
     List(ListArguments),
     /// Run one service; started by the launcher
@@ -53,6 +55,9 @@ pub struct RunArguments {
     /// Directory for the results [default: runs/<time>-<scenario>]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Keep no recording of the topics
+    #[arg(long)]
+    pub no_record: bool,
     /// Print the summary as JSON, and nothing else, on standard output
     #[arg(long)]
     pub json: bool,

@@ -5,6 +5,7 @@ mod cli;
 mod compare;
 mod error;
 mod group;
+mod inject;
 mod list;
 mod output;
 mod print;
@@ -35,6 +36,7 @@ pub fn main() -> ExitCode {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Synthesize(arguments) => synthesize::run(&arguments),
+        Command::Inject(arguments) => inject::run(&arguments),
         Command::List(arguments) => list::run(&arguments),
         Command::Service(arguments) => service(&arguments),
     };
@@ -60,6 +62,17 @@ fn service(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
             [root, job] => bench::run_peer(Path::new(root), job),
             _ => Err(Error::Usage("a process of `timegap bench` needs its root and job".into())),
         };
+    }
+    if arguments.name == "hog" {
+        return match arguments.arguments.as_slice() {
+            [_, what, number] if number.parse::<usize>().is_ok() => {
+                Ok(group::run_hog(what, number.parse().expect("checked")))
+            }
+            _ => Err(Error::Usage("the hog needs the root of a run, what and how much".into())),
+        };
+    }
+    if arguments.name == "recorder" {
+        return Ok(recorder::run(&arguments.arguments));
     }
     let service: Service = arguments.name.parse().map_err(Error::Usage)?;
     let run = match service {

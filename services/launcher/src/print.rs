@@ -1,5 +1,6 @@
 //! What a person reads after a run.
 
+use crate::group::RecordingSummary;
 use crate::summary::Summary;
 use shared::report::{Outcome, WorstChain};
 use shared::statistics::Percentiles;
@@ -22,6 +23,9 @@ pub fn summary(summary: &Summary) -> String {
     timing(summary, &mut line);
     messages(summary, &mut line);
     machine(summary, &mut line);
+    if let Some(recording) = &summary.recording {
+        line("recording", self::recording(recording));
+    }
     format!(
         "{} · {} · {} · seed {}\n{text}",
         summary.scenario, summary.controller, summary.mode, summary.seed
@@ -51,6 +55,17 @@ pub fn outcome_word(outcome: Outcome) -> &'static str {
         Outcome::SafeStop => "safe stop",
         Outcome::Aborted => "aborted",
     }
+}
+
+fn recording(recording: &RecordingSummary) -> String {
+    let lost = match recording.lost {
+        Some(lost) => format!("{lost} lost"),
+        None => "losses not counted".into(),
+    };
+    let failed =
+        recording.failed.as_ref().map_or_else(String::new, |why| format!("; ENDS EARLY: {why}"));
+    let mib = recording.bytes as f64 / f64::from(1 << 20);
+    format!("{} messages, {lost}, {mib:.2} MiB{failed}", recording.messages)
 }
 
 fn drive(summary: &Summary, line: &mut dyn FnMut(&str, String)) {

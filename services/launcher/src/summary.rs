@@ -1,8 +1,9 @@
 //! `summary.json`: stable names for what a run measured. A figure that does not apply is null.
 
-use crate::group::{Drive, Ended, GroupOutcome};
+use crate::group::{Drive, Ended, FaultRecord, GroupOutcome, RecordingSummary};
 use serde::{Deserialize, Serialize};
 use shared::Service;
+use shared::e2e::Outcomes;
 use shared::report::{
     ControlFigures, ControllerReport, Details, Hops, ModeChange, Outcome, PlantReport,
     ReceivedTopic, ServiceReport, WorstChain,
@@ -34,7 +35,9 @@ pub struct Summary {
     pub control: Control,
     pub timing: Timing,
     pub messages: BTreeMap<String, TopicCounts>,
-    pub faults: Vec<()>,
+    /// What became of the recording; null if none was asked for.
+    pub recording: Option<RecordingSummary>,
+    pub faults: Vec<FaultRecord>,
     pub services: Vec<ServiceSummary>,
     pub host: Host,
 }
@@ -72,7 +75,10 @@ pub struct TopicCounts {
     pub received: Option<u64>,
     /// Most messages that one of the topic's readers missed.
     pub lost: Option<u64>,
+    /// Messages that the topic's readers refused; null if nobody reads it.
     pub e2e_errors: Option<u64>,
+    /// Outcomes of the end-to-end check, summed over the topic's readers.
+    pub e2e: Outcomes,
     /// XXH3 over the bytes of all messages of each sender, in lockstep.
     pub digests: BTreeMap<String, String>,
 }
@@ -151,12 +157,13 @@ impl Summary {
                 backup_cycles: controller.map(|controller| controller.backup),
             },
             messages: messages(&group.reports, &group.drive),
-            faults: Vec::new(),
+            recording: group.recording.clone(),
+            faults: group.faults.clone(),
             services: Service::ALL
                 .into_iter()
                 .map(|service| ServiceSummary {
                     name: service.name(),
-                    restarts: 0,
+                    restarts: group.restarts.get(&service).copied().unwrap_or(0),
                     exit: group.exits.get(&service).cloned(),
                     peak_rss_kib: report(service).map(|report| report.peak_rss_kib),
                     allocations_in_loop: report(service)
@@ -218,10 +225,12 @@ fn messages(
         }
     }
     let received = reports.values().flat_map(|report| &report.received).chain(&drive.received);
-    for ReceivedTopic { topic, received, lost, .. } in received {
+    for ReceivedTopic { topic, received, lost, e2e, .. } in received {
         let counts = topics.entry(topic.clone()).or_default();
         counts.received = Some(counts.received.map_or(*received, |least| least.min(*received)));
         counts.lost = Some(counts.lost.map_or(*lost, |most| most.max(*lost)));
+        counts.e2e.add(e2e);
+        counts.e2e_errors = Some(counts.e2e.refused());
     }
     topics
 }

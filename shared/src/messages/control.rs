@@ -1,6 +1,6 @@
 //! What the controller asks of the vehicle, and why.
 
-use super::{Header, Topic, message};
+use super::{Header, Topic, layout, message};
 use bytemuck::{Pod, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
 
@@ -45,6 +45,21 @@ pub struct Command {
 }
 
 message!(Command, Topic::Command);
+layout!(Command {
+    header,
+    radar_release_ns,
+    idle_ns,
+    start_ns,
+    voluntary_switches,
+    involuntary_switches,
+    minor_faults,
+    major_faults,
+    solver_iterations,
+    mode,
+    plan_period_ns,
+    plan_len,
+    plan_mps2,
+});
 
 /// What the controller saw and decided in one cycle.
 #[repr(C)]
@@ -74,3 +89,15 @@ pub struct Diagnostics {
 }
 
 message!(Diagnostics, Topic::Diagnostics);
+layout!(Diagnostics {
+    header,
+    mode,
+    mode_reason,
+    quality,
+    solver_iterations,
+    request_mps2,
+    odometry_age_ns,
+    radar_age_ns,
+    spat_age_ns,
+    figures,
+});

@@ -1,16 +1,20 @@
 //! Somebody who only listens: the launcher, a recorder.
 
+use super::faults::Faults;
+use super::members::Members;
 use super::port::Tally;
 use super::transport::Transport;
 use super::{Group, RuntimeError, Subscriber};
 use crate::messages::Message;
 use crate::report::ReceivedTopic;
+use std::rc::Rc;
 
 /// A listener in a running group.
 #[derive(Debug)]
 pub struct Observer {
     transport: Transport,
     mode: super::Mode,
+    members: Rc<Members>,
 }
 
 impl Observer {
@@ -19,7 +23,13 @@ impl Observer {
     /// # Errors
     /// If the run's shared memory is not usable.
     pub fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
-        Ok(Self { transport: Transport::join(group, name)?, mode: group.mode })
+        let members = Rc::new(Members::of(&group.root));
+        Ok(Self { transport: Transport::join(group, name)?, mode: group.mode, members })
+    }
+
+    /// Removes what dead processes left on the topics, so that no sender waits for them.
+    pub fn remove_dead(&self) {
+        self.transport.remove_dead();
     }
 
     /// Listens to `T`'s topic from now on.
@@ -28,7 +38,8 @@ impl Observer {
     /// [`RuntimeError::Topic`].
     pub fn listen<T: Message>(&self) -> Result<Observed<T>, RuntimeError> {
         let port = T::receiver(&self.transport)?;
-        Ok(Observed(Subscriber::new(port, None, Tally::new(self.mode))))
+        let (members, faults) = (Rc::clone(&self.members), Rc::new(Faults::none()));
+        Ok(Observed(Subscriber::new(port, None, members, None, faults, Tally::new(self.mode))))
     }
 }
 

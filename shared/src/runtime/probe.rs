@@ -5,6 +5,8 @@
 //! sent where they lie, so that nobody copies them. iceoryx2's own event service is here for
 //! comparison.
 
+use super::faults::{Faults, Lies};
+use super::members::Members;
 use super::port::Tally;
 use super::transport::{Ipc, Transport};
 use super::waking::{Waiter, Waker};
@@ -59,6 +61,8 @@ impl Probe {
             timetable: self.group.timetable,
             source,
             incarnation: 0,
+            faults: Rc::new(Faults::none()),
+            lies: Lies::new(),
             tally: Tally::new(self.group.mode),
         })
     }
@@ -69,7 +73,10 @@ impl Probe {
     /// [`RuntimeError::Topic`].
     pub fn subscriber<T: Message>(&self) -> Result<Subscriber<T>, RuntimeError> {
         let waiter = Some(self.transport.waiter(T::TOPIC));
-        Ok(Subscriber::new(T::receiver(&self.transport)?, waiter, Tally::new(self.group.mode)))
+        let port = T::receiver(&self.transport)?;
+        let members = Rc::new(Members::of(&self.group.root));
+        let (faults, tally) = (Rc::new(Faults::none()), Tally::new(self.group.mode));
+        Ok(Subscriber::new(port, waiter, members, None, faults, tally))
     }
 
     /// Waits for samples of `T`'s topic, at most for `timeout`, and hands all to `each`.

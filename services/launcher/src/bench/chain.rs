@@ -40,7 +40,8 @@ pub fn run(stage: &Stage, cell: &Cell, seconds: f64) -> Result<Chain, Error> {
     let metronome = stage.metronome(cell.conditions, cell.period_us)?;
     let length_ns = Duration::from_secs_f64(seconds).as_nanos();
     // Between the start and the scheduled end the metronome counts what the group meets.
-    let result = run::drive(&scenario, Mode::Realtime, &group, None, &mut |time_ns| {
+    let result = run::drive(&scenario, Mode::Realtime, &group, None, &mut |moment| {
+        let time_ns = moment.time_ns;
         metronome.count(time_ns > 0 && u128::from(time_ns.unsigned_abs()) < length_ns);
     });
     let floor = metronome.finish()?;
@@ -76,6 +77,9 @@ fn options(stage: &Stage, cell: &Cell, seconds: f64) -> ScenarioOptions {
             format!("perception.period_ms={period_ms}"),
             format!("controller.period_ms={period_ms}"),
             format!("controller.prediction_step_ms={PREDICTION_STEP_MS}"),
+            // A service that gets no processor for a while is a figure here, not a fault.
+            "supervision.restart=never".into(),
+            "supervision.heartbeat_timeout_ms=10000".into(),
             format!("runtime.scheduling={scheduling}"),
             format!("runtime.services.plant.core={others}"),
             format!("runtime.services.perception-sim.core={others}"),

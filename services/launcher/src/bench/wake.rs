@@ -12,7 +12,7 @@ use shared::Service;
 use shared::messages::{Header, Origins, RadarTracks};
 use shared::runtime::{
     EventReceiver, EventSender, Group, PayloadReceiver, PayloadSender, Probe, Publisher,
-    SharedWords, Subscriber, monotonic_ns,
+    SharedWords, Subscriber, enroll, monotonic_ns,
 };
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -60,6 +60,8 @@ impl<'a> Source<'a> {
             }
             Mechanism::Message => {
                 let probe = open()?;
+                // A reader heeds members of the group alone.
+                enroll(root, Service::PerceptionSim, 0, std::process::id())?;
                 let port = probe.publisher(Service::PerceptionSim)?;
                 (SourceWay::Message(Box::new(port)), Some(probe))
             }

@@ -4,8 +4,9 @@ use super::events::{Event, follow};
 use super::janitor::DONE;
 use super::root::RunRoot;
 use crate::error::Error;
+use rustix::process::{Pid, Signal, kill_process};
 use shared::Service;
-use shared::runtime::{ToService, inherit_only};
+use shared::runtime::{PEER_JOINED, ToService, enroll, inherit_only};
 use std::io::Write;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::PathBuf;
@@ -16,8 +17,8 @@ use std::time::{Duration, Instant};
 /// One service's process.
 #[derive(Debug)]
 pub struct Process {
-    service: Service,
     child: Child,
+    group: i32,
     orders: Option<ChildStdin>,
     status: Option<ExitStatus>,
 }
@@ -26,7 +27,7 @@ impl Process {
     /// Starts `service`, as this program again or as `program`, in the process group `group`, or
     /// in a new one for 0.
     pub fn spawn(
-        service: Service,
+        (service, incarnation): (Service, u32),
         program: Option<&PathBuf>,
         root: &RunRoot,
         group: i32,
@@ -39,7 +40,7 @@ impl Process {
         command
             .arg0(format!("timegap-{service}"))
             .arg(root.path())
-            .arg("0")
+            .arg(incarnation.to_string())
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
@@ -49,22 +50,55 @@ impl Process {
             Some(program) => Error::Path { action: "start", path: program.clone(), reason: e },
             None => Error::Machine(format!("cannot start {service}: {e}")),
         })?;
+        enroll(root.path(), service, incarnation, child.id())?;
         let orders = child.stdin.take();
         let out = child.stdout.take().expect("piped");
         let err = child.stderr.take().expect("piped");
         follow(service, out, err, events)
             .map_err(|e| Error::Machine(format!("cannot start a thread: {e}")))?;
-        Ok(Self { service, child, orders, status: None })
-    }
-
-    /// The service.
-    pub fn service(&self) -> Service {
-        self.service
+        let group = if group == 0 { pid(&child) } else { group };
+        Ok(Self { child, group, orders, status: None })
     }
 
     /// Process id.
     pub fn pid(&self) -> i32 {
-        i32::try_from(self.child.id()).expect("process ids are positive and fit")
+        pid(&self.child)
+    }
+
+    /// Process group.
+    pub fn group(&self) -> i32 {
+        self.group
+    }
+
+    /// Kills it.
+    pub fn kill(&mut self) {
+        self.signal(Signal::KILL);
+    }
+
+    /// Stops it until [`Self::go_on`].
+    pub fn stop(&mut self) {
+        self.signal(Signal::STOP);
+    }
+
+    /// Lets it go on.
+    pub fn go_on(&mut self) {
+        self.signal(Signal::CONT);
+    }
+
+    /// Makes it look for a peer that has joined the group.
+    pub fn tell_of_peer(&mut self) {
+        const _: () = assert!(PEER_JOINED == Signal::URG.as_raw());
+        self.signal(Signal::URG);
+    }
+
+    fn signal(&mut self, signal: Signal) {
+        // Not waited for yet: the id cannot be another's.
+        if self.poll().is_none()
+            && let Some(pid) = Pid::from_raw(self.pid())
+        {
+            // It may be gone by now.
+            let _ = kill_process(pid, signal);
+        }
     }
 
     /// Tells the service something. One that is gone does not hear it.
@@ -101,6 +135,10 @@ impl Process {
         }
         self.status
     }
+}
+
+fn pid(child: &Child) -> i32 {
+    i32::try_from(child.id()).expect("process ids are positive and fit")
 }
 
 /// What an exit status means, in words.
