@@ -9,7 +9,7 @@ use crate::e2e::Outcomes;
 use crate::rung::Rungs;
 use crate::runtime::Befallen;
 use crate::runtime::scheduling::Granted;
-use crate::statistics::Percentiles;
+use crate::statistics::{Latencies, Percentiles};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -141,6 +141,8 @@ pub struct PlantReport {
     pub undelivered_commands: u64,
     /// Whole distributions of the reaction time and its parts.
     pub curves: ChainCurves,
+    /// Histograms of the reaction time, the data age and the parts, by their names.
+    pub histograms: BTreeMap<String, Latencies>,
 }
 
 /// How a run ended.

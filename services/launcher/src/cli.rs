@@ -32,6 +32,8 @@ pub enum Command {
     Run(RunArguments),
     /// Run a paper's scenarios in lockstep and print its published figures beside ours
     Reproduce(ReproduceArguments),
+    /// Latency, jitter and deadline misses, beside the machine's own floor
+    Bench(crate::bench::BenchArguments),
     /// Controllers side by side on the same scenarios
     Compare(CompareArguments),
     /// Many seeded runs with faults, and one verdict

@@ -246,6 +246,7 @@ impl Plant {
             curves: self.chains.curves(),
             worst_chains: self.chains.worst().report(),
             undelivered_commands: self.delivery.undelivered(),
+            histograms: self.chains.histograms(),
         }
     }
 }
