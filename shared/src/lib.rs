@@ -8,9 +8,11 @@
 //! * [`report`]: what a service tells the launcher when it ends
 //! * [`statistics`]: histograms and percentiles
 //! * [`scenario`]: scenario files
+//! * [`road`]: grade profiles
 
 pub mod messages;
 pub mod report;
+pub mod road;
 pub mod runtime;
 pub mod scenario;
 mod service;

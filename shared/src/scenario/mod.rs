@@ -37,6 +37,7 @@ pub mod name;
 pub mod perception;
 pub mod plant;
 pub mod quantity;
+pub mod road;
 pub mod runtime;
 pub mod v2x;
 
@@ -45,6 +46,7 @@ mod document;
 mod error;
 mod files;
 mod overrides;
+mod table;
 
 pub use document::{MAX_TEXT_BYTES, Problem};
 pub use error::ScenarioError;
@@ -57,6 +59,7 @@ use name::{Line, Name};
 use perception::Perception;
 use plant::Plant;
 use quantity::{Duration, Seed, Speed};
+use road::Road;
 use runtime::Runtime;
 use v2x::V2x;
 
@@ -89,6 +92,9 @@ pub struct Scenario {
     /// The ego vehicle.
     #[serde(default)]
     pub plant: Plant,
+    /// The road's heights; absent: level.
+    #[serde(default, skip_serializing_if = "Road::is_level")]
+    pub road: Road,
     /// Radar, tracker and target selection.
     #[serde(default)]
     pub perception: Perception,
