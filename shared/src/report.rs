@@ -164,6 +164,10 @@ pub struct ControlFigures {
     pub stop_line_crossing_s: Option<f64>,
     /// Distance past the first stop line when its light first changed, m; negative before it.
     pub past_stop_line_at_switch_m: Option<f64>,
-    /// Fuel, L/100 km.
+    /// Fuel, L/100 km; trucks only, as what follows.
     pub fuel_l_per_100km: Option<f64>,
+    /// Shifts of the gearbox.
+    pub gear_shifts: Option<u64>,
+    /// Time with the service brakes applied, s.
+    pub service_brake_s: Option<f64>,
 }

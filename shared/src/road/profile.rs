@@ -142,12 +142,14 @@ mod tests {
     fn heights_are_straight_between_points_and_level_beyond_them() {
         let road = GradeProfile::new(points(&[(100.0, 5.0), (200.0, 8.0), (300.0, 6.0)]));
         let road = road.expect("a right road");
-        assert_eq!([0.0, 100.0, 150.0, 250.0, 400.0].map(|x| road.height_m(x)), [
-            5.0, 5.0, 6.5, 7.0, 6.0
-        ]);
-        assert_eq!([99.0, 100.0, 199.0, 200.0, 300.0].map(|x| road.grade(x)), [
-            0.0, 0.03, 0.03, -0.02, 0.0
-        ]);
+        assert_eq!(
+            [0.0, 100.0, 150.0, 250.0, 400.0].map(|x| road.height_m(x)),
+            [5.0, 5.0, 6.5, 7.0, 6.0]
+        );
+        assert_eq!(
+            [99.0, 100.0, 199.0, 200.0, 300.0].map(|x| road.grade(x)),
+            [0.0, 0.03, 0.03, -0.02, 0.0]
+        );
         assert_eq!(road.mean_grade(100.0, 300.0), 0.005);
         assert_eq!(road.mean_grade(150.0, 150.0), 0.03);
         assert_eq!(road.end_m(), 300.0);

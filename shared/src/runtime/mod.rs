@@ -18,6 +18,7 @@
 //!
 //! `unsafe` is allowed in `scheduling` and `spawn` alone, for system calls that no crate wraps.
 
+mod beside;
 mod clock;
 mod error;
 mod group;
@@ -31,6 +32,7 @@ mod spawn;
 mod timetable;
 mod transport;
 
+pub use beside::{Account, Beside};
 pub use clock::{Clock, Mode, monotonic_ns};
 pub use error::RuntimeError;
 pub use group::Group;

@@ -36,6 +36,7 @@ pub mod controller;
 pub mod name;
 pub mod perception;
 pub mod plant;
+pub mod preview;
 pub mod quantity;
 pub mod road;
 pub mod runtime;

@@ -93,6 +93,12 @@ quantity! {
     RoadLength, 1.0, 500.0, "a length from 1 to 500 km";
     /// An error in the position of a map, m, positive when the map lies too far ahead.
     Shift, -1000.0, 1000.0, "a shift from -1000 to 1000 m";
+    /// A torque at the crankshaft, N m.
+    Torque, -5000.0, 5000.0, "a torque from -5000 to 5000 N m";
+    /// A rate of change of torque, N m/s, not zero.
+    TorqueRate, 10.0, 1e6, "a rate from 10 to 1e6 N m/s";
+    /// A noise, percent.
+    Percent, 0.0, 100.0, "a number from 0 to 100 %";
     /// A factor on a mass.
     MassFactor, 0.5, 2.0, "a factor from 0.5 to 2";
     /// A mass, kg.

@@ -112,10 +112,10 @@ impl Road {
                 "points, or a scenario file",
             ));
         }
-        let points = self.points.iter().map(|point| Point {
-            distance_m: point.0.value(),
-            height_m: point.1.value(),
-        });
+        let points = self
+            .points
+            .iter()
+            .map(|point| Point { distance_m: point.0.value(), height_m: point.1.value() });
         GradeProfile::new(points.collect()).map_err(|fault| {
             let path = format!("road.points.{}", fault.index);
             Problem::new(path, fault.message, fault.expected)
