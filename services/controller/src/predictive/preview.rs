@@ -48,7 +48,7 @@ impl Preview {
     #[must_use]
     pub fn grade(&self, position_m: f64) -> Option<f64> {
         let place = (position_m - self.start_m) / self.cell_m;
-        if !(place >= 0.0) {
+        if place.is_nan() || place < 0.0 {
             return None;
         }
         self.grades[..self.count].get(place as usize).copied()
