@@ -6,6 +6,7 @@
 pub mod cacc;
 pub mod law;
 pub mod laws;
+pub mod predictive;
 pub mod quadratic_bounded;
 pub mod sampling;
 mod service;

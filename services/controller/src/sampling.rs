@@ -55,6 +55,7 @@ pub fn input(setting: &Setting, samples: &Samples<'_>, time_s: f64) -> Input {
         signals: signals_ahead(samples, &ego, time_s),
         set_speed_mps: setting.set_speed_mps,
         speed_limit_mps: setting.speed_limit_mps,
+        ..Input::default()
     }
 }
 
