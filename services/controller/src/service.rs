@@ -3,8 +3,8 @@
 use crate::law::{Input, Law, MAX_PLAN, Output, Quality};
 use crate::sampling::{Samples, Setting, input};
 use shared::messages::{
-    Command, Diagnostics, FIGURES, Header, Map, Message, Odometry, Origins, PLAN_LEN, RadarTracks,
-    ServiceState, Spat,
+    Command, Diagnostics, FIGURES, Header, Map, Message, Odometry, Origins, PLAN_LEN, Powertrain,
+    Preview, RadarTracks, ServiceState, Spat,
 };
 use shared::report::{ControllerReport, Details, ModeChange};
 use shared::runtime::{
@@ -46,6 +46,12 @@ struct Change {
     figures: [f64; FIGURES],
 }
 
+/// Topics about a truck and its road.
+struct TruckTopics {
+    powertrain: Subscriber<Powertrain>,
+    preview: Subscriber<Preview>,
+}
+
 struct Loop {
     law: Box<dyn Law>,
     setting: Setting,
@@ -57,6 +63,8 @@ struct Loop {
     radar: Subscriber<RadarTracks>,
     spat: Subscriber<Spat>,
     map: Subscriber<Map>,
+    /// What a truck alone has.
+    truck: Option<TruckTopics>,
     command: Publisher<Command>,
     diagnostics: Publisher<Diagnostics>,
     output: Output,
@@ -94,6 +102,12 @@ impl Loop {
             },
             spat: runtime.subscriber()?,
             map: runtime.subscriber()?,
+            truck: if scenario.plant.vehicle.is_truck() {
+                let powertrain = runtime.subscriber()?;
+                Some(TruckTopics { powertrain, preview: runtime.subscriber()? })
+            } else {
+                None
+            },
             command: runtime.publisher()?,
             diagnostics: runtime.publisher()?,
             output,
@@ -119,12 +133,18 @@ impl Loop {
         runtime.update(&mut self.odometry)?;
         runtime.update(&mut self.spat)?;
         runtime.update(&mut self.map)?;
+        if let Some(truck) = &mut self.truck {
+            runtime.update(&mut truck.powertrain)?;
+            runtime.update(&mut truck.preview)?;
+        }
 
         let samples = Samples {
             odometry: self.odometry.newest(),
             radar: self.radar.newest(),
             spat: self.spat.newest(),
             map: self.map.newest(),
+            powertrain: self.truck.as_ref().and_then(|truck| truck.powertrain.newest()),
+            preview: self.truck.as_ref().and_then(|truck| truck.preview.newest()),
         };
         let input = input(&self.setting, &samples, release.time_s);
         let begun = monotonic_ns();
@@ -159,6 +179,10 @@ impl Loop {
             plan_period_ns: self.plan_period_ns,
             plan_len: plan_len as u64,
             plan_mps2,
+            has_torque: self.output.torque.is_some().into(),
+            gear: self.output.torque.and_then(|t| t.gear).map_or(0, |gear| gear as u32 + 1),
+            engine_torque_nm: self.output.torque.map_or(0.0, |t| t.engine_torque_nm),
+            service_brake_n: self.output.torque.map_or(0.0, |t| t.service_brake_n),
         }
     }
 

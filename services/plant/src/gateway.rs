@@ -72,6 +72,8 @@ pub struct Actuation {
 pub struct EngineRequest {
     /// Torque at the crankshaft, N m.
     pub torque_nm: f64,
+    /// Force of the service brakes at the wheels, N.
+    pub service_brake_n: f64,
     /// Gear, counted from 0; `None` leaves it to the gearbox.
     pub gear: Option<usize>,
 }
@@ -154,8 +156,8 @@ impl Gateway {
         if plan_mps2.is_empty() || step_ns == 0 {
             return Err(Rejection::Empty);
         }
-        let torque = engine.map(|engine| engine.torque_nm);
-        if plan_mps2.iter().chain(&torque).any(|request| !request.is_finite()) {
+        let engine_numbers = engine.map_or([0.0; 2], |e| [e.torque_nm, e.service_brake_n]);
+        if plan_mps2.iter().chain(&engine_numbers).any(|request| !request.is_finite()) {
             return Err(Rejection::NotFinite);
         }
         if start_ns > now_ns.saturating_add(step_ns) {
@@ -213,7 +215,7 @@ impl Gateway {
             .clamp(self.last_torque_nm - reach_nm, self.last_torque_nm + reach_nm)
             .clamp(self.bounds.min_torque_nm.value(), self.bounds.max_torque_nm.value());
         self.last_torque_nm = torque_nm;
-        EngineRequest { torque_nm, ..asked }
+        EngineRequest { torque_nm, service_brake_n: asked.service_brake_n.max(0.0), ..asked }
     }
 
     fn planned(&self, now_ns: u64) -> (Source, f64) {
@@ -318,7 +320,7 @@ mod tests {
     fn a_torque_is_bounded_in_range_and_rate_and_acts_only_while_its_command_is_fresh() {
         let mut gateway = gateway();
         gateway.engine_gives(500.0);
-        let asked = EngineRequest { torque_nm: 9e3, gear: Some(5) };
+        let asked = EngineRequest { torque_nm: 9e3, service_brake_n: 0.0, gear: Some(5) };
         gateway.accept_with_engine(0, 0, STEP_NS, &[0.1], Some(asked)).expect("a right command");
         let torque = |gateway: &mut Gateway, now_ns| {
             gateway.actuate(now_ns, 20.0, None).engine.map(|engine| engine.torque_nm)
@@ -329,7 +331,7 @@ mod tests {
         let all = [2, 3, 4].map(|now_ns| torque(&mut gateway, now_ns));
         assert_eq!(all, [Some(2000.0), Some(2200.0), Some(2200.0)]);
         assert_eq!(torque(&mut gateway, STEP_NS), None, "the rest of the plan is acceleration");
-        let bad = EngineRequest { torque_nm: f64::NAN, gear: None };
+        let bad = EngineRequest { torque_nm: f64::NAN, ..asked };
         let refused = gateway.accept_with_engine(STEP_NS, STEP_NS, STEP_NS, &[0.1], Some(bad));
         assert_eq!(refused, Err(Rejection::NotFinite));
     }

@@ -113,7 +113,8 @@ impl Plant {
             publisher.send(Powertrain {
                 header,
                 gear: powertrain.gear as u32 + 1,
-                shifting: powertrain.shifting.into(),
+                shifts: powertrain.shifts,
+                since_shift_s: powertrain.since_shift_s,
                 engine_speed_rpm: powertrain.engine_speed_rpm,
                 engine_torque_nm: powertrain.engine_torque_nm,
                 service_brake_n: powertrain.service_brake_n,
@@ -167,6 +168,7 @@ impl Plant {
             let start_ns = command.header.acquisition_ns + delay_ns;
             let engine = (command.has_torque != 0).then(|| EngineRequest {
                 torque_nm: command.engine_torque_nm,
+                service_brake_n: command.service_brake_n,
                 gear: (command.gear as usize).checked_sub(1),
             });
             let accepted = self.gateway.accept_with_engine(

@@ -30,8 +30,10 @@ pub struct Truck {
 pub struct Powertrain {
     /// Gear, counted from 0.
     pub gear: usize,
-    /// Whether a shift interrupts the traction.
-    pub shifting: bool,
+    /// Time since the last shift began, s.
+    pub since_shift_s: f64,
+    /// Shifts so far.
+    pub shifts: u32,
     /// Engine speed, rpm.
     pub engine_speed_rpm: f64,
     /// Torque at the crankshaft, N m.
@@ -83,7 +85,11 @@ impl Truck {
             let (speed_mps, gear) = (self.motion.speed_mps, self.motion.gear);
             let grade = self.road.grade(self.motion.position_m);
             let wanted = match actuation.engine {
-                Some(engine) => Demand { gear: engine.gear, ..Demand::torque(engine.torque_nm) },
+                Some(engine) => Demand {
+                    engine_torque_nm: engine.torque_nm,
+                    service_brake_n: engine.service_brake_n,
+                    gear: engine.gear,
+                },
                 None => Demand::for_acceleration(
                     &self.believed,
                     actuation.request_mps2,
@@ -120,7 +126,8 @@ impl Truck {
         let engine_speed_rpm = self.model.engine_rpm(motion.speed_mps, motion.gear);
         Powertrain {
             gear: motion.gear,
-            shifting: motion.is_shifting(),
+            since_shift_s: motion.since_shift_s,
+            shifts: motion.shifts,
             engine_speed_rpm,
             engine_torque_nm: motion.engine_torque_nm,
             service_brake_n: self.brake_n,
@@ -211,7 +218,7 @@ mod tests {
     #[test]
     fn a_torque_below_drag_brakes_with_the_engine_alone_and_an_emergency_with_all() {
         let mut truck = truck("");
-        let engine = EngineRequest { torque_nm: -1500.0, gear: None };
+        let engine = EngineRequest { torque_nm: -1500.0, service_brake_n: 0.0, gear: None };
         for _ in 0..200 {
             truck.step(&Actuation { engine: Some(engine), ..acceleration(0.0) });
         }

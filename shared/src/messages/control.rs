@@ -30,8 +30,10 @@ pub struct Command {
     pub has_torque: u32,
     /// Gear that the torque is for, counted from 1; 0 leaves it to the gearbox.
     pub gear: u32,
-    /// Requested torque at the crankshaft, N m.
+    /// Requested torque at the crankshaft, N m; below the drag torque it asks for the engine brake.
     pub engine_torque_nm: f64,
+    /// Requested force of the service brakes beside the torque, N.
+    pub service_brake_n: f64,
 }
 
 message!(Command, Topic::Command);

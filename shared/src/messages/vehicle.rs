@@ -44,8 +44,10 @@ pub struct Powertrain {
     pub header: Header,
     /// Gear, counted from 1, the lowest.
     pub gear: u32,
-    /// 1 while a shift interrupts the traction.
-    pub shifting: u32,
+    /// Number of shifts since the start of the run.
+    pub shifts: u32,
+    /// Time since the last shift began, s.
+    pub since_shift_s: f64,
     /// Engine speed, rpm.
     pub engine_speed_rpm: f64,
     /// Torque at the crankshaft, N m.
