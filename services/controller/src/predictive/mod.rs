@@ -11,6 +11,10 @@
 //! The law commands engine torque ([`Output::torque`](crate::law::Output::torque)); the accelerations
 //! that go with it are in the output as well, so that the gateway has a future to follow.
 
+mod limiter;
 mod preview;
+mod prices;
+pub mod route;
 
 pub use preview::{MAX_CELLS, Preview};
+pub use prices::Prices;
