@@ -1,6 +1,8 @@
 //! What a service tells the launcher when it ends.
 
 use crate::Service;
+use crate::e2e::Outcomes;
+use crate::runtime::Befallen;
 use crate::runtime::scheduling::Granted;
 use crate::statistics::Percentiles;
 use serde::{Deserialize, Serialize};
@@ -26,6 +28,8 @@ pub struct ReceivedTopic {
     pub received: u64,
     /// Gaps in the sequence numbers.
     pub lost: u64,
+    /// Outcomes of the end-to-end check.
+    pub e2e: Outcomes,
     /// XXH3 over the bytes of all messages in order, in lockstep.
     pub digest: Option<String>,
 }
@@ -51,6 +55,8 @@ pub struct ServiceReport {
     pub peak_rss_kib: u64,
     /// What the kernel granted.
     pub scheduling: Granted,
+    /// What faults did to the service's messages.
+    pub befallen: Vec<Befallen>,
     /// What only this service can tell.
     pub details: Details,
 }

@@ -26,7 +26,7 @@ const _: () = assert!(MAX_PLAN == PLAN_LEN, "a command carries every plan");
 /// # Errors
 /// If the group's shared memory is not usable or the scenario's law cannot be set up.
 pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
-    let scenario = runtime.scenario()?;
+    let scenario = runtime.scenario();
     let law = crate::laws::build(&scenario)
         .map_err(|problem| RuntimeError::Setup(format!("{}: {}", problem.path, problem.message)))?;
     let mut controller = Loop::open(&mut runtime, &scenario, law)?;

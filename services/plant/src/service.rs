@@ -20,7 +20,7 @@ use std::collections::VecDeque;
 /// # Errors
 /// If the group's shared memory is not usable.
 pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
-    let scenario = runtime.scenario()?;
+    let scenario = runtime.scenario();
     let mut plant = Plant::open(&mut runtime, &scenario)?;
     runtime.begin(&scenario)?;
     runtime.run_cycles(|runtime| plant.cycle(runtime))?;

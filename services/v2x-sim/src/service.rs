@@ -17,7 +17,7 @@ use shared::scenario::v2x::Phase;
 /// # Errors
 /// If the group's shared memory is not usable.
 pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
-    let scenario = runtime.scenario()?;
+    let scenario = runtime.scenario();
     let unit = RoadsideUnit::new(&scenario.v2x);
     let mut odometry = runtime.subscriber::<Odometry>()?;
     let mut spat = runtime.publisher::<Spat>()?;

@@ -9,7 +9,7 @@ use iceoryx2::prelude::ZeroCopySend;
 
 /// Version of all message layouts, an attribute of every topic: a process built with another
 /// version cannot open it.
-pub const LAYOUT_VERSION: &str = "1";
+pub const LAYOUT_VERSION: &str = "2";
 
 /// A message type with its topic.
 pub trait Message: Pod + ZeroCopySend + Debug + PartialEq + Carried {
@@ -100,6 +100,18 @@ impl Topic {
             Self::SignalTruth => size_of::<super::SignalTruth>(),
             Self::Heartbeat => size_of::<super::Heartbeat>(),
         }
+    }
+
+    /// The topic of that name.
+    #[must_use]
+    pub fn by_name(name: &str) -> Option<Self> {
+        TOPICS.into_iter().find(|topic| topic.name() == name)
+    }
+
+    /// Data ID of the end-to-end protection of what `source` sends on it.
+    #[must_use]
+    pub const fn data_id(self, source: u32) -> u32 {
+        (self as u32 + 1) << 16 | source
     }
 
     /// Service that publishes it; `None` where every service does.

@@ -4,6 +4,7 @@ use super::Scenario;
 use super::actor::{Actor, MAX_ACTORS, MAX_PROFILE_POINTS, Profile, SpeedPoint};
 use super::controller::Release;
 use super::document::Problem;
+use super::faults::{Fault, MAX_FAULTS};
 use super::perception::MAX_LATENCY_SCANS;
 use super::plant::Integrator;
 use super::quantity::{Acceleration, Time};
@@ -17,7 +18,15 @@ pub(super) fn all(scenario: &Scenario) -> Result<(), Problem> {
     perception(scenario)?;
     signals(&scenario.v2x.signals)?;
     controller(scenario)?;
-    actors(&scenario.actors)
+    actors(&scenario.actors)?;
+    faults(&scenario.faults)
+}
+
+fn faults(faults: &[Fault]) -> Result<(), Problem> {
+    if faults.len() > MAX_FAULTS {
+        return fail("faults", format!("{} faults", faults.len()), format!("at most {MAX_FAULTS}"));
+    }
+    faults.iter().enumerate().try_for_each(|(i, fault)| fault.check(&format!("faults.{i}")))
 }
 
 fn fail<T>(

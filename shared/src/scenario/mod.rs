@@ -33,6 +33,7 @@ use serde::{Deserialize, Serialize};
 pub mod actor;
 pub mod builtin;
 pub mod controller;
+pub mod faults;
 pub mod name;
 pub mod perception;
 pub mod plant;
@@ -40,6 +41,7 @@ pub mod preview;
 pub mod quantity;
 pub mod road;
 pub mod runtime;
+pub mod supervision;
 pub mod v2x;
 
 mod check;
@@ -56,12 +58,14 @@ pub use overrides::Overrides;
 use actor::Actor;
 use controller::Controller;
 use document::Document;
+use faults::Fault;
 use name::{Line, Name};
 use perception::Perception;
 use plant::Plant;
 use quantity::{Duration, Seed, Speed};
 use road::Road;
 use runtime::Runtime;
+use supervision::Supervision;
 use v2x::V2x;
 
 /// The version of the schema that this program reads.
@@ -108,9 +112,15 @@ pub struct Scenario {
     /// Scheduling and placement.
     #[serde(default)]
     pub runtime: Runtime,
+    /// What becomes of services that die or hang.
+    #[serde(default)]
+    pub supervision: Supervision,
     /// The other vehicles.
     #[serde(default)]
     pub actors: Vec<Actor>,
+    /// What goes wrong.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub faults: Vec<Fault>,
 }
 
 impl Scenario {

@@ -2,14 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::quantity::{Distance, Percent, Shift};
+use super::quantity::{Distance, Percent, MapShift};
 
 /// Faults of the map. Without any it is exact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Preview {
     /// By how much everything on the map lies too far ahead, m.
-    pub shift_m: Shift,
+    pub shift_m: MapShift,
     /// Standard deviation of an error of each cell's grade, percentage points; the seed of the run
     /// makes it.
     pub noise_percent: Percent,
@@ -26,7 +26,7 @@ impl Preview {
     }
 }
 
-impl Default for Shift {
+impl Default for MapShift {
     fn default() -> Self {
         Self::of(0.0)
     }

@@ -92,7 +92,7 @@ quantity! {
     /// The length of a road, km.
     RoadLength, 1.0, 500.0, "a length from 1 to 500 km";
     /// An error in the position of a map, m, positive when the map lies too far ahead.
-    Shift, -1000.0, 1000.0, "a shift from -1000 to 1000 m";
+    MapShift, -1000.0, 1000.0, "a shift from -1000 to 1000 m";
     /// A torque at the crankshaft, N m.
     Torque, -5000.0, 5000.0, "a torque from -5000 to 5000 N m";
     /// A rate of change of torque, N m/s, not zero.
@@ -105,6 +105,8 @@ quantity! {
     Mass, 100.0, 100_000.0, "a mass from 100 to 100000 kg";
     /// A power, kW.
     Power, 1.0, 10_000.0, "a power from 1 to 10000 kW";
+    /// A deviation, in the unit of the figure that deviates.
+    Shift, -1e4, 1e4, "a number from -10000 to 10000";
     /// A weight in a cost function.
     Weight, 0.0, 1e12, "a weight from 0 to 1e12";
     /// A weight in a cost function that must not vanish.
@@ -165,6 +167,10 @@ whole! {
     DelayMs, u32, 0, 10_000, "a delay from 0 to 10000, in whole milliseconds";
     /// A seed of the random numbers.
     Seed, u64, 0, i64::MAX, "a whole number from 0 to 9223372036854775807";
+    /// How many, or how often.
+    Count, u16, 1, 10_000, "a whole number from 1 to 10000";
+    /// An amount of memory, MiB.
+    Megabytes, u32, 1, 1_000_000, "a whole number of MiB from 1 to 1000000";
     /// A number of steps in a horizon.
     Steps, u16, 2, 1000, "a whole number from 2 to 1000";
     /// A real-time priority as SCHED_FIFO counts them.
