@@ -86,8 +86,23 @@ pub struct ControllerReport {
     pub relaxed: u64,
     /// Cycles whose command came from the law's backup.
     pub backup: u64,
+    /// Planning beside the loop, of laws that do.
+    pub planning: Option<PlanningReport>,
     /// Changes of the law's mode.
     pub mode_changes: Vec<ModeChange>,
+}
+
+/// How the planning beside a control loop kept up with it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlanningReport {
+    /// Plans asked for.
+    pub asked: u64,
+    /// Plans that were not there when they were due; the loop drove on by the one before.
+    pub late: u64,
+    /// Time after which a plan is due, µs.
+    pub deadline_us: f64,
+    /// Time that a plan took, on the wall clock in both modes.
+    pub plan_us: Option<Percentiles>,
 }
 
 /// A change of the law's mode.

@@ -27,6 +27,9 @@ pub fn describe(name: ControllerName) -> &'static str {
         ControllerName::QuadraticBounded => {
             "output feedback that keeps all indices within bounds (Gao et al. 2015)"
         }
+        ControllerName::Predictive => {
+            "predictive cruise of a heavy truck over hills (Li, Zheng, Wang, Wang)"
+        }
     }
 }
 

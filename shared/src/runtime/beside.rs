@@ -6,7 +6,8 @@
 //! two locks of the handover, which the thread holds for a copy, and allocates nothing.
 
 use super::{Mode, Release, Runtime, RuntimeError, monotonic_ns};
-use crate::statistics::{Latencies, Percentiles};
+use crate::report::PlanningReport;
+use crate::statistics::Latencies;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
@@ -34,19 +35,6 @@ struct Shared<Q, A> {
     answer: Mutex<Option<(A, i64)>>,
     answered: Condvar,
     closed: AtomicBool,
-}
-
-/// What became of the questions of a run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Account {
-    /// Questions asked.
-    pub asked: u64,
-    /// Answers that were not there when they were due.
-    pub late: u64,
-    /// Time after which an answer is due, µs.
-    pub deadline_us: f64,
-    /// Time that the work took, on the wall clock.
-    pub worked_us: Option<Percentiles>,
 }
 
 impl<Q: Send + 'static, A: Send + 'static> Beside<Q, A> {
@@ -121,12 +109,12 @@ impl<Q: Send + 'static, A: Send + 'static> Beside<Q, A> {
 
     /// What became of the questions so far.
     #[must_use]
-    pub fn account(&self) -> Account {
-        Account {
+    pub fn report(&self) -> PlanningReport {
+        PlanningReport {
             asked: self.asked,
             late: self.late,
             deadline_us: self.delay_ns as f64 / 1e3,
-            worked_us: self.worked.percentiles_us(),
+            plan_us: self.worked.percentiles_us(),
         }
     }
 

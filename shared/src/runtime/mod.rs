@@ -35,7 +35,7 @@ mod spawn;
 mod timetable;
 mod transport;
 
-pub use beside::{Account, Beside};
+pub use beside::Beside;
 pub use clock::{Clock, Mode, monotonic_ns};
 pub use error::RuntimeError;
 pub use faults::{Befallen, Injected, concerned};

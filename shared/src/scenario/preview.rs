@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::quantity::{Distance, Percent, MapShift};
+use super::quantity::{Distance, MapShift, Percent};
 
 /// Faults of the map. Without any it is exact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
