@@ -1,6 +1,7 @@
 //! The control loop: sample, decide, publish.
 
 use crate::law::{Input, Law, MAX_PLAN, Output, Quality};
+use crate::planning::PlanningThread;
 use crate::sampling::{Samples, Setting, input};
 use shared::messages::{
     Command, Diagnostics, FIGURES, Header, Map, Message, Odometry, Origins, PLAN_LEN, Powertrain,
@@ -54,6 +55,7 @@ struct TruckTopics {
 
 struct Loop {
     law: Box<dyn Law>,
+    planning: Option<PlanningThread>,
     setting: Setting,
     release: controller::Release,
     plan_period_ns: i64,
@@ -88,8 +90,10 @@ impl Loop {
         // Faults its code and data in before the loop; forgotten at once.
         law.step(&Input { period_s: 0.1, ..Input::default() }, &mut output);
         law.reset();
+        let planning = PlanningThread::start(runtime, law.as_mut(), period_ns)?;
         Ok(Self {
             law,
+            planning,
             setting: Setting::of(scenario),
             release,
             plan_period_ns: period_ns,
@@ -147,6 +151,9 @@ impl Loop {
             preview: self.truck.as_ref().and_then(|truck| truck.preview.newest()),
         };
         let input = input(&self.setting, &samples, release.time_s);
+        if let Some(planning) = &mut self.planning {
+            planning.before_step(self.law.as_mut(), &release);
+        }
         let begun = monotonic_ns();
         self.law.step(&input, &mut self.output);
         self.solve.record_ns(monotonic_ns() - begun);
@@ -161,6 +168,9 @@ impl Loop {
         let lateness = runtime.clock().now_ns() - release.scheduled_ns;
         self.deadline_misses += u64::from(lateness > self.deadline_ns);
         self.diagnostics.send(self.diagnostics_of(header, &release))?;
+        if let Some(planning) = &mut self.planning {
+            planning.after_step(self.law.as_mut(), &release);
+        }
         self.account(release.time_s);
 
         let complete = self.odometry.newest().is_some() && self.radar.newest().is_some();
@@ -255,6 +265,7 @@ impl Loop {
             solve_us: self.solve.percentiles_us(),
             relaxed: self.relaxed,
             backup: self.backup,
+            planning: self.planning.as_ref().map(PlanningThread::report),
             mode_changes: self.mode_changes.iter().map(change).collect(),
         }
     }

@@ -74,18 +74,29 @@ impl<Q: Send + 'static, A: Send + 'static> Beside<Q, A> {
         })
     }
 
-    /// Asks, unless a question is open or the thread is just taking one.
-    pub fn ask(&mut self, release: &Release, question: Q) {
-        if self.due_ns.is_some() {
-            return;
+    /// Whether a question is open.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.due_ns.is_some()
+    }
+
+    /// Asks. The question comes back when one is open already, or when the thread holds the handover.
+    ///
+    /// # Errors
+    /// The question, to be asked again at the next release.
+    pub fn ask(&mut self, release: &Release, question: Q) -> Result<(), Q> {
+        if self.is_busy() {
+            return Err(question);
         }
-        let Some(mut slot) = self.lock(&self.shared.question) else { return };
-        *slot = Some(question);
-        drop(slot);
+        match self.lock(&self.shared.question) {
+            Some(mut slot) => *slot = Some(question),
+            None => return Err(question),
+        }
         self.shared.asked.notify_one();
         self.due_ns = Some(release.scheduled_ns + self.delay_ns);
         self.counted_late = false;
         self.asked += 1;
+        Ok(())
     }
 
     /// The answer that takes effect at this release, if there is one.
