@@ -22,9 +22,9 @@ pub fn limited(
     }
     let acceleration_mps2 = GAIN_PER_S * (limit_mps - speed_mps);
     let holding = Demand::for_acceleration(truck, acceleration_mps2, speed_mps, gear, grade);
-    if holding.engine_torque_nm < demand.engine_torque_nm {
-        Demand { gear: demand.gear, ..holding }
-    } else {
-        demand
+    Demand {
+        engine_torque_nm: demand.engine_torque_nm.min(holding.engine_torque_nm),
+        service_brake_n: demand.service_brake_n.max(holding.service_brake_n),
+        gear: demand.gear,
     }
 }

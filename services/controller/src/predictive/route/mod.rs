@@ -2,11 +2,13 @@
 //!
 //! Pure and repeatable: the plant of [`truck_model`], a control period of 0.1 s, no services.
 
+mod bound;
 mod cruise;
 mod human;
 mod road;
 mod trip;
 
+pub use bound::Bound;
 pub use cruise::Cruise;
 pub use human::Human;
 pub use road::Road;
