@@ -44,6 +44,9 @@ pub fn build(scenario: &Scenario) -> Result<Box<dyn Law>, Problem> {
         ControllerName::CaccMpc => predictive(cacc::Controller::CaccMpc, controller),
         ControllerName::SixMode => six_mode(controller),
         ControllerName::QuadraticBounded => quadratic_bounded(controller),
+        ControllerName::Predictive => {
+            Err(Problem::new("controller.name", "not yet", "another law"))
+        }
     }
 }
 

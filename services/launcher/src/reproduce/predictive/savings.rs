@@ -7,6 +7,7 @@ use crate::error::Error;
 use crate::reproduce::plot::Plots;
 use crate::reproduce::row::Row;
 use crate::reproduce::{Driven, Runner};
+use shared::road::GradeProfile;
 use truck_model::Preset;
 
 /// Drives of one planner until its trip time is that of the baseline.
@@ -91,7 +92,8 @@ pub fn reproduce(
             of_planners.push((planner, change, driven));
         }
         let change = of_planners.last().and_then(|(_, change, _)| *change);
-        rows.extend(bounded(runner, published, change));
+        let road = constant.scenario.road.profile().unwrap_or_default();
+        rows.extend(bounded(runner, published, &road, change));
         let driven: Vec<(&'static str, &Driven)> = std::iter::once(("constant speed", &constant))
             .chain(of_planners.iter().map(|(planner, _, driven)| (*planner, driven)))
             .collect();
@@ -169,10 +171,15 @@ fn conditions(name: &str, trip: Option<Trip>, baseline: Option<Trip>) -> Vec<Row
 }
 
 /// The bound and the drivers of flesh and blood, computed on the same truck and road.
-fn bounded(runner: &Runner<'_>, published: &Published, driven: Option<f64>) -> Vec<Row> {
+fn bounded(
+    runner: &Runner<'_>,
+    published: &Published,
+    road: &GradeProfile,
+    driven: Option<f64>,
+) -> Vec<Row> {
     let preset = published.preset;
     let name = |what: &str| format!("{}.{what}", preset.name());
-    let computed = computed::on_the_given_road(preset);
+    let computed = computed::on(preset, road);
     runner.bar.tick();
     let bound = computed.bound_percent;
     let distance = driven.zip(bound).map(|(driven, bound)| driven - bound);
