@@ -3,14 +3,18 @@
 //! The arrow of dependence points one way: launcher → services → shared. Nothing here knows a
 //! control law or a vehicle model.
 //!
+//! * [`e2e`]: end-to-end protection of the messages
 //! * [`messages`]: the fixed-layout messages and the topics that carry them
 //! * [`runtime`]: a service's life: its ports, its releases on either clock, its scheduling
 //! * [`report`]: what a service tells the launcher when it ends
 //! * [`statistics`]: histograms and percentiles
 //! * [`scenario`]: scenario files
+//! * [`road`]: grade profiles
 
+pub mod e2e;
 pub mod messages;
 pub mod report;
+pub mod road;
 pub mod runtime;
 pub mod scenario;
 mod service;

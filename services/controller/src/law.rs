@@ -5,7 +5,7 @@
 //!
 //! Frame: x forward along the lane, origin at the ego's start. All quantities in SI units.
 
-use crate::predictive::Preview;
+use crate::predictive::{Plan, PlanRequest, Planner, Preview};
 
 /// Longest plan a command can carry, in control steps.
 pub const MAX_PLAN: usize = 128;
@@ -194,6 +194,18 @@ impl Output {
     }
 }
 
+/// What a law wants done beside the control loop, in a thread that may take longer than a cycle.
+pub trait Planning {
+    /// Whoever makes the plans; asked for once.
+    fn planner(&self) -> Box<dyn Planner>;
+
+    /// The plan that is wanted after the last step, if any.
+    fn request(&mut self) -> Option<PlanRequest>;
+
+    /// Takes a plan, or learns from an empty one that there is none.
+    fn accept(&mut self, plan: &Plan);
+}
+
 /// A cruise controller.
 ///
 /// Every law passes one conformance suite: its output is finite and within bounds for any input, it
@@ -208,6 +220,11 @@ pub trait Law {
 
     /// Smallest and largest request the law ever returns, m/s².
     fn request_bounds_mps2(&self) -> (f64, f64);
+
+    /// The planning that goes on beside the law, if it has any.
+    fn planning(&mut self) -> Option<&mut dyn Planning> {
+        None
+    }
 
     /// Names of the modes, in the order of [`Output::mode`].
     fn mode_names(&self) -> &'static [&'static str];

@@ -27,6 +27,9 @@ pub fn describe(name: ControllerName) -> &'static str {
         ControllerName::QuadraticBounded => {
             "output feedback that keeps all indices within bounds (Gao et al. 2015)"
         }
+        ControllerName::Predictive => {
+            "predictive cruise of a heavy truck over hills (Li, Zheng, Wang, Wang)"
+        }
     }
 }
 
@@ -41,6 +44,9 @@ pub fn build(scenario: &Scenario) -> Result<Box<dyn Law>, Problem> {
         ControllerName::CaccMpc => predictive(cacc::Controller::CaccMpc, controller),
         ControllerName::SixMode => six_mode(controller),
         ControllerName::QuadraticBounded => quadratic_bounded(controller),
+        ControllerName::Predictive => {
+            Err(Problem::new("controller.name", "not yet", "another law"))
+        }
     }
 }
 

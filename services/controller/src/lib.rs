@@ -9,6 +9,7 @@ pub mod laws;
 pub mod predictive;
 pub mod quadratic_bounded;
 pub mod sampling;
+mod planning;
 mod service;
 pub mod six_mode;
 

@@ -1,7 +1,10 @@
 //! From the newest samples to what a law is told: every figure brought to the time of the release.
 
-use crate::law::{Ego, Input, MAX_PHASES, MAX_SIGNALS, Phase, PhaseInterval, SignalAhead, Target};
-use shared::messages::{Map, Odometry, PhaseState, RadarTracks, Signal, Spat};
+use crate::law::{
+    self, Ego, Input, MAX_PHASES, MAX_SIGNALS, Phase, PhaseInterval, SignalAhead, Target,
+};
+use crate::predictive;
+use shared::messages::{Map, Odometry, PhaseState, Powertrain, Preview, RadarTracks, Signal, Spat};
 use shared::scenario::Scenario;
 
 /// A stop line is forgotten when it is this far behind, m.
@@ -41,6 +44,10 @@ pub struct Samples<'a> {
     pub spat: Option<&'a Spat>,
     /// Stop lines.
     pub map: Option<&'a Map>,
+    /// Engine and gears of a truck.
+    pub powertrain: Option<&'a Powertrain>,
+    /// The road ahead.
+    pub preview: Option<&'a Preview>,
 }
 
 /// What the law is told at `time_s`. Without odometry the ego is taken to stand at the origin.
@@ -53,10 +60,39 @@ pub fn input(setting: &Setting, samples: &Samples<'_>, time_s: f64) -> Input {
         ego,
         target: samples.radar.and_then(|radar| target_at(radar, time_s)),
         signals: signals_ahead(samples, &ego, time_s),
+        powertrain: samples.powertrain.map(|powertrain| powertrain_at(powertrain, samples, time_s)),
+        preview: samples.preview.map(preview),
         set_speed_mps: setting.set_speed_mps,
-        speed_limit_mps: setting.speed_limit_mps,
-        ..Input::default()
+        speed_limit_mps: samples
+            .preview
+            .map_or(f64::INFINITY, |preview| preview.speed_limit_mps)
+            .min(setting.speed_limit_mps),
     }
+}
+
+/// The grade is what the accelerometer shows beyond the acceleration: the slope's share of gravity.
+fn powertrain_at(powertrain: &Powertrain, samples: &Samples<'_>, time_s: f64) -> law::Powertrain {
+    let acceleration_mps2 = samples.odometry.map_or(0.0, |odometry| odometry.acceleration_mps2);
+    let slope_mps2 = powertrain.specific_force_mps2 - acceleration_mps2;
+    let sine = (slope_mps2 / truck_model::GRAVITY_MPS2).clamp(-0.5, 0.5);
+    law::Powertrain {
+        gear: (powertrain.gear as usize).saturating_sub(1),
+        since_shift_s: powertrain.since_shift_s + age_s(powertrain.header.acquisition_ns, time_s),
+        engine_torque_nm: powertrain.engine_torque_nm,
+        grade: sine / (1.0 - sine * sine).sqrt(),
+    }
+}
+
+fn preview(preview: &Preview) -> predictive::Preview {
+    let count = usize::try_from(preview.count).map_or(0, |count| count.min(preview.grades.len()));
+    let mut ahead = predictive::Preview {
+        start_m: preview.first_cell_m,
+        cell_m: preview.cell_m,
+        count,
+        ..predictive::Preview::default()
+    };
+    ahead.grades[..count].copy_from_slice(&preview.grades[..count]);
+    ahead
 }
 
 fn age_s(acquisition_ns: i64, time_s: f64) -> f64 {
@@ -167,6 +203,30 @@ mod tests {
         radar.target.valid = 0;
         let samples = Samples { radar: Some(&radar), ..Samples::default() };
         assert_eq!(input(&SETTING, &samples, 0.2).target, None);
+    }
+
+    #[test]
+    fn the_grade_is_felt_and_the_map_is_handed_on_up_to_its_end() {
+        let mut powertrain = Powertrain::zeroed();
+        (powertrain.gear, powertrain.specific_force_mps2) = (6, 0.1 + 9.81 * 0.03);
+        let mut odometry = Odometry::zeroed();
+        odometry.acceleration_mps2 = 0.1;
+        let mut preview = Preview::zeroed();
+        (preview.count, preview.cell_m, preview.first_cell_m) = (2, 50.0, 100.0);
+        (preview.grades[0], preview.grades[1], preview.speed_limit_mps) = (0.01, 0.02, 25.0);
+        let samples = Samples {
+            odometry: Some(&odometry),
+            powertrain: Some(&powertrain),
+            preview: Some(&preview),
+            ..Samples::default()
+        };
+        let input = input(&Setting { speed_limit_mps: 30.0, ..SETTING }, &samples, 0.0);
+        let felt = input.powertrain.expect("a truck");
+        assert_eq!(felt.gear, 5);
+        assert!((felt.grade - 0.03 / (1.0_f64 - 0.03 * 0.03).sqrt()).abs() < 1e-12);
+        let ahead = input.preview.expect("a map");
+        assert_eq!((ahead.grade(160.0), ahead.grade(200.0)), (Some(0.02), None));
+        assert_eq!(input.speed_limit_mps, 25.0);
     }
 
     #[test]

@@ -107,6 +107,8 @@ pub enum PaperName {
     SixMode,
     /// Gao, Yan, Li, Hu 2015.
     QuadraticBounded,
+    /// Li, Zheng, Wang, Wang.
+    Predictive,
     /// He, Xi, Huang, Chen, Huang 2024.
     Cacc,
 }
@@ -117,6 +119,7 @@ impl PaperName {
         match self {
             Self::SixMode => "six-mode",
             Self::QuadraticBounded => "quadratic-bounded",
+            Self::Predictive => "predictive",
             Self::Cacc => "cacc",
         }
     }

@@ -4,8 +4,8 @@ use crate::group::{Drive, Ended, GroupOutcome};
 use serde::Serialize;
 use shared::Service;
 use shared::report::{
-    ControlFigures, ControllerReport, Details, ModeChange, Outcome, PlantReport, ReceivedTopic,
-    ServiceReport,
+    ControlFigures, ControllerReport, Details, ModeChange, Outcome, PlanningReport, PlantReport,
+    ReceivedTopic, ServiceReport,
 };
 use shared::runtime::Mode;
 use shared::runtime::scheduling::Granted;
@@ -59,6 +59,8 @@ pub struct Timing {
     /// Cycles whose command had to be relaxed, and whose command came from the law's backup.
     pub relaxed_cycles: Option<u64>,
     pub backup_cycles: Option<u64>,
+    /// Planning beside the control loop, of laws that do.
+    pub planning: Option<PlanningReport>,
 }
 
 #[derive(Clone, Debug, Default, Serialize)]
@@ -142,6 +144,7 @@ impl Summary {
                 hops_us: plant.map(|plant| plant.hops_us).unwrap_or_default(),
                 relaxed_cycles: controller.map(|controller| controller.relaxed),
                 backup_cycles: controller.map(|controller| controller.backup),
+                planning: controller.and_then(|controller| controller.planning),
             },
             messages: messages(&group.reports, &group.drive),
             faults: Vec::new(),

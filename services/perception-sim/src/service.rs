@@ -16,7 +16,7 @@ use shared::runtime::{Cycle, Overrun, Runtime, RuntimeError};
 /// # Errors
 /// If the group's shared memory is not usable.
 pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
-    let scenario = runtime.scenario()?;
+    let scenario = runtime.scenario();
     let mut perception = Perception::new(&scenario);
     let mut odometry = runtime.subscriber::<Odometry>()?;
     let mut tracks = runtime.publisher::<RadarTracks>()?;

@@ -1,14 +1,15 @@
 //! The plant's loop: publish the motion, take the newest command, move on.
 
 use crate::chains::Chains;
-use crate::gateway::{Actuation, Gateway, Source};
-use crate::longitudinal::Vehicle;
+use crate::ego::Ego;
+use crate::gateway::{Actuation, EngineRequest, Gateway, Source};
 use crate::referee::{MAX_SIGNALS, Referee, SignalTruth, Violation};
+use crate::truck::Truck;
 use crate::truth;
 use shared::messages::{
-    self, Command, Header, Odometry, Origins, PLAN_LEN, ServiceState, VehicleTruth,
+    self, Command, Header, Odometry, Origins, PLAN_LEN, Powertrain, ServiceState, VehicleTruth,
 };
-use shared::report::{Details, Outcome, PlantReport};
+use shared::report::{ControlFigures, Details, Outcome, PlantReport};
 use shared::runtime::{Cycle, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber};
 use shared::scenario::Scenario;
 use shared::scenario::v2x::Phase;
@@ -19,7 +20,7 @@ use std::collections::VecDeque;
 /// # Errors
 /// If the group's shared memory is not usable.
 pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
-    let scenario = runtime.scenario()?;
+    let scenario = runtime.scenario();
     let mut plant = Plant::open(&mut runtime, &scenario)?;
     runtime.begin(&scenario)?;
     runtime.run_cycles(|runtime| plant.cycle(runtime))?;
@@ -28,11 +29,13 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
 }
 
 struct Plant {
-    vehicle: Vehicle,
+    ego: Ego,
     gateway: Gateway,
     referee: Referee,
     chains: Chains,
     odometry: Publisher<Odometry>,
+    /// From a truck alone.
+    powertrain: Option<Publisher<Powertrain>>,
     command: Subscriber<Command>,
     vehicles: Subscriber<VehicleTruth>,
     signals: Subscriber<messages::SignalTruth>,
@@ -52,11 +55,14 @@ impl Plant {
         let extra_ms = scenario.runtime.extra_delay_ms.value();
         let in_flight = extra_ms / scenario.plant.period_ms.value() + 2;
         Ok(Self {
-            vehicle: Vehicle::new(&scenario.plant),
+            ego: Ego::new(scenario).map_err(|problem| RuntimeError::Setup(problem.message))?,
             gateway: Gateway::new(&scenario.plant),
             referee: Referee::new(scenario),
             chains: Chains::default(),
             odometry: runtime.publisher()?,
+            powertrain: (scenario.plant.vehicle.is_truck())
+                .then(|| runtime.publisher())
+                .transpose()?,
             command: runtime.subscriber()?,
             vehicles: runtime.subscriber()?,
             signals: runtime.subscriber()?,
@@ -84,7 +90,7 @@ impl Plant {
         let violation = self.judge(&release);
         let actuation = self.actuate(&release, runtime.clock().now_ns());
         self.request_mps2 = actuation.request_mps2;
-        self.vehicle.step(actuation.request_mps2);
+        self.ego.step(&actuation);
 
         let state = match actuation.source {
             Source::None | Source::Command | Source::Plan => ServiceState::Running,
@@ -98,10 +104,27 @@ impl Plant {
     }
 
     fn publish(&mut self, release: &Release) -> Result<(), RuntimeError> {
-        let state = self.vehicle.state();
+        let state = self.ego.state();
         let origins = self.active.map_or(Origins::NONE, |command| command.header.origins);
+        let header = Header::new(release.step, release.scheduled_ns, origins);
+        if let (Some(publisher), Some(truck)) = (&mut self.powertrain, self.ego.truck()) {
+            let powertrain = truck.powertrain();
+            self.gateway.engine_gives(powertrain.engine_torque_nm);
+            publisher.send(Powertrain {
+                header,
+                gear: powertrain.gear as u32 + 1,
+                shifts: powertrain.shifts,
+                since_shift_s: powertrain.since_shift_s,
+                engine_speed_rpm: powertrain.engine_speed_rpm,
+                engine_torque_nm: powertrain.engine_torque_nm,
+                service_brake_n: powertrain.service_brake_n,
+                fuel_gps: powertrain.fuel_gps,
+                fuel_g: powertrain.fuel_g,
+                specific_force_mps2: powertrain.specific_force_mps2,
+            })?;
+        }
         self.odometry.send(Odometry {
-            header: Header::new(release.step, release.scheduled_ns, origins),
+            header,
             position_m: state.position_m,
             speed_mps: state.speed_mps,
             acceleration_mps2: state.acceleration_mps2,
@@ -120,7 +143,7 @@ impl Plant {
         };
         let mut signals = [DARK; MAX_SIGNALS];
         let count = self.signals.newest().map_or(0, |newest| truth::signals(newest, &mut signals));
-        let state = self.vehicle.state();
+        let state = self.ego.state();
         let ahead = (self.vehicles.newest())
             .and_then(|newest| truth::ahead(newest, state.position_m, release.time_s));
         let now_ns = release.scheduled_ns.unsigned_abs();
@@ -143,11 +166,17 @@ impl Plant {
             let plan_len = usize::try_from(command.plan_len).map_or(0, |len| len.min(PLAN_LEN));
             // The plan is moved by the delay with the rest of the command.
             let start_ns = command.header.acquisition_ns + delay_ns;
-            let accepted = self.gateway.accept(
+            let engine = (command.has_torque != 0).then(|| EngineRequest {
+                torque_nm: command.engine_torque_nm,
+                service_brake_n: command.service_brake_n,
+                gear: (command.gear as usize).checked_sub(1),
+            });
+            let accepted = self.gateway.accept_with_engine(
                 release.scheduled_ns.unsigned_abs(),
                 start_ns.unsigned_abs(),
                 command.plan_period_ns.unsigned_abs(),
                 &command.plan_mps2[..plan_len],
+                engine,
             );
             if accepted.is_ok() {
                 self.active = Some(command);
@@ -156,7 +185,7 @@ impl Plant {
         if let Some(active) = &self.active {
             self.chains.actuated(active, now_ns);
         }
-        let state = self.vehicle.state();
+        let state = self.ego.state();
         let ahead = (self.vehicles.newest())
             .and_then(|newest| truth::ahead(newest, state.position_m, release.time_s));
         let now_ns = release.scheduled_ns.unsigned_abs();
@@ -173,10 +202,17 @@ impl Plant {
             None if self.stopped_for_want_of_commands => Outcome::SafeStop,
             None => Outcome::Completed,
         };
+        let truck = self.ego.truck();
+        let control = ControlFigures {
+            fuel_l_per_100km: truck.and_then(Truck::fuel_l_per_100km),
+            gear_shifts: truck.map(Truck::shifts),
+            service_brake_s: truck.map(Truck::service_brake_s),
+            ..self.referee.figures().clone()
+        };
         PlantReport {
             outcome,
             duration_s: self.time_s,
-            control: self.referee.figures().clone(),
+            control,
             reaction_time_us: self.chains.reaction_us(),
             data_age_us: self.chains.age_us(),
             hops_us: self.chains.hops_us(),

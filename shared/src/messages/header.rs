@@ -1,5 +1,6 @@
 //! The header that every message starts with.
 
+use crate::e2e::profile7::Protection;
 use bytemuck::{Pod, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
 
@@ -64,6 +65,8 @@ impl Origins {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable, ZeroCopySend)]
 #[type_name("timegap_msgs/msg/Header")]
 pub struct Header {
+    /// End-to-end protection of the whole message.
+    pub protection: Protection,
     /// Number of this message on its topic from its source, counted from 1 in each incarnation.
     pub sequence: u64,
     /// Simulation step that the message belongs to.

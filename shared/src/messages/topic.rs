@@ -9,7 +9,7 @@ use iceoryx2::prelude::ZeroCopySend;
 
 /// Version of all message layouts, an attribute of every topic: a process built with another
 /// version cannot open it.
-pub const LAYOUT_VERSION: &str = "1";
+pub const LAYOUT_VERSION: &str = "2";
 
 /// A message type with its topic.
 pub trait Message: Pod + ZeroCopySend + Debug + PartialEq + Carried {
@@ -28,12 +28,16 @@ pub trait Message: Pod + ZeroCopySend + Debug + PartialEq + Carried {
 pub enum Topic {
     /// `vehicle/odometry`
     Odometry,
+    /// `vehicle/powertrain`
+    Powertrain,
     /// `radar/tracks`
     RadarTracks,
     /// `v2x/spat`
     Spat,
     /// `v2x/map`
     Map,
+    /// `v2x/preview`
+    Preview,
     /// `control/command`
     Command,
     /// `control/diagnostics`
@@ -47,11 +51,13 @@ pub enum Topic {
 }
 
 /// All topics, in the order of the data's way.
-pub const TOPICS: [Topic; 9] = [
+pub const TOPICS: [Topic; 11] = [
     Topic::Odometry,
+    Topic::Powertrain,
     Topic::RadarTracks,
     Topic::Spat,
     Topic::Map,
+    Topic::Preview,
     Topic::Command,
     Topic::Diagnostics,
     Topic::VehicleTruth,
@@ -65,9 +71,11 @@ impl Topic {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Odometry => "vehicle/odometry",
+            Self::Powertrain => "vehicle/powertrain",
             Self::RadarTracks => "radar/tracks",
             Self::Spat => "v2x/spat",
             Self::Map => "v2x/map",
+            Self::Preview => "v2x/preview",
             Self::Command => "control/command",
             Self::Diagnostics => "control/diagnostics",
             Self::VehicleTruth => "truth/vehicles",
@@ -81,9 +89,11 @@ impl Topic {
     pub const fn message_bytes(self) -> usize {
         match self {
             Self::Odometry => size_of::<super::Odometry>(),
+            Self::Powertrain => size_of::<super::Powertrain>(),
             Self::RadarTracks => size_of::<super::RadarTracks>(),
             Self::Spat => size_of::<super::Spat>(),
             Self::Map => size_of::<super::Map>(),
+            Self::Preview => size_of::<super::Preview>(),
             Self::Command => size_of::<super::Command>(),
             Self::Diagnostics => size_of::<super::Diagnostics>(),
             Self::VehicleTruth => size_of::<super::VehicleTruth>(),
@@ -92,13 +102,25 @@ impl Topic {
         }
     }
 
+    /// The topic of that name.
+    #[must_use]
+    pub fn by_name(name: &str) -> Option<Self> {
+        TOPICS.into_iter().find(|topic| topic.name() == name)
+    }
+
+    /// Data ID of the end-to-end protection of what `source` sends on it.
+    #[must_use]
+    pub const fn data_id(self, source: u32) -> u32 {
+        (self as u32 + 1) << 16 | source
+    }
+
     /// Service that publishes it; `None` where every service does.
     #[must_use]
     pub const fn source(self) -> Option<Service> {
         match self {
-            Self::Odometry => Some(Service::Plant),
+            Self::Odometry | Self::Powertrain => Some(Service::Plant),
             Self::RadarTracks | Self::VehicleTruth => Some(Service::PerceptionSim),
-            Self::Spat | Self::Map | Self::SignalTruth => Some(Service::V2xSim),
+            Self::Spat | Self::Map | Self::Preview | Self::SignalTruth => Some(Service::V2xSim),
             Self::Command | Self::Diagnostics => Some(Service::Controller),
             Self::Heartbeat => None,
         }
@@ -109,7 +131,9 @@ impl Topic {
     pub const fn consumers(self) -> &'static [Service] {
         match self {
             Self::Odometry => &[Service::PerceptionSim, Service::V2xSim, Service::Controller],
-            Self::RadarTracks | Self::Spat | Self::Map => &[Service::Controller],
+            Self::Powertrain | Self::RadarTracks | Self::Spat | Self::Map | Self::Preview => {
+                &[Service::Controller]
+            }
             Self::Command | Self::VehicleTruth | Self::SignalTruth => &[Service::Plant],
             Self::Diagnostics | Self::Heartbeat => &[],
         }

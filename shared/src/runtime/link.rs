@@ -3,12 +3,13 @@
 //! The launcher writes [`ToService`] to the service's standard input and reads [`FromService`] from
 //! its standard output. The end of the input is the launcher's death, and an order to stop at once.
 
+use super::faults::{Inbox, Injected};
 use super::{RuntimeError, scheduling::Granted};
 use crate::report::ServiceReport;
 use serde::{Deserialize, Serialize};
 use std::io::{BufRead, Write};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
 
 /// The common start instant.
@@ -26,9 +27,17 @@ pub enum ToService {
     Start(StartOrder),
     /// End after the releases of this step; in realtime, at once.
     StopAfter(u64),
+    /// A fault to act out.
+    Inject(Injected),
+    /// Bring the vehicle to a stop in lane and end: for the plant.
+    SafeStop,
     /// End at once.
     Abort,
 }
+
+/// The signal that makes a service look at its peers again: one has joined. Ignored by default, so
+/// that it harms nobody who does not expect it.
+pub const PEER_JOINED: i32 = signal_hook::consts::SIGURG;
 
 /// What a service says to the launcher.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -76,6 +85,11 @@ impl End {
 pub(super) struct Link {
     start: Receiver<StartOrder>,
     pub(super) end: End,
+    pub(super) inbox: Inbox,
+    /// Somebody joined the group.
+    pub(super) joined: Arc<AtomicBool>,
+    /// The vehicle is to be brought to a stop.
+    pub(super) safe_stop: Arc<AtomicBool>,
 }
 
 impl Link {
@@ -86,8 +100,13 @@ impl Link {
             signal_hook::flag::register_usize(signal, Arc::clone(&end.0), 0)
                 .map_err(|e| RuntimeError::Link(format!("signal handler: {e}")))?;
         }
+        let joined = Arc::new(AtomicBool::new(false));
+        signal_hook::flag::register(PEER_JOINED, Arc::clone(&joined))
+            .map_err(|e| RuntimeError::Link(format!("signal handler: {e}")))?;
         let (sender, start) = sync_channel(1);
-        let orders = end.clone();
+        let (orders, inbox) = (end.clone(), Inbox::default());
+        let safe_stop = Arc::new(AtomicBool::new(false));
+        let (faults, stop) = (inbox.clone(), Arc::clone(&safe_stop));
         std::thread::Builder::new()
             .name("link".into())
             .stack_size(128 * 1024)
@@ -99,13 +118,15 @@ impl Link {
                             let _ = sender.try_send(order);
                         }
                         Some(ToService::StopAfter(step)) => orders.set_before(step + 1),
+                        Some(ToService::Inject(injected)) => faults.put(injected),
+                        Some(ToService::SafeStop) => stop.store(true, Ordering::Relaxed),
                         Some(ToService::Abort) | None => orders.set_before(0),
                     }
                 }
                 orders.set_before(0);
             })
             .map_err(|e| RuntimeError::Link(format!("thread: {e}")))?;
-        Ok(Self { start, end })
+        Ok(Self { start, end, inbox, joined, safe_stop })
     }
 
     /// Waits for the start order.

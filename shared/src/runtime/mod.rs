@@ -18,10 +18,14 @@
 //!
 //! `unsafe` is allowed in `scheduling` and `spawn` alone, for system calls that no crate wraps.
 
+mod beside;
 mod clock;
 mod error;
+mod faults;
 mod group;
+mod keeper;
 mod link;
+mod members;
 mod observer;
 mod port;
 mod release;
@@ -31,11 +35,15 @@ mod spawn;
 mod timetable;
 mod transport;
 
+pub use beside::Beside;
 pub use clock::{Clock, Mode, monotonic_ns};
 pub use error::RuntimeError;
+pub use faults::{Befallen, Injected, concerned};
 pub use group::Group;
+pub use keeper::Keeper;
 pub(crate) use link::End;
-pub use link::{FromService, StartOrder, ToService};
+pub use link::{FromService, PEER_JOINED, StartOrder, ToService};
+pub use members::enroll;
 pub use observer::{Observed, Observer};
 pub use port::{Publisher, Subscriber};
 pub use release::{Overrun, Release};

@@ -1,17 +1,20 @@
 //! Somebody who only listens: the launcher, a recorder.
 
+use super::faults::Faults;
+use super::members::Members;
 use super::port::Tally;
 use super::transport::Transport;
 use super::{Group, RuntimeError, Subscriber};
-use crate::Service;
 use crate::messages::Message;
 use crate::report::ReceivedTopic;
+use std::rc::Rc;
 
 /// A listener in a running group.
 #[derive(Debug)]
 pub struct Observer {
     transport: Transport,
     mode: super::Mode,
+    members: Rc<Members>,
 }
 
 impl Observer {
@@ -20,7 +23,8 @@ impl Observer {
     /// # Errors
     /// If the run's shared memory is not usable.
     pub fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
-        Ok(Self { transport: Transport::join(group, name)?, mode: group.mode })
+        let members = Rc::new(Members::of(&group.root));
+        Ok(Self { transport: Transport::join(group, name)?, mode: group.mode, members })
     }
 
     /// Listens to `T`'s topic from now on.
@@ -29,14 +33,8 @@ impl Observer {
     /// [`RuntimeError::Topic`].
     pub fn listen<T: Message>(&self) -> Result<Observed<T>, RuntimeError> {
         let port = T::receiver(&self.transport)?;
-        Ok(Observed(Subscriber {
-            port,
-            listener: None,
-            newest: None,
-            ahead: None,
-            last: [(0, 0); Service::ALL.len() + 1],
-            tally: Tally::new(self.mode),
-        }))
+        let (members, faults) = (Rc::clone(&self.members), Rc::new(Faults::none()));
+        Ok(Observed(Subscriber::new(port, None, members, None, faults, Tally::new(self.mode))))
     }
 }
 

@@ -1,11 +1,15 @@
 //! Typed ends of a topic, with stamps, counts and digests.
 
+use super::faults::{Faults, Lies, Wire};
 use super::link::End;
-use super::transport::{Receiver, Sender, Waiter, Waker};
+use super::members::Members;
+use super::transport::{Receiver, Sender, SenderId, Waiter, Waker};
 use super::{Clock, Mode, RuntimeError, Timetable};
-use crate::messages::{Message, Topic};
+use crate::e2e::{Channel, Outcomes, profile7};
+use crate::messages::{Message, Odometry, Topic};
 use crate::report::{ReceivedTopic, SentTopic};
 use crate::{Service, messages::Origin};
+use iceoryx2::port::listener::ListenerWaitError;
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
@@ -19,6 +23,7 @@ const DRAIN_STEPS: u64 = 16;
 pub(super) struct Tally {
     pub(super) messages: u64,
     pub(super) lost: u64,
+    pub(super) e2e: Outcomes,
     digest: Option<Box<Xxh3Default>>,
 }
 
@@ -57,6 +62,7 @@ impl Tally {
             topic: topic.name().into(),
             received: self.messages,
             lost: self.lost,
+            e2e: self.e2e,
             digest: self.digest(),
         }
     }
@@ -71,23 +77,38 @@ pub struct Publisher<T: Message> {
     pub(super) timetable: Timetable,
     pub(super) source: Service,
     pub(super) incarnation: u32,
+    pub(super) faults: Rc<Faults>,
+    pub(super) lies: Lies<T>,
     pub(super) tally: Rc<RefCell<Tally>>,
 }
 
 impl<T: Message> Publisher<T> {
-    /// Completes the header of `message` (sequence, source, publish stamp) and sends it. Allocates
-    /// nothing.
+    /// Completes the header of `message` (sequence, source, publish stamp, protection) and sends it.
+    /// Allocates nothing.
     ///
     /// # Errors
     /// [`RuntimeError::Send`] if the transport refuses it.
     pub fn send(&mut self, mut message: T) -> Result<(), RuntimeError> {
         let error = |reason: String| RuntimeError::Send { topic: T::TOPIC, reason };
+        let source = self.source.to_wire();
+        let sequence = self.tally.borrow().messages + 1;
+        let now_ns = self.clock.now_ns();
         let header = message.header_mut();
-        header.sequence = self.tally.borrow().messages + 1;
+        header.sequence = sequence;
         header.incarnation = self.incarnation;
-        header.source = self.source.to_wire();
-        header.publish_ns = self.clock.now_ns();
+        header.source = source;
+        header.publish_ns = now_ns;
         let step = header.step;
+        if self.faults.in_use() {
+            if T::TOPIC == Topic::Odometry {
+                let odometry: &Odometry = bytemuck::from_bytes(bytemuck::bytes_of(&message));
+                self.faults.ego_at(odometry.position_m, odometry.speed_mps, now_ns);
+            }
+            self.lies.tell(&mut message, &self.faults, now_ns);
+        }
+        // The counter is the sequence number's low half: it wraps.
+        let data_id = T::TOPIC.data_id(source);
+        profile7::protect(bytemuck::bytes_of_mut(&mut message), data_id, sequence as u32);
         self.port.send(&message).map_err(error)?;
         self.tally.borrow_mut().count(&message);
         if let Some(notifier) = &self.notifier
@@ -99,19 +120,68 @@ impl<T: Message> Publisher<T> {
     }
 }
 
-/// The receiving end of `T`'s topic: keeps the newest sample that is not of a later step.
+/// Senders that a port remembers; a group restarts its services less often than that in any while.
+const REMEMBERED_SENDERS: usize = 16;
+/// A stamp may be so far ahead of the reader's clock: both are one clock of one host, read one after
+/// the other, ns.
+const FUTURE_TOLERANCE_NS: i64 = 5_000_000;
+/// Periods of its source after which a topic without a message counts as silent.
+const SILENCE: f64 = 1.5;
+
+/// The receiving end of `T`'s topic: keeps the newest sample that passed the end-to-end check and is
+/// not of a later step.
 #[derive(Debug)]
 pub struct Subscriber<T: Message> {
-    pub(super) port: Rc<dyn Receiver<T>>,
+    port: Rc<dyn Receiver<T>>,
     pub(super) listener: Option<Waiter>,
-    pub(super) newest: Option<T>,
-    pub(super) ahead: Option<T>,
+    newest: Option<T>,
+    ahead: Option<T>,
+    /// Newest step of which a message arrived, whatever the check made of it.
+    arrived_step: Option<u64>,
     /// Incarnation and sequence number of the last message of each source.
-    pub(super) last: [(u32, u64); Service::ALL.len() + 1],
+    last: [(u32, u64); Service::ALL.len() + 1],
+    channels: [Channel; Service::ALL.len() + 1],
+    members: Rc<Members>,
+    /// Senders that were looked up, and whether they belong to the group.
+    senders: [Option<(SenderId, bool)>; REMEMBERED_SENDERS],
+    next_sender: usize,
+    /// None for an observer, who has no part in the run's time.
+    clock: Option<Rc<Clock>>,
+    faults: Rc<Faults>,
+    wire: Option<Box<Wire<T>>>,
+    /// Run time of the last message used, or of the last silence counted since, ns.
+    heard_ns: i64,
     pub(super) tally: Rc<RefCell<Tally>>,
 }
 
 impl<T: Message> Subscriber<T> {
+    pub(super) fn new(
+        port: Rc<dyn Receiver<T>>,
+        listener: Option<Waiter>,
+        members: Rc<Members>,
+        clock: Option<Rc<Clock>>,
+        faults: Rc<Faults>,
+        tally: Rc<RefCell<Tally>>,
+    ) -> Self {
+        Self {
+            port,
+            listener,
+            newest: None,
+            ahead: None,
+            arrived_step: None,
+            last: [(0, 0); Service::ALL.len() + 1],
+            channels: Default::default(),
+            members,
+            senders: [None; REMEMBERED_SENDERS],
+            next_sender: 0,
+            clock,
+            faults,
+            wire: None,
+            heard_ns: 0,
+            tally,
+        }
+    }
+
     /// The newest sample of the last update.
     #[must_use]
     pub fn newest(&self) -> Option<&T> {
@@ -124,7 +194,7 @@ impl<T: Message> Subscriber<T> {
         self.newest.as_ref().map_or(Origin::NONE, |sample| Origin::of(sample.header()))
     }
 
-    /// Takes all samples up to `step`, calling `each` on every one in order.
+    /// Takes all samples up to `step`, calling `each` on every one that may be used, in order.
     pub(super) fn drain(
         &mut self,
         step: u64,
@@ -135,32 +205,107 @@ impl<T: Message> Subscriber<T> {
                 Some(sample) => sample,
                 None => match self.receive()? {
                     Some(sample) => sample,
-                    None => return Ok(()),
+                    None => break,
                 },
             };
+            // A wrong step is caught by the check; the wait for it is not to last for ever.
             if sample.header().step > step {
                 self.ahead = Some(sample);
-                return Ok(());
+                break;
             }
-            each(&sample);
-            self.newest = Some(sample);
+            self.arrived_step = self.arrived_step.max(Some(sample.header().step));
+            if self.faults.in_use() {
+                let now_ns = self.now_ns();
+                let wire = self.wire.get_or_insert_with(|| Box::new(Wire::new()));
+                wire.take(&sample, &self.faults, now_ns);
+            } else {
+                self.check(&sample, &mut each);
+            }
+        }
+        if let Some(mut wire) = self.wire.take() {
+            let now_ns = self.now_ns();
+            while let Some(sample) = wire.hand_over(now_ns) {
+                self.check(&sample, &mut each);
+            }
+            self.wire = Some(wire);
+        }
+        Ok(())
+    }
+
+    fn now_ns(&self) -> i64 {
+        self.clock.as_ref().map_or(0, |clock| clock.now_ns())
+    }
+
+    /// Keeps the sample if it passes the end-to-end check.
+    fn check(&mut self, sample: &T, each: &mut impl FnMut(&T)) {
+        let header = sample.header();
+        let source = T::TOPIC.source().map_or(header.source, Service::to_wire);
+        let tally = &mut self.tally.borrow_mut();
+        let Some(channel) = self.channels.get_mut(source as usize) else {
+            tally.e2e.error += 1;
+            return;
+        };
+        let bytes = bytemuck::bytes_of(sample);
+        if !channel.accept(bytes, T::TOPIC.data_id(source), header.incarnation, &mut tally.e2e) {
+            return;
+        }
+        if let Some(clock) = &self.clock {
+            let now_ns = clock.now_ns();
+            if header.acquisition_ns > now_ns.saturating_add(FUTURE_TOLERANCE_NS) {
+                tally.e2e.from_the_future += 1;
+                return;
+            }
+            self.heard_ns = now_ns;
+        }
+        each(sample);
+        self.newest = Some(*sample);
+    }
+
+    /// Counts a silence of more than a period of the topic's source as the standard's "no new data",
+    /// once in a period.
+    pub(super) fn note_silence(&mut self, now_ns: i64, period_ns: i64) {
+        if now_ns - self.heard_ns > (SILENCE * period_ns as f64) as i64
+            && let Some(source) = T::TOPIC.source()
+        {
+            self.heard_ns += period_ns;
+            self.channels[source.to_wire() as usize].nothing_new(&mut self.tally.borrow_mut().e2e);
         }
     }
 
     fn receive(&mut self) -> Result<Option<T>, RuntimeError> {
-        let error = |reason| RuntimeError::Receive { topic: T::TOPIC, reason };
-        let Some(sample) = self.port.receive().map_err(error)? else { return Ok(None) };
-        let header = sample.header();
-        let mut tally = self.tally.borrow_mut();
-        if let Some(last) = self.last.get_mut(header.source as usize) {
-            // A new incarnation counts from 1 again; the first sample of a late joiner is no loss.
-            if last.0 == header.incarnation && last.1 > 0 {
-                tally.lost += header.sequence.saturating_sub(last.1 + 1);
+        loop {
+            let error = |reason| RuntimeError::Receive { topic: T::TOPIC, reason };
+            let Some((sample, sender)) = self.port.receive().map_err(error)? else {
+                return Ok(None);
+            };
+            let header = sample.header();
+            if !self.knows(sender, header.source, header.incarnation) {
+                self.tally.borrow_mut().e2e.stranger += 1;
+                continue;
             }
-            *last = (header.incarnation, header.sequence);
+            let mut tally = self.tally.borrow_mut();
+            if let Some(last) = self.last.get_mut(header.source as usize) {
+                // A new incarnation counts from 1 again; the first sample of a late joiner is no loss.
+                if last.0 == header.incarnation && last.1 > 0 {
+                    tally.lost += header.sequence.saturating_sub(last.1 + 1);
+                }
+                *last = (header.incarnation, header.sequence);
+            }
+            tally.count(&sample);
+            return Ok(Some(sample));
         }
-        tally.count(&sample);
-        Ok(Some(sample))
+    }
+
+    /// True if `sender` is the process that it says it is.
+    fn knows(&mut self, sender: SenderId, source: u32, incarnation: u32) -> bool {
+        if let Some((_, belongs)) = self.senders.iter().flatten().find(|(id, _)| *id == sender) {
+            return *belongs;
+        }
+        let allowed = T::TOPIC.source().is_none_or(|service| service.to_wire() == source);
+        let belongs = allowed && self.members.vouch(source, incarnation, sender.pid());
+        self.senders[self.next_sender] = Some((sender, belongs));
+        self.next_sender = (self.next_sender + 1) % REMEMBERED_SENDERS;
+        belongs
     }
 
     /// True if the newest sample is of step `due` or later.
@@ -168,7 +313,7 @@ impl<T: Message> Subscriber<T> {
         self.newest.as_ref().is_some_and(|sample| sample.header().step >= due)
     }
 
-    /// Waits until the sample of step `due` was taken.
+    /// Waits until the sample of step `due` arrived.
     pub(super) fn await_step(
         &mut self,
         due: u64,
@@ -179,7 +324,7 @@ impl<T: Message> Subscriber<T> {
         let mut waiting_since = None;
         loop {
             self.drain(step, |_| {})?;
-            if self.reaches(due) {
+            if self.arrived_step.is_some_and(|arrived| arrived >= due) {
                 return Ok(());
             }
             if end.is_before(step) {
@@ -197,9 +342,10 @@ impl<T: Message> Subscriber<T> {
     /// Waits for a notification, at most for `timeout`.
     pub(super) fn wait(&mut self, timeout: Duration) -> Result<(), RuntimeError> {
         let listener = self.listener.as_ref().expect("whoever waits has a listener");
-        listener
-            .timed_wait(|_| {}, timeout)
-            .map(|_| ())
-            .map_err(|e| RuntimeError::Receive { topic: T::TOPIC, reason: format!("{e:?}") })
+        match listener.timed_wait(|_| {}, timeout) {
+            // A signal: the caller looks around.
+            Ok(_) | Err(ListenerWaitError::InterruptSignal) => Ok(()),
+            Err(e) => Err(RuntimeError::Receive { topic: T::TOPIC, reason: format!("{e:?}") }),
+        }
     }
 }

@@ -1,23 +1,29 @@
 //! One service's life in the group.
 
+use super::faults::{Faults, Lies};
+use super::keeper::Keeper;
 use super::link::Link;
+use super::members::Members;
 use super::port::Tally;
 use super::scheduling::{Granted, Request, apply};
-use super::transport::{Connect, Transport};
+use super::transport::{Connect, Input, Transport};
 use super::{
     Clock, FromService, Group, Mode, Overrun, Publisher, Release, RuntimeError, Subscriber,
 };
 use crate::Service;
-use crate::messages::{Header, Heartbeat, Message, Origins, ServiceState, Topic};
+use crate::messages::{Header, Heartbeat, Message, Odometry, Origins, ServiceState, Topic};
 use crate::report::{Details, ServiceReport};
 use crate::scenario::Scenario;
 use crate::statistics::Latencies;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use std::cell::RefCell;
 use std::path::Path;
 use std::process::ExitCode;
 use std::rc::Rc;
 use std::sync::OnceLock;
-use std::time::Duration;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
 
 static ALLOCATIONS: OnceLock<fn() -> u64> = OnceLock::new();
 
@@ -30,6 +36,9 @@ pub fn count_allocations_by(counter: fn() -> u64) {
 
 /// Run time between two heartbeats, ns.
 const HEARTBEAT_NS: i64 = 100_000_000;
+
+/// Longest that a restarted service waits for its inputs' last messages; a dead input has none.
+const INPUT_PATIENCE: Duration = Duration::from_millis(15);
 
 /// What a cycle says of the run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,9 +60,14 @@ pub struct Runtime {
     link: Link,
     sent: Vec<(Topic, Rc<RefCell<Tally>>)>,
     received: Vec<(Topic, Rc<RefCell<Tally>>)>,
-    unconnected: Vec<(Topic, Rc<dyn Connect>)>,
+    ports: Vec<(Topic, Rc<dyn Connect>)>,
     heartbeat: Option<Publisher<Heartbeat>>,
     granted: Option<Granted>,
+    scenario: Scenario,
+    members: Rc<Members>,
+    faults: Rc<Faults>,
+    /// Receiving ends that a restarted service waits for.
+    inputs: Vec<Rc<dyn Input>>,
     step: u64,
     next_step: u64,
     cycles: u64,
@@ -70,10 +84,17 @@ impl Runtime {
     pub fn join(service: Service, root: &Path, incarnation: u32) -> Result<Self, RuntimeError> {
         let link = Link::open()?;
         let group = Group::read(root)?;
+        let scenario = Scenario::parse("scenario", &group.scenario)
+            .map_err(|e| RuntimeError::Setup(e.to_string()))?;
         let transport = Transport::join(&group, service.name())?;
         let clock = Rc::new(Clock::new(group.mode, group.timetable.step_ns));
         link.end.set_before(group.timetable.last_step + 1);
+        let faults = Rc::new(Faults::of(&scenario, link.inbox.clone()));
         Ok(Self {
+            members: Rc::new(Members::of(&group.root)),
+            scenario,
+            faults,
+            inputs: Vec::new(),
             group,
             service,
             incarnation,
@@ -82,7 +103,7 @@ impl Runtime {
             link,
             sent: Vec::new(),
             received: Vec::new(),
-            unconnected: Vec::new(),
+            ports: Vec::new(),
             heartbeat: None,
             granted: None,
             step: 0,
@@ -107,10 +128,10 @@ impl Runtime {
             Mode::Realtime => T::TOPIC == Topic::RadarTracks,
         };
         let port = T::sender(&self.transport, self.link.end.clone())?;
-        self.unconnected.push((T::TOPIC, Rc::clone(&port) as Rc<dyn Connect>));
+        self.ports.push((T::TOPIC, Rc::clone(&port) as Rc<dyn Connect>));
         let notifier = awaited.then(|| self.transport.notifier(T::TOPIC)).transpose()?.map(Rc::new);
         if let Some(notifier) = &notifier {
-            self.unconnected.push((T::TOPIC, Rc::clone(notifier) as Rc<dyn Connect>));
+            self.ports.push((T::TOPIC, Rc::clone(notifier) as Rc<dyn Connect>));
         }
         Ok(Publisher {
             port,
@@ -119,6 +140,8 @@ impl Runtime {
             timetable: self.group.timetable,
             source: self.service,
             incarnation: self.incarnation,
+            faults: Rc::clone(&self.faults),
+            lies: Lies::new(),
             tally,
         })
     }
@@ -145,18 +168,43 @@ impl Runtime {
         // The listener first: whoever notifies must find it.
         let listener = waits.then(|| self.transport.listener(T::TOPIC)).transpose()?;
         let port = T::receiver(&self.transport)?;
-        self.unconnected.push((T::TOPIC, Rc::clone(&port) as Rc<dyn Connect>));
-        let last = [(0, 0); Service::ALL.len() + 1];
-        Ok(Subscriber { port, listener, newest: None, ahead: None, last, tally })
+        self.ports.push((T::TOPIC, Rc::clone(&port) as Rc<dyn Connect>));
+        self.inputs.push(Rc::clone(&port) as Rc<dyn Input>);
+        let (members, faults) = (Rc::clone(&self.members), Rc::clone(&self.faults));
+        let clock = Some(Rc::clone(&self.clock));
+        Ok(Subscriber::new(port, listener, members, clock, faults, tally))
     }
 
     /// The effective scenario.
+    #[must_use]
+    pub fn scenario(&self) -> Scenario {
+        self.scenario.clone()
+    }
+
+    /// True for a process that takes the place of one that died during the run.
+    #[must_use]
+    pub fn is_restarted(&self) -> bool {
+        self.incarnation > 0
+    }
+
+    /// Where this service keeps state for the process that may take its place.
     ///
     /// # Errors
-    /// [`RuntimeError::Setup`] if the group file does not hold one.
-    pub fn scenario(&self) -> Result<Scenario, RuntimeError> {
-        Scenario::parse("scenario", &self.group.scenario)
-            .map_err(|e| RuntimeError::Setup(e.to_string()))
+    /// [`RuntimeError::Setup`] if shared memory has no room for it.
+    pub fn keeper<T: Serialize + DeserializeOwned>(&self) -> Result<Keeper<T>, RuntimeError> {
+        let name = format!("{}{}.state", self.group.prefix, self.service);
+        Keeper::open(&Path::new("/dev/shm").join(name))
+    }
+
+    /// Goes on with the step after `step`, whatever time it is.
+    pub fn resume_after(&mut self, step: u64) {
+        self.next_step = step + 1;
+    }
+
+    /// True once the launcher asked for a stop in lane.
+    #[must_use]
+    pub fn is_to_stop(&self) -> bool {
+        self.link.safe_stop.load(Ordering::Relaxed)
     }
 
     /// Tells the launcher that all ports are open, and waits for the common start.
@@ -175,16 +223,45 @@ impl Runtime {
         let order = self.link.wait_for_start()?;
         self.clock.start(order.start_ns);
         // Everybody's ports exist now.
-        for (topic, port) in self.unconnected.drain(..) {
-            port.connect().map_err(|reason| RuntimeError::Topic { topic, reason })?;
+        self.connect()?;
+        if self.is_restarted() {
+            self.catch_up();
         }
         Ok(())
+    }
+
+    fn connect(&self) -> Result<(), RuntimeError> {
+        for (topic, port) in &self.ports {
+            port.connect().map_err(|reason| RuntimeError::Topic { topic: *topic, reason })?;
+        }
+        Ok(())
+    }
+
+    /// Joins a run that goes on: the first release is that of the present step, at once, as soon as
+    /// every input has brought its last message, or shows that it has none.
+    fn catch_up(&mut self) {
+        let begun = Instant::now();
+        while begun.elapsed() < INPUT_PATIENCE && !self.inputs.iter().all(|i| i.has_input()) {
+            std::thread::sleep(Duration::from_micros(200));
+        }
+        self.next_step =
+            u64::try_from(self.clock.now_ns() / self.group.timetable.step_ns).unwrap_or(0);
+    }
+
+    /// Connects to whoever joined since the last time, and takes in new faults.
+    fn look_around(&self) {
+        if self.link.joined.swap(false, Ordering::Relaxed) {
+            // A peer that died again at once; the next message tries anew.
+            let _ = self.connect();
+        }
+        self.faults.refresh();
     }
 
     /// Waits for the next release on the timer; `None` at the end of the run.
     pub fn next_release(&mut self, overrun: Overrun) -> Option<Release> {
         if self.group.mode == Mode::Realtime {
             loop {
+                self.look_around();
                 let scheduled = self.clock.scheduled_ns(self.next_step);
                 if self.link.end.is_before(self.next_step) {
                     return None;
@@ -212,6 +289,7 @@ impl Runtime {
     ) -> Result<Option<Release>, RuntimeError> {
         if self.group.mode == Mode::Realtime {
             loop {
+                self.look_around();
                 if self.link.end.is_before(self.next_step) {
                     return Ok(None);
                 }
@@ -239,12 +317,18 @@ impl Runtime {
         missed > 0
     }
 
+    /// The service's next step on its own grid after `step`: a restarted service begins off it.
+    fn step_after(&self, step: u64) -> u64 {
+        self.group.timetable.latest_release(self.service, step)
+            + self.group.timetable.stride(self.service)
+    }
+
     fn release(&mut self) -> Option<Release> {
         if self.link.end.is_before(self.next_step) {
             return None;
         }
         self.step = self.next_step;
-        self.next_step += self.group.timetable.stride(self.service);
+        self.next_step = self.step_after(self.step);
         self.clock.set_step(self.step);
         let scheduled_ns = self.clock.scheduled_ns(self.step);
         let start_ns = self.clock.now_ns();
@@ -262,14 +346,27 @@ impl Runtime {
     /// [`RuntimeError::Starved`] if a due sample never comes, [`RuntimeError::Stopped`] if the run
     /// ends meanwhile.
     pub fn update<T: Message>(&self, topic: &mut Subscriber<T>) -> Result<(), RuntimeError> {
-        match (self.group.mode, T::TOPIC.source()) {
+        let source = T::TOPIC.source();
+        match (self.group.mode, source) {
             (Mode::Lockstep, Some(source)) => {
                 let due = self.group.timetable.latest_release(source, self.step);
                 let patience = Duration::from_nanos(self.group.patience_ns.unsigned_abs());
-                topic.await_step(due, self.step, &self.link.end, patience)
+                topic.await_step(due, self.step, &self.link.end, patience)?;
             }
-            _ => topic.drain(u64::MAX, |_| {}),
+            _ => topic.drain(u64::MAX, |_| {})?,
         }
+        let now_ns = self.clock.now_ns();
+        if let Some(source) = source {
+            topic.note_silence(now_ns, self.group.timetable.period_ns(source));
+        }
+        if T::TOPIC == Topic::Odometry
+            && self.faults.in_use()
+            && let Some(odometry) = topic.newest()
+        {
+            let odometry: &Odometry = bytemuck::from_bytes(bytemuck::bytes_of(odometry));
+            self.faults.ego_at(odometry.position_m, odometry.speed_mps, now_ns);
+        }
+        Ok(())
     }
 
     /// Sends the heartbeat when it is due; called once at the end of every cycle.
@@ -316,6 +413,7 @@ impl Runtime {
                 .collect(),
             peak_rss_kib: peak_rss_kib(),
             scheduling: self.granted.expect("`begin` comes before `finish`"),
+            befallen: self.faults.befallen(),
             details,
         };
         self.link.say(&FromService::Report(Box::new(report)))?;

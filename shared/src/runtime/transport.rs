@@ -69,16 +69,39 @@ impl<Port: UpdateConnections + Debug> Connect for Port {
     }
 }
 
+/// A sending port, unique on this host.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SenderId(u128);
+
+impl SenderId {
+    /// The process that made it: iceoryx2's ids are seconds, nanoseconds, process, counter.
+    pub(super) fn pid(self) -> u32 {
+        (self.0 >> 64) as u32
+    }
+}
+
+/// An end of a topic that messages come out of.
+pub trait Input: Debug {
+    /// True if a message waits.
+    fn has_input(&self) -> bool;
+}
+
+impl<T: Message> Input for iceoryx2::port::subscriber::Subscriber<Ipc, T, ()> {
+    fn has_input(&self) -> bool {
+        self.has_samples().unwrap_or(false)
+    }
+}
+
 /// Receives messages of one type.
-pub trait Receiver<T>: Connect {
-    /// The oldest message not yet taken.
-    fn receive(&self) -> Result<Option<T>, String>;
+pub trait Receiver<T>: Connect + Input {
+    /// The oldest message not yet taken, and the port that sent it.
+    fn receive(&self) -> Result<Option<(T, SenderId)>, String>;
 }
 
 impl<T: Message> Receiver<T> for iceoryx2::port::subscriber::Subscriber<Ipc, T, ()> {
-    fn receive(&self) -> Result<Option<T>, String> {
+    fn receive(&self) -> Result<Option<(T, SenderId)>, String> {
         let sample = Self::receive(self).map_err(|e| format!("{e:?}"))?;
-        Ok(sample.map(|sample| *sample.payload()))
+        Ok(sample.map(|sample| (*sample.payload(), SenderId(sample.origin().value()))))
     }
 }
 
@@ -161,7 +184,8 @@ impl Transport {
             .max_subscribers(MAX_PEERS)
             .max_nodes(2 * MAX_PEERS)
             .subscriber_max_buffer_size(self.buffer)
-            .history_size(0)
+            // What a restarted receiver begins with.
+            .history_size(1)
             .enable_safe_overflow(self.mode == Mode::Realtime)
             .open_or_create_with_attributes(&attributes)
             .map_err(|e| error(format!("{e:?}")))
@@ -185,6 +209,10 @@ impl Transport {
             })
             .create()
             .map_err(|e| RuntimeError::Topic { topic: T::TOPIC, reason: format!("{e:?}") })?;
+        if SenderId(port.id().value()).pid() != std::process::id() {
+            let reason = "iceoryx2 does not name the process in its port ids as expected".into();
+            return Err(RuntimeError::Topic { topic: T::TOPIC, reason });
+        }
         Ok(Rc::new(port))
     }
 

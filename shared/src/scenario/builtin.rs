@@ -40,6 +40,8 @@ builtins! {
         "quadratic-bounded paper: a lead drives away until the set speed is reached";
     "quadratic-bounded-cut-in":
         "quadratic-bounded paper: a slower car moves into the path 150 m ahead";
+    "truck-hills":
+        "predictive paper: a 49 t truck on ten kilometres of hills, planning two ahead";
 }
 
 /// The built-in scenario of that name.

@@ -46,6 +46,9 @@ pub struct Controller {
     /// Parameters of the `quadratic-bounded` law; the law checks them.
     #[serde(skip_serializing_if = "toml::Table::is_empty")]
     pub quadratic_bounded: toml::Table,
+    /// Parameters of the `predictive` law; the law checks them.
+    #[serde(skip_serializing_if = "toml::Table::is_empty")]
+    pub predictive: toml::Table,
 }
 
 impl Controller {
@@ -75,6 +78,7 @@ impl Default for Controller {
             road: toml::Table::new(),
             six_mode: toml::Table::new(),
             quadratic_bounded: toml::Table::new(),
+            predictive: toml::Table::new(),
         }
     }
 }
@@ -91,11 +95,14 @@ pub enum ControllerName {
     SixMode,
     /// Dynamic output feedback under quadratic boundedness (Gao et al. 2015).
     QuadraticBounded,
+    /// Predictive cruise of a heavy truck (Li, Zheng, Wang, Wang).
+    Predictive,
 }
 
 impl ControllerName {
     /// Every law, in the order of `timegap list`.
-    pub const ALL: [Self; 4] = [Self::AccMpc, Self::CaccMpc, Self::SixMode, Self::QuadraticBounded];
+    pub const ALL: [Self; 5] =
+        [Self::AccMpc, Self::CaccMpc, Self::SixMode, Self::QuadraticBounded, Self::Predictive];
 
     /// The name as scenario files and the command line spell it.
     #[must_use]
@@ -105,6 +112,7 @@ impl ControllerName {
             Self::CaccMpc => "cacc-mpc",
             Self::SixMode => "six-mode",
             Self::QuadraticBounded => "quadratic-bounded",
+            Self::Predictive => "predictive",
         }
     }
 }

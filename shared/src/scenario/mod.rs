@@ -33,11 +33,15 @@ use serde::{Deserialize, Serialize};
 pub mod actor;
 pub mod builtin;
 pub mod controller;
+pub mod faults;
 pub mod name;
 pub mod perception;
 pub mod plant;
+pub mod preview;
 pub mod quantity;
+pub mod road;
 pub mod runtime;
+pub mod supervision;
 pub mod v2x;
 
 mod check;
@@ -45,6 +49,7 @@ mod document;
 mod error;
 mod files;
 mod overrides;
+mod table;
 
 pub use document::{MAX_TEXT_BYTES, Problem};
 pub use error::ScenarioError;
@@ -53,11 +58,14 @@ pub use overrides::Overrides;
 use actor::Actor;
 use controller::Controller;
 use document::Document;
+use faults::Fault;
 use name::{Line, Name};
 use perception::Perception;
 use plant::Plant;
 use quantity::{Duration, Seed, Speed};
+use road::Road;
 use runtime::Runtime;
+use supervision::Supervision;
 use v2x::V2x;
 
 /// The version of the schema that this program reads.
@@ -89,6 +97,9 @@ pub struct Scenario {
     /// The ego vehicle.
     #[serde(default)]
     pub plant: Plant,
+    /// The road's heights; absent: level.
+    #[serde(default, skip_serializing_if = "Road::is_level")]
+    pub road: Road,
     /// Radar, tracker and target selection.
     #[serde(default)]
     pub perception: Perception,
@@ -101,9 +112,15 @@ pub struct Scenario {
     /// Scheduling and placement.
     #[serde(default)]
     pub runtime: Runtime,
+    /// What becomes of services that die or hang.
+    #[serde(default)]
+    pub supervision: Supervision,
     /// The other vehicles.
     #[serde(default)]
     pub actors: Vec<Actor>,
+    /// What goes wrong.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub faults: Vec<Fault>,
 }
 
 impl Scenario {

@@ -1,6 +1,6 @@
 //! The drive as the launcher hears it on the topics, sample by sample.
 
-use shared::messages::{Command, Diagnostics, Heartbeat, Odometry, VehicleTruth};
+use shared::messages::{Command, Diagnostics, Heartbeat, Odometry, Powertrain, VehicleTruth};
 use shared::report::ReceivedTopic;
 use shared::runtime::{Group, Observed, Observer, RuntimeError};
 
@@ -36,6 +36,21 @@ pub struct DriveStep {
     pub mode: Option<u32>,
     /// Figures of the law.
     pub figures: Option<[f64; shared::messages::FIGURES]>,
+    /// What a truck's engine and gearbox do.
+    pub powertrain: Option<PowertrainStep>,
+}
+
+/// A truck's engine and gearbox at one step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PowertrainStep {
+    /// Gear, counted from 1.
+    pub gear: u32,
+    /// Torque at the crankshaft, N m.
+    pub engine_torque_nm: f64,
+    /// Force of the service brakes, N.
+    pub service_brake_n: f64,
+    /// Fuel burnt since the start, g.
+    pub fuel_g: f64,
 }
 
 /// Listens to a group from before its start.
@@ -43,12 +58,14 @@ pub struct DriveStep {
 pub struct DriveLog {
     // Ports before the node that owns them.
     odometry: Observed<Odometry>,
+    powertrain: Observed<Powertrain>,
     truth: Observed<VehicleTruth>,
     command: Observed<Command>,
     diagnostics: Observed<Diagnostics>,
     heartbeat: Observed<Heartbeat>,
     _observer: Observer,
     odometries: Vec<Odometry>,
+    powertrains: Vec<(u64, PowertrainStep)>,
     truths: Vec<VehicleTruth>,
     requests: Vec<(u64, f64)>,
     cycles: Vec<(u64, u32, [f64; shared::messages::FIGURES])>,
@@ -60,12 +77,14 @@ impl DriveLog {
         let observer = Observer::join(group, "launcher")?;
         Ok(Self {
             odometry: observer.listen()?,
+            powertrain: observer.listen()?,
             truth: observer.listen()?,
             command: observer.listen()?,
             diagnostics: observer.listen()?,
             heartbeat: observer.listen()?,
             _observer: observer,
             odometries: Vec::new(),
+            powertrains: Vec::new(),
             truths: Vec::new(),
             requests: Vec::new(),
             cycles: Vec::new(),
@@ -75,6 +94,15 @@ impl DriveLog {
     /// Takes what arrived.
     pub fn drain(&mut self) -> Result<(), RuntimeError> {
         self.odometry.drain(|m| self.odometries.push(*m))?;
+        self.powertrain.drain(|m| {
+            let step = PowertrainStep {
+                gear: m.gear,
+                engine_torque_nm: m.engine_torque_nm,
+                service_brake_n: m.service_brake_n,
+                fuel_g: m.fuel_g,
+            };
+            self.powertrains.push((m.header.step, step));
+        })?;
         self.truth.drain(|m| self.truths.push(*m))?;
         self.command.drain(|m| self.requests.push((m.header.step, m.plan_mps2[0])))?;
         self.diagnostics.drain(|m| self.cycles.push((m.header.step, m.mode, m.figures)))?;
@@ -89,13 +117,17 @@ impl DriveLog {
     /// Takes the rest and joins the topics by step.
     pub fn finish(mut self) -> Result<Drive, RuntimeError> {
         self.drain()?;
-        let received = vec![
+        let mut received = vec![
             self.odometry.received(),
             self.truth.received(),
             self.command.received(),
             self.diagnostics.received(),
             self.heartbeat.received(),
         ];
+        if !self.powertrains.is_empty() {
+            received.push(self.powertrain.received());
+        }
+        let mut powertrains = self.powertrains.iter().peekable();
         let mut truths = self.truths.iter().peekable();
         let mut requests = self.requests.iter().peekable();
         let mut cycles = self.cycles.iter().peekable();
@@ -115,6 +147,7 @@ impl DriveLog {
                 lead_speed_mps: lead.map(|(_, speed_mps)| speed_mps),
                 mode: cycle.map(|cycle| cycle.1),
                 figures: cycle.map(|cycle| cycle.2),
+                powertrain: take_step(&mut powertrains, step, |p| p.0).map(|p| p.1),
             }
         });
         let steps = steps.collect();

@@ -16,8 +16,6 @@ mod processes;
 mod root;
 mod supervisor;
 
-pub use drive::Drive;
-#[cfg(test)]
-pub use drive::DriveStep;
+pub use drive::{Drive, DriveStep, PowertrainStep};
 pub use janitor::run as run_janitor;
 pub use supervisor::{Ended, GroupOutcome, Launch, launch};

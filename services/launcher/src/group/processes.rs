@@ -5,7 +5,7 @@ use super::janitor::DONE;
 use super::root::RunRoot;
 use crate::error::Error;
 use shared::Service;
-use shared::runtime::{ToService, inherit_only};
+use shared::runtime::{ToService, enroll, inherit_only};
 use std::io::Write;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::PathBuf;
@@ -26,7 +26,7 @@ impl Process {
     /// Starts `service`, as this program again or as `program`, in the process group `group`, or
     /// in a new one for 0.
     pub fn spawn(
-        service: Service,
+        (service, incarnation): (Service, u32),
         program: Option<&PathBuf>,
         root: &RunRoot,
         group: i32,
@@ -39,7 +39,7 @@ impl Process {
         command
             .arg0(format!("timegap-{service}"))
             .arg(root.path())
-            .arg("0")
+            .arg(incarnation.to_string())
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
@@ -49,6 +49,7 @@ impl Process {
             Some(program) => Error::Path { action: "start", path: program.clone(), reason: e },
             None => Error::Machine(format!("cannot start {service}: {e}")),
         })?;
+        enroll(root.path(), service, incarnation, child.id())?;
         let orders = child.stdin.take();
         let out = child.stdout.take().expect("piped");
         let err = child.stderr.take().expect("piped");

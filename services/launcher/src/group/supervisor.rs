@@ -159,7 +159,7 @@ impl Supervisor<'_> {
             // The first one leads the services' process group.
             let leader = self.processes.first().map_or(0, Process::pid);
             let program = self.launch.programs.get(&service);
-            let process = Process::spawn(service, program, root, leader, sender.clone())?;
+            let process = Process::spawn((service, 0), program, root, leader, sender.clone())?;
             if leader == 0 {
                 janitor.watch(process.pid());
             }

@@ -3,6 +3,7 @@
 
 mod cacc;
 mod plot;
+mod predictive;
 mod quadratic_bounded;
 mod row;
 mod six_mode;
@@ -17,12 +18,13 @@ use indicatif::ProgressBar;
 use row::{Row, Verdict};
 use serde::Serialize;
 use shared::runtime::Mode;
+use shared::scenario::Scenario;
 use std::process::ExitCode;
 use std::time::Instant;
 
 /// The papers, in the order of their names.
-pub const PAPERS: [PaperName; 3] =
-    [PaperName::SixMode, PaperName::QuadraticBounded, PaperName::Cacc];
+pub const PAPERS: [PaperName; 4] =
+    [PaperName::SixMode, PaperName::QuadraticBounded, PaperName::Predictive, PaperName::Cacc];
 
 #[derive(Debug, Serialize)]
 struct Reproduction {
@@ -47,6 +49,7 @@ pub fn run(arguments: &ReproduceArguments) -> Result<ExitCode, Error> {
         let (rows, plots) = match name {
             PaperName::SixMode => six_mode::reproduce(&mut runner)?,
             PaperName::QuadraticBounded => quadratic_bounded::reproduce(&mut runner)?,
+            PaperName::Predictive => predictive::reproduce(&mut runner)?,
             PaperName::Cacc => cacc::reproduce(&mut runner)?,
         };
         for (file, picture) in plots {
@@ -72,6 +75,8 @@ pub fn run(arguments: &ReproduceArguments) -> Result<ExitCode, Error> {
 
 /// A scenario that was driven in lockstep.
 pub struct Driven {
+    /// The scenario as it took effect.
+    pub scenario: Scenario,
     /// What was heard of the drive.
     pub drive: Drive,
     /// Its summary.
@@ -106,6 +111,7 @@ impl<'a> Runner<'a> {
             .map(|paper| match paper {
                 PaperName::SixMode => six_mode::RUNS,
                 PaperName::QuadraticBounded => quadratic_bounded::RUNS,
+                PaperName::Predictive => predictive::RUNS,
                 PaperName::Cacc => cacc::RUNS,
             })
             .sum();
@@ -127,7 +133,7 @@ impl<'a> Runner<'a> {
         let summary = Summary::new(&scenario, Mode::Lockstep, &group, begun.elapsed());
         self.bar.inc(1);
         let figure_names = controller::laws::figure_names(&scenario);
-        Ok(Driven { drive: group.drive, summary, figure_names })
+        Ok(Driven { scenario, drive: group.drive, summary, figure_names })
     }
 }
 

@@ -1,4 +1,4 @@
-//! Pictures: panels over one time axis, as SVG.
+//! Pictures: panels over one axis of time or distance, as SVG.
 
 use plotters::prelude::*;
 
@@ -12,7 +12,7 @@ const PANEL: u32 = 220;
 /// Height of the title, pixels.
 const TITLE: u32 = 40;
 
-/// A named curve over time in s.
+/// A named curve over the axis that all panels share.
 pub struct Curve {
     name: &'static str,
     points: Vec<(f64, f64)>,
@@ -25,14 +25,20 @@ impl Curve {
     }
 }
 
-/// Draws panels, each with the label of its axis and its curves, one above the other.
+/// Draws panels over time, each with the label of its axis and its curves, one above the other.
 pub fn chart(title: &str, panels: &[(&str, Vec<Curve>)]) -> String {
+    chart_over("time, s", title, panels)
+}
+
+/// The same over another axis.
+pub fn chart_over(axis: &str, title: &str, panels: &[(&str, Vec<Curve>)]) -> String {
     let mut svg = String::new();
-    draw(title, panels, &mut svg).expect("drawing into a string does not fail");
+    draw(axis, title, panels, &mut svg).expect("drawing into a string does not fail");
     svg
 }
 
 fn draw(
+    axis: &str,
     title: &str,
     panels: &[(&str, Vec<Curve>)],
     svg: &mut String,
@@ -63,7 +69,7 @@ fn draw(
             .light_line_style(WHITE)
             .axis_desc_style(("sans-serif", 14));
         if index + 1 == panels.len() {
-            mesh.x_desc("time, s");
+            mesh.x_desc(axis);
         }
         mesh.draw()?;
         for (place, curve) in curves.iter().enumerate() {

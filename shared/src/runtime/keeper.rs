@@ -1,0 +1,115 @@
+//! State that outlives the process that holds it: what a restarted service goes on from.
+//!
+//! A file in shared memory with two slots that are written in turn, each with its number and a
+//! checksum: a process that dies while it writes leaves the other slot whole. One system call per
+//! write, no allocation.
+
+use super::RuntimeError;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::fs::{File, OpenOptions};
+use std::os::unix::fs::{FileExt, OpenOptionsExt};
+use std::path::Path;
+use xxhash_rust::xxh3::xxh3_64;
+
+/// Bytes of a slot: number, length, checksum, state.
+const SLOT: usize = 8 * 1024;
+const HEAD: usize = 24;
+
+/// Keeps states of type `T`.
+#[derive(Debug)]
+pub struct Keeper<T> {
+    file: File,
+    kept: u64,
+    slot: Box<[u8; SLOT]>,
+    state: std::marker::PhantomData<T>,
+}
+
+impl<T: Serialize + DeserializeOwned> Keeper<T> {
+    /// Opens the file at `path`, or makes it.
+    pub(super) fn open(path: &Path) -> Result<Self, RuntimeError> {
+        let error = |e: std::io::Error| RuntimeError::Setup(format!("{}: {e}", path.display()));
+        let file = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .mode(0o600)
+            .open(path)
+            .map_err(error)?;
+        // All pages are there before the loop needs them.
+        file.set_len(2 * SLOT as u64).map_err(error)?;
+        Ok(Self { file, kept: 0, slot: Box::new([0; SLOT]), state: std::marker::PhantomData })
+    }
+
+    /// The newest state that was kept whole.
+    pub fn restore(&mut self) -> Option<T> {
+        let mut newest = None;
+        for place in 0..2 {
+            if self.file.read_exact_at(&mut self.slot[..], place * SLOT as u64).is_err() {
+                continue;
+            }
+            let word = |at: usize| {
+                let bytes = self.slot[at..at + 8].try_into().expect("eight bytes");
+                u64::from_le_bytes(bytes)
+            };
+            let (number, length, checksum) = (word(0), word(8), word(16));
+            let Ok(length) = usize::try_from(length) else { continue };
+            if number <= self.kept || length > SLOT - HEAD {
+                continue;
+            }
+            let state = &self.slot[HEAD..HEAD + length];
+            if checksum != xxh3_64(state) {
+                continue;
+            }
+            if let Ok(state) = postcard::from_bytes(state) {
+                self.kept = number;
+                newest = Some(state);
+            }
+        }
+        newest
+    }
+
+    /// Keeps `state`.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Setup`] if it does not fit, or the file cannot be written.
+    pub fn keep(&mut self, state: &T) -> Result<(), RuntimeError> {
+        let error = |e: String| RuntimeError::Setup(format!("the kept state: {e}"));
+        let used = postcard::to_slice(state, &mut self.slot[HEAD..])
+            .map_err(|e| error(e.to_string()))?
+            .len();
+        self.kept += 1;
+        let checksum = xxh3_64(&self.slot[HEAD..HEAD + used]);
+        self.slot[..8].copy_from_slice(&self.kept.to_le_bytes());
+        self.slot[8..16].copy_from_slice(&(used as u64).to_le_bytes());
+        self.slot[16..24].copy_from_slice(&checksum.to_le_bytes());
+        let place = (self.kept % 2) * SLOT as u64;
+        self.file.write_all_at(&self.slot[..HEAD + used], place).map_err(|e| error(e.to_string()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_newest_whole_state_is_restored() {
+        let path = std::env::temp_dir().join(format!("timegap-keeper-{}", std::process::id()));
+        let open = || Keeper::<(u64, Option<f64>)>::open(&path).expect("writable");
+        assert_eq!(open().restore(), None);
+        let mut keeper = open();
+        for k in 0..5 {
+            keeper.keep(&(k, Some(0.1))).expect("it fits");
+        }
+        let mut restored = open();
+        assert_eq!(restored.restore(), Some((4, Some(0.1))));
+        restored.keep(&(5, None)).expect("it fits");
+        assert_eq!(open().restore(), Some((5, None)));
+        // The newest slot is the one that a dying process was writing.
+        let file = OpenOptions::new().write(true).open(&path).expect("ours");
+        file.write_all_at(&[0xff; 40], 0).expect("ours");
+        assert_eq!(open().restore(), Some((4, Some(0.1))));
+        std::fs::remove_file(&path).expect("ours");
+    }
+}
