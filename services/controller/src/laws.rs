@@ -68,7 +68,7 @@ fn predictive(which: cacc::Controller, controller: &Controller) -> Result<Box<dy
     let config = predictive_config(controller)?;
     match cacc::build(which, &config) {
         Ok(law) => Ok(law),
-        Err(BuildError::Config(error)) => Err(config_problem(&error)),
+        Err(BuildError::Config(error)) => Err(config_problem(&error, controller)),
         Err(BuildError::Problem(error)) => {
             Err(Problem::new("controller", error.to_string(), "weights of a convex problem"))
         }
@@ -134,7 +134,7 @@ fn predictive_config(controller: &Controller) -> Result<Config, Problem> {
             controller::Solver::Clarabel => SolverKind::Clarabel,
         },
         horizon_steps: controller.horizon.value().into(),
-        step_s: f64::from(controller.period_ms.value()) / 1e3,
+        step_s: f64::from(controller.prediction_step().value()) / 1e3,
         actuator_lag_s: controller.model_time_constant_s.value(),
         min_request_mps2: controller.min_request_mps2.value(),
         max_request_mps2: controller.max_request_mps2.value(),
@@ -154,7 +154,7 @@ fn predictive_config(controller: &Controller) -> Result<Config, Problem> {
 }
 
 /// A refused setting under the name that it has in a scenario file.
-fn config_problem(error: &ConfigError) -> Problem {
+fn config_problem(error: &ConfigError, controller: &Controller) -> Problem {
     let key = match error {
         ConfigError::Range { key, .. }
         | ConfigError::Limits { key, .. }
@@ -163,6 +163,7 @@ fn config_problem(error: &ConfigError) -> Problem {
     };
     let path = match key {
         "horizon_steps" => "horizon",
+        "step_s" if controller.prediction_step_ms.is_some() => "prediction_step_ms",
         "step_s" => "period_ms",
         "actuator_lag_s" => "model_time_constant_s",
         "buffer_m" | "road.standstill_gap_m" => "standstill_distance_m",

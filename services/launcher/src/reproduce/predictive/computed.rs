@@ -93,3 +93,25 @@ fn at_equal_time(
     }
     None
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scratch() {
+        let road = shared::scenario::Scenario::open(
+            "truck-hills",
+            &shared::scenario::Overrides::new(),
+            &|_| Ok(()),
+        )
+        .expect("built in")
+        .road
+        .profile()
+        .expect("a road");
+        for preset in Preset::ALL {
+            let begun = std::time::Instant::now();
+            println!("{:?} {:?} {:?}", preset, on(preset, &road), begun.elapsed());
+        }
+    }
+}
