@@ -15,9 +15,9 @@ const HUMAN_SEEDS: u64 = 8;
 /// Standard deviations of the drivers' aim, m/s.
 const HUMAN_SIGMAS_MPS: [f64; 2] = [2.5 / 3.6, 4.0 / 3.6];
 /// Trips until the trip time is that of the baseline.
-const ATTEMPTS: usize = 8;
+const ATTEMPTS: usize = 12;
 /// Largest difference of trip times that counts as none, as a fraction.
-const EQUAL_TIME: f64 = 2e-4;
+const EQUAL_TIME: f64 = 1e-3;
 /// How far a driver lets the truck exceed the set speed, m/s.
 const ABOVE_SET_MPS: f64 = 5.0 / 3.6;
 
