@@ -6,10 +6,10 @@
 pub mod cacc;
 pub mod law;
 pub mod laws;
+mod planning;
 pub mod predictive;
 pub mod quadratic_bounded;
 pub mod sampling;
-mod planning;
 mod service;
 pub mod six_mode;
 
