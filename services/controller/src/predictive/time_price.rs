@@ -5,9 +5,9 @@
 //! ```
 
 /// k_p, 1/s.
-const PROPORTIONAL_PER_S: f64 = 1.0 / 120.0;
+const PROPORTIONAL_PER_S: f64 = 1.0 / 40.0;
 /// k_i, 1/s².
-const INTEGRAL_PER_S2: f64 = PROPORTIONAL_PER_S / 1500.0;
+const INTEGRAL_PER_S2: f64 = PROPORTIONAL_PER_S / 600.0;
 /// Range of beta / beta_0.
 const RANGE: (f64, f64) = (0.5, 3.0);
 
