@@ -64,8 +64,7 @@ impl Spacing {
     pub fn mode(&self, target: &Estimate, before: Mode) -> Mode {
         let relative_mps = target.relative_speed_mps;
         let room_m = (target.gap_m - self.desired_m).max(0.1);
-        let risk = relative_mps < 0.0
-            && relative_mps * relative_mps / (2.0 * DRAG_MPS2) > room_m;
+        let risk = relative_mps < 0.0 && relative_mps * relative_mps / (2.0 * DRAG_MPS2) > room_m;
         if target.gap_m < self.stop_m {
             Mode::Warn
         } else if target.gap_m > self.max_m + HYSTERESIS_M && !risk {

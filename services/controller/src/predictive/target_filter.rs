@@ -47,7 +47,12 @@ struct Track {
 
 impl TargetFilter {
     /// Takes in what the radar shows after `dt_s` in which the ego accelerated by `ego_mps2`.
-    pub fn update(&mut self, target: Option<&Target>, ego_mps2: f64, dt_s: f64) -> Option<Estimate> {
+    pub fn update(
+        &mut self,
+        target: Option<&Target>,
+        ego_mps2: f64,
+        dt_s: f64,
+    ) -> Option<Estimate> {
         let Some(target) = target else {
             self.track = None;
             return None;
@@ -64,7 +69,8 @@ impl TargetFilter {
                 if track.rejected >= LOST {
                     let acceleration_mps2 = target.acceleration_mps2;
                     *track = Track::new(target.track_id, measured);
-                    track.state[2] = if acceleration_mps2.is_finite() { acceleration_mps2 } else { 0.0 };
+                    track.state[2] =
+                        if acceleration_mps2.is_finite() { acceleration_mps2 } else { 0.0 };
                 }
             }
             _ => self.track = Some(Track::new(target.track_id, measured)),
@@ -95,8 +101,7 @@ impl Track {
             relative_mps + relative_mps2 * dt_s,
             kept * lead_mps2,
         ];
-        let transition =
-            [[1.0, dt_s, 0.5 * dt_s * dt_s], [0.0, 1.0, dt_s], [0.0, 0.0, kept]];
+        let transition = [[1.0, dt_s, 0.5 * dt_s * dt_s], [0.0, 1.0, dt_s], [0.0, 0.0, kept]];
         let noise = SIGMA_MPS2 * SIGMA_MPS2 * (1.0 - kept * kept);
         let input = [0.5 * dt_s * dt_s, dt_s, 1.0];
         let half = product(&transition, &self.covariance);

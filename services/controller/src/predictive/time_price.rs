@@ -5,9 +5,9 @@
 //! ```
 
 /// k_p, 1/s.
-const PROPORTIONAL_PER_S: f64 = 1.0 / 120.0;
+const PROPORTIONAL_PER_S: f64 = 1.0 / 40.0;
 /// k_i, 1/s².
-const INTEGRAL_PER_S2: f64 = PROPORTIONAL_PER_S / 1500.0;
+const INTEGRAL_PER_S2: f64 = PROPORTIONAL_PER_S / 600.0;
 /// Range of beta / beta_0.
 const RANGE: (f64, f64) = (0.5, 3.0);
 
@@ -23,7 +23,8 @@ impl TimePrice {
     pub fn update(&mut self, speed_mps: f64, mean_mps: f64, dt_s: f64) {
         self.lag_s += dt_s * (1.0 - speed_mps / mean_mps);
         let free = 1.0 + PROPORTIONAL_PER_S * self.lag_s + self.integral;
-        let saturated = (free > RANGE.1 && self.lag_s > 0.0) || (free < RANGE.0 && self.lag_s < 0.0);
+        let saturated =
+            (free > RANGE.1 && self.lag_s > 0.0) || (free < RANGE.0 && self.lag_s < 0.0);
         if !saturated {
             self.integral += INTEGRAL_PER_S2 * self.lag_s * dt_s;
         }

@@ -2,14 +2,18 @@
 //!
 //! Pure and repeatable: the plant of [`truck_model`], a control period of 0.1 s, no services.
 
+mod assisted;
 mod bound;
 mod cruise;
+mod equal_time;
 mod human;
 mod road;
 mod trip;
 
+pub use assisted::{Assisted, Map};
 pub use bound::Bound;
 pub use cruise::Cruise;
+pub use equal_time::{EQUAL_TIME, at_equal_time};
 pub use human::Human;
 pub use road::Road;
-pub use trip::{CONTROL_PERIOD_S, Driver, Seen, Trip, drive};
+pub use trip::{CONTROL_PERIOD_S, Driver, Sample, Seen, Trip, drive};
