@@ -42,6 +42,7 @@ builtins! {
         "quadratic-bounded paper: a slower car moves into the path 150 m ahead";
     "truck-hills":
         "predictive paper: a 49 t truck on ten kilometres of hills, planning two ahead";
+    "truck-follow": "predictive paper: following over a valley, the lead brakes uphill";
 }
 
 /// The built-in scenario of that name.
