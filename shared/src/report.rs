@@ -1,5 +1,9 @@
 //! What a service tells the launcher when it ends.
 
+mod chains;
+
+pub use chains::{HopTimes, Hops, WorstChain};
+
 use crate::Service;
 use crate::e2e::Outcomes;
 use crate::runtime::Befallen;
@@ -133,19 +137,14 @@ pub struct PlantReport {
     pub reaction_time_us: Option<Percentiles>,
     /// Every actuation back to the radar acquisition behind it.
     pub data_age_us: Option<Percentiles>,
+    /// The waits of the reaction time that are designed.
+    pub designed_wait_us: Option<Percentiles>,
+    /// The reaction time without them.
+    pub net_reaction_us: Option<Percentiles>,
     /// The parts of the reaction time, which add up to it sample by sample.
     pub hops_us: Hops,
-}
-
-/// The parts of the reaction time.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Hops {
-    /// Radar acquisition to the start of the control cycle that uses it.
-    pub radar_to_controller: Option<Percentiles>,
-    /// Start of the control cycle to its command's publication.
-    pub controller_compute: Option<Percentiles>,
-    /// Publication of the command to its first actuation.
-    pub controller_to_plant: Option<Percentiles>,
+    /// The chains with the longest reaction times, longest first.
+    pub worst_chains: Vec<WorstChain>,
 }
 
 /// How a run ended.

@@ -5,13 +5,16 @@ use crate::cacc::road::RoadConfig;
 use crate::cacc::weights::{WeightSet, Weights};
 use crate::cacc::{self, BuildError};
 use crate::law::Law;
+use crate::predictive::{PlannerKind, Predictive, Settings};
 use crate::quadratic_bounded::{Design, QuadraticBounded};
 use crate::six_mode::SixMode;
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use shared::scenario::controller::{
     self, Controller, ControllerName, SpacingPolicy as ScenarioPolicy,
 };
 use shared::scenario::{Problem, Scenario};
+use truck_model::{Preset, Truck};
 
 /// What a law is, in one line.
 #[must_use]
@@ -44,9 +47,7 @@ pub fn build(scenario: &Scenario) -> Result<Box<dyn Law>, Problem> {
         ControllerName::CaccMpc => predictive(cacc::Controller::CaccMpc, controller),
         ControllerName::SixMode => six_mode(controller),
         ControllerName::QuadraticBounded => quadratic_bounded(controller),
-        ControllerName::Predictive => {
-            Err(Problem::new("controller.name", "not yet", "another law"))
-        }
+        ControllerName::Predictive => truck(scenario),
     }
 }
 
@@ -68,7 +69,7 @@ fn predictive(which: cacc::Controller, controller: &Controller) -> Result<Box<dy
     let config = predictive_config(controller)?;
     match cacc::build(which, &config) {
         Ok(law) => Ok(law),
-        Err(BuildError::Config(error)) => Err(config_problem(&error)),
+        Err(BuildError::Config(error)) => Err(config_problem(&error, controller)),
         Err(BuildError::Problem(error)) => {
             Err(Problem::new("controller", error.to_string(), "weights of a convex problem"))
         }
@@ -103,6 +104,39 @@ fn quadratic_bounded(controller: &Controller) -> Result<Box<dyn Law>, Problem> {
     }
 }
 
+/// `[controller.predictive]`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct PredictiveKeys {
+    planner: String,
+    mean_speed: f64,
+}
+
+impl Default for PredictiveKeys {
+    fn default() -> Self {
+        Self { planner: PlannerKind::default().name().to_owned(), mean_speed: 1.0 }
+    }
+}
+
+/// The truck as the law believes it to be; on a car it drives as the heavier one would.
+fn truck(scenario: &Scenario) -> Result<Box<dyn Law>, Problem> {
+    let table = "controller.predictive";
+    let keys: PredictiveKeys = read_table(&scenario.controller.predictive, table)?;
+    let planner = PlannerKind::named(&keys.planner).ok_or_else(|| {
+        let names = PlannerKind::ALL.map(PlannerKind::name).join(", ");
+        let message = format!("no planner `{}`", keys.planner);
+        Problem::new(format!("{table}.planner"), message, format!("one of {names}"))
+    })?;
+    if !(0.8..=1.2).contains(&keys.mean_speed) {
+        let message = format!("{} is out of range", keys.mean_speed);
+        let expected = "the mean speed over the set speed, from 0.8 to 1.2";
+        return Err(Problem::new(format!("{table}.mean_speed"), message, expected));
+    }
+    let preset = Preset::named(scenario.plant.vehicle.as_str()).unwrap_or(Preset::Jh6At49T);
+    let settings = Settings::new(&Truck::preset(preset), planner);
+    Ok(Box::new(Predictive::new(&Settings { mean_speed: keys.mean_speed, ..settings })))
+}
+
 /// Reads and verifies a design file; a relative path starts at the working directory.
 fn load_design(path: &toml::Value) -> Result<Design, String> {
     let path = path.as_str().ok_or("the path of a design is a string")?;
@@ -134,7 +168,7 @@ fn predictive_config(controller: &Controller) -> Result<Config, Problem> {
             controller::Solver::Clarabel => SolverKind::Clarabel,
         },
         horizon_steps: controller.horizon.value().into(),
-        step_s: f64::from(controller.period_ms.value()) / 1e3,
+        step_s: f64::from(controller.prediction_step().value()) / 1e3,
         actuator_lag_s: controller.model_time_constant_s.value(),
         min_request_mps2: controller.min_request_mps2.value(),
         max_request_mps2: controller.max_request_mps2.value(),
@@ -154,7 +188,7 @@ fn predictive_config(controller: &Controller) -> Result<Config, Problem> {
 }
 
 /// A refused setting under the name that it has in a scenario file.
-fn config_problem(error: &ConfigError) -> Problem {
+fn config_problem(error: &ConfigError, controller: &Controller) -> Problem {
     let key = match error {
         ConfigError::Range { key, .. }
         | ConfigError::Limits { key, .. }
@@ -163,6 +197,7 @@ fn config_problem(error: &ConfigError) -> Problem {
     };
     let path = match key {
         "horizon_steps" => "horizon",
+        "step_s" if controller.prediction_step_ms.is_some() => "prediction_step_ms",
         "step_s" => "period_ms",
         "actuator_lag_s" => "model_time_constant_s",
         "buffer_m" | "road.standstill_gap_m" => "standstill_distance_m",

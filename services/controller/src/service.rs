@@ -9,7 +9,7 @@ use shared::messages::{
 };
 use shared::report::{ControllerReport, Details, ModeChange};
 use shared::runtime::{
-    Cycle, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber, monotonic_ns,
+    Cycle, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber, Usage, monotonic_ns,
 };
 use shared::scenario::{Scenario, controller};
 use shared::statistics::Latencies;
@@ -132,6 +132,7 @@ impl Loop {
             controller::Release::Timer => runtime.next_release(Overrun::Skip),
         };
         let Some(release) = release else { return Ok(Cycle::Last) };
+        let before = runtime.usage();
         // The radar's sample comes last: whoever waits for it first, waits once.
         runtime.update(&mut self.radar)?;
         runtime.update(&mut self.odometry)?;
@@ -162,9 +163,13 @@ impl Loop {
             odometry: self.odometry.origin(),
             radar: self.radar.origin(),
             spat: self.spat.origin(),
+            map: self.map.origin(),
         };
         let header = Header::new(release.step, release.scheduled_ns, origins);
-        self.command.send(self.command_of(header, &release))?;
+        let radar_release_ns =
+            self.radar.newest().map_or(-1, |radar| runtime.clock().scheduled_ns(radar.header.step));
+        let used = runtime.usage().since(&before);
+        self.command.send(self.command_of(header, &release, radar_release_ns, &used))?;
         let lateness = runtime.clock().now_ns() - release.scheduled_ns;
         self.deadline_misses += u64::from(lateness > self.deadline_ns);
         self.diagnostics.send(self.diagnostics_of(header, &release))?;
@@ -179,13 +184,27 @@ impl Loop {
         Ok(Cycle::Next)
     }
 
-    fn command_of(&self, header: Header, release: &Release) -> Command {
+    fn command_of(
+        &self,
+        header: Header,
+        release: &Release,
+        radar_release_ns: i64,
+        used: &Usage,
+    ) -> Command {
         let plan_len = self.output.plan_len.clamp(1, MAX_PLAN);
         let mut plan_mps2 = [0.0; PLAN_LEN];
         plan_mps2[..plan_len].copy_from_slice(&self.output.plan_mps2[..plan_len]);
         Command {
             header,
+            radar_release_ns,
+            idle_ns: release.idle_ns,
             start_ns: release.start_ns,
+            voluntary_switches: used.voluntary_switches,
+            involuntary_switches: used.involuntary_switches,
+            minor_faults: used.minor_faults,
+            major_faults: used.major_faults,
+            solver_iterations: self.output.solver_iterations,
+            mode: self.output.mode,
             plan_period_ns: self.plan_period_ns,
             plan_len: plan_len as u64,
             plan_mps2,

@@ -51,6 +51,9 @@ pub struct RunArguments {
     /// Directory for the results [default: runs/<time>-<scenario>]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Keep no recording of the topics
+    #[arg(long)]
+    pub no_record: bool,
     /// Print the summary as JSON, and nothing else, on standard output
     #[arg(long)]
     pub json: bool,

@@ -53,6 +53,9 @@ fn service(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
             _ => Err(Error::Usage("the janitor needs the root of a run".into())),
         };
     }
+    if arguments.name == "recorder" {
+        return Ok(recorder::run(&arguments.arguments));
+    }
     let service: Service = arguments.name.parse().map_err(Error::Usage)?;
     let run = match service {
         Service::Plant => plant::run,

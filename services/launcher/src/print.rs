@@ -1,7 +1,8 @@
 //! What a person reads after a run.
 
+use crate::group::RecordingSummary;
 use crate::summary::Summary;
-use shared::report::Outcome;
+use shared::report::{Outcome, WorstChain};
 use shared::statistics::Percentiles;
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -22,6 +23,9 @@ pub fn summary(summary: &Summary) -> String {
     timing(summary, &mut line);
     messages(summary, &mut line);
     machine(summary, &mut line);
+    if let Some(recording) = &summary.recording {
+        line("recording", self::recording(recording));
+    }
     format!(
         "{} · {} · {} · seed {}\n{text}",
         summary.scenario, summary.controller, summary.mode, summary.seed
@@ -51,6 +55,17 @@ pub fn outcome_word(outcome: Outcome) -> &'static str {
         Outcome::SafeStop => "safe stop",
         Outcome::Aborted => "aborted",
     }
+}
+
+fn recording(recording: &RecordingSummary) -> String {
+    let lost = match recording.lost {
+        Some(lost) => format!("{lost} lost"),
+        None => "losses not counted".into(),
+    };
+    let failed =
+        recording.failed.as_ref().map_or_else(String::new, |why| format!("; ENDS EARLY: {why}"));
+    let mib = recording.bytes as f64 / f64::from(1 << 20);
+    format!("{} messages, {lost}, {mib:.2} MiB{failed}", recording.messages)
 }
 
 fn drive(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
@@ -131,11 +146,40 @@ fn timing(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
             .collect();
         line("", format!("medians of its parts: {}", parts.join(", ")));
     }
+    if let Some(net) = timing.net_reaction_us {
+        line("", format!("without its designed waits {}", percentiles(&net)));
+    }
+    if let Some(worst) = timing.worst_chains.first() {
+        line("", longest(worst));
+    }
     if let (Some(misses), Some(cycles), Some(deadline)) =
         (timing.deadline_misses, timing.cycles, timing.deadline_us)
     {
         line("deadline", format!("{misses} of {cycles} cycles missed {}", duration(deadline)));
     }
+}
+
+/// The longest chain in one line: where its undesigned time went, and what its control cycle met.
+fn longest(chain: &WorstChain) -> String {
+    let hops = &chain.hops_us;
+    let parts = [
+        ("radar publish", hops.radar_publish),
+        ("controller queue", hops.controller_queue),
+        ("radar transport", hops.radar_transport),
+        ("compute", hops.controller_compute),
+        ("command transport", hops.command_transport),
+        ("actuate", hops.actuate),
+    ];
+    let (name, us) = parts.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).expect("six parts");
+    format!(
+        "longest {} at {:.2} s: {name} {}; {} context switches, {} page faults, {} iterations",
+        duration(chain.reaction_time_us),
+        chain.t_s,
+        duration(us),
+        chain.voluntary_switches + chain.involuntary_switches,
+        chain.minor_faults + chain.major_faults,
+        chain.solver_iterations,
+    )
 }
 
 fn messages(summary: &Summary, line: &mut dyn FnMut(&str, String)) {

@@ -24,8 +24,11 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     output.write("scenario.toml", scenario.to_toml().as_bytes())?;
 
     let bar = progress_bar(&scenario, arguments.json);
-    let live = Some(output.path().join("live.json"));
-    let result = drive(&scenario, mode, &arguments.group, live, &mut |time_ns| {
+    let keep = Keep {
+        live_file: Some(output.path().join("live.json")),
+        recording: (!arguments.no_record).then(|| output.path().join(recorder::FILE)),
+    };
+    let result = drive(&scenario, mode, &arguments.group, Some(keep), &mut |time_ns| {
         bar.set_position(time_ns.unsigned_abs() / 1_000_000);
     });
     bar.finish_and_clear();
@@ -73,19 +76,28 @@ fn usage(error: impl std::fmt::Display) -> Error {
     Error::Usage(error.to_string())
 }
 
-/// Drives a scenario through a process group. `live_file` is there while it drives and tells others
-/// how to join; `progress` is told the run time reached, ns.
+/// What a run shows while it drives, and keeps of it.
+#[derive(Debug, Default)]
+pub struct Keep {
+    /// Tells others how to join, for as long as the run drives.
+    pub live_file: Option<PathBuf>,
+    /// The recording.
+    pub recording: Option<PathBuf>,
+}
+
+/// Drives a scenario through a process group. `progress` is told the run time reached, ns.
 pub fn drive(
     scenario: &Scenario,
     mode: Mode,
     options: &GroupOptions,
-    live_file: Option<PathBuf>,
+    keep: Option<Keep>,
     progress: &mut dyn FnMut(i64),
 ) -> Result<GroupOutcome, Error> {
     let start_delay = match mode {
         Mode::Realtime => Duration::from_millis(scenario.runtime.start_delay_ms.value().into()),
         Mode::Lockstep => Duration::ZERO,
     };
+    let keep = keep.unwrap_or_default();
     let launching = Launch {
         mode,
         timetable: shared::runtime::Timetable::of(scenario),
@@ -93,7 +105,8 @@ pub fn drive(
         programs: options.programs.iter().cloned().collect(),
         ready_timeout: Duration::from_secs_f64(options.ready_timeout),
         start_delay,
-        live_file,
+        live_file: keep.live_file,
+        recording: keep.recording,
     };
     launch(launching, progress)
 }

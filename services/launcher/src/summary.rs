@@ -1,11 +1,11 @@
 //! `summary.json`: stable names for what a run measured. A figure that does not apply is null.
 
-use crate::group::{Drive, Ended, GroupOutcome};
+use crate::group::{Drive, Ended, GroupOutcome, RecordingSummary};
 use serde::Serialize;
 use shared::Service;
 use shared::report::{
-    ControlFigures, ControllerReport, Details, ModeChange, Outcome, PlanningReport, PlantReport,
-    ReceivedTopic, ServiceReport,
+    ControlFigures, ControllerReport, Details, Hops, ModeChange, Outcome, PlanningReport,
+    PlantReport, ReceivedTopic, ServiceReport, WorstChain,
 };
 use shared::runtime::Mode;
 use shared::runtime::scheduling::Granted;
@@ -34,6 +34,8 @@ pub struct Summary {
     pub control: Control,
     pub timing: Timing,
     pub messages: BTreeMap<String, TopicCounts>,
+    /// What became of the recording; null if none was asked for.
+    pub recording: Option<RecordingSummary>,
     pub faults: Vec<()>,
     pub services: Vec<ServiceSummary>,
     pub host: Host,
@@ -55,7 +57,11 @@ pub struct Timing {
     pub data_age_us: Option<Percentiles>,
     pub release_jitter_us: Option<Percentiles>,
     pub solve_us: Option<Percentiles>,
-    pub hops_us: shared::report::Hops,
+    /// The waits of the reaction time that are designed, and the reaction time without them.
+    pub designed_wait_us: Option<Percentiles>,
+    pub net_reaction_us: Option<Percentiles>,
+    pub hops_us: Hops,
+    pub worst_chains: Vec<WorstChain>,
     /// Cycles whose command had to be relaxed, and whose command came from the law's backup.
     pub relaxed_cycles: Option<u64>,
     pub backup_cycles: Option<u64>,
@@ -141,12 +147,16 @@ impl Summary {
                 release_jitter_us: report(Service::Controller)
                     .and_then(|report| report.release_jitter_us),
                 solve_us: controller.and_then(|controller| controller.solve_us),
+                designed_wait_us: plant.and_then(|plant| plant.designed_wait_us),
+                net_reaction_us: plant.and_then(|plant| plant.net_reaction_us),
                 hops_us: plant.map(|plant| plant.hops_us).unwrap_or_default(),
+                worst_chains: plant.map(|plant| plant.worst_chains.clone()).unwrap_or_default(),
                 relaxed_cycles: controller.map(|controller| controller.relaxed),
                 backup_cycles: controller.map(|controller| controller.backup),
                 planning: controller.and_then(|controller| controller.planning),
             },
             messages: messages(&group.reports, &group.drive),
+            recording: group.recording.clone(),
             faults: Vec::new(),
             services: Service::ALL
                 .into_iter()

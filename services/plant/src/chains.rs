@@ -5,72 +5,169 @@
 //! parts of a reaction time add up to it exactly, since each begins where the last one ended:
 //!
 //! ```text
-//! acquisition ──► controller starts ──► command published ──► actuated
-//!    radar_to_controller   controller_compute   controller_to_plant
+//! acquired ─► published ─► controller idle ─► started ─► published ─► plant due ─► awake ─► actuated
+//!     radar_publish  controller_queue  radar_transport  controller_compute   │        │        │
+//!                                                            command_wait ───┘        │        │
+//!                                                            command_transport ───────┘        │
+//!                                                            actuate ──────────────────────────┘
 //! ```
+//!
+//! Three waits are designed: a modelled latency of the radar, the controller's wait for a release of
+//! its own timer, and the command's for the plant's next release (and the scenario's extra delay).
+//! They end at *scheduled* instants, so that whoever comes late does not pass for a design. What is
+//! left without them, the *net* reaction time, is what the deployment costs.
 
+use crate::worst::Worst;
 use shared::messages::{Command, Origin};
 use shared::report::Hops;
 use shared::statistics::{Latencies, Percentiles};
 
-/// Histograms of all chains of a run.
-#[derive(Debug, Default)]
-pub struct Chains {
-    reaction: Latencies,
-    age: Latencies,
-    radar_to_controller: Latencies,
-    controller_compute: Latencies,
-    controller_to_plant: Latencies,
-    last_radar: Option<Origin>,
+/// When and how late the plant acts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Actuated {
+    /// Scheduled release of the plant's cycle, ns of run time.
+    pub scheduled_ns: i64,
+    /// Its real start, ns of run time.
+    pub start_ns: i64,
+    /// The actuation, ns of run time.
+    pub now_ns: i64,
 }
 
-/// The parts of one reaction time, ns.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The parts of one reaction time, ns, in order of time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Parts {
-    /// Radar acquisition to the start of the control cycle.
-    pub radar_to_controller_ns: i64,
+    /// Radar acquisition to the sample's publication.
+    pub radar_publish_ns: i64,
+    /// The sample lies there, the controller is busy or not yet due.
+    pub controller_queue_ns: i64,
+    /// The controller comes out of its wait with the sample.
+    pub radar_transport_ns: i64,
     /// Start of the control cycle to the command's publication.
     pub controller_compute_ns: i64,
-    /// Publication to actuation.
-    pub controller_to_plant_ns: i64,
+    /// The command waits for the plant's scheduled release.
+    pub command_wait_ns: i64,
+    /// The plant comes out of its wait.
+    pub command_transport_ns: i64,
+    /// The plant works until the actuation.
+    pub actuate_ns: i64,
 }
 
 impl Parts {
-    /// The parts of the chain that ends with `command` actuated at `now_ns`.
+    /// The parts of the chain that ends with `command` at `actuated`.
     #[must_use]
-    pub fn of(command: &Command, now_ns: i64) -> Self {
-        let acquired_ns = command.header.origins.radar.acquisition_ns;
+    pub fn of(command: &Command, actuated: &Actuated) -> Self {
+        let radar = command.header.origins.radar;
+        let mut reached = radar.acquisition_ns;
+        // Time never goes back: a stage that was over before the last one ended took none.
+        let mut until = |stamp_ns: i64| {
+            let part = (stamp_ns - reached).max(0);
+            reached += part;
+            part
+        };
         Self {
-            radar_to_controller_ns: command.start_ns - acquired_ns,
-            controller_compute_ns: command.header.publish_ns - command.start_ns,
-            controller_to_plant_ns: now_ns - command.header.publish_ns,
+            radar_publish_ns: until(radar.publish_ns),
+            controller_queue_ns: until(command.idle_ns.max(command.header.acquisition_ns)),
+            radar_transport_ns: until(command.start_ns),
+            controller_compute_ns: until(command.header.publish_ns),
+            command_wait_ns: until(actuated.scheduled_ns),
+            command_transport_ns: until(actuated.start_ns),
+            actuate_ns: until(actuated.now_ns),
         }
+    }
+
+    /// Radar acquisition to the start of the control cycle, ns.
+    #[must_use]
+    pub fn radar_to_controller_ns(&self) -> i64 {
+        self.radar_publish_ns + self.controller_queue_ns + self.radar_transport_ns
+    }
+
+    /// Publication of the command to the actuation, ns.
+    #[must_use]
+    pub fn controller_to_plant_ns(&self) -> i64 {
+        self.command_wait_ns + self.command_transport_ns + self.actuate_ns
     }
 
     /// Their sum: the reaction time.
     #[must_use]
     pub fn sum_ns(&self) -> i64 {
-        self.radar_to_controller_ns + self.controller_compute_ns + self.controller_to_plant_ns
+        self.radar_to_controller_ns() + self.controller_compute_ns + self.controller_to_plant_ns()
+    }
+
+    /// The waits among them that are designed, ns.
+    #[must_use]
+    pub fn designed_wait_ns(&self, command: &Command) -> i64 {
+        let radar = command.header.origins.radar;
+        let latency = (command.radar_release_ns - radar.acquisition_ns).max(0);
+        let timer = (command.header.acquisition_ns - radar.publish_ns).max(0);
+        latency.min(self.radar_publish_ns)
+            + timer.min(self.controller_queue_ns)
+            + self.command_wait_ns
     }
 }
 
+/// Histograms of all chains of a run.
+#[derive(Debug)]
+pub struct Chains {
+    reaction: Latencies,
+    age: Latencies,
+    designed_wait: Latencies,
+    net_reaction: Latencies,
+    radar_to_controller: Latencies,
+    controller_to_plant: Latencies,
+    /// One for each part, in order of time.
+    parts: [Latencies; 7],
+    worst: Worst,
+    last_radar: Option<Origin>,
+}
+
 impl Chains {
-    /// Records that `command` acts at `now_ns`; called in every cycle of the plant.
-    pub fn actuated(&mut self, command: &Command, now_ns: i64) {
+    /// No chains yet. A control cycle is late if its command comes `deadline_ns` after its release.
+    #[must_use]
+    pub fn new(deadline_ns: i64) -> Self {
+        Self {
+            reaction: Latencies::default(),
+            age: Latencies::default(),
+            designed_wait: Latencies::default(),
+            net_reaction: Latencies::default(),
+            radar_to_controller: Latencies::default(),
+            controller_to_plant: Latencies::default(),
+            parts: Default::default(),
+            worst: Worst::new(deadline_ns),
+            last_radar: None,
+        }
+    }
+
+    /// Records that `command` acts at `actuated`; called in every cycle of the plant.
+    pub fn actuated(&mut self, command: &Command, actuated: &Actuated) {
         let radar = command.header.origins.radar;
         if !radar.is_some() {
             return;
         }
-        self.age.record_ns(now_ns - radar.acquisition_ns);
+        self.age.record_ns(actuated.now_ns - radar.acquisition_ns);
         if self.last_radar == Some(radar) {
             return;
         }
         self.last_radar = Some(radar);
-        let parts = Parts::of(command, now_ns);
-        self.reaction.record_ns(parts.sum_ns());
-        self.radar_to_controller.record_ns(parts.radar_to_controller_ns);
-        self.controller_compute.record_ns(parts.controller_compute_ns);
-        self.controller_to_plant.record_ns(parts.controller_to_plant_ns);
+        let parts = Parts::of(command, actuated);
+        let (sum, designed) = (parts.sum_ns(), parts.designed_wait_ns(command));
+        self.reaction.record_ns(sum);
+        self.designed_wait.record_ns(designed);
+        self.net_reaction.record_ns(sum - designed);
+        self.radar_to_controller.record_ns(parts.radar_to_controller_ns());
+        self.controller_to_plant.record_ns(parts.controller_to_plant_ns());
+        let in_order = [
+            parts.radar_publish_ns,
+            parts.controller_queue_ns,
+            parts.radar_transport_ns,
+            parts.controller_compute_ns,
+            parts.command_wait_ns,
+            parts.command_transport_ns,
+            parts.actuate_ns,
+        ];
+        for (histogram, part) in self.parts.iter_mut().zip(in_order) {
+            histogram.record_ns(part);
+        }
+        self.worst.offer(command, &parts, actuated.now_ns);
     }
 
     /// Percentiles of the reaction time.
@@ -85,14 +182,40 @@ impl Chains {
         self.age.percentiles_us()
     }
 
+    /// Percentiles of the designed waits in the reaction time.
+    #[must_use]
+    pub fn designed_wait_us(&self) -> Option<Percentiles> {
+        self.designed_wait.percentiles_us()
+    }
+
+    /// Percentiles of the reaction time without its designed waits.
+    #[must_use]
+    pub fn net_reaction_us(&self) -> Option<Percentiles> {
+        self.net_reaction.percentiles_us()
+    }
+
     /// Percentiles of the reaction time's parts.
     #[must_use]
     pub fn hops_us(&self) -> Hops {
+        let [publish, queue, transport, compute, wait, wake, actuate] =
+            self.parts.each_ref().map(Latencies::percentiles_us);
         Hops {
             radar_to_controller: self.radar_to_controller.percentiles_us(),
-            controller_compute: self.controller_compute.percentiles_us(),
+            controller_compute: compute,
             controller_to_plant: self.controller_to_plant.percentiles_us(),
+            radar_publish: publish,
+            controller_queue: queue,
+            radar_transport: transport,
+            command_wait: wait,
+            command_transport: wake,
+            actuate,
         }
+    }
+
+    /// The chains with the longest reaction times.
+    #[must_use]
+    pub fn worst(&self) -> &Worst {
+        &self.worst
     }
 }
 
@@ -101,36 +224,102 @@ mod tests {
     use super::*;
     use bytemuck::Zeroable;
 
-    fn command(radar_sequence: u64, acquired: i64, start: i64, published: i64) -> Command {
+    fn command(radar: Origin, released: i64, idle: i64, start: i64, published: i64) -> Command {
         let mut command = Command::zeroed();
-        let origin =
-            Origin { sequence: radar_sequence, acquisition_ns: acquired, publish_ns: acquired + 5 };
-        command.header.origins.radar = origin;
+        command.header.origins.radar = radar;
+        command.header.acquisition_ns = released;
         command.header.publish_ns = published;
-        command.start_ns = start;
+        command.radar_release_ns = radar.acquisition_ns;
+        (command.idle_ns, command.start_ns) = (idle, start);
         command
     }
 
+    fn radar(sequence: u64, acquisition_ns: i64, publish_ns: i64) -> Origin {
+        Origin { sequence, acquisition_ns, publish_ns }
+    }
+
+    fn at(scheduled_ns: i64, start_ns: i64, now_ns: i64) -> Actuated {
+        Actuated { scheduled_ns, start_ns, now_ns }
+    }
+
     #[test]
-    fn parts_add_up_to_the_reaction_time() {
-        let parts = Parts::of(&command(1, 100, 130, 175), 220);
-        assert_eq!(parts.sum_ns(), 220 - 100);
-        assert_eq!((parts.radar_to_controller_ns, parts.controller_compute_ns), (30, 45));
+    fn parts_of_a_quiet_chain() {
+        let quiet = command(radar(1, 100, 130), 100, 20, 142, 175);
+        let parts = Parts::of(&quiet, &at(200, 208, 220));
+        let expected = Parts {
+            radar_publish_ns: 30,
+            controller_queue_ns: 0,
+            radar_transport_ns: 12,
+            controller_compute_ns: 33,
+            command_wait_ns: 25,
+            command_transport_ns: 8,
+            actuate_ns: 12,
+        };
+        assert_eq!(parts, expected);
+        assert_eq!((parts.sum_ns(), parts.designed_wait_ns(&quiet)), (120, 25));
+    }
+
+    #[test]
+    fn a_busy_controller_queues_by_accident_and_a_timer_by_design() {
+        // Idle 40 after the sample was published: nobody designed that.
+        let busy = command(radar(1, 100, 130), 100, 170, 174, 190);
+        let parts = Parts::of(&busy, &at(200, 200, 200));
+        assert_eq!((parts.controller_queue_ns, parts.radar_transport_ns), (40, 4));
+        assert_eq!(parts.designed_wait_ns(&busy), 10);
+        // Released by its timer 20 after the publication, awake 5 later.
+        let timer = command(radar(1, 100, 130), 150, 90, 155, 180);
+        let parts = Parts::of(&timer, &at(200, 200, 200));
+        assert_eq!((parts.controller_queue_ns, parts.radar_transport_ns), (20, 5));
+        assert_eq!(parts.designed_wait_ns(&timer), 20 + 20);
+    }
+
+    #[test]
+    fn a_radar_with_latency_waits_by_design_and_a_late_plant_does_not() {
+        let mut late = command(radar(1, 100, 163), 150, 90, 170, 180);
+        late.radar_release_ns = 150;
+        // The plant was due at 160, before the command was there, and awoke at 230.
+        let parts = Parts::of(&late, &at(160, 230, 240));
+        assert_eq!((parts.command_wait_ns, parts.command_transport_ns), (0, 50));
+        assert_eq!((parts.sum_ns(), parts.designed_wait_ns(&late)), (140, 50));
+    }
+
+    #[test]
+    fn parts_add_up_whatever_the_stamps() {
+        let mut state = 1_u64;
+        let mut random = |span: u64| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            i64::try_from((state >> 33) % span).expect("small")
+        };
+        for _ in 0..10_000 {
+            let origin = radar(1, random(50), random(100));
+            let command = command(origin, random(200), random(200), random(200), random(200));
+            let now = 250 + random(100);
+            let parts = Parts::of(&command, &at(random(250), random(250), now));
+            assert_eq!(parts.sum_ns(), now - origin.acquisition_ns, "{command:?}");
+            let designed = parts.designed_wait_ns(&command);
+            assert!((0..=parts.sum_ns()).contains(&designed));
+        }
     }
 
     #[test]
     fn a_radar_sample_reacts_once_and_ages_on() {
-        let mut chains = Chains::default();
-        chains.actuated(&command(0, -1, 0, 0), 10);
+        let mut chains = Chains::new(100_000);
+        let none = command(radar(0, -1, -1), 0, 0, 0, 0);
+        chains.actuated(&none, &at(10, 10, 10));
         assert_eq!(chains.age_us(), None, "a command without a radar sample is no chain");
-        let first = command(1, 0, 1_000, 2_000);
-        chains.actuated(&first, 3_000);
-        chains.actuated(&first, 13_000);
-        chains.actuated(&command(2, 10_000, 11_000, 12_000), 23_000);
+        let first = command(radar(1, 0, 500), 0, 0, 1_000, 2_000);
+        chains.actuated(&first, &at(3_000, 3_000, 3_000));
+        chains.actuated(&first, &at(13_000, 13_000, 13_000));
+        let second = command(radar(2, 10_000, 10_500), 10_000, 3_000, 11_000, 12_000);
+        chains.actuated(&second, &at(23_000, 23_000, 23_000));
         let count = |p: Option<Percentiles>| p.map_or(0, |p| p.count);
         assert_eq!((count(chains.reaction_us()), count(chains.age_us())), (2, 3));
         let hops = chains.hops_us();
-        assert_eq!(count(hops.radar_to_controller), 2);
+        for part in [hops.radar_to_controller, hops.radar_transport, hops.actuate] {
+            assert_eq!(count(part), 2);
+        }
         assert_eq!(chains.reaction_us().map(|p| p.max.round()), Some(13.0));
+        let longest = chains.worst().report();
+        assert_eq!(longest.iter().map(|w| w.radar_sequence).collect::<Vec<_>>(), [2, 1]);
     }
 }

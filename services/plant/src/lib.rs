@@ -8,5 +8,6 @@ pub mod referee;
 mod service;
 pub mod truck;
 mod truth;
+mod worst;
 
 pub use service::run;

@@ -1,6 +1,6 @@
 //! The plant's loop: publish the motion, take the newest command, move on.
 
-use crate::chains::Chains;
+use crate::chains::{Actuated, Chains};
 use crate::ego::Ego;
 use crate::gateway::{Actuation, EngineRequest, Gateway, Source};
 use crate::referee::{MAX_SIGNALS, Referee, SignalTruth, Violation};
@@ -58,7 +58,7 @@ impl Plant {
             ego: Ego::new(scenario).map_err(|problem| RuntimeError::Setup(problem.message))?,
             gateway: Gateway::new(&scenario.plant),
             referee: Referee::new(scenario),
-            chains: Chains::default(),
+            chains: Chains::new(i64::from(scenario.controller.deadline().value()) * 1_000_000),
             odometry: runtime.publisher()?,
             powertrain: (scenario.plant.vehicle.is_truck())
                 .then(|| runtime.publisher())
@@ -183,7 +183,8 @@ impl Plant {
             }
         }
         if let Some(active) = &self.active {
-            self.chains.actuated(active, now_ns);
+            let (scheduled_ns, start_ns) = (release.scheduled_ns, release.start_ns);
+            self.chains.actuated(active, &Actuated { scheduled_ns, start_ns, now_ns });
         }
         let state = self.ego.state();
         let ahead = (self.vehicles.newest())
@@ -215,7 +216,10 @@ impl Plant {
             control,
             reaction_time_us: self.chains.reaction_us(),
             data_age_us: self.chains.age_us(),
+            designed_wait_us: self.chains.designed_wait_us(),
+            net_reaction_us: self.chains.net_reaction_us(),
             hops_us: self.chains.hops_us(),
+            worst_chains: self.chains.worst().report(),
         }
     }
 }

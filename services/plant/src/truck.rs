@@ -4,7 +4,6 @@
 use crate::gateway::Actuation;
 use crate::longitudinal::State;
 use shared::road::GradeProfile;
-use shared::scenario::plant::Vehicle;
 use shared::scenario::{Problem, Scenario};
 use truck_model::{Demand, FUEL_DENSITY_GPL, GRAVITY_MPS2, Motion, Preset, Truck as Model};
 
@@ -55,7 +54,7 @@ impl Truck {
     /// When the scenario's road is none.
     pub fn new(scenario: &Scenario) -> Result<Option<Self>, Problem> {
         let plant = &scenario.plant;
-        let Some(preset) = preset(plant.vehicle) else { return Ok(None) };
+        let Some(preset) = Preset::named(plant.vehicle.as_str()) else { return Ok(None) };
         let road = scenario.road.profile()?;
         let believed = Model::preset(preset);
         let mass_kg = believed.parameters().mass_kg * plant.mass_factor.value();
@@ -156,15 +155,6 @@ impl Truck {
     #[must_use]
     pub fn service_brake_s(&self) -> f64 {
         self.braked_s
-    }
-}
-
-/// The model's name for a scenario's truck.
-fn preset(vehicle: Vehicle) -> Option<Preset> {
-    match vehicle {
-        Vehicle::Car => None,
-        Vehicle::Jh6At49T => Some(Preset::Jh6At49T),
-        Vehicle::Jh6At25T => Some(Preset::Jh6At25T),
     }
 }
 

@@ -7,6 +7,7 @@
 //! | 12..16 | counter |
 //! | 16..20 | data ID |
 
+use crate::messages::layout;
 use bytemuck::{Pod, Zeroable};
 use crc::{CRC_64_XZ, Crc, Table};
 use iceoryx2::prelude::ZeroCopySend;
@@ -30,6 +31,8 @@ pub struct Protection {
     /// Zero.
     pub reserved: [u8; 4],
 }
+
+layout!(Protection { crc, length, counter, data_id, reserved });
 
 /// Why a message is not what was sent on this channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

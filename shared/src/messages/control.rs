@@ -1,6 +1,6 @@
 //! What the controller asks of the vehicle, and why.
 
-use super::{Header, Topic, message};
+use super::{Header, Topic, layout, message};
 use bytemuck::{Pod, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
 
@@ -17,8 +17,25 @@ pub const FIGURES: usize = 8;
 pub struct Command {
     /// Common header; its acquisition time is that of the release.
     pub header: Header,
+    /// Scheduled release of the radar's cycle that published the radar sample, ns of run time; −1
+    /// without a sample.
+    pub radar_release_ns: i64,
+    /// Since when the controller waited for its release, ns of run time.
+    pub idle_ns: i64,
     /// When the cycle began to work on its inputs, ns of run time.
     pub start_ns: i64,
+    /// Times that the cycle gave the processor up, from its start to its command.
+    pub voluntary_switches: u32,
+    /// Times that the processor was taken from it.
+    pub involuntary_switches: u32,
+    /// Pages that it found in memory but not mapped.
+    pub minor_faults: u32,
+    /// Pages that it had to wait for.
+    pub major_faults: u32,
+    /// Iterations of the law's solver.
+    pub solver_iterations: u32,
+    /// Mode of the law.
+    pub mode: u32,
     /// Time between two requests of the plan, ns.
     pub plan_period_ns: i64,
     /// Valid entries of `plan_mps2`, at least 1.
@@ -37,6 +54,25 @@ pub struct Command {
 }
 
 message!(Command, Topic::Command);
+layout!(Command {
+    header,
+    radar_release_ns,
+    idle_ns,
+    start_ns,
+    voluntary_switches,
+    involuntary_switches,
+    minor_faults,
+    major_faults,
+    solver_iterations,
+    mode,
+    plan_period_ns,
+    plan_len,
+    plan_mps2,
+    has_torque,
+    gear,
+    engine_torque_nm,
+    service_brake_n,
+});
 
 /// What the controller saw and decided in one cycle.
 #[repr(C)]
@@ -66,3 +102,15 @@ pub struct Diagnostics {
 }
 
 message!(Diagnostics, Topic::Diagnostics);
+layout!(Diagnostics {
+    header,
+    mode,
+    mode_reason,
+    quality,
+    solver_iterations,
+    request_mps2,
+    odometry_age_ns,
+    radar_age_ns,
+    spat_age_ns,
+    figures,
+});

@@ -1,5 +1,6 @@
 //! The header that every message starts with.
 
+use super::layout;
 use crate::e2e::profile7::Protection;
 use bytemuck::{Pod, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
@@ -19,6 +20,8 @@ pub struct Origin {
     /// When the sample was published, ns of run time.
     pub publish_ns: i64,
 }
+
+layout!(Origin { sequence, acquisition_ns, publish_ns });
 
 impl Origin {
     /// The origin of an input that was not there.
@@ -53,11 +56,16 @@ pub struct Origins {
     pub radar: Origin,
     /// The `v2x/spat` sample.
     pub spat: Origin,
+    /// The `v2x/map` sample.
+    pub map: Origin,
 }
+
+layout!(Origins { odometry, radar, spat, map });
 
 impl Origins {
     /// No inputs, as in a message that starts a chain.
-    pub const NONE: Self = Self { odometry: Origin::NONE, radar: Origin::NONE, spat: Origin::NONE };
+    pub const NONE: Self =
+        Self { odometry: Origin::NONE, radar: Origin::NONE, spat: Origin::NONE, map: Origin::NONE };
 }
 
 /// What every message starts with.
@@ -83,6 +91,17 @@ pub struct Header {
     /// Stamps of the inputs it was computed from.
     pub origins: Origins,
 }
+
+layout!(Header {
+    protection,
+    sequence,
+    step,
+    acquisition_ns,
+    publish_ns,
+    incarnation,
+    source,
+    origins
+});
 
 impl Header {
     /// A header to be filled in by the publisher, for a message of `step` made from `origins`.

@@ -1,6 +1,6 @@
 //! Signs of life.
 
-use super::{Header, Topic, message};
+use super::{Header, Topic, layout, message};
 use bytemuck::{Pod, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
 
@@ -27,3 +27,4 @@ pub struct Heartbeat {
 }
 
 message!(Heartbeat, Topic::Heartbeat);
+layout!(Heartbeat { header, cycles, state });

@@ -25,6 +25,7 @@
 mod control;
 mod header;
 mod health;
+mod layout;
 mod perception;
 mod topic;
 mod v2x;
@@ -33,6 +34,7 @@ mod vehicle;
 pub use control::{Command, Diagnostics, FIGURES, PLAN_LEN};
 pub use header::{Header, Origin, Origins};
 pub use health::{Heartbeat, ServiceState};
+pub use layout::{Element, Field, Laid, Layout, Place, Scalar, Shape, Value};
 pub use perception::{
     MAX_TRACKS, RadarTracks, Track, TrackedTarget, VehicleTruth, VehicleTruthItem,
 };
@@ -67,4 +69,5 @@ macro_rules! message {
         };
     };
 }
+pub(crate) use layout::{layout, shape_of};
 use message;

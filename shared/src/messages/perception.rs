@@ -1,6 +1,6 @@
 //! What the radar sees, and what is really there.
 
-use super::{Header, Topic, message};
+use super::{Header, Topic, layout, message};
 use bytemuck::{Pod, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
 
@@ -24,6 +24,8 @@ pub struct Track {
     pub azimuth_rad: f64,
 }
 
+layout!(Track { id, in_path, range_m, range_rate_mps, azimuth_rad });
+
 /// The in-path target after tracking.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
@@ -41,6 +43,8 @@ pub struct TrackedTarget {
     pub acceleration_mps2: f64,
 }
 
+layout!(TrackedTarget { valid, track_id, gap_m, relative_speed_mps, acceleration_mps2 });
+
 /// Output of the radar and its tracker.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
@@ -57,6 +61,7 @@ pub struct RadarTracks {
 }
 
 message!(RadarTracks, Topic::RadarTracks);
+layout!(RadarTracks { header, target, count, tracks });
 
 /// A vehicle as it really is.
 #[repr(C)]
@@ -75,6 +80,8 @@ pub struct VehicleTruthItem {
     pub lateral_m: f64,
 }
 
+layout!(VehicleTruthItem { in_lane, rear_position_m, speed_mps, acceleration_mps2, lateral_m });
+
 /// All simulated vehicles as they really are at the header's step.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
@@ -89,3 +96,4 @@ pub struct VehicleTruth {
 }
 
 message!(VehicleTruth, Topic::VehicleTruth);
+layout!(VehicleTruth { header, count, vehicles });

@@ -1,6 +1,6 @@
 //! The topics: who publishes what for whom.
 
-use super::Header;
+use super::{Header, Laid, Layout};
 use crate::Service;
 use crate::runtime::Carried;
 use bytemuck::Pod;
@@ -12,7 +12,7 @@ use iceoryx2::prelude::ZeroCopySend;
 pub const LAYOUT_VERSION: &str = "2";
 
 /// A message type with its topic.
-pub trait Message: Pod + ZeroCopySend + Debug + PartialEq + Carried {
+pub trait Message: Pod + ZeroCopySend + Debug + PartialEq + Carried + Laid {
     /// Topic that carries the type.
     const TOPIC: Topic;
 
@@ -87,18 +87,24 @@ impl Topic {
     /// Size of its message, bytes.
     #[must_use]
     pub const fn message_bytes(self) -> usize {
+        self.layout().bytes
+    }
+
+    /// Layout of its message.
+    #[must_use]
+    pub const fn layout(self) -> &'static Layout {
         match self {
-            Self::Odometry => size_of::<super::Odometry>(),
-            Self::Powertrain => size_of::<super::Powertrain>(),
-            Self::RadarTracks => size_of::<super::RadarTracks>(),
-            Self::Spat => size_of::<super::Spat>(),
-            Self::Map => size_of::<super::Map>(),
-            Self::Preview => size_of::<super::Preview>(),
-            Self::Command => size_of::<super::Command>(),
-            Self::Diagnostics => size_of::<super::Diagnostics>(),
-            Self::VehicleTruth => size_of::<super::VehicleTruth>(),
-            Self::SignalTruth => size_of::<super::SignalTruth>(),
-            Self::Heartbeat => size_of::<super::Heartbeat>(),
+            Self::Odometry => super::Odometry::LAYOUT,
+            Self::Powertrain => super::Powertrain::LAYOUT,
+            Self::RadarTracks => super::RadarTracks::LAYOUT,
+            Self::Spat => super::Spat::LAYOUT,
+            Self::Map => super::Map::LAYOUT,
+            Self::Preview => super::Preview::LAYOUT,
+            Self::Command => super::Command::LAYOUT,
+            Self::Diagnostics => super::Diagnostics::LAYOUT,
+            Self::VehicleTruth => super::VehicleTruth::LAYOUT,
+            Self::SignalTruth => super::SignalTruth::LAYOUT,
+            Self::Heartbeat => super::Heartbeat::LAYOUT,
         }
     }
 

@@ -1,6 +1,6 @@
 //! What the roadside unit sends, in the terms of SPATEM and MAPEM (SAE J2735).
 
-use super::{Header, Topic, message};
+use super::{Header, Topic, layout, message};
 use bytemuck::{Pod, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
 
@@ -61,6 +61,8 @@ pub struct Interval {
     pub max_end_s: f64,
 }
 
+layout!(Interval { state, confidence, min_end_s, likely_end_s, max_end_s });
+
 /// Timing of one signal group.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
@@ -76,6 +78,8 @@ pub struct Signal {
     pub intervals: [Interval; MAX_INTERVALS],
 }
 
+layout!(Signal { intersection_id, signal_group, count, intervals });
+
 /// Signal phase and timing of all signals within radio range.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
@@ -90,6 +94,7 @@ pub struct Spat {
 }
 
 message!(Spat, Topic::Spat);
+layout!(Spat { header, count, signals });
 
 /// Most cells of a road preview: 2 km in cells of 50 m, and some that the
 /// vehicle passes meanwhile.
@@ -115,6 +120,7 @@ pub struct Preview {
 }
 
 message!(Preview, Topic::Preview);
+layout!(Preview { header, count, first_cell_m, cell_m, speed_limit_mps, grades });
 
 /// A lane's stop line and the signal group that governs it.
 #[repr(C)]
@@ -128,6 +134,8 @@ pub struct Lane {
     /// Position of the stop line on the ego's axis, m.
     pub stop_line_m: f64,
 }
+
+layout!(Lane { intersection_id, signal_group, stop_line_m });
 
 /// Stop lines of all intersections within radio range.
 #[repr(C)]
@@ -143,6 +151,7 @@ pub struct Map {
 }
 
 message!(Map, Topic::Map);
+layout!(Map { header, count, lanes });
 
 /// All signals as they really are: the referee's copy, not limited by radio range.
 #[repr(C)]
@@ -160,3 +169,4 @@ pub struct SignalTruth {
 }
 
 message!(SignalTruth, Topic::SignalTruth);
+layout!(SignalTruth { header, count, lanes, signals });

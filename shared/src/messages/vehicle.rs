@@ -1,6 +1,6 @@
 //! What the vehicle says of itself.
 
-use super::{Header, Topic, message};
+use super::{Header, Topic, layout, message};
 use bytemuck::{Pod, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
 
@@ -22,6 +22,7 @@ pub struct Odometry {
 }
 
 message!(Odometry, Topic::Odometry);
+layout!(Odometry { header, position_m, speed_mps, acceleration_mps2, request_mps2 });
 
 impl Odometry {
     /// Position in m and speed in m/s at `time_s`, if the acceleration stayed as it was since the
@@ -64,3 +65,15 @@ pub struct Powertrain {
 }
 
 message!(Powertrain, Topic::Powertrain);
+layout!(Powertrain {
+    header,
+    gear,
+    shifts,
+    since_shift_s,
+    engine_speed_rpm,
+    engine_torque_nm,
+    service_brake_n,
+    fuel_gps,
+    fuel_g,
+    specific_force_mps2,
+});

@@ -49,6 +49,15 @@ impl<Q: Send + 'static, A: Send + 'static> Beside<Q, A> {
         delay_ns: i64,
         work: impl FnMut(&Q) -> A + Send + 'static,
     ) -> Result<Self, RuntimeError> {
+        Self::start_in(runtime.clock().mode(), name, delay_ns, work)
+    }
+
+    fn start_in(
+        mode: Mode,
+        name: &str,
+        delay_ns: i64,
+        work: impl FnMut(&Q) -> A + Send + 'static,
+    ) -> Result<Self, RuntimeError> {
         let shared = Arc::new(Shared {
             question: Mutex::new(None),
             asked: Condvar::new(),
@@ -64,7 +73,7 @@ impl<Q: Send + 'static, A: Send + 'static> Beside<Q, A> {
         Ok(Self {
             shared,
             thread: Some(thread),
-            mode: runtime.clock().mode(),
+            mode,
             delay_ns,
             due_ns: None,
             counted_late: false,
@@ -190,5 +199,69 @@ impl<Q, A> Drop for Beside<Q, A> {
             // A thread that panicked has said so.
             let _ = thread.join();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::mpsc::channel;
+
+    const DELAY_NS: i64 = 200;
+
+    fn release(scheduled_ns: i64) -> Release {
+        Release { step: 0, time_s: 0.0, scheduled_ns, start_ns: scheduled_ns }
+    }
+
+    #[test]
+    fn in_lockstep_an_answer_takes_effect_exactly_when_it_is_due() {
+        let mut beside = Beside::start_in(Mode::Lockstep, "double", DELAY_NS, |x: &u32| {
+            std::thread::sleep(Duration::from_millis(5));
+            2 * x
+        })
+        .expect("a thread");
+        let mut heard = Vec::new();
+        for cycle in 0..6 {
+            let release = release(100 * cycle);
+            heard.push(beside.answer(&release));
+            if !beside.is_busy() {
+                beside.ask(&release, cycle as u32).expect("none is open");
+            }
+        }
+        assert_eq!(heard, [None, None, Some(0), None, Some(4), None]);
+        let report = beside.report();
+        assert_eq!((report.asked, report.late), (3, 0));
+        assert_eq!(report.plan_us.map(|took| took.count), Some(2));
+    }
+
+    #[test]
+    fn in_realtime_a_late_answer_is_counted_once_and_taken_when_it_comes() {
+        let (go, wait) = channel::<()>();
+        let mut beside = Beside::start_in(Mode::Realtime, "slow", DELAY_NS, move |x: &u32| {
+            let _ = wait.recv();
+            *x
+        })
+        .expect("a thread");
+        // The thread may just be looking for a question.
+        while beside.ask(&release(0), 7).is_err() {}
+        assert_eq!(beside.ask(&release(0), 8), Err(8), "one question at a time");
+        assert_eq!([100, 200, 300].map(|ns| beside.answer(&release(ns))), [None; 3]);
+        assert_eq!(beside.report().late, 1);
+        go.send(()).expect("the thread waits");
+        let answer = loop {
+            if let Some(answer) = beside.answer(&release(400)) {
+                break answer;
+            }
+        };
+        assert_eq!((answer, beside.report().late), (7, 1));
+    }
+
+    #[test]
+    fn a_thread_that_died_is_not_waited_for() {
+        let mut beside =
+            Beside::start_in(Mode::Lockstep, "dies", DELAY_NS, |x: &u32| 1 / (*x - *x))
+                .expect("a thread");
+        beside.ask(&release(0), 7).expect("none is open");
+        assert_eq!(beside.answer(&release(200)), None);
     }
 }

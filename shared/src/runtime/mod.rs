@@ -16,7 +16,8 @@
 //!   nobody loses a message, and all stamps are simulated time: same scenario, same seed, same
 //!   bytes.
 //!
-//! `unsafe` is allowed in `scheduling` and `spawn` alone, for system calls that no crate wraps.
+//! `unsafe` is allowed in `scheduling`, `spawn`, `usage` and `words` alone, for system calls that no
+//! crate wraps.
 
 mod beside;
 mod clock;
@@ -32,8 +33,12 @@ mod release;
 pub mod scheduling;
 mod session;
 mod spawn;
+mod tap;
 mod timetable;
 mod transport;
+mod usage;
+mod waking;
+mod words;
 
 pub use beside::Beside;
 pub use clock::{Clock, Mode, monotonic_ns};
@@ -49,6 +54,8 @@ pub use port::{Publisher, Subscriber};
 pub use release::{Overrun, Release};
 pub use session::{Cycle, Runtime, count_allocations_by, log_warnings, run_service};
 pub use spawn::inherit_only;
+pub use tap::{Tap, Tapped};
 pub use timetable::Timetable;
 pub use transport::shared_memory_bytes;
 pub(crate) use transport::{Carried, Receiver, Sender, Transport, carried};
+pub use usage::Usage;

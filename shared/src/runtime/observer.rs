@@ -27,6 +27,11 @@ impl Observer {
         Ok(Self { transport: Transport::join(group, name)?, mode: group.mode, members })
     }
 
+    /// Removes what dead processes left on the topics, so that no sender waits for them.
+    pub fn remove_dead(&self) {
+        self.transport.remove_dead();
+    }
+
     /// Listens to `T`'s topic from now on.
     ///
     /// # Errors

@@ -3,13 +3,13 @@
 use super::faults::{Faults, Lies, Wire};
 use super::link::End;
 use super::members::Members;
-use super::transport::{Receiver, Sender, SenderId, Waiter, Waker};
+use super::transport::{Receiver, Sender, SenderId};
+use super::waking::{Ticket, Waiter, Waker};
 use super::{Clock, Mode, RuntimeError, Timetable};
 use crate::e2e::{Channel, Outcomes, profile7};
 use crate::messages::{Message, Odometry, Topic};
 use crate::report::{ReceivedTopic, SentTopic};
 use crate::{Service, messages::Origin};
-use iceoryx2::port::listener::ListenerWaitError;
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
@@ -72,7 +72,7 @@ impl Tally {
 #[derive(Debug)]
 pub struct Publisher<T: Message> {
     pub(super) port: Rc<dyn Sender<T>>,
-    pub(super) notifier: Option<Rc<Waker>>,
+    pub(super) waker: Option<Waker>,
     pub(super) clock: Rc<Clock>,
     pub(super) timetable: Timetable,
     pub(super) source: Service,
@@ -111,10 +111,10 @@ impl<T: Message> Publisher<T> {
         profile7::protect(bytemuck::bytes_of_mut(&mut message), data_id, sequence as u32);
         self.port.send(&message).map_err(error)?;
         self.tally.borrow_mut().count(&message);
-        if let Some(notifier) = &self.notifier
+        if let Some(waker) = &self.waker
             && (self.timetable.is_awaited(T::TOPIC, step) || step.is_multiple_of(DRAIN_STEPS))
         {
-            notifier.notify().map_err(|e| error(format!("{e:?}")))?;
+            waker.wake();
         }
         Ok(())
     }
@@ -133,7 +133,7 @@ const SILENCE: f64 = 1.5;
 #[derive(Debug)]
 pub struct Subscriber<T: Message> {
     port: Rc<dyn Receiver<T>>,
-    pub(super) listener: Option<Waiter>,
+    waiter: Option<Waiter>,
     newest: Option<T>,
     ahead: Option<T>,
     /// Newest step of which a message arrived, whatever the check made of it.
@@ -157,7 +157,7 @@ pub struct Subscriber<T: Message> {
 impl<T: Message> Subscriber<T> {
     pub(super) fn new(
         port: Rc<dyn Receiver<T>>,
-        listener: Option<Waiter>,
+        waiter: Option<Waiter>,
         members: Rc<Members>,
         clock: Option<Rc<Clock>>,
         faults: Rc<Faults>,
@@ -165,7 +165,7 @@ impl<T: Message> Subscriber<T> {
     ) -> Self {
         Self {
             port,
-            listener,
+            waiter,
             newest: None,
             ahead: None,
             arrived_step: None,
@@ -323,6 +323,7 @@ impl<T: Message> Subscriber<T> {
     ) -> Result<(), RuntimeError> {
         let mut waiting_since = None;
         loop {
+            let ticket = self.ticket();
             self.drain(step, |_| {})?;
             if self.arrived_step.is_some_and(|arrived| arrived >= due) {
                 return Ok(());
@@ -335,17 +336,23 @@ impl<T: Message> Subscriber<T> {
                 let waited_s = since.elapsed().as_secs_f64();
                 return Err(RuntimeError::Starved { topic: T::TOPIC, step: due, waited_s });
             }
-            self.wait(Duration::from_millis(20))?;
+            self.wait(ticket, Duration::from_millis(20))?;
         }
     }
 
-    /// Waits for a notification, at most for `timeout`.
-    pub(super) fn wait(&mut self, timeout: Duration) -> Result<(), RuntimeError> {
-        let listener = self.listener.as_ref().expect("whoever waits has a listener");
-        match listener.timed_wait(|_| {}, timeout) {
-            // A signal: the caller looks around.
-            Ok(_) | Err(ListenerWaitError::InterruptSignal) => Ok(()),
-            Err(e) => Err(RuntimeError::Receive { topic: T::TOPIC, reason: format!("{e:?}") }),
-        }
+    /// To be taken before a look at the topic that may end in a wait.
+    pub(super) fn ticket(&self) -> Ticket {
+        self.waiter().ticket()
+    }
+
+    /// Waits for a sample sent since `ticket` was taken, at most for `timeout`.
+    pub(super) fn wait(&self, ticket: Ticket, timeout: Duration) -> Result<(), RuntimeError> {
+        self.waiter()
+            .wait(ticket, timeout)
+            .map_err(|e| RuntimeError::Receive { topic: T::TOPIC, reason: e.to_string() })
+    }
+
+    fn waiter(&self) -> &Waiter {
+        self.waiter.as_ref().expect("whoever waits subscribed with a waiter")
     }
 }

@@ -18,6 +18,8 @@ pub struct Release {
     pub time_s: f64,
     /// Scheduled instant, ns of run time.
     pub scheduled_ns: i64,
+    /// Since when the service waited for it, ns of run time: when the one before was done.
+    pub idle_ns: i64,
     /// When the service really began, ns of run time.
     pub start_ns: i64,
 }

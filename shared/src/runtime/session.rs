@@ -8,7 +8,7 @@ use super::port::Tally;
 use super::scheduling::{Granted, Request, apply};
 use super::transport::{Connect, Input, Transport};
 use super::{
-    Clock, FromService, Group, Mode, Overrun, Publisher, Release, RuntimeError, Subscriber,
+    Clock, FromService, Group, Mode, Overrun, Publisher, Release, RuntimeError, Subscriber, Usage,
 };
 use crate::Service;
 use crate::messages::{Header, Heartbeat, Message, Odometry, Origins, ServiceState, Topic};
@@ -129,13 +129,9 @@ impl Runtime {
         };
         let port = T::sender(&self.transport, self.link.end.clone())?;
         self.ports.push((T::TOPIC, Rc::clone(&port) as Rc<dyn Connect>));
-        let notifier = awaited.then(|| self.transport.notifier(T::TOPIC)).transpose()?.map(Rc::new);
-        if let Some(notifier) = &notifier {
-            self.ports.push((T::TOPIC, Rc::clone(notifier) as Rc<dyn Connect>));
-        }
         Ok(Publisher {
             port,
-            notifier,
+            waker: awaited.then(|| self.transport.waker(T::TOPIC)),
             clock: Rc::clone(&self.clock),
             timetable: self.group.timetable,
             source: self.service,
@@ -165,14 +161,13 @@ impl Runtime {
     fn subscribe<T: Message>(&mut self, waits: bool) -> Result<Subscriber<T>, RuntimeError> {
         let tally = Tally::new(self.group.mode);
         self.received.push((T::TOPIC, Rc::clone(&tally)));
-        // The listener first: whoever notifies must find it.
-        let listener = waits.then(|| self.transport.listener(T::TOPIC)).transpose()?;
+        let waiter = waits.then(|| self.transport.waiter(T::TOPIC));
         let port = T::receiver(&self.transport)?;
         self.ports.push((T::TOPIC, Rc::clone(&port) as Rc<dyn Connect>));
         self.inputs.push(Rc::clone(&port) as Rc<dyn Input>);
         let (members, faults) = (Rc::clone(&self.members), Rc::clone(&self.faults));
         let clock = Some(Rc::clone(&self.clock));
-        Ok(Subscriber::new(port, listener, members, clock, faults, tally))
+        Ok(Subscriber::new(port, waiter, members, clock, faults, tally))
     }
 
     /// The effective scenario.
@@ -259,6 +254,7 @@ impl Runtime {
 
     /// Waits for the next release on the timer; `None` at the end of the run.
     pub fn next_release(&mut self, overrun: Overrun) -> Option<Release> {
+        let idle_ns = self.clock.now_ns();
         if self.group.mode == Mode::Realtime {
             loop {
                 self.look_around();
@@ -274,7 +270,7 @@ impl Runtime {
                 }
             }
         }
-        self.release()
+        self.release(idle_ns)
     }
 
     /// Waits for the next release by a sample of `T`'s topic, which must be due whenever this
@@ -287,12 +283,14 @@ impl Runtime {
         samples: &mut Subscriber<T>,
         fallback_ns: i64,
     ) -> Result<Option<Release>, RuntimeError> {
+        let idle_ns = self.clock.now_ns();
         if self.group.mode == Mode::Realtime {
             loop {
                 self.look_around();
                 if self.link.end.is_before(self.next_step) {
                     return Ok(None);
                 }
+                let ticket = samples.ticket();
                 samples.drain(u64::MAX, |_| {})?;
                 let late = self.clock.now_ns() - self.clock.scheduled_ns(self.next_step);
                 if self.skip_missed(late) {
@@ -302,10 +300,10 @@ impl Runtime {
                     break;
                 }
                 let wait = (fallback_ns - late).clamp(1_000, 50_000_000).unsigned_abs();
-                samples.wait(Duration::from_nanos(wait))?;
+                samples.wait(ticket, Duration::from_nanos(wait))?;
             }
         }
-        Ok(self.release())
+        Ok(self.release(idle_ns))
     }
 
     /// Leaves out the releases that are over by more than a period; true if there were any.
@@ -323,7 +321,7 @@ impl Runtime {
             + self.group.timetable.stride(self.service)
     }
 
-    fn release(&mut self) -> Option<Release> {
+    fn release(&mut self, idle_ns: i64) -> Option<Release> {
         if self.link.end.is_before(self.next_step) {
             return None;
         }
@@ -332,12 +330,14 @@ impl Runtime {
         self.clock.set_step(self.step);
         let scheduled_ns = self.clock.scheduled_ns(self.step);
         let start_ns = self.clock.now_ns();
+        // In lockstep the wait begins in an earlier step, and takes no time.
+        let idle_ns = if self.group.mode == Mode::Realtime { idle_ns } else { start_ns };
         if self.group.mode == Mode::Realtime {
             self.jitter.record_ns(start_ns - scheduled_ns);
         }
         self.cycles += 1;
         let time_s = scheduled_ns as f64 / 1e9;
-        Some(Release { step: self.step, time_s, scheduled_ns, start_ns })
+        Some(Release { step: self.step, time_s, scheduled_ns, idle_ns, start_ns })
     }
 
     /// Takes the newest sample of `T`'s topic; in lockstep, waits for the one that is due.
@@ -448,6 +448,16 @@ impl Runtime {
     #[must_use]
     pub fn clock(&self) -> &Clock {
         &self.clock
+    }
+
+    /// What the calling thread used of the machine so far; nothing in simulated time, whose messages
+    /// repeat to the byte.
+    #[must_use]
+    pub fn usage(&self) -> Usage {
+        match self.group.mode {
+            Mode::Realtime => Usage::of_this_thread(),
+            Mode::Lockstep => Usage::default(),
+        }
     }
 
     /// Releases left out so far.

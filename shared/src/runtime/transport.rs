@@ -1,25 +1,21 @@
 //! iceoryx2 as timegap uses it: one private node per process and one way to open each topic.
 
 use super::link::End;
+use super::waking::{Bells, Waiter, Waker};
 use super::{Group, Mode, RuntimeError, Timetable};
 use crate::Service;
 use crate::messages::{LAYOUT_VERSION, Message, TOPICS, Topic};
 use iceoryx2::config::Config;
+use iceoryx2::port::BackpressureAction;
 use iceoryx2::port::update_connections::UpdateConnections;
-use iceoryx2::port::{BackpressureAction, listener::Listener, notifier::Notifier};
 use iceoryx2::prelude::*;
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
-use iceoryx2::service::port_factory::{event, publish_subscribe};
+use iceoryx2::service::port_factory::publish_subscribe;
 use std::fmt::Debug;
 use std::rc::Rc;
 
 /// The iceoryx2 variant of all topics.
 type Ipc = ipc::Service;
-
-/// Wakes those who wait for a topic.
-pub(super) type Waker = Notifier<Ipc>;
-/// Waits for a topic.
-pub(super) type Waiter = Listener<Ipc>;
 
 /// Processes on one topic: the group, each restarted beside its dead self, and observers.
 const MAX_PEERS: usize = 10;
@@ -141,6 +137,7 @@ pub(crate) use carried;
 #[derive(Debug)]
 pub struct Transport {
     node: Node<Ipc>,
+    bells: Bells,
     mode: Mode,
     buffer: usize,
 }
@@ -161,7 +158,13 @@ impl Transport {
             .signal_handling_mode(SignalHandlingMode::Disabled)
             .create::<Ipc>()
             .map_err(|e| error(format!("{e:?}")))?;
-        Ok(Self { node, mode: group.mode, buffer: buffer(&group.timetable) })
+        let bells = Bells::map(&group.prefix).map_err(|e| error(format!("wake words: {e}")))?;
+        Ok(Self { node, bells, mode: group.mode, buffer: buffer(&group.timetable) })
+    }
+
+    /// Removes what dead processes left on the topics.
+    pub(super) fn remove_dead(&self) {
+        self.node.try_cleanup_dead_nodes();
     }
 
     /// Opens the publish-subscribe service of `T`'s topic.
@@ -223,29 +226,12 @@ impl Transport {
         Ok(Rc::new(port))
     }
 
-    fn event(&self, topic: Topic) -> Result<event::PortFactory<Ipc>, RuntimeError> {
-        self.node
-            .service_builder(&service_name(topic))
-            .event()
-            .max_listeners(MAX_PEERS)
-            .max_notifiers(MAX_PEERS)
-            .max_nodes(2 * MAX_PEERS)
-            .open_or_create()
-            .map_err(|e| RuntimeError::Topic { topic, reason: format!("{e:?}") })
+    pub(super) fn waker(&self, topic: Topic) -> Waker {
+        self.bells.waker(topic)
     }
 
-    pub(super) fn notifier(&self, topic: Topic) -> Result<Waker, RuntimeError> {
-        self.event(topic)?
-            .notifier_builder()
-            .create()
-            .map_err(|e| RuntimeError::Topic { topic, reason: format!("{e:?}") })
-    }
-
-    pub(super) fn listener(&self, topic: Topic) -> Result<Waiter, RuntimeError> {
-        self.event(topic)?
-            .listener_builder()
-            .create()
-            .map_err(|e| RuntimeError::Topic { topic, reason: format!("{e:?}") })
+    pub(super) fn waiter(&self, topic: Topic) -> Waiter {
+        self.bells.waiter(topic)
     }
 }
 

@@ -12,7 +12,7 @@ use super::quantity::{
 pub struct Controller {
     /// Which law.
     pub name: ControllerName,
-    /// Period of the control loop, ms; it is also the step of the predictive laws.
+    /// Period of the control loop, ms.
     pub period_ms: PeriodMs,
     /// What starts a cycle.
     pub release: Release,
@@ -25,6 +25,9 @@ pub struct Controller {
     pub solver: Solver,
     /// Steps of the prediction.
     pub horizon: Steps,
+    /// Step of the prediction, ms; absent: the period.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub prediction_step_ms: Option<PeriodMs>,
     /// Time headway t_h, s.
     pub time_headway_s: TimeConstant,
     /// Gap at standstill d_b, m.
@@ -57,6 +60,12 @@ impl Controller {
     pub fn deadline(&self) -> PeriodMs {
         self.deadline_ms.unwrap_or(self.period_ms)
     }
+
+    /// Step of the prediction.
+    #[must_use]
+    pub fn prediction_step(&self) -> PeriodMs {
+        self.prediction_step_ms.unwrap_or(self.period_ms)
+    }
 }
 
 impl Default for Controller {
@@ -69,6 +78,7 @@ impl Default for Controller {
             spacing_policy: SpacingPolicy::ConstantTimeHeadway,
             solver: Solver::Riccati,
             horizon: Steps::of(100),
+            prediction_step_ms: None,
             time_headway_s: TimeConstant::of(1.5),
             standstill_distance_m: Length::of(5.0),
             model_time_constant_s: TimeConstant::of(0.5),

@@ -63,7 +63,7 @@ pub struct DriveLog {
     command: Observed<Command>,
     diagnostics: Observed<Diagnostics>,
     heartbeat: Observed<Heartbeat>,
-    _observer: Observer,
+    observer: Observer,
     odometries: Vec<Odometry>,
     powertrains: Vec<(u64, PowertrainStep)>,
     truths: Vec<VehicleTruth>,
@@ -82,7 +82,7 @@ impl DriveLog {
             command: observer.listen()?,
             diagnostics: observer.listen()?,
             heartbeat: observer.listen()?,
-            _observer: observer,
+            observer,
             odometries: Vec::new(),
             powertrains: Vec::new(),
             truths: Vec::new(),
@@ -107,6 +107,11 @@ impl DriveLog {
         self.command.drain(|m| self.requests.push((m.header.step, m.plan_mps2[0])))?;
         self.diagnostics.drain(|m| self.cycles.push((m.header.step, m.mode, m.figures)))?;
         self.heartbeat.drain(|_| {})
+    }
+
+    /// Removes what a dead process left on the topics, so that nobody waits for it.
+    pub fn remove_dead(&self) {
+        self.observer.remove_dead();
     }
 
     /// Newest step that the vehicle was heard of.

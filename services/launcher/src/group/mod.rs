@@ -9,13 +9,16 @@
 //! when the launcher dies, and removes what the run left. What even the janitor could not remove, the
 //! next run does.
 
+mod attendant;
 mod drive;
 mod events;
 mod janitor;
 mod processes;
+mod recording;
 mod root;
 mod supervisor;
 
 pub use drive::{Drive, DriveStep, PowertrainStep};
 pub use janitor::run as run_janitor;
+pub use recording::RecordingSummary;
 pub use supervisor::{Ended, GroupOutcome, Launch, launch};

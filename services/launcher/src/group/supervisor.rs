@@ -3,10 +3,12 @@
 use super::drive::{Drive, DriveLog};
 use super::events::{Event, follow_signals};
 use super::processes::{Janitor, Process, describe};
+use super::recording::{RecorderProcess, RecordingSummary};
 use super::root::{RunRoot, check_room};
 use crate::error::Error;
 use shared::Service;
 use shared::report::ServiceReport;
+use shared::runtime::scheduling::Granted;
 use shared::runtime::{
     FromService, Group, Mode, StartOrder, Timetable, ToService, monotonic_ns, shared_memory_bytes,
 };
@@ -37,6 +39,8 @@ pub struct Launch {
     pub start_delay: Duration,
     /// File that tells others how to join the group, there while it drives.
     pub live_file: Option<PathBuf>,
+    /// Where to record the run.
+    pub recording: Option<PathBuf>,
 }
 
 /// Why a group ended.
@@ -70,6 +74,8 @@ pub struct GroupOutcome {
     pub ready_after: Duration,
     /// From the start instant until all services had reported.
     pub ran_for: Duration,
+    /// What became of the recording.
+    pub recording: Option<RecordingSummary>,
     /// Lines that services wrote beside their messages: warnings, panics.
     pub wrote: Vec<(Service, String)>,
 }
@@ -99,6 +105,8 @@ pub fn launch(launch: Launch, progress: &mut dyn FnMut(i64)) -> Result<GroupOutc
         group,
         events,
         processes: Vec::new(),
+        recording: None,
+        granted: BTreeMap::new(),
         reports: BTreeMap::new(),
         wrote: Vec::new(),
     };
@@ -141,6 +149,8 @@ struct Supervisor<'a> {
     group: Group,
     events: Receiver<Event>,
     processes: Vec<Process>,
+    recording: Option<RecorderProcess>,
+    granted: BTreeMap<String, Granted>,
     reports: BTreeMap<Service, ServiceReport>,
     wrote: Vec<(Service, String)>,
 }
@@ -165,6 +175,9 @@ impl Supervisor<'_> {
             }
             self.processes.push(process);
         }
+        let leader = self.processes.first().map_or(0, Process::pid);
+        self.recording = (self.launch.recording.as_deref())
+            .map(|path| RecorderProcess::spawn(path, root, leader));
         drop(sender);
         let mut log = DriveLog::listen(&self.group)?;
         self.wait_until_ready(spawned)?;
@@ -172,10 +185,16 @@ impl Supervisor<'_> {
         // A receiver that has not looked yet is not connected, and a full buffer of one that is not
         // connected loses messages instead of holding their sender up.
         log.drain()?;
+        if let Some(recording) = &mut self.recording {
+            recording.connect();
+        }
 
         let delay =
             i64::try_from(self.launch.start_delay.as_nanos()).expect("start delays are short");
         let start_ns = monotonic_ns() + delay;
+        if let Some(recording) = &mut self.recording {
+            recording.begin(start_ns, std::mem::take(&mut self.granted));
+        }
         self.order_all(&ToService::Start(StartOrder { start_ns }));
         let _live = self.launch.live_file.as_deref().map(|path| LiveFile::write(path, &self.group));
         let ended = self.follow_run(start_ns, &mut log, progress)?;
@@ -187,6 +206,7 @@ impl Supervisor<'_> {
             drive: log.finish()?,
             ready_after,
             ran_for: Duration::from_nanos(ran_ns.unsigned_abs()),
+            recording: self.recording.take().map(RecorderProcess::finish),
             wrote: std::mem::take(&mut self.wrote),
         })
     }
@@ -196,8 +216,9 @@ impl Supervisor<'_> {
         while let Some(&first) = waiting.first() {
             let left = self.launch.ready_timeout.saturating_sub(spawned.elapsed());
             match self.events.recv_timeout(left) {
-                Ok(Event::Said(service, FromService::Ready(_))) => {
-                    waiting.retain(|s| *s != service)
+                Ok(Event::Said(service, FromService::Ready(granted))) => {
+                    waiting.retain(|s| *s != service);
+                    self.granted.insert(service.name().into(), granted);
                 }
                 Ok(Event::Said(service, FromService::Failed(reason))) => {
                     return Err(Error::NotReady { service, what: format!("failed: {reason}") });
@@ -241,6 +262,9 @@ impl Supervisor<'_> {
         while self.reports.len() < self.processes.len() {
             let event = self.events.recv_timeout(poll);
             log.drain()?;
+            if self.recording.as_mut().is_some_and(RecorderProcess::has_died) {
+                log.remove_dead();
+            }
             if realtime {
                 progress((monotonic_ns() - start_ns).clamp(0, length_ns));
             } else {

@@ -1,9 +1,11 @@
-//! What is computed without processes: the bound, and drivers of flesh and blood.
+//! What is computed without processes: the bound, drivers of flesh and blood, generated roads.
 
 use super::SET_SPEED_MPS;
-use controller::predictive::Prices;
-use controller::predictive::route::{Bound, Cruise, Driver, Human, Road, Trip, drive};
-use shared::road::GradeProfile;
+use controller::predictive::route::{
+    Assisted, Bound, Cruise, Driver, Human, Map, Road, Trip, at_equal_time, drive,
+};
+use controller::predictive::{PlannerKind, Prices, Settings};
+use shared::road::{Alignment, GradeProfile, generate};
 use truck_model::{Preset, Truck};
 
 /// Length of a road's cells, m.
@@ -11,85 +13,104 @@ const CELL_M: f64 = 50.0;
 /// Nodes of the bound's grid over kinetic energy.
 const BOUND_NODES: usize = 400;
 /// Seeds over which a driver's fuel is averaged.
-const HUMAN_SEEDS: u64 = 8;
+const HUMAN_SEEDS: u64 = 4;
 /// Standard deviations of the drivers' aim, m/s.
 const HUMAN_SIGMAS_MPS: [f64; 2] = [2.5 / 3.6, 4.0 / 3.6];
-/// Trips until the trip time is that of the baseline.
-const ATTEMPTS: usize = 8;
-/// Largest difference of trip times that counts as none, as a fraction.
-const EQUAL_TIME: f64 = 2e-4;
 /// How far a driver lets the truck exceed the set speed, m/s.
 const ABOVE_SET_MPS: f64 = 5.0 / 3.6;
+/// Prices of time between which the bound's trip time is that of the baseline.
+const PRICES: (f64, f64) = (0.3, 4.0);
+/// Aims, as parts of the set speed, between which a driver's trip time is that of the baseline.
+const AIMS: (f64, f64) = (0.95, 1.06);
+/// Mean speeds, as parts of the set speed, between which the law's trip time is that of the baseline.
+const MEANS: (f64, f64) = (0.97, 1.04);
 
-/// Fuel of a truck on a road; changes are in percent against constant speed at equal trip time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Computed {
-    pub constant_speed_l_per_100km: Option<f64>,
-    pub bound_percent: Option<f64>,
-    pub human_percent: [Option<f64>; 2],
+/// Roads on which the planner is compared with the bound.
+pub const GENERATED: u64 = 10;
+
+/// A truck on a road at constant speed: the baseline.
+pub struct Baseline {
+    truck: Truck,
+    road: Road,
+    energy_gpj: f64,
+    trip: Trip,
 }
 
-/// Computes all of it.
-pub fn on(preset: Preset, profile: &GradeProfile) -> Computed {
-    let truck = Truck::preset(preset);
-    let count = (profile.end_m() / CELL_M).round() as u32;
-    let cell = |index: u32| {
-        let from_m = f64::from(index) * CELL_M;
-        profile.mean_grade(from_m, from_m + CELL_M)
-    };
-    let road = Road::new(CELL_M, (0..count).map(cell).collect());
-    let limit_mps = SET_SPEED_MPS + ABOVE_SET_MPS;
-    let energy_gpj = Prices::new(&truck, SET_SPEED_MPS).energy_gpj;
-    let litres = |trip: &Trip| trip.corrected_l_per_100_km(energy_gpj);
-    let mut cruise = Cruise::new(&truck, SET_SPEED_MPS, limit_mps);
-    let Some(baseline) = drive(&truck, &road, SET_SPEED_MPS, &mut cruise) else {
-        let none = [None; 2];
-        return Computed {
-            constant_speed_l_per_100km: None,
-            bound_percent: None,
-            human_percent: none,
+impl Baseline {
+    /// Drives it; `None` when the truck gets stuck.
+    pub fn drive(preset: Preset, profile: &GradeProfile) -> Option<Self> {
+        let truck = Truck::preset(preset);
+        let count = (profile.end_m() / CELL_M).round() as u32;
+        let cell = |index: u32| {
+            let from_m = f64::from(index) * CELL_M;
+            profile.mean_grade(from_m, from_m + CELL_M)
         };
-    };
-    let change = |trip: &Trip| 100.0 * (litres(trip) / litres(&baseline) - 1.0);
-    // A higher price of time makes the bound faster: the exponent is an elasticity.
-    let bound = at_equal_time(&truck, &road, &baseline, 12.0, &|price| {
-        Box::new(Bound::solve(&truck, &road, SET_SPEED_MPS, limit_mps, price, BOUND_NODES))
-    });
-    let human_percent = HUMAN_SIGMAS_MPS.map(|sigma_mps| {
-        let changes = (1..=HUMAN_SEEDS).map(|seed| {
-            let trip = at_equal_time(&truck, &road, &baseline, 1.0, &|factor| {
-                let aim_mps = SET_SPEED_MPS * factor;
-                Box::new(Human::new(&truck, aim_mps, limit_mps, sigma_mps, seed))
+        let road = Road::new(CELL_M, (0..count).map(cell).collect());
+        let mut cruise = Cruise::new(&truck, SET_SPEED_MPS, limit_mps());
+        let trip = drive(&truck, &road, SET_SPEED_MPS, &mut cruise)?;
+        let energy_gpj = Prices::new(&truck, SET_SPEED_MPS).energy_gpj;
+        Some(Self { truck, road, energy_gpj, trip })
+    }
+
+    /// Fuel, L/100 km.
+    pub fn litres(&self) -> f64 {
+        self.trip.corrected_l_per_100_km(self.energy_gpj)
+    }
+
+    /// Fuel of the full-route dynamic program, percent.
+    pub fn bound_percent(&self) -> Option<f64> {
+        self.change(PRICES, |price| {
+            let (truck, nodes) = (&self.truck, BOUND_NODES);
+            Bound::solve(truck, &self.road, SET_SPEED_MPS, limit_mps(), price, nodes)
+        })
+    }
+
+    /// Fuel of the law with the dynamic program over two kilometres, percent.
+    pub fn planned_percent(&self) -> Option<f64> {
+        self.change(MEANS, |mean_speed| {
+            let settings = Settings::new(&self.truck, PlannerKind::DynamicProgramming);
+            let map = Map { road: self.road.clone(), shift_m: 0.0 };
+            Assisted::new(&Settings { mean_speed, ..settings }, SET_SPEED_MPS, map)
+        })
+    }
+
+    /// Mean fuel of drivers with each of the two deviations of the aim, percent.
+    pub fn human_percent(&self) -> [Option<f64>; 2] {
+        HUMAN_SIGMAS_MPS.map(|sigma_mps| {
+            let changes = (1..=HUMAN_SEEDS).map(|seed| {
+                self.change(AIMS, |part| {
+                    let aim_mps = part * SET_SPEED_MPS;
+                    Human::new(&self.truck, aim_mps, limit_mps(), sigma_mps, seed)
+                })
             });
-            trip.map(|trip| change(&trip))
-        });
-        let changes: Option<Vec<f64>> = changes.collect();
-        changes.map(|changes| changes.iter().sum::<f64>() / changes.len() as f64)
-    });
-    Computed {
-        constant_speed_l_per_100km: Some(litres(&baseline)),
-        bound_percent: bound.map(|trip| change(&trip)),
-        human_percent,
+            let changes = changes.collect::<Option<Vec<f64>>>()?;
+            Some(changes.iter().sum::<f64>() / changes.len() as f64)
+        })
+    }
+
+    /// Fuel at equal trip time, percent; `driver` is faster for larger numbers.
+    fn change<D: Driver>(&self, range: (f64, f64), driver: impl Fn(f64) -> D) -> Option<f64> {
+        let trip = at_equal_time(self.trip.time_s, range, |x| {
+            drive(&self.truck, &self.road, SET_SPEED_MPS, &mut driver(x))
+        })?;
+        let litres = trip.corrected_l_per_100_km(self.energy_gpj);
+        Some(100.0 * (litres / self.litres() - 1.0))
     }
 }
 
-/// The trip of a driver whose factor was moved until its time is the baseline's; `None` when that
-/// does not come about. Time falls about as the factor to the power of one over `elasticity`.
-fn at_equal_time(
-    truck: &Truck,
-    road: &Road,
-    baseline: &Trip,
-    elasticity: f64,
-    driver: &dyn Fn(f64) -> Box<dyn Driver>,
-) -> Option<Trip> {
-    let mut factor = 1.0;
-    for _ in 0..ATTEMPTS {
-        let trip = drive(truck, road, SET_SPEED_MPS, driver(factor).as_mut())?;
-        let slower = trip.time_s / baseline.time_s;
-        if (slower - 1.0).abs() <= EQUAL_TIME {
-            return Some(trip);
-        }
-        factor *= libm::pow(slower, elasticity);
-    }
-    None
+/// The road of a seed, like the given one.
+pub fn generated(seed: u64) -> GradeProfile {
+    let alignment = Alignment {
+        length_m: 60e3,
+        grade_sigma: 0.0138,
+        max_grade: 0.03,
+        tangent_m: [300.0, 1500.0],
+        curve_m: 300.0,
+        closed: true,
+    };
+    generate(&alignment, seed)
+}
+
+fn limit_mps() -> f64 {
+    SET_SPEED_MPS + ABOVE_SET_MPS
 }

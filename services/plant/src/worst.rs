@@ -1,0 +1,127 @@
+//! The chains with the longest reaction times, kept whole.
+
+use crate::chains::Parts;
+use shared::messages::{Command, Header, Origin};
+use shared::report::{HopTimes, WorstChain};
+
+/// Chains that are kept.
+const KEPT: usize = 10;
+
+/// What is kept of a chain: the command without its plan, which is most of it.
+#[derive(Clone, Copy, Debug)]
+struct Kept {
+    header: Header,
+    start_ns: i64,
+    switches: [u32; 2],
+    faults: [u32; 2],
+    solver_iterations: u32,
+    mode: u32,
+    parts: Parts,
+    designed_wait_ns: i64,
+    now_ns: i64,
+}
+
+/// The longest chains so far, longest first; the earlier of two that are equal. Keeping one
+/// allocates nothing.
+#[derive(Debug)]
+pub struct Worst {
+    deadline_ns: i64,
+    chains: [Option<Kept>; KEPT],
+}
+
+impl Worst {
+    /// None yet. A control cycle is late if its command comes `deadline_ns` after its release.
+    #[must_use]
+    pub fn new(deadline_ns: i64) -> Self {
+        Self { deadline_ns, chains: [None; KEPT] }
+    }
+
+    /// Keeps the chain that ended with `command` at `now_ns` if it is among the longest.
+    pub fn offer(&mut self, command: &Command, parts: &Parts, now_ns: i64) {
+        let sum_ns = parts.sum_ns();
+        let shorter = |kept: &Option<Kept>| kept.is_none_or(|kept| kept.parts.sum_ns() < sum_ns);
+        let Some(place) = self.chains.iter().position(shorter) else { return };
+        self.chains[place..].rotate_right(1);
+        self.chains[place] = Some(Kept {
+            header: command.header,
+            start_ns: command.start_ns,
+            switches: [command.voluntary_switches, command.involuntary_switches],
+            faults: [command.minor_faults, command.major_faults],
+            solver_iterations: command.solver_iterations,
+            mode: command.mode,
+            parts: *parts,
+            designed_wait_ns: parts.designed_wait_ns(command),
+            now_ns,
+        });
+    }
+
+    /// The chains, longest first.
+    #[must_use]
+    pub fn report(&self) -> Vec<WorstChain> {
+        self.chains.iter().flatten().map(|kept| self.describe(kept)).collect()
+    }
+
+    fn describe(&self, kept: &Kept) -> WorstChain {
+        let us = |ns: i64| ns as f64 / 1e3;
+        let age =
+            |origin: Origin| origin.is_some().then(|| us(kept.start_ns - origin.acquisition_ns));
+        let (header, parts) = (&kept.header, &kept.parts);
+        let [voluntary_switches, involuntary_switches] = kept.switches;
+        let [minor_faults, major_faults] = kept.faults;
+        WorstChain {
+            t_s: kept.now_ns as f64 / 1e9,
+            radar_sequence: header.origins.radar.sequence,
+            command_sequence: header.sequence,
+            reaction_time_us: us(parts.sum_ns()),
+            designed_wait_us: us(kept.designed_wait_ns),
+            hops_us: HopTimes {
+                radar_publish: us(parts.radar_publish_ns),
+                controller_queue: us(parts.controller_queue_ns),
+                radar_transport: us(parts.radar_transport_ns),
+                controller_compute: us(parts.controller_compute_ns),
+                command_wait: us(parts.command_wait_ns),
+                command_transport: us(parts.command_transport_ns),
+                actuate: us(parts.actuate_ns),
+            },
+            deadline_missed: header.publish_ns - header.acquisition_ns > self.deadline_ns,
+            odometry_age_us: age(header.origins.odometry),
+            radar_age_us: age(header.origins.radar),
+            spat_age_us: age(header.origins.spat),
+            solver_iterations: kept.solver_iterations,
+            mode: kept.mode,
+            voluntary_switches,
+            involuntary_switches,
+            minor_faults,
+            major_faults,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bytemuck::Zeroable;
+
+    #[test]
+    fn the_ten_longest_are_kept_in_order_with_their_cycle() {
+        let mut worst = Worst::new(60);
+        for k in 1..=100_u64 {
+            let mut command = Command::zeroed();
+            command.header.sequence = k;
+            command.header.origins.radar = Origin { sequence: k, acquisition_ns: 0, publish_ns: 0 };
+            command.minor_faults = 7;
+            // Each length occurs twice, in no order.
+            let length = i64::try_from(k * 37 % 50).expect("small");
+            command.header.publish_ns = length * 2;
+            let parts = Parts { controller_compute_ns: length, ..Parts::default() };
+            worst.offer(&command, &parts, 0);
+        }
+        let report = worst.report();
+        let lengths: Vec<_> =
+            report.iter().map(|c| (c.reaction_time_us * 1e3).round() as i64).collect();
+        assert_eq!(lengths, [49, 49, 48, 48, 47, 47, 46, 46, 45, 45]);
+        assert!(report[0].command_sequence < report[1].command_sequence, "the earlier one first");
+        assert!(report.iter().all(|c| c.deadline_missed && c.minor_faults == 7));
+        assert_eq!(report[0].odometry_age_us, None);
+    }
+}

@@ -1,0 +1,51 @@
+//! What the launcher and the recorder say to each other: JSON lines on the recorder's standard
+//! streams, as with every process of the group.
+
+use crate::Tally;
+use serde::{Deserialize, Serialize};
+use shared::runtime::scheduling::Granted;
+use std::collections::BTreeMap;
+
+/// What the launcher says to the recorder. The end of the input means [`ToRecorder::Finish`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ToRecorder {
+    /// Connect to all senders, whose ports exist now.
+    Connect,
+    /// Begin.
+    Start(Start),
+    /// Record what has been sent, and end.
+    Finish,
+}
+
+/// What is known when the group starts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Start {
+    /// Run time 0, in `CLOCK_MONOTONIC` ns.
+    pub start_ns: i64,
+    /// What the kernel granted to each service, by its name.
+    pub scheduling: BTreeMap<String, Granted>,
+}
+
+/// What the recorder says to the launcher.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FromRecorder {
+    /// It hears every sender.
+    Ready,
+    /// It cannot begin, or go on.
+    Failed(String),
+    /// It has ended.
+    Report(Report),
+}
+
+/// The account of a recording.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Report {
+    /// What was counted.
+    pub tally: Tally,
+    /// Size of the file, bytes.
+    pub bytes: u64,
+    /// Why the file ends early, if it does.
+    pub failed: Option<String>,
+}

@@ -1,0 +1,202 @@
+//! What a recording says of its run beside the messages.
+
+use serde::{Deserialize, Serialize};
+use shared::messages::LAYOUT_VERSION;
+use shared::runtime::{Mode, scheduling::Granted};
+use shared::scenario::Scenario;
+use std::collections::BTreeMap;
+
+/// Name of the metadata record at a recording's begin.
+const RUN: &str = "timegap";
+/// Name of the metadata record at the end of a recording that was ended.
+const END: &str = "timegap.end";
+
+/// What is known when a recording begins.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Metadata {
+    /// Program and version that recorded.
+    pub program: String,
+    /// Version of the message layouts.
+    pub layout_version: String,
+    /// The effective scenario, TOML.
+    pub scenario: String,
+    /// Name of the scenario.
+    pub scenario_name: String,
+    /// The control law.
+    pub controller: String,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// The run's clock.
+    pub mode: Mode,
+    /// Run time 0 in ns since 1970, to place the run in the calendar.
+    pub started_unix_ns: i64,
+    /// The machine.
+    pub host: Host,
+    /// What the kernel granted to each service, by its name.
+    pub scheduling: BTreeMap<String, Granted>,
+}
+
+/// The machine that a run was recorded on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Host {
+    /// Name.
+    pub name: String,
+    /// Release of the kernel.
+    pub kernel: String,
+    /// Processors that the recorder may use.
+    pub cpus: usize,
+}
+
+impl Host {
+    /// This machine.
+    #[must_use]
+    pub fn this() -> Self {
+        let read = |path| std::fs::read_to_string(path).unwrap_or_default().trim().to_owned();
+        Self {
+            name: read("/proc/sys/kernel/hostname"),
+            kernel: read("/proc/sys/kernel/osrelease"),
+            cpus: std::thread::available_parallelism().map_or(1, usize::from),
+        }
+    }
+}
+
+impl Metadata {
+    /// The metadata of a run of `scenario` on this machine.
+    #[must_use]
+    pub fn new(
+        scenario: &Scenario,
+        mode: Mode,
+        started_unix_ns: i64,
+        scheduling: BTreeMap<String, Granted>,
+    ) -> Self {
+        Self {
+            program: concat!("timegap ", env!("CARGO_PKG_VERSION")).into(),
+            layout_version: LAYOUT_VERSION.into(),
+            scenario: scenario.to_toml(),
+            scenario_name: scenario.name.as_str().into(),
+            controller: scenario.controller.name.as_str().into(),
+            seed: scenario.seed.value(),
+            mode,
+            started_unix_ns,
+            host: Host::this(),
+            scheduling,
+        }
+    }
+
+    /// As a record of the file.
+    pub(crate) fn to_record(&self) -> mcap::records::Metadata {
+        let mut map: BTreeMap<String, String> = [
+            ("program", self.program.clone()),
+            ("layout_version", self.layout_version.clone()),
+            ("scenario", self.scenario.clone()),
+            ("scenario_name", self.scenario_name.clone()),
+            ("controller", self.controller.clone()),
+            ("seed", self.seed.to_string()),
+            ("mode", self.mode.name().into()),
+            ("started_unix_ns", self.started_unix_ns.to_string()),
+            ("host", self.host.name.clone()),
+            ("kernel", self.host.kernel.clone()),
+            ("cpus", self.host.cpus.to_string()),
+        ]
+        .map(|(key, value)| (key.to_owned(), value))
+        .into();
+        for (service, granted) in &self.scheduling {
+            let json = serde_json::to_string(granted).expect("plain data");
+            map.insert(format!("{SCHEDULING}{service}"), json);
+        }
+        mcap::records::Metadata { name: RUN.into(), metadata: map }
+    }
+
+    /// From a record of the file; `None` if it is another's, or not whole.
+    pub(crate) fn of_record(record: &mcap::records::Metadata) -> Option<Self> {
+        let map = &record.metadata;
+        let text = |key: &str| map.get(key).cloned();
+        let scheduling = map.iter().filter_map(|(key, value)| {
+            let service = key.strip_prefix(SCHEDULING)?;
+            Some((service.to_owned(), serde_json::from_str(value).ok()?))
+        });
+        (record.name == RUN).then_some(())?;
+        Some(Self {
+            program: text("program")?,
+            layout_version: text("layout_version")?,
+            scenario: text("scenario")?,
+            scenario_name: text("scenario_name")?,
+            controller: text("controller")?,
+            seed: text("seed")?.parse().ok()?,
+            mode: [Mode::Realtime, Mode::Lockstep]
+                .into_iter()
+                .find(|mode| text("mode").as_deref() == Some(mode.name()))?,
+            started_unix_ns: text("started_unix_ns")?.parse().ok()?,
+            host: Host {
+                name: text("host")?,
+                kernel: text("kernel")?,
+                cpus: text("cpus")?.parse().ok()?,
+            },
+            scheduling: scheduling.collect(),
+        })
+    }
+}
+
+const SCHEDULING: &str = "scheduling.";
+
+/// What the recorder counted, known when a recording ends.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Tally {
+    /// Per topic name.
+    pub topics: BTreeMap<String, TopicTally>,
+    /// Processes that each service had: 1 if it was never restarted.
+    pub incarnations: BTreeMap<String, u32>,
+}
+
+/// What the recorder counted on one topic.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TopicTally {
+    /// Messages in the file.
+    pub messages: u64,
+    /// Messages that were sent, by their sequence numbers, and are not in the file.
+    pub lost: u64,
+}
+
+impl Tally {
+    /// Messages in the file.
+    #[must_use]
+    pub fn messages(&self) -> u64 {
+        self.topics.values().map(|topic| topic.messages).sum()
+    }
+
+    /// Messages that were sent and are not in the file.
+    #[must_use]
+    pub fn lost(&self) -> u64 {
+        self.topics.values().map(|topic| topic.lost).sum()
+    }
+
+    pub(crate) fn to_record(&self) -> mcap::records::Metadata {
+        let mut map = BTreeMap::new();
+        for (topic, tally) in &self.topics {
+            map.insert(format!("{topic}.messages"), tally.messages.to_string());
+            map.insert(format!("{topic}.lost"), tally.lost.to_string());
+        }
+        for (service, count) in &self.incarnations {
+            map.insert(format!("{service}.incarnations"), count.to_string());
+        }
+        mcap::records::Metadata { name: END.into(), metadata: map }
+    }
+
+    pub(crate) fn of_record(record: &mcap::records::Metadata) -> Option<Self> {
+        (record.name == END).then_some(())?;
+        let mut tally = Self::default();
+        for (key, value) in &record.metadata {
+            let (name, what) = key.rsplit_once('.')?;
+            let value: u64 = value.parse().ok()?;
+            match what {
+                "messages" => tally.topics.entry(name.into()).or_default().messages = value,
+                "lost" => tally.topics.entry(name.into()).or_default().lost = value,
+                "incarnations" => {
+                    tally.incarnations.insert(name.into(), u32::try_from(value).ok()?);
+                }
+                _ => return None,
+            }
+        }
+        Some(tally)
+    }
+}

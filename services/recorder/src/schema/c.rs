@@ -1,0 +1,55 @@
+//! C: a header whose structs are the messages' bytes, with assertions that say so.
+
+use super::all;
+use shared::messages::{Element, Field, LAYOUT_VERSION, Scalar, TOPICS};
+use std::fmt::Write;
+
+/// A C11 header with a struct per message and each topic's name.
+#[must_use]
+pub fn header() -> String {
+    let mut text = format!(
+        "/* Messages of timegap, layout version {LAYOUT_VERSION}: made by `timegap layouts --c`. */\n\
+         #ifndef TIMEGAP_MESSAGES_H\n#define TIMEGAP_MESSAGES_H\n\n#include <assert.h>\n#include \
+         <stddef.h>\n#include <stdint.h>\n\n#define TIMEGAP_LAYOUT_VERSION \"{LAYOUT_VERSION}\"\n"
+    );
+    let out = &mut text;
+    for topic in TOPICS {
+        let name = topic.name();
+        let constant = name.to_uppercase().replace('/', "_");
+        writeln!(out, "#define TIMEGAP_TOPIC_{constant} \"{name}\"").expect("a string takes all");
+    }
+    for layout in all() {
+        let name = layout.name;
+        let fields: String = layout.fields.iter().map(member).collect();
+        writeln!(
+            out,
+            "\n/* \"{}\" */\ntypedef struct Timegap{name} {{\n{fields}}} Timegap{name};\n\
+             static_assert(sizeof(Timegap{name}) == {}, \"size of {name}\");",
+            layout.type_name, layout.bytes
+        )
+        .expect("a string takes all");
+        for field in layout.fields {
+            writeln!(
+                out,
+                "static_assert(offsetof(Timegap{name}, {}) == {}, \"{name}.{0}\");",
+                field.name, field.offset
+            )
+            .expect("a string takes all");
+        }
+    }
+    out.push_str("\n#endif\n");
+    text
+}
+
+fn member(field: &Field) -> String {
+    let element = match field.shape.element {
+        Element::Scalar(Scalar::U8) => "uint8_t".into(),
+        Element::Scalar(Scalar::U32) => "uint32_t".into(),
+        Element::Scalar(Scalar::U64) => "uint64_t".into(),
+        Element::Scalar(Scalar::I64) => "int64_t".into(),
+        Element::Scalar(Scalar::F64) => "double".into(),
+        Element::Struct(layout) => format!("Timegap{}", layout.name),
+    };
+    let len = field.shape.len.map_or_else(String::new, |len| format!("[{len}]"));
+    format!("    {element} {}{len};\n", field.name)
+}

@@ -1,0 +1,246 @@
+//! The recorder's process: taps all topics, and lets a thread of its own write.
+//!
+//! Taking messages and writing them are apart, so that a slow disk is met by memory and not by the
+//! short buffers of the topics. When that memory is full as well, the topics' own rules hold: in
+//! lockstep the senders wait, in realtime the oldest messages are lost, and counted.
+
+use crate::batch::{Batch, Taps};
+use crate::counter::Counter;
+use crate::link::{FromRecorder, Report, Start, ToRecorder};
+use crate::{Metadata, Recording, Tally, TopicTally, Writer};
+use shared::runtime::{Group, Mode, Tap, log_warnings, monotonic_ns};
+use shared::scenario::Scenario;
+use std::fs::File;
+use std::io::{BufRead, Write};
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant, SystemTime};
+
+/// Time between two looks at the topics in lockstep, where senders wait for room.
+const LOCKSTEP_POLL: Duration = Duration::from_millis(1);
+/// The same in realtime, in periods of the plant: a topic's buffer holds fifty.
+const REALTIME_POLL: i64 = 2;
+/// Most bytes that wait for the disk.
+const MOST_QUEUED: usize = 64 << 20;
+/// Longest that a message waits before it is handed to the system.
+const FLUSH_PERIOD: Duration = Duration::from_secs(1);
+
+/// Becomes the recorder of a run. `arguments` are the run's root and the file to write.
+#[must_use]
+pub fn run(arguments: &[String]) -> ExitCode {
+    let [root, file] = arguments else {
+        eprintln!("the recorder is a service of timegap: start it with `timegap run`");
+        return ExitCode::from(2);
+    };
+    log_warnings();
+    match record(Path::new(root), Path::new(file)) {
+        Ok(report) => {
+            say(&FromRecorder::Report(report));
+            ExitCode::SUCCESS
+        }
+        Err(reason) => {
+            say(&FromRecorder::Failed(reason));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn record(root: &Path, path: &Path) -> Result<Report, String> {
+    let group = Group::read(root).map_err(text)?;
+    let scenario = Scenario::parse("scenario", &group.scenario).map_err(text)?;
+    let taps = Tap::join(&group, "recorder").and_then(Taps::open).map_err(text)?;
+    let file = File::create(path).map_err(|e| format!("{}: {e}", path.display()))?;
+    let orders = orders()?;
+    let start = begin(&taps, &orders)?;
+    let metadata = metadata(&scenario, group.mode, &start);
+    let disk = Disk::begin(file, metadata)?;
+    let tally = follow(&group, &taps, &orders, &start, &disk)?;
+    let failed = disk.end(&tally);
+    let bytes = std::fs::metadata(path).map_or(0, |file| file.len());
+    let tally = if failed.is_some() { kept(path, &tally) } else { tally };
+    Ok(Report { tally, bytes, failed })
+}
+
+/// Connects to the senders when their ports exist, and waits for the common start.
+fn begin(taps: &Taps, orders: &Receiver<ToRecorder>) -> Result<Start, String> {
+    let early = || "the run ended before it began".to_owned();
+    loop {
+        match orders.recv().map_err(|_| early())? {
+            // A receiver that has not looked is not connected. Nothing was sent yet.
+            ToRecorder::Connect => drop(taps.take().map_err(text)?),
+            ToRecorder::Start(start) => return Ok(start),
+            ToRecorder::Finish => return Err(early()),
+        }
+        say(&FromRecorder::Ready);
+    }
+}
+
+/// Takes messages until the order to finish, and those that were sent before it.
+fn follow(
+    group: &Group,
+    taps: &Taps,
+    orders: &Receiver<ToRecorder>,
+    start: &Start,
+    disk: &Disk,
+) -> Result<Tally, String> {
+    let poll = match group.mode {
+        Mode::Lockstep => LOCKSTEP_POLL,
+        Mode::Realtime => {
+            Duration::from_nanos((REALTIME_POLL * group.timetable.step_ns).unsigned_abs())
+        }
+    };
+    let mut counter = Counter::default();
+    let mut finishing = false;
+    loop {
+        let mut taken = 0;
+        if disk.has_room() {
+            let batch = taps.take().map_err(text)?;
+            taken = batch.size();
+            for (topic, _, bytes) in batch.messages() {
+                counter.count(topic, bytes);
+            }
+            let log_time_ns = match group.mode {
+                Mode::Lockstep => None,
+                Mode::Realtime => Some(monotonic_ns() - start.start_ns),
+            };
+            disk.put(batch, log_time_ns);
+        }
+        if finishing && taken == 0 && disk.has_room() {
+            return Ok(counter.tally());
+        }
+        match orders.recv_timeout(poll) {
+            Ok(ToRecorder::Finish) | Err(RecvTimeoutError::Disconnected) => finishing = true,
+            Ok(ToRecorder::Connect | ToRecorder::Start(_)) | Err(RecvTimeoutError::Timeout) => {}
+        }
+    }
+}
+
+/// The tally of a file whose end could not be written: what is in it, and that the rest is lost.
+fn kept(path: &Path, sent: &Tally) -> Tally {
+    let mut counter = Counter::default();
+    if let Ok(recording) = Recording::open(path) {
+        recording.records().for_each(|record| counter.count(record.topic, record.bytes));
+    }
+    let in_file = counter.tally();
+    let topics = sent.topics.iter().map(|(name, sent)| {
+        let messages = in_file.topics.get(name).map_or(0, |topic| topic.messages);
+        (name.clone(), TopicTally { messages, lost: sent.messages + sent.lost - messages })
+    });
+    Tally { topics: topics.collect(), incarnations: sent.incarnations.clone() }
+}
+
+fn metadata(scenario: &Scenario, mode: Mode, start: &Start) -> Metadata {
+    let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    let now_ns = i64::try_from(since_1970.as_nanos()).unwrap_or(0);
+    let started_unix_ns = now_ns - (monotonic_ns() - start.start_ns);
+    Metadata::new(scenario, mode, started_unix_ns, start.scheduling.clone())
+}
+
+/// What is to be written.
+enum Work {
+    Messages(Batch, Option<i64>),
+    End(Tally),
+}
+
+/// The thread that writes, and the queue before it.
+struct Disk {
+    work: Sender<Work>,
+    queued: Arc<AtomicUsize>,
+    thread: JoinHandle<Result<(), mcap::McapError>>,
+}
+
+impl Disk {
+    fn begin(file: File, metadata: Metadata) -> Result<Self, String> {
+        let (work, queue) = channel();
+        let queued = Arc::new(AtomicUsize::new(0));
+        let written = Arc::clone(&queued);
+        let thread = std::thread::Builder::new()
+            .name("disk".into())
+            .spawn(move || write(file, &metadata, &queue, &written))
+            .map_err(text)?;
+        Ok(Self { work, queued, thread })
+    }
+
+    /// True unless as much waits as may wait. A disk that failed takes everything.
+    fn has_room(&self) -> bool {
+        self.thread.is_finished() || self.queued.load(Ordering::Relaxed) < MOST_QUEUED
+    }
+
+    fn put(&self, batch: Batch, log_time_ns: Option<i64>) {
+        self.queued.fetch_add(batch.size(), Ordering::Relaxed);
+        // After a failure, which `end` tells, messages are let go: nobody must wait for them.
+        let _ = self.work.send(Work::Messages(batch, log_time_ns));
+    }
+
+    /// Writes the rest and the end; says what went wrong.
+    fn end(self, tally: &Tally) -> Option<String> {
+        // As above.
+        let _ = self.work.send(Work::End(tally.clone()));
+        match self.thread.join() {
+            Ok(Ok(())) => None,
+            Ok(Err(mcap::McapError::Io(error))) => Some(error.to_string()),
+            Ok(Err(error)) => Some(error.to_string()),
+            Err(_) => Some("the writing thread panicked".into()),
+        }
+    }
+}
+
+fn write(
+    file: File,
+    metadata: &Metadata,
+    queue: &Receiver<Work>,
+    queued: &AtomicUsize,
+) -> Result<(), mcap::McapError> {
+    let mut writer = Writer::begin(file, metadata)?;
+    let mut flushed = Instant::now();
+    loop {
+        match queue.recv_timeout(FLUSH_PERIOD.saturating_sub(flushed.elapsed())) {
+            Ok(Work::Messages(batch, log_time_ns)) => {
+                for (topic, publish_ns, bytes) in batch.messages() {
+                    writer.message(topic, log_time_ns.unwrap_or(publish_ns), bytes)?;
+                }
+                queued.fetch_sub(batch.size(), Ordering::Relaxed);
+            }
+            Ok(Work::End(tally)) => return writer.finish(&tally),
+            Err(RecvTimeoutError::Timeout) => {}
+            // The other thread gave up; what is here is kept.
+            Err(RecvTimeoutError::Disconnected) => return writer.flush(),
+        }
+        if flushed.elapsed() >= FLUSH_PERIOD {
+            writer.flush()?;
+            flushed = Instant::now();
+        }
+    }
+}
+
+/// Listens to the launcher.
+fn orders() -> Result<Receiver<ToRecorder>, String> {
+    let (sender, orders) = channel();
+    std::thread::Builder::new()
+        .name("link".into())
+        .spawn(move || {
+            for line in std::io::stdin().lock().lines().map_while(Result::ok) {
+                if let Ok(order) = serde_json::from_str(&line)
+                    && sender.send(order).is_err()
+                {
+                    return;
+                }
+            }
+        })
+        .map_err(text)?;
+    Ok(orders)
+}
+
+fn say(message: &FromRecorder) {
+    let line = serde_json::to_string(message).expect("link messages are plain data");
+    // A launcher that is gone hears nothing.
+    let _ = writeln!(std::io::stdout().lock(), "{line}");
+}
+
+fn text(error: impl std::fmt::Display) -> String {
+    error.to_string()
+}

@@ -1,0 +1,84 @@
+//! What the plant tells of the cause-effect chains that ended at its actuators.
+
+use crate::statistics::Percentiles;
+use serde::{Deserialize, Serialize};
+
+/// The parts of the reaction time, which add up to it sample by sample:
+///
+/// ```text
+/// radar_to_controller = radar_publish + controller_queue + radar_transport
+/// controller_compute
+/// controller_to_plant = command_wait + command_transport + actuate
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Hops {
+    /// Radar acquisition to the start of the control cycle that uses it.
+    pub radar_to_controller: Option<Percentiles>,
+    /// Start of the control cycle to its command's publication.
+    pub controller_compute: Option<Percentiles>,
+    /// Publication of the command to its first actuation.
+    pub controller_to_plant: Option<Percentiles>,
+    /// Acquisition to the sample's publication: the radar's latency, its release, scan and tracking.
+    pub radar_publish: Option<Percentiles>,
+    /// While the published sample lay there and the controller was busy or not yet due.
+    pub controller_queue: Option<Percentiles>,
+    /// From then until the controller had woken up with it.
+    pub radar_transport: Option<Percentiles>,
+    /// Publication of the command to the scheduled release of the plant that looks for it.
+    pub command_wait: Option<Percentiles>,
+    /// From then until the plant had woken up.
+    pub command_transport: Option<Percentiles>,
+    /// From then to the actuators.
+    pub actuate: Option<Percentiles>,
+}
+
+/// The parts of one reaction time, µs; see [`Hops`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "the fields are those of `Hops`")]
+pub struct HopTimes {
+    pub radar_publish: f64,
+    pub controller_queue: f64,
+    pub radar_transport: f64,
+    pub controller_compute: f64,
+    pub command_wait: f64,
+    pub command_transport: f64,
+    pub actuate: f64,
+}
+
+/// One chain, whole, with what the controller's cycle met with: what to look at first when a
+/// deadline was missed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WorstChain {
+    /// Run time of the actuation, s.
+    pub t_s: f64,
+    /// Sequence number of the radar sample.
+    pub radar_sequence: u64,
+    /// Sequence number of the command.
+    pub command_sequence: u64,
+    /// Radar acquisition to actuation, µs.
+    pub reaction_time_us: f64,
+    /// The designed waits in it, µs.
+    pub designed_wait_us: f64,
+    /// Its parts, µs.
+    pub hops_us: HopTimes,
+    /// Whether the control cycle finished after its deadline.
+    pub deadline_missed: bool,
+    /// Age of the odometry sample at the start of the control cycle, µs; null without a sample.
+    pub odometry_age_us: Option<f64>,
+    /// Age of the radar sample then, µs.
+    pub radar_age_us: Option<f64>,
+    /// Age of the signal timing then, µs; null without a sample.
+    pub spat_age_us: Option<f64>,
+    /// Iterations of the law's solver.
+    pub solver_iterations: u32,
+    /// Mode of the law, an index.
+    pub mode: u32,
+    /// Times that the control cycle gave the processor up.
+    pub voluntary_switches: u32,
+    /// Times that the processor was taken from it.
+    pub involuntary_switches: u32,
+    /// Page faults served from memory.
+    pub minor_faults: u32,
+    /// Page faults that waited for a device.
+    pub major_faults: u32,
+}

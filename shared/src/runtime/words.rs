@@ -1,0 +1,65 @@
+//! Words of memory that the processes of a run share.
+
+#![allow(unsafe_code, reason = "no crate maps shared memory as atomic words")]
+
+use rustix::fs::{FallocateFlags, OFlags, fallocate};
+use rustix::mm::{MapFlags, ProtFlags, mmap, munmap};
+use std::fs::OpenOptions;
+use std::io;
+use std::os::unix::fs::OpenOptionsExt;
+use std::path::Path;
+use std::ptr::NonNull;
+use std::sync::atomic::AtomicU32;
+
+/// Words that fit in one page.
+const WORDS: usize = 1024;
+const BYTES: usize = WORDS * size_of::<AtomicU32>();
+
+/// A page of words in `/dev/shm`, zero at first and the same for all who map it.
+///
+/// It belongs to nobody: whoever comes first makes it, and it stays valid when any of them dies. It
+/// is removed with everything else that carries the run's prefix.
+#[derive(Debug)]
+pub struct SharedWords(NonNull<AtomicU32>);
+
+impl SharedWords {
+    /// Maps the page called `name`.
+    ///
+    /// # Errors
+    /// If it cannot be created, there is no room for it, or it is another user's.
+    pub fn map(name: &str) -> io::Result<Self> {
+        let file = OpenOptions::new()
+            .create(true)
+            .truncate(false)
+            .read(true)
+            .write(true)
+            .mode(0o600)
+            .custom_flags(OFlags::NOFOLLOW.bits().cast_signed())
+            .open(Path::new("/dev/shm").join(name))?;
+        // A page that cannot be had is an error here, and would be a SIGBUS later.
+        fallocate(&file, FallocateFlags::empty(), 0, BYTES as u64)?;
+        let (protection, flags) = (ProtFlags::READ | ProtFlags::WRITE, MapFlags::SHARED);
+        // SAFETY: no address is asked for, so that no other mapping is replaced.
+        let page = unsafe { mmap(std::ptr::null_mut(), BYTES, protection, flags, &file, 0) }?;
+        NonNull::new(page.cast()).map(Self).ok_or_else(|| io::ErrorKind::OutOfMemory.into())
+    }
+
+    /// The word at `index`.
+    ///
+    /// # Panics
+    /// If `index` is 1024 or more.
+    #[must_use]
+    pub fn word(&self, index: usize) -> &AtomicU32 {
+        assert!(index < WORDS, "a page has {WORDS} words");
+        // SAFETY: the word lies within the mapping, which is page-aligned, lives as long as `self`
+        // and is only ever accessed as atomic words, by all processes.
+        unsafe { self.0.add(index).as_ref() }
+    }
+}
+
+impl Drop for SharedWords {
+    fn drop(&mut self) {
+        // SAFETY: the mapping is ours, and no reference into it outlives `self`.
+        let _ = unsafe { munmap(self.0.as_ptr().cast(), BYTES) };
+    }
+}
