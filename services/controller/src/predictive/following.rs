@@ -25,12 +25,13 @@ const APPROACH_MPS: f64 = 1.0;
 /// Jerk, m/s³, while the request rises and while it falls.
 pub(crate) const JERK_MPS3: (f64, f64) = (1.0, 1.5);
 
-/// Gap that is to be left when both stand, m.
+/// Gap that is to be left when both stand, m, and time headway that a slower lead leaves, s.
 const LEFT_M: f64 = 4.0;
+const LEFT_S: f64 = 1.0;
 /// The lead counts as braking from here on, m/s².
 const LEAD_BRAKES_MPS2: f64 = -0.7;
-/// Deceleration that is needed, from which the service brakes may be used, m/s².
-const LAST_RESORT_MPS2: f64 = 0.9;
+/// Deceleration that is needed, from which the brakes may be used, and below which they are let go, m/s².
+const LAST_RESORT_MPS2: (f64, f64) = (0.6, 0.2);
 /// Margin over the deceleration that is needed, and the most that is asked for, m/s².
 const BRAKING_MARGIN: f64 = 1.25;
 const MOST_MPS2: f64 = 6.0;
@@ -85,31 +86,57 @@ pub(crate) fn acceleration_mps2(
 /// The deceleration that keeps the truck off the target, m/s², 0 when there is time.
 ///
 /// Behind a lead that brakes the truck must come to rest behind where the lead does; behind one that is
-/// slower it must lose the difference within the gap.
+/// slower it must lose the difference before the headway falls to a second.
 pub(crate) fn needed_deceleration_mps2(speed_mps: f64, target: &Estimate) -> f64 {
-    let room_m = (target.gap_m - LEFT_M).max(0.5);
     let lead_mps = (speed_mps + target.relative_speed_mps).max(0.0);
     let closing_mps = (-target.relative_speed_mps).max(0.0);
+    let room_m = (target.gap_m - LEFT_M - LEFT_S * lead_mps).max(1.0);
     let closing_mps2 = closing_mps * closing_mps / (2.0 * room_m);
     if target.acceleration_mps2 > LEAD_BRAKES_MPS2 {
         return closing_mps2;
     }
     let lead_stops_m = lead_mps * lead_mps / (-2.0 * target.acceleration_mps2);
-    closing_mps2.max(speed_mps * speed_mps / (2.0 * (room_m + lead_stops_m)))
+    let room_m = (target.gap_m - LEFT_M).max(0.5) + lead_stops_m;
+    closing_mps2.max(speed_mps * speed_mps / (2.0 * room_m))
 }
 
-/// The last resort: when it is on, and the deceleration that it asks for.
+/// How far the truck may go to keep its distance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Means {
+    /// Drag.
+    Engine,
+    /// The engine brake.
+    EngineBrake,
+    /// The service brakes as well, and the acceleration that they shall give at least, m/s².
+    ServiceBrake(f64),
+}
+
+/// The means at one moment, with the memory that keeps the brakes from fluttering.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LastResort {
     on: bool,
 }
 
 impl LastResort {
-    /// The acceleration that brakes must give, m/s²; `None` when the engine alone will do.
-    pub(crate) fn update(&mut self, speed_mps: f64, target: Option<&Estimate>) -> Option<f64> {
-        let needed = target.map_or(0.0, |target| needed_deceleration_mps2(speed_mps, target));
-        let closing = target.is_some_and(|target| target.relative_speed_mps < 0.2);
-        self.on = needed > LAST_RESORT_MPS2 || (self.on && closing && needed > 0.3);
-        self.on.then_some(-(BRAKING_MARGIN * needed).min(MOST_MPS2))
+    /// The engine brake below the band, the service brakes too close or when much is needed.
+    pub(crate) fn update(
+        &mut self,
+        mode: Mode,
+        speed_mps: f64,
+        spacing: &Spacing,
+        target: &Estimate,
+    ) -> Means {
+        let needed_mps2 = needed_deceleration_mps2(speed_mps, target);
+        let (from_mps2, to_mps2) = LAST_RESORT_MPS2;
+        self.on = needed_mps2 > from_mps2 || (self.on && needed_mps2 > to_mps2);
+        if self.on {
+            Means::ServiceBrake(-(BRAKING_MARGIN * needed_mps2).min(MOST_MPS2))
+        } else if mode == Mode::Warn {
+            Means::ServiceBrake(0.0)
+        } else if target.gap_m < spacing.min_m || needed_mps2 > to_mps2 {
+            Means::EngineBrake
+        } else {
+            Means::Engine
+        }
     }
 }

@@ -4,13 +4,13 @@
 //! |---|---|---|
 //! | `cruise` | no plan: none arrived, it is stale, the map ends or contradicts the vehicle | keeps the set speed |
 //! | `predictive` | 1: no target, or far beyond its band without risk | the plan's, within step 3's bounds |
-//! | `follow` | 2 | inverse dynamics (6) of (18), between drag and full load |
-//! | `warn` | 3 | the same, with the engine brake |
+//! | `follow` | 2 | inverse dynamics (6) of (18), between drag and full load; below the band the engine brake |
+//! | `warn` | 3 | the same; what engine and engine brake cannot give, the service brakes do |
 //!
-//! The service brakes are the last resort: when the deceleration that is needed is more than drag and
-//! engine brake give, and to hold the limit downhill.
+//! The service brakes are the last resort: too close to the target, when it takes much to stay away from it,
+//! and to hold the limit downhill.
 
-use super::following::{self, JERK_MPS3, LastResort};
+use super::following::{self, JERK_MPS3, LastResort, Means};
 use super::limiter;
 use super::map_trust::MapTrust;
 use super::planner::{Plan, PlanRequest, Planner, max_speed_mps, min_speed_mps};
@@ -152,8 +152,8 @@ impl Predictive {
         let target_mps = (speed_mps + target.relative_speed_mps).max(0.0);
         let aim_mps = following::target_speed_mps(economic_mps, target_mps, &spacing, target.gap_m);
         let mode = self.state.spacing_mode;
-        let braking = self.state.last_resort.update(speed_mps, Some(target));
-        if braking.is_none() && mode == Mode::Predictive && aim_mps >= economic_mps {
+        let means = self.state.last_resort.update(mode, speed_mps, &spacing, target);
+        if means == Means::Engine && mode == Mode::Predictive && aim_mps >= economic_mps {
             return None;
         }
         let wanted = following::acceleration_mps2(mode, speed_mps, aim_mps, &spacing, target);
@@ -161,19 +161,22 @@ impl Predictive {
         let (up, down) = (JERK_MPS3.0 * input.period_s, JERK_MPS3.1 * input.period_s);
         let eased = wanted.clamp(before - down, before + up);
         self.state.wanted_mps2 = Some(eased);
-        let acceleration_mps2 = braking.map_or(eased, |braking| braking.min(eased));
+        let acceleration_mps2 = match means {
+            Means::ServiceBrake(least_mps2) => least_mps2.min(eased),
+            Means::Engine | Means::EngineBrake => eased,
+        };
         let truck = &self.settings.truck;
         let gear = powertrain.gear;
         let mut demand =
             Demand::for_acceleration(truck, acceleration_mps2, speed_mps, gear, powertrain.grade);
         let rpm = truck.engine_rpm(speed_mps, gear);
         demand.engine_torque_nm = demand.engine_torque_nm.min(truck.engine().max_torque_nm(rpm));
-        if braking.is_none() {
+        if !matches!(means, Means::ServiceBrake(_)) {
             demand.service_brake_n = 0.0;
-            if mode != Mode::Warn {
-                let drag_nm = truck.engine().drag_torque_nm(rpm);
-                demand.engine_torque_nm = demand.engine_torque_nm.max(drag_nm);
-            }
+        }
+        if means == Means::Engine {
+            let drag_nm = truck.engine().drag_torque_nm(rpm);
+            demand.engine_torque_nm = demand.engine_torque_nm.max(drag_nm);
         }
         Some(demand)
     }

@@ -1,5 +1,6 @@
 //! The law as a driver: it sees a map, its plans take effect some cycles after they were asked for.
 
+use super::chase::Follower;
 use super::{CONTROL_PERIOD_S, Driver, Road, Seen};
 use crate::law::{Ego, Input, Law, Output, Planning, Powertrain, Target};
 use crate::predictive::{Plan, Planner, Predictive, Settings};
@@ -47,17 +48,6 @@ impl Assisted {
             output: Output::default(),
             plans: 0,
         }
-    }
-
-    /// Shows a target to the radar from now on.
-    pub fn show(&mut self, target: Option<Target>) {
-        self.target = target;
-    }
-
-    /// What the law said last.
-    #[must_use]
-    pub fn output(&self) -> &Output {
-        &self.output
     }
 
     fn take_plan(&mut self) {
@@ -112,5 +102,15 @@ impl Driver for Assisted {
             service_brake_n: request.service_brake_n,
             gear: request.gear,
         }
+    }
+}
+
+impl Follower for Assisted {
+    fn show(&mut self, target: Option<Target>) {
+        self.target = target;
+    }
+
+    fn mode(&self) -> u32 {
+        self.output.mode
     }
 }

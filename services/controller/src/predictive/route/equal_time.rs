@@ -7,7 +7,7 @@ pub const EQUAL_TIME: f64 = 1e-3;
 /// Difference that is good enough to stop looking.
 const CLOSE: f64 = 1e-4;
 /// Trips at most.
-const ATTEMPTS: usize = 14;
+const ATTEMPTS: usize = 20;
 
 /// The trip whose time is nearest to `time_s`, within [`EQUAL_TIME`]; `trip(x)` is faster for a larger
 /// x, at least on the whole, and x lies between the bounds. `None` when no such trip was found.
@@ -32,7 +32,7 @@ pub fn at_equal_time(
         }
         // False position; a bisection now and then, since trip time is not smooth in x.
         let share = late_low / (late_low - late_high);
-        let share = if attempt % 4 == 3 { 0.5 } else { share.clamp(0.05, 0.95) };
+        let share = if attempt % 3 == 2 && attempt > 2 { 0.5 } else { share.clamp(0.05, 0.95) };
         let x = low + share * (high - low);
         let late = look(x)?;
         if late.abs() < CLOSE {

@@ -6,7 +6,7 @@ use truck_model::{Demand, FUEL_DENSITY_GPL, Motion, Truck};
 /// Time between two decisions of a driver, s.
 pub const CONTROL_PERIOD_S: f64 = 0.1;
 /// Integration steps in one control period.
-const SUBSTEPS: usize = 5;
+pub(super) const SUBSTEPS: usize = 5;
 /// Speed at which a trip counts as stuck, m/s.
 const STUCK_MPS: f64 = 1.0;
 
