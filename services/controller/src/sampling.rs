@@ -6,6 +6,7 @@ use crate::law::{
 use crate::predictive;
 use shared::messages::{Map, Odometry, PhaseState, Powertrain, Preview, RadarTracks, Signal, Spat};
 use shared::scenario::Scenario;
+use shared::scenario::controller::ControllerName;
 
 /// A stop line is forgotten when it is this far behind, m.
 const PASSED_M: f64 = 50.0;
@@ -19,6 +20,8 @@ pub struct Setting {
     pub set_speed_mps: f64,
     /// Legal limit, m/s, infinite when unknown.
     pub speed_limit_mps: f64,
+    /// Whether the law filters the radar itself, and so is told gap and relative speed as measured.
+    pub raw_target: bool,
 }
 
 impl Setting {
@@ -29,6 +32,7 @@ impl Setting {
             period_s: f64::from(scenario.controller.period_ms.value()) / 1e3,
             set_speed_mps: scenario.set_speed_mps.value(),
             speed_limit_mps: scenario.speed_limit_mps.map_or(f64::INFINITY, |v| v.value()),
+            raw_target: scenario.controller.name == ControllerName::Predictive,
         }
     }
 }
@@ -58,7 +62,7 @@ pub fn input(setting: &Setting, samples: &Samples<'_>, time_s: f64) -> Input {
         time_s,
         period_s: setting.period_s,
         ego,
-        target: samples.radar.and_then(|radar| target_at(radar, time_s)),
+        target: samples.radar.and_then(|radar| target_at(radar, setting.raw_target, time_s)),
         signals: signals_ahead(samples, &ego, time_s),
         powertrain: samples.powertrain.map(|powertrain| powertrain_at(powertrain, samples, time_s)),
         preview: samples.preview.map(preview),
@@ -104,14 +108,21 @@ fn ego_at(odometry: &Odometry, time_s: f64) -> Ego {
     Ego { position_m, speed_mps, acceleration_mps2: odometry.acceleration_mps2 }
 }
 
-/// The target at constant relative speed since the sample.
-fn target_at(radar: &RadarTracks, time_s: f64) -> Option<Target> {
+/// The target at constant relative speed since the sample: as measured where `raw` and the scan has
+/// it, as tracked otherwise. Two filters in a row would see a lead brake too late.
+fn target_at(radar: &RadarTracks, raw: bool, time_s: f64) -> Option<Target> {
     let target = &radar.target;
     let age_s = age_s(radar.header.acquisition_ns, time_s);
+    let count = usize::try_from(radar.count).map_or(0, |count| count.min(radar.tracks.len()));
+    let measured = radar.tracks[..count].iter().find(|track| raw && track.in_path != 0);
+    let (gap_m, relative_speed_mps) = measured
+        .map_or((target.gap_m, target.relative_speed_mps), |track| {
+            (track.range_m, track.range_rate_mps)
+        });
     (target.valid != 0).then_some(Target {
         track_id: target.track_id,
-        gap_m: target.gap_m + target.relative_speed_mps * age_s,
-        relative_speed_mps: target.relative_speed_mps,
+        gap_m: gap_m + relative_speed_mps * age_s,
+        relative_speed_mps,
         acceleration_mps2: target.acceleration_mps2,
         age_s,
     })
@@ -176,8 +187,12 @@ mod tests {
     use bytemuck::Zeroable;
     use shared::messages::{Interval, Lane};
 
-    const SETTING: Setting =
-        Setting { period_s: 0.1, set_speed_mps: 20.0, speed_limit_mps: f64::INFINITY };
+    const SETTING: Setting = Setting {
+        period_s: 0.1,
+        set_speed_mps: 20.0,
+        speed_limit_mps: f64::INFINITY,
+        raw_target: false,
+    };
 
     #[test]
     fn motion_is_brought_to_the_release_and_braking_ends_at_standstill() {
@@ -200,9 +215,17 @@ mod tests {
         let samples = Samples { radar: Some(&radar), ..Samples::default() };
         let target = input(&SETTING, &samples, 0.2).target.expect("valid");
         assert_eq!((target.gap_m, target.age_s), (38.0, 0.2));
+        // As measured, for a law with a filter of its own.
+        radar.count = 2;
+        radar.tracks[1].in_path = 1;
+        (radar.tracks[1].range_m, radar.tracks[1].range_rate_mps) = (41.0, -9.0);
+        let samples = Samples { radar: Some(&radar), ..Samples::default() };
+        let raw = Setting { raw_target: true, ..SETTING };
+        let target = input(&raw, &samples, 0.2).target.expect("valid");
+        assert_eq!((target.gap_m, target.relative_speed_mps), (39.2, -9.0));
         radar.target.valid = 0;
         let samples = Samples { radar: Some(&radar), ..Samples::default() };
-        assert_eq!(input(&SETTING, &samples, 0.2).target, None);
+        assert_eq!(input(&raw, &samples, 0.2).target, None);
     }
 
     #[test]

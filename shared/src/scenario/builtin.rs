@@ -43,6 +43,8 @@ builtins! {
     "truck-hills":
         "predictive paper: a 49 t truck on ten kilometres of hills, planning two ahead";
     "truck-follow": "predictive paper: following over a valley, the lead brakes uphill";
+    "truck-traffic": "a 49 t truck on hills behind a lead whose speed goes up and down";
+    "truck-brake": "a 49 t truck downhill behind a lead that brakes to standstill at 6 m/s²";
 }
 
 /// The built-in scenario of that name.
