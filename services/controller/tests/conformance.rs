@@ -191,15 +191,16 @@ fn numbers(input: &mut Input) -> Vec<&mut f64> {
         let acceleration = &mut t.acceleration_mps2;
         all.extend([&mut t.gap_m, &mut t.relative_speed_mps, acceleration, &mut t.age_s]);
     }
+    for s in input.signals.iter_mut().flatten() {
+        all.push(&mut s.distance_m);
+        all.extend(s.intervals.iter_mut().map(|i| &mut i.ends_in_s));
+    }
     if let Some(p) = &mut input.powertrain {
         all.extend([&mut p.since_shift_s, &mut p.engine_torque_nm, &mut p.grade]);
     }
     if let Some(p) = &mut input.preview {
-        all.extend([&mut p.start_m, &mut p.cell_m, &mut p.grades[0], &mut p.grades[30]]);
-    }
-    for s in input.signals.iter_mut().flatten() {
-        all.push(&mut s.distance_m);
-        all.extend(s.intervals.iter_mut().map(|i| &mut i.ends_in_s));
+        all.extend([&mut p.start_m, &mut p.cell_m]);
+        all.extend(p.grades.iter_mut().step_by(30));
     }
     all
 }
@@ -233,7 +234,10 @@ fn outputs_are_bounded_for_anything_a_road_shows() {
 #[test]
 fn outputs_are_finite_and_bounded_for_any_number_and_usable_after_it() {
     for_each(|law| {
-        let count = numbers(&mut ordinary(0)).len();
+        // Only a law that plans looks at a truck and its road; their numbers come last.
+        let others = Input { powertrain: None, preview: None, ..ordinary(0) };
+        let mut seen = if law.planning().is_some() { ordinary(0) } else { others };
+        let count = numbers(&mut seen).len();
         for index in 0..count {
             for evil in EVIL {
                 law.reset();
