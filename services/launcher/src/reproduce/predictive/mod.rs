@@ -20,7 +20,8 @@ mod pictures;
 mod savings;
 
 /// Scenarios driven, at most.
-pub const RUNS: usize = 2 * (1 + 2 * savings::MAX_ATTEMPTS) + savings::ROBUSTNESS_RUNS + 1;
+pub const RUNS: usize =
+    2 * (1 + 2 * savings::MAX_ATTEMPTS) + savings::ROBUSTNESS_RUNS + following::RUNS;
 
 /// Length of the trip, m.
 const ROAD_M: f64 = 60e3;
