@@ -5,6 +5,7 @@
 mod assisted;
 mod bound;
 mod chase;
+mod comparison;
 mod cruise;
 mod equal_time;
 mod human;
@@ -15,6 +16,7 @@ mod trip;
 pub use assisted::{Assisted, Map};
 pub use bound::Bound;
 pub use chase::{Chase, Follower, Lead, Moment, Noise, chase};
+pub use comparison::Comparison;
 pub use cruise::Cruise;
 pub use equal_time::{EQUAL_TIME, at_equal_time};
 pub use human::Human;

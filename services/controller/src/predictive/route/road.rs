@@ -1,6 +1,10 @@
 //! The road that a trip is driven on.
 
 use crate::predictive::{MAX_CELLS, Preview};
+use shared::road::GradeProfile;
+
+/// Length of a cell of a profile, m.
+const CELL_M: f64 = 50.0;
 
 /// Grades of a road in cells of equal length.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,10 +24,18 @@ impl Road {
         Self { cell_m, grades }
     }
 
-    /// A road through heights that lie `cell_m` apart.
+    /// A profile in cells of 50 m; what does not fill a cell at its end is left out.
+    ///
+    /// # Panics
+    /// If the profile is shorter than a cell.
     #[must_use]
-    pub fn from_heights(cell_m: f64, heights_m: &[f64]) -> Self {
-        Self::new(cell_m, heights_m.windows(2).map(|pair| (pair[1] - pair[0]) / cell_m).collect())
+    pub fn from_profile(profile: &GradeProfile) -> Self {
+        let count = (profile.end_m() / CELL_M + 1e-9) as usize;
+        let cell = |index: usize| {
+            let from_m = index as f64 * CELL_M;
+            profile.mean_grade(from_m, from_m + CELL_M)
+        };
+        Self::new(CELL_M, (0..count).map(cell).collect())
     }
 
     /// Length of a cell, m.
