@@ -2,7 +2,7 @@
 
 use crate::cli::{GroupOptions, RunArguments, ScenarioOptions};
 use crate::error::Error;
-use crate::group::{Ended, GroupOutcome, Launch, launch};
+use crate::group::{Ended, GroupOutcome, Launch, Moment, launch};
 use crate::output::OutputDirectory;
 use crate::summary::Summary;
 use crate::{print, trajectory};
@@ -28,8 +28,8 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
         live_file: Some(output.path().join("live.json")),
         recording: (!arguments.no_record).then(|| output.path().join(recorder::FILE)),
     };
-    let result = drive(&scenario, mode, &arguments.group, Some(keep), &mut |time_ns| {
-        bar.set_position(time_ns.unsigned_abs() / 1_000_000);
+    let result = drive(&scenario, mode, &arguments.group, Some(keep), &mut |moment| {
+        bar.set_position(moment.time_ns.unsigned_abs() / 1_000_000);
     });
     bar.finish_and_clear();
     let group = result?;
@@ -56,6 +56,16 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
 
 /// Opens a scenario and lays the options over it.
 pub fn open(name: &str, options: &ScenarioOptions) -> Result<Scenario, Error> {
+    open_with(name, options, "--set", &[])
+}
+
+/// The same with more keys set, on behalf of the option that errors shall name.
+pub fn open_with(
+    name: &str,
+    options: &ScenarioOptions,
+    option: &str,
+    keys: &[String],
+) -> Result<Scenario, Error> {
     let mut overrides = Overrides::new();
     if let Some(controller) = &options.controller {
         overrides.option("--controller", "controller.name", controller);
@@ -68,6 +78,9 @@ pub fn open(name: &str, options: &ScenarioOptions) -> Result<Scenario, Error> {
     }
     for argument in &options.set {
         overrides.set(argument).map_err(usage)?;
+    }
+    for argument in keys {
+        overrides.set_by(option, argument).map_err(usage)?;
     }
     Scenario::open(name, &overrides, &laws::check).map_err(usage)
 }
@@ -85,13 +98,13 @@ pub struct Keep {
     pub recording: Option<PathBuf>,
 }
 
-/// Drives a scenario through a process group. `progress` is told the run time reached, ns.
+/// Drives a scenario through a process group. `watch` sees it go.
 pub fn drive(
     scenario: &Scenario,
     mode: Mode,
     options: &GroupOptions,
     keep: Option<Keep>,
-    progress: &mut dyn FnMut(i64),
+    watch: &mut dyn FnMut(&Moment<'_>),
 ) -> Result<GroupOutcome, Error> {
     let start_delay = match mode {
         Mode::Realtime => Duration::from_millis(scenario.runtime.start_delay_ms.value().into()),
@@ -100,15 +113,14 @@ pub fn drive(
     let keep = keep.unwrap_or_default();
     let launching = Launch {
         mode,
-        timetable: shared::runtime::Timetable::of(scenario),
-        scenario: scenario.to_toml(),
+        scenario: scenario.clone(),
         programs: options.programs.iter().cloned().collect(),
         ready_timeout: Duration::from_secs_f64(options.ready_timeout),
         start_delay,
         live_file: keep.live_file,
         recording: keep.recording,
     };
-    launch(launching, progress)
+    launch(launching, watch)
 }
 
 /// A bar on a terminal, for runs longer than a second; nothing elsewhere.

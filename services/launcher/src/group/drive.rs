@@ -1,8 +1,11 @@
 //! The drive as the launcher hears it on the topics, sample by sample.
 
-use shared::messages::{Command, Diagnostics, Heartbeat, Odometry, Powertrain, VehicleTruth};
+use shared::Service;
+use shared::messages::{
+    Command, Diagnostics, Header, Heartbeat, Odometry, Powertrain, RadarTracks, Spat, VehicleTruth,
+};
 use shared::report::ReceivedTopic;
-use shared::runtime::{Group, Observed, Observer, RuntimeError};
+use shared::runtime::{Group, Mode, Observed, Observer, RuntimeError};
 
 /// Everything that was heard.
 #[derive(Clone, Debug, Default)]
@@ -63,12 +66,29 @@ pub struct DriveLog {
     command: Observed<Command>,
     diagnostics: Observed<Diagnostics>,
     heartbeat: Observed<Heartbeat>,
+    /// Heard in realtime alone, for the first messages of restarted services.
+    sensors: Option<(Observed<RadarTracks>, Observed<Spat>)>,
     observer: Observer,
     odometries: Vec<Odometry>,
     powertrains: Vec<(u64, PowertrainStep)>,
     truths: Vec<VehicleTruth>,
     requests: Vec<(u64, f64)>,
     cycles: Vec<(u64, u32, [f64; shared::messages::FIGURES])>,
+    signs: Vec<Sign>,
+    /// The newest incarnation heard of each service.
+    incarnations: [u32; Service::ALL.len()],
+    first_messages: Vec<(Service, u32, i64)>,
+}
+
+/// A sign of life.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sign {
+    /// Whose.
+    pub service: Service,
+    /// Of which of its processes.
+    pub incarnation: u32,
+    /// Cycles done so far.
+    pub cycles: u64,
 }
 
 impl DriveLog {
@@ -82,18 +102,36 @@ impl DriveLog {
             command: observer.listen()?,
             diagnostics: observer.listen()?,
             heartbeat: observer.listen()?,
+            sensors: match group.mode {
+                Mode::Realtime => Some((observer.listen()?, observer.listen()?)),
+                Mode::Lockstep => None,
+            },
             observer,
             odometries: Vec::new(),
             powertrains: Vec::new(),
             truths: Vec::new(),
             requests: Vec::new(),
             cycles: Vec::new(),
+            signs: Vec::new(),
+            incarnations: [0; Service::ALL.len()],
+            first_messages: Vec::new(),
         })
     }
 
     /// Takes what arrived.
     pub fn drain(&mut self) -> Result<(), RuntimeError> {
-        self.odometry.drain(|m| self.odometries.push(*m))?;
+        let (incarnations, first) = (&mut self.incarnations, &mut self.first_messages);
+        let mut note = |service: Service, header: &Header| {
+            let newest = &mut incarnations[service.index()];
+            if header.incarnation > *newest {
+                *newest = header.incarnation;
+                first.push((service, header.incarnation, header.publish_ns));
+            }
+        };
+        self.odometry.drain(|m| {
+            note(Service::Plant, &m.header);
+            self.odometries.push(*m);
+        })?;
         self.powertrain.drain(|m| {
             let step = PowertrainStep {
                 gear: m.gear,
@@ -104,9 +142,39 @@ impl DriveLog {
             self.powertrains.push((m.header.step, step));
         })?;
         self.truth.drain(|m| self.truths.push(*m))?;
-        self.command.drain(|m| self.requests.push((m.header.step, m.plan_mps2[0])))?;
+        self.command.drain(|m| {
+            note(Service::Controller, &m.header);
+            self.requests.push((m.header.step, m.plan_mps2[0]));
+        })?;
         self.diagnostics.drain(|m| self.cycles.push((m.header.step, m.mode, m.figures)))?;
-        self.heartbeat.drain(|_| {})
+        if let Some((radar, spat)) = &mut self.sensors {
+            radar.drain(|m| note(Service::PerceptionSim, &m.header))?;
+            spat.drain(|m| note(Service::V2xSim, &m.header))?;
+        }
+        self.heartbeat.drain(|m| {
+            let service = Service::ALL.into_iter().find(|s| s.to_wire() == m.header.source);
+            self.signs.extend(service.map(|service| Sign {
+                service,
+                incarnation: m.header.incarnation,
+                cycles: m.cycles,
+            }));
+        })
+    }
+
+    /// Signs of life since the last time.
+    pub fn take_signs(&mut self) -> Vec<Sign> {
+        std::mem::take(&mut self.signs)
+    }
+
+    /// First messages of restarted services since the last time: service, incarnation, run time of
+    /// the publication in ns.
+    pub fn take_first_messages(&mut self) -> Vec<(Service, u32, i64)> {
+        std::mem::take(&mut self.first_messages)
+    }
+
+    /// Where the ego is, m, and how fast, m/s.
+    pub fn ego(&self) -> Option<(f64, f64)> {
+        self.odometries.last().map(|odometry| (odometry.position_m, odometry.speed_mps))
     }
 
     /// Removes what a dead process left on the topics, so that nobody waits for it.

@@ -2,7 +2,7 @@
 //! ours.
 
 mod cacc;
-mod plot;
+pub mod plot;
 mod predictive;
 mod quadratic_bounded;
 mod row;

@@ -181,8 +181,9 @@ fn picture(driven: &Driven) -> String {
         move |step: &DriveStep| step.powertrain.as_ref().map(value)
     };
     chart_over(
-        "distance, km",
         "Predictive cruise: following",
+        "distance, km",
+        (0.0, FIGURE_M / 1e3),
         &[
             ("height, m", vec![Curve::new("road", height(&driven.scenario, FIGURE_M))]),
             (

@@ -15,7 +15,7 @@ pub fn trips(preset: Preset, trips: &[(&'static str, &Driven)]) -> String {
     let curves = |value: &dyn Fn(&DriveStep) -> Option<f64>| {
         trips
             .iter()
-            .map(|(name, driven)| Curve::new(name, over_distance(driven, ROAD_M, value)))
+            .map(|(name, driven)| Curve::new(*name, over_distance(driven, ROAD_M, value)))
             .collect::<Vec<_>>()
     };
     let powertrain = |value: fn(&PowertrainStep) -> f64| {
@@ -23,8 +23,9 @@ pub fn trips(preset: Preset, trips: &[(&'static str, &Driven)]) -> String {
     };
     let road = trips.first().map_or_else(Vec::new, |(_, driven)| height(&driven.scenario, ROAD_M));
     chart_over(
-        "distance, km",
         &format!("Predictive cruise: {}, 75 km/h", preset.name()),
+        "distance, km",
+        (0.0, ROAD_M / 1e3),
         &[
             ("height, m", vec![Curve::new("road", road)]),
             ("speed, km/h", curves(&|step| Some(step.speed_mps * 3.6))),
