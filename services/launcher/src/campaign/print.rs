@@ -99,6 +99,14 @@ fn totals(verdict: &Verdict) -> String {
     line("messages", format!("{lost} lost, {disturbed} disturbed by faults{corrupted}"));
     line("left behind", format!("{} objects or processes", all.leaks));
     if let (Some(memory), Some(descriptors), Some(shared)) =
+        (all.all_memory_kib, all.all_descriptors, all.all_shared_memory_kib)
+    {
+        line(
+            "services",
+            format!("{memory:.0} KiB, {descriptors:.0} descriptors, {shared:.0} KiB shared memory"),
+        );
+    }
+    if let (Some(memory), Some(descriptors), Some(shared)) =
         (all.memory_growth_kib, all.descriptor_growth, all.shared_memory_growth_kib)
     {
         line(

@@ -30,7 +30,10 @@ pub struct Tally {
     pub recovery_us: Option<Percentiles>,
     /// Time on each rung of the ladder in all runs, s.
     pub rungs_s: BTreeMap<String, f64>,
-    /// Largest growth within a run, where it was sampled.
+    /// Largest sums over a run's services, and largest growth within a run, where it was sampled.
+    pub all_memory_kib: Option<f64>,
+    pub all_descriptors: Option<f64>,
+    pub all_shared_memory_kib: Option<f64>,
     pub memory_growth_kib: Option<f64>,
     pub descriptor_growth: Option<f64>,
     pub shared_memory_growth_kib: Option<f64>,
@@ -72,6 +75,9 @@ impl Tally {
             detection_us: percentiles(records.clone().flat_map(|r| &r.detection_us)),
             recovery_us: percentiles(records.clone().flat_map(|r| &r.recovery_us)),
             rungs_s,
+            all_memory_kib: most(|r| r.growth.map(|growth| growth.all_memory_kib)),
+            all_descriptors: most(|r| r.growth.map(|growth| growth.all_descriptors)),
+            all_shared_memory_kib: most(|r| r.growth.map(|growth| growth.all_shared_memory_kib)),
             memory_growth_kib: most(|r| r.growth.map(|growth| growth.memory_kib)),
             descriptor_growth: most(|r| r.growth.map(|growth| growth.descriptors)),
             shared_memory_growth_kib: most(|r| r.growth.map(|growth| growth.shared_memory_kib)),
