@@ -1,5 +1,11 @@
 //! The command line.
 
+use crate::recordings::diff::DiffArguments;
+use crate::recordings::export::ExportArguments;
+use crate::recordings::info::InfoArguments;
+use crate::recordings::layouts::LayoutsArguments;
+use crate::recordings::recover::RecoverArguments;
+use crate::recordings::replay::ReplayArguments;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use shared::Service;
 use std::path::PathBuf;
@@ -30,6 +36,18 @@ pub enum Command {
     Campaign(crate::campaign::CampaignArguments),
     /// A figure of the drive as a function of any key of a scenario
     Sweep(crate::sweep::SweepArguments),
+    /// What a recording holds
+    Info(InfoArguments),
+    /// Make a recording whole that was cut off
+    Recover(RecoverArguments),
+    /// Write a recording as tables
+    Export(ExportArguments),
+    /// Give a recorded run's inputs to the controller again and compare its commands
+    Replay(ReplayArguments),
+    /// Find where two recordings part
+    Diff(DiffArguments),
+    /// Print the messages' layouts for Python or C
+    Layouts(LayoutsArguments),
     /// Design a controller offline (cargo feature `synthesize`)
     Synthesize(SynthesizeArguments),
     /// What this machine grants, what the rest costs, and the command that mends it

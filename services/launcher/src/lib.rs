@@ -11,6 +11,7 @@ mod inject;
 mod list;
 mod output;
 mod print;
+mod recordings;
 mod reproduce;
 mod run;
 mod summary;
@@ -39,6 +40,12 @@ pub fn main() -> ExitCode {
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Campaign(arguments) => campaign::run(&arguments),
         Command::Sweep(arguments) => sweep::run(&arguments),
+        Command::Info(arguments) => recordings::info::run(&arguments),
+        Command::Recover(arguments) => recordings::recover::run(&arguments),
+        Command::Export(arguments) => recordings::export::run(&arguments),
+        Command::Replay(arguments) => recordings::replay::run(&arguments),
+        Command::Diff(arguments) => recordings::diff::run(&arguments),
+        Command::Layouts(arguments) => recordings::layouts::run(&arguments),
         Command::Synthesize(arguments) => synthesize::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
         Command::Inject(arguments) => inject::run(&arguments),
@@ -72,6 +79,9 @@ fn service(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
     }
     if arguments.name == "recorder" {
         return Ok(recorder::run(&arguments.arguments));
+    }
+    if arguments.name == "replayer" {
+        return Ok(recorder::replay(&arguments.arguments));
     }
     let service: Service = arguments.name.parse().map_err(Error::Usage)?;
     let run = match service {
