@@ -84,11 +84,11 @@ fn totals(verdict: &Verdict) -> String {
     if all.detection_us.is_some() {
         line("detection", times(all.detection_us));
     }
+    if let Some(overdue) = all.command_overdue_ms {
+        line("commands", format!("overdue for at most {overdue:.0} ms"));
+    }
     if !all.rungs_s.is_empty() {
-        let whole: f64 = all.rungs_s.values().sum();
-        let share = |(rung, time_s): (&String, &f64)| {
-            format!("{rung} {time_s:.1} s ({:.2} %)", 100.0 * time_s / whole)
-        };
+        let share = |(rung, time_s): (&String, &f64)| format!("{rung} {time_s:.1} s");
         line("rungs", all.rungs_s.iter().map(share).collect::<Vec<_>>().join(", "));
     }
     let corrupted = match (all.corrupted, all.undetected_corruptions) {
