@@ -144,6 +144,8 @@ pub enum PaperName {
     SixMode,
     /// Gao, Yan, Li, Hu 2015.
     QuadraticBounded,
+    /// Li, Zheng, Wang, Wang.
+    Predictive,
     /// He, Xi, Huang, Chen, Huang 2024.
     Cacc,
 }
@@ -154,6 +156,7 @@ impl PaperName {
         match self {
             Self::SixMode => "six-mode",
             Self::QuadraticBounded => "quadratic-bounded",
+            Self::Predictive => "predictive",
             Self::Cacc => "cacc",
         }
     }

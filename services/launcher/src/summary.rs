@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use shared::Service;
 use shared::e2e::Outcomes;
 use shared::report::{
-    ControlFigures, ControllerReport, Details, Hops, ModeChange, Outcome, PlantReport,
-    ReceivedTopic, ServiceReport, WorstChain,
+    ControlFigures, ControllerReport, Details, Hops, ModeChange, Outcome, PlanningReport,
+    PlantReport, ReceivedTopic, ServiceReport, WorstChain,
 };
 use shared::rung::Rungs;
 use shared::runtime::Mode;
@@ -71,6 +71,8 @@ pub struct Timing {
     /// Cycles whose command had to be relaxed, and whose command came from the law's backup.
     pub relaxed_cycles: Option<u64>,
     pub backup_cycles: Option<u64>,
+    /// Planning beside the control loop, of laws that do.
+    pub planning: Option<PlanningReport>,
     /// Commands that the scenario's misses and jitter kept from the actuators.
     pub undelivered_commands: Option<u64>,
 }
@@ -163,6 +165,7 @@ impl Summary {
                 max_command_gap_us: plant.and_then(|plant| plant.max_command_gap_us),
                 relaxed_cycles: controller.map(|controller| controller.relaxed),
                 backup_cycles: controller.map(|controller| controller.backup),
+                planning: controller.and_then(|controller| controller.planning),
                 undelivered_commands: plant.map(|plant| plant.undelivered_commands),
             },
             messages: messages(&group.reports, &group.drive),

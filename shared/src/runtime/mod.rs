@@ -19,6 +19,7 @@
 //! `unsafe` is allowed in `scheduling`, `spawn`, `usage` and `words` alone, for system calls that no
 //! crate wraps.
 
+mod beside;
 mod clock;
 mod error;
 mod faults;
@@ -42,6 +43,7 @@ mod usage;
 mod waking;
 mod words;
 
+pub use beside::Beside;
 pub use clock::{Clock, Mode, monotonic_ns, sleep_until};
 pub use error::RuntimeError;
 pub use faults::{Befallen, Injected, concerned};

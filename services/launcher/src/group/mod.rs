@@ -29,8 +29,7 @@ mod supervisor;
 mod watch;
 
 pub use disturbance::run as run_hog;
-pub use drive::Drive;
-pub use drive::DriveStep;
+pub use drive::{Drive, DriveStep, PowertrainStep};
 pub use faults::FaultRecord;
 pub use janitor::run as run_janitor;
 pub use processes::{Janitor, this_program};
