@@ -6,6 +6,7 @@ pub use chains::{HopTimes, Hops, WorstChain};
 
 use crate::Service;
 use crate::e2e::Outcomes;
+use crate::rung::Rungs;
 use crate::runtime::Befallen;
 use crate::runtime::scheduling::Granted;
 use crate::statistics::Percentiles;
@@ -92,6 +93,8 @@ pub struct ControllerReport {
     pub backup: u64,
     /// Changes of the law's mode.
     pub mode_changes: Vec<ModeChange>,
+    /// The controller's way on the degradation ladder.
+    pub rungs: Rungs,
 }
 
 /// A change of the law's mode.
@@ -118,6 +121,10 @@ pub struct PlantReport {
     pub duration_s: f64,
     /// Figures of the drive.
     pub control: ControlFigures,
+    /// The plant's way on the degradation ladder.
+    pub rungs: Rungs,
+    /// Longest time between two commands that the gateway accepted, µs.
+    pub max_command_gap_us: Option<f64>,
     /// Radar acquisition to the first actuation that uses it.
     pub reaction_time_us: Option<Percentiles>,
     /// Every actuation back to the radar acquisition behind it.

@@ -7,6 +7,7 @@
 //! crosses a stop line and its place at the instant of a signal's switch interpolated, as the
 //! papers' figures are.
 
+use serde::{Deserialize, Serialize};
 use shared::report::ControlFigures;
 use shared::scenario::Scenario;
 use shared::scenario::controller::{ControllerName, SpacingPolicy};
@@ -23,7 +24,7 @@ pub const MAX_SIGNALS: usize = 16;
 const MIN_CLOSING_MPS: f64 = 0.01;
 
 /// A signal as it truly is.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SignalTruth {
     /// Identity, equal for equal signals.
     pub id: u32,
@@ -49,7 +50,7 @@ impl SignalTruth {
 }
 
 /// What ends a run before its time.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Violation {
     /// The gap to the vehicle ahead was used up.
     Collision {
@@ -68,7 +69,7 @@ pub enum Violation {
 }
 
 /// Watches one run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Referee {
     desired: DesiredGap,
     set_speed_mps: f64,
@@ -81,7 +82,7 @@ pub struct Referee {
 }
 
 /// The gap that the scenario's law aims at, as far as the scenario tells.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 enum DesiredGap {
     /// t_h v + d_b of the start, frozen, m.
     Frozen(f64),
@@ -116,7 +117,7 @@ impl DesiredGap {
     }
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Sample {
     time_s: f64,
     ego: State,

@@ -1,15 +1,19 @@
 //! The plant's loop: publish the motion, take the newest command, move on.
 
 use crate::chains::{Actuated, Chains};
-use crate::gateway::{Actuation, Gateway, Source};
+use crate::gateway::{self, Actuation, Gateway, Source};
 use crate::longitudinal::Vehicle;
 use crate::referee::{MAX_SIGNALS, Referee, SignalTruth, Violation};
 use crate::truth;
+use serde::{Deserialize, Serialize};
 use shared::messages::{
     self, Command, Header, Odometry, Origins, PLAN_LEN, ServiceState, VehicleTruth,
 };
 use shared::report::{Details, Outcome, PlantReport};
-use shared::runtime::{Cycle, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber};
+use shared::rung::{Rung, RungLog};
+use shared::runtime::{
+    Cycle, Keeper, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber,
+};
 use shared::scenario::Scenario;
 use shared::scenario::v2x::Phase;
 use std::collections::VecDeque;
@@ -22,6 +26,9 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     let scenario = runtime.scenario();
     let mut plant = Plant::open(&mut runtime, &scenario)?;
     runtime.begin(&scenario)?;
+    if runtime.is_restarted() {
+        plant.go_on(&mut runtime);
+    }
     runtime.run_cycles(|runtime| plant.cycle(runtime))?;
     let report = plant.report();
     runtime.finish(Details::Plant(Box::new(report)))
@@ -45,6 +52,22 @@ struct Plant {
     request_mps2: f64,
     time_s: f64,
     stopped_for_want_of_commands: bool,
+    rungs: RungLog,
+    /// Run time at which the last command was accepted, and the longest time between two, ns.
+    accepted_ns: Option<i64>,
+    longest_gap_ns: i64,
+    /// In realtime, what a restarted plant goes on from.
+    keeper: Option<Keeper<Kept>>,
+}
+
+/// What outlives the plant's process: the vehicle does not vanish with it, nor what the referee saw.
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    step: u64,
+    vehicle: Vehicle,
+    gateway: gateway::Kept,
+    referee: Referee,
+    request_mps2: f64,
 }
 
 impl Plant {
@@ -67,7 +90,24 @@ impl Plant {
             request_mps2: scenario.plant.initial_acceleration_mps2.value(),
             time_s: 0.0,
             stopped_for_want_of_commands: false,
+            rungs: RungLog::default(),
+            accepted_ns: None,
+            longest_gap_ns: 0,
+            keeper: match runtime.clock().mode() {
+                Mode::Realtime => Some(runtime.keeper()?),
+                Mode::Lockstep => None,
+            },
         })
+    }
+
+    /// Goes on from where the process before this one was.
+    fn go_on(&mut self, runtime: &mut Runtime) {
+        let Some(kept) = self.keeper.as_mut().and_then(Keeper::restore) else { return };
+        runtime.resume_after(kept.step);
+        (self.vehicle, self.referee) = (kept.vehicle, kept.referee);
+        self.gateway.go_on_from(&kept.gateway);
+        self.request_mps2 = kept.request_mps2;
+        self.rungs.begin(runtime.clock().scheduled_ns(kept.step) as f64 / 1e9, Rung::Full);
     }
 
     fn cycle(&mut self, runtime: &mut Runtime) -> Result<Cycle, RuntimeError> {
@@ -85,16 +125,45 @@ impl Plant {
         let actuation = self.actuate(&release, runtime.clock().now_ns());
         self.request_mps2 = actuation.request_mps2;
         self.vehicle.step(actuation.request_mps2);
+        self.keep(release.step)?;
+        self.rungs.observe(release.time_s, self.rung(&release, actuation.source));
+        if runtime.is_to_stop() {
+            self.gateway.stop();
+        }
 
         let state = match actuation.source {
             Source::None | Source::Command | Source::Plan => ServiceState::Running,
             Source::StopInLane | Source::Emergency => ServiceState::Degraded,
         };
         runtime.end_cycle(state)?;
-        if violation.is_some() {
+        let brought_to_a_stop = runtime.is_to_stop() && self.stopped_for_want_of_commands;
+        if violation.is_some() || brought_to_a_stop {
             runtime.end_run()?;
         }
         Ok(Cycle::Next)
+    }
+
+    fn keep(&mut self, step: u64) -> Result<(), RuntimeError> {
+        let Some(keeper) = &mut self.keeper else { return Ok(()) };
+        keeper.keep(&Kept {
+            step,
+            vehicle: self.vehicle.clone(),
+            gateway: self.gateway.kept(),
+            referee: self.referee.clone(),
+            request_mps2: self.request_mps2,
+        })
+    }
+
+    fn rung(&self, release: &Release, source: Source) -> Rung {
+        match source {
+            Source::None | Source::Command => Rung::Full,
+            Source::Plan if self.gateway.is_commanded(release.scheduled_ns.unsigned_abs()) => {
+                Rung::Full
+            }
+            Source::Plan => Rung::PlanFollowed,
+            Source::StopInLane => Rung::StopInLane,
+            Source::Emergency => Rung::Emergency,
+        }
     }
 
     fn publish(&mut self, release: &Release) -> Result<(), RuntimeError> {
@@ -106,7 +175,8 @@ impl Plant {
             speed_mps: state.speed_mps,
             acceleration_mps2: state.acceleration_mps2,
             request_mps2: self.request_mps2,
-        })
+        })?;
+        Ok(())
     }
 
     /// What the referee makes of the state at the release.
@@ -150,6 +220,9 @@ impl Plant {
                 &command.plan_mps2[..plan_len],
             );
             if accepted.is_ok() {
+                if let Some(last_ns) = self.accepted_ns.replace(now_ns) {
+                    self.longest_gap_ns = self.longest_gap_ns.max(now_ns - last_ns);
+                }
                 self.active = Some(command);
             }
         }
@@ -178,6 +251,9 @@ impl Plant {
             outcome,
             duration_s: self.time_s,
             control: self.referee.figures().clone(),
+            rungs: self.rungs.report(),
+            max_command_gap_us: (self.longest_gap_ns > 0)
+                .then_some(self.longest_gap_ns as f64 / 1e3),
             reaction_time_us: self.chains.reaction_us(),
             data_age_us: self.chains.age_us(),
             designed_wait_us: self.chains.designed_wait_us(),

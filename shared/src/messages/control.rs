@@ -61,13 +61,16 @@ layout!(Command {
     plan_mps2,
 });
 
-/// What the controller saw and decided in one cycle.
+/// What the controller saw and decided in one cycle; sent in every cycle, also in one without a
+/// command.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
 #[type_name("timegap_msgs/msg/Diagnostics")]
 pub struct Diagnostics {
     /// Common header, as of the command of the same cycle.
     pub header: Header,
+    /// When the cycle began to work on its inputs, ns of run time.
+    pub start_ns: i64,
     /// Mode of the law, an index into its mode names.
     pub mode: u32,
     /// Reason of the last mode change, an index into its reason names.
@@ -76,6 +79,10 @@ pub struct Diagnostics {
     pub quality: u32,
     /// Iterations of the solver.
     pub solver_iterations: u32,
+    /// [`Rung`](crate::rung::Rung) of the controller, as a number.
+    pub rung: u32,
+    /// 1 while the driver is asked to take over.
+    pub takeover: u32,
     /// First request, m/s².
     pub request_mps2: f64,
     /// Age of the odometry sample at the release, ns; −1 without a sample.
@@ -91,10 +98,13 @@ pub struct Diagnostics {
 message!(Diagnostics, Topic::Diagnostics);
 layout!(Diagnostics {
     header,
+    start_ns,
     mode,
     mode_reason,
     quality,
     solver_iterations,
+    rung,
+    takeover,
     request_mps2,
     odometry_age_ns,
     radar_age_ns,

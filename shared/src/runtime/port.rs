@@ -83,12 +83,12 @@ pub struct Publisher<T: Message> {
 }
 
 impl<T: Message> Publisher<T> {
-    /// Completes the header of `message` (sequence, source, publish stamp, protection) and sends it.
-    /// Allocates nothing.
+    /// Completes the header of `message` (sequence, source, publish stamp, protection) and sends it;
+    /// returns the publish stamp, ns of run time. Allocates nothing.
     ///
     /// # Errors
     /// [`RuntimeError::Send`] if the transport refuses it.
-    pub fn send(&mut self, mut message: T) -> Result<(), RuntimeError> {
+    pub fn send(&mut self, mut message: T) -> Result<i64, RuntimeError> {
         let error = |reason: String| RuntimeError::Send { topic: T::TOPIC, reason };
         let source = self.source.to_wire();
         let sequence = self.tally.borrow().messages + 1;
@@ -116,7 +116,7 @@ impl<T: Message> Publisher<T> {
         {
             waker.wake();
         }
-        Ok(())
+        Ok(now_ns)
     }
 }
 

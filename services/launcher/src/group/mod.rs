@@ -36,4 +36,5 @@ pub use faults::FaultRecord;
 pub use janitor::run as run_janitor;
 pub use recording::RecordingSummary;
 pub use replay::{Replayed, replay};
+pub use root::is_alive;
 pub use supervisor::{Ended, GroupOutcome, Launch, Moment, launch};
