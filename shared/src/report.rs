@@ -2,14 +2,14 @@
 
 mod chains;
 
-pub use chains::{HopTimes, Hops, WorstChain};
+pub use chains::{ChainCurves, HopTimes, Hops, WorstChain};
 
 use crate::Service;
 use crate::e2e::Outcomes;
 use crate::rung::Rungs;
 use crate::runtime::Befallen;
 use crate::runtime::scheduling::Granted;
-use crate::statistics::Percentiles;
+use crate::statistics::{Latencies, Percentiles};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -91,10 +91,25 @@ pub struct ControllerReport {
     pub relaxed: u64,
     /// Cycles whose command came from the law's backup.
     pub backup: u64,
+    /// Planning beside the loop, of laws that do.
+    pub planning: Option<PlanningReport>,
     /// Changes of the law's mode.
     pub mode_changes: Vec<ModeChange>,
     /// The controller's way on the degradation ladder.
     pub rungs: Rungs,
+}
+
+/// How the planning beside a control loop kept up with it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlanningReport {
+    /// Plans asked for.
+    pub asked: u64,
+    /// Plans that were not there when they were due; the loop drove on by the one before.
+    pub late: u64,
+    /// Time after which a plan is due, µs.
+    pub deadline_us: f64,
+    /// Time that a plan took, on the wall clock in both modes.
+    pub plan_us: Option<Percentiles>,
 }
 
 /// A change of the law's mode.
@@ -137,6 +152,12 @@ pub struct PlantReport {
     pub hops_us: Hops,
     /// The chains with the longest reaction times, longest first.
     pub worst_chains: Vec<WorstChain>,
+    /// Commands that the scenario's misses and jitter kept from the actuators.
+    pub undelivered_commands: u64,
+    /// Whole distributions of the reaction time and its parts.
+    pub curves: ChainCurves,
+    /// Histograms of the reaction time, the data age and the parts, by their names.
+    pub histograms: BTreeMap<String, Latencies>,
 }
 
 /// How a run ended.
@@ -160,14 +181,21 @@ pub enum Outcome {
 pub struct ControlFigures {
     /// Smallest gap to a vehicle in lane, m.
     pub min_gap_m: Option<f64>,
+    /// Root mean square over time of the gap's distance from the desired one, while a vehicle ahead
+    /// was within the radar's range, m.
+    pub rms_gap_error_m: Option<f64>,
+    /// Largest magnitude of that distance, m.
+    pub max_abs_gap_error_m: Option<f64>,
     /// Smallest time to collision, s.
     pub min_ttc_s: Option<f64>,
-    /// Desired minus real gap at the end, m.
+    /// Real minus desired gap at the end, m.
     pub final_gap_error_m: Option<f64>,
     /// Ego minus lead speed at the end, or minus the set speed without a lead, m/s.
     pub final_speed_error_mps: Option<f64>,
     /// Largest magnitude of the jerk, m/s³.
     pub max_abs_jerk_mps3: Option<f64>,
+    /// Root mean square of the jerk over time, m/s³.
+    pub rms_jerk_mps3: Option<f64>,
     /// Smallest acceleration, m/s².
     pub min_accel_mps2: Option<f64>,
     /// Largest acceleration, m/s².
@@ -176,6 +204,10 @@ pub struct ControlFigures {
     pub stop_line_crossing_s: Option<f64>,
     /// Distance past the first stop line when its light first changed, m; negative before it.
     pub past_stop_line_at_switch_m: Option<f64>,
-    /// Fuel, L/100 km.
+    /// Fuel, L/100 km; trucks only, as what follows.
     pub fuel_l_per_100km: Option<f64>,
+    /// Shifts of the gearbox.
+    pub gear_shifts: Option<u64>,
+    /// Time with the service brakes applied, s.
+    pub service_brake_s: Option<f64>,
 }

@@ -1,10 +1,13 @@
 //! The simulated ego vehicle: its motion, its actuator gateway and the referee of a run.
 
 pub mod chains;
+pub mod delivery;
+pub mod ego;
 pub mod gateway;
 pub mod longitudinal;
 pub mod referee;
 mod service;
+pub mod truck;
 mod truth;
 mod worst;
 

@@ -3,7 +3,9 @@
 use crate::Recording;
 use crate::takes::{Samples, inputs};
 use serde::{Deserialize, Serialize};
-use shared::messages::{Diagnostics, Map, Message, Odometry, Origin, RadarTracks, Spat, Topic};
+use shared::messages::{
+    Diagnostics, Map, Message, Odometry, Origin, Powertrain, Preview, RadarTracks, Spat, Topic,
+};
 use shared::runtime::{Group, Played, Player, RuntimeError, Tap, Tapped, log_warnings};
 use std::io::{BufRead, Write};
 use std::path::Path;
@@ -73,7 +75,7 @@ fn play(root: &Path, file: &Path, incarnation: u32) -> Result<(), String> {
     if input.recv().is_err() {
         return Ok(());
     }
-    let mut last = [Origin::NONE; 4];
+    let mut last = [Origin::NONE; 6];
     let mut answered = 0;
     for (sent, release) in releases.iter().enumerate() {
         while sent >= answered + AHEAD {
@@ -115,6 +117,8 @@ struct Ports {
     odometry: Played<Odometry>,
     spat: Played<Spat>,
     map: Played<Map>,
+    powertrain: Played<Powertrain>,
+    preview: Played<Preview>,
     // Ports before the node that owns them.
     _player: Player,
 }
@@ -126,6 +130,8 @@ impl Ports {
             odometry: player.on()?,
             spat: player.on()?,
             map: player.on()?,
+            powertrain: player.on()?,
+            preview: player.on()?,
             _player: player,
         })
     }
@@ -139,7 +145,9 @@ impl Ports {
             Topic::Odometry => send(&self.odometry, message),
             Topic::Spat => send(&self.spat, message),
             Topic::Map => send(&self.map, message),
-            _ => unreachable!("the controller has four inputs"),
+            Topic::Powertrain => send(&self.powertrain, message),
+            Topic::Preview => send(&self.preview, message),
+            _ => unreachable!("`inputs` names no other"),
         }
     }
 }

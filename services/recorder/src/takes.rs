@@ -26,7 +26,7 @@ pub(crate) struct Samples<'a>(HashMap<(Topic, Origin), Record<'a>>);
 
 impl<'a> Samples<'a> {
     pub(crate) fn of(recording: &'a Recording) -> Self {
-        let inputs = [Topic::Odometry, Topic::RadarTracks, Topic::Spat, Topic::Map];
+        let inputs = inputs(&Origins::NONE).map(|(topic, _)| topic);
         let records = recording.records().filter(|record| inputs.contains(&record.topic));
         Self(records.map(|record| ((record.topic, Origin::of(&record.header())), record)).collect())
     }
@@ -38,12 +38,14 @@ impl<'a> Samples<'a> {
 }
 
 /// A release's inputs by topic, in the order in which the controller takes them.
-pub(crate) fn inputs(origins: &Origins) -> [(Topic, Origin); 4] {
+pub(crate) fn inputs(origins: &Origins) -> [(Topic, Origin); 6] {
     [
         (Topic::RadarTracks, origins.radar),
         (Topic::Odometry, origins.odometry),
         (Topic::Spat, origins.spat),
         (Topic::Map, origins.map),
+        (Topic::Powertrain, origins.powertrain),
+        (Topic::Preview, origins.preview),
     ]
 }
 

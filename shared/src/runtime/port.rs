@@ -83,12 +83,20 @@ pub struct Publisher<T: Message> {
 }
 
 impl<T: Message> Publisher<T> {
-    /// Completes the header of `message` (sequence, source, publish stamp, protection) and sends it;
-    /// returns the publish stamp, ns of run time. Allocates nothing.
+    /// Completes the header of `message` (sequence, source, publish stamp, protection) and sends it.
+    /// Allocates nothing.
     ///
     /// # Errors
     /// [`RuntimeError::Send`] if the transport refuses it.
-    pub fn send(&mut self, mut message: T) -> Result<i64, RuntimeError> {
+    pub fn send(&mut self, message: T) -> Result<(), RuntimeError> {
+        self.send_stamped(message).map(|_| ())
+    }
+
+    /// As [`Self::send`]; returns the publish stamp, ns of run time.
+    ///
+    /// # Errors
+    /// As [`Self::send`].
+    pub fn send_stamped(&mut self, mut message: T) -> Result<i64, RuntimeError> {
         let error = |reason: String| RuntimeError::Send { topic: T::TOPIC, reason };
         let source = self.source.to_wire();
         let sequence = self.tally.borrow().messages + 1;

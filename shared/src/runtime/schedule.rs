@@ -76,6 +76,8 @@ impl Schedule {
             Topic::RadarTracks => release.inputs.radar,
             Topic::Spat => release.inputs.spat,
             Topic::Map => release.inputs.map,
+            Topic::Powertrain => release.inputs.powertrain,
+            Topic::Preview => release.inputs.preview,
             _ => Origin::NONE,
         }
     }

@@ -29,12 +29,11 @@ mod supervisor;
 mod watch;
 
 pub use disturbance::run as run_hog;
-pub use drive::Drive;
-#[cfg(test)]
-pub use drive::DriveStep;
+pub use drive::{Drive, DriveStep, PowertrainStep};
 pub use faults::FaultRecord;
 pub use janitor::run as run_janitor;
+pub use processes::{Janitor, this_program};
 pub use recording::RecordingSummary;
 pub use replay::{Replayed, replay};
-pub use root::is_alive;
+pub use root::{RunRoot, base, check_room, is_alive, shared_memory_room};
 pub use supervisor::{Ended, GroupOutcome, Launch, Moment, launch};
