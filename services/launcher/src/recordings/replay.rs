@@ -2,13 +2,15 @@
 //!
 //! The controller is the real process on real topics; a replayer stands for everybody else and sends
 //! the recorded samples as they were. The controller is released as often as it was, at the recorded
-//! instants, and takes at each release the very samples that its recorded command names.
+//! instants, and takes at each release the very samples that its recorded diagnostics name, also
+//! where it then kept silent. Each process of a controller that was restarted is replayed by itself.
 //!
 //! With the recorded controller the outputs must be the same. What is compared depends on the clock
 //! that the run was recorded on. In lockstep it is every byte of every command and diagnostics
 //! message. In realtime it is every byte but those that say how the machine fared: when the message
 //! was published (and the checksum over it), since when the cycle had waited, and its context
-//! switches and page faults.
+//! switches and page faults. One thing is not in a recording: when a plan made beside the loop came.
+//! In a replay every plan comes in time; a realtime run whose summary counts late plans may differ.
 
 use super::{count, open};
 use crate::error::Error;
