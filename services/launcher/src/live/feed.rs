@@ -11,7 +11,9 @@ use std::time::{Duration, Instant};
 /// Time between two frames.
 const PERIOD: Duration = Duration::from_millis(100);
 /// Most points of the drive in one frame.
-const MAX_POINTS: usize = 20;
+const MAX_POINTS: usize = 100;
+/// Steps after which there is a point even if nobody told of the other vehicles.
+const STEPS: u64 = 10;
 
 /// What is new since the last frame.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -130,16 +132,17 @@ impl LiveFeed {
         }
         let mut truths = truths[self.truths..].iter().peekable();
         let mut requests = cycles[self.cycles..].iter().peekable();
-        let new = &odometries[self.odometries..];
-        let stride = new.len().div_ceil(MAX_POINTS).max(1);
-        let mut points = Vec::with_capacity(MAX_POINTS);
-        for (index, odometry) in new.iter().enumerate() {
+        let mut points = Vec::new();
+        for odometry in &odometries[self.odometries..] {
             let step = odometry.header.step;
             while let Some(cycle) = requests.next_if(|cycle| cycle.header.step <= step) {
                 self.last.request_mps2 = Some(cycle.request_mps2);
             }
+            // Where a gap is fresh: in between it would be a staircase.
+            let mut fresh = step.is_multiple_of(STEPS);
             while let Some(truth) = truths.next_if(|truth| truth.header.step <= step) {
                 self.truths += 1;
+                fresh = true;
                 let ahead = truth.nearest_ahead(odometry.position_m);
                 self.last.gap_m = ahead.map(|(gap_m, _)| gap_m);
                 self.last.lead_speed_mps = ahead.map(|(_, speed_mps)| speed_mps);
@@ -147,10 +150,12 @@ impl LiveFeed {
             self.last.t_s = odometry.header.acquisition_ns as f64 / 1e9;
             self.last.speed_mps = odometry.speed_mps;
             self.last.acceleration_mps2 = odometry.acceleration_mps2;
-            if index % stride == 0 {
+            if fresh {
                 points.push(self.last);
             }
         }
+        let stride = points.len().div_ceil(MAX_POINTS).max(1);
+        let points = points.into_iter().step_by(stride).collect();
         self.odometries = odometries.len();
         self.cycles = cycles.len();
         let events = moment.faults[self.faults..].iter().map(event).collect();
