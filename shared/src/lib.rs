@@ -6,6 +6,7 @@
 //! * [`e2e`]: end-to-end protection of the messages
 //! * [`messages`]: the fixed-layout messages and the topics that carry them
 //! * [`runtime`]: a service's life: its ports, its releases on either clock, its scheduling
+//! * [`rung`]: the degradation ladder
 //! * [`report`]: what a service tells the launcher when it ends
 //! * [`statistics`]: histograms and percentiles
 //! * [`scenario`]: scenario files
@@ -13,6 +14,7 @@
 pub mod e2e;
 pub mod messages;
 pub mod report;
+pub mod rung;
 pub mod runtime;
 pub mod scenario;
 mod service;

@@ -43,16 +43,28 @@ pub struct Samples<'a> {
     pub map: Option<&'a Map>,
 }
 
+/// How far announced signal timing may be believed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SignalTrust {
+    /// All of it, at its likely times.
+    Announced,
+    /// As far as it holds without another announcement: up to the earliest end of the first interval
+    /// whose end is not certain.
+    Proven,
+    /// Nothing: all phases are unknown.
+    None,
+}
+
 /// What the law is told at `time_s`. Without odometry the ego is taken to stand at the origin.
 #[must_use]
-pub fn input(setting: &Setting, samples: &Samples<'_>, time_s: f64) -> Input {
+pub fn input(setting: &Setting, samples: &Samples<'_>, trust: SignalTrust, time_s: f64) -> Input {
     let ego = samples.odometry.map_or_else(Ego::default, |odometry| ego_at(odometry, time_s));
     Input {
         time_s,
         period_s: setting.period_s,
         ego,
         target: samples.radar.and_then(|radar| target_at(radar, time_s)),
-        signals: signals_ahead(samples, &ego, time_s),
+        signals: signals_ahead(samples, &ego, trust, time_s),
         set_speed_mps: setting.set_speed_mps,
         speed_limit_mps: setting.speed_limit_mps,
     }
@@ -84,6 +96,7 @@ fn target_at(radar: &RadarTracks, time_s: f64) -> Option<Target> {
 fn signals_ahead(
     samples: &Samples<'_>,
     ego: &Ego,
+    trust: SignalTrust,
     time_s: f64,
 ) -> [Option<SignalAhead>; MAX_SIGNALS] {
     let mut ahead = [None; MAX_SIGNALS];
@@ -107,7 +120,7 @@ fn signals_ahead(
             ..SignalAhead::default()
         };
         if let Some(timing) = timing {
-            announce(timing, time_s, &mut signal);
+            announce(timing, trust, time_s, &mut signal);
         }
         *place = Some(signal);
     }
@@ -116,18 +129,33 @@ fn signals_ahead(
 
 /// The intervals that have not ended yet. What ends before its announced successor begins to be
 /// known leaves the phase unknown: it is never guessed.
-fn announce(timing: &Signal, time_s: f64, signal: &mut SignalAhead) {
-    let count = usize::try_from(timing.count).map_or(0, |n| n.min(timing.intervals.len()));
-    let left = timing.intervals[..count].iter().filter(|i| i.likely_end_s > time_s + 1e-9);
-    for (place, interval) in signal.intervals[..MAX_PHASES].iter_mut().zip(left) {
-        *place = PhaseInterval {
+fn announce(timing: &Signal, trust: SignalTrust, time_s: f64, signal: &mut SignalAhead) {
+    let count = match trust {
+        SignalTrust::None => 0,
+        _ => usize::try_from(timing.count).map_or(0, |n| n.min(timing.intervals.len())),
+    };
+    let mut intervals = timing.intervals[..count].iter();
+    let mut certain = true;
+    while let Some(interval) = intervals.next()
+        && certain
+        && signal.count < MAX_PHASES
+    {
+        let mut end_s = interval.likely_end_s;
+        if trust == SignalTrust::Proven {
+            certain = interval.min_end_s >= interval.max_end_s;
+            end_s = interval.min_end_s;
+        }
+        if end_s <= time_s + 1e-9 {
+            continue;
+        }
+        signal.intervals[signal.count] = PhaseInterval {
             phase: match PhaseState::from_wire(interval.state) {
                 PhaseState::Unavailable => Phase::Unknown,
                 PhaseState::StopAndRemain => Phase::Red,
                 PhaseState::ProtectedMovementAllowed => Phase::Green,
                 PhaseState::ProtectedClearance => Phase::Yellow,
             },
-            ends_in_s: interval.likely_end_s - time_s,
+            ends_in_s: end_s - time_s,
         };
         signal.count += 1;
     }
@@ -149,9 +177,9 @@ mod tests {
         (odometry.position_m, odometry.speed_mps) = (10.0, 2.0);
         odometry.acceleration_mps2 = -4.0;
         let samples = Samples { odometry: Some(&odometry), ..Samples::default() };
-        let soon = input(&SETTING, &samples, 1.25).ego;
+        let soon = input(&SETTING, &samples, SignalTrust::Announced, 1.25).ego;
         assert_eq!((soon.position_m, soon.speed_mps), (10.375, 1.0));
-        let late = input(&SETTING, &samples, 9.0).ego;
+        let late = input(&SETTING, &samples, SignalTrust::Announced, 9.0).ego;
         assert_eq!((late.position_m, late.speed_mps), (10.5, 0.0));
     }
 
@@ -161,11 +189,11 @@ mod tests {
         radar.target.valid = 1;
         (radar.target.gap_m, radar.target.relative_speed_mps) = (40.0, -10.0);
         let samples = Samples { radar: Some(&radar), ..Samples::default() };
-        let target = input(&SETTING, &samples, 0.2).target.expect("valid");
+        let target = input(&SETTING, &samples, SignalTrust::Announced, 0.2).target.expect("valid");
         assert_eq!((target.gap_m, target.age_s), (38.0, 0.2));
         radar.target.valid = 0;
         let samples = Samples { radar: Some(&radar), ..Samples::default() };
-        assert_eq!(input(&SETTING, &samples, 0.2).target, None);
+        assert_eq!(input(&SETTING, &samples, SignalTrust::Announced, 0.2).target, None);
     }
 
     #[test]
@@ -181,10 +209,43 @@ mod tests {
         map.count = 1;
         map.lanes[0] = Lane { stop_line_m: 80.0, ..Lane::zeroed() };
         let samples = Samples { spat: Some(&spat), map: Some(&map), ..Samples::default() };
-        let at = |time_s| input(&SETTING, &samples, time_s).signals[0].expect("in the map");
+        let at = |time_s| {
+            let input = input(&SETTING, &samples, SignalTrust::Announced, time_s);
+            input.signals[0].expect("in the map")
+        };
         assert_eq!((at(1.0).count, at(1.0).intervals[0].phase), (2, Phase::Green));
         assert_eq!(at(1.0).intervals[0].ends_in_s, 4.0);
         assert_eq!((at(5.0).count, at(5.0).intervals[0].phase), (1, Phase::Red));
         assert_eq!((at(9.5).count, at(9.5).intervals[0].phase), (0, Phase::Unknown));
+    }
+    #[test]
+    fn without_renewal_only_what_is_certain_is_believed() {
+        let mut spat = Spat::zeroed();
+        spat.count = 1;
+        spat.signals[0].count = 3;
+        let ends = [(6, 5.0, 5.0), (8, 7.0, 9.0), (3, 20.0, 20.0)];
+        for (place, (state, min_end_s, max_end_s)) in ends.into_iter().enumerate() {
+            let likely_end_s = 0.5 * (min_end_s + max_end_s);
+            let interval =
+                Interval { state, min_end_s, likely_end_s, max_end_s, ..Interval::zeroed() };
+            spat.signals[0].intervals[place] = interval;
+        }
+        let mut map = Map::zeroed();
+        map.count = 1;
+        map.lanes[0] = Lane { stop_line_m: 80.0, ..Lane::zeroed() };
+        let samples = Samples { spat: Some(&spat), map: Some(&map), ..Samples::default() };
+        let at = |trust, time_s| {
+            let signal = input(&SETTING, &samples, trust, time_s).signals[0].expect("in the map");
+            signal.intervals[..signal.count]
+                .iter()
+                .map(|i| (i.phase, i.ends_in_s))
+                .collect::<Vec<_>>()
+        };
+        let all = [(Phase::Green, 4.0), (Phase::Yellow, 7.0), (Phase::Red, 19.0)];
+        assert_eq!(at(SignalTrust::Announced, 1.0), all);
+        assert_eq!(at(SignalTrust::Proven, 1.0), [(Phase::Green, 4.0), (Phase::Yellow, 6.0)]);
+        assert_eq!(at(SignalTrust::Proven, 6.0), [(Phase::Yellow, 1.0)]);
+        assert_eq!(at(SignalTrust::Proven, 8.0), [], "whether it is red already is not certain");
+        assert_eq!(at(SignalTrust::None, 1.0), []);
     }
 }

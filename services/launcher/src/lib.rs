@@ -1,7 +1,10 @@
 //! The `timegap` command: an adaptive-cruise stack as real processes over shared memory.
 
+mod batch;
+mod campaign;
 mod cli;
 mod compare;
+mod doctor;
 mod error;
 mod group;
 mod inject;
@@ -9,10 +12,12 @@ mod list;
 mod live;
 mod output;
 mod print;
+mod recordings;
 mod report;
 mod reproduce;
 mod run;
 mod summary;
+mod sweep;
 mod synthesize;
 mod trace;
 mod trajectory;
@@ -37,7 +42,16 @@ pub fn main() -> ExitCode {
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
+        Command::Campaign(arguments) => campaign::run(&arguments),
+        Command::Sweep(arguments) => sweep::run(&arguments),
+        Command::Info(arguments) => recordings::info::run(&arguments),
+        Command::Recover(arguments) => recordings::recover::run(&arguments),
+        Command::Export(arguments) => recordings::export::run(&arguments),
+        Command::Replay(arguments) => recordings::replay::run(&arguments),
+        Command::Diff(arguments) => recordings::diff::run(&arguments),
+        Command::Layouts(arguments) => recordings::layouts::run(&arguments),
         Command::Synthesize(arguments) => synthesize::run(&arguments),
+        Command::Doctor(arguments) => doctor::run(&arguments),
         Command::Inject(arguments) => inject::run(&arguments),
         Command::List(arguments) => list::run(&arguments),
         Command::Service(arguments) => service(&arguments),
@@ -69,6 +83,9 @@ fn service(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
     }
     if arguments.name == "recorder" {
         return Ok(recorder::run(&arguments.arguments));
+    }
+    if arguments.name == "replayer" {
+        return Ok(recorder::replay(&arguments.arguments));
     }
     let service: Service = arguments.name.parse().map_err(Error::Usage)?;
     let run = match service {

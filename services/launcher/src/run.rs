@@ -72,6 +72,16 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
 
 /// Opens a scenario and lays the options over it.
 pub fn open(name: &str, options: &ScenarioOptions) -> Result<Scenario, Error> {
+    open_with(name, options, "--set", &[])
+}
+
+/// The same with more keys set, on behalf of the option that errors shall name.
+pub fn open_with(
+    name: &str,
+    options: &ScenarioOptions,
+    option: &str,
+    keys: &[String],
+) -> Result<Scenario, Error> {
     let mut overrides = Overrides::new();
     if let Some(controller) = &options.controller {
         overrides.option("--controller", "controller.name", controller);
@@ -84,6 +94,9 @@ pub fn open(name: &str, options: &ScenarioOptions) -> Result<Scenario, Error> {
     }
     for argument in &options.set {
         overrides.set(argument).map_err(usage)?;
+    }
+    for argument in keys {
+        overrides.set_by(option, argument).map_err(usage)?;
     }
     Scenario::open(name, &overrides, &laws::check).map_err(usage)
 }

@@ -8,6 +8,7 @@ use shared::report::{
     ControlFigures, ControllerReport, Details, Hops, ModeChange, Outcome, PlantReport,
     ReceivedTopic, ServiceReport, WorstChain,
 };
+use shared::rung::Rungs;
 use shared::runtime::Mode;
 use shared::runtime::scheduling::Granted;
 use shared::scenario::Scenario;
@@ -38,6 +39,8 @@ pub struct Summary {
     /// What became of the recording; null if none was asked for.
     pub recording: Option<RecordingSummary>,
     pub faults: Vec<FaultRecord>,
+    /// The ways of controller and plant on the degradation ladder.
+    pub rungs: BTreeMap<&'static str, Rungs>,
     pub services: Vec<ServiceSummary>,
     pub host: Host,
 }
@@ -63,9 +66,13 @@ pub struct Timing {
     pub net_reaction_us: Option<Percentiles>,
     pub hops_us: Hops,
     pub worst_chains: Vec<WorstChain>,
+    /// Longest time between two commands that the actuator gateway accepted.
+    pub max_command_gap_us: Option<f64>,
     /// Cycles whose command had to be relaxed, and whose command came from the law's backup.
     pub relaxed_cycles: Option<u64>,
     pub backup_cycles: Option<u64>,
+    /// Commands that the scenario's misses and jitter kept from the actuators.
+    pub undelivered_commands: Option<u64>,
 }
 
 #[derive(Clone, Debug, Default, Serialize)]
@@ -153,12 +160,18 @@ impl Summary {
                 net_reaction_us: plant.and_then(|plant| plant.net_reaction_us),
                 hops_us: plant.map(|plant| plant.hops_us).unwrap_or_default(),
                 worst_chains: plant.map(|plant| plant.worst_chains.clone()).unwrap_or_default(),
+                max_command_gap_us: plant.and_then(|plant| plant.max_command_gap_us),
                 relaxed_cycles: controller.map(|controller| controller.relaxed),
                 backup_cycles: controller.map(|controller| controller.backup),
+                undelivered_commands: plant.map(|plant| plant.undelivered_commands),
             },
             messages: messages(&group.reports, &group.drive),
             recording: group.recording.clone(),
             faults: group.faults.clone(),
+            rungs: (controller.map(|controller| ("controller", controller.rungs.clone())))
+                .into_iter()
+                .chain(plant.map(|plant| ("plant", plant.rungs.clone())))
+                .collect(),
             services: Service::ALL
                 .into_iter()
                 .map(|service| ServiceSummary {

@@ -1,5 +1,6 @@
 //! Reading a recording, also one that was cut off.
 
+use crate::counter::Counter;
 use crate::writer::ENCAPSULATION;
 use crate::{FILE, Metadata, Tally, schema};
 use mcap::records::{self, Record as Raw};
@@ -146,6 +147,10 @@ impl Recording {
     /// early is no error: see [`Recording::damage`].
     pub fn open(path: &Path) -> Result<Self, ReadError> {
         let path = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
+        if std::fs::metadata(&path).is_ok_and(|file| !file.is_file()) {
+            let reason = "it is no regular file".into();
+            return Err(ReadError::Foreign { path, reason });
+        }
         let file = std::fs::read(&path)
             .map_err(|reason| ReadError::File { path: path.clone(), reason })?;
         Self::of_bytes(path, &file)
@@ -252,6 +257,15 @@ impl Recording {
             let message = record.message()?;
             Some(Timed { log_time_ns: record.log_time_ns, message })
         })
+    }
+
+    /// Messages in the file and gaps in their sequence numbers, counted anew: for a file whose
+    /// recorder did not live to say.
+    #[must_use]
+    pub fn count(&self) -> Tally {
+        let mut counter = Counter::default();
+        self.records().for_each(|record| counter.count(record.topic, record.bytes));
+        counter.tally()
     }
 
     /// Newest publish time of any message, ns of run time.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::quantity::{Core, DelayMs, Priority};
+use super::quantity::{Core, DelayMs, Priority, Probability};
 
 /// Scheduling and placement. What the machine does not grant is reported, not fatal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -16,6 +16,10 @@ pub struct Runtime {
     pub lock_memory: bool,
     /// Delay added between a command's computation and its actuation, ms.
     pub extra_delay_ms: DelayMs,
+    /// Longest time added to that, drawn for each command from the plant's whole periods, ms.
+    pub extra_jitter_ms: DelayMs,
+    /// Probability that a control cycle misses: its command never reaches the actuators.
+    pub miss_probability: Probability,
     /// Placement of each service.
     pub services: Services,
 }
@@ -27,6 +31,8 @@ impl Default for Runtime {
             scheduling: Scheduling::Fifo,
             lock_memory: true,
             extra_delay_ms: DelayMs::of(0),
+            extra_jitter_ms: DelayMs::of(0),
+            miss_probability: Probability::of(0.0),
             services: Services::default(),
         }
     }

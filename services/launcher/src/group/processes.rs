@@ -45,7 +45,7 @@ impl Process {
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .process_group(group);
-        inherit_only(&mut command, root.lock());
+        inherit_only(&mut command, Some(root.lock()));
         let mut child = command.spawn().map_err(|e| match program {
             Some(program) => Error::Path { action: "start", path: program.clone(), reason: e },
             None => Error::Machine(format!("cannot start {service}: {e}")),
@@ -172,6 +172,8 @@ impl Janitor {
             .stdout(Stdio::null())
             .stderr(Stdio::null())
             .process_group(0);
+        // Not even another run's descriptors, which threads beside this one have open.
+        inherit_only(&mut command, None);
         let mut child = command
             .spawn()
             .map_err(|e| Error::Machine(format!("cannot start the janitor: {e}")))?;

@@ -67,6 +67,8 @@ pub enum Ended {
 /// What came out of a group.
 #[derive(Debug)]
 pub struct GroupOutcome {
+    /// Root of the run, which is gone.
+    pub root: PathBuf,
     /// Why it ended.
     pub ended: Ended,
     /// What the services reported.
@@ -260,6 +262,7 @@ impl Supervisor<'_> {
         let befallen = reports.values().flat_map(|report| report.befallen.iter().copied());
         self.faults.befallen(befallen);
         Ok(GroupOutcome {
+            root: self.root.path().to_owned(),
             ended,
             reports,
             exits: BTreeMap::new(),

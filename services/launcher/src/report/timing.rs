@@ -6,7 +6,7 @@ use super::picture::RunPicture;
 use crate::print::duration;
 use crate::summary::Summary;
 use shared::report::{HopTimes, WorstChain};
-use shared::statistics::{Percentiles, QuantileCurve};
+use shared::statistics::{Latencies, Percentiles, QuantileCurve};
 
 /// Chains drawn as timelines; the table has them all.
 const DRAWN_CHAINS: usize = 5;
@@ -41,15 +41,31 @@ pub fn latencies(run: &RunPicture, count: u64) -> Option<Plot> {
     ];
     let named = whole.iter().zip([&curves.reaction_time, &curves.net_reaction]);
     let named = named.chain(HOPS.iter().zip(hops));
-    let drawn: Vec<_> = named
-        .filter(|(_, curve)| curve.iter().any(|point| point.1 > 0.0))
-        .map(|((name, tone, stroke), curve)| {
+    let drawn = named.filter(|(_, curve)| curve.iter().any(|point| point.1 > 0.0)).map(
+        |((name, tone, stroke), curve)| {
             Curve::new(name, *tone, distribution(curve, count)).stroke(*stroke)
-        })
-        .collect();
+        },
+    );
+    cumulative(&format!("Latency of each hop (n = {count})"), count, drawn.collect())
+}
+
+/// Distributions of named samples, µs; none without samples.
+pub fn distributions(title: &str, named: &[(&str, Vec<f64>)]) -> Option<Plot> {
+    let drawn = named.iter().enumerate().filter(|(_, (_, samples))| !samples.is_empty());
+    let drawn = drawn.map(|(index, (name, samples))| {
+        let mut latencies = Latencies::default();
+        samples.iter().for_each(|us| latencies.record_ns((us * 1e3) as i64));
+        let points = distribution(&latencies.quantile_curve(), latencies.count());
+        Curve::new(&format!("{name} (n = {})", latencies.count()), Tone::Series(index), points)
+    });
+    let most = named.iter().map(|(_, samples)| samples.len()).max().unwrap_or(0);
+    cumulative(title, most as u64, drawn.collect())
+}
+
+fn cumulative(title: &str, count: u64, drawn: Vec<Curve>) -> Option<Plot> {
     let x = Axis::durations("latency", drawn.iter().flat_map(|c| &c.points).map(|p| p.0));
     (!drawn.is_empty()).then(|| Plot {
-        title: format!("Latency of each hop (n = {count})"),
+        title: title.to_owned(),
         x,
         y: Axis::percentiles("share of the samples at or below", count),
         height: 320.0,
