@@ -2,14 +2,14 @@
 
 mod chains;
 
-pub use chains::{ChainCurves, HopTimes, Hops, WorstChain};
+pub use chains::{HopTimes, Hops, WorstChain};
 
 use crate::Service;
 use crate::e2e::Outcomes;
 use crate::rung::Rungs;
 use crate::runtime::Befallen;
 use crate::runtime::scheduling::Granted;
-use crate::statistics::Percentiles;
+use crate::statistics::{Latencies, Percentiles};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -91,10 +91,25 @@ pub struct ControllerReport {
     pub relaxed: u64,
     /// Cycles whose command came from the law's backup.
     pub backup: u64,
+    /// Planning beside the loop, of laws that do.
+    pub planning: Option<PlanningReport>,
     /// Changes of the law's mode.
     pub mode_changes: Vec<ModeChange>,
     /// The controller's way on the degradation ladder.
     pub rungs: Rungs,
+}
+
+/// How the planning beside a control loop kept up with it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlanningReport {
+    /// Plans asked for.
+    pub asked: u64,
+    /// Plans that were not there when they were due; the loop drove on by the one before.
+    pub late: u64,
+    /// Time after which a plan is due, µs.
+    pub deadline_us: f64,
+    /// Time that a plan took, on the wall clock in both modes.
+    pub plan_us: Option<Percentiles>,
 }
 
 /// A change of the law's mode.
@@ -137,10 +152,10 @@ pub struct PlantReport {
     pub hops_us: Hops,
     /// The chains with the longest reaction times, longest first.
     pub worst_chains: Vec<WorstChain>,
-    /// Whole distributions of the reaction time and its parts.
-    pub curves: ChainCurves,
     /// Commands that the scenario's misses and jitter kept from the actuators.
     pub undelivered_commands: u64,
+    /// Histograms of the reaction time, the data age and the parts, by their names.
+    pub histograms: BTreeMap<String, Latencies>,
 }
 
 /// How a run ended.
@@ -187,6 +202,10 @@ pub struct ControlFigures {
     pub stop_line_crossing_s: Option<f64>,
     /// Distance past the first stop line when its light first changed, m; negative before it.
     pub past_stop_line_at_switch_m: Option<f64>,
-    /// Fuel, L/100 km.
+    /// Fuel, L/100 km; trucks only, as what follows.
     pub fuel_l_per_100km: Option<f64>,
+    /// Shifts of the gearbox.
+    pub gear_shifts: Option<u64>,
+    /// Time with the service brakes applied, s.
+    pub service_brake_s: Option<f64>,
 }

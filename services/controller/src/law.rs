@@ -5,6 +5,8 @@
 //!
 //! Frame: x forward along the lane, origin at the ego's start. All quantities in SI units.
 
+use crate::predictive::{Plan, PlanRequest, Planner, Preview};
+
 /// Longest plan a command can carry, in control steps.
 pub const MAX_PLAN: usize = 128;
 /// Most signals a law is told about, nearest first.
@@ -74,6 +76,19 @@ pub struct SignalAhead {
     pub count: usize,
 }
 
+/// Engine and gearbox of a truck, and the slope it feels, as its own computers report them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Powertrain {
+    /// Gear, counted from 0, the lowest; the one being engaged during a shift.
+    pub gear: usize,
+    /// Time since the last shift began, s.
+    pub since_shift_s: f64,
+    /// Torque at the crankshaft, N m.
+    pub engine_torque_nm: f64,
+    /// The vehicle's own estimate of the grade under it (rise over run).
+    pub grade: f64,
+}
+
 /// Everything a law is told at one release.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Input {
@@ -87,6 +102,10 @@ pub struct Input {
     pub target: Option<Target>,
     /// Signals ahead, nearest first.
     pub signals: [Option<SignalAhead>; MAX_SIGNALS],
+    /// Engine and gearbox, if the vehicle is a truck.
+    pub powertrain: Option<Powertrain>,
+    /// The road ahead, if a map describes it.
+    pub preview: Option<Preview>,
     /// Driver's set speed, m/s.
     pub set_speed_mps: f64,
     /// Legal limit on this road, m/s (infinite when unknown).
@@ -105,6 +124,17 @@ pub enum Quality {
     Backup,
 }
 
+/// A request to a truck's engine, beside the acceleration requests.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TorqueRequest {
+    /// Torque at the crankshaft, N m; below the drag torque it asks for the engine brake.
+    pub engine_torque_nm: f64,
+    /// Force of the service brakes at the wheels, N: the last resort, 0 otherwise.
+    pub service_brake_n: f64,
+    /// Gear to engage, counted from 0; `None` leaves it to the gearbox.
+    pub gear: Option<usize>,
+}
+
 /// What a law returns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Output {
@@ -112,6 +142,9 @@ pub struct Output {
     pub plan_mps2: [f64; MAX_PLAN],
     /// Valid entries of `plan_mps2`, at least 1.
     pub plan_len: usize,
+    /// For a truck: what the engine is asked for now. It comes before `plan_mps2[0]`, which says the
+    /// same as an acceleration; the later requests of the plan have no torque.
+    pub torque: Option<TorqueRequest>,
     /// Mode of the law, an index into [`Law::mode_names`].
     pub mode: u32,
     /// Reason of the last mode change, an index into [`Law::reason_names`].
@@ -129,6 +162,7 @@ impl Default for Output {
         Self {
             plan_mps2: [0.0; MAX_PLAN],
             plan_len: 1,
+            torque: None,
             mode: 0,
             mode_reason: 0,
             quality: Quality::Full,
@@ -143,6 +177,7 @@ impl Output {
     pub fn set_request(&mut self, request_mps2: f64) {
         self.plan_mps2[0] = request_mps2;
         self.plan_len = 1;
+        self.torque = None;
     }
 
     /// Makes every figure finite: what is no number is 0, what is beyond all numbers the largest one.
@@ -159,6 +194,18 @@ impl Output {
     }
 }
 
+/// What a law wants done beside the control loop, in a thread that may take longer than a cycle.
+pub trait Planning {
+    /// Whoever makes the plans; asked for once.
+    fn planner(&self) -> Box<dyn Planner>;
+
+    /// The plan that is wanted after the last step, if any.
+    fn request(&mut self) -> Option<PlanRequest>;
+
+    /// Takes a plan, or learns from an empty one that there is none.
+    fn accept(&mut self, plan: &Plan);
+}
+
 /// A cruise controller.
 ///
 /// Every law passes one conformance suite: its output is finite and within bounds for any input, it
@@ -173,6 +220,11 @@ pub trait Law {
 
     /// Smallest and largest request the law ever returns, m/s².
     fn request_bounds_mps2(&self) -> (f64, f64);
+
+    /// The planning that goes on beside the law, if it has any.
+    fn planning(&mut self) -> Option<&mut dyn Planning> {
+        None
+    }
 
     /// Names of the modes, in the order of [`Output::mode`].
     fn mode_names(&self) -> &'static [&'static str];

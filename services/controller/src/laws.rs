@@ -5,13 +5,16 @@ use crate::cacc::road::RoadConfig;
 use crate::cacc::weights::{WeightSet, Weights};
 use crate::cacc::{self, BuildError};
 use crate::law::Law;
+use crate::predictive::{PlannerKind, Predictive, Settings};
 use crate::quadratic_bounded::{Design, QuadraticBounded};
 use crate::six_mode::SixMode;
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use shared::scenario::controller::{
     self, Controller, ControllerName, SpacingPolicy as ScenarioPolicy,
 };
 use shared::scenario::{Problem, Scenario};
+use truck_model::{Preset, Truck};
 
 /// What a law is, in one line.
 #[must_use]
@@ -27,6 +30,9 @@ pub fn describe(name: ControllerName) -> &'static str {
         ControllerName::QuadraticBounded => {
             "output feedback that keeps all indices within bounds (Gao et al. 2015)"
         }
+        ControllerName::Predictive => {
+            "predictive cruise of a heavy truck over hills (Li, Zheng, Wang, Wang)"
+        }
     }
 }
 
@@ -41,6 +47,7 @@ pub fn build(scenario: &Scenario) -> Result<Box<dyn Law>, Problem> {
         ControllerName::CaccMpc => predictive(cacc::Controller::CaccMpc, controller),
         ControllerName::SixMode => six_mode(controller),
         ControllerName::QuadraticBounded => quadratic_bounded(controller),
+        ControllerName::Predictive => truck(scenario),
     }
 }
 
@@ -101,6 +108,39 @@ fn quadratic_bounded(controller: &Controller) -> Result<Box<dyn Law>, Problem> {
         Ok(law) => Ok(Box::new(law)),
         Err(error) => Err(Problem::new(table, error, "a setting in its range")),
     }
+}
+
+/// `[controller.predictive]`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct PredictiveKeys {
+    planner: String,
+    mean_speed: f64,
+}
+
+impl Default for PredictiveKeys {
+    fn default() -> Self {
+        Self { planner: PlannerKind::default().name().to_owned(), mean_speed: 1.0 }
+    }
+}
+
+/// The truck as the law believes it to be; on a car it drives as the heavier one would.
+fn truck(scenario: &Scenario) -> Result<Box<dyn Law>, Problem> {
+    let table = "controller.predictive";
+    let keys: PredictiveKeys = read_table(&scenario.controller.predictive, table)?;
+    let planner = PlannerKind::named(&keys.planner).ok_or_else(|| {
+        let names = PlannerKind::ALL.map(PlannerKind::name).join(", ");
+        let message = format!("no planner `{}`", keys.planner);
+        Problem::new(format!("{table}.planner"), message, format!("one of {names}"))
+    })?;
+    if !(0.8..=1.2).contains(&keys.mean_speed) {
+        let message = format!("{} is out of range", keys.mean_speed);
+        let expected = "the mean speed over the set speed, from 0.8 to 1.2";
+        return Err(Problem::new(format!("{table}.mean_speed"), message, expected));
+    }
+    let preset = Preset::named(scenario.plant.vehicle.as_str()).unwrap_or(Preset::Jh6At49T);
+    let settings = Settings::new(&Truck::preset(preset), planner);
+    Ok(Box::new(Predictive::new(&Settings { mean_speed: keys.mean_speed, ..settings })))
 }
 
 /// Reads and verifies a design file; a relative path starts at the working directory.

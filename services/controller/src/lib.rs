@@ -7,6 +7,8 @@ pub mod cacc;
 pub mod ladder;
 pub mod law;
 pub mod laws;
+mod planning;
+pub mod predictive;
 pub mod quadratic_bounded;
 pub mod sampling;
 mod service;

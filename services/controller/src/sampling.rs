@@ -1,8 +1,12 @@
 //! From the newest samples to what a law is told: every figure brought to the time of the release.
 
-use crate::law::{Ego, Input, MAX_PHASES, MAX_SIGNALS, Phase, PhaseInterval, SignalAhead, Target};
-use shared::messages::{Map, Odometry, PhaseState, RadarTracks, Signal, Spat};
+use crate::law::{
+    self, Ego, Input, MAX_PHASES, MAX_SIGNALS, Phase, PhaseInterval, SignalAhead, Target,
+};
+use crate::predictive;
+use shared::messages::{Map, Odometry, PhaseState, Powertrain, Preview, RadarTracks, Signal, Spat};
 use shared::scenario::Scenario;
+use shared::scenario::controller::ControllerName;
 
 /// A stop line is forgotten when it is this far behind, m.
 const PASSED_M: f64 = 50.0;
@@ -16,6 +20,8 @@ pub struct Setting {
     pub set_speed_mps: f64,
     /// Legal limit, m/s, infinite when unknown.
     pub speed_limit_mps: f64,
+    /// Whether the law filters the radar itself, and so is told gap and relative speed as measured.
+    pub raw_target: bool,
 }
 
 impl Setting {
@@ -26,6 +32,7 @@ impl Setting {
             period_s: f64::from(scenario.controller.period_ms.value()) / 1e3,
             set_speed_mps: scenario.set_speed_mps.value(),
             speed_limit_mps: scenario.speed_limit_mps.map_or(f64::INFINITY, |v| v.value()),
+            raw_target: scenario.controller.name == ControllerName::Predictive,
         }
     }
 }
@@ -41,6 +48,10 @@ pub struct Samples<'a> {
     pub spat: Option<&'a Spat>,
     /// Stop lines.
     pub map: Option<&'a Map>,
+    /// Engine and gears of a truck.
+    pub powertrain: Option<&'a Powertrain>,
+    /// The road ahead.
+    pub preview: Option<&'a Preview>,
 }
 
 /// How far announced signal timing may be believed.
@@ -63,11 +74,41 @@ pub fn input(setting: &Setting, samples: &Samples<'_>, trust: SignalTrust, time_
         time_s,
         period_s: setting.period_s,
         ego,
-        target: samples.radar.and_then(|radar| target_at(radar, time_s)),
+        target: samples.radar.and_then(|radar| target_at(radar, setting.raw_target, time_s)),
         signals: signals_ahead(samples, &ego, trust, time_s),
+        powertrain: samples.powertrain.map(|powertrain| powertrain_at(powertrain, samples, time_s)),
+        preview: samples.preview.map(preview),
         set_speed_mps: setting.set_speed_mps,
-        speed_limit_mps: setting.speed_limit_mps,
+        speed_limit_mps: samples
+            .preview
+            .map_or(f64::INFINITY, |preview| preview.speed_limit_mps)
+            .min(setting.speed_limit_mps),
     }
+}
+
+/// The grade is what the accelerometer shows beyond the acceleration: the slope's share of gravity.
+fn powertrain_at(powertrain: &Powertrain, samples: &Samples<'_>, time_s: f64) -> law::Powertrain {
+    let acceleration_mps2 = samples.odometry.map_or(0.0, |odometry| odometry.acceleration_mps2);
+    let slope_mps2 = powertrain.specific_force_mps2 - acceleration_mps2;
+    let sine = (slope_mps2 / truck_model::GRAVITY_MPS2).clamp(-0.5, 0.5);
+    law::Powertrain {
+        gear: (powertrain.gear as usize).saturating_sub(1),
+        since_shift_s: powertrain.since_shift_s + age_s(powertrain.header.acquisition_ns, time_s),
+        engine_torque_nm: powertrain.engine_torque_nm,
+        grade: sine / (1.0 - sine * sine).sqrt(),
+    }
+}
+
+fn preview(preview: &Preview) -> predictive::Preview {
+    let count = usize::try_from(preview.count).map_or(0, |count| count.min(preview.grades.len()));
+    let mut ahead = predictive::Preview {
+        start_m: preview.first_cell_m,
+        cell_m: preview.cell_m,
+        count,
+        ..predictive::Preview::default()
+    };
+    ahead.grades[..count].copy_from_slice(&preview.grades[..count]);
+    ahead
 }
 
 fn age_s(acquisition_ns: i64, time_s: f64) -> f64 {
@@ -79,14 +120,21 @@ fn ego_at(odometry: &Odometry, time_s: f64) -> Ego {
     Ego { position_m, speed_mps, acceleration_mps2: odometry.acceleration_mps2 }
 }
 
-/// The target at constant relative speed since the sample.
-fn target_at(radar: &RadarTracks, time_s: f64) -> Option<Target> {
+/// The target at constant relative speed since the sample: as measured where `raw` and the scan has
+/// it, as tracked otherwise. Two filters in a row would see a lead brake too late.
+fn target_at(radar: &RadarTracks, raw: bool, time_s: f64) -> Option<Target> {
     let target = &radar.target;
     let age_s = age_s(radar.header.acquisition_ns, time_s);
+    let count = usize::try_from(radar.count).map_or(0, |count| count.min(radar.tracks.len()));
+    let measured = radar.tracks[..count].iter().find(|track| raw && track.in_path != 0);
+    let (gap_m, relative_speed_mps) = measured
+        .map_or((target.gap_m, target.relative_speed_mps), |track| {
+            (track.range_m, track.range_rate_mps)
+        });
     (target.valid != 0).then_some(Target {
         track_id: target.track_id,
-        gap_m: target.gap_m + target.relative_speed_mps * age_s,
-        relative_speed_mps: target.relative_speed_mps,
+        gap_m: gap_m + relative_speed_mps * age_s,
+        relative_speed_mps,
         acceleration_mps2: target.acceleration_mps2,
         age_s,
     })
@@ -167,8 +215,12 @@ mod tests {
     use bytemuck::Zeroable;
     use shared::messages::{Interval, Lane};
 
-    const SETTING: Setting =
-        Setting { period_s: 0.1, set_speed_mps: 20.0, speed_limit_mps: f64::INFINITY };
+    const SETTING: Setting = Setting {
+        period_s: 0.1,
+        set_speed_mps: 20.0,
+        speed_limit_mps: f64::INFINITY,
+        raw_target: false,
+    };
 
     #[test]
     fn motion_is_brought_to_the_release_and_braking_ends_at_standstill() {
@@ -191,9 +243,46 @@ mod tests {
         let samples = Samples { radar: Some(&radar), ..Samples::default() };
         let target = input(&SETTING, &samples, SignalTrust::Announced, 0.2).target.expect("valid");
         assert_eq!((target.gap_m, target.age_s), (38.0, 0.2));
+        // As measured, for a law with a filter of its own.
+        radar.count = 2;
+        radar.tracks[1].in_path = 1;
+        (radar.tracks[1].range_m, radar.tracks[1].range_rate_mps) = (41.0, -9.0);
+        let samples = Samples { radar: Some(&radar), ..Samples::default() };
+        let raw = Setting { raw_target: true, ..SETTING };
+        let target = input(&raw, &samples, SignalTrust::Announced, 0.2).target.expect("valid");
+        assert_eq!((target.gap_m, target.relative_speed_mps), (39.2, -9.0));
         radar.target.valid = 0;
         let samples = Samples { radar: Some(&radar), ..Samples::default() };
-        assert_eq!(input(&SETTING, &samples, SignalTrust::Announced, 0.2).target, None);
+        assert_eq!(input(&raw, &samples, SignalTrust::Announced, 0.2).target, None);
+    }
+
+    #[test]
+    fn the_grade_is_felt_and_the_map_is_handed_on_up_to_its_end() {
+        let mut powertrain = Powertrain::zeroed();
+        (powertrain.gear, powertrain.specific_force_mps2) = (6, 0.1 + 9.81 * 0.03);
+        let mut odometry = Odometry::zeroed();
+        odometry.acceleration_mps2 = 0.1;
+        let mut preview = Preview::zeroed();
+        (preview.count, preview.cell_m, preview.first_cell_m) = (2, 50.0, 100.0);
+        (preview.grades[0], preview.grades[1], preview.speed_limit_mps) = (0.01, 0.02, 25.0);
+        let samples = Samples {
+            odometry: Some(&odometry),
+            powertrain: Some(&powertrain),
+            preview: Some(&preview),
+            ..Samples::default()
+        };
+        let input = input(
+            &Setting { speed_limit_mps: 30.0, ..SETTING },
+            &samples,
+            SignalTrust::Announced,
+            0.0,
+        );
+        let felt = input.powertrain.expect("a truck");
+        assert_eq!(felt.gear, 5);
+        assert!((felt.grade - 0.03 / (1.0_f64 - 0.03 * 0.03).sqrt()).abs() < 1e-12);
+        let ahead = input.preview.expect("a map");
+        assert_eq!((ahead.grade(160.0), ahead.grade(200.0)), (Some(0.02), None));
+        assert_eq!(input.speed_limit_mps, 25.0);
     }
 
     #[test]

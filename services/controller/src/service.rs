@@ -2,10 +2,11 @@
 
 use crate::ladder::{Admission, Ages, Ladder};
 use crate::law::{Input, Law, MAX_PLAN, Output, Quality};
+use crate::planning::PlanningThread;
 use crate::sampling::{Samples, Setting, input};
 use shared::messages::{
-    Command, Diagnostics, FIGURES, Header, Map, Message, Odometry, Origins, PLAN_LEN, RadarTracks,
-    ServiceState, Spat,
+    Command, Diagnostics, FIGURES, Header, Map, Message, Odometry, Origins, PLAN_LEN, Powertrain,
+    Preview, RadarTracks, ServiceState, Spat,
 };
 use shared::report::{ControllerReport, Details, ModeChange};
 use shared::rung::{Rung, RungLog};
@@ -48,8 +49,15 @@ struct Change {
     figures: [f64; FIGURES],
 }
 
+/// Topics about a truck and its road.
+struct TruckTopics {
+    powertrain: Subscriber<Powertrain>,
+    preview: Subscriber<Preview>,
+}
+
 struct Loop {
     law: Box<dyn Law>,
+    planning: Option<PlanningThread>,
     setting: Setting,
     release: controller::Release,
     plan_period_ns: i64,
@@ -59,6 +67,8 @@ struct Loop {
     radar: Subscriber<RadarTracks>,
     spat: Subscriber<Spat>,
     map: Subscriber<Map>,
+    /// What a truck alone has.
+    truck: Option<TruckTopics>,
     command: Publisher<Command>,
     diagnostics: Publisher<Diagnostics>,
     output: Output,
@@ -86,8 +96,10 @@ impl Loop {
         // Faults its code and data in before the loop; forgotten at once.
         law.step(&Input { period_s: 0.1, ..Input::default() }, &mut output);
         law.reset();
+        let planning = PlanningThread::start(runtime, law.as_mut(), period_ns)?;
         Ok(Self {
             law,
+            planning,
             setting: Setting::of(scenario),
             release,
             plan_period_ns: period_ns,
@@ -100,6 +112,12 @@ impl Loop {
             },
             spat: runtime.subscriber()?,
             map: runtime.subscriber()?,
+            truck: if scenario.plant.vehicle.is_truck() {
+                let powertrain = runtime.subscriber()?;
+                Some(TruckTopics { powertrain, preview: runtime.subscriber()? })
+            } else {
+                None
+            },
             command: runtime.publisher()?,
             diagnostics: runtime.publisher()?,
             output,
@@ -129,12 +147,18 @@ impl Loop {
         runtime.update(&mut self.odometry)?;
         runtime.update(&mut self.spat)?;
         runtime.update(&mut self.map)?;
+        if let Some(truck) = &mut self.truck {
+            runtime.update(&mut truck.powertrain)?;
+            runtime.update(&mut truck.preview)?;
+        }
 
         let samples = Samples {
             odometry: self.odometry.newest(),
             radar: self.radar.newest(),
             spat: self.spat.newest(),
             map: self.map.newest(),
+            powertrain: self.truck.as_ref().and_then(|truck| truck.powertrain.newest()),
+            preview: self.truck.as_ref().and_then(|truck| truck.preview.newest()),
         };
         let trust = self.ladder.look(&self.ages(release.time_s), release.time_s);
         let mut input = input(&self.setting, &samples, trust, release.time_s);
@@ -144,6 +168,9 @@ impl Loop {
                 if self.braked {
                     // What it remembers is of before.
                     self.law.reset();
+                }
+                if let Some(planning) = &mut self.planning {
+                    planning.before_step(self.law.as_mut(), &release);
                 }
                 let begun = monotonic_ns();
                 self.law.step(&input, &mut self.output);
@@ -174,6 +201,11 @@ impl Loop {
         self.deadline_misses += u64::from(!in_time);
         let rung = self.ladder.settle(&self.output, in_time);
         self.diagnostics.send(self.diagnostics_of(header, &release, rung))?;
+        if admission == Admission::Law
+            && let Some(planning) = &mut self.planning
+        {
+            planning.after_step(self.law.as_mut(), &release);
+        }
         self.account(release.time_s);
         self.rungs.observe(release.time_s, rung);
         let state = if rung == Rung::Full { ServiceState::Running } else { ServiceState::Degraded };
@@ -216,6 +248,10 @@ impl Loop {
             plan_period_ns: self.plan_period_ns,
             plan_len: plan_len as u64,
             plan_mps2,
+            has_torque: self.output.torque.is_some().into(),
+            gear: self.output.torque.and_then(|t| t.gear).map_or(0, |gear| gear as u32 + 1),
+            engine_torque_nm: self.output.torque.map_or(0.0, |t| t.engine_torque_nm),
+            service_brake_n: self.output.torque.map_or(0.0, |t| t.service_brake_n),
         }
     }
 
@@ -290,6 +326,7 @@ impl Loop {
             solve_us: self.solve.percentiles_us(),
             relaxed: self.relaxed,
             backup: self.backup,
+            planning: self.planning.as_ref().map(PlanningThread::report),
             mode_changes: self.mode_changes.iter().map(change).collect(),
             rungs: self.rungs.report(),
         }

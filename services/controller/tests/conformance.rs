@@ -5,12 +5,14 @@
 use controller::cacc::config::{Config, SpacingPolicy};
 use controller::cacc::{self, Controller};
 use controller::law::{
-    Ego, Input, Law, MAX_PLAN, Output, Phase, PhaseInterval, SignalAhead, Target,
+    Ego, Input, Law, MAX_PLAN, Output, Phase, PhaseInterval, Powertrain, SignalAhead, Target,
 };
+use controller::predictive::{self, Plan, PlannerKind, Preview};
 use controller::quadratic_bounded::{Design, QuadraticBounded, Settings};
 use controller::six_mode::{Parameters, SixMode};
 use rand_core::Rng;
 use rand_pcg::Pcg64;
+use truck_model::{Preset, Truck};
 
 type Maker = fn() -> Box<dyn Law>;
 
@@ -27,12 +29,20 @@ fn laws() -> Vec<(&'static str, Maker)> {
         ("acc-mpc paper", || predictive(Controller::AccMpc, SpacingPolicy::ConstantDistance)),
         ("cacc-mpc paper", || predictive(Controller::CaccMpc, SpacingPolicy::ConstantDistance)),
         ("cacc-mpc table 3", || predictive(Controller::CaccMpc, SpacingPolicy::MeasuredHeadway)),
+        ("predictive", || truck(PlannerKind::DynamicProgramming)),
+        ("predictive paper-n2", || truck(PlannerKind::PaperN2)),
+        ("predictive constant-speed", || truck(PlannerKind::ConstantSpeed)),
     ]
 }
 
 fn predictive(which: Controller, spacing_policy: SpacingPolicy) -> Box<dyn Law> {
     let config = Config { spacing_policy, ..Config::default() };
     cacc::build(which, &config).expect("valid")
+}
+
+fn truck(planner: PlannerKind) -> Box<dyn Law> {
+    let truck = Truck::preset(Preset::Jh6At49T);
+    Box::new(predictive::Predictive::new(&predictive::Settings::new(&truck, planner)))
 }
 
 /// Runs a check for every law; a failure names the law.
@@ -49,7 +59,19 @@ fn ask(law: &mut dyn Law, input: &Input) -> Output {
     output.plan_mps2 = [f64::NAN; MAX_PLAN];
     output.figures = [f64::NAN; 8];
     law.step(input, &mut output);
+    plan(law);
     output
+}
+
+/// What the loop does beside a law that plans: the plan is there before the next step.
+fn plan(law: &mut dyn Law) {
+    if let Some(planning) = law.planning()
+        && let Some(request) = planning.request()
+    {
+        let mut plan = Plan::default();
+        planning.planner().plan(&request, &mut plan);
+        planning.accept(&plan);
+    }
 }
 
 /// The promises of a single output.
@@ -97,6 +119,14 @@ fn ordinary(k: u32) -> Input {
         ..Input::default()
     };
     input.signals[0] = Some(signal(150.0, &[(Phase::Green, 12.0), (Phase::Red, 40.0)]));
+    input.powertrain =
+        Some(Powertrain { gear: 5, since_shift_s: 20.0, engine_torque_nm: 800.0, grade: 0.005 });
+    input.preview = Some(Preview {
+        start_m: 0.0,
+        cell_m: 50.0,
+        grades: core::array::from_fn(|cell| if cell % 20 < 10 { 0.01 } else { -0.015 }),
+        count: 45,
+    });
     input
 }
 
@@ -124,6 +154,20 @@ fn random(rng: &mut Pcg64, k: u32) -> Input {
             age_s: uniform(rng, 0.0, 0.3),
         });
     }
+    if !rng.next_u32().is_multiple_of(3) {
+        input.powertrain = Some(Powertrain {
+            gear: rng.next_u32() as usize % 8,
+            since_shift_s: uniform(rng, 0.0, 20.0),
+            engine_torque_nm: uniform(rng, -2000.0, 2500.0),
+            grade: uniform(rng, -0.06, 0.06),
+        });
+    }
+    if !rng.next_u32().is_multiple_of(3) {
+        let start_m = input.ego.position_m - uniform(rng, -100.0, 200.0);
+        let grades = core::array::from_fn(|_| uniform(rng, -0.06, 0.06));
+        let count = rng.next_u32() as usize % 70;
+        input.preview = Some(Preview { start_m, cell_m: 50.0, grades, count });
+    }
     for slot in input.signals.iter_mut().take(rng.next_u32() as usize % 3) {
         let phase = [Phase::Unknown, Phase::Green, Phase::Yellow, Phase::Red];
         let phases = [0; 3].map(|_| (phase[rng.next_u32() as usize % 4], uniform(rng, -1.0, 60.0)));
@@ -150,6 +194,13 @@ fn numbers(input: &mut Input) -> Vec<&mut f64> {
     for s in input.signals.iter_mut().flatten() {
         all.push(&mut s.distance_m);
         all.extend(s.intervals.iter_mut().map(|i| &mut i.ends_in_s));
+    }
+    if let Some(p) = &mut input.powertrain {
+        all.extend([&mut p.since_shift_s, &mut p.engine_torque_nm, &mut p.grade]);
+    }
+    if let Some(p) = &mut input.preview {
+        all.extend([&mut p.start_m, &mut p.cell_m]);
+        all.extend(p.grades.iter_mut().step_by(30));
     }
     all
 }
@@ -183,7 +234,10 @@ fn outputs_are_bounded_for_anything_a_road_shows() {
 #[test]
 fn outputs_are_finite_and_bounded_for_any_number_and_usable_after_it() {
     for_each(|law| {
-        let count = numbers(&mut ordinary(0)).len();
+        // Only a law that plans looks at a truck and its road; their numbers come last.
+        let others = Input { powertrain: None, preview: None, ..ordinary(0) };
+        let mut seen = if law.planning().is_some() { ordinary(0) } else { others };
+        let count = numbers(&mut seen).len();
         for index in 0..count {
             for evil in EVIL {
                 law.reset();

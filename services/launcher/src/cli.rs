@@ -32,6 +32,8 @@ pub enum Command {
     Run(RunArguments),
     /// Run a paper's scenarios in lockstep and print its published figures beside ours
     Reproduce(ReproduceArguments),
+    /// Latency, jitter and deadline misses, beside the machine's own floor
+    Bench(crate::bench::BenchArguments),
     /// Controllers side by side on the same scenarios
     Compare(CompareArguments),
     /// A recorded run as a trace for Perfetto
@@ -142,6 +144,8 @@ pub enum PaperName {
     SixMode,
     /// Gao, Yan, Li, Hu 2015.
     QuadraticBounded,
+    /// Li, Zheng, Wang, Wang.
+    Predictive,
     /// He, Xi, Huang, Chen, Huang 2024.
     Cacc,
 }
@@ -152,6 +156,7 @@ impl PaperName {
         match self {
             Self::SixMode => "six-mode",
             Self::QuadraticBounded => "quadratic-bounded",
+            Self::Predictive => "predictive",
             Self::Cacc => "cacc",
         }
     }

@@ -1,6 +1,7 @@
 //! The `timegap` command: an adaptive-cruise stack as real processes over shared memory.
 
 mod batch;
+mod bench;
 mod campaign;
 mod cli;
 mod compare;
@@ -40,6 +41,7 @@ pub fn main() -> ExitCode {
     let result = match command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
+        Command::Bench(arguments) => bench::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
         Command::Campaign(arguments) => campaign::run(&arguments),
@@ -71,6 +73,12 @@ fn service(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
         return match arguments.arguments.as_slice() {
             [root] => Ok(group::run_janitor(Path::new(root))),
             _ => Err(Error::Usage("the janitor needs the root of a run".into())),
+        };
+    }
+    if arguments.name == "bench" {
+        return match arguments.arguments.as_slice() {
+            [root, job] => bench::run_peer(Path::new(root), job),
+            _ => Err(Error::Usage("a process of `timegap bench` needs its root and job".into())),
         };
     }
     if arguments.name == "hog" {

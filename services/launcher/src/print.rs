@@ -94,6 +94,16 @@ fn drive(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
             .map_or_else(String::new, |jerk| format!(", jerk at most {jerk:.1} m/s³"));
         line("acceleration", format!("{low:.2} to {high:.2} m/s²{jerk}"));
     }
+    if let Some(fuel) = control.fuel_l_per_100km {
+        let shifts = control
+            .gear_shifts
+            .map_or_else(String::new, |shifts| format!(", {shifts} gear shifts"));
+        let braked = match control.service_brake_s {
+            Some(time_s) if time_s > 0.0 => format!(", service brakes for {time_s:.1} s"),
+            _ => ", no service brake".into(),
+        };
+        line("fuel", format!("{fuel:.2} L/100 km{shifts}{braked}"));
+    }
     if let Some(changes) = &summary.control.mode_changes
         && !changes.is_empty()
     {
@@ -115,6 +125,10 @@ fn timing(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
         && relaxed + backup > 0
     {
         line("", format!("{relaxed} of {cycles} commands relaxed, {backup} from the backup law"));
+    }
+    if let Some(planning) = &timing.planning {
+        let took = planning.plan_us.map_or_else(|| "none came".into(), |took| percentiles(&took));
+        line("planning", format!("{took}, {} of {} late", planning.late, planning.asked));
     }
     if summary.mode == "lockstep" {
         return;

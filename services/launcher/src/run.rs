@@ -6,7 +6,7 @@ use crate::group::{Ended, GroupOutcome, Launch, Moment, launch};
 use crate::live::Live;
 use crate::output::OutputDirectory;
 use crate::report::{self, RunPicture};
-use crate::summary::Summary;
+use crate::summary::{self, Summary};
 use crate::{print, trajectory};
 use controller::laws;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -50,6 +50,11 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     let figures = laws::figure_names(&scenario);
     let written = output.write("summary.json", (json.clone() + "\n").as_bytes()).and_then(|()| {
         output.write("trajectory.csv", trajectory::csv(&group.drive, figures).as_bytes())
+    });
+    let written = written.and_then(|()| match mode {
+        Mode::Realtime => output.write_histograms(&summary::histograms(&group)),
+        // Simulated time has no latencies of its own.
+        Mode::Lockstep => Ok(()),
     });
     let written = written.and_then(|()| {
         let page = report::run_page(&scenario, &summary, &RunPicture::of(&scenario, &group));

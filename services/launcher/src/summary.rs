@@ -1,18 +1,18 @@
 //! `summary.json`: stable names for what a run measured. A figure that does not apply is null.
 
 use crate::group::{Drive, Ended, FaultRecord, GroupOutcome, RecordingSummary};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use shared::Service;
 use shared::e2e::Outcomes;
 use shared::report::{
-    ControlFigures, ControllerReport, Details, Hops, ModeChange, Outcome, PlantReport,
-    ReceivedTopic, ServiceReport, WorstChain,
+    ControlFigures, ControllerReport, Details, Hops, ModeChange, Outcome, PlanningReport,
+    PlantReport, ReceivedTopic, ServiceReport, WorstChain,
 };
 use shared::rung::Rungs;
 use shared::runtime::Mode;
 use shared::runtime::scheduling::Granted;
 use shared::scenario::Scenario;
-use shared::statistics::Percentiles;
+use shared::statistics::{Latencies, Percentiles};
 use std::collections::BTreeMap;
 use std::time::Duration;
 
@@ -71,6 +71,8 @@ pub struct Timing {
     /// Cycles whose command had to be relaxed, and whose command came from the law's backup.
     pub relaxed_cycles: Option<u64>,
     pub backup_cycles: Option<u64>,
+    /// Planning beside the control loop, of laws that do.
+    pub planning: Option<PlanningReport>,
     /// Commands that the scenario's misses and jitter kept from the actuators.
     pub undelivered_commands: Option<u64>,
 }
@@ -101,7 +103,7 @@ pub struct ServiceSummary {
     pub scheduling: Option<Granted>,
 }
 
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Host {
     pub cpus: usize,
     pub kernel: String,
@@ -163,6 +165,7 @@ impl Summary {
                 max_command_gap_us: plant.and_then(|plant| plant.max_command_gap_us),
                 relaxed_cycles: controller.map(|controller| controller.relaxed),
                 backup_cycles: controller.map(|controller| controller.backup),
+                planning: controller.and_then(|controller| controller.planning),
                 undelivered_commands: plant.map(|plant| plant.undelivered_commands),
             },
             messages: messages(&group.reports, &group.drive),
@@ -200,6 +203,13 @@ fn outcome(ended: &Ended, plant: Option<&PlantReport>) -> (Outcome, Option<Strin
             (Outcome::Aborted, Some(format!("{service} ended before its time: {how}")))
         }
     }
+}
+
+/// The histograms that the plant brought back, by name; none if it brought no report.
+pub fn histograms(group: &GroupOutcome) -> Vec<(String, Latencies)> {
+    let plant = group.reports.get(&Service::Plant).and_then(plant_details);
+    let histograms = plant.into_iter().flat_map(|plant| &plant.histograms);
+    histograms.map(|(name, histogram)| (name.clone(), histogram.clone())).collect()
 }
 
 fn plant_details(report: &ServiceReport) -> Option<&PlantReport> {

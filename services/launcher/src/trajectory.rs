@@ -7,7 +7,8 @@ use std::fmt::Write;
 /// figures are named by `figure_names`.
 pub fn csv(drive: &Drive, figure_names: &[&str]) -> String {
     let mut text = String::from(
-        "time_s,position_m,speed_mps,acceleration_mps2,request_mps2,gap_m,lead_speed_mps,mode",
+        "time_s,position_m,speed_mps,acceleration_mps2,request_mps2,gap_m,lead_speed_mps,mode,\
+         gear,engine_torque_nm,fuel_g",
     );
     for name in figure_names {
         text.push(',');
@@ -17,7 +18,7 @@ pub fn csv(drive: &Drive, figure_names: &[&str]) -> String {
     for step in &drive.steps {
         write!(
             text,
-            "{},{},{},{},{},{},{},{}",
+            "{},{},{},{},{},{},{},{},{},{},{}",
             step.time_s,
             step.position_m,
             step.speed_mps,
@@ -26,6 +27,9 @@ pub fn csv(drive: &Drive, figure_names: &[&str]) -> String {
             field(step.gap_m),
             field(step.lead_speed_mps),
             step.mode.map_or_else(String::new, |mode| mode.to_string()),
+            step.powertrain.map_or_else(String::new, |powertrain| powertrain.gear.to_string()),
+            field(step.powertrain.map(|powertrain| powertrain.engine_torque_nm)),
+            field(step.powertrain.map(|powertrain| powertrain.fuel_g)),
         )
         .expect("a string takes all");
         for index in 0..figure_names.len() {
@@ -53,7 +57,7 @@ mod tests {
         let drive = Drive { steps: vec![step], ..Drive::default() };
         let text = csv(&drive, &["e_m"]);
         let mut lines = text.lines();
-        assert!(lines.next().is_some_and(|head| head.ends_with(",mode,e_m")));
-        assert_eq!(lines.next(), Some("0.1,1.5,0,0,,49.5,,,"));
+        assert!(lines.next().is_some_and(|head| head.ends_with(",fuel_g,e_m")));
+        assert_eq!(lines.next(), Some("0.1,1.5,0,0,,49.5,,,,,,"));
     }
 }

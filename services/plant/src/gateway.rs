@@ -13,6 +13,9 @@
 //!
 //! Every request, whatever its source, is bounded in range; its rise and fall are bounded except
 //! that an emergency brakes at once.
+//!
+//! A command to a truck may carry an engine torque beside its plan. It acts in place of the plan's
+//! first request, bounded in range and rate itself; the rungs below know the plan alone.
 
 use serde::{Deserialize, Serialize};
 use shared::scenario::plant::{Fallback, Gateway as Bounds, Plant};
@@ -32,7 +35,7 @@ const EMERGENCY_SHARE: f64 = 0.6;
 pub enum Rejection {
     /// It has no request, or its control step has no duration.
     Empty,
-    /// One of its requests is not a finite number.
+    /// One of its requests, or its torque, is not a finite number.
     NotFinite,
     /// It is not newer than the one that is being followed.
     NotNewer,
@@ -63,8 +66,21 @@ pub struct Actuation {
     pub request_mps2: f64,
     /// Where it comes from.
     pub source: Source,
-    /// The bounds of the gateway changed it.
+    /// The bounds of the gateway changed it, or the torque.
     pub limited: bool,
+    /// What the engine gets in place of the request.
+    pub engine: Option<EngineRequest>,
+}
+
+/// A request to the engine of a truck.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EngineRequest {
+    /// Torque at the crankshaft, N m.
+    pub torque_nm: f64,
+    /// Force of the service brakes at the wheels, N.
+    pub service_brake_n: f64,
+    /// Gear, counted from 0; `None` leaves it to the gearbox.
+    pub gear: Option<usize>,
 }
 
 /// The vehicle ahead as it truly is.
@@ -92,6 +108,9 @@ pub struct Gateway {
     start_ns: u64,
     step_ns: u64,
     last_request_mps2: f64,
+    engine: Option<EngineRequest>,
+    /// Torque request of the period before, or what the engine gave then.
+    last_torque_nm: f64,
     emergency: bool,
     /// The launcher asked for a stop: no command counts any more.
     stopping: bool,
@@ -120,6 +139,8 @@ impl Gateway {
             start_ns: 0,
             step_ns: 0,
             last_request_mps2: plant.initial_acceleration_mps2.value(),
+            engine: None,
+            last_torque_nm: 0.0,
             emergency: false,
             stopping: false,
         }
@@ -154,10 +175,26 @@ impl Gateway {
         step_ns: u64,
         plan_mps2: &[f64],
     ) -> Result<(), Rejection> {
+        self.accept_with_engine(now_ns, start_ns, step_ns, plan_mps2, None)
+    }
+
+    /// Takes a command with a request to the engine, which acts in the plan's first step.
+    ///
+    /// # Errors
+    /// When the command cannot be used; the one before stays in force.
+    pub fn accept_with_engine(
+        &mut self,
+        now_ns: u64,
+        start_ns: u64,
+        step_ns: u64,
+        plan_mps2: &[f64],
+        engine: Option<EngineRequest>,
+    ) -> Result<(), Rejection> {
         if plan_mps2.is_empty() || step_ns == 0 {
             return Err(Rejection::Empty);
         }
-        if plan_mps2.iter().any(|request| !request.is_finite()) {
+        let engine_numbers = engine.map_or([0.0; 2], |e| [e.torque_nm, e.service_brake_n]);
+        if plan_mps2.iter().chain(&engine_numbers).any(|request| !request.is_finite()) {
             return Err(Rejection::NotFinite);
         }
         if start_ns > now_ns.saturating_add(step_ns) {
@@ -171,7 +208,16 @@ impl Gateway {
         self.plan_len = len;
         self.start_ns = start_ns;
         self.step_ns = step_ns;
+        self.engine = engine;
         Ok(())
+    }
+
+    /// Tells what torque the engine gives, from which the first request after a time without
+    /// torque requests rises or falls.
+    pub fn engine_gives(&mut self, torque_nm: f64) {
+        if self.engine.is_none() {
+            self.last_torque_nm = torque_nm;
+        }
     }
 
     /// The request for the plant's period that starts at `now_ns`, with the ego at `speed_mps`.
@@ -201,7 +247,21 @@ impl Gateway {
         }
         let request_mps2 = self.bounded(wanted, source);
         self.last_request_mps2 = request_mps2;
-        Actuation { request_mps2, source, limited: request_mps2 != wanted }
+        let asked = self.engine.filter(|_| source == Source::Command);
+        self.engine = asked;
+        let engine = asked.map(|asked| self.bounded_engine(asked));
+        let limited = request_mps2 != wanted || engine != asked;
+        Actuation { request_mps2, source, limited, engine }
+    }
+
+    fn bounded_engine(&mut self, asked: EngineRequest) -> EngineRequest {
+        let reach_nm = self.bounds.max_torque_rate_nmps.value() * self.period_s;
+        let torque_nm = asked
+            .torque_nm
+            .clamp(self.last_torque_nm - reach_nm, self.last_torque_nm + reach_nm)
+            .clamp(self.bounds.min_torque_nm.value(), self.bounds.max_torque_nm.value());
+        self.last_torque_nm = torque_nm;
+        EngineRequest { torque_nm, service_brake_n: asked.service_brake_n.max(0.0), ..asked }
     }
 
     /// True while the newest command is no older than its successor may be in coming.
@@ -310,6 +370,26 @@ mod tests {
         let now = 12 * STEP_NS;
         assert_eq!(gateway.accept(now, now, STEP_NS, &[0.7]), Ok(()));
         assert_eq!(at(&mut gateway, now), (0.7, Source::Command));
+    }
+
+    #[test]
+    fn a_torque_is_bounded_in_range_and_rate_and_acts_only_while_its_command_is_fresh() {
+        let mut gateway = gateway();
+        gateway.engine_gives(500.0);
+        let asked = EngineRequest { torque_nm: 9e3, service_brake_n: 0.0, gear: Some(5) };
+        gateway.accept_with_engine(0, 0, STEP_NS, &[0.1], Some(asked)).expect("a right command");
+        let torque = |gateway: &mut Gateway, now_ns| {
+            gateway.actuate(now_ns, 20.0, None).engine.map(|engine| engine.torque_nm)
+        };
+        // 5000 N m/s over periods of 100 ms, from what the engine gave.
+        assert_eq!(torque(&mut gateway, 0), Some(1000.0));
+        assert_eq!(torque(&mut gateway, 1), Some(1500.0));
+        let all = [2, 3, 4].map(|now_ns| torque(&mut gateway, now_ns));
+        assert_eq!(all, [Some(2000.0), Some(2200.0), Some(2200.0)]);
+        assert_eq!(torque(&mut gateway, STEP_NS), None, "the rest of the plan is acceleration");
+        let bad = EngineRequest { torque_nm: f64::NAN, ..asked };
+        let refused = gateway.accept_with_engine(STEP_NS, STEP_NS, STEP_NS, &[0.1], Some(bad));
+        assert_eq!(refused, Err(Rejection::NotFinite));
     }
 
     #[test]

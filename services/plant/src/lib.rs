@@ -2,10 +2,12 @@
 
 pub mod chains;
 pub mod delivery;
+pub mod ego;
 pub mod gateway;
 pub mod longitudinal;
 pub mod referee;
 mod service;
+pub mod truck;
 mod truth;
 mod worst;
 

@@ -104,7 +104,12 @@ impl DesiredGap {
         let headway_s = controller.time_headway_s.value();
         let standstill_m = controller.standstill_distance_m.value();
         match (controller.name, controller.spacing_policy) {
-            (ControllerName::SixMode | ControllerName::QuadraticBounded, _) => Self::Unknown,
+            (
+                ControllerName::SixMode
+                | ControllerName::QuadraticBounded
+                | ControllerName::Predictive,
+                _,
+            ) => Self::Unknown,
             (_, SpacingPolicy::ConstantDistance) => {
                 Self::Frozen(headway_s * scenario.plant.initial_speed_mps.value() + standstill_m)
             }

@@ -2,15 +2,16 @@
 
 use crate::chains::{Actuated, Chains};
 use crate::delivery::{Arrival, Delivery};
-use crate::gateway::{self, Actuation, Gateway, Source};
-use crate::longitudinal::Vehicle;
+use crate::ego::{self, Ego};
+use crate::gateway::{self, Actuation, EngineRequest, Gateway, Source};
 use crate::referee::{MAX_SIGNALS, Referee, SignalTruth, Violation};
+use crate::truck::Truck;
 use crate::truth;
 use serde::{Deserialize, Serialize};
 use shared::messages::{
-    self, Command, Header, Odometry, Origins, PLAN_LEN, ServiceState, VehicleTruth,
+    self, Command, Header, Odometry, Origins, PLAN_LEN, Powertrain, ServiceState, VehicleTruth,
 };
-use shared::report::{Details, Outcome, PlantReport};
+use shared::report::{ControlFigures, Details, Outcome, PlantReport};
 use shared::rung::{Rung, RungLog};
 use shared::runtime::{
     Cycle, Keeper, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber,
@@ -35,11 +36,13 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
 }
 
 struct Plant {
-    vehicle: Vehicle,
+    ego: Ego,
     gateway: Gateway,
     referee: Referee,
     chains: Chains,
     odometry: Publisher<Odometry>,
+    /// From a truck alone.
+    powertrain: Option<Publisher<Powertrain>>,
     command: Subscriber<Command>,
     vehicles: Subscriber<VehicleTruth>,
     signals: Subscriber<messages::SignalTruth>,
@@ -60,7 +63,7 @@ struct Plant {
 #[derive(Serialize, Deserialize)]
 struct Kept {
     step: u64,
-    vehicle: Vehicle,
+    ego: ego::Kept,
     gateway: gateway::Kept,
     referee: Referee,
     request_mps2: f64,
@@ -69,11 +72,14 @@ struct Kept {
 impl Plant {
     fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Self, RuntimeError> {
         Ok(Self {
-            vehicle: Vehicle::new(&scenario.plant),
+            ego: Ego::new(scenario).map_err(|problem| RuntimeError::Setup(problem.message))?,
             gateway: Gateway::new(&scenario.plant),
             referee: Referee::new(scenario),
             chains: Chains::new(i64::from(scenario.controller.deadline().value()) * 1_000_000),
             odometry: runtime.publisher()?,
+            powertrain: (scenario.plant.vehicle.is_truck())
+                .then(|| runtime.publisher())
+                .transpose()?,
             command: runtime.subscriber()?,
             vehicles: runtime.subscriber()?,
             signals: runtime.subscriber()?,
@@ -96,7 +102,8 @@ impl Plant {
     fn go_on(&mut self, runtime: &mut Runtime) {
         let Some(kept) = self.keeper.as_mut().and_then(Keeper::restore) else { return };
         runtime.resume_after(kept.step);
-        (self.vehicle, self.referee) = (kept.vehicle, kept.referee);
+        self.ego.go_on_from(kept.ego);
+        self.referee = kept.referee;
         self.gateway.go_on_from(&kept.gateway);
         self.request_mps2 = kept.request_mps2;
         self.rungs.begin(runtime.clock().scheduled_ns(kept.step) as f64 / 1e9, Rung::Full);
@@ -116,7 +123,7 @@ impl Plant {
         let violation = self.judge(&release);
         let actuation = self.actuate(&release, runtime.clock().now_ns());
         self.request_mps2 = actuation.request_mps2;
-        self.vehicle.step(actuation.request_mps2);
+        self.ego.step(&actuation);
         self.keep(release.step)?;
         self.rungs.observe(release.time_s, self.rung(&release, actuation.source));
         if runtime.is_to_stop() {
@@ -139,7 +146,7 @@ impl Plant {
         let Some(keeper) = &mut self.keeper else { return Ok(()) };
         keeper.keep(&Kept {
             step,
-            vehicle: self.vehicle.clone(),
+            ego: self.ego.kept(),
             gateway: self.gateway.kept(),
             referee: self.referee.clone(),
             request_mps2: self.request_mps2,
@@ -159,10 +166,27 @@ impl Plant {
     }
 
     fn publish(&mut self, release: &Release) -> Result<(), RuntimeError> {
-        let state = self.vehicle.state();
+        let state = self.ego.state();
         let origins = self.active.map_or(Origins::NONE, |command| command.header.origins);
+        let header = Header::new(release.step, release.scheduled_ns, origins);
+        if let (Some(publisher), Some(truck)) = (&mut self.powertrain, self.ego.truck()) {
+            let powertrain = truck.powertrain();
+            self.gateway.engine_gives(powertrain.engine_torque_nm);
+            publisher.send(Powertrain {
+                header,
+                gear: powertrain.gear as u32 + 1,
+                shifts: powertrain.shifts,
+                since_shift_s: powertrain.since_shift_s,
+                engine_speed_rpm: powertrain.engine_speed_rpm,
+                engine_torque_nm: powertrain.engine_torque_nm,
+                service_brake_n: powertrain.service_brake_n,
+                fuel_gps: powertrain.fuel_gps,
+                fuel_g: powertrain.fuel_g,
+                specific_force_mps2: powertrain.specific_force_mps2,
+            })?;
+        }
         self.odometry.send(Odometry {
-            header: Header::new(release.step, release.scheduled_ns, origins),
+            header,
             position_m: state.position_m,
             speed_mps: state.speed_mps,
             acceleration_mps2: state.acceleration_mps2,
@@ -181,7 +205,7 @@ impl Plant {
         };
         let mut signals = [DARK; MAX_SIGNALS];
         let count = self.signals.newest().map_or(0, |newest| truth::signals(newest, &mut signals));
-        let state = self.vehicle.state();
+        let state = self.ego.state();
         let ahead = (self.vehicles.newest())
             .and_then(|newest| truth::ahead(newest, state.position_m, release.time_s));
         let now_ns = release.scheduled_ns.unsigned_abs();
@@ -197,11 +221,17 @@ impl Plant {
             let plan_len = usize::try_from(command.plan_len).map_or(0, |len| len.min(PLAN_LEN));
             // The plan is moved by the delay with the rest of the command.
             let start_ns = command.header.acquisition_ns + delay_ns;
-            let accepted = self.gateway.accept(
+            let engine = (command.has_torque != 0).then(|| EngineRequest {
+                torque_nm: command.engine_torque_nm,
+                service_brake_n: command.service_brake_n,
+                gear: (command.gear as usize).checked_sub(1),
+            });
+            let accepted = self.gateway.accept_with_engine(
                 release.scheduled_ns.unsigned_abs(),
                 start_ns.unsigned_abs(),
                 command.plan_period_ns.unsigned_abs(),
                 &command.plan_mps2[..plan_len],
+                engine,
             );
             if accepted.is_ok() {
                 if let Some(last_ns) = self.accepted_ns.replace(now_ns) {
@@ -214,7 +244,7 @@ impl Plant {
             let (scheduled_ns, start_ns) = (release.scheduled_ns, release.start_ns);
             self.chains.actuated(active, &Actuated { scheduled_ns, start_ns, now_ns });
         }
-        let state = self.vehicle.state();
+        let state = self.ego.state();
         let ahead = (self.vehicles.newest())
             .and_then(|newest| truth::ahead(newest, state.position_m, release.time_s));
         let now_ns = release.scheduled_ns.unsigned_abs();
@@ -231,10 +261,17 @@ impl Plant {
             None if self.stopped_for_want_of_commands => Outcome::SafeStop,
             None => Outcome::Completed,
         };
+        let truck = self.ego.truck();
+        let control = ControlFigures {
+            fuel_l_per_100km: truck.and_then(Truck::fuel_l_per_100km),
+            gear_shifts: truck.map(Truck::shifts),
+            service_brake_s: truck.map(Truck::service_brake_s),
+            ..self.referee.figures().clone()
+        };
         PlantReport {
             outcome,
             duration_s: self.time_s,
-            control: self.referee.figures().clone(),
+            control,
             rungs: self.rungs.report(),
             max_command_gap_us: (self.longest_gap_ns > 0)
                 .then_some(self.longest_gap_ns as f64 / 1e3),
@@ -243,9 +280,9 @@ impl Plant {
             designed_wait_us: self.chains.designed_wait_us(),
             net_reaction_us: self.chains.net_reaction_us(),
             hops_us: self.chains.hops_us(),
-            curves: self.chains.curves(),
             worst_chains: self.chains.worst().report(),
             undelivered_commands: self.delivery.undelivered(),
+            histograms: self.chains.histograms(),
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Messages on their way from the topics to the file.
 
 use shared::messages::{
-    Command, Diagnostics, Heartbeat, Map, Message, Odometry, RadarTracks, SignalTruth, Spat, Topic,
-    VehicleTruth,
+    Command, Diagnostics, Heartbeat, Map, Message, Odometry, Powertrain, Preview, RadarTracks,
+    SignalTruth, Spat, Topic, VehicleTruth,
 };
 use shared::runtime::{RuntimeError, Tap, Tapped};
 
@@ -83,9 +83,11 @@ impl Taps {
     pub(crate) fn open(tap: Tap) -> Result<Self, RuntimeError> {
         let topics: Vec<Box<dyn Hear>> = vec![
             Box::new(tap.on::<Odometry>()?),
+            Box::new(tap.on::<Powertrain>()?),
             Box::new(tap.on::<RadarTracks>()?),
             Box::new(tap.on::<Spat>()?),
             Box::new(tap.on::<Map>()?),
+            Box::new(tap.on::<Preview>()?),
             Box::new(tap.on::<Command>()?),
             Box::new(tap.on::<Diagnostics>()?),
             Box::new(tap.on::<VehicleTruth>()?),

@@ -1,13 +1,15 @@
 //! The roadside unit's loop: what the signals show, and will show, by radio and in truth.
 
+use crate::road_map::{CELL_M, RoadMap};
 use crate::roadside_unit::{Event, Lane, Movement, RoadsideUnit, Signals};
 use bytemuck::Zeroable;
 use shared::messages::{
-    self, Header, Interval, Map, Odometry, Origins, PhaseState, ServiceState, Signal, SignalTruth,
-    Spat,
+    self, Header, Interval, Map, Odometry, Origins, PhaseState, Preview, ServiceState, Signal,
+    SignalTruth, Spat,
 };
 use shared::report::Details;
-use shared::runtime::{Cycle, Overrun, Runtime, RuntimeError};
+use shared::runtime::{Cycle, Overrun, Publisher, Runtime, RuntimeError};
+use shared::scenario::Scenario;
 use shared::scenario::v2x::Phase;
 
 /// Runs the roadside unit in its group, to the end of the run.
@@ -21,6 +23,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     let mut spat = runtime.publisher::<Spat>()?;
     let mut map = runtime.publisher::<Map>()?;
     let mut truth = runtime.publisher::<SignalTruth>()?;
+    let mut preview = Previews::open(&mut runtime, &scenario)?;
     runtime.begin(&scenario)?;
     runtime.run_cycles(|runtime| {
         let Some(release) = runtime.next_release(Overrun::Skip) else { return Ok(Cycle::Last) };
@@ -36,12 +39,45 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         let (lanes, signals, count) = wire(&unit.received(time_ns, ego_m));
         map.send(Map { header, count, lanes })?;
         spat.send(Spat { header, count, signals })?;
+        if let Some(preview) = &mut preview {
+            preview.send(header, ego_m)?;
+        }
 
         let seen = odometry.newest().is_some();
         runtime.end_cycle(if seen { ServiceState::Running } else { ServiceState::Degraded })?;
         Ok(Cycle::Next)
     })?;
     runtime.finish(Details::None)
+}
+
+/// The map of the road, which a truck's controller wants.
+struct Previews {
+    map: RoadMap,
+    speed_limit_mps: f64,
+    publisher: Publisher<Preview>,
+}
+
+impl Previews {
+    fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Option<Self>, RuntimeError> {
+        if !scenario.plant.vehicle.is_truck() {
+            return Ok(None);
+        }
+        let map = RoadMap::new(scenario).map_err(|p| RuntimeError::Setup(p.message))?;
+        let speed_limit_mps = scenario.speed_limit_mps.map_or(f64::INFINITY, |v| v.value());
+        Ok(Some(Self { map, speed_limit_mps, publisher: runtime.publisher()? }))
+    }
+
+    fn send(&mut self, header: Header, ego_m: f64) -> Result<(), RuntimeError> {
+        let ahead = self.map.ahead(ego_m);
+        self.publisher.send(Preview {
+            header,
+            count: ahead.count as u64,
+            first_cell_m: ahead.first_cell_m,
+            cell_m: CELL_M,
+            speed_limit_mps: self.speed_limit_mps,
+            grades: ahead.grades,
+        })
+    }
 }
 
 type WireLanes = [messages::Lane; messages::MAX_LANES];

@@ -42,6 +42,15 @@ pub struct Command {
     pub plan_len: u64,
     /// Requested accelerations, m/s²; the first is for now. Unused entries are 0.
     pub plan_mps2: [f64; PLAN_LEN],
+    /// 1: `engine_torque_nm` acts now in place of the plan's first request, and the rest of the
+    /// plan is for the time without a newer command. 0: there is no torque.
+    pub has_torque: u32,
+    /// Gear that the torque is for, counted from 1; 0 leaves it to the gearbox.
+    pub gear: u32,
+    /// Requested torque at the crankshaft, N m; below the drag torque it asks for the engine brake.
+    pub engine_torque_nm: f64,
+    /// Requested force of the service brakes beside the torque, N.
+    pub service_brake_n: f64,
 }
 
 message!(Command, Topic::Command);
@@ -59,6 +68,10 @@ layout!(Command {
     plan_period_ns,
     plan_len,
     plan_mps2,
+    has_torque,
+    gear,
+    engine_torque_nm,
+    service_brake_n,
 });
 
 /// What the controller saw and decided in one cycle.

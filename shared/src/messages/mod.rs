@@ -8,9 +8,11 @@
 //! | topic | message | published by | read by |
 //! | --- | --- | --- | --- |
 //! | `vehicle/odometry` | [`Odometry`] | plant | perception-sim, v2x-sim, controller |
+//! | `vehicle/powertrain` | [`Powertrain`] | plant, of a truck | controller |
 //! | `radar/tracks` | [`RadarTracks`] | perception-sim | controller |
 //! | `v2x/spat` | [`Spat`] | v2x-sim | controller |
 //! | `v2x/map` | [`Map`] | v2x-sim | controller |
+//! | `v2x/preview` | [`Preview`] | v2x-sim, for a truck | controller |
 //! | `control/command` | [`Command`] | controller | plant |
 //! | `control/diagnostics` | [`Diagnostics`] | controller | (observers) |
 //! | `truth/vehicles` | [`VehicleTruth`] | perception-sim | plant (referee) |
@@ -38,10 +40,10 @@ pub use perception::{
 };
 pub use topic::{LAYOUT_VERSION, Message, TOPICS, Topic};
 pub use v2x::{
-    Interval, Lane, MAX_INTERVALS, MAX_LANES, MAX_SIGNALS, Map, PhaseState, Signal, SignalTruth,
-    Spat,
+    Interval, Lane, MAX_INTERVALS, MAX_LANES, MAX_PREVIEW_CELLS, MAX_SIGNALS, Map, PhaseState,
+    Preview, Signal, SignalTruth, Spat,
 };
-pub use vehicle::Odometry;
+pub use vehicle::{Odometry, Powertrain};
 
 /// Declares `$type` to be the message of `$topic`, after checking its layout at compile time.
 macro_rules! message {

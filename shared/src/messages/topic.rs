@@ -28,12 +28,16 @@ pub trait Message: Pod + ZeroCopySend + Debug + PartialEq + Carried + Laid {
 pub enum Topic {
     /// `vehicle/odometry`
     Odometry,
+    /// `vehicle/powertrain`
+    Powertrain,
     /// `radar/tracks`
     RadarTracks,
     /// `v2x/spat`
     Spat,
     /// `v2x/map`
     Map,
+    /// `v2x/preview`
+    Preview,
     /// `control/command`
     Command,
     /// `control/diagnostics`
@@ -47,11 +51,13 @@ pub enum Topic {
 }
 
 /// All topics, in the order of the data's way.
-pub const TOPICS: [Topic; 9] = [
+pub const TOPICS: [Topic; 11] = [
     Topic::Odometry,
+    Topic::Powertrain,
     Topic::RadarTracks,
     Topic::Spat,
     Topic::Map,
+    Topic::Preview,
     Topic::Command,
     Topic::Diagnostics,
     Topic::VehicleTruth,
@@ -65,9 +71,11 @@ impl Topic {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Odometry => "vehicle/odometry",
+            Self::Powertrain => "vehicle/powertrain",
             Self::RadarTracks => "radar/tracks",
             Self::Spat => "v2x/spat",
             Self::Map => "v2x/map",
+            Self::Preview => "v2x/preview",
             Self::Command => "control/command",
             Self::Diagnostics => "control/diagnostics",
             Self::VehicleTruth => "truth/vehicles",
@@ -87,9 +95,11 @@ impl Topic {
     pub const fn layout(self) -> &'static Layout {
         match self {
             Self::Odometry => super::Odometry::LAYOUT,
+            Self::Powertrain => super::Powertrain::LAYOUT,
             Self::RadarTracks => super::RadarTracks::LAYOUT,
             Self::Spat => super::Spat::LAYOUT,
             Self::Map => super::Map::LAYOUT,
+            Self::Preview => super::Preview::LAYOUT,
             Self::Command => super::Command::LAYOUT,
             Self::Diagnostics => super::Diagnostics::LAYOUT,
             Self::VehicleTruth => super::VehicleTruth::LAYOUT,
@@ -114,9 +124,9 @@ impl Topic {
     #[must_use]
     pub const fn source(self) -> Option<Service> {
         match self {
-            Self::Odometry => Some(Service::Plant),
+            Self::Odometry | Self::Powertrain => Some(Service::Plant),
             Self::RadarTracks | Self::VehicleTruth => Some(Service::PerceptionSim),
-            Self::Spat | Self::Map | Self::SignalTruth => Some(Service::V2xSim),
+            Self::Spat | Self::Map | Self::Preview | Self::SignalTruth => Some(Service::V2xSim),
             Self::Command | Self::Diagnostics => Some(Service::Controller),
             Self::Heartbeat => None,
         }
@@ -127,7 +137,9 @@ impl Topic {
     pub const fn consumers(self) -> &'static [Service] {
         match self {
             Self::Odometry => &[Service::PerceptionSim, Service::V2xSim, Service::Controller],
-            Self::RadarTracks | Self::Spat | Self::Map => &[Service::Controller],
+            Self::Powertrain | Self::RadarTracks | Self::Spat | Self::Map | Self::Preview => {
+                &[Service::Controller]
+            }
             Self::Command | Self::VehicleTruth | Self::SignalTruth => &[Service::Plant],
             Self::Diagnostics | Self::Heartbeat => &[],
         }

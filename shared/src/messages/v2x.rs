@@ -96,6 +96,32 @@ pub struct Spat {
 message!(Spat, Topic::Spat);
 layout!(Spat { header, count, signals });
 
+/// Most cells of a road preview: 2 km in cells of 50 m, and some that the
+/// vehicle passes meanwhile.
+pub const MAX_PREVIEW_CELLS: usize = 48;
+
+/// The road ahead as the map knows it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
+#[type_name("timegap_msgs/msg/Preview")]
+pub struct Preview {
+    /// Common header.
+    pub header: Header,
+    /// Valid entries of `grades`: beyond them the map knows nothing.
+    pub count: u64,
+    /// Where the first cell begins on the ego's axis, m: at the ego or behind it.
+    pub first_cell_m: f64,
+    /// Length of a cell, m.
+    pub cell_m: f64,
+    /// Legal limit on the road, m/s, infinite when unknown.
+    pub speed_limit_mps: f64,
+    /// Mean grade of each cell, rise over run, positive uphill; unused entries are 0.
+    pub grades: [f64; MAX_PREVIEW_CELLS],
+}
+
+message!(Preview, Topic::Preview);
+layout!(Preview { header, count, first_cell_m, cell_m, speed_limit_mps, grades });
+
 /// A lane's stop line and the signal group that governs it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]

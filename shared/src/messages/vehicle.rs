@@ -35,3 +35,45 @@ impl Odometry {
         (self.position_m + v * moving_s + 0.5 * a * moving_s * moving_s, v + a * moving_s)
     }
 }
+
+/// What engine and gearbox do, from a plant that has them.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
+#[type_name("timegap_msgs/msg/Powertrain")]
+pub struct Powertrain {
+    /// Common header.
+    pub header: Header,
+    /// Gear, counted from 1, the lowest.
+    pub gear: u32,
+    /// Number of shifts since the start of the run.
+    pub shifts: u32,
+    /// Time since the last shift began, s.
+    pub since_shift_s: f64,
+    /// Engine speed, rpm.
+    pub engine_speed_rpm: f64,
+    /// Torque at the crankshaft, N m.
+    pub engine_torque_nm: f64,
+    /// Force of the service brakes at the wheels, N.
+    pub service_brake_n: f64,
+    /// Fuel flow, g/s.
+    pub fuel_gps: f64,
+    /// Fuel burnt since the start of the run, g.
+    pub fuel_g: f64,
+    /// What an accelerometer along the vehicle's axis shows: the acceleration and the slope's share of
+    /// gravity, m/s².
+    pub specific_force_mps2: f64,
+}
+
+message!(Powertrain, Topic::Powertrain);
+layout!(Powertrain {
+    header,
+    gear,
+    shifts,
+    since_shift_s,
+    engine_speed_rpm,
+    engine_torque_nm,
+    service_brake_n,
+    fuel_gps,
+    fuel_g,
+    specific_force_mps2,
+});

@@ -19,6 +19,7 @@
 //! `unsafe` is allowed in `scheduling`, `spawn`, `usage` and `words` alone, for system calls that no
 //! crate wraps.
 
+mod beside;
 mod clock;
 mod error;
 mod faults;
@@ -29,6 +30,7 @@ mod members;
 mod observer;
 mod player;
 mod port;
+mod probe;
 mod release;
 mod schedule;
 pub mod scheduling;
@@ -41,7 +43,8 @@ mod usage;
 mod waking;
 mod words;
 
-pub use clock::{Clock, Mode, monotonic_ns};
+pub use beside::Beside;
+pub use clock::{Clock, Mode, monotonic_ns, sleep_until};
 pub use error::RuntimeError;
 pub use faults::{Befallen, Injected, concerned};
 pub use group::Group;
@@ -52,6 +55,7 @@ pub use members::enroll;
 pub use observer::{Observed, Observer};
 pub use player::{Played, Player};
 pub use port::{Publisher, Subscriber};
+pub use probe::{EventReceiver, EventSender, PayloadReceiver, PayloadSender, Probe};
 pub use release::{Overrun, Release};
 pub use schedule::{Schedule, ScheduledRelease};
 pub use session::{Cycle, Runtime, count_allocations_by, log_warnings, run_service};
@@ -61,3 +65,4 @@ pub use timetable::Timetable;
 pub use transport::shared_memory_bytes;
 pub(crate) use transport::{Carried, Receiver, Sender, Transport, carried};
 pub use usage::Usage;
+pub use words::SharedWords;

@@ -14,6 +14,7 @@ use super::v2x::{MAX_PROGRAM_PHASES, MAX_SIGNALS, Signal};
 pub(super) fn all(scenario: &Scenario) -> Result<(), Problem> {
     periods(scenario)?;
     plant(scenario)?;
+    vehicle(scenario)?;
     perception(scenario)?;
     signals(&scenario.v2x.signals)?;
     controller(scenario)?;
@@ -102,6 +103,39 @@ fn plant(scenario: &Scenario) -> Result<(), Problem> {
             format!("at least {}", fallback.stop_deceleration_mps2.value()),
         )
         .against("plant.fallback.stop_deceleration_mps2"));
+    }
+    Ok(())
+}
+
+/// Only a truck feels the road, and only it is integrated in steps of its own.
+fn vehicle(scenario: &Scenario) -> Result<(), Problem> {
+    let plant = &scenario.plant;
+    scenario.road.profile()?;
+    if plant.gateway.min_torque_nm >= plant.gateway.max_torque_nm {
+        return Err(Problem::new(
+            "plant.gateway.min_torque_nm",
+            "the smallest torque is not below the largest",
+            format!("less than {}", plant.gateway.max_torque_nm.value()),
+        )
+        .against("plant.gateway.max_torque_nm"));
+    }
+    if plant.vehicle.is_truck() {
+        if plant.integrator == Integrator::PaperEuler {
+            return Err(Problem::new(
+                "plant.integrator",
+                "a truck has no paper's Euler step",
+                "`fine`",
+            )
+            .against("plant.vehicle"));
+        }
+        return Ok(());
+    }
+    if !scenario.road.is_level() {
+        return fail("road", "a car knows no grade", "plant.vehicle = \"jh6-49t\" or \"jh6-25t\"");
+    }
+    if plant.mass_factor.value() != 1.0 {
+        let expected = "plant.vehicle = \"jh6-49t\" or \"jh6-25t\"";
+        return fail("plant.mass_factor", "a car has no mass here", expected);
     }
     Ok(())
 }

@@ -49,6 +49,9 @@ pub struct Controller {
     /// Parameters of the `quadratic-bounded` law; the law checks them.
     #[serde(skip_serializing_if = "toml::Table::is_empty")]
     pub quadratic_bounded: toml::Table,
+    /// Parameters of the `predictive` law; the law checks them.
+    #[serde(skip_serializing_if = "toml::Table::is_empty")]
+    pub predictive: toml::Table,
 }
 
 impl Controller {
@@ -85,6 +88,7 @@ impl Default for Controller {
             road: toml::Table::new(),
             six_mode: toml::Table::new(),
             quadratic_bounded: toml::Table::new(),
+            predictive: toml::Table::new(),
         }
     }
 }
@@ -101,11 +105,14 @@ pub enum ControllerName {
     SixMode,
     /// Dynamic output feedback under quadratic boundedness (Gao et al. 2015).
     QuadraticBounded,
+    /// Predictive cruise of a heavy truck (Li, Zheng, Wang, Wang).
+    Predictive,
 }
 
 impl ControllerName {
     /// Every law, in the order of `timegap list`.
-    pub const ALL: [Self; 4] = [Self::AccMpc, Self::CaccMpc, Self::SixMode, Self::QuadraticBounded];
+    pub const ALL: [Self; 5] =
+        [Self::AccMpc, Self::CaccMpc, Self::SixMode, Self::QuadraticBounded, Self::Predictive];
 
     /// The name as scenario files and the command line spell it.
     #[must_use]
@@ -115,6 +122,7 @@ impl ControllerName {
             Self::CaccMpc => "cacc-mpc",
             Self::SixMode => "six-mode",
             Self::QuadraticBounded => "quadratic-bounded",
+            Self::Predictive => "predictive",
         }
     }
 }

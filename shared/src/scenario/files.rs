@@ -1,4 +1,4 @@
-//! The files behind a scenario: the scenario file itself and speed tables in CSV.
+//! The files behind a scenario: the scenario file itself, speed tables and roads in CSV.
 
 use std::fs::File;
 use std::io::Read;
@@ -9,6 +9,8 @@ use super::actor::{MAX_PROFILE_POINTS, Profile, SpeedPoint};
 use super::document::{Document, MAX_TEXT_BYTES, Problem};
 use super::error::ScenarioError;
 use super::quantity::{Speed, Time};
+use super::road;
+use super::table::Table;
 
 /// Reads a text file of at most [`MAX_TEXT_BYTES`].
 pub(super) fn read(path: &Path) -> Result<String, String> {
@@ -28,7 +30,7 @@ pub(super) fn read(path: &Path) -> Result<String, String> {
         .map_err(|error| format!("is not UTF-8 text (byte {})", error.utf8_error().valid_up_to()))
 }
 
-/// Fills in the speed tables that the scenario's actors take from files.
+/// Fills in what the scenario takes from files: the actors' speed tables, the road.
 pub(super) fn load(
     scenario: &mut Scenario,
     document: &Document<'_>,
@@ -49,93 +51,49 @@ pub(super) fn load(
         })?;
         csv.points = parse_csv(&path.display().to_string(), &text)?;
     }
+    if let Some(file) = &scenario.road.csv
+        && scenario.road.points.is_empty()
+    {
+        let path = directory.join(file);
+        let text = read(&path).map_err(|message| {
+            document.problem(&Problem::new(
+                "road.csv",
+                format!("{} {message}", path.display()),
+                "a CSV file with the columns distance_m and height_m or grade_percent",
+            ))
+        })?;
+        let profile = road::parse_csv(&path.display().to_string(), &text)?;
+        scenario.road.points = road::points_of(&profile);
+    }
     Ok(())
 }
 
 /// Reads the columns `time_s` and `speed_mps` of a CSV text; other columns are passed over.
 fn parse_csv(source: &str, text: &str) -> Result<Vec<SpeedPoint>, ScenarioError> {
-    let mut columns = None;
-    let mut points: Vec<SpeedPoint> = Vec::new();
-    let mut start = 0;
-    for line in text.split_inclusive('\n') {
-        let (offset, line) = (start, line.trim_end_matches(['\n', '\r']));
-        start = offset + text[offset..].find('\n').map_or(text.len() - offset, |at| at + 1);
-        if line.trim().is_empty() || line.starts_with('#') {
-            continue;
-        }
-        let fields = split(offset, line);
-        let Some((time, speed)) = columns else {
-            columns = Some((
-                column(source, text, &fields, "time_s")?,
-                column(source, text, &fields, "speed_mps")?,
-            ));
-            continue;
-        };
-        let time_s = number::<Time>(source, text, &fields, time, "time_s")?;
-        let speed_mps = number::<Speed>(source, text, &fields, speed, "speed_mps")?;
+    const COLUMNS: &str = "time_s,speed_mps";
+    let table = Table::split(source, text);
+    if table.len() == 0 && (table.find("time_s").is_some() || text.trim().is_empty()) {
+        return Err(ScenarioError::whole(source, "no values")
+            .expecting(format!("a line `{COLUMNS}` and at least one line of numbers")));
+    }
+    let time = table.column("time_s", COLUMNS)?;
+    let speed = table.column("speed_mps", COLUMNS)?;
+    if table.len() > MAX_PROFILE_POINTS {
+        return Err(ScenarioError::whole(source, "too many lines")
+            .expecting(format!("at most {MAX_PROFILE_POINTS} points")));
+    }
+    let mut points: Vec<SpeedPoint> = Vec::with_capacity(table.len());
+    for row in 0..table.len() {
+        let time_s = table.number::<Time>(row, time)?;
+        let speed_mps = table.number::<Speed>(row, speed)?;
         if points.last().is_some_and(|last| last.0 >= time_s) {
-            let (span, _) = &fields[time];
-            return Err(ScenarioError::at(source, text, span.clone(), "times must increase")
+            return Err(table
+                .fault(row, time, "times must increase")
                 .expecting("a time later than the line before"));
-        }
-        if points.len() == MAX_PROFILE_POINTS {
-            return Err(ScenarioError::whole(source, "too many lines")
-                .expecting(format!("at most {MAX_PROFILE_POINTS} points")));
         }
         points.push(SpeedPoint(time_s, speed_mps));
     }
-    if points.is_empty() {
-        return Err(ScenarioError::whole(source, "no values")
-            .expecting("a line `time_s,speed_mps` and at least one line of numbers"));
-    }
     Ok(points)
-}
-
-type Field<'a> = (std::ops::Range<usize>, &'a str);
-
-fn split(offset: usize, line: &str) -> Vec<Field<'_>> {
-    let mut at = offset;
-    line.split(',')
-        .map(|field| {
-            let lead = field.len() - field.trim_start().len();
-            let text = field.trim();
-            let span = at + lead..at + lead + text.len();
-            at += field.len() + 1;
-            (span, text)
-        })
-        .collect()
-}
-
-fn column(
-    source: &str,
-    text: &str,
-    fields: &[Field<'_>],
-    name: &str,
-) -> Result<usize, ScenarioError> {
-    fields.iter().position(|(_, field)| *field == name).ok_or_else(|| {
-        let span = fields.first().map_or(0..0, |(span, _)| span.clone());
-        ScenarioError::at(source, text, span, &format!("no column `{name}`"))
-            .expecting("the names of the columns in the first line: time_s,speed_mps")
-    })
-}
-
-fn number<T: TryFrom<f64, Error = String>>(
-    source: &str,
-    text: &str,
-    fields: &[Field<'_>],
-    column: usize,
-    name: &str,
-) -> Result<T, ScenarioError> {
-    let Some((span, field)) = fields.get(column) else {
-        let span = fields.last().map_or(0..0, |(span, _)| span.clone());
-        return Err(ScenarioError::at(source, text, span, &format!("no `{name}` in this line"))
-            .expecting("as many columns as in the first line"));
-    };
-    let value: f64 = field.parse().map_err(|_| {
-        ScenarioError::at(source, text, span.clone(), &format!("`{field}` is not a number"))
-            .expecting(format!("`{name}`"))
-    })?;
-    T::try_from(value).map_err(|message| ScenarioError::at(source, text, span.clone(), &message))
 }
 
 #[cfg(test)]

@@ -37,7 +37,9 @@ pub mod faults;
 pub mod name;
 pub mod perception;
 pub mod plant;
+pub mod preview;
 pub mod quantity;
+pub mod road;
 pub mod runtime;
 pub mod supervision;
 pub mod v2x;
@@ -47,6 +49,7 @@ mod document;
 mod error;
 mod files;
 mod overrides;
+mod table;
 
 pub use document::{MAX_TEXT_BYTES, Problem};
 pub use error::ScenarioError;
@@ -60,6 +63,7 @@ use name::{Line, Name};
 use perception::Perception;
 use plant::Plant;
 use quantity::{Duration, Seed, Speed};
+use road::Road;
 use runtime::Runtime;
 use supervision::Supervision;
 use v2x::V2x;
@@ -93,6 +97,9 @@ pub struct Scenario {
     /// The ego vehicle.
     #[serde(default)]
     pub plant: Plant,
+    /// The road's heights; absent: level.
+    #[serde(default, skip_serializing_if = "Road::is_level")]
+    pub road: Road,
     /// Radar, tracker and target selection.
     #[serde(default)]
     pub perception: Perception,

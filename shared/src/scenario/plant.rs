@@ -3,14 +3,18 @@
 use serde::{Deserialize, Serialize};
 
 use super::quantity::{
-    Acceleration, AccelerationMagnitude, Duration, JerkMagnitude, Length, Mass, PeriodMs, Power,
-    Speed, TimeConstant,
+    Acceleration, AccelerationMagnitude, Duration, JerkMagnitude, Length, Mass, MassFactor,
+    PeriodMs, Power, Speed, TimeConstant, Torque, TorqueRate,
 };
 
 /// The ego vehicle. It stands or moves forward, never back.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Plant {
+    /// What the ego is.
+    pub vehicle: Vehicle,
+    /// True mass over the one that vehicle and law believe in; trucks only.
+    pub mass_factor: MassFactor,
     /// Period of the plant's loop and of `vehicle/odometry`, ms. Every other period is a multiple.
     pub period_ms: PeriodMs,
     /// How the ego and the actors are integrated.
@@ -43,6 +47,8 @@ pub struct Plant {
 impl Default for Plant {
     fn default() -> Self {
         Self {
+            vehicle: Vehicle::Car,
+            mass_factor: MassFactor::of(1.0),
             period_ms: PeriodMs::of(10),
             integrator: Integrator::Fine,
             integration_step_ms: PeriodMs::of(1),
@@ -55,6 +61,39 @@ impl Default for Plant {
             powertrain: None,
             gateway: Gateway::default(),
             fallback: Fallback::default(),
+        }
+    }
+}
+
+/// What the ego is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Vehicle {
+    /// A car that follows requests for acceleration with a lag, on a level road.
+    #[default]
+    #[serde(rename = "car")]
+    Car,
+    /// The heavy truck of the predictive paper at 49 t: engine, gears, fuel, the road's grade.
+    #[serde(rename = "jh6-49t")]
+    Jh6At49T,
+    /// The same at 25 t, with a smaller engine.
+    #[serde(rename = "jh6-25t")]
+    Jh6At25T,
+}
+
+impl Vehicle {
+    /// Whether it has engine, gears and a road with grade.
+    #[must_use]
+    pub const fn is_truck(self) -> bool {
+        !matches!(self, Self::Car)
+    }
+
+    /// The name as scenario files spell it.
+    #[must_use]
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::Car => "car",
+            Self::Jh6At49T => "jh6-49t",
+            Self::Jh6At25T => "jh6-25t",
         }
     }
 }
@@ -93,6 +132,12 @@ pub struct Gateway {
     pub max_rise_mps3: JerkMagnitude,
     /// Fastest fall of the request (braking harder), m/s³; an emergency stop is not held up.
     pub max_fall_mps3: JerkMagnitude,
+    /// Smallest engine torque let through, N m (negative).
+    pub min_torque_nm: Torque,
+    /// Largest engine torque let through, N m.
+    pub max_torque_nm: Torque,
+    /// Fastest change of the engine torque, N m/s.
+    pub max_torque_rate_nmps: TorqueRate,
 }
 
 impl Default for Gateway {
@@ -102,6 +147,9 @@ impl Default for Gateway {
             max_request_mps2: Acceleration::of(5.0),
             max_rise_mps3: JerkMagnitude::of(20.0),
             max_fall_mps3: JerkMagnitude::of(50.0),
+            min_torque_nm: Torque::of(-1500.0),
+            max_torque_nm: Torque::of(2200.0),
+            max_torque_rate_nmps: TorqueRate::of(5000.0),
         }
     }
 }

@@ -83,6 +83,24 @@ quantity! {
     Probability, 0.0, 1.0, "a probability from 0 to 1";
     /// An opening angle, degrees.
     Angle, 0.1, 360.0, "an angle from 0.1 to 360 degrees";
+    /// A height above any level, m.
+    Height, -500.0, 9000.0, "a height from -500 to 9000 m";
+    /// A grade, percent, positive uphill.
+    GradePercent, -20.0, 20.0, "a grade from -20 to 20 %";
+    /// The magnitude of a grade, percent, not zero.
+    GradeMagnitude, 0.01, 20.0, "a grade from 0.01 to 20 %, without a sign";
+    /// The length of a road, km.
+    RoadLength, 1.0, 500.0, "a length from 1 to 500 km";
+    /// An error in the position of a map, m, positive when the map lies too far ahead.
+    MapShift, -1000.0, 1000.0, "a shift from -1000 to 1000 m";
+    /// A torque at the crankshaft, N m.
+    Torque, -5000.0, 5000.0, "a torque from -5000 to 5000 N m";
+    /// A rate of change of torque, N m/s, not zero.
+    TorqueRate, 10.0, 1e6, "a rate from 10 to 1e6 N m/s";
+    /// A noise, percent.
+    Percent, 0.0, 100.0, "a number from 0 to 100 %";
+    /// A factor on a mass.
+    MassFactor, 0.5, 2.0, "a factor from 0.5 to 2";
     /// A mass, kg.
     Mass, 100.0, 100_000.0, "a mass from 100 to 100000 kg";
     /// A power, kW.

@@ -113,6 +113,9 @@ fn unknown_keys_are_refused_at_every_level() {
         "[[actors]]\nlateral = [{ colour = 1 }]",
         "[controller]\ncolour = 1",
         "[controller.weights]\ncolour = 1",
+        "[road]\ncolour = 1",
+        "[road.generated]\nseed = 1\nlength_km = 2\ncolour = 1",
+        "[v2x.preview]\ncolour = 1",
         "[runtime]\ncolour = 1",
         "[runtime.services]\ncolour = 1",
         "[runtime.services.plant]\ncolour = 1",
@@ -387,5 +390,58 @@ proptest! {
     #[test]
     fn no_override_makes_the_reader_panic(argument in "[a-z.0-9_=\\[\\]{}\" é]{0,40}") {
         let _ = open(SHORT, &[&argument]).map_err(|error| error.to_string());
+    }
+}
+
+#[test]
+fn a_road_from_a_file_is_embedded_and_its_faults_are_shown_in_it() {
+    let directory = std::env::temp_dir().join(format!("timegap-road-{}", std::process::id()));
+    std::fs::create_dir_all(&directory).expect("a directory");
+    let scenario = format!("{SHORT}plant.vehicle = \"jh6-25t\"\nroad.csv = \"hills.csv\"\n");
+    let place = directory.join("hilly.toml");
+    std::fs::write(&place, scenario).expect("our own");
+    let open = || {
+        let path = place.to_string_lossy();
+        Scenario::open(&path, &Overrides::new(), &|_| Ok(())).map_err(|error| error.to_string())
+    };
+    let missing = open().expect_err("no road yet");
+    assert!(missing.contains("hilly.toml:4:12") && missing.contains("hills.csv"), "{missing}");
+
+    let road = directory.join("hills.csv");
+    std::fs::write(&road, "distance_m,height_m\n0,10\n50,11\n100,9.5\n").expect("our own");
+    let opened = open().expect("a right road");
+    let again = Scenario::parse("effective.toml", &opened.to_toml()).expect("what took effect");
+    assert_eq!(again.road.profile(), opened.road.profile());
+    assert_eq!(again.road.profile().map(|road| road.grade(60.0)), Ok(-0.03));
+
+    std::fs::write(&road, "distance_m,height_m\n0,10\n50,nan\n").expect("our own");
+    let wrong = open().expect_err("no height");
+    assert!(wrong.contains("hills.csv:3:4: NaN is out of range"), "{wrong}");
+    std::fs::remove_dir_all(&directory).expect("our own");
+}
+
+#[test]
+fn roads_that_cannot_be_are_refused() {
+    const TRUCK: &str = "plant.vehicle = \"jh6-49t\"\n";
+    let cases = [
+        ("road.builtin = \"hills-60km\"", "a car knows no grade"),
+        ("plant.mass_factor = 1.2", "a car has no mass here"),
+        ("road.csv = \"x.csv\"", "the file has not been read"),
+        ("road.points = [[0, 0], [50, 1], [50, 2]]", "distances must increase"),
+        ("road.points = [[0, 0], [50, 20]]", "a grade of 40.0 %"),
+        (
+            "road = { builtin = \"hills-60km\", points = [[0, 0], [1, 0]] }",
+            "the road is given twice",
+        ),
+        ("road.generated = { seed = 1, length_km = 0.1 }", "0.1 is out of range"),
+        (
+            "plant.integrator = \"paper-euler\"\nplant.integration_step_ms = 10",
+            "a truck has no paper's Euler step",
+        ),
+    ];
+    for (index, (rest, expected)) in cases.into_iter().enumerate() {
+        let head = if index < 3 { "" } else { TRUCK };
+        let shown = refusal(&format!("{head}{rest}"));
+        assert!(shown.contains(expected), "{rest}\n{shown}");
     }
 }

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::preview::Preview;
 use super::quantity::{Distance, Duration, IntersectionId, PeriodMs, Reach, SignalGroupId, Time};
 
 /// Most signals of a scenario.
@@ -19,11 +20,19 @@ pub struct V2x {
     pub range_m: Reach,
     /// The signals along the road, in order of their stop lines.
     pub signals: Vec<Signal>,
+    /// The map of the road ahead, with its faults.
+    #[serde(skip_serializing_if = "Preview::is_right")]
+    pub preview: Preview,
 }
 
 impl Default for V2x {
     fn default() -> Self {
-        Self { period_ms: PeriodMs::of(100), range_m: Reach::of(300.0), signals: Vec::new() }
+        Self {
+            period_ms: PeriodMs::of(100),
+            range_m: Reach::of(300.0),
+            signals: Vec::new(),
+            preview: Preview::default(),
+        }
     }
 }
 

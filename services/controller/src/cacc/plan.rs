@@ -54,6 +54,7 @@ impl PlanMemory {
         }
         if n > 0 {
             output.plan_len = n;
+            output.torque = None;
         }
         n > 0
     }

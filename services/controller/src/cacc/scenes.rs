@@ -193,6 +193,7 @@ pub fn run(scene: &Scene, law: &mut dyn Law) -> Recording {
             signals: signals(scene, time, x),
             set_speed_mps: scene.set_speed_mps,
             speed_limit_mps: f64::INFINITY,
+            ..Input::default()
         };
         law.step(&input, &mut output);
         let u = output.request_mps2();

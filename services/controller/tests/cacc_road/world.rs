@@ -155,6 +155,7 @@ impl World {
             signals,
             set_speed_mps: self.set_speed_mps,
             speed_limit_mps: f64::INFINITY,
+            ..Input::default()
         }
     }
 

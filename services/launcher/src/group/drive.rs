@@ -2,7 +2,7 @@
 
 use shared::Service;
 use shared::messages::{
-    Command, Diagnostics, Header, Heartbeat, Odometry, RadarTracks, Spat, VehicleTruth,
+    Command, Diagnostics, Header, Heartbeat, Odometry, Powertrain, RadarTracks, Spat, VehicleTruth,
 };
 use shared::report::ReceivedTopic;
 use shared::runtime::{Group, Mode, Observed, Observer, RuntimeError};
@@ -45,6 +45,21 @@ pub struct DriveStep {
     pub quality: Option<u32>,
     /// Figures of the law.
     pub figures: Option<[f64; shared::messages::FIGURES]>,
+    /// What a truck's engine and gearbox do.
+    pub powertrain: Option<PowertrainStep>,
+}
+
+/// A truck's engine and gearbox at one step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PowertrainStep {
+    /// Gear, counted from 1.
+    pub gear: u32,
+    /// Torque at the crankshaft, N m.
+    pub engine_torque_nm: f64,
+    /// Force of the service brakes, N.
+    pub service_brake_n: f64,
+    /// Fuel burnt since the start, g.
+    pub fuel_g: f64,
 }
 
 /// Listens to a group from before its start.
@@ -52,6 +67,7 @@ pub struct DriveStep {
 pub struct DriveLog {
     // Ports before the node that owns them.
     odometry: Observed<Odometry>,
+    powertrain: Observed<Powertrain>,
     truth: Observed<VehicleTruth>,
     command: Observed<Command>,
     diagnostics: Observed<Diagnostics>,
@@ -60,6 +76,7 @@ pub struct DriveLog {
     sensors: Option<(Observed<RadarTracks>, Observed<Spat>)>,
     observer: Observer,
     odometries: Vec<Odometry>,
+    powertrains: Vec<(u64, PowertrainStep)>,
     truths: Vec<VehicleTruth>,
     requests: Vec<(u64, f64)>,
     cycles: Vec<Diagnostics>,
@@ -86,6 +103,7 @@ impl DriveLog {
         let observer = Observer::join(group, "launcher")?;
         Ok(Self {
             odometry: observer.listen()?,
+            powertrain: observer.listen()?,
             truth: observer.listen()?,
             command: observer.listen()?,
             diagnostics: observer.listen()?,
@@ -96,6 +114,7 @@ impl DriveLog {
             },
             observer,
             odometries: Vec::new(),
+            powertrains: Vec::new(),
             truths: Vec::new(),
             requests: Vec::new(),
             cycles: Vec::new(),
@@ -118,6 +137,15 @@ impl DriveLog {
         self.odometry.drain(|m| {
             note(Service::Plant, &m.header);
             self.odometries.push(*m);
+        })?;
+        self.powertrain.drain(|m| {
+            let step = PowertrainStep {
+                gear: m.gear,
+                engine_torque_nm: m.engine_torque_nm,
+                service_brake_n: m.service_brake_n,
+                fuel_g: m.fuel_g,
+            };
+            self.powertrains.push((m.header.step, step));
         })?;
         self.truth.drain(|m| self.truths.push(*m))?;
         self.command.drain(|m| {
@@ -173,13 +201,17 @@ impl DriveLog {
     /// Takes the rest and joins the topics by step.
     pub fn finish(mut self) -> Result<Drive, RuntimeError> {
         self.drain()?;
-        let received = vec![
+        let mut received = vec![
             self.odometry.received(),
             self.truth.received(),
             self.command.received(),
             self.diagnostics.received(),
             self.heartbeat.received(),
         ];
+        if !self.powertrains.is_empty() {
+            received.push(self.powertrain.received());
+        }
+        let mut powertrains = self.powertrains.iter().peekable();
         let mut truths = self.truths.iter().peekable();
         let mut requests = self.requests.iter().peekable();
         let mut cycles = self.cycles.iter().peekable();
@@ -201,6 +233,7 @@ impl DriveLog {
                 mode: cycle.map(|cycle| cycle.mode),
                 quality: cycle.map(|cycle| cycle.quality),
                 figures: cycle.map(|cycle| cycle.figures),
+                powertrain: take_step(&mut powertrains, step, |p| p.0).map(|p| p.1),
             }
         });
         let steps = steps.collect();

@@ -29,10 +29,11 @@ mod supervisor;
 mod watch;
 
 pub use disturbance::run as run_hog;
-pub use drive::{Drive, DriveStep};
+pub use drive::{Drive, DriveStep, PowertrainStep};
 pub use faults::FaultRecord;
 pub use janitor::run as run_janitor;
+pub use processes::{Janitor, this_program};
 pub use recording::RecordingSummary;
 pub use replay::{Replayed, replay};
-pub use root::{base, shared_memory_room};
+pub use root::{RunRoot, base, check_room, shared_memory_room};
 pub use supervisor::{Ended, GroupOutcome, Launch, Moment, launch};

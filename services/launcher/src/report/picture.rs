@@ -5,11 +5,12 @@ use controller::laws;
 use plant::referee::DesiredGap;
 use shared::Service;
 use shared::messages::VehicleTruth;
-use shared::report::{ChainCurves, Details, WorstChain};
+use shared::report::{Details, WorstChain};
 use shared::rung::{Rung, Rungs};
 use shared::scenario::Scenario;
 use shared::scenario::controller::ControllerName;
 use shared::scenario::v2x::Phase;
+use shared::statistics::QuantileCurve;
 use std::collections::BTreeMap;
 use v2x_sim::program::Program;
 
@@ -53,8 +54,8 @@ pub struct RunPicture {
     pub rungs: BTreeMap<&'static str, Vec<Phased>>,
     /// Faults, in order of time.
     pub faults: Vec<FaultMark>,
-    /// Latencies of the chain's parts.
-    pub latencies: ChainCurves,
+    /// Distributions of the reaction time and its parts, by name.
+    pub latencies: BTreeMap<String, QuantileCurve>,
     /// The chains with the longest reaction times, longest first.
     pub worst_chains: Vec<WorstChain>,
 }
@@ -113,7 +114,9 @@ impl RunPicture {
             let name = report.service.name();
             match &report.details {
                 Details::Plant(plant) => {
-                    run.latencies = plant.curves.clone();
+                    let whole = plant.histograms.iter();
+                    let whole = whole.map(|(name, h)| (name.clone(), h.quantile_curve()));
+                    run.latencies = whole.collect();
                     run.worst_chains.clone_from(&plant.worst_chains);
                     run.rungs.insert(name, rungs(&plant.rungs, run.duration_s));
                 }
@@ -171,7 +174,7 @@ impl RunPicture {
             ),
             rungs: BTreeMap::new(),
             faults: Vec::new(),
-            latencies: ChainCurves::default(),
+            latencies: BTreeMap::new(),
             worst_chains: Vec::new(),
         }
     }

@@ -3,6 +3,7 @@
 
 mod cacc;
 mod page;
+mod predictive;
 mod quadratic_bounded;
 mod row;
 mod six_mode;
@@ -11,6 +12,7 @@ use crate::cli::{GroupOptions, PaperName, ReproduceArguments, ScenarioOptions};
 use crate::error::Error;
 use crate::group::{Drive, Ended, GroupOutcome};
 use crate::output::OutputDirectory;
+use crate::report::chart::Plot;
 use crate::report::{self, RunPicture};
 use crate::summary::Summary;
 use crate::{print, run};
@@ -19,12 +21,13 @@ use page::page;
 use row::{Row, Verdict};
 use serde::Serialize;
 use shared::runtime::Mode;
+use shared::scenario::Scenario;
 use std::process::ExitCode;
 use std::time::Instant;
 
 /// The papers, in the order of their names.
-pub const PAPERS: [PaperName; 3] =
-    [PaperName::SixMode, PaperName::QuadraticBounded, PaperName::Cacc];
+pub const PAPERS: [PaperName; 4] =
+    [PaperName::SixMode, PaperName::QuadraticBounded, PaperName::Predictive, PaperName::Cacc];
 
 #[derive(Debug, Serialize)]
 struct Reproduction {
@@ -39,6 +42,20 @@ struct Paper {
     rows: Vec<Row>,
     #[serde(skip)]
     drives: Vec<(String, RunPicture)>,
+    #[serde(skip)]
+    pictures: Vec<Gallery>,
+}
+
+/// Pictures of a paper's own, below one heading.
+struct Gallery {
+    heading: String,
+    plots: Vec<Plot>,
+}
+
+impl std::fmt::Debug for Gallery {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} ({} pictures)", self.heading, self.plots.len())
+    }
 }
 
 /// Runs the command.
@@ -51,9 +68,12 @@ pub fn run(arguments: &ReproduceArguments) -> Result<ExitCode, Error> {
         let rows = match name {
             PaperName::SixMode => six_mode::reproduce(&mut runner)?,
             PaperName::QuadraticBounded => quadratic_bounded::reproduce(&mut runner)?,
+            PaperName::Predictive => predictive::reproduce(&mut runner)?,
             PaperName::Cacc => cacc::reproduce(&mut runner)?,
         };
-        done.push(Paper { paper: name.as_str(), rows, drives: std::mem::take(&mut runner.drives) });
+        let drives = std::mem::take(&mut runner.drives);
+        let pictures = std::mem::take(&mut runner.pictures);
+        done.push(Paper { paper: name.as_str(), rows, drives, pictures });
     }
     runner.bar.finish_and_clear();
     let ok = done.iter().flat_map(|paper| &paper.rows).all(|row| row.verdict() != Verdict::Outside);
@@ -76,6 +96,8 @@ pub fn run(arguments: &ReproduceArguments) -> Result<ExitCode, Error> {
 
 /// A scenario that was driven in lockstep.
 pub struct Driven {
+    /// The scenario as it took effect.
+    pub scenario: Scenario,
     /// What was heard of the drive.
     pub drive: Drive,
     /// Its summary.
@@ -103,6 +125,8 @@ pub struct Runner<'a> {
     bar: ProgressBar,
     /// What was driven since somebody last looked, with what was set.
     drives: Vec<(String, RunPicture)>,
+    /// What the paper wants to be seen beside them.
+    pictures: Vec<Gallery>,
 }
 
 impl<'a> Runner<'a> {
@@ -112,11 +136,12 @@ impl<'a> Runner<'a> {
             .map(|paper| match paper {
                 PaperName::SixMode => six_mode::RUNS,
                 PaperName::QuadraticBounded => quadratic_bounded::RUNS,
+                PaperName::Predictive => predictive::RUNS,
                 PaperName::Cacc => cacc::RUNS,
             })
             .sum();
         let bar = run::count_bar(runs, quiet);
-        Self { group, bar, drives: Vec::new() }
+        Self { group, bar, drives: Vec::new(), pictures: Vec::new() }
     }
 
     /// Drives a built-in scenario with these keys set.
@@ -135,7 +160,7 @@ impl<'a> Runner<'a> {
         let what = format!("{name} · {}", scenario.controller.name.as_str());
         self.drives.push((what, RunPicture::of_drive(&scenario, &group.drive)));
         let figure_names = controller::laws::figure_names(&scenario);
-        Ok(Driven { drive: group.drive, summary, figure_names })
+        Ok(Driven { scenario, drive: group.drive, summary, figure_names })
     }
 }
 

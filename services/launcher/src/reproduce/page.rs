@@ -1,9 +1,9 @@
 //! The page of a reproduction: the papers' figures beside ours, and what was driven for them.
 
 use super::row::{Row, Verdict};
-use super::{Paper, Reproduction};
-use crate::report::chart::number;
-use crate::report::html::{Cell, Column, document, section, table};
+use super::{Gallery, Paper, Reproduction};
+use crate::report::chart::{escape, number};
+use crate::report::html::{Cell, Column, document, figure, section, table};
 use crate::report::run_pictures;
 
 /// The page.
@@ -47,7 +47,7 @@ fn paper(paper: &Paper) -> String {
         head.insert(1, ("weights", Column::MoreText));
     }
     let rows: Vec<_> = paper.rows.iter().map(|row| cells(row, several)).collect();
-    section(&heading, &(table(&head, &rows) + &drives(paper)))
+    section(&heading, &(table(&head, &rows) + &pictures(paper) + &drives(paper)))
 }
 
 fn cells(row: &Row, several: bool) -> Vec<Cell> {
@@ -73,6 +73,15 @@ fn cells(row: &Row, several: bool) -> Vec<Cell> {
     cells
 }
 
+/// The paper's own pictures.
+fn pictures(paper: &Paper) -> String {
+    let gallery = |gallery: &Gallery| {
+        let plots: String = gallery.plots.iter().map(|plot| figure(plot)).collect();
+        format!("<h3>{}</h3>\n{plots}", escape(&gallery.heading))
+    };
+    paper.pictures.iter().map(gallery).collect()
+}
+
 /// The drives, folded where there are many.
 fn drives(paper: &Paper) -> String {
     let open = if paper.drives.len() <= 3 { " open" } else { "" };
@@ -82,7 +91,7 @@ fn drives(paper: &Paper) -> String {
         .map(|(what, run)| {
             format!(
                 "<details class=\"drive\"{open}><summary>{}</summary>\n{}</details>\n",
-                crate::report::chart::escape(what),
+                escape(what),
                 run_pictures(run)
             )
         })

@@ -77,6 +77,11 @@ impl Row {
         Self { paper: None, tolerance: None, ok: true, note: Some(note), ..row }
     }
 
+    /// The same row with what a number cannot say.
+    pub fn with_note(self, note: &'static str) -> Self {
+        Self { note: Some(note), ..self }
+    }
+
     /// What comes of comparing.
     pub fn verdict(&self) -> Verdict {
         match (self.tolerance, self.ok) {

@@ -1,0 +1,140 @@
+//! The tables of the predictive truck, without processes:
+//! `cargo run --release -p controller --example predictive_tables`.
+//!
+//! Fuel is against constant speed at equal trip time, with the kinetic energy at the end corrected.
+
+use controller::predictive::PlannerKind::{DynamicProgramming, PaperN2};
+use controller::predictive::route::{Comparison, Map, Road, Trip};
+use rand_core::Rng;
+use rand_pcg::Pcg64;
+use shared::road::{Alignment, GradeProfile, HILLS_60KM, Point, generate};
+use truck_model::{Preset, Truck};
+
+/// Set speed, m/s.
+const SET_MPS: f64 = 75.0 / 3.6;
+
+fn main() {
+    let given = given_road();
+    for preset in Preset::ALL {
+        savings(preset, &given);
+    }
+    println!("\nten generated roads of 60 km, fuel in percent");
+    for preset in Preset::ALL {
+        generated(preset);
+    }
+    println!("\nwrongly informed, given road, fuel in percent against constant speed");
+    for preset in Preset::ALL {
+        robustness(preset, &given);
+    }
+}
+
+fn given_road() -> Road {
+    let numbers = |line: &str| -> Vec<f64> { line.split(',').flat_map(str::parse).collect() };
+    let rows = HILLS_60KM.lines().map(numbers).filter(|row| row.len() == 2);
+    let points = rows.map(|row| Point { distance_m: row[0], height_m: row[1] }).collect();
+    Road::from_profile(&GradeProfile::new(points).expect("the road that is shipped is sound"))
+}
+
+fn savings(preset: Preset, road: &Road) {
+    let comparison = on(preset, road);
+    let litres = comparison.l_per_100_km(comparison.baseline());
+    println!("\n{}: constant speed {litres:.2} L/100 km", preset.name());
+    let bound = comparison.bound();
+    for (name, trip) in [
+        ("paper-n2", comparison.informed(PaperN2)),
+        ("dynamic-programming", comparison.informed(DynamicProgramming)),
+        ("the whole route", bound),
+    ] {
+        print_trip(&comparison, name, trip.as_ref());
+    }
+    for sigma_kmh in [2.5, 4.0] {
+        let trips: Vec<Trip> =
+            (0..8).filter_map(|seed| comparison.human(sigma_kmh / 3.6, seed)).collect();
+        let sum: f64 = trips.iter().map(|trip| comparison.change_percent(trip)).sum();
+        let mean = sum / trips.len() as f64;
+        println!("  a driver, sigma {sigma_kmh} km/h  {mean:+.2} %  mean of {} seeds", trips.len());
+    }
+}
+
+fn print_trip(comparison: &Comparison, name: &str, trip: Option<&Trip>) {
+    let Some(trip) = trip else {
+        println!("  {name:<22} no trip of equal time");
+        return;
+    };
+    let late = 100.0 * (trip.time_s / comparison.baseline().time_s - 1.0);
+    let (low, high) = trip.speed_range_mps;
+    println!(
+        "  {name:<22} {:+.2} %  time {late:+.3} %, {:.1} to {:.1} km/h, {} shifts, service brakes {:.1} MJ",
+        comparison.change_percent(trip),
+        3.6 * low,
+        3.6 * high,
+        trip.shifts,
+        trip.service_brake_j / 1e6,
+    );
+}
+
+fn generated(preset: Preset) {
+    println!("{:<10} {:>5} {:>9} {:>9} {:>9} {:>9}", "", "seed", "n2", "dp", "bound", "dp-bound");
+    let alignment = Alignment {
+        length_m: 60_000.0,
+        grade_sigma: 0.0138,
+        max_grade: 0.03,
+        tangent_m: [300.0, 1500.0],
+        curve_m: 300.0,
+        closed: true,
+    };
+    let mut worst = 0.0_f64;
+    for seed in 1..=10 {
+        let road = Road::from_profile(&generate(&alignment, seed));
+        let comparison = on(preset, &road);
+        let change = |trip: Option<Trip>| trip.map_or(f64::NAN, |t| comparison.change_percent(&t));
+        let n2 = change(comparison.informed(PaperN2));
+        let dp = change(comparison.informed(DynamicProgramming));
+        let bound = change(comparison.bound());
+        println!(
+            "{:<10} {seed:>5} {n2:>9.2} {dp:>9.2} {bound:>9.2} {:>9.2}",
+            preset.name(),
+            dp - bound
+        );
+        worst = worst.max(dp - bound);
+    }
+    println!("{:<10} worst distance to the bound {worst:.2}", preset.name());
+}
+
+fn robustness(preset: Preset, road: &Road) {
+    let comparison = on(preset, road);
+    let truck = Truck::preset(preset);
+    let mass_kg = truck.parameters().mass_kg;
+    let map = Map { road: road.clone(), shift_m: 0.0 };
+    let cases = [
+        ("nothing wrong", truck, map.clone()),
+        ("mass believed 15 % high", truck.with_mass_kg(1.15 * mass_kg), map.clone()),
+        ("mass believed 15 % low", truck.with_mass_kg(0.85 * mass_kg), map.clone()),
+        ("map 60 m late", truck, Map { shift_m: 60.0, ..map.clone() }),
+        ("map 60 m early", truck, Map { shift_m: -60.0, ..map.clone() }),
+        ("grade noise 0.25 %", truck, Map { road: noisy(road), shift_m: 0.0 }),
+    ];
+    println!("{:<10} {:<26} {:>9} {:>9}", "", "", "n2", "dp");
+    for (name, believed, map) in cases {
+        let change = |planner| {
+            let trip = comparison.assisted(planner, &believed, &map);
+            trip.map_or(f64::NAN, |trip| comparison.change_percent(&trip))
+        };
+        let (n2, dp) = (change(PaperN2), change(DynamicProgramming));
+        println!("{:<10} {name:<26} {n2:>9.2} {dp:>9.2}", preset.name());
+    }
+}
+
+/// The road with grades off by 0.25 %, standard deviation.
+fn noisy(road: &Road) -> Road {
+    let mut rng = Pcg64::new(1, 1);
+    let mut uniform = || (rng.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
+    // Irwin and Hall: the sum of twelve has a variance of one.
+    let mut normal = || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+    let grades = road.grades().iter().map(|grade| grade + 0.0025 * normal()).collect();
+    Road::new(road.cell_m(), grades)
+}
+
+fn on(preset: Preset, road: &Road) -> Comparison {
+    Comparison::new(&Truck::preset(preset), road, SET_MPS).expect("the truck gets over this road")
+}

@@ -1,0 +1,82 @@
+//! The ego: a car or a truck.
+
+use crate::gateway::Actuation;
+use crate::longitudinal::{self, State};
+use crate::truck::{self, Truck};
+use serde::{Deserialize, Serialize};
+use shared::scenario::{Problem, Scenario};
+
+/// The ego vehicle.
+#[derive(Clone, Debug)]
+pub enum Ego {
+    /// Follows accelerations.
+    Car(longitudinal::Vehicle),
+    /// Has engine, gears and a road.
+    Truck(Box<Truck>),
+}
+
+/// What of the ego outlives the plant's process.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub enum Kept {
+    /// All of a car.
+    Car(longitudinal::Vehicle),
+    /// What moves of a truck.
+    Truck(truck::Kept),
+}
+
+impl Ego {
+    /// The ego of a scenario at its start.
+    ///
+    /// # Errors
+    /// When the scenario's road is none.
+    pub fn new(scenario: &Scenario) -> Result<Self, Problem> {
+        Ok(match Truck::new(scenario)? {
+            Some(truck) => Self::Truck(Box::new(truck)),
+            None => Self::Car(longitudinal::Vehicle::new(&scenario.plant)),
+        })
+    }
+
+    /// Goes on from what another process kept; what was kept of another kind of ego is passed over.
+    pub fn go_on_from(&mut self, kept: Kept) {
+        match (self, kept) {
+            (Self::Car(car), Kept::Car(kept)) => *car = kept,
+            (Self::Truck(truck), Kept::Truck(kept)) => truck.go_on_from(&kept),
+            _ => {}
+        }
+    }
+
+    /// What is to outlive this process.
+    #[must_use]
+    pub fn kept(&self) -> Kept {
+        match self {
+            Self::Car(car) => Kept::Car(car.clone()),
+            Self::Truck(truck) => Kept::Truck(truck.kept()),
+        }
+    }
+
+    /// Moves on by one period of the plant.
+    pub fn step(&mut self, actuation: &Actuation) {
+        match self {
+            Self::Car(car) => car.step(actuation.request_mps2),
+            Self::Truck(truck) => truck.step(actuation),
+        }
+    }
+
+    /// Present state of motion.
+    #[must_use]
+    pub fn state(&self) -> State {
+        match self {
+            Self::Car(car) => car.state(),
+            Self::Truck(truck) => truck.state(),
+        }
+    }
+
+    /// The truck, if it is one.
+    #[must_use]
+    pub fn truck(&self) -> Option<&Truck> {
+        match self {
+            Self::Car(_) => None,
+            Self::Truck(truck) => Some(truck),
+        }
+    }
+}

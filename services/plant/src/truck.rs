@@ -1,0 +1,247 @@
+//! The truck as the plant drives it: the model, the road under it, brakes with a lag, and the inner
+//! loop that turns an acceleration into torque.
+
+use crate::gateway::Actuation;
+use crate::longitudinal::State;
+use serde::{Deserialize, Serialize};
+use shared::road::GradeProfile;
+use shared::scenario::{Problem, Scenario};
+use truck_model::{Demand, FUEL_DENSITY_GPL, GRAVITY_MPS2, Motion, Preset, Truck as Model};
+
+/// A truck on its road.
+#[derive(Clone, Debug)]
+pub struct Truck {
+    /// As it is.
+    model: Model,
+    /// As its own inner loop believes it to be.
+    believed: Model,
+    road: GradeProfile,
+    motion: Motion,
+    substeps: u32,
+    step_s: f64,
+    brake_share: f64,
+    most_brake_n: f64,
+    brake_n: f64,
+    braked_s: f64,
+}
+
+/// What engine and gearbox do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Powertrain {
+    /// Gear, counted from 0.
+    pub gear: usize,
+    /// Time since the last shift began, s.
+    pub since_shift_s: f64,
+    /// Shifts so far.
+    pub shifts: u32,
+    /// Engine speed, rpm.
+    pub engine_speed_rpm: f64,
+    /// Torque at the crankshaft, N m.
+    pub engine_torque_nm: f64,
+    /// Force of the service brakes, N.
+    pub service_brake_n: f64,
+    /// Fuel flow, g/s.
+    pub fuel_gps: f64,
+    /// Fuel burnt, g.
+    pub fuel_g: f64,
+    /// Acceleration and the slope's share of gravity, m/s².
+    pub specific_force_mps2: f64,
+}
+
+/// What of a truck outlives the plant's process.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Kept {
+    motion: Motion,
+    brake_n: f64,
+    braked_s: f64,
+}
+
+impl Truck {
+    /// The truck of a scenario at its start; `None` when the ego is a car.
+    ///
+    /// # Errors
+    /// When the scenario's road is none.
+    pub fn new(scenario: &Scenario) -> Result<Option<Self>, Problem> {
+        let plant = &scenario.plant;
+        let Some(preset) = Preset::named(plant.vehicle.as_str()) else { return Ok(None) };
+        let road = scenario.road.profile()?;
+        let believed = Model::preset(preset);
+        let mass_kg = believed.parameters().mass_kg * plant.mass_factor.value();
+        let model = believed.with_mass_kg(mass_kg);
+        let motion = Motion::new(&model, 0.0, plant.initial_speed_mps.value(), road.grade(0.0));
+        let (period_ms, step_ms) = (plant.period_ms.value(), plant.integration_step_ms.value());
+        let step_s = 1e-3 * f64::from(step_ms);
+        let brake_share = 1.0 - libm::exp(-step_s / plant.actuator_time_constant_s.value());
+        let most_brake_n = -mass_kg * plant.min_acceleration_mps2.value();
+        Ok(Some(Self {
+            model,
+            believed,
+            road,
+            motion,
+            substeps: period_ms / step_ms,
+            step_s,
+            brake_share,
+            most_brake_n,
+            brake_n: 0.0,
+            braked_s: 0.0,
+        }))
+    }
+
+    /// Goes on from what another process kept.
+    pub fn go_on_from(&mut self, kept: &Kept) {
+        (self.motion, self.brake_n, self.braked_s) = (kept.motion, kept.brake_n, kept.braked_s);
+    }
+
+    /// What is to outlive this process.
+    #[must_use]
+    pub fn kept(&self) -> Kept {
+        Kept { motion: self.motion, brake_n: self.brake_n, braked_s: self.braked_s }
+    }
+
+    /// Moves on by one period of the plant.
+    pub fn step(&mut self, actuation: &Actuation) {
+        for _ in 0..self.substeps {
+            let (speed_mps, gear) = (self.motion.speed_mps, self.motion.gear);
+            let grade = self.road.grade(self.motion.position_m);
+            let wanted = match actuation.engine {
+                Some(engine) => Demand {
+                    engine_torque_nm: engine.torque_nm,
+                    service_brake_n: engine.service_brake_n,
+                    gear: engine.gear,
+                },
+                None => Demand::for_acceleration(
+                    &self.believed,
+                    actuation.request_mps2,
+                    speed_mps,
+                    gear,
+                    grade,
+                ),
+            };
+            let wanted_n = wanted.service_brake_n.min(self.most_brake_n);
+            self.brake_n += self.brake_share * (wanted_n - self.brake_n);
+            if wanted_n > 0.0 {
+                self.braked_s += self.step_s;
+            }
+            let demand = Demand { service_brake_n: self.brake_n, ..wanted };
+            self.motion.step(&self.model, self.step_s, &demand, grade);
+        }
+    }
+
+    /// Present state of motion.
+    #[must_use]
+    pub fn state(&self) -> State {
+        State {
+            position_m: self.motion.position_m,
+            speed_mps: self.motion.speed_mps,
+            acceleration_mps2: self.motion.acceleration_mps2,
+        }
+    }
+
+    /// What engine and gearbox do now.
+    #[must_use]
+    pub fn powertrain(&self) -> Powertrain {
+        let motion = &self.motion;
+        let grade = self.road.grade(motion.position_m);
+        let engine_speed_rpm = self.model.engine_rpm(motion.speed_mps, motion.gear);
+        Powertrain {
+            gear: motion.gear,
+            since_shift_s: motion.since_shift_s,
+            shifts: motion.shifts,
+            engine_speed_rpm,
+            engine_torque_nm: motion.engine_torque_nm,
+            service_brake_n: self.brake_n,
+            fuel_gps: self.model.engine().fuel_gps(engine_speed_rpm, motion.engine_torque_nm),
+            fuel_g: motion.fuel_g,
+            specific_force_mps2: motion.acceleration_mps2
+                + GRAVITY_MPS2 * grade / (1.0 + grade * grade).sqrt(),
+        }
+    }
+
+    /// Fuel over the way so far, L/100 km; `None` before the first metre.
+    #[must_use]
+    pub fn fuel_l_per_100km(&self) -> Option<f64> {
+        let driven_m = self.motion.position_m;
+        let litres = self.motion.fuel_g / FUEL_DENSITY_GPL;
+        (driven_m >= 1.0).then(|| litres / driven_m * 1e5)
+    }
+
+    /// Shifts so far.
+    #[must_use]
+    pub fn shifts(&self) -> u64 {
+        self.motion.shifts.into()
+    }
+
+    /// Time for which the service brakes were asked for, s.
+    #[must_use]
+    pub fn service_brake_s(&self) -> f64 {
+        self.braked_s
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gateway::{EngineRequest, Source};
+
+    fn truck(keys: &str) -> Truck {
+        let text = format!(
+            "schema_version = 1\nname = \"hills\"\nplant.vehicle = \"jh6-49t\"\n\
+             plant.initial_speed_mps = 20\n{keys}\n"
+        );
+        let scenario = Scenario::parse("hills", &text).expect("a right scenario");
+        Truck::new(&scenario).expect("a road").expect("a truck")
+    }
+
+    fn acceleration(request_mps2: f64) -> Actuation {
+        Actuation { request_mps2, source: Source::Command, limited: false, engine: None }
+    }
+
+    #[test]
+    fn the_inner_loop_gives_what_is_asked_for_on_any_grade() {
+        for grade in [-2.0, 0.0, 1.0] {
+            let mut truck = truck(&format!(
+                "road.points = [[0, 100], [400, {}], [800, {}]]",
+                100.0 + 4.0 * grade,
+                100.0 + 8.0 * grade
+            ));
+            for _ in 0..300 {
+                truck.step(&acceleration(-0.05));
+            }
+            assert!((truck.state().acceleration_mps2 + 0.05).abs() < 1e-3, "{grade}");
+            let felt = truck.powertrain().specific_force_mps2 - truck.state().acceleration_mps2;
+            assert!((felt / GRAVITY_MPS2 - grade / 100.0).abs() < 1e-5, "{grade}: {felt}");
+        }
+    }
+
+    #[test]
+    fn a_wrong_mass_is_felt() {
+        let mut right = truck("");
+        let mut heavy = truck("plant.mass_factor = 1.15");
+        for truck in [&mut right, &mut heavy] {
+            for _ in 0..300 {
+                truck.step(&acceleration(0.1));
+            }
+        }
+        assert!(heavy.state().acceleration_mps2 < 0.9 * right.state().acceleration_mps2);
+    }
+
+    #[test]
+    fn a_torque_below_drag_brakes_with_the_engine_alone_and_an_emergency_with_all() {
+        let mut truck = truck("");
+        let engine = EngineRequest { torque_nm: -1500.0, service_brake_n: 0.0, gear: None };
+        for _ in 0..200 {
+            truck.step(&Actuation { engine: Some(engine), ..acceleration(0.0) });
+        }
+        assert_eq!(truck.service_brake_s(), 0.0);
+        assert!(truck.state().acceleration_mps2 < -0.1);
+        assert_eq!(truck.powertrain().fuel_gps, 0.0);
+        let before_mps = truck.state().speed_mps;
+        for _ in 0..300 {
+            truck.step(&acceleration(-4.0));
+        }
+        let braked_mps = before_mps - truck.state().speed_mps;
+        // Three seconds, less the brakes' lag and what shifts take from the engine brake.
+        assert!((9.0..12.0).contains(&braked_mps), "{braked_mps}");
+        assert!(truck.service_brake_s() > 2.9);
+    }
+}

@@ -1,0 +1,12 @@
+//! The road that the ego drives on: how high it lies, and how steep it is.
+//!
+//! Plain data that every simulator of the environment agrees on: the plant feels the grade, the
+//! roadside unit announces it. A law hears of it through `v2x/preview` alone.
+
+mod builtin;
+mod generator;
+mod profile;
+
+pub use builtin::{BuiltinRoad, HILLS_60KM};
+pub use generator::{Alignment, generate};
+pub use profile::{Fault, GradeProfile, MAX_GRADE, MAX_POINTS, MAX_SPACING_M, Point};

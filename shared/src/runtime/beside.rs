@@ -1,0 +1,267 @@
+//! Work beside a loop: what takes longer than a cycle may, in a thread that is not real-time.
+//!
+//! A loop asks at a release, and the answer takes effect a fixed time later, at the release that is
+//! due then: in lockstep that release waits for it, so that the same run gives the same bytes; in
+//! realtime it takes what is there, and an answer that is not is late. The loop only ever *tries* the
+//! two locks of the handover, which the thread holds for a copy, and allocates nothing.
+
+use super::{Mode, Release, Runtime, RuntimeError, monotonic_ns};
+use crate::report::PlanningReport;
+use crate::statistics::Latencies;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// A thread that answers questions of type `Q` with `A`.
+#[derive(Debug)]
+pub struct Beside<Q, A> {
+    shared: Arc<Shared<Q, A>>,
+    thread: Option<JoinHandle<()>>,
+    mode: Mode,
+    delay_ns: i64,
+    /// When the answer to the open question takes effect, run time in ns.
+    due_ns: Option<i64>,
+    counted_late: bool,
+    asked: u64,
+    late: u64,
+    worked: Latencies,
+}
+
+#[derive(Debug)]
+struct Shared<Q, A> {
+    question: Mutex<Option<Q>>,
+    asked: Condvar,
+    answer: Mutex<Option<(A, i64)>>,
+    answered: Condvar,
+    closed: AtomicBool,
+}
+
+impl<Q: Send + 'static, A: Send + 'static> Beside<Q, A> {
+    /// Starts the thread `name`, which does `work`. Call it before [`Runtime::begin`]: the thread
+    /// must not inherit the loop's place on a core. Answers take effect `delay_ns` after the question.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Setup`] when there can be no thread.
+    pub fn start(
+        runtime: &Runtime,
+        name: &str,
+        delay_ns: i64,
+        work: impl FnMut(&Q) -> A + Send + 'static,
+    ) -> Result<Self, RuntimeError> {
+        Self::start_in(runtime.clock().mode(), name, delay_ns, work)
+    }
+
+    fn start_in(
+        mode: Mode,
+        name: &str,
+        delay_ns: i64,
+        work: impl FnMut(&Q) -> A + Send + 'static,
+    ) -> Result<Self, RuntimeError> {
+        let shared = Arc::new(Shared {
+            question: Mutex::new(None),
+            asked: Condvar::new(),
+            answer: Mutex::new(None),
+            answered: Condvar::new(),
+            closed: AtomicBool::new(false),
+        });
+        let theirs = Arc::clone(&shared);
+        let thread = std::thread::Builder::new()
+            .name(name.into())
+            .spawn(move || theirs.serve(work))
+            .map_err(|error| RuntimeError::Setup(format!("thread {name}: {error}")))?;
+        Ok(Self {
+            shared,
+            thread: Some(thread),
+            mode,
+            delay_ns,
+            due_ns: None,
+            counted_late: false,
+            asked: 0,
+            late: 0,
+            worked: Latencies::default(),
+        })
+    }
+
+    /// Whether a question is open.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.due_ns.is_some()
+    }
+
+    /// Asks. The question comes back when one is open already, or when the thread holds the handover.
+    ///
+    /// # Errors
+    /// The question, to be asked again at the next release.
+    pub fn ask(&mut self, release: &Release, question: Q) -> Result<(), Q> {
+        if self.is_busy() {
+            return Err(question);
+        }
+        match self.lock(&self.shared.question) {
+            Some(mut slot) => *slot = Some(question),
+            None => return Err(question),
+        }
+        self.shared.asked.notify_one();
+        self.due_ns = Some(release.scheduled_ns + self.delay_ns);
+        self.counted_late = false;
+        self.asked += 1;
+        Ok(())
+    }
+
+    /// The answer that takes effect at this release, if there is one.
+    pub fn answer(&mut self, release: &Release) -> Option<A> {
+        if self.due_ns.is_none_or(|due_ns| release.scheduled_ns < due_ns) {
+            return None;
+        }
+        let answer = match self.mode {
+            Mode::Realtime => self.lock(&self.shared.answer).and_then(|mut slot| slot.take()),
+            Mode::Lockstep => self.wait(),
+        };
+        let Some((answer, worked_ns)) = answer else {
+            self.late += u64::from(!self.counted_late);
+            self.counted_late = true;
+            return None;
+        };
+        self.worked.record_ns(worked_ns);
+        self.due_ns = None;
+        Some(answer)
+    }
+
+    /// What became of the questions so far.
+    #[must_use]
+    pub fn report(&self) -> PlanningReport {
+        PlanningReport {
+            asked: self.asked,
+            late: self.late,
+            deadline_us: self.delay_ns as f64 / 1e3,
+            plan_us: self.worked.percentiles_us(),
+        }
+    }
+
+    /// In realtime the loop does not wait, not even for a copy.
+    fn lock<'a, T>(&self, slot: &'a Mutex<T>) -> Option<MutexGuard<'a, T>> {
+        match self.mode {
+            Mode::Realtime => slot.try_lock().ok(),
+            Mode::Lockstep => Some(slot.lock().unwrap_or_else(PoisonError::into_inner)),
+        }
+    }
+
+    /// Waits for the answer; `None` if the thread died over it.
+    fn wait(&self) -> Option<(A, i64)> {
+        const LOOK: Duration = Duration::from_millis(100);
+        let mut slot = self.shared.answer.lock().unwrap_or_else(PoisonError::into_inner);
+        loop {
+            if let Some(answer) = slot.take() {
+                return Some(answer);
+            }
+            if self.thread.as_ref().is_none_or(JoinHandle::is_finished) {
+                return None;
+            }
+            let waited = self.shared.answered.wait_timeout(slot, LOOK);
+            slot = waited.unwrap_or_else(PoisonError::into_inner).0;
+        }
+    }
+}
+
+impl<Q, A> Shared<Q, A> {
+    fn serve(&self, mut work: impl FnMut(&Q) -> A) {
+        while let Some(question) = self.next() {
+            let begun = monotonic_ns();
+            let answer = work(&question);
+            let worked_ns = monotonic_ns() - begun;
+            *self.answer.lock().unwrap_or_else(PoisonError::into_inner) = Some((answer, worked_ns));
+            self.answered.notify_one();
+        }
+    }
+
+    fn next(&self) -> Option<Q> {
+        let mut slot = self.question.lock().unwrap_or_else(PoisonError::into_inner);
+        loop {
+            if self.closed.load(Ordering::Acquire) {
+                return None;
+            }
+            if let Some(question) = slot.take() {
+                return Some(question);
+            }
+            slot = self.asked.wait(slot).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+}
+
+impl<Q, A> Drop for Beside<Q, A> {
+    fn drop(&mut self) {
+        // Under the lock, so that a thread about to wait sees it.
+        let slot = self.shared.question.lock().unwrap_or_else(PoisonError::into_inner);
+        self.shared.closed.store(true, Ordering::Release);
+        drop(slot);
+        self.shared.asked.notify_one();
+        if let Some(thread) = self.thread.take() {
+            // A thread that panicked has said so.
+            let _ = thread.join();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::mpsc::channel;
+
+    const DELAY_NS: i64 = 200;
+
+    fn release(scheduled_ns: i64) -> Release {
+        Release { step: 0, time_s: 0.0, scheduled_ns, start_ns: scheduled_ns }
+    }
+
+    #[test]
+    fn in_lockstep_an_answer_takes_effect_exactly_when_it_is_due() {
+        let mut beside = Beside::start_in(Mode::Lockstep, "double", DELAY_NS, |x: &u32| {
+            std::thread::sleep(Duration::from_millis(5));
+            2 * x
+        })
+        .expect("a thread");
+        let mut heard = Vec::new();
+        for cycle in 0..6 {
+            let release = release(100 * cycle);
+            heard.push(beside.answer(&release));
+            if !beside.is_busy() {
+                beside.ask(&release, cycle as u32).expect("none is open");
+            }
+        }
+        assert_eq!(heard, [None, None, Some(0), None, Some(4), None]);
+        let report = beside.report();
+        assert_eq!((report.asked, report.late), (3, 0));
+        assert_eq!(report.plan_us.map(|took| took.count), Some(2));
+    }
+
+    #[test]
+    fn in_realtime_a_late_answer_is_counted_once_and_taken_when_it_comes() {
+        let (go, wait) = channel::<()>();
+        let mut beside = Beside::start_in(Mode::Realtime, "slow", DELAY_NS, move |x: &u32| {
+            let _ = wait.recv();
+            *x
+        })
+        .expect("a thread");
+        // The thread may just be looking for a question.
+        while beside.ask(&release(0), 7).is_err() {}
+        assert_eq!(beside.ask(&release(0), 8), Err(8), "one question at a time");
+        assert_eq!([100, 200, 300].map(|ns| beside.answer(&release(ns))), [None; 3]);
+        assert_eq!(beside.report().late, 1);
+        go.send(()).expect("the thread waits");
+        let answer = loop {
+            if let Some(answer) = beside.answer(&release(400)) {
+                break answer;
+            }
+        };
+        assert_eq!((answer, beside.report().late), (7, 1));
+    }
+
+    #[test]
+    fn a_thread_that_died_is_not_waited_for() {
+        let mut beside =
+            Beside::start_in(Mode::Lockstep, "dies", DELAY_NS, |x: &u32| 1 / (*x - *x))
+                .expect("a thread");
+        beside.ask(&release(0), 7).expect("none is open");
+        assert_eq!(beside.answer(&release(200)), None);
+    }
+}
