@@ -4,9 +4,10 @@
 use super::record::Record;
 use super::tally::Tally;
 use super::verdict::Verdict;
-use crate::report::chart::number;
-use crate::report::distributions;
+use crate::report::chart::{Stroke, Tone, number};
 use crate::report::html::{Cell, Column, Tile, document, figure, section, table, tiles};
+use crate::report::{Distribution, distributions};
+use shared::statistics::Latencies;
 
 /// Most failures that the page has; `campaign.json` has all.
 const MAX_FAILURES: usize = 100;
@@ -96,11 +97,23 @@ fn requirements(verdict: &Verdict) -> String {
 }
 
 fn pictures(times: &Times) -> String {
-    let named = [
-        ("until the supervisor knew", times.detection.clone()),
-        ("until the first fresh message", times.recovery.clone()),
-    ];
-    match distributions("From a process fault on", &named) {
+    let latencies = |times_us: &[f64]| {
+        let mut latencies = Latencies::default();
+        times_us.iter().for_each(|us| latencies.record_ns((us * 1e3) as i64));
+        latencies
+    };
+    let (detection, recovery) = (latencies(&times.detection), latencies(&times.recovery));
+    let drawn =
+        [("until the supervisor knew", &detection), ("until the first fresh message", &recovery)];
+    let drawn: Vec<_> = (drawn.into_iter().enumerate())
+        .map(|(index, (label, latencies))| Distribution {
+            label: format!("{label} (n = {})", latencies.count()),
+            tone: Tone::Series(index),
+            stroke: Stroke::Solid,
+            latencies,
+        })
+        .collect();
+    match distributions("From a process fault on", &drawn) {
         Some(plot) => figure(&plot),
         None => "<p class=\"quiet\">No process was harmed.</p>\n".to_owned(),
     }

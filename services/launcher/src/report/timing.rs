@@ -39,17 +39,28 @@ pub fn latencies(run: &RunPicture, count: u64) -> Option<Plot> {
     cumulative(&format!("Latency of each hop (n = {count})"), count, drawn.collect())
 }
 
-/// Distributions of named samples, µs; none without samples.
-pub fn distributions(title: &str, named: &[(&str, Vec<f64>)]) -> Option<Plot> {
-    let drawn = named.iter().enumerate().filter(|(_, (_, samples))| !samples.is_empty());
-    let drawn = drawn.map(|(index, (name, samples))| {
-        let mut latencies = Latencies::default();
-        samples.iter().for_each(|us| latencies.record_ns((us * 1e3) as i64));
+/// A distribution to be drawn.
+pub struct Distribution<'a> {
+    /// Name for the legend.
+    pub label: String,
+    /// Colour.
+    pub tone: Tone,
+    /// Stroke.
+    pub stroke: Stroke,
+    /// The samples.
+    pub latencies: &'a Latencies,
+}
+
+/// Distributions over each other; none without samples.
+pub fn distributions(title: &str, drawn: &[Distribution<'_>]) -> Option<Plot> {
+    let most = drawn.iter().map(|drawn| drawn.latencies.count()).max()?;
+    let drawn = drawn.iter().filter(|drawn| drawn.latencies.count() > 0);
+    let curves = drawn.map(|drawn| {
+        let latencies = drawn.latencies;
         let points = distribution(&latencies.quantile_curve(), latencies.count());
-        Curve::new(&format!("{name} (n = {})", latencies.count()), Tone::Series(index), points)
+        Curve::new(&drawn.label, drawn.tone, points).stroke(drawn.stroke)
     });
-    let most = named.iter().map(|(_, samples)| samples.len()).max().unwrap_or(0);
-    cumulative(title, most as u64, drawn.collect())
+    cumulative(title, most, curves.collect())
 }
 
 fn cumulative(title: &str, count: u64, drawn: Vec<Curve>) -> Option<Plot> {
