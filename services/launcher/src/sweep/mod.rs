@@ -82,7 +82,7 @@ pub fn run(arguments: &SweepArguments) -> Result<ExitCode, Error> {
     let written = output
         .write("sweep.csv", sweep.csv().as_bytes())
         .and_then(|()| output.write("sweep.json", json.as_bytes()))
-        .and_then(|()| output.write(report::FILE, page::page(&sweep, &params).as_bytes()));
+        .and_then(|()| output.write(report::FILE, page::page(&sweep).as_bytes()));
     // What an interrupt left undone is missing; what was done is kept.
     if end.is_ok() && arguments.json {
         print::out(&json);

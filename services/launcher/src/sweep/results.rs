@@ -4,38 +4,34 @@ use super::figure::{self, ALL, Values};
 use super::param::Param;
 use crate::error::Error;
 use crate::print;
-use crate::report::chart::{Axis, Curve, Plot, Stroke, Tone};
 use crate::summary::Summary;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use shared::report::Outcome;
 use shared::runtime::Mode;
 use std::fmt::Write;
 
-/// Most curves that a picture tells apart.
-const MAX_CURVES: usize = 8;
-
 /// The whole sweep.
 #[derive(Debug, serde::Serialize)]
 pub struct Sweep {
     schema_version: u32,
-    scenario: String,
-    mode: &'static str,
+    pub scenario: String,
+    pub mode: &'static str,
     /// Swept keys.
-    params: Vec<String>,
+    pub params: Vec<String>,
     /// The grid's points that were reached, in its order.
-    points: Vec<Point>,
+    pub points: Vec<Point>,
     /// Every run, in the grid's order.
     pub runs: Vec<Run>,
 }
 
 /// A point of the grid, folded over its seeds.
 #[derive(Debug, serde::Serialize)]
-struct Point {
-    values: Vec<String>,
-    seeds: usize,
+pub struct Point {
+    pub values: Vec<String>,
+    pub seeds: usize,
     /// Runs that reached the scenario's end.
-    completed: usize,
-    figures: Figures,
+    pub completed: usize,
+    pub figures: Figures,
 }
 
 /// One run.
@@ -51,7 +47,7 @@ pub struct Run {
 
 /// Figures by their names in results.
 #[derive(Clone, Copy, Debug, Default)]
-struct Figures(Values);
+pub struct Figures(pub Values);
 
 impl Serialize for Figures {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -125,108 +121,33 @@ impl Sweep {
         text
     }
 
-    /// The scenario.
-    pub fn scenario(&self) -> &str {
-        &self.scenario
-    }
-
-    /// Name of the clock.
-    pub fn mode(&self) -> &'static str {
-        self.mode
-    }
-
-    /// Headings, and one row per point. Columns in which nothing applies are left out.
-    pub fn cells(&self) -> (Vec<String>, Vec<Vec<String>>) {
+    /// One row per point, for people. Columns in which nothing applies are left out.
+    pub fn table(&self) -> String {
         let shown: Vec<_> = (0..ALL.len())
             .filter(|&index| self.points.iter().any(|point| point.figures.0[index].is_some()))
             .collect();
-        let headings = shown.iter().map(|&index| ALL[index].heading.to_owned());
-        let head = self.params.iter().cloned().chain(headings).chain(["outcome".into()]);
-        let runs = self.runs.chunk_by(|a, b| a.values == b.values);
-        let rows = self.points.iter().zip(runs).map(|(point, runs)| {
-            let figures = shown.iter().map(|&index| {
-                point.figures.0[index].map_or_else(|| "-".into(), |value| format!("{value:.2}"))
-            });
-            point.values.iter().cloned().chain(figures).chain([outcomes(runs)]).collect()
-        });
-        (head.collect(), rows.collect())
-    }
-
-    /// One row per point, for people.
-    pub fn table(&self) -> String {
-        let (head, rows) = self.cells();
         let seeds = self.points.iter().map(|point| point.seeds).max().unwrap_or(0);
         let of_seeds = if seeds > 1 { format!(", {seeds} seeds each") } else { String::new() };
         let mut text =
             format!("{} ({}): {} points{of_seeds}\n", self.scenario, self.mode, self.points.len());
-        let widths: Vec<_> = (head.iter().enumerate())
-            .map(|(index, heading)| match index {
-                index if index < self.params.len() => heading.chars().count().max(8),
-                _ => width(heading),
-            })
-            .collect();
-        for row in std::iter::once(&head).chain(&rows) {
-            let (outcome, cells) = row.split_last().expect("every row has an outcome");
-            for (cell, width) in cells.iter().zip(&widths) {
+        let mut row = |cells: Vec<String>, tail: String| {
+            let widths = self.params.iter().map(|key| key.chars().count().max(8));
+            let widths = widths.chain(shown.iter().map(|&index| width(ALL[index].heading)));
+            for (cell, width) in cells.iter().zip(widths) {
                 write!(text, "  {cell:>width$}").expect("a string takes all");
             }
-            writeln!(text, "  {outcome}").expect("a string takes all");
+            writeln!(text, "  {tail}").expect("a string takes all");
+        };
+        let headings = shown.iter().map(|&index| ALL[index].heading.to_owned());
+        row(self.params.iter().cloned().chain(headings).collect(), "outcome".into());
+        for (point, runs) in self.points.iter().zip(self.runs.chunk_by(|a, b| a.values == b.values))
+        {
+            let figures = shown.iter().map(|&index| {
+                point.figures.0[index].map_or_else(|| "-".into(), |value| format!("{value:.2}"))
+            });
+            row(point.values.iter().cloned().chain(figures).collect(), outcomes(runs));
         }
         text
-    }
-
-    /// The figures over the first key that is a number, a curve for each combination of the others;
-    /// nothing without such a key.
-    pub fn pictures(&self, params: &[Param]) -> Vec<Plot> {
-        let Some(place) = params.iter().position(|param| param.numbers().is_some()) else {
-            return Vec::new();
-        };
-        let x = |point: &Point| point.values[place].parse::<f64>().ok();
-        let places: Vec<f64> = self.points.iter().filter_map(x).collect();
-        let low = places.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        if low >= high {
-            return Vec::new();
-        }
-        let mut curves: Vec<(String, Vec<&Point>)> = Vec::new();
-        for point in &self.points {
-            let others = params.iter().zip(&point.values).enumerate();
-            let others = others.filter(|(index, _)| *index != place);
-            let name: Vec<_> =
-                others.map(|(_, (param, value))| format!("{}={value}", param.key)).collect();
-            let name = name.join(" ");
-            match curves.iter_mut().find(|(known, _)| *known == name) {
-                Some((_, points)) => points.push(point),
-                None => curves.push((name, vec![point])),
-            }
-        }
-        curves.truncate(MAX_CURVES);
-        let mut panels: Vec<(&str, Vec<Curve>)> = Vec::new();
-        for (index, figure) in ALL.iter().enumerate() {
-            for (number, (name, points)) in curves.iter().enumerate() {
-                let points = points.iter();
-                let points = points.filter_map(|point| x(point).zip(point.figures.0[index]));
-                let mut points: Vec<_> = points.collect();
-                if points.is_empty() {
-                    continue;
-                }
-                points.sort_by(|a, b| a.0.total_cmp(&b.0));
-                let name = format!("{} {name}", figure.name);
-                let curve = Curve::new(name.trim_end(), Tone::Series(number), points);
-                match panels.iter_mut().find(|(panel, _)| *panel == figure.panel) {
-                    // The second figure of a panel has the colours of the first.
-                    Some((_, curves)) => curves.push(curve.stroke(Stroke::Dashed)),
-                    None => panels.push((figure.panel, vec![curve])),
-                }
-            }
-        }
-        let panels = panels.into_iter();
-        panels
-            .map(|(panel, curves)| {
-                let (title, unit) = panel.split_once(", ").unwrap_or((panel, "number"));
-                Plot::over(title, Axis::linear(&params[place].key, low, high), unit, curves)
-            })
-            .collect()
     }
 }
 
@@ -253,6 +174,7 @@ fn outcomes(runs: &[Run]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sweep::page;
 
     fn run(value: &str, seed: u64, outcome: Outcome, gap_m: Option<f64>) -> Run {
         let mut figures = Figures::default();
@@ -301,14 +223,14 @@ mod tests {
     }
 
     #[test]
-    fn the_picture_is_over_the_first_key_that_is_a_number() {
-        let (sweep, params) = sweep();
-        let pictures = sweep.pictures(&params);
-        let gap = pictures.iter().find(|picture| picture.title == "smallest gap");
-        let gap = gap.expect("two points have a gap");
-        assert_eq!((gap.x.label.as_str(), gap.y.label.as_str()), ("runtime.extra_delay_ms", "m"));
-        assert_eq!(gap.curves[0].points, [(0.0, 7.0), (20.0, -0.1)]);
-        let words = [Param::parse("controller.name=a,b").expect("good")];
-        assert!(sweep.pictures(&words).is_empty());
+    fn the_pictures_are_over_the_first_key_that_is_a_number() {
+        let (sweep, _) = sweep();
+        let plots = page::plots(&sweep);
+        assert!(plots.iter().any(|plot| plot.title == "smallest gap" && plot.y.label == "m"));
+        assert!(plots.iter().all(|plot| plot.x.label == "runtime.extra_delay_ms"));
+        let params = [Param::parse("controller.name=a,b").expect("good")];
+        let runs =
+            vec![run("a", 1, Outcome::Completed, None), run("b", 1, Outcome::Completed, None)];
+        assert!(page::plots(&Sweep::new("x", Mode::Lockstep, &params, runs)).is_empty());
     }
 }
