@@ -3,6 +3,7 @@
 use crate::group::{FaultRecord, Moment};
 use serde::Serialize;
 use shared::messages::Diagnostics;
+use shared::rung::Rung;
 use shared::statistics::{Latencies, Percentiles};
 use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, TrySendError};
@@ -26,6 +27,8 @@ pub struct Frame {
     pub mode: String,
     /// Quality of its last command.
     pub quality: &'static str,
+    /// Rung of the controller on the degradation ladder.
+    pub rung: &'static str,
     /// Radar acquisition to the controller's answer, over the whole run, µs.
     pub answer_us: Option<Percentiles>,
     /// What went wrong since the last frame.
@@ -81,6 +84,7 @@ pub struct LiveFeed {
     last: Point,
     mode: Option<u32>,
     quality: u32,
+    rung: Rung,
 }
 
 impl LiveFeed {
@@ -98,6 +102,7 @@ impl LiveFeed {
             last: Point::default(),
             mode: None,
             quality: 0,
+            rung: Rung::Full,
         }
     }
 
@@ -129,6 +134,7 @@ impl LiveFeed {
         for cycle in &cycles[self.cycles..] {
             self.answers_of(cycle);
             (self.mode, self.quality) = (Some(cycle.mode), cycle.quality);
+            self.rung = Rung::from_wire(cycle.rung).unwrap_or(self.rung);
         }
         let mut truths = truths[self.truths..].iter().peekable();
         let mut requests = cycles[self.cycles..].iter().peekable();
@@ -165,6 +171,7 @@ impl LiveFeed {
             points,
             mode: self.mode.map_or_else(String::new, |mode| self.mode_name(mode)),
             quality: ["full", "relaxed", "backup"][self.quality.min(2) as usize],
+            rung: self.rung.name(),
             answer_us: self.answers.percentiles_us(),
             events,
         }

@@ -161,11 +161,14 @@ fn state(history: &History) -> Vec<Line<'static>> {
     vec![
         Line::raw(format!("speed {:.1} m/s, gap {gap}", point.speed_mps)),
         Line::raw(format!("mode  {}", newest.mode)),
-        Line::raw(format!("commands  {}", newest.quality)),
+        Line::raw(format!("rung  {}, commands {}", newest.rung, newest.quality)),
         Line::raw(answer),
         Line::raw(worst),
     ]
 }
+
+/// A named curve with its colour.
+type Strand<'a> = (&'a str, Color, Vec<(f64, f64)>);
 
 /// A strip chart of named curves over the window.
 fn strip(
@@ -173,7 +176,7 @@ fn strip(
     area: Rect,
     history: &History,
     title: &str,
-    curves: &[(&str, Color, Vec<(f64, f64)>)],
+    curves: &[Strand<'_>],
 ) {
     let (from, to) = history.window();
     let values = || curves.iter().flat_map(|curve| &curve.2).map(|point| point.1);
@@ -223,6 +226,7 @@ mod tests {
             points: points.collect(),
             mode: "follow".into(),
             quality: "full",
+            rung: "lead-predicted",
             events: vec![LiveEvent { t_s: 3.25, what: "kill controller".into() }],
             ..Frame::default()
         });
@@ -244,7 +248,7 @@ mod tests {
             "gap, m",
             "acceleration, m/s²",
             "mode  follow",
-            "commands  full",
+            "rung  lead-predicted, commands full",
             "3.250 s  kill controller",
             "q ends the run",
         ] {

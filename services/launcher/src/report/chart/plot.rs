@@ -270,7 +270,7 @@ mod tests {
             assert!(drawn.len() > 50, "{svg}");
             for (x, y) in drawn {
                 assert!(x >= LEFT - 0.1 && x <= width.px() - RIGHT + 0.1, "{x}");
-                assert!(y >= TOP - 0.1 && y <= TOP + 180.1, "{y}");
+                assert!((TOP - 0.1..=TOP + 180.1).contains(&y), "{y}");
             }
         }
     }
