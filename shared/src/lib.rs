@@ -8,11 +8,12 @@
 //! * [`runtime`]: a service's life: its ports, its releases on either clock, its scheduling
 //! * [`rung`]: the degradation ladder
 //! * [`report`]: what a service tells the launcher when it ends
-//! * [`statistics`]: histograms and percentiles
+//! * [`statistics`]: histograms and percentiles, [`histogram_log`]: histograms as files
 //! * [`scenario`]: scenario files
 //! * [`road`]: grade profiles
 
 pub mod e2e;
+pub mod histogram_log;
 pub mod messages;
 pub mod report;
 pub mod road;

@@ -2,14 +2,14 @@
 
 mod chains;
 
-pub use chains::{HopTimes, Hops, WorstChain};
+pub use chains::{ChainCurves, HopTimes, Hops, WorstChain};
 
 use crate::Service;
 use crate::e2e::Outcomes;
 use crate::rung::Rungs;
 use crate::runtime::Befallen;
 use crate::runtime::scheduling::Granted;
-use crate::statistics::Percentiles;
+use crate::statistics::{Latencies, Percentiles};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -154,6 +154,10 @@ pub struct PlantReport {
     pub worst_chains: Vec<WorstChain>,
     /// Commands that the scenario's misses and jitter kept from the actuators.
     pub undelivered_commands: u64,
+    /// Whole distributions of the reaction time and its parts.
+    pub curves: ChainCurves,
+    /// Histograms of the reaction time, the data age and the parts, by their names.
+    pub histograms: BTreeMap<String, Latencies>,
 }
 
 /// How a run ended.

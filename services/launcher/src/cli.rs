@@ -1,11 +1,13 @@
 //! The command line.
 
+use crate::live::LiveOptions;
 use crate::recordings::diff::DiffArguments;
 use crate::recordings::export::ExportArguments;
 use crate::recordings::info::InfoArguments;
 use crate::recordings::layouts::LayoutsArguments;
 use crate::recordings::recover::RecoverArguments;
 use crate::recordings::replay::ReplayArguments;
+use crate::trace::TraceArguments;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use shared::Service;
 use std::path::PathBuf;
@@ -30,6 +32,8 @@ pub enum Command {
     Run(RunArguments),
     /// Run a paper's scenarios in lockstep and print its published figures beside ours
     Reproduce(ReproduceArguments),
+    /// Latency, jitter and deadline misses, beside the machine's own floor
+    Bench(crate::bench::BenchArguments),
     /// Controllers side by side on the same scenarios
     Compare(CompareArguments),
     /// Many seeded runs with faults, and one verdict
@@ -48,6 +52,8 @@ pub enum Command {
     Diff(DiffArguments),
     /// Print the messages' layouts for Python or C
     Layouts(LayoutsArguments),
+    /// A recorded run as a trace for Perfetto
+    Trace(TraceArguments),
     /// Design a controller offline (cargo feature `synthesize`)
     Synthesize(SynthesizeArguments),
     /// What this machine grants, what the rest costs, and the command that mends it
@@ -77,6 +83,8 @@ pub struct RunArguments {
     /// Directory for the results [default: runs/<time>-<scenario>]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub live: LiveOptions,
     /// Keep no recording of the topics
     #[arg(long)]
     pub no_record: bool,

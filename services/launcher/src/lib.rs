@@ -1,6 +1,7 @@
 //! The `timegap` command: an adaptive-cruise stack as real processes over shared memory.
 
 mod batch;
+mod bench;
 mod campaign;
 mod cli;
 mod compare;
@@ -9,14 +10,17 @@ mod error;
 mod group;
 mod inject;
 mod list;
+mod live;
 mod output;
 mod print;
 mod recordings;
+mod report;
 mod reproduce;
 mod run;
 mod summary;
 mod sweep;
 mod synthesize;
+mod trace;
 mod trajectory;
 
 use clap::Parser;
@@ -37,6 +41,7 @@ pub fn main() -> ExitCode {
     let result = match command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
+        Command::Bench(arguments) => bench::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Campaign(arguments) => campaign::run(&arguments),
         Command::Sweep(arguments) => sweep::run(&arguments),
@@ -46,6 +51,7 @@ pub fn main() -> ExitCode {
         Command::Replay(arguments) => recordings::replay::run(&arguments),
         Command::Diff(arguments) => recordings::diff::run(&arguments),
         Command::Layouts(arguments) => recordings::layouts::run(&arguments),
+        Command::Trace(arguments) => trace::run(&arguments),
         Command::Synthesize(arguments) => synthesize::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
         Command::Inject(arguments) => inject::run(&arguments),
@@ -67,6 +73,12 @@ fn service(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
         return match arguments.arguments.as_slice() {
             [root] => Ok(group::run_janitor(Path::new(root))),
             _ => Err(Error::Usage("the janitor needs the root of a run".into())),
+        };
+    }
+    if arguments.name == "bench" {
+        return match arguments.arguments.as_slice() {
+            [root, job] => bench::run_peer(Path::new(root), job),
+            _ => Err(Error::Usage("a process of `timegap bench` needs its root and job".into())),
         };
     }
     if arguments.name == "hog" {

@@ -3,8 +3,10 @@
 use crate::cli::{GroupOptions, RunArguments, ScenarioOptions};
 use crate::error::Error;
 use crate::group::{Ended, GroupOutcome, Launch, Moment, launch};
+use crate::live::Live;
 use crate::output::OutputDirectory;
-use crate::summary::Summary;
+use crate::report::{self, RunPicture};
+use crate::summary::{self, Summary};
 use crate::{print, trajectory};
 use controller::laws;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -23,22 +25,40 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     let output = OutputDirectory::create(arguments.out.as_deref(), scenario.name.as_str())?;
     output.write("scenario.toml", scenario.to_toml().as_bytes())?;
 
-    let bar = progress_bar(&scenario, arguments.json);
+    let mut live = Live::open(&arguments.live, &scenario)?;
+    let bar = progress_bar(&scenario, arguments.json || arguments.live.watch);
     let keep = Keep {
         live_file: Some(output.path().join("live.json")),
         recording: (!arguments.no_record).then(|| output.path().join(recorder::FILE)),
     };
     let result = drive(&scenario, mode, &arguments.group, Some(keep), &mut |moment| {
         bar.set_position(moment.time_ns.unsigned_abs() / 1_000_000);
+        live.look(moment);
     });
     bar.finish_and_clear();
+    let summary = result
+        .as_ref()
+        .map(|group| Summary::new(&scenario, mode, group, begun.elapsed()))
+        .map_err(ToString::to_string);
+    live.end(&match &summary {
+        Ok(summary) => print::outcome(summary),
+        Err(why) => why.clone(),
+    });
     let group = result?;
-
-    let summary = Summary::new(&scenario, mode, &group, begun.elapsed());
+    let summary = summary.expect("a run that succeeded has one");
     let json = serde_json::to_string_pretty(&summary).expect("a summary is plain data");
     let figures = laws::figure_names(&scenario);
     let written = output.write("summary.json", (json.clone() + "\n").as_bytes()).and_then(|()| {
         output.write("trajectory.csv", trajectory::csv(&group.drive, figures).as_bytes())
+    });
+    let written = written.and_then(|()| match mode {
+        Mode::Realtime => output.write_histograms(&summary::histograms(&group)),
+        // Simulated time has no latencies of its own.
+        Mode::Lockstep => Ok(()),
+    });
+    let written = written.and_then(|()| {
+        let page = report::run_page(&scenario, &summary, &RunPicture::of(&scenario, &group));
+        output.write(report::FILE, page.as_bytes())
     });
     for (service, line) in &group.wrote {
         eprintln!("{service}: {line}");
@@ -47,7 +67,8 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
         print::out(&(json + "\n"));
     } else {
         let results = format!("  {:<14} {}\n", "results", output.path().display());
-        print::out(&(print::summary(&summary) + &results));
+        let page = format!("  {:<14} {}\n", "report", output.path().join(report::FILE).display());
+        print::out(&(print::summary(&summary) + &results + &page));
     }
     // What was measured has been told before a full disk is.
     written?;

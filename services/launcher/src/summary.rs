@@ -1,7 +1,7 @@
 //! `summary.json`: stable names for what a run measured. A figure that does not apply is null.
 
 use crate::group::{Drive, Ended, FaultRecord, GroupOutcome, RecordingSummary};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use shared::Service;
 use shared::e2e::Outcomes;
 use shared::report::{
@@ -12,7 +12,7 @@ use shared::rung::Rungs;
 use shared::runtime::Mode;
 use shared::runtime::scheduling::Granted;
 use shared::scenario::Scenario;
-use shared::statistics::Percentiles;
+use shared::statistics::{Latencies, Percentiles};
 use std::collections::BTreeMap;
 use std::time::Duration;
 
@@ -103,7 +103,7 @@ pub struct ServiceSummary {
     pub scheduling: Option<Granted>,
 }
 
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Host {
     pub cpus: usize,
     pub kernel: String,
@@ -203,6 +203,13 @@ fn outcome(ended: &Ended, plant: Option<&PlantReport>) -> (Outcome, Option<Strin
             (Outcome::Aborted, Some(format!("{service} ended before its time: {how}")))
         }
     }
+}
+
+/// The histograms that the plant brought back, by name; none if it brought no report.
+pub fn histograms(group: &GroupOutcome) -> Vec<(String, Latencies)> {
+    let plant = group.reports.get(&Service::Plant).and_then(plant_details);
+    let histograms = plant.into_iter().flat_map(|plant| &plant.histograms);
+    histograms.map(|(name, histogram)| (name.clone(), histogram.clone())).collect()
 }
 
 fn plant_details(report: &ServiceReport) -> Option<&PlantReport> {

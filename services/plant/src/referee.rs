@@ -87,7 +87,7 @@ pub struct Referee {
 
 /// The gap that the scenario's law aims at, as far as the scenario tells.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-enum DesiredGap {
+pub enum DesiredGap {
     /// t_h v + d_b of the start, frozen, m.
     Frozen(f64),
     /// t_h v + d_b: t_h in s, d_b in m.
@@ -97,7 +97,9 @@ enum DesiredGap {
 }
 
 impl DesiredGap {
-    fn of(scenario: &Scenario) -> Self {
+    /// The one of a scenario.
+    #[must_use]
+    pub fn of(scenario: &Scenario) -> Self {
         let controller = &scenario.controller;
         let headway_s = controller.time_headway_s.value();
         let standstill_m = controller.standstill_distance_m.value();
@@ -117,7 +119,9 @@ impl DesiredGap {
         }
     }
 
-    fn at(self, speed_mps: f64) -> Option<f64> {
+    /// At a speed of the ego, m.
+    #[must_use]
+    pub fn at(self, speed_mps: f64) -> Option<f64> {
         match self {
             Self::Frozen(gap_m) => Some(gap_m),
             Self::Headway(headway_s, standstill_m) => Some(headway_s * speed_mps + standstill_m),

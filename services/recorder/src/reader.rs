@@ -96,7 +96,7 @@ pub struct Record<'a> {
 }
 
 impl Record<'_> {
-    /// The message's header.
+    /// The header that every message starts with.
     #[must_use]
     pub fn header(&self) -> Header {
         bytemuck::pod_read_unaligned(&self.bytes[..size_of::<Header>()])

@@ -33,7 +33,7 @@ pub fn monotonic_ns() -> i64 {
 }
 
 /// Sleeps until `CLOCK_MONOTONIC` reads `instant_ns`, or a signal arrives.
-pub(super) fn sleep_until(instant_ns: i64) {
+pub fn sleep_until(instant_ns: i64) {
     let until = Timespec {
         tv_sec: instant_ns.div_euclid(1_000_000_000),
         tv_nsec: instant_ns.rem_euclid(1_000_000_000),

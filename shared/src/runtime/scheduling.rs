@@ -44,8 +44,8 @@ pub struct Request {
 }
 
 impl Request {
-    /// What the scenario asks for `service`: without a core of its choice, the controller gets the
-    /// last core that this process may use and the others the first.
+    /// What the scenario asks for `service`. Without a core of its choice it shares the last core that
+    /// this process may use with the others ([`crate::scenario::runtime`] says why).
     #[must_use]
     pub fn of(scenario: &Scenario, service: Service) -> Self {
         let services = &scenario.runtime.services;
@@ -55,14 +55,13 @@ impl Request {
             Service::V2xSim => (services.v2x_sim, services.v2x_sim_priority()),
             Service::Controller => (services.controller, services.controller_priority()),
         };
-        let usable = usable_cores();
-        let default = if service == Service::Controller { usable.last() } else { usable.first() };
+        let default = usable_cores().last().copied();
         Self {
             policy: match scenario.runtime.scheduling {
                 Scheduling::Fifo => Policy::Fifo(priority),
                 Scheduling::Other => Policy::Other,
             },
-            core: placement.core.map(|core| core.value().into()).or(default.copied()),
+            core: placement.core.map(|core| core.value().into()).or(default),
             lock_memory: scenario.runtime.lock_memory,
         }
     }

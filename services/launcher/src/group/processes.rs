@@ -202,7 +202,8 @@ impl Janitor {
     }
 }
 
-pub(super) fn this_program(arguments: &[&str]) -> Result<Command, Error> {
+/// This program again, with other arguments.
+pub fn this_program(arguments: &[&str]) -> Result<Command, Error> {
     let program = std::env::current_exe()
         .map_err(|e| Error::Machine(format!("cannot find this program's own file: {e}")))?;
     // A new build may have replaced the file meanwhile.

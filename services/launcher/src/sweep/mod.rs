@@ -5,6 +5,7 @@
 
 mod figure;
 mod param;
+mod plot;
 mod results;
 
 use crate::batch::{self, Job};

@@ -2,9 +2,9 @@
 
 use super::figure::{self, ALL, Values};
 use super::param::Param;
+use super::plot::{Curve, chart_over};
 use crate::error::Error;
 use crate::print;
-use crate::reproduce::plot::{Curve, chart_over};
 use crate::summary::Summary;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use shared::report::Outcome;

@@ -3,12 +3,12 @@
 //! The page gives the figure in words; the scenario's road and lead are laid out after them. Each
 //! point is one or two rows.
 
-use super::pictures::{height, over_distance};
+use super::pictures::{height, over, over_distance};
 use crate::error::Error;
-use crate::group::DriveStep;
-use crate::reproduce::plot::{Curve, Plots, chart_over};
+use crate::group::{DriveStep, PowertrainStep};
+use crate::report::chart::{Curve, Tone};
 use crate::reproduce::row::Row;
-use crate::reproduce::{Driven, Runner};
+use crate::reproduce::{Driven, Gallery, Runner};
 use shared::report::Outcome;
 use truck_model::{FUEL_DENSITY_GPL, Preset, Truck};
 
@@ -22,14 +22,10 @@ const LEAD_BRAKES_S: f64 = 96.0;
 /// Shortest headway, s.
 const MIN_HEADWAY_S: f64 = 1.0;
 
-pub fn reproduce(
-    runner: &mut Runner<'_>,
-    rows: &mut Vec<Row>,
-    plots: &mut Plots,
-) -> Result<(), Error> {
+pub fn reproduce(runner: &mut Runner<'_>, rows: &mut Vec<Row>) -> Result<(), Error> {
     let figure = runner.drive("truck-follow", &[])?;
     rows.extend(points(&figure));
-    plots.push(("predictive-follow.svg".into(), picture(&figure)));
+    runner.pictures.push(picture(&figure));
     traffic(runner, rows)?;
     for preset in Preset::ALL {
         let vehicle = format!("plant.vehicle=\"{}\"", preset.name());
@@ -173,30 +169,36 @@ fn mean(
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
-fn picture(driven: &Driven) -> String {
-    let curve = |name, value: &dyn Fn(&DriveStep) -> Option<f64>| {
-        Curve::new(name, over_distance(driven, FIGURE_M, value))
+fn picture(driven: &Driven) -> Gallery {
+    let curve = |index, name, value: &dyn Fn(&DriveStep) -> Option<f64>| {
+        Curve::new(name, Tone::Series(index), over_distance(driven, FIGURE_M, value))
     };
-    let powertrain = |value: fn(&crate::group::PowertrainStep) -> f64| {
+    let powertrain = |value: fn(&PowertrainStep) -> f64| {
         move |step: &DriveStep| step.powertrain.as_ref().map(value)
     };
-    chart_over(
-        "Predictive cruise: following",
-        "distance, km",
-        (0.0, FIGURE_M / 1e3),
-        &[
-            ("height, m", vec![Curve::new("road", height(&driven.scenario, FIGURE_M))]),
-            (
-                "speed, km/h",
-                vec![
-                    curve("truck", &|step| Some(3.6 * step.speed_mps)),
-                    curve("vehicle ahead", &|step| step.lead_speed_mps.map(|v| 3.6 * v)),
-                ],
+    let road = Curve::new("road", Tone::Muted, height(&driven.scenario, FIGURE_M));
+    let truck = curve(0, "truck", &|step| Some(3.6 * step.speed_mps));
+    let ahead = curve(1, "vehicle ahead", &|step| step.lead_speed_mps.map(|v| 3.6 * v));
+    let gear = curve(0, "gear", &powertrain(|p| p.gear.into())).steps();
+    Gallery {
+        heading: "Following".into(),
+        plots: vec![
+            over("Height", FIGURE_M, "m", vec![road]),
+            over("Speed", FIGURE_M, "km/h", vec![truck, ahead]),
+            over("Gap", FIGURE_M, "m", vec![curve(0, "gap", &|step| step.gap_m)]),
+            over(
+                "Engine torque",
+                FIGURE_M,
+                "N m",
+                vec![curve(0, "torque", &powertrain(|p| p.engine_torque_nm))],
             ),
-            ("gap, m", vec![curve("gap", &|step| step.gap_m)]),
-            ("engine torque, N m", vec![curve("torque", &powertrain(|p| p.engine_torque_nm))]),
-            ("gear (of the top six)", vec![curve("gear", &powertrain(|p| p.gear.into()))]),
-            ("fuel, L", vec![curve("fuel", &powertrain(|p| p.fuel_g / FUEL_DENSITY_GPL))]),
+            over("Gear, of the top six", FIGURE_M, "", vec![gear]),
+            over(
+                "Fuel",
+                FIGURE_M,
+                "L",
+                vec![curve(0, "fuel", &powertrain(|p| p.fuel_g / FUEL_DENSITY_GPL))],
+            ),
         ],
-    )
+    }
 }

@@ -1,9 +1,12 @@
 //! `timegap compare`: controllers side by side on the same scenarios.
 
+mod page;
+
 use crate::batch::{self, Job};
 use crate::cli::{CompareArguments, ScenarioOptions};
 use crate::error::Error;
 use crate::output::OutputDirectory;
+use crate::report::{self, RunPicture};
 use crate::summary::{Control, Timing};
 use crate::{print, run};
 use serde::Serialize;
@@ -26,6 +29,8 @@ struct Row {
     outcome: Outcome,
     control: Control,
     timing: Timing,
+    #[serde(skip)]
+    picture: RunPicture,
 }
 
 /// Runs the command.
@@ -53,7 +58,8 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
     let at_once = batch::at_once(None, mode);
     let mut rows: Vec<_> = jobs.iter().map(|_| None).collect();
     batch::run(&jobs, at_once, &arguments.group, &bar, &mut |index, result| {
-        let summary = result?.summary;
+        let done = result?;
+        let summary = done.summary;
         rows[index] = Some(Row {
             scenario: summary.scenario,
             controller: summary.controller,
@@ -61,6 +67,7 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
             outcome: summary.outcome,
             control: summary.control,
             timing: summary.timing,
+            picture: RunPicture::of_drive(&jobs[index].scenario, &done.drive),
         });
         Ok(())
     })?;
@@ -69,13 +76,17 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
     let whole = rows.iter().all(|row| row.outcome == Outcome::Completed);
     let comparison = Comparison { schema_version: 1, rows };
     let json = serde_json::to_string_pretty(&comparison).expect("plain data");
-    output.write("compare.json", (json.clone() + "\n").as_bytes())?;
+    let written = output.write("compare.json", (json.clone() + "\n").as_bytes());
+    let written =
+        written.and_then(|()| output.write(report::FILE, page::page(&comparison.rows).as_bytes()));
     if arguments.json {
         print::out(&(json + "\n"));
     } else {
         print::out(&table(&comparison.rows));
         print::out(&format!("results: {}\n", output.path().display()));
+        print::out(&format!("report:  {}\n", output.path().join(report::FILE).display()));
     }
+    written?;
     Ok(if whole { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 

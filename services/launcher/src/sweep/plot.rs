@@ -2,9 +2,6 @@
 
 use plotters::prelude::*;
 
-/// Files to be written: name and contents.
-pub type Plots = Vec<(String, String)>;
-
 /// Width of a picture, pixels.
 const WIDTH: u32 = 900;
 /// Height of a panel, pixels.
@@ -23,12 +20,6 @@ impl Curve {
     pub fn new(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
         Self { name: name.into(), points }
     }
-}
-
-/// Draws panels over time in s, each with the label of its axis and its curves, one above the other.
-pub fn chart(title: &str, panels: &[(&str, Vec<Curve>)]) -> String {
-    let (_, until) = extent(panels);
-    chart_over(title, "time, s", (0.0, until.max(1.0)), panels)
 }
 
 /// Draws panels over the named axis, which goes from the first to the second of `ends`.
@@ -95,14 +86,6 @@ fn draw(
     Ok(())
 }
 
-/// Least and greatest place on the axis that a curve has a point at.
-fn extent(panels: &[(&str, Vec<Curve>)]) -> (f64, f64) {
-    let points = panels.iter().flat_map(|(_, curves)| curves).flat_map(|curve| &curve.points);
-    points.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), point| {
-        (low.min(point.0), high.max(point.0))
-    })
-}
-
 /// Range of the values with a margin, never empty.
 fn range(curves: &[Curve]) -> (f64, f64) {
     // Room for the legend above the curves.
@@ -124,8 +107,10 @@ mod tests {
     #[test]
     fn a_picture_has_its_labels_and_survives_empty_and_constant_curves() {
         let constant = Curve::new("flat", vec![(0.0, 3.0), (5.0, 3.0)]);
-        let picture = chart(
+        let picture = chart_over(
             "A title",
+            "time, s",
+            (0.0, 5.0),
             &[
                 ("speed, km/h", vec![constant, Curve::new("nothing", Vec::new())]),
                 ("mode", vec![Curve::new("nothing", Vec::new())]),
