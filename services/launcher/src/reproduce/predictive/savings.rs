@@ -108,7 +108,7 @@ fn constant_speed(
     wrong: &[&str],
 ) -> Result<(Option<Trip>, Driven), Error> {
     let driven = drive(runner, preset, "constant-speed", 1.0, wrong)?;
-    Ok((Trip::of(preset, &driven), driven))
+    Ok((Trip::of(preset, &driven.drive.steps), driven))
 }
 
 /// Drives at mean speeds that approach the baseline's trip time; the last trip.
@@ -123,7 +123,7 @@ fn at_equal_time(
     let mut attempt = 1;
     loop {
         let driven = drive(runner, preset, planner, mean_speed, wrong)?;
-        let trip = Trip::of(preset, &driven);
+        let trip = Trip::of(preset, &driven.drive.steps);
         let Some((trip, baseline)) = trip.zip(baseline.copied()) else { return Ok((trip, driven)) };
         let slower_percent = trip.slower_than(&baseline);
         if slower_percent.abs() <= 0.5 * EQUAL_TIME_PERCENT || attempt == MAX_ATTEMPTS {
