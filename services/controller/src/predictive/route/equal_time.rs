@@ -6,75 +6,94 @@ use super::Trip;
 pub const EQUAL_TIME: f64 = 1e-3;
 /// Difference that is good enough to stop looking.
 const CLOSE: f64 = 1e-4;
-/// Trips at most.
-const ATTEMPTS: usize = 20;
+/// Trips within the range at most.
+const ATTEMPTS: usize = 18;
 /// How often the range is moved on when the trip is not in it.
 const WIDENINGS: usize = 3;
 /// Trips nearby when the one that is wanted was jumped over, and how far apart, as a share of the range.
 const NEARBY: u32 = 16;
 const NEAR: f64 = 0.01;
 
-/// The trip whose time is nearest to `time_s`, within [`EQUAL_TIME`]; `trip(x)` is faster for a larger
-/// x, at least on the whole. It is looked for between the bounds first, then beyond. `None` when no such trip was found.
+/// The trip whose time is nearest to `time_s`, within [`EQUAL_TIME`].
+///
+/// `trip(x)` is faster for a larger x, at least on the whole; without a trip (the truck got stuck) x was too
+/// small. It is looked for between the bounds first, then beyond.
 pub fn at_equal_time(
     time_s: f64,
-    (mut low, mut high): (f64, f64),
-    mut trip: impl FnMut(f64) -> Option<Trip>,
+    (low, high): (f64, f64),
+    trip: impl FnMut(f64) -> Option<Trip>,
 ) -> Option<Trip> {
-    let mut best: Option<(f64, f64, Trip)> = None;
-    let mut look = |x: f64| {
-        let found = trip(x)?;
-        let late = found.time_s / time_s - 1.0;
-        if best.as_ref().is_none_or(|(off, ..)| late.abs() < *off) {
-            best = Some((late.abs(), x, found));
-        }
-        Some(late)
-    };
-    let span = high - low;
-    let (mut late_low, mut late_high) = (look(low)?, look(high)?);
-    for _ in 0..WIDENINGS {
-        if late_high > 0.0 {
-            (low, late_low) = (high, late_high);
-            high += span;
-            late_high = look(high)?;
-        } else if late_low < 0.0 {
-            (high, late_high) = (low, late_low);
-            low -= span;
-            late_low = look(low)?;
-        }
-    }
-    for attempt in 2..ATTEMPTS {
-        if late_low.abs().min(late_high.abs()) < CLOSE || late_low <= late_high {
-            break;
-        }
-        // False position; a bisection now and then, since trip time is not smooth in x.
-        let share = late_low / (late_low - late_high);
-        let share = if attempt % 3 == 2 && attempt > 2 { 0.5 } else { share.clamp(0.05, 0.95) };
-        let x = low + share * (high - low);
-        let late = look(x)?;
-        if late.abs() < CLOSE {
-            break;
-        }
-        if late > 0.0 {
-            (low, late_low) = (x, late);
-        } else {
-            (high, late_high) = (x, late);
-        }
-    }
-    // Trip time jumped over the one that is wanted: another decision somewhere. Nearby there are others.
-    let (mut off, x) = best.as_ref().map(|(off, x, _)| (*off, *x))?;
-    for step in 1..=NEARBY {
-        if off <= EQUAL_TIME {
+    let mut search = Search { time_s, trip, best: None };
+    let x = search.bracketed(low, high);
+    // Trip time may jump over the one that is wanted: somewhere another decision was taken. Nearby there
+    // are others.
+    for step in 0..NEARBY {
+        if search.found() {
             break;
         }
         let side = if step % 2 == 0 { 1.0 } else { -1.0 };
-        let found = trip(x + side * span * NEAR * f64::from(step.div_ceil(2)))?;
-        off = (found.time_s / time_s - 1.0).abs();
-        if off <= EQUAL_TIME {
-            best = Some((off, x, found));
-        }
+        search.late(x + side * NEAR * (high - low) * f64::from(1 + step / 2));
     }
-    best.filter(|(off, ..)| *off <= EQUAL_TIME).map(|(.., trip)| trip)
+    search.best.filter(|(off, _)| *off <= EQUAL_TIME).map(|(_, trip)| trip)
+}
+
+struct Search<F> {
+    time_s: f64,
+    trip: F,
+    /// How far off the best trip's time is, and the trip.
+    best: Option<(f64, Trip)>,
+}
+
+impl<F: FnMut(f64) -> Option<Trip>> Search<F> {
+    /// How late the trip is, relative; a truck that gets stuck is very late.
+    fn late(&mut self, x: f64) -> f64 {
+        let Some(found) = (self.trip)(x) else { return 1.0 };
+        let late = found.time_s / self.time_s - 1.0;
+        if self.best.as_ref().is_none_or(|(off, _)| late.abs() < *off) {
+            self.best = Some((late.abs(), found));
+        }
+        late
+    }
+
+    fn found(&self) -> bool {
+        self.best.as_ref().is_some_and(|(off, _)| *off <= EQUAL_TIME)
+    }
+
+    /// False position; the x where it ended.
+    fn bracketed(&mut self, mut low: f64, mut high: f64) -> f64 {
+        let span = high - low;
+        let (mut late_low, mut late_high) = (self.late(low), self.late(high));
+        for _ in 0..WIDENINGS {
+            if late_high > 0.0 {
+                (low, late_low) = (high, late_high);
+                high += span;
+                late_high = self.late(high);
+            } else if late_low < 0.0 {
+                (high, late_high) = (low, late_low);
+                low -= 0.5 * span;
+                late_low = self.late(low);
+            }
+        }
+        for attempt in 0..ATTEMPTS {
+            if late_low.abs().min(late_high.abs()) < CLOSE || late_low <= late_high {
+                break;
+            }
+            // A bisection now and then, since trip time is not smooth in x.
+            let share = late_low / (late_low - late_high);
+            let share = if attempt % 3 == 2 { 0.5 } else { share.clamp(0.05, 0.95) };
+            let x = low + share * (high - low);
+            let late = self.late(x);
+            if late > 0.0 {
+                (low, late_low) = (x, late);
+            } else {
+                (high, late_high) = (x, late);
+            }
+            if late.abs() < CLOSE {
+                break;
+            }
+        }
+        if late_low.abs() < late_high.abs() { low } else { high }
+    }
 }
 
 #[cfg(test)]
