@@ -2,13 +2,14 @@
 
 mod chains;
 
-pub use chains::{HopTimes, Hops, WorstChain};
+pub use chains::{ChainCurves, HopTimes, Hops, WorstChain};
 
 use crate::Service;
 use crate::e2e::Outcomes;
+use crate::rung::Rungs;
 use crate::runtime::Befallen;
 use crate::runtime::scheduling::Granted;
-use crate::statistics::Percentiles;
+use crate::statistics::{Latencies, Percentiles};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -72,7 +73,7 @@ pub enum Details {
     /// Nothing more.
     None,
     /// From the controller.
-    Controller(ControllerReport),
+    Controller(Box<ControllerReport>),
     /// From the plant.
     Plant(Box<PlantReport>),
 }
@@ -94,6 +95,8 @@ pub struct ControllerReport {
     pub planning: Option<PlanningReport>,
     /// Changes of the law's mode.
     pub mode_changes: Vec<ModeChange>,
+    /// The controller's way on the degradation ladder.
+    pub rungs: Rungs,
 }
 
 /// How the planning beside a control loop kept up with it.
@@ -133,6 +136,10 @@ pub struct PlantReport {
     pub duration_s: f64,
     /// Figures of the drive.
     pub control: ControlFigures,
+    /// The plant's way on the degradation ladder.
+    pub rungs: Rungs,
+    /// Longest time between two commands that the gateway accepted, µs.
+    pub max_command_gap_us: Option<f64>,
     /// Radar acquisition to the first actuation that uses it.
     pub reaction_time_us: Option<Percentiles>,
     /// Every actuation back to the radar acquisition behind it.
@@ -145,6 +152,12 @@ pub struct PlantReport {
     pub hops_us: Hops,
     /// The chains with the longest reaction times, longest first.
     pub worst_chains: Vec<WorstChain>,
+    /// Commands that the scenario's misses and jitter kept from the actuators.
+    pub undelivered_commands: u64,
+    /// Whole distributions of the reaction time and its parts.
+    pub curves: ChainCurves,
+    /// Histograms of the reaction time, the data age and the parts, by their names.
+    pub histograms: BTreeMap<String, Latencies>,
 }
 
 /// How a run ended.
@@ -168,14 +181,21 @@ pub enum Outcome {
 pub struct ControlFigures {
     /// Smallest gap to a vehicle in lane, m.
     pub min_gap_m: Option<f64>,
+    /// Root mean square over time of the gap's distance from the desired one, while a vehicle ahead
+    /// was within the radar's range, m.
+    pub rms_gap_error_m: Option<f64>,
+    /// Largest magnitude of that distance, m.
+    pub max_abs_gap_error_m: Option<f64>,
     /// Smallest time to collision, s.
     pub min_ttc_s: Option<f64>,
-    /// Desired minus real gap at the end, m.
+    /// Real minus desired gap at the end, m.
     pub final_gap_error_m: Option<f64>,
     /// Ego minus lead speed at the end, or minus the set speed without a lead, m/s.
     pub final_speed_error_mps: Option<f64>,
     /// Largest magnitude of the jerk, m/s³.
     pub max_abs_jerk_mps3: Option<f64>,
+    /// Root mean square of the jerk over time, m/s³.
+    pub rms_jerk_mps3: Option<f64>,
     /// Smallest acceleration, m/s².
     pub min_accel_mps2: Option<f64>,
     /// Largest acceleration, m/s².

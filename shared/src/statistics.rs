@@ -9,7 +9,9 @@ const HIGHEST_NS: u64 = 60_000_000_000;
 /// A histogram of durations, allocated once: recording allocates nothing.
 ///
 /// High dynamic range from 1 ns to 60 s with two significant decimal digits.
-#[derive(Clone, Debug)]
+/// Serialized as pairs of a duration and its count.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Vec<(u64, u64)>", into = "Vec<(u64, u64)>")]
 pub struct Latencies(Histogram<u64>);
 
 impl Default for Latencies {
@@ -20,16 +22,48 @@ impl Default for Latencies {
     }
 }
 
+impl From<Latencies> for Vec<(u64, u64)> {
+    fn from(latencies: Latencies) -> Self {
+        let recorded = latencies.0.iter_recorded();
+        recorded.map(|value| (value.value_iterated_to(), value.count_at_value())).collect()
+    }
+}
+
+impl From<Vec<(u64, u64)>> for Latencies {
+    fn from(pairs: Vec<(u64, u64)>) -> Self {
+        let mut latencies = Self::default();
+        for (duration_ns, count) in pairs {
+            latencies.0.saturating_record_n(duration_ns, count);
+        }
+        latencies
+    }
+}
+
 impl Latencies {
     /// Records one duration, ns; a negative one counts as zero.
     pub fn record_ns(&mut self, duration_ns: i64) {
         self.0.saturating_record(u64::try_from(duration_ns).unwrap_or(0));
     }
 
+    pub(crate) fn histogram(&self) -> &Histogram<u64> {
+        &self.0
+    }
+
     /// Number of recorded durations.
     #[must_use]
     pub fn count(&self) -> u64 {
         self.0.len()
+    }
+
+    /// The whole distribution, as a curve; empty if nothing was recorded.
+    #[must_use]
+    pub fn quantile_curve(&self) -> QuantileCurve {
+        // Ten points between the median and the next quarter, the next eighth, and so on.
+        let points = self
+            .0
+            .iter_quantiles(10)
+            .map(|point| (point.quantile(), point.value_iterated_to() as f64 / 1e3));
+        points.collect()
     }
 
     /// Percentiles in microseconds; `None` if nothing was recorded.
@@ -50,6 +84,10 @@ impl Latencies {
         })
     }
 }
+
+/// A distribution by its quantiles: (share of the samples, value in µs) in rising order, finer
+/// towards the tail.
+pub type QuantileCurve = Vec<(f64, f64)>;
 
 /// Percentiles of a distribution and the number of samples behind them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -85,6 +123,32 @@ mod tests {
         assert!(near(p.p50, 5_000.0) && near(p.p90, 9_000.0) && near(p.p99, 9_900.0), "{p:?}");
         assert!(near(p.p999, 9_990.0) && near(p.p9999, 9_999.0) && near(p.max, 1e4), "{p:?}");
         assert_eq!(p.count, 10_000);
+    }
+
+    #[test]
+    fn the_curve_rises_to_the_largest_sample() {
+        let mut latencies = Latencies::default();
+        assert!(latencies.quantile_curve().is_empty());
+        for us in 1..=1_000 {
+            latencies.record_ns(us * 1_000);
+        }
+        let curve = latencies.quantile_curve();
+        assert!(curve.windows(2).all(|pair| pair[0].0 <= pair[1].0 && pair[0].1 <= pair[1].1));
+        let median = curve.iter().find(|point| point.0 >= 0.5).map(|point| point.1);
+        assert!(median.is_some_and(|us| (us - 500.0).abs() <= 5.0), "{median:?}");
+        assert!(curve.last().is_some_and(|last| last.0 == 1.0 && (last.1 - 1000.0).abs() <= 10.0));
+    }
+
+    #[test]
+    fn a_histogram_survives_its_journey() {
+        let mut latencies = Latencies::default();
+        for k in 0..1000_i64 {
+            latencies.record_ns(k * k * k);
+        }
+        let text = serde_json::to_string(&latencies).expect("plain data");
+        let back: Latencies = serde_json::from_str(&text).expect("our own");
+        assert_eq!(back.count(), 1000);
+        assert_eq!(back.percentiles_us(), latencies.percentiles_us());
     }
 
     #[test]

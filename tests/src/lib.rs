@@ -1,5 +1,7 @@
 //! What the whole-system tests share: a command in a corner of its own, and what it leaves there.
 
+pub mod python;
+
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};

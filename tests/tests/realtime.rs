@@ -12,7 +12,7 @@ fn number(value: &Value) -> f64 {
 #[test]
 fn a_realtime_run_is_measured_whole() {
     let corner = Corner::new(PROGRAM);
-    let summary = corner.json(&["run", "--duration", "3"]);
+    let summary = corner.json(&["run", "--duration", "3", "--out", "out"]);
     assert_eq!(summary["outcome"], "completed");
     assert_eq!(summary["mode"], "realtime");
     for (topic, counts) in summary["messages"].as_object().expect("topics") {
@@ -28,6 +28,18 @@ fn a_realtime_run_is_measured_whole() {
     assert!(count > 0 && count <= cycles);
     for hop in ["radar_to_controller", "controller_compute", "controller_to_plant"] {
         assert_eq!(timing["hops_us"][hop]["count"].as_u64(), Some(count), "every chain has {hop}");
+    }
+    for (figure, percentiles) in timing["hops_us"].as_object().expect("hops").iter().chain([
+        (&"designed".to_owned(), &timing["designed_wait_us"]),
+        (&"net".to_owned(), &timing["net_reaction_us"]),
+    ]) {
+        assert_eq!(percentiles["count"].as_u64(), Some(count), "every chain has {figure}");
+    }
+    worst_chains_are_whole(timing);
+    let log = std::fs::read_to_string(corner.path().join("out/histograms.hlog")).expect("written");
+    for name in ["reaction_time", "data_age", "net_reaction", "radar_transport", "actuate"] {
+        let tag = format!("Tag={name},");
+        assert_eq!(log.lines().filter(|line| line.starts_with(&tag)).count(), 1, "{name}");
     }
     // The plant looks ten times for each command.
     assert!(timing["data_age_us"]["count"].as_u64() > Some(count));
@@ -48,6 +60,26 @@ fn a_realtime_run_is_measured_whole() {
             assert!(!scheduling["refused"].as_array().expect("a list").is_empty(), "{service}");
         }
     }
+}
+
+/// The longest chains come first, and each is the sum of its parts, stamp for stamp.
+fn worst_chains_are_whole(timing: &Value) {
+    let chains = timing["worst_chains"].as_array().expect("a list");
+    let count = timing["reaction_time_us"]["count"].as_u64().expect("counted");
+    assert_eq!(chains.len() as u64, count.min(10));
+    let reaction = |chain: &Value| number(&chain["reaction_time_us"]);
+    assert!(chains.windows(2).all(|pair| reaction(&pair[0]) >= reaction(&pair[1])));
+    for chain in chains {
+        let sum: f64 = chain["hops_us"].as_object().expect("parts").values().map(number).sum();
+        assert!((sum - reaction(chain)).abs() < 1e-3, "{chain}");
+        let designed = number(&chain["designed_wait_us"]);
+        assert!((0.0..=reaction(chain)).contains(&designed), "{chain}");
+        assert!(number(&chain["radar_age_us"]) <= reaction(chain), "{chain}");
+        assert!(chain["voluntary_switches"].is_u64() && chain["minor_faults"].is_u64());
+    }
+    // The longest is the largest that the histogram holds, to its two digits.
+    let max = number(&timing["reaction_time_us"]["max"]);
+    assert!((reaction(&chains[0]) - max).abs() <= max * 0.02, "{max} {}", chains[0]);
 }
 
 #[test]

@@ -38,8 +38,9 @@ fn six_mode() {
     rows.iter().for_each(consistent);
     assert!(ok, "{rows:#?}");
     assert_eq!(rows.iter().filter(|row| row["unit"] == "s").count(), 6, "six switches");
-    let picture = std::fs::read_to_string(corner.path().join("out/six-mode.svg")).expect("drawn");
-    assert!(picture.contains("speed, km/h") && picture.contains("vehicle ahead"));
+    let picture = std::fs::read_to_string(corner.path().join("out/report.html")).expect("drawn");
+    assert!(picture.contains("switch.6-1_s"), "every row is on the page");
+    assert!(picture.contains("<svg") && picture.contains("vehicle ahead"));
 }
 
 #[test]

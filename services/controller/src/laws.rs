@@ -65,6 +65,12 @@ pub fn figure_names(scenario: &Scenario) -> &'static [&'static str] {
     build(scenario).map_or(&[], |law| law.figure_names())
 }
 
+/// Names of the modes of the scenario's law.
+#[must_use]
+pub fn mode_names(scenario: &Scenario) -> &'static [&'static str] {
+    build(scenario).map_or(&[], |law| law.mode_names())
+}
+
 fn predictive(which: cacc::Controller, controller: &Controller) -> Result<Box<dyn Law>, Problem> {
     let config = predictive_config(controller)?;
     match cacc::build(which, &config) {

@@ -4,6 +4,7 @@
 //! names. The loop ([`run`]) samples the topics ([`sampling`]), asks the law and publishes.
 
 pub mod cacc;
+pub mod ladder;
 pub mod law;
 pub mod laws;
 mod planning;

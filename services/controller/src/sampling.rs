@@ -6,6 +6,7 @@ use crate::law::{
 use crate::predictive;
 use shared::messages::{Map, Odometry, PhaseState, Powertrain, Preview, RadarTracks, Signal, Spat};
 use shared::scenario::Scenario;
+use shared::scenario::controller::ControllerName;
 
 /// A stop line is forgotten when it is this far behind, m.
 const PASSED_M: f64 = 50.0;
@@ -19,6 +20,8 @@ pub struct Setting {
     pub set_speed_mps: f64,
     /// Legal limit, m/s, infinite when unknown.
     pub speed_limit_mps: f64,
+    /// Whether the law filters the radar itself, and so is told gap and relative speed as measured.
+    pub raw_target: bool,
 }
 
 impl Setting {
@@ -29,6 +32,7 @@ impl Setting {
             period_s: f64::from(scenario.controller.period_ms.value()) / 1e3,
             set_speed_mps: scenario.set_speed_mps.value(),
             speed_limit_mps: scenario.speed_limit_mps.map_or(f64::INFINITY, |v| v.value()),
+            raw_target: scenario.controller.name == ControllerName::Predictive,
         }
     }
 }
@@ -50,16 +54,28 @@ pub struct Samples<'a> {
     pub preview: Option<&'a Preview>,
 }
 
+/// How far announced signal timing may be believed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SignalTrust {
+    /// All of it, at its likely times.
+    Announced,
+    /// As far as it holds without another announcement: up to the earliest end of the first interval
+    /// whose end is not certain.
+    Proven,
+    /// Nothing: all phases are unknown.
+    None,
+}
+
 /// What the law is told at `time_s`. Without odometry the ego is taken to stand at the origin.
 #[must_use]
-pub fn input(setting: &Setting, samples: &Samples<'_>, time_s: f64) -> Input {
+pub fn input(setting: &Setting, samples: &Samples<'_>, trust: SignalTrust, time_s: f64) -> Input {
     let ego = samples.odometry.map_or_else(Ego::default, |odometry| ego_at(odometry, time_s));
     Input {
         time_s,
         period_s: setting.period_s,
         ego,
-        target: samples.radar.and_then(|radar| target_at(radar, time_s)),
-        signals: signals_ahead(samples, &ego, time_s),
+        target: samples.radar.and_then(|radar| target_at(radar, setting.raw_target, time_s)),
+        signals: signals_ahead(samples, &ego, trust, time_s),
         powertrain: samples.powertrain.map(|powertrain| powertrain_at(powertrain, samples, time_s)),
         preview: samples.preview.map(preview),
         set_speed_mps: setting.set_speed_mps,
@@ -104,14 +120,21 @@ fn ego_at(odometry: &Odometry, time_s: f64) -> Ego {
     Ego { position_m, speed_mps, acceleration_mps2: odometry.acceleration_mps2 }
 }
 
-/// The target at constant relative speed since the sample.
-fn target_at(radar: &RadarTracks, time_s: f64) -> Option<Target> {
+/// The target at constant relative speed since the sample: as measured where `raw` and the scan has
+/// it, as tracked otherwise. Two filters in a row would see a lead brake too late.
+fn target_at(radar: &RadarTracks, raw: bool, time_s: f64) -> Option<Target> {
     let target = &radar.target;
     let age_s = age_s(radar.header.acquisition_ns, time_s);
+    let count = usize::try_from(radar.count).map_or(0, |count| count.min(radar.tracks.len()));
+    let measured = radar.tracks[..count].iter().find(|track| raw && track.in_path != 0);
+    let (gap_m, relative_speed_mps) = measured
+        .map_or((target.gap_m, target.relative_speed_mps), |track| {
+            (track.range_m, track.range_rate_mps)
+        });
     (target.valid != 0).then_some(Target {
         track_id: target.track_id,
-        gap_m: target.gap_m + target.relative_speed_mps * age_s,
-        relative_speed_mps: target.relative_speed_mps,
+        gap_m: gap_m + relative_speed_mps * age_s,
+        relative_speed_mps,
         acceleration_mps2: target.acceleration_mps2,
         age_s,
     })
@@ -121,6 +144,7 @@ fn target_at(radar: &RadarTracks, time_s: f64) -> Option<Target> {
 fn signals_ahead(
     samples: &Samples<'_>,
     ego: &Ego,
+    trust: SignalTrust,
     time_s: f64,
 ) -> [Option<SignalAhead>; MAX_SIGNALS] {
     let mut ahead = [None; MAX_SIGNALS];
@@ -144,7 +168,7 @@ fn signals_ahead(
             ..SignalAhead::default()
         };
         if let Some(timing) = timing {
-            announce(timing, time_s, &mut signal);
+            announce(timing, trust, time_s, &mut signal);
         }
         *place = Some(signal);
     }
@@ -153,18 +177,33 @@ fn signals_ahead(
 
 /// The intervals that have not ended yet. What ends before its announced successor begins to be
 /// known leaves the phase unknown: it is never guessed.
-fn announce(timing: &Signal, time_s: f64, signal: &mut SignalAhead) {
-    let count = usize::try_from(timing.count).map_or(0, |n| n.min(timing.intervals.len()));
-    let left = timing.intervals[..count].iter().filter(|i| i.likely_end_s > time_s + 1e-9);
-    for (place, interval) in signal.intervals[..MAX_PHASES].iter_mut().zip(left) {
-        *place = PhaseInterval {
+fn announce(timing: &Signal, trust: SignalTrust, time_s: f64, signal: &mut SignalAhead) {
+    let count = match trust {
+        SignalTrust::None => 0,
+        _ => usize::try_from(timing.count).map_or(0, |n| n.min(timing.intervals.len())),
+    };
+    let mut intervals = timing.intervals[..count].iter();
+    let mut certain = true;
+    while let Some(interval) = intervals.next()
+        && certain
+        && signal.count < MAX_PHASES
+    {
+        let mut end_s = interval.likely_end_s;
+        if trust == SignalTrust::Proven {
+            certain = interval.min_end_s >= interval.max_end_s;
+            end_s = interval.min_end_s;
+        }
+        if end_s <= time_s + 1e-9 {
+            continue;
+        }
+        signal.intervals[signal.count] = PhaseInterval {
             phase: match PhaseState::from_wire(interval.state) {
                 PhaseState::Unavailable => Phase::Unknown,
                 PhaseState::StopAndRemain => Phase::Red,
                 PhaseState::ProtectedMovementAllowed => Phase::Green,
                 PhaseState::ProtectedClearance => Phase::Yellow,
             },
-            ends_in_s: interval.likely_end_s - time_s,
+            ends_in_s: end_s - time_s,
         };
         signal.count += 1;
     }
@@ -176,8 +215,12 @@ mod tests {
     use bytemuck::Zeroable;
     use shared::messages::{Interval, Lane};
 
-    const SETTING: Setting =
-        Setting { period_s: 0.1, set_speed_mps: 20.0, speed_limit_mps: f64::INFINITY };
+    const SETTING: Setting = Setting {
+        period_s: 0.1,
+        set_speed_mps: 20.0,
+        speed_limit_mps: f64::INFINITY,
+        raw_target: false,
+    };
 
     #[test]
     fn motion_is_brought_to_the_release_and_braking_ends_at_standstill() {
@@ -186,9 +229,9 @@ mod tests {
         (odometry.position_m, odometry.speed_mps) = (10.0, 2.0);
         odometry.acceleration_mps2 = -4.0;
         let samples = Samples { odometry: Some(&odometry), ..Samples::default() };
-        let soon = input(&SETTING, &samples, 1.25).ego;
+        let soon = input(&SETTING, &samples, SignalTrust::Announced, 1.25).ego;
         assert_eq!((soon.position_m, soon.speed_mps), (10.375, 1.0));
-        let late = input(&SETTING, &samples, 9.0).ego;
+        let late = input(&SETTING, &samples, SignalTrust::Announced, 9.0).ego;
         assert_eq!((late.position_m, late.speed_mps), (10.5, 0.0));
     }
 
@@ -198,11 +241,19 @@ mod tests {
         radar.target.valid = 1;
         (radar.target.gap_m, radar.target.relative_speed_mps) = (40.0, -10.0);
         let samples = Samples { radar: Some(&radar), ..Samples::default() };
-        let target = input(&SETTING, &samples, 0.2).target.expect("valid");
+        let target = input(&SETTING, &samples, SignalTrust::Announced, 0.2).target.expect("valid");
         assert_eq!((target.gap_m, target.age_s), (38.0, 0.2));
+        // As measured, for a law with a filter of its own.
+        radar.count = 2;
+        radar.tracks[1].in_path = 1;
+        (radar.tracks[1].range_m, radar.tracks[1].range_rate_mps) = (41.0, -9.0);
+        let samples = Samples { radar: Some(&radar), ..Samples::default() };
+        let raw = Setting { raw_target: true, ..SETTING };
+        let target = input(&raw, &samples, SignalTrust::Announced, 0.2).target.expect("valid");
+        assert_eq!((target.gap_m, target.relative_speed_mps), (39.2, -9.0));
         radar.target.valid = 0;
         let samples = Samples { radar: Some(&radar), ..Samples::default() };
-        assert_eq!(input(&SETTING, &samples, 0.2).target, None);
+        assert_eq!(input(&raw, &samples, SignalTrust::Announced, 0.2).target, None);
     }
 
     #[test]
@@ -220,7 +271,12 @@ mod tests {
             preview: Some(&preview),
             ..Samples::default()
         };
-        let input = input(&Setting { speed_limit_mps: 30.0, ..SETTING }, &samples, 0.0);
+        let input = input(
+            &Setting { speed_limit_mps: 30.0, ..SETTING },
+            &samples,
+            SignalTrust::Announced,
+            0.0,
+        );
         let felt = input.powertrain.expect("a truck");
         assert_eq!(felt.gear, 5);
         assert!((felt.grade - 0.03 / (1.0_f64 - 0.03 * 0.03).sqrt()).abs() < 1e-12);
@@ -242,10 +298,43 @@ mod tests {
         map.count = 1;
         map.lanes[0] = Lane { stop_line_m: 80.0, ..Lane::zeroed() };
         let samples = Samples { spat: Some(&spat), map: Some(&map), ..Samples::default() };
-        let at = |time_s| input(&SETTING, &samples, time_s).signals[0].expect("in the map");
+        let at = |time_s| {
+            let input = input(&SETTING, &samples, SignalTrust::Announced, time_s);
+            input.signals[0].expect("in the map")
+        };
         assert_eq!((at(1.0).count, at(1.0).intervals[0].phase), (2, Phase::Green));
         assert_eq!(at(1.0).intervals[0].ends_in_s, 4.0);
         assert_eq!((at(5.0).count, at(5.0).intervals[0].phase), (1, Phase::Red));
         assert_eq!((at(9.5).count, at(9.5).intervals[0].phase), (0, Phase::Unknown));
+    }
+    #[test]
+    fn without_renewal_only_what_is_certain_is_believed() {
+        let mut spat = Spat::zeroed();
+        spat.count = 1;
+        spat.signals[0].count = 3;
+        let ends = [(6, 5.0, 5.0), (8, 7.0, 9.0), (3, 20.0, 20.0)];
+        for (place, (state, min_end_s, max_end_s)) in ends.into_iter().enumerate() {
+            let likely_end_s = 0.5 * (min_end_s + max_end_s);
+            let interval =
+                Interval { state, min_end_s, likely_end_s, max_end_s, ..Interval::zeroed() };
+            spat.signals[0].intervals[place] = interval;
+        }
+        let mut map = Map::zeroed();
+        map.count = 1;
+        map.lanes[0] = Lane { stop_line_m: 80.0, ..Lane::zeroed() };
+        let samples = Samples { spat: Some(&spat), map: Some(&map), ..Samples::default() };
+        let at = |trust, time_s| {
+            let signal = input(&SETTING, &samples, trust, time_s).signals[0].expect("in the map");
+            signal.intervals[..signal.count]
+                .iter()
+                .map(|i| (i.phase, i.ends_in_s))
+                .collect::<Vec<_>>()
+        };
+        let all = [(Phase::Green, 4.0), (Phase::Yellow, 7.0), (Phase::Red, 19.0)];
+        assert_eq!(at(SignalTrust::Announced, 1.0), all);
+        assert_eq!(at(SignalTrust::Proven, 1.0), [(Phase::Green, 4.0), (Phase::Yellow, 6.0)]);
+        assert_eq!(at(SignalTrust::Proven, 6.0), [(Phase::Yellow, 1.0)]);
+        assert_eq!(at(SignalTrust::Proven, 8.0), [], "whether it is red already is not certain");
+        assert_eq!(at(SignalTrust::None, 1.0), []);
     }
 }

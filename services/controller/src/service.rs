@@ -1,5 +1,6 @@
 //! The control loop: sample, decide, publish.
 
+use crate::ladder::{Admission, Ages, Ladder};
 use crate::law::{Input, Law, MAX_PLAN, Output, Quality};
 use crate::planning::PlanningThread;
 use crate::sampling::{Samples, Setting, input};
@@ -8,6 +9,7 @@ use shared::messages::{
     Preview, RadarTracks, ServiceState, Spat,
 };
 use shared::report::{ControllerReport, Details, ModeChange};
+use shared::rung::{Rung, RungLog};
 use shared::runtime::{
     Cycle, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber, Usage, monotonic_ns,
 };
@@ -34,7 +36,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     runtime.begin(&scenario)?;
     runtime.run_cycles(|runtime| controller.cycle(runtime))?;
     let report = controller.report(runtime.skipped());
-    runtime.finish(Details::Controller(report))
+    runtime.finish(Details::Controller(Box::new(report)))
 }
 
 /// A mode change as the loop keeps it.
@@ -70,6 +72,10 @@ struct Loop {
     command: Publisher<Command>,
     diagnostics: Publisher<Diagnostics>,
     output: Output,
+    ladder: Ladder,
+    rungs: RungLog,
+    /// The last command came from the ladder, not from the law.
+    braked: bool,
     solve: Latencies,
     deadline_misses: u64,
     relaxed: u64,
@@ -115,6 +121,9 @@ impl Loop {
             command: runtime.publisher()?,
             diagnostics: runtime.publisher()?,
             output,
+            ladder: Ladder::new(scenario),
+            rungs: RungLog::default(),
+            braked: false,
             solve: Latencies::default(),
             deadline_misses: 0,
             relaxed: 0,
@@ -151,13 +160,30 @@ impl Loop {
             powertrain: self.truck.as_ref().and_then(|truck| truck.powertrain.newest()),
             preview: self.truck.as_ref().and_then(|truck| truck.preview.newest()),
         };
-        let input = input(&self.setting, &samples, release.time_s);
-        if let Some(planning) = &mut self.planning {
-            planning.before_step(self.law.as_mut(), &release);
+        let trust = self.ladder.look(&self.ages(release.time_s), release.time_s);
+        let mut input = input(&self.setting, &samples, trust, release.time_s);
+        let admission = self.ladder.admit(&mut input);
+        match admission {
+            Admission::Law => {
+                if self.braked {
+                    // What it remembers is of before.
+                    self.law.reset();
+                }
+                if let Some(planning) = &mut self.planning {
+                    planning.before_step(self.law.as_mut(), &release);
+                }
+                let begun = monotonic_ns();
+                self.law.step(&input, &mut self.output);
+                self.solve.record_ns(monotonic_ns() - begun);
+            }
+            Admission::Brake => self.ladder.brake(self.setting.period_s, &mut self.output),
+            Admission::Silence => {
+                self.rungs.observe(release.time_s, self.ladder.rung());
+                runtime.end_cycle(ServiceState::Degraded)?;
+                return Ok(Cycle::Next);
+            }
         }
-        let begun = monotonic_ns();
-        self.law.step(&input, &mut self.output);
-        self.solve.record_ns(monotonic_ns() - begun);
+        self.braked = admission == Admission::Brake;
 
         let origins = Origins {
             odometry: self.odometry.origin(),
@@ -171,17 +197,31 @@ impl Loop {
         let used = runtime.usage().since(&before);
         self.command.send(self.command_of(header, &release, radar_release_ns, &used))?;
         let lateness = runtime.clock().now_ns() - release.scheduled_ns;
-        self.deadline_misses += u64::from(lateness > self.deadline_ns);
-        self.diagnostics.send(self.diagnostics_of(header, &release))?;
-        if let Some(planning) = &mut self.planning {
+        let in_time = lateness <= self.deadline_ns;
+        self.deadline_misses += u64::from(!in_time);
+        let rung = self.ladder.settle(&self.output, in_time);
+        self.diagnostics.send(self.diagnostics_of(header, &release, rung))?;
+        if admission == Admission::Law
+            && let Some(planning) = &mut self.planning
+        {
             planning.after_step(self.law.as_mut(), &release);
         }
         self.account(release.time_s);
-
-        let complete = self.odometry.newest().is_some() && self.radar.newest().is_some();
-        let state = if complete { ServiceState::Running } else { ServiceState::Degraded };
+        self.rungs.observe(release.time_s, rung);
+        let state = if rung == Rung::Full { ServiceState::Running } else { ServiceState::Degraded };
         runtime.end_cycle(state)?;
         Ok(Cycle::Next)
+    }
+
+    fn ages(&self, time_s: f64) -> Ages {
+        let age = |acquisition_ns: Option<i64>| {
+            acquisition_ns.map(|acquired| time_s - acquired as f64 / 1e9)
+        };
+        Ages {
+            odometry_s: age(acquired(&self.odometry)),
+            radar_s: age(acquired(&self.radar)),
+            spat_s: age(acquired(&self.spat)),
+        }
     }
 
     fn command_of(
@@ -215,7 +255,7 @@ impl Loop {
         }
     }
 
-    fn diagnostics_of(&self, header: Header, release: &Release) -> Diagnostics {
+    fn diagnostics_of(&self, header: Header, release: &Release, rung: Rung) -> Diagnostics {
         let age = |acquisition_ns: Option<i64>| {
             acquisition_ns.map_or(-1, |acquired| release.start_ns - acquired)
         };
@@ -231,6 +271,8 @@ impl Loop {
                 Quality::Backup => 2,
             },
             solver_iterations: self.output.solver_iterations,
+            rung: rung as u32,
+            takeover: u32::from(rung == Rung::LeadLost),
             request_mps2: self.output.request_mps2(),
             odometry_age_ns: age(acquired(&self.odometry)),
             radar_age_ns: age(acquired(&self.radar)),
@@ -286,6 +328,7 @@ impl Loop {
             backup: self.backup,
             planning: self.planning.as_ref().map(PlanningThread::report),
             mode_changes: self.mode_changes.iter().map(change).collect(),
+            rungs: self.rungs.report(),
         }
     }
 }

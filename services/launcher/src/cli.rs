@@ -1,5 +1,13 @@
 //! The command line.
 
+use crate::live::LiveOptions;
+use crate::recordings::diff::DiffArguments;
+use crate::recordings::export::ExportArguments;
+use crate::recordings::info::InfoArguments;
+use crate::recordings::layouts::LayoutsArguments;
+use crate::recordings::recover::RecoverArguments;
+use crate::recordings::replay::ReplayArguments;
+use crate::trace::TraceArguments;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use shared::Service;
 use std::path::PathBuf;
@@ -24,11 +32,35 @@ pub enum Command {
     Run(RunArguments),
     /// Run a paper's scenarios in lockstep and print its published figures beside ours
     Reproduce(ReproduceArguments),
+    /// Latency, jitter and deadline misses, beside the machine's own floor
+    Bench(crate::bench::BenchArguments),
     /// Controllers side by side on the same scenarios
     Compare(CompareArguments),
+    /// Many seeded runs with faults, and one verdict
+    Campaign(crate::campaign::CampaignArguments),
+    /// A figure of the drive as a function of any key of a scenario
+    Sweep(crate::sweep::SweepArguments),
+    /// What a recording holds
+    Info(InfoArguments),
+    /// Make a recording whole that was cut off
+    Recover(RecoverArguments),
+    /// Write a recording as tables
+    Export(ExportArguments),
+    /// Give a recorded run's inputs to the controller again and compare its commands
+    Replay(ReplayArguments),
+    /// Find where two recordings part
+    Diff(DiffArguments),
+    /// Print the messages' layouts for Python or C
+    Layouts(LayoutsArguments),
+    /// A recorded run as a trace for Perfetto
+    Trace(TraceArguments),
     /// Design a controller offline (cargo feature `synthesize`)
     Synthesize(SynthesizeArguments),
-    /// List the scenarios and controllers
+    /// What this machine grants, what the rest costs, and the command that mends it
+    Doctor(crate::doctor::DoctorArguments),
+    /// A fault into a run that is going on
+    Inject(crate::inject::InjectArguments),
+    /// List the scenarios, controllers and campaigns
     List(ListArguments),
     /// Run one service; started by the launcher
     #[command(hide = true)]
@@ -51,6 +83,8 @@ pub struct RunArguments {
     /// Directory for the results [default: runs/<time>-<scenario>]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub live: LiveOptions,
     /// Keep no recording of the topics
     #[arg(long)]
     pub no_record: bool,
@@ -197,7 +231,7 @@ impl From<ModeName> for shared::runtime::Mode {
 /// Arguments of `list`.
 #[derive(Debug, Args)]
 pub struct ListArguments {
-    /// Print this built-in scenario's file
+    /// Print this built-in scenario's or campaign's file
     #[arg(long, value_name = "NAME")]
     pub show: Option<String>,
     /// Print the list as JSON

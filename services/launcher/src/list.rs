@@ -1,5 +1,6 @@
 //! `timegap list`: what there is to run.
 
+use crate::campaign;
 use crate::cli::ListArguments;
 use crate::error::Error;
 use crate::print;
@@ -11,26 +12,29 @@ use std::process::ExitCode;
 /// Runs the command.
 pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
     if let Some(name) = &arguments.show {
-        let found = builtin::ALL.iter().find(|builtin| builtin.name == name);
-        let builtin = found.ok_or_else(|| {
-            let names: Vec<_> = builtin::ALL.iter().map(|builtin| builtin.name).collect();
-            Error::Usage(format!(
-                "no built-in scenario `{name}`, expected one of {}",
-                names.join(", ")
-            ))
+        let scenarios = builtin::ALL.iter().map(|builtin| (builtin.name, builtin.text));
+        let campaigns = campaign::BUILTIN.iter().map(|builtin| (builtin.name, builtin.text));
+        let files: Vec<_> = scenarios.chain(campaigns).collect();
+        let found = files.iter().find(|(known, _)| known == name);
+        let (_, text) = found.ok_or_else(|| {
+            let names: Vec<_> = files.iter().map(|(known, _)| *known).collect();
+            let names = names.join(", ");
+            Error::Usage(format!("no scenario or campaign `{name}`, expected one of {names}"))
         })?;
-        print::out(builtin.text);
+        print::out(text);
         return Ok(ExitCode::SUCCESS);
     }
     let scenarios = builtin::ALL.iter().map(|builtin| (builtin.name, builtin.summary));
     let controllers =
         ControllerName::ALL.into_iter().map(|name| (name.as_str(), laws::describe(name)));
+    let campaigns = campaign::BUILTIN.iter().map(|builtin| (builtin.name, builtin.summary));
     if arguments.json {
         let entry = |(name, line)| serde_json::json!({"name": name, "description": line});
         let list = serde_json::json!({
             "schema_version": 1,
             "scenarios": scenarios.map(entry).collect::<Vec<_>>(),
             "controllers": controllers.map(entry).collect::<Vec<_>>(),
+            "campaigns": campaigns.map(entry).collect::<Vec<_>>(),
         });
         let json = serde_json::to_string_pretty(&list).expect("plain data");
         print::out(&(json + "\n"));
@@ -41,6 +45,8 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
     scenarios.for_each(|(name, line)| text.push_str(&format!("  {name:<26} {line}\n")));
     text.push_str("Controllers (timegap run --controller NAME):\n");
     controllers.for_each(|(name, line)| text.push_str(&format!("  {name:<26} {line}\n")));
+    text.push_str("Campaigns (timegap campaign NAME):\n");
+    campaigns.for_each(|(name, line)| text.push_str(&format!("  {name:<26} {line}\n")));
     print::out(&text);
     Ok(ExitCode::SUCCESS)
 }

@@ -1,6 +1,8 @@
 //! Where a run's results go.
 
 use crate::error::Error;
+use shared::histogram_log;
+use shared::statistics::Latencies;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -43,6 +45,14 @@ impl OutputDirectory {
     /// The directory.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Writes tagged histograms as `histograms.hlog`, which the tools of the HdrHistogram family read.
+    pub fn write_histograms(&self, histograms: &[(String, Latencies)]) -> Result<(), Error> {
+        let mut log = Vec::new();
+        let tagged = histograms.iter().map(|(tag, histogram)| (tag.as_str(), histogram));
+        histogram_log::write(&mut log, tagged).expect("memory takes all, and our tags are words");
+        self.write("histograms.hlog", &log)
     }
 
     /// Writes a file, whole or not at all.

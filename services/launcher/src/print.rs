@@ -32,7 +32,8 @@ pub fn summary(summary: &Summary) -> String {
     )
 }
 
-fn outcome(summary: &Summary) -> String {
+/// How a run ended, in a line.
+pub fn outcome(summary: &Summary) -> String {
     let word = outcome_word(summary.outcome);
     let because =
         summary.aborted_because.as_ref().map_or_else(String::new, |why| format!(" ({why})"));
@@ -216,7 +217,7 @@ fn percentiles(p: &Percentiles) -> String {
 }
 
 /// A duration in µs with the unit that reads best.
-fn duration(us: f64) -> String {
+pub fn duration(us: f64) -> String {
     if us < 1e3 {
         format!("{us:.1} µs")
     } else if us < 1e6 {

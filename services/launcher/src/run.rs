@@ -2,9 +2,11 @@
 
 use crate::cli::{GroupOptions, RunArguments, ScenarioOptions};
 use crate::error::Error;
-use crate::group::{Ended, GroupOutcome, Launch, launch};
+use crate::group::{Ended, GroupOutcome, Launch, Moment, launch};
+use crate::live::Live;
 use crate::output::OutputDirectory;
-use crate::summary::Summary;
+use crate::report::{self, RunPicture};
+use crate::summary::{self, Summary};
 use crate::{print, trajectory};
 use controller::laws;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -23,22 +25,40 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     let output = OutputDirectory::create(arguments.out.as_deref(), scenario.name.as_str())?;
     output.write("scenario.toml", scenario.to_toml().as_bytes())?;
 
-    let bar = progress_bar(&scenario, arguments.json);
+    let mut live = Live::open(&arguments.live, &scenario)?;
+    let bar = progress_bar(&scenario, arguments.json || arguments.live.watch);
     let keep = Keep {
         live_file: Some(output.path().join("live.json")),
         recording: (!arguments.no_record).then(|| output.path().join(recorder::FILE)),
     };
-    let result = drive(&scenario, mode, &arguments.group, Some(keep), &mut |time_ns| {
-        bar.set_position(time_ns.unsigned_abs() / 1_000_000);
+    let result = drive(&scenario, mode, &arguments.group, Some(keep), &mut |moment| {
+        bar.set_position(moment.time_ns.unsigned_abs() / 1_000_000);
+        live.look(moment);
     });
     bar.finish_and_clear();
+    let summary = result
+        .as_ref()
+        .map(|group| Summary::new(&scenario, mode, group, begun.elapsed()))
+        .map_err(ToString::to_string);
+    live.end(&match &summary {
+        Ok(summary) => print::outcome(summary),
+        Err(why) => why.clone(),
+    });
     let group = result?;
-
-    let summary = Summary::new(&scenario, mode, &group, begun.elapsed());
+    let summary = summary.expect("a run that succeeded has one");
     let json = serde_json::to_string_pretty(&summary).expect("a summary is plain data");
     let figures = laws::figure_names(&scenario);
     let written = output.write("summary.json", (json.clone() + "\n").as_bytes()).and_then(|()| {
         output.write("trajectory.csv", trajectory::csv(&group.drive, figures).as_bytes())
+    });
+    let written = written.and_then(|()| match mode {
+        Mode::Realtime => output.write_histograms(&summary::histograms(&group)),
+        // Simulated time has no latencies of its own.
+        Mode::Lockstep => Ok(()),
+    });
+    let written = written.and_then(|()| {
+        let page = report::run_page(&scenario, &summary, &RunPicture::of(&scenario, &group));
+        output.write(report::FILE, page.as_bytes())
     });
     for (service, line) in &group.wrote {
         eprintln!("{service}: {line}");
@@ -47,7 +67,8 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
         print::out(&(json + "\n"));
     } else {
         let results = format!("  {:<14} {}\n", "results", output.path().display());
-        print::out(&(print::summary(&summary) + &results));
+        let page = format!("  {:<14} {}\n", "report", output.path().join(report::FILE).display());
+        print::out(&(print::summary(&summary) + &results + &page));
     }
     // What was measured has been told before a full disk is.
     written?;
@@ -56,6 +77,16 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
 
 /// Opens a scenario and lays the options over it.
 pub fn open(name: &str, options: &ScenarioOptions) -> Result<Scenario, Error> {
+    open_with(name, options, "--set", &[])
+}
+
+/// The same with more keys set, on behalf of the option that errors shall name.
+pub fn open_with(
+    name: &str,
+    options: &ScenarioOptions,
+    option: &str,
+    keys: &[String],
+) -> Result<Scenario, Error> {
     let mut overrides = Overrides::new();
     if let Some(controller) = &options.controller {
         overrides.option("--controller", "controller.name", controller);
@@ -68,6 +99,9 @@ pub fn open(name: &str, options: &ScenarioOptions) -> Result<Scenario, Error> {
     }
     for argument in &options.set {
         overrides.set(argument).map_err(usage)?;
+    }
+    for argument in keys {
+        overrides.set_by(option, argument).map_err(usage)?;
     }
     Scenario::open(name, &overrides, &laws::check).map_err(usage)
 }
@@ -85,13 +119,13 @@ pub struct Keep {
     pub recording: Option<PathBuf>,
 }
 
-/// Drives a scenario through a process group. `progress` is told the run time reached, ns.
+/// Drives a scenario through a process group. `watch` sees it go.
 pub fn drive(
     scenario: &Scenario,
     mode: Mode,
     options: &GroupOptions,
     keep: Option<Keep>,
-    progress: &mut dyn FnMut(i64),
+    watch: &mut dyn FnMut(&Moment<'_>),
 ) -> Result<GroupOutcome, Error> {
     let start_delay = match mode {
         Mode::Realtime => Duration::from_millis(scenario.runtime.start_delay_ms.value().into()),
@@ -100,15 +134,14 @@ pub fn drive(
     let keep = keep.unwrap_or_default();
     let launching = Launch {
         mode,
-        timetable: shared::runtime::Timetable::of(scenario),
-        scenario: scenario.to_toml(),
+        scenario: scenario.clone(),
         programs: options.programs.iter().cloned().collect(),
         ready_timeout: Duration::from_secs_f64(options.ready_timeout),
         start_delay,
         live_file: keep.live_file,
         recording: keep.recording,
     };
-    launch(launching, progress)
+    launch(launching, watch)
 }
 
 /// A bar on a terminal, for runs longer than a second; nothing elsewhere.

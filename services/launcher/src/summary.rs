@@ -1,16 +1,18 @@
 //! `summary.json`: stable names for what a run measured. A figure that does not apply is null.
 
-use crate::group::{Drive, Ended, GroupOutcome, RecordingSummary};
-use serde::Serialize;
+use crate::group::{Drive, Ended, FaultRecord, GroupOutcome, RecordingSummary};
+use serde::{Deserialize, Serialize};
 use shared::Service;
+use shared::e2e::Outcomes;
 use shared::report::{
     ControlFigures, ControllerReport, Details, Hops, ModeChange, Outcome, PlanningReport,
     PlantReport, ReceivedTopic, ServiceReport, WorstChain,
 };
+use shared::rung::Rungs;
 use shared::runtime::Mode;
 use shared::runtime::scheduling::Granted;
 use shared::scenario::Scenario;
-use shared::statistics::Percentiles;
+use shared::statistics::{Latencies, Percentiles};
 use std::collections::BTreeMap;
 use std::time::Duration;
 
@@ -36,7 +38,9 @@ pub struct Summary {
     pub messages: BTreeMap<String, TopicCounts>,
     /// What became of the recording; null if none was asked for.
     pub recording: Option<RecordingSummary>,
-    pub faults: Vec<()>,
+    pub faults: Vec<FaultRecord>,
+    /// The ways of controller and plant on the degradation ladder.
+    pub rungs: BTreeMap<&'static str, Rungs>,
     pub services: Vec<ServiceSummary>,
     pub host: Host,
 }
@@ -62,11 +66,15 @@ pub struct Timing {
     pub net_reaction_us: Option<Percentiles>,
     pub hops_us: Hops,
     pub worst_chains: Vec<WorstChain>,
+    /// Longest time between two commands that the actuator gateway accepted.
+    pub max_command_gap_us: Option<f64>,
     /// Cycles whose command had to be relaxed, and whose command came from the law's backup.
     pub relaxed_cycles: Option<u64>,
     pub backup_cycles: Option<u64>,
     /// Planning beside the control loop, of laws that do.
     pub planning: Option<PlanningReport>,
+    /// Commands that the scenario's misses and jitter kept from the actuators.
+    pub undelivered_commands: Option<u64>,
 }
 
 #[derive(Clone, Debug, Default, Serialize)]
@@ -76,7 +84,10 @@ pub struct TopicCounts {
     pub received: Option<u64>,
     /// Most messages that one of the topic's readers missed.
     pub lost: Option<u64>,
+    /// Messages that the topic's readers refused; null if nobody reads it.
     pub e2e_errors: Option<u64>,
+    /// Outcomes of the end-to-end check, summed over the topic's readers.
+    pub e2e: Outcomes,
     /// XXH3 over the bytes of all messages of each sender, in lockstep.
     pub digests: BTreeMap<String, String>,
 }
@@ -92,7 +103,7 @@ pub struct ServiceSummary {
     pub scheduling: Option<Granted>,
 }
 
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Host {
     pub cpus: usize,
     pub kernel: String,
@@ -151,18 +162,24 @@ impl Summary {
                 net_reaction_us: plant.and_then(|plant| plant.net_reaction_us),
                 hops_us: plant.map(|plant| plant.hops_us).unwrap_or_default(),
                 worst_chains: plant.map(|plant| plant.worst_chains.clone()).unwrap_or_default(),
+                max_command_gap_us: plant.and_then(|plant| plant.max_command_gap_us),
                 relaxed_cycles: controller.map(|controller| controller.relaxed),
                 backup_cycles: controller.map(|controller| controller.backup),
                 planning: controller.and_then(|controller| controller.planning),
+                undelivered_commands: plant.map(|plant| plant.undelivered_commands),
             },
             messages: messages(&group.reports, &group.drive),
             recording: group.recording.clone(),
-            faults: Vec::new(),
+            faults: group.faults.clone(),
+            rungs: (controller.map(|controller| ("controller", controller.rungs.clone())))
+                .into_iter()
+                .chain(plant.map(|plant| ("plant", plant.rungs.clone())))
+                .collect(),
             services: Service::ALL
                 .into_iter()
                 .map(|service| ServiceSummary {
                     name: service.name(),
-                    restarts: 0,
+                    restarts: group.restarts.get(&service).copied().unwrap_or(0),
                     exit: group.exits.get(&service).cloned(),
                     peak_rss_kib: report(service).map(|report| report.peak_rss_kib),
                     allocations_in_loop: report(service)
@@ -186,6 +203,13 @@ fn outcome(ended: &Ended, plant: Option<&PlantReport>) -> (Outcome, Option<Strin
             (Outcome::Aborted, Some(format!("{service} ended before its time: {how}")))
         }
     }
+}
+
+/// The histograms that the plant brought back, by name; none if it brought no report.
+pub fn histograms(group: &GroupOutcome) -> Vec<(String, Latencies)> {
+    let plant = group.reports.get(&Service::Plant).and_then(plant_details);
+    let histograms = plant.into_iter().flat_map(|plant| &plant.histograms);
+    histograms.map(|(name, histogram)| (name.clone(), histogram.clone())).collect()
 }
 
 fn plant_details(report: &ServiceReport) -> Option<&PlantReport> {
@@ -217,10 +241,12 @@ fn messages(
         }
     }
     let received = reports.values().flat_map(|report| &report.received).chain(&drive.received);
-    for ReceivedTopic { topic, received, lost, .. } in received {
+    for ReceivedTopic { topic, received, lost, e2e, .. } in received {
         let counts = topics.entry(topic.clone()).or_default();
         counts.received = Some(counts.received.map_or(*received, |least| least.min(*received)));
         counts.lost = Some(counts.lost.map_or(*lost, |most| most.max(*lost)));
+        counts.e2e.add(e2e);
+        counts.e2e_errors = Some(counts.e2e.refused());
     }
     topics
 }

@@ -54,7 +54,7 @@ mod tests {
     fn absent_values_are_empty_and_numbers_round_trip() {
         let step =
             DriveStep { time_s: 0.1, position_m: 1.5, gap_m: Some(49.5), ..DriveStep::default() };
-        let drive = Drive { steps: vec![step], received: Vec::new() };
+        let drive = Drive { steps: vec![step], ..Drive::default() };
         let text = csv(&drive, &["e_m"]);
         let mut lines = text.lines();
         assert!(lines.next().is_some_and(|head| head.ends_with(",fuel_g,e_m")));

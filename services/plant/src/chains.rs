@@ -19,8 +19,9 @@
 
 use crate::worst::Worst;
 use shared::messages::{Command, Origin};
-use shared::report::Hops;
+use shared::report::{ChainCurves, Hops};
 use shared::statistics::{Latencies, Percentiles};
+use std::collections::BTreeMap;
 
 /// When and how late the plant acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,6 +106,17 @@ impl Parts {
     }
 }
 
+/// Names of the parts, in order of time.
+const PARTS: [&str; 7] = [
+    "radar_publish",
+    "controller_queue",
+    "radar_transport",
+    "controller_compute",
+    "command_wait",
+    "command_transport",
+    "actuate",
+];
+
 /// Histograms of all chains of a run.
 #[derive(Debug)]
 pub struct Chains {
@@ -114,8 +126,8 @@ pub struct Chains {
     net_reaction: Latencies,
     radar_to_controller: Latencies,
     controller_to_plant: Latencies,
-    /// One for each part, in order of time.
-    parts: [Latencies; 7],
+    /// One for each of [`PARTS`].
+    parts: [Latencies; PARTS.len()],
     worst: Worst,
     last_radar: Option<Origin>,
 }
@@ -210,6 +222,37 @@ impl Chains {
             command_transport: wake,
             actuate,
         }
+    }
+
+    /// Whole distributions of the reaction time and its parts.
+    #[must_use]
+    pub fn curves(&self) -> ChainCurves {
+        let [publish, queue, transport, compute, wait, wake, actuate] =
+            self.parts.each_ref().map(Latencies::quantile_curve);
+        ChainCurves {
+            reaction_time: self.reaction.quantile_curve(),
+            net_reaction: self.net_reaction.quantile_curve(),
+            radar_publish: publish,
+            controller_queue: queue,
+            radar_transport: transport,
+            controller_compute: compute,
+            command_wait: wait,
+            command_transport: wake,
+            actuate,
+        }
+    }
+
+    /// All histograms by the names of their figures.
+    #[must_use]
+    pub fn histograms(&self) -> BTreeMap<String, Latencies> {
+        let whole = [
+            ("reaction_time", &self.reaction),
+            ("data_age", &self.age),
+            ("designed_wait", &self.designed_wait),
+            ("net_reaction", &self.net_reaction),
+        ];
+        let parts = PARTS.into_iter().zip(&self.parts);
+        whole.into_iter().chain(parts).map(|(name, h)| (name.to_owned(), h.clone())).collect()
     }
 
     /// The chains with the longest reaction times.

@@ -2,7 +2,8 @@
 
 use crate::gateway::Actuation;
 use crate::longitudinal::{self, State};
-use crate::truck::Truck;
+use crate::truck::{self, Truck};
+use serde::{Deserialize, Serialize};
 use shared::scenario::{Problem, Scenario};
 
 /// The ego vehicle.
@@ -12,6 +13,15 @@ pub enum Ego {
     Car(longitudinal::Vehicle),
     /// Has engine, gears and a road.
     Truck(Box<Truck>),
+}
+
+/// What of the ego outlives the plant's process.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub enum Kept {
+    /// All of a car.
+    Car(longitudinal::Vehicle),
+    /// What moves of a truck.
+    Truck(truck::Kept),
 }
 
 impl Ego {
@@ -24,6 +34,24 @@ impl Ego {
             Some(truck) => Self::Truck(Box::new(truck)),
             None => Self::Car(longitudinal::Vehicle::new(&scenario.plant)),
         })
+    }
+
+    /// Goes on from what another process kept; what was kept of another kind of ego is passed over.
+    pub fn go_on_from(&mut self, kept: Kept) {
+        match (self, kept) {
+            (Self::Car(car), Kept::Car(kept)) => *car = kept,
+            (Self::Truck(truck), Kept::Truck(kept)) => truck.go_on_from(&kept),
+            _ => {}
+        }
+    }
+
+    /// What is to outlive this process.
+    #[must_use]
+    pub fn kept(&self) -> Kept {
+        match self {
+            Self::Car(car) => Kept::Car(car.clone()),
+            Self::Truck(truck) => Kept::Truck(truck.kept()),
+        }
     }
 
     /// Moves on by one period of the plant.

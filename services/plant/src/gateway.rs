@@ -9,7 +9,7 @@
 //! | [`Source::Command`] | a valid command | the plan's first request |
 //! | [`Source::Plan`] | its control step is over | the plan's later requests; past its end, the last one for one step, then that one as far as it brakes |
 //! | [`Source::StopInLane`] | `follow_plan_s` later | `-stop_deceleration_mps2` |
-//! | [`Source::Emergency`] | below the first rung, when the ground truth ahead needs more | `-emergency_deceleration_mps2`, until standstill |
+//! | [`Source::Emergency`] | below the first rung (with `automatic_emergency_braking` on any), when the ground truth ahead needs more | `-emergency_deceleration_mps2`, until standstill |
 //!
 //! Every request, whatever its source, is bounded in range; its rise and fall are bounded except
 //! that an emergency brakes at once.
@@ -17,6 +17,7 @@
 //! A command to a truck may carry an engine torque beside its plan. It acts in place of the plan's
 //! first request, bounded in range and rate itself; the rungs below know the plan alone.
 
+use serde::{Deserialize, Serialize};
 use shared::scenario::plant::{Fallback, Gateway as Bounds, Plant};
 
 /// Longest plan that is kept, in control steps: as long as a command carries.
@@ -24,6 +25,10 @@ const MAX_PLAN: usize = shared::messages::PLAN_LEN;
 
 /// Distance kept from the vehicle ahead in an emergency stop, m.
 const EMERGENCY_MARGIN_M: f64 = 1.0;
+
+/// A valid command is overruled when the truth ahead needs more than this part of the emergency
+/// deceleration: no comfortable braking needs so much, and there is still some left.
+const EMERGENCY_SHARE: f64 = 0.6;
 
 /// Why a command was not accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,6 +101,8 @@ pub struct Gateway {
     fallback: Fallback,
     period_s: f64,
     follow_plan_ns: u64,
+    /// Time that the brakes take to bite, s.
+    brake_lag_s: f64,
     plan: [f64; MAX_PLAN],
     plan_len: usize,
     start_ns: u64,
@@ -105,6 +112,16 @@ pub struct Gateway {
     /// Torque request of the period before, or what the engine gave then.
     last_torque_nm: f64,
     emergency: bool,
+    /// The launcher asked for a stop: no command counts any more.
+    stopping: bool,
+}
+
+/// What of the gateway outlives its process; the plan comes again with the last command.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Kept {
+    last_request_mps2: f64,
+    emergency: bool,
+    stopping: bool,
 }
 
 impl Gateway {
@@ -116,6 +133,7 @@ impl Gateway {
             fallback: plant.fallback,
             period_s: 1e-3 * f64::from(plant.period_ms.value()),
             follow_plan_ns: plant.fallback.follow_plan_s.nanoseconds(),
+            brake_lag_s: plant.actuator_time_constant_s.value(),
             plan: [0.0; MAX_PLAN],
             plan_len: 0,
             start_ns: 0,
@@ -124,7 +142,26 @@ impl Gateway {
             engine: None,
             last_torque_nm: 0.0,
             emergency: false,
+            stopping: false,
         }
+    }
+
+    /// What is to outlive this process.
+    #[must_use]
+    pub fn kept(&self) -> Kept {
+        let Self { last_request_mps2, emergency, stopping, .. } = *self;
+        Kept { last_request_mps2, emergency, stopping }
+    }
+
+    /// Goes on from what another process kept.
+    pub fn go_on_from(&mut self, kept: &Kept) {
+        (self.last_request_mps2, self.emergency) = (kept.last_request_mps2, kept.emergency);
+        self.stopping = kept.stopping;
+    }
+
+    /// Stops in lane, whatever commands come.
+    pub fn stop(&mut self) {
+        self.stopping = true;
     }
 
     /// Takes a command: `plan_mps2[k]` is meant for `start_ns + k * step_ns` on.
@@ -187,10 +224,19 @@ impl Gateway {
     /// Called once in each period.
     pub fn actuate(&mut self, now_ns: u64, speed_mps: f64, ahead: Option<&Ahead>) -> Actuation {
         let (mut source, mut wanted) = self.planned(now_ns);
-        if matches!(source, Source::Plan | Source::StopInLane) {
-            let needed = ahead.map_or(0.0, |ahead| required_deceleration(speed_mps, ahead));
-            let soft = self.fallback.stop_deceleration_mps2.value();
-            self.emergency |= needed > soft.max(-wanted);
+        let commanded = !matches!(source, Source::Plan | Source::StopInLane);
+        if !commanded || self.fallback.automatic_emergency_braking {
+            let needed = ahead.map_or(0.0, |ahead| {
+                let lag_m = (speed_mps - ahead.speed_mps).max(0.0) * self.brake_lag_s;
+                let gap_m = if commanded { ahead.gap_m - lag_m } else { ahead.gap_m };
+                required_deceleration(speed_mps, &Ahead { gap_m, ..*ahead })
+            });
+            let limit = if commanded {
+                EMERGENCY_SHARE * self.fallback.emergency_deceleration_mps2.value()
+            } else {
+                self.fallback.stop_deceleration_mps2.value()
+            };
+            self.emergency |= needed > limit.max(-wanted);
             self.emergency &= speed_mps > 0.0;
             if self.emergency {
                 source = Source::Emergency;
@@ -218,8 +264,18 @@ impl Gateway {
         EngineRequest { torque_nm, service_brake_n: asked.service_brake_n.max(0.0), ..asked }
     }
 
+    /// True while the newest command is no older than its successor may be in coming.
+    #[must_use]
+    pub fn is_commanded(&self, now_ns: u64) -> bool {
+        let waiting = self.plan_len == 0 && now_ns <= self.follow_plan_ns;
+        waiting || (self.plan_len > 0 && now_ns < self.start_ns.saturating_add(2 * self.step_ns))
+    }
+
     fn planned(&self, now_ns: u64) -> (Source, f64) {
         let stop = (Source::StopInLane, -self.fallback.stop_deceleration_mps2.value());
+        if self.stopping {
+            return stop;
+        }
         let age_ns = now_ns.saturating_sub(self.start_ns);
         if self.plan_len == 0 {
             let waiting = now_ns <= self.follow_plan_ns;

@@ -1,6 +1,7 @@
 //! The simulated ego vehicle: its motion, its actuator gateway and the referee of a run.
 
 pub mod chains;
+pub mod delivery;
 pub mod ego;
 pub mod gateway;
 pub mod longitudinal;

@@ -20,10 +20,11 @@
 //!
 //! The vehicle never moves backwards: at standstill speed and (negative) acceleration are zero.
 
+use serde::{Deserialize, Serialize};
 use shared::scenario::plant::{Integrator, Plant};
 
 /// State of motion.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Position of the front bumper along the road, m from the start.
     pub position_m: f64,
@@ -34,7 +35,7 @@ pub struct State {
 }
 
 /// The ego vehicle.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Vehicle {
     tau_s: f64,
     min_mps2: f64,
@@ -46,7 +47,7 @@ pub struct Vehicle {
 }
 
 /// The integrator and what it keeps between samples.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 enum Motion {
     /// `substeps` steps of `step_s` in a period; `decay` is e^(-h/tau).
     Fine { substeps: u32, step_s: f64, decay: f64 },

@@ -7,6 +7,7 @@
 //! crosses a stop line and its place at the instant of a signal's switch interpolated, as the
 //! papers' figures are.
 
+use serde::{Deserialize, Serialize};
 use shared::report::ControlFigures;
 use shared::scenario::Scenario;
 use shared::scenario::controller::{ControllerName, SpacingPolicy};
@@ -23,7 +24,7 @@ pub const MAX_SIGNALS: usize = 16;
 const MIN_CLOSING_MPS: f64 = 0.01;
 
 /// A signal as it truly is.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SignalTruth {
     /// Identity, equal for equal signals.
     pub id: u32,
@@ -49,7 +50,7 @@ impl SignalTruth {
 }
 
 /// What ends a run before its time.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Violation {
     /// The gap to the vehicle ahead was used up.
     Collision {
@@ -68,21 +69,25 @@ pub enum Violation {
 }
 
 /// Watches one run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Referee {
     desired: DesiredGap,
     set_speed_mps: f64,
+    /// A vehicle farther away is none that a gap could be kept to, m.
+    reach_m: f64,
     last: Option<Sample>,
     signals: [Option<SignalTruth>; MAX_SIGNALS],
     first_signal: Option<u32>,
     violation: Option<Violation>,
     red_lights: u32,
+    gap_error: MeanSquare,
+    jerk: MeanSquare,
     figures: ControlFigures,
 }
 
 /// The gap that the scenario's law aims at, as far as the scenario tells.
-#[derive(Clone, Copy, Debug)]
-enum DesiredGap {
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub enum DesiredGap {
     /// t_h v + d_b of the start, frozen, m.
     Frozen(f64),
     /// t_h v + d_b: t_h in s, d_b in m.
@@ -92,7 +97,9 @@ enum DesiredGap {
 }
 
 impl DesiredGap {
-    fn of(scenario: &Scenario) -> Self {
+    /// The one of a scenario.
+    #[must_use]
+    pub fn of(scenario: &Scenario) -> Self {
         let controller = &scenario.controller;
         let headway_s = controller.time_headway_s.value();
         let standstill_m = controller.standstill_distance_m.value();
@@ -112,7 +119,9 @@ impl DesiredGap {
         }
     }
 
-    fn at(self, speed_mps: f64) -> Option<f64> {
+    /// At a speed of the ego, m.
+    #[must_use]
+    pub fn at(self, speed_mps: f64) -> Option<f64> {
         match self {
             Self::Frozen(gap_m) => Some(gap_m),
             Self::Headway(headway_s, standstill_m) => Some(headway_s * speed_mps + standstill_m),
@@ -121,7 +130,7 @@ impl DesiredGap {
     }
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Sample {
     time_s: f64,
     ego: State,
@@ -134,11 +143,14 @@ impl Referee {
         Self {
             desired: DesiredGap::of(scenario),
             set_speed_mps: scenario.set_speed_mps.value(),
+            reach_m: scenario.perception.radar.max_range_m.value(),
             last: None,
             signals: [None; MAX_SIGNALS],
             first_signal: None,
             violation: None,
             red_lights: 0,
+            gap_error: MeanSquare::default(),
+            jerk: MeanSquare::default(),
             figures: ControlFigures::default(),
         }
     }
@@ -199,8 +211,10 @@ impl Referee {
         figures.max_accel_mps2 = larger(figures.max_accel_mps2, acceleration);
         if let Some(last) = self.last {
             let rise = acceleration - last.ego.acceleration_mps2;
-            let jerk = (rise / (sample.time_s - last.time_s)).abs();
+            let period_s = sample.time_s - last.time_s;
+            let jerk = (rise / period_s).abs();
             figures.max_abs_jerk_mps3 = larger(figures.max_abs_jerk_mps3, jerk);
+            figures.rms_jerk_mps3 = self.jerk.add(jerk, period_s);
         }
     }
 
@@ -214,7 +228,14 @@ impl Referee {
         let closing = speed - ahead.speed_mps;
         let desired = self.desired.at(speed);
         let figures = &mut self.figures;
-        figures.final_gap_error_m = desired.map(|desired| ahead.gap_m - desired);
+        let gap_error = desired.map(|desired| ahead.gap_m - desired);
+        figures.final_gap_error_m = gap_error;
+        if let Some(error) = gap_error.filter(|_| ahead.gap_m <= self.reach_m) {
+            figures.max_abs_gap_error_m = larger(figures.max_abs_gap_error_m, error.abs());
+            if let Some(last) = self.last {
+                figures.rms_gap_error_m = self.gap_error.add(error, sample.time_s - last.time_s);
+            }
+        }
         figures.final_speed_error_mps = Some(closing);
         figures.min_gap_m = smaller(figures.min_gap_m, ahead.gap_m);
         if closing > MIN_CLOSING_MPS {
@@ -288,6 +309,23 @@ impl Referee {
                 *slot = Some(*signal);
             }
         }
+    }
+}
+
+/// The mean square of a signal over time.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct MeanSquare {
+    integral: f64,
+    time_s: f64,
+}
+
+impl MeanSquare {
+    /// Counts `value` for `time_s` and gives the root mean square so far.
+    fn add(&mut self, value: f64, time_s: f64) -> Option<f64> {
+        self.integral += value * value * time_s;
+        self.time_s += time_s;
+        let rms = (self.integral / self.time_s).sqrt();
+        rms.is_finite().then_some(rms)
     }
 }
 
@@ -440,6 +478,24 @@ mod tests {
     }
 
     #[test]
+    fn mean_squares_weigh_by_time() {
+        let mut referee = Referee::new(&scenario("following"));
+        // The desired gap at 20 m/s is 1.5 * 20 + 5 = 35 m; the first sample has no length yet.
+        for (time_ns, gap_m, acceleration) in
+            [(0, 90.0, 0.0), (PERIOD_NS, 38.0, 0.1), (4 * PERIOD_NS, 34.0, 0.1)]
+        {
+            let ahead = Ahead { gap_m, speed_mps: 20.0, acceleration_mps2: 0.0 };
+            referee.observe(time_ns, &state(0.0, 20.0, acceleration), Some(&ahead), &[]);
+        }
+        let figures = referee.figures();
+        let rms = figures.rms_gap_error_m.expect("a lead");
+        assert!((rms - ((9.0 + 3.0 * 1.0) / 4.0_f64).sqrt()).abs() < 1e-9, "{rms}");
+        let jerk = figures.rms_jerk_mps3.expect("three samples");
+        assert!((jerk - (100.0 / 4.0_f64).sqrt()).abs() < 1e-9, "{jerk}");
+        assert_eq!(figures.max_abs_gap_error_m, Some(55.0));
+    }
+
+    #[test]
     fn a_gap_that_only_the_law_knows_has_no_error() {
         let mut referee = Referee::new(&scenario("six-mode"));
         let ahead = Ahead { gap_m: 30.0, speed_mps: 26.0, acceleration_mps2: 0.0 };
@@ -478,7 +534,8 @@ mod tests {
             for figure in [
                 f.min_gap_m, f.min_ttc_s, f.final_gap_error_m, f.final_speed_error_mps,
                 f.max_abs_jerk_mps3, f.min_accel_mps2, f.max_accel_mps2,
-                f.stop_line_crossing_s, f.past_stop_line_at_switch_m,
+                f.stop_line_crossing_s, f.past_stop_line_at_switch_m, f.rms_gap_error_m,
+                f.max_abs_gap_error_m, f.rms_jerk_mps3,
             ].into_iter().flatten() {
                 prop_assert!(!figure.is_nan());
             }

@@ -1,19 +1,23 @@
 //! The plant's loop: publish the motion, take the newest command, move on.
 
 use crate::chains::{Actuated, Chains};
-use crate::ego::Ego;
-use crate::gateway::{Actuation, EngineRequest, Gateway, Source};
+use crate::delivery::{Arrival, Delivery};
+use crate::ego::{self, Ego};
+use crate::gateway::{self, Actuation, EngineRequest, Gateway, Source};
 use crate::referee::{MAX_SIGNALS, Referee, SignalTruth, Violation};
 use crate::truck::Truck;
 use crate::truth;
+use serde::{Deserialize, Serialize};
 use shared::messages::{
     self, Command, Header, Odometry, Origins, PLAN_LEN, Powertrain, ServiceState, VehicleTruth,
 };
 use shared::report::{ControlFigures, Details, Outcome, PlantReport};
-use shared::runtime::{Cycle, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber};
+use shared::rung::{Rung, RungLog};
+use shared::runtime::{
+    Cycle, Keeper, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber,
+};
 use shared::scenario::Scenario;
 use shared::scenario::v2x::Phase;
-use std::collections::VecDeque;
 
 /// Runs the plant in its group, to the end of the run or the first violation.
 ///
@@ -23,6 +27,9 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     let scenario = runtime.scenario();
     let mut plant = Plant::open(&mut runtime, &scenario)?;
     runtime.begin(&scenario)?;
+    if runtime.is_restarted() {
+        plant.go_on(&mut runtime);
+    }
     runtime.run_cycles(|runtime| plant.cycle(runtime))?;
     let report = plant.report();
     runtime.finish(Details::Plant(Box::new(report)))
@@ -39,21 +46,31 @@ struct Plant {
     command: Subscriber<Command>,
     vehicles: Subscriber<VehicleTruth>,
     signals: Subscriber<messages::SignalTruth>,
-    extra_delay_ns: i64,
-    /// Commands on their way through the extra delay, oldest first.
-    delayed: VecDeque<Command>,
-    /// Incarnation and sequence number of the last command taken from the topic.
-    taken: Option<(u32, u64)>,
+    delivery: Delivery,
     active: Option<Command>,
     request_mps2: f64,
     time_s: f64,
     stopped_for_want_of_commands: bool,
+    rungs: RungLog,
+    /// Run time at which the last command was accepted, and the longest time between two, ns.
+    accepted_ns: Option<i64>,
+    longest_gap_ns: i64,
+    /// In realtime, what a restarted plant goes on from.
+    keeper: Option<Keeper<Kept>>,
+}
+
+/// What outlives the plant's process: the vehicle does not vanish with it, nor what the referee saw.
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    step: u64,
+    ego: ego::Kept,
+    gateway: gateway::Kept,
+    referee: Referee,
+    request_mps2: f64,
 }
 
 impl Plant {
     fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Self, RuntimeError> {
-        let extra_ms = scenario.runtime.extra_delay_ms.value();
-        let in_flight = extra_ms / scenario.plant.period_ms.value() + 2;
         Ok(Self {
             ego: Ego::new(scenario).map_err(|problem| RuntimeError::Setup(problem.message))?,
             gateway: Gateway::new(&scenario.plant),
@@ -66,14 +83,30 @@ impl Plant {
             command: runtime.subscriber()?,
             vehicles: runtime.subscriber()?,
             signals: runtime.subscriber()?,
-            extra_delay_ns: i64::from(extra_ms) * 1_000_000,
-            delayed: VecDeque::with_capacity(in_flight as usize),
-            taken: None,
+            delivery: Delivery::new(scenario),
             active: None,
             request_mps2: scenario.plant.initial_acceleration_mps2.value(),
             time_s: 0.0,
             stopped_for_want_of_commands: false,
+            rungs: RungLog::default(),
+            accepted_ns: None,
+            longest_gap_ns: 0,
+            keeper: match runtime.clock().mode() {
+                Mode::Realtime => Some(runtime.keeper()?),
+                Mode::Lockstep => None,
+            },
         })
+    }
+
+    /// Goes on from where the process before this one was.
+    fn go_on(&mut self, runtime: &mut Runtime) {
+        let Some(kept) = self.keeper.as_mut().and_then(Keeper::restore) else { return };
+        runtime.resume_after(kept.step);
+        self.ego.go_on_from(kept.ego);
+        self.referee = kept.referee;
+        self.gateway.go_on_from(&kept.gateway);
+        self.request_mps2 = kept.request_mps2;
+        self.rungs.begin(runtime.clock().scheduled_ns(kept.step) as f64 / 1e9, Rung::Full);
     }
 
     fn cycle(&mut self, runtime: &mut Runtime) -> Result<Cycle, RuntimeError> {
@@ -91,16 +124,45 @@ impl Plant {
         let actuation = self.actuate(&release, runtime.clock().now_ns());
         self.request_mps2 = actuation.request_mps2;
         self.ego.step(&actuation);
+        self.keep(release.step)?;
+        self.rungs.observe(release.time_s, self.rung(&release, actuation.source));
+        if runtime.is_to_stop() {
+            self.gateway.stop();
+        }
 
         let state = match actuation.source {
             Source::None | Source::Command | Source::Plan => ServiceState::Running,
             Source::StopInLane | Source::Emergency => ServiceState::Degraded,
         };
         runtime.end_cycle(state)?;
-        if violation.is_some() {
+        let brought_to_a_stop = runtime.is_to_stop() && self.stopped_for_want_of_commands;
+        if violation.is_some() || brought_to_a_stop {
             runtime.end_run()?;
         }
         Ok(Cycle::Next)
+    }
+
+    fn keep(&mut self, step: u64) -> Result<(), RuntimeError> {
+        let Some(keeper) = &mut self.keeper else { return Ok(()) };
+        keeper.keep(&Kept {
+            step,
+            ego: self.ego.kept(),
+            gateway: self.gateway.kept(),
+            referee: self.referee.clone(),
+            request_mps2: self.request_mps2,
+        })
+    }
+
+    fn rung(&self, release: &Release, source: Source) -> Rung {
+        match source {
+            Source::None | Source::Command => Rung::Full,
+            Source::Plan if self.gateway.is_commanded(release.scheduled_ns.unsigned_abs()) => {
+                Rung::Full
+            }
+            Source::Plan => Rung::PlanFollowed,
+            Source::StopInLane => Rung::StopInLane,
+            Source::Emergency => Rung::Emergency,
+        }
     }
 
     fn publish(&mut self, release: &Release) -> Result<(), RuntimeError> {
@@ -153,16 +215,9 @@ impl Plant {
     /// Lets the newest due command act on the actuators.
     fn actuate(&mut self, release: &Release, now_ns: i64) -> Actuation {
         if let Some(command) = self.command.newest() {
-            let identity = (command.header.incarnation, command.header.sequence);
-            if self.taken != Some(identity) && self.delayed.len() < self.delayed.capacity() {
-                self.taken = Some(identity);
-                self.delayed.push_back(*command);
-            }
+            self.delivery.take(command);
         }
-        let delay_ns = self.extra_delay_ns;
-        let due = |command: &Command| now_ns >= command.header.publish_ns + delay_ns;
-        while self.delayed.front().is_some_and(due) {
-            let command = self.delayed.pop_front().expect("the front was just seen");
+        if let Some(Arrival { command, delay_ns }) = self.delivery.arrived(now_ns) {
             let plan_len = usize::try_from(command.plan_len).map_or(0, |len| len.min(PLAN_LEN));
             // The plan is moved by the delay with the rest of the command.
             let start_ns = command.header.acquisition_ns + delay_ns;
@@ -179,6 +234,9 @@ impl Plant {
                 engine,
             );
             if accepted.is_ok() {
+                if let Some(last_ns) = self.accepted_ns.replace(now_ns) {
+                    self.longest_gap_ns = self.longest_gap_ns.max(now_ns - last_ns);
+                }
                 self.active = Some(command);
             }
         }
@@ -214,12 +272,18 @@ impl Plant {
             outcome,
             duration_s: self.time_s,
             control,
+            rungs: self.rungs.report(),
+            max_command_gap_us: (self.longest_gap_ns > 0)
+                .then_some(self.longest_gap_ns as f64 / 1e3),
             reaction_time_us: self.chains.reaction_us(),
             data_age_us: self.chains.age_us(),
             designed_wait_us: self.chains.designed_wait_us(),
             net_reaction_us: self.chains.net_reaction_us(),
             hops_us: self.chains.hops_us(),
+            curves: self.chains.curves(),
             worst_chains: self.chains.worst().report(),
+            undelivered_commands: self.delivery.undelivered(),
+            histograms: self.chains.histograms(),
         }
     }
 }

@@ -3,6 +3,7 @@
 
 use crate::gateway::Actuation;
 use crate::longitudinal::State;
+use serde::{Deserialize, Serialize};
 use shared::road::GradeProfile;
 use shared::scenario::{Problem, Scenario};
 use truck_model::{Demand, FUEL_DENSITY_GPL, GRAVITY_MPS2, Motion, Preset, Truck as Model};
@@ -47,6 +48,14 @@ pub struct Powertrain {
     pub specific_force_mps2: f64,
 }
 
+/// What of a truck outlives the plant's process.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Kept {
+    motion: Motion,
+    brake_n: f64,
+    braked_s: f64,
+}
+
 impl Truck {
     /// The truck of a scenario at its start; `None` when the ego is a car.
     ///
@@ -76,6 +85,17 @@ impl Truck {
             brake_n: 0.0,
             braked_s: 0.0,
         }))
+    }
+
+    /// Goes on from what another process kept.
+    pub fn go_on_from(&mut self, kept: &Kept) {
+        (self.motion, self.brake_n, self.braked_s) = (kept.motion, kept.brake_n, kept.braked_s);
+    }
+
+    /// What is to outlive this process.
+    #[must_use]
+    pub fn kept(&self) -> Kept {
+        Kept { motion: self.motion, brake_n: self.brake_n, braked_s: self.braked_s }
     }
 
     /// Moves on by one period of the plant.

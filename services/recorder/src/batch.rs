@@ -20,19 +20,25 @@ pub(crate) struct Batch {
 struct Entry {
     topic: Topic,
     publish_ns: i64,
+    /// Newest publish time of the topic's messages up to this one.
+    order_ns: i64,
     offset: usize,
 }
 
 impl Batch {
     fn push<T: Message>(&mut self, message: &T) {
         let publish_ns = message.header().publish_ns;
-        self.entries.push(Entry { topic: T::TOPIC, publish_ns, offset: self.bytes.len() });
+        // Whatever a faulty clock stamps, a topic's messages keep the order of their arrival.
+        let before = self.entries.last().filter(|entry| entry.topic == T::TOPIC);
+        let order_ns = before.map_or(publish_ns, |before| before.order_ns.max(publish_ns));
+        let offset = self.bytes.len();
+        self.entries.push(Entry { topic: T::TOPIC, publish_ns, order_ns, offset });
         self.bytes.extend_from_slice(bytemuck::bytes_of(message));
     }
 
     /// Brings the messages in the order of their publication.
     pub(crate) fn sort(&mut self) {
-        self.entries.sort_by_key(|entry| entry.publish_ns);
+        self.entries.sort_by_key(|entry| entry.order_ns);
     }
 
     /// Each message with its topic and publish time.

@@ -9,6 +9,7 @@
 //! * [`Writer`]: crash-safe, what was flushed survives any end of the process
 //! * [`Recording`]: a file in memory, read as far as it goes, with what is missing said
 //! * [`recover`]: the readable part of a broken file as a whole one
+//! * [`replay`]: the process that sends recorded inputs to a controller again
 //! * [`schema`]: the layouts as ROS 2, Python and C definitions
 
 mod batch;
@@ -17,15 +18,19 @@ mod link;
 mod metadata;
 mod reader;
 mod recover;
+mod replayer;
 pub mod schema;
 mod service;
+mod takes;
 mod writer;
 
 pub use link::{FromRecorder, Report, Start, ToRecorder};
 pub use metadata::{Host, Metadata, Tally, TopicTally};
 pub use reader::{Damage, ReadError, Record, Recording, Timed};
 pub use recover::{Recovered, recover};
+pub use replayer::{FromReplayer, ToReplayer, replay};
 pub use service::run;
+pub use takes::Take;
 pub use writer::Writer;
 
 /// Name of the recording in a run's directory of results.

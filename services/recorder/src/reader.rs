@@ -1,10 +1,11 @@
 //! Reading a recording, also one that was cut off.
 
+use crate::counter::Counter;
 use crate::writer::ENCAPSULATION;
 use crate::{FILE, Metadata, Tally, schema};
 use mcap::records::{self, Record as Raw};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use shared::messages::{Message, Topic};
+use shared::messages::{Header, Message, Topic};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -95,6 +96,12 @@ pub struct Record<'a> {
 }
 
 impl Record<'_> {
+    /// The header that every message starts with.
+    #[must_use]
+    pub fn header(&self) -> Header {
+        bytemuck::pod_read_unaligned(&self.bytes[..size_of::<Header>()])
+    }
+
     /// The message, if `T` is the topic's type.
     #[must_use]
     pub fn message<T: Message>(&self) -> Option<T> {
@@ -140,6 +147,10 @@ impl Recording {
     /// early is no error: see [`Recording::damage`].
     pub fn open(path: &Path) -> Result<Self, ReadError> {
         let path = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
+        if std::fs::metadata(&path).is_ok_and(|file| !file.is_file()) {
+            let reason = "it is no regular file".into();
+            return Err(ReadError::Foreign { path, reason });
+        }
         let file = std::fs::read(&path)
             .map_err(|reason| ReadError::File { path: path.clone(), reason })?;
         Self::of_bytes(path, &file)
@@ -246,6 +257,15 @@ impl Recording {
             let message = record.message()?;
             Some(Timed { log_time_ns: record.log_time_ns, message })
         })
+    }
+
+    /// Messages in the file and gaps in their sequence numbers, counted anew: for a file whose
+    /// recorder did not live to say.
+    #[must_use]
+    pub fn count(&self) -> Tally {
+        let mut counter = Counter::default();
+        self.records().for_each(|record| counter.count(record.topic, record.bytes));
+        counter.tally()
     }
 
     /// Newest publish time of any message, ns of run time.

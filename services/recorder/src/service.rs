@@ -121,11 +121,7 @@ fn follow(
 
 /// The tally of a file whose end could not be written: what is in it, and that the rest is lost.
 fn kept(path: &Path, sent: &Tally) -> Tally {
-    let mut counter = Counter::default();
-    if let Ok(recording) = Recording::open(path) {
-        recording.records().for_each(|record| counter.count(record.topic, record.bytes));
-    }
-    let in_file = counter.tally();
+    let in_file = Recording::open(path).map_or_else(|_| Tally::default(), |file| file.count());
     let topics = sent.topics.iter().map(|(name, sent)| {
         let messages = in_file.topics.get(name).map_or(0, |topic| topic.messages);
         (name.clone(), TopicTally { messages, lost: sent.messages + sent.lost - messages })

@@ -13,12 +13,13 @@ use crate::demand::Demand;
 use crate::engine::{IDLE_RPM, RADPS_PER_RPM};
 use crate::gearbox::{GEARS, MIN_BETWEEN_SHIFTS_S, TRACTION_INTERRUPTION_S};
 use crate::truck::Truck;
+use serde::{Deserialize, Serialize};
 
 /// Time constant of the engine's torque, s (equation 6).
 const TORQUE_TIME_CONSTANT_S: f64 = 0.3;
 
 /// Energies since the start, J.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
     /// Work of the crankshaft, J; the engine's drag and brake count negative.
     pub crank_j: f64,
@@ -55,7 +56,7 @@ impl Ledger {
 }
 
 /// State of a truck in motion.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
     /// Distance along the road, m.
     pub position_m: f64,

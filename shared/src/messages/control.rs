@@ -89,6 +89,10 @@ pub struct Diagnostics {
     pub quality: u32,
     /// Iterations of the solver.
     pub solver_iterations: u32,
+    /// [`Rung`](crate::rung::Rung) of the controller, as a number.
+    pub rung: u32,
+    /// 1 while the driver is asked to take over.
+    pub takeover: u32,
     /// First request, m/s².
     pub request_mps2: f64,
     /// Age of the odometry sample at the release, ns; −1 without a sample.
@@ -108,6 +112,8 @@ layout!(Diagnostics {
     mode_reason,
     quality,
     solver_iterations,
+    rung,
+    takeover,
     request_mps2,
     odometry_age_ns,
     radar_age_ns,

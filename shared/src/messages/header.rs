@@ -10,7 +10,7 @@ use iceoryx2::prelude::ZeroCopySend;
 /// All stamps are run time: nanoseconds since the group's common start instant, the same in every
 /// process. An input that was not there has `sequence` 0 and stamps of −1.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable, ZeroCopySend)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Pod, Zeroable, ZeroCopySend)]
 #[type_name("timegap_msgs/msg/Origin")]
 pub struct Origin {
     /// Sequence number of the sample, counted from 1.

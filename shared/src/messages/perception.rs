@@ -97,3 +97,18 @@ pub struct VehicleTruth {
 
 message!(VehicleTruth, Topic::VehicleTruth);
 layout!(VehicleTruth { header, count, vehicles });
+
+impl VehicleTruth {
+    /// Gap to, m, and speed of, m/s, the nearest vehicle in lane whose rear is not behind the ego's
+    /// front at `ego_m` by more than a car's length.
+    #[must_use]
+    pub fn nearest_ahead(&self, ego_m: f64) -> Option<(f64, f64)> {
+        let count = usize::try_from(self.count).map_or(0, |count| count.min(self.vehicles.len()));
+        self.vehicles[..count]
+            .iter()
+            .filter(|vehicle| vehicle.in_lane != 0)
+            .map(|vehicle| (vehicle.rear_position_m - ego_m, vehicle.speed_mps))
+            .filter(|(gap_m, _)| *gap_m > -5.0)
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+}

@@ -24,7 +24,7 @@ pub trait Message: Pod + ZeroCopySend + Debug + PartialEq + Carried + Laid {
 }
 
 /// Every topic of the group.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Topic {
     /// `vehicle/odometry`
     Odometry,

@@ -33,7 +33,7 @@ pub fn monotonic_ns() -> i64 {
 }
 
 /// Sleeps until `CLOCK_MONOTONIC` reads `instant_ns`, or a signal arrives.
-pub(super) fn sleep_until(instant_ns: i64) {
+pub fn sleep_until(instant_ns: i64) {
     let until = Timespec {
         tv_sec: instant_ns.div_euclid(1_000_000_000),
         tv_nsec: instant_ns.rem_euclid(1_000_000_000),
@@ -48,14 +48,14 @@ pub struct Clock {
     mode: Mode,
     step_ns: i64,
     start_ns: Cell<i64>,
-    step: Cell<u64>,
+    simulated_ns: Cell<i64>,
 }
 
 impl Clock {
     /// A clock whose steps are `step_ns` long; run time begins when the group starts.
     #[must_use]
     pub fn new(mode: Mode, step_ns: i64) -> Self {
-        Self { mode, step_ns, start_ns: Cell::new(monotonic_ns()), step: Cell::new(0) }
+        Self { mode, step_ns, start_ns: Cell::new(monotonic_ns()), simulated_ns: Cell::new(0) }
     }
 
     /// Sets the common start instant, in `CLOCK_MONOTONIC` ns.
@@ -64,7 +64,12 @@ impl Clock {
     }
 
     pub(super) fn set_step(&self, step: u64) {
-        self.step.set(step);
+        self.simulated_ns.set(self.scheduled_ns(step));
+    }
+
+    /// Sets the simulated time to an instant between steps: for what is replayed.
+    pub(super) fn set_simulated(&self, now_ns: i64) {
+        self.simulated_ns.set(now_ns);
     }
 
     /// Now, in run time: the wall's in realtime, the current step's in lockstep.
@@ -72,7 +77,7 @@ impl Clock {
     pub fn now_ns(&self) -> i64 {
         match self.mode {
             Mode::Realtime => monotonic_ns() - self.start_ns.get(),
-            Mode::Lockstep => self.scheduled_ns(self.step.get()),
+            Mode::Lockstep => self.simulated_ns.get(),
         }
     }
 

@@ -340,6 +340,39 @@ impl<T: Message> Subscriber<T> {
         }
     }
 
+    /// Waits for the very sample that `origin` names, and takes nothing else; keeps the newest one
+    /// if it is that.
+    pub(super) fn await_sample(
+        &mut self,
+        origin: Origin,
+        step: u64,
+        end: &End,
+        patience: Duration,
+    ) -> Result<(), RuntimeError> {
+        if !origin.is_some() || self.origin() == origin {
+            return Ok(());
+        }
+        let since = Instant::now();
+        loop {
+            let ticket = self.ticket();
+            let error = |reason| RuntimeError::Receive { topic: T::TOPIC, reason };
+            while let Some((sample, _)) = self.port.receive().map_err(error)? {
+                if Origin::of(sample.header()) == origin {
+                    self.newest = Some(sample);
+                    return Ok(());
+                }
+            }
+            if end.is_now() {
+                return Err(RuntimeError::Stopped);
+            }
+            if since.elapsed() > patience {
+                let waited_s = since.elapsed().as_secs_f64();
+                return Err(RuntimeError::Starved { topic: T::TOPIC, step, waited_s });
+            }
+            self.wait(ticket, Duration::from_millis(20))?;
+        }
+    }
+
     /// To be taken before a look at the topic that may end in a wait.
     pub(super) fn ticket(&self) -> Ticket {
         self.waiter().ticket()

@@ -44,8 +44,8 @@ pub struct Request {
 }
 
 impl Request {
-    /// What the scenario asks for `service`: without a core of its choice, the controller gets the
-    /// last core that this process may use and the others the first.
+    /// What the scenario asks for `service`. Without a core of its choice it shares the last core that
+    /// this process may use with the others ([`crate::scenario::runtime`] says why).
     #[must_use]
     pub fn of(scenario: &Scenario, service: Service) -> Self {
         let services = &scenario.runtime.services;
@@ -55,14 +55,13 @@ impl Request {
             Service::V2xSim => (services.v2x_sim, services.v2x_sim_priority()),
             Service::Controller => (services.controller, services.controller_priority()),
         };
-        let usable = usable_cores();
-        let default = if service == Service::Controller { usable.last() } else { usable.first() };
+        let default = usable_cores().last().copied();
         Self {
             policy: match scenario.runtime.scheduling {
                 Scheduling::Fifo => Policy::Fifo(priority),
                 Scheduling::Other => Policy::Other,
             },
-            core: placement.core.map(|core| core.value().into()).or(default.copied()),
+            core: placement.core.map(|core| core.value().into()).or(default),
             lock_memory: scenario.runtime.lock_memory,
         }
     }
@@ -94,7 +93,7 @@ pub fn apply(request: &Request) -> Granted {
         refused.push(format!("timer slack of 1 ns: {e}"));
     }
     if let Some(core) = request.core
-        && let Err(reason) = pin(core)
+        && let Err(reason) = pin_to(core)
     {
         refused.push(format!("core {core}: {reason}"));
     }
@@ -123,7 +122,37 @@ pub fn apply(request: &Request) -> Granted {
     }
 }
 
-fn pin(core: usize) -> Result<(), String> {
+/// A raised priority of the calling thread, until this is dropped; its children inherit it.
+#[derive(Debug)]
+pub struct Priority(());
+
+impl Priority {
+    /// Raises the calling thread to `SCHED_FIFO` with this priority, where the machine grants it.
+    #[must_use]
+    pub fn raise(priority: u8) -> Self {
+        // Without it, everything works; later, on a busy machine.
+        let _ = set_policy(libc::SCHED_FIFO, priority);
+        Self(())
+    }
+}
+
+impl Drop for Priority {
+    fn drop(&mut self) {
+        become_ordinary();
+    }
+}
+
+/// Gives the calling thread the ordinary time-sharing policy.
+pub fn become_ordinary() {
+    // Lowering is always granted.
+    let _ = set_policy(libc::SCHED_OTHER, 0);
+}
+
+/// Pins the calling thread to `core`.
+///
+/// # Errors
+/// Why the machine refuses it.
+pub fn pin_to(core: usize) -> Result<(), String> {
     if core >= CpuSet::MAX_CPU {
         return Err("no such core".into());
     }
@@ -133,7 +162,8 @@ fn pin(core: usize) -> Result<(), String> {
 }
 
 /// Cores that this thread may run on.
-fn usable_cores() -> Vec<usize> {
+#[must_use]
+pub fn usable_cores() -> Vec<usize> {
     let set = sched_getaffinity(None).unwrap_or_else(|_| CpuSet::new());
     (0..CpuSet::MAX_CPU).filter(|&core| set.is_set(core)).collect()
 }
@@ -146,9 +176,12 @@ fn pinned_core() -> Option<usize> {
 }
 
 fn set_fifo(priority: u8) -> std::io::Result<()> {
-    let param = libc::sched_param { sched_priority: i32::from(priority) };
     // Helper threads must not inherit the priority.
-    let policy = libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK;
+    set_policy(libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK, priority)
+}
+
+fn set_policy(policy: libc::c_int, priority: u8) -> std::io::Result<()> {
+    let param = libc::sched_param { sched_priority: i32::from(priority) };
     // SAFETY: `param` lives through the call, which only reads it; 0 is the calling thread.
     match unsafe { libc::sched_setscheduler(0, policy, &raw const param) } {
         0 => Ok(()),

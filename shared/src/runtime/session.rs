@@ -5,6 +5,7 @@ use super::keeper::Keeper;
 use super::link::Link;
 use super::members::Members;
 use super::port::Tally;
+use super::schedule::Schedule;
 use super::scheduling::{Granted, Request, apply};
 use super::transport::{Connect, Input, Transport};
 use super::{
@@ -63,6 +64,8 @@ pub struct Runtime {
     ports: Vec<(Topic, Rc<dyn Connect>)>,
     heartbeat: Option<Publisher<Heartbeat>>,
     granted: Option<Granted>,
+    /// The releases of a recorded run, where one is replayed.
+    schedule: Option<Schedule>,
     scenario: Scenario,
     members: Rc<Members>,
     faults: Rc<Faults>,
@@ -86,6 +89,7 @@ impl Runtime {
         let group = Group::read(root)?;
         let scenario = Scenario::parse("scenario", &group.scenario)
             .map_err(|e| RuntimeError::Setup(e.to_string()))?;
+        let schedule = Schedule::read(&group.root, service)?;
         let transport = Transport::join(&group, service.name())?;
         let clock = Rc::new(Clock::new(group.mode, group.timetable.step_ns));
         link.end.set_before(group.timetable.last_step + 1);
@@ -106,6 +110,7 @@ impl Runtime {
             ports: Vec::new(),
             heartbeat: None,
             granted: None,
+            schedule,
             step: 0,
             next_step: 0,
             cycles: 0,
@@ -296,7 +301,8 @@ impl Runtime {
                 if self.skip_missed(late) {
                     continue;
                 }
-                if samples.reaches(self.next_step) || late >= fallback_ns {
+                let first = self.is_restarted() && self.cycles == 0;
+                if first || samples.reaches(self.next_step) || late >= fallback_ns {
                     break;
                 }
                 let wait = (fallback_ns - late).clamp(1_000, 50_000_000).unsigned_abs();
@@ -325,9 +331,14 @@ impl Runtime {
         if self.link.end.is_before(self.next_step) {
             return None;
         }
-        self.step = self.next_step;
+        match &mut self.schedule {
+            Some(schedule) => self.step = schedule.advance(&self.clock)?,
+            None => {
+                self.step = self.next_step;
+                self.clock.set_step(self.step);
+            }
+        }
         self.next_step = self.step_after(self.step);
-        self.clock.set_step(self.step);
         let scheduled_ns = self.clock.scheduled_ns(self.step);
         let start_ns = self.clock.now_ns();
         // In lockstep the wait begins in an earlier step, and takes no time.
@@ -346,11 +357,15 @@ impl Runtime {
     /// [`RuntimeError::Starved`] if a due sample never comes, [`RuntimeError::Stopped`] if the run
     /// ends meanwhile.
     pub fn update<T: Message>(&self, topic: &mut Subscriber<T>) -> Result<(), RuntimeError> {
+        let patience = Duration::from_nanos(self.group.patience_ns.unsigned_abs());
+        if let Some(schedule) = &self.schedule {
+            let origin = schedule.input(T::TOPIC);
+            return topic.await_sample(origin, self.step, &self.link.end, patience);
+        }
         let source = T::TOPIC.source();
         match (self.group.mode, source) {
             (Mode::Lockstep, Some(source)) => {
                 let due = self.group.timetable.latest_release(source, self.step);
-                let patience = Duration::from_nanos(self.group.patience_ns.unsigned_abs());
                 topic.await_step(due, self.step, &self.link.end, patience)?;
             }
             _ => topic.drain(u64::MAX, |_| {})?,

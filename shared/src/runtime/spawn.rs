@@ -3,14 +3,14 @@
 #![allow(unsafe_code, reason = "code between fork and exec is unsafe by its nature")]
 
 use rustix::io::{FdFlags, fcntl_setfd};
-use std::os::fd::{AsFd, BorrowedFd, RawFd};
+use std::os::fd::{AsRawFd, BorrowedFd};
 use std::os::unix::process::CommandExt;
 use std::process::Command;
 
 /// Makes `command` inherit its standard streams and `keep`, and no other descriptor: iceoryx2's
 /// are not close-on-exec, and a stray one would keep a dead run's lock.
-pub fn inherit_only(command: &mut Command, keep: impl AsFd) {
-    let keep: RawFd = std::os::fd::AsRawFd::as_raw_fd(&keep.as_fd());
+pub fn inherit_only(command: &mut Command, keep: Option<BorrowedFd<'_>>) {
+    let keep = keep.map(|keep| keep.as_raw_fd());
     // SAFETY: the closure runs between fork and exec and makes two async-signal-safe system calls;
     // `keep` is open in the parent at the fork, hence in the child.
     unsafe {
@@ -20,7 +20,9 @@ pub fn inherit_only(command: &mut Command, keep: impl AsFd) {
             if closed != 0 {
                 return Err(std::io::Error::last_os_error());
             }
-            fcntl_setfd(BorrowedFd::borrow_raw(keep), FdFlags::empty())?;
+            if let Some(keep) = keep {
+                fcntl_setfd(BorrowedFd::borrow_raw(keep), FdFlags::empty())?;
+            }
             Ok(())
         });
     }

@@ -1,6 +1,7 @@
 //! iceoryx2 as timegap uses it: one private node per process and one way to open each topic.
 
 use super::link::End;
+use super::probe::{self, Payload, Stamp};
 use super::waking::{Bells, Waiter, Waker};
 use super::{Group, Mode, RuntimeError, Timetable};
 use crate::Service;
@@ -10,12 +11,12 @@ use iceoryx2::port::BackpressureAction;
 use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::*;
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
-use iceoryx2::service::port_factory::publish_subscribe;
+use iceoryx2::service::port_factory::{event, publish_subscribe};
 use std::fmt::Debug;
 use std::rc::Rc;
 
 /// The iceoryx2 variant of all topics.
-type Ipc = ipc::Service;
+pub(super) type Ipc = ipc::Service;
 
 /// Processes on one topic: the group, each restarted beside its dead self, and observers.
 const MAX_PEERS: usize = 10;
@@ -224,6 +225,31 @@ impl Transport {
             .create()
             .map_err(|e| RuntimeError::Topic { topic: T::TOPIC, reason: format!("{e:?}") })?;
         Ok(Rc::new(port))
+    }
+
+    /// The service of a probe's payloads, beside the one of its topic.
+    pub(super) fn payload_topic(
+        &self,
+    ) -> Result<publish_subscribe::PortFactory<Ipc, Payload, Stamp>, RuntimeError> {
+        self.node
+            .service_builder(&"bench/payload".try_into().expect("a valid service name"))
+            .publish_subscribe::<Payload>()
+            .user_header::<Stamp>()
+            .max_publishers(1)
+            .max_subscribers(1)
+            .subscriber_max_buffer_size(8)
+            .history_size(0)
+            .open_or_create()
+            .map_err(|e| RuntimeError::Topic { topic: probe::TOPIC, reason: format!("{e:?}") })
+    }
+
+    /// iceoryx2's own event service, which no topic uses.
+    pub(super) fn event(&self) -> Result<event::PortFactory<Ipc>, RuntimeError> {
+        self.node
+            .service_builder(&"bench/event".try_into().expect("a valid service name"))
+            .event()
+            .open_or_create()
+            .map_err(|e| RuntimeError::Topic { topic: probe::TOPIC, reason: format!("{e:?}") })
     }
 
     pub(super) fn waker(&self, topic: Topic) -> Waker {

@@ -42,6 +42,9 @@ builtins! {
         "quadratic-bounded paper: a slower car moves into the path 150 m ahead";
     "truck-hills":
         "predictive paper: a 49 t truck on ten kilometres of hills, planning two ahead";
+    "truck-follow": "predictive paper: following over a valley, the lead brakes uphill";
+    "truck-traffic": "a 49 t truck on hills behind a lead whose speed goes up and down";
+    "truck-brake": "a 49 t truck downhill behind a lead that brakes to standstill at 6 m/s²";
 }
 
 /// The built-in scenario of that name.

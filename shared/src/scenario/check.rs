@@ -59,8 +59,9 @@ fn periods(scenario: &Scenario) -> Result<(), Problem> {
     if scenario.controller.release == Release::Radar {
         multiple("controller.period_ms", controller, "perception.period_ms", perception)?;
     }
-    let extra = scenario.runtime.extra_delay_ms.value();
-    multiple("runtime.extra_delay_ms", extra, "plant.period_ms", plant)
+    let runtime = &scenario.runtime;
+    multiple("runtime.extra_delay_ms", runtime.extra_delay_ms.value(), "plant.period_ms", plant)?;
+    multiple("runtime.extra_jitter_ms", runtime.extra_jitter_ms.value(), "plant.period_ms", plant)
 }
 
 fn plant(scenario: &Scenario) -> Result<(), Problem> {

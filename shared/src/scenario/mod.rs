@@ -132,6 +132,19 @@ impl Scenario {
         Self::build(source_name, text, &Overrides::new(), None, &|_| Ok(()))
     }
 
+    /// Reads a scenario from its text with `overrides` laid over it. `check` is asked last.
+    ///
+    /// # Errors
+    /// As [`Scenario::parse`], or when an override does not fit.
+    pub fn parse_with(
+        source_name: &str,
+        text: &str,
+        overrides: &Overrides,
+        check: &dyn Fn(&Self) -> Result<(), Problem>,
+    ) -> Result<Self, ScenarioError> {
+        Self::build(source_name, text, overrides, None, check)
+    }
+
     /// Opens the built-in scenario of that name or the file at that path, with `overrides` laid
     /// over it. `check` is asked last, for what only the control laws know.
     ///

@@ -41,8 +41,16 @@ impl Overrides {
     /// # Errors
     /// When the argument has no `=` or its path is not one. The value is read with the scenario.
     pub fn set(&mut self, argument: &str) -> Result<(), ScenarioError> {
-        let option = format!("--set {argument}");
-        let start = "--set ".len();
+        self.set_by("--set", argument)
+    }
+
+    /// Adds the same kind of argument on behalf of another option, which errors name.
+    ///
+    /// # Errors
+    /// As for [`Overrides::set`].
+    pub fn set_by(&mut self, option: &str, argument: &str) -> Result<(), ScenarioError> {
+        let start = option.len() + 1;
+        let option = format!("{option} {argument}");
         let Some(equals) = argument.find('=') else {
             return Err(ScenarioError::in_option(&option, start..option.len(), "no `=`")
                 .expecting("KEY=VALUE, for example plant.period_ms=5"));

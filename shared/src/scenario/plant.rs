@@ -164,6 +164,9 @@ pub struct Fallback {
     pub stop_deceleration_mps2: AccelerationMagnitude,
     /// Deceleration when the ground truth ahead demands more than the stop in lane gives, m/s².
     pub emergency_deceleration_mps2: AccelerationMagnitude,
+    /// Brakes in an emergency even against a valid command, by the ground truth ahead. Off: what a
+    /// control law does is seen as it is.
+    pub automatic_emergency_braking: bool,
 }
 
 impl Default for Fallback {
@@ -172,6 +175,7 @@ impl Default for Fallback {
             follow_plan_s: Duration::of(1.0),
             stop_deceleration_mps2: AccelerationMagnitude::of(2.5),
             emergency_deceleration_mps2: AccelerationMagnitude::of(8.0),
+            automatic_emergency_braking: false,
         }
     }
 }

@@ -1,8 +1,28 @@
 //! `[runtime]`: where and how the services run.
+//!
+//! **Priorities** under `SCHED_FIFO` are by rate, the shortest period highest, and among equal rates by
+//! the order of the chain, so that whoever hands something over finishes before the next begins: 82
+//! plant, 81 perception, 80 controller, 79 V2X.
+//!
+//! **Cores.** All services share one core unless told otherwise: the last that the process may use,
+//! which leaves the first, where most machines take their interrupts, to everybody else. The services
+//! of a chain work one after the other, so that a second core gives them no more time; but handing over
+//! to one that sleeps costs an interrupt between processors and a core's way out of idleness, where
+//! handing over on the same core costs a context switch. Reaction time without its designed waits, p50
+//! over three interleaved runs each (two cores of an EPYC under KVM, busy with other work;
+//! `timegap bench` shows the same on any machine):
+//!
+//! | periods (plant, radar, controller) | n of a run | all on last | all on first | controller on last, others on first |
+//! | --- | --- | --- | --- | --- |
+//! | 10, 50, 100 ms | 40 | 215 to 228 µs | 234 to 247 µs | 239 to 250 µs |
+//! | 1, 10, 10 ms | 400 | 142 to 174 µs | 159 to 183 µs | 180 to 206 µs |
+//!
+//! A law that computes for a large part of its period is interrupted by plant and radar there; it may be
+//! better off on a core of its own (`runtime.services.controller.core = 0`).
 
 use serde::{Deserialize, Serialize};
 
-use super::quantity::{Core, DelayMs, Priority};
+use super::quantity::{Core, DelayMs, Priority, Probability};
 
 /// Scheduling and placement. What the machine does not grant is reported, not fatal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -16,6 +36,10 @@ pub struct Runtime {
     pub lock_memory: bool,
     /// Delay added between a command's computation and its actuation, ms.
     pub extra_delay_ms: DelayMs,
+    /// Longest time added to that, drawn for each command from the plant's whole periods, ms.
+    pub extra_jitter_ms: DelayMs,
+    /// Probability that a control cycle misses: its command never reaches the actuators.
+    pub miss_probability: Probability,
     /// Placement of each service.
     pub services: Services,
 }
@@ -27,6 +51,8 @@ impl Default for Runtime {
             scheduling: Scheduling::Fifo,
             lock_memory: true,
             extra_delay_ms: DelayMs::of(0),
+            extra_jitter_ms: DelayMs::of(0),
+            miss_probability: Probability::of(0.0),
             services: Services::default(),
         }
     }
@@ -60,11 +86,10 @@ pub struct Services {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Placement {
-    /// CPU to be pinned to; absent: the controller on the last CPU, the others on the first.
+    /// CPU to be pinned to; absent: the last that the process may use.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub core: Option<Core>,
-    /// Priority under SCHED_FIFO; absent: by rate, the shortest period highest, and among equal
-    /// rates by the order of the chain (82 plant, 81 perception, 80 controller, 79 V2X).
+    /// Priority under SCHED_FIFO; absent: by rate, then by the order of the chain.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub priority: Option<Priority>,
 }

@@ -150,6 +150,7 @@ fn keys_out_of_tune_are_shown_where_they_are_written() {
             "4:14: perception.radar.latency_ms = 30 is not",
         ),
         ("[runtime]\nextra_delay_ms = 5".into(), "4:18: runtime.extra_delay_ms = 5 is not"),
+        ("[runtime]\nextra_jitter_ms = 5".into(), "4:19: runtime.extra_jitter_ms = 5 is not"),
         (actor.to_owned(), "3:1: missing key `initial_speed_mps`"),
         (format!("{actor}profile.steps = []\ninitial_speed_mps = 1"), "6:17: an empty list"),
         (

@@ -38,7 +38,7 @@ impl Attendant {
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .process_group(group);
-        inherit_only(&mut command, root.lock());
+        inherit_only(&mut command, Some(root.lock()));
         let error = |e| Error::Machine(format!("cannot start the {name}: {e}"));
         let mut child = command.spawn().map_err(error)?;
         let input = child.stdin.take();

@@ -1,14 +1,19 @@
 //! The drive as the launcher hears it on the topics, sample by sample.
 
-use shared::messages::{Command, Diagnostics, Heartbeat, Odometry, Powertrain, VehicleTruth};
+use shared::Service;
+use shared::messages::{
+    Command, Diagnostics, Header, Heartbeat, Odometry, Powertrain, RadarTracks, Spat, VehicleTruth,
+};
 use shared::report::ReceivedTopic;
-use shared::runtime::{Group, Observed, Observer, RuntimeError};
+use shared::runtime::{Group, Mode, Observed, Observer, RuntimeError};
 
 /// Everything that was heard.
 #[derive(Clone, Debug, Default)]
 pub struct Drive {
     /// One entry per odometry message, in order of time.
     pub steps: Vec<DriveStep>,
+    /// The other vehicles as they really were, in order of time.
+    pub vehicles: Vec<VehicleTruth>,
     /// What the launcher received, per topic.
     pub received: Vec<ReceivedTopic>,
 }
@@ -26,6 +31,8 @@ pub struct DriveStep {
     pub speed_mps: f64,
     /// Ego acceleration, m/s².
     pub acceleration_mps2: f64,
+    /// Request that the actuators follow, after the gateway's bounds, m/s².
+    pub applied_mps2: f64,
     /// Request of the command of this step, m/s².
     pub request_mps2: Option<f64>,
     /// Gap to the nearest vehicle in lane, m.
@@ -34,6 +41,8 @@ pub struct DriveStep {
     pub lead_speed_mps: Option<f64>,
     /// Mode of the law.
     pub mode: Option<u32>,
+    /// Quality of the command: 0 full, 1 relaxed, 2 backup.
+    pub quality: Option<u32>,
     /// Figures of the law.
     pub figures: Option<[f64; shared::messages::FIGURES]>,
     /// What a truck's engine and gearbox do.
@@ -63,12 +72,29 @@ pub struct DriveLog {
     command: Observed<Command>,
     diagnostics: Observed<Diagnostics>,
     heartbeat: Observed<Heartbeat>,
+    /// Heard in realtime alone, for the first messages of restarted services.
+    sensors: Option<(Observed<RadarTracks>, Observed<Spat>)>,
     observer: Observer,
     odometries: Vec<Odometry>,
     powertrains: Vec<(u64, PowertrainStep)>,
     truths: Vec<VehicleTruth>,
     requests: Vec<(u64, f64)>,
-    cycles: Vec<(u64, u32, [f64; shared::messages::FIGURES])>,
+    cycles: Vec<Diagnostics>,
+    signs: Vec<Sign>,
+    /// The newest incarnation heard of each service.
+    incarnations: [u32; Service::ALL.len()],
+    first_messages: Vec<(Service, u32, i64)>,
+}
+
+/// A sign of life.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sign {
+    /// Whose.
+    pub service: Service,
+    /// Of which of its processes.
+    pub incarnation: u32,
+    /// Cycles done so far.
+    pub cycles: u64,
 }
 
 impl DriveLog {
@@ -82,18 +108,36 @@ impl DriveLog {
             command: observer.listen()?,
             diagnostics: observer.listen()?,
             heartbeat: observer.listen()?,
+            sensors: match group.mode {
+                Mode::Realtime => Some((observer.listen()?, observer.listen()?)),
+                Mode::Lockstep => None,
+            },
             observer,
             odometries: Vec::new(),
             powertrains: Vec::new(),
             truths: Vec::new(),
             requests: Vec::new(),
             cycles: Vec::new(),
+            signs: Vec::new(),
+            incarnations: [0; Service::ALL.len()],
+            first_messages: Vec::new(),
         })
     }
 
     /// Takes what arrived.
     pub fn drain(&mut self) -> Result<(), RuntimeError> {
-        self.odometry.drain(|m| self.odometries.push(*m))?;
+        let (incarnations, first) = (&mut self.incarnations, &mut self.first_messages);
+        let mut note = |service: Service, header: &Header| {
+            let newest = &mut incarnations[service.index()];
+            if header.incarnation > *newest {
+                *newest = header.incarnation;
+                first.push((service, header.incarnation, header.publish_ns));
+            }
+        };
+        self.odometry.drain(|m| {
+            note(Service::Plant, &m.header);
+            self.odometries.push(*m);
+        })?;
         self.powertrain.drain(|m| {
             let step = PowertrainStep {
                 gear: m.gear,
@@ -104,14 +148,49 @@ impl DriveLog {
             self.powertrains.push((m.header.step, step));
         })?;
         self.truth.drain(|m| self.truths.push(*m))?;
-        self.command.drain(|m| self.requests.push((m.header.step, m.plan_mps2[0])))?;
-        self.diagnostics.drain(|m| self.cycles.push((m.header.step, m.mode, m.figures)))?;
-        self.heartbeat.drain(|_| {})
+        self.command.drain(|m| {
+            note(Service::Controller, &m.header);
+            self.requests.push((m.header.step, m.plan_mps2[0]));
+        })?;
+        self.diagnostics.drain(|m| self.cycles.push(*m))?;
+        if let Some((radar, spat)) = &mut self.sensors {
+            radar.drain(|m| note(Service::PerceptionSim, &m.header))?;
+            spat.drain(|m| note(Service::V2xSim, &m.header))?;
+        }
+        self.heartbeat.drain(|m| {
+            let service = Service::ALL.into_iter().find(|s| s.to_wire() == m.header.source);
+            self.signs.extend(service.map(|service| Sign {
+                service,
+                incarnation: m.header.incarnation,
+                cycles: m.cycles,
+            }));
+        })
+    }
+
+    /// Signs of life since the last time.
+    pub fn take_signs(&mut self) -> Vec<Sign> {
+        std::mem::take(&mut self.signs)
+    }
+
+    /// First messages of restarted services since the last time: service, incarnation, run time of
+    /// the publication in ns.
+    pub fn take_first_messages(&mut self) -> Vec<(Service, u32, i64)> {
+        std::mem::take(&mut self.first_messages)
+    }
+
+    /// Where the ego is, m, and how fast, m/s.
+    pub fn ego(&self) -> Option<(f64, f64)> {
+        self.odometries.last().map(|odometry| (odometry.position_m, odometry.speed_mps))
     }
 
     /// Removes what a dead process left on the topics, so that nobody waits for it.
     pub fn remove_dead(&self) {
         self.observer.remove_dead();
+    }
+
+    /// Everything heard so far: motion of the ego, the other vehicles, control cycles.
+    pub fn heard(&self) -> (&[Odometry], &[VehicleTruth], &[Diagnostics]) {
+        (&self.odometries, &self.truths, &self.cycles)
     }
 
     /// Newest step that the vehicle was heard of.
@@ -139,24 +218,26 @@ impl DriveLog {
         let steps = self.odometries.iter().map(|odometry| {
             let step = odometry.header.step;
             let truth = take_step(&mut truths, step, |truth| truth.header.step);
-            let lead = truth.and_then(|truth| nearest_ahead(truth, odometry.position_m));
-            let cycle = take_step(&mut cycles, step, |cycle| cycle.0);
+            let lead = truth.and_then(|truth| truth.nearest_ahead(odometry.position_m));
+            let cycle = take_step(&mut cycles, step, |cycle| cycle.header.step);
             DriveStep {
                 step,
                 time_s: odometry.header.acquisition_ns as f64 / 1e9,
                 position_m: odometry.position_m,
                 speed_mps: odometry.speed_mps,
                 acceleration_mps2: odometry.acceleration_mps2,
+                applied_mps2: odometry.request_mps2,
                 request_mps2: take_step(&mut requests, step, |request| request.0).map(|r| r.1),
                 gap_m: lead.map(|(gap_m, _)| gap_m),
                 lead_speed_mps: lead.map(|(_, speed_mps)| speed_mps),
-                mode: cycle.map(|cycle| cycle.1),
-                figures: cycle.map(|cycle| cycle.2),
+                mode: cycle.map(|cycle| cycle.mode),
+                quality: cycle.map(|cycle| cycle.quality),
+                figures: cycle.map(|cycle| cycle.figures),
                 powertrain: take_step(&mut powertrains, step, |p| p.0).map(|p| p.1),
             }
         });
         let steps = steps.collect();
-        Ok(Drive { steps, received })
+        Ok(Drive { steps, vehicles: self.truths, received })
     }
 }
 
@@ -168,18 +249,6 @@ fn take_step<'a, T>(
 ) -> Option<&'a T> {
     while items.next_if(|item| step_of(item) < step).is_some() {}
     items.next_if(|item| step_of(item) == step)
-}
-
-/// Gap to and speed of the nearest vehicle in lane whose rear is not behind the ego's front by more
-/// than a car's length.
-fn nearest_ahead(truth: &VehicleTruth, position_m: f64) -> Option<(f64, f64)> {
-    let count = usize::try_from(truth.count).map_or(0, |count| count.min(truth.vehicles.len()));
-    truth.vehicles[..count]
-        .iter()
-        .filter(|vehicle| vehicle.in_lane != 0)
-        .map(|vehicle| (vehicle.rear_position_m - position_m, vehicle.speed_mps))
-        .filter(|(gap_m, _)| *gap_m > -5.0)
-        .min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 #[cfg(test)]

@@ -1,7 +1,9 @@
 //! What happens to a running group, as one stream.
 
+use super::control::Answer;
 use shared::Service;
 use shared::runtime::FromService;
+use shared::scenario::faults::Fault;
 use signal_hook::iterator::Handle;
 use std::io::BufRead;
 use std::process::{ChildStderr, ChildStdout};
@@ -18,6 +20,10 @@ pub enum Event {
     Gone(Service),
     /// Somebody asked for an end: Ctrl-C, SIGTERM, SIGHUP.
     Signal,
+    /// Somebody sends a fault and awaits the answer.
+    Inject(Box<Fault>, Sender<Answer>),
+    /// Nothing: a sender finds out whether anybody listens.
+    Knock,
 }
 
 /// Follows what a service says and writes, until its streams end.

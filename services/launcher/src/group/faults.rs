@@ -1,6 +1,6 @@
 //! Faults that act on processes, and the record of all that went wrong.
 
-use super::processes::Disturbance;
+use super::disturbance::Disturbance;
 use serde::Serialize;
 use shared::Service;
 use shared::scenario::Scenario;
@@ -95,8 +95,7 @@ impl Faults {
                 Kind::RestartStorm => fault.times.map_or(STORM, |times| times.value()),
                 _ => 1,
             };
-            let planned =
-                Planned { number, fault, begin_ns, left, running: None, done: false };
+            let planned = Planned { number, fault, begin_ns, left, running: None, done: false };
             self.planned.push(planned);
         } else {
             self.records.push(FaultRecord {
@@ -153,13 +152,31 @@ impl Faults {
         acts
     }
 
+    /// True while a service is to recover from what befell it.
+    pub fn is_recovery_awaited(&self) -> bool {
+        self.records
+            .iter()
+            .any(|record| record.awaits.is_some() && record.recovered_after_us.is_none())
+    }
+
+    /// Run time at which something is due next, ns, as far as it is known.
+    pub fn next_ns(&self) -> Option<i64> {
+        let next = |planned: &Planned| {
+            let begin_ns = planned.begin_ns.filter(|_| !planned.done);
+            let until_ns = planned.running.as_ref().map(|(until_ns, _)| *until_ns);
+            begin_ns.into_iter().chain(until_ns).min()
+        };
+        self.planned.iter().filter_map(next).min()
+    }
+
     /// Notes that the act on fault `index` was done at `now_ns`; `disturbance` is what runs for it.
     pub fn done(&mut self, index: usize, now_ns: i64, disturbance: Option<Disturbance>) {
         let planned = &mut self.planned[index];
         if matches!(planned.fault.kind, Kind::Stop | Kind::Hog | Kind::Memory) {
             planned.running = Some((planned.fault.end_ns(now_ns), disturbance));
         }
-        let record = FaultRecord { t_s: now_ns as f64 / 1e9, ..record(&planned.fault, planned.number) };
+        let record =
+            FaultRecord { t_s: now_ns as f64 / 1e9, ..record(&planned.fault, planned.number) };
         self.records.push(record);
     }
 
@@ -285,7 +302,8 @@ mod tests {
     #[test]
     fn a_stopped_service_goes_on_when_its_time_is_over_unless_it_was_replaced() {
         let text = "[[faults]]\nkind = \"stop\"\nservice = \"v2x-sim\"\nat_s = 1\nfor_s = 0.5";
-        for (replaced, acts) in [(false, vec![(0, Act::Continue(Service::V2xSim))]), (true, vec![])] {
+        for (replaced, acts) in [(false, vec![(0, Act::Continue(Service::V2xSim))]), (true, vec![])]
+        {
             let mut faults = faults(text);
             assert_eq!(faults.due(1_000_000_000, None, |_| true).len(), 1);
             faults.done(0, 1_000_000_000, None);

@@ -118,6 +118,11 @@ impl Member {
         self.process.pid()
     }
 
+    /// Process group of the present process.
+    pub fn group(&self) -> i32 {
+        self.process.group()
+    }
+
     /// How the present process ended, waiting for it to be gone.
     pub fn how_it_ended(&mut self, grace: Duration) -> String {
         describe(self.process.end(grace))

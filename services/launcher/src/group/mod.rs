@@ -8,17 +8,32 @@
 //! the last of them is gone, however they went: the janitor, a process of its own, waits for that
 //! when the launcher dies, and removes what the run left. What even the janitor could not remove, the
 //! next run does.
+//!
+//! During a realtime run [`watch`] keeps the group whole: a service that dies or hangs is replaced
+//! within its budget, and [`faults`] acts out what the scenario, or somebody at [`control`], wants to
+//! go wrong.
 
 mod attendant;
+pub mod control;
+mod disturbance;
 mod drive;
 mod events;
+mod faults;
 mod janitor;
+mod member;
 mod processes;
 mod recording;
+mod replay;
 mod root;
 mod supervisor;
+mod watch;
 
+pub use disturbance::run as run_hog;
 pub use drive::{Drive, DriveStep, PowertrainStep};
+pub use faults::FaultRecord;
 pub use janitor::run as run_janitor;
+pub use processes::{Janitor, this_program};
 pub use recording::RecordingSummary;
-pub use supervisor::{Ended, GroupOutcome, Launch, launch};
+pub use replay::{Replayed, replay};
+pub use root::{RunRoot, base, check_room, shared_memory_room};
+pub use supervisor::{Ended, GroupOutcome, Launch, Moment, launch};

@@ -4,8 +4,9 @@ use super::events::{Event, follow};
 use super::janitor::DONE;
 use super::root::RunRoot;
 use crate::error::Error;
+use rustix::process::{Pid, Signal, kill_process};
 use shared::Service;
-use shared::runtime::{ToService, enroll, inherit_only};
+use shared::runtime::{PEER_JOINED, ToService, enroll, inherit_only};
 use std::io::Write;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::PathBuf;
@@ -16,8 +17,8 @@ use std::time::{Duration, Instant};
 /// One service's process.
 #[derive(Debug)]
 pub struct Process {
-    service: Service,
     child: Child,
+    group: i32,
     orders: Option<ChildStdin>,
     status: Option<ExitStatus>,
 }
@@ -44,7 +45,7 @@ impl Process {
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .process_group(group);
-        inherit_only(&mut command, root.lock());
+        inherit_only(&mut command, Some(root.lock()));
         let mut child = command.spawn().map_err(|e| match program {
             Some(program) => Error::Path { action: "start", path: program.clone(), reason: e },
             None => Error::Machine(format!("cannot start {service}: {e}")),
@@ -55,17 +56,49 @@ impl Process {
         let err = child.stderr.take().expect("piped");
         follow(service, out, err, events)
             .map_err(|e| Error::Machine(format!("cannot start a thread: {e}")))?;
-        Ok(Self { service, child, orders, status: None })
-    }
-
-    /// The service.
-    pub fn service(&self) -> Service {
-        self.service
+        let group = if group == 0 { pid(&child) } else { group };
+        Ok(Self { child, group, orders, status: None })
     }
 
     /// Process id.
     pub fn pid(&self) -> i32 {
-        i32::try_from(self.child.id()).expect("process ids are positive and fit")
+        pid(&self.child)
+    }
+
+    /// Process group.
+    pub fn group(&self) -> i32 {
+        self.group
+    }
+
+    /// Kills it.
+    pub fn kill(&mut self) {
+        self.signal(Signal::KILL);
+    }
+
+    /// Stops it until [`Self::go_on`].
+    pub fn stop(&mut self) {
+        self.signal(Signal::STOP);
+    }
+
+    /// Lets it go on.
+    pub fn go_on(&mut self) {
+        self.signal(Signal::CONT);
+    }
+
+    /// Makes it look for a peer that has joined the group.
+    pub fn tell_of_peer(&mut self) {
+        const _: () = assert!(PEER_JOINED == Signal::URG.as_raw());
+        self.signal(Signal::URG);
+    }
+
+    fn signal(&mut self, signal: Signal) {
+        // Not waited for yet: the id cannot be another's.
+        if self.poll().is_none()
+            && let Some(pid) = Pid::from_raw(self.pid())
+        {
+            // It may be gone by now.
+            let _ = kill_process(pid, signal);
+        }
     }
 
     /// Tells the service something. One that is gone does not hear it.
@@ -104,6 +137,10 @@ impl Process {
     }
 }
 
+fn pid(child: &Child) -> i32 {
+    i32::try_from(child.id()).expect("process ids are positive and fit")
+}
+
 /// What an exit status means, in words.
 pub fn describe(status: ExitStatus) -> String {
     match (status.code(), status.signal()) {
@@ -135,6 +172,8 @@ impl Janitor {
             .stdout(Stdio::null())
             .stderr(Stdio::null())
             .process_group(0);
+        // Not even another run's descriptors, which threads beside this one have open.
+        inherit_only(&mut command, None);
         let mut child = command
             .spawn()
             .map_err(|e| Error::Machine(format!("cannot start the janitor: {e}")))?;
@@ -163,7 +202,8 @@ impl Janitor {
     }
 }
 
-pub(super) fn this_program(arguments: &[&str]) -> Result<Command, Error> {
+/// This program again, with other arguments.
+pub fn this_program(arguments: &[&str]) -> Result<Command, Error> {
     let program = std::env::current_exe()
         .map_err(|e| Error::Machine(format!("cannot find this program's own file: {e}")))?;
     // A new build may have replaced the file meanwhile.

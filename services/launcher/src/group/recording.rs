@@ -40,14 +40,12 @@ pub struct RecorderProcess {
 impl RecorderProcess {
     /// Starts recording to `path` in the services' process group.
     pub fn spawn(path: &Path, root: &RunRoot, group: i32) -> Self {
-        // The recorder may live in another directory.
-        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         let spawned = Attendant::spawn("recorder", &[path.as_os_str()], root, group);
         let (process, failed) = match spawned {
             Ok(process) => (Some(process), None),
             Err(error) => (None, Some(error.to_string())),
         };
-        Self { path, process, failed }
+        Self { path: path.to_owned(), process, failed }
     }
 
     /// Makes it connect to all services, which must be ready, and waits until it did.

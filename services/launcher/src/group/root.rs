@@ -7,6 +7,7 @@ use std::io;
 use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::fs::{DirBuilderExt, MetadataExt, PermissionsExt};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicI64, Ordering};
 use std::time::Duration;
 
 /// Where POSIX shared memory lives.
@@ -31,14 +32,21 @@ impl RunRoot {
     pub fn create() -> Result<Self, Error> {
         let base = base()?;
         sweep(&base);
-        let id =
-            format!("{:x}-{:x}", std::process::id(), shared::runtime::monotonic_ns() & 0xff_ffff);
+        // The number keeps apart runs that threads of one launcher start at the same instant, the
+        // time those of launchers with the same id in containers that share a directory.
+        static NUMBER: AtomicI64 = AtomicI64::new(0);
+        let number = NUMBER.fetch_add(1, Ordering::Relaxed) & 0xfff;
+        let time = shared::runtime::monotonic_ns() & 0xfff;
+        let id = format!("{:x}-{:x}", std::process::id(), time << 12 | number);
         let path = base.join(&id);
         let error = |reason| Error::Path { action: "create", path: path.clone(), reason };
         DirBuilder::new().mode(0o700).create(&path).map_err(error)?;
-        let lock = File::create_new(path.join(LOCK)).map_err(error)?;
+        // Nobody may find the lock before it is taken: who can take it removes the root.
+        let unlocked = path.join("unlocked");
+        let lock = File::create_new(&unlocked).map_err(error)?;
         flock(&lock, FlockOperation::NonBlockingLockExclusive)
             .map_err(|e| Error::Machine(format!("cannot lock {}: {e}", path.display())))?;
+        std::fs::rename(&unlocked, path.join(LOCK)).map_err(error)?;
         Ok(Self { prefix: prefix_of(&id), path, lock })
     }
 
@@ -71,9 +79,7 @@ pub fn open_lock(root: &Path) -> io::Result<File> {
 /// Checks that shared memory has room for `needed` bytes: a page that cannot be had later would end
 /// the process that touches it.
 pub fn check_room(needed: u64) -> Result<(), Error> {
-    let found = rustix::fs::statvfs(SHARED_MEMORY)
-        .map_err(|e| Error::Machine(format!("{SHARED_MEMORY} is needed for shared memory: {e}")))?;
-    let free = found.f_bavail * found.f_frsize;
+    let (_, free) = shared_memory_room()?;
     if free >= needed {
         return Ok(());
     }
@@ -82,6 +88,13 @@ pub fn check_room(needed: u64) -> Result<(), Error> {
         "{SHARED_MEMORY} has {free} KiB free and a run may use {needed} KiB: free some, or enlarge \
          it with `mount -o remount,size=64m {SHARED_MEMORY}`"
     )))
+}
+
+/// Size of the file system of the shared memory and what is free of it, bytes.
+pub fn shared_memory_room() -> Result<(u64, u64), Error> {
+    let found = rustix::fs::statvfs(SHARED_MEMORY)
+        .map_err(|e| Error::Machine(format!("{SHARED_MEMORY} is needed for shared memory: {e}")))?;
+    Ok((found.f_blocks * found.f_frsize, found.f_bavail * found.f_frsize))
 }
 
 /// Removes a run's directory and its shared memory.
@@ -103,7 +116,7 @@ fn prefix_of(id: &str) -> String {
 }
 
 /// The user's own directory for all runs.
-fn base() -> Result<PathBuf, Error> {
+pub fn base() -> Result<PathBuf, Error> {
     let uid = rustix::process::geteuid().as_raw();
     let temporary = std::env::temp_dir();
     let temporary = if temporary.as_os_str().len() > LONGEST_BASE || !temporary.is_absolute() {

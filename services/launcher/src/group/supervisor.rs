@@ -1,36 +1,41 @@
 //! From the first spawn to the last wipe.
 
+use super::control;
 use super::drive::{Drive, DriveLog};
 use super::events::{Event, follow_signals};
-use super::processes::{Janitor, Process, describe};
+use super::faults::{FaultRecord, Faults};
+use super::member::{Member, Phase};
+use super::processes::Janitor;
 use super::recording::{RecorderProcess, RecordingSummary};
 use super::root::{RunRoot, check_room};
 use crate::error::Error;
 use shared::Service;
 use shared::report::ServiceReport;
-use shared::runtime::scheduling::Granted;
+use shared::runtime::scheduling::{Granted, Priority};
 use shared::runtime::{
-    FromService, Group, Mode, StartOrder, Timetable, ToService, monotonic_ns, shared_memory_bytes,
+    FromService, Group, Injected, Mode, StartOrder, Timetable, ToService, monotonic_ns,
+    shared_memory_bytes,
 };
+use shared::scenario::Scenario;
+use shared::scenario::runtime::Scheduling;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
 
-/// Time that services get to report after the run's scheduled end or an order to stop.
-const REPORT_GRACE: Duration = Duration::from_secs(3);
 /// Time that services get to go after they reported.
-const EXIT_GRACE: Duration = Duration::from_secs(2);
+pub(super) const EXIT_GRACE: Duration = Duration::from_secs(2);
+/// Priority of the supervisor in realtime: below all services, above everybody else, so that a busy
+/// machine does not hold a restart up.
+const PRIORITY: u8 = 10;
 
 /// What to launch, and how.
 #[derive(Debug)]
 pub struct Launch {
     /// Clock.
     pub mode: Mode,
-    /// Periods and length of the run.
-    pub timetable: Timetable,
-    /// The effective scenario, TOML.
-    pub scenario: String,
+    /// The effective scenario.
+    pub scenario: Scenario,
     /// Programs that take the place of built-in services.
     pub programs: BTreeMap<Service, PathBuf>,
     /// Time until all services must be ready.
@@ -50,7 +55,7 @@ pub enum Ended {
     Orderly,
     /// Ctrl-C, SIGTERM or SIGHUP.
     Interrupted,
-    /// A service ended before its time.
+    /// A service ended before its time and none took its place.
     Broken {
         /// The service.
         service: Service,
@@ -62,12 +67,18 @@ pub enum Ended {
 /// What came out of a group.
 #[derive(Debug)]
 pub struct GroupOutcome {
+    /// Root of the run, which is gone.
+    pub root: PathBuf,
     /// Why it ended.
     pub ended: Ended,
     /// What the services reported.
     pub reports: BTreeMap<Service, ServiceReport>,
-    /// How the processes ended.
+    /// How the last process of each service ended.
     pub exits: BTreeMap<Service, String>,
+    /// How often each service was restarted.
+    pub restarts: BTreeMap<Service, u32>,
+    /// What went wrong.
+    pub faults: Vec<FaultRecord>,
     /// What the launcher heard of the drive.
     pub drive: Drive,
     /// From the first spawn until all services were ready.
@@ -80,48 +91,84 @@ pub struct GroupOutcome {
     pub wrote: Vec<(Service, String)>,
 }
 
-/// Launches a group and stays until nothing of it is left. `progress` is told the run time reached,
-/// in ns.
+/// A run at a moment, for whoever watches it.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<'a> {
+    /// Run time reached, ns.
+    pub time_ns: i64,
+    /// What was heard so far.
+    pub drive: &'a DriveLog,
+    /// What went wrong so far.
+    pub faults: &'a [FaultRecord],
+}
+
+/// Launches a group and stays until nothing of it is left. `watch` is called some ten times a second
+/// and more.
 ///
 /// # Errors
 /// If the group does not become ready; nothing of it is left then either.
-pub fn launch(launch: Launch, progress: &mut dyn FnMut(i64)) -> Result<GroupOutcome, Error> {
-    check_room(shared_memory_bytes(&launch.timetable))?;
+pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<GroupOutcome, Error> {
+    refuse_faults_of_processes(&launch)?;
+    let timetable = Timetable::of(&launch.scenario);
+    check_room(shared_memory_bytes(&timetable))?;
     let root = RunRoot::create()?;
-    let mut janitor = Janitor::spawn(&root)?;
+    let janitor = Janitor::spawn(&root)?;
     let (sender, events) = channel();
     let signals = follow_signals(sender.clone())
         .map_err(|e| Error::Machine(format!("cannot handle signals: {e}")))?;
+    control::listen(root.path(), sender.clone())
+        .map_err(|e| Error::Machine(format!("cannot open the run's control socket: {e}")))?;
     let group = Group {
         root: root.path().to_owned(),
         prefix: root.prefix().to_owned(),
         mode: launch.mode,
-        timetable: launch.timetable,
+        timetable,
         patience_ns: 10_000_000_000,
-        scenario: launch.scenario.clone(),
+        scenario: launch.scenario.to_toml(),
     };
     let mut supervisor = Supervisor {
+        faults: Faults::of(&launch.scenario),
         launch: &launch,
+        root: &root,
+        janitor,
         group,
+        sender,
         events,
-        processes: Vec::new(),
+        members: Vec::new(),
+        start_ns: 0,
+        injected: Vec::new(),
         recording: None,
         granted: BTreeMap::new(),
-        reports: BTreeMap::new(),
         wrote: Vec::new(),
     };
-    let outcome = supervisor.run(&root, &mut janitor, sender, progress);
-    for process in &mut supervisor.processes {
-        process.order(&ToService::Abort);
+    let outcome = supervisor.run(watch);
+    let mut exits = BTreeMap::new();
+    for member in &mut supervisor.members {
+        member.process().order(&ToService::Abort);
     }
-    let exits = (supervisor.processes.iter_mut())
-        .map(|process| (process.service(), describe(process.end(EXIT_GRACE))))
-        .collect();
-    drop(supervisor);
+    for member in &mut supervisor.members {
+        exits.insert(member.service(), member.how_it_ended(EXIT_GRACE));
+    }
+    let janitor = supervisor.dissolve();
     signals.close();
+    control::close(root.path());
     root.remove();
     janitor.dismiss();
     outcome.map(|outcome| GroupOutcome { exits, ..outcome })
+}
+
+/// In simulated time everybody waits for everybody: there is nothing to be seen of a process fault.
+fn refuse_faults_of_processes(launch: &Launch) -> Result<(), Error> {
+    let faults = launch.scenario.faults.iter().enumerate();
+    let mut of_processes = faults.filter(|(_, fault)| fault.kind.is_of_processes());
+    match of_processes.next() {
+        Some((i, fault)) if launch.mode == Mode::Lockstep => Err(Error::Usage(format!(
+            "faults.{i}: `{}` acts on a process and needs --mode realtime; in lockstep, where all \
+             services wait for each other, silence a topic with `drop` instead",
+            fault.kind.name()
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// A copy of the group file where the user looks for it, for as long as this lives.
@@ -144,41 +191,42 @@ impl Drop for LiveFile<'_> {
     }
 }
 
-struct Supervisor<'a> {
-    launch: &'a Launch,
-    group: Group,
-    events: Receiver<Event>,
-    processes: Vec<Process>,
-    recording: Option<RecorderProcess>,
+/// The group while it lives.
+pub(super) struct Supervisor<'a> {
+    pub(super) launch: &'a Launch,
+    pub(super) root: &'a RunRoot,
+    janitor: Janitor,
+    pub(super) group: Group,
+    sender: Sender<Event>,
+    pub(super) events: Receiver<Event>,
+    pub(super) members: Vec<Member>,
+    /// Run time 0, `CLOCK_MONOTONIC` ns.
+    pub(super) start_ns: i64,
+    pub(super) faults: Faults,
+    /// Message faults that came during the run, for those who join later.
+    pub(super) injected: Vec<Injected>,
+    pub(super) recording: Option<RecorderProcess>,
     granted: BTreeMap<String, Granted>,
-    reports: BTreeMap<Service, ServiceReport>,
-    wrote: Vec<(Service, String)>,
+    pub(super) wrote: Vec<(Service, String)>,
 }
 
 impl Supervisor<'_> {
-    fn run(
-        &mut self,
-        root: &RunRoot,
-        janitor: &mut Janitor,
-        sender: Sender<Event>,
-        progress: &mut dyn FnMut(i64),
-    ) -> Result<GroupOutcome, Error> {
+    fn run(&mut self, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<GroupOutcome, Error> {
         let spawned = Instant::now();
         self.group.write()?;
         for service in Service::ALL {
             // The first one leads the services' process group.
-            let leader = self.processes.first().map_or(0, Process::pid);
-            let program = self.launch.programs.get(&service);
-            let process = Process::spawn((service, 0), program, root, leader, sender.clone())?;
+            let leader = self.leader();
+            let program = self.launch.programs.get(&service).cloned();
+            let sender = self.sender.clone();
+            let member = Member::start(service, program, self.root, leader, sender)?;
             if leader == 0 {
-                janitor.watch(process.pid());
+                self.janitor.watch(member.pid());
             }
-            self.processes.push(process);
+            self.members.push(member);
         }
-        let leader = self.processes.first().map_or(0, Process::pid);
         self.recording = (self.launch.recording.as_deref())
-            .map(|path| RecorderProcess::spawn(path, root, leader));
-        drop(sender);
+            .map(|path| RecorderProcess::spawn(path, self.root, self.leader()));
         let mut log = DriveLog::listen(&self.group)?;
         self.wait_until_ready(spawned)?;
         let ready_after = spawned.elapsed();
@@ -191,18 +239,35 @@ impl Supervisor<'_> {
 
         let delay =
             i64::try_from(self.launch.start_delay.as_nanos()).expect("start delays are short");
-        let start_ns = monotonic_ns() + delay;
+        self.start_ns = monotonic_ns() + delay;
         if let Some(recording) = &mut self.recording {
-            recording.begin(start_ns, std::mem::take(&mut self.granted));
+            recording.begin(self.start_ns, std::mem::take(&mut self.granted));
         }
-        self.order_all(&ToService::Start(StartOrder { start_ns }));
-        let _live = self.launch.live_file.as_deref().map(|path| LiveFile::write(path, &self.group));
-        let ended = self.follow_run(start_ns, &mut log, progress)?;
-        let ran_ns = (monotonic_ns() - start_ns).max(0);
+        self.order_all(&ToService::Start(StartOrder { start_ns: self.start_ns }));
+        for member in &mut self.members {
+            member.begin(0);
+        }
+        let live_file = self.launch.live_file.as_deref();
+        let _live = live_file.map(|path| LiveFile::write(path, &self.group));
+        let fifo = self.launch.scenario.runtime.scheduling == Scheduling::Fifo;
+        let priority =
+            (self.launch.mode == Mode::Realtime && fifo).then(|| Priority::raise(PRIORITY));
+        let ended = self.follow_run(&mut log, watch)?;
+        drop(priority);
+        let ran_ns = (monotonic_ns() - self.start_ns).max(0);
+        let mut reports = BTreeMap::new();
+        for member in &mut self.members {
+            reports.extend(member.report.take().map(|report| (member.service(), report)));
+        }
+        let befallen = reports.values().flat_map(|report| report.befallen.iter().copied());
+        self.faults.befallen(befallen);
         Ok(GroupOutcome {
+            root: self.root.path().to_owned(),
             ended,
-            reports: std::mem::take(&mut self.reports),
+            reports,
             exits: BTreeMap::new(),
+            restarts: self.members.iter().map(|m| (m.service(), m.incarnation())).collect(),
+            faults: std::mem::take(&mut self.faults.records),
             drive: log.finish()?,
             ready_after,
             ran_for: Duration::from_nanos(ran_ns.unsigned_abs()),
@@ -224,7 +289,8 @@ impl Supervisor<'_> {
                     return Err(Error::NotReady { service, what: format!("failed: {reason}") });
                 }
                 Ok(Event::Gone(service)) => {
-                    let what = format!("ended before it was ready ({})", self.how(service));
+                    let how = self.member(service).how_it_ended(EXIT_GRACE);
+                    let what = format!("ended before it was ready ({how})");
                     return Err(Error::NotReady {
                         service,
                         what: what + &self.last_words(service),
@@ -232,7 +298,12 @@ impl Supervisor<'_> {
                 }
                 Ok(Event::Signal) => return Err(Error::Interrupted),
                 Ok(Event::Wrote(service, line)) => self.wrote.push((service, line)),
-                Ok(Event::Said(..)) => {}
+                Ok(Event::Inject(_, reply)) => {
+                    let message = "the run has not begun".into();
+                    // Who asked may be gone.
+                    let _ = reply.send(control::Answer { ok: false, message });
+                }
+                Ok(Event::Said(..) | Event::Knock) => {}
                 Err(_) => {
                     let timeout = self.launch.ready_timeout.as_secs_f64();
                     let what = format!("was not ready within {timeout} s");
@@ -243,115 +314,52 @@ impl Supervisor<'_> {
         Ok(())
     }
 
-    /// Follows the run until all services reported or the run is broken.
-    fn follow_run(
-        &mut self,
-        start_ns: i64,
-        log: &mut DriveLog,
-        progress: &mut dyn FnMut(i64),
-    ) -> Result<Ended, Error> {
-        let realtime = self.launch.mode == Mode::Realtime;
-        // In lockstep the launcher's own buffer must not hold anybody up.
-        let poll = Duration::from_millis(if realtime { 20 } else { 2 });
-        let table = self.launch.timetable;
-        let length_ns = table.step_ns * i64::try_from(table.last_step).expect("runs are finite");
-        let mut deadline = realtime
-            .then(|| Instant::now() + Duration::from_nanos(length_ns.unsigned_abs()))
-            .map(|end| end + self.launch.start_delay + REPORT_GRACE);
-        let mut ended = Ended::Orderly;
-        while self.reports.len() < self.processes.len() {
-            let event = self.events.recv_timeout(poll);
-            log.drain()?;
-            if self.recording.as_mut().is_some_and(RecorderProcess::has_died) {
-                log.remove_dead();
-            }
-            if realtime {
-                progress((monotonic_ns() - start_ns).clamp(0, length_ns));
-            } else {
-                progress(table.step_ns * i64::try_from(log.reached()).expect("runs are finite"));
-            }
-            let broken = match event {
-                Ok(Event::Said(service, FromService::Report(report))) => {
-                    self.reports.insert(service, *report);
-                    None
-                }
-                Ok(Event::Said(_, FromService::Ended(step))) => {
-                    self.order_all(&ToService::StopAfter(step));
-                    deadline = Some(Instant::now() + REPORT_GRACE);
-                    None
-                }
-                Ok(Event::Said(service, FromService::Failed(how))) => Some((service, how)),
-                Ok(Event::Gone(service)) if !self.reports.contains_key(&service) => {
-                    Some((service, self.how(service)))
-                }
-                Ok(Event::Signal) if ended == Ended::Orderly => {
-                    ended = Ended::Interrupted;
-                    self.order_all(&ToService::Abort);
-                    deadline = Some(Instant::now() + REPORT_GRACE);
-                    None
-                }
-                Ok(Event::Wrote(service, line)) => {
-                    self.wrote.push((service, line));
-                    None
-                }
-                Ok(Event::Said(..) | Event::Gone(_) | Event::Signal)
-                | Err(RecvTimeoutError::Timeout) => None,
-                Err(RecvTimeoutError::Disconnected) => return Ok(ended),
-            };
-            if let Some((service, how)) = broken
-                && ended == Ended::Orderly
-            {
-                ended = Ended::Broken { service, how };
-                self.order_all(&ToService::Abort);
-                deadline = Some(Instant::now() + REPORT_GRACE);
-            }
-            if self.silent().is_none() {
-                break;
-            }
-            if deadline.is_some_and(|deadline| Instant::now() > deadline) {
-                if ended == Ended::Orderly
-                    && let Some(service) = self.silent()
-                {
-                    ended = Ended::Broken { service, how: "does not answer".into() };
-                }
-                break;
-            }
-        }
-        if ended == Ended::Orderly
-            && let Some(service) = self.unreported()
-        {
-            ended = Ended::Broken { service, how: self.how(service) };
-        }
-        Ok(ended)
+    pub(super) fn member(&mut self, service: Service) -> &mut Member {
+        let member = self.members.iter_mut().find(|member| member.service() == service);
+        member.expect("all services have been started")
     }
 
-    /// A living service that has not reported.
-    fn silent(&mut self) -> Option<Service> {
-        let reports = &self.reports;
-        let processes = self.processes.iter_mut();
-        processes
-            .filter(|process| !reports.contains_key(&process.service()))
-            .find_map(|process| process.poll().is_none().then_some(process.service()))
-    }
-
-    fn unreported(&self) -> Option<Service> {
-        Service::ALL.into_iter().find(|service| !self.reports.contains_key(service))
-    }
-
-    fn order_all(&mut self, order: &ToService) {
-        for process in &mut self.processes {
-            process.order(order);
+    pub(super) fn order_all(&mut self, order: &ToService) {
+        for member in &mut self.members {
+            member.process().order(order);
         }
     }
 
-    /// How the process of `service` ended; its output has.
-    fn how(&mut self, service: Service) -> String {
-        let process = self.processes.iter_mut().find(|process| process.service() == service);
-        process.map_or_else(String::new, |process| describe(process.end(EXIT_GRACE)))
+    /// Starts the next process of `service`.
+    pub(super) fn restart(&mut self, service: Service, now_ns: i64) -> Result<(), Error> {
+        let leader = self.leader_beside(service);
+        let (root, sender) = (self.root, self.sender.clone());
+        let member = self.member(service);
+        member.restart(root, leader, sender, now_ns)?;
+        if leader == 0 {
+            let pid = member.pid();
+            self.janitor.watch(pid);
+        }
+        Ok(())
+    }
+
+    /// The services' process group; 0 when there is none.
+    fn leader(&self) -> i32 {
+        self.members.first().map_or(0, Member::group)
+    }
+
+    /// The process group that `service` is to join: that of the others, if any of them lives.
+    fn leader_beside(&mut self, service: Service) -> i32 {
+        let others = self.members.iter_mut().filter(|member| member.service() != service);
+        let mut groups = others.filter_map(|member| {
+            let lives = member.phase != Phase::GivenUp && member.process().poll().is_none();
+            lives.then(|| member.group())
+        });
+        groups.next().unwrap_or(0)
     }
 
     fn last_words(&self, service: Service) -> String {
         let words: Vec<_> = self.wrote.iter().filter(|(who, _)| *who == service).collect();
         words.iter().rev().take(3).rev().map(|(_, line)| format!("\n  {line}")).collect()
+    }
+
+    /// Lets go of everything but the janitor; the threads that send events end.
+    fn dissolve(self) -> Janitor {
+        self.janitor
     }
 }

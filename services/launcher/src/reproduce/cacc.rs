@@ -1,7 +1,6 @@
 //! CACC through signalised intersections (He et al. 2024): scenarios A, B, C and Table 3 under both
 //! controllers, once with one set of weights for all and once with the sets fitted to each.
 
-use super::plot::Plots;
 use super::row::Row;
 use super::{Driven, Runner};
 use crate::error::Error;
@@ -14,7 +13,7 @@ pub const RUNS: usize = 14;
 /// Lead acceleration of Table 3 that goes with the weights fitted to it, m/s².
 const TABLE_3_LEAD: &str = "actors.0.profile.steps.0.acceleration_mps2=2.594";
 
-pub fn reproduce(runner: &mut Runner<'_>) -> Result<(Vec<Row>, Plots), Error> {
+pub fn reproduce(runner: &mut Runner<'_>) -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
     for calibration in [Calibration::Joint, Calibration::Single] {
         let recorded = record(runner, calibration)?;
@@ -39,7 +38,7 @@ pub fn reproduce(runner: &mut Runner<'_>) -> Result<(Vec<Row>, Plots), Error> {
             note: None,
         }));
     }
-    Ok((rows, Plots::new()))
+    Ok(rows)
 }
 
 /// Drives all scenarios in the order of [`Runs`].

@@ -2,7 +2,7 @@
 //! ours.
 
 mod cacc;
-mod plot;
+mod page;
 mod predictive;
 mod quadratic_bounded;
 mod row;
@@ -12,9 +12,12 @@ use crate::cli::{GroupOptions, PaperName, ReproduceArguments, ScenarioOptions};
 use crate::error::Error;
 use crate::group::{Drive, Ended, GroupOutcome};
 use crate::output::OutputDirectory;
+use crate::report::chart::Plot;
+use crate::report::{self, RunPicture};
 use crate::summary::Summary;
 use crate::{print, run};
 use indicatif::ProgressBar;
+use page::page;
 use row::{Row, Verdict};
 use serde::Serialize;
 use shared::runtime::Mode;
@@ -37,6 +40,22 @@ struct Reproduction {
 struct Paper {
     paper: &'static str,
     rows: Vec<Row>,
+    #[serde(skip)]
+    drives: Vec<(String, RunPicture)>,
+    #[serde(skip)]
+    pictures: Vec<Gallery>,
+}
+
+/// Pictures of a paper's own, below one heading.
+struct Gallery {
+    heading: String,
+    plots: Vec<Plot>,
+}
+
+impl std::fmt::Debug for Gallery {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} ({} pictures)", self.heading, self.plots.len())
+    }
 }
 
 /// Runs the command.
@@ -46,22 +65,22 @@ pub fn run(arguments: &ReproduceArguments) -> Result<ExitCode, Error> {
     let mut runner = Runner::new(&arguments.group, &papers, arguments.json);
     let mut done = Vec::new();
     for name in papers {
-        let (rows, plots) = match name {
+        let rows = match name {
             PaperName::SixMode => six_mode::reproduce(&mut runner)?,
             PaperName::QuadraticBounded => quadratic_bounded::reproduce(&mut runner)?,
             PaperName::Predictive => predictive::reproduce(&mut runner)?,
             PaperName::Cacc => cacc::reproduce(&mut runner)?,
         };
-        for (file, picture) in plots {
-            output.write(&file, picture.as_bytes())?;
-        }
-        done.push(Paper { paper: name.as_str(), rows });
+        let drives = std::mem::take(&mut runner.drives);
+        let pictures = std::mem::take(&mut runner.pictures);
+        done.push(Paper { paper: name.as_str(), rows, drives, pictures });
     }
     runner.bar.finish_and_clear();
     let ok = done.iter().flat_map(|paper| &paper.rows).all(|row| row.verdict() != Verdict::Outside);
     let reproduction = Reproduction { schema_version: 1, ok, papers: done };
     let json = serde_json::to_string_pretty(&reproduction).expect("plain data");
-    output.write("reproduce.json", (json.clone() + "\n").as_bytes())?;
+    let written = output.write("reproduce.json", (json.clone() + "\n").as_bytes());
+    let written = written.and_then(|()| output.write(report::FILE, page(&reproduction).as_bytes()));
     if arguments.json {
         print::out(&(json + "\n"));
     } else {
@@ -69,7 +88,9 @@ pub fn run(arguments: &ReproduceArguments) -> Result<ExitCode, Error> {
             print::out(&row::table(paper.paper, &paper.rows));
         }
         print::out(&format!("results: {}\n", output.path().display()));
+        print::out(&format!("report:  {}\n", output.path().join(report::FILE).display()));
     }
+    written?;
     Ok(if ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
@@ -102,6 +123,10 @@ impl Driven {
 pub struct Runner<'a> {
     group: &'a GroupOptions,
     bar: ProgressBar,
+    /// What was driven since somebody last looked, with what was set.
+    drives: Vec<(String, RunPicture)>,
+    /// What the paper wants to be seen beside them.
+    pictures: Vec<Gallery>,
 }
 
 impl<'a> Runner<'a> {
@@ -116,7 +141,7 @@ impl<'a> Runner<'a> {
             })
             .sum();
         let bar = run::count_bar(runs, quiet);
-        Self { group, bar }
+        Self { group, bar, drives: Vec::new(), pictures: Vec::new() }
     }
 
     /// Drives a built-in scenario with these keys set.
@@ -132,6 +157,8 @@ impl<'a> Runner<'a> {
         orderly(&group)?;
         let summary = Summary::new(&scenario, Mode::Lockstep, &group, begun.elapsed());
         self.bar.inc(1);
+        let what = format!("{name} · {}", scenario.controller.name.as_str());
+        self.drives.push((what, RunPicture::of_drive(&scenario, &group.drive)));
         let figure_names = controller::laws::figure_names(&scenario);
         Ok(Driven { scenario, drive: group.drive, summary, figure_names })
     }

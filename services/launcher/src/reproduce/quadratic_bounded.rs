@@ -3,7 +3,6 @@
 //! The paper says "about": half a second for a switching time, which is what its plots can be read
 //! to; an upper bound is checked as one.
 
-use super::plot::{Curve, Plots, chart};
 use super::row::Row;
 use super::{Driven, Runner};
 use crate::error::Error;
@@ -16,18 +15,16 @@ const BOUND_MPS2: f64 = 3.5;
 /// Set speed, m/s.
 const SET_SPEED_MPS: f64 = 110.0 / 3.6;
 
-pub fn reproduce(runner: &mut Runner<'_>) -> Result<(Vec<Row>, Plots), Error> {
+pub fn reproduce(runner: &mut Runner<'_>) -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
-    let mut plots = Plots::new();
     for (name, judge) in
         [("follow", follow as fn(&Driven) -> Vec<Row>), ("depart", depart), ("cut-in", cut_in)]
     {
         let driven = runner.drive(&format!("quadratic-bounded-{name}"), &[])?;
         rows.extend(judge(&driven));
         rows.extend(bounded(name, &driven));
-        plots.push((format!("quadratic-bounded-{name}.svg"), picture(name, &driven)));
     }
-    Ok((rows, plots))
+    Ok(rows)
 }
 
 /// First time from `from_s` on at which the law's mode is `mode` (0 cruise, 1 follow).
@@ -120,30 +117,6 @@ fn turns(signal: impl Iterator<Item = f64>) -> f64 {
         }
     }
     turns
-}
-
-fn picture(name: &str, driven: &Driven) -> String {
-    let steps = || driven.drive.steps.iter();
-    let ego = steps().map(|step| (step.time_s, step.speed_mps * 3.6)).collect();
-    let lead = steps()
-        .filter_map(|step| step.lead_speed_mps.map(|speed| (step.time_s, speed * 3.6)))
-        .collect();
-    let gap = steps().filter_map(|step| step.gap_m.map(|gap| (step.time_s, gap))).collect();
-    let request = steps()
-        .filter_map(|step| step.request_mps2.map(|request| (step.time_s, request)))
-        .collect();
-    let acceleration = steps().map(|step| (step.time_s, step.acceleration_mps2)).collect();
-    chart(
-        &format!("Quadratic-bounded ACC: {name}"),
-        &[
-            ("speed, km/h", vec![Curve::new("ego", ego), Curve::new("vehicle ahead", lead)]),
-            ("gap, m", vec![Curve::new("gap", gap)]),
-            (
-                "m/s²",
-                vec![Curve::new("acceleration", acceleration), Curve::new("request", request)],
-            ),
-        ],
-    )
 }
 
 #[cfg(test)]

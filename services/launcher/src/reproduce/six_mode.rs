@@ -1,6 +1,5 @@
 //! Six-mode switching ACC (Wang et al. 2014): the mode sequence and its switching times.
 
-use super::plot::{Curve, Plots, chart};
 use super::row::Row;
 use super::{Driven, Runner};
 use crate::error::Error;
@@ -18,7 +17,7 @@ const SWITCHES: [(u32, u32, f64, f64); 6] = [
     (2, 4, 26.0, 0.3),
 ];
 
-pub fn reproduce(runner: &mut Runner<'_>) -> Result<(Vec<Row>, Plots), Error> {
+pub fn reproduce(runner: &mut Runner<'_>) -> Result<Vec<Row>, Error> {
     let driven = runner.drive("six-mode", &[])?;
     let modes = modes(&driven);
     let switches: Vec<_> = modes
@@ -39,37 +38,11 @@ pub fn reproduce(runner: &mut Runner<'_>) -> Result<(Vec<Row>, Plots), Error> {
     rows.push(Row::near("switch.others", "", 0.0, Some(extra as f64), 0.0));
     let end = driven.drive.steps.last().map(|step| step.speed_mps);
     rows.push(Row::near("end.speed_mps", "m/s", 0.0, end, 0.01));
-    Ok((rows, vec![("six-mode.svg".into(), picture(&driven, &modes))]))
+    Ok(rows)
 }
 
 /// (time, mode in the paper's numbers) at every control cycle.
 fn modes(driven: &Driven) -> Vec<(f64, u32)> {
     let steps = driven.drive.steps.iter();
     steps.filter_map(|step| step.mode.map(|mode| (step.time_s, mode + 1))).collect()
-}
-
-fn picture(driven: &Driven, modes: &[(f64, u32)]) -> String {
-    let steps = || driven.drive.steps.iter();
-    let ego = steps().map(|step| (step.time_s, step.speed_mps * 3.6)).collect();
-    let lead = steps()
-        .filter_map(|step| step.lead_speed_mps.map(|speed| (step.time_s, speed * 3.6)))
-        .collect();
-    let request = steps()
-        .filter_map(|step| step.request_mps2.map(|request| (step.time_s, request)))
-        .collect();
-    let mut mode: Vec<(f64, f64)> = Vec::new();
-    for &(time_s, now) in modes {
-        if let Some(&(_, before)) = mode.last() {
-            mode.push((time_s, before));
-        }
-        mode.push((time_s, f64::from(now)));
-    }
-    chart(
-        "Six-mode ACC: the published scenario",
-        &[
-            ("mode", vec![Curve::new("mode", mode)]),
-            ("speed, km/h", vec![Curve::new("ego", ego), Curve::new("vehicle ahead", lead)]),
-            ("request, m/s²", vec![Curve::new("request", request)]),
-        ],
-    )
 }

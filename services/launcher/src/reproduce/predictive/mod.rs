@@ -6,7 +6,6 @@
 //! ends and corrected for the kinetic energy there. Rows marked `driven` come from the process group in
 //! lockstep, rows marked `computed` from the same truck and road without processes.
 
-use super::plot::Plots;
 use super::row::Row;
 use super::{Driven, Runner};
 use crate::error::Error;
@@ -20,19 +19,21 @@ mod pictures;
 mod savings;
 
 /// Scenarios driven, at most.
-pub const RUNS: usize = 2 * (1 + 2 * savings::MAX_ATTEMPTS) + savings::ROBUSTNESS_RUNS + 1;
+pub const RUNS: usize =
+    2 * (1 + 2 * savings::MAX_ATTEMPTS) + savings::ROBUSTNESS_RUNS + following::RUNS;
 
 /// Length of the trip, m.
 const ROAD_M: f64 = 60e3;
 /// Set speed of the trip, m/s.
 const SET_SPEED_MPS: f64 = 75.0 / 3.6;
 
-pub fn reproduce(runner: &mut Runner<'_>) -> Result<(Vec<Row>, Plots), Error> {
+pub fn reproduce(runner: &mut Runner<'_>) -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
-    let mut plots = Plots::new();
-    savings::reproduce(runner, &mut rows, &mut plots)?;
-    following::reproduce(runner, &mut rows, &mut plots)?;
-    Ok((rows, plots))
+    savings::reproduce(runner, &mut rows)?;
+    following::reproduce(runner, &mut rows)?;
+    // Its own pictures show them, over distance.
+    runner.drives.clear();
+    Ok(rows)
 }
 
 /// What came of a trip to the road's end.

@@ -2,8 +2,8 @@
 
 use super::ROAD_M;
 use crate::group::{DriveStep, PowertrainStep};
-use crate::reproduce::Driven;
-use crate::reproduce::plot::{Curve, chart_over};
+use crate::report::chart::{Axis, Curve, Plot, Tone};
+use crate::reproduce::{Driven, Gallery};
 use shared::scenario::Scenario;
 use truck_model::{FUEL_DENSITY_GPL, Preset};
 
@@ -11,28 +11,34 @@ use truck_model::{FUEL_DENSITY_GPL, Preset};
 const POINT_M: f64 = 50.0;
 
 /// Height, speed, torque, gear and fuel of trips on the given road.
-pub fn trips(preset: Preset, trips: &[(&'static str, &Driven)]) -> String {
+pub fn trips(preset: Preset, trips: &[(&'static str, &Driven)]) -> Gallery {
     let curves = |value: &dyn Fn(&DriveStep) -> Option<f64>| {
-        trips
-            .iter()
-            .map(|(name, driven)| Curve::new(name, over_distance(driven, ROAD_M, value)))
-            .collect::<Vec<_>>()
+        let curve = |(index, (name, driven)): (usize, &(&str, &Driven))| {
+            Curve::new(name, Tone::Series(index), over_distance(driven, ROAD_M, value))
+        };
+        trips.iter().enumerate().map(curve).collect::<Vec<_>>()
     };
     let powertrain = |value: fn(&PowertrainStep) -> f64| {
         curves(&move |step| step.powertrain.as_ref().map(value))
     };
     let road = trips.first().map_or_else(Vec::new, |(_, driven)| height(&driven.scenario, ROAD_M));
-    chart_over(
-        "distance, km",
-        &format!("Predictive cruise: {}, 75 km/h", preset.name()),
-        &[
-            ("height, m", vec![Curve::new("road", road)]),
-            ("speed, km/h", curves(&|step| Some(step.speed_mps * 3.6))),
-            ("engine torque, N m", powertrain(|p| p.engine_torque_nm)),
-            ("gear (of the top six)", powertrain(|p| p.gear.into())),
-            ("fuel, L", powertrain(|p| p.fuel_g / FUEL_DENSITY_GPL)),
+    let gears = powertrain(|p| p.gear.into()).into_iter().map(Curve::steps).collect();
+    Gallery {
+        heading: format!("{} at 75 km/h", preset.name()),
+        plots: vec![
+            over("Height", ROAD_M, "m", vec![Curve::new("road", Tone::Muted, road)]),
+            over("Speed", ROAD_M, "km/h", curves(&|step| Some(step.speed_mps * 3.6))),
+            over("Engine torque", ROAD_M, "N m", powertrain(|p| p.engine_torque_nm)),
+            over("Gear, of the top six", ROAD_M, "", gears),
+            over("Fuel", ROAD_M, "L", powertrain(|p| p.fuel_g / FUEL_DENSITY_GPL)),
         ],
-    )
+    }
+}
+
+/// Curves over the distance to `until_m`.
+pub fn over(title: &str, until_m: f64, unit: &str, curves: Vec<Curve>) -> Plot {
+    let x = Axis::linear("distance, km", 0.0, until_m / 1e3);
+    Plot { x, ..Plot::over_time(title, 1.0, unit, curves) }
 }
 
 /// The road's height, m, over distance, km.

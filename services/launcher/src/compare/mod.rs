@@ -1,17 +1,19 @@
 //! `timegap compare`: controllers side by side on the same scenarios.
 
+mod page;
+
+use crate::batch::{self, Job};
 use crate::cli::{CompareArguments, ScenarioOptions};
 use crate::error::Error;
-use crate::group::Ended;
 use crate::output::OutputDirectory;
-use crate::summary::{Control, Summary, Timing};
+use crate::report::{self, RunPicture};
+use crate::summary::{Control, Timing};
 use crate::{print, run};
 use serde::Serialize;
 use shared::report::Outcome;
 use shared::scenario::controller::ControllerName;
 use std::fmt::Write;
 use std::process::ExitCode;
-use std::time::Instant;
 
 #[derive(Debug, Serialize)]
 struct Comparison {
@@ -27,6 +29,8 @@ struct Row {
     outcome: Outcome,
     control: Control,
     timing: Timing,
+    #[serde(skip)]
+    picture: RunPicture,
 }
 
 /// Runs the command.
@@ -37,7 +41,8 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
         arguments.controllers.clone()
     };
     // Everything is read before anything runs.
-    let mut scenarios = Vec::new();
+    let mode = arguments.mode.into();
+    let mut jobs = Vec::new();
     for name in &arguments.scenarios {
         for controller in &controllers {
             let options = ScenarioOptions {
@@ -45,43 +50,43 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
                 set: arguments.set.clone(),
                 ..ScenarioOptions::default()
             };
-            scenarios.push(run::open(name, &options)?);
+            jobs.push(Job { scenario: run::open(name, &options)?, mode, sample_every: None });
         }
     }
     let output = OutputDirectory::create(arguments.out.as_deref(), "compare")?;
-    let bar = run::count_bar(scenarios.len(), arguments.json);
-    let mut rows = Vec::new();
-    for scenario in &scenarios {
-        let what = format!("{} {}", scenario.name.as_str(), scenario.controller.name.as_str());
-        bar.set_message(what);
-        let begun = Instant::now();
-        let mode = arguments.mode.into();
-        let group = run::drive(scenario, mode, &arguments.group, None, &mut |_| bar.tick())?;
-        if group.ended == Ended::Interrupted {
-            return Err(Error::Interrupted);
-        }
-        let summary = Summary::new(scenario, mode, &group, begun.elapsed());
-        rows.push(Row {
+    let bar = run::count_bar(jobs.len(), arguments.json);
+    let at_once = batch::at_once(None, mode);
+    let mut rows: Vec<_> = jobs.iter().map(|_| None).collect();
+    batch::run(&jobs, at_once, &arguments.group, &bar, &mut |index, result| {
+        let done = result?;
+        let summary = done.summary;
+        rows[index] = Some(Row {
             scenario: summary.scenario,
             controller: summary.controller,
             mode: summary.mode,
             outcome: summary.outcome,
             control: summary.control,
             timing: summary.timing,
+            picture: RunPicture::of_drive(&jobs[index].scenario, &done.drive),
         });
-        bar.inc(1);
-    }
+        Ok(())
+    })?;
+    let rows: Vec<_> = rows.into_iter().flatten().collect();
     bar.finish_and_clear();
     let whole = rows.iter().all(|row| row.outcome == Outcome::Completed);
     let comparison = Comparison { schema_version: 1, rows };
     let json = serde_json::to_string_pretty(&comparison).expect("plain data");
-    output.write("compare.json", (json.clone() + "\n").as_bytes())?;
+    let written = output.write("compare.json", (json.clone() + "\n").as_bytes());
+    let written =
+        written.and_then(|()| output.write(report::FILE, page::page(&comparison.rows).as_bytes()));
     if arguments.json {
         print::out(&(json + "\n"));
     } else {
         print::out(&table(&comparison.rows));
         print::out(&format!("results: {}\n", output.path().display()));
+        print::out(&format!("report:  {}\n", output.path().join(report::FILE).display()));
     }
+    written?;
     Ok(if whole { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 

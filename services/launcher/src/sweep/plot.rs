@@ -1,9 +1,6 @@
-//! Pictures: panels over one axis of time or distance, as SVG.
+//! Pictures: panels over one axis, as SVG.
 
 use plotters::prelude::*;
-
-/// Files to be written: name and contents.
-pub type Plots = Vec<(String, String)>;
 
 /// Width of a picture, pixels.
 const WIDTH: u32 = 900;
@@ -12,34 +9,35 @@ const PANEL: u32 = 220;
 /// Height of the title, pixels.
 const TITLE: u32 = 40;
 
-/// A named curve over the axis that all panels share.
+/// A named curve.
 pub struct Curve {
-    name: &'static str,
+    name: String,
     points: Vec<(f64, f64)>,
 }
 
 impl Curve {
     /// A curve.
-    pub fn new(name: &'static str, points: Vec<(f64, f64)>) -> Self {
-        Self { name, points }
+    pub fn new(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
+        Self { name: name.into(), points }
     }
 }
 
-/// Draws panels over time, each with the label of its axis and its curves, one above the other.
-pub fn chart(title: &str, panels: &[(&str, Vec<Curve>)]) -> String {
-    chart_over("time, s", title, panels)
-}
-
-/// The same over another axis.
-pub fn chart_over(axis: &str, title: &str, panels: &[(&str, Vec<Curve>)]) -> String {
+/// Draws panels over the named axis, which goes from the first to the second of `ends`.
+pub fn chart_over(
+    title: &str,
+    axis: &str,
+    ends: (f64, f64),
+    panels: &[(&str, Vec<Curve>)],
+) -> String {
     let mut svg = String::new();
-    draw(axis, title, panels, &mut svg).expect("drawing into a string does not fail");
+    draw(title, axis, ends, panels, &mut svg).expect("drawing into a string does not fail");
     svg
 }
 
 fn draw(
-    axis: &str,
     title: &str,
+    axis: &str,
+    ends: (f64, f64),
     panels: &[(&str, Vec<Curve>)],
     svg: &mut String,
 ) -> Result<(), Box<dyn std::error::Error>> {
@@ -47,11 +45,6 @@ fn draw(
     let root = SVGBackend::with_string(svg, (WIDTH, height)).into_drawing_area();
     root.fill(&WHITE)?;
     let area = root.titled(title, ("sans-serif", 22))?;
-    let until = panels
-        .iter()
-        .flat_map(|(_, curves)| curves)
-        .filter_map(|curve| curve.points.last())
-        .fold(1.0, |most: f64, point| most.max(point.0));
     for (index, ((label, curves), area)) in
         panels.iter().zip(area.split_evenly((panels.len(), 1))).enumerate()
     {
@@ -61,7 +54,7 @@ fn draw(
             .margin_top(8)
             .x_label_area_size(if index + 1 == panels.len() { 36 } else { 20 })
             .y_label_area_size(60)
-            .build_cartesian_2d(0.0..until, low..high)?;
+            .build_cartesian_2d(ends.0..ends.1, low..high)?;
         let mut mesh = chart.configure_mesh();
         mesh.y_desc(*label)
             .y_labels(7)
@@ -76,7 +69,7 @@ fn draw(
             let style = Palette99::pick(place).stroke_width(2);
             let drawn = chart.draw_series(LineSeries::new(curve.points.iter().copied(), style))?;
             drawn
-                .label(curve.name)
+                .label(curve.name.as_str())
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], style));
         }
         if curves.len() > 1 {
@@ -114,8 +107,10 @@ mod tests {
     #[test]
     fn a_picture_has_its_labels_and_survives_empty_and_constant_curves() {
         let constant = Curve::new("flat", vec![(0.0, 3.0), (5.0, 3.0)]);
-        let picture = chart(
+        let picture = chart_over(
             "A title",
+            "time, s",
+            (0.0, 5.0),
             &[
                 ("speed, km/h", vec![constant, Curve::new("nothing", Vec::new())]),
                 ("mode", vec![Curve::new("nothing", Vec::new())]),

@@ -1,0 +1,220 @@
+//! The controller's part of the degradation ladder: what its inputs still allow.
+//!
+//! In each cycle [`Ladder::look`] takes the ages of the newest *valid* samples and says how far signal
+//! timing may be believed, [`Ladder::admit`] settles what else the law may be told, and after the step
+//! [`Ladder::settle`] names the rung. The table of entries and ways back is at [`shared::rung`].
+//!
+//! What never happens, whatever the faults: a law is told of a target or a light by a sample that is
+//! older than the rung's bound; and no rung is without a way back to full function.
+
+use crate::law::{Ego, Input, MAX_PLAN, Output, Quality, Target};
+use crate::sampling::SignalTrust;
+use shared::rung::Rung;
+use shared::scenario::Scenario;
+
+/// Periods of its source after which an input is stale.
+const STALE_PERIODS: f64 = 3.0;
+/// Shortest age at which an input is stale, s: releases are not exact.
+const SHORTEST_STALE_S: f64 = 0.1;
+/// For how long a target is predicted, s.
+const PREDICT_S: f64 = 1.0;
+/// For how long announced signal timing is believed without a new announcement, s.
+const BELIEVE_SIGNALS_S: f64 = 5.0;
+/// Braking when nobody knows what is ahead, m/s².
+const COMFORTABLE_MPS2: f64 = -2.0;
+/// How fast that braking sets in, m/s³.
+const COMFORTABLE_JERK_MPS3: f64 = 2.5;
+
+/// Ages of the newest valid samples, s; none without one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ages {
+    /// `vehicle/odometry`.
+    pub odometry_s: Option<f64>,
+    /// `radar/tracks`.
+    pub radar_s: Option<f64>,
+    /// `v2x/spat`; `None` also where there is no signal ahead to be told of.
+    pub spat_s: Option<f64>,
+}
+
+/// What to do in this cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Admission {
+    /// The law steps, with the input as it now is.
+    Law,
+    /// Comfortable braking, see [`Ladder::brake`].
+    Brake,
+    /// No command.
+    Silence,
+}
+
+/// Counts releases in a row for a proven recovery.
+#[derive(Clone, Copy, Debug, Default)]
+struct Recovery {
+    failed: bool,
+    good: u32,
+}
+
+impl Recovery {
+    /// Takes whether all is well now; true while it has failed or has not proved itself again.
+    fn observe(&mut self, good: bool, proof: u32) -> bool {
+        if !good {
+            *self = Self { failed: true, good: 0 };
+        } else if self.failed {
+            self.good += 1;
+            self.failed = self.good < proof;
+        }
+        self.failed
+    }
+}
+
+/// The ladder.
+#[derive(Clone, Debug)]
+pub struct Ladder {
+    stale_radar_s: f64,
+    stale_spat_s: f64,
+    stale_odometry_s: f64,
+    has_signals: bool,
+    odometry: Recovery,
+    radar: Recovery,
+    lead: Recovery,
+    found: Recovery,
+    radar_is_fresh: bool,
+    signals: Recovery,
+    solve: Recovery,
+    /// The target at the last fresh sample: position of its rear, speed, acceleration, time, s.
+    last_target: Option<(Target, f64, f64, f64)>,
+    /// Time of the last release with a fresh radar sample, or of the first release, s.
+    remembered_s: Option<f64>,
+    last_request_mps2: f64,
+    rung: Rung,
+}
+
+impl Ladder {
+    /// The ladder of a scenario.
+    #[must_use]
+    pub fn new(scenario: &Scenario) -> Self {
+        let stale =
+            |period_ms: u32| (STALE_PERIODS * f64::from(period_ms) / 1e3).max(SHORTEST_STALE_S);
+        let latency_s = f64::from(scenario.perception.radar.latency_ms.value()) / 1e3;
+        let latency_s = if scenario.perception.ideal { 0.0 } else { latency_s };
+        Self {
+            stale_radar_s: stale(scenario.perception.period_ms.value()) + latency_s,
+            stale_spat_s: stale(scenario.v2x.period_ms.value()),
+            stale_odometry_s: stale(scenario.plant.period_ms.value()),
+            has_signals: !scenario.v2x.signals.is_empty(),
+            odometry: Recovery::default(),
+            radar: Recovery::default(),
+            lead: Recovery::default(),
+            found: Recovery::default(),
+            radar_is_fresh: false,
+            signals: Recovery::default(),
+            solve: Recovery::default(),
+            last_target: None,
+            remembered_s: None,
+            last_request_mps2: 0.0,
+            rung: Rung::Full,
+        }
+    }
+
+    /// Takes the ages at the release at `time_s`; says how far signal timing may be believed.
+    pub fn look(&mut self, ages: &Ages, time_s: f64) -> SignalTrust {
+        let fresh = |age: Option<f64>, limit: f64| age.is_some_and(|age| age <= limit);
+        let odometry = fresh(ages.odometry_s, self.stale_odometry_s);
+        let spat = !self.has_signals || fresh(ages.spat_s, self.stale_spat_s);
+        let radar = fresh(ages.radar_s, self.stale_radar_s);
+        let since_s = *self.remembered_s.get_or_insert(time_s);
+        let radar_s = ages.radar_s.unwrap_or(time_s - since_s);
+        let silent = self.odometry.observe(odometry, 2);
+        let lost = self.lead.observe(radar_s <= self.stale_radar_s + PREDICT_S, 1);
+        // What was lost is found again by fresh samples alone.
+        let lost = self.found.observe(radar || !(lost || self.found.failed), 5);
+        let predicted = self.radar.observe(radar, 2);
+        let signals_lost = self.signals.observe(spat, 3);
+        self.radar_is_fresh = radar;
+        self.rung = match (silent, lost, predicted, signals_lost) {
+            (true, ..) => Rung::Silent,
+            (_, true, ..) => Rung::LeadLost,
+            (_, _, true, _) => Rung::LeadPredicted,
+            (.., true) => Rung::SignalsLost,
+            _ => Rung::Full,
+        };
+        match ages.spat_s {
+            _ if spat => SignalTrust::Announced,
+            Some(age_s) if age_s <= BELIEVE_SIGNALS_S => SignalTrust::Proven,
+            _ => SignalTrust::None,
+        }
+    }
+
+    /// Settles what else the law may be told.
+    pub fn admit(&mut self, input: &mut Input) -> Admission {
+        if self.rung == Rung::Silent {
+            return Admission::Silence;
+        }
+        let bound_s = self.stale_radar_s + PREDICT_S;
+        if self.radar_is_fresh {
+            self.remember(input);
+        } else if self.remembered_s.is_some_and(|then_s| input.time_s - then_s > bound_s) {
+            // Radar came while the ego's motion was not known: it was of no use then.
+            self.found = Recovery { failed: true, good: 0 };
+            self.rung = Rung::LeadLost;
+        } else {
+            input.target = self.predicted(&input.ego, input.time_s);
+        }
+        if self.rung == Rung::LeadLost { Admission::Brake } else { Admission::Law }
+    }
+
+    /// Takes what the law made of it and whether the last cycle was in time; returns the rung.
+    pub fn settle(&mut self, output: &Output, in_time: bool) -> Rung {
+        self.last_request_mps2 = output.request_mps2();
+        let solved = in_time && output.quality != Quality::Backup;
+        if self.solve.observe(solved, 3) && self.rung < Rung::SolveFailed {
+            self.rung = Rung::SolveFailed;
+        }
+        self.rung
+    }
+
+    /// The rung without a command.
+    #[must_use]
+    pub fn rung(&self) -> Rung {
+        self.rung
+    }
+
+    /// Comfortable braking to standstill, in place of the law.
+    pub fn brake(&self, period_s: f64, output: &mut Output) {
+        *output = Output { mode: output.mode, quality: Quality::Backup, ..Output::default() };
+        let mut request = self.last_request_mps2.min(0.0);
+        for place in &mut output.plan_mps2 {
+            request = (request - COMFORTABLE_JERK_MPS3 * period_s).max(COMFORTABLE_MPS2);
+            *place = request;
+        }
+        output.plan_len = MAX_PLAN;
+    }
+
+    fn remember(&mut self, input: &Input) {
+        self.remembered_s = Some(input.time_s);
+        self.last_target = input.target.map(|target| {
+            let position_m = input.ego.position_m + target.gap_m;
+            let speed_mps = input.ego.speed_mps + target.relative_speed_mps;
+            (target, position_m, speed_mps.max(0.0), input.time_s)
+        });
+    }
+
+    /// The last target as it would be now: it goes on braking if it braked, and else keeps its speed.
+    fn predicted(&self, ego: &Ego, time_s: f64) -> Option<Target> {
+        let (target, position_m, speed_mps, then_s) = self.last_target?;
+        let (age_s, braking) = (time_s - then_s, (-target.acceleration_mps2).max(0.0));
+        let moving_s = if braking > 0.0 { age_s.min(speed_mps / braking) } else { age_s };
+        let position_m = position_m + speed_mps * moving_s - 0.5 * braking * moving_s * moving_s;
+        let speed_mps = if moving_s < age_s { 0.0 } else { speed_mps - braking * moving_s };
+        Some(Target {
+            gap_m: position_m - ego.position_m,
+            relative_speed_mps: speed_mps - ego.speed_mps,
+            acceleration_mps2: if speed_mps > 0.0 { -braking } else { 0.0 },
+            age_s: target.age_s + age_s,
+            ..target
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

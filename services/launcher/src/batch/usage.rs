@@ -1,0 +1,156 @@
+//! Memory, descriptors and shared memory of a run while it goes on, and whether they grow.
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// What one process has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Usage {
+    /// Resident set, KiB.
+    pub memory_kib: u64,
+    /// Open descriptors.
+    pub descriptors: u64,
+}
+
+/// What a run has at one moment.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Of each service, by its name in `ps`.
+    pub services: BTreeMap<String, Usage>,
+    /// Shared memory of all runs of this launcher, KiB.
+    pub shared_memory_kib: u64,
+    /// Number of its objects.
+    pub shared_memory_objects: u64,
+}
+
+/// By how much a run's usage grew: the median of its last quarter over that of its second quarter. The
+/// first quarter is left out, in which loops touch their pages for the first time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Growth {
+    /// Resident set of the service that grew most, KiB.
+    pub memory_kib: f64,
+    /// Descriptors of the service that gained most.
+    pub descriptors: f64,
+    /// Shared memory, KiB.
+    pub shared_memory_kib: f64,
+    /// Objects in shared memory.
+    pub shared_memory_objects: f64,
+}
+
+impl Sample {
+    /// The services that this process started, and their shared memory.
+    pub fn take() -> Self {
+        let own = std::process::id().to_string();
+        let mut sample = Self::default();
+        for entry in std::fs::read_dir("/proc").into_iter().flatten().flatten() {
+            if let Some((name, usage)) = service(&entry.path(), &own) {
+                sample.services.insert(name, usage);
+            }
+        }
+        let prefix = format!("timegap_{:x}-", std::process::id());
+        for entry in std::fs::read_dir("/dev/shm").into_iter().flatten().flatten() {
+            if entry.file_name().to_string_lossy().starts_with(&prefix) {
+                use std::os::unix::fs::MetadataExt;
+                let blocks = entry.metadata().map_or(0, |metadata| metadata.blocks());
+                sample.shared_memory_kib += blocks / 2;
+                sample.shared_memory_objects += 1;
+            }
+        }
+        sample
+    }
+}
+
+/// Name and usage of the process at `path` if it is a service that `parent` started.
+fn service(path: &Path, parent: &str) -> Option<(String, Usage)> {
+    let status = std::fs::read_to_string(path.join("status")).ok()?;
+    let field = |name: &str| {
+        let line = status.lines().find_map(|line| line.strip_prefix(name))?;
+        line.split_whitespace().next()
+    };
+    if field("PPid:")? != parent {
+        return None;
+    }
+    let line = std::fs::read(path.join("cmdline")).ok()?;
+    let name = String::from_utf8_lossy(line.split(|byte| *byte == 0).next()?).into_owned();
+    let memory_kib = field("VmRSS:")?.parse().ok()?;
+    let descriptors = std::fs::read_dir(path.join("fd")).ok()?.count() as u64;
+    name.starts_with("timegap-").then_some((name, Usage { memory_kib, descriptors }))
+}
+
+impl Growth {
+    /// The growth over these samples; none if they are too few for quarters.
+    pub fn over(samples: &[Sample]) -> Option<Self> {
+        let quarter = samples.len() / 4;
+        if quarter == 0 {
+            return None;
+        }
+        let grown = |figure: &dyn Fn(&Sample) -> Option<u64>| {
+            let median = |part: &[Sample]| {
+                let mut values: Vec<u64> = part.iter().filter_map(figure).collect();
+                values.sort_unstable();
+                values.get(values.len() / 2).map(|value| *value as f64)
+            };
+            let before = median(&samples[quarter..2 * quarter])?;
+            Some(median(&samples[samples.len() - quarter..])? - before)
+        };
+        let names: std::collections::BTreeSet<&String> =
+            samples.iter().flat_map(|sample| sample.services.keys()).collect();
+        let most = |figure: fn(&Usage) -> u64| {
+            let of = |name: &&String| grown(&|sample| sample.services.get(*name).map(figure));
+            names.iter().filter_map(of).fold(0.0, f64::max)
+        };
+        Some(Self {
+            memory_kib: most(|usage| usage.memory_kib),
+            descriptors: most(|usage| usage.descriptors),
+            shared_memory_kib: grown(&|sample| Some(sample.shared_memory_kib))?,
+            shared_memory_objects: grown(&|sample| Some(sample.shared_memory_objects))?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample(memory_kib: u64, descriptors: u64, shared_memory_kib: u64) -> Sample {
+        let usage = Usage { memory_kib, descriptors };
+        let other = Usage { memory_kib: 900, descriptors: 5 };
+        let services = [("timegap-plant".into(), usage), ("timegap-controller".into(), other)];
+        Sample { services: services.into(), shared_memory_kib, shared_memory_objects: 7 }
+    }
+
+    #[test]
+    fn a_flat_run_does_not_grow_whatever_its_begin_and_its_spikes() {
+        let mut samples: Vec<_> = (0..40).map(|_| sample(1000, 20, 300)).collect();
+        samples[0] = sample(10, 3, 0);
+        samples[35] = sample(500, 90, 300);
+        let growth = Growth::over(&samples).expect("40 samples");
+        let flat = Growth {
+            memory_kib: 0.0,
+            descriptors: 0.0,
+            shared_memory_kib: 0.0,
+            shared_memory_objects: 0.0,
+        };
+        assert_eq!(growth, flat);
+    }
+
+    #[test]
+    fn a_leak_shows_by_its_service() {
+        let samples: Vec<_> = (0..40).map(|k| sample(1000 + 8 * k, 20 + k, 300 + k)).collect();
+        let growth = Growth::over(&samples).expect("40 samples");
+        // Medians of samples 10 to 19 and 30 to 39 are 20 samples apart.
+        assert_eq!((growth.memory_kib, growth.descriptors), (160.0, 20.0));
+        assert_eq!(growth.shared_memory_kib, 20.0);
+    }
+
+    #[test]
+    fn three_samples_say_nothing() {
+        assert_eq!(Growth::over(&[sample(1, 1, 1), sample(2, 2, 2), sample(3, 3, 3)]), None);
+    }
+
+    #[test]
+    fn a_sample_of_a_process_without_services_is_empty() {
+        assert_eq!(Sample::take().services, BTreeMap::new());
+    }
+}

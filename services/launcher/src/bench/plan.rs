@@ -1,0 +1,194 @@
+//! What is measured, under which conditions, in which order.
+
+use serde::{Deserialize, Serialize};
+use std::time::Duration;
+
+/// Scheduling of what is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scheduling {
+    /// `SCHED_FIFO`, priorities as in a group.
+    Fifo,
+    /// The time-sharing default.
+    Other,
+}
+
+/// Cores of what is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Placement {
+    /// All on the last usable core.
+    SameCore,
+    /// The source on the first usable core, the sink (in a group: the controller) on the last.
+    TwoCores,
+}
+
+/// What else the machine does meanwhile.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Load {
+    /// Nothing of ours.
+    Idle,
+    /// A process that computes on every core.
+    Cpu,
+    /// A process that copies memory on every core.
+    Memory,
+}
+
+macro_rules! names {
+    ($($type:ident { $($variant:ident: $name:literal),+ })+) => {$(
+        impl $type {
+            /// Name in tables, results and tags.
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name),+ }
+            }
+        }
+    )+};
+}
+
+names! {
+    Scheduling { Fifo: "fifo", Other: "other" }
+    Placement { SameCore: "same_core", TwoCores: "two_cores" }
+    Load { Idle: "idle", Cpu: "cpu", Memory: "memory" }
+}
+
+/// Conditions of a measurement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Conditions {
+    pub placement: Placement,
+    pub scheduling: Scheduling,
+    pub load: Load,
+}
+
+/// How one process wakes another, and what it hands over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Mechanism {
+    /// A word in shared memory, and nothing more: the floor.
+    Futex,
+    /// A counter in the kernel.
+    Eventfd,
+    /// iceoryx2's event service.
+    Iceoryx2Event,
+    /// A message through the services' own ports.
+    Message,
+    /// A loaned payload of so many bytes.
+    Payload(usize),
+}
+
+/// One thing to measure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    /// Jitter of absolute sleeps.
+    Sleep,
+    /// From before the sender's first act until the receiver has what was sent.
+    Wake(Mechanism),
+    /// The four services with the 100-step problem in their loop.
+    Chain,
+}
+
+/// One thing to measure under its conditions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cell {
+    pub measure: Measure,
+    pub conditions: Conditions,
+    pub period_us: u32,
+}
+
+/// Periods of the controller, µs.
+pub const CONTROLLER_PERIODS_US: [u32; 7] = [100_000, 50_000, 20_000, 10_000, 5_000, 2_000, 1_000];
+/// Sizes of the loaned payloads, bytes.
+pub const PAYLOAD_BYTES: [usize; 5] = [64, 1 << 10, 1 << 14, 1 << 17, 1 << 20];
+/// Period of the wake-up measurements, µs; and the longer one, at which caches are cold.
+const WAKE_PERIOD_US: u32 = 1_000;
+pub const COLD_PERIOD_US: u32 = 10_000;
+
+impl Cell {
+    /// Time that it will take if each measurement lasts `seconds`.
+    pub fn estimate(&self, seconds: f64) -> Duration {
+        let overhead_s = match self.measure {
+            Measure::Chain => 0.25,
+            Measure::Sleep | Measure::Wake(_) => 0.05,
+        };
+        Duration::from_secs_f64(seconds + overhead_s)
+    }
+}
+
+/// The cells of a run on so many cores. `quick` leaves out most conditions.
+pub fn cells(quick: bool, cores: usize) -> Vec<Cell> {
+    let mut cells = Vec::new();
+    for conditions in conditions(cores) {
+        let idle = conditions.load == Load::Idle;
+        let fifo = conditions.scheduling == Scheduling::Fifo;
+        if quick && (conditions.load == Load::Memory || !(idle || fifo)) {
+            continue;
+        }
+        let mut add = |measure, period_us| cells.push(Cell { measure, conditions, period_us });
+        let best = idle && fifo;
+        if best || !quick {
+            add(Measure::Sleep, WAKE_PERIOD_US);
+            add(Measure::Wake(Mechanism::Eventfd), WAKE_PERIOD_US);
+            add(Measure::Wake(Mechanism::Iceoryx2Event), WAKE_PERIOD_US);
+            for bytes in PAYLOAD_BYTES {
+                add(Measure::Wake(Mechanism::Payload(bytes)), WAKE_PERIOD_US);
+            }
+            add(Measure::Wake(Mechanism::Futex), COLD_PERIOD_US);
+        }
+        add(Measure::Wake(Mechanism::Futex), WAKE_PERIOD_US);
+        add(Measure::Wake(Mechanism::Message), WAKE_PERIOD_US);
+        for period_us in CONTROLLER_PERIODS_US {
+            let telling = matches!(period_us, 1_000 | COLD_PERIOD_US);
+            // The default placement's table is whole even in a quick run.
+            let whole = best && conditions.placement == Placement::SameCore;
+            if !quick || whole || telling {
+                cells.push(Cell { measure: Measure::Chain, conditions, period_us });
+            }
+        }
+    }
+    cells
+}
+
+/// All conditions, the quietest first.
+fn conditions(cores: usize) -> impl Iterator<Item = Conditions> {
+    let placements: &[_] = if cores > 1 {
+        &[Placement::SameCore, Placement::TwoCores]
+    } else {
+        &[Placement::SameCore]
+    };
+    [Load::Idle, Load::Cpu, Load::Memory].into_iter().flat_map(move |load| {
+        [Scheduling::Fifo, Scheduling::Other].into_iter().flat_map(move |scheduling| {
+            let of = move |&placement| Conditions { placement, scheduling, load };
+            placements.iter().map(of)
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_full_matrix_has_every_cell_once() {
+        let cells = cells(false, 2);
+        // Sleep, five kinds of waking, five payloads less one each, the cold futex; seven periods.
+        assert_eq!(cells.len(), 2 * 2 * 3 * (1 + 4 + PAYLOAD_BYTES.len() + 1 + 7));
+        for (k, cell) in cells.iter().enumerate() {
+            assert!(!cells[..k].contains(cell), "{cell:?} twice");
+        }
+    }
+
+    #[test]
+    fn a_quick_run_is_a_part_of_the_full_one_and_ends_in_time() {
+        let full = cells(false, 2);
+        let quick = cells(true, 2);
+        assert!(quick.iter().all(|cell| full.contains(cell)));
+        let sum: Duration = quick.iter().map(|cell| cell.estimate(super::super::QUICK_S)).sum();
+        assert!(sum < Duration::from_secs(25), "{sum:?}");
+    }
+
+    #[test]
+    fn a_single_core_has_no_placement_on_two() {
+        let all = cells(false, 1);
+        assert!(all.iter().all(|cell| cell.conditions.placement == Placement::SameCore));
+    }
+}

@@ -1,0 +1,254 @@
+//! Axes: from values to places, and the ticks between.
+
+/// How values are spread along an axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Scale {
+    /// Evenly.
+    Linear {
+        /// Least value.
+        low: f64,
+        /// Largest value.
+        high: f64,
+    },
+    /// By the logarithm; both ends are above 0.
+    Log {
+        /// Least value.
+        low: f64,
+        /// Largest value.
+        high: f64,
+    },
+    /// Shares of a distribution, 0 to 1, such that each nine of the tail takes the same room:
+    /// 90 %, 99 %, 99.9 %.
+    Percentile {
+        /// Number of nines.
+        nines: u32,
+    },
+}
+
+/// How a tick says its value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// The number.
+    Number,
+    /// A duration in µs with the unit that reads best.
+    DurationUs,
+    /// A share as a percentage.
+    Percent,
+}
+
+/// One axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// What it shows, with the unit.
+    pub label: String,
+    /// How.
+    pub scale: Scale,
+    /// How its ticks are written.
+    pub format: Format,
+}
+
+/// A tick.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tick {
+    /// Place along the axis, 0 to 1.
+    pub share: f64,
+    /// What it says.
+    pub label: String,
+}
+
+impl Axis {
+    /// Run time from 0 to `until_s`.
+    pub fn time(until_s: f64) -> Self {
+        Self::linear("time, s", 0.0, until_s.max(1e-3))
+    }
+
+    /// Values from `low` to `high`.
+    pub fn linear(label: &str, low: f64, high: f64) -> Self {
+        let scale = Scale::Linear { low, high };
+        Self { label: label.into(), scale, format: Format::Number }
+    }
+
+    /// A linear axis that holds all of `values`, widened to whole ticks; never empty.
+    pub fn holding(label: &str, values: impl Iterator<Item = f64>) -> Self {
+        let (mut low, mut high) = bounds(values).unwrap_or((0.0, 1.0));
+        if high - low < 1e-6 * high.abs().max(1.0) {
+            (low, high) = (low - 0.5, high + 0.5);
+        }
+        let step = nice_step(high - low, 5);
+        Self::linear(label, (low / step).floor() * step, (high / step).ceil() * step)
+    }
+
+    /// Durations in µs over whole decades or halves of them.
+    pub fn durations(label: &str, values: impl Iterator<Item = f64>) -> Self {
+        let (low, high) = bounds(values.filter(|us| *us > 0.0)).unwrap_or((1.0, 10.0));
+        let low = 10_f64.powf((low.log10() * 2.0).floor() / 2.0);
+        let high = 10_f64.powf((high.log10() * 2.0 + 1e-9).ceil() / 2.0).max(low * 10.0);
+        let scale = Scale::Log { low, high };
+        Self { label: label.into(), scale, format: Format::DurationUs }
+    }
+
+    /// Shares of a distribution of `count` samples.
+    pub fn percentiles(label: &str, count: u64) -> Self {
+        let nines = (2.0 * count.max(1) as f64).log10().ceil().clamp(2.0, 6.0) as u32;
+        let scale = Scale::Percentile { nines };
+        Self { label: label.into(), scale, format: Format::Percent }
+    }
+
+    /// Place of a value, 0 to 1 inside the axis.
+    pub fn share(&self, value: f64) -> f64 {
+        match self.scale {
+            Scale::Linear { low, high } => (value - low) / (high - low),
+            Scale::Log { low, high } => {
+                (value.max(low).log10() - low.log10()) / (high.log10() - low.log10())
+            }
+            Scale::Percentile { nines } => {
+                let nines = f64::from(nines);
+                (-(1.0 - value).max(10_f64.powf(-nines)).log10() / nines).clamp(0.0, 1.0)
+            }
+        }
+    }
+
+    /// At most about `most` ticks, in order.
+    pub fn ticks(&self, most: usize) -> Vec<Tick> {
+        let values = match self.scale {
+            Scale::Linear { low, high } => linear_ticks(low, high, most),
+            Scale::Log { low, high } => log_ticks(low, high, most),
+            Scale::Percentile { nines } => {
+                let tail = (1..=nines).map(|nine| 1.0 - 10_f64.powi(-nine.cast_signed()));
+                [0.0, 0.5].into_iter().chain(tail).collect()
+            }
+        };
+        let step = match values.as_slice() {
+            [first, second, ..] => second - first,
+            _ => 1.0,
+        };
+        values
+            .into_iter()
+            .map(|value| Tick { share: self.share(value), label: self.tick_label(value, step) })
+            .collect()
+    }
+
+    fn tick_label(&self, value: f64, step: f64) -> String {
+        match self.format {
+            Format::Number => {
+                let decimals = (-step.log10().floor()).clamp(0.0, 6.0) as usize;
+                number(value, decimals)
+            }
+            Format::DurationUs => duration(value),
+            Format::Percent => {
+                // Rounded where doubles are too coarse for the nines.
+                let text = format!("{:.4}", value * 100.0);
+                format!("{} %", text.trim_end_matches('0').trim_end_matches('.'))
+            }
+        }
+    }
+}
+
+/// A number with a true minus sign; a negative zero has none.
+pub fn number(value: f64, decimals: usize) -> String {
+    let text = format!("{:.decimals$}", value.abs());
+    let zero = text.bytes().all(|byte| matches!(byte, b'0' | b'.'));
+    if value < 0.0 && !zero { format!("−{text}") } else { text }
+}
+
+fn duration(us: f64) -> String {
+    let (value, unit) = match us {
+        us if us < 0.999 => (us * 1e3, "ns"),
+        us if us < 999.0 => (us, "µs"),
+        us if us < 999e3 => (us / 1e3, "ms"),
+        us => (us / 1e6, "s"),
+    };
+    format!("{value:.0} {unit}")
+}
+
+fn bounds(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    values.filter(|value| value.is_finite()).fold(None, |bounds, value| match bounds {
+        None => Some((value, value)),
+        Some((low, high)) => Some((value.min(low), value.max(high))),
+    })
+}
+
+/// The least of 1, 2 or 5 times a power of ten that cuts `range` into at most `most` parts.
+fn nice_step(range: f64, most: usize) -> f64 {
+    let rough = range / most.max(1) as f64;
+    let power = 10_f64.powf(rough.log10().floor());
+    [1.0, 2.0, 5.0, 10.0]
+        .map(|digit| digit * power)
+        .into_iter()
+        .find(|step| *step >= rough * 0.999)
+        .unwrap_or(10.0 * power)
+}
+
+fn linear_ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
+    let step = nice_step(high - low, most);
+    let first = (low / step - 1e-9).ceil();
+    let last = (high / step + 1e-9).floor();
+    let count = (last - first).max(0.0) as usize;
+    (0..=count).map(|index| (first + index as f64) * step).collect()
+}
+
+fn log_ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
+    let decades = (low.log10() - 1e-9).ceil() as i32..=(high.log10() + 1e-9).floor() as i32;
+    let tens: Vec<f64> = decades.clone().map(|decade| 10_f64.powi(decade)).collect();
+    let every = tens.len().div_ceil(most.max(1));
+    if tens.len() * 3 > most {
+        return tens.into_iter().step_by(every).collect();
+    }
+    let decades = decades.start() - 1..=*decades.end();
+    decades
+        .flat_map(|decade| [1.0, 2.0, 5.0].map(|digit| digit * 10_f64.powi(decade)))
+        .filter(|value| *value >= low * 0.999 && *value <= high * 1.001)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(axis: &Axis, most: usize) -> Vec<String> {
+        axis.ticks(most).into_iter().map(|tick| tick.label).collect()
+    }
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        assert_eq!(labels(&Axis::linear("", 0.0, 10.0), 6), ["0", "2", "4", "6", "8", "10"]);
+        assert_eq!(labels(&Axis::linear("", -0.3, 0.31), 4), ["−0.2", "0.0", "0.2"]);
+        assert_eq!(labels(&Axis::time(130.0), 7), ["0", "20", "40", "60", "80", "100", "120"]);
+    }
+
+    #[test]
+    fn an_axis_holds_its_values_even_when_they_are_one_or_none() {
+        for values in [vec![], vec![3.0], vec![f64::NAN, -2.0, 17.3], vec![1e-9, 2e-9]] {
+            let axis = Axis::holding("", values.iter().copied());
+            for value in values.iter().filter(|value| value.is_finite()) {
+                let share = axis.share(*value);
+                assert!((-1e-9..=1.0 + 1e-9).contains(&share), "{axis:?} {value}");
+            }
+            assert!(axis.ticks(5).len() >= 2, "{axis:?}");
+        }
+    }
+
+    #[test]
+    fn durations_say_their_unit() {
+        let axis = Axis::durations("", [30.0, 12_000.0].into_iter());
+        assert_eq!(labels(&axis, 6), ["10 µs", "100 µs", "1 ms", "10 ms"]);
+        assert!(axis.share(30.0) >= 0.0 && axis.share(12_000.0) <= 1.0);
+        let narrow = Axis::durations("", [30.0, 40.0].into_iter());
+        assert_eq!(labels(&narrow, 9), ["10 µs", "20 µs", "50 µs", "100 µs"]);
+    }
+
+    #[test]
+    fn each_nine_takes_the_same_room() {
+        let axis = Axis::percentiles("", 1_000);
+        assert_eq!(labels(&axis, 9), ["0 %", "50 %", "90 %", "99 %", "99.9 %", "99.99 %"]);
+        let nine = axis.share(0.9);
+        assert!((axis.share(0.99) - 2.0 * nine).abs() < 1e-9);
+        assert!((axis.share(1.0) - 1.0).abs() < 1e-9 && axis.share(0.0) == 0.0);
+    }
+
+    #[test]
+    fn numbers_have_a_minus_and_no_negative_zero() {
+        assert_eq!(number(-4.89, 1), "−4.9");
+        assert_eq!(number(-0.01, 1), "0.0");
+    }
+}

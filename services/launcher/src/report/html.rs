@@ -1,0 +1,220 @@
+//! The page around the pictures.
+
+use super::chart::{Picture, Width, escape};
+use std::fmt::Write;
+
+/// The frame of a page. It loads nothing: what it needs is in it.
+fn page(title: &str, body: &str) -> String {
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <title>{}</title>\n<style>\n{}</style>\n</head>\n<body>\n<main>\n{body}</main>\n</body>\n\
+         </html>\n",
+        escape(title),
+        include_str!("style.css"),
+    )
+}
+
+/// A whole page under its heading and verdict.
+pub fn document(title: &str, about: &str, good: bool, verdict: &str, body: &str) -> String {
+    let class = if good { "good" } else { "bad" };
+    let (heading, about, verdict) = (escape(title), escape(about), escape(verdict));
+    let body = format!(
+        "<header>\n<h1>{heading}</h1>\n<p class=\"quiet\">{about}</p>\n\
+         <p class=\"verdict {class}\">{verdict}</p>\n</header>\n{body}\
+         <footer>timegap {}</footer>\n",
+        env!("CARGO_PKG_VERSION"),
+    );
+    page(&format!("{title} · timegap"), &body)
+}
+
+/// A section with its heading.
+pub fn section(heading: &str, body: &str) -> String {
+    format!("<section>\n<h2>{}</h2>\n{body}</section>\n", escape(heading))
+}
+
+/// A picture with its title and legend, at every width.
+pub fn figure(picture: &dyn Picture) -> String {
+    let keys: String = picture.keys().iter().map(super::chart::Key::html).collect();
+    let keys = if keys.is_empty() { keys } else { format!("<span class=\"keys\">{keys}</span>") };
+    let drawn: String = Width::ALL
+        .into_iter()
+        .map(|width| {
+            // The class goes to the picture itself, so that a hidden one is hidden from readers too.
+            let class = format!("<svg class=\"{}\" ", width.class());
+            picture.svg(width).replacen("<svg ", &class, 1) + "\n"
+        })
+        .collect();
+    format!(
+        "<figure class=\"card\">\n<figcaption><h3>{}</h3>{keys}</figcaption>\n{drawn}</figure>\n",
+        escape(picture.title())
+    )
+}
+
+/// A figure that is read at a glance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tile {
+    /// What it is.
+    pub label: &'static str,
+    /// Value and unit.
+    pub value: String,
+    /// What else there is to say.
+    pub note: String,
+}
+
+/// Figures beside each other.
+pub fn tiles(tiles: &[Tile]) -> String {
+    let mut text = String::from("<dl class=\"tiles\">\n");
+    for Tile { label, value, note } in tiles {
+        let note = if note.is_empty() {
+            String::new()
+        } else {
+            format!(" <span class=\"note\">{}</span>", escape(note))
+        };
+        writeln!(
+            text,
+            "<div class=\"tile\"><dt>{}</dt><dd>{}{note}</dd></div>",
+            escape(label),
+            escape(value)
+        )
+        .expect("a string takes all");
+    }
+    text + "</dl>\n"
+}
+
+/// How a column of a table is set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Column {
+    /// Words.
+    Text,
+    /// Numbers.
+    Number,
+    /// Numbers that a narrow page leaves out.
+    MoreNumber,
+    /// Words that a narrow page leaves out.
+    MoreText,
+}
+
+impl Column {
+    const fn class(self) -> &'static str {
+        match self {
+            Self::Text => "",
+            Self::Number => " class=\"n\"",
+            Self::MoreNumber => " class=\"n more\"",
+            Self::MoreText => " class=\"more\"",
+        }
+    }
+}
+
+/// A cell of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cell {
+    /// Plain text.
+    Plain(String),
+    /// A check that held.
+    Good(String),
+    /// A check that did not.
+    Bad(String),
+}
+
+impl From<String> for Cell {
+    fn from(text: String) -> Self {
+        Self::Plain(text)
+    }
+}
+
+/// A table.
+pub fn table<C: Clone + Into<Cell>>(head: &[(&str, Column)], rows: &[Vec<C>]) -> String {
+    classed_table("", head, rows)
+}
+
+/// A table whose first column, on a narrow page, stands above the others of its row.
+pub fn stacked_table<C: Clone + Into<Cell>>(head: &[(&str, Column)], rows: &[Vec<C>]) -> String {
+    classed_table("stacked", head, rows)
+}
+
+fn classed_table<C: Clone + Into<Cell>>(
+    class: &str,
+    head: &[(&str, Column)],
+    rows: &[Vec<C>],
+) -> String {
+    let mut text = format!("<div class=\"card scroll\"><table class=\"{class}\">\n<tr>");
+    for (name, column) in head {
+        write!(text, "<th{}>{}</th>", column.class(), escape(name)).expect("a string takes all");
+    }
+    for row in rows {
+        text.push_str("</tr>\n<tr>");
+        for ((_, column), cell) in head.iter().zip(row) {
+            let inner = match cell.clone().into() {
+                Cell::Plain(text) => escape(&text),
+                Cell::Good(text) => format!("<b class=\"good\">{}</b>", escape(&text)),
+                Cell::Bad(text) => format!("<b class=\"bad\">{}</b>", escape(&text)),
+            };
+            write!(text, "<td{}>{inner}</td>", column.class()).expect("a string takes all");
+        }
+    }
+    text + "</tr>\n</table></div>\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Relative luminance (WCAG 2.2).
+    fn luminance(colour: &str) -> f64 {
+        let channel = |at: usize| {
+            let value = u8::from_str_radix(&colour[at..at + 2], 16).expect("two hex digits");
+            let value = f64::from(value) / 255.0;
+            if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+        };
+        0.2126 * channel(1) + 0.7152 * channel(3) + 0.0722 * channel(5)
+    }
+
+    fn contrast(a: &str, b: &str) -> f64 {
+        let (a, b) = (luminance(a), luminance(b));
+        (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    /// The colours of a theme by name: 0 light, 1 dark.
+    fn colours(theme: usize) -> std::collections::BTreeMap<&'static str, &'static str> {
+        let block = include_str!("style.css").split(":root {").nth(theme + 1).expect("two themes");
+        let block = block.split('}').next().expect("a block ends");
+        let pairs = block.split(';').filter_map(|pair| pair.trim().split_once(": #"));
+        pairs
+            .map(|(name, _)| {
+                let at = block.find(&format!("{name}: #")).expect("it was just seen");
+                (name, &block[at + name.len() + 2..at + name.len() + 9])
+            })
+            .collect()
+    }
+
+    #[test]
+    fn text_and_lines_stand_out_in_both_themes() {
+        for theme in [0, 1] {
+            let colours = colours(theme);
+            for ground in ["--page", "--card"] {
+                for text in ["--text", "--quiet", "--good", "--bad"] {
+                    let contrast = contrast(colours[text], colours[ground]);
+                    assert!(contrast >= 4.5, "{text} on {ground}, theme {theme}: {contrast:.1}");
+                }
+            }
+            let lines = ["--t0", "--t1", "--t2", "--t3", "--t4", "--t5", "--t6", "--t7"];
+            for line in lines.into_iter().chain(["--muted", "--go", "--clear", "--stop"]) {
+                let contrast = contrast(colours[line], colours["--card"]);
+                assert!(contrast >= 3.0, "{line}, theme {theme}: {contrast:.1}");
+            }
+            // The numbers of marks are card-coloured on the alarm's colour.
+            assert!(contrast(colours["--alarm"], colours["--card"]) >= 4.5);
+        }
+    }
+
+    #[test]
+    fn a_page_loads_nothing_and_runs_nothing() {
+        let text =
+            page("a <title>", &table(&[("x", Column::Text)], &[vec!["<img src=y>".to_owned()]]));
+        for sign in ["<script", "http:", "https:", "@import", "url(", "<img", "<link"] {
+            assert!(!text.contains(sign), "{sign}");
+        }
+        assert!(text.contains("a &lt;title&gt;"));
+    }
+}

@@ -1,0 +1,173 @@
+//! The replayer's process: sends the samples that a recorded controller used, as they were.
+
+use crate::Recording;
+use crate::takes::{Samples, inputs};
+use serde::{Deserialize, Serialize};
+use shared::messages::{Command, Map, Message, Odometry, Origin, RadarTracks, Spat, Topic};
+use shared::runtime::{Group, Played, Player, RuntimeError, Tap, Tapped, log_warnings};
+use std::io::{BufRead, Write};
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
+
+/// Releases whose samples are sent ahead of their commands: fewer than a topic's buffer holds.
+const AHEAD: usize = 16;
+/// Time between two looks at the commands.
+const POLL: Duration = Duration::from_micros(50);
+
+/// What the launcher says to the replayer. The end of the input is an order to go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ToReplayer {
+    /// Begin.
+    Start,
+}
+
+/// What the replayer says to the launcher.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FromReplayer {
+    /// All ports are open.
+    Ready,
+    /// It cannot go on.
+    Failed(String),
+}
+
+/// Becomes the replayer of a run. `arguments` are the run's root, the recording and which restart of
+/// the controller to serve.
+#[must_use]
+pub fn replay(arguments: &[String]) -> ExitCode {
+    let (root, file, incarnation) = match arguments {
+        [root, file, incarnation] if incarnation.parse::<u32>().is_ok() => {
+            (root, file, incarnation)
+        }
+        _ => {
+            eprintln!("the replayer is a service of timegap: start it with `timegap replay`");
+            return ExitCode::from(2);
+        }
+    };
+    let incarnation = incarnation.parse().expect("checked above");
+    log_warnings();
+    match play(Path::new(root), Path::new(file), incarnation) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(reason) => {
+            say(&FromReplayer::Failed(reason));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn play(root: &Path, file: &Path, incarnation: u32) -> Result<(), String> {
+    let group = Group::read(root).map_err(text)?;
+    let recording = Recording::open(file).map_err(text)?;
+    let takes = recording.takes();
+    let take = takes.iter().find(|take| take.incarnation == incarnation);
+    let commands = take.map_or(&[][..], |take| &take.commands);
+    let samples = Samples::of(&recording);
+    let ports = Player::join(&group, "replayer").and_then(Ports::open).map_err(text)?;
+    let tap = Tap::join(&group, "replayer-tap").map_err(text)?;
+    let answers = tap.on::<Command>().map_err(text)?;
+    let input = orders()?;
+    say(&FromReplayer::Ready);
+    if input.recv().is_err() {
+        return Ok(());
+    }
+    let mut last = [Origin::NONE; 4];
+    let mut answered = 0;
+    for (sent, command) in commands.iter().enumerate() {
+        while sent >= answered + AHEAD {
+            answered += taken(&answers)?;
+            if sent >= answered + AHEAD {
+                std::thread::sleep(POLL);
+            }
+        }
+        for ((topic, origin), last) in inputs(&command.header).into_iter().zip(&mut last) {
+            if origin.is_some() && origin != *last {
+                let sample = samples.find(topic, origin).expect("`takes` found every input");
+                ports.send(topic, sample.bytes).map_err(text)?;
+                *last = origin;
+            }
+        }
+    }
+    // The commands wait for room until they are taken.
+    loop {
+        taken(&answers)?;
+        match input.recv_timeout(Duration::from_millis(1)) {
+            Err(std::sync::mpsc::RecvTimeoutError::Disconnected) => return Ok(()),
+            Ok(ToReplayer::Start) | Err(std::sync::mpsc::RecvTimeoutError::Timeout) => {}
+        }
+    }
+}
+
+/// Takes all commands that arrived, and counts them.
+fn taken(answers: &Tapped<Command>) -> Result<usize, String> {
+    let mut count = 0;
+    while answers.take().map_err(text)?.is_some() {
+        count += 1;
+    }
+    Ok(count)
+}
+
+/// The sending ends of the controller's inputs.
+struct Ports {
+    radar: Played<RadarTracks>,
+    odometry: Played<Odometry>,
+    spat: Played<Spat>,
+    map: Played<Map>,
+    // Ports before the node that owns them.
+    _player: Player,
+}
+
+impl Ports {
+    fn open(player: Player) -> Result<Self, RuntimeError> {
+        Ok(Self {
+            radar: player.on()?,
+            odometry: player.on()?,
+            spat: player.on()?,
+            map: player.on()?,
+            _player: player,
+        })
+    }
+
+    fn send(&self, topic: Topic, message: &[u8]) -> Result<(), RuntimeError> {
+        fn send<T: Message>(port: &Played<T>, message: &[u8]) -> Result<(), RuntimeError> {
+            port.send(&bytemuck::pod_read_unaligned(message))
+        }
+        match topic {
+            Topic::RadarTracks => send(&self.radar, message),
+            Topic::Odometry => send(&self.odometry, message),
+            Topic::Spat => send(&self.spat, message),
+            Topic::Map => send(&self.map, message),
+            _ => unreachable!("the controller has four inputs"),
+        }
+    }
+}
+
+/// Listens to the launcher.
+fn orders() -> Result<Receiver<ToReplayer>, String> {
+    let (sender, orders) = channel();
+    std::thread::Builder::new()
+        .name("link".into())
+        .spawn(move || {
+            for line in std::io::stdin().lock().lines().map_while(Result::ok) {
+                if let Ok(order) = serde_json::from_str(&line)
+                    && sender.send(order).is_err()
+                {
+                    return;
+                }
+            }
+        })
+        .map_err(text)?;
+    Ok(orders)
+}
+
+fn say(message: &FromReplayer) {
+    let line = serde_json::to_string(message).expect("link messages are plain data");
+    // A launcher that is gone hears nothing.
+    let _ = writeln!(std::io::stdout().lock(), "{line}");
+}
+
+fn text(error: impl std::fmt::Display) -> String {
+    error.to_string()
+}

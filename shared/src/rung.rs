@@ -1,0 +1,193 @@
+//! The degradation ladder: how far down a service is, and the record of its ways down and up.
+//!
+//! | rung | who | entered | left |
+//! |---|---|---|---|
+//! | [`Rung::Full`] | both | at the start | |
+//! | [`Rung::SignalsLost`] | controller | no valid `v2x/spat` for three of its periods | three releases in a row with a fresh one |
+//! | [`Rung::SolveFailed`] | controller | the law used its backup, or the cycle missed its deadline | three releases in a row in order |
+//! | [`Rung::LeadPredicted`] | controller | no valid `radar/tracks` for three of its periods and the radar's latency | two releases in a row with a fresh one |
+//! | [`Rung::LeadLost`] | controller | the same for 1 s longer, or at the start none yet for as long | five releases in a row with a fresh one |
+//! | [`Rung::Silent`] | controller | no valid `vehicle/odometry` for 0.1 s | two releases in a row with a fresh one |
+//! | [`Rung::PlanFollowed`] | plant | a control period passed without a new valid command | a valid command |
+//! | [`Rung::StopInLane`] | plant | the plan was followed for `plant.fallback.follow_plan_s`, or the launcher asked for it | a valid command; never, if the launcher asked |
+//! | [`Rung::Emergency`] | plant | on the two before: the truth ahead needs more | standstill, or a valid command |
+//!
+//! Each service is on one rung at a time, the lowest one (furthest down this table) that applies.
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A rung of the ladder, by its number in messages.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Rung {
+    /// Everything there, nothing late.
+    #[default]
+    Full = 0,
+    /// Only what the last signal timing still proves is used; a light not known to be green stops.
+    SignalsLost = 1,
+    /// The law's backup, or the last plan, commands.
+    SolveFailed = 2,
+    /// The target is predicted from its last state.
+    LeadPredicted = 3,
+    /// Nobody knows what is ahead: comfortable braking, the driver is asked to take over.
+    LeadLost = 4,
+    /// No command: the ego's own motion is not known.
+    Silent = 5,
+    /// The plant follows the rest of the last plan.
+    PlanFollowed = 6,
+    /// The plant stops in lane.
+    StopInLane = 7,
+    /// The plant brakes as hard as the truth ahead needs.
+    Emergency = 8,
+}
+
+impl Rung {
+    /// All rungs, from the top.
+    pub const ALL: [Self; 9] = [
+        Self::Full,
+        Self::SignalsLost,
+        Self::SolveFailed,
+        Self::LeadPredicted,
+        Self::LeadLost,
+        Self::Silent,
+        Self::PlanFollowed,
+        Self::StopInLane,
+        Self::Emergency,
+    ];
+
+    /// Name in results.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Full => "full",
+            Self::SignalsLost => "signals-lost",
+            Self::SolveFailed => "solve-failed",
+            Self::LeadPredicted => "lead-predicted",
+            Self::LeadLost => "lead-lost",
+            Self::Silent => "silent",
+            Self::PlanFollowed => "plan-followed",
+            Self::StopInLane => "stop-in-lane",
+            Self::Emergency => "emergency",
+        }
+    }
+
+    /// The rung with this number in a message.
+    #[must_use]
+    pub fn from_wire(number: u32) -> Option<Self> {
+        Self::ALL.get(number as usize).copied()
+    }
+}
+
+/// Changes that are kept; the time on each rung is counted on.
+const MAX_CHANGES: usize = 1024;
+
+/// A way from one rung to another.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RungChange {
+    /// Run time, s.
+    pub t_s: f64,
+    /// Rung left.
+    pub from: Rung,
+    /// Rung entered.
+    pub to: Rung,
+}
+
+/// What a service tells of its ladder.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Rungs {
+    /// Time on each rung that was entered, s.
+    pub time_s: BTreeMap<String, f64>,
+    /// All changes, in order.
+    pub changes: Vec<RungChange>,
+}
+
+/// Follows a service on its ladder; allocates nothing once made.
+#[derive(Clone, Debug)]
+pub struct RungLog {
+    now: Rung,
+    last_s: f64,
+    time_s: [f64; Rung::ALL.len()],
+    changes: Vec<RungChange>,
+}
+
+impl Default for RungLog {
+    fn default() -> Self {
+        Self {
+            now: Rung::Full,
+            last_s: 0.0,
+            time_s: [0.0; Rung::ALL.len()],
+            changes: Vec::with_capacity(MAX_CHANGES),
+        }
+    }
+}
+
+impl RungLog {
+    /// Begins at `time_s` on `rung`, for a service that joins late.
+    pub fn begin(&mut self, time_s: f64, rung: Rung) {
+        (self.last_s, self.now) = (time_s, rung);
+    }
+
+    /// Notes the rung at `time_s`.
+    pub fn observe(&mut self, time_s: f64, rung: Rung) {
+        self.time_s[self.now as usize] += (time_s - self.last_s).max(0.0);
+        self.last_s = time_s;
+        if rung != self.now {
+            if self.changes.len() < MAX_CHANGES {
+                self.changes.push(RungChange { t_s: time_s, from: self.now, to: rung });
+            }
+            self.now = rung;
+        }
+    }
+
+    /// The rung.
+    #[must_use]
+    pub fn now(&self) -> Rung {
+        self.now
+    }
+
+    /// The account.
+    #[must_use]
+    pub fn report(&self) -> Rungs {
+        let entered = Rung::ALL.iter().filter(|&&rung| self.time_s[rung as usize] > 0.0);
+        Rungs {
+            time_s: entered
+                .map(|&rung| (rung.name().to_owned(), self.time_s[rung as usize]))
+                .collect(),
+            changes: self.changes.clone(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_is_charged_to_the_rung_that_was_left() {
+        let mut log = RungLog::default();
+        for (time_s, rung) in
+            [(1.0, Rung::Full), (2.0, Rung::LeadLost), (2.5, Rung::LeadLost), (4.0, Rung::Full)]
+        {
+            log.observe(time_s, rung);
+        }
+        let report = log.report();
+        assert_eq!(report.time_s["full"], 2.0);
+        assert_eq!(report.time_s["lead-lost"], 2.0);
+        assert_eq!(report.changes.len(), 2);
+        assert_eq!(
+            report.changes[1],
+            RungChange { t_s: 4.0, from: Rung::LeadLost, to: Rung::Full }
+        );
+    }
+
+    #[test]
+    fn numbers_and_names_are_one_to_one() {
+        for (number, rung) in Rung::ALL.into_iter().enumerate() {
+            let number = u32::try_from(number).expect("few");
+            assert_eq!(Rung::from_wire(number), Some(rung));
+            assert_eq!(rung as u32, number);
+        }
+        assert_eq!(Rung::from_wire(9), None);
+    }
+}

@@ -1,0 +1,58 @@
+//! A Python of the tests' own, with the packages that read what timegap writes.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+
+/// Packages from PyPI.
+const PACKAGES: [&str; 5] = [
+    "iceoryx2==0.10.0",
+    "mcap==1.6.0",
+    "mcap-ros2-support==0.6.0",
+    "pandas==3.1.1",
+    "rosbags==0.11.9",
+];
+
+/// The interpreter of a virtual environment below `directory`, made at the first call. `None`, and a
+/// line that says why, where there is no Python, no pip or no network.
+#[must_use]
+pub fn interpreter(directory: &Path) -> Option<PathBuf> {
+    static FOUND: OnceLock<Result<PathBuf, String>> = OnceLock::new();
+    match FOUND.get_or_init(|| prepare(&directory.join("interop-venv"))) {
+        Ok(python) => Some(python.clone()),
+        Err(reason) => {
+            skip(reason);
+            None
+        }
+    }
+}
+
+/// Says that a test did not test anything; the test harness hides what `println!` prints.
+pub fn skip(reason: &str) {
+    let test = std::thread::current().name().unwrap_or("a test").to_owned();
+    let _ = writeln!(std::io::stderr(), "SKIPPED {test}: {reason}");
+}
+
+fn prepare(venv: &Path) -> Result<PathBuf, String> {
+    let python = venv.join("bin/python");
+    let marker = venv.join("installed");
+    let wanted = PACKAGES.join("\n");
+    if std::fs::read_to_string(&marker).is_ok_and(|installed| installed == wanted) {
+        return Ok(python);
+    }
+    let failed = |output: Output| {
+        let text = String::from_utf8_lossy(&output.stderr).trim().to_owned();
+        text.lines().last().unwrap_or("no reason given").to_owned()
+    };
+    let run = |command: &mut Command, what: &str| match command.output() {
+        Ok(output) if output.status.success() => Ok(()),
+        Ok(output) => Err(format!("{what}: {}", failed(output))),
+        Err(error) => Err(format!("{what}: {error}")),
+    };
+    run(Command::new("python3").args(["-m", "venv"]).arg(venv), "python3 -m venv")?;
+    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+    run(Command::new(&python).args(pip).args(PACKAGES), "pip install")?;
+    std::fs::write(&marker, wanted).map_err(|e| e.to_string())?;
+    Ok(python)
+}

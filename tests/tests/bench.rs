@@ -1,0 +1,129 @@
+//! `timegap bench`: the shape of what it says, and that it leaves nothing behind. No test here
+//! asserts how fast.
+
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value;
+use system_tests::{Corner, text, wait_for};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
+
+fn rows<'a>(report: &'a Value, name: &str) -> &'a Vec<Value> {
+    report[name].as_array().unwrap_or_else(|| panic!("no rows of {name}"))
+}
+
+/// Percentiles in order, or null as a whole.
+fn assert_percentiles(value: &Value, what: &str) {
+    if value.is_null() {
+        return;
+    }
+    let order = ["p50", "p90", "p99", "p999", "p9999"].map(|p| value[p].as_f64().expect(what));
+    assert!(order.windows(2).all(|pair| pair[0] <= pair[1]), "{what}: {value}");
+    assert!(
+        value["max"].as_f64().is_some() && value["count"].as_u64() > Some(0),
+        "{what}: {value}"
+    );
+}
+
+/// One run serves for the shape, for saving and for comparing: it takes a while.
+#[test]
+fn a_quick_bench_says_everything_that_it_promises() {
+    let corner = Corner::new(PROGRAM);
+    let quick = ["bench", "--quick", "--seconds", "0.1", "--save", "base.json", "--out", "out"];
+    let report = corner.json(&quick);
+    assert_eq!(report["schema_version"], 1);
+    let cores = report["host"]["cpus"].as_u64().expect("counted");
+    let refused = !rows(&report, "refused").is_empty();
+
+    let floor = &report["floor"];
+    for name in ["futex_us", "eventfd_us", "iceoryx2_event_us"] {
+        for placement in ["same_core", "two_cores"] {
+            let figure = &floor[name][placement];
+            assert_percentiles(figure, name);
+            let missing = figure.is_null();
+            assert!(!missing || refused || (cores < 2 && placement == "two_cores"), "{name}");
+        }
+    }
+    assert_percentiles(&floor["sleep_jitter_us"], "sleep_jitter_us");
+
+    for row in rows(&report, "transport_us") {
+        assert_percentiles(&row["us"], "transport");
+        assert!(row["bytes"].as_u64() > Some(0) && row["period_us"].as_u64() > Some(0), "{row}");
+        let conditions = ["placement", "scheduling", "load"].map(|key| row[key].as_str());
+        assert!(conditions.iter().all(Option::is_some), "{row}");
+    }
+    let loaned: Vec<_> = rows(&report, "transport_us")
+        .iter()
+        .filter(|row| row["passing"] == "loaned" && row["placement"] == "same_core")
+        .map(|row| row["bytes"].as_u64().expect("a size"))
+        .collect();
+    assert_eq!((loaned.first(), loaned.last()), (Some(&64), Some(&(1 << 20))));
+
+    // Chains and deadlines come from the same runs; the table has every period once at least.
+    let (chains, deadlines) = (rows(&report, "chain"), rows(&report, "deadlines"));
+    assert_eq!(chains.len(), deadlines.len());
+    for period_ms in [100, 50, 20, 10, 5, 2, 1] {
+        let here = deadlines.iter().any(|row| row["period_us"] == period_ms * 1000);
+        assert!(here, "no deadlines at {period_ms} ms");
+    }
+    for (chain, deadline) in chains.iter().zip(deadlines) {
+        assert_eq!(chain["period_us"], deadline["period_us"]);
+        if let Some(cycles) = deadline["cycles"].as_u64() {
+            assert!(deadline["misses"].as_u64().expect("counted") <= cycles, "{deadline}");
+            let floor_cycles = deadline["floor_cycles"].as_u64().expect("counted");
+            assert!(deadline["floor_misses"].as_u64().expect("counted") <= floor_cycles);
+        }
+        let count = &chain["reaction_time_us"]["count"];
+        for figure in ["designed_wait_us", "net_reaction_us"] {
+            assert_eq!(&chain[figure]["count"], count, "{chain}");
+        }
+        for (hop, percentiles) in chain["hops_us"].as_object().expect("hops") {
+            assert_percentiles(percentiles, hop);
+            assert_eq!(&percentiles["count"], count, "{hop}");
+        }
+    }
+    for goal in rows(&report, "goals") {
+        let number = |key: &str| goal[key].as_f64().expect("a number");
+        let met = number("ours") <= number("limit") * number("floor");
+        assert_eq!(goal["ok"], met, "{goal}");
+    }
+
+    // A histogram for each figure that is one, in a file that other tools read.
+    let log = std::fs::read_to_string(corner.path().join("out/histograms.hlog")).expect("written");
+    let lines: Vec<_> = log.lines().filter(|line| line.starts_with("Tag=")).collect();
+    assert!(lines.len() > loaned.len() && lines.iter().all(|line| line.contains(",HISTFAAA")));
+
+    let saved: Value = serde_json::from_slice(
+        &std::fs::read(corner.path().join("base.json")).expect("--save wrote it"),
+    )
+    .expect("one JSON object");
+    assert_eq!(saved, report);
+    corner.expect_nothing_left(&[]);
+}
+
+#[test]
+fn a_baseline_that_is_none_is_refused_before_anything_runs() {
+    let corner = Corner::new(PROGRAM);
+    std::fs::write(corner.path().join("base.json"), "{\"floor\": 1}").expect("our own corner");
+    for file in ["base.json", "missing.json"] {
+        let output = corner.run(&["bench", "--quick", "--against", file]);
+        assert_eq!(output.status.code(), Some(2), "{}", text(&output));
+        assert!(text(&output).contains(file), "{}", text(&output));
+        assert!(!corner.path().join("runs").exists(), "nothing ran");
+    }
+}
+
+#[test]
+fn nothing_outlives_a_bench_that_is_killed_or_interrupted() {
+    for (signal, status) in [(Signal::KILL, None), (Signal::INT, Some(130))] {
+        let corner = Corner::new(PROGRAM);
+        let child = corner.start(&["bench", "--quick", "--seconds", "30", "--out", "out"]);
+        let _ = corner.wait_for_process("timegap-bench");
+        let roots = corner.roots();
+        let pid = Pid::from_raw(i32::try_from(child.id()).expect("fits")).expect("a process id");
+        kill_process(pid, signal).expect("our own process, not yet waited for");
+        let output = child.wait_with_output().expect("our own child");
+        assert_eq!(output.status.code(), status, "{}", text(&output));
+        assert!(wait_for(|| corner.processes().is_empty()), "{:?}", corner.processes());
+        corner.expect_nothing_left(&roots);
+    }
+}

@@ -1,0 +1,43 @@
+//! The doctor's report has its shape on any machine, and its status says whether anything can run.
+
+use system_tests::{Corner, text};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
+
+#[test]
+fn every_finding_has_its_shape() {
+    let corner = Corner::new(PROGRAM);
+    let report = corner.json(&["doctor"]);
+    assert_eq!(report["can_run"], true, "these tests run here");
+    let findings = report["findings"].as_array().expect("a list");
+    assert!(findings.len() >= 16);
+    for finding in findings {
+        let verdict = finding["verdict"].as_str().expect("a word");
+        assert!(["ok", "warn", "bad"].contains(&verdict), "{finding}");
+        assert!(finding["found"].as_str().is_some_and(|found| !found.is_empty()), "{finding}");
+        assert_eq!(finding["costs"].is_null(), verdict == "ok", "{finding}");
+    }
+    // What a run is granted is what the doctor said.
+    let named = |name| findings.iter().find(|finding| finding["check"] == name).expect("a check");
+    let fifo = named("real-time priority")["verdict"] == "ok";
+    let summary = corner.json(&["run", "cacc-a", "--duration", "0.2"]);
+    let scheduling = &summary["services"][0]["scheduling"];
+    assert_eq!(scheduling["granted"] == scheduling["requested"], fifo, "{scheduling}");
+    corner.expect_nothing_left(&[]);
+}
+
+#[test]
+fn no_temporary_directory_prevents_runs() {
+    let corner = Corner::new(PROGRAM);
+    let uid = rustix::process::geteuid().as_raw();
+    let base = corner.path().join(format!("timegap-{uid}"));
+    std::os::unix::fs::symlink("/tmp", &base).expect("our own directory");
+    let output = corner.run(&["doctor"]);
+    assert_eq!(output.status.code(), Some(3), "{}", text(&output));
+    let said = text(&output);
+    assert!(said.contains("BAD") && said.contains("fix:") && said.contains("nothing can run"));
+    let output = corner.run(&["doctor", "--json"]);
+    assert_eq!(output.status.code(), Some(3));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one object");
+    assert_eq!(report["can_run"], false);
+}

@@ -1,0 +1,197 @@
+//! Others read what timegap writes and hear what it says: PyPI's `mcap`, `rosbags`, `pandas` and
+//! `iceoryx2`, and a C compiler.
+
+use recorder::Recording;
+use serde_json::Value;
+use shared::messages::{Odometry, TOPICS, Topic};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use system_tests::{Corner, python, text, wait_for};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
+const SCRIPTS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/python");
+
+fn interpreter() -> Option<PathBuf> {
+    python::interpreter(Path::new(env!("CARGO_TARGET_TMPDIR")))
+}
+
+fn succeeded(command: &mut Command) -> String {
+    let output: Output = command.output().expect("it starts");
+    assert!(output.status.success(), "{}", text(&output));
+    String::from_utf8(output.stdout).expect("text")
+}
+
+/// What `timegap ARGUMENTS` prints.
+fn printed(corner: &Corner, arguments: &[&str]) -> String {
+    succeeded(&mut corner.command(arguments))
+}
+
+/// The indented lines of a command's long help: an example that users copy.
+fn example(corner: &Corner, command: &str) -> String {
+    let help = printed(corner, &[command, "--help"]);
+    let after = help.rsplit_once(":\n\n").expect("an example after a colon").1;
+    after.lines().map(|line| line.strip_prefix("    ").unwrap_or(line).to_owned() + "\n").collect()
+}
+
+/// Every message by topic, sender and sequence number, as its scalars.
+type Lines = BTreeMap<(String, String, String), Vec<String>>;
+
+#[test]
+fn other_readers_see_the_same_values() {
+    let Some(python) = interpreter() else { return };
+    let corner = Corner::new(PROGRAM);
+    // Signals without an announced end have infinite times; a cut-in has several tracks.
+    for (scenario, mode) in [("corridor", "lockstep"), ("cut-in", "realtime")] {
+        let arguments = ["run", scenario, "--mode", mode, "--duration", "3", "--out", scenario];
+        printed(&corner, &arguments);
+        let recording = Recording::open(&corner.path().join(scenario)).expect("a recording");
+        for library in ["mcap", "rosbags"] {
+            let script = Path::new(SCRIPTS).join("flatten.py");
+            let lines =
+                succeeded(Command::new(&python).arg(script).arg(library).arg(recording.path()));
+            compare(&recording, &keyed(&lines), library);
+        }
+    }
+}
+
+fn keyed(lines: &str) -> Lines {
+    let at = |path: &str| {
+        let places = Topic::Odometry.layout().scalars();
+        places.iter().position(|place| place.path == path).expect("of the header") + 1
+    };
+    let (sequence, source) = (at("header.sequence"), at("header.source"));
+    lines
+        .lines()
+        .map(|line| {
+            let mut words = line.split(' ').map(str::to_owned);
+            let topic = words.next().expect("a topic");
+            let words: Vec<_> = words.collect();
+            ((topic, words[source].clone(), words[sequence].clone()), words)
+        })
+        .collect()
+}
+
+fn compare(recording: &Recording, theirs: &Lines, library: &str) {
+    use shared::messages::Value;
+    assert_eq!(theirs.len(), recording.records().len(), "{library}: as many messages");
+    for record in recording.records() {
+        let places = record.topic.layout().scalars();
+        let value = |path: &str| {
+            let place = places.iter().find(|place| place.path == path).expect("of the header");
+            place.read(record.bytes).to_string()
+        };
+        let key =
+            (record.topic.name().to_owned(), value("header.source"), value("header.sequence"));
+        let words = theirs.get(&key).expect("every message is there");
+        assert_eq!(words.len(), places.len() + 1, "{library}: {key:?}");
+        assert_eq!(words[0], record.log_time_ns.to_string(), "{library}: {key:?}");
+        for (place, word) in places.iter().zip(&words[1..]) {
+            let same = match place.read(record.bytes) {
+                Value::Float(ours) => {
+                    let theirs: f64 = word.parse().expect("a number");
+                    theirs.to_bits() == ours.to_bits() || theirs.is_nan() && ours.is_nan()
+                }
+                ours => ours.to_string() == *word,
+            };
+            assert!(same, "{library}: {key:?} {}: {word}", place.path);
+        }
+    }
+}
+
+#[test]
+fn the_pandas_example_runs_as_printed() {
+    let Some(python) = interpreter() else { return };
+    let corner = Corner::new(PROGRAM);
+    printed(&corner, &["run", "--mode", "lockstep", "--duration", "2", "--out", "runs/mine"]);
+    printed(&corner, &["export", "runs/mine", "--csv"]);
+    let script = example(&corner, "export");
+    assert!(script.contains("import pandas"), "{script}");
+    let table = succeeded(Command::new(&python).args(["-c", &script]).current_dir(corner.path()));
+    let recording = Recording::open(&corner.path().join("runs/mine")).expect("a recording");
+    let speeds: Vec<_> =
+        recording.messages::<Odometry>().map(|timed| timed.message.speed_mps).collect();
+    let row = |name: &str| -> f64 {
+        let line = table.lines().find(|line| line.starts_with(name)).expect("a row of the table");
+        line.split_whitespace().nth(1).expect("a speed").parse().expect("a number")
+    };
+    assert_eq!(row("count"), speeds.len() as f64);
+    let max = speeds.iter().copied().fold(f64::MIN, f64::max);
+    assert!((row("max") - max).abs() < 1e-5, "{table}");
+}
+
+#[test]
+fn a_python_process_hears_a_running_group() {
+    let Some(python) = interpreter() else { return };
+    let corner = Corner::new(PROGRAM);
+    let module = printed(&corner, &["layouts", "--python"]);
+    std::fs::write(corner.path().join("timegap_messages.py"), module).expect("writable");
+    let mut run = corner.start(&["run", "cacc-a", "--duration", "600", "--out", "runs/mine"]);
+    let live = corner.path().join("runs/mine/live.json");
+    assert!(wait_for(|| live.exists()), "never drove");
+    let listen = example(&corner, "layouts")
+        + "import time\n\
+           heard = []\n\
+           while len(heard) < 20:\n    \
+               if sample is not None:\n        \
+                   odometry = sample.payload().contents\n        \
+                   heard.append(bytes(odometry).hex())\n    \
+               time.sleep(0.001)\n    \
+               sample = subscriber.receive()\n\
+           print(*heard, sep='\\n')\n";
+    let output = Command::new(&python)
+        .args(["-c", &listen])
+        .current_dir(corner.path())
+        .output()
+        .expect("it starts");
+    let pid = rustix::process::Pid::from_child(&run);
+    rustix::process::kill_process(pid, rustix::process::Signal::INT).expect("our child");
+    run.wait().expect("our child");
+    assert!(output.status.success(), "{}", text(&output));
+    // What Python heard is what was recorded, byte for byte.
+    let recording = Recording::open(&corner.path().join("runs/mine")).expect("a recording");
+    let recorded: Vec<String> = recording
+        .records()
+        .filter(|record| record.topic == Topic::Odometry)
+        .map(|record| record.bytes.iter().map(|byte| format!("{byte:02x}")).collect())
+        .collect();
+    for heard in String::from_utf8_lossy(&output.stdout).lines() {
+        assert!(recorded.iter().any(|message| message == heard), "{heard}");
+    }
+}
+
+#[test]
+fn a_c_compiler_lays_the_structs_out_alike() {
+    let corner = Corner::new(PROGRAM);
+    std::fs::write(corner.path().join("timegap.h"), printed(&corner, &["layouts", "--c"]))
+        .expect("writable");
+    let layouts: Value =
+        serde_json::from_str(&printed(&corner, &["layouts", "--json"])).expect("JSON");
+    let structs = layouts["structs"].as_array().expect("structs");
+    let (mut body, mut expected) = (String::new(), String::new());
+    for layout in structs {
+        let name = layout["name"].as_str().expect("a name");
+        body += &format!("    printf(\"%zu\\n\", sizeof(Timegap{name}));\n");
+        expected += &format!("{}\n", layout["bytes"]);
+        for field in layout["fields"].as_array().expect("fields") {
+            let field_name = field["name"].as_str().expect("a name");
+            body += &format!("    printf(\"%zu\\n\", offsetof(Timegap{name}, {field_name}));\n");
+            expected += &format!("{}\n", field["offset"]);
+        }
+    }
+    for topic in TOPICS {
+        assert!(structs.iter().any(|layout| layout["name"] == topic.layout().name));
+    }
+    let source =
+        format!("#include \"timegap.h\"\n#include <stdio.h>\nint main(void) {{\n{body}}}\n");
+    std::fs::write(corner.path().join("main.c"), source).expect("writable");
+    let compiled = Command::new("cc")
+        .args(["-std=c11", "-Wall", "-Wextra", "-Werror", "-pedantic", "main.c", "-o", "main"])
+        .current_dir(corner.path())
+        .output();
+    match compiled {
+        Ok(output) => assert!(output.status.success(), "{}", text(&output)),
+        Err(error) => return python::skip(&format!("cc: {error}")),
+    }
+    assert_eq!(succeeded(&mut Command::new(corner.path().join("main"))), expected);
+}

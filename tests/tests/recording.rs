@@ -1,0 +1,185 @@
+//! The recording: complete, harmless to the run, and readable whatever happened to it.
+
+use recorder::Recording;
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value;
+use std::process::Child;
+use system_tests::{Corner, text, wait_for};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
+
+fn kill(pid: i32) {
+    let pid = Pid::from_raw(pid).expect("a process id");
+    kill_process(pid, Signal::KILL).expect("our own process, not yet waited for");
+}
+
+/// Messages that the run's services sent.
+fn sent(summary: &Value) -> u64 {
+    let topics = summary["messages"].as_object().expect("topics");
+    topics.values().map(|topic| topic["sent"].as_u64().expect("a count")).sum()
+}
+
+/// A run that is being recorded and has written something.
+fn started(corner: &Corner, mode: &str) -> Child {
+    let arguments =
+        ["run", "following", "--mode", mode, "--duration", "3000", "--out", "out", "--json"];
+    let child = corner.start(&arguments);
+    let file = corner.path().join("out/recording.mcap");
+    let written = || std::fs::metadata(&file).is_ok_and(|file| file.len() > 60_000);
+    assert!(wait_for(written), "nothing was recorded");
+    child
+}
+
+#[test]
+fn lockstep_recordings_lose_nothing_and_repeat() {
+    let corner = Corner::new(PROGRAM);
+    let run = |out: &str, seed: &str| {
+        let arguments = ["run", "cut-in", "--mode", "lockstep", "--seed", seed, "--out", out];
+        let summary = corner.json(&arguments);
+        let recording = &summary["recording"];
+        assert_eq!(recording["failed"], Value::Null);
+        assert_eq!(
+            (recording["lost"].as_u64(), recording["messages"].as_u64()),
+            (Some(0), Some(sent(&summary)))
+        );
+        summary["messages"].clone()
+    };
+    let recorded = run("a", "7");
+    assert_eq!(recorded, run("b", "7"));
+    run("c", "8");
+    let unrecorded = corner.json(&[
+        "run",
+        "cut-in",
+        "--mode",
+        "lockstep",
+        "--seed",
+        "7",
+        "--no-record",
+        "--out",
+        "d",
+    ]);
+    assert_eq!(unrecorded["recording"], Value::Null);
+    assert!(!corner.path().join("d/recording.mcap").exists());
+    assert_eq!(recorded, unrecorded["messages"], "the recorder changes nothing");
+
+    assert_eq!(corner.json(&["diff", "a", "b"])["equal"], true);
+    let output = corner.run(&["diff", "a", "c", "--json"]);
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output));
+    let first: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let first = &first["first"];
+    assert_eq!(first["topic"], "radar/tracks", "only the radar draws lots at first");
+    assert_eq!(first["source"], "perception-sim");
+    assert_ne!(first["a"], first["b"]);
+    let output = corner.run(&["diff", "a", "c"]);
+    let field = first["field"].as_str().expect("a field");
+    assert!(text(&output).contains(field), "{}", text(&output));
+}
+
+#[test]
+fn at_one_kilohertz_every_message_is_recorded_or_counted() {
+    let corner = Corner::new(PROGRAM);
+    let fast = ["plant", "perception", "v2x", "controller"].map(|s| format!("{s}.period_ms=1"));
+    // The one law that runs at such a period.
+    let mut arguments =
+        vec!["run", "cacc-a", "--controller", "six-mode", "--duration", "3", "--out", "out"];
+    for key in &fast {
+        arguments.extend(["--set", key]);
+    }
+    let summary = corner.json(&arguments);
+    let recording = &summary["recording"];
+    let [messages, lost] =
+        ["messages", "lost"].map(|key| recording[key].as_u64().expect("a count"));
+    assert_eq!(messages + lost, sent(&summary), "{recording}");
+    assert!(messages > 3000, "{recording}");
+    let read = Recording::open(&corner.path().join("out")).expect("a recording");
+    assert_eq!(read.records().len() as u64, messages);
+    assert_eq!(read.count().lost(), lost);
+}
+
+#[test]
+fn the_run_outlives_its_recorder() {
+    for mode in ["realtime", "lockstep"] {
+        let corner = Corner::new(PROGRAM);
+        let child = started(&corner, mode);
+        let roots = corner.roots();
+        kill(corner.wait_for_process("timegap-recorder"));
+        if mode == "realtime" {
+            let launcher = Pid::from_child(&child);
+            std::thread::sleep(std::time::Duration::from_millis(200));
+            kill_process(launcher, Signal::INT).expect("our child");
+        }
+        let output = child.wait_with_output().expect("our child");
+        let expected = if mode == "realtime" { 130 } else { 0 };
+        assert_eq!(output.status.code(), Some(expected), "{}", text(&output));
+        let summary: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let recording = &summary["recording"];
+        assert!(
+            recording["failed"].as_str().is_some_and(|why| why.contains("SIGKILL")),
+            "{recording}"
+        );
+        assert_eq!(recording["lost"], Value::Null, "nobody was left to count");
+        readable_and_recoverable(&corner);
+        corner.expect_nothing_left(&roots);
+    }
+}
+
+#[test]
+fn a_recording_outlives_its_run() {
+    let corner = Corner::new(PROGRAM);
+    let child = started(&corner, "realtime");
+    let roots = corner.roots();
+    let everybody = corner.processes();
+    kill(i32::try_from(child.id()).expect("fits"));
+    for (pid, name) in everybody {
+        if name != "timegap-janitor" {
+            // Some went by themselves when the launcher did.
+            let _ = kill_process(Pid::from_raw(pid).expect("a process id"), Signal::KILL);
+        }
+    }
+    child.wait_with_output().expect("our child");
+    readable_and_recoverable(&corner);
+    corner.expect_nothing_left(&roots);
+}
+
+fn readable_and_recoverable(corner: &Corner) {
+    let before = corner.json(&["info", "out"]);
+    let messages = before["messages"].as_u64().expect("a count");
+    assert!(messages > 100 && before["lost"] == 0, "{before}");
+    assert_eq!(before["ended"], false);
+    assert_eq!(before["damage"].as_array().map(Vec::len), Some(1), "{before}");
+    let recovered = corner.json(&["recover", "out"]);
+    assert_eq!(recovered["messages"], before["messages"]);
+    let after = corner.json(&["info", "out"]);
+    assert_eq!((&after["ended"], &after["damage"]), (&true.into(), &Value::Array(Vec::new())));
+    assert_eq!(after["topics"], before["topics"]);
+    let same = corner.json(&["diff", "out", "out/recording.mcap.broken"]);
+    assert_eq!((&same["equal"], &same["messages"]), (&true.into(), &before["messages"]));
+}
+
+#[test]
+fn a_full_disk_ends_the_recording_and_not_the_run() {
+    let corner = Corner::new(PROGRAM);
+    std::fs::create_dir(corner.path().join("out")).expect("writable");
+    std::os::unix::fs::symlink("/dev/full", corner.path().join("out/recording.mcap"))
+        .expect("writable");
+    for mode in ["lockstep", "realtime"] {
+        let arguments = ["run", "cacc-a", "--mode", mode, "--duration", "2", "--out", "out"];
+        let summary = corner.json(&arguments);
+        let recording = &summary["recording"];
+        let why = recording["failed"].as_str().expect("a reason");
+        assert!(why.contains("No space left"), "{why}");
+        assert_eq!(recording["messages"], 0);
+        assert_eq!(recording["lost"].as_u64(), Some(sent(&summary)));
+    }
+}
+
+#[test]
+fn what_is_no_recording_is_refused_with_status_2() {
+    let corner = Corner::new(PROGRAM);
+    std::fs::write(corner.path().join("text.mcap"), "no recording").expect("writable");
+    for command in [["info", "text.mcap"], ["recover", "text.mcap"], ["info", "nowhere"]] {
+        let output = corner.run(&command);
+        assert_eq!(output.status.code(), Some(2), "{}", text(&output));
+        assert!(text(&output).contains(command[1]), "{}", text(&output));
+    }
+}

@@ -1,0 +1,78 @@
+//! Replay: the recorded inputs give the recorded commands again, through the real controller.
+
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value;
+use system_tests::{Corner, text, wait_for};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
+
+/// Replays `out` and expects every command of `cycles` to be the recorded one.
+fn expect_identical(corner: &Corner, cycles: u64) -> Value {
+    let replayed = corner.json(&["replay", "out"]);
+    assert_eq!(replayed["identical"], true, "{replayed}");
+    assert_eq!(replayed["cycles"], cycles, "{replayed}");
+    assert_eq!(replayed["identical_commands"], cycles);
+    assert_eq!(replayed["diagnostics"], replayed["identical_diagnostics"]);
+    assert_eq!(replayed["first_difference"], Value::Null);
+    corner.expect_nothing_left(&[]);
+    replayed
+}
+
+#[test]
+fn a_lockstep_run_repeats_to_the_byte() {
+    let corner = Corner::new(PROGRAM);
+    for (scenario, controller) in
+        [("cut-in", "acc-mpc"), ("cacc-a", "cacc-mpc"), ("cut-in", "quadratic-bounded")]
+    {
+        let law = ["--controller", controller];
+        let run = ["run", scenario, "--mode", "lockstep", "--duration", "8", "--out", "out"];
+        let summary = corner.json(&[&run[..], &law[..]].concat());
+        let cycles = summary["timing"]["cycles"].as_u64().expect("a count");
+        let replayed = expect_identical(&corner, cycles);
+        assert_eq!(replayed["not_compared"], Value::Array(Vec::new()), "every byte");
+    }
+}
+
+#[test]
+fn a_realtime_run_repeats_also_across_a_restart() {
+    let corner = Corner::new(PROGRAM);
+    let run = ["run", "cut-in", "--duration", "6", "--out", "out", "--json"];
+    let child = corner.start(&run);
+    let live = corner.path().join("out/live.json");
+    assert!(wait_for(|| live.exists()), "never drove");
+    let file = corner.path().join("out/recording.mcap");
+    let written = || std::fs::metadata(&file).is_ok_and(|file| file.len() > 20_000);
+    assert!(wait_for(written), "nothing was recorded");
+    let controller = Pid::from_raw(corner.wait_for_process("timegap-controller"));
+    kill_process(controller.expect("a process id"), Signal::KILL).expect("ours");
+    let output = child.wait_with_output().expect("our child");
+    assert!(output.status.success(), "{}", text(&output));
+    let info = corner.json(&["info", "out"]);
+    assert_eq!(info["incarnations"]["controller"], 2, "{info}");
+    let cycles = info["topics"]["control/command"]["messages"].as_u64().expect("a count");
+    let replayed = expect_identical(&corner, cycles);
+    let free = replayed["not_compared"].as_array().expect("names");
+    assert!(free.iter().all(|field| field != "plan_mps2" && field != "header.origins"), "{free:?}");
+}
+
+#[test]
+fn another_law_and_a_changed_one_are_compared() {
+    let corner = Corner::new(PROGRAM);
+    let summary = corner.json(&["run", "--mode", "lockstep", "--out", "out"]);
+    let cycles = summary["timing"]["cycles"].as_u64().expect("a count");
+    for change in [["--controller", "acc-mpc"], ["--set", "set_speed_mps=12"]] {
+        let replayed = corner.json(&[&["replay", "out"][..], &change[..]].concat());
+        assert_eq!((&replayed["identical"], &replayed["changed"]), (&false.into(), &true.into()));
+        assert!(replayed["max_request_difference_mps2"].as_f64() > Some(0.01), "{replayed}");
+        let field = &replayed["first_difference"]["field"];
+        assert!(field.as_str().is_some_and(|field| !field.contains("protection")), "{replayed}");
+        let table = std::fs::read_to_string(corner.path().join("out/replay.csv")).expect("written");
+        let rows = system_tests::csv(
+            &table,
+            &["recorded_request_mps2", "replayed_request_mps2", "difference_mps2"],
+        );
+        assert_eq!(rows.len() as u64, cycles);
+        assert!(rows.iter().all(|row| row[1] - row[0] == row[2]));
+    }
+    corner.expect_nothing_left(&[]);
+}
