@@ -11,7 +11,7 @@ const PROPORTIONAL_PER_S: f64 = 0.015;
 /// k_i, 1/s².
 const INTEGRAL_PER_S2: f64 = PROPORTIONAL_PER_S / 2000.0;
 /// Range of beta / beta_0.
-const RANGE: (f64, f64) = (0.5, 3.0);
+const RANGE: (f64, f64) = (0.5, 5.0);
 
 /// The servo.
 #[derive(Clone, Copy, Debug)]
