@@ -27,7 +27,7 @@ fn sweep(corner: &Corner, out: &str, more: &[&str]) -> [String; 3] {
     let arguments: Vec<_> = GRID.iter().chain(&[out]).chain(more).copied().collect();
     let output = corner.run(&arguments);
     assert!(output.status.success(), "{}", text(&output));
-    ["sweep.csv", "sweep.json", "sweep.svg"].map(|name| {
+    ["sweep.csv", "sweep.json", "report.html"].map(|name| {
         std::fs::read_to_string(corner.path().join(out).join(name)).expect("a sweep writes it")
     })
 }

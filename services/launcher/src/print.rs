@@ -3,6 +3,7 @@
 use crate::group::RecordingSummary;
 use crate::summary::Summary;
 use shared::report::{Outcome, WorstChain};
+use shared::rung::Rung;
 use shared::statistics::Percentiles;
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -22,6 +23,7 @@ pub fn summary(summary: &Summary) -> String {
     drive(summary, &mut line);
     timing(summary, &mut line);
     messages(summary, &mut line);
+    faults(summary, &mut line);
     machine(summary, &mut line);
     if let Some(recording) = &summary.recording {
         line("recording", self::recording(recording));
@@ -191,6 +193,42 @@ fn messages(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     }
 }
 
+/// Most faults that are told one by one.
+const SHOWN_FAULTS: usize = 8;
+
+fn faults(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
+    for (index, fault) in summary.faults.iter().take(SHOWN_FAULTS).enumerate() {
+        let victim = fault.service.map(|service| service.name()).or(fault.topic).unwrap_or("");
+        let mut text = format!("{} {victim} at {:.2} s", fault.kind, fault.t_s);
+        for (what, us) in
+            [("detected", fault.detected_after_us), ("back", fault.recovered_after_us)]
+        {
+            if let Some(us) = us {
+                write!(text, ", {what} after {}", duration(us)).expect("a string takes all");
+            }
+        }
+        if let Some(messages) = fault.messages {
+            write!(text, ", {messages} messages").expect("a string takes all");
+        }
+        line(if index == 0 { "faults" } else { "" }, text);
+    }
+    if summary.faults.len() > SHOWN_FAULTS {
+        line("", format!("and {} more", summary.faults.len() - SHOWN_FAULTS));
+    }
+    let rungs: Vec<String> = (summary.rungs.iter())
+        .flat_map(|(who, rungs)| rungs.time_s.iter().map(move |(rung, time_s)| (who, rung, time_s)))
+        .filter(|(_, rung, _)| rung.as_str() != Rung::Full.name())
+        .map(|(who, rung, time_s)| format!("{who} {rung} {time_s:.2} s"))
+        .collect();
+    if !rungs.is_empty() {
+        line("degraded", rungs.join(", "));
+    }
+    let refused: u64 = summary.messages.values().filter_map(|topic| topic.e2e_errors).sum();
+    if refused > 0 {
+        line("", format!("{refused} messages refused by the end-to-end check"));
+    }
+}
+
 fn machine(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     for service in &summary.services {
         let Some(granted) = &service.scheduling else { continue };
@@ -202,7 +240,13 @@ fn machine(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
         } else {
             format!("; not granted: {}", granted.refused.join(", "))
         };
-        line(service.name, format!("{}, {core}, {locked}, {rss:.1} MiB{refused}", granted.granted));
+        let restarts = match service.restarts {
+            0 => String::new(),
+            1 => ", restarted once".into(),
+            n => format!(", restarted {n} times"),
+        };
+        let granted = &granted.granted;
+        line(service.name, format!("{granted}, {core}, {locked}, {rss:.1} MiB{restarts}{refused}"));
     }
 }
 

@@ -69,7 +69,7 @@ pub(super) fn load(
 }
 
 /// Reads the columns `time_s` and `speed_mps` of a CSV text; other columns are passed over.
-fn parse_csv(source: &str, text: &str) -> Result<Vec<SpeedPoint>, ScenarioError> {
+pub(super) fn parse_csv(source: &str, text: &str) -> Result<Vec<SpeedPoint>, ScenarioError> {
     const COLUMNS: &str = "time_s,speed_mps";
     let table = Table::split(source, text);
     if table.len() == 0 && (table.find("time_s").is_some() || text.trim().is_empty()) {

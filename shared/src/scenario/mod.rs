@@ -201,6 +201,23 @@ impl Scenario {
     }
 }
 
+/// Reads a table of a vehicle's speed over time, with a heading `time_s,speed_mps`. `source` stands for
+/// it in errors.
+///
+/// # Errors
+/// When the text is no such table; shows the line.
+pub fn read_speed_table(source: &str, text: &str) -> Result<Vec<actor::SpeedPoint>, ScenarioError> {
+    files::parse_csv(source, text)
+}
+
+/// Reads a table of a road's height or grade over distance. `source` stands for it in errors.
+///
+/// # Errors
+/// When the text is no such table; shows the line.
+pub fn read_road(source: &str, text: &str) -> Result<crate::road::GradeProfile, ScenarioError> {
+    road::parse_csv(source, text)
+}
+
 fn ten_seconds() -> Duration {
     Duration::of(10.0)
 }

@@ -4,15 +4,15 @@
 //! and misses are emulated exactly, so that the same sweep gives the same bytes.
 
 mod figure;
+mod page;
 mod param;
-mod plot;
 mod results;
 
 use crate::batch::{self, Job};
 use crate::cli::{GroupOptions, ModeName, ScenarioOptions};
 use crate::error::Error;
 use crate::output::OutputDirectory;
-use crate::{print, run};
+use crate::{print, report, run};
 use clap::Args;
 use param::Param;
 use results::{Run, Sweep};
@@ -81,15 +81,14 @@ pub fn run(arguments: &SweepArguments) -> Result<ExitCode, Error> {
     let json = serde_json::to_string_pretty(&sweep).expect("plain data") + "\n";
     output.write("sweep.csv", sweep.csv().as_bytes())?;
     output.write("sweep.json", json.as_bytes())?;
-    if let Some(picture) = sweep.picture(&params) {
-        output.write("sweep.svg", picture.as_bytes())?;
-    }
+    output.write(report::FILE, page::page(&sweep).as_bytes())?;
     // What an interrupt left undone is missing; what was done is kept.
     if end.is_ok() && arguments.json {
         print::out(&json);
     } else if !arguments.json {
         print::out(&sweep.table());
         print::out(&format!("results: {}\n", output.path().display()));
+        print::out(&format!("report:  {}\n", output.path().join(report::FILE).display()));
     }
     end?;
     let whole = sweep.runs.iter().all(|run| run.outcome == Outcome::Completed);

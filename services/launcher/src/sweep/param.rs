@@ -24,11 +24,6 @@ impl Param {
         let values = values(list, None).map_err(refuse)?;
         Ok(Self { key: key.trim().into(), values })
     }
-
-    /// The values as numbers, if all of them are.
-    pub fn numbers(&self) -> Option<Vec<f64>> {
-        self.values.iter().map(|value| value.parse().ok()).collect()
-    }
 }
 
 /// The values of `A..B/STEP`, both ends included, or of `a,b,c`. Where a range has no step,

@@ -2,7 +2,6 @@
 
 use super::figure::{self, ALL, Values};
 use super::param::Param;
-use super::plot::{Curve, chart_over};
 use crate::error::Error;
 use crate::print;
 use crate::summary::Summary;
@@ -11,31 +10,28 @@ use shared::report::Outcome;
 use shared::runtime::Mode;
 use std::fmt::Write;
 
-/// Most curves that a picture tells apart.
-const MAX_CURVES: usize = 8;
-
 /// The whole sweep.
 #[derive(Debug, serde::Serialize)]
 pub struct Sweep {
     schema_version: u32,
-    scenario: String,
-    mode: &'static str,
+    pub scenario: String,
+    pub mode: &'static str,
     /// Swept keys.
-    params: Vec<String>,
+    pub params: Vec<String>,
     /// The grid's points that were reached, in its order.
-    points: Vec<Point>,
+    pub points: Vec<Point>,
     /// Every run, in the grid's order.
     pub runs: Vec<Run>,
 }
 
 /// A point of the grid, folded over its seeds.
 #[derive(Debug, serde::Serialize)]
-struct Point {
-    values: Vec<String>,
-    seeds: usize,
+pub struct Point {
+    pub values: Vec<String>,
+    pub seeds: usize,
     /// Runs that reached the scenario's end.
-    completed: usize,
-    figures: Figures,
+    pub completed: usize,
+    pub figures: Figures,
 }
 
 /// One run.
@@ -51,7 +47,7 @@ pub struct Run {
 
 /// Figures by their names in results.
 #[derive(Clone, Copy, Debug, Default)]
-struct Figures(Values);
+pub struct Figures(pub Values);
 
 impl Serialize for Figures {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -153,50 +149,6 @@ impl Sweep {
         }
         text
     }
-
-    /// The figures over the first key that is a number, a curve for each combination of the others.
-    pub fn picture(&self, params: &[Param]) -> Option<String> {
-        let place = params.iter().position(|param| param.numbers().is_some())?;
-        let x = |point: &Point| point.values[place].parse::<f64>().ok();
-        let places: Vec<f64> = self.points.iter().filter_map(x).collect();
-        let low = places.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        if low >= high {
-            return None;
-        }
-        let mut curves: Vec<(String, Vec<&Point>)> = Vec::new();
-        for point in &self.points {
-            let others = params.iter().zip(&point.values).enumerate();
-            let others = others.filter(|(index, _)| *index != place);
-            let name: Vec<_> =
-                others.map(|(_, (param, value))| format!("{}={value}", param.key)).collect();
-            let name = name.join(" ");
-            match curves.iter_mut().find(|(known, _)| *known == name) {
-                Some((_, points)) => points.push(point),
-                None => curves.push((name, vec![point])),
-            }
-        }
-        curves.truncate(MAX_CURVES);
-        let mut panels: Vec<(&str, Vec<Curve>)> = Vec::new();
-        for (index, figure) in ALL.iter().enumerate() {
-            for (name, points) in &curves {
-                let points = points.iter();
-                let points = points.filter_map(|point| x(point).zip(point.figures.0[index]));
-                let points: Vec<_> = points.collect();
-                if points.is_empty() {
-                    continue;
-                }
-                let name = format!("{} {name}", figure.name);
-                let curve = Curve::new(name.trim_end(), points);
-                match panels.iter_mut().find(|(panel, _)| *panel == figure.panel) {
-                    Some((_, curves)) => curves.push(curve),
-                    None => panels.push((figure.panel, vec![curve])),
-                }
-            }
-        }
-        let title = format!("{} ({})", self.scenario, self.mode);
-        (!panels.is_empty()).then(|| chart_over(&title, &params[place].key, (low, high), &panels))
-    }
 }
 
 fn width(heading: &str) -> usize {
@@ -222,6 +174,7 @@ fn outcomes(runs: &[Run]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sweep::page;
 
     fn run(value: &str, seed: u64, outcome: Outcome, gap_m: Option<f64>) -> Run {
         let mut figures = Figures::default();
@@ -270,11 +223,14 @@ mod tests {
     }
 
     #[test]
-    fn the_picture_is_over_the_first_key_that_is_a_number() {
-        let (sweep, params) = sweep();
-        let picture = sweep.picture(&params).expect("a numeric key");
-        assert!(picture.contains("runtime.extra_delay_ms") && picture.contains("smallest gap, m"));
-        let words = [Param::parse("controller.name=a,b").expect("good")];
-        assert!(sweep.picture(&words).is_none());
+    fn the_pictures_are_over_the_first_key_that_is_a_number() {
+        let (sweep, _) = sweep();
+        let plots = page::plots(&sweep);
+        assert!(plots.iter().any(|plot| plot.title == "smallest gap" && plot.y.label == "m"));
+        assert!(plots.iter().all(|plot| plot.x.label == "runtime.extra_delay_ms"));
+        let params = [Param::parse("controller.name=a,b").expect("good")];
+        let runs =
+            vec![run("a", 1, Outcome::Completed, None), run("b", 1, Outcome::Completed, None)];
+        assert!(page::plots(&Sweep::new("x", Mode::Lockstep, &params, runs)).is_empty());
     }
 }

@@ -1,0 +1,88 @@
+//! One function for each thing that reads bytes from outside: none may panic, whatever comes, and each
+//! says what is wrong in one error. The targets in `fuzz/` call them with libFuzzer, a test calls them
+//! with mutations of good examples.
+
+use recorder::Recording;
+use shared::e2e::{Channel, Outcomes, profile7};
+use shared::runtime::{FromService, Group, ToService};
+use shared::scenario::Scenario;
+use shared::scenario::faults::Fault;
+
+/// A reader of bytes from outside.
+pub struct Target {
+    /// Its name, that of the file in `fuzz/fuzz_targets`.
+    pub name: &'static str,
+    /// Reads.
+    pub read: fn(&[u8]),
+}
+
+/// All of them.
+pub const TARGETS: [Target; 7] = [
+    Target { name: "scenario", read: scenario },
+    Target { name: "speed_table", read: speed_table },
+    Target { name: "road", read: road },
+    Target { name: "design", read: design },
+    Target { name: "recording", read: recording },
+    Target { name: "link", read: link },
+    Target { name: "end_to_end", read: end_to_end },
+];
+
+/// Scenario files. One that is accepted can be written and read again, and its law can be built.
+pub fn scenario(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    if let Ok(scenario) = Scenario::parse("fuzz.toml", text) {
+        let again = Scenario::parse("again.toml", &scenario.to_toml()).expect("it was written");
+        assert_eq!(scenario, again);
+        let _ = controller::laws::build(&scenario);
+    }
+}
+
+/// Tables of a vehicle's speed.
+pub fn speed_table(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let _ = shared::scenario::read_speed_table("fuzz.csv", text);
+}
+
+/// Tables of a road's height or grade. One that is accepted has a slope everywhere.
+pub fn road(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    if let Ok(profile) = shared::scenario::read_road("fuzz.csv", text) {
+        for k in 0..10 {
+            assert!(profile.grade(f64::from(k) * profile.end_m() / 9.0).is_finite());
+        }
+    }
+}
+
+/// Designs of the quadratic-bounded law. One that is accepted keeps its promise.
+pub fn design(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let _ = controller::quadratic_bounded::Design::load(text);
+}
+
+/// Recordings.
+pub fn recording(bytes: &[u8]) {
+    if let Ok(recording) = Recording::of_bytes("fuzz.mcap".into(), bytes) {
+        assert!(recording.records().count() <= bytes.len());
+    }
+}
+
+/// What launcher, services and clients say to each other.
+pub fn link(bytes: &[u8]) {
+    let _ = serde_json::from_slice::<FromService>(bytes);
+    let _ = serde_json::from_slice::<ToService>(bytes);
+    let _ = serde_json::from_slice::<Group>(bytes);
+    if let Ok(fault) = serde_json::from_slice::<Fault>(bytes) {
+        let _ = fault.check("fault");
+    }
+}
+
+/// The end-to-end check: what it accepts is what somebody protected.
+pub fn end_to_end(bytes: &[u8]) {
+    let (mut channel, mut outcomes) = (Channel::default(), Outcomes::default());
+    if channel.accept(bytes, 7, 0, &mut outcomes) {
+        let mut again = bytes.to_vec();
+        let counter = u32::from_be_bytes([bytes[12], bytes[13], bytes[14], bytes[15]]);
+        profile7::protect(&mut again, 7, counter);
+        assert_eq!(again, bytes);
+    }
+}

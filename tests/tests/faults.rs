@@ -1,0 +1,247 @@
+//! Services killed, stopped, silenced and impersonated, in whole process groups.
+
+use iceoryx2::prelude::*;
+use serde_json::Value;
+use shared::messages::Command as Message;
+use shared::runtime::Group;
+use std::path::Path;
+use system_tests::{Corner, text, wait_for};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
+
+const ROAD: &str = "schema_version = 1\nname = \"faulty\"\nset_speed_mps = 20\n\
+    [plant]\ninitial_speed_mps = 15\n[controller]\nname = \"cacc-mpc\"\n\
+    [[actors]]\nname = \"lead\"\ngap_m = 40\ninitial_speed_mps = 15\n";
+
+/// A corner with a scenario file `faulty.toml`: a drive behind a lead, with these faults.
+fn corner(duration_s: f64, more: &str) -> Corner {
+    let corner = Corner::new(PROGRAM);
+    let text = format!("duration_s = {duration_s}\n{ROAD}{more}");
+    std::fs::write(corner.path().join("faulty.toml"), text).expect("ours");
+    corner
+}
+
+fn fault(kind: &str, at_s: f64, more: &str) -> String {
+    format!("[[faults]]\nkind = \"{kind}\"\nat_s = {at_s}\n{more}\n")
+}
+
+/// Runs the scenario; its exit status and summary.
+fn run(corner: &Corner, mode: &str) -> (Option<i32>, Value) {
+    let arguments = ["run", "faulty.toml", "--mode", mode, "--out", "out", "--no-record", "--json"];
+    let output = corner.run(&arguments);
+    let summary =
+        serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {}", text(&output)));
+    (output.status.code(), summary)
+}
+
+fn restarts(summary: &Value) -> Vec<u64> {
+    let services = summary["services"].as_array().expect("a list").iter();
+    services.map(|service| service["restarts"].as_u64().expect("a count")).collect()
+}
+
+#[test]
+fn every_service_is_killed_once_and_the_drive_goes_on() {
+    let services = ["controller", "perception-sim", "v2x-sim", "plant"];
+    let faults = services
+        .iter()
+        .zip(1..)
+        .map(|(service, k)| fault("kill", 0.6 * f64::from(k), &format!("service = \"{service}\"")));
+    let corner = corner(4.0, &faults.collect::<String>());
+    let (status, summary) = run(&corner, "realtime");
+    assert_eq!((status, &summary["outcome"]), (Some(0), &"completed".into()), "{summary}");
+    assert_eq!(restarts(&summary), [1, 1, 1, 1]);
+    let faults = summary["faults"].as_array().expect("a list");
+    assert_eq!(faults.len(), 4, "{faults:?}");
+    for fault in faults {
+        let detected = fault["detected_after_us"].as_f64().expect("it was found gone");
+        let recovered = fault["recovered_after_us"].as_f64().expect("it came back");
+        assert!(0.0 < detected && detected < recovered, "{fault}");
+    }
+    // The vehicle did not vanish with its process: the gap is that of the drive, not of a new one.
+    let gap_m = summary["control"]["min_gap_m"].as_f64().expect("a lead");
+    assert!((25.0..45.0).contains(&gap_m), "{gap_m}");
+    corner.expect_nothing_left(&[]);
+}
+
+#[test]
+fn a_stopped_service_is_replaced_and_a_short_stop_is_not() {
+    let faults = fault("stop", 0.5, "service = \"v2x-sim\"\nfor_s = 0.05")
+        + &fault("stop", 1.0, "service = \"perception-sim\"");
+    let corner = corner(3.0, &faults);
+    let (status, summary) = run(&corner, "realtime");
+    assert_eq!(status, Some(0), "{summary}");
+    // In the order of the data's way: plant, perception-sim, v2x-sim, controller.
+    assert_eq!(restarts(&summary)[1], 1, "{summary}");
+    assert_eq!(restarts(&summary)[2], 0, "{summary}");
+    let hung = &summary["faults"].as_array().expect("a list")[1];
+    let detected = hung["detected_after_us"].as_f64().expect("it was found hung");
+    assert!(detected >= 250e3, "not before the heartbeat's timeout: {hung}");
+}
+
+#[test]
+fn a_service_that_dies_too_often_leads_to_a_stop_in_lane() {
+    let storm = fault("restart-storm", 0.5, "service = \"controller\"\ntimes = 50");
+    let budget = "[supervision]\nbudget = 3\n";
+    let corner = corner(30.0, &(budget.to_owned() + &storm));
+    let (status, summary) = run(&corner, "realtime");
+    assert_eq!((status, &summary["outcome"]), (Some(1), &"safe_stop".into()), "{summary}");
+    assert_eq!(restarts(&summary), [0, 0, 0, 3]);
+    assert!(summary["duration_s"].as_f64() < Some(25.0), "it ended when the vehicle stood");
+    let stopping = summary["rungs"]["plant"]["time_s"]["stop-in-lane"].as_f64();
+    assert!(stopping > Some(2.0), "{}", summary["rungs"]);
+    corner.expect_nothing_left(&[]);
+}
+
+#[test]
+fn message_faults_repeat_byte_by_byte_and_no_corruption_passes() {
+    let radar = "topic = \"radar/tracks\"\nfor_s = 2\nprobability = 0.3";
+    let faults = fault("corrupt", 1.0, &format!("{radar}\nbits = 7"))
+        + &fault("delay", 2.0, &format!("{radar}\ndelay_ms = 60\njitter_ms = 100"))
+        + &fault("reorder", 3.0, radar)
+        + &fault("duplicate", 4.0, "topic = \"vehicle/odometry\"\nfor_s = 1")
+        + &fault("drop", 5.0, "topic = \"radar/tracks\"\nfor_s = 2.5")
+        + &fault("freeze", 9.0, "topic = \"v2x/spat\"\nfor_s = 1")
+        + &fault("clock-step", 11.0, "service = \"v2x-sim\"\namount = 30\nfor_s = 1");
+    let corner = corner(14.0, &faults);
+    let [first, second] = [run(&corner, "lockstep"), run(&corner, "lockstep")];
+    assert_eq!(first.0, Some(0), "{}", first.1);
+    for (topic, counts) in first.1["messages"].as_object().expect("topics") {
+        assert_eq!(counts["digests"], second.1["messages"][topic]["digests"], "{topic}");
+        assert_eq!(counts["e2e"], second.1["messages"][topic]["e2e"], "{topic}");
+    }
+    let faults = first.1["faults"].as_array().expect("a list");
+    let befallen = |kind: &str| {
+        let fault = faults.iter().find(|fault| fault["kind"] == kind).expect("it was asked for");
+        fault["messages"].as_u64().expect("counted")
+    };
+    assert_eq!(first.1["messages"]["radar/tracks"]["e2e"]["error"], befallen("corrupt"));
+    assert_eq!(first.1["messages"]["vehicle/odometry"]["e2e"]["repeated"], befallen("duplicate"));
+    assert!(befallen("corrupt") > 0 && befallen("drop") > 40);
+    let future = &first.1["messages"]["v2x/spat"]["e2e"]["from_the_future"];
+    assert!(future.as_u64() > Some(5), "{future}");
+    // Two and a half seconds without radar: predicted, then braked for, then trusted again.
+    let rungs = &first.1["rungs"]["controller"];
+    assert!(rungs["time_s"]["lead-predicted"].as_f64() > Some(0.5), "{rungs}");
+    assert!(rungs["time_s"]["lead-lost"].as_f64() > Some(0.5), "{rungs}");
+    let last = rungs["changes"].as_array().and_then(|changes| changes.last()).expect("changes");
+    assert_eq!(last["to"], "full", "{rungs}");
+}
+
+#[test]
+fn faults_come_into_a_run_that_goes_on() {
+    let corner = corner(4.0, "");
+    let arguments =
+        ["run", "faulty.toml", "--mode", "realtime", "--out", "out", "--no-record", "--json"];
+    let running = corner.start(&arguments);
+    let live = corner.path().join("out/live.json");
+    assert!(wait_for(|| live.exists()), "the run drives");
+    for (arguments, status) in [
+        (["inject", "out", "kill", "controller"].as_slice(), 0),
+        (&["inject", "out", "drop", "v2x/spat", "--for", "0.5"], 0),
+        (&["inject", "out", "kill"], 2),
+        (&["inject", "out", "kill", "engine"], 2),
+        (&["inject", "out", "drop", "health/heartbeat"], 2),
+        (&["inject", "nowhere", "kill", "controller"], 2),
+    ] {
+        let output = corner.run(arguments);
+        assert_eq!(output.status.code(), Some(status), "{arguments:?}: {}", text(&output));
+    }
+    let output = running.wait_with_output().expect("it ends");
+    let summary: Value = serde_json::from_slice(&output.stdout).expect("a summary");
+    assert_eq!(restarts(&summary), [0, 0, 0, 1], "{summary}");
+    let kinds: Vec<_> = (summary["faults"].as_array().expect("a list").iter())
+        .map(|fault| fault["kind"].as_str().expect("a name").to_owned())
+        .collect();
+    assert_eq!(kinds, ["kill", "drop"]);
+}
+
+#[test]
+fn process_faults_in_lockstep_and_senseless_ones_are_refused_before_anything_runs() {
+    for (fault, what) in [
+        (fault("kill", 1.0, "service = \"plant\""), "realtime"),
+        (fault("kill", 1.0, ""), "needs `service`"),
+        (fault("drop", 1.0, "topic = \"health/heartbeat\""), "radar/tracks"),
+        (
+            fault("bias", 1.0, "topic = \"v2x/spat\"\nfield = \"gap_m\"\namount = 1"),
+            "no such figure",
+        ),
+        (fault("drop", 1.0, "topic = \"v2x/spat\"\nbits = 1"), "means nothing"),
+        (fault("melt", 1.0, ""), "kind"),
+    ] {
+        let corner = corner(1.0, &fault);
+        let output = corner.run(&["run", "faulty.toml", "--mode", "lockstep", "--out", "out"]);
+        assert_eq!(output.status.code(), Some(2), "{}", text(&output));
+        assert!(text(&output).contains(what), "{what}: {}", text(&output));
+    }
+}
+
+/// A process of the same user opens `control/command` with the right type and the right names in the
+/// header, and asks for full braking.
+#[test]
+fn a_stranger_on_the_command_topic_is_not_heard_and_is_reported() {
+    let corner = corner(3.0, "");
+    let arguments =
+        ["run", "faulty.toml", "--mode", "realtime", "--out", "out", "--no-record", "--json"];
+    let running = corner.start(&arguments);
+    let live = corner.path().join("out/live.json");
+    assert!(wait_for(|| live.exists()), "the run drives");
+    let group: Group = serde_json::from_str(&std::fs::read_to_string(&live).expect("it drives"))
+        .expect("a group file");
+    impersonate(&group);
+    let output = running.wait_with_output().expect("it ends");
+    let summary: Value = serde_json::from_slice(&output.stdout).expect("a summary");
+    assert_eq!(summary["outcome"], "completed", "{summary}");
+    let strangers = summary["messages"]["control/command"]["e2e"]["stranger"].as_u64();
+    assert!(strangers > Some(0), "{}", summary["messages"]["control/command"]);
+    let braking = summary["control"]["min_accel_mps2"].as_f64().expect("it drove");
+    assert!(braking > -1.0, "nobody braked: {braking}");
+}
+
+fn impersonate(group: &Group) {
+    let mut config = iceoryx2::config::Config::default();
+    config.global.prefix = FileName::new(group.prefix.as_bytes()).expect("short");
+    let root = group.root.to_str().expect("text");
+    config.global.set_root_path(&iceoryx2::prelude::Path::new(root.as_bytes()).expect("short"));
+    let node = NodeBuilder::new().config(&config).create::<ipc::Service>().expect("same user");
+    let name: ServiceName = "control/command".try_into().expect("a name");
+    let topic = node.service_builder(&name).publish_subscribe::<Message>().open().expect("it is");
+    let publisher = topic.publisher_builder().create().expect("there is room");
+    for sequence in 1..=50 {
+        let mut message: Message = bytemuck::Zeroable::zeroed();
+        message.header.sequence = sequence;
+        message.header.source = shared::Service::Controller.to_wire();
+        message.header.step = sequence;
+        message.plan_period_ns = 100_000_000;
+        message.plan_len = 1;
+        message.plan_mps2[0] = -8.0;
+        let data_id = shared::messages::Topic::Command.data_id(message.header.source);
+        let bytes = bytemuck::bytes_of_mut(&mut message);
+        shared::e2e::profile7::protect(bytes, data_id, u32::try_from(sequence).expect("small"));
+        publisher.send_copy(message).expect("sent");
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+}
+
+#[test]
+fn what_a_run_makes_is_for_its_user_alone() {
+    use std::os::unix::fs::PermissionsExt;
+    let corner = corner(3.0, "");
+    let mut running = corner.start(&["run", "faulty.toml", "--mode", "realtime", "--out", "out"]);
+    let live = corner.path().join("out/live.json");
+    assert!(wait_for(|| live.exists()), "the run drives");
+    let roots = corner.roots();
+    let mode = |path: &Path| {
+        let metadata = std::fs::symlink_metadata(path).expect("it is there");
+        metadata.permissions().mode() & 0o777
+    };
+    assert_eq!(roots.len(), 1);
+    assert_eq!(mode(&roots[0]), 0o700);
+    let memory = Corner::shared_memory(&roots);
+    assert!(!memory.is_empty());
+    for name in memory {
+        let mode = mode(&Path::new("/dev/shm").join(&name));
+        assert_eq!(mode & 0o077, 0, "{name}: {mode:o}");
+    }
+    assert!(running.wait().expect("it ends").success());
+    corner.expect_nothing_left(&roots);
+}
