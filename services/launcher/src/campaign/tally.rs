@@ -118,6 +118,8 @@ enum Kind {
     Count(fn(&Tally) -> u64),
     /// Something measured, or not.
     Measure(fn(&Tally) -> Option<f64>),
+    /// The middle of something measured: no single run is to blame for it.
+    Median(fn(&Tally) -> Option<f64>),
 }
 
 /// All figures.
@@ -135,10 +137,10 @@ pub const FIGURES: [Figure; 24] = [
     count("undetected_corruptions", |t| t.undetected_corruptions),
     measure("gap_m", |t| t.min_gap_m),
     measure("ttc_s", |t| t.min_ttc_s),
-    measure("detection_p50_ms", |t| t.detection_us.map(|p| p.p50 / 1e3)),
+    median("detection_p50_ms", |t| t.detection_us.map(|p| p.p50 / 1e3)),
     measure("detection_p99_ms", |t| t.detection_us.map(|p| p.p99 / 1e3)),
     measure("detection_max_ms", |t| t.detection_us.map(|p| p.max / 1e3)),
-    measure("recovery_p50_ms", |t| t.recovery_us.map(|p| p.p50 / 1e3)),
+    median("recovery_p50_ms", |t| t.recovery_us.map(|p| p.p50 / 1e3)),
     measure("recovery_p99_ms", |t| t.recovery_us.map(|p| p.p99 / 1e3)),
     measure("recovery_max_ms", |t| t.recovery_us.map(|p| p.max / 1e3)),
     measure("command_overdue_ms", |t| t.command_overdue_ms),
@@ -156,6 +158,10 @@ const fn measure(name: &'static str, of: fn(&Tally) -> Option<f64>) -> Figure {
     Figure { name, of: Kind::Measure(of) }
 }
 
+const fn median(name: &'static str, of: fn(&Tally) -> Option<f64>) -> Figure {
+    Figure { name, of: Kind::Median(of) }
+}
+
 impl Figure {
     /// The figure of that name.
     pub fn named(name: &str) -> Option<&'static Self> {
@@ -166,7 +172,7 @@ impl Figure {
     pub fn value(&self, tally: &Tally) -> Option<f64> {
         match self.of {
             Kind::Count(of) => Some(of(tally) as f64),
-            Kind::Measure(of) => of(tally),
+            Kind::Measure(of) | Kind::Median(of) => of(tally),
         }
     }
 
@@ -176,6 +182,7 @@ impl Figure {
         match self.of {
             Kind::Count(of) => Some(of(&alone) as f64).filter(|count| *count > 0.0 && !least),
             Kind::Measure(of) => of(&alone).filter(|value| !within(*value, limit, least)),
+            Kind::Median(_) => None,
         }
     }
 }
