@@ -36,7 +36,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     runtime.begin(&scenario)?;
     runtime.run_cycles(|runtime| controller.cycle(runtime))?;
     let report = controller.report(runtime.skipped());
-    runtime.finish(Details::Controller(report))
+    runtime.finish(Details::Controller(Box::new(report)))
 }
 
 /// A mode change as the loop keeps it.

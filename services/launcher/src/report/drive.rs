@@ -144,14 +144,16 @@ const fn phase_tone(phase: Phase) -> Tone {
 pub fn modes(run: &RunPicture) -> Option<Bands> {
     let mut tones = Tones::default();
     let mut rows = Vec::new();
-    for (name, phases, plain) in [
-        ("mode of the law", &run.modes, None),
-        ("quality of the commands", &run.quality, Some("full")),
-        ("rung of degradation", &run.rungs, None),
-    ] {
+    let rungs = run.rungs.iter();
+    let rungs = rungs.map(|(who, rungs)| (format!("rung of the {who}"), rungs, Some("full")));
+    let law = [
+        ("mode of the law".to_owned(), &run.modes, None),
+        ("quality of the commands".to_owned(), &run.quality, Some("full")),
+    ];
+    for (name, phases, plain) in law.into_iter().chain(rungs) {
         let ordinary = phases.iter().all(|phase| Some(phase.label.as_str()) == plain);
         if !ordinary {
-            rows.push(Row { name: name.into(), spans: spans(phases, &mut tones) });
+            rows.push(Row { name, spans: spans(phases, &mut tones) });
         }
     }
     let title = "Modes and degradation".into();
@@ -225,7 +227,11 @@ mod tests {
             }],
             modes: vec![phase(0.0, 5.0, "cruise"), phase(5.0, 10.0, "follow")],
             quality: vec![phase(0.0, 10.0, "full")],
-            rungs: vec![phase(0.0, 3.0, "full function"), phase(3.0, 10.0, "radar stale")],
+            rungs: [
+                ("controller", vec![phase(0.0, 3.0, "full"), phase(3.0, 10.0, "lead-lost")]),
+                ("plant", vec![phase(0.0, 10.0, "full")]),
+            ]
+            .into(),
             faults: vec![FaultMark {
                 t_s: 3.0,
                 label: "kill controller".into(),
@@ -263,7 +269,7 @@ mod tests {
     fn rows_that_say_nothing_are_left_out() {
         let bands = modes(&synthetic()).expect("modes");
         let names: Vec<_> = bands.rows.iter().map(|row| row.name.as_str()).collect();
-        assert_eq!(names, ["mode of the law", "rung of degradation"]);
+        assert_eq!(names, ["mode of the law", "rung of the controller"]);
         assert!(modes(&RunPicture::default()).is_none());
         assert!(gap(&RunPicture::default()).is_none());
     }

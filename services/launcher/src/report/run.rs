@@ -201,7 +201,7 @@ fn machine(summary: &Summary) -> String {
         ("service", Column::Text),
         ("granted", Column::Text),
         ("asked for", Column::MoreText),
-        ("core", Column::Number),
+        ("core", Column::Text),
         ("memory", Column::Text),
         ("peak", Column::Number),
         ("restarts", Column::MoreNumber),
