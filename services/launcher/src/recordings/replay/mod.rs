@@ -12,32 +12,21 @@
 //! switches and page faults. One thing is not in a recording: when a plan made beside the loop came.
 //! In a replay every plan comes in time; a realtime run whose summary counts late plans may differ.
 
+mod comparison;
+
 use super::{count, open};
 use crate::error::Error;
-use crate::group::{Replayed, replay};
+use crate::group::replay;
 use crate::print;
 use crate::run::count_bar;
 use clap::Args;
+use comparison::{Comparison, Row, by_step};
 use controller::laws;
-use recorder::{Recording, Take};
-use serde::Serialize;
-use shared::messages::{Command, Message, Place};
-use shared::runtime::Mode;
+use recorder::Recording;
 use shared::scenario::{Overrides, Scenario};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-
-/// Fields that say how the machine fared when a command was computed.
-const MACHINE: [&str; 7] = [
-    "header.protection",
-    "header.publish_ns",
-    "idle_ns",
-    "voluntary_switches",
-    "involuntary_switches",
-    "minor_faults",
-    "major_faults",
-];
 
 /// Arguments of `replay`.
 #[derive(Debug, Args)]
@@ -113,41 +102,6 @@ fn scenario(recording: &Recording, arguments: &ReplayArguments) -> Result<(Scena
     Ok((scenario, changed))
 }
 
-/// Pairs of messages of the same cycle.
-fn by_step<'a, T: Message>(a: &'a [T], b: &'a [T]) -> impl Iterator<Item = (&'a T, &'a T)> {
-    let step = |message: &T| message.header().step;
-    a.iter().filter_map(move |a| {
-        // One process sends in the order of its steps.
-        let index = b.binary_search_by_key(&step(a), step).ok()?;
-        Some((a, &b[index]))
-    })
-}
-
-/// What both controllers asked for in one cycle.
-struct Row {
-    incarnation: u32,
-    step: u64,
-    time_s: f64,
-    recorded_mps2: f64,
-    replayed_mps2: f64,
-}
-
-impl Row {
-    fn new(recorded: &Command, replayed: &Command) -> Self {
-        Self {
-            incarnation: recorded.header.incarnation,
-            step: recorded.header.step,
-            time_s: recorded.header.acquisition_ns as f64 / 1e9,
-            recorded_mps2: recorded.plan_mps2[0],
-            replayed_mps2: replayed.plan_mps2[0],
-        }
-    }
-
-    fn difference_mps2(&self) -> f64 {
-        self.replayed_mps2 - self.recorded_mps2
-    }
-}
-
 fn write(path: &Path, rows: &[Row]) -> Result<(), Error> {
     let mut text = String::from(
         "incarnation,step,time_s,recorded_request_mps2,replayed_request_mps2,difference_mps2\n",
@@ -170,134 +124,6 @@ fn write(path: &Path, rows: &[Row]) -> Result<(), Error> {
         path: path.to_owned(),
         reason,
     })
-}
-
-/// What a replay found.
-#[derive(Debug, Serialize)]
-struct Comparison {
-    schema_version: u32,
-    scenario: String,
-    recorded_controller: String,
-    replayed_controller: String,
-    /// The recorded run's clock.
-    mode: &'static str,
-    /// True if the scenario was changed for the replay.
-    changed: bool,
-    /// Fields that are not compared.
-    not_compared: Vec<&'static str>,
-    /// Cycles replayed.
-    cycles: u64,
-    /// Commands among them: in a silent cycle there is none.
-    commands: u64,
-    /// Cycles that could not be replayed, and why.
-    cut_short: Vec<String>,
-    /// Commands, and diagnostics, in which every compared byte is the same.
-    identical_commands: u64,
-    identical_diagnostics: u64,
-    /// True if all are.
-    identical: bool,
-    first_difference: Option<Difference>,
-    /// Largest and root-mean-square difference of the first requests, m/s².
-    max_request_difference_mps2: f64,
-    rms_request_difference_mps2: f64,
-    /// When the largest was, s of run time.
-    max_request_difference_at_s: f64,
-}
-
-/// The first difference.
-#[derive(Debug, Serialize)]
-struct Difference {
-    topic: &'static str,
-    incarnation: u32,
-    sequence: u64,
-    step: u64,
-    field: String,
-    recorded: String,
-    replayed: String,
-}
-
-impl Comparison {
-    fn new(recording: &Recording, scenario: &Scenario, changed: bool) -> Self {
-        let metadata = recording.metadata();
-        Self {
-            schema_version: 1,
-            scenario: metadata.scenario_name.clone(),
-            recorded_controller: metadata.controller.clone(),
-            replayed_controller: scenario.controller.name.as_str().into(),
-            mode: metadata.mode.name(),
-            changed,
-            not_compared: match metadata.mode {
-                Mode::Lockstep => Vec::new(),
-                Mode::Realtime => MACHINE.to_vec(),
-            },
-            cycles: 0,
-            commands: 0,
-            cut_short: Vec::new(),
-            identical_commands: 0,
-            identical_diagnostics: 0,
-            identical: false,
-            first_difference: None,
-            max_request_difference_mps2: 0.0,
-            rms_request_difference_mps2: 0.0,
-            max_request_difference_at_s: 0.0,
-        }
-    }
-
-    fn add(&mut self, take: &Take, replayed: &Replayed) {
-        self.cycles += take.releases.len() as u64;
-        self.commands += take.commands.len().max(replayed.commands.len()) as u64;
-        self.identical_commands += self.compare(by_step(&take.commands, &replayed.commands));
-        self.identical_diagnostics +=
-            self.compare(by_step(&take.diagnostics, &replayed.diagnostics));
-        self.cut_short.extend(take.cut_short.clone());
-    }
-
-    /// Counts the pairs in which every compared byte is the same; keeps the first other one.
-    fn compare<'a, T: Message>(&mut self, pairs: impl Iterator<Item = (&'a T, &'a T)>) -> u64 {
-        let mut places = T::LAYOUT.scalars();
-        places.retain(|place| !self.not_compared.iter().any(|field| place.path.starts_with(field)));
-        let mut identical = 0;
-        for (recorded, replayed) in pairs {
-            let [a, b] = [recorded, replayed].map(bytemuck::bytes_of);
-            let differs = |place: &&Place| {
-                let range = place.offset..place.offset + place.bytes;
-                a[range.clone()] != b[range]
-            };
-            let header = recorded.header();
-            // The checksum differs whenever something else does.
-            let telling = places
-                .iter()
-                .find(|place| differs(place) && !place.path.starts_with("header.protection"));
-            match telling.or_else(|| places.iter().find(differs)) {
-                None => identical += 1,
-                Some(place) if self.first_difference.is_none() => {
-                    self.first_difference = Some(Difference {
-                        topic: T::TOPIC.name(),
-                        incarnation: header.incarnation,
-                        sequence: header.sequence,
-                        step: header.step,
-                        field: place.path.clone(),
-                        recorded: place.read(a).to_string(),
-                        replayed: place.read(b).to_string(),
-                    });
-                }
-                Some(_) => {}
-            }
-        }
-        identical
-    }
-
-    fn finish(&mut self, rows: &[Row]) {
-        self.identical =
-            self.identical_commands == self.commands && self.identical_diagnostics == self.cycles;
-        let squares: f64 = rows.iter().map(|row| row.difference_mps2().powi(2)).sum();
-        self.rms_request_difference_mps2 = (squares / rows.len().max(1) as f64).sqrt();
-        let size = |row: &&Row| row.difference_mps2().abs();
-        if let Some(worst) = rows.iter().max_by(|a, b| size(a).total_cmp(&size(b))) {
-            self.max_request_difference_mps2 = size(&worst);
-            self.max_request_difference_at_s = worst.time_s;
-        }
-    }
 }
 
 fn as_text(comparison: &Comparison) -> String {
