@@ -73,7 +73,7 @@ pub enum Details {
     /// Nothing more.
     None,
     /// From the controller.
-    Controller(ControllerReport),
+    Controller(Box<ControllerReport>),
     /// From the plant.
     Plant(Box<PlantReport>),
 }

@@ -7,7 +7,7 @@ use controller::cacc::{self, Controller};
 use controller::law::{
     Ego, Input, Law, MAX_PLAN, Output, Phase, PhaseInterval, Powertrain, SignalAhead, Target,
 };
-use controller::predictive::{self, Plan, PlannerKind, Preview};
+use controller::predictive::{self, Plan, PlanRequest, PlannerKind, Preview};
 use controller::quadratic_bounded::{Design, QuadraticBounded, Settings};
 use controller::six_mode::{Parameters, SixMode};
 use rand_core::Rng;
@@ -392,6 +392,35 @@ fn a_step_allocates_nothing() {
         }
         law.reset();
         assert_eq!(counting::allocations() - before, 0);
+    });
+}
+
+#[test]
+fn planning_allocates_nothing() {
+    for_each(|law| {
+        let Some(planning) = law.planning() else { return };
+        let mut planner = planning.planner();
+        let mut plan = Plan::default();
+        let mut rng = Pcg64::new(6, 1);
+        let before = counting::allocations();
+        let mut planned = 0;
+        for number in 1..300 {
+            let input = ordinary(0);
+            let request = PlanRequest {
+                number,
+                position_m: uniform(&mut rng, 0.0, 1000.0),
+                speed_mps: uniform(&mut rng, 0.0, 30.0),
+                gear: 5,
+                set_speed_mps: uniform(&mut rng, 15.0, 25.0),
+                speed_limit_mps: f64::INFINITY,
+                time_price: 1.0,
+                preview: input.preview.expect("it has one"),
+                ..PlanRequest::default()
+            };
+            planned += u32::from(planner.plan(&request, &mut plan));
+        }
+        assert_eq!(counting::allocations() - before, 0);
+        assert!(planned > 50, "{planned}");
     });
 }
 

@@ -15,7 +15,7 @@ use truck_model::Truck;
 /// Weight q of the terminal cost's square.
 const TERMINAL_SQUARE: f64 = 0.5;
 /// Price of a change of tractive force, g/N.
-const CHANGE_GPN: f64 = 1e-4;
+const CHANGE_GPN: f64 = 2e-5;
 /// Lowest speed of the grid, as a share of the set speed (50 km/h at 75 km/h).
 const LOWEST_SPEED: f64 = 50.0 / 75.0;
 
@@ -32,7 +32,7 @@ pub struct Resolution {
 
 impl Default for Resolution {
     fn default() -> Self {
-        Self { nodes: 60, step_m: 200.0, steps: 10 }
+        Self { nodes: 70, step_m: 100.0, steps: 20 }
     }
 }
 

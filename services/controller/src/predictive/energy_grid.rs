@@ -204,9 +204,9 @@ impl EnergyGrid {
         let nodes = self.len();
         for gear in 0..PLANNED_GEARS {
             self.look_ahead(stage, &next[gear], 0, nodes - 1);
-            for node in 0..nodes {
+            for (node, value) in here[gear].iter_mut().enumerate() {
                 let curve = &self.curves[gear][node];
-                here[gear][node] = if curve.usable {
+                *value = if curve.usable {
                     let line = self.line(stage, self.energy_j[node]);
                     stage.length_m * self.end_cost_gpm[node] + self.least(&line, curve)
                 } else {

@@ -58,7 +58,7 @@ pub struct Predictive {
 }
 
 /// All that `reset` forgets.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 struct State {
     tracking: Tracking,
     filter: TargetFilter,
@@ -74,11 +74,29 @@ struct State {
     request: Option<PlanRequest>,
 }
 
+impl State {
+    fn new(settings: &Settings) -> Self {
+        Self {
+            tracking: Tracking::default(),
+            filter: TargetFilter::default(),
+            spacing_mode: Mode::default(),
+            price: TimePrice::new(settings.planner.usual_time_price()),
+            trust: MapTrust::default(),
+            keeper: SpeedKeeper::default(),
+            last_resort: LastResort::default(),
+            wanted_mps2: None,
+            mode: 0,
+            reason: 0,
+            request: None,
+        }
+    }
+}
+
 impl Predictive {
     /// A law of these settings.
     #[must_use]
     pub fn new(settings: &Settings) -> Self {
-        Self { settings: *settings, state: State::default() }
+        Self { settings: *settings, state: State::new(settings) }
     }
 
     /// How late the truck is against its mean speed, s.
@@ -223,7 +241,7 @@ impl Predictive {
 
 impl Law for Predictive {
     fn reset(&mut self) {
-        self.state = State::default();
+        self.state = State::new(&self.settings);
     }
 
     fn step(&mut self, input: &Input, output: &mut Output) {

@@ -57,7 +57,7 @@ mod tests {
     fn prices_are_those_of_the_page() {
         for (preset, time_gps) in [(Preset::Jh6At49T, 3.1), (Preset::Jh6At25T, 2.8)] {
             let prices = Prices::new(&Truck::preset(preset), 75.0 / 3.6);
-            assert!((prices.energy_gpj - 5.1e-5).abs() < 0.1e-5, "{prices:?}");
+            assert!((prices.energy_gpj - 5.1e-5).abs() < 0.15e-5, "{prices:?}");
             assert!((prices.time_gps - time_gps).abs() < 0.4, "{prices:?}");
         }
     }

@@ -29,6 +29,16 @@ impl PlannerKind {
         }
     }
 
+    /// The price of time, relative to the flat's, at which a truck keeps its mean speed over hills; what is
+    /// wrong with it the servo mends.
+    #[must_use]
+    pub(crate) fn usual_time_price(self) -> f64 {
+        match self {
+            Self::DynamicProgramming | Self::ConstantSpeed => 1.3,
+            Self::PaperN2 => 1.6,
+        }
+    }
+
     /// The kind of that name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {

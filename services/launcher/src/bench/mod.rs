@@ -103,7 +103,7 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
             .map_err(|e| Error::Machine(format!("cannot handle signals: {e}")))?;
     }
     let stage = Stage::create(Arc::clone(&interrupted))?;
-    let cells = plan::cells(arguments.quick, stage.cores().len());
+    let cells = plan::cells(arguments.quick, stage.cores().len(), stage.reference()?);
     let seconds = arguments.seconds.unwrap_or(if arguments.quick { QUICK_S } else { FULL_S });
     let mut bench = Bench::new(&stage, arguments.quick, seconds);
     let bar = progress_bar(&cells, seconds, arguments.json);

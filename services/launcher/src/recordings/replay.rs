@@ -2,13 +2,15 @@
 //!
 //! The controller is the real process on real topics; a replayer stands for everybody else and sends
 //! the recorded samples as they were. The controller is released as often as it was, at the recorded
-//! instants, and takes at each release the very samples that its recorded command names.
+//! instants, and takes at each release the very samples that its recorded diagnostics name, also
+//! where it then kept silent. Each process of a controller that was restarted is replayed by itself.
 //!
 //! With the recorded controller the outputs must be the same. What is compared depends on the clock
 //! that the run was recorded on. In lockstep it is every byte of every command and diagnostics
 //! message. In realtime it is every byte but those that say how the machine fared: when the message
 //! was published (and the checksum over it), since when the cycle had waited, and its context
-//! switches and page faults.
+//! switches and page faults. One thing is not in a recording: when a plan made beside the loop came.
+//! In a replay every plan comes in time; a realtime run whose summary counts late plans may differ.
 
 use super::{count, open};
 use crate::error::Error;
@@ -61,22 +63,22 @@ pub fn run(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
     let recording = open(&arguments.run)?;
     let (scenario, changed) = scenario(&recording, arguments)?;
     let takes = recording.takes();
-    let cycles: usize = takes.iter().map(|take| take.commands.len()).sum();
+    let cycles: usize = takes.iter().map(|take| take.releases.len()).sum();
     if cycles == 0 {
         let path = recording.path().display();
-        return Err(Error::Usage(format!("{path} holds no command that could be replayed")));
+        return Err(Error::Usage(format!("{path} holds no control cycle that could be replayed")));
     }
     let bar = count_bar(cycles, arguments.json);
     let mut done = 0;
     let mut rows = Vec::new();
     let mut comparison = Comparison::new(&recording, &scenario, changed);
     for take in &takes {
-        let replayed = replay(&scenario, take, recording.path(), &mut |commands| {
-            bar.set_position(done + commands);
+        let replayed = replay(&scenario, take, recording.path(), &mut |cycles| {
+            bar.set_position(done + cycles);
         })?;
-        done += take.commands.len() as u64;
+        done += take.releases.len() as u64;
         comparison.add(take, &replayed);
-        rows.extend(take.commands.iter().zip(&replayed.commands).map(|(a, b)| Row::new(a, b)));
+        rows.extend(by_step(&take.commands, &replayed.commands).map(|(a, b)| Row::new(a, b)));
     }
     bar.finish_and_clear();
     comparison.finish(&rows);
@@ -109,6 +111,16 @@ fn scenario(recording: &Recording, arguments: &ReplayArguments) -> Result<(Scena
         .map_err(|e| usage(&e))?;
     let changed = scenario != recorded;
     Ok((scenario, changed))
+}
+
+/// Pairs of messages of the same cycle.
+fn by_step<'a, T: Message>(a: &'a [T], b: &'a [T]) -> impl Iterator<Item = (&'a T, &'a T)> {
+    let step = |message: &T| message.header().step;
+    a.iter().filter_map(move |a| {
+        // One process sends in the order of its steps.
+        let index = b.binary_search_by_key(&step(a), step).ok()?;
+        Some((a, &b[index]))
+    })
 }
 
 /// What both controllers asked for in one cycle.
@@ -175,12 +187,13 @@ struct Comparison {
     not_compared: Vec<&'static str>,
     /// Cycles replayed.
     cycles: u64,
+    /// Commands among them: in a silent cycle there is none.
+    commands: u64,
     /// Cycles that could not be replayed, and why.
     cut_short: Vec<String>,
     /// Commands, and diagnostics, in which every compared byte is the same.
     identical_commands: u64,
     identical_diagnostics: u64,
-    diagnostics: u64,
     /// True if all are.
     identical: bool,
     first_difference: Option<Difference>,
@@ -218,10 +231,10 @@ impl Comparison {
                 Mode::Realtime => MACHINE.to_vec(),
             },
             cycles: 0,
+            commands: 0,
             cut_short: Vec::new(),
             identical_commands: 0,
             identical_diagnostics: 0,
-            diagnostics: 0,
             identical: false,
             first_difference: None,
             max_request_difference_mps2: 0.0,
@@ -231,16 +244,11 @@ impl Comparison {
     }
 
     fn add(&mut self, take: &Take, replayed: &Replayed) {
-        let commands = take.commands.iter().zip(&replayed.commands);
-        self.cycles += commands.len() as u64;
-        self.identical_commands += self.compare(commands);
-        // The recording may have lost some: each names its cycle.
-        let diagnostics = take.diagnostics.iter().filter_map(|recorded| {
-            let index = usize::try_from(recorded.header.sequence).ok()?.checked_sub(1)?;
-            Some((recorded, replayed.diagnostics.get(index)?))
-        });
-        self.diagnostics += take.diagnostics.len() as u64;
-        self.identical_diagnostics += self.compare(diagnostics);
+        self.cycles += take.releases.len() as u64;
+        self.commands += take.commands.len().max(replayed.commands.len()) as u64;
+        self.identical_commands += self.compare(by_step(&take.commands, &replayed.commands));
+        self.identical_diagnostics +=
+            self.compare(by_step(&take.diagnostics, &replayed.diagnostics));
         self.cut_short.extend(take.cut_short.clone());
     }
 
@@ -280,8 +288,8 @@ impl Comparison {
     }
 
     fn finish(&mut self, rows: &[Row]) {
-        self.identical = self.identical_commands == self.cycles
-            && self.identical_diagnostics == self.diagnostics;
+        self.identical =
+            self.identical_commands == self.commands && self.identical_diagnostics == self.cycles;
         let squares: f64 = rows.iter().map(|row| row.difference_mps2().powi(2)).sum();
         self.rms_request_difference_mps2 = (squares / rows.len().max(1) as f64).sqrt();
         let size = |row: &&Row| row.difference_mps2().abs();
@@ -312,8 +320,8 @@ fn as_text(comparison: &Comparison) -> String {
             true => format!("all {all} byte-identical"),
             false => format!("ONLY {identical} of {all} BYTE-IDENTICAL"),
         };
-        line("commands", same(c.identical_commands, c.cycles));
-        line("diagnostics", same(c.identical_diagnostics, c.diagnostics));
+        line("commands", same(c.identical_commands, c.commands));
+        line("diagnostics", same(c.identical_diagnostics, c.cycles));
         if !c.not_compared.is_empty() {
             line("", format!("not compared: {}", c.not_compared.join(", ")));
         }

@@ -6,8 +6,8 @@
 //! ends and corrected for the kinetic energy there. Rows marked `driven` come from the process group in
 //! lockstep, rows marked `computed` from the same truck and road without processes.
 
+use super::Runner;
 use super::row::Row;
-use super::{Driven, Runner};
 use crate::error::Error;
 use crate::group::DriveStep;
 use controller::predictive::Prices;
@@ -48,9 +48,8 @@ struct Trip {
 
 impl Trip {
     /// The trip that was driven; `None` when it did not reach the road's end.
-    fn of(preset: Preset, driven: &Driven) -> Option<Self> {
+    fn of(preset: Preset, steps: &[DriveStep]) -> Option<Self> {
         let truck = Truck::preset(preset);
-        let steps: Vec<&DriveStep> = driven.drive.steps.iter().collect();
         let first = steps.first()?;
         let after = steps.partition_point(|step| step.position_m < ROAD_M);
         let (a, b) = (steps.get(after.checked_sub(1)?)?, steps.get(after)?);
@@ -76,5 +75,35 @@ impl Trip {
     /// Trip time against a baseline, percent.
     fn slower_than(&self, baseline: &Self) -> f64 {
         100.0 * (self.time_s / baseline.time_s - 1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::group::PowertrainStep;
+
+    #[test]
+    fn a_trip_ends_where_the_road_does_and_speed_gained_is_fuel_to_be_given_back() {
+        let step = |time_s, position_m, speed_mps, fuel_g| DriveStep {
+            time_s,
+            position_m,
+            speed_mps,
+            powertrain: Some(PowertrainStep { fuel_g, ..PowertrainStep::default() }),
+            ..DriveStep::default()
+        };
+        let preset = Preset::Jh6At25T;
+        let end = |speed_mps| {
+            let before = step(2999.0, 59_990.0, speed_mps, 9000.0);
+            let after = step(3000.0, 60_010.0, speed_mps, 9010.0);
+            [step(0.0, 0.0, 20.0, 0.0), before, after]
+        };
+        let even = Trip::of(preset, &end(20.0)).expect("it got there");
+        assert_eq!(even.time_s, 2999.5);
+        assert_eq!(even.correction_l_per_100km, 0.0);
+        assert!((even.corrected_l_per_100km - 9005.0 / FUEL_DENSITY_GPL / 0.6).abs() < 1e-9);
+        let faster = Trip::of(preset, &end(21.0)).expect("it got there");
+        assert!(faster.against(&even) < 0.0);
+        assert_eq!(Trip::of(preset, &end(20.0)[..2]), None, "it did not get there");
     }
 }

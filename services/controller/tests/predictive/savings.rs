@@ -1,0 +1,84 @@
+//! The saving table: fuel against constant speed at equal trip time.
+
+use crate::roads::{SET_MPS, generated, given};
+use controller::predictive::PlannerKind::{DynamicProgramming, PaperN2};
+use controller::predictive::route::{Comparison, EQUAL_TIME, Map, Trip};
+use truck_model::{Preset, Truck};
+
+fn on(preset: Preset, road: &controller::predictive::route::Road) -> Comparison {
+    Comparison::new(&Truck::preset(preset), road, SET_MPS).expect("the truck gets over this road")
+}
+
+/// The change of a trip that must exist and be of equal time, percent.
+#[track_caller]
+fn change(comparison: &Comparison, trip: Option<Trip>) -> f64 {
+    let trip = trip.expect("a trip of equal time");
+    assert!((trip.time_s / comparison.baseline().time_s - 1.0).abs() <= EQUAL_TIME);
+    comparison.change_percent(&trip)
+}
+
+#[test]
+fn the_table_of_the_page() {
+    let road = given();
+    for (preset, litres, n2, dp, bound) in
+        [(Preset::Jh6At49T, 34.25, -4.9, -7.6, -7.8), (Preset::Jh6At25T, 21.81, -2.1, -3.3, -3.4)]
+    {
+        let comparison = on(preset, &road);
+        let found = comparison.l_per_100_km(comparison.baseline());
+        assert!((found / litres - 1.0).abs() < 0.01, "{}: {found} L/100 km", preset.name());
+        let found_bound = change(&comparison, comparison.bound());
+        assert!((found_bound - bound).abs() < 0.3, "{}: bound {found_bound}", preset.name());
+        let found_dp = change(&comparison, comparison.informed(DynamicProgramming));
+        assert!((found_dp - dp).abs() < 0.3, "{}: {found_dp}", preset.name());
+        assert!(found_dp < found_bound + 0.3, "{}: {found_dp}, {found_bound}", preset.name());
+        let found_n2 = change(&comparison, comparison.informed(PaperN2));
+        assert!(found_n2 <= n2, "{}: {found_n2}", preset.name());
+    }
+}
+
+/// Shorter than the given road, for time: the servo has less road to settle on.
+#[test]
+fn the_better_planner_is_near_the_bound_on_other_roads() {
+    for seed in 1..=10 {
+        let road = generated(20_000.0, seed);
+        let preset = Preset::ALL[seed as usize % 2];
+        let comparison = on(preset, &road);
+        let dp = change(&comparison, comparison.informed(DynamicProgramming));
+        let bound = change(&comparison, comparison.bound());
+        println!("seed {seed}: {dp:.2}, bound {bound:.2}");
+        assert!(dp < bound + 0.5, "{} on road {seed}: {dp}, bound {bound}", preset.name());
+        assert!(dp < 0.0);
+    }
+}
+
+#[test]
+fn wrong_beliefs_cost_little() {
+    let road = generated(30_000.0, 8);
+    let comparison = on(Preset::Jh6At49T, &road);
+    let truck = Truck::preset(Preset::Jh6At49T);
+    let mass_kg = truck.parameters().mass_kg;
+    let right = change(&comparison, comparison.informed(DynamicProgramming));
+    for (mass, shift_m) in [(1.15, 0.0), (0.85, 0.0), (1.0, 60.0), (1.0, -60.0)] {
+        let believed = truck.with_mass_kg(mass * mass_kg);
+        let map = Map { road: road.clone(), shift_m };
+        let trip = comparison.assisted(DynamicProgramming, &believed, &map);
+        let wrong = change(&comparison, trip);
+        println!("mass {mass}, shift {shift_m}: {wrong:.2}, right {right:.2}");
+        assert!(wrong < 0.75 * right, "mass {mass}, shift {shift_m}: {wrong}, right {right}");
+    }
+}
+
+#[test]
+fn drivers_burn_more_than_constant_speed() {
+    let road = given();
+    for preset in Preset::ALL {
+        let comparison = on(preset, &road);
+        let mean = |sigma_mps: f64| {
+            let trips = (0..4).map(|seed| comparison.human(sigma_mps, seed));
+            trips.map(|trip| change(&comparison, trip)).sum::<f64>() / 4.0
+        };
+        let (careful, careless) = (mean(2.5 / 3.6), mean(4.0 / 3.6));
+        println!("{}: {careful:.2}, {careless:.2}", preset.name());
+        assert!(careful > 0.5 && careless > careful, "{careful} {careless}");
+    }
+}
