@@ -72,6 +72,21 @@ pub fn acceleration(run: &RunPicture) -> Plot {
     Plot::over_time("Acceleration and request", run.duration_s, "m/s²", curves).marked(&marks(run))
 }
 
+/// Gear, torque and brakes of a truck; nothing for a car.
+pub fn powertrain(run: &RunPicture) -> Vec<Plot> {
+    let plot = |title: &str, unit: &str, tone: Tone, points: &[(f64, f64)]| {
+        let curve = Curve::new(title, tone, points.to_vec()).steps();
+        Plot { height: 120.0, ..Plot::over_time(title, run.duration_s, unit, vec![curve]) }
+    };
+    let plots = [
+        plot("Gear", "number", EGO, &run.gear),
+        plot("Engine torque", "kN m", REQUEST, &run.engine_torque_knm),
+        plot("Service brakes", "kN", AHEAD, &run.service_brake_kn),
+    ];
+    let told = plots.into_iter().filter(|plot| !plot.curves.is_empty());
+    told.map(|plot| plot.marked(&marks(run))).collect()
+}
+
 /// True if the actuators were asked for something other than the newest request.
 fn bounded(run: &RunPicture) -> bool {
     let mut requests = run.request_mps2.iter().peekable();
@@ -272,6 +287,14 @@ mod tests {
         assert_eq!(names, ["mode of the law", "rung of the controller"]);
         assert!(modes(&RunPicture::default()).is_none());
         assert!(gap(&RunPicture::default()).is_none());
+    }
+
+    #[test]
+    fn a_truck_shows_its_gears_and_a_car_does_not() {
+        assert!(powertrain(&synthetic()).is_empty());
+        let truck = RunPicture { gear: vec![(0.0, 8.0), (5.0, 9.0)], ..synthetic() };
+        let titles: Vec<_> = powertrain(&truck).into_iter().map(|plot| plot.title).collect();
+        assert_eq!(titles, ["Gear"]);
     }
 
     #[test]

@@ -42,6 +42,12 @@ pub struct RunPicture {
     pub gap_m: Points,
     /// Gap that the law aims at, m.
     pub desired_gap_m: Points,
+    /// Gear of a truck, counted from 1.
+    pub gear: Points,
+    /// Torque of its engine at the crankshaft, kN m.
+    pub engine_torque_knm: Points,
+    /// Force of its service brakes, kN.
+    pub service_brake_kn: Points,
     /// The other vehicles.
     pub actors: Vec<ActorPath>,
     /// The signals.
@@ -164,6 +170,9 @@ impl RunPicture {
             lead_speed_mps: ahead(|step| step.lead_speed_mps),
             gap_m: ahead(|step| step.gap_m),
             desired_gap_m: desired_gap(scenario, drive),
+            gear: series(|step| step.powertrain.map(|p| f64::from(p.gear))),
+            engine_torque_knm: series(|step| step.powertrain.map(|p| p.engine_torque_nm / 1e3)),
+            service_brake_kn: series(|step| step.powertrain.map(|p| p.service_brake_n / 1e3)),
             actors: actors(scenario, &drive.vehicles),
             signals: signals(scenario, duration_s),
             modes: phases(steps.iter().filter_map(|s| Some((s.time_s, s.mode?))), duration_s, mode),
