@@ -186,13 +186,10 @@ impl Loop {
                 self.solve.record_ns(monotonic_ns() - begun);
             }
             Admission::Brake => self.ladder.brake(self.setting.period_s, &mut self.output),
+            // An empty plan is no command, and says so: in lockstep the plant waits for word.
             Admission::Silence => {
-                let rung = self.ladder.rung();
-                self.output = Output { mode: self.output.mode, ..Output::default() };
-                self.diagnostics.send(self.diagnostics_of(header, &release, rung))?;
-                self.rungs.observe(release.time_s, rung);
-                runtime.end_cycle(ServiceState::Degraded)?;
-                return Ok(Cycle::Next);
+                let mode = self.output.mode;
+                self.output = Output { mode, plan_len: 0, ..Output::default() };
             }
         }
         self.braked = admission == Admission::Brake;
@@ -237,7 +234,7 @@ impl Loop {
         radar_release_ns: i64,
         used: &Usage,
     ) -> Command {
-        let plan_len = self.output.plan_len.clamp(1, MAX_PLAN);
+        let plan_len = self.output.plan_len.min(MAX_PLAN);
         let mut plan_mps2 = [0.0; PLAN_LEN];
         plan_mps2[..plan_len].copy_from_slice(&self.output.plan_mps2[..plan_len]);
         Command {

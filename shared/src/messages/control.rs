@@ -38,7 +38,7 @@ pub struct Command {
     pub mode: u32,
     /// Time between two requests of the plan, ns.
     pub plan_period_ns: i64,
-    /// Valid entries of `plan_mps2`, at least 1.
+    /// Valid entries of `plan_mps2`; 0 for a cycle without a command.
     pub plan_len: u64,
     /// Requested accelerations, m/s²; the first is for now. Unused entries are 0.
     pub plan_mps2: [f64; PLAN_LEN],

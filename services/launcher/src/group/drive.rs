@@ -150,7 +150,9 @@ impl DriveLog {
         self.truth.drain(|m| self.truths.push(*m))?;
         self.command.drain(|m| {
             note(Service::Controller, &m.header);
-            self.requests.push((m.header.step, m.plan_mps2[0]));
+            if m.plan_len > 0 {
+                self.requests.push((m.header.step, m.plan_mps2[0]));
+            }
         })?;
         self.diagnostics.drain(|m| self.cycles.push(*m))?;
         if let Some((radar, spat)) = &mut self.sensors {
