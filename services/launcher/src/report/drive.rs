@@ -83,7 +83,10 @@ pub fn powertrain(run: &RunPicture) -> Vec<Plot> {
         plot("Engine torque", "kN m", REQUEST, &run.engine_torque_knm),
         plot("Service brakes", "kN", AHEAD, &run.service_brake_kn),
     ];
-    let told = plots.into_iter().filter(|plot| !plot.curves.is_empty());
+    // Brakes that were never used say nothing.
+    let told = plots.into_iter().filter(|plot| {
+        plot.curves.iter().flat_map(|curve| &curve.points).any(|point| point.1 != 0.0)
+    });
     told.map(|plot| plot.marked(&marks(run))).collect()
 }
 

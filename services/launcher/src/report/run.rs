@@ -147,10 +147,10 @@ pub fn pictures(run: &RunPicture) -> String {
     let mut left: Vec<&dyn Picture> = vec![&speed];
     left.extend(gap.as_ref().map(|gap| gap as &dyn Picture));
     left.push(&acceleration);
-    let powertrain = drive::powertrain(run);
-    left.extend(powertrain.iter().map(|plot| plot as &dyn Picture));
     let mut right: Vec<&dyn Picture> = vec![&road];
     right.extend(modes.as_ref().map(|modes| modes as &dyn Picture));
+    let powertrain = drive::powertrain(run);
+    right.extend(powertrain.iter().map(|plot| plot as &dyn Picture));
     format!("<div class=\"grid\">\n{}{}</div>\n", stack(&left), stack(&right))
 }
 

@@ -120,7 +120,9 @@ impl Picture for Plot {
             tone: curve.tone,
             stroke: Some(curve.stroke),
         });
-        curves.chain(self.more_keys.iter().cloned()).collect()
+        let keys: Vec<_> = curves.chain(self.more_keys.iter().cloned()).collect();
+        // The title has said it.
+        if matches!(keys.as_slice(), [key] if key.label == self.title) { Vec::new() } else { keys }
     }
 
     fn svg(&self, width: Width) -> String {
