@@ -25,7 +25,9 @@ fn examples(name: &str) -> Vec<Vec<u8>> {
         "design" => vec![file("services/controller/designs/quadratic-bounded.json")],
         "link" => vec![
             text(r#"{"start":{"start_ns":12}}"#),
-            text(r#"{"inject":{"number":1,"begin_ns":5,"fault":{"kind":"drop","topic":"v2x/spat"}}}"#),
+            text(
+                r#"{"inject":{"number":1,"begin_ns":5,"fault":{"kind":"drop","topic":"v2x/spat"}}}"#,
+            ),
             text(r#"{"kind":"bias","topic":"radar/tracks","field":"gap_m","amount":3}"#),
         ],
         "end_to_end" => {
@@ -59,7 +61,8 @@ fn mutate(example: &[u8], random: &mut Pcg64Mcg) -> Vec<u8> {
             _ => {
                 let digit = bytes.iter().skip(at).position(u8::is_ascii_digit);
                 if let Some(digit) = digit {
-                    let absurd: &[&[u8]] = &[b"1e308", b"-9", b"nan", b"inf", b"0", b"18446744073709551616"];
+                    let absurd: &[&[u8]] =
+                        &[b"1e308", b"-9", b"nan", b"inf", b"0", b"18446744073709551616"];
                     let absurd = absurd[random.next_u32() as usize % absurd.len()];
                     bytes.splice(at + digit..=at + digit, absurd.iter().copied());
                 }
