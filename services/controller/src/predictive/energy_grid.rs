@@ -6,75 +6,21 @@
 //! F = (K_j - K_i)/ds + R + c (K_i + K_j)/2            R = m g (f cos a + sin a)
 //! ```
 //!
-//! (equation 1, trapezoidal in K) and costs fuel(F) ds + beta ds (1/v_i + 1/v_j)/2. Over force the fuel per
-//! metre in a gear is, exactly above zero and within 1 % of the drag's below,
-//!
-//! ```text
-//! fuel(F) = max(0, p_0 + max(p_- F, p_1 F + p_2 F²))
-//! ```
-//!
-//! which needs neither root nor division, and no branch. All that depends on a node alone is in tables.
+//! (equation 1, trapezoidal in K) and costs fuel(F) ds + beta ds (1/v_i + 1/v_j)/2. All that depends on a
+//! node alone is in tables; what is left, the fuel over force, is a polynomial (`gear_curve`). So a step
+//! between two nodes costs a handful of multiplications, and several are made side by side.
 
+use super::gear_curve::GearCurve;
 use truck_model::{GEARS, Truck};
 
 /// Gears that are planned with: the highest ones.
 pub(crate) const PLANNED_GEARS: usize = 3;
 /// The lowest of them.
 pub(crate) const LOWEST: usize = GEARS - PLANNED_GEARS;
-/// Engine speeds at which a gear may be planned with, rpm.
-const ENGINE_RPM: (f64, f64) = (800.0, 1600.0);
 /// What being slower than the lowest wanted speed costs, g/s per m/s: a soft bound.
 pub(crate) const SLOWNESS_GPM: f64 = 1.0;
 /// Cost of what cannot be.
 pub(crate) const NEVER: f64 = 1e18;
-
-/// Limits and fuel of one gear at one speed, over tractive force.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct GearCurve {
-    /// Whether the engine can turn in this gear.
-    pub(crate) usable: bool,
-    /// Force with the injection cut and at full load, N.
-    pub(crate) min_n: f64,
-    pub(crate) max_n: f64,
-    /// Fuel at no force, g/m.
-    p0: f64,
-    /// Slope below it, g/(m N).
-    below: f64,
-    /// Slope and curvature above it.
-    p1: f64,
-    p2: f64,
-}
-
-impl GearCurve {
-    pub(crate) fn new(truck: &Truck, speed_mps: f64, gear: usize) -> Self {
-        let rpm = truck.engine_rpm(speed_mps, gear);
-        let usable = (ENGINE_RPM.0..ENGINE_RPM.1).contains(&rpm);
-        let (min_nm, max_nm) = truck.net_torque_limits_nm(speed_mps, gear);
-        let (min_n, max_n) = (truck.force_n(min_nm, gear), truck.force_n(max_nm, gear));
-        let fuel_gpm = |net_nm: f64| truck.fuel_gps(speed_mps, gear, net_nm) / speed_mps;
-        let p0 = fuel_gpm(0.0);
-        // The fit is quadratic: two more points give it exactly.
-        let (half, full) = (fuel_gpm(0.5 * max_nm) - p0, fuel_gpm(max_nm) - p0);
-        Self {
-            usable,
-            min_n,
-            max_n,
-            p0,
-            below: -p0 / min_n,
-            p1: (4.0 * half - full) / max_n,
-            p2: (2.0 * full - 4.0 * half) / (max_n * max_n),
-        }
-    }
-
-    /// Fuel at a force, g/m.
-    #[inline]
-    pub(crate) fn fuel_gpm(&self, force_n: f64) -> f64 {
-        let low = self.below * force_n;
-        let high = force_n * (self.p1 + self.p2 * force_n);
-        let fuel = self.p0 + if low > high { low } else { high };
-        if fuel > 0.0 { fuel } else { 0.0 }
-    }
-}
 
 /// What a step costs beside fuel.
 #[derive(Clone, Copy, Debug, Default)]

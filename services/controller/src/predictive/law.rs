@@ -39,6 +39,10 @@ const GUARD_NM_PER_MPS: f64 = 400.0;
 const REQUESTS: usize = 50;
 
 const MODES: [&str; 4] = ["cruise", "predictive", "follow", "warn"];
+const CRUISE: u32 = 0;
+const PREDICTIVE: u32 = 1;
+const FOLLOW: u32 = 2;
+const WARN: u32 = 3;
 const REASONS: [&str; 8] = [
     "none",
     "plan",
@@ -49,6 +53,14 @@ const REASONS: [&str; 8] = [
     "too_close",
     "bad_input",
 ];
+
+const PLAN: u32 = 1;
+const NO_PLAN: u32 = 2;
+const MAP_CONTRADICTS: u32 = 3;
+const TARGET: u32 = 4;
+const TARGET_GONE: u32 = 5;
+const TOO_CLOSE: u32 = 6;
+const BAD_INPUT: u32 = 7;
 
 /// The law.
 #[derive(Clone, Debug)]
@@ -85,7 +97,7 @@ impl State {
             keeper: SpeedKeeper::default(),
             last_resort: LastResort::default(),
             wanted_mps2: None,
-            mode: 0,
+            mode: CRUISE,
             reason: 0,
             request: None,
         }
@@ -216,7 +228,7 @@ impl Predictive {
             service_brake_n: demand.service_brake_n,
             gear: demand.gear,
         });
-        if self.state.mode != 1 {
+        if self.state.mode != PREDICTIVE {
             return;
         }
         // The rest of the plan, by the plan's own speeds.
@@ -249,9 +261,8 @@ impl Law for Predictive {
         self.state.request = None;
         if !believable(input) {
             output.quality = Quality::Backup;
-            output.mode = 0;
-            output.mode_reason = 7;
-            output.torque = None;
+            output.mode = CRUISE;
+            output.mode_reason = BAD_INPUT;
             return;
         }
         let dt_s = input.period_s;
@@ -282,13 +293,13 @@ impl Law for Predictive {
         let demand = match (behind, guidance) {
             (Some(demand), _) => {
                 match self.state.spacing_mode {
-                    Mode::Warn => self.enter(3, 6),
-                    Mode::Follow | Mode::Predictive => self.enter(2, 4),
+                    Mode::Warn => self.enter(WARN, TOO_CLOSE),
+                    Mode::Follow | Mode::Predictive => self.enter(FOLLOW, TARGET),
                 }
                 demand
             }
             (None, Some(guidance)) => {
-                self.enter(1, if self.state.mode >= 2 { 5 } else { 1 });
+                self.enter(PREDICTIVE, if self.state.mode >= FOLLOW { TARGET_GONE } else { PLAN });
                 Demand {
                     engine_torque_nm: self.guarded_nm(input, &powertrain, &guidance),
                     service_brake_n: 0.0,
@@ -296,7 +307,7 @@ impl Law for Predictive {
                 }
             }
             (None, None) => {
-                self.enter(0, if distrusted { 3 } else { 2 });
+                self.enter(CRUISE, if distrusted { MAP_CONTRADICTS } else { NO_PLAN });
                 let torque_nm = self.state.keeper.torque_nm(
                     &self.settings.truck,
                     (set_mps, ego.speed_mps),
@@ -310,10 +321,10 @@ impl Law for Predictive {
         if free {
             self.state.wanted_mps2 = None;
         }
-        if self.state.mode != 0 {
+        if self.state.mode != CRUISE {
             self.state.keeper = SpeedKeeper::default();
         }
-        if self.state.mode == 1 {
+        if self.state.mode == PREDICTIVE {
             let mean_mps = self.settings.mean_speed * set_mps;
             self.state.price.update(ego.speed_mps, mean_mps.max(1.0), dt_s);
         }
@@ -338,7 +349,7 @@ impl Law for Predictive {
         }
         output.mode = self.state.mode;
         output.mode_reason = self.state.reason;
-        if self.state.mode == 0 && self.settings.planner != PlannerKind::ConstantSpeed {
+        if self.state.mode == CRUISE && self.settings.planner != PlannerKind::ConstantSpeed {
             output.quality = Quality::Relaxed;
         }
         let gap_m = target.map_or(0.0, |target| target.gap_m);

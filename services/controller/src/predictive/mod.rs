@@ -16,18 +16,19 @@
 //!
 //! | part | of the paper | module |
 //! |---|---|---|
-//! | road classes, reconstruction | steps 1, 2 | [`road_classes`] |
-//! | rolling optimisation, n = 2 | steps 3 to 6 | [`paper_n2`] |
-//! | dynamic programming | the better planner | [`dynamic_programming`], [`energy_grid`] |
-//! | servo of the mean speed | beta | [`time_price`] |
-//! | gap, modes | (14) to (16) | [`spacing`] |
-//! | accelerations, brakes | (17), (18) | [`following`] |
-//! | radar filter | | [`target_filter`] |
+//! | road classes, reconstruction | steps 1, 2 | `road_classes` |
+//! | rolling optimisation, n = 2 | steps 3 to 6 | `paper_n2` |
+//! | dynamic programming | the better planner | `dynamic_programming`, `energy_grid` |
+//! | servo of the mean speed | beta | `time_price` |
+//! | gap, modes | (14) to (16) | `spacing` |
+//! | accelerations, brakes | (17), (18) | `following` |
+//! | radar filter | | `target_filter` |
 //! | whole trips, baselines, the bound | the tables | [`route`] |
 
 mod dynamic_programming;
 mod energy_grid;
 mod following;
+mod gear_curve;
 mod law;
 mod limiter;
 mod map_trust;
