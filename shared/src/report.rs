@@ -2,7 +2,7 @@
 
 mod chains;
 
-pub use chains::{ChainCurves, HopTimes, Hops, WorstChain};
+pub use chains::{HopTimes, Hops, WorstChain};
 
 use crate::Service;
 use crate::e2e::Outcomes;
@@ -154,8 +154,6 @@ pub struct PlantReport {
     pub worst_chains: Vec<WorstChain>,
     /// Commands that the scenario's misses and jitter kept from the actuators.
     pub undelivered_commands: u64,
-    /// Whole distributions of the reaction time and its parts.
-    pub curves: ChainCurves,
     /// Histograms of the reaction time, the data age and the parts, by their names.
     pub histograms: BTreeMap<String, Latencies>,
 }

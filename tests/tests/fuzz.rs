@@ -38,7 +38,8 @@ fn examples(name: &str) -> Vec<Vec<u8>> {
         "recording" => {
             // A whole one of a short drive.
             let corner = Corner::new(env!("CARGO_BIN_EXE_timegap-under-test"));
-            corner.json(&["run", "--mode", "lockstep", "--duration", "0.2", "--out", "out"]);
+            let _ =
+                corner.json(&["run", "--mode", "lockstep", "--duration", "0.2", "--out", "out"]);
             let path = corner.path().join("out").join(recorder::FILE);
             vec![std::fs::read(path).expect("it was recorded")]
         }

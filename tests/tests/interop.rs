@@ -42,7 +42,10 @@ fn other_readers_see_the_same_values() {
     let Some(python) = interpreter() else { return };
     let corner = Corner::new(PROGRAM);
     // Signals without an announced end have infinite times; a cut-in has several tracks.
-    for (scenario, mode) in [("corridor", "lockstep"), ("cut-in", "realtime")] {
+    // A truck has topics of its own.
+    for (scenario, mode) in
+        [("corridor", "lockstep"), ("cut-in", "realtime"), ("truck-follow", "lockstep")]
+    {
         let arguments = ["run", scenario, "--mode", mode, "--duration", "3", "--out", scenario];
         printed(&corner, &arguments);
         let recording = Recording::open(&corner.path().join(scenario)).expect("a recording");

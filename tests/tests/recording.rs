@@ -97,6 +97,25 @@ fn at_one_kilohertz_every_message_is_recorded_or_counted() {
 }
 
 #[test]
+fn the_recorder_is_no_real_time_process() {
+    let corner = Corner::new(PROGRAM);
+    let child = started(&corner, "realtime");
+    let pid = corner.wait_for_process("timegap-recorder");
+    // The policy of each thread, field 41 of stat(5), counted behind the name: 0 is SCHED_OTHER.
+    let tasks = std::fs::read_dir(format!("/proc/{pid}/task")).expect("it lives");
+    let policies: Vec<_> = tasks
+        .flatten()
+        .filter_map(|task| std::fs::read_to_string(task.path().join("stat")).ok())
+        .filter_map(|stat| {
+            stat.rsplit_once(") ").and_then(|(_, rest)| rest.split(' ').nth(38).map(str::to_owned))
+        })
+        .collect();
+    kill_process(Pid::from_child(&child), Signal::INT).expect("our child");
+    child.wait_with_output().expect("our child");
+    assert!(policies.len() > 1 && policies.iter().all(|policy| policy == "0"), "{policies:?}");
+}
+
+#[test]
 fn the_run_outlives_its_recorder() {
     for mode in ["realtime", "lockstep"] {
         let corner = Corner::new(PROGRAM);
@@ -128,6 +147,9 @@ fn a_recording_outlives_its_run() {
     let corner = Corner::new(PROGRAM);
     let child = started(&corner, "realtime");
     let roots = corner.roots();
+    let output = corner.run(&["recover", "out"]);
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output));
+    assert!(text(&output).contains("still being recorded"), "{}", text(&output));
     let everybody = corner.processes();
     kill(i32::try_from(child.id()).expect("fits"));
     for (pid, name) in everybody {

@@ -5,8 +5,8 @@ use crate::law::{Input, Law, MAX_PLAN, Output, Quality};
 use crate::planning::PlanningThread;
 use crate::sampling::{Samples, Setting, input};
 use shared::messages::{
-    Command, Diagnostics, FIGURES, Header, Map, Message, Odometry, Origins, PLAN_LEN, Powertrain,
-    Preview, RadarTracks, ServiceState, Spat,
+    Command, Diagnostics, FIGURES, Header, Map, Message, Odometry, Origin, Origins, PLAN_LEN,
+    Powertrain, Preview, RadarTracks, ServiceState, Spat,
 };
 use shared::report::{ControllerReport, Details, ModeChange};
 use shared::rung::{Rung, RungLog};
@@ -152,6 +152,15 @@ impl Loop {
             runtime.update(&mut truck.preview)?;
         }
 
+        let origins = Origins {
+            odometry: self.odometry.origin(),
+            radar: self.radar.origin(),
+            spat: self.spat.origin(),
+            map: self.map.origin(),
+            powertrain: self.truck.as_ref().map_or(Origin::NONE, |truck| truck.powertrain.origin()),
+            preview: self.truck.as_ref().map_or(Origin::NONE, |truck| truck.preview.origin()),
+        };
+        let header = Header::new(release.step, release.scheduled_ns, origins);
         let samples = Samples {
             odometry: self.odometry.newest(),
             radar: self.radar.newest(),
@@ -178,26 +187,23 @@ impl Loop {
             }
             Admission::Brake => self.ladder.brake(self.setting.period_s, &mut self.output),
             Admission::Silence => {
-                self.rungs.observe(release.time_s, self.ladder.rung());
+                let rung = self.ladder.rung();
+                self.output = Output { mode: self.output.mode, ..Output::default() };
+                self.diagnostics.send(self.diagnostics_of(header, &release, rung))?;
+                self.rungs.observe(release.time_s, rung);
                 runtime.end_cycle(ServiceState::Degraded)?;
                 return Ok(Cycle::Next);
             }
         }
         self.braked = admission == Admission::Brake;
 
-        let origins = Origins {
-            odometry: self.odometry.origin(),
-            radar: self.radar.origin(),
-            spat: self.spat.origin(),
-            map: self.map.origin(),
-        };
-        let header = Header::new(release.step, release.scheduled_ns, origins);
         let radar_release_ns =
             self.radar.newest().map_or(-1, |radar| runtime.clock().scheduled_ns(radar.header.step));
         let used = runtime.usage().since(&before);
-        self.command.send(self.command_of(header, &release, radar_release_ns, &used))?;
-        let lateness = runtime.clock().now_ns() - release.scheduled_ns;
-        let in_time = lateness <= self.deadline_ns;
+        let command = self.command_of(header, &release, radar_release_ns, &used);
+        // By the command's own stamp, so that a recording tells it again.
+        let in_time =
+            self.command.send_stamped(command)? - release.scheduled_ns <= self.deadline_ns;
         self.deadline_misses += u64::from(!in_time);
         let rung = self.ladder.settle(&self.output, in_time);
         self.diagnostics.send(self.diagnostics_of(header, &release, rung))?;
@@ -263,6 +269,7 @@ impl Loop {
         figures.copy_from_slice(&self.output.figures);
         Diagnostics {
             header,
+            start_ns: release.start_ns,
             mode: self.output.mode,
             mode_reason: self.output.mode_reason,
             quality: match self.output.quality {

@@ -36,6 +36,8 @@ pub enum Command {
     Bench(crate::bench::BenchArguments),
     /// Controllers side by side on the same scenarios
     Compare(CompareArguments),
+    /// A recorded run as a trace for Perfetto
+    Trace(TraceArguments),
     /// Many seeded runs with faults, and one verdict
     Campaign(crate::campaign::CampaignArguments),
     /// A figure of the drive as a function of any key of a scenario
@@ -52,8 +54,6 @@ pub enum Command {
     Diff(DiffArguments),
     /// Print the messages' layouts for Python or C
     Layouts(LayoutsArguments),
-    /// A recorded run as a trace for Perfetto
-    Trace(TraceArguments),
     /// Design a controller offline (cargo feature `synthesize`)
     Synthesize(SynthesizeArguments),
     /// What this machine grants, what the rest costs, and the command that mends it

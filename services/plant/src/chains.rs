@@ -19,7 +19,7 @@
 
 use crate::worst::Worst;
 use shared::messages::{Command, Origin};
-use shared::report::{ChainCurves, Hops};
+use shared::report::Hops;
 use shared::statistics::{Latencies, Percentiles};
 use std::collections::BTreeMap;
 
@@ -218,24 +218,6 @@ impl Chains {
             radar_publish: publish,
             controller_queue: queue,
             radar_transport: transport,
-            command_wait: wait,
-            command_transport: wake,
-            actuate,
-        }
-    }
-
-    /// Whole distributions of the reaction time and its parts.
-    #[must_use]
-    pub fn curves(&self) -> ChainCurves {
-        let [publish, queue, transport, compute, wait, wake, actuate] =
-            self.parts.each_ref().map(Latencies::quantile_curve);
-        ChainCurves {
-            reaction_time: self.reaction.quantile_curve(),
-            net_reaction: self.net_reaction.quantile_curve(),
-            radar_publish: publish,
-            controller_queue: queue,
-            radar_transport: transport,
-            controller_compute: compute,
             command_wait: wait,
             command_transport: wake,
             actuate,

@@ -280,7 +280,6 @@ impl Plant {
             designed_wait_us: self.chains.designed_wait_us(),
             net_reaction_us: self.chains.net_reaction_us(),
             hops_us: self.chains.hops_us(),
-            curves: self.chains.curves(),
             worst_chains: self.chains.worst().report(),
             undelivered_commands: self.delivery.undelivered(),
             histograms: self.chains.histograms(),

@@ -14,19 +14,22 @@
 
 mod batch;
 mod counter;
+mod damage;
 mod link;
 mod metadata;
 mod reader;
 mod recover;
 mod replayer;
+mod scan;
 pub mod schema;
 mod service;
 mod takes;
 mod writer;
 
+pub use damage::{Damage, ReadError};
 pub use link::{FromRecorder, Report, Start, ToRecorder};
 pub use metadata::{Host, Metadata, Tally, TopicTally};
-pub use reader::{Damage, ReadError, Record, Recording, Timed};
+pub use reader::{Record, Recording, Timed};
 pub use recover::{Recovered, recover};
 pub use replayer::{FromReplayer, ToReplayer, replay};
 pub use service::run;

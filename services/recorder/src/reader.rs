@@ -1,86 +1,10 @@
 //! Reading a recording, also one that was cut off.
 
 use crate::counter::Counter;
-use crate::writer::ENCAPSULATION;
-use crate::{FILE, Metadata, Tally, schema};
-use mcap::records::{self, Record as Raw};
-use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use crate::scan::{Entry, Scan};
+use crate::{Damage, FILE, Metadata, ReadError, Tally};
 use shared::messages::{Header, Message, Topic};
-use std::collections::BTreeMap;
-use std::fmt;
 use std::path::{Path, PathBuf};
-
-/// Bytes of a record before its body: opcode and length.
-const RECORD_HEAD: usize = 9;
-/// Longest record in a chunk that is believed, bytes: a damaged length must not ask for gigabytes.
-const LONGEST_RECORD: usize = 16 << 20;
-
-/// Why a file cannot be read as a recording at all.
-#[derive(Debug, thiserror::Error)]
-pub enum ReadError {
-    /// It cannot be opened.
-    #[error("cannot read {}: {reason}", path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        reason: std::io::Error,
-    },
-    /// It is no recording of timegap.
-    #[error("{} is not a recording of timegap: {reason}", path.display())]
-    Foreign {
-        /// The file.
-        path: PathBuf,
-        /// What is missing.
-        reason: String,
-    },
-    /// Its messages have other layouts than this program's.
-    #[error(
-        "{} was recorded by {program} with other messages (`{topic}` differs): read it with that \
-         version", path.display()
-    )]
-    Layout {
-        /// The file.
-        path: PathBuf,
-        /// Who recorded it.
-        program: String,
-        /// A topic whose schema differs.
-        topic: String,
-    },
-}
-
-/// A part of a recording that could not be read.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Damage {
-    /// The file ends before its end: the recorder was killed, or the disk was full.
-    CutOff {
-        /// Bytes behind the last whole record.
-        bytes: u64,
-    },
-    /// A chunk in the middle is damaged and was left out.
-    Chunk {
-        /// Where it is in the file.
-        offset: u64,
-        /// Its length, bytes.
-        bytes: u64,
-        /// What is wrong with it.
-        reason: String,
-    },
-}
-
-impl fmt::Display for Damage {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::CutOff { bytes: 0 } => f.write_str("the recording was never ended"),
-            Self::CutOff { bytes } => {
-                write!(f, "the recording was never ended; its last {bytes} bytes are no whole part")
-            }
-            Self::Chunk { offset, bytes, reason } => {
-                write!(f, "{bytes} bytes from byte {offset} on are damaged ({reason})")
-            }
-        }
-    }
-}
 
 /// One recorded message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -116,15 +40,6 @@ pub struct Timed<T> {
     pub log_time_ns: i64,
     /// The message.
     pub message: T,
-}
-
-/// Where a message is in [`Recording::payload`].
-#[derive(Clone, Copy, Debug)]
-struct Entry {
-    topic: Topic,
-    log_time_ns: i64,
-    publish_time_ns: i64,
-    offset: usize,
 }
 
 /// A recording in memory.
@@ -164,37 +79,7 @@ impl Recording {
         let foreign =
             |reason: &str| ReadError::Foreign { path: path.clone(), reason: reason.into() };
         let body = file.strip_prefix(mcap::MAGIC).ok_or_else(|| foreign("it is no MCAP file"))?;
-        let mut scan = Scan::default();
-        let mut at = 0;
-        let mut ended = false;
-        while !ended && let Some(length) = whole_record(&body[at..]) {
-            let record = &body[at..at + length];
-            match mcap::read::parse_record(record[0], &record[RECORD_HEAD..]) {
-                Ok(Raw::DataEnd(_)) => ended = true,
-                Ok(Raw::Chunk { .. }) => {
-                    let before = (scan.entries.len(), scan.payload.len());
-                    if let Err(error) = scan.chunk(record) {
-                        // The sum comes last: nothing of the chunk can be believed.
-                        scan.entries.truncate(before.0);
-                        scan.payload.truncate(before.1);
-                        let offset = (mcap::MAGIC.len() + at) as u64;
-                        let bytes = length as u64;
-                        scan.damage.push(Damage::Chunk {
-                            offset,
-                            bytes,
-                            reason: error.to_string(),
-                        });
-                    }
-                }
-                Ok(other) => scan.record(other),
-                // A record of nonsense: whatever follows was not written by a recorder.
-                Err(_) => break,
-            }
-            at += length;
-        }
-        if !ended {
-            scan.damage.push(Damage::CutOff { bytes: (body.len() - at) as u64 });
-        }
+        let scan = Scan::of(body);
         let metadata = scan.metadata.ok_or_else(|| foreign("it does not say of which run"))?;
         if let Some(topic) = scan.other_layout {
             return Err(ReadError::Layout { path, program: metadata.program, topic });
@@ -272,94 +157,5 @@ impl Recording {
     #[must_use]
     pub fn end_ns(&self) -> i64 {
         self.entries.iter().map(|entry| entry.publish_time_ns).max().unwrap_or(0)
-    }
-}
-
-/// Length of the record at the start of `bytes`, if all of it is there.
-fn whole_record(bytes: &[u8]) -> Option<usize> {
-    let length = bytes.get(1..RECORD_HEAD)?;
-    let length = u64::from_le_bytes(length.try_into().expect("eight bytes"));
-    let length = usize::try_from(length).ok()?.checked_add(RECORD_HEAD)?;
-    (length <= bytes.len()).then_some(length)
-}
-
-/// What was found so far.
-#[derive(Default)]
-struct Scan {
-    metadata: Option<Metadata>,
-    tally: Option<Tally>,
-    damage: Vec<Damage>,
-    schemas: BTreeMap<u16, Vec<u8>>,
-    channels: BTreeMap<u16, Topic>,
-    other_layout: Option<String>,
-    entries: Vec<Entry>,
-    payload: Vec<u8>,
-}
-
-impl Scan {
-    /// Takes a chunk apart after checking its sum; `record` is the whole record.
-    fn chunk(&mut self, record: &[u8]) -> Result<(), mcap::McapError> {
-        let options = LinearReaderOptions::default()
-            .with_skip_start_magic(true)
-            .with_skip_end_magic(true)
-            .with_validate_chunk_crcs(true)
-            .with_record_length_limit(LONGEST_RECORD);
-        let mut reader = LinearReader::new_with_options(options);
-        let mut rest = record;
-        while let Some(event) = reader.next_event() {
-            match event? {
-                LinearReadEvent::ReadRequest(wanted) => {
-                    let (now, later) = rest.split_at(wanted.min(rest.len()));
-                    reader.insert(now.len()).copy_from_slice(now);
-                    reader.notify_read(now.len());
-                    rest = later;
-                }
-                LinearReadEvent::Record { data, opcode } => {
-                    self.record(mcap::read::parse_record(opcode, data)?);
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn record(&mut self, record: Raw<'_>) {
-        match record {
-            Raw::Metadata(record) => {
-                self.metadata = self.metadata.take().or_else(|| Metadata::of_record(&record));
-                self.tally = self.tally.take().or_else(|| Tally::of_record(&record));
-            }
-            Raw::Schema { header, data } => {
-                self.schemas.insert(header.id, data.into_owned());
-            }
-            Raw::Channel(channel) => self.channel(&channel),
-            Raw::Message { header, data } => self.message(&header, &data),
-            _ => {}
-        }
-    }
-
-    fn channel(&mut self, channel: &records::Channel) {
-        // A topic that others added to the file is theirs.
-        let Some(topic) = Topic::by_name(&channel.topic) else { return };
-        let ours = schema::ros2_definition(topic.layout());
-        if self.schemas.get(&channel.schema_id).is_some_and(|theirs| *theirs == ours.as_bytes()) {
-            self.channels.insert(channel.id, topic);
-        } else {
-            self.other_layout.get_or_insert_with(|| channel.topic.clone());
-        }
-    }
-
-    fn message(&mut self, header: &records::MessageHeader, data: &[u8]) {
-        let Some(&topic) = self.channels.get(&header.channel_id) else { return };
-        let Some(body) = data.strip_prefix(&ENCAPSULATION) else { return };
-        if body.len() != topic.message_bytes() {
-            return;
-        }
-        self.entries.push(Entry {
-            topic,
-            log_time_ns: i64::try_from(header.log_time).unwrap_or(i64::MAX),
-            publish_time_ns: i64::try_from(header.publish_time).unwrap_or(i64::MAX),
-            offset: self.payload.len(),
-        });
-        self.payload.extend_from_slice(body);
     }
 }

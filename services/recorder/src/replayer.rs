@@ -3,7 +3,9 @@
 use crate::Recording;
 use crate::takes::{Samples, inputs};
 use serde::{Deserialize, Serialize};
-use shared::messages::{Command, Map, Message, Odometry, Origin, RadarTracks, Spat, Topic};
+use shared::messages::{
+    Diagnostics, Map, Message, Odometry, Origin, Powertrain, Preview, RadarTracks, Spat, Topic,
+};
 use shared::runtime::{Group, Played, Player, RuntimeError, Tap, Tapped, log_warnings};
 use std::io::{BufRead, Write};
 use std::path::Path;
@@ -11,9 +13,9 @@ use std::process::ExitCode;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
-/// Releases whose samples are sent ahead of their commands: fewer than a topic's buffer holds.
+/// Releases whose samples are sent ahead of their cycles: fewer than a topic's buffer holds.
 const AHEAD: usize = 16;
-/// Time between two looks at the commands.
+/// Time between two looks at the cycles.
 const POLL: Duration = Duration::from_micros(50);
 
 /// What the launcher says to the replayer. The end of the input is an order to go.
@@ -63,26 +65,26 @@ fn play(root: &Path, file: &Path, incarnation: u32) -> Result<(), String> {
     let recording = Recording::open(file).map_err(text)?;
     let takes = recording.takes();
     let take = takes.iter().find(|take| take.incarnation == incarnation);
-    let commands = take.map_or(&[][..], |take| &take.commands);
+    let releases = take.map_or(&[][..], |take| &take.releases);
     let samples = Samples::of(&recording);
     let ports = Player::join(&group, "replayer").and_then(Ports::open).map_err(text)?;
     let tap = Tap::join(&group, "replayer-tap").map_err(text)?;
-    let answers = tap.on::<Command>().map_err(text)?;
+    let answers = tap.on::<Diagnostics>().map_err(text)?;
     let input = orders()?;
     say(&FromReplayer::Ready);
     if input.recv().is_err() {
         return Ok(());
     }
-    let mut last = [Origin::NONE; 4];
+    let mut last = [Origin::NONE; 6];
     let mut answered = 0;
-    for (sent, command) in commands.iter().enumerate() {
+    for (sent, release) in releases.iter().enumerate() {
         while sent >= answered + AHEAD {
             answered += taken(&answers)?;
             if sent >= answered + AHEAD {
                 std::thread::sleep(POLL);
             }
         }
-        for ((topic, origin), last) in inputs(&command.header).into_iter().zip(&mut last) {
+        for ((topic, origin), last) in inputs(&release.inputs).into_iter().zip(&mut last) {
             if origin.is_some() && origin != *last {
                 let sample = samples.find(topic, origin).expect("`takes` found every input");
                 ports.send(topic, sample.bytes).map_err(text)?;
@@ -90,7 +92,7 @@ fn play(root: &Path, file: &Path, incarnation: u32) -> Result<(), String> {
             }
         }
     }
-    // The commands wait for room until they are taken.
+    // The controller waits for room until what it says is taken.
     loop {
         taken(&answers)?;
         match input.recv_timeout(Duration::from_millis(1)) {
@@ -100,8 +102,8 @@ fn play(root: &Path, file: &Path, incarnation: u32) -> Result<(), String> {
     }
 }
 
-/// Takes all commands that arrived, and counts them.
-fn taken(answers: &Tapped<Command>) -> Result<usize, String> {
+/// Takes the diagnostics that arrived, one for each cycle, and counts them.
+fn taken(answers: &Tapped<Diagnostics>) -> Result<usize, String> {
     let mut count = 0;
     while answers.take().map_err(text)?.is_some() {
         count += 1;
@@ -115,6 +117,8 @@ struct Ports {
     odometry: Played<Odometry>,
     spat: Played<Spat>,
     map: Played<Map>,
+    powertrain: Played<Powertrain>,
+    preview: Played<Preview>,
     // Ports before the node that owns them.
     _player: Player,
 }
@@ -126,6 +130,8 @@ impl Ports {
             odometry: player.on()?,
             spat: player.on()?,
             map: player.on()?,
+            powertrain: player.on()?,
+            preview: player.on()?,
             _player: player,
         })
     }
@@ -139,7 +145,9 @@ impl Ports {
             Topic::Odometry => send(&self.odometry, message),
             Topic::Spat => send(&self.spat, message),
             Topic::Map => send(&self.map, message),
-            _ => unreachable!("the controller has four inputs"),
+            Topic::Powertrain => send(&self.powertrain, message),
+            Topic::Preview => send(&self.preview, message),
+            _ => unreachable!("`inputs` names no other"),
         }
     }
 }

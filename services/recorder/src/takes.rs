@@ -1,7 +1,8 @@
 //! What a recording says of its controller: each cycle with its inputs and its outputs.
 
-use crate::{Record, Recording};
-use shared::messages::{Command, Diagnostics, Header, Origin, Topic};
+use crate::{Record, Recording, Timed};
+use shared::messages::{Command, Diagnostics, Origin, Origins, Topic};
+use shared::rung::Rung;
 use shared::runtime::ScheduledRelease;
 use std::collections::{BTreeMap, HashMap};
 
@@ -12,20 +13,20 @@ pub struct Take {
     pub incarnation: u32,
     /// Its releases, with the samples that each used.
     pub releases: Vec<ScheduledRelease>,
-    /// The command of each release.
-    pub commands: Vec<Command>,
-    /// The diagnostics of each release; fewer if the recording lost some.
+    /// The diagnostics of each release.
     pub diagnostics: Vec<Diagnostics>,
+    /// The commands; none in a release in which the controller kept silent.
+    pub commands: Vec<Command>,
     /// Why it ends before the process did, if it does.
     pub cut_short: Option<String>,
 }
 
-/// Samples by what commands call them.
+/// Samples by what the controller calls them.
 pub(crate) struct Samples<'a>(HashMap<(Topic, Origin), Record<'a>>);
 
 impl<'a> Samples<'a> {
     pub(crate) fn of(recording: &'a Recording) -> Self {
-        let inputs = [Topic::Odometry, Topic::RadarTracks, Topic::Spat, Topic::Map];
+        let inputs = inputs(&Origins::NONE).map(|(topic, _)| topic);
         let records = recording.records().filter(|record| inputs.contains(&record.topic));
         Self(records.map(|record| ((record.topic, Origin::of(&record.header())), record)).collect())
     }
@@ -36,14 +37,15 @@ impl<'a> Samples<'a> {
     }
 }
 
-/// The inputs of a command by topic, in the order in which the controller takes them.
-pub(crate) fn inputs(header: &Header) -> [(Topic, Origin); 4] {
-    let origins = &header.origins;
+/// A release's inputs by topic, in the order in which the controller takes them.
+pub(crate) fn inputs(origins: &Origins) -> [(Topic, Origin); 6] {
     [
         (Topic::RadarTracks, origins.radar),
         (Topic::Odometry, origins.odometry),
         (Topic::Spat, origins.spat),
         (Topic::Map, origins.map),
+        (Topic::Powertrain, origins.powertrain),
+        (Topic::Preview, origins.preview),
     ]
 }
 
@@ -52,46 +54,58 @@ impl Recording {
     #[must_use]
     pub fn takes(&self) -> Vec<Take> {
         let samples = Samples::of(self);
+        let commands: HashMap<(u32, u64), Command> = self
+            .messages()
+            .map(|timed: Timed<Command>| timed.message)
+            .map(|command| ((command.header.incarnation, command.header.step), command))
+            .collect();
         let mut takes: BTreeMap<u32, Take> = BTreeMap::new();
-        for timed in self.messages::<Command>() {
-            let command = timed.message;
-            let incarnation = command.header.incarnation;
+        for Timed { message: cycle, .. } in self.messages::<Diagnostics>() {
+            let incarnation = cycle.header.incarnation;
             let take =
                 takes.entry(incarnation).or_insert_with(|| Take { incarnation, ..Take::default() });
-            if take.cut_short.is_some() {
-                continue;
-            }
-            let expected = take.commands.len() as u64 + 1;
-            if command.header.sequence != expected {
-                take.cut_short = Some(format!("its command {expected} was not recorded"));
-                continue;
-            }
-            let missing = inputs(&command.header)
-                .into_iter()
-                .find(|&(topic, origin)| origin.is_some() && samples.find(topic, origin).is_none());
-            if let Some((topic, origin)) = missing {
-                take.cut_short = Some(format!(
-                    "message {} of `{}`, which its command {expected} used, was not recorded",
-                    origin.sequence,
-                    topic.name()
-                ));
-                continue;
-            }
-            take.releases.push(ScheduledRelease {
-                step: command.header.step,
-                start_ns: command.start_ns,
-                inputs: command.header.origins,
-            });
-            take.commands.push(command);
-        }
-        for timed in self.messages::<Diagnostics>() {
-            let header = timed.message.header;
-            if let Some(take) = takes.get_mut(&header.incarnation)
-                && header.sequence <= take.commands.len() as u64
-            {
-                take.diagnostics.push(timed.message);
+            if take.cut_short.is_none() {
+                let command = commands.get(&(incarnation, cycle.header.step));
+                take.cut_short = take.add(cycle, command, &samples).err();
             }
         }
         takes.into_values().collect()
+    }
+}
+
+impl Take {
+    /// Adds the next cycle, or says why it cannot be replayed.
+    fn add(
+        &mut self,
+        cycle: Diagnostics,
+        command: Option<&Command>,
+        samples: &Samples<'_>,
+    ) -> Result<(), String> {
+        let number = self.diagnostics.len() as u64 + 1;
+        if cycle.header.sequence != number {
+            return Err(format!("the diagnostics of its cycle {number} were not recorded"));
+        }
+        if command.is_none() && cycle.rung != Rung::Silent as u32 {
+            return Err(format!("the command of its cycle {number} was not recorded"));
+        }
+        let inputs = inputs(&cycle.header.origins);
+        let missing = inputs
+            .into_iter()
+            .find(|&(topic, origin)| origin.is_some() && samples.find(topic, origin).is_none());
+        if let Some((topic, origin)) = missing {
+            let (sample, topic) = (origin.sequence, topic.name());
+            return Err(format!(
+                "message {sample} of `{topic}`, which its cycle {number} used, was not recorded"
+            ));
+        }
+        self.releases.push(ScheduledRelease {
+            step: cycle.header.step,
+            start_ns: cycle.start_ns,
+            publish_ns: command.map_or(cycle.start_ns, |command| command.header.publish_ns),
+            inputs: cycle.header.origins,
+        });
+        self.diagnostics.push(cycle);
+        self.commands.extend(command);
+        Ok(())
     }
 }

@@ -1,62 +1,86 @@
 //! What can be replayed: every cycle up to the first whose command or inputs are not there.
 
-use recorder::{Metadata, Recording, Take, Writer};
-use shared::messages::{Command, Message, Odometry, Origin};
+use bytemuck::Zeroable;
+use recorder::{Metadata, Recording, Take, Tally, Writer};
+use shared::messages::{Command, Diagnostics, Odometry, Origin, Topic};
+use shared::rung::Rung;
 use shared::runtime::Mode;
 use shared::scenario::{Overrides, Scenario};
 use std::io::Cursor;
 use std::path::PathBuf;
 
-/// Takes of a recording in which command `k` of each incarnation uses odometry `k`, without the
-/// messages that `lost` names by topic and number.
-fn takes(commands: &[(u32, u64)], lost: &[(&str, u64)]) -> Vec<Take> {
+/// Takes of a recording in which cycle `k` uses odometry `k`, without the messages that `lost` names
+/// by topic and number. Cycle 2 is a silent one.
+fn takes(cycles: &[(u32, u64)], lost: &[(Topic, u64)]) -> Vec<Take> {
     let scenario = Scenario::open("cacc-a", &Overrides::new(), &|_| Ok(())).expect("built in");
     let metadata = Metadata::new(&scenario, Mode::Realtime, 0, [].into());
     let mut file = Vec::new();
     let mut writer = Writer::begin(Cursor::new(&mut file), &metadata).expect("memory");
     let mut write = |topic, number, bytes: &[u8]| {
-        if !lost.contains(&(shared::messages::Topic::name(topic), number)) {
+        if !lost.contains(&(topic, number)) {
             writer.message(topic, 0, bytes).expect("memory");
         }
     };
-    let mut odometry: Odometry = bytemuck::Zeroable::zeroed();
-    for &(incarnation, sequence) in commands {
-        odometry.header.sequence += 1;
-        odometry.header.publish_ns += 10;
-        write(Odometry::TOPIC, odometry.header.sequence, bytemuck::bytes_of(&odometry));
-        let mut command: Command = bytemuck::Zeroable::zeroed();
-        command.header.sequence = sequence;
-        command.header.incarnation = incarnation;
-        command.header.step = 10 * odometry.header.sequence;
-        command.header.origins.odometry = Origin::of(&odometry.header);
-        command.start_ns = odometry.header.publish_ns + 3;
-        write(Command::TOPIC, odometry.header.sequence, bytemuck::bytes_of(&command));
+    for (&(incarnation, sequence), k) in cycles.iter().zip(1..) {
+        let mut odometry = Odometry::zeroed();
+        odometry.header.sequence = k;
+        odometry.header.publish_ns = 10 * k as i64;
+        write(Topic::Odometry, k, bytemuck::bytes_of(&odometry));
+        let mut cycle = Diagnostics::zeroed();
+        cycle.header.sequence = sequence;
+        cycle.header.incarnation = incarnation;
+        cycle.header.step = 10 * k;
+        cycle.header.origins.odometry = Origin::of(&odometry.header);
+        cycle.start_ns = odometry.header.publish_ns + 3;
+        if k == 2 {
+            cycle.rung = Rung::Silent as u32;
+        } else {
+            let mut command = Command::zeroed();
+            command.header = cycle.header;
+            command.header.publish_ns = cycle.start_ns + 4;
+            write(Topic::Command, k, bytemuck::bytes_of(&command));
+        }
+        write(Topic::Diagnostics, k, bytemuck::bytes_of(&cycle));
     }
-    writer.finish(&Default::default()).expect("memory");
+    writer.finish(&Tally::default()).expect("memory");
     Recording::of_bytes(PathBuf::from("test.mcap"), &file).expect("a recording").takes()
 }
 
 const RESTARTED: [(u32, u64); 5] = [(0, 1), (0, 2), (0, 3), (1, 1), (1, 2)];
 
+fn lengths(takes: &[Take]) -> Vec<(usize, usize)> {
+    takes.iter().map(|take| (take.releases.len(), take.commands.len())).collect()
+}
+
 #[test]
 fn every_process_of_the_controller_is_a_take() {
     let takes = takes(&RESTARTED, &[]);
-    let lengths: Vec<_> = takes.iter().map(|t| (t.incarnation, t.releases.len())).collect();
-    assert_eq!(lengths, [(0, 3), (1, 2)]);
+    assert_eq!(lengths(&takes), [(3, 2), (2, 2)], "one cycle is silent");
     let release = takes[1].releases[0];
-    assert_eq!((release.step, release.start_ns, release.inputs.odometry.sequence), (40, 43, 4));
+    assert_eq!((release.step, release.start_ns, release.publish_ns), (40, 43, 47));
+    assert_eq!(release.inputs.odometry.sequence, 4);
+    assert_eq!(takes[0].releases[1].publish_ns, takes[0].releases[1].start_ns);
     assert!(takes.iter().all(|take| take.cut_short.is_none()));
 }
 
 #[test]
-fn a_lost_command_or_input_ends_its_take_alone() {
-    let without_command = takes(&RESTARTED, &[("control/command", 2)]);
-    assert_eq!(without_command.iter().map(|t| t.commands.len()).collect::<Vec<_>>(), [1, 2]);
-    let why = without_command[0].cut_short.as_deref();
-    assert_eq!(why, Some("its command 2 was not recorded"));
-
-    let without_input = takes(&RESTARTED, &[("vehicle/odometry", 5)]);
-    assert_eq!(without_input.iter().map(|t| t.commands.len()).collect::<Vec<_>>(), [3, 1]);
-    let why = without_input[1].cut_short.as_deref().unwrap_or_default();
-    assert!(why.contains("message 5 of `vehicle/odometry`, which its command 2 used"), "{why}");
+fn what_was_lost_ends_its_take_alone() {
+    for (lost, expected, why) in [
+        ((Topic::Command, 3), [(2, 1), (2, 2)], "the command of its cycle 3 was not recorded"),
+        (
+            (Topic::Diagnostics, 2),
+            [(1, 1), (2, 2)],
+            "the diagnostics of its cycle 2 were not recorded",
+        ),
+        (
+            (Topic::Odometry, 5),
+            [(3, 2), (1, 1)],
+            "message 5 of `vehicle/odometry`, which its cycle 2 used, was not recorded",
+        ),
+    ] {
+        let takes = takes(&RESTARTED, &[lost]);
+        assert_eq!(lengths(&takes), expected, "{lost:?}");
+        let said: Vec<_> = takes.iter().filter_map(|take| take.cut_short.as_deref()).collect();
+        assert_eq!(said, [why]);
+    }
 }

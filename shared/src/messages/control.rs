@@ -74,13 +74,16 @@ layout!(Command {
     service_brake_n,
 });
 
-/// What the controller saw and decided in one cycle.
+/// What the controller saw and decided in one cycle; sent in every cycle, also in one without a
+/// command.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
 #[type_name("timegap_msgs/msg/Diagnostics")]
 pub struct Diagnostics {
     /// Common header, as of the command of the same cycle.
     pub header: Header,
+    /// When the cycle began to work on its inputs, ns of run time.
+    pub start_ns: i64,
     /// Mode of the law, an index into its mode names.
     pub mode: u32,
     /// Reason of the last mode change, an index into its reason names.
@@ -108,6 +111,7 @@ pub struct Diagnostics {
 message!(Diagnostics, Topic::Diagnostics);
 layout!(Diagnostics {
     header,
+    start_ns,
     mode,
     mode_reason,
     quality,

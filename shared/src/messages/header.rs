@@ -58,14 +58,24 @@ pub struct Origins {
     pub spat: Origin,
     /// The `v2x/map` sample.
     pub map: Origin,
+    /// The `vehicle/powertrain` sample.
+    pub powertrain: Origin,
+    /// The `v2x/preview` sample.
+    pub preview: Origin,
 }
 
-layout!(Origins { odometry, radar, spat, map });
+layout!(Origins { odometry, radar, spat, map, powertrain, preview });
 
 impl Origins {
     /// No inputs, as in a message that starts a chain.
-    pub const NONE: Self =
-        Self { odometry: Origin::NONE, radar: Origin::NONE, spat: Origin::NONE, map: Origin::NONE };
+    pub const NONE: Self = Self {
+        odometry: Origin::NONE,
+        radar: Origin::NONE,
+        spat: Origin::NONE,
+        map: Origin::NONE,
+        powertrain: Origin::NONE,
+        preview: Origin::NONE,
+    };
 }
 
 /// What every message starts with.

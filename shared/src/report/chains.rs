@@ -1,6 +1,6 @@
 //! What the plant tells of the cause-effect chains that ended at its actuators.
 
-use crate::statistics::{Percentiles, QuantileCurve};
+use crate::statistics::Percentiles;
 use serde::{Deserialize, Serialize};
 
 /// The parts of the reaction time, which add up to it sample by sample:
@@ -30,29 +30,6 @@ pub struct Hops {
     pub command_transport: Option<Percentiles>,
     /// From then to the actuators.
     pub actuate: Option<Percentiles>,
-}
-
-/// Distributions of the reaction time and its parts; see [`Hops`].
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct ChainCurves {
-    /// Radar acquisition to the first actuation that uses it.
-    pub reaction_time: QuantileCurve,
-    /// The same without the waits that are designed.
-    pub net_reaction: QuantileCurve,
-    /// [`Hops::radar_publish`].
-    pub radar_publish: QuantileCurve,
-    /// [`Hops::controller_queue`].
-    pub controller_queue: QuantileCurve,
-    /// [`Hops::radar_transport`].
-    pub radar_transport: QuantileCurve,
-    /// [`Hops::controller_compute`].
-    pub controller_compute: QuantileCurve,
-    /// [`Hops::command_wait`].
-    pub command_wait: QuantileCurve,
-    /// [`Hops::command_transport`].
-    pub command_transport: QuantileCurve,
-    /// [`Hops::actuate`].
-    pub actuate: QuantileCurve,
 }
 
 /// The parts of one reaction time, µs; see [`Hops`].

@@ -210,7 +210,13 @@ mod tests {
     const DELAY_NS: i64 = 200;
 
     fn release(scheduled_ns: i64) -> Release {
-        Release { step: 0, time_s: 0.0, scheduled_ns, start_ns: scheduled_ns, idle_ns: 0 }
+        Release {
+            step: 0,
+            time_s: 0.0,
+            scheduled_ns,
+            idle_ns: scheduled_ns,
+            start_ns: scheduled_ns,
+        }
     }
 
     #[test]

@@ -88,7 +88,15 @@ impl<T: Message> Publisher<T> {
     ///
     /// # Errors
     /// [`RuntimeError::Send`] if the transport refuses it.
-    pub fn send(&mut self, mut message: T) -> Result<(), RuntimeError> {
+    pub fn send(&mut self, message: T) -> Result<(), RuntimeError> {
+        self.send_stamped(message).map(|_| ())
+    }
+
+    /// As [`Self::send`]; returns the publish stamp, ns of run time.
+    ///
+    /// # Errors
+    /// As [`Self::send`].
+    pub fn send_stamped(&mut self, mut message: T) -> Result<i64, RuntimeError> {
         let error = |reason: String| RuntimeError::Send { topic: T::TOPIC, reason };
         let source = self.source.to_wire();
         let sequence = self.tally.borrow().messages + 1;
@@ -116,7 +124,7 @@ impl<T: Message> Publisher<T> {
         {
             waker.wake();
         }
-        Ok(())
+        Ok(now_ns)
     }
 }
 

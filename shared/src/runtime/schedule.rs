@@ -5,7 +5,7 @@
 //! end-to-end check, which had its say when the run was recorded. So a cycle sees again exactly what
 //! it saw then.
 
-use super::{Clock, RuntimeError};
+use super::RuntimeError;
 use crate::Service;
 use crate::messages::{Origin, Origins, Topic};
 use bytemuck::{Pod, Zeroable};
@@ -19,6 +19,8 @@ pub struct ScheduledRelease {
     pub step: u64,
     /// When the cycle began to work on its inputs, ns of run time.
     pub start_ns: i64,
+    /// When its command was published, ns of run time; the same as `start_ns` without a command.
+    pub publish_ns: i64,
     /// The samples that it used.
     pub inputs: Origins,
 }
@@ -58,12 +60,11 @@ impl Schedule {
         Ok(Some(Self { releases, next: 0 }))
     }
 
-    /// Goes on to the next release and sets the clock to its instant; `None` after the last.
-    pub(super) fn advance(&mut self, clock: &Clock) -> Option<u64> {
-        let release = self.releases.get(self.next)?;
+    /// Goes on to the next release; `None` after the last.
+    pub(super) fn advance(&mut self) -> Option<ScheduledRelease> {
+        let release = self.releases.get(self.next).copied()?;
         self.next += 1;
-        clock.set_simulated(release.start_ns);
-        Some(release.step)
+        Some(release)
     }
 
     /// The sample of `topic` that the present release used.
@@ -75,6 +76,8 @@ impl Schedule {
             Topic::RadarTracks => release.inputs.radar,
             Topic::Spat => release.inputs.spat,
             Topic::Map => release.inputs.map,
+            Topic::Powertrain => release.inputs.powertrain,
+            Topic::Preview => release.inputs.preview,
             _ => Origin::NONE,
         }
     }

@@ -331,16 +331,18 @@ impl Runtime {
         if self.link.end.is_before(self.next_step) {
             return None;
         }
-        match &mut self.schedule {
-            Some(schedule) => self.step = schedule.advance(&self.clock)?,
-            None => {
-                self.step = self.next_step;
-                self.clock.set_step(self.step);
-            }
-        }
+        let recorded = match &mut self.schedule {
+            Some(schedule) => Some(schedule.advance()?),
+            None => None,
+        };
+        self.step = recorded.map_or(self.next_step, |release| release.step);
         self.next_step = self.step_after(self.step);
+        self.clock.set_step(self.step);
         let scheduled_ns = self.clock.scheduled_ns(self.step);
-        let start_ns = self.clock.now_ns();
+        let start_ns = recorded.map_or_else(|| self.clock.now_ns(), |release| release.start_ns);
+        if let Some(release) = recorded {
+            self.clock.set_simulated(release.publish_ns);
+        }
         // In lockstep the wait begins in an earlier step, and takes no time.
         let idle_ns = if self.group.mode == Mode::Realtime { idle_ns } else { start_ns };
         if self.group.mode == Mode::Realtime {

@@ -13,6 +13,7 @@ use iceoryx2::prelude::*;
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
 use iceoryx2::service::port_factory::{event, publish_subscribe};
 use std::fmt::Debug;
+use std::os::unix::fs::PermissionsExt;
 use std::rc::Rc;
 
 /// The iceoryx2 variant of all topics.
@@ -159,6 +160,7 @@ impl Transport {
             .signal_handling_mode(SignalHandlingMode::Disabled)
             .create::<Ipc>()
             .map_err(|e| error(format!("{e:?}")))?;
+        keep_to_this_user(&group.prefix).map_err(|e| error(format!("shared memory: {e}")))?;
         let bells = Bells::map(&group.prefix).map_err(|e| error(format!("wake words: {e}")))?;
         Ok(Self { node, bells, mode: group.mode, buffer: buffer(&group.timetable) })
     }
@@ -269,6 +271,28 @@ fn domain(group: &Group) -> Result<Config, String> {
         FileName::new(group.prefix.as_bytes()).map_err(|e| format!("prefix: {e:?}"))?;
     config.global.set_root_path(&Path::new(root.as_bytes()).map_err(|e| format!("path: {e:?}"))?);
     Ok(config)
+}
+
+/// Takes from others what iceoryx2 grants them in the run's shared memory: a table of the nodes' ids
+/// that all users of one machine would share in a common domain. This domain is one user's own.
+fn keep_to_this_user(prefix: &str) -> std::io::Result<()> {
+    for entry in std::fs::read_dir("/dev/shm")? {
+        let entry = entry?;
+        if !entry.file_name().to_string_lossy().starts_with(prefix) {
+            continue;
+        }
+        // A peer may have removed it meanwhile.
+        let Ok(metadata) = entry.metadata() else { continue };
+        let mode = metadata.permissions().mode();
+        if mode & 0o077 != 0 {
+            let own = std::fs::Permissions::from_mode(mode & 0o700);
+            match std::fs::set_permissions(entry.path(), own) {
+                Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(e),
+                _ => {}
+            }
+        }
+    }
+    Ok(())
 }
 
 fn service_name(topic: Topic) -> ServiceName {

@@ -2,7 +2,7 @@
 //!
 //! **Priorities** under `SCHED_FIFO` are by rate, the shortest period highest, and among equal rates by
 //! the order of the chain, so that whoever hands something over finishes before the next begins: 82
-//! plant, 81 perception, 80 controller, 79 V2X.
+//! plant, 81 perception, 80 V2X, 79 controller.
 //!
 //! **Cores.** All services share one core unless told otherwise: the last that the process may use,
 //! which leaves the first, where most machines take their interrupts, to everybody else. The services
@@ -110,12 +110,12 @@ impl Services {
     /// Priority of the controller under SCHED_FIFO.
     #[must_use]
     pub fn controller_priority(&self) -> u8 {
-        self.controller.priority.unwrap_or(Priority::of(80)).value()
+        self.controller.priority.unwrap_or(Priority::of(79)).value()
     }
 
     /// Priority of the roadside unit under SCHED_FIFO.
     #[must_use]
     pub fn v2x_sim_priority(&self) -> u8 {
-        self.v2x_sim.priority.unwrap_or(Priority::of(79)).value()
+        self.v2x_sim.priority.unwrap_or(Priority::of(80)).value()
     }
 }

@@ -46,6 +46,7 @@ mod tests {
         let mut process = std::process::Command::new("tail")
             .args(["-f", "/dev/null", "--"])
             .arg(&root)
+            .stdout(std::process::Stdio::null())
             .stderr(std::process::Stdio::null())
             .spawn()
             .expect("tail is everywhere");

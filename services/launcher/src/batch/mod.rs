@@ -61,8 +61,8 @@ pub fn at_once(chosen: Option<NonZeroUsize>, mode: Mode) -> usize {
 /// returns ends the batch.
 ///
 /// # Errors
-/// [`Error::Interrupted`] when a signal asked for the end, [`Error::Machine`] when this machine lets
-/// no run start, or what `each` returned; in each case when all groups are gone.
+/// [`Error::Interrupted`] when a signal asked for the end, what keeps every run from starting, or what
+/// `each` returned; in each case when all groups are gone.
 pub fn run(
     jobs: &[Job],
     at_once: usize,
@@ -85,8 +85,9 @@ pub fn run(
         drop(sender);
         for (index, result) in results {
             let taken = match result {
-                Err(error @ (Error::Interrupted | Error::Machine(_))) => Err(error),
-                result => each(index, result),
+                // What befell this run alone is its result.
+                Ok(_) | Err(Error::NotReady { .. } | Error::Runtime(_)) => each(index, result),
+                Err(error) => Err(error),
             };
             match taken {
                 Ok(()) => bar.inc(1),

@@ -36,6 +36,12 @@ pub struct Growth {
     pub shared_memory_kib: f64,
     /// Objects in shared memory.
     pub shared_memory_objects: f64,
+    /// Median of the last quarter: resident sets of all services, KiB.
+    pub all_memory_kib: f64,
+    /// The same of all services' descriptors.
+    pub all_descriptors: f64,
+    /// The same of the shared memory, KiB.
+    pub all_shared_memory_kib: f64,
 }
 
 impl Sample {
@@ -59,6 +65,10 @@ impl Sample {
         }
         sample
     }
+
+    fn sum(&self, figure: fn(&Usage) -> u64) -> u64 {
+        self.services.values().map(figure).sum()
+    }
 }
 
 /// Name and usage of the process at `path` if it is a service that `parent` started.
@@ -79,20 +89,15 @@ fn service(path: &Path, parent: &str) -> Option<(String, Usage)> {
 }
 
 impl Growth {
-    /// The growth over these samples; none if they are too few for quarters.
+    /// The growth over these samples; none if they are too few for quarters, or show no service.
     pub fn over(samples: &[Sample]) -> Option<Self> {
         let quarter = samples.len() / 4;
-        if quarter == 0 {
+        let (early, late) = (&samples[quarter..2 * quarter], &samples[samples.len() - quarter..]);
+        if late.iter().all(|sample| sample.services.is_empty()) {
             return None;
         }
         let grown = |figure: &dyn Fn(&Sample) -> Option<u64>| {
-            let median = |part: &[Sample]| {
-                let mut values: Vec<u64> = part.iter().filter_map(figure).collect();
-                values.sort_unstable();
-                values.get(values.len() / 2).map(|value| *value as f64)
-            };
-            let before = median(&samples[quarter..2 * quarter])?;
-            Some(median(&samples[samples.len() - quarter..])? - before)
+            Some(median(late, figure)? - median(early, figure)?)
         };
         let names: std::collections::BTreeSet<&String> =
             samples.iter().flat_map(|sample| sample.services.keys()).collect();
@@ -105,8 +110,17 @@ impl Growth {
             descriptors: most(|usage| usage.descriptors),
             shared_memory_kib: grown(&|sample| Some(sample.shared_memory_kib))?,
             shared_memory_objects: grown(&|sample| Some(sample.shared_memory_objects))?,
+            all_memory_kib: median(late, &|sample| Some(sample.sum(|usage| usage.memory_kib)))?,
+            all_descriptors: median(late, &|sample| Some(sample.sum(|usage| usage.descriptors)))?,
+            all_shared_memory_kib: median(late, &|sample| Some(sample.shared_memory_kib))?,
         })
     }
+}
+
+fn median(samples: &[Sample], figure: &dyn Fn(&Sample) -> Option<u64>) -> Option<f64> {
+    let mut values: Vec<u64> = samples.iter().filter_map(figure).collect();
+    values.sort_unstable();
+    values.get(values.len() / 2).map(|value| *value as f64)
 }
 
 #[cfg(test)]
@@ -131,6 +145,9 @@ mod tests {
             descriptors: 0.0,
             shared_memory_kib: 0.0,
             shared_memory_objects: 0.0,
+            all_memory_kib: 1900.0,
+            all_descriptors: 25.0,
+            all_shared_memory_kib: 300.0,
         };
         assert_eq!(growth, flat);
     }
@@ -147,6 +164,7 @@ mod tests {
     #[test]
     fn three_samples_say_nothing() {
         assert_eq!(Growth::over(&[sample(1, 1, 1), sample(2, 2, 2), sample(3, 3, 3)]), None);
+        assert_eq!(Growth::over(&vec![Sample::default(); 40]), None, "nor do any without services");
     }
 
     #[test]

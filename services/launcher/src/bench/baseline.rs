@@ -64,7 +64,7 @@ pub fn compare(then: &Report, now: &Report, factor: f64) -> Vec<Change> {
     for row in &now.chain {
         let key = (row.conditions, row.period_us);
         let ratio = |report: &Report| {
-            let row = report.chain.iter().find(|r| (r.conditions, r.period_us) == key)?;
+            let row = report.chain(key.0, key.1)?;
             Some(row.net_reaction_us?.p50 / row.floor_sum_us?)
         };
         if let (Some(before), Some(after)) = (ratio(then), ratio(now)) {

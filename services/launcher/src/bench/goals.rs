@@ -1,6 +1,6 @@
 //! What timegap promises in terms of the machine's own floor, checked in the same run.
 
-use super::plan::{Conditions, Load, Placement, Scheduling};
+use super::plan::{CONTROLLER_PERIODS_US, Conditions, Load, Placement, Scheduling};
 use super::report::Report;
 use serde::{Deserialize, Serialize};
 
@@ -37,11 +37,20 @@ pub fn check(report: &Report) -> Vec<Goal> {
                 let goal = format!("transport under {} load over idle, p99", load.name());
                 goals.push(Goal::new(&goal, placement, loaded.p99, idle.p99, 2.0));
             }
+            for period_us in CONTROLLER_PERIODS_US {
+                let net = |load| report.chain(under(load), period_us)?.net_reaction_us;
+                if let (Some(idle), Some(loaded)) = (net(Load::Idle), net(load)) {
+                    let (load, period_ms) = (load.name(), period_us / 1000);
+                    let goal =
+                        format!("net reaction under {load} load over idle at {period_ms} ms, p99");
+                    goals.push(Goal::new(&goal, placement, loaded.p99, idle.p99, 2.0));
+                }
+            }
         }
         for row in report.chain.iter().filter(|row| row.conditions == under(Load::Idle)) {
             if let (Some(net), Some(floor)) = (row.net_reaction_us, row.floor_sum_us) {
                 let goal = format!(
-                    "net reaction time over the sum of its floors at {} ms, p50",
+                    "net reaction over the sum of its floors at {} ms, p50",
                     row.period_us / 1000
                 );
                 goals.push(Goal::new(&goal, placement, net.p50, floor, 2.0));
@@ -58,4 +67,16 @@ pub fn check(report: &Report) -> Vec<Goal> {
         }
     }
     goals
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_goal_is_met_up_to_its_limit() {
+        let goal = |ours| Goal::new("transport", Placement::SameCore, ours, 10.0, 1.5).ok;
+        assert!(goal(15.0) && !goal(15.1));
+        assert!(Goal::new("misses", Placement::SameCore, 0.0, 0.0, 1.0).ok, "nothing of nothing");
+    }
 }

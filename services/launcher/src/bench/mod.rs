@@ -16,6 +16,7 @@ mod baseline;
 mod chain;
 mod goals;
 mod load;
+mod page;
 mod peer;
 mod plan;
 mod report;
@@ -102,7 +103,7 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
             .map_err(|e| Error::Machine(format!("cannot handle signals: {e}")))?;
     }
     let stage = Stage::create(Arc::clone(&interrupted))?;
-    let cells = plan::cells(arguments.quick, stage.cores().len());
+    let cells = plan::cells(arguments.quick, stage.cores().len(), stage.reference()?);
     let seconds = arguments.seconds.unwrap_or(if arguments.quick { QUICK_S } else { FULL_S });
     let mut bench = Bench::new(&stage, arguments.quick, seconds);
     let bar = progress_bar(&cells, seconds, arguments.json);
@@ -127,8 +128,12 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
 
     let changes = before.map(|before| baseline::compare(&before, &report, arguments.factor));
     let json = serde_json::to_string_pretty(&report).expect("plain data") + "\n";
-    output.write("bench.json", json.as_bytes())?;
-    output.write_histograms(&histograms)?;
+    let written = output
+        .write("bench.json", json.as_bytes())
+        .and_then(|()| output.write_histograms(&histograms))
+        .and_then(|()| {
+            output.write(crate::report::FILE, page::page(&report, &histograms).as_bytes())
+        });
     if let Some(path) = &arguments.save {
         std::fs::write(path, &json).map_err(|reason| Error::Path {
             action: "write",
@@ -144,7 +149,11 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
             print::out(&table::changes(changes, arguments.factor));
         }
         print::out(&format!("results: {}\n", output.path().display()));
+        let page = output.path().join(crate::report::FILE);
+        print::out(&format!("report:  {}\n", page.display()));
     }
+    // What was measured has been told before a full disk is.
+    written?;
     let worse = changes.is_some_and(|changes| changes.iter().any(|change| change.worse));
     Ok(if worse { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }

@@ -125,7 +125,7 @@ pub struct DeadlineRow {
 }
 
 impl Report {
-    /// The median wake-up by futex under these conditions at this period.
+    /// The wake-up by futex under these conditions at this period.
     pub fn futex(&self, conditions: Conditions, period_us: u32) -> Option<Percentiles> {
         let mut rows = self.floor.rows.iter().filter(|row| {
             row.measure == FloorMeasure::Futex
@@ -133,6 +133,12 @@ impl Report {
                 && row.period_us == period_us
         });
         rows.next().and_then(|row| row.us)
+    }
+
+    /// The chain under these conditions at this period.
+    pub fn chain(&self, conditions: Conditions, period_us: u32) -> Option<&ChainRow> {
+        let mut rows = self.chain.iter();
+        rows.find(|row| row.conditions == conditions && row.period_us == period_us)
     }
 
     /// The services' own message under these conditions.

@@ -167,6 +167,15 @@ impl Stage {
         Ok(Metronome { stage: self, peer })
     }
 
+    /// The best scheduling that the kernel grants.
+    pub fn reference(&self) -> Result<Scheduling, Error> {
+        let (placement, scheduling) = (Placement::SameCore, Scheduling::Fifo);
+        let conditions = Conditions { placement, scheduling, load: Load::Idle };
+        let granted = self.metronome(conditions, 1_000)?.finish()?.granted;
+        let got = granted.granted == granted.requested;
+        Ok(if got { Scheduling::Fifo } else { Scheduling::Other })
+    }
+
     fn clear(&self) {
         for word in [words::COUNT, words::READY, words::DONE, words::METRONOME] {
             self.page.word(word).store(0, Ordering::Release);

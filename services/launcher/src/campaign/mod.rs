@@ -9,6 +9,7 @@
 
 mod file;
 mod journal;
+mod page;
 mod plan;
 mod print;
 mod record;
@@ -20,7 +21,7 @@ use crate::batch::{self, Job};
 use crate::cli::{GroupOptions, ScenarioOptions};
 use crate::error::Error;
 use crate::output::OutputDirectory;
-use crate::run;
+use crate::{report, run};
 use clap::Args;
 pub use file::BUILTIN;
 use file::{Campaign, Shard};
@@ -153,16 +154,22 @@ fn conclude(
     output: &OutputDirectory,
 ) -> Result<ExitCode, Error> {
     let csv = print::csv(&records);
+    let times = page::Times::of(&records);
     let verdict = Verdict::new(campaign, planned, records);
     let json = serde_json::to_string_pretty(&verdict).expect("plain data") + "\n";
-    output.write("campaign.csv", csv.as_bytes())?;
-    output.write("campaign.json", json.as_bytes())?;
+    let written = output
+        .write("campaign.csv", csv.as_bytes())
+        .and_then(|()| output.write("campaign.json", json.as_bytes()))
+        .and_then(|()| output.write(report::FILE, page::page(&verdict, &times).as_bytes()));
     if arguments.json {
         crate::print::out(&json);
     } else {
         let results = format!("results: {}\n", output.path().display());
-        crate::print::out(&(print::table(&verdict) + &results));
+        let page = format!("report:  {}\n", output.path().join(report::FILE).display());
+        crate::print::out(&(print::table(&verdict) + &results + &page));
     }
+    // What was measured has been told before a full disk is.
+    written?;
     Ok(if verdict.ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 

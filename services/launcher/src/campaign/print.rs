@@ -84,11 +84,11 @@ fn totals(verdict: &Verdict) -> String {
     if all.detection_us.is_some() {
         line("detection", times(all.detection_us));
     }
+    if let Some(overdue) = all.command_overdue_ms {
+        line("commands", format!("overdue for at most {overdue:.0} ms"));
+    }
     if !all.rungs_s.is_empty() {
-        let whole: f64 = all.rungs_s.values().sum();
-        let share = |(rung, time_s): (&String, &f64)| {
-            format!("{rung} {time_s:.1} s ({:.2} %)", 100.0 * time_s / whole)
-        };
+        let share = |(rung, time_s): (&String, &f64)| format!("{rung} {time_s:.1} s");
         line("rungs", all.rungs_s.iter().map(share).collect::<Vec<_>>().join(", "));
     }
     let corrupted = match (all.corrupted, all.undetected_corruptions) {
@@ -98,6 +98,14 @@ fn totals(verdict: &Verdict) -> String {
     let (lost, disturbed) = (all.messages_lost, all.disturbed);
     line("messages", format!("{lost} lost, {disturbed} disturbed by faults{corrupted}"));
     line("left behind", format!("{} objects or processes", all.leaks));
+    if let (Some(memory), Some(descriptors), Some(shared)) =
+        (all.all_memory_kib, all.all_descriptors, all.all_shared_memory_kib)
+    {
+        line(
+            "services",
+            format!("{memory:.0} KiB, {descriptors:.0} descriptors, {shared:.0} KiB shared memory"),
+        );
+    }
     if let (Some(memory), Some(descriptors), Some(shared)) =
         (all.memory_growth_kib, all.descriptor_growth, all.shared_memory_growth_kib)
     {

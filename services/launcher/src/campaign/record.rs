@@ -6,6 +6,7 @@ use crate::batch::{Done, Growth};
 use crate::error::Error;
 use serde::{Deserialize, Serialize};
 use shared::report::Outcome;
+use shared::rung::{Rung, RungChange};
 use shared::scenario::Scenario;
 use shared::scenario::faults::Kind;
 use std::collections::BTreeMap;
@@ -36,8 +37,12 @@ pub struct Record {
     pub recovery_us: Vec<f64>,
     /// Process faults of a run that reached its end without a recovery.
     pub unrecovered: u64,
-    /// Time on each rung of the ladder, s.
+    /// Time of each service on each rung of the ladder, s.
     pub rungs_s: BTreeMap<String, f64>,
+    /// Services that were not on the first rung at the end of a completed run.
+    pub degraded: Vec<String>,
+    /// Longest time that the plant was without the command that was due, ms.
+    pub command_overdue_ms: Option<f64>,
     pub messages_lost: u64,
     /// Messages that faults befell, at all their receivers.
     pub disturbed: u64,
@@ -70,6 +75,8 @@ impl Record {
             recovery_us: Vec::new(),
             unrecovered: 0,
             rungs_s: BTreeMap::new(),
+            degraded: Vec::new(),
+            command_overdue_ms: None,
             messages_lost: 0,
             disturbed: 0,
             corrupted: 0,
@@ -114,6 +121,19 @@ impl Record {
                 // Nobody comes back when the run is over or in its safe state.
                 _ => 0,
             },
+            rungs_s: (summary.rungs.iter())
+                .flat_map(|(service, rungs)| rungs.time_s.iter().map(move |r| (service, r)))
+                .map(|(service, (rung, time_s))| (format!("{service} {rung}"), *time_s))
+                .collect(),
+            degraded: match summary.outcome {
+                Outcome::Completed => (summary.rungs.iter())
+                    .filter_map(|(service, rungs)| Some((service, rungs.changes.last()?.to)))
+                    .filter(|(_, last)| *last != Rung::Full)
+                    .map(|(service, last)| format!("{service} ended on {}", last.name()))
+                    .collect(),
+                _ => Vec::new(),
+            },
+            command_overdue_ms: summary.rungs.get("plant").map(|rungs| overdue_ms(&rungs.changes)),
             messages_lost: summary.messages.values().filter_map(|topic| topic.lost).sum(),
             disturbed: faults.iter().filter_map(|fault| fault.messages).sum(),
             corrupted,
@@ -122,5 +142,41 @@ impl Record {
             growth: Growth::over(&done.samples),
             ..self
         }
+    }
+}
+
+/// Longest time off the first rung, from its leaving until its next entering, ms.
+fn overdue_ms(changes: &[RungChange]) -> f64 {
+    let mut left_s = None;
+    let mut longest_s: f64 = 0.0;
+    for change in changes {
+        if change.from == Rung::Full {
+            left_s = Some(change.t_s);
+        } else if change.to == Rung::Full
+            && let Some(left_s) = left_s.take()
+        {
+            longest_s = longest_s.max(change.t_s - left_s);
+        }
+    }
+    longest_s * 1e3
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_longest_time_off_the_first_rung_counts_from_end_to_end() {
+        let change = |t_s, from, to| RungChange { t_s, from, to };
+        let changes = [
+            change(1.0, Rung::Full, Rung::PlanFollowed),
+            change(1.25, Rung::PlanFollowed, Rung::Full),
+            change(2.0, Rung::Full, Rung::PlanFollowed),
+            change(2.25, Rung::PlanFollowed, Rung::StopInLane),
+            change(2.5, Rung::StopInLane, Rung::Full),
+            change(9.0, Rung::Full, Rung::PlanFollowed),
+        ];
+        assert_eq!(overdue_ms(&changes), 500.0);
+        assert_eq!(overdue_ms(&[]), 0.0);
     }
 }

@@ -19,6 +19,8 @@ pub struct Tally {
     pub aborted: u64,
     pub kills: u64,
     pub unrecovered: u64,
+    /// Services that ended a completed run below the first rung.
+    pub degraded: u64,
     pub leaks: u64,
     pub messages_lost: u64,
     pub disturbed: u64,
@@ -28,9 +30,14 @@ pub struct Tally {
     pub min_ttc_s: Option<f64>,
     pub detection_us: Option<Percentiles>,
     pub recovery_us: Option<Percentiles>,
-    /// Time on each rung of the ladder in all runs, s.
+    /// Longest time that the plant was without the command that was due, ms.
+    pub command_overdue_ms: Option<f64>,
+    /// Time of each service on each rung of the ladder in all runs, s.
     pub rungs_s: BTreeMap<String, f64>,
-    /// Largest growth within a run, where it was sampled.
+    /// Largest sums over a run's services, and largest growth within a run, where it was sampled.
+    pub all_memory_kib: Option<f64>,
+    pub all_descriptors: Option<f64>,
+    pub all_shared_memory_kib: Option<f64>,
     pub memory_growth_kib: Option<f64>,
     pub descriptor_growth: Option<f64>,
     pub shared_memory_growth_kib: Option<f64>,
@@ -62,6 +69,7 @@ impl Tally {
             aborted: ended(Outcome::Aborted),
             kills: sum(|r| r.kills),
             unrecovered: sum(|r| r.unrecovered),
+            degraded: sum(|r| r.degraded.len() as u64),
             leaks: sum(|r| r.leaks.len() as u64),
             messages_lost: sum(|r| r.messages_lost),
             disturbed: sum(|r| r.disturbed),
@@ -71,7 +79,11 @@ impl Tally {
             min_ttc_s: least(|r| r.min_ttc_s),
             detection_us: percentiles(records.clone().flat_map(|r| &r.detection_us)),
             recovery_us: percentiles(records.clone().flat_map(|r| &r.recovery_us)),
+            command_overdue_ms: most(|r| r.command_overdue_ms),
             rungs_s,
+            all_memory_kib: most(|r| r.growth.map(|growth| growth.all_memory_kib)),
+            all_descriptors: most(|r| r.growth.map(|growth| growth.all_descriptors)),
+            all_shared_memory_kib: most(|r| r.growth.map(|growth| growth.all_shared_memory_kib)),
             memory_growth_kib: most(|r| r.growth.map(|growth| growth.memory_kib)),
             descriptor_growth: most(|r| r.growth.map(|growth| growth.descriptors)),
             shared_memory_growth_kib: most(|r| r.growth.map(|growth| growth.shared_memory_kib)),
@@ -106,10 +118,12 @@ enum Kind {
     Count(fn(&Tally) -> u64),
     /// Something measured, or not.
     Measure(fn(&Tally) -> Option<f64>),
+    /// The middle of something measured: no single run is to blame for it.
+    Median(fn(&Tally) -> Option<f64>),
 }
 
 /// All figures.
-pub const FIGURES: [Figure; 22] = [
+pub const FIGURES: [Figure; 24] = [
     count("collisions", |t| t.collisions),
     count("avoidable_collisions", |t| t.avoidable_collisions),
     count("red_lights", |t| t.red_lights),
@@ -117,17 +131,19 @@ pub const FIGURES: [Figure; 22] = [
     count("aborted", |t| t.aborted),
     count("kills", |t| t.kills),
     count("unrecovered", |t| t.unrecovered),
+    count("degraded", |t| t.degraded),
     count("leaks", |t| t.leaks),
     count("messages_lost", |t| t.messages_lost),
     count("undetected_corruptions", |t| t.undetected_corruptions),
     measure("gap_m", |t| t.min_gap_m),
     measure("ttc_s", |t| t.min_ttc_s),
-    measure("detection_p50_ms", |t| t.detection_us.map(|p| p.p50 / 1e3)),
+    median("detection_p50_ms", |t| t.detection_us.map(|p| p.p50 / 1e3)),
     measure("detection_p99_ms", |t| t.detection_us.map(|p| p.p99 / 1e3)),
     measure("detection_max_ms", |t| t.detection_us.map(|p| p.max / 1e3)),
-    measure("recovery_p50_ms", |t| t.recovery_us.map(|p| p.p50 / 1e3)),
+    median("recovery_p50_ms", |t| t.recovery_us.map(|p| p.p50 / 1e3)),
     measure("recovery_p99_ms", |t| t.recovery_us.map(|p| p.p99 / 1e3)),
     measure("recovery_max_ms", |t| t.recovery_us.map(|p| p.max / 1e3)),
+    measure("command_overdue_ms", |t| t.command_overdue_ms),
     measure("memory_growth_kib", |t| t.memory_growth_kib),
     measure("descriptor_growth", |t| t.descriptor_growth),
     measure("shared_memory_growth_kib", |t| t.shared_memory_growth_kib),
@@ -142,6 +158,10 @@ const fn measure(name: &'static str, of: fn(&Tally) -> Option<f64>) -> Figure {
     Figure { name, of: Kind::Measure(of) }
 }
 
+const fn median(name: &'static str, of: fn(&Tally) -> Option<f64>) -> Figure {
+    Figure { name, of: Kind::Median(of) }
+}
+
 impl Figure {
     /// The figure of that name.
     pub fn named(name: &str) -> Option<&'static Self> {
@@ -152,7 +172,7 @@ impl Figure {
     pub fn value(&self, tally: &Tally) -> Option<f64> {
         match self.of {
             Kind::Count(of) => Some(of(tally) as f64),
-            Kind::Measure(of) => of(tally),
+            Kind::Measure(of) | Kind::Median(of) => of(tally),
         }
     }
 
@@ -162,6 +182,7 @@ impl Figure {
         match self.of {
             Kind::Count(of) => Some(of(&alone) as f64).filter(|count| *count > 0.0 && !least),
             Kind::Measure(of) => of(&alone).filter(|value| !within(*value, limit, least)),
+            Kind::Median(_) => None,
         }
     }
 }

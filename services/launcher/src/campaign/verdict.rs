@@ -128,7 +128,7 @@ fn failures(
             continue;
         }
         reasons.extend(record.aborted_because.clone());
-        reasons.extend(record.leaks.iter().cloned());
+        reasons.extend(record.leaks.iter().chain(&record.degraded).cloned());
         let repeat = planned.iter().find(|planned| planned.run == record.run);
         failures.push(Failure {
             run: record.run,
@@ -190,7 +190,8 @@ mod tests {
             "fault": planned.fault, "seed": planned.seed, "outcome": outcome,
             "aborted_because": null, "avoidable": false, "duration_s": 1.0, "min_gap_m": gap_m,
             "min_ttc_s": null, "kills": recovery_us.len(), "detection_us": recovery_us,
-            "recovery_us": recovery_us, "unrecovered": 0, "rungs_s": {"full": 1.0},
+            "recovery_us": recovery_us, "unrecovered": 0, "rungs_s": {"plant full": 1.0},
+            "degraded": [], "command_overdue_ms": 20.0,
             "messages_lost": 1, "disturbed": 0, "corrupted": 0, "undetected": 0, "leaks": [], "growth": null,
         });
         serde_json::from_value(value).expect("a record")
@@ -218,7 +219,7 @@ mod tests {
         assert_eq!((verdict.all.runs, verdict.all.kills, verdict.all.messages_lost), (4, 4, 4));
         assert_eq!(verdict.all.min_gap_m, Some(7.0));
         assert_eq!(verdict.combinations.len(), 2);
-        assert_eq!(verdict.all.rungs_s["full"], 4.0);
+        assert_eq!(verdict.all.rungs_s["plant full"], 4.0);
         let json = serde_json::to_value(&verdict).expect("plain data");
         for key in ["ok", "runs", "kills", "collisions", "red_lights", "leaks", "detection_us"] {
             assert!(json.get(key).is_some(), "{key} is promised");

@@ -59,6 +59,7 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
     let mut rows: Vec<_> = jobs.iter().map(|_| None).collect();
     batch::run(&jobs, at_once, &arguments.group, &bar, &mut |index, result| {
         let done = result?;
+        let picture = RunPicture::of_drive(&jobs[index].scenario, &done.drive);
         let summary = done.summary;
         rows[index] = Some(Row {
             scenario: summary.scenario,
@@ -67,7 +68,7 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
             outcome: summary.outcome,
             control: summary.control,
             timing: summary.timing,
-            picture: RunPicture::of_drive(&jobs[index].scenario, &done.drive),
+            picture,
         });
         Ok(())
     })?;

@@ -43,6 +43,8 @@ struct Planned {
     begin_ns: Option<i64>,
     /// Kills left of a storm.
     left: u16,
+    /// The process that was killed last, as a restart of its service.
+    killed: Option<u32>,
     /// What runs while it lasts, and until when.
     running: Option<(i64, Option<Disturbance>)>,
     done: bool,
@@ -95,7 +97,8 @@ impl Faults {
                 Kind::RestartStorm => fault.times.map_or(STORM, |times| times.value()),
                 _ => 1,
             };
-            let planned = Planned { number, fault, begin_ns, left, running: None, done: false };
+            let planned =
+                Planned { number, fault, begin_ns, left, killed: None, running: None, done: false };
             self.planned.push(planned);
         } else {
             self.records.push(FaultRecord {
@@ -106,13 +109,13 @@ impl Faults {
         number
     }
 
-    /// What is due at `now_ns`, with the ego there and so fast. `is_up` tells whether a service takes
-    /// part in the run; a storm waits for it.
+    /// What is due at `now_ns`, with the ego there and so fast. `up` tells which restart of a service
+    /// takes part in the run; a storm waits for the next one.
     pub fn due(
         &mut self,
         now_ns: i64,
         ego: Option<(f64, f64)>,
-        is_up: impl Fn(Service) -> bool,
+        up: impl Fn(Service) -> Option<u32>,
     ) -> Vec<(usize, Act)> {
         let mut acts = Vec::new();
         for (index, planned) in self.planned.iter_mut().enumerate() {
@@ -137,10 +140,14 @@ impl Faults {
                 continue;
             }
             let act = match (planned.fault.kind, service) {
-                (Kind::Kill | Kind::RestartStorm, Some(service)) if is_up(service) => {
-                    Act::Kill(service)
-                }
-                (Kind::Stop, Some(service)) if is_up(service) => Act::Stop(service),
+                (Kind::Kill | Kind::RestartStorm, Some(service)) => match up(service) {
+                    Some(incarnation) if planned.killed != Some(incarnation) => {
+                        planned.killed = Some(incarnation);
+                        Act::Kill(service)
+                    }
+                    _ => continue,
+                },
+                (Kind::Stop, Some(service)) if up(service).is_some() => Act::Stop(service),
                 (Kind::Hog, _) => Act::Hog(planned.fault.core.map(|core| core.value())),
                 (Kind::Memory, _) => Act::Memory(planned.fault.megabytes.map_or(1, |m| m.value())),
                 _ => continue,
@@ -276,11 +283,11 @@ mod tests {
     #[test]
     fn a_kill_is_done_once_and_its_detection_and_recovery_are_counted_from_it() {
         let mut faults = faults("[[faults]]\nkind = \"kill\"\nservice = \"controller\"\nat_s = 1");
-        assert_eq!(faults.due(999_999_999, None, |_| true), []);
-        let due = faults.due(1_000_500_000, None, |_| true);
+        assert_eq!(faults.due(999_999_999, None, |_| Some(0)), []);
+        let due = faults.due(1_000_500_000, None, |_| Some(0));
         assert_eq!(due, [(0, Act::Kill(Service::Controller))]);
         faults.done(0, 1_000_500_000, None);
-        assert_eq!(faults.due(2_000_000_000, None, |_| true), []);
+        assert_eq!(faults.due(2_000_000_000, None, |_| Some(0)), []);
         faults.detected(Service::Controller, "died", 1, 1_001_000_000);
         faults.recovered(Service::Controller, 1, 1_012_500_000);
         let [record] = faults.records.as_slice() else { panic!("one record") };
@@ -293,10 +300,10 @@ mod tests {
         let mut faults = faults(
             "[[faults]]\nkind = \"restart-storm\"\nservice = \"plant\"\nat_s = 1\ntimes = 2",
         );
-        assert_eq!(faults.due(1_000_000_000, None, |_| true).len(), 1);
-        assert_eq!(faults.due(1_100_000_000, None, |_| false), []);
-        assert_eq!(faults.due(1_200_000_000, None, |_| true).len(), 1);
-        assert_eq!(faults.due(1_300_000_000, None, |_| true), []);
+        assert_eq!(faults.due(1_000_000_000, None, |_| Some(0)).len(), 1);
+        assert_eq!(faults.due(1_100_000_000, None, |_| Some(0)), []);
+        assert_eq!(faults.due(1_200_000_000, None, |_| Some(1)).len(), 1);
+        assert_eq!(faults.due(1_300_000_000, None, |_| Some(2)), []);
     }
 
     #[test]
@@ -305,13 +312,13 @@ mod tests {
         for (replaced, acts) in [(false, vec![(0, Act::Continue(Service::V2xSim))]), (true, vec![])]
         {
             let mut faults = faults(text);
-            assert_eq!(faults.due(1_000_000_000, None, |_| true).len(), 1);
+            assert_eq!(faults.due(1_000_000_000, None, |_| Some(0)).len(), 1);
             faults.done(0, 1_000_000_000, None);
             if replaced {
                 faults.replaced(Service::V2xSim);
             }
-            assert_eq!(faults.due(1_400_000_000, None, |_| true), []);
-            assert_eq!(faults.due(1_500_000_000, None, |_| true), acts);
+            assert_eq!(faults.due(1_400_000_000, None, |_| Some(0)), []);
+            assert_eq!(faults.due(1_500_000_000, None, |_| Some(0)), acts);
         }
     }
 

@@ -35,5 +35,5 @@ pub use janitor::run as run_janitor;
 pub use processes::{Janitor, this_program};
 pub use recording::RecordingSummary;
 pub use replay::{Replayed, replay};
-pub use root::{RunRoot, base, check_room, shared_memory_room};
+pub use root::{RunRoot, base, check_room, is_alive, shared_memory_room};
 pub use supervisor::{Ended, GroupOutcome, Launch, Moment, launch};

@@ -35,7 +35,7 @@ pub struct Replayed {
 }
 
 /// Gives the controller of `scenario` the releases and inputs of `take`, which `file` holds.
-/// `progress` is told how many commands came.
+/// `progress` is told how many cycles were run.
 ///
 /// # Errors
 /// If the group does not come up or the controller does not reach the end.
@@ -123,7 +123,7 @@ impl Cast {
         loop {
             let event = events.recv_timeout(POLL);
             ear.listen()?;
-            progress(ear.heard.commands.len() as u64);
+            progress(ear.heard.diagnostics.len() as u64);
             match event {
                 Ok(Event::Said(_, FromService::Report(_))) => break,
                 Ok(Event::Said(_, FromService::Failed(how))) => return Err(broken(how)),
@@ -145,9 +145,9 @@ impl Cast {
         }
         ear.listen()?;
         let heard = ear.heard;
-        match heard.commands.len() == take.commands.len() {
+        match heard.diagnostics.len() == take.diagnostics.len() {
             true => Ok(heard),
-            false => Err(broken(format!("it sent {} commands", heard.commands.len()))),
+            false => Err(broken(format!("it ran {} cycles", heard.diagnostics.len()))),
         }
     }
 

@@ -76,6 +76,12 @@ pub fn open_lock(root: &Path) -> io::Result<File> {
     File::open(root.join(LOCK))
 }
 
+/// True while some process of the run at `root` lives.
+pub fn is_alive(root: &Path) -> bool {
+    open_lock(root)
+        .is_ok_and(|lock| flock(&lock, FlockOperation::NonBlockingLockExclusive).is_err())
+}
+
 /// Checks that shared memory has room for `needed` bytes: a page that cannot be had later would end
 /// the process that touches it.
 pub fn check_room(needed: u64) -> Result<(), Error> {

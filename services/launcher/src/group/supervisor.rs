@@ -177,7 +177,10 @@ struct LiveFile<'a>(&'a Path);
 impl<'a> LiveFile<'a> {
     fn write(path: &'a Path, group: &Group) -> Self {
         let text = serde_json::to_string_pretty(group).expect("a group is plain data");
-        if let Err(error) = std::fs::write(path, text) {
+        // Whoever waits for the file finds all of it.
+        let half = path.with_extension("json.new");
+        if let Err(error) = std::fs::write(&half, text).and_then(|()| std::fs::rename(&half, path))
+        {
             tracing::warn!("cannot write {}: {error}", path.display());
         }
         Self(path)

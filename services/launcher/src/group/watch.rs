@@ -14,6 +14,7 @@ use shared::runtime::{
     FromService, Injected, Mode, StartOrder, ToService, concerned, monotonic_ns,
 };
 use shared::scenario::faults::Fault;
+use std::collections::BTreeMap;
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 
@@ -283,11 +284,12 @@ impl Supervisor<'_> {
 
     /// Does what the faults of processes want done now.
     fn act_out(&mut self, log: &DriveLog, now_ns: i64) {
-        let up: Vec<Service> = (self.members.iter())
+        let up: BTreeMap<Service, u32> = (self.members.iter())
             .filter(|member| member.phase == Phase::Running && member.report.is_none())
-            .map(|member| member.service())
+            .map(|member| (member.service(), member.incarnation()))
             .collect();
-        for (index, act) in self.faults.due(now_ns, log.ego(), |service| up.contains(&service)) {
+        let due = self.faults.due(now_ns, log.ego(), |service| up.get(&service).copied());
+        for (index, act) in due {
             let mut disturbance = None;
             match act {
                 Act::Kill(service) => self.member(service).process().kill(),

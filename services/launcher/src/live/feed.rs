@@ -3,6 +3,7 @@
 use crate::group::{FaultRecord, Moment};
 use serde::Serialize;
 use shared::messages::Diagnostics;
+use shared::rung::Rung;
 use shared::statistics::{Latencies, Percentiles};
 use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, TrySendError};
@@ -11,7 +12,9 @@ use std::time::{Duration, Instant};
 /// Time between two frames.
 const PERIOD: Duration = Duration::from_millis(100);
 /// Most points of the drive in one frame.
-const MAX_POINTS: usize = 20;
+const MAX_POINTS: usize = 100;
+/// Steps after which there is a point even if nobody told of the other vehicles.
+const STEPS: u64 = 10;
 
 /// What is new since the last frame.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -24,6 +27,8 @@ pub struct Frame {
     pub mode: String,
     /// Quality of its last command.
     pub quality: &'static str,
+    /// Rung of the controller on the degradation ladder.
+    pub rung: &'static str,
     /// Radar acquisition to the controller's answer, over the whole run, µs.
     pub answer_us: Option<Percentiles>,
     /// What went wrong since the last frame.
@@ -79,6 +84,7 @@ pub struct LiveFeed {
     last: Point,
     mode: Option<u32>,
     quality: u32,
+    rung: Rung,
 }
 
 impl LiveFeed {
@@ -96,6 +102,7 @@ impl LiveFeed {
             last: Point::default(),
             mode: None,
             quality: 0,
+            rung: Rung::Full,
         }
     }
 
@@ -127,19 +134,21 @@ impl LiveFeed {
         for cycle in &cycles[self.cycles..] {
             self.answers_of(cycle);
             (self.mode, self.quality) = (Some(cycle.mode), cycle.quality);
+            self.rung = Rung::from_wire(cycle.rung).unwrap_or(self.rung);
         }
         let mut truths = truths[self.truths..].iter().peekable();
         let mut requests = cycles[self.cycles..].iter().peekable();
-        let new = &odometries[self.odometries..];
-        let stride = new.len().div_ceil(MAX_POINTS).max(1);
-        let mut points = Vec::with_capacity(MAX_POINTS);
-        for (index, odometry) in new.iter().enumerate() {
+        let mut points = Vec::new();
+        for odometry in &odometries[self.odometries..] {
             let step = odometry.header.step;
             while let Some(cycle) = requests.next_if(|cycle| cycle.header.step <= step) {
                 self.last.request_mps2 = Some(cycle.request_mps2);
             }
+            // Where a gap is fresh: in between it would be a staircase.
+            let mut fresh = step.is_multiple_of(STEPS);
             while let Some(truth) = truths.next_if(|truth| truth.header.step <= step) {
                 self.truths += 1;
+                fresh = true;
                 let ahead = truth.nearest_ahead(odometry.position_m);
                 self.last.gap_m = ahead.map(|(gap_m, _)| gap_m);
                 self.last.lead_speed_mps = ahead.map(|(_, speed_mps)| speed_mps);
@@ -147,10 +156,12 @@ impl LiveFeed {
             self.last.t_s = odometry.header.acquisition_ns as f64 / 1e9;
             self.last.speed_mps = odometry.speed_mps;
             self.last.acceleration_mps2 = odometry.acceleration_mps2;
-            if index % stride == 0 {
+            if fresh {
                 points.push(self.last);
             }
         }
+        let stride = points.len().div_ceil(MAX_POINTS).max(1);
+        let points = points.into_iter().step_by(stride).collect();
         self.odometries = odometries.len();
         self.cycles = cycles.len();
         let events = moment.faults[self.faults..].iter().map(event).collect();
@@ -160,6 +171,7 @@ impl LiveFeed {
             points,
             mode: self.mode.map_or_else(String::new, |mode| self.mode_name(mode)),
             quality: ["full", "relaxed", "backup"][self.quality.min(2) as usize],
+            rung: self.rung.name(),
             answer_us: self.answers.percentiles_us(),
             events,
         }

@@ -102,7 +102,7 @@ fn draw(screen: &mut Screen<'_>, title: &str, history: &History) {
     let [head, charts, figures, foot] = Layout::vertical([
         Constraint::Length(1),
         Constraint::Min(9),
-        Constraint::Length(6),
+        Constraint::Length(7),
         Constraint::Length(1),
     ])
     .areas(screen.area());
@@ -122,7 +122,7 @@ fn draw(screen: &mut Screen<'_>, title: &str, history: &History) {
             ("ahead", Color::Yellow, ego(|point| point.lead_speed_mps)),
         ],
     );
-    strip(screen, gap, history, "gap, m", &[("gap", Color::LightBlue, ego(|point| point.gap_m))]);
+    strip(screen, gap, history, "gap, m", &[("", Color::LightBlue, ego(|point| point.gap_m))]);
     strip(
         screen,
         request,
@@ -151,20 +151,24 @@ fn state(history: &History) -> Vec<Line<'static>> {
     let newest = &history.newest;
     let answer = newest.answer_us.map_or_else(
         || "radar to answer  –".to_owned(),
-        |p| {
-            let [p50, p99, max] = [p.p50, p.p99, p.max].map(duration);
-            format!("radar to answer  p50 {p50}, p99 {p99}, max {max} (n = {})", p.count)
-        },
+        |p| format!("radar to answer  p50 {}, p99 {}", duration(p.p50), duration(p.p99)),
     );
+    let worst = newest.answer_us.map_or_else(String::new, |p| {
+        format!("                 max {} (n = {})", duration(p.max), p.count)
+    });
     let point = history.points.back().copied().unwrap_or_default();
     let gap = point.gap_m.map_or_else(|| "–".to_owned(), |gap| format!("{gap:.1} m"));
     vec![
         Line::raw(format!("speed {:.1} m/s, gap {gap}", point.speed_mps)),
         Line::raw(format!("mode  {}", newest.mode)),
-        Line::raw(format!("commands  {}", newest.quality)),
+        Line::raw(format!("rung  {}, commands {}", newest.rung, newest.quality)),
         Line::raw(answer),
+        Line::raw(worst),
     ]
 }
+
+/// A named curve with its colour.
+type Strand<'a> = (&'a str, Color, Vec<(f64, f64)>);
 
 /// A strip chart of named curves over the window.
 fn strip(
@@ -172,7 +176,7 @@ fn strip(
     area: Rect,
     history: &History,
     title: &str,
-    curves: &[(&str, Color, Vec<(f64, f64)>)],
+    curves: &[Strand<'_>],
 ) {
     let (from, to) = history.window();
     let values = || curves.iter().flat_map(|curve| &curve.2).map(|point| point.1);
@@ -180,12 +184,15 @@ fn strip(
         (value.min(low), value.max(high))
     });
     let (low, high) = if low > high { (0.0, 1.0) } else { (low, high.max(low + 1.0)) };
+    let names = curves
+        .iter()
+        .map(|(name, colour, _)| Span::styled(format!("  {name}"), Style::default().fg(*colour)));
+    let title = Line::from_iter([Span::raw(title.to_owned())].into_iter().chain(names));
     let datasets = curves
         .iter()
         .filter(|curve| !curve.2.is_empty())
-        .map(|(name, colour, points)| {
+        .map(|(_, colour, points)| {
             Dataset::default()
-                .name(*name)
                 .marker(Marker::Braille)
                 .graph_type(GraphType::Line)
                 .style(Style::default().fg(*colour))
@@ -219,6 +226,7 @@ mod tests {
             points: points.collect(),
             mode: "follow".into(),
             quality: "full",
+            rung: "lead-predicted",
             events: vec![LiveEvent { t_s: 3.25, what: "kill controller".into() }],
             ..Frame::default()
         });
@@ -236,11 +244,11 @@ mod tests {
         let text = picture(100, 40, &history());
         for part in [
             "cacc-a · cacc-mpc  9.9 s",
-            "speed, m/s",
+            "speed, m/s  ego  ahead",
             "gap, m",
             "acceleration, m/s²",
             "mode  follow",
-            "commands  full",
+            "rung  lead-predicted, commands full",
             "3.250 s  kill controller",
             "q ends the run",
         ] {

@@ -2,10 +2,12 @@
 
 use super::{count, open};
 use crate::error::Error;
+use crate::group::is_alive;
 use crate::print;
 use clap::Args;
 use recorder::Recording;
 use serde_json::json;
+use shared::runtime::Group;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -27,6 +29,12 @@ pub struct RecoverArguments {
 /// Runs the command.
 pub fn run(arguments: &RecoverArguments) -> Result<ExitCode, Error> {
     let broken = open(&arguments.run)?;
+    if arguments.out.is_none() && is_being_recorded(broken.path()) {
+        let path = broken.path().display();
+        return Err(Error::Usage(format!(
+            "{path} is still being recorded: wait for its run's end"
+        )));
+    }
     let damage: Vec<_> = broken.damage().iter().map(ToString::to_string).collect();
     let whole = damage.is_empty() && arguments.out.is_none();
     let (path, tally) = if whole {
@@ -61,6 +69,12 @@ pub fn run(arguments: &RecoverArguments) -> Result<ExitCode, Error> {
     text.push_str(&format!("  results        {}\n", path.display()));
     print::out(&text);
     Ok(ExitCode::SUCCESS)
+}
+
+/// True if the run whose recording this is goes on.
+fn is_being_recorded(path: &Path) -> bool {
+    let live = std::fs::read_to_string(path.with_file_name("live.json")).unwrap_or_default();
+    serde_json::from_str(&live).is_ok_and(|group: Group| is_alive(&group.root))
 }
 
 /// Writes the whole file beside the broken one, then puts it in its place or where it was asked for.

@@ -72,6 +72,21 @@ pub fn acceleration(run: &RunPicture) -> Plot {
     Plot::over_time("Acceleration and request", run.duration_s, "m/s²", curves).marked(&marks(run))
 }
 
+/// Gear, torque and brakes of a truck; nothing for a car.
+pub fn powertrain(run: &RunPicture) -> Vec<Plot> {
+    let plot = |title: &str, unit: &str, tone: Tone, points: &[(f64, f64)]| {
+        let curve = Curve::new(title, tone, points.to_vec()).steps();
+        Plot { height: 120.0, ..Plot::over_time(title, run.duration_s, unit, vec![curve]) }
+    };
+    let plots = [
+        plot("Gear", "number", EGO, &run.gear),
+        plot("Engine torque", "kN m", REQUEST, &run.engine_torque_knm),
+        plot("Service brakes", "kN", AHEAD, &run.service_brake_kn),
+    ];
+    let told = plots.into_iter().filter(|plot| !plot.curves.is_empty());
+    told.map(|plot| plot.marked(&marks(run))).collect()
+}
+
 /// True if the actuators were asked for something other than the newest request.
 fn bounded(run: &RunPicture) -> bool {
     let mut requests = run.request_mps2.iter().peekable();
@@ -144,14 +159,16 @@ const fn phase_tone(phase: Phase) -> Tone {
 pub fn modes(run: &RunPicture) -> Option<Bands> {
     let mut tones = Tones::default();
     let mut rows = Vec::new();
-    for (name, phases, plain) in [
-        ("mode of the law", &run.modes, None),
-        ("quality of the commands", &run.quality, Some("full")),
-        ("rung of degradation", &run.rungs, None),
-    ] {
+    let rungs = run.rungs.iter();
+    let rungs = rungs.map(|(who, rungs)| (format!("rung of the {who}"), rungs, Some("full")));
+    let law = [
+        ("mode of the law".to_owned(), &run.modes, None),
+        ("quality of the commands".to_owned(), &run.quality, Some("full")),
+    ];
+    for (name, phases, plain) in law.into_iter().chain(rungs) {
         let ordinary = phases.iter().all(|phase| Some(phase.label.as_str()) == plain);
         if !ordinary {
-            rows.push(Row { name: name.into(), spans: spans(phases, &mut tones) });
+            rows.push(Row { name, spans: spans(phases, &mut tones) });
         }
     }
     let title = "Modes and degradation".into();
@@ -225,7 +242,11 @@ mod tests {
             }],
             modes: vec![phase(0.0, 5.0, "cruise"), phase(5.0, 10.0, "follow")],
             quality: vec![phase(0.0, 10.0, "full")],
-            rungs: vec![phase(0.0, 3.0, "full function"), phase(3.0, 10.0, "radar stale")],
+            rungs: [
+                ("controller", vec![phase(0.0, 3.0, "full"), phase(3.0, 10.0, "lead-lost")]),
+                ("plant", vec![phase(0.0, 10.0, "full")]),
+            ]
+            .into(),
             faults: vec![FaultMark {
                 t_s: 3.0,
                 label: "kill controller".into(),
@@ -263,9 +284,17 @@ mod tests {
     fn rows_that_say_nothing_are_left_out() {
         let bands = modes(&synthetic()).expect("modes");
         let names: Vec<_> = bands.rows.iter().map(|row| row.name.as_str()).collect();
-        assert_eq!(names, ["mode of the law", "rung of degradation"]);
+        assert_eq!(names, ["mode of the law", "rung of the controller"]);
         assert!(modes(&RunPicture::default()).is_none());
         assert!(gap(&RunPicture::default()).is_none());
+    }
+
+    #[test]
+    fn a_truck_shows_its_gears_and_a_car_does_not() {
+        assert!(powertrain(&synthetic()).is_empty());
+        let truck = RunPicture { gear: vec![(0.0, 8.0), (5.0, 9.0)], ..synthetic() };
+        let titles: Vec<_> = powertrain(&truck).into_iter().map(|plot| plot.title).collect();
+        assert_eq!(titles, ["Gear"]);
     }
 
     #[test]

@@ -18,6 +18,7 @@ mod timing;
 pub use compare::overlay;
 pub use picture::RunPicture;
 pub use run::{page as run_page, pictures as run_pictures};
+pub use timing::{Distribution, distributions};
 
 /// Name of the page in the results' directory.
 pub const FILE: &str = "report.html";

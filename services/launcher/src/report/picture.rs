@@ -5,10 +5,13 @@ use controller::laws;
 use plant::referee::DesiredGap;
 use shared::Service;
 use shared::messages::VehicleTruth;
-use shared::report::{ChainCurves, Details, WorstChain};
+use shared::report::{Details, WorstChain};
+use shared::rung::{Rung, Rungs};
 use shared::scenario::Scenario;
 use shared::scenario::controller::ControllerName;
 use shared::scenario::v2x::Phase;
+use shared::statistics::QuantileCurve;
+use std::collections::BTreeMap;
 use v2x_sim::program::Program;
 
 /// (Run time in s, value). A value that is not finite means that there was none from there on.
@@ -39,6 +42,12 @@ pub struct RunPicture {
     pub gap_m: Points,
     /// Gap that the law aims at, m.
     pub desired_gap_m: Points,
+    /// Gear of a truck, counted from 1.
+    pub gear: Points,
+    /// Torque of its engine at the crankshaft, kN m.
+    pub engine_torque_knm: Points,
+    /// Force of its service brakes, kN.
+    pub service_brake_kn: Points,
     /// The other vehicles.
     pub actors: Vec<ActorPath>,
     /// The signals.
@@ -47,12 +56,12 @@ pub struct RunPicture {
     pub modes: Vec<Phased>,
     /// Quality of the commands.
     pub quality: Vec<Phased>,
-    /// Rungs of the degradation ladder.
-    pub rungs: Vec<Phased>,
+    /// Rungs of the degradation ladder, by service.
+    pub rungs: BTreeMap<&'static str, Vec<Phased>>,
     /// Faults, in order of time.
     pub faults: Vec<FaultMark>,
-    /// Latencies of the chain's parts.
-    pub latencies: ChainCurves,
+    /// Distributions of the reaction time and its parts, by name.
+    pub latencies: BTreeMap<String, QuantileCurve>,
     /// The chains with the longest reaction times, longest first.
     pub worst_chains: Vec<WorstChain>,
 }
@@ -108,9 +117,19 @@ impl RunPicture {
         run.faults = group.faults.iter().map(fault).collect();
         run.faults.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
         for report in group.reports.values() {
-            if let Details::Plant(plant) = &report.details {
-                run.latencies = plant.curves.clone();
-                run.worst_chains.clone_from(&plant.worst_chains);
+            let name = report.service.name();
+            match &report.details {
+                Details::Plant(plant) => {
+                    let whole = plant.histograms.iter();
+                    let whole = whole.map(|(name, h)| (name.clone(), h.quantile_curve()));
+                    run.latencies = whole.collect();
+                    run.worst_chains.clone_from(&plant.worst_chains);
+                    run.rungs.insert(name, rungs(&plant.rungs, run.duration_s));
+                }
+                Details::Controller(controller) => {
+                    run.rungs.insert(name, rungs(&controller.rungs, run.duration_s));
+                }
+                Details::None => {}
             }
         }
         run
@@ -151,6 +170,9 @@ impl RunPicture {
             lead_speed_mps: ahead(|step| step.lead_speed_mps),
             gap_m: ahead(|step| step.gap_m),
             desired_gap_m: desired_gap(scenario, drive),
+            gear: series(|step| step.powertrain.map(|p| f64::from(p.gear))),
+            engine_torque_knm: series(|step| step.powertrain.map(|p| p.engine_torque_nm / 1e3)),
+            service_brake_kn: series(|step| step.powertrain.map(|p| p.service_brake_n / 1e3)),
             actors: actors(scenario, &drive.vehicles),
             signals: signals(scenario, duration_s),
             modes: phases(steps.iter().filter_map(|s| Some((s.time_s, s.mode?))), duration_s, mode),
@@ -159,12 +181,19 @@ impl RunPicture {
                 duration_s,
                 quality,
             ),
-            rungs: Vec::new(),
+            rungs: BTreeMap::new(),
             faults: Vec::new(),
-            latencies: ChainCurves::default(),
+            latencies: BTreeMap::new(),
             worst_chains: Vec::new(),
         }
     }
+}
+
+/// The rungs that a service was on; a service that reported was on one all the time.
+fn rungs(rungs: &Rungs, until_s: f64) -> Vec<Phased> {
+    let first = rungs.changes.first().map_or(Rung::Full, |change| change.from);
+    let changes = rungs.changes.iter().map(|change| (change.t_s, change.to));
+    phases([(0.0, first)].into_iter().chain(changes), until_s, |rung| rung.name().to_owned())
 }
 
 /// A fault in words.

@@ -147,6 +147,8 @@ pub fn pictures(run: &RunPicture) -> String {
     let mut left: Vec<&dyn Picture> = vec![&speed];
     left.extend(gap.as_ref().map(|gap| gap as &dyn Picture));
     left.push(&acceleration);
+    let powertrain = drive::powertrain(run);
+    left.extend(powertrain.iter().map(|plot| plot as &dyn Picture));
     let mut right: Vec<&dyn Picture> = vec![&road];
     right.extend(modes.as_ref().map(|modes| modes as &dyn Picture));
     format!("<div class=\"grid\">\n{}{}</div>\n", stack(&left), stack(&right))
@@ -201,7 +203,7 @@ fn machine(summary: &Summary) -> String {
         ("service", Column::Text),
         ("granted", Column::Text),
         ("asked for", Column::MoreText),
-        ("core", Column::Number),
+        ("core", Column::Text),
         ("memory", Column::Text),
         ("peak", Column::Number),
         ("restarts", Column::MoreNumber),

@@ -6,50 +6,67 @@ use super::picture::RunPicture;
 use crate::print::duration;
 use crate::summary::Summary;
 use shared::report::{HopTimes, WorstChain};
-use shared::statistics::{Percentiles, QuantileCurve};
+use shared::statistics::{Latencies, Percentiles, QuantileCurve};
 
 /// Chains drawn as timelines; the table has them all.
 const DRAWN_CHAINS: usize = 5;
 
-/// The hops in order of time, with their colours. Waits are dotted, work is dashed, what the
+/// The hops in order of time: name of the figure, name for readers, colour. Waits are dotted, work is dashed, what the
 /// transport takes is solid.
-const HOPS: [(&str, Tone, Stroke); 7] = [
-    ("radar publishes", Tone::Series(1), Stroke::Dashed),
-    ("waits for the controller", Tone::Series(5), Stroke::Dotted),
-    ("controller wakes", Tone::Series(2), Stroke::Solid),
-    ("controller computes", Tone::Series(3), Stroke::Dashed),
-    ("waits for the plant", Tone::Muted, Stroke::Dotted),
-    ("plant wakes", Tone::Series(4), Stroke::Solid),
-    ("plant actuates", Tone::Series(6), Stroke::Dashed),
+const HOPS: [(&str, &str, Tone, Stroke); 7] = [
+    ("radar_publish", "radar publishes", Tone::Series(1), Stroke::Dashed),
+    ("controller_queue", "waits for the controller", Tone::Series(5), Stroke::Dotted),
+    ("radar_transport", "controller wakes", Tone::Series(2), Stroke::Solid),
+    ("controller_compute", "controller computes", Tone::Series(3), Stroke::Dashed),
+    ("command_wait", "waits for the plant", Tone::Muted, Stroke::Dotted),
+    ("command_transport", "plant wakes", Tone::Series(4), Stroke::Solid),
+    ("actuate", "plant actuates", Tone::Series(6), Stroke::Dashed),
 ];
 
 /// Distributions of the chain's hops on a logarithmic axis; none without samples.
 pub fn latencies(run: &RunPicture, count: u64) -> Option<Plot> {
-    let curves = &run.latencies;
-    let hops = [
-        &curves.radar_publish,
-        &curves.controller_queue,
-        &curves.radar_transport,
-        &curves.controller_compute,
-        &curves.command_wait,
-        &curves.command_transport,
-        &curves.actuate,
-    ];
     let whole = [
-        ("reaction time", Tone::Series(0), Stroke::Solid),
-        ("without designed waits", Tone::Series(7), Stroke::Dashed),
+        ("reaction_time", "reaction time", Tone::Series(0), Stroke::Solid),
+        ("net_reaction", "without designed waits", Tone::Series(7), Stroke::Dashed),
     ];
-    let named = whole.iter().zip([&curves.reaction_time, &curves.net_reaction]);
-    let named = named.chain(HOPS.iter().zip(hops));
-    let drawn: Vec<_> = named
-        .filter(|(_, curve)| curve.iter().any(|point| point.1 > 0.0))
-        .map(|((name, tone, stroke), curve)| {
-            Curve::new(name, *tone, distribution(curve, count)).stroke(*stroke)
-        })
-        .collect();
+    let drawn = whole.iter().chain(&HOPS).filter_map(|(figure, name, tone, stroke)| {
+        let curve = run.latencies.get(*figure)?;
+        curve
+            .iter()
+            .any(|point| point.1 > 0.0)
+            .then(|| Curve::new(name, *tone, distribution(curve, count)).stroke(*stroke))
+    });
+    cumulative(&format!("Latency of each hop (n = {count})"), count, drawn.collect())
+}
+
+/// A distribution to be drawn.
+pub struct Distribution<'a> {
+    /// Name for the legend.
+    pub label: String,
+    /// Colour.
+    pub tone: Tone,
+    /// Stroke.
+    pub stroke: Stroke,
+    /// The samples.
+    pub latencies: &'a Latencies,
+}
+
+/// Distributions over each other; none without samples.
+pub fn distributions(title: &str, drawn: &[Distribution<'_>]) -> Option<Plot> {
+    let most = drawn.iter().map(|drawn| drawn.latencies.count()).max()?;
+    let drawn = drawn.iter().filter(|drawn| drawn.latencies.count() > 0);
+    let curves = drawn.map(|drawn| {
+        let latencies = drawn.latencies;
+        let points = distribution(&latencies.quantile_curve(), latencies.count());
+        Curve::new(&drawn.label, drawn.tone, points).stroke(drawn.stroke)
+    });
+    cumulative(title, most, curves.collect())
+}
+
+fn cumulative(title: &str, count: u64, drawn: Vec<Curve>) -> Option<Plot> {
     let x = Axis::durations("latency", drawn.iter().flat_map(|c| &c.points).map(|p| p.0));
     (!drawn.is_empty()).then(|| Plot {
-        title: format!("Latency of each hop (n = {count})"),
+        title: title.to_owned(),
         x,
         y: Axis::percentiles("share of the samples at or below", count),
         height: 320.0,
@@ -97,7 +114,7 @@ fn spans(hops: &HopTimes) -> Vec<Span> {
     ];
     let mut from = 0.0;
     let mut spans = Vec::new();
-    for ((label, tone, _), length_us) in HOPS.iter().zip(lengths_us) {
+    for ((_, label, tone, _), length_us) in HOPS.iter().zip(lengths_us) {
         let to = from + length_us / 1e3;
         if length_us > 0.0 {
             spans.push(Span { from, to, label: (*label).to_owned(), tone: *tone });

@@ -79,9 +79,10 @@ pub fn run(arguments: &SweepArguments) -> Result<ExitCode, Error> {
     let runs = runs.into_iter().flatten().collect();
     let sweep = Sweep::new(&arguments.scenario, mode, &params, runs);
     let json = serde_json::to_string_pretty(&sweep).expect("plain data") + "\n";
-    output.write("sweep.csv", sweep.csv().as_bytes())?;
-    output.write("sweep.json", json.as_bytes())?;
-    output.write(report::FILE, page::page(&sweep).as_bytes())?;
+    let written = output
+        .write("sweep.csv", sweep.csv().as_bytes())
+        .and_then(|()| output.write("sweep.json", json.as_bytes()))
+        .and_then(|()| output.write(report::FILE, page::page(&sweep).as_bytes()));
     // What an interrupt left undone is missing; what was done is kept.
     if end.is_ok() && arguments.json {
         print::out(&json);
@@ -90,6 +91,8 @@ pub fn run(arguments: &SweepArguments) -> Result<ExitCode, Error> {
         print::out(&format!("results: {}\n", output.path().display()));
         print::out(&format!("report:  {}\n", output.path().join(report::FILE).display()));
     }
+    // What was measured has been told before a full disk is.
+    written?;
     end?;
     let whole = sweep.runs.iter().all(|run| run.outcome == Outcome::Completed);
     Ok(if whole { ExitCode::SUCCESS } else { ExitCode::FAILURE })

@@ -16,7 +16,11 @@ pub fn page(sweep: &Sweep) -> String {
         format!("{whole} of {} runs without a collision or a red light", sweep.runs.len());
     let plots = plots(sweep);
     let curves: String = plots.iter().map(|plot| figure(plot)).collect();
-    let curves = if curves.is_empty() { curves } else { section("Figures", &curves) };
+    let curves = if curves.is_empty() {
+        curves
+    } else {
+        section("Figures", &format!("<div class=\"grid\">\n{curves}</div>\n"))
+    };
     document(
         &format!("Sweep of {}", sweep.scenario),
         &format!("{} over {}", sweep.mode, sweep.params.join(", ")),

@@ -124,8 +124,6 @@ mod tests {
     fn a_list_is_taken_as_it_is() {
         assert_eq!(of("controller.name=acc-mpc, six-mode"), ["acc-mpc", "six-mode"]);
         assert_eq!(of("x=../a.json,../b.json"), ["../a.json", "../b.json"]);
-        assert_eq!(Param::parse("x=1,2.5").expect("good").numbers(), Some(vec![1.0, 2.5]));
-        assert_eq!(Param::parse("x=1,b").expect("good").numbers(), None);
     }
 
     #[test]

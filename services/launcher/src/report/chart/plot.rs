@@ -82,13 +82,18 @@ impl Plot {
     /// A plot over the run's time whose vertical axis holds all curves; those without a point are
     /// left out.
     pub fn over_time(title: &str, until_s: f64, unit: &str, curves: Vec<Curve>) -> Self {
+        Self::over(title, Axis::time(until_s), unit, curves)
+    }
+
+    /// The same over another axis.
+    pub fn over(title: &str, x: Axis, unit: &str, curves: Vec<Curve>) -> Self {
         let mut curves = curves;
         curves.retain(|curve| curve.points.iter().any(|point| point.1.is_finite()));
         let values = curves.iter().flat_map(|curve| &curve.points).map(|point| point.1);
         let y = Axis::holding(unit, values);
         Self {
             title: title.into(),
-            x: Axis::time(until_s),
+            x,
             y,
             height: 180.0,
             strips: Vec::new(),
@@ -265,7 +270,7 @@ mod tests {
             assert!(drawn.len() > 50, "{svg}");
             for (x, y) in drawn {
                 assert!(x >= LEFT - 0.1 && x <= width.px() - RIGHT + 0.1, "{x}");
-                assert!(y >= TOP - 0.1 && y <= TOP + 180.1, "{y}");
+                assert!((TOP - 0.1..=TOP + 180.1).contains(&y), "{y}");
             }
         }
     }

@@ -1,0 +1,71 @@
+//! What can be wrong with a recording.
+
+use std::fmt;
+use std::path::PathBuf;
+
+/// Why a file cannot be read as a recording at all.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// It cannot be opened.
+    #[error("cannot read {}: {reason}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        reason: std::io::Error,
+    },
+    /// It is no recording of timegap.
+    #[error("{} is not a recording of timegap: {reason}", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// What is missing.
+        reason: String,
+    },
+    /// Its messages have other layouts than this program's.
+    #[error(
+        "{} was recorded by {program} with other messages (`{topic}` differs): read it with that \
+         version", path.display()
+    )]
+    Layout {
+        /// The file.
+        path: PathBuf,
+        /// Who recorded it.
+        program: String,
+        /// A topic whose schema differs.
+        topic: String,
+    },
+}
+
+/// A part of a recording that could not be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Damage {
+    /// The file ends before its end: the recorder was killed, or the disk was full.
+    CutOff {
+        /// Bytes behind the last whole record.
+        bytes: u64,
+    },
+    /// A chunk in the middle is damaged and was left out.
+    Chunk {
+        /// Where it is in the file.
+        offset: u64,
+        /// Its length, bytes.
+        bytes: u64,
+        /// What is wrong with it.
+        reason: String,
+    },
+}
+
+impl fmt::Display for Damage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::CutOff { bytes: 0 } => f.write_str("the recording was never ended"),
+            Self::CutOff { bytes } => {
+                write!(f, "the recording was never ended; its last {bytes} bytes are no whole part")
+            }
+            Self::Chunk { offset, bytes, reason } => {
+                write!(f, "{bytes} bytes from byte {offset} on are damaged ({reason})")
+            }
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! `timegap trace`: what Perfetto's own definitions make of it.
+
+use serde_json::Value;
+use std::path::PathBuf;
+use std::process::Command;
+use system_tests::{Corner, text};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
+
+/// Reads a trace with the public protos and prints what a reader sees, as JSON.
+const READER: &str = r#"
+import collections, json, sys
+from perfetto.protos.perfetto.trace import perfetto_trace_pb2 as pb
+
+trace = pb.Trace()
+trace.ParseFromString(open(sys.argv[1], "rb").read())
+names, slices, open_slices, flows, counters, instants = {}, [], collections.defaultdict(list), collections.defaultdict(list), collections.Counter(), []
+last = 0
+for packet in trace.packet:
+    if packet.HasField("track_descriptor"):
+        names[packet.track_descriptor.uuid] = packet.track_descriptor.name
+    if not packet.HasField("track_event"):
+        continue
+    assert packet.timestamp >= last
+    last = packet.timestamp
+    event = packet.track_event
+    track = names[event.track_uuid]
+    for flow in event.flow_ids:
+        flows[flow].append(track)
+    for flow in event.terminating_flow_ids:
+        flows[flow].append(track)
+    if event.type == pb.TrackEvent.TYPE_SLICE_BEGIN:
+        open_slices[track].append((packet.timestamp, event.name, list(event.categories)))
+    elif event.type == pb.TrackEvent.TYPE_SLICE_END:
+        begin, name, categories = open_slices[track].pop()
+        slices.append([track, name, begin, packet.timestamp, categories])
+    elif event.type == pb.TrackEvent.TYPE_COUNTER:
+        counters[track] += 1
+    elif event.type == pb.TrackEvent.TYPE_INSTANT:
+        instants.append([track, event.name, list(event.categories)])
+assert not any(open_slices.values()), open_slices
+clocks = [c.clock_id for p in trace.packet if p.HasField("clock_snapshot") for c in p.clock_snapshot.clocks]
+print(json.dumps({"tracks": list(names.values()), "slices": slices, "flows": list(flows.values()),
+                  "counters": counters, "instants": instants, "clocks": clocks}))
+"#;
+
+/// A Python with PyPI's `perfetto`, in a virtual environment that later runs use again; none where
+/// there is no Python, no pip or no network.
+fn python() -> Option<PathBuf> {
+    let target = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
+    let environment = target.join("perfetto-venv");
+    let python = environment.join("bin/python");
+    let works = |python: &PathBuf| {
+        let import = "from perfetto.protos.perfetto.trace import perfetto_trace_pb2";
+        Command::new(python).args(["-c", import]).output().is_ok_and(|o| o.status.success())
+    };
+    if works(&python) {
+        return Some(python);
+    }
+    let made = Command::new("python3").args(["-m", "venv"]).arg(&environment).output();
+    let installed = made.is_ok_and(|output| output.status.success())
+        && Command::new(&python)
+            .args(["-m", "pip", "install", "--quiet", "perfetto", "protobuf"])
+            .output()
+            .is_ok_and(|output| output.status.success());
+    (installed && works(&python)).then_some(python)
+}
+
+fn read(python: &PathBuf, corner: &Corner) -> Value {
+    let trace = corner.path().join("out/trace.pftrace");
+    let output = Command::new(python).args(["-c", READER]).arg(trace).output().expect("it starts");
+    assert!(output.status.success(), "{}", text(&output));
+    serde_json::from_slice(&output.stdout).expect("the reader prints JSON")
+}
+
+#[test]
+fn perfetto_reads_what_was_written() {
+    let Some(python) = python() else {
+        println!("SKIPPED: no Python with PyPI's perfetto can be had here");
+        return;
+    };
+    let corner = Corner::new(PROGRAM);
+    let summary = corner.json(&["run", "--duration", "2", "--out", "out"]);
+    let written = corner.json(&["trace", "out"]);
+    let seen = read(&python, &corner);
+
+    let list = |key: &str| seen[key].as_array().expect("a list").clone();
+    let named = |name: &str| {
+        let tracks = list("tracks");
+        tracks.iter().any(|track| track.as_str().is_some_and(|track| track.starts_with(name)))
+    };
+    for service in ["perception-sim", "v2x-sim", "controller", "plant"] {
+        assert!(named(service), "{service}: {}", seen["tracks"]);
+    }
+    // A core has a track where a service was pinned to it.
+    for service in summary["services"].as_array().expect("services") {
+        if let Some(core) = service["scheduling"]["core"].as_u64() {
+            assert!(named(&format!("core {core}")), "{}", seen["tracks"]);
+        }
+    }
+    assert_eq!(list("clocks").len(), 2, "run time and the wall's clock");
+    for figure in ["speed", "request", "gap"] {
+        assert!(seen["counters"][figure].as_u64() > Some(0), "{figure}");
+    }
+
+    // Every cycle of the controller is a slice, and the arrows go the chain's way.
+    let slices = list("slices");
+    let of = |track: &str, name: &str| {
+        slices
+            .iter()
+            .filter(|s| s[0].as_str().is_some_and(|t| t.starts_with(track)) && s[1] == name)
+            .count() as u64
+    };
+    let cycles = summary["timing"]["cycles"].as_u64().expect("counted");
+    assert_eq!(of("controller", "cycle"), cycles);
+    assert!(of("plant", "cycle") >= 200, "{}", of("plant", "cycle"));
+    assert_eq!(
+        written["cycles"].as_u64(),
+        Some(slices.iter().filter(|s| s[1] == "cycle").count() as u64)
+    );
+    let chains = summary["timing"]["reaction_time_us"]["count"].as_u64().expect("counted");
+    let whole = list("flows")
+        .iter()
+        .filter(|flow| {
+            let way: Vec<_> = flow.as_array().into_iter().flatten().collect();
+            let on = |at: usize, name: &str| {
+                way.get(at).and_then(|t| t.as_str()).is_some_and(|t| t.starts_with(name))
+            };
+            way.len() == 3 && on(0, "perception-sim") && on(1, "controller") && on(2, "plant")
+        })
+        .count() as u64;
+    // The last command may have reached the plant after its last message.
+    assert!(whole + 1 >= chains && whole <= chains, "{whole} arrows of {chains} chains");
+
+    // What was missed is marked, and nothing else.
+    let missed = |items: Vec<Value>, at: usize| {
+        let marked = items.into_iter().filter(|item| {
+            item[at].as_array().into_iter().flatten().any(|category| category == "deadline-miss")
+        });
+        marked.count() as u64
+    };
+    assert_eq!(Some(missed(slices.clone(), 4)), written["deadline_misses"].as_u64());
+    assert_eq!(missed(list("instants"), 2), missed(slices, 4));
+}
+
+#[test]
+fn what_went_wrong_is_marked() {
+    let corner = Corner::new(PROGRAM);
+    let faults = "schema_version = 1\nname = \"stopped\"\nduration_s = 2\n\
+                  [[faults]]\nkind = \"stop\"\nservice = \"controller\"\nat_s = 0.55\nfor_s = 0.25\n";
+    std::fs::write(corner.path().join("stopped.toml"), faults).expect("written");
+    let run = corner.run(&["run", "stopped.toml", "--out", "out", "--json"]);
+    assert!(matches!(run.status.code(), Some(0 | 1)), "{}", text(&run));
+    let written = corner.json(&["trace", "out"]);
+    // The fault itself, and what a controller that stood still for two periods missed.
+    assert!(written["incidents"].as_u64() >= Some(2), "{written}");
+
+    let Some(python) = python() else {
+        println!("SKIPPED: no Python with PyPI's perfetto can be had here");
+        return;
+    };
+    let seen = read(&python, &corner);
+    let instants = seen["instants"].as_array().expect("a list");
+    let named = |track: &str, name: &str| {
+        instants.iter().any(|instant| {
+            instant[0].as_str().is_some_and(|t| t.starts_with(track)) && instant[1] == name
+        })
+    };
+    assert!(named("controller", "fault: stop"), "{instants:?}");
+    assert!(
+        named("controller", "deadline missed")
+            || named("controller", "release left out")
+            || named("controller", "back after restart 1"),
+        "{instants:?}"
+    );
+}
+
+#[test]
+fn what_is_no_recording_is_refused() {
+    let corner = Corner::new(PROGRAM);
+    let nothing = corner.run(&["trace", "nowhere"]);
+    assert_eq!(nothing.status.code(), Some(2), "{}", text(&nothing));
+    std::fs::write(corner.path().join("x.mcap"), "no recording").expect("written");
+    let foreign = corner.run(&["trace", "x.mcap"]);
+    assert_eq!(foreign.status.code(), Some(2), "{}", text(&foreign));
+    assert!(text(&foreign).contains("x.mcap"));
+}
