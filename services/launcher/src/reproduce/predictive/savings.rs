@@ -223,7 +223,11 @@ fn robustness(
             if what.starts_with("mass") { constant_speed(runner, preset, keys)?.0 } else { right };
         let (trip, _) =
             at_equal_time(runner, preset, "dynamic-programming", keys, baseline.as_ref())?;
-        let change = trip.zip(baseline).map(|(trip, baseline)| trip.against(&baseline));
+        // Unequal trip times are not compared.
+        let equal = trip
+            .zip(baseline)
+            .filter(|(trip, baseline)| trip.slower_than(baseline).abs() <= EQUAL_TIME_PERCENT);
+        let change = equal.map(|(trip, baseline)| trip.against(&baseline));
         rows.push(Row::shown(
             &format!("{}.{what}", preset.name()),
             "%",
