@@ -20,7 +20,12 @@ fn pid(child: &Child) -> i32 {
 
 /// A long realtime run that drives.
 fn started(corner: &Corner) -> Child {
-    let child = corner.start(&["run", "following", "--duration", "600", "--out", "out"]);
+    started_with(corner, &[])
+}
+
+fn started_with(corner: &Corner, more: &[&str]) -> Child {
+    let arguments = ["run", "following", "--duration", "600", "--out", "out"];
+    let child = corner.start(&[&arguments, more].concat());
     assert!(wait_for(|| corner.path().join("out/live.json").exists()), "never drove");
     child
 }
@@ -51,10 +56,10 @@ fn interrupt_and_termination() {
 }
 
 #[test]
-fn death_of_any_service() {
+fn death_of_any_service_that_is_not_to_be_restarted() {
     for service in SERVICES {
         let corner = Corner::new(PROGRAM);
-        let child = started(&corner);
+        let child = started_with(&corner, &["--set", "supervision.restart=\"never\""]);
         let roots = corner.roots();
         signal(corner.wait_for_process(service), Signal::KILL);
         let output = finished(child);
