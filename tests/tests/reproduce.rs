@@ -90,7 +90,7 @@ fn compare_puts_all_controllers_on_the_same_scenarios() {
         .collect();
     let mut expected = Vec::new();
     for scenario in ["following", "cut-in"] {
-        for controller in ["acc-mpc", "cacc-mpc", "six-mode", "quadratic-bounded"] {
+        for controller in ["acc-mpc", "cacc-mpc", "six-mode", "quadratic-bounded", "predictive"] {
             expected.push(format!("{scenario} {controller}"));
         }
     }

@@ -136,6 +136,11 @@ impl Perception {
         &self.list
     }
 
+    /// The traffic, for what of it outlives the process.
+    pub fn traffic(&mut self) -> &mut Traffic {
+        &mut self.traffic
+    }
+
     /// The other vehicles as they truly are, in the scenario's order.
     #[must_use]
     pub fn vehicles(&self) -> &[Vehicle] {

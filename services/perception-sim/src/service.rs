@@ -2,14 +2,14 @@
 
 use crate::perception::{Perception, TrackList};
 use crate::radar::Ego;
-use crate::traffic::Vehicle;
+use crate::traffic::{Kept, Vehicle};
 use bytemuck::Zeroable;
 use shared::messages::{
     Header, MAX_TRACKS, Odometry, Origins, RadarTracks, ServiceState, Track, TrackedTarget,
     VehicleTruth, VehicleTruthItem,
 };
 use shared::report::Details;
-use shared::runtime::{Cycle, Overrun, Runtime, RuntimeError};
+use shared::runtime::{Cycle, Keeper, Mode, Overrun, Runtime, RuntimeError};
 
 /// Runs traffic and radar in their group, to the end of the run.
 ///
@@ -22,12 +22,24 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     let mut tracks = runtime.publisher::<RadarTracks>()?;
     let mut truth = runtime.publisher::<VehicleTruth>()?;
     let start = Ego { speed_mps: scenario.plant.initial_speed_mps.value(), ..Ego::default() };
+    let mut keeper = match runtime.clock().mode() {
+        Mode::Realtime => Some(runtime.keeper::<Kept>()?),
+        Mode::Lockstep => None,
+    };
+    if runtime.is_restarted()
+        && let Some(kept) = keeper.as_mut().and_then(Keeper::restore)
+    {
+        perception.traffic().go_on_from(&kept);
+    }
     runtime.begin(&scenario)?;
     runtime.run_cycles(|runtime| {
         let Some(release) = runtime.next_release(Overrun::Skip) else { return Ok(Cycle::Last) };
         runtime.update(&mut odometry)?;
         let ego = odometry.newest().map_or(start, |odometry| ego_at(odometry, release.time_s));
         let list = *perception.step(release.scheduled_ns.unsigned_abs(), &ego);
+        if let Some(keeper) = &mut keeper {
+            keeper.keep(&perception.traffic().kept())?;
+        }
 
         // The referee's copy first: the plant may be waiting for it.
         let origins = Origins { odometry: odometry.origin(), ..Origins::NONE };

@@ -10,8 +10,9 @@
 //!
 //! and samples inside a step lie on its straight lines, as the ego's do.
 
+use serde::{Deserialize, Serialize};
 use shared::scenario::Scenario;
-use shared::scenario::actor::{Actor, LateralMotion, Profile, SpeedPoint};
+use shared::scenario::actor::{Actor, LateralMotion, MAX_ACTORS, Profile, SpeedPoint};
 use shared::scenario::plant::Integrator;
 
 /// Width of every vehicle, the ego included, m.
@@ -52,6 +53,10 @@ pub struct Traffic {
     vehicles: Vec<Vehicle>,
 }
 
+/// Where all vehicles are, as it outlives a process.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct Kept([Option<Base>; MAX_ACTORS]);
+
 /// A vehicle and what moves it.
 #[derive(Clone, Debug)]
 struct Mover {
@@ -64,7 +69,7 @@ struct Mover {
     base: Option<Base>,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Base {
     time_ns: u64,
     position_m: f64,
@@ -96,6 +101,24 @@ impl Traffic {
     pub fn advance(&mut self, time_ns: u64, ego_position_m: f64) {
         for (mover, vehicle) in self.movers.iter_mut().zip(&mut self.vehicles) {
             *vehicle = mover.advance(time_ns, ego_position_m);
+        }
+    }
+
+    /// Where everybody is, for a process that goes on in this one's place: vehicles do not vanish with
+    /// who simulates them.
+    #[must_use]
+    pub fn kept(&self) -> Kept {
+        let mut kept = Kept::default();
+        for (place, mover) in kept.0.iter_mut().zip(&self.movers) {
+            *place = mover.base;
+        }
+        kept
+    }
+
+    /// Goes on from what another process kept.
+    pub fn go_on_from(&mut self, kept: &Kept) {
+        for (mover, base) in self.movers.iter_mut().zip(kept.0) {
+            mover.base = base;
         }
     }
 
