@@ -269,16 +269,25 @@ fn domain(group: &Group) -> Result<Config, String> {
     let root = group.root.to_str().ok_or("the path is not UTF-8")?;
     config.global.prefix =
         FileName::new(group.prefix.as_bytes()).map_err(|e| format!("prefix: {e:?}"))?;
+    // The launcher cleans up after each death; a service that starts has no time for it.
+    config.global.node.cleanup_dead_nodes_on_creation = false;
+    config.global.node.cleanup_dead_nodes_on_destruction = false;
+    config.global.service.cleanup_dead_nodes_on_open = false;
     config.global.set_root_path(&Path::new(root.as_bytes()).map_err(|e| format!("path: {e:?}"))?);
     Ok(config)
 }
+
+/// How the name of the one object ends that iceoryx2 makes for all users.
+const NODE_TABLE: &str = ".global_mgmt";
 
 /// Takes from others what iceoryx2 grants them in the run's shared memory: a table of the nodes' ids
 /// that all users of one machine would share in a common domain. This domain is one user's own.
 fn keep_to_this_user(prefix: &str) -> std::io::Result<()> {
     for entry in std::fs::read_dir("/dev/shm")? {
         let entry = entry?;
-        if !entry.file_name().to_string_lossy().starts_with(prefix) {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        if !name.starts_with(prefix) || !name.ends_with(NODE_TABLE) {
             continue;
         }
         // A peer may have removed it meanwhile.
