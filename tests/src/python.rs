@@ -6,7 +6,8 @@ use std::process::{Command, Output};
 use std::sync::OnceLock;
 
 /// Packages from PyPI.
-const PACKAGES: [&str; 5] = [
+const PACKAGES: [&str; 6] = [
+    "autosar-e2e==1.0.0",
     "iceoryx2==0.10.0",
     "mcap==1.6.0",
     "mcap-ros2-support==0.6.0",
