@@ -2,9 +2,12 @@
 //! streams, as with every process of the group.
 
 use crate::Tally;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use shared::runtime::scheduling::Granted;
 use std::collections::BTreeMap;
+use std::io::{BufRead, Write};
+use std::sync::mpsc::{Receiver, channel};
 
 /// What the launcher says to the recorder. The end of the input means [`ToRecorder::Finish`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -48,4 +51,35 @@ pub struct Report {
     pub bytes: u64,
     /// Why the file ends early, if it does.
     pub failed: Option<String>,
+}
+
+/// Listens to the launcher: JSON lines on standard input.
+pub(crate) fn orders<Order: DeserializeOwned + Send + 'static>() -> Result<Receiver<Order>, String>
+{
+    let (sender, orders) = channel();
+    std::thread::Builder::new()
+        .name("link".into())
+        .spawn(move || {
+            for line in std::io::stdin().lock().lines().map_while(Result::ok) {
+                if let Ok(order) = serde_json::from_str(&line)
+                    && sender.send(order).is_err()
+                {
+                    return;
+                }
+            }
+        })
+        .map_err(text)?;
+    Ok(orders)
+}
+
+/// Tells the launcher something: a JSON line on standard output.
+pub(crate) fn say(message: &impl Serialize) {
+    let line = serde_json::to_string(message).expect("link messages are plain data");
+    // A launcher that is gone hears nothing.
+    let _ = writeln!(std::io::stdout().lock(), "{line}");
+}
+
+/// An error as text.
+pub(crate) fn text(error: impl std::fmt::Display) -> String {
+    error.to_string()
 }

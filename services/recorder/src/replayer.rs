@@ -1,16 +1,15 @@
 //! The replayer's process: sends the samples that a recorded controller used, as they were.
 
 use crate::Recording;
+use crate::link::{orders, say, text};
 use crate::takes::{Samples, inputs};
 use serde::{Deserialize, Serialize};
 use shared::messages::{
     Diagnostics, Map, Message, Odometry, Origin, Powertrain, Preview, RadarTracks, Spat, Topic,
 };
 use shared::runtime::{Group, Played, Player, RuntimeError, Tap, Tapped, log_warnings};
-use std::io::{BufRead, Write};
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
 /// Releases whose samples are sent ahead of their cycles: fewer than a topic's buffer holds.
@@ -150,32 +149,4 @@ impl Ports {
             _ => unreachable!("`inputs` names no other"),
         }
     }
-}
-
-/// Listens to the launcher.
-fn orders() -> Result<Receiver<ToReplayer>, String> {
-    let (sender, orders) = channel();
-    std::thread::Builder::new()
-        .name("link".into())
-        .spawn(move || {
-            for line in std::io::stdin().lock().lines().map_while(Result::ok) {
-                if let Ok(order) = serde_json::from_str(&line)
-                    && sender.send(order).is_err()
-                {
-                    return;
-                }
-            }
-        })
-        .map_err(text)?;
-    Ok(orders)
-}
-
-fn say(message: &FromReplayer) {
-    let line = serde_json::to_string(message).expect("link messages are plain data");
-    // A launcher that is gone hears nothing.
-    let _ = writeln!(std::io::stdout().lock(), "{line}");
-}
-
-fn text(error: impl std::fmt::Display) -> String {
-    error.to_string()
 }

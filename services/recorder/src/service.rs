@@ -6,12 +6,11 @@
 
 use crate::batch::{Batch, Taps};
 use crate::counter::Counter;
-use crate::link::{FromRecorder, Report, Start, ToRecorder};
+use crate::link::{FromRecorder, Report, Start, ToRecorder, orders, say, text};
 use crate::{Metadata, Recording, Tally, TopicTally, Writer};
 use shared::runtime::{Group, Mode, Tap, log_warnings, monotonic_ns};
 use shared::scenario::Scenario;
 use std::fs::File;
-use std::io::{BufRead, Write};
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -211,32 +210,4 @@ fn write(
             flushed = Instant::now();
         }
     }
-}
-
-/// Listens to the launcher.
-fn orders() -> Result<Receiver<ToRecorder>, String> {
-    let (sender, orders) = channel();
-    std::thread::Builder::new()
-        .name("link".into())
-        .spawn(move || {
-            for line in std::io::stdin().lock().lines().map_while(Result::ok) {
-                if let Ok(order) = serde_json::from_str(&line)
-                    && sender.send(order).is_err()
-                {
-                    return;
-                }
-            }
-        })
-        .map_err(text)?;
-    Ok(orders)
-}
-
-fn say(message: &FromRecorder) {
-    let line = serde_json::to_string(message).expect("link messages are plain data");
-    // A launcher that is gone hears nothing.
-    let _ = writeln!(std::io::stdout().lock(), "{line}");
-}
-
-fn text(error: impl std::fmt::Display) -> String {
-    error.to_string()
 }
