@@ -84,6 +84,20 @@ fn a_stopped_service_is_replaced_and_a_short_stop_is_not() {
 }
 
 #[test]
+fn a_busy_machine_is_endured_and_let_go_again() {
+    let faults = fault("hog", 0.3, "core = 0\nfor_s = 1") + &fault("memory", 0.5, "megabytes = 64");
+    let corner = corner(2.0, &faults);
+    let (status, summary) = run(&corner, "realtime");
+    assert_eq!((status, restarts(&summary)), (Some(0), vec![0; 4]), "{summary}");
+    assert_eq!(summary["faults"].as_array().map(Vec::len), Some(2), "{summary}");
+    for service in summary["services"].as_array().expect("a list") {
+        let heartbeats = service["heartbeats"]["count"].as_u64();
+        assert!((10..=25).contains(&heartbeats.expect("counted")), "{service}");
+    }
+    corner.expect_nothing_left(&[]);
+}
+
+#[test]
 fn a_service_that_dies_too_often_leads_to_a_stop_in_lane() {
     let storm = fault("restart-storm", 0.5, "service = \"controller\"\ntimes = 50");
     let budget = "[supervision]\nbudget = 3\n";

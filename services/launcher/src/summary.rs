@@ -1,6 +1,6 @@
 //! `summary.json`: stable names for what a run measured. A figure that does not apply is null.
 
-use crate::group::{Drive, Ended, FaultRecord, GroupOutcome, RecordingSummary};
+use crate::group::{Drive, Ended, FaultRecord, GroupOutcome, Heartbeats, RecordingSummary};
 use serde::{Deserialize, Serialize};
 use shared::Service;
 use shared::e2e::Outcomes;
@@ -96,6 +96,8 @@ pub struct TopicCounts {
 pub struct ServiceSummary {
     pub name: &'static str,
     pub restarts: u32,
+    /// Its signs of life, as the launcher heard them; null in lockstep.
+    pub heartbeats: Option<Heartbeats>,
     pub exit: Option<String>,
     pub peak_rss_kib: Option<u64>,
     /// Allocations of the loop, in programs whose allocator counts; null elsewhere.
@@ -180,6 +182,7 @@ impl Summary {
                 .map(|service| ServiceSummary {
                     name: service.name(),
                     restarts: group.restarts.get(&service).copied().unwrap_or(0),
+                    heartbeats: group.heartbeats.get(&service).copied(),
                     exit: group.exits.get(&service).cloned(),
                     peak_rss_kib: report(service).map(|report| report.peak_rss_kib),
                     allocations_in_loop: report(service)

@@ -2,7 +2,8 @@
 
 use shared::Service;
 use shared::messages::{
-    Command, Diagnostics, Header, Heartbeat, Odometry, Powertrain, RadarTracks, Spat, VehicleTruth,
+    Command, Diagnostics, Header, Heartbeat, Odometry, Powertrain, RadarTracks, ServiceState, Spat,
+    VehicleTruth,
 };
 use shared::report::ReceivedTopic;
 use shared::runtime::{Group, Mode, Observed, Observer, RuntimeError};
@@ -95,6 +96,8 @@ pub struct Sign {
     pub incarnation: u32,
     /// Cycles done so far.
     pub cycles: u64,
+    /// What it says of itself: true if some input is missing or stale.
+    pub degraded: bool,
 }
 
 impl DriveLog {
@@ -165,6 +168,7 @@ impl DriveLog {
                 service,
                 incarnation: m.header.incarnation,
                 cycles: m.cycles,
+                degraded: m.state == ServiceState::Degraded as u64,
             }));
         })
     }

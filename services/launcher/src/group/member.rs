@@ -1,8 +1,10 @@
 //! One service of the group over all its processes: policy, budget, signs of life.
 
+use super::drive::Sign;
 use super::processes::{Process, describe};
 use super::root::RunRoot;
 use crate::error::Error;
+use serde::Serialize;
 use shared::Service;
 use shared::report::ServiceReport;
 use shared::scenario::supervision::{Restart, Supervision};
@@ -45,8 +47,21 @@ pub struct Member {
     pub report: Option<ServiceReport>,
     /// Run time of the last sign of life, ns, and the cycles done then.
     sign: (i64, u64),
+    /// Its signs of life over all its processes.
+    pub heartbeats: Heartbeats,
     /// Run times of the restarts within the budget's window, ns.
     restarts: VecDeque<i64>,
+}
+
+/// Signs of life of a service.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Heartbeats {
+    /// How many.
+    pub count: u64,
+    /// In how many the service said of itself that some input was missing or stale.
+    pub degraded: u64,
+    /// Longest time without one, ms.
+    pub longest_silence_ms: f64,
 }
 
 /// What the supervisor is to do about a death.
@@ -78,6 +93,7 @@ impl Member {
             phase: Phase::Starting { since_ns: -1 },
             report: None,
             sign: (0, 0),
+            heartbeats: Heartbeats::default(),
             restarts: VecDeque::new(),
         })
     }
@@ -129,9 +145,14 @@ impl Member {
     }
 
     /// Notes a sign of life at `now_ns` with so many cycles done; none without progress.
-    pub fn sign_of_life(&mut self, incarnation: u32, cycles: u64, now_ns: i64) {
-        if incarnation == self.incarnation && cycles > self.sign.1 {
-            self.sign = (now_ns, cycles);
+    pub fn sign_of_life(&mut self, sign: &Sign, now_ns: i64) {
+        self.heartbeats.count += 1;
+        self.heartbeats.degraded += u64::from(sign.degraded);
+        let silent_ns = now_ns - self.sign.0;
+        self.heartbeats.longest_silence_ms =
+            self.heartbeats.longest_silence_ms.max(silent_ns as f64 / 1e6);
+        if sign.incarnation == self.incarnation && sign.cycles > self.sign.1 {
+            self.sign = (now_ns, sign.cycles);
         }
     }
 

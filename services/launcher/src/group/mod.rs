@@ -32,6 +32,7 @@ pub use disturbance::run as run_hog;
 pub use drive::{Drive, DriveStep, PowertrainStep};
 pub use faults::FaultRecord;
 pub use janitor::run as run_janitor;
+pub use member::Heartbeats;
 pub use processes::{Janitor, this_program};
 pub use recording::RecordingSummary;
 pub use replay::{Replayed, replay};

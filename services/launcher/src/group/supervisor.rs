@@ -4,7 +4,7 @@ use super::control;
 use super::drive::{Drive, DriveLog};
 use super::events::{Event, follow_signals};
 use super::faults::{FaultRecord, Faults};
-use super::member::{Member, Phase};
+use super::member::{Heartbeats, Member, Phase};
 use super::processes::Janitor;
 use super::recording::{RecorderProcess, RecordingSummary};
 use super::root::{RunRoot, check_room};
@@ -77,6 +77,8 @@ pub struct GroupOutcome {
     pub exits: BTreeMap<Service, String>,
     /// How often each service was restarted.
     pub restarts: BTreeMap<Service, u32>,
+    /// Each service's signs of life, in realtime.
+    pub heartbeats: BTreeMap<Service, Heartbeats>,
     /// What went wrong.
     pub faults: Vec<FaultRecord>,
     /// What the launcher heard of the drive.
@@ -270,6 +272,10 @@ impl Supervisor<'_> {
             reports,
             exits: BTreeMap::new(),
             restarts: self.members.iter().map(|m| (m.service(), m.incarnation())).collect(),
+            heartbeats: (self.members.iter())
+                .filter(|_| self.launch.mode == Mode::Realtime)
+                .map(|member| (member.service(), member.heartbeats))
+                .collect(),
             faults: std::mem::take(&mut self.faults.records),
             drive: log.finish()?,
             ready_after,

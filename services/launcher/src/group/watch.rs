@@ -255,7 +255,7 @@ impl Supervisor<'_> {
 
     fn hear_signs_of_life(&mut self, log: &mut DriveLog, now_ns: i64) {
         for sign in log.take_signs() {
-            self.member(sign.service).sign_of_life(sign.incarnation, sign.cycles, now_ns);
+            self.member(sign.service).sign_of_life(&sign, now_ns);
         }
         for (service, incarnation, published_ns) in log.take_first_messages() {
             self.faults.recovered(service, incarnation, published_ns);
