@@ -183,12 +183,11 @@ impl Supervisor<'_> {
         let policy = self.launch.scenario.supervision;
         let member = self.member(service);
         let how = member.how_it_ended(EXIT_GRACE);
-        // Only now: what a dying process still holds is not to be taken from it.
-        log.remove_dead();
         let awaits = self.member(service).incarnation() + 1;
         self.faults.detected(service, "died", awaits, now_ns);
         self.faults.replaced(service);
         if self.launch.mode == Mode::Lockstep || course.ended != Ended::Orderly {
+            log.remove_dead();
             self.break_off(service, how, course);
             return Ok(());
         }
@@ -206,6 +205,8 @@ impl Supervisor<'_> {
             }
             Verdict::GiveUp | Verdict::EndRun => self.break_off(service, how, course),
         }
+        // While the next process starts: there is room on every topic for it beside its dead self.
+        log.remove_dead();
         Ok(())
     }
 
