@@ -7,7 +7,7 @@
 //! | [`Rung::SolveFailed`] | controller | the law used its backup, or the cycle missed its deadline | three releases in a row in order |
 //! | [`Rung::LeadPredicted`] | controller | no valid `radar/tracks` for three of its periods and the radar's latency | two releases in a row with a fresh one |
 //! | [`Rung::LeadLost`] | controller | the same for 1 s longer, or at the start none yet for as long | five releases in a row with a fresh one |
-//! | [`Rung::Silent`] | controller | no valid `vehicle/odometry` for 0.1 s | two releases in a row with a fresh one |
+//! | [`Rung::Silent`] | controller | no valid `vehicle/odometry` for 0.1 s, or one that contradicts itself | two releases in a row with a fresh one |
 //! | [`Rung::PlanFollowed`] | plant | a control period passed without a new valid command | a valid command |
 //! | [`Rung::StopInLane`] | plant | the plan was followed for `plant.fallback.follow_plan_s`, or the launcher asked for it | a valid command; never, if the launcher asked |
 //! | [`Rung::Emergency`] | plant | on the two before: the truth ahead needs more | standstill, or a valid command |

@@ -8,6 +8,7 @@ pub mod ladder;
 pub mod law;
 pub mod laws;
 mod planning;
+pub mod plausibility;
 pub mod predictive;
 pub mod quadratic_bounded;
 pub mod sampling;

@@ -3,6 +3,7 @@
 use crate::ladder::{Admission, Ages, Ladder};
 use crate::law::{Input, Law, MAX_PLAN, Output, Quality};
 use crate::planning::PlanningThread;
+use crate::plausibility::Motion;
 use crate::sampling::{Samples, Setting, input};
 use shared::messages::{
     Command, Diagnostics, FIGURES, Header, Map, Message, Odometry, Origin, Origins, PLAN_LEN,
@@ -73,6 +74,7 @@ struct Loop {
     diagnostics: Publisher<Diagnostics>,
     output: Output,
     ladder: Ladder,
+    motion: Motion,
     rungs: RungLog,
     /// The last command came from the ladder, not from the law.
     braked: bool,
@@ -122,6 +124,7 @@ impl Loop {
             diagnostics: runtime.publisher()?,
             output,
             ladder: Ladder::new(scenario),
+            motion: Motion::default(),
             rungs: RungLog::default(),
             braked: false,
             solve: Latencies::default(),
@@ -169,7 +172,10 @@ impl Loop {
             powertrain: self.truck.as_ref().and_then(|truck| truck.powertrain.newest()),
             preview: self.truck.as_ref().and_then(|truck| truck.preview.newest()),
         };
-        let trust = self.ladder.look(&self.ages(release.time_s), release.time_s);
+        let plausible = self.odometry.newest().is_none_or(|sample| self.motion.agrees(sample));
+        let mut ages = self.ages(release.time_s);
+        ages.odometry_s = ages.odometry_s.filter(|_| plausible);
+        let trust = self.ladder.look(&ages, release.time_s);
         let mut input = input(&self.setting, &samples, trust, release.time_s);
         let admission = self.ladder.admit(&mut input);
         match admission {

@@ -28,7 +28,7 @@ impl<T: Message> Wire<T> {
     pub(in crate::runtime) fn take(&mut self, message: &T, faults: &Faults, now_ns: i64) {
         let header = message.header();
         let identity = (header.source, header.incarnation, header.sequence);
-        let mut message = *message;
+        let (intact, mut message) = (*message, *message);
         let mut due_ns = now_ns;
         let (mut copies, mut reordered) = (1, false);
         let of_the_wire = |fault: &Fault| fault.kind.is_of_the_wire();
@@ -48,6 +48,10 @@ impl<T: Message> Wire<T> {
                     let bit = strike.more_luck(2 + u64::from(k)) % (8 * bytes.len() as u64);
                     let bit = usize::try_from(bit).expect("messages are short");
                     bytes[bit / 8] ^= 1 << (bit % 8);
+                }
+                // Flips can meet in one bit and undo each other: then nothing would be corrupt.
+                if bytes == bytemuck::bytes_of(&intact) {
+                    bytes[0] ^= 1;
                 }
             }
             _ => {}
