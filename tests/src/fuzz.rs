@@ -2,11 +2,11 @@
 //! says what is wrong in one error. The targets in `fuzz/` call them with libFuzzer, a test calls them
 //! with mutations of good examples.
 
+use messages::e2e::{Channel, Outcomes, profile7};
 use recorder::Recording;
-use shared::e2e::{Channel, Outcomes, profile7};
-use shared::runtime::{FromService, Group, ToService};
-use shared::scenario::Scenario;
-use shared::scenario::faults::Fault;
+use runtime::{FromService, Group, ToService};
+use scenario::Scenario;
+use scenario::faults::Fault;
 
 /// A reader of bytes from outside.
 pub struct Target {
@@ -40,13 +40,13 @@ pub fn scenario(bytes: &[u8]) {
 /// Tables of a vehicle's speed.
 pub fn speed_table(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
-    let _ = shared::scenario::read_speed_table("fuzz.csv", text);
+    let _ = scenario::read_speed_table("fuzz.csv", text);
 }
 
 /// Tables of a road's height or grade. One that is accepted has a slope everywhere.
 pub fn road(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
-    if let Ok(profile) = shared::scenario::read_road("fuzz.csv", text) {
+    if let Ok(profile) = scenario::read_road("fuzz.csv", text) {
         for k in 0..10 {
             assert!(profile.grade(f64::from(k) * profile.end_m() / 9.0).is_finite());
         }

@@ -1,9 +1,9 @@
 //! Services killed, stopped, silenced and impersonated, in whole process groups.
 
 use iceoryx2::prelude::*;
+use messages::Command as Message;
+use runtime::Group;
 use serde_json::Value;
-use shared::messages::Command as Message;
-use shared::runtime::Group;
 use std::path::Path;
 use system_tests::{Corner, csv, text, wait_for};
 
@@ -228,14 +228,14 @@ fn impersonate(group: &Group) {
     for sequence in 1..=50 {
         let mut message: Message = bytemuck::Zeroable::zeroed();
         message.header.sequence = sequence;
-        message.header.source = shared::Service::Controller.to_wire();
+        message.header.source = messages::Service::Controller.to_wire();
         message.header.step = sequence;
         message.plan_period_ns = 100_000_000;
         message.plan_len = 1;
         message.plan_mps2[0] = -8.0;
-        let data_id = shared::messages::Topic::Command.data_id(message.header.source);
+        let data_id = messages::Topic::Command.data_id(message.header.source);
         let bytes = bytemuck::bytes_of_mut(&mut message);
-        shared::e2e::profile7::protect(bytes, data_id, u32::try_from(sequence).expect("small"));
+        messages::e2e::profile7::protect(bytes, data_id, u32::try_from(sequence).expect("small"));
         publisher.send_copy(message).expect("sent");
         std::thread::sleep(std::time::Duration::from_millis(10));
     }

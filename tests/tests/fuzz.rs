@@ -3,7 +3,7 @@
 
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use shared::scenario::builtin;
+use scenario::builtin;
 use std::path::Path;
 use system_tests::Corner;
 use system_tests::fuzz::TARGETS;
@@ -32,7 +32,7 @@ fn examples(name: &str) -> Vec<Vec<u8>> {
         ],
         "end_to_end" => {
             let mut message = vec![3; 120];
-            shared::e2e::profile7::protect(&mut message, 7, 1);
+            messages::e2e::profile7::protect(&mut message, 7, 1);
             vec![message]
         }
         "recording" => {
@@ -98,7 +98,7 @@ fn every_reader_has_its_fuzz_target() {
 
 #[test]
 fn huge_deep_and_empty_documents_are_refused_in_one_error() {
-    use shared::scenario::Scenario;
+    use scenario::Scenario;
     let head = "schema_version = 1\nname = \"x\"\n";
     let deep = format!("{head}controller = {}1{}", "{ a = ".repeat(10_000), " }".repeat(10_000));
     let long = format!("{head}description = \"{}\"", "x".repeat(50_000_000));

@@ -1,9 +1,9 @@
 //! Others read what timegap writes and hear what it says: PyPI's `mcap`, `rosbags`, `pandas` and
 //! `iceoryx2`, and a C compiler.
 
+use messages::{Odometry, TOPICS, Topic};
 use recorder::Recording;
 use serde_json::Value;
-use shared::messages::{Odometry, TOPICS, Topic};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -76,7 +76,7 @@ fn keyed(lines: &str) -> Lines {
 }
 
 fn compare(recording: &Recording, theirs: &Lines, library: &str) {
-    use shared::messages::Value;
+    use messages::Value;
     assert_eq!(theirs.len(), recording.records().len(), "{library}: as many messages");
     for record in recording.records() {
         let places = record.topic.layout().scalars();

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use controller::predictive::route::{Bound, Road};
 use controller::predictive::{Plan, PlanRequest, PlannerKind};
-use shared::road::{Alignment, generate};
+use scenario::grade::{Alignment, generate};
 use truck_model::{Preset, Truck};
 
 /// Plans of each request.

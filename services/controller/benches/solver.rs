@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use mpc_solver::{Clarabel, Problem, Report, Riccati, Solver, Start, Status};
 
-#[path = "../../mpc-solver/tests/common/mod.rs"]
+#[path = "../../../shared/mpc-solver/tests/common/mod.rs"]
 mod common;
 
 use common::{Instance, cacc, instances};

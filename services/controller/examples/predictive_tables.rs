@@ -7,7 +7,7 @@ use controller::predictive::PlannerKind::{DynamicProgramming, PaperN2};
 use controller::predictive::route::{Comparison, Map, Road, Trip};
 use rand_core::Rng;
 use rand_pcg::Pcg64;
-use shared::road::{Alignment, GradeProfile, HILLS_60KM, Point, generate};
+use scenario::grade::{Alignment, GradeProfile, HILLS_60KM, Point, generate};
 use truck_model::{Preset, Truck};
 
 /// Set speed, m/s.

@@ -2,15 +2,15 @@
 //!
 //! In each cycle [`Ladder::look`] takes the ages of the newest *valid* samples and says how far signal
 //! timing may be believed, [`Ladder::admit`] settles what else the law may be told, and after the step
-//! [`Ladder::settle`] names the rung. The table of entries and ways back is at [`shared::rung`].
+//! [`Ladder::settle`] names the rung. The table of entries and ways back is at [`messages::rung`].
 //!
 //! What never happens, whatever the faults: a law is told of a target or a light by a sample that is
 //! older than the rung's bound; and no rung is without a way back to full function.
 
 use crate::law::{Ego, Input, MAX_PLAN, Output, Quality, Target};
 use crate::sampling::SignalTrust;
-use shared::rung::Rung;
-use shared::scenario::Scenario;
+use messages::rung::Rung;
+use scenario::Scenario;
 
 /// Periods of its source after which an input is stale.
 const STALE_PERIODS: f64 = 3.0;

@@ -8,12 +8,10 @@ use crate::law::Law;
 use crate::predictive::{PlannerKind, Predictive, Settings};
 use crate::quadratic_bounded::{Design, QuadraticBounded};
 use crate::six_mode::SixMode;
+use scenario::controller::{self, Controller, ControllerName, SpacingPolicy as ScenarioPolicy};
+use scenario::{Problem, Scenario};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use shared::scenario::controller::{
-    self, Controller, ControllerName, SpacingPolicy as ScenarioPolicy,
-};
-use shared::scenario::{Problem, Scenario};
 use truck_model::{Preset, Truck};
 
 /// What a law is, in one line.

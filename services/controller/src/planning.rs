@@ -6,8 +6,8 @@
 
 use crate::law::Law;
 use crate::predictive::{Plan, PlanRequest};
-use shared::report::PlanningReport;
-use shared::runtime::{Beside, Release, Runtime, RuntimeError};
+use runtime::report::PlanningReport;
+use runtime::{Beside, Release, Runtime, RuntimeError};
 
 /// Control cycles from the question to the plan's effect.
 pub(crate) const DELAY_CYCLES: i64 = 2;

@@ -3,7 +3,7 @@
 //! The end-to-end protection finds what was changed on the way, not what its sender made up. A sender
 //! that repeats itself under fresh stamps, or whose speed is off, contradicts itself here.
 
-use shared::messages::Odometry;
+use messages::Odometry;
 
 /// Distance by which position and speed may differ between two samples, m.
 const TOLERANCE_M: f64 = 0.3;

@@ -4,9 +4,9 @@ use crate::law::{
     self, Ego, Input, MAX_PHASES, MAX_SIGNALS, Phase, PhaseInterval, SignalAhead, Target,
 };
 use crate::predictive;
-use shared::messages::{Map, Odometry, PhaseState, Powertrain, Preview, RadarTracks, Signal, Spat};
-use shared::scenario::Scenario;
-use shared::scenario::controller::ControllerName;
+use messages::{Map, Odometry, PhaseState, Powertrain, Preview, RadarTracks, Signal, Spat};
+use scenario::Scenario;
+use scenario::controller::ControllerName;
 
 /// A stop line is forgotten when it is this far behind, m.
 const PASSED_M: f64 = 50.0;
@@ -213,7 +213,7 @@ fn announce(timing: &Signal, trust: SignalTrust, time_s: f64, signal: &mut Signa
 mod tests {
     use super::*;
     use bytemuck::Zeroable;
-    use shared::messages::{Interval, Lane};
+    use messages::{Interval, Lane};
 
     const SETTING: Setting = Setting {
         period_s: 0.1,

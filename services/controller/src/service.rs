@@ -5,17 +5,17 @@ use crate::law::{Input, Law, MAX_PLAN, Output, Quality};
 use crate::planning::PlanningThread;
 use crate::plausibility::Motion;
 use crate::sampling::{Samples, Setting, input};
-use shared::messages::{
+use messages::rung::{Rung, RungLog};
+use messages::{
     Command, Diagnostics, FIGURES, Header, Map, Message, Odometry, Origin, Origins, PLAN_LEN,
     Powertrain, Preview, RadarTracks, ServiceState, Spat,
 };
-use shared::report::{ControllerReport, Details, ModeChange};
-use shared::rung::{Rung, RungLog};
-use shared::runtime::{
+use runtime::report::{ControllerReport, Details, ModeChange};
+use runtime::statistics::Latencies;
+use runtime::{
     Cycle, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber, Usage, monotonic_ns,
 };
-use shared::scenario::{Scenario, controller};
-use shared::statistics::Latencies;
+use scenario::{Scenario, controller};
 
 /// Mode changes that are kept; later ones are counted by nobody, since a law that changes so often
 /// has shown what it does.

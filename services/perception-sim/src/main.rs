@@ -4,5 +4,5 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    shared::runtime::run_service(shared::Service::PerceptionSim, &arguments, perception_sim::run)
+    runtime::run_service(messages::Service::PerceptionSim, &arguments, perception_sim::run)
 }

@@ -3,9 +3,9 @@
 //! The radar has been on before the run begins: the scans that its latency holds back at the start
 //! are those of the time before, in which everybody kept the speed of the start.
 
-use shared::messages::MAX_TRACKS;
-use shared::scenario::Scenario;
-use shared::scenario::perception::MAX_LATENCY_SCANS;
+use messages::MAX_TRACKS;
+use scenario::Scenario;
+use scenario::perception::MAX_LATENCY_SCANS;
 
 use crate::radar::{Detection, Ego, Radar, Scan};
 use crate::target_selection::{Membership, PathLimits};
@@ -296,7 +296,7 @@ fn along_and_across(detection: &Detection) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
-    use shared::scenario::Overrides;
+    use scenario::Overrides;
 
     use super::*;
 

@@ -8,10 +8,10 @@
 //! Every vehicle has its own stream of random numbers, drawn whether it is visible or not: what
 //! happens to one vehicle does not change the noise on another.
 
+use messages::MAX_TRACKS;
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use shared::messages::MAX_TRACKS;
-use shared::scenario::Scenario;
+use scenario::Scenario;
 
 use crate::traffic::Vehicle;
 

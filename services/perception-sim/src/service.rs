@@ -4,12 +4,12 @@ use crate::perception::{Perception, TrackList};
 use crate::radar::Ego;
 use crate::traffic::{Kept, Vehicle};
 use bytemuck::Zeroable;
-use shared::messages::{
+use messages::{
     Header, MAX_TRACKS, Odometry, Origins, RadarTracks, ServiceState, Track, TrackedTarget,
     VehicleTruth, VehicleTruthItem,
 };
-use shared::report::Details;
-use shared::runtime::{Cycle, Keeper, Mode, Overrun, Runtime, RuntimeError};
+use runtime::report::Details;
+use runtime::{Cycle, Keeper, Mode, Overrun, Runtime, RuntimeError};
 
 /// Runs traffic and radar in their group, to the end of the run.
 ///

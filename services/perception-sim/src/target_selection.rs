@@ -4,7 +4,7 @@
 //! `confirm_s`, and leaves it when it is beyond `leave_half_width_m`: a vehicle on the line between
 //! two lanes does not flicker, and one glance of noise makes no target.
 
-use shared::scenario::perception::TargetSelection;
+use scenario::perception::TargetSelection;
 
 /// Limits of the path.
 #[derive(Clone, Copy, Debug)]

@@ -22,7 +22,7 @@
 
 use std::array::from_fn;
 
-use shared::scenario::perception::{Perception, Radar, Tracker};
+use scenario::perception::{Perception, Radar, Tracker};
 
 /// Smallest standard deviation that the filter believes of a measurement, in its unit: with less,
 /// rounding would decide.
@@ -148,7 +148,7 @@ mod tests {
     use proptest::prelude::*;
     use rand_core::{Rng, SeedableRng};
     use rand_pcg::Pcg64;
-    use shared::scenario::quantity::Sigma;
+    use scenario::quantity::Sigma;
 
     use super::*;
 

@@ -10,10 +10,10 @@
 //!
 //! and samples inside a step lie on its straight lines, as the ego's do.
 
+use scenario::Scenario;
+use scenario::actor::{Actor, LateralMotion, MAX_ACTORS, Profile, SpeedPoint};
+use scenario::plant::Integrator;
 use serde::{Deserialize, Serialize};
-use shared::scenario::Scenario;
-use shared::scenario::actor::{Actor, LateralMotion, MAX_ACTORS, Profile, SpeedPoint};
-use shared::scenario::plant::Integrator;
 
 /// Width of every vehicle, the ego included, m.
 pub const VEHICLE_WIDTH_M: f64 = 1.8;
@@ -248,7 +248,7 @@ fn seconds(time_ns: u64) -> f64 {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
-    use shared::scenario::builtin;
+    use scenario::builtin;
 
     use super::*;
 

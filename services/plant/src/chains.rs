@@ -18,9 +18,9 @@
 //! left without them, the *net* reaction time, is what the deployment costs.
 
 use crate::worst::Worst;
-use shared::messages::{Command, Origin};
-use shared::report::Hops;
-use shared::statistics::{Latencies, Percentiles};
+use messages::{Command, Origin};
+use runtime::report::Hops;
+use runtime::statistics::{Latencies, Percentiles};
 use std::collections::BTreeMap;
 
 /// When and how late the plant acts.

@@ -6,10 +6,10 @@
 //! its control cycle had missed. One that a newer one overtook is dropped. Each command takes two
 //! numbers of the random stream, so that the jitter does not depend on the misses, nor they on it.
 
+use messages::Command;
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use shared::messages::Command;
-use shared::scenario::Scenario;
+use scenario::Scenario;
 use std::collections::VecDeque;
 
 /// Keeps this stream apart from those of other components with the same seed.

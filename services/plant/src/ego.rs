@@ -3,8 +3,8 @@
 use crate::gateway::Actuation;
 use crate::longitudinal::{self, State};
 use crate::truck::{self, Truck};
+use scenario::{Problem, Scenario};
 use serde::{Deserialize, Serialize};
-use shared::scenario::{Problem, Scenario};
 
 /// The ego vehicle.
 #[derive(Clone, Debug)]

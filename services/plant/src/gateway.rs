@@ -17,11 +17,11 @@
 //! A command to a truck may carry an engine torque beside its plan. It acts in place of the plan's
 //! first request, bounded in range and rate itself; the rungs below know the plan alone.
 
+use scenario::plant::{Fallback, Gateway as Bounds, Plant};
 use serde::{Deserialize, Serialize};
-use shared::scenario::plant::{Fallback, Gateway as Bounds, Plant};
 
 /// Longest plan that is kept, in control steps: as long as a command carries.
-const MAX_PLAN: usize = shared::messages::PLAN_LEN;
+const MAX_PLAN: usize = messages::PLAN_LEN;
 
 /// Distance kept from the vehicle ahead in an emergency stop, m.
 const EMERGENCY_MARGIN_M: f64 = 1.0;
@@ -330,9 +330,7 @@ pub fn required_deceleration(speed_mps: f64, ahead: &Ahead) -> f64 {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
-    use shared::scenario::quantity::{
-        AccelerationMagnitude, Duration, JerkMagnitude, PeriodMs, Speed,
-    };
+    use scenario::quantity::{AccelerationMagnitude, Duration, JerkMagnitude, PeriodMs, Speed};
 
     use super::*;
     use crate::longitudinal::Vehicle;

@@ -20,8 +20,8 @@
 //!
 //! The vehicle never moves backwards: at standstill speed and (negative) acceleration are zero.
 
+use scenario::plant::{Integrator, Plant};
 use serde::{Deserialize, Serialize};
-use shared::scenario::plant::{Integrator, Plant};
 
 /// State of motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -179,8 +179,8 @@ fn without_reverse(state: State) -> State {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
-    use shared::scenario::plant::Powertrain;
-    use shared::scenario::quantity::{Acceleration, Mass, PeriodMs, Power, Speed, TimeConstant};
+    use scenario::plant::Powertrain;
+    use scenario::quantity::{Acceleration, Mass, PeriodMs, Power, Speed, TimeConstant};
 
     use super::*;
 

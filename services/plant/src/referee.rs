@@ -7,11 +7,11 @@
 //! crosses a stop line and its place at the instant of a signal's switch interpolated, as the
 //! papers' figures are.
 
+use runtime::report::ControlFigures;
+use scenario::Scenario;
+use scenario::controller::{ControllerName, SpacingPolicy};
+use scenario::v2x::Phase;
 use serde::{Deserialize, Serialize};
-use shared::report::ControlFigures;
-use shared::scenario::Scenario;
-use shared::scenario::controller::{ControllerName, SpacingPolicy};
-use shared::scenario::v2x::Phase;
 
 use crate::gateway::Ahead;
 use crate::longitudinal::State;
@@ -349,7 +349,7 @@ fn seconds(time_ns: u64) -> f64 {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
-    use shared::scenario::builtin;
+    use scenario::builtin;
 
     use super::*;
 

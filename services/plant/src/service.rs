@@ -7,17 +7,17 @@ use crate::gateway::{self, Actuation, EngineRequest, Gateway, Source};
 use crate::referee::{MAX_SIGNALS, Referee, SignalTruth, Violation};
 use crate::truck::Truck;
 use crate::truth;
-use serde::{Deserialize, Serialize};
-use shared::messages::{
+use messages::rung::{Rung, RungLog};
+use messages::{
     self, Command, Header, Odometry, Origins, PLAN_LEN, Powertrain, ServiceState, VehicleTruth,
 };
-use shared::report::{ControlFigures, Details, Outcome, PlantReport};
-use shared::rung::{Rung, RungLog};
-use shared::runtime::{
+use runtime::report::{ControlFigures, Details, Outcome, PlantReport};
+use runtime::{
     Cycle, Keeper, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber,
 };
-use shared::scenario::Scenario;
-use shared::scenario::v2x::Phase;
+use scenario::Scenario;
+use scenario::v2x::Phase;
+use serde::{Deserialize, Serialize};
 
 /// Runs the plant in its group, to the end of the run or the first violation.
 ///

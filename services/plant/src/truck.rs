@@ -3,9 +3,9 @@
 
 use crate::gateway::Actuation;
 use crate::longitudinal::State;
+use scenario::grade::GradeProfile;
+use scenario::{Problem, Scenario};
 use serde::{Deserialize, Serialize};
-use shared::road::GradeProfile;
-use shared::scenario::{Problem, Scenario};
 use truck_model::{Demand, FUEL_DENSITY_GPL, GRAVITY_MPS2, Motion, Preset, Truck as Model};
 
 /// A truck on its road.

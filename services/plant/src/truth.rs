@@ -2,8 +2,8 @@
 
 use crate::gateway::Ahead;
 use crate::referee::{MAX_SIGNALS, SignalTruth};
-use shared::messages::{self, PhaseState, VehicleTruth};
-use shared::scenario::v2x::Phase;
+use messages::{self, PhaseState, VehicleTruth};
+use scenario::v2x::Phase;
 
 /// A vehicle whose rear is farther behind the ego's front than this is beside or behind it, m.
 const BEHIND_M: f64 = 5.0;
@@ -66,7 +66,7 @@ fn phase(state: u32) -> Phase {
 mod tests {
     use super::*;
     use bytemuck::Zeroable;
-    use shared::messages::VehicleTruthItem;
+    use messages::VehicleTruthItem;
 
     #[test]
     fn the_nearest_in_lane_counts_and_is_moved_on() {

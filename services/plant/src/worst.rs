@@ -1,8 +1,8 @@
 //! The chains with the longest reaction times, kept whole.
 
 use crate::chains::Parts;
-use shared::messages::{Command, Header, Origin};
-use shared::report::{HopTimes, WorstChain};
+use messages::{Command, Header, Origin};
+use runtime::report::{HopTimes, WorstChain};
 
 /// Chains that are kept.
 const KEPT: usize = 10;

@@ -1,10 +1,10 @@
 //! What writing costs: `cargo run --release -p recorder --example throughput [MESSAGES]` writes that
 //! many messages (default 1000000) of each of three topics and prints ns and bytes per message.
 
+use messages::{Command, Message, Odometry, Spat};
 use recorder::{Metadata, Tally, Writer};
-use shared::messages::{Command, Message, Odometry, Spat};
-use shared::runtime::Mode;
-use shared::scenario::{Overrides, Scenario};
+use runtime::Mode;
+use scenario::{Overrides, Scenario};
 use std::error::Error;
 use std::fs::File;
 use std::time::Instant;

@@ -1,10 +1,10 @@
 //! Messages on their way from the topics to the file.
 
-use shared::messages::{
+use messages::{
     Command, Diagnostics, Heartbeat, Map, Message, Odometry, Powertrain, Preview, RadarTracks,
     SignalTruth, Spat, Topic, VehicleTruth,
 };
-use shared::runtime::{RuntimeError, Tap, Tapped};
+use runtime::{RuntimeError, Tap, Tapped};
 
 /// Most messages that are taken from one topic before the next one's turn.
 const TURN: usize = 1024;
@@ -94,7 +94,7 @@ impl Taps {
             Box::new(tap.on::<SignalTruth>()?),
             Box::new(tap.on::<Heartbeat>()?),
         ];
-        assert_eq!(topics.len(), shared::messages::TOPICS.len(), "every topic is recorded");
+        assert_eq!(topics.len(), messages::TOPICS.len(), "every topic is recorded");
         Ok(Self { topics, _tap: tap })
     }
 

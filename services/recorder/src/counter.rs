@@ -1,8 +1,8 @@
 //! Counting what is recorded, and by the sequence numbers what is not.
 
 use crate::{Tally, TopicTally};
-use shared::Service;
-use shared::messages::{Header, TOPICS, Topic};
+use messages::Service;
+use messages::{Header, TOPICS, Topic};
 use std::collections::BTreeMap;
 
 /// Counts messages and the gaps in their sequence numbers.

@@ -2,9 +2,9 @@
 //! streams, as with every process of the group.
 
 use crate::Tally;
+use runtime::scheduling::Granted;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use shared::runtime::scheduling::Granted;
 use std::collections::BTreeMap;
 use std::io::{BufRead, Write};
 use std::sync::mpsc::{Receiver, channel};

@@ -1,9 +1,9 @@
 //! What a recording says of its run beside the messages.
 
+use messages::LAYOUT_VERSION;
+use runtime::{Mode, scheduling::Granted};
+use scenario::Scenario;
 use serde::{Deserialize, Serialize};
-use shared::messages::LAYOUT_VERSION;
-use shared::runtime::{Mode, scheduling::Granted};
-use shared::scenario::Scenario;
 use std::collections::BTreeMap;
 
 /// Name of the metadata record at a recording's begin.

@@ -3,7 +3,7 @@
 use crate::counter::Counter;
 use crate::scan::{Entry, Scan};
 use crate::{Damage, FILE, Metadata, ReadError, Tally};
-use shared::messages::{Header, Message, Topic};
+use messages::{Header, Message, Topic};
 use std::path::{Path, PathBuf};
 
 /// One recorded message.

@@ -3,11 +3,11 @@
 use crate::Recording;
 use crate::link::{orders, say, text};
 use crate::takes::{Samples, inputs};
-use serde::{Deserialize, Serialize};
-use shared::messages::{
+use messages::{
     Diagnostics, Map, Message, Odometry, Origin, Powertrain, Preview, RadarTracks, Spat, Topic,
 };
-use shared::runtime::{Group, Played, Player, RuntimeError, Tap, Tapped, log_warnings};
+use runtime::{Group, Played, Player, RuntimeError, Tap, Tapped, log_warnings};
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;

@@ -4,7 +4,7 @@ use crate::writer::ENCAPSULATION;
 use crate::{Damage, Metadata, Tally, schema};
 use mcap::records::{self, Record as Raw};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use shared::messages::Topic;
+use messages::Topic;
 use std::collections::BTreeMap;
 
 /// Bytes of a record before its body: opcode and length.

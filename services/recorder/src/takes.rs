@@ -1,9 +1,9 @@
 //! What a recording says of its controller: each cycle with its inputs and its outputs.
 
 use crate::{Record, Recording, Timed};
-use shared::messages::{Command, Diagnostics, Origin, Origins, Topic};
-use shared::rung::Rung;
-use shared::runtime::ScheduledRelease;
+use messages::rung::Rung;
+use messages::{Command, Diagnostics, Origin, Origins, Topic};
+use runtime::ScheduledRelease;
 use std::collections::{BTreeMap, HashMap};
 
 /// Everything that one process of the controller did, as far as it can be replayed.

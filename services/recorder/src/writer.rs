@@ -4,7 +4,7 @@ use crate::schema::ros2_definition;
 use crate::{Metadata, Tally};
 use mcap::records::MessageHeader;
 use mcap::{Compression, McapError, WriteOptions};
-use shared::messages::{Header, TOPICS, Topic};
+use messages::{Header, TOPICS, Topic};
 use std::collections::BTreeMap;
 use std::io::{BufWriter, Seek, Write};
 

@@ -1,9 +1,9 @@
 //! What is written is read, and a broken file is read as far as it goes.
 
+use messages::{Command, Heartbeat, Message, Odometry};
 use recorder::{Damage, Metadata, ReadError, Recording, Tally, Writer, recover};
-use shared::messages::{Command, Heartbeat, Message, Odometry};
-use shared::runtime::Mode;
-use shared::scenario::{Overrides, Scenario};
+use runtime::Mode;
+use scenario::{Overrides, Scenario};
 use std::io::Cursor;
 use std::path::PathBuf;
 

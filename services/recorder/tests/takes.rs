@@ -1,11 +1,11 @@
 //! What can be replayed: every cycle up to the first whose command or inputs are not there.
 
 use bytemuck::Zeroable;
+use messages::rung::Rung;
+use messages::{Command, Diagnostics, Odometry, Origin, Topic};
 use recorder::{Metadata, Recording, Take, Tally, Writer};
-use shared::messages::{Command, Diagnostics, Odometry, Origin, Topic};
-use shared::rung::Rung;
-use shared::runtime::Mode;
-use shared::scenario::{Overrides, Scenario};
+use runtime::Mode;
+use scenario::{Overrides, Scenario};
 use std::io::Cursor;
 use std::path::PathBuf;
 

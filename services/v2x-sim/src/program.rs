@@ -7,7 +7,7 @@
 //! Neighbouring phases that show the same are one interval here, across the cycle's end too: the end
 //! of an interval is always a change of what is shown, and a countdown never jumps.
 
-use shared::scenario::v2x::{Phase, Signal};
+use scenario::v2x::{Phase, Signal};
 
 /// A program, ready to be asked.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -97,8 +97,8 @@ impl Program {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
-    use shared::scenario::quantity::{Distance, Duration, IntersectionId, SignalGroupId, Time};
-    use shared::scenario::v2x::ProgramPhase;
+    use scenario::quantity::{Distance, Duration, IntersectionId, SignalGroupId, Time};
+    use scenario::v2x::ProgramPhase;
 
     use super::*;
 

@@ -1,11 +1,11 @@
 //! The map of the road ahead, with the faults that a scenario gives it.
 
+use messages::MAX_PREVIEW_CELLS;
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use shared::messages::MAX_PREVIEW_CELLS;
-use shared::road::GradeProfile;
-use shared::scenario::Problem;
-use shared::scenario::Scenario;
+use scenario::Problem;
+use scenario::Scenario;
+use scenario::grade::GradeProfile;
 
 /// Length of a cell, m.
 pub const CELL_M: f64 = 50.0;

@@ -10,8 +10,8 @@
 //! Times are nanoseconds since the start of the run. The programs are fixed: earliest, likely and
 //! latest end are equal and certain.
 
-use shared::messages::{MAX_INTERVALS, MAX_SIGNALS};
-use shared::scenario::v2x::{Phase, V2x};
+use messages::{MAX_INTERVALS, MAX_SIGNALS};
+use scenario::v2x::{Phase, V2x};
 
 use crate::program::Program;
 
@@ -176,7 +176,7 @@ fn movement(lane: &Lane, program: &Program, time_ns: u64) -> Movement {
 
 #[cfg(test)]
 mod tests {
-    use shared::scenario::{Scenario, builtin};
+    use scenario::{Scenario, builtin};
 
     use super::*;
 

@@ -3,14 +3,14 @@
 use crate::road_map::{CELL_M, RoadMap};
 use crate::roadside_unit::{Event, Lane, Movement, RoadsideUnit, Signals};
 use bytemuck::Zeroable;
-use shared::messages::{
+use messages::{
     self, Header, Interval, Map, Odometry, Origins, PhaseState, Preview, ServiceState, Signal,
     SignalTruth, Spat,
 };
-use shared::report::Details;
-use shared::runtime::{Cycle, Overrun, Publisher, Runtime, RuntimeError};
-use shared::scenario::Scenario;
-use shared::scenario::v2x::Phase;
+use runtime::report::Details;
+use runtime::{Cycle, Overrun, Publisher, Runtime, RuntimeError};
+use scenario::Scenario;
+use scenario::v2x::Phase;
 
 /// Runs the roadside unit in its group, to the end of the run.
 ///

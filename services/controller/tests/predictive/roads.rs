@@ -1,7 +1,7 @@
 //! The roads of these tests.
 
 use controller::predictive::route::Road;
-use shared::road::{Alignment, GradeProfile, HILLS_60KM, Point, generate};
+use scenario::grade::{Alignment, GradeProfile, HILLS_60KM, Point, generate};
 
 /// Set speed, m/s.
 pub(crate) const SET_MPS: f64 = 75.0 / 3.6;

@@ -1,7 +1,7 @@
 //! C: a header whose structs are the messages' bytes, with assertions that say so.
 
 use super::all;
-use shared::messages::{Element, Field, LAYOUT_VERSION, Scalar, TOPICS};
+use messages::{Element, Field, LAYOUT_VERSION, Scalar, TOPICS};
 use std::fmt::Write;
 
 /// A C11 header with a struct per message and each topic's name.

@@ -8,7 +8,7 @@ pub use c::header as c_header;
 pub use python::module as python_module;
 pub use ros2::definition as ros2_definition;
 
-use shared::messages::{Element, Layout, TOPICS};
+use messages::{Element, Layout, TOPICS};
 
 /// All structs that the messages are made of, each after those that it contains.
 #[must_use]

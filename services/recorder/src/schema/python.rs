@@ -1,7 +1,7 @@
 //! Python: `ctypes` structures that the `iceoryx2` package can subscribe to.
 
 use super::all;
-use shared::messages::{Element, Field, LAYOUT_VERSION, Scalar, TOPICS};
+use messages::{Element, Field, LAYOUT_VERSION, Scalar, TOPICS};
 use std::fmt::Write;
 
 /// A Python module with a `ctypes.Structure` per struct and the type of each topic.

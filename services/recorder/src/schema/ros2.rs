@@ -1,7 +1,7 @@
 //! ROS 2 message definitions, as MCAP's schema encoding `ros2msg` wants them.
 
 use super::collect;
-use shared::messages::{Element, Field, Layout, Scalar};
+use messages::{Element, Field, Layout, Scalar};
 use std::fmt::Write;
 
 /// ROS 2 package that the types are said to be of.
@@ -44,7 +44,7 @@ fn type_of(field: &Field) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shared::messages::Topic;
+    use messages::Topic;
 
     #[test]
     fn a_definition_brings_every_type_that_it_names() {

@@ -1,7 +1,7 @@
 //! The road that a trip is driven on.
 
 use crate::predictive::{MAX_CELLS, Preview};
-use shared::road::GradeProfile;
+use scenario::grade::GradeProfile;
 
 /// Length of a cell of a profile, m.
 const CELL_M: f64 = 50.0;

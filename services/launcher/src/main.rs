@@ -1,5 +1,0 @@
-//! The `timegap` command.
-
-fn main() -> std::process::ExitCode {
-    timegap::main()
-}

@@ -1,0 +1,41 @@
+//! What the end-to-end protection costs a message: `cargo bench -p shared`.
+//!
+//! Each figure is the median of many batches of protecting, or checking, one message of a topic.
+
+use messages::TOPICS;
+use messages::e2e::{Channel, Outcomes, profile7};
+use std::hint::black_box;
+use std::time::Instant;
+
+const BATCHES: usize = 2001;
+const BATCH: u32 = 200;
+
+fn median_ns(mut work: impl FnMut(u32)) -> f64 {
+    let mut batches: Vec<f64> = (0..BATCHES)
+        .map(|batch| {
+            let begun = Instant::now();
+            for k in 0..BATCH {
+                work(u32::try_from(batch).expect("few").wrapping_mul(BATCH).wrapping_add(k));
+            }
+            begun.elapsed().as_nanos() as f64 / f64::from(BATCH)
+        })
+        .collect();
+    batches.sort_by(f64::total_cmp);
+    batches[BATCHES / 2]
+}
+
+fn main() {
+    println!("{:<22} {:>6} {:>12} {:>12}", "topic", "bytes", "protect, ns", "check, ns");
+    for topic in TOPICS {
+        let mut message = vec![0x5a; topic.message_bytes()];
+        let protect = median_ns(|counter| {
+            profile7::protect(black_box(&mut message), 7, counter);
+        });
+        let (mut channel, mut outcomes) = (Channel::default(), Outcomes::default());
+        let check = median_ns(|_| {
+            black_box(channel.accept(black_box(&message), 7, 0, &mut outcomes));
+        });
+        println!("{:<22} {:>6} {protect:>12.0} {check:>12.0}", topic.name(), message.len());
+    }
+    println!("medians of {BATCHES} batches of {BATCH} messages each");
+}

@@ -1,0 +1,75 @@
+//! The messages and topics that all services agree on, and their end-to-end protection.
+//!
+//! Every message is `repr(C)` plain data without padding, in SI units, x forward and y left. It
+//! starts with a [`Header`]. [`message!`](self) checks the layout at compile time: a type with
+//! implicit padding, a `bool` or a pointer does not compile (`bytemuck::Pod`), and neither does one
+//! whose header is not its first field or whose size is not a multiple of eight.
+//!
+//! | topic | message | published by | read by |
+//! | --- | --- | --- | --- |
+//! | `vehicle/odometry` | [`Odometry`] | plant | perception-sim, v2x-sim, controller |
+//! | `vehicle/powertrain` | [`Powertrain`] | plant, of a truck | controller |
+//! | `radar/tracks` | [`RadarTracks`] | perception-sim | controller |
+//! | `v2x/spat` | [`Spat`] | v2x-sim | controller |
+//! | `v2x/map` | [`Map`] | v2x-sim | controller |
+//! | `v2x/preview` | [`Preview`] | v2x-sim, for a truck | controller |
+//! | `control/command` | [`Command`] | controller | plant |
+//! | `control/diagnostics` | [`Diagnostics`] | controller | (observers) |
+//! | `truth/vehicles` | [`VehicleTruth`] | perception-sim | plant (referee) |
+//! | `truth/signals` | [`SignalTruth`] | v2x-sim | plant (referee) |
+//! | `health/heartbeat` | [`Heartbeat`] | every service | launcher |
+//!
+//! The two `truth/` topics carry what the simulators know and no sensor distorts; only the referee
+//! in the plant, which must not be fooled by a faulty sensor, reads them.
+
+mod control;
+pub mod e2e;
+mod header;
+mod health;
+mod layout;
+mod perception;
+pub mod rung;
+mod service;
+mod topic;
+mod v2x;
+mod vehicle;
+
+pub use control::{Command, Diagnostics, FIGURES, PLAN_LEN};
+pub use header::{Header, Origin, Origins};
+pub use health::{Heartbeat, ServiceState};
+pub use layout::{Element, Field, Laid, Layout, Place, Scalar, Shape, Value};
+pub use perception::{
+    MAX_TRACKS, RadarTracks, Track, TrackedTarget, VehicleTruth, VehicleTruthItem,
+};
+pub use service::Service;
+pub use topic::{LAYOUT_VERSION, Message, TOPICS, Topic};
+pub use v2x::{
+    Interval, Lane, MAX_INTERVALS, MAX_LANES, MAX_PREVIEW_CELLS, MAX_SIGNALS, Map, PhaseState,
+    Preview, Signal, SignalTruth, Spat,
+};
+pub use vehicle::{Odometry, Powertrain};
+
+/// Declares `$type` to be the message of `$topic`, after checking its layout at compile time.
+macro_rules! message {
+    ($type:ty, $topic:expr) => {
+        impl crate::Message for $type {
+            const TOPIC: crate::Topic = $topic;
+
+            fn header(&self) -> &crate::Header {
+                &self.header
+            }
+
+            fn header_mut(&mut self) -> &mut crate::Header {
+                &mut self.header
+            }
+        }
+
+        const _: () = {
+            assert!(core::mem::offset_of!($type, header) == 0, "the header comes first");
+            assert!(core::mem::size_of::<$type>() % 8 == 0, "whole words");
+            assert!(core::mem::align_of::<$type>() == 8, "natural alignment");
+        };
+    };
+}
+pub(crate) use layout::{layout, shape_of};
+use message;

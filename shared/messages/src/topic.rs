@@ -1,0 +1,146 @@
+//! The topics: who publishes what for whom.
+
+use super::{Header, Laid, Layout};
+use crate::Service;
+use bytemuck::Pod;
+use core::fmt::Debug;
+use iceoryx2::prelude::ZeroCopySend;
+
+/// Version of all message layouts, an attribute of every topic: a process built with another
+/// version cannot open it.
+pub const LAYOUT_VERSION: &str = "2";
+
+/// A message type with its topic.
+pub trait Message: Pod + ZeroCopySend + Debug + PartialEq + Laid {
+    /// Topic that carries the type.
+    const TOPIC: Topic;
+
+    /// The common header.
+    fn header(&self) -> &Header;
+
+    /// The common header, to be stamped.
+    fn header_mut(&mut self) -> &mut Header;
+}
+
+/// Every topic of the group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Topic {
+    /// `vehicle/odometry`
+    Odometry,
+    /// `vehicle/powertrain`
+    Powertrain,
+    /// `radar/tracks`
+    RadarTracks,
+    /// `v2x/spat`
+    Spat,
+    /// `v2x/map`
+    Map,
+    /// `v2x/preview`
+    Preview,
+    /// `control/command`
+    Command,
+    /// `control/diagnostics`
+    Diagnostics,
+    /// `truth/vehicles`
+    VehicleTruth,
+    /// `truth/signals`
+    SignalTruth,
+    /// `health/heartbeat`
+    Heartbeat,
+}
+
+/// All topics, in the order of the data's way.
+pub const TOPICS: [Topic; 11] = [
+    Topic::Odometry,
+    Topic::Powertrain,
+    Topic::RadarTracks,
+    Topic::Spat,
+    Topic::Map,
+    Topic::Preview,
+    Topic::Command,
+    Topic::Diagnostics,
+    Topic::VehicleTruth,
+    Topic::SignalTruth,
+    Topic::Heartbeat,
+];
+
+impl Topic {
+    /// Name on the wire.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Odometry => "vehicle/odometry",
+            Self::Powertrain => "vehicle/powertrain",
+            Self::RadarTracks => "radar/tracks",
+            Self::Spat => "v2x/spat",
+            Self::Map => "v2x/map",
+            Self::Preview => "v2x/preview",
+            Self::Command => "control/command",
+            Self::Diagnostics => "control/diagnostics",
+            Self::VehicleTruth => "truth/vehicles",
+            Self::SignalTruth => "truth/signals",
+            Self::Heartbeat => "health/heartbeat",
+        }
+    }
+
+    /// Size of its message, bytes.
+    #[must_use]
+    pub const fn message_bytes(self) -> usize {
+        self.layout().bytes
+    }
+
+    /// Layout of its message.
+    #[must_use]
+    pub const fn layout(self) -> &'static Layout {
+        match self {
+            Self::Odometry => super::Odometry::LAYOUT,
+            Self::Powertrain => super::Powertrain::LAYOUT,
+            Self::RadarTracks => super::RadarTracks::LAYOUT,
+            Self::Spat => super::Spat::LAYOUT,
+            Self::Map => super::Map::LAYOUT,
+            Self::Preview => super::Preview::LAYOUT,
+            Self::Command => super::Command::LAYOUT,
+            Self::Diagnostics => super::Diagnostics::LAYOUT,
+            Self::VehicleTruth => super::VehicleTruth::LAYOUT,
+            Self::SignalTruth => super::SignalTruth::LAYOUT,
+            Self::Heartbeat => super::Heartbeat::LAYOUT,
+        }
+    }
+
+    /// The topic of that name.
+    #[must_use]
+    pub fn by_name(name: &str) -> Option<Self> {
+        TOPICS.into_iter().find(|topic| topic.name() == name)
+    }
+
+    /// Data ID of the end-to-end protection of what `source` sends on it.
+    #[must_use]
+    pub const fn data_id(self, source: u32) -> u32 {
+        (self as u32 + 1) << 16 | source
+    }
+
+    /// Service that publishes it; `None` where every service does.
+    #[must_use]
+    pub const fn source(self) -> Option<Service> {
+        match self {
+            Self::Odometry | Self::Powertrain => Some(Service::Plant),
+            Self::RadarTracks | Self::VehicleTruth => Some(Service::PerceptionSim),
+            Self::Spat | Self::Map | Self::Preview | Self::SignalTruth => Some(Service::V2xSim),
+            Self::Command | Self::Diagnostics => Some(Service::Controller),
+            Self::Heartbeat => None,
+        }
+    }
+
+    /// Services whose cycles are computed from it: those that a lockstep run makes wait for it.
+    #[must_use]
+    pub const fn consumers(self) -> &'static [Service] {
+        match self {
+            Self::Odometry => &[Service::PerceptionSim, Service::V2xSim, Service::Controller],
+            Self::Powertrain | Self::RadarTracks | Self::Spat | Self::Map | Self::Preview => {
+                &[Service::Controller]
+            }
+            Self::Command | Self::VehicleTruth | Self::SignalTruth => &[Service::Plant],
+            Self::Diagnostics | Self::Heartbeat => &[],
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! What can go wrong in a service's life.
+
+use messages::Topic;
+use std::path::PathBuf;
+
+/// Why a service cannot go on.
+#[derive(Debug, thiserror::Error)]
+pub enum RuntimeError {
+    /// The group file is missing, unreadable or not one.
+    #[error("group file {}: {reason}", path.display())]
+    GroupFile {
+        /// Where it was looked for.
+        path: PathBuf,
+        /// What the reader said.
+        reason: String,
+    },
+    /// iceoryx2 could not create a node.
+    #[error("cannot join the run's shared memory below {}: {reason}", root.display())]
+    Node {
+        /// Root of the run.
+        root: PathBuf,
+        /// What iceoryx2 said.
+        reason: String,
+    },
+    /// A topic could not be created or opened.
+    #[error("cannot open topic `{}`: {reason}", topic.name())]
+    Topic {
+        /// The topic.
+        topic: Topic,
+        /// What iceoryx2 said.
+        reason: String,
+    },
+    /// A message could not be sent.
+    #[error("cannot send on topic `{}`: {reason}", topic.name())]
+    Send {
+        /// The topic.
+        topic: Topic,
+        /// What iceoryx2 said.
+        reason: String,
+    },
+    /// A message could not be received.
+    #[error("cannot receive on topic `{}`: {reason}", topic.name())]
+    Receive {
+        /// The topic.
+        topic: Topic,
+        /// What iceoryx2 said.
+        reason: String,
+    },
+    /// In lockstep, a due sample did not come.
+    #[error("waited {waited_s:.1} s for `{}` of step {step}, which never came", topic.name())]
+    Starved {
+        /// The topic.
+        topic: Topic,
+        /// Step in which the sample is due.
+        step: u64,
+        /// Wall time waited, s.
+        waited_s: f64,
+    },
+    /// The launcher asked for an end while the service was waiting.
+    #[error("stopped by the launcher")]
+    Stopped,
+    /// The link to the launcher broke or carried nonsense.
+    #[error("link to the launcher: {0}")]
+    Link(String),
+    /// The service's own set-up failed.
+    #[error("{0}")]
+    Setup(String),
+}

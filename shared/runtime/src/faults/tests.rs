@@ -1,0 +1,125 @@
+use super::*;
+use bytemuck::Zeroable;
+use messages::e2e::{Channel, Outcomes, profile7};
+use messages::{Message, RadarTracks};
+
+const SOURCE: u32 = Service::PerceptionSim.to_wire();
+
+fn faults(text: &str) -> Faults {
+    let text = format!("schema_version = 1\nname = \"faulty\"\nseed = 7\n{text}");
+    let scenario = Scenario::parse("faults", &text).expect("a scenario");
+    Faults::of(&scenario, Inbox::default())
+}
+
+fn message(sequence: u64) -> RadarTracks {
+    let mut message = RadarTracks::zeroed();
+    message.header.sequence = sequence;
+    message.header.source = SOURCE;
+    message.target.gap_m = sequence as f64;
+    let counter = u32::try_from(sequence).expect("small");
+    profile7::protect(bytemuck::bytes_of_mut(&mut message), 9, counter);
+    message
+}
+
+/// Sequence numbers in the order of their hand-over, one arrival every 50 ms from 0 on.
+fn through(text: &str, messages: u64) -> Vec<(i64, u64)> {
+    let faults = faults(text);
+    let mut wire = Wire::new();
+    let mut out = Vec::new();
+    for k in 0..messages {
+        let now_ns = i64::try_from(k).expect("small") * 50_000_000;
+        wire.take(&message(k + 1), &faults, now_ns);
+        while let Some(message) = wire.hand_over(now_ns) {
+            out.push((now_ns / 1_000_000, message.header.sequence));
+        }
+    }
+    out
+}
+
+fn sequences(text: &str, messages: u64) -> Vec<u64> {
+    through(text, messages).into_iter().map(|(_, sequence)| sequence).collect()
+}
+
+#[test]
+fn the_wire_does_what_it_is_told() {
+    let at = |kind| {
+        format!(
+            "[[faults]]\nkind = \"{kind}\"\ntopic = \"radar/tracks\"\nat_s = 0.1\nfor_s = 0.1\n"
+        )
+    };
+    assert_eq!(sequences(&at("drop"), 6), [1, 2, 5, 6]);
+    assert_eq!(sequences(&at("duplicate"), 6), [1, 2, 3, 3, 4, 4, 5, 6]);
+    assert_eq!(sequences(&at("reorder"), 6), [1, 2, 4, 3, 5, 6]);
+    let late = through(&(at("delay") + "delay_ms = 120"), 8);
+    assert_eq!(late[2..], [(200, 5), (250, 3), (250, 6), (300, 4), (300, 7), (350, 8)]);
+}
+
+#[test]
+fn every_corruption_is_detected() {
+    let faults = faults("[[faults]]\nkind = \"corrupt\"\ntopic = \"radar/tracks\"\nbits = 2");
+    let (mut channel, mut outcomes) = (Channel::default(), Outcomes::default());
+    let mut wire = Wire::new();
+    for k in 1..=20_000 {
+        wire.take(&message(k), &faults, 0);
+        let corrupted = wire.hand_over(0).expect("due at once");
+        assert!(!channel.accept(bytemuck::bytes_of(&corrupted), 9, 0, &mut outcomes));
+    }
+    assert_eq!(outcomes.error, 20_000);
+}
+
+#[test]
+fn chance_is_as_likely_as_said_and_repeats() {
+    let text =
+        "[[faults]]\nkind = \"drop\"\ntopic = \"radar/tracks\"\nprobability = 0.25\n".to_owned();
+    let first = sequences(&text, 4000);
+    assert_eq!(first, sequences(&text, 4000));
+    let kept = first.len() as f64 / 4000.0;
+    assert!((kept - 0.75).abs() < 0.03, "{kept}");
+}
+
+#[test]
+fn a_condition_begins_the_fault_once_it_holds() {
+    let text = "[[faults]]\nkind = \"drop\"\ntopic = \"radar/tracks\"\nfor_s = 1\n\
+                when = { position_above_m = 50, speed_below_mps = 10 }";
+    let faults = faults(text);
+    let mut wire = Wire::new();
+    faults.ego_at(60.0, 11.0, 0);
+    wire.take(&message(1), &faults, 0);
+    assert!(wire.hand_over(0).is_some());
+    faults.ego_at(60.0, 9.0, 1);
+    faults.ego_at(60.0, 12.0, 2);
+    wire.take(&message(2), &faults, 2);
+    assert!(wire.hand_over(2).is_none(), "begun at 1, though the condition holds no more");
+    wire.take(&message(3), &faults, 1_000_000_001);
+    assert!(wire.hand_over(1_000_000_001).is_some(), "over");
+    assert_eq!(faults.befallen(), [Befallen { fault: 0, begun_ns: 1, messages: 1 }]);
+}
+
+#[test]
+fn lies_are_told_before_the_protection() {
+    let tell = |text: &str, k: u64| {
+        let faults = faults(text);
+        let mut lies = Lies::new();
+        let mut last = RadarTracks::zeroed();
+        for sequence in 1..=k {
+            last = message(sequence);
+            last.header.acquisition_ns = 10_000_000_000;
+            lies.tell(&mut last, &faults, i64::try_from(sequence).expect("small") * 1_000_000_000);
+        }
+        last
+    };
+    let topic = "topic = \"radar/tracks\"";
+    let frozen = tell(&format!("[[faults]]\nkind = \"freeze\"\n{topic}\nat_s = 3"), 6);
+    assert_eq!((frozen.target.gap_m, frozen.header().sequence), (2.0, 6));
+    let biased =
+        tell(&format!("[[faults]]\nkind = \"bias\"\n{topic}\nfield = \"gap_m\"\namount = 5.5"), 4);
+    assert_eq!(biased.target.gap_m, 9.5);
+    let stale = tell(&format!("[[faults]]\nkind = \"stale\"\n{topic}\namount = 2"), 1);
+    assert_eq!(stale.header.acquisition_ns, 8_000_000_000);
+    let stepped =
+        tell("[[faults]]\nkind = \"clock-step\"\nservice = \"perception-sim\"\namount = -1.5", 1);
+    assert_eq!(
+        (stepped.header.acquisition_ns, stepped.header.publish_ns),
+        (8_500_000_000, -1_500_000_000)
+    );
+}

@@ -1,0 +1,73 @@
+//! A service's life: join the group, open ports, be released, end.
+//!
+//! ```text
+//! Runtime::join ── publisher / subscriber ── begin ──► next_release ─► update, send ─┐
+//!   group file        iceoryx2 ports       ready, start      ▲                       │
+//!                                                            └───────────────────────┘ ─► finish
+//! ```
+//!
+//! One code path serves two clocks, and only this module knows which of them is in use:
+//!
+//! * **realtime**: [`Runtime::next_release`] sleeps until the absolute instant of the next release
+//!   and [`Runtime::update`] takes what is there;
+//! * **lockstep**: `next_release` returns at once and `update` waits for the samples that are due
+//!   in the step. The plant's odometry paces everybody, since everybody waits for it, directly or
+//!   through somebody else; no coordinator is needed. Publishers wait when an observer lags, so that
+//!   nobody loses a message, and all stamps are simulated time: same scenario, same seed, same
+//!   bytes.
+//!
+//! `unsafe` is allowed in `scheduling`, `spawn`, `usage` and `words` alone, for system calls that no
+//! crate wraps.
+
+mod beside;
+mod carried;
+mod clock;
+mod error;
+mod faults;
+mod group;
+pub mod histogram_log;
+mod keeper;
+mod link;
+mod members;
+mod observer;
+mod player;
+mod port;
+mod probe;
+mod release;
+pub mod report;
+mod schedule;
+pub mod scheduling;
+mod session;
+mod spawn;
+pub mod statistics;
+mod tap;
+mod timetable;
+mod transport;
+mod usage;
+mod waking;
+mod words;
+
+pub use beside::Beside;
+pub use carried::Carried;
+pub use clock::{Clock, Mode, monotonic_ns, sleep_until};
+pub use error::RuntimeError;
+pub use faults::{Befallen, Injected, concerned};
+pub use group::Group;
+pub use keeper::Keeper;
+pub(crate) use link::End;
+pub use link::{FromService, PEER_JOINED, StartOrder, ToService};
+pub use members::enroll;
+pub use observer::{Observed, Observer};
+pub use player::{Played, Player};
+pub use port::{Publisher, Subscriber};
+pub use probe::{EventReceiver, EventSender, PayloadReceiver, PayloadSender, Probe};
+pub use release::{Overrun, Release};
+pub use schedule::{Schedule, ScheduledRelease};
+pub use session::{Cycle, Runtime, count_allocations_by, log_warnings, run_service};
+pub use spawn::inherit_only;
+pub use tap::{Tap, Tapped};
+pub use timetable::Timetable;
+pub use transport::shared_memory_bytes;
+pub(crate) use transport::{Receiver, Sender, Transport};
+pub use usage::Usage;
+pub use words::SharedWords;

@@ -1,0 +1,64 @@
+//! Somebody who only listens: the launcher, a recorder.
+
+use super::faults::Faults;
+use super::members::Members;
+use super::port::Tally;
+use super::transport::Transport;
+use super::{Carried, Group, RuntimeError, Subscriber};
+use crate::report::ReceivedTopic;
+use messages::Message;
+use std::rc::Rc;
+
+/// A listener in a running group.
+#[derive(Debug)]
+pub struct Observer {
+    transport: Transport,
+    mode: super::Mode,
+    members: Rc<Members>,
+}
+
+impl Observer {
+    /// Joins `group` under `name`.
+    ///
+    /// # Errors
+    /// If the run's shared memory is not usable.
+    pub fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
+        let members = Rc::new(Members::of(&group.root));
+        Ok(Self { transport: Transport::join(group, name)?, mode: group.mode, members })
+    }
+
+    /// Removes what dead processes left on the topics, so that no sender waits for them.
+    pub fn remove_dead(&self) {
+        self.transport.remove_dead();
+    }
+
+    /// Listens to `T`'s topic from now on.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Topic`].
+    pub fn listen<T: Carried>(&self) -> Result<Observed<T>, RuntimeError> {
+        let port = T::receiver(&self.transport)?;
+        let (members, faults) = (Rc::clone(&self.members), Rc::new(Faults::none()));
+        Ok(Observed(Subscriber::new(port, None, members, None, faults, Tally::new(self.mode))))
+    }
+}
+
+/// What an observer hears on one topic.
+#[derive(Debug)]
+pub struct Observed<T: Message>(Subscriber<T>);
+
+impl<T: Message> Observed<T> {
+    /// Takes all messages that arrived, in order.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Receive`].
+    pub fn drain(&mut self, each: impl FnMut(&T)) -> Result<(), RuntimeError> {
+        self.0.drain(u64::MAX, each)
+    }
+
+    /// What was received so far.
+    #[must_use]
+    pub fn received(&self) -> ReceivedTopic {
+        self.0.tally.borrow().received(T::TOPIC)
+    }
+}

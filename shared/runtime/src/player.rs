@@ -1,0 +1,53 @@
+//! Somebody who sends again what was sent before: the replayer.
+
+use super::link::End;
+use super::transport::{Sender, Transport};
+use super::waking::Waker;
+use super::{Carried, Group, RuntimeError};
+use messages::Message;
+use std::rc::Rc;
+
+/// A process that plays messages into a group.
+#[derive(Debug)]
+pub struct Player {
+    transport: Transport,
+}
+
+impl Player {
+    /// Joins `group` under `name`.
+    ///
+    /// # Errors
+    /// If the run's shared memory is not usable.
+    pub fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
+        Ok(Self { transport: Transport::join(group, name)? })
+    }
+
+    /// Opens the sending end of `T`'s topic.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Topic`].
+    pub fn on<T: Carried>(&self) -> Result<Played<T>, RuntimeError> {
+        let port = T::sender(&self.transport, End::default())?;
+        Ok(Played { port, waker: self.transport.waker(T::TOPIC) })
+    }
+}
+
+/// The sending end of `T`'s topic for messages that are complete.
+#[derive(Debug)]
+pub struct Played<T> {
+    port: Rc<dyn Sender<T>>,
+    waker: Waker,
+}
+
+impl<T: Message> Played<T> {
+    /// Sends `message` as it is and wakes who waits for it.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Send`].
+    pub fn send(&self, message: &T) -> Result<(), RuntimeError> {
+        let sent = self.port.send(message);
+        sent.map_err(|reason| RuntimeError::Send { topic: T::TOPIC, reason })?;
+        self.waker.wake();
+        Ok(())
+    }
+}

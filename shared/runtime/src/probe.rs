@@ -1,0 +1,244 @@
+//! The ends of a topic without a service around them: what `timegap bench` measures.
+//!
+//! Typed messages go through the services' own [`Publisher`] and [`Subscriber`]. Payloads of any size
+//! go through the same node, the same iceoryx2 variant and the same wake-up; they are loaned and
+//! sent where they lie, so that nobody copies them. iceoryx2's own event service is here for
+//! comparison.
+
+use super::faults::{Faults, Lies};
+use super::members::Members;
+use super::port::Tally;
+use super::transport::{Ipc, Transport};
+use super::waking::{Waiter, Waker};
+use super::{Carried, Clock, End, Group, Publisher, RuntimeError, Subscriber, monotonic_ns};
+use iceoryx2::port::{listener::Listener, notifier::Notifier};
+use iceoryx2::prelude::ZeroCopySend;
+use messages::Service;
+use messages::{Message, Topic};
+use std::mem::MaybeUninit;
+use std::rc::Rc;
+use std::time::Duration;
+
+/// Topic whose name and wake-up word the probe's payloads use.
+pub(super) const TOPIC: Topic = Topic::RadarTracks;
+
+/// When a payload was sent, `CLOCK_MONOTONIC` ns.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, ZeroCopySend)]
+#[type_name("timegap_msgs/msg/Stamp")]
+pub(super) struct Stamp {
+    sent_ns: i64,
+}
+
+/// Payload bytes: nobody reads them, so that they need not be written.
+pub(super) type Payload = [MaybeUninit<u8>];
+
+/// A member of a group that is no service.
+#[derive(Debug)]
+pub struct Probe {
+    transport: Transport,
+    group: Group,
+}
+
+impl Probe {
+    /// Joins `group` under `name`.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Node`].
+    pub fn join(group: Group, name: &str) -> Result<Self, RuntimeError> {
+        Ok(Self { transport: Transport::join(&group, name)?, group })
+    }
+
+    /// The sending end of `T`'s topic, as `source` has it.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Topic`].
+    pub fn publisher<T: Carried>(&self, source: Service) -> Result<Publisher<T>, RuntimeError> {
+        Ok(Publisher {
+            port: T::sender(&self.transport, End::default())?,
+            waker: Some(self.transport.waker(T::TOPIC)),
+            clock: Rc::new(Clock::new(self.group.mode, self.group.timetable.step_ns)),
+            timetable: self.group.timetable,
+            source,
+            incarnation: 0,
+            faults: Rc::new(Faults::none()),
+            lies: Lies::new(),
+            tally: Tally::new(self.group.mode),
+        })
+    }
+
+    /// The receiving end of `T`'s topic, as a service that it releases has it.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Topic`].
+    pub fn subscriber<T: Carried>(&self) -> Result<Subscriber<T>, RuntimeError> {
+        let waiter = Some(self.transport.waiter(T::TOPIC));
+        let port = T::receiver(&self.transport)?;
+        let members = Rc::new(Members::of(&self.group.root));
+        let (faults, tally) = (Rc::new(Faults::none()), Tally::new(self.group.mode));
+        Ok(Subscriber::new(port, waiter, members, None, faults, tally))
+    }
+
+    /// Waits for samples of `T`'s topic, at most for `timeout`, and hands all to `each`.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Receive`].
+    pub fn next_samples<T: Message>(
+        &self,
+        topic: &mut Subscriber<T>,
+        timeout: Duration,
+        mut each: impl FnMut(&T),
+    ) -> Result<(), RuntimeError> {
+        let ticket = topic.ticket();
+        let mut found = false;
+        topic.drain(u64::MAX, |sample| {
+            found = true;
+            each(sample);
+        })?;
+        if found {
+            return Ok(());
+        }
+        topic.wait(ticket, timeout)?;
+        topic.drain(u64::MAX, each)
+    }
+
+    /// The sending end for payloads of `bytes`.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Topic`].
+    pub fn payload_sender(&self, bytes: usize) -> Result<PayloadSender, RuntimeError> {
+        let port = (self.transport.payload_topic()?.publisher_builder())
+            .initial_max_slice_len(bytes)
+            .create()
+            .map_err(|e| RuntimeError::Topic { topic: TOPIC, reason: format!("{e:?}") })?;
+        Ok(PayloadSender { port, waker: self.transport.waker(TOPIC), bytes })
+    }
+
+    /// The receiving end for payloads.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Topic`].
+    pub fn payload_receiver(&self) -> Result<PayloadReceiver, RuntimeError> {
+        let port = (self.transport.payload_topic()?.subscriber_builder())
+            .create()
+            .map_err(|e| RuntimeError::Topic { topic: TOPIC, reason: format!("{e:?}") })?;
+        Ok(PayloadReceiver { port, waiter: self.transport.waiter(TOPIC) })
+    }
+
+    /// The waking end of iceoryx2's own event service.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Topic`].
+    pub fn event_sender(&self) -> Result<EventSender, RuntimeError> {
+        let port = (self.transport.event()?.notifier_builder())
+            .create()
+            .map_err(|e| RuntimeError::Topic { topic: TOPIC, reason: format!("{e:?}") })?;
+        Ok(EventSender(port))
+    }
+
+    /// The waiting end of iceoryx2's own event service.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Topic`].
+    pub fn event_receiver(&self) -> Result<EventReceiver, RuntimeError> {
+        let port = (self.transport.event()?.listener_builder())
+            .create()
+            .map_err(|e| RuntimeError::Topic { topic: TOPIC, reason: format!("{e:?}") })?;
+        Ok(EventReceiver(port))
+    }
+}
+
+/// Sends payloads.
+#[derive(Debug)]
+pub struct PayloadSender {
+    port: iceoryx2::port::publisher::Publisher<Ipc, Payload, Stamp>,
+    waker: Waker,
+    bytes: usize,
+}
+
+impl PayloadSender {
+    /// Loans a payload, stamps it with the time before the loan, sends it and wakes who waits.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Send`].
+    #[expect(unsafe_code, reason = "iceoryx2 asks for it even where there is nothing to write")]
+    pub fn send(&self) -> Result<(), RuntimeError> {
+        let error = |reason| RuntimeError::Send { topic: TOPIC, reason };
+        let sent_ns = monotonic_ns();
+        let sample = self.port.loan_slice_uninit(self.bytes);
+        let mut sample = sample.map_err(|e| error(format!("{e:?}")))?;
+        sample.user_header_mut().sent_ns = sent_ns;
+        // SAFETY: the payload's elements are `MaybeUninit`, which need no initialisation.
+        let sample = unsafe { sample.assume_init() };
+        sample.send().map_err(|e| error(format!("{e:?}")))?;
+        self.waker.wake();
+        Ok(())
+    }
+}
+
+/// Receives payloads.
+#[derive(Debug)]
+pub struct PayloadReceiver {
+    port: iceoryx2::port::subscriber::Subscriber<Ipc, Payload, Stamp>,
+    waiter: Waiter,
+}
+
+impl PayloadReceiver {
+    /// Waits for payloads, at most for `timeout`; hands each one's stamp and length to `each`.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Receive`].
+    pub fn next(
+        &self,
+        timeout: Duration,
+        mut each: impl FnMut(i64, usize),
+    ) -> Result<(), RuntimeError> {
+        let ticket = self.waiter.ticket();
+        if self.take(&mut each)? {
+            return Ok(());
+        }
+        let error = |reason: String| RuntimeError::Receive { topic: TOPIC, reason };
+        self.waiter.wait(ticket, timeout).map_err(|e| error(e.to_string()))?;
+        self.take(&mut each).map(|_| ())
+    }
+
+    fn take(&self, each: &mut impl FnMut(i64, usize)) -> Result<bool, RuntimeError> {
+        let error = |reason: String| RuntimeError::Receive { topic: TOPIC, reason };
+        let mut found = false;
+        while let Some(sample) = self.port.receive().map_err(|e| error(format!("{e:?}")))? {
+            found = true;
+            each(sample.user_header().sent_ns, sample.payload().len());
+        }
+        Ok(found)
+    }
+}
+
+/// Wakes by iceoryx2's event service.
+#[derive(Debug)]
+pub struct EventSender(Notifier<Ipc>);
+
+impl EventSender {
+    /// Wakes who waits.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Send`].
+    pub fn wake(&self) -> Result<(), RuntimeError> {
+        let error = |reason| RuntimeError::Send { topic: TOPIC, reason };
+        self.0.notify().map(|_| ()).map_err(|e| error(format!("{e:?}")))
+    }
+}
+
+/// Waits by iceoryx2's event service.
+#[derive(Debug)]
+pub struct EventReceiver(Listener<Ipc>);
+
+impl EventReceiver {
+    /// Waits to be woken, at most for `timeout`.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Receive`].
+    pub fn wait(&self, timeout: Duration) -> Result<(), RuntimeError> {
+        let error = |reason| RuntimeError::Receive { topic: TOPIC, reason };
+        self.0.timed_wait(|_| {}, timeout).map(|_| ()).map_err(|e| error(format!("{e:?}")))
+    }
+}

@@ -1,0 +1,211 @@
+//! What a service tells the launcher when it ends.
+
+mod chains;
+
+pub use chains::{HopTimes, Hops, WorstChain};
+
+use crate::Befallen;
+use crate::scheduling::Granted;
+use crate::statistics::{Latencies, Percentiles};
+use messages::Service;
+use messages::e2e::Outcomes;
+use messages::rung::Rungs;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Messages sent on a topic by one service.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SentTopic {
+    /// Topic name.
+    pub topic: String,
+    /// Messages sent.
+    pub sent: u64,
+    /// XXH3 over the bytes of all messages in order, in lockstep.
+    pub digest: Option<String>,
+}
+
+/// Messages received from a topic by one service.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ReceivedTopic {
+    /// Topic name.
+    pub topic: String,
+    /// Messages received.
+    pub received: u64,
+    /// Gaps in the sequence numbers.
+    pub lost: u64,
+    /// Outcomes of the end-to-end check.
+    pub e2e: Outcomes,
+    /// XXH3 over the bytes of all messages in order, in lockstep.
+    pub digest: Option<String>,
+}
+
+/// The account of one service's life.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ServiceReport {
+    /// The service.
+    pub service: Service,
+    /// Cycles run.
+    pub cycles: u64,
+    /// Releases that were left out because the service was busy or stopped.
+    pub skipped: u64,
+    /// Actual minus scheduled begin of the cycles, realtime only.
+    pub release_jitter_us: Option<Percentiles>,
+    /// Topics published.
+    pub sent: Vec<SentTopic>,
+    /// Topics received.
+    pub received: Vec<ReceivedTopic>,
+    /// Allocations of the loop between the start and the last cycle, where somebody counts them.
+    pub allocations_in_loop: Option<u64>,
+    /// Peak resident set, KiB.
+    pub peak_rss_kib: u64,
+    /// What the kernel granted.
+    pub scheduling: Granted,
+    /// What faults did to the service's messages.
+    pub befallen: Vec<Befallen>,
+    /// What only this service can tell.
+    pub details: Details,
+}
+
+/// What only one service can tell.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Details {
+    /// Nothing more.
+    None,
+    /// From the controller.
+    Controller(Box<ControllerReport>),
+    /// From the plant.
+    Plant(Box<PlantReport>),
+}
+
+/// What the controller tells.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ControllerReport {
+    /// Deadline after each scheduled release, µs.
+    pub deadline_us: f64,
+    /// Cycles that finished late, and releases left out.
+    pub deadline_misses: u64,
+    /// Time inside the law, on the wall clock in both modes.
+    pub solve_us: Option<Percentiles>,
+    /// Cycles whose command was relaxed.
+    pub relaxed: u64,
+    /// Cycles whose command came from the law's backup.
+    pub backup: u64,
+    /// Planning beside the loop, of laws that do.
+    pub planning: Option<PlanningReport>,
+    /// Changes of the law's mode.
+    pub mode_changes: Vec<ModeChange>,
+    /// The controller's way on the degradation ladder.
+    pub rungs: Rungs,
+}
+
+/// How the planning beside a control loop kept up with it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlanningReport {
+    /// Plans asked for.
+    pub asked: u64,
+    /// Plans that were not there when they were due; the loop drove on by the one before.
+    pub late: u64,
+    /// Time after which a plan is due, µs.
+    pub deadline_us: f64,
+    /// Time that a plan took, on the wall clock in both modes.
+    pub plan_us: Option<Percentiles>,
+}
+
+/// A change of the law's mode.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ModeChange {
+    /// Run time, s.
+    pub t_s: f64,
+    /// Mode left.
+    pub from: String,
+    /// Mode entered.
+    pub to: String,
+    /// Why.
+    pub reason: String,
+    /// The law's figures in the cycle of the change, by name.
+    pub figures: BTreeMap<String, f64>,
+}
+
+/// What the plant tells.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlantReport {
+    /// How the run ended.
+    pub outcome: Outcome,
+    /// Run time reached, s.
+    pub duration_s: f64,
+    /// Figures of the drive.
+    pub control: ControlFigures,
+    /// The plant's way on the degradation ladder.
+    pub rungs: Rungs,
+    /// Longest time between two commands that the gateway accepted, µs.
+    pub max_command_gap_us: Option<f64>,
+    /// Radar acquisition to the first actuation that uses it.
+    pub reaction_time_us: Option<Percentiles>,
+    /// Every actuation back to the radar acquisition behind it.
+    pub data_age_us: Option<Percentiles>,
+    /// The waits of the reaction time that are designed.
+    pub designed_wait_us: Option<Percentiles>,
+    /// The reaction time without them.
+    pub net_reaction_us: Option<Percentiles>,
+    /// The parts of the reaction time, which add up to it sample by sample.
+    pub hops_us: Hops,
+    /// The chains with the longest reaction times, longest first.
+    pub worst_chains: Vec<WorstChain>,
+    /// Commands that the scenario's misses and jitter kept from the actuators.
+    pub undelivered_commands: u64,
+    /// Histograms of the reaction time, the data age and the parts, by their names.
+    pub histograms: BTreeMap<String, Latencies>,
+}
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// The scenario's end was reached.
+    Completed,
+    /// The ego touched another vehicle.
+    Collision,
+    /// The ego crossed a stop line at red.
+    RedLight,
+    /// The plant stopped in lane for want of valid commands.
+    SafeStop,
+    /// Something ended the run before its time.
+    Aborted,
+}
+
+/// Figures of the drive, from ground truth.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ControlFigures {
+    /// Smallest gap to a vehicle in lane, m.
+    pub min_gap_m: Option<f64>,
+    /// Root mean square over time of the gap's distance from the desired one, while a vehicle ahead
+    /// was within the radar's range, m.
+    pub rms_gap_error_m: Option<f64>,
+    /// Largest magnitude of that distance, m.
+    pub max_abs_gap_error_m: Option<f64>,
+    /// Smallest time to collision, s.
+    pub min_ttc_s: Option<f64>,
+    /// Real minus desired gap at the end, m.
+    pub final_gap_error_m: Option<f64>,
+    /// Ego minus lead speed at the end, or minus the set speed without a lead, m/s.
+    pub final_speed_error_mps: Option<f64>,
+    /// Largest magnitude of the jerk, m/s³.
+    pub max_abs_jerk_mps3: Option<f64>,
+    /// Root mean square of the jerk over time, m/s³.
+    pub rms_jerk_mps3: Option<f64>,
+    /// Smallest acceleration, m/s².
+    pub min_accel_mps2: Option<f64>,
+    /// Largest acceleration, m/s².
+    pub max_accel_mps2: Option<f64>,
+    /// When the first stop line was crossed, s.
+    pub stop_line_crossing_s: Option<f64>,
+    /// Distance past the first stop line when its light first changed, m; negative before it.
+    pub past_stop_line_at_switch_m: Option<f64>,
+    /// Fuel, L/100 km; trucks only, as what follows.
+    pub fuel_l_per_100km: Option<f64>,
+    /// Shifts of the gearbox.
+    pub gear_shifts: Option<u64>,
+    /// Time with the service brakes applied, s.
+    pub service_brake_s: Option<f64>,
+}

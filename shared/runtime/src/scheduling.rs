@@ -1,0 +1,225 @@
+//! What a service asks of the kernel for its loop, and what it got.
+//!
+//! In the order of their worth: timer slack of 1 ns (always granted), `SCHED_FIFO`, locked memory,
+//! a core of its own. Nothing here fails: what is not granted is reported, as read back from the
+//! kernel, with the reason.
+
+#![allow(unsafe_code, reason = "no crate wraps sched_setscheduler")]
+
+use messages::Service;
+use rustix::mm::{MlockAllFlags, mlockall};
+use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity, set_current_timer_slack};
+use scenario::Scenario;
+use scenario::runtime::Scheduling;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// Scheduling policy of a loop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Policy {
+    /// `SCHED_FIFO` with this priority, 1 to 99.
+    Fifo(u8),
+    /// The ordinary time-sharing policy.
+    Other,
+}
+
+impl fmt::Display for Policy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Fifo(priority) => write!(f, "fifo:{priority}"),
+            Self::Other => f.write_str("other"),
+        }
+    }
+}
+
+/// What a service asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Request {
+    /// Policy.
+    pub policy: Policy,
+    /// Core to be pinned to.
+    pub core: Option<usize>,
+    /// Whether to lock all memory.
+    pub lock_memory: bool,
+}
+
+impl Request {
+    /// What the scenario asks for `service`. Without a core of its choice it shares the last core that
+    /// this process may use with the others ([`scenario::runtime`] says why).
+    #[must_use]
+    pub fn of(scenario: &Scenario, service: Service) -> Self {
+        let services = &scenario.runtime.services;
+        let (placement, priority) = match service {
+            Service::Plant => (services.plant, services.plant_priority()),
+            Service::PerceptionSim => (services.perception_sim, services.perception_sim_priority()),
+            Service::V2xSim => (services.v2x_sim, services.v2x_sim_priority()),
+            Service::Controller => (services.controller, services.controller_priority()),
+        };
+        let default = usable_cores().last().copied();
+        Self {
+            policy: match scenario.runtime.scheduling {
+                Scheduling::Fifo => Policy::Fifo(priority),
+                Scheduling::Other => Policy::Other,
+            },
+            core: placement.core.map(|core| core.value().into()).or(default),
+            lock_memory: scenario.runtime.lock_memory,
+        }
+    }
+
+    /// Nothing: for runs in simulated time, which share the machine.
+    pub(super) const NOTHING: Self = Self { policy: Policy::Other, core: None, lock_memory: false };
+}
+
+/// What a service got, read back from the kernel.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Granted {
+    /// Policy asked for.
+    pub requested: String,
+    /// Policy in force.
+    pub granted: String,
+    /// Core that the loop is pinned to; none if it may run on any.
+    pub core: Option<usize>,
+    /// Whether all memory is locked.
+    pub memory_locked: bool,
+    /// One sentence for each thing that was not granted.
+    pub refused: Vec<String>,
+}
+
+/// Applies `request` to the calling thread.
+#[must_use]
+pub fn apply(request: &Request) -> Granted {
+    let mut refused = Vec::new();
+    if let Err(e) = set_current_timer_slack(std::num::NonZeroU64::new(1)) {
+        refused.push(format!("timer slack of 1 ns: {e}"));
+    }
+    if let Some(core) = request.core
+        && let Err(reason) = pin_to(core)
+    {
+        refused.push(format!("core {core}: {reason}"));
+    }
+    // Pages stay once touched; locking untouched ones too would double the resident set for code
+    // that the loop never runs.
+    let memory_locked = request.lock_memory
+        && match mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE | MlockAllFlags::ONFAULT) {
+            Ok(()) => true,
+            Err(e) => {
+                refused.push(format!("locked memory: {e}"));
+                false
+            }
+        };
+    if let Policy::Fifo(priority) = request.policy
+        && let Err(e) = set_fifo(priority)
+    {
+        refused.push(format!("{}: {e}", request.policy));
+    }
+    prefault_stack();
+    Granted {
+        requested: request.policy.to_string(),
+        granted: policy_in_force().to_string(),
+        core: pinned_core(),
+        memory_locked,
+        refused,
+    }
+}
+
+/// A raised priority of the calling thread, until this is dropped; its children inherit it.
+#[derive(Debug)]
+pub struct Priority(());
+
+impl Priority {
+    /// Raises the calling thread to `SCHED_FIFO` with this priority, where the machine grants it.
+    #[must_use]
+    pub fn raise(priority: u8) -> Self {
+        // Without it, everything works; later, on a busy machine.
+        let _ = set_policy(libc::SCHED_FIFO, priority);
+        Self(())
+    }
+}
+
+impl Drop for Priority {
+    fn drop(&mut self) {
+        become_ordinary();
+    }
+}
+
+/// Gives the calling thread the ordinary time-sharing policy.
+pub fn become_ordinary() {
+    // Lowering is always granted.
+    let _ = set_policy(libc::SCHED_OTHER, 0);
+}
+
+/// Pins the calling thread to `core`.
+///
+/// # Errors
+/// Why the machine refuses it.
+pub fn pin_to(core: usize) -> Result<(), String> {
+    if core >= CpuSet::MAX_CPU {
+        return Err("no such core".into());
+    }
+    let mut set = CpuSet::new();
+    set.set(core);
+    sched_setaffinity(None, &set).map_err(|e| e.to_string())
+}
+
+/// Cores that this thread may run on.
+#[must_use]
+pub fn usable_cores() -> Vec<usize> {
+    let set = sched_getaffinity(None).unwrap_or_else(|_| CpuSet::new());
+    (0..CpuSet::MAX_CPU).filter(|&core| set.is_set(core)).collect()
+}
+
+fn pinned_core() -> Option<usize> {
+    match usable_cores().as_slice() {
+        [core] => Some(*core),
+        _ => None,
+    }
+}
+
+fn set_fifo(priority: u8) -> std::io::Result<()> {
+    // Helper threads must not inherit the priority.
+    set_policy(libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK, priority)
+}
+
+fn set_policy(policy: libc::c_int, priority: u8) -> std::io::Result<()> {
+    let param = libc::sched_param { sched_priority: i32::from(priority) };
+    // SAFETY: `param` lives through the call, which only reads it; 0 is the calling thread.
+    match unsafe { libc::sched_setscheduler(0, policy, &raw const param) } {
+        0 => Ok(()),
+        _ => Err(std::io::Error::last_os_error()),
+    }
+}
+
+fn policy_in_force() -> Policy {
+    let mut param = libc::sched_param { sched_priority: 0 };
+    // SAFETY: both calls concern the calling thread; `param` lives through the second, which
+    // writes it.
+    let (policy, read) =
+        unsafe { (libc::sched_getscheduler(0), libc::sched_getparam(0, &raw mut param)) };
+    if read == 0 && policy & !libc::SCHED_RESET_ON_FORK == libc::SCHED_FIFO {
+        Policy::Fifo(u8::try_from(param.sched_priority).unwrap_or(u8::MAX))
+    } else {
+        Policy::Other
+    }
+}
+
+/// Touches the stack that a loop may come to use, so that it does not fault later.
+fn prefault_stack() {
+    let mut stack = [0_u8; 256 * 1024];
+    for page in stack.chunks_mut(4096) {
+        page[0] = 1;
+    }
+    std::hint::black_box(&mut stack);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_missing_core_is_refused_and_the_rest_goes_on() {
+        let request = Request { policy: Policy::Other, core: Some(1023), lock_memory: false };
+        let granted = std::thread::spawn(move || apply(&request)).join().expect("no panic");
+        assert_eq!(granted.granted, "other");
+        assert!(granted.refused.iter().any(|r| r.starts_with("core 1023")), "{granted:?}");
+    }
+}

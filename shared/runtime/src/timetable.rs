@@ -1,0 +1,91 @@
+//! Which service is due in which step.
+
+use messages::{Service, Topic};
+use scenario::Scenario;
+use serde::{Deserialize, Serialize};
+
+/// Periods of all services in simulation steps; the plant is due in every step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Timetable {
+    /// Length of a step, ns: the plant's period.
+    pub step_ns: i64,
+    /// Steps between two releases of each service, in the order of [`Service::ALL`].
+    pub strides: [u64; 4],
+    /// Last step of the run.
+    pub last_step: u64,
+}
+
+impl Timetable {
+    /// The timetable of a checked scenario.
+    ///
+    /// # Panics
+    /// If a period is not a multiple of the plant's, which the scenario's check rules out.
+    #[must_use]
+    pub fn of(scenario: &Scenario) -> Self {
+        let step_ms = scenario.plant.period_ms.value();
+        let strides = Service::ALL.map(|service| {
+            let period_ms = match service {
+                Service::Plant => step_ms,
+                Service::PerceptionSim => scenario.perception.period_ms.value(),
+                Service::V2xSim => scenario.v2x.period_ms.value(),
+                Service::Controller => scenario.controller.period_ms.value(),
+            };
+            assert!(period_ms.is_multiple_of(step_ms), "{service}: {period_ms} ms of {step_ms} ms");
+            u64::from(period_ms / step_ms)
+        });
+        let last_step = scenario.duration_s.value() * 1e3 / f64::from(step_ms);
+        Self {
+            step_ns: i64::from(step_ms) * 1_000_000,
+            strides,
+            last_step: (last_step + 1e-6).floor() as u64,
+        }
+    }
+
+    /// Steps between two releases of `service`.
+    #[must_use]
+    pub fn stride(&self, service: Service) -> u64 {
+        self.strides[service.index()]
+    }
+
+    /// True if `service` is released in `step`.
+    #[must_use]
+    pub fn is_due(&self, service: Service, step: u64) -> bool {
+        step.is_multiple_of(self.stride(service))
+    }
+
+    /// Newest step up to `step` in which `service` was released.
+    #[must_use]
+    pub fn latest_release(&self, service: Service, step: u64) -> u64 {
+        step - step % self.stride(service)
+    }
+
+    /// True if some consumer of `topic` is released in `step`, and so waits for its sample.
+    #[must_use]
+    pub fn is_awaited(&self, topic: Topic, step: u64) -> bool {
+        topic.consumers().iter().any(|&consumer| self.is_due(consumer, step))
+    }
+
+    /// Period of `service`, ns.
+    #[must_use]
+    pub fn period_ns(&self, service: Service) -> i64 {
+        let stride = i64::try_from(self.stride(service)).expect("strides are small");
+        self.step_ns * stride
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn releases_and_waits() {
+        let table = Timetable { step_ns: 10_000_000, strides: [1, 5, 10, 10], last_step: 1000 };
+        assert!(table.is_due(Service::PerceptionSim, 5) && !table.is_due(Service::V2xSim, 5));
+        assert_eq!(table.latest_release(Service::PerceptionSim, 9), 5);
+        assert_eq!(table.period_ns(Service::Controller), 100_000_000);
+        assert!(table.is_awaited(Topic::Odometry, 5), "perception-sim is due");
+        assert!(!table.is_awaited(Topic::Odometry, 4), "nobody but the plant is due");
+        assert!(!table.is_awaited(Topic::RadarTracks, 5), "the controller is not due");
+        assert!(table.is_awaited(Topic::VehicleTruth, 5), "the plant is always due");
+    }
+}

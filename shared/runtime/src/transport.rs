@@ -1,0 +1,277 @@
+//! iceoryx2 as timegap uses it: one private node per process and one way to open each topic.
+
+use super::link::End;
+use super::probe::{self, Payload, Stamp};
+use super::waking::{Bells, Waiter, Waker};
+use super::{Group, Mode, RuntimeError, Timetable};
+use iceoryx2::config::Config;
+use iceoryx2::port::BackpressureAction;
+use iceoryx2::port::update_connections::UpdateConnections;
+use iceoryx2::prelude::*;
+use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
+use iceoryx2::service::port_factory::{event, publish_subscribe};
+use messages::Service;
+use messages::{LAYOUT_VERSION, Message, TOPICS, Topic};
+use std::fmt::Debug;
+use std::os::unix::fs::PermissionsExt;
+use std::rc::Rc;
+
+/// The iceoryx2 variant of all topics.
+pub(super) type Ipc = ipc::Service;
+
+/// Processes on one topic: the group, each restarted beside its dead self, and observers.
+const MAX_PEERS: usize = 10;
+
+/// Messages that a subscriber can lag behind: twice what the plant publishes between two releases
+/// of the slowest service, and enough for half a second without the processor at the usual rates.
+fn buffer(timetable: &Timetable) -> usize {
+    let slowest = timetable.strides.into_iter().max().unwrap_or(1);
+    usize::try_from((2 * slowest + 8).max(50)).expect("strides are small")
+}
+
+/// Shared memory that a group with this timetable may come to use, bytes: every publisher has room
+/// for what all its possible subscribers can lag behind.
+#[must_use]
+pub fn shared_memory_bytes(timetable: &Timetable) -> u64 {
+    /// Management segments of all nodes, services and connections, generously.
+    const MANAGEMENT: usize = 1 << 20;
+    let messages = MAX_PEERS * (buffer(timetable) + 2) + 2;
+    let publishers = |topic: Topic| topic.source().map_or(Service::ALL.len(), |_| 1);
+    let payload: usize =
+        TOPICS.iter().map(|&topic| publishers(topic) * messages * topic.message_bytes()).sum();
+    (payload + MANAGEMENT) as u64
+}
+
+/// An end of a topic that can be connected to all others that exist, ahead of the first message:
+/// connecting creates files and allocates.
+pub trait Connect: Debug {
+    /// Connects.
+    fn connect(&self) -> Result<(), String>;
+}
+
+/// Sends messages of one type.
+pub trait Sender<T>: Connect {
+    /// Copies `message` into shared memory and hands it to all subscribers.
+    fn send(&self, message: &T) -> Result<(), String>;
+}
+
+impl<T: Message> Sender<T> for iceoryx2::port::publisher::Publisher<Ipc, T, ()> {
+    fn send(&self, message: &T) -> Result<(), String> {
+        self.send_copy(*message).map(|_| ()).map_err(|e| format!("{e:?}"))
+    }
+}
+
+impl<Port: UpdateConnections + Debug> Connect for Port {
+    fn connect(&self) -> Result<(), String> {
+        self.update_connections().map_err(|e| format!("{e:?}"))
+    }
+}
+
+/// A sending port, unique on this host.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SenderId(u128);
+
+impl SenderId {
+    /// The process that made it: iceoryx2's ids are seconds, nanoseconds, process, counter.
+    pub(super) fn pid(self) -> u32 {
+        (self.0 >> 64) as u32
+    }
+}
+
+/// An end of a topic that messages come out of.
+pub trait Input: Debug {
+    /// True if a message waits.
+    fn has_input(&self) -> bool;
+}
+
+impl<T: Message> Input for iceoryx2::port::subscriber::Subscriber<Ipc, T, ()> {
+    fn has_input(&self) -> bool {
+        self.has_samples().unwrap_or(false)
+    }
+}
+
+/// Receives messages of one type.
+pub trait Receiver<T>: Connect + Input {
+    /// The oldest message not yet taken, and the port that sent it.
+    fn receive(&self) -> Result<Option<(T, SenderId)>, String>;
+}
+
+impl<T: Message> Receiver<T> for iceoryx2::port::subscriber::Subscriber<Ipc, T, ()> {
+    fn receive(&self) -> Result<Option<(T, SenderId)>, String> {
+        let sample = Self::receive(self).map_err(|e| format!("{e:?}"))?;
+        Ok(sample.map(|sample| (*sample.payload(), SenderId(sample.origin().value()))))
+    }
+}
+
+/// A node in the run's private iceoryx2 domain.
+#[derive(Debug)]
+pub struct Transport {
+    node: Node<Ipc>,
+    bells: Bells,
+    mode: Mode,
+    buffer: usize,
+}
+
+impl Transport {
+    /// Joins the run's domain.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Node`] if the root is not usable or shared memory is not to be had.
+    pub(super) fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
+        let error = |reason: String| RuntimeError::Node { root: group.root.clone(), reason };
+        let config = domain(group).map_err(error)?;
+        let name = NodeName::new(name).map_err(|e| error(format!("{e:?}")))?;
+        let node = NodeBuilder::new()
+            .name(&name)
+            .config(&config)
+            // signal-hook owns the signals.
+            .signal_handling_mode(SignalHandlingMode::Disabled)
+            .create::<Ipc>()
+            .map_err(|e| error(format!("{e:?}")))?;
+        keep_to_this_user(&group.prefix).map_err(|e| error(format!("shared memory: {e}")))?;
+        let bells = Bells::map(&group.prefix).map_err(|e| error(format!("wake words: {e}")))?;
+        Ok(Self { node, bells, mode: group.mode, buffer: buffer(&group.timetable) })
+    }
+
+    /// Removes what dead processes left on the topics.
+    pub(super) fn remove_dead(&self) {
+        self.node.try_cleanup_dead_nodes();
+    }
+
+    /// Opens the publish-subscribe service of `T`'s topic.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Topic`].
+    fn topic<T: Message>(
+        &self,
+    ) -> Result<publish_subscribe::PortFactory<Ipc, T, ()>, RuntimeError> {
+        let error = |reason: String| RuntimeError::Topic { topic: T::TOPIC, reason };
+        let key = AttributeKey::try_from("layout").expect("short enough for a key");
+        let version = AttributeValue::try_from(LAYOUT_VERSION).expect("short enough for a value");
+        let attributes = AttributeVerifier::new()
+            .require(&key, &version)
+            .map_err(|e| error(format!("{e:?}")))?;
+        self.node
+            .service_builder(&service_name(T::TOPIC))
+            .publish_subscribe::<T>()
+            .max_publishers(MAX_PEERS)
+            .max_subscribers(MAX_PEERS)
+            .max_nodes(2 * MAX_PEERS)
+            .subscriber_max_buffer_size(self.buffer)
+            // What a restarted receiver begins with.
+            .history_size(1)
+            .enable_safe_overflow(self.mode == Mode::Realtime)
+            .open_or_create_with_attributes(&attributes)
+            .map_err(|e| error(format!("{e:?}")))
+    }
+
+    /// Creates the publisher of `T`'s topic. In lockstep it waits while a subscriber's buffer is
+    /// full, unless the run was aborted.
+    pub(crate) fn publisher<T: Message>(
+        &self,
+        end: End,
+    ) -> Result<Rc<dyn Sender<T>>, RuntimeError> {
+        let port = self
+            .topic::<T>()?
+            .publisher_builder()
+            .set_backpressure_handler(move |_| {
+                if end.is_now() {
+                    return BackpressureAction::DiscardData;
+                }
+                std::thread::sleep(std::time::Duration::from_micros(20));
+                BackpressureAction::Retry
+            })
+            .create()
+            .map_err(|e| RuntimeError::Topic { topic: T::TOPIC, reason: format!("{e:?}") })?;
+        if SenderId(port.id().value()).pid() != std::process::id() {
+            let reason = "iceoryx2 does not name the process in its port ids as expected".into();
+            return Err(RuntimeError::Topic { topic: T::TOPIC, reason });
+        }
+        Ok(Rc::new(port))
+    }
+
+    pub(crate) fn subscriber<T: Message>(&self) -> Result<Rc<dyn Receiver<T>>, RuntimeError> {
+        let port = (self.topic::<T>()?.subscriber_builder())
+            .create()
+            .map_err(|e| RuntimeError::Topic { topic: T::TOPIC, reason: format!("{e:?}") })?;
+        Ok(Rc::new(port))
+    }
+
+    /// The service of a probe's payloads, beside the one of its topic.
+    pub(super) fn payload_topic(
+        &self,
+    ) -> Result<publish_subscribe::PortFactory<Ipc, Payload, Stamp>, RuntimeError> {
+        self.node
+            .service_builder(&"bench/payload".try_into().expect("a valid service name"))
+            .publish_subscribe::<Payload>()
+            .user_header::<Stamp>()
+            .max_publishers(1)
+            .max_subscribers(1)
+            .subscriber_max_buffer_size(8)
+            .history_size(0)
+            .open_or_create()
+            .map_err(|e| RuntimeError::Topic { topic: probe::TOPIC, reason: format!("{e:?}") })
+    }
+
+    /// iceoryx2's own event service, which no topic uses.
+    pub(super) fn event(&self) -> Result<event::PortFactory<Ipc>, RuntimeError> {
+        self.node
+            .service_builder(&"bench/event".try_into().expect("a valid service name"))
+            .event()
+            .open_or_create()
+            .map_err(|e| RuntimeError::Topic { topic: probe::TOPIC, reason: format!("{e:?}") })
+    }
+
+    pub(super) fn waker(&self, topic: Topic) -> Waker {
+        self.bells.waker(topic)
+    }
+
+    pub(super) fn waiter(&self, topic: Topic) -> Waiter {
+        self.bells.waiter(topic)
+    }
+}
+
+/// iceoryx2's configuration for the run's private domain.
+fn domain(group: &Group) -> Result<Config, String> {
+    let mut config = Config::default();
+    let root = group.root.to_str().ok_or("the path is not UTF-8")?;
+    config.global.prefix =
+        FileName::new(group.prefix.as_bytes()).map_err(|e| format!("prefix: {e:?}"))?;
+    // The launcher cleans up after each death; a service that starts has no time for it.
+    config.global.node.cleanup_dead_nodes_on_creation = false;
+    config.global.node.cleanup_dead_nodes_on_destruction = false;
+    config.global.service.cleanup_dead_nodes_on_open = false;
+    config.global.set_root_path(&Path::new(root.as_bytes()).map_err(|e| format!("path: {e:?}"))?);
+    Ok(config)
+}
+
+/// How the name of the one object ends that iceoryx2 makes for all users.
+const NODE_TABLE: &str = ".global_mgmt";
+
+/// Takes from others what iceoryx2 grants them in the run's shared memory: a table of the nodes' ids
+/// that all users of one machine would share in a common domain. This domain is one user's own.
+fn keep_to_this_user(prefix: &str) -> std::io::Result<()> {
+    for entry in std::fs::read_dir("/dev/shm")? {
+        let entry = entry?;
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        if !name.starts_with(prefix) || !name.ends_with(NODE_TABLE) {
+            continue;
+        }
+        // A peer may have removed it meanwhile.
+        let Ok(metadata) = entry.metadata() else { continue };
+        let mode = metadata.permissions().mode();
+        if mode & 0o077 != 0 {
+            let own = std::fs::Permissions::from_mode(mode & 0o700);
+            match std::fs::set_permissions(entry.path(), own) {
+                Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(e),
+                _ => {}
+            }
+        }
+    }
+    Ok(())
+}
+
+fn service_name(topic: Topic) -> ServiceName {
+    topic.name().try_into().expect("topic names are valid service names")
+}

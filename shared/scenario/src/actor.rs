@@ -1,0 +1,154 @@
+//! `[[actors]]`: the other vehicles.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use super::name::Name;
+use super::quantity::{
+    Acceleration, AccelerationMagnitude, Distance, Duration, Lateral, Length, Speed, Time,
+};
+
+/// Most actors of a scenario: as many as one message carries.
+pub const MAX_ACTORS: usize = messages::MAX_TRACKS;
+/// Most points of all speed tables of a scenario together, those of CSV files included.
+pub const MAX_PROFILE_POINTS: usize = 20_000;
+
+/// A vehicle other than the ego.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Actor {
+    /// Name, unique in the scenario.
+    pub name: Name,
+    /// Distance from the ego's front bumper to this vehicle's rear bumper when it appears, m.
+    pub gap_m: Distance,
+    /// Speed when it appears, m/s. Absent only where the profile is a table of speeds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub initial_speed_mps: Option<Speed>,
+    /// Highest speed that the profile may reach, m/s; absent: no cap.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_speed_mps: Option<Speed>,
+    /// Length, m.
+    #[serde(default = "car_length")]
+    pub length_m: Length,
+    /// Lateral position of its centre when it appears, m from the centre of the ego's lane, left
+    /// positive.
+    #[serde(default = "in_lane")]
+    pub lateral_offset_m: Lateral,
+    /// When it appears on the road, s.
+    #[serde(default = "at_start")]
+    pub appears_at_s: Time,
+    /// When it leaves the road, s; absent: never.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub leaves_at_s: Option<Time>,
+    /// How its speed develops. Times of a profile count from the start of the run.
+    #[serde(default)]
+    pub profile: Profile,
+    /// Lateral motions in order of time: a cut-in ends at 0, a cut-out beside the lane.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lateral: Vec<LateralMotion>,
+}
+
+/// How an actor's speed develops.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Profile {
+    /// Keeps its initial speed.
+    #[default]
+    Constant,
+    /// Approaches one target speed after the other, each with its own acceleration.
+    Steps(Vec<SpeedStep>),
+    /// Acceleration `amplitude * sin(2 pi (t - start) / period)` from `start` on.
+    Sine(Sine),
+    /// Acceleration constant by pieces, never below standstill.
+    Piecewise(Vec<AccelerationPiece>),
+    /// Speed interpolated between points of (time in s, speed in m/s); constant after the last.
+    Speeds(Vec<SpeedPoint>),
+    /// The same from a CSV file with the columns `time_s` and `speed_mps`.
+    Csv(CsvFile),
+}
+
+impl Profile {
+    /// The points of a table of speeds, when the profile is one.
+    #[must_use]
+    pub fn points(&self) -> Option<&[SpeedPoint]> {
+        match self {
+            Self::Speeds(points) | Self::Csv(CsvFile { points, .. }) => Some(points),
+            _ => None,
+        }
+    }
+}
+
+/// From `time_s` on, the speed goes to `speed_mps` at the given rate.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpeedStep {
+    /// Start of the change, s.
+    pub time_s: Time,
+    /// Speed to be reached, m/s.
+    pub speed_mps: Speed,
+    /// Rate of the change in either direction, m/s².
+    pub acceleration_mps2: AccelerationMagnitude,
+}
+
+/// A sinusoidal acceleration.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sine {
+    /// Amplitude of the acceleration, m/s².
+    pub amplitude_mps2: Acceleration,
+    /// Period, s.
+    pub period_s: Duration,
+    /// Start of the oscillation, s.
+    #[serde(default = "at_start")]
+    pub start_s: Time,
+}
+
+/// From `time_s` on, the acceleration is `acceleration_mps2`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AccelerationPiece {
+    /// Start of the piece, s.
+    pub time_s: Time,
+    /// Acceleration during the piece, m/s².
+    pub acceleration_mps2: Acceleration,
+}
+
+/// A point of a speed table: `[time_s, speed_mps]`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SpeedPoint(pub Time, pub Speed);
+
+/// A file with a speed table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CsvFile {
+    /// Path of the file; a relative one starts at the scenario file's directory.
+    pub file: PathBuf,
+    /// What the file held when the scenario was opened; not read again when present.
+    #[serde(default)]
+    pub points: Vec<SpeedPoint>,
+}
+
+/// A smooth change of the lateral position.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LateralMotion {
+    /// Start, s.
+    pub time_s: Time,
+    /// Lateral position at the end, m, left positive.
+    pub to_m: Lateral,
+    /// Time that the motion takes, s.
+    pub duration_s: Duration,
+}
+
+fn car_length() -> Length {
+    Length::of(4.5)
+}
+
+fn in_lane() -> Lateral {
+    Lateral::of(0.0)
+}
+
+fn at_start() -> Time {
+    Time::of(0.0)
+}

@@ -1,0 +1,67 @@
+//! The scenarios that come with the program.
+
+use super::error::{ScenarioError, edit_distance};
+
+/// A scenario compiled into the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Builtin {
+    /// Name, as given on the command line.
+    pub name: &'static str,
+    /// What it is about, in one line.
+    pub summary: &'static str,
+    /// The scenario file.
+    pub text: &'static str,
+}
+
+macro_rules! builtins {
+    ($($name:literal: $summary:literal;)+) => {
+        /// Every built-in scenario, in the order of `timegap list`.
+        pub const ALL: &[Builtin] = &[$(Builtin {
+            name: $name,
+            summary: $summary,
+            text: include_str!(concat!("../scenarios/", $name, ".toml")),
+        }),+];
+    };
+}
+
+builtins! {
+    "cacc-a": "CACC paper, scenario A: through on green behind a lead at constant speed";
+    "cacc-b": "CACC paper, scenario B: through on green behind an oscillating lead";
+    "cacc-c": "CACC paper, scenario C: a standing lead starts when the light turns green";
+    "cacc-table3": "CACC paper, Table 3: from standstill through the end of a green";
+    "following": "plain following behind a lead of varying speed, seen by a noisy radar";
+    "stop-and-go": "a lead in congested traffic, down to standstill and off again";
+    "cut-in": "a slower car cuts in close ahead and later out again before a slow lorry";
+    "corridor": "three signals in sequence behind a lead";
+    "six-mode": "six-mode paper: a lead that brakes, then a car that cuts in and stops";
+    "quadratic-bounded-follow":
+        "quadratic-bounded paper: a slower lead comes into range, then speeds up";
+    "quadratic-bounded-depart":
+        "quadratic-bounded paper: a lead drives away until the set speed is reached";
+    "quadratic-bounded-cut-in":
+        "quadratic-bounded paper: a slower car moves into the path 150 m ahead";
+    "truck-hills":
+        "predictive paper: a 49 t truck on ten kilometres of hills, planning two ahead";
+    "truck-follow": "predictive paper: following over a valley, the lead brakes uphill";
+    "truck-traffic": "a 49 t truck on hills behind a lead whose speed goes up and down";
+    "truck-brake": "a 49 t truck downhill behind a lead that brakes to standstill at 6 m/s²";
+}
+
+/// The built-in scenario of that name.
+#[must_use]
+pub fn find(name: &str) -> Option<&'static Builtin> {
+    ALL.iter().find(|builtin| builtin.name == name)
+}
+
+/// The error for a name that is neither built in nor a file.
+pub(super) fn unknown(name: &str) -> ScenarioError {
+    let names: Vec<&str> = ALL.iter().map(|builtin| builtin.name).collect();
+    let mut expected = format!("a path to a scenario file or one of {}", names.join(", "));
+    let near = names.iter().map(|known| (edit_distance(name, known), known)).min();
+    if let Some((distance, known)) = near
+        && distance <= 1 + name.chars().count() / 4
+    {
+        expected.push_str(&format!(" (did you mean {known}?)"));
+    }
+    ScenarioError::whole(name, "no built-in scenario and no file of this name").expecting(expected)
+}

@@ -1,0 +1,235 @@
+//! Scenario files: what happens in a run, and with which parameters.
+//!
+//! A scenario is a TOML document. Every key that is not written has a default, every key that is
+//! not known is refused, units are part of the names. [`Scenario::open`] reads a built-in scenario
+//! or a file, lays the command line's overrides over it and checks it; what is wrong comes back as
+//! a [`ScenarioError`] that shows the line. [`Scenario::to_toml`] writes the scenario as it took
+//! effect, files included, so that it can be kept with the run and handed to every service.
+//!
+//! ```
+//! let text = r#"
+//!     schema_version = 1
+//!     name = "short"
+//!     [plant]
+//!     initial_speed_mps = 15
+//!     [[actors]]
+//!     name = "lead"
+//!     gap_m = 40
+//!     initial_speed_mps = 15
+//!     profile.sine = { amplitude_mps2 = 2, period_s = 10 }
+//! "#;
+//! let scenario = scenario::Scenario::parse("short.toml", text)?;
+//! assert_eq!(scenario.actors[0].gap_m.value(), 40.0);
+//! # Ok::<(), scenario::ScenarioError>(())
+//! ```
+//!
+//! Positions along the road count from the ego's front bumper at the start of the run, lateral
+//! positions from the centre of its lane, left positive; times from the start of the run.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+pub mod actor;
+pub mod builtin;
+pub mod controller;
+pub mod faults;
+pub mod name;
+pub mod perception;
+pub mod plant;
+pub mod preview;
+pub mod quantity;
+pub mod road;
+pub mod runtime;
+pub mod supervision;
+pub mod v2x;
+
+mod check;
+mod document;
+mod error;
+mod files;
+pub mod grade;
+mod overrides;
+mod table;
+
+pub use document::{MAX_TEXT_BYTES, Problem};
+pub use error::ScenarioError;
+pub use overrides::Overrides;
+
+use actor::Actor;
+use controller::Controller;
+use document::Document;
+use faults::Fault;
+use name::{Line, Name};
+use perception::Perception;
+use plant::Plant;
+use quantity::{Duration, Seed, Speed};
+use road::Road;
+use runtime::Runtime;
+use supervision::Supervision;
+use v2x::V2x;
+
+/// The version of the schema that this program reads.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// A whole scenario, checked.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scenario {
+    /// Version of the schema: 1.
+    pub schema_version: u32,
+    /// Name.
+    pub name: Name,
+    /// What it is about, in one line.
+    #[serde(default)]
+    pub description: Line,
+    /// How long the run lasts, s.
+    #[serde(default = "ten_seconds")]
+    pub duration_s: Duration,
+    /// Seed of all random numbers.
+    #[serde(default = "first_seed")]
+    pub seed: Seed,
+    /// The driver's set speed, m/s.
+    #[serde(default = "motorway_speed")]
+    pub set_speed_mps: Speed,
+    /// The legal limit on this road, m/s; absent: not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub speed_limit_mps: Option<Speed>,
+    /// The ego vehicle.
+    #[serde(default)]
+    pub plant: Plant,
+    /// The road's heights; absent: level.
+    #[serde(default, skip_serializing_if = "Road::is_level")]
+    pub road: Road,
+    /// Radar, tracker and target selection.
+    #[serde(default)]
+    pub perception: Perception,
+    /// The roadside unit and its signals.
+    #[serde(default)]
+    pub v2x: V2x,
+    /// The control law and its loop.
+    #[serde(default)]
+    pub controller: Controller,
+    /// Scheduling and placement.
+    #[serde(default)]
+    pub runtime: Runtime,
+    /// What becomes of services that die or hang.
+    #[serde(default)]
+    pub supervision: Supervision,
+    /// The other vehicles.
+    #[serde(default)]
+    pub actors: Vec<Actor>,
+    /// What goes wrong.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub faults: Vec<Fault>,
+}
+
+impl Scenario {
+    /// Reads a scenario from its text. `source_name` stands for it in errors.
+    ///
+    /// # Errors
+    /// When the text is not a scenario, or names files, which only [`Scenario::open`] reads.
+    pub fn parse(source_name: &str, text: &str) -> Result<Self, ScenarioError> {
+        Self::build(source_name, text, &Overrides::new(), None, &|_| Ok(()))
+    }
+
+    /// Reads a scenario from its text with `overrides` laid over it. `check` is asked last.
+    ///
+    /// # Errors
+    /// As [`Scenario::parse`], or when an override does not fit.
+    pub fn parse_with(
+        source_name: &str,
+        text: &str,
+        overrides: &Overrides,
+        check: &dyn Fn(&Self) -> Result<(), Problem>,
+    ) -> Result<Self, ScenarioError> {
+        Self::build(source_name, text, overrides, None, check)
+    }
+
+    /// Opens the built-in scenario of that name or the file at that path, with `overrides` laid
+    /// over it. `check` is asked last, for what only the control laws know.
+    ///
+    /// # Errors
+    /// When there is no such scenario, it cannot be read, or something in it is wrong.
+    pub fn open(
+        argument: &str,
+        overrides: &Overrides,
+        check: &dyn Fn(&Self) -> Result<(), Problem>,
+    ) -> Result<Self, ScenarioError> {
+        if let Some(builtin) = builtin::find(argument) {
+            let source = format!("built-in {argument}");
+            return Self::build(&source, builtin.text, overrides, None, check);
+        }
+        let path = Path::new(argument);
+        let looks_like_a_path = argument.ends_with(".toml") || argument.contains('/');
+        if !looks_like_a_path && !path.exists() {
+            return Err(builtin::unknown(argument));
+        }
+        let text = files::read(path).map_err(|message| ScenarioError::whole(argument, message))?;
+        Self::build(argument, &text, overrides, Some(path.parent().unwrap_or(path)), check)
+    }
+
+    fn build(
+        source: &str,
+        text: &str,
+        overrides: &Overrides,
+        directory: Option<&Path>,
+        check: &dyn Fn(&Self) -> Result<(), Problem>,
+    ) -> Result<Self, ScenarioError> {
+        let document = Document::parse(source, text, overrides)?;
+        if let Some(version) = document.integer("schema_version")
+            && version != SCHEMA_VERSION.to_string()
+        {
+            return Err(document.problem(&Problem::new(
+                "schema_version",
+                format!("version {version} of the schema is not known"),
+                format!("{SCHEMA_VERSION}"),
+            )));
+        }
+        let mut scenario: Self = document.read()?;
+        if let Some(directory) = directory {
+            files::load(&mut scenario, &document, directory)?;
+        }
+        check::all(&scenario).map_err(|problem| document.problem(&problem))?;
+        check(&scenario).map_err(|problem| document.problem(&problem))?;
+        Ok(scenario)
+    }
+
+    /// The scenario as it took effect: parsing this text gives an equal scenario.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self).expect("every value of a scenario has a form in TOML")
+    }
+}
+
+/// Reads a table of a vehicle's speed over time, with a heading `time_s,speed_mps`. `source` stands for
+/// it in errors.
+///
+/// # Errors
+/// When the text is no such table; shows the line.
+pub fn read_speed_table(source: &str, text: &str) -> Result<Vec<actor::SpeedPoint>, ScenarioError> {
+    files::parse_csv(source, text)
+}
+
+/// Reads a table of a road's height or grade over distance. `source` stands for it in errors.
+///
+/// # Errors
+/// When the text is no such table; shows the line.
+pub fn read_road(source: &str, text: &str) -> Result<crate::grade::GradeProfile, ScenarioError> {
+    road::parse_csv(source, text)
+}
+
+fn ten_seconds() -> Duration {
+    Duration::of(10.0)
+}
+
+fn first_seed() -> Seed {
+    Seed::of(1)
+}
+
+fn motorway_speed() -> Speed {
+    Speed::of(33.3)
+}
+
+#[cfg(test)]
+mod tests;

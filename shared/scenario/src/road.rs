@@ -1,0 +1,273 @@
+//! `[road]`: how high the road lies.
+//!
+//! One of four sources, or none for a level road:
+//!
+//! ```toml
+//! road.builtin = "hills-60km"
+//! road.csv = "my-road.csv"                       # columns distance_m and height_m or grade_percent
+//! road.points = [[0, 0], [50, 0.6], [100, 1.3]]  # distance in m, height in m
+//! road.generated = { seed = 7, length_km = 20 }
+//! ```
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use super::document::Problem;
+use super::error::ScenarioError;
+use super::quantity::{
+    Distance, GradeMagnitude, GradePercent, Height, Length, Reach, RoadLength, Seed,
+};
+use super::table::Table;
+use crate::grade::{Alignment, BuiltinRoad, Fault, GradeProfile, MAX_POINTS, Point, generate};
+
+/// The road. Beyond its ends it is level.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Road {
+    /// A road that comes with the program.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub builtin: Option<BuiltinRoad>,
+    /// A CSV file; a relative path starts at the scenario file's directory.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub csv: Option<PathBuf>,
+    /// A road made by a random generator.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub generated: Option<Generated>,
+    /// The points themselves; beside `csv`, what the file held when the scenario was opened.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub points: Vec<RoadPoint>,
+}
+
+/// A point of a road: `[distance_m, height_m]`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RoadPoint(pub Distance, pub Height);
+
+/// A hilly highway of a seed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Generated {
+    /// Seed; each has its own road.
+    pub seed: Seed,
+    /// Length, km.
+    pub length_km: RoadLength,
+    /// Standard deviation of the grades, percent.
+    #[serde(default = "hilly")]
+    pub grade_sigma_percent: GradeMagnitude,
+    /// Largest grade, percent.
+    #[serde(default = "motorway")]
+    pub max_grade_percent: GradeMagnitude,
+    /// Shortest stretch of constant grade, m.
+    #[serde(default = "shortest_tangent")]
+    pub min_tangent_m: Length,
+    /// Longest stretch of constant grade, m.
+    #[serde(default = "longest_tangent")]
+    pub max_tangent_m: Reach,
+    /// Length of the vertical curves, m.
+    #[serde(default = "shortest_tangent")]
+    pub curve_m: Length,
+    /// Whether the road ends as high as it began.
+    #[serde(default = "yes")]
+    pub closed: bool,
+}
+
+impl Road {
+    /// Whether no road is given.
+    #[must_use]
+    pub fn is_level(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// The road's heights.
+    ///
+    /// # Errors
+    /// When the points are no road, the file has not been read, or there is more than one source.
+    pub fn profile(&self) -> Result<GradeProfile, Problem> {
+        let sources = [
+            ("road.builtin", self.builtin.is_some()),
+            ("road.generated", self.generated.is_some()),
+            ("road.csv", self.csv.is_some()),
+            ("road.points", !self.points.is_empty() && self.csv.is_none()),
+        ];
+        let mut given = sources.into_iter().filter(|(_, given)| *given);
+        if let (Some((first, _)), Some((second, _))) = (given.next(), given.next()) {
+            return Err(Problem::new(
+                second,
+                format!("the road is given twice, by {first} and {second}"),
+                "one source for the road",
+            )
+            .against(first));
+        }
+        if let Some(builtin) = self.builtin {
+            return Ok(parse_csv("built-in road", builtin.csv())
+                .expect("a test reads every built-in road"));
+        }
+        if let Some(generated) = &self.generated {
+            return generated.profile();
+        }
+        if self.csv.is_some() && self.points.is_empty() {
+            return Err(Problem::new(
+                "road.csv",
+                "the file has not been read, for this scenario is not a file itself",
+                "points, or a scenario file",
+            ));
+        }
+        let points = self
+            .points
+            .iter()
+            .map(|point| Point { distance_m: point.0.value(), height_m: point.1.value() });
+        GradeProfile::new(points.collect()).map_err(|fault| {
+            let path = format!("road.points.{}", fault.index);
+            Problem::new(path, fault.message, fault.expected)
+        })
+    }
+}
+
+impl Generated {
+    fn profile(&self) -> Result<GradeProfile, Problem> {
+        let (shortest, longest) = (self.min_tangent_m.value(), self.max_tangent_m.value());
+        if shortest > longest {
+            return Err(Problem::new(
+                "road.generated.max_tangent_m",
+                "the longest tangent is shorter than the shortest",
+                format!("at least {shortest} m"),
+            )
+            .against("road.generated.min_tangent_m"));
+        }
+        let alignment = Alignment {
+            length_m: 1e3 * self.length_km.value(),
+            grade_sigma: self.grade_sigma_percent.value() / 100.0,
+            max_grade: self.max_grade_percent.value() / 100.0,
+            tangent_m: [shortest, longest],
+            curve_m: self.curve_m.value(),
+            closed: self.closed,
+        };
+        Ok(generate(&alignment, self.seed.value()))
+    }
+}
+
+/// The points of a profile as a scenario keeps them.
+pub(super) fn points_of(profile: &GradeProfile) -> Vec<RoadPoint> {
+    let point = |point: &Point| {
+        let distance = Distance::try_from(point.distance_m).ok()?;
+        Some(RoadPoint(distance, Height::try_from(point.height_m).ok()?))
+    };
+    profile.points().iter().filter_map(point).collect()
+}
+
+/// Reads a road from a CSV text: the column `distance_m` and one of `height_m` and `grade_percent`,
+/// whose value holds up to the next line's distance.
+pub(super) fn parse_csv(source: &str, text: &str) -> Result<GradeProfile, ScenarioError> {
+    const COLUMNS: &str = "distance_m,height_m or distance_m,grade_percent";
+    let table = Table::split(source, text);
+    let distance = table.column("distance_m", COLUMNS)?;
+    let (height, grade) = (table.find("height_m"), table.find("grade_percent"));
+    if table.len() < 2 || table.len() > MAX_POINTS {
+        return Err(ScenarioError::whole(source, format!("{} lines of numbers", table.len()))
+            .expecting(format!("2 to {MAX_POINTS} points of a road")));
+    }
+    let value = match (height, grade) {
+        (Some(height), None) => height,
+        (None, Some(grade)) => grade,
+        (None, None) => table.column("height_m", COLUMNS)?,
+        (Some(_), Some(_)) => {
+            return Err(ScenarioError::whole(source, "both heights and grades")
+                .expecting(format!("the columns {COLUMNS}")));
+        }
+    };
+    let mut points: Vec<Point> = Vec::with_capacity(table.len());
+    let mut slope = 0.0;
+    for row in 0..table.len() {
+        let distance_m = table.number::<Distance>(row, distance)?.value();
+        let height_m = if height.is_some() {
+            table.number::<Height>(row, value)?.value()
+        } else {
+            let before = points.last().copied().unwrap_or(Point { distance_m, height_m: 0.0 });
+            let height_m = before.height_m + slope * (distance_m - before.distance_m);
+            slope = table.number::<GradePercent>(row, value)?.value() / 100.0;
+            Height::try_from(height_m).map_err(|message| table.fault(row, value, &message))?.value()
+        };
+        points.push(Point { distance_m, height_m });
+    }
+    GradeProfile::new(points).map_err(|Fault { index, message, expected }| {
+        let column = if message.contains("grade") { value } else { distance };
+        table.fault(index, column, &message).expecting(expected)
+    })
+}
+
+fn hilly() -> GradeMagnitude {
+    GradeMagnitude::of(1.38)
+}
+
+fn motorway() -> GradeMagnitude {
+    GradeMagnitude::of(3.0)
+}
+
+fn shortest_tangent() -> Length {
+    Length::of(300.0)
+}
+
+fn longest_tangent() -> Reach {
+    Reach::of(1500.0)
+}
+
+fn yes() -> bool {
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(text: &str) -> String {
+        parse_csv("road.csv", text).expect_err("no road").to_string()
+    }
+
+    #[test]
+    fn the_built_in_road_is_sixty_kilometres_closed_within_three_percent() {
+        let road = parse_csv("hills", BuiltinRoad::Hills60km.csv()).expect("a right road");
+        assert_eq!((road.end_m(), road.height_m(60e3)), (60e3, 0.0));
+        let grades = road.points().windows(2).map(|pair| road.grade(pair[0].distance_m));
+        let steepest = grades.fold(0.0_f64, |most, grade| most.max(grade.abs()));
+        assert!((0.02..=0.0301).contains(&steepest), "{steepest}");
+    }
+
+    #[test]
+    fn grades_are_summed_up_to_heights() {
+        let text = "# by hand\nnote,grade_percent,distance_m\na,2,0\nb,-1,100\nc,0,300\n";
+        let road = parse_csv("road.csv", text).expect("a right road");
+        assert_eq!([100.0, 200.0, 300.0].map(|x| road.height_m(x)), [2.0, 1.0, 0.0]);
+    }
+
+    #[test]
+    fn faults_are_shown_where_they_are() {
+        let cases = [
+            ("distance_m,height_m\n0,0\n50,NaN\n", "road.csv:3:4: NaN is out of range"),
+            ("distance_m,height_m\n0,0\n50,x\n", "road.csv:3:4: `x` is not a number"),
+            ("distance_m,height_m\n0,0\n50\n", "road.csv:3:1: no `height_m` in this line"),
+            ("distance_m,height_m\n0,0\n50,1\n50,1\n", "road.csv:4:1: distances must increase"),
+            ("distance_m,height_m\n0,0\n900,1\n", "road.csv:3:1: a gap of 900 m"),
+            ("distance_m,height_m\n0,0\n50,30\n", "road.csv:3:4: a grade of 60.0 %"),
+            ("distance_m,grade_percent\n0,25\n50,1\n", "road.csv:2:3: 25 is out of range"),
+            ("s,z\n0,0\n50,1\n", "road.csv:1:1: no column `distance_m`"),
+            ("distance_m,z\n0,0\n50,1\n", "road.csv:1:1: no column `height_m`"),
+        ];
+        for (text, expected) in cases {
+            let shown = refusal(text);
+            assert!(shown.starts_with(&format!("error: {expected}")), "{text}\n{shown}");
+        }
+        assert!(refusal("distance_m,height_m\n0,0\n").contains("1 lines of numbers"));
+        let both = "distance_m,height_m,grade_percent\n0,0,0\n50,1,2\n";
+        assert!(refusal(both).contains("both heights and grades"));
+    }
+
+    #[test]
+    fn two_sources_are_one_too_many() {
+        let road = Road {
+            builtin: Some(BuiltinRoad::Hills60km),
+            points: vec![RoadPoint(Distance::of(0.0), Height::of(0.0)); 2],
+            ..Road::default()
+        };
+        assert_eq!(road.profile().expect_err("two").path, "road.points");
+    }
+}

@@ -1,0 +1,89 @@
+//! `[supervision]`: what becomes of services that die or hang, in realtime.
+//!
+//! In simulated time a restart could not repeat exactly: there the end of a service ends the run.
+
+use serde::{Deserialize, Serialize};
+
+use messages::Service;
+
+use super::quantity::{Count, DelayMs, Duration};
+
+/// Restart policy and heartbeats.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Supervision {
+    /// When a service is started again.
+    pub restart: Restart,
+    /// What holds for one service instead.
+    pub services: Services,
+    /// Restarts of one service allowed in `window_s`; the next death leads to the safe state.
+    pub budget: Count,
+    /// Window of the budget, s.
+    pub window_s: Duration,
+    /// Wait before the second restart in a row, ms, doubled for each further one; the first restart
+    /// does not wait. In a row are restarts within `window_s`.
+    pub backoff_ms: DelayMs,
+    /// Longest wait before a restart, ms.
+    pub max_backoff_ms: DelayMs,
+    /// A service that has not given a sign of life for so long, beside its own period, hangs: it is
+    /// killed and replaced, ms.
+    pub heartbeat_timeout_ms: DelayMs,
+}
+
+impl Default for Supervision {
+    fn default() -> Self {
+        Self {
+            restart: Restart::OnFailure,
+            services: Services::default(),
+            budget: Count::of(5),
+            window_s: Duration::of(10.0),
+            backoff_ms: DelayMs::of(10),
+            max_backoff_ms: DelayMs::of(1000),
+            heartbeat_timeout_ms: DelayMs::of(250),
+        }
+    }
+}
+
+impl Supervision {
+    /// When `service` is started again.
+    #[must_use]
+    pub fn restart_of(&self, service: Service) -> Restart {
+        let own = match service {
+            Service::Plant => self.services.plant,
+            Service::PerceptionSim => self.services.perception_sim,
+            Service::V2xSim => self.services.v2x_sim,
+            Service::Controller => self.services.controller,
+        };
+        own.unwrap_or(self.restart)
+    }
+}
+
+/// Restart policies of single services.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default, rename_all = "kebab-case")]
+pub struct Services {
+    /// The ego vehicle.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plant: Option<Restart>,
+    /// Traffic and radar.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub perception_sim: Option<Restart>,
+    /// The roadside unit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub v2x_sim: Option<Restart>,
+    /// The control loop.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub controller: Option<Restart>,
+}
+
+/// When a service is started again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Restart {
+    /// Never: its end ends the run.
+    Never,
+    /// When it died, hung or failed.
+    OnFailure,
+    /// Whenever it ends before the run does.
+    Always,
+}

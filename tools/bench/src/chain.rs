@@ -1,0 +1,91 @@
+//! The four services with the 100-step problem in their loop, and a metronome beside them.
+
+use super::peer::Outcome;
+use super::plan::{Cell, Scheduling};
+use super::stage::Stage;
+use group::Ended;
+use group::Error;
+use group::{GroupOptions, ScenarioOptions};
+
+use report::summary::{self, Summary, Timing};
+use runtime::Mode;
+use runtime::statistics::Latencies;
+use std::time::{Duration, Instant};
+
+/// The CACC paper's scenario A: the light is ahead for its first four seconds.
+const SCENARIO: &str = "cacc-a";
+/// Step of the prediction, ms: the paper's, whatever the controller's period.
+const PREDICTION_STEP_MS: u32 = 100;
+/// Time in which the group must be ready, s.
+const READY_TIMEOUT_S: f64 = 20.0;
+
+/// What a group and its metronome measured in the same seconds.
+pub struct Chain {
+    pub timing: Timing,
+    /// The group's histograms, by name.
+    pub histograms: Vec<(String, Latencies)>,
+    /// The metronome's.
+    pub floor: Outcome,
+    /// What the kernel did not grant the group.
+    pub refused: Vec<String>,
+    /// Whether every process ran as the cell asks.
+    pub as_asked: bool,
+}
+
+/// Runs the group for `seconds` under the cell's conditions.
+pub fn run(stage: &Stage, cell: &Cell, seconds: f64) -> Result<Chain, Error> {
+    let begun = Instant::now();
+    let scenario = group::open(SCENARIO, &options(stage, cell, seconds))?;
+    let group = GroupOptions { programs: Vec::new(), ready_timeout: READY_TIMEOUT_S };
+    let metronome = stage.metronome(cell.conditions, cell.period_us)?;
+    let length_ns = Duration::from_secs_f64(seconds).as_nanos();
+    // Between the start and the scheduled end the metronome counts what the group meets.
+    let result = group::drive(&scenario, Mode::Realtime, &group, None, &mut |moment| {
+        let time_ns = moment.time_ns;
+        metronome.count(time_ns > 0 && u128::from(time_ns.unsigned_abs()) < length_ns);
+    });
+    let floor = metronome.finish()?;
+    let outcome = result?;
+    match &outcome.ended {
+        Ended::Interrupted => return Err(Error::Interrupted),
+        Ended::Orderly => {}
+        Ended::Broken { service, how } => {
+            return Err(Error::NotReady { service: *service, what: how.clone() });
+        }
+    }
+    let summary = Summary::new(&scenario, Mode::Realtime, &outcome, begun.elapsed());
+    let granted = summary.services.iter().filter_map(|service| service.scheduling.as_ref());
+    let as_asked = granted.clone().all(|granted| granted.granted == granted.requested)
+        && floor.granted.granted == floor.granted.requested;
+    let refused = granted.chain([&floor.granted]).flat_map(|g| g.refused.iter().cloned()).collect();
+    let histograms = summary::histograms(&outcome);
+    Ok(Chain { timing: summary.timing, histograms, floor, refused, as_asked })
+}
+
+fn options(stage: &Stage, cell: &Cell, seconds: f64) -> ScenarioOptions {
+    let period_ms = cell.period_us / 1000;
+    let scheduling = match cell.conditions.scheduling {
+        Scheduling::Fifo => "fifo",
+        Scheduling::Other => "other",
+    };
+    let (others, controller) = stage.placed(cell.conditions.placement);
+    ScenarioOptions {
+        duration: Some(seconds.to_string()),
+        set: vec![
+            // The plant must look for commands as often as the fastest controller sends them.
+            "plant.period_ms=1".into(),
+            format!("perception.period_ms={period_ms}"),
+            format!("controller.period_ms={period_ms}"),
+            format!("controller.prediction_step_ms={PREDICTION_STEP_MS}"),
+            // A service that gets no processor for a while is a figure here, not a fault.
+            "supervision.restart=never".into(),
+            "supervision.heartbeat_timeout_ms=10000".into(),
+            format!("runtime.scheduling={scheduling}"),
+            format!("runtime.services.plant.core={others}"),
+            format!("runtime.services.perception-sim.core={others}"),
+            format!("runtime.services.v2x-sim.core={others}"),
+            format!("runtime.services.controller.core={controller}"),
+        ],
+        ..ScenarioOptions::default()
+    }
+}

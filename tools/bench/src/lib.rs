@@ -1,0 +1,343 @@
+//! `timegap bench`: what the deployment costs, beside what the machine itself takes.
+//!
+//! In one run, under every combination of scheduling, placement and load:
+//!
+//! 1. the machine's floor: lateness of absolute sleeps as cyclictest has it, and the time for one
+//!    process to wake another by futex, by eventfd and by iceoryx2's event service;
+//! 2. the transport: publish, wake and read through the services' own ports, and loaned payloads of
+//!    64 B to 1 MiB;
+//! 3. the chain of the four services, with its reaction time and hops;
+//! 4. deadline misses of the controller with the 100-step problem in its loop at periods from 100 ms
+//!    to 1 ms, beside those of a process that only sleeps, on the same core in the same seconds.
+//!
+//! The figures that decide are ratios to the floor: an absolute time says more about the machine.
+
+mod baseline;
+mod chain;
+mod goals;
+mod load;
+mod page;
+mod peer;
+mod plan;
+mod results;
+mod stage;
+mod table;
+mod wake;
+
+pub use peer::run as run_peer;
+
+use self::baseline::Change;
+use self::plan::{Cell, Conditions, Measure, Mechanism};
+use self::results::TransportRow;
+use self::results::{ChainRow, DeadlineRow, Floor, FloorMeasure, FloorRow, Passing, Report};
+use self::stage::Stage;
+use clap::Args;
+use group::Error;
+use indicatif::{ProgressBar, ProgressStyle};
+use messages::Topic;
+use report::output::OutputDirectory;
+use report::print;
+use report::summary::Host;
+use runtime::statistics::{Latencies, Percentiles};
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// Length of each measurement, s.
+const FULL_S: f64 = 2.0;
+/// The same of a quick run.
+const QUICK_S: f64 = 0.4;
+/// Period of the figures that the floor gives by name, µs.
+const REFERENCE_PERIOD_US: u32 = 1_000;
+
+/// Arguments of `bench`.
+#[derive(Debug, Args)]
+pub struct BenchArguments {
+    /// Only the conditions that tell most, in less than half a minute
+    #[arg(long)]
+    pub quick: bool,
+    /// Length of each measurement, s [default: 2, quick: 0.4]
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub seconds: Option<f64>,
+    /// Write the result to FILE, to compare with later
+    #[arg(long, value_name = "FILE")]
+    pub save: Option<PathBuf>,
+    /// Compare with what --save wrote; status 1 if a ratio to the floor has grown by the factor
+    #[arg(long, value_name = "FILE")]
+    pub against: Option<PathBuf>,
+    /// Factor by which a ratio to the floor must grow to be called worse
+    #[arg(long, value_name = "F", default_value_t = 1.5, value_parser = factor)]
+    pub factor: f64,
+    /// Directory for the results [default: runs/<time>-bench]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print the result as JSON, and nothing else, on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+fn seconds(argument: &str) -> Result<f64, String> {
+    match argument.parse::<f64>() {
+        Ok(seconds) if (0.05..=3600.0).contains(&seconds) => Ok(seconds),
+        _ => Err("expected a number of seconds from 0.05 to 3600".into()),
+    }
+}
+
+fn factor(argument: &str) -> Result<f64, String> {
+    match argument.parse::<f64>() {
+        Ok(factor) if (1.0..=100.0).contains(&factor) => Ok(factor),
+        _ => Err("expected a number from 1 to 100".into()),
+    }
+}
+
+/// Runs the command.
+pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
+    let before = arguments.against.as_deref().map(baseline::read).transpose()?;
+    let output = OutputDirectory::create(arguments.out.as_deref(), "bench")?;
+    let interrupted = Arc::new(AtomicBool::new(false));
+    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
+        signal_hook::flag::register(signal, Arc::clone(&interrupted))
+            .map_err(|e| Error::Machine(format!("cannot handle signals: {e}")))?;
+    }
+    let stage = Stage::create(Arc::clone(&interrupted))?;
+    let cells = plan::cells(arguments.quick, stage.cores().len(), stage.reference()?);
+    let seconds = arguments.seconds.unwrap_or(if arguments.quick { QUICK_S } else { FULL_S });
+    let mut bench = Bench::new(&stage, arguments.quick, seconds);
+    let bar = progress_bar(&cells, seconds, arguments.json);
+    let mut load = None;
+    for cell in &cells {
+        bar.set_message(table::describe(cell));
+        // Neighbours in the plan share their load.
+        if load.as_ref().is_none_or(|(kind, _)| *kind != cell.conditions.load) {
+            drop(load.take());
+            load = Some((cell.conditions.load, stage.load(cell.conditions.load)?));
+        }
+        let measured = bench.measure(cell);
+        if interrupted.load(Ordering::Relaxed) {
+            return Err(Error::Interrupted);
+        }
+        measured?;
+        bar.inc(millis(cell.estimate(seconds)));
+    }
+    drop(load);
+    bar.finish_and_clear();
+    let Bench { report, histograms, .. } = bench.finish();
+
+    let changes = before.map(|before| baseline::compare(&before, &report, arguments.factor));
+    let json = serde_json::to_string_pretty(&report).expect("plain data") + "\n";
+    let written = output
+        .write("bench.json", json.as_bytes())
+        .and_then(|()| output.write_histograms(&histograms))
+        .and_then(|()| output.write(report::FILE, page::page(&report, &histograms).as_bytes()));
+    if let Some(path) = &arguments.save {
+        std::fs::write(path, &json).map_err(|reason| Error::Path {
+            action: "write",
+            path: path.clone(),
+            reason,
+        })?;
+    }
+    if arguments.json {
+        print::out(&with_changes(&report, changes.as_deref()));
+    } else {
+        print::out(&table::report(&report));
+        if let Some(changes) = &changes {
+            print::out(&table::changes(changes, arguments.factor));
+        }
+        print::out(&format!("results: {}\n", output.path().display()));
+        let page = output.path().join(report::FILE);
+        print::out(&format!("report:  {}\n", page.display()));
+    }
+    // What was measured has been told before a full disk is.
+    written?;
+    let worse = changes.is_some_and(|changes| changes.iter().any(|change| change.worse));
+    Ok(if worse { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+}
+
+/// The report as JSON, with the comparison if there was one.
+fn with_changes(report: &Report, changes: Option<&[Change]>) -> String {
+    let mut value = serde_json::to_value(report).expect("plain data");
+    if let Some(changes) = changes {
+        value["against"] = serde_json::to_value(changes).expect("plain data");
+    }
+    serde_json::to_string_pretty(&value).expect("plain data") + "\n"
+}
+
+/// A bar over the estimated time on a terminal; nothing elsewhere.
+fn progress_bar(cells: &[Cell], seconds: f64, quiet: bool) -> ProgressBar {
+    use std::io::IsTerminal;
+    if quiet || !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let whole: Duration = cells.iter().map(|cell| cell.estimate(seconds)).sum();
+    eprintln!("{} measurements, about {} s", cells.len(), whole.as_secs());
+    let style = ProgressStyle::with_template("{msg:44} {wide_bar} {eta} to go")
+        .expect("the template is valid");
+    ProgressBar::new(millis(whole)).with_style(style)
+}
+
+fn millis(duration: Duration) -> u64 {
+    u64::try_from(duration.as_millis()).unwrap_or(u64::MAX)
+}
+
+/// A benchmark in the making.
+struct Bench<'a> {
+    stage: &'a Stage,
+    seconds: f64,
+    report: Report,
+    refused: BTreeSet<String>,
+    histograms: Vec<(String, Latencies)>,
+}
+
+impl<'a> Bench<'a> {
+    fn new(stage: &'a Stage, quick: bool, seconds: f64) -> Self {
+        let report = Report {
+            schema_version: 1,
+            host: Host::this(),
+            quick,
+            seconds,
+            refused: Vec::new(),
+            floor: Floor::default(),
+            transport_us: Vec::new(),
+            chain: Vec::new(),
+            deadlines: Vec::new(),
+            goals: Vec::new(),
+        };
+        Self { stage, seconds, report, refused: BTreeSet::new(), histograms: Vec::new() }
+    }
+
+    fn measure(&mut self, cell: &Cell) -> Result<(), Error> {
+        match cell.measure {
+            Measure::Sleep => self.sleep(cell),
+            Measure::Wake(mechanism) => self.wake(cell, mechanism),
+            Measure::Chain => self.chain(cell),
+        }
+    }
+
+    fn sleep(&mut self, cell: &Cell) -> Result<(), Error> {
+        let metronome = self.stage.metronome(cell.conditions, cell.period_us)?;
+        metronome.count(true);
+        std::thread::sleep(Duration::from_secs_f64(self.seconds));
+        let outcome = metronome.finish()?;
+        let us = self.figure(cell, "sleep", &outcome);
+        self.floor(cell, FloorMeasure::Sleep, us);
+        Ok(())
+    }
+
+    fn wake(&mut self, cell: &Cell, mechanism: Mechanism) -> Result<(), Error> {
+        let count = (self.seconds * 1e6 / f64::from(cell.period_us)).ceil() as u64;
+        let outcome = self.stage.wake(mechanism, cell.conditions, cell.period_us, count)?;
+        let us = self.figure(cell, &table::mechanism(mechanism), &outcome);
+        let lost = us.map(|_| outcome.misses);
+        match mechanism {
+            Mechanism::Futex => self.floor(cell, FloorMeasure::Futex, us),
+            Mechanism::Eventfd => self.floor(cell, FloorMeasure::Eventfd, us),
+            Mechanism::Iceoryx2Event => self.floor(cell, FloorMeasure::Iceoryx2Event, us),
+            Mechanism::Message => {
+                self.transport(cell, Topic::RadarTracks.message_bytes(), Passing::Copied, lost, us);
+            }
+            Mechanism::Payload(bytes) => self.transport(cell, bytes, Passing::Loaned, lost, us),
+        }
+        Ok(())
+    }
+
+    fn transport(
+        &mut self,
+        cell: &Cell,
+        bytes: usize,
+        passing: Passing,
+        lost: Option<u64>,
+        us: Option<Percentiles>,
+    ) {
+        let Cell { conditions, period_us, .. } = *cell;
+        let row = TransportRow { conditions, period_us, bytes, passing, lost, us };
+        self.report.transport_us.push(row);
+    }
+
+    fn floor(&mut self, cell: &Cell, measure: FloorMeasure, us: Option<Percentiles>) {
+        let Cell { conditions, period_us, .. } = *cell;
+        let row = FloorRow { measure, conditions, period_us, us };
+        self.report.floor.add(row, REFERENCE_PERIOD_US);
+    }
+
+    /// The percentiles of an outcome, unless the kernel did not grant what the cell asks.
+    fn figure(&mut self, cell: &Cell, name: &str, outcome: &peer::Outcome) -> Option<Percentiles> {
+        let granted = &outcome.granted;
+        self.refused.extend(granted.refused.iter().cloned());
+        if granted.granted != granted.requested {
+            return None;
+        }
+        let tag = format!("{name}:{}", table::tag(cell));
+        self.histograms.push((tag, outcome.latencies.clone()));
+        outcome.latencies.percentiles_us()
+    }
+
+    fn chain(&mut self, cell: &Cell) -> Result<(), Error> {
+        let chain = chain::run(self.stage, cell, self.seconds)?;
+        self.refused.extend(chain.refused);
+        let Cell { conditions, period_us, .. } = *cell;
+        let floor = self.figure(cell, "sleep-beside-chain", &chain.floor);
+        if chain.as_asked {
+            let tagged = chain.histograms.into_iter();
+            let tagged = tagged.map(|(name, h)| (format!("{name}:{}", table::tag(cell)), h));
+            self.histograms.extend(tagged);
+        }
+        let timing = chain.timing;
+        let (floor_cycles, floor_misses) = (chain.floor.cycles, chain.floor.misses);
+        let per_million =
+            |misses: u64, cycles: u64| (cycles > 0).then(|| misses as f64 * 1e6 / cycles as f64);
+        // What was measured under other conditions than the row's is not its figure.
+        let kept = |value: Option<u64>| value.filter(|_| chain.as_asked);
+        let kept_us = |value: Option<Percentiles>| value.filter(|_| chain.as_asked);
+        // Releases that were left out are cycles that were due.
+        let late = timing.deadline_misses.unwrap_or(0);
+        let due = timing.cycles.map(|cycles| cycles.max(late));
+        self.report.deadlines.push(DeadlineRow {
+            conditions,
+            period_us,
+            cycles: kept(due),
+            misses: kept(timing.deadline_misses),
+            misses_per_million: kept(due).and_then(|due| per_million(late, due)),
+            floor_cycles: kept(Some(floor_cycles)),
+            floor_misses: kept(Some(floor_misses)),
+            floor_misses_per_million: kept(Some(floor_cycles))
+                .and_then(|cycles| per_million(floor_misses, cycles)),
+        });
+        self.report.chain.push(ChainRow {
+            conditions,
+            period_us,
+            reaction_time_us: kept_us(timing.reaction_time_us),
+            designed_wait_us: kept_us(timing.designed_wait_us),
+            net_reaction_us: kept_us(timing.net_reaction_us),
+            floor_sum_us: None,
+            hops_us: if chain.as_asked { timing.hops_us } else { Default::default() },
+            solve_us: kept_us(timing.solve_us),
+            sleep_jitter_us: kept_us(floor),
+        });
+        Ok(())
+    }
+
+    /// Fills in what only the whole shows.
+    fn finish(mut self) -> Self {
+        self.report.refused = self.refused.iter().cloned().collect();
+        let sums: Vec<_> = self.report.chain.iter().map(|row| self.floor_sum_us(row)).collect();
+        for (row, sum) in self.report.chain.iter_mut().zip(sums) {
+            row.floor_sum_us = sum;
+        }
+        self.report.goals = goals::check(&self.report);
+        self
+    }
+
+    fn floor_sum_us(&self, row: &ChainRow) -> Option<f64> {
+        let futex = self.report.futex(row.conditions, row.period_us)?;
+        Some(2.0 * row.sleep_jitter_us?.p50 + futex.p50 + row.solve_us?.p50)
+    }
+}
+
+/// Conditions in words.
+fn in_words(conditions: &Conditions) -> String {
+    let Conditions { placement, scheduling, load } = conditions;
+    format!("{} {} {}", scheduling.name(), placement.name(), load.name())
+}

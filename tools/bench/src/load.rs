@@ -1,0 +1,32 @@
+//! Processes that keep a core busy.
+
+use super::peer::Outcome;
+use super::plan::Load;
+use group::Error;
+use std::hint::black_box;
+
+/// Copied from one to the other: larger than caches are.
+const BUFFER_BYTES: usize = 64 << 20;
+
+/// Keeps the core busy until the process is killed.
+pub fn run(load: Load) -> Result<Outcome, Error> {
+    match load {
+        Load::Idle => loop {
+            std::thread::park();
+        },
+        Load::Cpu => {
+            let mut state = 1_u64;
+            loop {
+                // A multiplication depends on the last one: the core is never waiting for memory.
+                state = black_box(state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1));
+            }
+        }
+        Load::Memory => {
+            let (mut from, mut to) = (vec![1_u8; BUFFER_BYTES], vec![0_u8; BUFFER_BYTES]);
+            loop {
+                to.copy_from_slice(black_box(&from));
+                from.copy_from_slice(black_box(&to));
+            }
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! The processes that a benchmark measures: this program again, with one job.
+
+use super::load;
+use super::plan::{Load, Mechanism};
+use super::wake::{Sink, Source};
+use group::Error;
+use runtime::scheduling::{Granted, Policy, Request, apply};
+use runtime::statistics::Latencies;
+use runtime::{SharedWords, monotonic_ns, sleep_until};
+use rustix::process::{Pid, Signal, getppid, set_parent_process_death_signal};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::atomic::Ordering;
+
+/// Places in the page of words that the processes of a measurement share.
+pub mod words {
+    /// Wake-ups so far; the futex.
+    pub const COUNT: usize = 0;
+    /// 1 once the sink waits.
+    pub const READY: usize = 16;
+    /// Wake-ups in all, plus 1, once the source has done them.
+    pub const DONE: usize = 32;
+    /// State of the metronome, [`super::metronome`].
+    pub const METRONOME: usize = 48;
+    /// First word of the ring of stamps, two words each.
+    pub const STAMPS: usize = 64;
+    /// Stamps in the ring.
+    pub const RING: usize = 256;
+}
+
+/// States of the metronome.
+pub mod metronome {
+    /// Ticks, counts nothing.
+    pub const WARM: u32 = 0;
+    /// Counts.
+    pub const COUNT: u32 = 1;
+    /// Reports and goes.
+    pub const STOP: u32 = 2;
+}
+
+/// Wake-ups that are not counted, since they meet pages and caches as nobody left them.
+const WARM_UP: u64 = 10;
+
+/// What a process is to do.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub enum Task {
+    /// Sleeps by absolute instants and counts its lateness.
+    Metronome,
+    /// Wakes the sink so many times.
+    Source(Mechanism, u64),
+    /// Is woken.
+    Sink(Mechanism),
+    /// Keeps the core busy.
+    Load(Load),
+}
+
+/// A job: a task with its place.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Job {
+    pub task: Task,
+    /// The process that must outlive it.
+    pub parent: u32,
+    /// Name of the page of words.
+    pub page: String,
+    /// Priority under `SCHED_FIFO`; none for the time-sharing default.
+    pub priority: Option<u8>,
+    pub core: usize,
+    pub period_ns: i64,
+}
+
+/// What came of a job.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Outcome {
+    pub granted: Granted,
+    pub latencies: Latencies,
+    /// Scheduled releases or wake-ups.
+    pub cycles: u64,
+    /// Releases that were over when the process came to them.
+    pub misses: u64,
+}
+
+/// Does a job on the stage at `root` and prints its outcome.
+pub fn run(root: &Path, job: &str) -> Result<ExitCode, Error> {
+    let job: Job = serde_json::from_str(job)
+        .map_err(|e| Error::Usage(format!("a process of `timegap bench`: {e}")))?;
+    // Whatever ends the benchmark ends this process.
+    set_parent_process_death_signal(Some(Signal::KILL))
+        .map_err(|e| Error::Machine(format!("cannot follow the parent process: {e}")))?;
+    if getppid() != Pid::from_raw(job.parent.cast_signed()) {
+        return Err(Error::Interrupted);
+    }
+    let outcome = match job.task {
+        Task::Load(kind) => {
+            schedule(&job);
+            load::run(kind)
+        }
+        Task::Metronome => metronome_job(&job),
+        Task::Source(mechanism, count) => source(&job, root, mechanism, count),
+        Task::Sink(mechanism) => sink(&job, root, mechanism),
+    }?;
+    println!("{}", serde_json::to_string(&outcome).expect("plain data"));
+    Ok(ExitCode::SUCCESS)
+}
+
+fn schedule(job: &Job) -> Granted {
+    apply(&Request {
+        policy: job.priority.map_or(Policy::Other, Policy::Fifo),
+        core: Some(job.core),
+        lock_memory: !matches!(job.task, Task::Load(_)),
+    })
+}
+
+pub fn page(name: &str) -> Result<SharedWords, Error> {
+    SharedWords::map(name).map_err(|e| Error::Machine(format!("cannot share memory: {e}")))
+}
+
+/// Counts like the control loop: a release that is over is a miss and is left out, and its lateness
+/// counts from its own scheduled instant.
+fn metronome_job(job: &Job) -> Result<Outcome, Error> {
+    let page = page(&job.page)?;
+    let granted = schedule(job);
+    let state = page.word(words::METRONOME);
+    let (mut latencies, mut cycles, mut misses) = (Latencies::default(), 0, 0);
+    page.word(words::READY).store(1, Ordering::Release);
+    let mut scheduled = monotonic_ns() + job.period_ns;
+    loop {
+        while monotonic_ns() < scheduled {
+            sleep_until(scheduled);
+        }
+        let state = state.load(Ordering::Relaxed);
+        if state == metronome::STOP {
+            return Ok(Outcome { granted, latencies, cycles, misses });
+        }
+        let now = monotonic_ns();
+        let mut over = 0;
+        while now - scheduled >= 0 {
+            if state == metronome::COUNT {
+                latencies.record_ns(now - scheduled);
+                cycles += 1;
+            }
+            over += 1;
+            scheduled += job.period_ns;
+        }
+        // The newest of them is met, late or not.
+        misses += if state == metronome::COUNT { over - 1 } else { 0 };
+    }
+}
+
+fn source(job: &Job, root: &Path, mechanism: Mechanism, count: u64) -> Result<Outcome, Error> {
+    let page = page(&job.page)?;
+    let mut source = Source::open(mechanism, root, &page)?;
+    while page.word(words::READY).load(Ordering::Acquire) == 0 {
+        std::thread::sleep(std::time::Duration::from_micros(200));
+    }
+    let granted = schedule(job);
+    let mut next = monotonic_ns() + job.period_ns;
+    for _ in 0..count {
+        while monotonic_ns() < next {
+            sleep_until(next);
+        }
+        source.wake()?;
+        // A source that was late leaves out what it missed: it is the way to the sink that counts.
+        let over = (monotonic_ns() - next).max(0) / job.period_ns;
+        next += (over + 1) * job.period_ns;
+    }
+    let done = u32::try_from(count + 1).unwrap_or(u32::MAX);
+    page.word(words::DONE).store(done, Ordering::Release);
+    source.wake_for_the_end()?;
+    Ok(Outcome { granted, latencies: Latencies::default(), cycles: count, misses: 0 })
+}
+
+fn sink(job: &Job, root: &Path, mechanism: Mechanism) -> Result<Outcome, Error> {
+    let page = page(&job.page)?;
+    let mut sink = Sink::open(mechanism, root, &page)?;
+    let granted = schedule(job);
+    page.word(words::READY).store(1, Ordering::Release);
+    let mut latencies = Latencies::default();
+    let mut cycles = 0;
+    loop {
+        let before = cycles;
+        let was_done = page.word(words::DONE).load(Ordering::Acquire) != 0;
+        sink.wait(|sent_ns| {
+            cycles += 1;
+            if cycles > WARM_UP {
+                latencies.record_ns(monotonic_ns() - sent_ns);
+            }
+        })?;
+        let done = page.word(words::DONE).load(Ordering::Acquire);
+        // What overflowed while the sink was stalled does not come any more.
+        let last = cycles + 1 >= u64::from(done) || (was_done && cycles == before);
+        if done != 0 && last {
+            let misses = u64::from(done - 1).saturating_sub(cycles);
+            return Ok(Outcome { granted, latencies, cycles, misses });
+        }
+    }
+}

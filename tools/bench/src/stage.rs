@@ -1,0 +1,246 @@
+//! Where measurements take place: a run's root of their own, with the processes on it.
+
+use super::peer::{self, Job, Outcome, Task, metronome, words};
+use super::plan::{Conditions, Load, Mechanism, Placement, Scheduling};
+use group::Error;
+use group::{Janitor, RunRoot, check_room, this_program};
+use runtime::scheduling::usable_cores;
+use runtime::{Group, Mode, SharedWords, Timetable};
+use rustix::event::{EventfdFlags, eventfd};
+use std::io::Read;
+use std::os::fd::OwnedFd;
+use std::os::unix::process::CommandExt;
+use std::process::{Child, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Priorities, as a group's services have them: whoever wakes goes before who is woken.
+const SOURCE_PRIORITY: u8 = 81;
+const SINK_PRIORITY: u8 = 80;
+/// The metronome goes before every service: it sees the machine and nothing of ours.
+const METRONOME_PRIORITY: u8 = 90;
+/// Time after which a process that should have been ready is given up.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// Time between two looks at a process that will end by itself.
+const LOOK: Duration = Duration::from_millis(2);
+/// Shared memory for the largest payloads, bytes.
+const ROOM: u64 = 32 << 20;
+
+/// A process of the benchmark; killed with its handle.
+#[derive(Debug)]
+pub struct Peer {
+    child: Child,
+    interrupted: Arc<AtomicBool>,
+}
+
+impl Peer {
+    /// What came of its job, once it has ended.
+    pub fn finish(mut self) -> Result<Outcome, Error> {
+        let lost = |e| Error::Machine(format!("lost a process of the benchmark: {e}"));
+        let status = loop {
+            // What it prints fits into a pipe, so that it ends without being read.
+            if let Some(status) = self.child.try_wait().map_err(lost)? {
+                break status;
+            }
+            if self.interrupted.load(Ordering::Relaxed) {
+                return Err(Error::Interrupted);
+            }
+            std::thread::sleep(LOOK);
+        };
+        let read = |pipe: Option<&mut dyn Read>| {
+            let mut text = String::new();
+            pipe.map_or(Ok(0), |pipe| pipe.read_to_string(&mut text)).map_err(lost).map(|_| text)
+        };
+        let said = read(self.child.stdout.as_mut().map(|pipe| pipe as &mut dyn Read))?;
+        let wrote = read(self.child.stderr.as_mut().map(|pipe| pipe as &mut dyn Read))?;
+        serde_json::from_str(&said).map_err(|_| {
+            let wrote = wrote.trim();
+            Error::Machine(format!("a process of the benchmark failed ({status}): {wrote}"))
+        })
+    }
+}
+
+impl Drop for Peer {
+    fn drop(&mut self) {
+        // Ours; where it has ended, there is nothing to kill and nothing to wait for.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// The root, its page of words and the cores.
+#[derive(Debug)]
+pub struct Stage {
+    root: Option<RunRoot>,
+    janitor: Option<Janitor>,
+    page_name: String,
+    page: SharedWords,
+    cores: Vec<usize>,
+    interrupted: Arc<AtomicBool>,
+}
+
+impl Stage {
+    /// A new stage. Once `interrupted` is set, waiting for its processes fails.
+    pub fn create(interrupted: Arc<AtomicBool>) -> Result<Self, Error> {
+        check_room(ROOM)?;
+        let root = RunRoot::create()?;
+        let janitor = Janitor::spawn(&root)?;
+        let group = Group {
+            root: root.path().to_owned(),
+            prefix: root.prefix().to_owned(),
+            mode: Mode::Realtime,
+            timetable: Timetable { step_ns: 1_000_000, strides: [1; 4], last_step: u64::MAX },
+            patience_ns: 10_000_000_000,
+            scenario: String::new(),
+        };
+        group.write()?;
+        let page_name = format!("{}bench", root.prefix());
+        let page = peer::page(&page_name)?;
+        let (root, janitor) = (Some(root), Some(janitor));
+        Ok(Self { root, janitor, page_name, page, cores: usable_cores(), interrupted })
+    }
+
+    /// Cores that the benchmark may use.
+    pub fn cores(&self) -> &[usize] {
+        &self.cores
+    }
+
+    /// Cores of source and sink.
+    pub fn placed(&self, placement: Placement) -> (usize, usize) {
+        let last = self.cores.last().copied().unwrap_or(0);
+        match placement {
+            Placement::SameCore => (last, last),
+            Placement::TwoCores => (self.cores.first().copied().unwrap_or(0), last),
+        }
+    }
+
+    /// One busy process on every core; they end with the handles.
+    pub fn load(&self, load: Load) -> Result<Vec<Peer>, Error> {
+        if load == Load::Idle {
+            return Ok(Vec::new());
+        }
+        self.cores.iter().map(|&core| self.spawn(Task::Load(load), None, core, 1, None)).collect()
+    }
+
+    /// Lets a source wake a sink so many times. Returns the sink's outcome.
+    pub fn wake(
+        &self,
+        mechanism: Mechanism,
+        conditions: Conditions,
+        period_us: u32,
+        count: u64,
+    ) -> Result<Outcome, Error> {
+        self.clear();
+        let fifo = conditions.scheduling == Scheduling::Fifo;
+        let (source_core, sink_core) = self.placed(conditions.placement);
+        let counter = eventfd(0, EventfdFlags::CLOEXEC)
+            .map_err(|e| Error::Machine(format!("no eventfd: {e}")))?;
+        let spawn = |task, priority, core| {
+            let counter = counter.try_clone().map_err(|e| Error::Machine(e.to_string()))?;
+            self.spawn(task, fifo.then_some(priority), core, period_us, Some(counter))
+        };
+        let sink = spawn(Task::Sink(mechanism), SINK_PRIORITY, sink_core)?;
+        let source = spawn(Task::Source(mechanism, count), SOURCE_PRIORITY, source_core)?;
+        source.finish()?;
+        sink.finish()
+    }
+
+    /// Starts a metronome on the core of the placement's sink; it ticks, and does not count yet.
+    pub fn metronome(
+        &self,
+        conditions: Conditions,
+        period_us: u32,
+    ) -> Result<Metronome<'_>, Error> {
+        self.clear();
+        let fifo = conditions.scheduling == Scheduling::Fifo;
+        let (_, core) = self.placed(conditions.placement);
+        let priority = fifo.then_some(METRONOME_PRIORITY);
+        let peer = self.spawn(Task::Metronome, priority, core, period_us, None)?;
+        let begun = Instant::now();
+        while self.page.word(words::READY).load(Ordering::Acquire) == 0 {
+            if begun.elapsed() > PATIENCE {
+                return Err(Error::Machine("the metronome does not start".into()));
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        Ok(Metronome { stage: self, peer })
+    }
+
+    /// The best scheduling that the kernel grants.
+    pub fn reference(&self) -> Result<Scheduling, Error> {
+        let (placement, scheduling) = (Placement::SameCore, Scheduling::Fifo);
+        let conditions = Conditions { placement, scheduling, load: Load::Idle };
+        let granted = self.metronome(conditions, 1_000)?.finish()?.granted;
+        let got = granted.granted == granted.requested;
+        Ok(if got { Scheduling::Fifo } else { Scheduling::Other })
+    }
+
+    fn clear(&self) {
+        for word in [words::COUNT, words::READY, words::DONE, words::METRONOME] {
+            self.page.word(word).store(0, Ordering::Release);
+        }
+    }
+
+    fn spawn(
+        &self,
+        task: Task,
+        priority: Option<u8>,
+        core: usize,
+        period_us: u32,
+        stdin: Option<OwnedFd>,
+    ) -> Result<Peer, Error> {
+        let root = self.root.as_ref().expect("there until the end");
+        let job = Job {
+            task,
+            parent: std::process::id(),
+            page: self.page_name.clone(),
+            priority,
+            core,
+            period_ns: i64::from(period_us) * 1000,
+        };
+        let job = serde_json::to_string(&job).expect("plain data");
+        let child = this_program(&["service", "bench"])?
+            .arg0("timegap-bench")
+            .arg(root.path())
+            .arg(job)
+            .stdin(stdin.map_or_else(Stdio::null, Stdio::from))
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(|e| Error::Machine(format!("cannot start a process: {e}")))?;
+        Ok(Peer { child, interrupted: Arc::clone(&self.interrupted) })
+    }
+}
+
+impl Drop for Stage {
+    fn drop(&mut self) {
+        if let Some(root) = self.root.take() {
+            root.remove();
+        }
+        if let Some(janitor) = self.janitor.take() {
+            janitor.dismiss();
+        }
+    }
+}
+
+/// A process that does nothing but come back in time, while others do more.
+#[derive(Debug)]
+pub struct Metronome<'a> {
+    stage: &'a Stage,
+    peer: Peer,
+}
+
+impl Metronome<'_> {
+    /// Lets it count, or not.
+    pub fn count(&self, counts: bool) {
+        let state = if counts { metronome::COUNT } else { metronome::WARM };
+        self.stage.page.word(words::METRONOME).store(state, Ordering::Relaxed);
+    }
+
+    /// Ends it.
+    pub fn finish(self) -> Result<Outcome, Error> {
+        self.stage.page.word(words::METRONOME).store(metronome::STOP, Ordering::Relaxed);
+        self.peer.finish()
+    }
+}

@@ -1,0 +1,289 @@
+//! Campaign files: what is run how often, and what must hold.
+//!
+//! ```toml
+//! schema_version = 1
+//! name = "mine"
+//! mode = "lockstep"                      # or "realtime"
+//! scenarios = ["following", "./my.toml"] # built-in names, or files beside this one
+//! controllers = ["cacc-mpc", "acc-mpc"]  # left out: each scenario's own
+//! seeds = 20                             # runs of every combination
+//! set = ["duration_s=10"]                # keys set in all runs
+//!
+//! [[faults]]                             # one of these per run; left out: none
+//! kind = "drop"                          # keys as in a scenario
+//! topic = ["radar/tracks", "v2x/spat"]   # a list of words: one of them is drawn
+//! at_s = [1.0, 5.0]                      # two numbers: one between them is drawn
+//! for_s = 2.0
+//! count = 3                              # so many of them in one run, drawn anew
+//!
+//! [require]                              # max_ or min_ and a figure of the verdict
+//! max_collisions = 0
+//! min_gap_m = 1.0
+//! ```
+
+use super::tally::FIGURES;
+use group::Error;
+use runtime::Mode;
+use scenario::name::{Line, Name};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::num::NonZeroU32;
+use std::path::Path;
+
+/// Longest campaign file, bytes.
+const MAX_BYTES: u64 = 1 << 20;
+
+/// A campaign.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Campaign {
+    /// Version of the schema: 1.
+    pub schema_version: u32,
+    /// Name.
+    pub name: Name,
+    /// What it is about, in one line.
+    #[serde(default)]
+    pub description: Line,
+    /// Clock.
+    #[serde(default = "lockstep")]
+    pub mode: Mode,
+    /// Names of built-in scenarios, or files.
+    pub scenarios: Vec<String>,
+    /// Controllers; empty: each scenario's own.
+    #[serde(default)]
+    pub controllers: Vec<String>,
+    /// Runs of every combination, each with a seed of its own.
+    #[serde(default = "one")]
+    pub seeds: NonZeroU32,
+    /// The first of these seeds.
+    #[serde(default = "first_seed")]
+    pub first_seed: u32,
+    /// Keys set in all runs, as for `--set`.
+    #[serde(default)]
+    pub set: Vec<String>,
+    /// Time between two samples of memory and descriptors during a run, s; left out: none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sample_every_s: Option<f64>,
+    /// Which part of the runs this is, `i/n`: set by `--shard`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shard: Option<Shard>,
+    /// What goes wrong: one of these in each run.
+    #[serde(default)]
+    pub faults: Vec<toml::Table>,
+    /// What must hold: `max_` or `min_` and the name of a figure.
+    #[serde(default)]
+    pub require: BTreeMap<String, f64>,
+}
+
+/// A part of a campaign's runs: those whose number leaves `index - 1` when divided by `count`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct Shard {
+    /// Which one, from 1.
+    pub index: u32,
+    /// Of how many.
+    pub count: u32,
+}
+
+impl Shard {
+    /// True if the run of this number is in the shard.
+    pub fn holds(self, run: usize) -> bool {
+        run % self.count as usize == (self.index - 1) as usize
+    }
+}
+
+impl std::str::FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts = text.split_once('/').and_then(|(index, count)| {
+            Some(Self { index: index.parse().ok()?, count: count.parse().ok()? })
+        });
+        parts
+            .filter(|shard| (1..=shard.count).contains(&shard.index))
+            .ok_or_else(|| format!("`{text}` is no shard, expected I/N with I from 1 to N"))
+    }
+}
+
+impl TryFrom<String> for Shard {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl From<Shard> for String {
+    fn from(shard: Shard) -> Self {
+        format!("{}/{}", shard.index, shard.count)
+    }
+}
+
+fn lockstep() -> Mode {
+    Mode::Lockstep
+}
+
+fn one() -> NonZeroU32 {
+    NonZeroU32::MIN
+}
+
+fn first_seed() -> u32 {
+    1
+}
+
+/// A campaign compiled into the program.
+#[derive(Clone, Copy, Debug)]
+pub struct Builtin {
+    /// Name, as given on the command line.
+    pub name: &'static str,
+    /// What it is about, in one line.
+    pub summary: &'static str,
+    /// The campaign file.
+    pub text: &'static str,
+}
+
+/// Every built-in campaign.
+pub const BUILTIN: [Builtin; 3] = [
+    Builtin {
+        name: "kills",
+        summary: "1,000 SIGKILLs at random instants over all four services, in realtime",
+        text: include_str!("../../campaigns/kills.toml"),
+    },
+    Builtin {
+        name: "messages",
+        summary: "10,000 runs in lockstep with seeded faults of messages",
+        text: include_str!("../../campaigns/messages.toml"),
+    },
+    Builtin {
+        name: "soak",
+        summary: "half an hour of realtime with random kills: nothing grows",
+        text: include_str!("../../campaigns/soak.toml"),
+    },
+];
+
+impl Campaign {
+    /// The built-in campaign of that name, or the file at that path.
+    pub fn open(argument: &str) -> Result<Self, Error> {
+        if let Some(builtin) = BUILTIN.iter().find(|builtin| builtin.name == argument) {
+            return Self::parse(&format!("built-in {argument}"), builtin.text);
+        }
+        let path = Path::new(argument);
+        if !path.exists() {
+            let names = BUILTIN.map(|builtin| builtin.name).join(", ");
+            let what = "no built-in campaign and no file of this name";
+            return Err(Error::Usage(format!("{argument}: {what}, expected a path or {names}")));
+        }
+        let mut campaign = Self::read(path)?;
+        let directory = path.parent().unwrap_or(path);
+        for scenario in &mut campaign.scenarios {
+            // From now on wherever the campaign is resumed.
+            if scenario.contains('/') || scenario.ends_with(".toml") {
+                let file = directory.join(&*scenario);
+                let file = std::fs::canonicalize(&file).map_err(|reason| Error::Path {
+                    action: "read",
+                    path: file,
+                    reason,
+                })?;
+                *scenario = file.to_string_lossy().into_owned();
+            }
+        }
+        Ok(campaign)
+    }
+
+    /// Reads a campaign file as it is.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let error = |reason| Error::Path { action: "read", path: path.to_owned(), reason };
+        let metadata = std::fs::metadata(path).map_err(error)?;
+        if !metadata.is_file() || metadata.len() > MAX_BYTES {
+            let what = format!("expected a file of at most {MAX_BYTES} bytes");
+            return Err(Error::Usage(format!("{}: {what}", path.display())));
+        }
+        let text = std::fs::read_to_string(path).map_err(error)?;
+        Self::parse(&path.display().to_string(), &text)
+    }
+
+    fn parse(source: &str, text: &str) -> Result<Self, Error> {
+        let refuse = |what: String| Error::Usage(format!("{source}: {what}"));
+        let campaign: Self =
+            toml::from_str(text).map_err(|e| refuse(e.to_string().trim_end().to_owned()))?;
+        if campaign.schema_version != 1 {
+            let version = campaign.schema_version;
+            return Err(refuse(format!("schema_version = {version} is not known, expected 1")));
+        }
+        if campaign.scenarios.is_empty() {
+            return Err(refuse("scenarios = [] runs nothing, expected at least one".into()));
+        }
+        if campaign.sample_every_s.is_some_and(|every| !(0.1..=3600.0).contains(&every)) {
+            return Err(refuse("sample_every_s is out of range, expected 0.1 to 3600 s".into()));
+        }
+        for (key, limit) in &campaign.require {
+            let figure = key.strip_prefix("max_").or_else(|| key.strip_prefix("min_"));
+            if figure.is_none_or(|name| FIGURES.iter().all(|figure| figure.name != name)) {
+                let names = FIGURES.map(|figure| figure.name).join(", ");
+                let what = format!("`{key}` requires no figure");
+                return Err(refuse(format!("{what}, expected max_ or min_ and one of {names}")));
+            }
+            if !limit.is_finite() {
+                return Err(refuse(format!("{key} = {limit} is no limit, expected a number")));
+            }
+        }
+        Ok(campaign)
+    }
+
+    /// The campaign as it took effect; reading it gives an equal one.
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self).expect("every value of a campaign has a form in TOML")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(text: &str) -> String {
+        Campaign::parse("c.toml", text).expect_err("the file is wrong").to_string()
+    }
+
+    #[test]
+    fn the_built_in_campaigns_read_back_as_they_are() {
+        for Builtin { name, summary, .. } in BUILTIN {
+            let campaign = Campaign::open(name).unwrap_or_else(|error| panic!("{error}"));
+            assert_eq!(campaign.name.as_str(), name);
+            assert_eq!(campaign.description.as_str(), summary);
+            let again = Campaign::parse("again", &campaign.to_toml());
+            assert_eq!(again.expect("it was written by us"), campaign);
+        }
+    }
+
+    #[test]
+    fn faults_in_the_file_are_shown_with_their_place() {
+        let head = "schema_version = 1\nname = \"x\"\nscenarios = [\"cacc-a\"]\n";
+        for (text, words) in [
+            ("", ["c.toml", "missing field"]),
+            (&format!("{head}colour = 1\n"), ["line 4", "colour"]),
+            (&format!("{head}mode = \"fast\"\n"), ["line 4", "realtime"]),
+            (&format!("{head}seeds = 0\n"), ["line 4", "nonzero"]),
+            (&format!("{head}shard = \"3/2\"\n"), ["line 4", "I from 1 to N"]),
+            (&format!("{head}[require]\nmax_fun = 1\n"), ["max_fun", "collisions"]),
+            (&format!("{head}[require]\ncollisions = 1\n"), ["collisions", "max_ or min_"]),
+            (&format!("{head}[require]\nmax_collisions = nan\n"), ["NaN", "a number"]),
+            (&head.replace("= 1", "= 2"), ["schema_version = 2", "expected 1"]),
+            (&head.replace("\"cacc-a\"", ""), ["scenarios = []", "at least one"]),
+        ] {
+            let said = refusal(text);
+            assert!(words.iter().all(|word| said.contains(word)), "{text}\n{said}");
+        }
+    }
+
+    #[test]
+    fn shards_part_the_runs() {
+        let shards: Vec<Shard> =
+            ["1/3", "2/3", "3/3"].iter().map(|text| text.parse().expect("a shard")).collect();
+        for run in 0..20 {
+            assert_eq!(shards.iter().filter(|shard| shard.holds(run)).count(), 1);
+        }
+        for text in ["0/3", "4/3", "1", "a/b", "1/0", "-1/3"] {
+            assert!(text.parse::<Shard>().is_err(), "{text}");
+        }
+    }
+}

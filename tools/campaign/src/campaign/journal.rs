@@ -1,0 +1,93 @@
+//! The journal of a campaign: one line of JSON per finished run, on the disk before the next one
+//! counts. A line that a crash cut off is dropped; its run is done again.
+
+use group::Error;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::fs::{File, OpenOptions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Name of the journal in a campaign's directory.
+pub const FILE: &str = "runs.jsonl";
+
+/// An open journal.
+#[derive(Debug)]
+pub struct Journal {
+    path: PathBuf,
+    file: File,
+}
+
+impl Journal {
+    /// Opens the journal in `directory`, or begins one, and reads what is in it.
+    pub fn open<T: DeserializeOwned>(directory: &Path) -> Result<(Self, Vec<T>), Error> {
+        let path = directory.join(FILE);
+        let error = |reason| Error::Path { action: "write", path: path.clone(), reason };
+        let (records, length) = if path.exists() { read(&path)? } else { (Vec::new(), 0) };
+        let file = OpenOptions::new().create(true).append(true).open(&path).map_err(error)?;
+        file.set_len(length).map_err(error)?;
+        Ok((Self { path, file }, records))
+    }
+
+    /// Adds a record; it is on the disk when this returns.
+    pub fn add(&mut self, record: &impl Serialize) -> Result<(), Error> {
+        let line = serde_json::to_string(record).expect("records are plain data") + "\n";
+        let written = self.file.write_all(line.as_bytes()).and_then(|()| self.file.sync_data());
+        let path = || self.path.clone();
+        written.map_err(|reason| Error::Path { action: "write", path: path(), reason })
+    }
+}
+
+/// The records of a journal, and the length of its whole lines, bytes.
+pub fn read<T: DeserializeOwned>(path: &Path) -> Result<(Vec<T>, u64), Error> {
+    let error = |reason| Error::Path { action: "read", path: path.to_owned(), reason };
+    let text = std::fs::read_to_string(path).map_err(error)?;
+    let whole = text.rfind('\n').map_or(0, |end| end + 1);
+    let mut records = Vec::new();
+    for (number, line) in text[..whole].lines().enumerate() {
+        let record = serde_json::from_str(line).map_err(|e| {
+            let place = format!("{}:{}", path.display(), number + 1);
+            Error::Usage(format!("{place}: {e}, expected the record of a run"))
+        })?;
+        records.push(record);
+    }
+    Ok((records, whole as u64))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn directory(name: &str) -> PathBuf {
+        let path = std::env::temp_dir().join(format!("journal-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&path).expect("the temporary directory is writable");
+        path
+    }
+
+    #[test]
+    fn records_survive_and_a_torn_line_does_not() {
+        let directory = directory("torn");
+        let (mut journal, records) = Journal::open::<u32>(&directory).expect("new");
+        assert!(records.is_empty());
+        journal.add(&1).and_then(|()| journal.add(&22)).expect("writable");
+        drop(journal);
+        let path = directory.join(FILE);
+        let mut text = std::fs::read_to_string(&path).expect("written");
+        text.push_str("33");
+        std::fs::write(&path, text).expect("ours");
+        let (mut journal, records) = Journal::open::<u32>(&directory).expect("readable");
+        assert_eq!(records, [1, 22]);
+        journal.add(&4).expect("writable");
+        assert_eq!(read::<u32>(&path).expect("readable").0, [1, 22, 4]);
+        std::fs::remove_dir_all(&directory).expect("ours");
+    }
+
+    #[test]
+    fn a_line_that_is_no_record_is_shown_with_its_number() {
+        let directory = directory("alien");
+        std::fs::write(directory.join(FILE), "1\nx\n").expect("ours");
+        let said = Journal::open::<u32>(&directory).expect_err("not a journal").to_string();
+        assert!(said.contains("runs.jsonl:2"), "{said}");
+        std::fs::remove_dir_all(&directory).expect("ours");
+    }
+}

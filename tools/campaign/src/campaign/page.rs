@@ -1,0 +1,180 @@
+//! The page of a campaign: what was required and found, how long detection and recovery took, and
+//! the runs to blame.
+
+use super::record::Record;
+use super::tally::Tally;
+use super::verdict::Verdict;
+use report::chart::{Stroke, Tone, number};
+use report::html::{Cell, Column, Tile, document, figure, section, table, tiles};
+use report::{Distribution, distributions};
+use runtime::statistics::Latencies;
+
+/// Most failures that the page has; `campaign.json` has all.
+const MAX_FAILURES: usize = 100;
+
+/// How long things took in all runs, µs.
+#[derive(Clone, Debug, Default)]
+pub struct Times {
+    detection: Vec<f64>,
+    recovery: Vec<f64>,
+}
+
+impl Times {
+    /// Of all records.
+    pub fn of(records: &[Record]) -> Self {
+        Self {
+            detection: records.iter().flat_map(|record| record.detection_us.clone()).collect(),
+            recovery: records.iter().flat_map(|record| record.recovery_us.clone()).collect(),
+        }
+    }
+}
+
+/// The page.
+pub fn page(verdict: &Verdict, times: &Times) -> String {
+    let met = verdict.requirements.iter().filter(|requirement| requirement.ok).count();
+    let words = format!(
+        "{} of {} runs done; {met} of {} requirements hold",
+        verdict.all.runs,
+        verdict.planned,
+        verdict.requirements.len()
+    );
+    let body = [
+        tiles(&figures(&verdict.all)),
+        section("Required", &requirements(verdict)),
+        section("Times", &pictures(times)),
+        section("Runs", &combinations(verdict)),
+        failures(verdict),
+    ]
+    .concat();
+    let title = format!("Campaign {}", verdict.campaign);
+    document(&title, verdict.mode.name(), verdict.ok, &words, &body)
+}
+
+fn figures(all: &Tally) -> Vec<Tile> {
+    let count = |label, count: u64| Tile { label, value: count.to_string(), note: String::new() };
+    let mut tiles = vec![
+        count("Runs", all.runs),
+        count("Processes killed", all.kills),
+        count("Collisions", all.collisions),
+        count("Red lights", all.red_lights),
+        count("Safe stops", all.safe_stops),
+        count("Aborted", all.aborted),
+        count("Left behind", all.leaks),
+    ];
+    let least =
+        [("Smallest gap", all.min_gap_m, "m"), ("Least time to collision", all.min_ttc_s, "s")];
+    tiles.extend(least.into_iter().filter_map(|(label, value, unit)| {
+        let value = format!("{} {unit}", number(value?, 1));
+        Some(Tile { label, value, note: String::new() })
+    }));
+    tiles
+}
+
+fn requirements(verdict: &Verdict) -> String {
+    let rows: Vec<_> = (verdict.requirements.iter())
+        .map(|requirement| {
+            let found =
+                requirement.found.map_or_else(|| "nothing".into(), |found| number(found, 2));
+            vec![
+                Cell::Plain(requirement.requirement.clone()),
+                Cell::Plain(number(requirement.limit, 2)),
+                Cell::Plain(found),
+                if requirement.ok {
+                    Cell::Good("holds".into())
+                } else {
+                    Cell::Bad("BROKEN".into())
+                },
+            ]
+        })
+        .collect();
+    let head = [
+        ("requirement", Column::Text),
+        ("limit", Column::Number),
+        ("found", Column::Number),
+        ("", Column::Text),
+    ];
+    table(&head, &rows)
+}
+
+fn pictures(times: &Times) -> String {
+    let latencies = |times_us: &[f64]| {
+        let mut latencies = Latencies::default();
+        times_us.iter().for_each(|us| latencies.record_ns((us * 1e3) as i64));
+        latencies
+    };
+    let (detection, recovery) = (latencies(&times.detection), latencies(&times.recovery));
+    let drawn =
+        [("until the supervisor knew", &detection), ("until the first fresh message", &recovery)];
+    // In simulated time nothing takes long.
+    let drawn = drawn.into_iter().filter(|(_, l)| l.percentiles_us().is_some_and(|p| p.max > 1.0));
+    let drawn: Vec<_> = drawn
+        .enumerate()
+        .map(|(index, (label, latencies))| Distribution {
+            label: format!("{label} (n = {})", latencies.count()),
+            tone: Tone::Series(index),
+            stroke: Stroke::Solid,
+            latencies,
+        })
+        .collect();
+    match distributions("From a process fault on", &drawn) {
+        Some(plot) => format!("<div class=\"grid\">\n{}</div>\n", figure(&plot)),
+        None => "<p class=\"quiet\">No process was harmed.</p>\n".to_owned(),
+    }
+}
+
+fn combinations(verdict: &Verdict) -> String {
+    let rows: Vec<_> = (verdict.combinations.iter())
+        .map(|combination| {
+            let tally = &combination.tally;
+            let figure = |value: Option<f64>| value.map_or_else(|| "–".into(), |v| number(v, 1));
+            let ms = |us: Option<f64>| figure(us.map(|us| us / 1e3));
+            vec![
+                combination.scenario.clone(),
+                combination.controller.clone(),
+                combination.fault.clone(),
+                tally.runs.to_string(),
+                tally.completed.to_string(),
+                tally.safe_stops.to_string(),
+                tally.collisions.to_string(),
+                tally.red_lights.to_string(),
+                tally.aborted.to_string(),
+                figure(tally.min_gap_m),
+                figure(tally.min_ttc_s),
+                ms(tally.recovery_us.map(|p| p.p50)),
+                ms(tally.recovery_us.map(|p| p.max)),
+            ]
+        })
+        .collect();
+    let head = [
+        ("scenario", Column::Text),
+        ("controller", Column::Text),
+        ("fault", Column::Text),
+        ("runs", Column::Number),
+        ("whole", Column::Number),
+        ("stops", Column::MoreNumber),
+        ("crashes", Column::Number),
+        ("red", Column::Number),
+        ("aborted", Column::MoreNumber),
+        ("min gap, m", Column::MoreNumber),
+        ("min TTC, s", Column::MoreNumber),
+        ("back p50, ms", Column::MoreNumber),
+        ("back max, ms", Column::MoreNumber),
+    ];
+    table(&head, &rows)
+}
+
+/// The runs to blame, each with the command that repeats it.
+fn failures(verdict: &Verdict) -> String {
+    if verdict.failures.is_empty() {
+        return String::new();
+    }
+    let rows: Vec<_> = (verdict.failures.iter().take(MAX_FAILURES))
+        .map(|failure| vec![failure.run.to_string(), failure.why.clone(), failure.repeat.clone()])
+        .collect();
+    let head = [
+        ("run", Column::Number),
+        ("why", Column::Text),
+        ("the command that repeats it", Column::Text),
+    ];
+    section("Runs to blame", &table(&head, &rows))
+}

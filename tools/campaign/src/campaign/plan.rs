@@ -1,0 +1,261 @@
+//! From a campaign to its runs: the matrix, and what is drawn for each run.
+
+use super::file::Campaign;
+use group::Error;
+use rand_core::Rng;
+use rand_pcg::Pcg64;
+use toml::{Table, Value};
+
+/// Most runs of a campaign.
+const MAX_RUNS: usize = 1_000_000;
+
+/// A run of a campaign.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Planned {
+    /// Its number, from 0.
+    pub run: usize,
+    /// Scenario as the campaign names it.
+    pub scenario: String,
+    /// Controller, if the campaign names one.
+    pub controller: Option<String>,
+    /// What goes wrong, in a word.
+    pub fault: String,
+    /// Seed.
+    pub seed: u32,
+    /// Keys set, as for `--set`.
+    pub keys: Vec<String>,
+}
+
+impl Planned {
+    /// The command that repeats the run.
+    pub fn repeat(&self, mode: &str) -> String {
+        let mut words = vec!["timegap".into(), "run".into(), quoted(&self.scenario)];
+        if let Some(controller) = &self.controller {
+            words.extend(["--controller".into(), quoted(controller)]);
+        }
+        words.extend(["--mode".into(), mode.into(), "--seed".into(), self.seed.to_string()]);
+        for key in &self.keys {
+            words.extend(["--set".into(), quoted(key)]);
+        }
+        words.join(" ")
+    }
+}
+
+/// A word for the shell.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.into()
+    } else {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    }
+}
+
+/// All runs of a campaign, its shard not regarded. Neighbouring runs belong to different
+/// combinations, so that a part of the campaign says something about each.
+pub fn plan(campaign: &Campaign) -> Result<Vec<Planned>, Error> {
+    let own = vec![None];
+    let named: Vec<_> = campaign.controllers.iter().cloned().map(Some).collect();
+    let controllers = if named.is_empty() { own } else { named };
+    let faults = campaign.faults.iter().map(Template::of).collect::<Result<Vec<_>, _>>()?;
+    let faults: Vec<_> =
+        if faults.is_empty() { vec![None] } else { faults.into_iter().map(Some).collect() };
+    let seeds = campaign.seeds.get();
+    let combinations = campaign.scenarios.len() * controllers.len() * faults.len();
+    if combinations.checked_mul(seeds as usize).is_none_or(|runs| runs > MAX_RUNS) {
+        return Err(Error::Usage(format!(
+            "{combinations} combinations with {seeds} seeds each are more than {MAX_RUNS} runs"
+        )));
+    }
+    let mut runs = Vec::with_capacity(combinations * seeds as usize);
+    for seed in (0..seeds).map(|number| campaign.first_seed.saturating_add(number)) {
+        for (place, scenario) in campaign.scenarios.iter().enumerate() {
+            for controller in &controllers {
+                for (which, fault) in faults.iter().enumerate() {
+                    let mut keys = campaign.set.clone();
+                    // Controllers meet the same faults; scenarios do not.
+                    let stream = (place * faults.len() + which) as u128;
+                    let drawn = fault.as_ref().map(|fault| fault.draw(seed, stream));
+                    keys.extend(drawn.map(|drawn| format!("faults=[{}]", drawn.join(", "))));
+                    runs.push(Planned {
+                        run: runs.len(),
+                        scenario: scenario.clone(),
+                        controller: controller.clone(),
+                        fault: fault.as_ref().map_or("none", |fault| &fault.label).into(),
+                        seed,
+                        keys,
+                    });
+                }
+            }
+        }
+    }
+    Ok(runs)
+}
+
+/// A fault of which some values are drawn for each run.
+struct Template {
+    label: String,
+    count: usize,
+    keys: Table,
+}
+
+impl Template {
+    fn of(table: &Table) -> Result<Self, Error> {
+        let mut keys = table.clone();
+        let count = match keys.remove("count") {
+            None => 1,
+            Some(Value::Integer(count @ 1..=64)) => count as usize,
+            Some(other) => {
+                let what = format!("faults: count = {other}, expected a whole number from 1 to 64");
+                return Err(Error::Usage(what));
+            }
+        };
+        for (key, value) in &keys {
+            let Value::Array(values) = value else { continue };
+            let words = !values.is_empty() && values.iter().all(Value::is_str);
+            if !words && range(values).is_none() {
+                let what = format!("faults: {key} = {value} cannot be drawn from");
+                let expected = "two numbers, the smaller first, or a list of words";
+                return Err(Error::Usage(format!("{what}, expected {expected}")));
+            }
+        }
+        let word = |key: &str| match keys.get(key) {
+            Some(Value::String(word)) => Some(word.clone()),
+            _ => None,
+        };
+        let parts = ["kind", "service", "topic", "field"].into_iter().filter_map(word);
+        Ok(Self { label: parts.collect::<Vec<_>>().join(" "), count, keys })
+    }
+
+    /// The faults of a run, as TOML, by its seed and the stream of its scenario and template.
+    fn draw(&self, seed: u32, stream: u128) -> Vec<String> {
+        let mut random = Pcg64::new(seed.into(), stream);
+        // The stream's first number says nothing for small seeds.
+        random.next_u64();
+        let draw = |_| {
+            let pair =
+                |(key, value): (&String, &Value)| format!("{key} = {}", drawn(value, &mut random));
+            format!("{{ {} }}", self.keys.iter().map(pair).collect::<Vec<_>>().join(", "))
+        };
+        (0..self.count).map(draw).collect()
+    }
+}
+
+/// The ends of a range: two numbers, in order.
+fn range(values: &[Value]) -> Option<(f64, f64)> {
+    let number = |value: &Value| value.as_float().or(value.as_integer().map(|i| i as f64));
+    let [from, to] = values else { return None };
+    let (from, to) = (number(from)?, number(to)?);
+    (from < to && (to - from).is_finite()).then_some((from, to))
+}
+
+/// A value, one of a list of words, or a number between two: whole if both are, else to three digits.
+fn drawn(value: &Value, random: &mut Pcg64) -> Value {
+    let Value::Array(values) = value else { return value.clone() };
+    let uniform = (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+    match range(values) {
+        Some((from, to)) if values.iter().all(Value::is_integer) => {
+            Value::Integer((from + uniform * (to - from + 1.0)).floor() as i64)
+        }
+        Some((from, to)) => Value::Float(((from + uniform * (to - from)) * 1e3).round() / 1e3),
+        None => values[(uniform * values.len() as f64) as usize].clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn campaign(lines: &str) -> Campaign {
+        let head = "schema_version = 1\nname = \"x\"\nscenarios = [\"cacc-a\", \"cut-in\"]\n";
+        toml::from_str(&format!("{head}{lines}")).expect("a campaign")
+    }
+
+    const FAULTS: &str = "seeds = 50\ncontrollers = [\"acc-mpc\", \"six-mode\"]
+[[faults]]
+kind = \"kill\"
+service = [\"plant\", \"controller\"]
+at_s = [1.0, 3.0]
+count = 2
+[[faults]]
+kind = \"corrupt\"
+topic = \"radar/tracks\"
+bits = [1, 3]
+";
+
+    #[test]
+    fn every_combination_has_every_seed() {
+        let runs = plan(&campaign(FAULTS)).expect("a plan");
+        assert_eq!(runs.len(), 2 * 2 * 2 * 50);
+        assert!(runs.iter().enumerate().all(|(number, run)| run.run == number));
+        let one = runs.iter().filter(|run| {
+            run.scenario == "cut-in"
+                && run.controller.as_deref() == Some("six-mode")
+                && run.fault == "corrupt radar/tracks"
+        });
+        let seeds: Vec<_> = one.map(|run| run.seed).collect();
+        assert_eq!(seeds, (1..=50).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn draws_stay_in_their_ranges_and_repeat() {
+        let runs = plan(&campaign(FAULTS)).expect("a plan");
+        assert_eq!(runs, plan(&campaign(FAULTS)).expect("a plan"));
+        let faults = |run: &Planned| {
+            let table: Table = toml::from_str(run.keys.last().expect("faults")).expect("TOML");
+            table["faults"].as_array().expect("a list").clone()
+        };
+        let mut seen = std::collections::BTreeSet::new();
+        let mut instants = Vec::new();
+        for fault in runs.iter().flat_map(faults) {
+            match fault["kind"].as_str() {
+                Some("kill") => {
+                    let at_s = fault["at_s"].as_float().expect("a number");
+                    assert!((1.0..=3.0).contains(&at_s), "{at_s}");
+                    instants.push(at_s);
+                    seen.insert(fault["service"].to_string());
+                }
+                _ => {
+                    let bits = fault["bits"].as_integer().expect("a whole number");
+                    assert!((1..=3).contains(&bits), "{bits}");
+                    seen.insert(bits.to_string());
+                }
+            }
+        }
+        assert_eq!(seen.len(), 5, "every word and every number comes up: {seen:?}");
+        let mean = instants.iter().sum::<f64>() / instants.len() as f64;
+        assert!((mean - 2.0).abs() < 0.1, "spread over the range: {mean}");
+        assert_ne!(instants[0], instants[1], "each of a run's faults is drawn anew");
+    }
+
+    #[test]
+    fn without_faults_and_controllers_there_is_one_run_per_scenario_and_seed() {
+        let runs = plan(&campaign("set = [\"duration_s=2\"]")).expect("a plan");
+        assert_eq!(runs.len(), 2);
+        assert_eq!(runs[0].keys, ["duration_s=2"]);
+        assert_eq!(
+            runs[0].repeat("lockstep"),
+            "timegap run cacc-a --mode lockstep --seed 1 --set duration_s=2"
+        );
+    }
+
+    #[test]
+    fn the_repeating_command_survives_a_shell() {
+        assert_eq!(quoted("it's {a}"), r"'it'\''s {a}'");
+        assert_eq!(quoted(""), "''");
+        let runs = plan(&campaign(FAULTS)).expect("a plan");
+        let said = runs[0].repeat("realtime");
+        assert!(said.contains("--set 'faults=[{ "), "{said}");
+    }
+
+    #[test]
+    fn what_cannot_be_drawn_from_is_refused() {
+        for line in ["at_s = [1.0]", "at_s = [3, 1]", "at_s = []", "at_s = [nan, 1.0]", "count = 0"]
+        {
+            let text = format!("[[faults]]\nkind = \"kill\"\n{line}\n");
+            let said = plan(&campaign(&text)).expect_err("it is wrong").to_string();
+            assert!(said.contains("expected"), "{said}");
+        }
+        assert!(plan(&campaign("seeds = 4000000000")).is_err());
+    }
+}

@@ -1,0 +1,182 @@
+//! What a campaign keeps of a run.
+
+use super::plan::Planned;
+use super::reference::{Braking, avoids_contact};
+use crate::batch::{Done, Growth};
+use group::Error;
+use messages::rung::{Rung, RungChange};
+use runtime::report::Outcome;
+use scenario::Scenario;
+use scenario::faults::Kind;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// One run, in one line of the journal.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// Its number in the campaign.
+    pub run: usize,
+    pub scenario: String,
+    pub controller: String,
+    /// What went wrong, in a word.
+    pub fault: String,
+    pub seed: u32,
+    pub outcome: Outcome,
+    /// Why the outcome is `aborted`.
+    pub aborted_because: Option<String>,
+    /// It ended in a collision that a reference which brakes perfectly would have avoided.
+    pub avoidable: bool,
+    pub duration_s: f64,
+    pub min_gap_m: Option<f64>,
+    pub min_ttc_s: Option<f64>,
+    /// Processes killed.
+    pub kills: u64,
+    /// From a process fault until the launcher knew, µs.
+    pub detection_us: Vec<f64>,
+    /// From a process fault until the first fresh message of the next process, µs.
+    pub recovery_us: Vec<f64>,
+    /// Process faults of a run that reached its end without a recovery.
+    pub unrecovered: u64,
+    /// Time of each service on each rung of the ladder, s.
+    pub rungs_s: BTreeMap<String, f64>,
+    /// Services that were not on the first rung at the end of a completed run.
+    pub degraded: Vec<String>,
+    /// Longest time that the plant was without the command that was due, ms.
+    pub command_overdue_ms: Option<f64>,
+    pub messages_lost: u64,
+    /// Messages that faults befell, at all their receivers.
+    pub disturbed: u64,
+    /// Messages that corruption befell, and how many of them no check refused.
+    pub corrupted: u64,
+    pub undetected: u64,
+    /// What the run left behind.
+    pub leaks: Vec<String>,
+    /// Growth of memory and descriptors, where it was sampled.
+    pub growth: Option<Growth>,
+}
+
+impl Record {
+    /// What came of a planned run.
+    pub fn new(planned: &Planned, scenario: &Scenario, result: Result<Done, Error>) -> Self {
+        let blank = Self {
+            run: planned.run,
+            scenario: planned.scenario.clone(),
+            controller: scenario.controller.name.as_str().into(),
+            fault: planned.fault.clone(),
+            seed: planned.seed,
+            outcome: Outcome::Aborted,
+            aborted_because: None,
+            avoidable: false,
+            duration_s: 0.0,
+            min_gap_m: None,
+            min_ttc_s: None,
+            kills: 0,
+            detection_us: Vec::new(),
+            recovery_us: Vec::new(),
+            unrecovered: 0,
+            rungs_s: BTreeMap::new(),
+            degraded: Vec::new(),
+            command_overdue_ms: None,
+            messages_lost: 0,
+            disturbed: 0,
+            corrupted: 0,
+            undetected: 0,
+            leaks: Vec::new(),
+            growth: None,
+        };
+        match result {
+            Ok(done) => blank.of(scenario, &done),
+            Err(error) => Self { aborted_because: Some(error.to_string()), ..blank },
+        }
+    }
+
+    fn of(self, scenario: &Scenario, done: &Done) -> Self {
+        let summary = &done.summary;
+        let fallback = &scenario.plant.fallback;
+        let braking = Braking {
+            comfortable_mps2: fallback.stop_deceleration_mps2.value(),
+            emergency_mps2: fallback.emergency_deceleration_mps2.value(),
+        };
+        let collided = summary.outcome == Outcome::Collision;
+        let killed = |kind: &str| [Kind::Kill, Kind::RestartStorm].iter().any(|k| k.name() == kind);
+        let faults = &summary.faults;
+        let corrupted = faults.iter().filter(|fault| fault.kind == Kind::Corrupt.name());
+        let corrupted = corrupted.filter_map(|fault| fault.messages).sum();
+        let refused: u64 = summary.messages.values().map(|topic| topic.e2e.error).sum();
+        let unrecovered = faults.iter().filter(|fault| {
+            fault.detected_after_us.is_some() && fault.recovered_after_us.is_none()
+        });
+        Self {
+            outcome: summary.outcome,
+            aborted_because: summary.aborted_because.clone(),
+            avoidable: collided && avoids_contact(&done.drive.steps, &braking),
+            duration_s: summary.duration_s,
+            min_gap_m: summary.control.figures.min_gap_m,
+            min_ttc_s: summary.control.figures.min_ttc_s,
+            kills: faults.iter().filter(|fault| killed(&fault.kind)).count() as u64,
+            detection_us: faults.iter().filter_map(|fault| fault.detected_after_us).collect(),
+            recovery_us: faults.iter().filter_map(|fault| fault.recovered_after_us).collect(),
+            unrecovered: match summary.outcome {
+                Outcome::Completed => unrecovered.count() as u64,
+                // Nobody comes back when the run is over or in its safe state.
+                _ => 0,
+            },
+            rungs_s: (summary.rungs.iter())
+                .flat_map(|(service, rungs)| rungs.time_s.iter().map(move |r| (service, r)))
+                .map(|(service, (rung, time_s))| (format!("{service} {rung}"), *time_s))
+                .collect(),
+            degraded: match summary.outcome {
+                Outcome::Completed => (summary.rungs.iter())
+                    .filter_map(|(service, rungs)| Some((service, rungs.changes.last()?.to)))
+                    .filter(|(_, last)| *last != Rung::Full)
+                    .map(|(service, last)| format!("{service} ended on {}", last.name()))
+                    .collect(),
+                _ => Vec::new(),
+            },
+            command_overdue_ms: summary.rungs.get("plant").map(|rungs| overdue_ms(&rungs.changes)),
+            messages_lost: summary.messages.values().filter_map(|topic| topic.lost).sum(),
+            disturbed: faults.iter().filter_map(|fault| fault.messages).sum(),
+            corrupted,
+            undetected: corrupted.saturating_sub(refused),
+            leaks: done.leftovers.clone(),
+            growth: Growth::over(&done.samples),
+            ..self
+        }
+    }
+}
+
+/// Longest time off the first rung, from its leaving until its next entering, ms.
+fn overdue_ms(changes: &[RungChange]) -> f64 {
+    let mut left_s = None;
+    let mut longest_s: f64 = 0.0;
+    for change in changes {
+        if change.from == Rung::Full {
+            left_s = Some(change.t_s);
+        } else if change.to == Rung::Full
+            && let Some(left_s) = left_s.take()
+        {
+            longest_s = longest_s.max(change.t_s - left_s);
+        }
+    }
+    longest_s * 1e3
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_longest_time_off_the_first_rung_counts_from_end_to_end() {
+        let change = |t_s, from, to| RungChange { t_s, from, to };
+        let changes = [
+            change(1.0, Rung::Full, Rung::PlanFollowed),
+            change(1.25, Rung::PlanFollowed, Rung::Full),
+            change(2.0, Rung::Full, Rung::PlanFollowed),
+            change(2.25, Rung::PlanFollowed, Rung::StopInLane),
+            change(2.5, Rung::StopInLane, Rung::Full),
+            change(9.0, Rung::Full, Rung::PlanFollowed),
+        ];
+        assert_eq!(overdue_ms(&changes), 500.0);
+        assert_eq!(overdue_ms(&[]), 0.0);
+    }
+}

@@ -1,0 +1,188 @@
+//! Runs added up, and the figures that a campaign can require something of.
+
+use super::record::Record;
+use runtime::report::Outcome;
+use runtime::statistics::{Latencies, Percentiles};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Some runs added up.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Tally {
+    pub runs: u64,
+    pub completed: u64,
+    pub collisions: u64,
+    /// Collisions that a reference which brakes perfectly would have avoided.
+    pub avoidable_collisions: u64,
+    pub red_lights: u64,
+    pub safe_stops: u64,
+    pub aborted: u64,
+    pub kills: u64,
+    pub unrecovered: u64,
+    /// Services that ended a completed run below the first rung.
+    pub degraded: u64,
+    pub leaks: u64,
+    pub messages_lost: u64,
+    pub disturbed: u64,
+    pub corrupted: u64,
+    pub undetected_corruptions: u64,
+    pub min_gap_m: Option<f64>,
+    pub min_ttc_s: Option<f64>,
+    pub detection_us: Option<Percentiles>,
+    pub recovery_us: Option<Percentiles>,
+    /// Longest time that the plant was without the command that was due, ms.
+    pub command_overdue_ms: Option<f64>,
+    /// Time of each service on each rung of the ladder in all runs, s.
+    pub rungs_s: BTreeMap<String, f64>,
+    /// Largest sums over a run's services, and largest growth within a run, where it was sampled.
+    pub all_memory_kib: Option<f64>,
+    pub all_descriptors: Option<f64>,
+    pub all_shared_memory_kib: Option<f64>,
+    pub memory_growth_kib: Option<f64>,
+    pub descriptor_growth: Option<f64>,
+    pub shared_memory_growth_kib: Option<f64>,
+    pub shared_memory_object_growth: Option<f64>,
+}
+
+impl Tally {
+    /// Adds these runs up; their order does not matter.
+    pub fn of<'a>(records: impl Iterator<Item = &'a Record> + Clone) -> Self {
+        let ended = |outcome| records.clone().filter(|r| r.outcome == outcome).count() as u64;
+        let sum = |count: fn(&Record) -> u64| records.clone().map(count).sum();
+        let least = |figure: fn(&Record) -> Option<f64>| {
+            records.clone().filter_map(figure).min_by(f64::total_cmp)
+        };
+        let most = |figure: fn(&Record) -> Option<f64>| {
+            records.clone().filter_map(figure).max_by(f64::total_cmp)
+        };
+        let mut rungs_s = BTreeMap::new();
+        for (rung, time_s) in records.clone().flat_map(|record| &record.rungs_s) {
+            *rungs_s.entry(rung.clone()).or_insert(0.0) += time_s;
+        }
+        Self {
+            runs: records.clone().count() as u64,
+            completed: ended(Outcome::Completed),
+            collisions: ended(Outcome::Collision),
+            avoidable_collisions: sum(|r| r.avoidable.into()),
+            red_lights: ended(Outcome::RedLight),
+            safe_stops: ended(Outcome::SafeStop),
+            aborted: ended(Outcome::Aborted),
+            kills: sum(|r| r.kills),
+            unrecovered: sum(|r| r.unrecovered),
+            degraded: sum(|r| r.degraded.len() as u64),
+            leaks: sum(|r| r.leaks.len() as u64),
+            messages_lost: sum(|r| r.messages_lost),
+            disturbed: sum(|r| r.disturbed),
+            corrupted: sum(|r| r.corrupted),
+            undetected_corruptions: sum(|r| r.undetected),
+            min_gap_m: least(|r| r.min_gap_m),
+            min_ttc_s: least(|r| r.min_ttc_s),
+            detection_us: percentiles(records.clone().flat_map(|r| &r.detection_us)),
+            recovery_us: percentiles(records.clone().flat_map(|r| &r.recovery_us)),
+            command_overdue_ms: most(|r| r.command_overdue_ms),
+            rungs_s,
+            all_memory_kib: most(|r| r.growth.map(|growth| growth.all_memory_kib)),
+            all_descriptors: most(|r| r.growth.map(|growth| growth.all_descriptors)),
+            all_shared_memory_kib: most(|r| r.growth.map(|growth| growth.all_shared_memory_kib)),
+            memory_growth_kib: most(|r| r.growth.map(|growth| growth.memory_kib)),
+            descriptor_growth: most(|r| r.growth.map(|growth| growth.descriptors)),
+            shared_memory_growth_kib: most(|r| r.growth.map(|growth| growth.shared_memory_kib)),
+            shared_memory_object_growth: most(|r| {
+                r.growth.map(|growth| growth.shared_memory_objects)
+            }),
+        }
+    }
+}
+
+fn percentiles<'a>(times_us: impl Iterator<Item = &'a f64>) -> Option<Percentiles> {
+    let mut latencies = Latencies::default();
+    times_us.for_each(|us| latencies.record_ns((us * 1e3) as i64));
+    latencies.percentiles_us()
+}
+
+/// True if `value` is at most `limit`, or at least, if that is the `least` it may be.
+pub fn within(value: f64, limit: f64, least: bool) -> bool {
+    if least { value >= limit } else { value <= limit }
+}
+
+/// A figure that a campaign can require something of.
+pub struct Figure {
+    /// Name behind `max_` or `min_`.
+    pub name: &'static str,
+    of: Kind,
+}
+
+#[derive(Clone, Copy)]
+enum Kind {
+    /// A number of runs or events: a run is to blame as soon as it has one.
+    Count(fn(&Tally) -> u64),
+    /// Something measured, or not.
+    Measure(fn(&Tally) -> Option<f64>),
+    /// The middle of something measured: no single run is to blame for it.
+    Median(fn(&Tally) -> Option<f64>),
+}
+
+/// All figures.
+pub const FIGURES: [Figure; 24] = [
+    count("collisions", |t| t.collisions),
+    count("avoidable_collisions", |t| t.avoidable_collisions),
+    count("red_lights", |t| t.red_lights),
+    count("safe_stops", |t| t.safe_stops),
+    count("aborted", |t| t.aborted),
+    count("kills", |t| t.kills),
+    count("unrecovered", |t| t.unrecovered),
+    count("degraded", |t| t.degraded),
+    count("leaks", |t| t.leaks),
+    count("messages_lost", |t| t.messages_lost),
+    count("undetected_corruptions", |t| t.undetected_corruptions),
+    measure("gap_m", |t| t.min_gap_m),
+    measure("ttc_s", |t| t.min_ttc_s),
+    median("detection_p50_ms", |t| t.detection_us.map(|p| p.p50 / 1e3)),
+    measure("detection_p99_ms", |t| t.detection_us.map(|p| p.p99 / 1e3)),
+    measure("detection_max_ms", |t| t.detection_us.map(|p| p.max / 1e3)),
+    median("recovery_p50_ms", |t| t.recovery_us.map(|p| p.p50 / 1e3)),
+    measure("recovery_p99_ms", |t| t.recovery_us.map(|p| p.p99 / 1e3)),
+    measure("recovery_max_ms", |t| t.recovery_us.map(|p| p.max / 1e3)),
+    measure("command_overdue_ms", |t| t.command_overdue_ms),
+    measure("memory_growth_kib", |t| t.memory_growth_kib),
+    measure("descriptor_growth", |t| t.descriptor_growth),
+    measure("shared_memory_growth_kib", |t| t.shared_memory_growth_kib),
+    measure("shared_memory_object_growth", |t| t.shared_memory_object_growth),
+];
+
+const fn count(name: &'static str, of: fn(&Tally) -> u64) -> Figure {
+    Figure { name, of: Kind::Count(of) }
+}
+
+const fn measure(name: &'static str, of: fn(&Tally) -> Option<f64>) -> Figure {
+    Figure { name, of: Kind::Measure(of) }
+}
+
+const fn median(name: &'static str, of: fn(&Tally) -> Option<f64>) -> Figure {
+    Figure { name, of: Kind::Median(of) }
+}
+
+impl Figure {
+    /// The figure of that name.
+    pub fn named(name: &str) -> Option<&'static Self> {
+        FIGURES.iter().find(|figure| figure.name == name)
+    }
+
+    /// Its value over all runs; none if nothing measured it.
+    pub fn value(&self, tally: &Tally) -> Option<f64> {
+        match self.of {
+            Kind::Count(of) => Some(of(tally) as f64),
+            Kind::Measure(of) | Kind::Median(of) => of(tally),
+        }
+    }
+
+    /// Its value in a single run, if the run is to blame for more than `limit`, or less if `least`.
+    pub fn blames(&self, record: &Record, limit: f64, least: bool) -> Option<f64> {
+        let alone = Tally::of(std::iter::once(record));
+        match self.of {
+            Kind::Count(of) => Some(of(&alone) as f64).filter(|count| *count > 0.0 && !least),
+            Kind::Measure(of) => of(&alone).filter(|value| !within(*value, limit, least)),
+            Kind::Median(_) => None,
+        }
+    }
+}

@@ -1,0 +1,264 @@
+//! Whether a campaign's runs are what it requires.
+
+use super::file::Campaign;
+use super::plan::Planned;
+use super::record::Record;
+use super::tally::{Figure, Tally, within};
+use runtime::Mode;
+use serde::Serialize;
+
+/// The verdict over a campaign, as `campaign.json` has it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Verdict {
+    pub schema_version: u32,
+    /// All runs were done, and everything required holds.
+    pub ok: bool,
+    pub campaign: String,
+    pub mode: Mode,
+    /// Runs that were to be done.
+    pub planned: usize,
+    #[serde(flatten)]
+    pub all: Tally,
+    pub requirements: Vec<Requirement>,
+    /// One entry for every combination of scenario, controller and fault.
+    pub combinations: Vec<Combination>,
+    /// The same runs by scenario, by controller, and by fault alone.
+    pub scenarios: Vec<Part>,
+    pub controllers: Vec<Part>,
+    pub faults: Vec<Part>,
+    /// The runs to blame for a requirement that does not hold.
+    pub failures: Vec<Failure>,
+}
+
+/// Something required and what was found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Requirement {
+    /// Key in the campaign's file.
+    pub requirement: String,
+    pub limit: f64,
+    /// Null if nothing measured it, which does not meet any requirement.
+    pub found: Option<f64>,
+    pub ok: bool,
+}
+
+/// Runs of the same scenario, controller and fault.
+#[derive(Clone, Debug, Serialize)]
+pub struct Combination {
+    pub scenario: String,
+    pub controller: String,
+    pub fault: String,
+    #[serde(flatten)]
+    pub tally: Tally,
+}
+
+/// Runs that have one thing in common.
+#[derive(Clone, Debug, Serialize)]
+pub struct Part {
+    /// What they have in common.
+    pub of: String,
+    #[serde(flatten)]
+    pub tally: Tally,
+}
+
+/// A run to blame.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Failure {
+    pub run: usize,
+    pub why: String,
+    /// The command that repeats it.
+    pub repeat: String,
+}
+
+impl Verdict {
+    /// Judges the records, in any order, of the planned runs.
+    pub fn new(campaign: &Campaign, planned: &[&Planned], mut records: Vec<Record>) -> Self {
+        records.sort_by_key(|record| record.run);
+        let all = Tally::of(records.iter());
+        let requirements: Vec<_> =
+            campaign.require.iter().map(|(key, limit)| judge(key, *limit, &all)).collect();
+        let met = requirements.iter().all(|requirement| requirement.ok);
+        let failures = failures(&requirements, campaign.mode, planned, &records);
+        Self {
+            schema_version: 1,
+            ok: met && records.len() == planned.len(),
+            campaign: campaign.name.as_str().into(),
+            mode: campaign.mode,
+            planned: planned.len(),
+            all,
+            requirements,
+            combinations: combinations(&records),
+            scenarios: parts(&records, |record| &record.scenario),
+            controllers: parts(&records, |record| &record.controller),
+            faults: parts(&records, |record| &record.fault),
+            failures,
+        }
+    }
+}
+
+/// The figure of a `max_` or `min_` key, and whether it is the least that it may be.
+fn figure(key: &str) -> (&'static Figure, bool) {
+    let (bound, name) = key.split_at(4);
+    let figure = Figure::named(name).expect("the campaign's keys were checked when it was read");
+    (figure, bound == "min_")
+}
+
+fn judge(key: &str, limit: f64, all: &Tally) -> Requirement {
+    let (figure, least) = figure(key);
+    let found = figure.value(all);
+    let ok = found.is_some_and(|value| within(value, limit, least));
+    Requirement { requirement: key.into(), limit, found, ok }
+}
+
+fn failures(
+    requirements: &[Requirement],
+    mode: Mode,
+    planned: &[&Planned],
+    records: &[Record],
+) -> Vec<Failure> {
+    let broken: Vec<_> = requirements.iter().filter(|requirement| !requirement.ok).collect();
+    let mut failures = Vec::new();
+    for record in records {
+        let reasons = broken.iter().filter_map(|requirement| {
+            let (figure, least) = figure(&requirement.requirement);
+            let value = figure.blames(record, requirement.limit, least)?;
+            Some(format!("{} {value}", figure.name))
+        });
+        let mut reasons: Vec<String> = reasons.collect();
+        if reasons.is_empty() {
+            continue;
+        }
+        reasons.extend(record.aborted_because.clone());
+        reasons.extend(record.leaks.iter().chain(&record.degraded).cloned());
+        let repeat = planned.iter().find(|planned| planned.run == record.run);
+        failures.push(Failure {
+            run: record.run,
+            why: reasons.join("; "),
+            repeat: repeat.map_or_else(String::new, |planned| planned.repeat(mode.name())),
+        });
+    }
+    failures
+}
+
+fn combinations(records: &[Record]) -> Vec<Combination> {
+    let key = |record: &Record| {
+        (record.scenario.clone(), record.controller.clone(), record.fault.clone())
+    };
+    let all = distinct(records, key).into_iter();
+    all.map(|(scenario, controller, fault)| {
+        let wanted = (scenario.clone(), controller.clone(), fault.clone());
+        let same = records.iter().filter(|record| key(record) == wanted);
+        Combination { tally: Tally::of(same), scenario, controller, fault }
+    })
+    .collect()
+}
+
+fn parts(records: &[Record], key: fn(&Record) -> &String) -> Vec<Part> {
+    let all = distinct(records, |record| key(record).clone()).into_iter();
+    all.map(|of| {
+        let tally = Tally::of(records.iter().filter(|record| *key(record) == of));
+        Part { of, tally }
+    })
+    .collect()
+}
+
+/// What the records have, each once, in the order of its first appearance.
+fn distinct<K: PartialEq>(records: &[Record], key: impl Fn(&Record) -> K) -> Vec<K> {
+    let mut known = Vec::new();
+    for key in records.iter().map(key) {
+        if !known.contains(&key) {
+            known.push(key);
+        }
+    }
+    known
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::plan;
+    use super::*;
+    use runtime::report::Outcome;
+
+    const FILE: &str = "schema_version = 1\nname = \"x\"\nscenarios = [\"cacc-a\", \"cut-in\"]\n";
+
+    fn campaign(require: &str) -> Campaign {
+        toml::from_str(&format!("{FILE}seeds = 2\n[require]\n{require}\n")).expect("a campaign")
+    }
+
+    fn record(planned: &Planned, outcome: Outcome, gap_m: f64, recovery_us: &[f64]) -> Record {
+        let value = serde_json::json!({
+            "run": planned.run, "scenario": planned.scenario, "controller": "acc-mpc",
+            "fault": planned.fault, "seed": planned.seed, "outcome": outcome,
+            "aborted_because": null, "avoidable": false, "duration_s": 1.0, "min_gap_m": gap_m,
+            "min_ttc_s": null, "kills": recovery_us.len(), "detection_us": recovery_us,
+            "recovery_us": recovery_us, "unrecovered": 0, "rungs_s": {"plant full": 1.0},
+            "degraded": [], "command_overdue_ms": 20.0,
+            "messages_lost": 1, "disturbed": 0, "corrupted": 0, "undetected": 0, "leaks": [], "growth": null,
+        });
+        serde_json::from_value(value).expect("a record")
+    }
+
+    fn verdict(require: &str, outcomes: [Outcome; 4]) -> Verdict {
+        let campaign = campaign(require);
+        let plan = plan::plan(&campaign).expect("a plan");
+        let records = plan.iter().zip(outcomes).enumerate();
+        let records = records.map(|(number, (planned, outcome))| {
+            record(planned, outcome, 10.0 - number as f64, &[1e3 * (number + 1) as f64])
+        });
+        // The order in which runs end does not matter.
+        let records: Vec<_> = records.rev().collect();
+        Verdict::new(&campaign, &plan.iter().collect::<Vec<_>>(), records)
+    }
+
+    const WHOLE: [Outcome; 4] = [Outcome::Completed; 4];
+
+    #[test]
+    fn what_holds_holds() {
+        let require = "max_collisions = 0\nmin_gap_m = 7\nmax_recovery_p50_ms = 2.1\nmin_kills = 4";
+        let verdict = verdict(require, WHOLE);
+        assert!(verdict.ok && verdict.failures.is_empty(), "{verdict:?}");
+        assert_eq!((verdict.all.runs, verdict.all.kills, verdict.all.messages_lost), (4, 4, 4));
+        assert_eq!(verdict.all.min_gap_m, Some(7.0));
+        assert_eq!(verdict.combinations.len(), 2);
+        assert_eq!(verdict.all.rungs_s["plant full"], 4.0);
+        let json = serde_json::to_value(&verdict).expect("plain data");
+        for key in ["ok", "runs", "kills", "collisions", "red_lights", "leaks", "detection_us"] {
+            assert!(json.get(key).is_some(), "{key} is promised");
+        }
+    }
+
+    #[test]
+    fn the_run_to_blame_comes_with_its_command() {
+        let [whole, ..] = WHOLE;
+        let verdict = verdict("max_red_lights = 0", [whole, whole, Outcome::RedLight, whole]);
+        assert!(!verdict.ok);
+        let [failure] = verdict.failures.as_slice() else { panic!("{:?}", verdict.failures) };
+        assert_eq!((failure.run, failure.why.as_str()), (2, "red_lights 1"));
+        assert_eq!(failure.repeat, "timegap run cacc-a --mode lockstep --seed 2");
+    }
+
+    #[test]
+    fn a_measure_blames_the_runs_beyond_its_limit() {
+        let verdict = verdict("min_gap_m = 8.5\nmax_recovery_max_ms = 3.5", WHOLE);
+        let blamed: Vec<_> = verdict.failures.iter().map(|failure| failure.run).collect();
+        assert_eq!(blamed, [2, 3]);
+        assert!(verdict.failures[1].why.contains("recovery_max_ms 4"), "{:?}", verdict.failures);
+    }
+
+    #[test]
+    fn too_few_blame_nobody_and_what_was_not_measured_does_not_hold() {
+        let few = verdict("min_kills = 1000", WHOLE);
+        assert!(!few.ok && few.failures.is_empty());
+        let nothing = verdict("min_ttc_s = 1", WHOLE);
+        assert!(!nothing.ok && nothing.requirements[0].found.is_none());
+    }
+
+    #[test]
+    fn missing_runs_make_no_whole_campaign() {
+        let campaign = campaign("max_collisions = 0");
+        let plan = plan::plan(&campaign).expect("a plan");
+        let records = vec![record(&plan[0], Outcome::Completed, 1.0, &[])];
+        let verdict = Verdict::new(&campaign, &plan.iter().collect::<Vec<_>>(), records);
+        assert!(!verdict.ok && verdict.failures.is_empty());
+        assert_eq!((verdict.all.runs, verdict.planned), (1, 4));
+    }
+}

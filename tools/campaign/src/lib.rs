@@ -1,0 +1,7 @@
+//! Many runs: what they have in common ([`batch`]) and the commands that do them.
+
+mod batch;
+pub mod campaign;
+pub mod compare;
+pub mod reproduce;
+pub mod sweep;

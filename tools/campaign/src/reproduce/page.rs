@@ -1,0 +1,99 @@
+//! The page of a reproduction: the papers' figures beside ours, and what was driven for them.
+
+use super::row::{Row, Verdict};
+use super::{Gallery, Paper, Reproduction};
+use report::chart::{escape, number};
+use report::html::{Cell, Column, document, figure, section, table};
+use report::run_pictures;
+
+/// The page.
+pub fn page(reproduction: &Reproduction) -> String {
+    let rows = || reproduction.papers.iter().flat_map(|paper| &paper.rows);
+    let (within, checked) = count(rows());
+    let verdict = format!("{within} of {checked} published figures within their tolerance");
+    let papers: String = reproduction.papers.iter().map(paper).collect();
+    document(
+        "Reproduction of the papers",
+        "every run in lockstep",
+        reproduction.ok,
+        &verdict,
+        &papers,
+    )
+}
+
+/// Figures within their tolerance, and figures that have one.
+fn count<'a>(rows: impl Iterator<Item = &'a Row>) -> (usize, usize) {
+    rows.fold((0, 0), |(within, checked), row| match row.verdict() {
+        Verdict::Within => (within + 1, checked + 1),
+        Verdict::Outside => (within, checked + 1),
+        Verdict::Shown => (within, checked),
+    })
+}
+
+fn paper(paper: &Paper) -> String {
+    let (within, checked) = count(paper.rows.iter());
+    let heading = format!("{}: {within} of {checked} within", paper.paper);
+    let several = paper.rows.iter().any(|row| row.weights.is_some());
+    let mut head = vec![
+        ("figure", Column::Text),
+        ("paper", Column::Number),
+        ("ours", Column::Number),
+        ("unit", Column::Text),
+        ("tolerance", Column::MoreNumber),
+        ("", Column::Text),
+        ("", Column::MoreText),
+    ];
+    if several {
+        head.insert(1, ("weights", Column::MoreText));
+    }
+    let rows: Vec<_> = paper.rows.iter().map(|row| cells(row, several)).collect();
+    section(&heading, &(table(&head, &rows) + &pictures(paper) + &drives(paper)))
+}
+
+fn cells(row: &Row, several: bool) -> Vec<Cell> {
+    let value = |value: Option<f64>| value.map_or_else(|| "–".into(), |value| number(value, 2));
+    let verdict = match row.verdict() {
+        Verdict::Within => Cell::Good("within".into()),
+        Verdict::Outside => Cell::Bad("OUTSIDE".into()),
+        Verdict::Shown => Cell::Plain(String::new()),
+    };
+    let tolerance = row.tolerance.map_or_else(String::new, |t| format!("± {t:.2}"));
+    let mut cells = vec![
+        Cell::Plain(row.id.clone()),
+        Cell::Plain(value(row.paper)),
+        Cell::Plain(value(row.ours)),
+        Cell::Plain(row.unit.into()),
+        Cell::Plain(tolerance),
+        verdict,
+        Cell::Plain(row.note.unwrap_or_default().into()),
+    ];
+    if several {
+        cells.insert(1, Cell::Plain(row.weights.clone().unwrap_or_default()));
+    }
+    cells
+}
+
+/// The paper's own pictures.
+fn pictures(paper: &Paper) -> String {
+    let gallery = |gallery: &Gallery| {
+        let plots: String = gallery.plots.iter().map(|plot| figure(plot)).collect();
+        format!("<h3>{}</h3>\n{plots}", escape(&gallery.heading))
+    };
+    paper.pictures.iter().map(gallery).collect()
+}
+
+/// The drives, folded where there are many.
+fn drives(paper: &Paper) -> String {
+    let open = if paper.drives.len() <= 3 { " open" } else { "" };
+    paper
+        .drives
+        .iter()
+        .map(|(what, run)| {
+            format!(
+                "<details class=\"drive\"{open}><summary>{}</summary>\n{}</details>\n",
+                escape(what),
+                run_pictures(run)
+            )
+        })
+        .collect()
+}

@@ -1,0 +1,109 @@
+//! Predictive adaptive cruise of a heavy truck (Li, Zheng, Wang, Wang): what it saves on sixty
+//! kilometres of hills, and how it follows.
+//!
+//! Savings count against a baseline that each row names, at equal trip time: the mean speed of the one
+//! that is compared is moved until both need the same time within 0.1 %. Fuel is taken where the road
+//! ends and corrected for the kinetic energy there. Rows marked `driven` come from the process group in
+//! lockstep, rows marked `computed` from the same truck and road without processes.
+
+use super::Runner;
+use super::row::Row;
+use controller::predictive::Prices;
+use group::DriveStep;
+use group::Error;
+use truck_model::{FUEL_DENSITY_GPL, Preset, Truck};
+
+mod computed;
+mod following;
+mod pictures;
+mod savings;
+
+/// Scenarios driven, at most.
+pub const RUNS: usize =
+    2 * (1 + 2 * savings::MAX_ATTEMPTS) + savings::ROBUSTNESS_RUNS + following::RUNS;
+
+/// Length of the trip, m.
+const ROAD_M: f64 = 60e3;
+/// Set speed of the trip, m/s.
+const SET_SPEED_MPS: f64 = 75.0 / 3.6;
+
+pub fn reproduce(runner: &mut Runner<'_>) -> Result<Vec<Row>, Error> {
+    let mut rows = Vec::new();
+    savings::reproduce(runner, &mut rows)?;
+    following::reproduce(runner, &mut rows)?;
+    // Its own pictures show them, over distance.
+    runner.drives.clear();
+    Ok(rows)
+}
+
+/// What came of a trip to the road's end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Trip {
+    time_s: f64,
+    /// Fuel at equal kinetic energy at both ends, L/100 km.
+    corrected_l_per_100km: f64,
+    /// Part of it that the correction made, L/100 km.
+    correction_l_per_100km: f64,
+}
+
+impl Trip {
+    /// The trip that was driven; `None` when it did not reach the road's end.
+    fn of(preset: Preset, steps: &[DriveStep]) -> Option<Self> {
+        let truck = Truck::preset(preset);
+        let first = steps.first()?;
+        let after = steps.partition_point(|step| step.position_m < ROAD_M);
+        let (a, b) = (steps.get(after.checked_sub(1)?)?, steps.get(after)?);
+        let share = (ROAD_M - a.position_m) / (b.position_m - a.position_m);
+        let between = |from: f64, to: f64| from + share * (to - from);
+        let fuel_g = between(a.powertrain?.fuel_g, b.powertrain?.fuel_g);
+        let end_mps = between(a.speed_mps, b.speed_mps);
+        let gained_j = truck.kinetic_energy_j(end_mps) - truck.kinetic_energy_j(first.speed_mps);
+        let price_gpj = Prices::new(&truck, SET_SPEED_MPS).energy_gpj;
+        let litres = |grams: f64| 1e5 * grams / FUEL_DENSITY_GPL / ROAD_M;
+        Some(Self {
+            time_s: between(a.time_s, b.time_s),
+            corrected_l_per_100km: litres(fuel_g - price_gpj * gained_j),
+            correction_l_per_100km: -litres(price_gpj * gained_j),
+        })
+    }
+
+    /// Fuel against a baseline, percent.
+    fn against(&self, baseline: &Self) -> f64 {
+        100.0 * (self.corrected_l_per_100km / baseline.corrected_l_per_100km - 1.0)
+    }
+
+    /// Trip time against a baseline, percent.
+    fn slower_than(&self, baseline: &Self) -> f64 {
+        100.0 * (self.time_s / baseline.time_s - 1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use group::PowertrainStep;
+
+    #[test]
+    fn a_trip_ends_where_the_road_does_and_speed_gained_is_fuel_to_be_given_back() {
+        let step = |time_s, position_m, speed_mps, fuel_g| DriveStep {
+            time_s,
+            position_m,
+            speed_mps,
+            powertrain: Some(PowertrainStep { fuel_g, ..PowertrainStep::default() }),
+            ..DriveStep::default()
+        };
+        let preset = Preset::Jh6At25T;
+        let end = |speed_mps| {
+            let before = step(2999.0, 59_990.0, speed_mps, 9000.0);
+            let after = step(3000.0, 60_010.0, speed_mps, 9010.0);
+            [step(0.0, 0.0, 20.0, 0.0), before, after]
+        };
+        let even = Trip::of(preset, &end(20.0)).expect("it got there");
+        assert_eq!(even.time_s, 2999.5);
+        assert_eq!(even.correction_l_per_100km, 0.0);
+        assert!((even.corrected_l_per_100km - 9005.0 / FUEL_DENSITY_GPL / 0.6).abs() < 1e-9);
+        let faster = Trip::of(preset, &end(21.0)).expect("it got there");
+        assert!(faster.against(&even) < 0.0);
+        assert_eq!(Trip::of(preset, &end(20.0)[..2]), None, "it did not get there");
+    }
+}

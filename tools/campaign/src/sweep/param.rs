@@ -1,0 +1,161 @@
+//! What is swept: keys of a scenario, each with its values, and their grid.
+
+use group::Error;
+
+/// Most values of one key.
+const MAX_VALUES: usize = 10_000;
+
+/// A key and the values that it takes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Param {
+    /// Dotted path of the key.
+    pub key: String,
+    /// The values as they would follow `--set KEY=`.
+    pub values: Vec<String>,
+}
+
+impl Param {
+    /// Reads `KEY=A..B/STEP` or `KEY=a,b,c`, the argument of `--param`.
+    pub fn parse(argument: &str) -> Result<Self, Error> {
+        let refuse = |what: String| {
+            Error::Usage(format!("--param {argument}: {what}, expected KEY=A..B/STEP or KEY=a,b,c"))
+        };
+        let (key, list) = argument.split_once('=').ok_or_else(|| refuse("no `=`".into()))?;
+        let values = values(list, None).map_err(refuse)?;
+        Ok(Self { key: key.trim().into(), values })
+    }
+}
+
+/// The values of `A..B/STEP`, both ends included, or of `a,b,c`. Where a range has no step,
+/// `usual_step` is taken, if there is one.
+pub fn values(list: &str, usual_step: Option<&str>) -> Result<Vec<String>, String> {
+    // A path may have two dots as well; a range begins with a number.
+    if let Some((from, rest)) = list.split_once("..")
+        && from.trim().parse::<f64>().is_ok()
+    {
+        let (to, step) = match (rest.split_once('/'), usual_step) {
+            (Some(parts), _) => parts,
+            (None, Some(step)) => (rest, step),
+            (None, None) => return Err("the range has no step".into()),
+        };
+        return range(from.trim(), to.trim(), step.trim());
+    }
+    let values: Vec<String> = list.split(',').map(|value| value.trim().to_owned()).collect();
+    if values.iter().any(String::is_empty) {
+        return Err("a value is missing".into());
+    }
+    if let Some(twice) = values.iter().enumerate().find(|(i, v)| values[..*i].contains(v)) {
+        return Err(format!("{} is there twice", twice.1));
+    }
+    Ok(values)
+}
+
+fn range(from: &str, to: &str, step: &str) -> Result<Vec<String>, String> {
+    let number = |text: &str| match text.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err(format!("`{text}` is not a number")),
+    };
+    let [first, last, width] = [number(from)?, number(to)?, number(step)?];
+    if width <= 0.0 {
+        return Err(format!("the step {step} is not above 0"));
+    }
+    if first > last {
+        return Err(format!("the range begins at {from}, after its end {to}"));
+    }
+    // The last value may miss the end by rounding alone.
+    let count = ((last - first) / width + 1e-9).floor() + 1.0;
+    if count > MAX_VALUES as f64 {
+        return Err(format!("{count:.0} values, more than {MAX_VALUES}"));
+    }
+    let decimals = decimals(from).zip(decimals(step)).map(|(from, step)| from.max(step));
+    Ok((0..count as usize)
+        .map(|index| {
+            let value = first + index as f64 * width;
+            // As many digits as were typed: 0.1 + 2 * 0.1 is 0.3.
+            decimals.map_or_else(|| value.to_string(), |digits| format!("{value:.digits$}"))
+        })
+        .collect())
+}
+
+/// Digits behind the point of a number in plain notation.
+fn decimals(number: &str) -> Option<usize> {
+    let plain = number.chars().all(|c| c.is_ascii_digit() || matches!(c, '.' | '-' | '+'));
+    plain.then(|| number.split_once('.').map_or(0, |(_, digits)| digits.len()))
+}
+
+/// All combinations of the values, the last key's varying fastest, as arguments of `--set`.
+pub fn grid(params: &[Param]) -> Vec<Vec<String>> {
+    params.iter().fold(vec![Vec::new()], |points, param| {
+        points
+            .iter()
+            .flat_map(|point: &Vec<String>| {
+                param.values.iter().map(move |value| {
+                    let mut point = point.clone();
+                    point.push(format!("{}={value}", param.key));
+                    point
+                })
+            })
+            .collect()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(argument: &str) -> Vec<String> {
+        Param::parse(argument).expect("a good argument").values
+    }
+
+    fn refusal(argument: &str) -> String {
+        Param::parse(argument).expect_err("a bad argument").to_string()
+    }
+
+    #[test]
+    fn a_range_has_both_ends_and_as_many_digits_as_were_typed() {
+        assert_eq!(of("a=0..60/20"), ["0", "20", "40", "60"]);
+        assert_eq!(of("a=0..0.3/0.1"), ["0.0", "0.1", "0.2", "0.3"]);
+        assert_eq!(of("a=-1..1/0.75"), ["-1.00", "-0.25", "0.50"]);
+        assert_eq!(of("a=5..5/1"), ["5"]);
+        assert_eq!(of("a=1e3..2e3/5e2"), ["1000", "1500", "2000"]);
+    }
+
+    #[test]
+    fn a_list_is_taken_as_it_is() {
+        assert_eq!(of("controller.name=acc-mpc, six-mode"), ["acc-mpc", "six-mode"]);
+        assert_eq!(of("x=../a.json,../b.json"), ["../a.json", "../b.json"]);
+    }
+
+    #[test]
+    fn a_bad_argument_is_refused_with_what_was_expected() {
+        for (argument, what) in [
+            ("a", "no `=`"),
+            ("a=0..10", "has no step"),
+            ("a=0..10/0", "not above 0"),
+            ("a=0..10/-1", "not above 0"),
+            ("a=10..0/1", "after its end"),
+            ("a=0..x/1", "`x` is not a number"),
+            ("a=0..inf/1", "`inf` is not a number"),
+            ("a=0..1/nan", "`nan` is not a number"),
+            ("a=0..1e9/1", "more than 10000"),
+            ("a=1,,2", "a value is missing"),
+            ("a=", "a value is missing"),
+            ("a=1,2,1", "1 is there twice"),
+        ] {
+            let said = refusal(argument);
+            assert!(said.contains(what) && said.contains("expected KEY=A..B/STEP"), "{said}");
+        }
+    }
+
+    #[test]
+    fn a_grid_has_every_combination_once() {
+        let params = [Param::parse("a=1,2").expect("good"), Param::parse("b=x,y").expect("good")];
+        let grid = grid(&params);
+        assert_eq!(grid, [["a=1", "b=x"], ["a=1", "b=y"], ["a=2", "b=x"], ["a=2", "b=y"]]);
+    }
+
+    #[test]
+    fn seeds_count_by_one() {
+        assert_eq!(values("1..3", Some("1")), Ok(vec!["1".into(), "2".into(), "3".into()]));
+    }
+}

@@ -1,0 +1,136 @@
+//! `timegap doctor`: what this machine grants, what the rest costs, and the command that mends it.
+//!
+//! `machine` reads, the other modules judge what was read: plain functions from the contents of files
+//! to a [`Finding`].
+
+mod cgroup;
+mod finding;
+mod machine;
+mod processor;
+mod scheduling;
+mod storage;
+
+use clap::Args;
+use finding::{Finding, Verdict};
+use group::Error;
+use report::print;
+use report::summary::Host;
+use runtime::scheduling::usable_cores;
+use runtime::{Timetable, shared_memory_bytes};
+use scenario::{Scenario, builtin};
+use serde::Serialize;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Memory of a run's processes beside its shared memory, bytes: five of up to 12 MiB.
+const PROCESSES_BYTES: u64 = 64 << 20;
+
+/// Arguments of `doctor`.
+#[derive(Debug, Args)]
+pub struct DoctorArguments {
+    /// Print the findings as JSON, and nothing else, on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct Report {
+    schema_version: u32,
+    /// Everything is as good as it gets.
+    ok: bool,
+    /// Runs can start.
+    can_run: bool,
+    host: Host,
+    findings: Vec<Finding>,
+}
+
+/// Runs the command.
+pub fn run(arguments: &DoctorArguments) -> Result<ExitCode, Error> {
+    let host = Host::this();
+    let findings = examine(&host);
+    let can_run = findings.iter().all(|finding| !finding.prevents_runs);
+    let ok = findings.iter().all(|finding| finding.verdict == Verdict::Ok);
+    let report = Report { schema_version: 1, ok, can_run, host, findings };
+    if arguments.json {
+        print::out(&(serde_json::to_string_pretty(&report).expect("plain data") + "\n"));
+    } else {
+        print::out(&(finding::table(&report.findings) + &conclusion(&report) + "\n"));
+    }
+    Ok(if can_run { ExitCode::SUCCESS } else { ExitCode::from(3) })
+}
+
+fn examine(host: &Host) -> Vec<Finding> {
+    let default = builtin::ALL.first().expect("there are built-in scenarios");
+    let scenario = Scenario::parse(default.name, default.text).expect("built-in ones are right");
+    let needed = shared_memory_bytes(&Timetable::of(&scenario));
+    let granted = machine::granted();
+    let limits = machine::limits();
+    let cores = usable_cores();
+    let root = rustix::process::geteuid().is_root();
+    let sys = |name: &str| machine::read(format!("/sys/devices/system/{name}"));
+    let proc = |name: &str| machine::read(format!("/proc/{name}"));
+    let online = sys("cpu/online").unwrap_or_default();
+    let [before, after] = machine::stat();
+    let memory = storage::available_memory(&proc("meminfo").unwrap_or_default());
+    let tmpdir = std::env::var_os("TMPDIR").map(PathBuf::from);
+    let base = machine::base();
+    let clock = |name: &str| sys(&format!("clocksource/clocksource0/{name}_clocksource"));
+    vec![
+        storage::shared_memory(machine::shared_memory(), needed, memory),
+        storage::temporary(
+            base.as_deref().map_err(|e| Error::Machine(e.to_string())),
+            tmpdir.as_deref(),
+        ),
+        processor::affinity(&cores, &online),
+        scheduling::policy(&granted, root),
+        scheduling::throttling(
+            proc("sys/kernel/sched_rt_runtime_us").as_deref(),
+            proc("sys/kernel/sched_rt_period_us").as_deref(),
+        ),
+        cgroup::real_time_time(&limits),
+        cgroup::processor_time(&limits, cores.len()),
+        scheduling::locked_memory(&granted, &proc("self/limits").unwrap_or_default()),
+        cgroup::memory(&limits, needed + PROCESSES_BYTES),
+        scheduling::timer_slack(&granted),
+        processor::kernel(&host.kernel, host.realtime_kernel),
+        processor::isolation(&cores, sys("cpu/isolated").as_deref()),
+        processor::governor(&machine::governors(&cores)),
+        processor::idle_states(&machine::idle_states(cores.last().copied().unwrap_or(0))),
+        processor::clock_source(clock("current").as_deref(), clock("available").as_deref()),
+        processor::steal(&before, &after),
+    ]
+}
+
+/// The findings in one line.
+fn conclusion(report: &Report) -> String {
+    let count = |verdict| report.findings.iter().filter(|f| f.verdict == verdict).count();
+    let [ok, warn, bad] = [Verdict::Ok, Verdict::Warn, Verdict::Bad].map(count);
+    let runs = if !report.can_run {
+        "nothing can run here"
+    } else if bad > 0 {
+        "runs work, but realtime figures are not to be trusted"
+    } else {
+        "runs work; `timegap bench` measures what they cost"
+    };
+    format!("{ok} ok, {warn} to be mended, {bad} bad: {runs}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_conclusion_names_the_worst() {
+        let host = Host { cpus: 2, kernel: "6".into(), realtime_kernel: false };
+        let bad = Finding::bad("x", "refused", "much", None);
+        let fatal = Finding::fatal("y", &Error::Machine("gone".into()), "put it back");
+        let mut report =
+            Report { schema_version: 1, ok: false, can_run: true, host, findings: vec![bad] };
+        assert!(conclusion(&report).contains("not to be trusted"));
+        report.findings.push(fatal);
+        report.can_run = false;
+        assert!(conclusion(&report).contains("nothing can run"));
+        let table = finding::table(&report.findings);
+        assert!(table.contains("BAD") && table.contains("fix:   put it back"), "{table}");
+    }
+}

@@ -1,0 +1,86 @@
+//! Reads what the checks judge. No judgement here.
+
+use super::cgroup::{self, Limit, Limits};
+use super::processor::IdleState;
+use super::storage::Room;
+use group;
+use group::Error;
+use runtime::scheduling::{self, Granted, Policy, Request};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Time between the two looks at the stolen time.
+const LOOK: Duration = Duration::from_millis(500);
+
+/// A file's contents, if there is one that can be read.
+pub fn read(path: impl AsRef<Path>) -> Option<String> {
+    std::fs::read_to_string(path).ok()
+}
+
+/// What a thread gets that asks for what a service asks for, on no core of its own.
+pub fn granted() -> Granted {
+    let policy = Policy::Fifo(80);
+    let request = Request { policy, core: None, lock_memory: true };
+    let probe = std::thread::spawn(move || scheduling::apply(&request));
+    probe.join().expect("applying a request does not panic")
+}
+
+/// Limits of all control groups of this process.
+pub fn limits() -> Limits {
+    let cgroup = read("/proc/self/cgroup").unwrap_or_default();
+    let mounts = read("/proc/mounts").unwrap_or_default();
+    let find = |controller: &str, file: &str| -> Vec<Limit> {
+        let directories = cgroup::directories(&cgroup, &mounts, controller);
+        let files = directories.into_iter().map(|directory| format!("{directory}/{file}"));
+        files.filter_map(|path| read(&path).map(|text| Limit { path, text })).collect()
+    };
+    let memory = [find("", "memory.max"), find("memory", "memory.limit_in_bytes")].concat();
+    Limits {
+        cpu_max: find("", "cpu.max"),
+        cpu_quota_us: find("cpu", "cpu.cfs_quota_us"),
+        rt_runtime_us: find("cpu", "cpu.rt_runtime_us"),
+        memory,
+    }
+}
+
+/// Frequency governors of these cores.
+pub fn governors(cores: &[usize]) -> Vec<(usize, String)> {
+    let governor = |&core: &usize| {
+        let path = format!("/sys/devices/system/cpu/cpu{core}/cpufreq/scaling_governor");
+        read(path).map(|governor| (core, governor))
+    };
+    cores.iter().filter_map(governor).collect()
+}
+
+/// Idle states of a core.
+pub fn idle_states(core: usize) -> Vec<IdleState> {
+    let base = format!("/sys/devices/system/cpu/cpu{core}/cpuidle");
+    let state = |number: usize| {
+        let file = |name: &str| read(format!("{base}/state{number}/{name}"));
+        Some(IdleState {
+            number,
+            name: file("name")?.trim().into(),
+            latency_us: file("latency")?.trim().parse().ok()?,
+            disabled: file("disable")?.trim() == "1",
+        })
+    };
+    (0..).map_while(state).collect()
+}
+
+/// `/proc/stat` twice, a while apart.
+pub fn stat() -> [String; 2] {
+    let look = || read("/proc/stat").unwrap_or_default();
+    let before = look();
+    std::thread::sleep(LOOK);
+    [before, look()]
+}
+
+/// Room for shared memory.
+pub fn shared_memory() -> Result<Room, Error> {
+    group::shared_memory_room().map(|(size, free)| Room { size, free })
+}
+
+/// Directory for the sockets of all runs, made if need be.
+pub fn base() -> Result<PathBuf, Error> {
+    group::base()
+}

@@ -1,0 +1,155 @@
+//! What the kernel grants a loop: policy, throttling, locked memory, timer slack.
+
+use super::finding::Finding;
+use runtime::scheduling::Granted;
+
+/// Gives the program what it needs without making its user root.
+const CAPABILITIES: &str =
+    "sudo setcap cap_sys_nice,cap_ipc_lock=ep \"$(readlink -f \"$(command -v timegap)\")\"";
+
+/// The reason why something that a thread asked for was refused.
+fn refusal<'a>(granted: &'a Granted, what: &str) -> Option<&'a str> {
+    let line = granted.refused.iter().find(|line| line.starts_with(what))?;
+    Some(line.split_once(": ").map_or(line, |(_, reason)| reason))
+}
+
+/// Whether a thread that asked for `SCHED_FIFO` has it.
+pub fn policy(granted: &Granted, root: bool) -> Finding {
+    const CHECK: &str = "real-time priority";
+    if granted.granted == granted.requested {
+        return Finding::ok(CHECK, format!("{} is granted", granted.granted));
+    }
+    let reason = refusal(granted, &granted.requested).unwrap_or("no reason given");
+    Finding::bad(
+        CHECK,
+        format!("{} is refused ({reason}); the policy is {}", granted.requested, granted.granted),
+        "every other program can hold a control cycle up for as long as the scheduler likes",
+        Some(if root {
+            // Root is refused by a cgroup without real-time time, or a container without the right.
+            "run it outside the container, or start that with --cap-add=sys_nice \
+             --ulimit rtprio=99"
+                .into()
+        } else {
+            CAPABILITIES.into()
+        }),
+    )
+}
+
+/// Real-time throttling: `sched_rt_runtime_us` of each `sched_rt_period_us`.
+pub fn throttling(runtime_us: Option<&str>, period_us: Option<&str>) -> Finding {
+    const CHECK: &str = "real-time throttling";
+    let number = |text: Option<&str>| text.and_then(|text| text.trim().parse::<i64>().ok());
+    let (Some(runtime), Some(period)) = (number(runtime_us), number(period_us)) else {
+        return Finding::ok(CHECK, "this kernel has none");
+    };
+    let fix = || Some("sudo sysctl kernel.sched_rt_runtime_us=950000".to_owned());
+    match runtime {
+        0 => Finding::bad(CHECK, "no time is left to it", "SCHED_FIFO cannot be granted", fix()),
+        _ if runtime < 0 || runtime >= period => Finding::ok(CHECK, "off"),
+        _ if 2 * runtime < period => Finding::warn(
+            CHECK,
+            format!("{runtime} µs of each {period} µs are left to it"),
+            format!("a busy core stops its loops for {} µs in each period", period - runtime),
+            fix(),
+        ),
+        _ => Finding::ok(
+            CHECK,
+            format!("{runtime} µs of each {period} µs are left to it; loops that sleep need less"),
+        ),
+    }
+}
+
+/// Whether memory stays where it is.
+pub fn locked_memory(granted: &Granted, limits: &str) -> Finding {
+    const CHECK: &str = "locked memory";
+    if granted.memory_locked {
+        return Finding::ok(CHECK, "granted");
+    }
+    let reason = refusal(granted, CHECK).unwrap_or("no reason given");
+    let limit = limit(limits, "Max locked memory").unwrap_or("unknown");
+    Finding::bad(
+        CHECK,
+        format!("refused ({reason}); the limit is {limit} bytes"),
+        "under memory pressure a control cycle waits for the disk",
+        Some(CAPABILITIES.into()),
+    )
+}
+
+/// Whether a sleep may be exact without real-time priority.
+pub fn timer_slack(granted: &Granted) -> Finding {
+    const CHECK: &str = "timer slack";
+    match refusal(granted, CHECK) {
+        None => Finding::ok(CHECK, "1 ns is granted"),
+        Some(reason) => Finding::warn(
+            CHECK,
+            format!("1 ns is refused ({reason})"),
+            "without real-time priority every sleep ends late by up to the slack, 50 µs as a rule",
+            None,
+        ),
+    }
+}
+
+/// The soft limit of this name in `/proc/self/limits`.
+fn limit<'a>(limits: &'a str, name: &str) -> Option<&'a str> {
+    let line = limits.lines().find_map(|line| line.strip_prefix(name))?;
+    line.split_whitespace().next()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::finding::Verdict;
+    use super::*;
+
+    const LIMITS: &str = "Limit                     Soft Limit           Hard Limit           Units
+Max stack size            8388608              unlimited            bytes
+Max locked memory         65536                65536                bytes
+Max realtime priority     0                    0
+";
+
+    fn granted(policy: &str, refused: &[&str]) -> Granted {
+        Granted {
+            requested: "fifo:80".into(),
+            granted: policy.into(),
+            core: None,
+            memory_locked: !refused.iter().any(|line| line.starts_with("locked memory")),
+            refused: refused.iter().map(ToString::to_string).collect(),
+        }
+    }
+
+    #[test]
+    fn all_granted() {
+        let all = granted("fifo:80", &[]);
+        let findings = [policy(&all, false), locked_memory(&all, LIMITS), timer_slack(&all)];
+        assert!(findings.iter().all(|f| f.verdict == Verdict::Ok && f.fix.is_none()));
+    }
+
+    #[test]
+    fn an_ordinary_user_is_told_which_capabilities_help() {
+        let refused = ["locked memory: Cannot allocate memory", "fifo:80: Operation not permitted"];
+        let none = granted("other", &refused);
+        let found = policy(&none, false);
+        assert_eq!(found.verdict, Verdict::Bad);
+        assert!(found.found.contains("Operation not permitted"), "{found:?}");
+        assert!(found.fix.is_some_and(|fix| fix.contains("setcap cap_sys_nice")));
+        let found = locked_memory(&none, LIMITS);
+        assert!(found.found.contains("Cannot allocate") && found.found.contains("65536 bytes"));
+    }
+
+    #[test]
+    fn a_refused_root_is_in_a_container() {
+        let found = policy(&granted("other", &["fifo:80: Operation not permitted"]), true);
+        assert!(found.fix.is_some_and(|fix| fix.contains("sys_nice") && !fix.contains("setcap")));
+    }
+
+    #[test]
+    fn throttling_by_its_two_numbers() {
+        let verdict = |runtime, period| throttling(Some(runtime), Some(period)).verdict;
+        assert_eq!(verdict("950000\n", "1000000\n"), Verdict::Ok);
+        assert_eq!(verdict("-1", "1000000"), Verdict::Ok);
+        assert_eq!(verdict("100000", "1000000"), Verdict::Warn);
+        assert_eq!(verdict("0", "1000000"), Verdict::Bad);
+        assert_eq!(throttling(None, None).verdict, Verdict::Ok);
+        let found = throttling(Some("100000"), Some("1000000"));
+        assert!(found.costs.is_some_and(|costs| costs.contains("900000 µs")));
+    }
+}

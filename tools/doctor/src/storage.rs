@@ -1,0 +1,109 @@
+//! Where a run keeps its shared memory and its sockets.
+
+use super::finding::Finding;
+use group::Error;
+use std::path::Path;
+
+/// Room in the file system of the shared memory, bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Room {
+    /// In all.
+    pub size: u64,
+    /// Free.
+    pub free: u64,
+}
+
+/// Room for a run that needs `needed` bytes, in a machine with `memory` bytes of memory available.
+pub fn shared_memory(room: Result<Room, Error>, needed: u64, memory: Option<u64>) -> Finding {
+    const CHECK: &str = "shared memory";
+    let room = match room {
+        Ok(room) => room,
+        Err(error) => {
+            let fix = "sudo mkdir -p /dev/shm && sudo mount -t tmpfs -o size=64m tmpfs /dev/shm";
+            return Finding::fatal(CHECK, &error, fix);
+        }
+    };
+    let [size, free, needed_kib] = [room.size, room.free, needed].map(|bytes| bytes.div_ceil(1024));
+    let runs = room.free / needed.max(1);
+    let found = format!("{free} of {size} KiB are free, room for {runs} runs at once");
+    if runs == 0 {
+        let enlarged = (room.size - room.free + 4 * needed).div_ceil(1 << 20);
+        let found = format!("{free} of {size} KiB are free and a run may use {needed_kib} KiB");
+        let fix = format!("sudo mount -o remount,size={enlarged}m /dev/shm");
+        return Finding::fatal(CHECK, &Error::Machine(found), &fix);
+    }
+    match memory {
+        Some(memory) if memory < needed => Finding::warn(
+            CHECK,
+            found,
+            format!("only {} KiB of memory are behind it", memory.div_ceil(1024)),
+            None,
+        ),
+        _ => Finding::ok(CHECK, found),
+    }
+}
+
+/// The directory for the sockets: the one in use, and the one that TMPDIR asks for.
+pub fn temporary(base: Result<&Path, Error>, tmpdir: Option<&Path>) -> Finding {
+    const CHECK: &str = "temporary directory";
+    match base {
+        Err(error) => Finding::fatal(CHECK, &error, "export TMPDIR=/tmp && sudo chmod 1777 /tmp"),
+        Ok(base) => match tmpdir {
+            Some(asked) if !base.starts_with(asked) => Finding::warn(
+                CHECK,
+                format!("{}, not below TMPDIR = {}", base.display(), asked.display()),
+                "the names of sockets below it would be too long (108 bytes): /tmp is used instead",
+                Some("export TMPDIR=/tmp".into()),
+            ),
+            _ => Finding::ok(CHECK, base.display().to_string()),
+        },
+    }
+}
+
+/// Memory that is available, bytes, from `/proc/meminfo`.
+pub fn available_memory(meminfo: &str) -> Option<u64> {
+    let line = meminfo.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    let kib: u64 = line.trim().trim_end_matches(" kB").parse().ok()?;
+    Some(kib * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::finding::Verdict;
+    use super::*;
+
+    const MIB: u64 = 1 << 20;
+
+    #[test]
+    fn shared_memory_of_several_machines() {
+        let room = |size, free| Ok(Room { size: size * MIB, free: free * MIB });
+        let desktop = shared_memory(room(8192, 8000), 4 * MIB, Some(16_000 * MIB));
+        assert_eq!(desktop.verdict, Verdict::Ok);
+        assert!(desktop.found.contains("2000 runs"), "{desktop:?}");
+        assert!(!shared_memory(room(64, 60), 4 * MIB, None).prevents_runs, "a container's 64 MiB");
+        let full = shared_memory(room(64, 3), 4 * MIB, None);
+        assert!(full.prevents_runs);
+        assert_eq!(full.fix.as_deref(), Some("sudo mount -o remount,size=77m /dev/shm"));
+        let none = shared_memory(Err(Error::Machine("no /dev/shm".into())), MIB, None);
+        assert!(none.prevents_runs && none.found.contains("no /dev/shm"));
+        assert_eq!(shared_memory(room(64, 60), 4 * MIB, Some(MIB)).verdict, Verdict::Warn);
+    }
+
+    #[test]
+    fn a_long_or_missing_temporary_directory() {
+        let tmp = Path::new("/tmp/timegap-0");
+        assert_eq!(temporary(Ok(tmp), None).verdict, Verdict::Ok);
+        assert_eq!(temporary(Ok(tmp), Some(Path::new("/tmp"))).verdict, Verdict::Ok);
+        let long = Path::new("/var/lib/somebody/with/a/long/name");
+        assert_eq!(temporary(Ok(tmp), Some(long)).verdict, Verdict::Warn);
+        let refused = Error::Machine("cannot create /tmp/timegap-0: read-only".into());
+        assert!(temporary(Err(refused), None).prevents_runs);
+    }
+
+    #[test]
+    fn available_memory_from_its_file() {
+        let text = "MemTotal:       24684084 kB\nMemAvailable:    1024 kB\n";
+        assert_eq!(available_memory(text), Some(MIB));
+        assert_eq!(available_memory(""), None);
+    }
+}

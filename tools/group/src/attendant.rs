@@ -1,0 +1,109 @@
+//! A process of the group that is no service: the recorder, the replayer.
+
+use super::processes::this_program;
+use super::root::RunRoot;
+use crate::Error;
+use runtime::inherit_only;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::ffi::OsStr;
+use std::io::{BufRead, BufReader, Write};
+use std::os::unix::process::CommandExt;
+use std::process::{Child, ChildStdin, ExitStatus, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+/// Such a process, and the JSON lines on its standard streams.
+#[derive(Debug)]
+pub struct Attendant {
+    child: Child,
+    input: Option<ChildStdin>,
+    lines: Receiver<String>,
+}
+
+impl Attendant {
+    /// Starts this program again as `timegap service NAME ROOT ARGUMENTS...` in the process group
+    /// `group`, or in a new one for 0.
+    pub fn spawn(
+        name: &str,
+        arguments: &[&OsStr],
+        root: &RunRoot,
+        group: i32,
+    ) -> Result<Self, Error> {
+        let mut command = this_program(&["service", name])?;
+        command
+            .arg0(format!("timegap-{name}"))
+            .arg(root.path())
+            .args(arguments)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .process_group(group);
+        inherit_only(&mut command, Some(root.lock()));
+        let error = |e| Error::Machine(format!("cannot start the {name}: {e}"));
+        let mut child = command.spawn().map_err(error)?;
+        let input = child.stdin.take();
+        let out = child.stdout.take().expect("piped");
+        let (sender, lines) = channel();
+        std::thread::Builder::new()
+            .name(format!("{name}-out"))
+            .spawn(move || {
+                for line in BufReader::new(out).lines().map_while(Result::ok) {
+                    if sender.send(line).is_err() {
+                        return;
+                    }
+                }
+            })
+            .map_err(error)?;
+        Ok(Self { child, input, lines })
+    }
+
+    /// Tells it something. One that is gone does not hear it.
+    pub fn say(&mut self, message: &impl Serialize) {
+        let line = serde_json::to_string(message).expect("link messages are plain data");
+        if let Some(input) = &mut self.input
+            && writeln!(input, "{line}").is_err()
+        {
+            self.input = None;
+        }
+    }
+
+    /// What it says next, if it does so in time.
+    pub fn hear<T: DeserializeOwned>(&mut self, within: Duration) -> Option<T> {
+        let deadline = Instant::now() + within;
+        loop {
+            let left = deadline.saturating_duration_since(Instant::now());
+            let line = self.lines.recv_timeout(left).ok()?;
+            // A line that is no message is a panic's or a library's, and of no use here.
+            if let Ok(message) = serde_json::from_str(&line) {
+                return Some(message);
+            }
+        }
+    }
+
+    /// True once the process is gone.
+    pub fn is_gone(&mut self) -> bool {
+        self.child.try_wait().is_ok_and(|status| status.is_some())
+    }
+
+    /// Waits until the process is gone; kills it after `grace`.
+    pub fn end(&mut self, grace: Duration) -> Option<ExitStatus> {
+        // The end of its input tells it to go.
+        self.input = None;
+        let begun = Instant::now();
+        while begun.elapsed() < grace {
+            if let Ok(Some(status)) = self.child.try_wait() {
+                return Some(status);
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        // Ours and not yet waited for: the id cannot be another's.
+        let _ = self.child.kill();
+        self.child.wait().ok()
+    }
+}
+
+impl Drop for Attendant {
+    fn drop(&mut self) {
+        self.end(Duration::ZERO);
+    }
+}

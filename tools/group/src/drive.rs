@@ -1,0 +1,271 @@
+//! The drive as the launcher hears it on the topics, sample by sample.
+
+use messages::Service;
+use messages::{
+    Command, Diagnostics, Header, Heartbeat, Odometry, Powertrain, RadarTracks, ServiceState, Spat,
+    VehicleTruth,
+};
+use runtime::report::ReceivedTopic;
+use runtime::{Group, Mode, Observed, Observer, RuntimeError};
+
+/// Everything that was heard.
+#[derive(Clone, Debug, Default)]
+pub struct Drive {
+    /// One entry per odometry message, in order of time.
+    pub steps: Vec<DriveStep>,
+    /// The other vehicles as they really were, in order of time.
+    pub vehicles: Vec<VehicleTruth>,
+    /// What the launcher received, per topic.
+    pub received: Vec<ReceivedTopic>,
+}
+
+/// The drive at one simulation step. What is published more seldom is absent in between.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DriveStep {
+    /// Simulation step.
+    pub step: u64,
+    /// Run time, s.
+    pub time_s: f64,
+    /// Ego position, m.
+    pub position_m: f64,
+    /// Ego speed, m/s.
+    pub speed_mps: f64,
+    /// Ego acceleration, m/s².
+    pub acceleration_mps2: f64,
+    /// Request that the actuators follow, after the gateway's bounds, m/s².
+    pub applied_mps2: f64,
+    /// Request of the command of this step, m/s².
+    pub request_mps2: Option<f64>,
+    /// Gap to the nearest vehicle in lane, m.
+    pub gap_m: Option<f64>,
+    /// Speed of that vehicle, m/s.
+    pub lead_speed_mps: Option<f64>,
+    /// Mode of the law.
+    pub mode: Option<u32>,
+    /// Quality of the command: 0 full, 1 relaxed, 2 backup.
+    pub quality: Option<u32>,
+    /// Figures of the law.
+    pub figures: Option<[f64; messages::FIGURES]>,
+    /// What a truck's engine and gearbox do.
+    pub powertrain: Option<PowertrainStep>,
+}
+
+/// A truck's engine and gearbox at one step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PowertrainStep {
+    /// Gear, counted from 1.
+    pub gear: u32,
+    /// Torque at the crankshaft, N m.
+    pub engine_torque_nm: f64,
+    /// Force of the service brakes, N.
+    pub service_brake_n: f64,
+    /// Fuel burnt since the start, g.
+    pub fuel_g: f64,
+}
+
+/// Listens to a group from before its start.
+#[derive(Debug)]
+pub struct DriveLog {
+    // Ports before the node that owns them.
+    odometry: Observed<Odometry>,
+    powertrain: Observed<Powertrain>,
+    truth: Observed<VehicleTruth>,
+    command: Observed<Command>,
+    diagnostics: Observed<Diagnostics>,
+    heartbeat: Observed<Heartbeat>,
+    /// Heard in realtime alone, for the first messages of restarted services.
+    sensors: Option<(Observed<RadarTracks>, Observed<Spat>)>,
+    observer: Observer,
+    odometries: Vec<Odometry>,
+    powertrains: Vec<(u64, PowertrainStep)>,
+    truths: Vec<VehicleTruth>,
+    requests: Vec<(u64, f64)>,
+    cycles: Vec<Diagnostics>,
+    signs: Vec<Sign>,
+    /// The newest incarnation heard of each service.
+    incarnations: [u32; Service::ALL.len()],
+    first_messages: Vec<(Service, u32, i64)>,
+}
+
+/// A sign of life.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sign {
+    /// Whose.
+    pub service: Service,
+    /// Of which of its processes.
+    pub incarnation: u32,
+    /// Cycles done so far.
+    pub cycles: u64,
+    /// What it says of itself: true if some input is missing or stale.
+    pub degraded: bool,
+}
+
+impl DriveLog {
+    /// Opens all topics.
+    pub fn listen(group: &Group) -> Result<Self, RuntimeError> {
+        let observer = Observer::join(group, "launcher")?;
+        Ok(Self {
+            odometry: observer.listen()?,
+            powertrain: observer.listen()?,
+            truth: observer.listen()?,
+            command: observer.listen()?,
+            diagnostics: observer.listen()?,
+            heartbeat: observer.listen()?,
+            sensors: match group.mode {
+                Mode::Realtime => Some((observer.listen()?, observer.listen()?)),
+                Mode::Lockstep => None,
+            },
+            observer,
+            odometries: Vec::new(),
+            powertrains: Vec::new(),
+            truths: Vec::new(),
+            requests: Vec::new(),
+            cycles: Vec::new(),
+            signs: Vec::new(),
+            incarnations: [0; Service::ALL.len()],
+            first_messages: Vec::new(),
+        })
+    }
+
+    /// Takes what arrived.
+    pub fn drain(&mut self) -> Result<(), RuntimeError> {
+        let (incarnations, first) = (&mut self.incarnations, &mut self.first_messages);
+        let mut note = |service: Service, header: &Header| {
+            let newest = &mut incarnations[service.index()];
+            if header.incarnation > *newest {
+                *newest = header.incarnation;
+                first.push((service, header.incarnation, header.publish_ns));
+            }
+        };
+        self.odometry.drain(|m| {
+            note(Service::Plant, &m.header);
+            self.odometries.push(*m);
+        })?;
+        self.powertrain.drain(|m| {
+            let step = PowertrainStep {
+                gear: m.gear,
+                engine_torque_nm: m.engine_torque_nm,
+                service_brake_n: m.service_brake_n,
+                fuel_g: m.fuel_g,
+            };
+            self.powertrains.push((m.header.step, step));
+        })?;
+        self.truth.drain(|m| self.truths.push(*m))?;
+        self.command.drain(|m| {
+            note(Service::Controller, &m.header);
+            if m.plan_len > 0 {
+                self.requests.push((m.header.step, m.plan_mps2[0]));
+            }
+        })?;
+        self.diagnostics.drain(|m| self.cycles.push(*m))?;
+        if let Some((radar, spat)) = &mut self.sensors {
+            radar.drain(|m| note(Service::PerceptionSim, &m.header))?;
+            spat.drain(|m| note(Service::V2xSim, &m.header))?;
+        }
+        self.heartbeat.drain(|m| {
+            let service = Service::ALL.into_iter().find(|s| s.to_wire() == m.header.source);
+            self.signs.extend(service.map(|service| Sign {
+                service,
+                incarnation: m.header.incarnation,
+                cycles: m.cycles,
+                degraded: m.state == ServiceState::Degraded as u64,
+            }));
+        })
+    }
+
+    /// Signs of life since the last time.
+    pub fn take_signs(&mut self) -> Vec<Sign> {
+        std::mem::take(&mut self.signs)
+    }
+
+    /// First messages of restarted services since the last time: service, incarnation, run time of
+    /// the publication in ns.
+    pub fn take_first_messages(&mut self) -> Vec<(Service, u32, i64)> {
+        std::mem::take(&mut self.first_messages)
+    }
+
+    /// Where the ego is, m, and how fast, m/s.
+    pub fn ego(&self) -> Option<(f64, f64)> {
+        self.odometries.last().map(|odometry| (odometry.position_m, odometry.speed_mps))
+    }
+
+    /// Removes what a dead process left on the topics, so that nobody waits for it.
+    pub fn remove_dead(&self) {
+        self.observer.remove_dead();
+    }
+
+    /// Everything heard so far: motion of the ego, the other vehicles, control cycles.
+    pub fn heard(&self) -> (&[Odometry], &[VehicleTruth], &[Diagnostics]) {
+        (&self.odometries, &self.truths, &self.cycles)
+    }
+
+    /// Newest step that the vehicle was heard of.
+    pub fn reached(&self) -> u64 {
+        self.odometries.last().map_or(0, |odometry| odometry.header.step)
+    }
+
+    /// Takes the rest and joins the topics by step.
+    pub fn finish(mut self) -> Result<Drive, RuntimeError> {
+        self.drain()?;
+        let mut received = vec![
+            self.odometry.received(),
+            self.truth.received(),
+            self.command.received(),
+            self.diagnostics.received(),
+            self.heartbeat.received(),
+        ];
+        if !self.powertrains.is_empty() {
+            received.push(self.powertrain.received());
+        }
+        let mut powertrains = self.powertrains.iter().peekable();
+        let mut truths = self.truths.iter().peekable();
+        let mut requests = self.requests.iter().peekable();
+        let mut cycles = self.cycles.iter().peekable();
+        let steps = self.odometries.iter().map(|odometry| {
+            let step = odometry.header.step;
+            let truth = take_step(&mut truths, step, |truth| truth.header.step);
+            let lead = truth.and_then(|truth| truth.nearest_ahead(odometry.position_m));
+            let cycle = take_step(&mut cycles, step, |cycle| cycle.header.step);
+            DriveStep {
+                step,
+                time_s: odometry.header.acquisition_ns as f64 / 1e9,
+                position_m: odometry.position_m,
+                speed_mps: odometry.speed_mps,
+                acceleration_mps2: odometry.acceleration_mps2,
+                applied_mps2: odometry.request_mps2,
+                request_mps2: take_step(&mut requests, step, |request| request.0).map(|r| r.1),
+                gap_m: lead.map(|(gap_m, _)| gap_m),
+                lead_speed_mps: lead.map(|(_, speed_mps)| speed_mps),
+                mode: cycle.map(|cycle| cycle.mode),
+                quality: cycle.map(|cycle| cycle.quality),
+                figures: cycle.map(|cycle| cycle.figures),
+                powertrain: take_step(&mut powertrains, step, |p| p.0).map(|p| p.1),
+            }
+        });
+        let steps = steps.collect();
+        Ok(Drive { steps, vehicles: self.truths, received })
+    }
+}
+
+/// The item of `step` from a sequence in order of steps; earlier ones are passed over.
+fn take_step<'a, T>(
+    items: &mut std::iter::Peekable<std::slice::Iter<'a, T>>,
+    step: u64,
+    step_of: impl Fn(&T) -> u64,
+) -> Option<&'a T> {
+    while items.next_if(|item| step_of(item) < step).is_some() {}
+    items.next_if(|item| step_of(item) == step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn items_are_joined_by_step() {
+        let items = [(0, 'a'), (5, 'b'), (10, 'c')];
+        let mut iter = items.iter().peekable();
+        let mut at = |step| take_step(&mut iter, step, |item| item.0).map(|item| item.1);
+        assert_eq!([at(0), at(1), at(6), at(10), at(11)], [Some('a'), None, None, Some('c'), None]);
+    }
+}

@@ -1,0 +1,345 @@
+//! Faults that act on processes, and the record of all that went wrong.
+
+use super::disturbance::Disturbance;
+use messages::Service;
+use scenario::Scenario;
+use scenario::faults::{Fault, Kind};
+use serde::Serialize;
+
+/// Kills of a `restart-storm` that does not say how many.
+const STORM: u16 = 3;
+
+/// One thing that went wrong, asked for or not.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FaultRecord {
+    /// Run time at which it began, s.
+    pub t_s: f64,
+    /// Kind of the fault, or `died` or `hung` for what nobody asked for.
+    pub kind: String,
+    /// The service that it befell.
+    pub service: Option<Service>,
+    /// The topic whose messages it befell.
+    pub topic: Option<&'static str>,
+    /// Messages that it befell, summed over the topic's ports.
+    pub messages: Option<u64>,
+    /// Until the launcher knew that the service was gone or hung, µs.
+    pub detected_after_us: Option<f64>,
+    /// Until the first fresh message of the service's next process, µs.
+    pub recovered_after_us: Option<f64>,
+    /// Its number in the run, for the ports' counts.
+    #[serde(skip)]
+    pub number: u32,
+    /// Restart of the service whose first message is the recovery.
+    #[serde(skip)]
+    pub awaits: Option<u32>,
+}
+
+/// A fault that is due or under way.
+#[derive(Debug)]
+struct Planned {
+    number: u32,
+    fault: Fault,
+    /// When it begins, ns of run time; unknown while it waits for its condition.
+    begin_ns: Option<i64>,
+    /// Kills left of a storm.
+    left: u16,
+    /// The process that was killed last, as a restart of its service.
+    killed: Option<u32>,
+    /// What runs while it lasts, and until when.
+    running: Option<(i64, Option<Disturbance>)>,
+    done: bool,
+}
+
+/// What the supervisor is to do to a process.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Act {
+    /// SIGKILL.
+    Kill(Service),
+    /// SIGSTOP.
+    Stop(Service),
+    /// SIGCONT.
+    Continue(Service),
+    /// Keep a core, or all, busy.
+    Hog(Option<u16>),
+    /// Take so much memory, MiB.
+    Memory(u32),
+}
+
+/// The faults of a run that act on processes, and the record of all.
+#[derive(Debug)]
+pub struct Faults {
+    planned: Vec<Planned>,
+    /// What went wrong so far.
+    pub records: Vec<FaultRecord>,
+    next_number: u32,
+}
+
+impl Faults {
+    /// Those of the scenario.
+    pub fn of(scenario: &Scenario) -> Self {
+        let mut faults = Self { planned: Vec::new(), records: Vec::new(), next_number: 0 };
+        for fault in &scenario.faults {
+            let begin_ns = match (fault.at_s, fault.when) {
+                (None, Some(_)) => None,
+                (at, _) => Some(at.map_or(0, |at| nanoseconds(at.nanoseconds()))),
+            };
+            faults.plan(fault.clone(), begin_ns);
+        }
+        faults
+    }
+
+    /// Adds a fault; returns its number in the run.
+    pub fn plan(&mut self, fault: Fault, begin_ns: Option<i64>) -> u32 {
+        let number = self.next_number;
+        self.next_number += 1;
+        if fault.kind.is_of_processes() {
+            let left = match fault.kind {
+                Kind::RestartStorm => fault.times.map_or(STORM, |times| times.value()),
+                _ => 1,
+            };
+            let planned =
+                Planned { number, fault, begin_ns, left, killed: None, running: None, done: false };
+            self.planned.push(planned);
+        } else {
+            self.records.push(FaultRecord {
+                t_s: begin_ns.map_or(f64::NAN, |begin| begin as f64 / 1e9),
+                ..record(&fault, number)
+            });
+        }
+        number
+    }
+
+    /// What is due at `now_ns`, with the ego there and so fast. `up` tells which restart of a service
+    /// takes part in the run; a storm waits for the next one.
+    pub fn due(
+        &mut self,
+        now_ns: i64,
+        ego: Option<(f64, f64)>,
+        up: impl Fn(Service) -> Option<u32>,
+    ) -> Vec<(usize, Act)> {
+        let mut acts = Vec::new();
+        for (index, planned) in self.planned.iter_mut().enumerate() {
+            if let (None, Some(condition), Some((position, speed))) =
+                (planned.begin_ns, &planned.fault.when, ego)
+                && condition.holds(position, speed)
+            {
+                planned.begin_ns = Some(now_ns);
+            }
+            let service = planned.fault.service;
+            if let Some((until_ns, disturbance)) = &mut planned.running
+                && now_ns >= *until_ns
+            {
+                // Hogs end with their handle.
+                disturbance.take();
+                planned.running = None;
+                if let (Kind::Stop, Some(service)) = (planned.fault.kind, service) {
+                    acts.push((index, Act::Continue(service)));
+                }
+            }
+            if planned.done || planned.begin_ns.is_none_or(|begin| now_ns < begin) {
+                continue;
+            }
+            let act = match (planned.fault.kind, service) {
+                (Kind::Kill | Kind::RestartStorm, Some(service)) => match up(service) {
+                    Some(incarnation) if planned.killed != Some(incarnation) => {
+                        planned.killed = Some(incarnation);
+                        Act::Kill(service)
+                    }
+                    _ => continue,
+                },
+                (Kind::Stop, Some(service)) if up(service).is_some() => Act::Stop(service),
+                (Kind::Hog, _) => Act::Hog(planned.fault.core.map(|core| core.value())),
+                (Kind::Memory, _) => Act::Memory(planned.fault.megabytes.map_or(1, |m| m.value())),
+                _ => continue,
+            };
+            planned.left -= 1;
+            planned.done = planned.left == 0;
+            acts.push((index, act));
+        }
+        acts
+    }
+
+    /// True while a service is to recover from what befell it.
+    pub fn is_recovery_awaited(&self) -> bool {
+        self.records
+            .iter()
+            .any(|record| record.awaits.is_some() && record.recovered_after_us.is_none())
+    }
+
+    /// Run time at which something is due next, ns, as far as it is known.
+    pub fn next_ns(&self) -> Option<i64> {
+        let next = |planned: &Planned| {
+            let begin_ns = planned.begin_ns.filter(|_| !planned.done);
+            let until_ns = planned.running.as_ref().map(|(until_ns, _)| *until_ns);
+            begin_ns.into_iter().chain(until_ns).min()
+        };
+        self.planned.iter().filter_map(next).min()
+    }
+
+    /// Notes that the act on fault `index` was done at `now_ns`; `disturbance` is what runs for it.
+    pub fn done(&mut self, index: usize, now_ns: i64, disturbance: Option<Disturbance>) {
+        let planned = &mut self.planned[index];
+        if matches!(planned.fault.kind, Kind::Stop | Kind::Hog | Kind::Memory) {
+            planned.running = Some((planned.fault.end_ns(now_ns), disturbance));
+        }
+        let record =
+            FaultRecord { t_s: now_ns as f64 / 1e9, ..record(&planned.fault, planned.number) };
+        self.records.push(record);
+    }
+
+    /// Ends what runs for a fault of `service` that was replaced meanwhile.
+    pub fn replaced(&mut self, service: Service) {
+        for planned in &mut self.planned {
+            if planned.fault.service == Some(service) {
+                planned.running = None;
+            }
+        }
+    }
+
+    /// Notes that the launcher found `service` gone or hung at `now_ns`; its restart `awaits` will
+    /// show its recovery. What nobody asked for gets a record of its own, of that kind.
+    pub fn detected(&mut self, service: Service, kind: &str, awaits: u32, now_ns: i64) {
+        let asked = self.records.iter_mut().rev().find(|record| {
+            record.service == Some(service)
+                && record.detected_after_us.is_none()
+                && matches!(record.kind.as_str(), "kill" | "stop" | "restart-storm")
+        });
+        if let Some(record) = asked {
+            record.detected_after_us = Some((now_ns as f64 - record.t_s * 1e9) / 1e3);
+            record.awaits = Some(awaits);
+            return;
+        }
+        // A hung service that was killed for it dies once.
+        if self.records.iter().any(|r| r.service == Some(service) && r.awaits == Some(awaits)) {
+            return;
+        }
+        self.records.push(FaultRecord {
+            t_s: now_ns as f64 / 1e9,
+            kind: kind.into(),
+            service: Some(service),
+            topic: None,
+            messages: None,
+            detected_after_us: Some(0.0),
+            recovered_after_us: None,
+            number: u32::MAX,
+            awaits: Some(awaits),
+        });
+    }
+
+    /// Notes the first fresh message of restart `incarnation` of `service`, published at `ns`.
+    pub fn recovered(&mut self, service: Service, incarnation: u32, ns: i64) {
+        for record in &mut self.records {
+            // A process that died before it recovered leaves the recovery to the next one.
+            if record.service == Some(service)
+                && record.awaits.is_some_and(|awaits| awaits <= incarnation)
+                && record.recovered_after_us.is_none()
+            {
+                record.recovered_after_us = Some((ns as f64 - record.t_s * 1e9) / 1e3);
+            }
+        }
+    }
+
+    /// Adds what the ports counted.
+    pub fn befallen(&mut self, counts: impl Iterator<Item = runtime::Befallen>) {
+        for count in counts {
+            for record in self.records.iter_mut().filter(|record| record.number == count.fault) {
+                record.messages = Some(record.messages.unwrap_or(0) + count.messages);
+                record.t_s = count.begun_ns as f64 / 1e9;
+            }
+        }
+        // What never began is no event of the run.
+        self.records.retain(|record| record.t_s.is_finite());
+        self.records.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
+    }
+}
+
+fn record(fault: &Fault, number: u32) -> FaultRecord {
+    FaultRecord {
+        t_s: f64::NAN,
+        kind: fault.kind.name().into(),
+        service: fault.service,
+        topic: fault.topic.map(|name| name.0.name()),
+        messages: (!fault.kind.is_of_processes()).then_some(0),
+        detected_after_us: None,
+        recovered_after_us: None,
+        number,
+        awaits: None,
+    }
+}
+
+fn nanoseconds(value: u64) -> i64 {
+    i64::try_from(value).unwrap_or(i64::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn faults(text: &str) -> Faults {
+        let text = format!("schema_version = 1\nname = \"faulty\"\n{text}");
+        Faults::of(&Scenario::parse("faults", &text).expect("a scenario"))
+    }
+
+    #[test]
+    fn a_kill_is_done_once_and_its_detection_and_recovery_are_counted_from_it() {
+        let mut faults = faults("[[faults]]\nkind = \"kill\"\nservice = \"controller\"\nat_s = 1");
+        assert_eq!(faults.due(999_999_999, None, |_| Some(0)), []);
+        let due = faults.due(1_000_500_000, None, |_| Some(0));
+        assert_eq!(due, [(0, Act::Kill(Service::Controller))]);
+        faults.done(0, 1_000_500_000, None);
+        assert_eq!(faults.due(2_000_000_000, None, |_| Some(0)), []);
+        faults.detected(Service::Controller, "died", 1, 1_001_000_000);
+        faults.recovered(Service::Controller, 1, 1_012_500_000);
+        let [record] = faults.records.as_slice() else { panic!("one record") };
+        assert_eq!(record.detected_after_us.map(f64::round), Some(500.0));
+        assert_eq!(record.recovered_after_us.map(f64::round), Some(12_000.0));
+    }
+
+    #[test]
+    fn a_storm_waits_until_its_victim_is_back() {
+        let mut faults = faults(
+            "[[faults]]\nkind = \"restart-storm\"\nservice = \"plant\"\nat_s = 1\ntimes = 2",
+        );
+        assert_eq!(faults.due(1_000_000_000, None, |_| Some(0)).len(), 1);
+        assert_eq!(faults.due(1_100_000_000, None, |_| Some(0)), []);
+        assert_eq!(faults.due(1_200_000_000, None, |_| Some(1)).len(), 1);
+        assert_eq!(faults.due(1_300_000_000, None, |_| Some(2)), []);
+    }
+
+    #[test]
+    fn a_stopped_service_goes_on_when_its_time_is_over_unless_it_was_replaced() {
+        let text = "[[faults]]\nkind = \"stop\"\nservice = \"v2x-sim\"\nat_s = 1\nfor_s = 0.5";
+        for (replaced, acts) in [(false, vec![(0, Act::Continue(Service::V2xSim))]), (true, vec![])]
+        {
+            let mut faults = faults(text);
+            assert_eq!(faults.due(1_000_000_000, None, |_| Some(0)).len(), 1);
+            faults.done(0, 1_000_000_000, None);
+            if replaced {
+                faults.replaced(Service::V2xSim);
+            }
+            assert_eq!(faults.due(1_400_000_000, None, |_| Some(0)), []);
+            assert_eq!(faults.due(1_500_000_000, None, |_| Some(0)), acts);
+        }
+    }
+
+    #[test]
+    fn a_death_that_nobody_asked_for_is_recorded_once() {
+        let mut faults = faults("");
+        faults.detected(Service::Plant, "hung", 1, 5);
+        faults.detected(Service::Plant, "died", 1, 6);
+        assert_eq!(faults.records.len(), 1);
+        assert_eq!(faults.records[0].kind, "hung");
+    }
+
+    #[test]
+    fn a_condition_that_never_came_true_leaves_no_record() {
+        let mut faults = faults(
+            "[[faults]]\nkind = \"drop\"\ntopic = \"v2x/spat\"\nwhen = { speed_below_mps = 1 }\n\
+             [[faults]]\nkind = \"drop\"\ntopic = \"v2x/spat\"\nat_s = 2",
+        );
+        let count = runtime::Befallen { fault: 1, begun_ns: 2_000_000_000, messages: 7 };
+        faults.befallen([count, count].into_iter());
+        let kept: Vec<_> = faults.records.iter().map(|r| (r.number, r.messages)).collect();
+        assert_eq!(kept, [(1, Some(14))]);
+    }
+}

@@ -1,0 +1,46 @@
+//! A process group: its private corner of the machine, its processes, its end.
+//!
+//! ```text
+//! RunRoot::create ─ janitor ─ spawn services ─ all ready ─ start ─ events … ─ all reported ─ end ─ wipe
+//! ```
+//!
+//! The launcher holds a lock on the run's root and every service inherits it. The lock is free when
+//! the last of them is gone, however they went: the janitor, a process of its own, waits for that
+//! when the launcher dies, and removes what the run left. What even the janitor could not remove, the
+//! next run does.
+//!
+//! During a realtime run [`watch`] keeps the group whole: a service that dies or hangs is replaced
+//! within its budget, and [`faults`] acts out what the scenario, or somebody at [`control`], wants to
+//! go wrong.
+
+mod attendant;
+pub mod control;
+mod disturbance;
+mod drive;
+mod error;
+mod events;
+mod faults;
+mod janitor;
+mod member;
+mod options;
+mod processes;
+mod recording;
+mod replay;
+mod root;
+mod run;
+mod supervisor;
+mod watch;
+
+pub use disturbance::run as run_hog;
+pub use drive::{Drive, DriveStep, PowertrainStep};
+pub use error::Error;
+pub use faults::FaultRecord;
+pub use janitor::run as run_janitor;
+pub use member::Heartbeats;
+pub use options::{GroupOptions, ModeName, ScenarioOptions};
+pub use processes::{Janitor, this_program};
+pub use recording::RecordingSummary;
+pub use replay::{Replayed, replay};
+pub use root::{RunRoot, base, check_room, is_alive, shared_memory_room};
+pub use run::{Keep, drive, open, open_with};
+pub use supervisor::{Ended, GroupOutcome, Launch, Moment, launch};

@@ -1,0 +1,75 @@
+//! Options that several commands share.
+
+use clap::{Args, ValueEnum};
+use messages::Service;
+use std::path::PathBuf;
+
+/// What a scenario can be changed by.
+#[derive(Clone, Debug, Default, Args)]
+pub struct ScenarioOptions {
+    /// Control law (see `timegap list`)
+    #[arg(long, value_name = "NAME")]
+    pub controller: Option<String>,
+    /// Seed of all random numbers
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub seed: Option<String>,
+    /// Length of the run, s
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
+    pub duration: Option<String>,
+    /// Change any key of the scenario, by its dotted path; may be given again
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+}
+
+/// How a group is brought up.
+#[derive(Clone, Debug, Args)]
+pub struct GroupOptions {
+    /// Run PROGRAM in the place of a service; may be given again
+    #[arg(long = "service", value_name = "NAME=PROGRAM", value_parser = service_program)]
+    pub programs: Vec<(Service, PathBuf)>,
+    /// Time in which all services must be ready, s
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = positive_seconds)]
+    pub ready_timeout: f64,
+}
+
+/// Clock by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ModeName {
+    /// The wall's clock.
+    Realtime,
+    /// Simulated time.
+    Lockstep,
+}
+
+impl From<ModeName> for runtime::Mode {
+    fn from(name: ModeName) -> Self {
+        match name {
+            ModeName::Realtime => Self::Realtime,
+            ModeName::Lockstep => Self::Lockstep,
+        }
+    }
+}
+
+fn service_program(argument: &str) -> Result<(Service, PathBuf), String> {
+    let (name, program) = argument.split_once('=').ok_or("expected NAME=PROGRAM")?;
+    Ok((name.parse()?, PathBuf::from(program)))
+}
+
+fn positive_seconds(argument: &str) -> Result<f64, String> {
+    match argument.parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds <= 3600.0 => Ok(seconds),
+        _ => Err("expected a number of seconds above 0 and at most 3600".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_service_program_names_a_service() {
+        let (service, program) = service_program("controller=./mine").expect("a known service");
+        assert_eq!((service, program), (Service::Controller, PathBuf::from("./mine")));
+        assert!(service_program("radar=./mine").is_err_and(|e| e.contains("perception-sim")));
+    }
+}

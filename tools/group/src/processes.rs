@@ -1,0 +1,214 @@
+//! The group's processes.
+
+use super::events::{Event, follow};
+use super::janitor::DONE;
+use super::root::RunRoot;
+use crate::Error;
+use messages::Service;
+use runtime::{PEER_JOINED, ToService, enroll, inherit_only};
+use rustix::process::{Pid, Signal, kill_process};
+use std::io::Write;
+use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::path::PathBuf;
+use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
+use std::sync::mpsc::Sender;
+use std::time::{Duration, Instant};
+
+/// One service's process.
+#[derive(Debug)]
+pub struct Process {
+    child: Child,
+    group: i32,
+    orders: Option<ChildStdin>,
+    status: Option<ExitStatus>,
+}
+
+impl Process {
+    /// Starts `service`, as this program again or as `program`, in the process group `group`, or
+    /// in a new one for 0.
+    pub fn spawn(
+        (service, incarnation): (Service, u32),
+        program: Option<&PathBuf>,
+        root: &RunRoot,
+        group: i32,
+        events: Sender<Event>,
+    ) -> Result<Self, Error> {
+        let mut command = match program {
+            Some(program) => Command::new(program),
+            None => this_program(&["service", service.name()])?,
+        };
+        command
+            .arg0(format!("timegap-{service}"))
+            .arg(root.path())
+            .arg(incarnation.to_string())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .process_group(group);
+        inherit_only(&mut command, Some(root.lock()));
+        let mut child = command.spawn().map_err(|e| match program {
+            Some(program) => Error::Path { action: "start", path: program.clone(), reason: e },
+            None => Error::Machine(format!("cannot start {service}: {e}")),
+        })?;
+        enroll(root.path(), service, incarnation, child.id())?;
+        let orders = child.stdin.take();
+        let out = child.stdout.take().expect("piped");
+        let err = child.stderr.take().expect("piped");
+        follow(service, out, err, events)
+            .map_err(|e| Error::Machine(format!("cannot start a thread: {e}")))?;
+        let group = if group == 0 { pid(&child) } else { group };
+        Ok(Self { child, group, orders, status: None })
+    }
+
+    /// Process id.
+    pub fn pid(&self) -> i32 {
+        pid(&self.child)
+    }
+
+    /// Process group.
+    pub fn group(&self) -> i32 {
+        self.group
+    }
+
+    /// Kills it.
+    pub fn kill(&mut self) {
+        self.signal(Signal::KILL);
+    }
+
+    /// Stops it until [`Self::go_on`].
+    pub fn stop(&mut self) {
+        self.signal(Signal::STOP);
+    }
+
+    /// Lets it go on.
+    pub fn go_on(&mut self) {
+        self.signal(Signal::CONT);
+    }
+
+    /// Makes it look for a peer that has joined the group.
+    pub fn tell_of_peer(&mut self) {
+        const _: () = assert!(PEER_JOINED == Signal::URG.as_raw());
+        self.signal(Signal::URG);
+    }
+
+    fn signal(&mut self, signal: Signal) {
+        // Not waited for yet: the id cannot be another's.
+        if self.poll().is_none()
+            && let Some(pid) = Pid::from_raw(self.pid())
+        {
+            // It may be gone by now.
+            let _ = kill_process(pid, signal);
+        }
+    }
+
+    /// Tells the service something. One that is gone does not hear it.
+    pub fn order(&mut self, order: &ToService) {
+        if let Some(orders) = &mut self.orders {
+            let line = serde_json::to_string(order).expect("orders are plain data");
+            if writeln!(orders, "{line}").is_err() {
+                self.orders = None;
+            }
+        }
+    }
+
+    /// Waits until the process is gone; kills it after `grace`.
+    pub fn end(&mut self, grace: Duration) -> ExitStatus {
+        // The end of the orders tells the service to go.
+        self.orders = None;
+        let begun = Instant::now();
+        loop {
+            if let Some(status) = self.poll() {
+                return status;
+            }
+            if begun.elapsed() > grace {
+                // Ours and not yet waited for: the id cannot be another's.
+                let _ = self.child.kill();
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    /// The exit status if the process is gone.
+    pub fn poll(&mut self) -> Option<ExitStatus> {
+        if self.status.is_none() {
+            self.status = self.child.try_wait().ok().flatten();
+        }
+        self.status
+    }
+}
+
+fn pid(child: &Child) -> i32 {
+    i32::try_from(child.id()).expect("process ids are positive and fit")
+}
+
+/// What an exit status means, in words.
+pub fn describe(status: ExitStatus) -> String {
+    match (status.code(), status.signal()) {
+        (Some(0), _) => "ok".into(),
+        (Some(code), _) => format!("exit status {code}"),
+        (None, Some(signal)) => {
+            let name = signal_hook::low_level::signal_name(signal).unwrap_or("an unknown signal");
+            format!("killed by {name}")
+        }
+        (None, None) => "unknown".into(),
+    }
+}
+
+/// The janitor's process.
+#[derive(Debug)]
+pub struct Janitor {
+    child: Child,
+    lines: Option<ChildStdin>,
+}
+
+impl Janitor {
+    /// Starts the janitor of the run at `root`, outside the services' process group.
+    pub fn spawn(root: &RunRoot) -> Result<Self, Error> {
+        let mut command = this_program(&["service", "janitor"])?;
+        command
+            .arg0("timegap-janitor")
+            .arg(root.path())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .process_group(0);
+        // Not even another run's descriptors, which threads beside this one have open.
+        inherit_only(&mut command, None);
+        let mut child = command
+            .spawn()
+            .map_err(|e| Error::Machine(format!("cannot start the janitor: {e}")))?;
+        let lines = child.stdin.take();
+        Ok(Self { child, lines })
+    }
+
+    /// Tells it which process group the services form.
+    pub fn watch(&mut self, group: i32) {
+        self.say(&group.to_string());
+    }
+
+    /// Sends it home: the launcher has cleaned up.
+    pub fn dismiss(mut self) {
+        self.say(DONE);
+        drop(self.lines.take());
+        let _ = self.child.wait();
+    }
+
+    fn say(&mut self, line: &str) {
+        if let Some(lines) = &mut self.lines
+            && writeln!(lines, "{line}").is_err()
+        {
+            self.lines = None;
+        }
+    }
+}
+
+/// This program again, with other arguments.
+pub fn this_program(arguments: &[&str]) -> Result<Command, Error> {
+    let program = std::env::current_exe()
+        .map_err(|e| Error::Machine(format!("cannot find this program's own file: {e}")))?;
+    // A new build may have replaced the file meanwhile.
+    let program = if program.exists() { program } else { PathBuf::from("/proc/self/exe") };
+    let mut command = Command::new(program);
+    command.args(arguments);
+    Ok(command)
+}

@@ -1,0 +1,115 @@
+//! The recorder's process beside a run: whatever happens to it, the run goes on and the summary
+//! says so.
+
+use super::attendant::Attendant;
+use super::processes::describe;
+use super::root::RunRoot;
+use recorder::{FromRecorder, Recording, Start, ToRecorder};
+use runtime::scheduling::Granted;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Time that the recorder gets to be ready, and to write what it still holds at the end.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// What became of a recording.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct RecordingSummary {
+    /// The file.
+    pub path: PathBuf,
+    /// Messages in it.
+    pub messages: u64,
+    /// Messages that were sent and are not in it; null if nobody was left to count.
+    pub lost: Option<u64>,
+    /// Its size, bytes.
+    pub bytes: u64,
+    /// Why it ends before the run's end, if it does.
+    pub failed: Option<String>,
+}
+
+/// The recorder of one run.
+#[derive(Debug)]
+pub struct RecorderProcess {
+    path: PathBuf,
+    process: Option<Attendant>,
+    failed: Option<String>,
+}
+
+impl RecorderProcess {
+    /// Starts recording to `path` in the services' process group.
+    pub fn spawn(path: &Path, root: &RunRoot, group: i32) -> Self {
+        let spawned = Attendant::spawn("recorder", &[path.as_os_str()], root, group);
+        let (process, failed) = match spawned {
+            Ok(process) => (Some(process), None),
+            Err(error) => (None, Some(error.to_string())),
+        };
+        Self { path: path.to_owned(), process, failed }
+    }
+
+    /// Makes it connect to all services, which must be ready, and waits until it did.
+    pub fn connect(&mut self) {
+        let Some(process) = &mut self.process else { return };
+        process.say(&ToRecorder::Connect);
+        match process.hear(PATIENCE) {
+            Some(FromRecorder::Ready) => {}
+            Some(FromRecorder::Failed(reason)) => self.give_up(reason),
+            Some(FromRecorder::Report(_)) | None => self.give_up("it did not get ready".into()),
+        }
+    }
+
+    /// Tells it the common start and what the services were granted.
+    pub fn begin(&mut self, start_ns: i64, scheduling: BTreeMap<String, Granted>) {
+        if let Some(process) = &mut self.process {
+            process.say(&ToRecorder::Start(Start { start_ns, scheduling }));
+        }
+    }
+
+    /// True, once, when the recorder died: its buffers must be removed, or senders wait for it.
+    pub fn has_died(&mut self) -> bool {
+        let Some(process) = &mut self.process else { return false };
+        if !process.is_gone() {
+            return false;
+        }
+        let reason = match process.hear(Duration::ZERO) {
+            Some(FromRecorder::Failed(reason)) => reason,
+            _ => process.end(Duration::ZERO).map_or_else(String::new, describe),
+        };
+        self.give_up(reason);
+        true
+    }
+
+    /// Lets it write what has been sent, and ends it.
+    pub fn finish(mut self) -> RecordingSummary {
+        let reported = self.process.as_mut().and_then(|process| {
+            process.say(&ToRecorder::Finish);
+            process.hear(PATIENCE)
+        });
+        let (tally, failed) = match reported {
+            Some(FromRecorder::Report(report)) => (Some(report.tally), report.failed),
+            Some(FromRecorder::Failed(reason)) => (None, Some(reason)),
+            Some(FromRecorder::Ready) | None => {
+                (None, self.failed.take().or_else(|| Some("the recorder does not answer".into())))
+            }
+        };
+        if let Some(mut process) = self.process.take() {
+            process.end(PATIENCE);
+        }
+        let messages = tally.as_ref().map(recorder::Tally::messages);
+        let in_file = || Recording::open(&self.path).map_or(0, |file| file.records().len() as u64);
+        RecordingSummary {
+            messages: messages.unwrap_or_else(in_file),
+            lost: tally.as_ref().map(recorder::Tally::lost),
+            bytes: std::fs::metadata(&self.path).map_or(0, |file| file.len()),
+            failed,
+            path: self.path,
+        }
+    }
+
+    fn give_up(&mut self, reason: String) {
+        tracing::warn!("the recorder is gone, the run goes on without it: {reason}");
+        self.process = None;
+        self.failed = Some(reason);
+    }
+}

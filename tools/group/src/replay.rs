@@ -1,0 +1,203 @@
+//! A group of two: the controller, and a replayer in the place of all others.
+
+use super::attendant::Attendant;
+use super::events::{Event, follow_signals};
+use super::processes::{Janitor, Process, describe};
+use super::root::{RunRoot, check_room};
+use crate::Error;
+use messages::Service;
+use messages::{Command, Diagnostics};
+use recorder::{FromReplayer, Take, ToReplayer};
+use runtime::{
+    FromService, Group, Mode, Schedule, StartOrder, Tap, Tapped, Timetable, ToService,
+    monotonic_ns, shared_memory_bytes,
+};
+use scenario::Scenario;
+use std::ffi::OsStr;
+use std::path::Path;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::Duration;
+
+/// Time until both processes must be ready.
+const READY: Duration = Duration::from_secs(10);
+/// Time that they get to go.
+const EXIT_GRACE: Duration = Duration::from_secs(2);
+/// Time between two looks at the topics, whose senders wait for room.
+const POLL: Duration = Duration::from_millis(1);
+
+/// What the controller said.
+#[derive(Debug, Default)]
+pub struct Replayed {
+    /// Its commands.
+    pub commands: Vec<Command>,
+    /// Its diagnostics.
+    pub diagnostics: Vec<Diagnostics>,
+}
+
+/// Gives the controller of `scenario` the releases and inputs of `take`, which `file` holds.
+/// `progress` is told how many cycles were run.
+///
+/// # Errors
+/// If the group does not come up or the controller does not reach the end.
+pub fn replay(
+    scenario: &Scenario,
+    take: &Take,
+    file: &Path,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Replayed, Error> {
+    let timetable = Timetable::of(scenario);
+    check_room(shared_memory_bytes(&timetable))?;
+    let root = RunRoot::create()?;
+    let mut janitor = Janitor::spawn(&root)?;
+    let (sender, events) = channel();
+    let signals = follow_signals(sender.clone())
+        .map_err(|e| Error::Machine(format!("cannot handle signals: {e}")))?;
+    let group = Group {
+        root: root.path().to_owned(),
+        prefix: root.prefix().to_owned(),
+        mode: Mode::Lockstep,
+        timetable,
+        patience_ns: 10_000_000_000,
+        scenario: scenario.to_toml(),
+    };
+    let result = group
+        .write()
+        .and_then(|()| Schedule::write(root.path(), Service::Controller, &take.releases))
+        .map_err(Error::from)
+        .and_then(|()| Cast::enter(&root, &mut janitor, take, file, sender))
+        .and_then(|mut cast| {
+            let replayed = cast.play(&group, take, &events, progress);
+            cast.leave();
+            replayed
+        });
+    signals.close();
+    root.remove();
+    janitor.dismiss();
+    result
+}
+
+/// The two processes.
+struct Cast {
+    controller: Process,
+    replayer: Attendant,
+}
+
+impl Cast {
+    fn enter(
+        root: &RunRoot,
+        janitor: &mut Janitor,
+        take: &Take,
+        file: &Path,
+        events: Sender<Event>,
+    ) -> Result<Self, Error> {
+        let who = (Service::Controller, take.incarnation);
+        let mut controller = Process::spawn(who, None, root, 0, events)?;
+        let group = controller.pid();
+        janitor.watch(group);
+        let incarnation = take.incarnation.to_string();
+        let arguments = [file.as_os_str(), OsStr::new(&incarnation)];
+        match Attendant::spawn("replayer", &arguments, root, group) {
+            Ok(replayer) => Ok(Self { controller, replayer }),
+            Err(error) => {
+                controller.end(EXIT_GRACE);
+                Err(error)
+            }
+        }
+    }
+
+    fn play(
+        &mut self,
+        group: &Group,
+        take: &Take,
+        events: &Receiver<Event>,
+        progress: &mut dyn FnMut(u64),
+    ) -> Result<Replayed, Error> {
+        let tap = Tap::join(group, "launcher")?;
+        let mut ear =
+            Ear { commands: tap.on()?, diagnostics: tap.on()?, heard: Replayed::default() };
+        self.wait_until_ready(events)?;
+        // A receiver that has not looked is not connected.
+        ear.listen()?;
+        self.controller.order(&ToService::Start(StartOrder { start_ns: monotonic_ns() }));
+        self.replayer.say(&ToReplayer::Start);
+        loop {
+            let event = events.recv_timeout(POLL);
+            ear.listen()?;
+            progress(ear.heard.diagnostics.len() as u64);
+            match event {
+                Ok(Event::Said(_, FromService::Report(_))) => break,
+                Ok(Event::Said(_, FromService::Failed(how))) => return Err(broken(how)),
+                Ok(Event::Gone(_)) => {
+                    return Err(broken(describe(self.controller.end(EXIT_GRACE))));
+                }
+                Ok(Event::Signal) => return Err(Error::Interrupted),
+                Ok(Event::Wrote(_, line)) => eprintln!("controller: {line}"),
+                _ => {}
+            }
+            if self.replayer.is_gone() {
+                let said = self.replayer.hear(Duration::ZERO);
+                let why = match said {
+                    Some(FromReplayer::Failed(why)) => why,
+                    _ => "it ended before its time".into(),
+                };
+                return Err(Error::Machine(format!("the replayer: {why}")));
+            }
+        }
+        ear.listen()?;
+        let heard = ear.heard;
+        match heard.diagnostics.len() == take.diagnostics.len() {
+            true => Ok(heard),
+            false => Err(broken(format!("it ran {} cycles", heard.diagnostics.len()))),
+        }
+    }
+
+    fn wait_until_ready(&mut self, events: &Receiver<Event>) -> Result<(), Error> {
+        loop {
+            match events.recv_timeout(READY) {
+                Ok(Event::Said(_, FromService::Ready(_))) => break,
+                Ok(Event::Said(_, FromService::Failed(how))) => return Err(broken(how)),
+                Ok(Event::Gone(_)) => {
+                    return Err(broken(describe(self.controller.end(EXIT_GRACE))));
+                }
+                Ok(Event::Signal) => return Err(Error::Interrupted),
+                Ok(Event::Wrote(_, line)) => eprintln!("controller: {line}"),
+                Ok(_) => {}
+                Err(_) => return Err(broken("it did not get ready".into())),
+            }
+        }
+        match self.replayer.hear(READY) {
+            Some(FromReplayer::Ready) => Ok(()),
+            Some(FromReplayer::Failed(why)) => Err(Error::Machine(format!("the replayer: {why}"))),
+            None => Err(Error::Machine("the replayer did not get ready".into())),
+        }
+    }
+
+    fn leave(mut self) {
+        self.controller.order(&ToService::Abort);
+        self.controller.end(EXIT_GRACE);
+        self.replayer.end(EXIT_GRACE);
+    }
+}
+
+fn broken(what: String) -> Error {
+    Error::NotReady { service: Service::Controller, what: format!("broke the replay: {what}") }
+}
+
+/// Hears the controller.
+struct Ear {
+    commands: Tapped<Command>,
+    diagnostics: Tapped<Diagnostics>,
+    heard: Replayed,
+}
+
+impl Ear {
+    fn listen(&mut self) -> Result<(), Error> {
+        while let Some(command) = self.commands.take()? {
+            self.heard.commands.push(command);
+        }
+        while let Some(diagnostics) = self.diagnostics.take()? {
+            self.heard.diagnostics.push(diagnostics);
+        }
+        Ok(())
+    }
+}

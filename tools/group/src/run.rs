@@ -1,0 +1,77 @@
+//! One scenario: opened with the options laid over it, and driven through a process group.
+
+use crate::{Error, GroupOptions, GroupOutcome, Launch, Moment, ScenarioOptions, launch};
+use controller::laws;
+use runtime::Mode;
+use scenario::{Overrides, Scenario};
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Opens a scenario and lays the options over it.
+pub fn open(name: &str, options: &ScenarioOptions) -> Result<Scenario, Error> {
+    open_with(name, options, "--set", &[])
+}
+
+/// The same with more keys set, on behalf of the option that errors shall name.
+pub fn open_with(
+    name: &str,
+    options: &ScenarioOptions,
+    option: &str,
+    keys: &[String],
+) -> Result<Scenario, Error> {
+    let mut overrides = Overrides::new();
+    if let Some(controller) = &options.controller {
+        overrides.option("--controller", "controller.name", controller);
+    }
+    if let Some(seed) = &options.seed {
+        overrides.option("--seed", "seed", seed);
+    }
+    if let Some(duration) = &options.duration {
+        overrides.option("--duration", "duration_s", duration);
+    }
+    for argument in &options.set {
+        overrides.set(argument).map_err(usage)?;
+    }
+    for argument in keys {
+        overrides.set_by(option, argument).map_err(usage)?;
+    }
+    Scenario::open(name, &overrides, &laws::check).map_err(usage)
+}
+
+fn usage(error: impl std::fmt::Display) -> Error {
+    Error::Usage(error.to_string())
+}
+
+/// What a run shows while it drives, and keeps of it.
+#[derive(Debug, Default)]
+pub struct Keep {
+    /// Tells others how to join, for as long as the run drives.
+    pub live_file: Option<PathBuf>,
+    /// The recording.
+    pub recording: Option<PathBuf>,
+}
+
+/// Drives a scenario through a process group. `watch` sees it go.
+pub fn drive(
+    scenario: &Scenario,
+    mode: Mode,
+    options: &GroupOptions,
+    keep: Option<Keep>,
+    watch: &mut dyn FnMut(&Moment<'_>),
+) -> Result<GroupOutcome, Error> {
+    let start_delay = match mode {
+        Mode::Realtime => Duration::from_millis(scenario.runtime.start_delay_ms.value().into()),
+        Mode::Lockstep => Duration::ZERO,
+    };
+    let keep = keep.unwrap_or_default();
+    let launching = Launch {
+        mode,
+        scenario: scenario.clone(),
+        programs: options.programs.iter().cloned().collect(),
+        ready_timeout: Duration::from_secs_f64(options.ready_timeout),
+        start_delay,
+        live_file: keep.live_file,
+        recording: keep.recording,
+    };
+    launch(launching, watch)
+}

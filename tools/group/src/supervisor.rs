@@ -1,0 +1,374 @@
+//! From the first spawn to the last wipe.
+
+use super::control;
+use super::drive::{Drive, DriveLog};
+use super::events::{Event, follow_signals};
+use super::faults::{FaultRecord, Faults};
+use super::member::{Heartbeats, Member, Phase};
+use super::processes::Janitor;
+use super::recording::{RecorderProcess, RecordingSummary};
+use super::root::{RunRoot, check_room};
+use crate::Error;
+use messages::Service;
+use runtime::report::ServiceReport;
+use runtime::scheduling::{Granted, Priority};
+use runtime::{
+    FromService, Group, Injected, Mode, StartOrder, Timetable, ToService, monotonic_ns,
+    shared_memory_bytes,
+};
+use scenario::Scenario;
+use scenario::runtime::Scheduling;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::{Duration, Instant};
+
+/// Time that services get to go after they reported.
+pub(super) const EXIT_GRACE: Duration = Duration::from_secs(2);
+/// Priority of the supervisor in realtime: below all services, above everybody else, so that a busy
+/// machine does not hold a restart up.
+const PRIORITY: u8 = 10;
+
+/// What to launch, and how.
+#[derive(Debug)]
+pub struct Launch {
+    /// Clock.
+    pub mode: Mode,
+    /// The effective scenario.
+    pub scenario: Scenario,
+    /// Programs that take the place of built-in services.
+    pub programs: BTreeMap<Service, PathBuf>,
+    /// Time until all services must be ready.
+    pub ready_timeout: Duration,
+    /// Time between readiness and the common start instant.
+    pub start_delay: Duration,
+    /// File that tells others how to join the group, there while it drives.
+    pub live_file: Option<PathBuf>,
+    /// Where to record the run.
+    pub recording: Option<PathBuf>,
+}
+
+/// Why a group ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Ended {
+    /// All services reached the end that they were told.
+    Orderly,
+    /// Ctrl-C, SIGTERM or SIGHUP.
+    Interrupted,
+    /// A service ended before its time and none took its place.
+    Broken {
+        /// The service.
+        service: Service,
+        /// How.
+        how: String,
+    },
+}
+
+/// What came out of a group.
+#[derive(Debug)]
+pub struct GroupOutcome {
+    /// Root of the run, which is gone.
+    pub root: PathBuf,
+    /// Why it ended.
+    pub ended: Ended,
+    /// What the services reported.
+    pub reports: BTreeMap<Service, ServiceReport>,
+    /// How the last process of each service ended.
+    pub exits: BTreeMap<Service, String>,
+    /// How often each service was restarted.
+    pub restarts: BTreeMap<Service, u32>,
+    /// Each service's signs of life, in realtime.
+    pub heartbeats: BTreeMap<Service, Heartbeats>,
+    /// What went wrong.
+    pub faults: Vec<FaultRecord>,
+    /// What the launcher heard of the drive.
+    pub drive: Drive,
+    /// From the first spawn until all services were ready.
+    pub ready_after: Duration,
+    /// From the start instant until all services had reported.
+    pub ran_for: Duration,
+    /// What became of the recording.
+    pub recording: Option<RecordingSummary>,
+    /// Lines that services wrote beside their messages: warnings, panics.
+    pub wrote: Vec<(Service, String)>,
+}
+
+/// A run at a moment, for whoever watches it.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<'a> {
+    /// Run time reached, ns.
+    pub time_ns: i64,
+    /// What was heard so far.
+    pub drive: &'a DriveLog,
+    /// What went wrong so far.
+    pub faults: &'a [FaultRecord],
+}
+
+/// Launches a group and stays until nothing of it is left. `watch` is called some ten times a second
+/// and more.
+///
+/// # Errors
+/// If the group does not become ready; nothing of it is left then either.
+pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<GroupOutcome, Error> {
+    refuse_faults_of_processes(&launch)?;
+    let timetable = Timetable::of(&launch.scenario);
+    check_room(shared_memory_bytes(&timetable))?;
+    let root = RunRoot::create()?;
+    let janitor = Janitor::spawn(&root)?;
+    let (sender, events) = channel();
+    let signals = follow_signals(sender.clone())
+        .map_err(|e| Error::Machine(format!("cannot handle signals: {e}")))?;
+    control::listen(root.path(), sender.clone())
+        .map_err(|e| Error::Machine(format!("cannot open the run's control socket: {e}")))?;
+    let group = Group {
+        root: root.path().to_owned(),
+        prefix: root.prefix().to_owned(),
+        mode: launch.mode,
+        timetable,
+        patience_ns: 10_000_000_000,
+        scenario: launch.scenario.to_toml(),
+    };
+    let mut supervisor = Supervisor {
+        faults: Faults::of(&launch.scenario),
+        launch: &launch,
+        root: &root,
+        janitor,
+        group,
+        sender,
+        events,
+        members: Vec::new(),
+        start_ns: 0,
+        injected: Vec::new(),
+        recording: None,
+        granted: BTreeMap::new(),
+        wrote: Vec::new(),
+    };
+    let outcome = supervisor.run(watch);
+    let mut exits = BTreeMap::new();
+    for member in &mut supervisor.members {
+        member.process().order(&ToService::Abort);
+    }
+    for member in &mut supervisor.members {
+        exits.insert(member.service(), member.how_it_ended(EXIT_GRACE));
+    }
+    let janitor = supervisor.dissolve();
+    signals.close();
+    control::close(root.path());
+    root.remove();
+    janitor.dismiss();
+    outcome.map(|outcome| GroupOutcome { exits, ..outcome })
+}
+
+/// In simulated time everybody waits for everybody: there is nothing to be seen of a process fault.
+fn refuse_faults_of_processes(launch: &Launch) -> Result<(), Error> {
+    let faults = launch.scenario.faults.iter().enumerate();
+    let mut of_processes = faults.filter(|(_, fault)| fault.kind.is_of_processes());
+    match of_processes.next() {
+        Some((i, fault)) if launch.mode == Mode::Lockstep => Err(Error::Usage(format!(
+            "faults.{i}: `{}` acts on a process and needs --mode realtime; in lockstep, where all \
+             services wait for each other, silence a topic with `drop` instead",
+            fault.kind.name()
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// A copy of the group file where the user looks for it, for as long as this lives.
+struct LiveFile<'a>(&'a Path);
+
+impl<'a> LiveFile<'a> {
+    fn write(path: &'a Path, group: &Group) -> Self {
+        let text = serde_json::to_string_pretty(group).expect("a group is plain data");
+        // Whoever waits for the file finds all of it.
+        let half = path.with_extension("json.new");
+        if let Err(error) = std::fs::write(&half, text).and_then(|()| std::fs::rename(&half, path))
+        {
+            tracing::warn!("cannot write {}: {error}", path.display());
+        }
+        Self(path)
+    }
+}
+
+impl Drop for LiveFile<'_> {
+    fn drop(&mut self) {
+        // It may never have been written.
+        let _ = std::fs::remove_file(self.0);
+    }
+}
+
+/// The group while it lives.
+pub(super) struct Supervisor<'a> {
+    pub(super) launch: &'a Launch,
+    pub(super) root: &'a RunRoot,
+    janitor: Janitor,
+    pub(super) group: Group,
+    sender: Sender<Event>,
+    pub(super) events: Receiver<Event>,
+    pub(super) members: Vec<Member>,
+    /// Run time 0, `CLOCK_MONOTONIC` ns.
+    pub(super) start_ns: i64,
+    pub(super) faults: Faults,
+    /// Message faults that came during the run, for those who join later.
+    pub(super) injected: Vec<Injected>,
+    pub(super) recording: Option<RecorderProcess>,
+    granted: BTreeMap<String, Granted>,
+    pub(super) wrote: Vec<(Service, String)>,
+}
+
+impl Supervisor<'_> {
+    fn run(&mut self, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<GroupOutcome, Error> {
+        let spawned = Instant::now();
+        self.group.write()?;
+        for service in Service::ALL {
+            // The first one leads the services' process group.
+            let leader = self.leader();
+            let program = self.launch.programs.get(&service).cloned();
+            let sender = self.sender.clone();
+            let member = Member::start(service, program, self.root, leader, sender)?;
+            if leader == 0 {
+                self.janitor.watch(member.pid());
+            }
+            self.members.push(member);
+        }
+        self.recording = (self.launch.recording.as_deref())
+            .map(|path| RecorderProcess::spawn(path, self.root, self.leader()));
+        let mut log = DriveLog::listen(&self.group)?;
+        self.wait_until_ready(spawned)?;
+        let ready_after = spawned.elapsed();
+        // A receiver that has not looked yet is not connected, and a full buffer of one that is not
+        // connected loses messages instead of holding their sender up.
+        log.drain()?;
+        if let Some(recording) = &mut self.recording {
+            recording.connect();
+        }
+
+        let delay =
+            i64::try_from(self.launch.start_delay.as_nanos()).expect("start delays are short");
+        self.start_ns = monotonic_ns() + delay;
+        if let Some(recording) = &mut self.recording {
+            recording.begin(self.start_ns, std::mem::take(&mut self.granted));
+        }
+        self.order_all(&ToService::Start(StartOrder { start_ns: self.start_ns }));
+        for member in &mut self.members {
+            member.begin(0);
+        }
+        let live_file = self.launch.live_file.as_deref();
+        let _live = live_file.map(|path| LiveFile::write(path, &self.group));
+        let fifo = self.launch.scenario.runtime.scheduling == Scheduling::Fifo;
+        let priority =
+            (self.launch.mode == Mode::Realtime && fifo).then(|| Priority::raise(PRIORITY));
+        let ended = self.follow_run(&mut log, watch)?;
+        drop(priority);
+        let ran_ns = (monotonic_ns() - self.start_ns).max(0);
+        let mut reports = BTreeMap::new();
+        for member in &mut self.members {
+            reports.extend(member.report.take().map(|report| (member.service(), report)));
+        }
+        let befallen = reports.values().flat_map(|report| report.befallen.iter().copied());
+        self.faults.befallen(befallen);
+        Ok(GroupOutcome {
+            root: self.root.path().to_owned(),
+            ended,
+            reports,
+            exits: BTreeMap::new(),
+            restarts: self.members.iter().map(|m| (m.service(), m.incarnation())).collect(),
+            heartbeats: (self.members.iter())
+                .filter(|_| self.launch.mode == Mode::Realtime)
+                .map(|member| (member.service(), member.heartbeats))
+                .collect(),
+            faults: std::mem::take(&mut self.faults.records),
+            drive: log.finish()?,
+            ready_after,
+            ran_for: Duration::from_nanos(ran_ns.unsigned_abs()),
+            recording: self.recording.take().map(RecorderProcess::finish),
+            wrote: std::mem::take(&mut self.wrote),
+        })
+    }
+
+    fn wait_until_ready(&mut self, spawned: Instant) -> Result<(), Error> {
+        let mut waiting: Vec<Service> = Service::ALL.to_vec();
+        while let Some(&first) = waiting.first() {
+            let left = self.launch.ready_timeout.saturating_sub(spawned.elapsed());
+            match self.events.recv_timeout(left) {
+                Ok(Event::Said(service, FromService::Ready(granted))) => {
+                    waiting.retain(|s| *s != service);
+                    self.granted.insert(service.name().into(), granted);
+                }
+                Ok(Event::Said(service, FromService::Failed(reason))) => {
+                    return Err(Error::NotReady { service, what: format!("failed: {reason}") });
+                }
+                Ok(Event::Gone(service)) => {
+                    let how = self.member(service).how_it_ended(EXIT_GRACE);
+                    let what = format!("ended before it was ready ({how})");
+                    return Err(Error::NotReady {
+                        service,
+                        what: what + &self.last_words(service),
+                    });
+                }
+                Ok(Event::Signal) => return Err(Error::Interrupted),
+                Ok(Event::Wrote(service, line)) => self.wrote.push((service, line)),
+                Ok(Event::Inject(_, reply)) => {
+                    let message = "the run has not begun".into();
+                    // Who asked may be gone.
+                    let _ = reply.send(control::Answer { ok: false, message });
+                }
+                Ok(Event::Said(..) | Event::Knock) => {}
+                Err(_) => {
+                    let timeout = self.launch.ready_timeout.as_secs_f64();
+                    let what = format!("was not ready within {timeout} s");
+                    return Err(Error::NotReady { service: first, what });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn member(&mut self, service: Service) -> &mut Member {
+        let member = self.members.iter_mut().find(|member| member.service() == service);
+        member.expect("all services have been started")
+    }
+
+    pub(super) fn order_all(&mut self, order: &ToService) {
+        for member in &mut self.members {
+            member.process().order(order);
+        }
+    }
+
+    /// Starts the next process of `service`.
+    pub(super) fn restart(&mut self, service: Service, now_ns: i64) -> Result<(), Error> {
+        let leader = self.leader_beside(service);
+        let (root, sender) = (self.root, self.sender.clone());
+        let member = self.member(service);
+        member.restart(root, leader, sender, now_ns)?;
+        if leader == 0 {
+            let pid = member.pid();
+            self.janitor.watch(pid);
+        }
+        Ok(())
+    }
+
+    /// The services' process group; 0 when there is none.
+    fn leader(&self) -> i32 {
+        self.members.first().map_or(0, Member::group)
+    }
+
+    /// The process group that `service` is to join: that of the others, if any of them lives.
+    fn leader_beside(&mut self, service: Service) -> i32 {
+        let others = self.members.iter_mut().filter(|member| member.service() != service);
+        let mut groups = others.filter_map(|member| {
+            let lives = member.phase != Phase::GivenUp && member.process().poll().is_none();
+            lives.then(|| member.group())
+        });
+        groups.next().unwrap_or(0)
+    }
+
+    fn last_words(&self, service: Service) -> String {
+        let words: Vec<_> = self.wrote.iter().filter(|(who, _)| *who == service).collect();
+        words.iter().rev().take(3).rev().map(|(_, line)| format!("\n  {line}")).collect()
+    }
+
+    /// Lets go of everything but the janitor; the threads that send events end.
+    fn dissolve(self) -> Janitor {
+        self.janitor
+    }
+}

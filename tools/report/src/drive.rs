@@ -1,0 +1,310 @@
+//! Pictures of the drive: speed, gap, acceleration, road, modes. All share the axis of time.
+
+use super::chart::{Axis, Bands, Curve, Key, Mark, Plot, Row, Span, Strip, Stroke, Tone};
+use super::picture::{Phased, RunPicture};
+use scenario::v2x::Phase;
+
+/// Colour of the ego in every picture.
+const EGO: Tone = Tone::Series(0);
+/// Colour of the vehicle ahead in every picture.
+const AHEAD: Tone = Tone::Series(1);
+/// Colour of what the law asks for.
+const REQUEST: Tone = Tone::Series(2);
+/// Difference above which a request was bounded by the gateway, m/s².
+const BOUNDED_MPS2: f64 = 0.01;
+
+/// Speeds of the ego and the vehicle ahead, with the set speed.
+pub fn speed(run: &RunPicture) -> Plot {
+    let fastest = run.speed_mps.iter().map(|point| point.1).fold(0.0, f64::max);
+    let level = |speed: f64| vec![(0.0, speed), (run.duration_s, speed)];
+    let mut curves = vec![
+        Curve::new("ego", EGO, run.speed_mps.clone()),
+        Curve::new("vehicle ahead", AHEAD, run.lead_speed_mps.clone()),
+    ];
+    // A goal far above all that was driven would flatten the rest.
+    let mut set_speed = format!("set speed {:.1} m/s", run.set_speed_mps);
+    if run.set_speed_mps <= 1.6 * fastest {
+        curves.push(
+            Curve::new(&set_speed, Tone::Muted, level(run.set_speed_mps)).stroke(Stroke::Dashed),
+        );
+        set_speed.clear();
+    } else {
+        set_speed.push_str(", above the picture");
+    }
+    if let Some(limit) = run.speed_limit_mps
+        && limit <= 1.6 * fastest
+        && (limit - run.set_speed_mps).abs() > 1e-9
+    {
+        curves.push(Curve::new("limit", Tone::Series(6), level(limit)).stroke(Stroke::Dotted));
+    }
+    let title = if set_speed.is_empty() { "Speed".into() } else { format!("Speed ({set_speed})") };
+    let plot = Plot::over_time(&title, run.duration_s, "m/s", curves);
+    plot.marked(&marks(run))
+}
+
+/// Gap to the vehicle ahead beside the desired one; none without a vehicle ahead.
+pub fn gap(run: &RunPicture) -> Option<Plot> {
+    run.gap_m.iter().any(|point| point.1.is_finite()).then(|| {
+        let curves = vec![
+            Curve::new("gap", EGO, run.gap_m.clone()),
+            Curve::new("desired gap", Tone::Muted, run.desired_gap_m.clone())
+                .stroke(Stroke::Dashed),
+            Curve::new("contact", Tone::Alarm, vec![(0.0, 0.0), (run.duration_s, 0.0)])
+                .stroke(Stroke::Dotted),
+        ];
+        Plot::over_time("Gap to the vehicle ahead", run.duration_s, "m", curves).marked(&marks(run))
+    })
+}
+
+/// Acceleration and request.
+pub fn acceleration(run: &RunPicture) -> Plot {
+    let mut curves = vec![
+        Curve::new("acceleration", EGO, run.acceleration_mps2.clone()),
+        Curve::new("request of the law", REQUEST, run.request_mps2.clone()).steps(),
+    ];
+    if bounded(run) {
+        curves.push(
+            Curve::new("request after the gateway", Tone::Series(3), run.applied_mps2.clone())
+                .steps()
+                .stroke(Stroke::Dashed),
+        );
+    }
+    Plot::over_time("Acceleration and request", run.duration_s, "m/s²", curves).marked(&marks(run))
+}
+
+/// Gear, torque and brakes of a truck; nothing for a car.
+pub fn powertrain(run: &RunPicture) -> Vec<Plot> {
+    let plot = |title: &str, unit: &str, tone: Tone, points: &[(f64, f64)]| {
+        let curve = Curve::new(title, tone, points.to_vec()).steps();
+        Plot { height: 120.0, ..Plot::over_time(title, run.duration_s, unit, vec![curve]) }
+    };
+    let plots = [
+        plot("Gear", "number", EGO, &run.gear),
+        plot("Engine torque", "kN m", REQUEST, &run.engine_torque_knm),
+        plot("Service brakes", "kN", AHEAD, &run.service_brake_kn),
+    ];
+    // Brakes that were never used say nothing.
+    let told = plots.into_iter().filter(|plot| {
+        plot.curves.iter().flat_map(|curve| &curve.points).any(|point| point.1 != 0.0)
+    });
+    told.map(|plot| plot.marked(&marks(run))).collect()
+}
+
+/// True if the actuators were asked for something other than the newest request.
+fn bounded(run: &RunPicture) -> bool {
+    let mut requests = run.request_mps2.iter().peekable();
+    let mut asked = None;
+    run.applied_mps2.iter().any(|(time_s, applied)| {
+        // What is applied in a step is told with the next one.
+        let before = asked;
+        while let Some(request) = requests.next_if(|request| request.0 <= *time_s) {
+            asked = Some(request.1);
+        }
+        before.is_some_and(|before: f64| (before - applied).abs() > BOUNDED_MPS2)
+            && asked.is_some_and(|asked: f64| (asked - applied).abs() > BOUNDED_MPS2)
+    })
+}
+
+/// Places over time: the ego's front bumper, the others' rear bumpers, the signals at their stop
+/// lines.
+pub fn road(run: &RunPicture) -> Plot {
+    let farthest = run.position_m.last().map_or(0.0, |point| point.1);
+    let above = farthest + (0.15 * farthest).max(30.0);
+    let start = run.position_m.first().map_or(0.0, |point| point.1);
+    let inside = |points: &[(f64, f64)]| -> Vec<(f64, f64)> {
+        let cut = |at: f64| if (start..=above).contains(&at) { at } else { f64::NAN };
+        points.iter().map(|(time_s, at)| (*time_s, cut(*at))).collect()
+    };
+    let mut curves = vec![Curve::new("ego, front", EGO, run.position_m.clone())];
+    for (index, actor) in run.actors.iter().enumerate() {
+        // The colours of ego, gateway and limit are not for others.
+        let tone = [AHEAD, Tone::Series(3), Tone::Series(4), Tone::Series(5), Tone::Series(7)];
+        let tone = tone[index % tone.len()];
+        let name = format!("{}, rear", actor.name);
+        curves.push(Curve::new(&name, tone, inside(&actor.in_lane_m)));
+        let beside = Curve::new(&format!("{name}, beside the lane"), tone, inside(&actor.beside_m));
+        curves.push(beside.stroke(Stroke::Dotted));
+    }
+    let mut plot = Plot::over_time("Time and space", run.duration_s, "m along the road", curves);
+    let seen = run.signals.iter().filter(|signal| signal.stop_line_m <= above);
+    plot.strips = seen
+        .map(|signal| Strip {
+            y: signal.stop_line_m,
+            label: signal.name.clone(),
+            spans: (signal.phases.iter())
+                .map(|(from, to, phase)| (*from, *to, phase_tone(*phase)))
+                .collect(),
+        })
+        .collect();
+    for (phase, label) in
+        [(Phase::Green, "green"), (Phase::Yellow, "yellow"), (Phase::Red, "red (thick)")]
+    {
+        let tone = phase_tone(phase);
+        if plot.strips.iter().any(|strip| strip.spans.iter().any(|span| span.2 == tone)) {
+            plot.more_keys.push(Key { label: label.into(), tone, stroke: None });
+        }
+    }
+    plot.y = Axis::linear("m along the road", start, above);
+    plot.height = 560.0;
+    plot.marked(&marks(run))
+}
+
+const fn phase_tone(phase: Phase) -> Tone {
+    match phase {
+        Phase::Green => Tone::Go,
+        Phase::Yellow => Tone::Clear,
+        Phase::Red => Tone::Stop,
+    }
+}
+
+/// Modes of the law, quality of its commands and rungs of the ladder; rows that say nothing are left
+/// out.
+pub fn modes(run: &RunPicture) -> Option<Bands> {
+    let mut tones = Tones::default();
+    let mut rows = Vec::new();
+    let rungs = run.rungs.iter();
+    let rungs = rungs.map(|(who, rungs)| (format!("rung of the {who}"), rungs, Some("full")));
+    let law = [
+        ("mode of the law".to_owned(), &run.modes, None),
+        ("quality of the commands".to_owned(), &run.quality, Some("full")),
+    ];
+    for (name, phases, plain) in law.into_iter().chain(rungs) {
+        let ordinary = phases.iter().all(|phase| Some(phase.label.as_str()) == plain);
+        if !ordinary {
+            rows.push(Row { name, spans: spans(phases, &mut tones) });
+        }
+    }
+    let title = "Modes and degradation".into();
+    let x = Axis::time(run.duration_s);
+    (!rows.is_empty()).then(|| Bands { title, x, rows, marks: marks(run) })
+}
+
+fn spans(phases: &[Phased], tones: &mut Tones) -> Vec<Span> {
+    phases
+        .iter()
+        .map(|phase| Span {
+            from: phase.from_s,
+            to: phase.to_s,
+            label: phase.label.clone(),
+            tone: tones.of(&phase.label),
+        })
+        .collect()
+}
+
+/// One colour for each label.
+#[derive(Default)]
+struct Tones(Vec<String>);
+
+impl Tones {
+    fn of(&mut self, label: &str) -> Tone {
+        let known = self.0.iter().position(|known| known == label);
+        Tone::Series(known.unwrap_or_else(|| {
+            self.0.push(label.to_owned());
+            self.0.len() - 1
+        }))
+    }
+}
+
+/// The faults' marks, numbered in order of time.
+fn marks(run: &RunPicture) -> Vec<Mark> {
+    let faults = run.faults.iter().enumerate();
+    faults.map(|(index, fault)| Mark { x: fault.t_s, number: index + 1 }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chart::{Picture, Width};
+    use crate::picture::{ActorPath, FaultMark, SignalPhases};
+
+    /// A run that has everything: a fault, a cut-in, a signal, a bounded request.
+    pub fn synthetic() -> RunPicture {
+        let over = |value: fn(f64) -> f64| {
+            (0..=100).map(|i| (f64::from(i) / 10.0, value(f64::from(i) / 10.0))).collect::<Vec<_>>()
+        };
+        let phase = |from_s, to_s, label: &str| Phased { from_s, to_s, label: label.into() };
+        RunPicture {
+            duration_s: 10.0,
+            set_speed_mps: 20.0,
+            position_m: over(|t| 15.0 * t),
+            speed_mps: over(|_| 15.0),
+            acceleration_mps2: over(|t| t.sin()),
+            request_mps2: over(|t| 5.0 * t.cos()),
+            applied_mps2: over(|t| t.cos()),
+            lead_speed_mps: over(|t| if t < 5.0 { f64::NAN } else { 14.0 }),
+            gap_m: over(|t| if t < 5.0 { f64::NAN } else { 40.0 - t }),
+            actors: vec![ActorPath {
+                name: "<car>".into(),
+                in_lane_m: over(|t| if t < 5.0 { f64::NAN } else { 40.0 + 14.0 * t }),
+                beside_m: over(|t| if t < 5.0 { 40.0 + 14.0 * t } else { f64::NAN }),
+            }],
+            signals: vec![SignalPhases {
+                name: "signal 1".into(),
+                stop_line_m: 80.0,
+                phases: vec![(0.0, 6.0, Phase::Green), (6.0, 10.0, Phase::Red)],
+            }],
+            modes: vec![phase(0.0, 5.0, "cruise"), phase(5.0, 10.0, "follow")],
+            quality: vec![phase(0.0, 10.0, "full")],
+            rungs: [
+                ("controller", vec![phase(0.0, 3.0, "full"), phase(3.0, 10.0, "lead-lost")]),
+                ("plant", vec![phase(0.0, 10.0, "full")]),
+            ]
+            .into(),
+            faults: vec![FaultMark {
+                t_s: 3.0,
+                label: "kill controller".into(),
+                outcome: String::new(),
+            }],
+            ..RunPicture::default()
+        }
+    }
+
+    #[test]
+    fn the_road_shows_signals_and_cars_beside_the_lane() {
+        let plot = road(&synthetic());
+        let labels: Vec<_> = plot.keys().into_iter().map(|key| key.label).collect();
+        for label in ["ego, front", "<car>, rear, beside the lane", "green", "red (thick)"] {
+            assert!(labels.iter().any(|known| known == label), "{labels:?}");
+        }
+        assert!(!labels.iter().any(|label| label == "yellow"), "it never was");
+        let svg = plot.svg(Width::Wide);
+        assert!(svg.contains("signal 1") && !svg.contains("NaN"), "{svg}");
+    }
+
+    #[test]
+    fn faults_are_marked_in_every_picture() {
+        let run = synthetic();
+        let pictures: [&dyn Picture; 4] =
+            [&speed(&run), &gap(&run).expect("a gap"), &acceleration(&run), &road(&run)];
+        for picture in pictures {
+            for width in Width::ALL {
+                assert_eq!(picture.svg(width).matches("class=\"badge\"").count(), 1);
+            }
+        }
+    }
+
+    #[test]
+    fn rows_that_say_nothing_are_left_out() {
+        let bands = modes(&synthetic()).expect("modes");
+        let names: Vec<_> = bands.rows.iter().map(|row| row.name.as_str()).collect();
+        assert_eq!(names, ["mode of the law", "rung of the controller"]);
+        assert!(modes(&RunPicture::default()).is_none());
+        assert!(gap(&RunPicture::default()).is_none());
+    }
+
+    #[test]
+    fn a_truck_shows_its_gears_and_a_car_does_not() {
+        assert!(powertrain(&synthetic()).is_empty());
+        let truck = RunPicture { gear: vec![(0.0, 8.0), (5.0, 9.0)], ..synthetic() };
+        let titles: Vec<_> = powertrain(&truck).into_iter().map(|plot| plot.title).collect();
+        assert_eq!(titles, ["Gear"]);
+    }
+
+    #[test]
+    fn the_gateway_is_drawn_where_it_bounds() {
+        let mut run = synthetic();
+        assert!(bounded(&run));
+        run.applied_mps2.clone_from(&run.request_mps2);
+        assert!(!bounded(&run));
+    }
+}

@@ -1,0 +1,29 @@
+//! `report.html`: a command's results as one page that needs nothing else.
+//!
+//! ```text
+//! results ─► RunPicture (series) ─► Plot, Bands (pictures) ─► figures, tables ─► one page
+//! ```
+//!
+//! The verdict and the figures come first, then the pictures, then how the machine ran it. The page
+//! loads nothing and runs nothing; it is read on a desk, on a telephone, in the dark and on paper.
+
+pub mod chart;
+mod compare;
+mod drive;
+pub mod html;
+pub mod output;
+mod picture;
+pub mod print;
+pub mod progress;
+mod run;
+pub mod summary;
+mod timing;
+pub mod trajectory;
+
+pub use compare::overlay;
+pub use picture::RunPicture;
+pub use run::{page as run_page, pictures as run_pictures};
+pub use timing::{Distribution, distributions};
+
+/// Name of the page in the results' directory.
+pub const FILE: &str = "report.html";

@@ -1,0 +1,330 @@
+//! What the pictures of a run are drawn from: plain series over run time, wherever they came from.
+
+use controller::laws;
+use group::{Drive, DriveStep, FaultRecord, GroupOutcome};
+use messages::Service;
+use messages::VehicleTruth;
+use messages::rung::{Rung, Rungs};
+use plant::referee::DesiredGap;
+use runtime::report::{Details, WorstChain};
+use runtime::statistics::QuantileCurve;
+use scenario::Scenario;
+use scenario::controller::ControllerName;
+use scenario::v2x::Phase;
+use std::collections::BTreeMap;
+use v2x_sim::program::Program;
+
+/// (Run time in s, value). A value that is not finite means that there was none from there on.
+pub type Points = Vec<(f64, f64)>;
+
+/// A run as series.
+#[derive(Clone, Debug, Default)]
+pub struct RunPicture {
+    /// Run time reached, s.
+    pub duration_s: f64,
+    /// The driver's set speed, m/s.
+    pub set_speed_mps: f64,
+    /// Legal limit, m/s.
+    pub speed_limit_mps: Option<f64>,
+    /// Ego front bumper along the road, m.
+    pub position_m: Points,
+    /// Ego speed, m/s.
+    pub speed_mps: Points,
+    /// Ego acceleration, m/s².
+    pub acceleration_mps2: Points,
+    /// Request of each command, m/s².
+    pub request_mps2: Points,
+    /// Request behind the gateway's bounds, m/s².
+    pub applied_mps2: Points,
+    /// Speed of the vehicle ahead, m/s.
+    pub lead_speed_mps: Points,
+    /// Gap to it, m.
+    pub gap_m: Points,
+    /// Gap that the law aims at, m.
+    pub desired_gap_m: Points,
+    /// Gear of a truck, counted from 1.
+    pub gear: Points,
+    /// Torque of its engine at the crankshaft, kN m.
+    pub engine_torque_knm: Points,
+    /// Force of its service brakes, kN.
+    pub service_brake_kn: Points,
+    /// The other vehicles.
+    pub actors: Vec<ActorPath>,
+    /// The signals.
+    pub signals: Vec<SignalPhases>,
+    /// Modes of the law.
+    pub modes: Vec<Phased>,
+    /// Quality of the commands.
+    pub quality: Vec<Phased>,
+    /// Rungs of the degradation ladder, by service.
+    pub rungs: BTreeMap<&'static str, Vec<Phased>>,
+    /// Faults, in order of time.
+    pub faults: Vec<FaultMark>,
+    /// Distributions of the reaction time and its parts, by name.
+    pub latencies: BTreeMap<String, QuantileCurve>,
+    /// The chains with the longest reaction times, longest first.
+    pub worst_chains: Vec<WorstChain>,
+}
+
+/// Where another vehicle was.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ActorPath {
+    /// Its name in the scenario.
+    pub name: String,
+    /// Its rear bumper along the road while its body reached into the ego's lane, m.
+    pub in_lane_m: Points,
+    /// The same while it did not.
+    pub beside_m: Points,
+}
+
+/// What a signal showed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SignalPhases {
+    /// What it is called.
+    pub name: String,
+    /// Stop line along the road, m.
+    pub stop_line_m: f64,
+    /// From and to in s, and what it showed.
+    pub phases: Vec<(f64, f64, Phase)>,
+}
+
+/// A time during which something stayed as it was.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Phased {
+    /// Begin, s.
+    pub from_s: f64,
+    /// End, s.
+    pub to_s: f64,
+    /// What it was.
+    pub label: String,
+}
+
+/// A fault.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FaultMark {
+    /// When, s.
+    pub t_s: f64,
+    /// What, and to whom.
+    pub label: String,
+    /// What came of it.
+    pub outcome: String,
+}
+
+impl RunPicture {
+    /// From what the launcher heard of a run.
+    pub fn of(scenario: &Scenario, group: &GroupOutcome) -> Self {
+        let mut run = Self::of_drive(scenario, &group.drive);
+        run.faults = group.faults.iter().map(fault).collect();
+        run.faults.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
+        for report in group.reports.values() {
+            let name = report.service.name();
+            match &report.details {
+                Details::Plant(plant) => {
+                    let whole = plant.histograms.iter();
+                    let whole = whole.map(|(name, h)| (name.clone(), h.quantile_curve()));
+                    run.latencies = whole.collect();
+                    run.worst_chains.clone_from(&plant.worst_chains);
+                    run.rungs.insert(name, rungs(&plant.rungs, run.duration_s));
+                }
+                Details::Controller(controller) => {
+                    run.rungs.insert(name, rungs(&controller.rungs, run.duration_s));
+                }
+                Details::None => {}
+            }
+        }
+        run
+    }
+
+    /// From the drive alone.
+    pub fn of_drive(scenario: &Scenario, drive: &Drive) -> Self {
+        let steps = &drive.steps;
+        let duration_s = steps.last().map_or(0.0, |step| step.time_s);
+        let series = |value: fn(&DriveStep) -> Option<f64>| -> Points {
+            steps.iter().filter_map(|step| value(step).map(|value| (step.time_s, value))).collect()
+        };
+        // The truth of the other vehicles comes in some steps only; in those, nobody ahead is told.
+        let heard: std::collections::BTreeSet<u64> =
+            drive.vehicles.iter().map(|truth| truth.header.step).collect();
+        let ahead = |value: fn(&DriveStep) -> Option<f64>| -> Points {
+            let told = steps.iter().filter(|step| heard.contains(&step.step));
+            told.map(|step| (step.time_s, value(step).unwrap_or(f64::NAN))).collect()
+        };
+        let modes = laws::mode_names(scenario);
+        let mode = |mode: u32| {
+            modes.get(mode as usize).map_or_else(|| format!("mode {mode}"), ToString::to_string)
+        };
+        let quality = |quality: u32| match quality {
+            0 => "full".to_owned(),
+            1 => "relaxed".to_owned(),
+            _ => "backup".to_owned(),
+        };
+        Self {
+            duration_s,
+            set_speed_mps: scenario.set_speed_mps.value(),
+            speed_limit_mps: scenario.speed_limit_mps.map(|limit| limit.value()),
+            position_m: series(|step| Some(step.position_m)),
+            speed_mps: series(|step| Some(step.speed_mps)),
+            acceleration_mps2: series(|step| Some(step.acceleration_mps2)),
+            request_mps2: series(|step| step.request_mps2),
+            applied_mps2: series(|step| Some(step.applied_mps2)),
+            lead_speed_mps: ahead(|step| step.lead_speed_mps),
+            gap_m: ahead(|step| step.gap_m),
+            desired_gap_m: desired_gap(scenario, drive),
+            gear: series(|step| step.powertrain.map(|p| f64::from(p.gear))),
+            engine_torque_knm: series(|step| step.powertrain.map(|p| p.engine_torque_nm / 1e3)),
+            service_brake_kn: series(|step| step.powertrain.map(|p| p.service_brake_n / 1e3)),
+            actors: actors(scenario, &drive.vehicles),
+            signals: signals(scenario, duration_s),
+            modes: phases(steps.iter().filter_map(|s| Some((s.time_s, s.mode?))), duration_s, mode),
+            quality: phases(
+                steps.iter().filter_map(|step| Some((step.time_s, step.quality?))),
+                duration_s,
+                quality,
+            ),
+            rungs: BTreeMap::new(),
+            faults: Vec::new(),
+            latencies: BTreeMap::new(),
+            worst_chains: Vec::new(),
+        }
+    }
+}
+
+/// The rungs that a service was on; a service that reported was on one all the time.
+fn rungs(rungs: &Rungs, until_s: f64) -> Vec<Phased> {
+    let first = rungs.changes.first().map_or(Rung::Full, |change| change.from);
+    let changes = rungs.changes.iter().map(|change| (change.t_s, change.to));
+    phases([(0.0, first)].into_iter().chain(changes), until_s, |rung| rung.name().to_owned())
+}
+
+/// A fault in words.
+fn fault(record: &FaultRecord) -> FaultMark {
+    let whom = record.service.map(Service::name).or(record.topic).unwrap_or_default();
+    let after = |what: &str, us: Option<f64>| {
+        us.map(|us| format!("{what} after {}", crate::print::duration(us)))
+    };
+    let outcome = [
+        record.messages.map(|messages| format!("{messages} messages")),
+        after("detected", record.detected_after_us),
+        after("recovered", record.recovered_after_us),
+    ];
+    let outcome: Vec<_> = outcome.into_iter().flatten().collect();
+    let label = format!("{} {whom}", record.kind).trim_end().to_owned();
+    FaultMark { t_s: record.t_s, label, outcome: outcome.join(", ") }
+}
+
+/// Gap that the law aims at, where there is somebody to keep it to.
+fn desired_gap(scenario: &Scenario, drive: &Drive) -> Points {
+    let desired = DesiredGap::of(scenario);
+    // This law alone knows its desired gap, and tells it as gap minus error.
+    let error = (scenario.controller.name == ControllerName::QuadraticBounded)
+        .then(|| laws::figure_names(scenario).iter().position(|name| *name == "gap_error_m"))
+        .flatten();
+    let steps = drive.steps.iter();
+    steps
+        .filter_map(|step| {
+            let gap_m = step.gap_m?;
+            let by_law = || Some(gap_m - step.figures?[error?]);
+            Some((step.time_s, desired.at(step.speed_mps).or_else(by_law)?))
+        })
+        .collect()
+}
+
+/// Where the other vehicles were. The truth has those that are on the road at its time, in the
+/// scenario's order.
+fn actors(scenario: &Scenario, truths: &[VehicleTruth]) -> Vec<ActorPath> {
+    let mut paths: Vec<ActorPath> = (scenario.actors.iter())
+        .map(|actor| ActorPath { name: actor.name.as_str().into(), ..ActorPath::default() })
+        .collect();
+    for truth in truths {
+        let time_ns = truth.header.acquisition_ns.unsigned_abs();
+        let time_s = time_ns as f64 / 1e9;
+        let count = usize::try_from(truth.count).map_or(0, |count| count.min(truth.vehicles.len()));
+        let mut vehicles = truth.vehicles[..count].iter();
+        for (path, actor) in paths.iter_mut().zip(&scenario.actors) {
+            let leaves_ns = actor.leaves_at_s.map_or(u64::MAX, |time| time.nanoseconds());
+            let present = (actor.appears_at_s.nanoseconds()..leaves_ns).contains(&time_ns);
+            let vehicle = if present { vehicles.next() } else { None };
+            let nowhere = (time_s, f64::NAN);
+            let place = vehicle.map_or(nowhere, |vehicle| (time_s, vehicle.rear_position_m));
+            let in_lane = vehicle.is_some_and(|vehicle| vehicle.in_lane != 0);
+            path.in_lane_m.push(if in_lane { place } else { nowhere });
+            path.beside_m.push(if in_lane { nowhere } else { place });
+        }
+    }
+    paths
+}
+
+/// What the signals' programs showed in `duration_s`.
+fn signals(scenario: &Scenario, duration_s: f64) -> Vec<SignalPhases> {
+    let signals = scenario.v2x.signals.iter();
+    signals
+        .map(|signal| {
+            let mut from_s = 0.0;
+            let mut phases = Vec::new();
+            for interval in Program::new(signal).intervals(0) {
+                let to_s = interval.end_ns.map_or(duration_s, |end| end as f64 / 1e9);
+                let to_s = to_s.min(duration_s);
+                if to_s > from_s {
+                    phases.push((from_s, to_s, interval.phase));
+                }
+                from_s = to_s;
+                if from_s >= duration_s {
+                    break;
+                }
+            }
+            SignalPhases {
+                name: format!("signal {}", signal.intersection_id.value()),
+                stop_line_m: signal.stop_line_m.value(),
+                phases,
+            }
+        })
+        .collect()
+}
+
+/// Times during which a sampled value stayed the same, each up to the next sample that differs.
+fn phases<T: PartialEq + Copy>(
+    samples: impl Iterator<Item = (f64, T)>,
+    until_s: f64,
+    name: impl Fn(T) -> String,
+) -> Vec<Phased> {
+    let mut phases: Vec<Phased> = Vec::new();
+    let mut last = None;
+    for (time_s, value) in samples {
+        if last == Some(value) {
+            continue;
+        }
+        if let Some(before) = phases.last_mut() {
+            before.to_s = time_s;
+        }
+        phases.push(Phased { from_s: time_s, to_s: until_s, label: name(value) });
+        last = Some(value);
+    }
+    phases
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_become_phases_up_to_the_end() {
+        let samples = [(0.0, 1), (0.1, 1), (0.2, 2), (0.3, 1)];
+        let phases = phases(samples.into_iter(), 0.4, |value| value.to_string());
+        let spans: Vec<_> = phases.iter().map(|p| (p.from_s, p.to_s, p.label.as_str())).collect();
+        assert_eq!(spans, [(0.0, 0.2, "1"), (0.2, 0.3, "2"), (0.3, 0.4, "1")]);
+    }
+
+    #[test]
+    fn a_signal_shows_its_program_and_ends_with_the_run() {
+        let scenario = Scenario::open("corridor", &Default::default(), &|_| Ok(()));
+        let scenario = scenario.expect("built in");
+        let signals = signals(&scenario, 100.0);
+        assert_eq!(signals.len(), 3);
+        for signal in &signals {
+            let joined = signal.phases.windows(2).all(|pair| pair[0].1 == pair[1].0);
+            assert!(joined && signal.phases[0].0 == 0.0, "{signal:?}");
+            assert_eq!(signal.phases.last().map(|phase| phase.1), Some(100.0));
+        }
+        assert_eq!(signals[0].phases[1], (27.0, 30.0, Phase::Yellow));
+    }
+}

@@ -1,0 +1,284 @@
+//! What a person reads after a run.
+
+use crate::summary::Summary;
+use group::RecordingSummary;
+use messages::rung::Rung;
+use runtime::report::{Outcome, WorstChain};
+use runtime::statistics::Percentiles;
+use std::fmt::Write as _;
+use std::io::Write as _;
+
+/// Writes text on standard output. Whoever closed it has read enough.
+pub fn out(text: &str) {
+    let _ = std::io::stdout().write_all(text.as_bytes());
+}
+
+/// The run in ten seconds' reading.
+pub fn summary(summary: &Summary) -> String {
+    let mut text = String::new();
+    let mut line = |label: &str, value: String| {
+        writeln!(text, "  {label:<14} {value}").expect("a string takes all");
+    };
+    line("outcome", outcome(summary));
+    drive(summary, &mut line);
+    timing(summary, &mut line);
+    messages(summary, &mut line);
+    faults(summary, &mut line);
+    machine(summary, &mut line);
+    if let Some(recording) = &summary.recording {
+        line("recording", self::recording(recording));
+    }
+    format!(
+        "{} · {} · {} · seed {}\n{text}",
+        summary.scenario, summary.controller, summary.mode, summary.seed
+    )
+}
+
+/// How a run ended, in a line.
+pub fn outcome(summary: &Summary) -> String {
+    let word = outcome_word(summary.outcome);
+    let because =
+        summary.aborted_because.as_ref().map_or_else(String::new, |why| format!(" ({why})"));
+    let speed = match summary.simulated_per_wall {
+        Some(ratio) if summary.mode == "lockstep" => format!(", {ratio:.0} simulated s per s"),
+        _ => String::new(),
+    };
+    format!(
+        "{word}{because}, {:.1} s driven in {:.2} s of wall time (ready after {:.0} ms{speed})",
+        summary.duration_s, summary.wall_s, summary.ready_ms
+    )
+}
+
+/// An outcome in a word.
+pub fn outcome_word(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Completed => "completed",
+        Outcome::Collision => "COLLISION",
+        Outcome::RedLight => "RED LIGHT",
+        Outcome::SafeStop => "safe stop",
+        Outcome::Aborted => "aborted",
+    }
+}
+
+fn recording(recording: &RecordingSummary) -> String {
+    let lost = match recording.lost {
+        Some(lost) => format!("{lost} lost"),
+        None => "losses not counted".into(),
+    };
+    let failed =
+        recording.failed.as_ref().map_or_else(String::new, |why| format!("; ENDS EARLY: {why}"));
+    let mib = recording.bytes as f64 / f64::from(1 << 20);
+    format!("{} messages, {lost}, {mib:.2} MiB{failed}", recording.messages)
+}
+
+fn drive(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
+    let control = &summary.control.figures;
+    if let Some(crossed) = control.stop_line_crossing_s {
+        let past = control.past_stop_line_at_switch_m.map_or_else(String::new, |past| {
+            format!(", {past:.1} m past it when the light changed")
+        });
+        line("stop line", format!("crossed at {crossed:.2} s{past}"));
+    } else if let Some(past) = control.past_stop_line_at_switch_m {
+        line("stop line", format!("{:.1} m before it when the light changed", -past));
+    }
+    if let Some(gap) = control.min_gap_m {
+        let ttc = control
+            .min_ttc_s
+            .map_or_else(String::new, |ttc| format!(", time to collision at least {ttc:.1} s"));
+        let end = control.final_gap_error_m.map_or_else(String::new, |error| {
+            format!(", off the desired one by {error:.2} m at the end")
+        });
+        line("gap", format!("at least {gap:.1} m{end}{ttc}"));
+    }
+    if let (Some(low), Some(high)) = (control.min_accel_mps2, control.max_accel_mps2) {
+        let jerk = control
+            .max_abs_jerk_mps3
+            .map_or_else(String::new, |jerk| format!(", jerk at most {jerk:.1} m/s³"));
+        line("acceleration", format!("{low:.2} to {high:.2} m/s²{jerk}"));
+    }
+    if let Some(fuel) = control.fuel_l_per_100km {
+        let shifts = control
+            .gear_shifts
+            .map_or_else(String::new, |shifts| format!(", {shifts} gear shifts"));
+        let braked = match control.service_brake_s {
+            Some(time_s) if time_s > 0.0 => format!(", service brakes for {time_s:.1} s"),
+            _ => ", no service brake".into(),
+        };
+        line("fuel", format!("{fuel:.2} L/100 km{shifts}{braked}"));
+    }
+    if let Some(changes) = &summary.control.mode_changes
+        && !changes.is_empty()
+    {
+        let shown: Vec<_> =
+            changes.iter().take(8).map(|c| format!("{} at {:.1} s", c.to, c.t_s)).collect();
+        let more = changes.len().saturating_sub(8);
+        let more = if more > 0 { format!(", and {more} more") } else { String::new() };
+        line("modes", shown.join(", ") + &more);
+    }
+}
+
+fn timing(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
+    let timing = &summary.timing;
+    if let Some(solve) = timing.solve_us {
+        line("law", percentiles(&solve));
+    }
+    if let (Some(cycles), Some(relaxed), Some(backup)) =
+        (timing.cycles, timing.relaxed_cycles, timing.backup_cycles)
+        && relaxed + backup > 0
+    {
+        line("", format!("{relaxed} of {cycles} commands relaxed, {backup} from the backup law"));
+    }
+    if let Some(planning) = &timing.planning {
+        let took = planning.plan_us.map_or_else(|| "none came".into(), |took| percentiles(&took));
+        line("planning", format!("{took}, {} of {} late", planning.late, planning.asked));
+    }
+    if summary.mode == "lockstep" {
+        return;
+    }
+    if let Some(reaction) = timing.reaction_time_us {
+        line("reaction time", percentiles(&reaction));
+        let hops = &timing.hops_us;
+        let parts = [
+            ("radar to controller", hops.radar_to_controller),
+            ("compute", hops.controller_compute),
+            ("controller to plant", hops.controller_to_plant),
+        ];
+        let parts: Vec<_> = parts
+            .iter()
+            .filter_map(|(name, p)| p.map(|p| format!("{name} {}", duration(p.p50))))
+            .collect();
+        line("", format!("medians of its parts: {}", parts.join(", ")));
+    }
+    if let Some(net) = timing.net_reaction_us {
+        line("", format!("without its designed waits {}", percentiles(&net)));
+    }
+    if let Some(worst) = timing.worst_chains.first() {
+        line("", longest(worst));
+    }
+    if let (Some(misses), Some(cycles), Some(deadline)) =
+        (timing.deadline_misses, timing.cycles, timing.deadline_us)
+    {
+        line("deadline", format!("{misses} of {cycles} cycles missed {}", duration(deadline)));
+    }
+}
+
+/// The longest chain in one line: where its undesigned time went, and what its control cycle met.
+fn longest(chain: &WorstChain) -> String {
+    let hops = &chain.hops_us;
+    let parts = [
+        ("radar publish", hops.radar_publish),
+        ("controller queue", hops.controller_queue),
+        ("radar transport", hops.radar_transport),
+        ("compute", hops.controller_compute),
+        ("command transport", hops.command_transport),
+        ("actuate", hops.actuate),
+    ];
+    let (name, us) = parts.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).expect("six parts");
+    format!(
+        "longest {} at {:.2} s: {name} {}; {} context switches, {} page faults, {} iterations",
+        duration(chain.reaction_time_us),
+        chain.t_s,
+        duration(us),
+        chain.voluntary_switches + chain.involuntary_switches,
+        chain.minor_faults + chain.major_faults,
+        chain.solver_iterations,
+    )
+}
+
+fn messages(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
+    let sent: u64 = summary.messages.values().map(|topic| topic.sent).sum();
+    let lost: u64 = summary.messages.values().filter_map(|topic| topic.lost).sum();
+    if sent > 0 {
+        line("messages", format!("{sent} sent on {} topics, {lost} lost", summary.messages.len()));
+    }
+}
+
+/// Most faults that are told one by one.
+const SHOWN_FAULTS: usize = 8;
+
+fn faults(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
+    for (index, fault) in summary.faults.iter().take(SHOWN_FAULTS).enumerate() {
+        let victim = fault.service.map(|service| service.name()).or(fault.topic).unwrap_or("");
+        let mut text = format!("{} {victim} at {:.2} s", fault.kind, fault.t_s);
+        for (what, us) in
+            [("detected", fault.detected_after_us), ("back", fault.recovered_after_us)]
+        {
+            if let Some(us) = us {
+                write!(text, ", {what} after {}", duration(us)).expect("a string takes all");
+            }
+        }
+        if let Some(messages) = fault.messages {
+            write!(text, ", {messages} messages").expect("a string takes all");
+        }
+        line(if index == 0 { "faults" } else { "" }, text);
+    }
+    if summary.faults.len() > SHOWN_FAULTS {
+        line("", format!("and {} more", summary.faults.len() - SHOWN_FAULTS));
+    }
+    let rungs: Vec<String> = (summary.rungs.iter())
+        .flat_map(|(who, rungs)| rungs.time_s.iter().map(move |(rung, time_s)| (who, rung, time_s)))
+        .filter(|(_, rung, _)| rung.as_str() != Rung::Full.name())
+        .map(|(who, rung, time_s)| format!("{who} {rung} {time_s:.2} s"))
+        .collect();
+    if !rungs.is_empty() {
+        line("degraded", rungs.join(", "));
+    }
+    let refused: u64 = summary.messages.values().filter_map(|topic| topic.e2e_errors).sum();
+    if refused > 0 {
+        line("", format!("{refused} messages refused by the end-to-end check"));
+    }
+}
+
+fn machine(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
+    for service in &summary.services {
+        let Some(granted) = &service.scheduling else { continue };
+        let core = granted.core.map_or_else(|| "any core".into(), |core| format!("core {core}"));
+        let locked = if granted.memory_locked { "memory locked" } else { "memory not locked" };
+        let rss = service.peak_rss_kib.unwrap_or(0) as f64 / 1024.0;
+        let refused = if granted.refused.is_empty() {
+            String::new()
+        } else {
+            format!("; not granted: {}", granted.refused.join(", "))
+        };
+        let restarts = match service.restarts {
+            0 => String::new(),
+            1 => ", restarted once".into(),
+            n => format!(", restarted {n} times"),
+        };
+        let granted = &granted.granted;
+        line(service.name, format!("{granted}, {core}, {locked}, {rss:.1} MiB{restarts}{refused}"));
+    }
+}
+
+fn percentiles(p: &Percentiles) -> String {
+    format!(
+        "p50 {}, p99 {}, max {} (n = {})",
+        duration(p.p50),
+        duration(p.p99),
+        duration(p.max),
+        p.count
+    )
+}
+
+/// A duration in µs with the unit that reads best.
+pub fn duration(us: f64) -> String {
+    if us < 1e3 {
+        format!("{us:.1} µs")
+    } else if us < 1e6 {
+        format!("{:.2} ms", us / 1e3)
+    } else {
+        format!("{:.2} s", us / 1e6)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations_choose_their_unit() {
+        assert_eq!(duration(12.34), "12.3 µs");
+        assert_eq!(duration(1234.0), "1.23 ms");
+        assert_eq!(duration(2_500_000.0), "2.50 s");
+    }
+}

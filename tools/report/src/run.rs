@@ -1,0 +1,264 @@
+//! The page of one run.
+
+use super::chart::{Picture, escape};
+use super::html::{Column, Tile, document, figure, section, stacked_table, table, tiles};
+use super::picture::RunPicture;
+use super::{drive, timing};
+use crate::print;
+use crate::summary::{ServiceSummary, Summary};
+use runtime::report::Outcome;
+use scenario::Scenario;
+
+/// Longest scenario that is printed whole, bytes.
+const MAX_SCENARIO: usize = 100_000;
+
+/// The page of a run.
+pub fn page(scenario: &Scenario, summary: &Summary, run: &RunPicture) -> String {
+    let body = [
+        tiles(&figures(summary)),
+        faults(run),
+        section("The drive", &pictures(run)),
+        section("Timing", &times(summary, run)),
+        section("Messages", &messages(summary)),
+        section("What the machine granted", &machine(summary)),
+        repeat(scenario, summary),
+    ]
+    .concat();
+    let (good, verdict) = verdict(summary);
+    let about = [
+        summary.controller.clone(),
+        summary.mode.to_owned(),
+        format!("seed {}", summary.seed),
+        scenario.description.as_str().to_owned(),
+    ];
+    let about: Vec<_> = about.into_iter().filter(|part| !part.is_empty()).collect();
+    document(&summary.scenario, &about.join(" · "), good, &verdict, &body)
+}
+
+/// Whether the requirement was met, and what came out in words.
+fn verdict(summary: &Summary) -> (bool, String) {
+    let at = format!("{:.1} s", summary.duration_s);
+    match summary.outcome {
+        Outcome::Completed => {
+            (true, format!("Completed: {at} driven without a collision or a red light"))
+        }
+        Outcome::Collision => (false, format!("Collision after {at}")),
+        Outcome::RedLight => (false, format!("A stop line was crossed at red after {at}")),
+        Outcome::SafeStop => {
+            (false, format!("Safe stop: the plant heard no valid commands; {at} driven"))
+        }
+        Outcome::Aborted => {
+            let why = summary.aborted_because.as_deref().unwrap_or("ended before its time");
+            (false, format!("Aborted after {at}: {why}"))
+        }
+    }
+}
+
+/// What is read first.
+fn figures(summary: &Summary) -> Vec<Tile> {
+    let control = &summary.control.figures;
+    let timing = &summary.timing;
+    let tile =
+        |label, value: Option<String>, note: String| value.map(|value| Tile { label, value, note });
+    let number = |value: Option<f64>, decimals: usize, unit: &str| {
+        value.map(|value| format!("{} {unit}", super::chart::number(value, decimals)))
+    };
+    let range = control.min_accel_mps2.zip(control.max_accel_mps2).map(|(low, high)| {
+        let of = |value| super::chart::number(value, 1);
+        format!("{} to {} m/s²", of(low), of(high))
+    });
+    let past = control.past_stop_line_at_switch_m.map_or_else(String::new, |past| {
+        let side = if past < 0.0 { "before" } else { "past" };
+        format!("{:.1} m {side} it when the light changed", past.abs())
+    });
+    let crossed = match (control.stop_line_crossing_s, control.past_stop_line_at_switch_m) {
+        (None, Some(_)) => Some("not crossed".to_owned()),
+        (crossed, _) => number(crossed, 2, "s"),
+    };
+    let reaction = timing.reaction_time_us.filter(|_| summary.mode == "realtime");
+    let missed = timing.deadline_misses.zip(timing.cycles);
+    let deadline = timing.deadline_us.map_or_else(String::new, print::duration);
+    [
+        tile("Smallest gap", number(control.min_gap_m, 1, "m"), String::new()),
+        tile("Least time to collision", number(control.min_ttc_s, 1, "s"), String::new()),
+        tile(
+            "Off the desired gap at the end",
+            number(control.final_gap_error_m, 2, "m"),
+            String::new(),
+        ),
+        tile("First stop line", crossed, past),
+        tile("Acceleration", range, String::new()),
+        tile("Largest jerk", number(control.max_abs_jerk_mps3, 1, "m/s³"), String::new()),
+        tile("Fuel", number(control.fuel_l_per_100km, 2, "L/100 km"), String::new()),
+        tile(
+            "Reaction time, median",
+            reaction.map(|p| print::duration(p.p50)),
+            reaction.map_or_else(String::new, |p| {
+                format!("max {}, n = {}", print::duration(p.max), p.count)
+            }),
+        ),
+        tile(
+            "Deadlines missed",
+            missed.map(|(missed, cycles)| format!("{missed} of {cycles}")),
+            deadline,
+        ),
+        tile(
+            "The law, median",
+            timing.solve_us.map(|p| print::duration(p.p50)),
+            timing.solve_us.map_or_else(String::new, |p| {
+                format!("max {}, n = {}", print::duration(p.max), p.count)
+            }),
+        ),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+/// The faults by their numbers in the pictures; nothing without any.
+fn faults(run: &RunPicture) -> String {
+    if run.faults.is_empty() {
+        return String::new();
+    }
+    let rows: Vec<_> = (run.faults.iter().enumerate())
+        .map(|(index, fault)| {
+            let number = (index + 1).to_string();
+            vec![number, format!("{:.3}", fault.t_s), fault.label.clone(), fault.outcome.clone()]
+        })
+        .collect();
+    let head = [
+        ("no.", Column::Number),
+        ("at, s", Column::Number),
+        ("fault", Column::Text),
+        ("what came of it", Column::Text),
+    ];
+    section("Faults", &table(&head, &rows))
+}
+
+/// The pictures of the drive.
+pub fn pictures(run: &RunPicture) -> String {
+    let stack = |pictures: &[&dyn Picture]| {
+        let drawn: String = pictures.iter().map(|picture| figure(*picture)).collect();
+        format!("<div class=\"stack\">\n{drawn}</div>\n")
+    };
+    let (speed, acceleration, road) =
+        (drive::speed(run), drive::acceleration(run), drive::road(run));
+    let (gap, modes) = (drive::gap(run), drive::modes(run));
+    let mut left: Vec<&dyn Picture> = vec![&speed];
+    left.extend(gap.as_ref().map(|gap| gap as &dyn Picture));
+    left.push(&acceleration);
+    let mut right: Vec<&dyn Picture> = vec![&road];
+    right.extend(modes.as_ref().map(|modes| modes as &dyn Picture));
+    let powertrain = drive::powertrain(run);
+    right.extend(powertrain.iter().map(|plot| plot as &dyn Picture));
+    format!("<div class=\"grid\">\n{}{}</div>\n", stack(&left), stack(&right))
+}
+
+fn times(summary: &Summary, run: &RunPicture) -> String {
+    if summary.mode == "lockstep" {
+        let note = "<p class=\"quiet\">In lockstep all stamps are simulated time: latencies say \
+                    nothing about a machine. The law alone is timed on the wall's clock.</p>\n";
+        return note.to_owned() + &timing::percentiles(summary);
+    }
+    let count = summary.timing.reaction_time_us.map_or(0, |p| p.count);
+    let hops = timing::latencies(run, count).map_or_else(String::new, |plot| figure(&plot));
+    let worst =
+        timing::worst_chains(&run.worst_chains).map_or_else(String::new, |bands| figure(&bands));
+    let mut text =
+        format!("<div class=\"grid\">\n{hops}{worst}</div>\n<div class=\"gap\"></div>\n");
+    text.push_str(&timing::percentiles(summary));
+    if !run.worst_chains.is_empty() {
+        text.push_str("<h3 class=\"sub\">What the longest chains met with</h3>\n");
+        text.push_str(&timing::worst_table(&run.worst_chains));
+    }
+    text
+}
+
+fn messages(summary: &Summary) -> String {
+    let count = |value: Option<u64>| value.map_or_else(|| "–".to_owned(), |n| n.to_string());
+    let rows: Vec<_> = (summary.messages.iter())
+        .map(|(topic, counts)| {
+            vec![
+                topic.clone(),
+                counts.sent.to_string(),
+                count(counts.received),
+                count(counts.lost),
+                count(counts.e2e_errors),
+            ]
+        })
+        .collect();
+    let head = [
+        ("topic", Column::Text),
+        ("sent", Column::Number),
+        ("received", Column::Number),
+        ("lost", Column::Number),
+        ("invalid", Column::MoreNumber),
+    ];
+    table(&head, &rows)
+}
+
+fn machine(summary: &Summary) -> String {
+    let rows: Vec<_> = summary.services.iter().map(service).collect();
+    let head = [
+        ("service", Column::Text),
+        ("granted", Column::Text),
+        ("asked for", Column::MoreText),
+        ("core", Column::Text),
+        ("memory", Column::Text),
+        ("peak", Column::Number),
+        ("restarts", Column::MoreNumber),
+        ("end", Column::MoreText),
+        ("not granted", Column::Text),
+    ];
+    let host = &summary.host;
+    let kind = if host.realtime_kernel { "real-time kernel" } else { "not a real-time kernel" };
+    let host = format!(
+        "<p class=\"quiet\">{} processors, Linux {}, {kind}; ready after {:.0} ms, {:.2} s of wall \
+         time</p>\n",
+        host.cpus,
+        escape(&host.kernel),
+        summary.ready_ms,
+        summary.wall_s,
+    );
+    stacked_table(&head, &rows) + &host
+}
+
+fn service(service: &ServiceSummary) -> Vec<String> {
+    let dash = || "–".to_owned();
+    let granted = service.scheduling.as_ref();
+    let rss =
+        service.peak_rss_kib.map_or_else(dash, |kib| format!("{:.1} MiB", kib as f64 / 1024.0));
+    vec![
+        service.name.to_owned(),
+        granted.map_or_else(dash, |granted| granted.granted.clone()),
+        granted.map_or_else(dash, |granted| granted.requested.clone()),
+        granted.map_or_else(dash, |granted| {
+            granted.core.map_or("any".into(), |core| core.to_string())
+        }),
+        granted.map_or_else(dash, |granted| {
+            if granted.memory_locked { "locked".into() } else { "not locked".into() }
+        }),
+        rss,
+        service.restarts.to_string(),
+        service.exit.clone().unwrap_or_else(dash),
+        granted.map_or_else(String::new, |granted| granted.refused.join(", ")),
+    ]
+}
+
+/// How to do it again, with the scenario as it took effect.
+fn repeat(scenario: &Scenario, summary: &Summary) -> String {
+    let toml = scenario.to_toml();
+    let whole = if toml.len() <= MAX_SCENARIO {
+        format!(
+            "<details><summary>The scenario as it took effect</summary>\n<pre>{}</pre>\n</details>\n",
+            escape(&toml)
+        )
+    } else {
+        String::new()
+    };
+    let mode = if summary.mode == "lockstep" { " --mode lockstep" } else { "" };
+    let again = format!(
+        "<p>In the directory of this page: <code>timegap run scenario.toml{mode}</code></p>\n"
+    );
+    section("Again", &(again + &whole))
+}

@@ -1,0 +1,255 @@
+//! `summary.json`: stable names for what a run measured. A figure that does not apply is null.
+
+use group::{Drive, Ended, FaultRecord, GroupOutcome, Heartbeats, RecordingSummary};
+use messages::Service;
+use messages::e2e::Outcomes;
+use messages::rung::Rungs;
+use runtime::Mode;
+use runtime::report::{
+    ControlFigures, ControllerReport, Details, Hops, ModeChange, Outcome, PlanningReport,
+    PlantReport, ReceivedTopic, ServiceReport, WorstChain,
+};
+use runtime::scheduling::Granted;
+use runtime::statistics::{Latencies, Percentiles};
+use scenario::Scenario;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+/// The summary of one run.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    pub schema_version: u32,
+    pub scenario: String,
+    pub controller: String,
+    pub mode: &'static str,
+    pub seed: u64,
+    pub outcome: Outcome,
+    /// Why the outcome is `aborted`.
+    pub aborted_because: Option<String>,
+    pub duration_s: f64,
+    pub wall_s: f64,
+    /// From the first spawn until all services were ready, ms.
+    pub ready_ms: f64,
+    /// Simulated time over the wall time since the start instant.
+    pub simulated_per_wall: Option<f64>,
+    pub control: Control,
+    pub timing: Timing,
+    pub messages: BTreeMap<String, TopicCounts>,
+    /// What became of the recording; null if none was asked for.
+    pub recording: Option<RecordingSummary>,
+    pub faults: Vec<FaultRecord>,
+    /// The ways of controller and plant on the degradation ladder.
+    pub rungs: BTreeMap<&'static str, Rungs>,
+    pub services: Vec<ServiceSummary>,
+    pub host: Host,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub struct Control {
+    #[serde(flatten)]
+    pub figures: ControlFigures,
+    pub mode_changes: Option<Vec<ModeChange>>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub struct Timing {
+    pub cycles: Option<u64>,
+    pub deadline_us: Option<f64>,
+    pub deadline_misses: Option<u64>,
+    pub reaction_time_us: Option<Percentiles>,
+    pub data_age_us: Option<Percentiles>,
+    pub release_jitter_us: Option<Percentiles>,
+    pub solve_us: Option<Percentiles>,
+    /// The waits of the reaction time that are designed, and the reaction time without them.
+    pub designed_wait_us: Option<Percentiles>,
+    pub net_reaction_us: Option<Percentiles>,
+    pub hops_us: Hops,
+    pub worst_chains: Vec<WorstChain>,
+    /// Longest time between two commands that the actuator gateway accepted.
+    pub max_command_gap_us: Option<f64>,
+    /// Cycles whose command had to be relaxed, and whose command came from the law's backup.
+    pub relaxed_cycles: Option<u64>,
+    pub backup_cycles: Option<u64>,
+    /// Planning beside the control loop, of laws that do.
+    pub planning: Option<PlanningReport>,
+    /// Commands that the scenario's misses and jitter kept from the actuators.
+    pub undelivered_commands: Option<u64>,
+}
+
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct TopicCounts {
+    pub sent: u64,
+    /// Fewest messages that one of the topic's readers received; null if nobody reads it.
+    pub received: Option<u64>,
+    /// Most messages that one of the topic's readers missed.
+    pub lost: Option<u64>,
+    /// Messages that the topic's readers refused; null if nobody reads it.
+    pub e2e_errors: Option<u64>,
+    /// Outcomes of the end-to-end check, summed over the topic's readers.
+    pub e2e: Outcomes,
+    /// XXH3 over the bytes of all messages of each sender, in lockstep.
+    pub digests: BTreeMap<String, String>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub struct ServiceSummary {
+    pub name: &'static str,
+    pub restarts: u32,
+    /// Its signs of life, as the launcher heard them; null in lockstep.
+    pub heartbeats: Option<Heartbeats>,
+    pub exit: Option<String>,
+    pub peak_rss_kib: Option<u64>,
+    /// Allocations of the loop, in programs whose allocator counts; null elsewhere.
+    pub allocations_in_loop: Option<u64>,
+    pub scheduling: Option<Granted>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Host {
+    pub cpus: usize,
+    pub kernel: String,
+    pub realtime_kernel: bool,
+}
+
+impl Host {
+    /// This machine.
+    pub fn this() -> Self {
+        let read = |path| std::fs::read_to_string(path).unwrap_or_default().trim().to_owned();
+        Self {
+            cpus: std::thread::available_parallelism().map_or(1, usize::from),
+            kernel: read("/proc/sys/kernel/osrelease"),
+            realtime_kernel: read("/sys/kernel/realtime") == "1",
+        }
+    }
+}
+
+impl Summary {
+    /// Puts together what the group brought back.
+    pub fn new(scenario: &Scenario, mode: Mode, group: &GroupOutcome, wall: Duration) -> Self {
+        let report = |service| group.reports.get(&service);
+        let plant = report(Service::Plant).and_then(plant_details);
+        let controller = report(Service::Controller).and_then(controller_details);
+        let duration_s = plant.map_or(0.0, |plant| plant.duration_s);
+        let ran_s = group.ran_for.as_secs_f64();
+        let (outcome, aborted_because) = outcome(&group.ended, plant);
+        Self {
+            schema_version: 1,
+            scenario: scenario.name.as_str().into(),
+            controller: scenario.controller.name.as_str().into(),
+            mode: mode.name(),
+            seed: scenario.seed.value(),
+            outcome,
+            aborted_because,
+            duration_s,
+            wall_s: wall.as_secs_f64(),
+            ready_ms: group.ready_after.as_secs_f64() * 1e3,
+            simulated_per_wall: (ran_s > 0.0 && duration_s > 0.0).then(|| duration_s / ran_s),
+            control: Control {
+                figures: plant.map(|plant| plant.control.clone()).unwrap_or_default(),
+                mode_changes: controller.map(|controller| controller.mode_changes.clone()),
+            },
+            timing: Timing {
+                cycles: report(Service::Controller).map(|report| report.cycles),
+                deadline_us: controller.map(|controller| controller.deadline_us),
+                deadline_misses: controller
+                    .filter(|_| mode == Mode::Realtime)
+                    .map(|controller| controller.deadline_misses),
+                reaction_time_us: plant.and_then(|plant| plant.reaction_time_us),
+                data_age_us: plant.and_then(|plant| plant.data_age_us),
+                release_jitter_us: report(Service::Controller)
+                    .and_then(|report| report.release_jitter_us),
+                solve_us: controller.and_then(|controller| controller.solve_us),
+                designed_wait_us: plant.and_then(|plant| plant.designed_wait_us),
+                net_reaction_us: plant.and_then(|plant| plant.net_reaction_us),
+                hops_us: plant.map(|plant| plant.hops_us).unwrap_or_default(),
+                worst_chains: plant.map(|plant| plant.worst_chains.clone()).unwrap_or_default(),
+                max_command_gap_us: plant.and_then(|plant| plant.max_command_gap_us),
+                relaxed_cycles: controller.map(|controller| controller.relaxed),
+                backup_cycles: controller.map(|controller| controller.backup),
+                planning: controller.and_then(|controller| controller.planning),
+                undelivered_commands: plant.map(|plant| plant.undelivered_commands),
+            },
+            messages: messages(&group.reports, &group.drive),
+            recording: group.recording.clone(),
+            faults: group.faults.clone(),
+            rungs: (controller.map(|controller| ("controller", controller.rungs.clone())))
+                .into_iter()
+                .chain(plant.map(|plant| ("plant", plant.rungs.clone())))
+                .collect(),
+            services: Service::ALL
+                .into_iter()
+                .map(|service| ServiceSummary {
+                    name: service.name(),
+                    restarts: group.restarts.get(&service).copied().unwrap_or(0),
+                    heartbeats: group.heartbeats.get(&service).copied(),
+                    exit: group.exits.get(&service).cloned(),
+                    peak_rss_kib: report(service).map(|report| report.peak_rss_kib),
+                    allocations_in_loop: report(service)
+                        .and_then(|report| report.allocations_in_loop),
+                    scheduling: report(service).map(|report| report.scheduling.clone()),
+                })
+                .collect(),
+            host: Host::this(),
+        }
+    }
+}
+
+fn outcome(ended: &Ended, plant: Option<&PlantReport>) -> (Outcome, Option<String>) {
+    let reached = plant.map_or(Outcome::Aborted, |plant| plant.outcome);
+    match ended {
+        Ended::Orderly => (reached, None),
+        // What the referee saw before the end still counts.
+        _ if matches!(reached, Outcome::Collision | Outcome::RedLight) => (reached, None),
+        Ended::Interrupted => (Outcome::Aborted, Some("interrupted".into())),
+        Ended::Broken { service, how } => {
+            (Outcome::Aborted, Some(format!("{service} ended before its time: {how}")))
+        }
+    }
+}
+
+/// The histograms that the plant brought back, by name; none if it brought no report.
+pub fn histograms(group: &GroupOutcome) -> Vec<(String, Latencies)> {
+    let plant = group.reports.get(&Service::Plant).and_then(plant_details);
+    let histograms = plant.into_iter().flat_map(|plant| &plant.histograms);
+    histograms.map(|(name, histogram)| (name.clone(), histogram.clone())).collect()
+}
+
+fn plant_details(report: &ServiceReport) -> Option<&PlantReport> {
+    match &report.details {
+        Details::Plant(plant) => Some(plant),
+        _ => None,
+    }
+}
+
+fn controller_details(report: &ServiceReport) -> Option<&ControllerReport> {
+    match &report.details {
+        Details::Controller(controller) => Some(controller),
+        _ => None,
+    }
+}
+
+fn messages(
+    reports: &BTreeMap<Service, ServiceReport>,
+    drive: &Drive,
+) -> BTreeMap<String, TopicCounts> {
+    let mut topics: BTreeMap<String, TopicCounts> = BTreeMap::new();
+    for report in reports.values() {
+        for sent in &report.sent {
+            let counts = topics.entry(sent.topic.clone()).or_default();
+            counts.sent += sent.sent;
+            if let Some(digest) = &sent.digest {
+                counts.digests.insert(report.service.name().into(), digest.clone());
+            }
+        }
+    }
+    let received = reports.values().flat_map(|report| &report.received).chain(&drive.received);
+    for ReceivedTopic { topic, received, lost, e2e, .. } in received {
+        let counts = topics.entry(topic.clone()).or_default();
+        counts.received = Some(counts.received.map_or(*received, |least| least.min(*received)));
+        counts.lost = Some(counts.lost.map_or(*lost, |most| most.max(*lost)));
+        counts.e2e.add(e2e);
+        counts.e2e_errors = Some(counts.e2e.refused());
+    }
+    topics
+}

@@ -1,0 +1,254 @@
+//! Pictures and tables of time: the latency of each hop, its percentiles, the worst chains.
+
+use super::chart::{Axis, Bands, Curve, Plot, Row, Span, Stroke, Tone};
+use super::html::{Cell, Column, stacked_table};
+use super::picture::RunPicture;
+use crate::print::duration;
+use crate::summary::Summary;
+use runtime::report::{HopTimes, WorstChain};
+use runtime::statistics::{Latencies, Percentiles, QuantileCurve};
+
+/// Chains drawn as timelines; the table has them all.
+const DRAWN_CHAINS: usize = 5;
+
+/// The hops in order of time: name of the figure, name for readers, colour. Waits are dotted, work is dashed, what the
+/// transport takes is solid.
+const HOPS: [(&str, &str, Tone, Stroke); 7] = [
+    ("radar_publish", "radar publishes", Tone::Series(1), Stroke::Dashed),
+    ("controller_queue", "waits for the controller", Tone::Series(5), Stroke::Dotted),
+    ("radar_transport", "controller wakes", Tone::Series(2), Stroke::Solid),
+    ("controller_compute", "controller computes", Tone::Series(3), Stroke::Dashed),
+    ("command_wait", "waits for the plant", Tone::Muted, Stroke::Dotted),
+    ("command_transport", "plant wakes", Tone::Series(4), Stroke::Solid),
+    ("actuate", "plant actuates", Tone::Series(6), Stroke::Dashed),
+];
+
+/// Distributions of the chain's hops on a logarithmic axis; none without samples.
+pub fn latencies(run: &RunPicture, count: u64) -> Option<Plot> {
+    let whole = [
+        ("reaction_time", "reaction time", Tone::Series(0), Stroke::Solid),
+        ("net_reaction", "without designed waits", Tone::Series(7), Stroke::Dashed),
+    ];
+    let drawn = whole.iter().chain(&HOPS).filter_map(|(figure, name, tone, stroke)| {
+        let curve = run.latencies.get(*figure)?;
+        curve
+            .iter()
+            .any(|point| point.1 > 0.0)
+            .then(|| Curve::new(name, *tone, distribution(curve, count)).stroke(*stroke))
+    });
+    cumulative(&format!("Latency of each hop (n = {count})"), count, drawn.collect())
+}
+
+/// A distribution to be drawn.
+pub struct Distribution<'a> {
+    /// Name for the legend.
+    pub label: String,
+    /// Colour.
+    pub tone: Tone,
+    /// Stroke.
+    pub stroke: Stroke,
+    /// The samples.
+    pub latencies: &'a Latencies,
+}
+
+/// Distributions over each other; none without samples.
+pub fn distributions(title: &str, drawn: &[Distribution<'_>]) -> Option<Plot> {
+    let most = drawn.iter().map(|drawn| drawn.latencies.count()).max()?;
+    let drawn = drawn.iter().filter(|drawn| drawn.latencies.count() > 0);
+    let curves = drawn.map(|drawn| {
+        let latencies = drawn.latencies;
+        let points = distribution(&latencies.quantile_curve(), latencies.count());
+        Curve::new(&drawn.label, drawn.tone, points).stroke(drawn.stroke)
+    });
+    cumulative(title, most, curves.collect())
+}
+
+fn cumulative(title: &str, count: u64, drawn: Vec<Curve>) -> Option<Plot> {
+    let x = Axis::durations("latency", drawn.iter().flat_map(|c| &c.points).map(|p| p.0));
+    (!drawn.is_empty()).then(|| Plot {
+        title: title.to_owned(),
+        x,
+        y: Axis::percentiles("share of the samples at or below", count),
+        height: 320.0,
+        strips: Vec::new(),
+        curves: drawn,
+        marks: Vec::new(),
+        more_keys: Vec::new(),
+    })
+}
+
+/// The longest chains as timelines; none without chains.
+pub fn worst_chains(chains: &[WorstChain]) -> Option<Bands> {
+    let rows: Vec<_> = chains
+        .iter()
+        .take(DRAWN_CHAINS)
+        .map(|chain| {
+            let (reaction, waited) = (chain.reaction_time_us, chain.hops_us.command_wait);
+            let (reaction, waited) = (duration(reaction), duration(waited));
+            let name = format!("{reaction} until {:.3} s, waited {waited}", chain.t_s);
+            Row { name, spans: spans(&chain.hops_us) }
+        })
+        .collect();
+    let ends = rows.iter().filter_map(|row| row.spans.last()).map(|span| span.to);
+    let longest = ends.fold(0.0, f64::max);
+    Some(Bands {
+        title: "The longest chains, without the wait for the plant's release".into(),
+        x: Axis::linear("ms from radar to actuation", 0.0, longest.max(1e-3)),
+        rows,
+        marks: Vec::new(),
+    })
+}
+
+/// The parts of a chain one after the other, ms. Those of no length are left out, and so is the wait
+/// for the plant: it is designed, and longer than all else.
+fn spans(hops: &HopTimes) -> Vec<Span> {
+    let command_wait = 0.0;
+    let lengths_us = [
+        hops.radar_publish,
+        hops.controller_queue,
+        hops.radar_transport,
+        hops.controller_compute,
+        command_wait,
+        hops.command_transport,
+        hops.actuate,
+    ];
+    let mut from = 0.0;
+    let mut spans = Vec::new();
+    for ((_, label, tone, _), length_us) in HOPS.iter().zip(lengths_us) {
+        let to = from + length_us / 1e3;
+        if length_us > 0.0 {
+            spans.push(Span { from, to, label: (*label).to_owned(), tone: *tone });
+        }
+        from = to;
+    }
+    spans
+}
+
+/// What the longest chains met with.
+pub fn worst_table(chains: &[WorstChain]) -> String {
+    let age = |us: Option<f64>| us.map_or_else(|| "–".to_owned(), duration);
+    let rows: Vec<Vec<Cell>> = chains
+        .iter()
+        .map(|chain| {
+            vec![
+                Cell::Plain(format!("until {:.3} s", chain.t_s)),
+                Cell::Plain(duration(chain.reaction_time_us)),
+                Cell::Plain(duration(chain.reaction_time_us - chain.designed_wait_us)),
+                Cell::Plain(age(chain.radar_age_us)),
+                Cell::Plain(chain.solver_iterations.to_string()),
+                Cell::Plain(format!(
+                    "{} + {}",
+                    chain.voluntary_switches, chain.involuntary_switches
+                )),
+                Cell::Plain(format!("{} + {}", chain.minor_faults, chain.major_faults)),
+                if chain.deadline_missed {
+                    Cell::Bad("missed".into())
+                } else {
+                    Cell::Good("kept".into())
+                },
+            ]
+        })
+        .collect();
+    let head = [
+        ("chain", Column::Text),
+        ("reaction", Column::Number),
+        ("without waits", Column::Number),
+        ("radar age", Column::MoreNumber),
+        ("iterations", Column::MoreNumber),
+        ("switches, own + forced", Column::MoreNumber),
+        ("page faults, minor + major", Column::MoreNumber),
+        ("deadline", Column::Number),
+    ];
+    stacked_table(&head, &rows)
+}
+
+/// A quantile curve as points (latency, share). The largest of n samples stands at 1 - 1/2n: nobody
+/// knows where the distribution ends.
+fn distribution(curve: &QuantileCurve, count: u64) -> Vec<(f64, f64)> {
+    let last = 1.0 - 0.5 / count.max(1) as f64;
+    let first = curve.first().map(|point| (point.1, 0.0));
+    first.into_iter().chain(curve.iter().map(|(share, us)| (*us, share.min(last)))).collect()
+}
+
+/// Percentiles of everything that was timed; empty where nothing was.
+pub fn percentiles(summary: &Summary) -> String {
+    let timing = &summary.timing;
+    let hops = &timing.hops_us;
+    let rows: Vec<Vec<String>> = [
+        ("Reaction time, radar to first actuation", timing.reaction_time_us),
+        ("… without the designed waits", timing.net_reaction_us),
+        ("… radar to start of the control cycle", hops.radar_to_controller),
+        ("… control cycle to its command", hops.controller_compute),
+        ("… command to actuation", hops.controller_to_plant),
+        ("Data age at every actuation", timing.data_age_us),
+        ("Release jitter of the controller", timing.release_jitter_us),
+        ("The law alone", timing.solve_us),
+    ]
+    .into_iter()
+    // In simulated time, what takes none says nothing.
+    .filter_map(|(name, percentiles)| Some((name, percentiles.filter(|p| p.max > 0.0)?)))
+    .map(|(name, percentiles)| row(name, &percentiles))
+    .collect();
+    if rows.is_empty() {
+        return String::new();
+    }
+    stacked_table(
+        &[
+            ("", Column::Text),
+            ("median", Column::Number),
+            ("90 %", Column::MoreNumber),
+            ("99 %", Column::Number),
+            ("99.9 %", Column::MoreNumber),
+            ("99.99 %", Column::MoreNumber),
+            ("max", Column::Number),
+            ("samples", Column::Number),
+        ],
+        &rows,
+    )
+}
+
+/// A percentile that so few samples cannot tell from the maximum is a dash.
+fn row(name: &str, p: &Percentiles) -> Vec<String> {
+    let known = |nine_in: u64, us: f64| {
+        if p.count >= nine_in { duration(us) } else { "–".to_owned() }
+    };
+    vec![
+        name.to_owned(),
+        known(2, p.p50),
+        known(10, p.p90),
+        known(100, p.p99),
+        known(1_000, p.p999),
+        known(10_000, p.p9999),
+        duration(p.max),
+        p.count.to_string(),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_percentile_without_samples_behind_it_is_a_dash() {
+        let p = Percentiles {
+            p50: 1.0,
+            p90: 2.0,
+            p99: 3.0,
+            p999: 3.0,
+            p9999: 3.0,
+            max: 3.0,
+            count: 100,
+        };
+        let row = row("x", &p);
+        assert_eq!(row[3], "3.0 µs");
+        assert_eq!((row[4].as_str(), row[5].as_str(), row[7].as_str()), ("–", "–", "100"));
+    }
+
+    #[test]
+    fn the_largest_sample_is_not_the_end_of_the_distribution() {
+        let points = distribution(&vec![(0.0, 1.0), (0.5, 2.0), (1.0, 9.0)], 100);
+        assert_eq!(points.first(), Some(&(1.0, 0.0)));
+        assert_eq!(points.last(), Some(&(9.0, 0.995)));
+        assert!(latencies(&RunPicture::default(), 0).is_none());
+    }
+}

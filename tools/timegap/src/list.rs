@@ -1,0 +1,64 @@
+//! `timegap list`: what there is to run.
+
+use campaign::campaign;
+use clap::Args;
+
+use controller::laws;
+use group::Error;
+use report::print;
+use scenario::builtin;
+use scenario::controller::ControllerName;
+use std::process::ExitCode;
+
+/// Arguments of `list`.
+#[derive(Debug, Args)]
+pub struct ListArguments {
+    /// Print this built-in scenario's or campaign's file
+    #[arg(long, value_name = "NAME")]
+    pub show: Option<String>,
+    /// Print the list as JSON
+    #[arg(long, conflicts_with = "show")]
+    pub json: bool,
+}
+
+/// Runs the command.
+pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
+    if let Some(name) = &arguments.show {
+        let scenarios = builtin::ALL.iter().map(|builtin| (builtin.name, builtin.text));
+        let campaigns = campaign::BUILTIN.iter().map(|builtin| (builtin.name, builtin.text));
+        let files: Vec<_> = scenarios.chain(campaigns).collect();
+        let found = files.iter().find(|(known, _)| known == name);
+        let (_, text) = found.ok_or_else(|| {
+            let names: Vec<_> = files.iter().map(|(known, _)| *known).collect();
+            let names = names.join(", ");
+            Error::Usage(format!("no scenario or campaign `{name}`, expected one of {names}"))
+        })?;
+        print::out(text);
+        return Ok(ExitCode::SUCCESS);
+    }
+    let scenarios = builtin::ALL.iter().map(|builtin| (builtin.name, builtin.summary));
+    let controllers =
+        ControllerName::ALL.into_iter().map(|name| (name.as_str(), laws::describe(name)));
+    let campaigns = campaign::BUILTIN.iter().map(|builtin| (builtin.name, builtin.summary));
+    if arguments.json {
+        let entry = |(name, line)| serde_json::json!({"name": name, "description": line});
+        let list = serde_json::json!({
+            "schema_version": 1,
+            "scenarios": scenarios.map(entry).collect::<Vec<_>>(),
+            "controllers": controllers.map(entry).collect::<Vec<_>>(),
+            "campaigns": campaigns.map(entry).collect::<Vec<_>>(),
+        });
+        let json = serde_json::to_string_pretty(&list).expect("plain data");
+        print::out(&(json + "\n"));
+        return Ok(ExitCode::SUCCESS);
+    }
+    let mut text = String::new();
+    text.push_str("Scenarios (timegap run NAME; timegap list --show NAME prints the file):\n");
+    scenarios.for_each(|(name, line)| text.push_str(&format!("  {name:<26} {line}\n")));
+    text.push_str("Controllers (timegap run --controller NAME):\n");
+    controllers.for_each(|(name, line)| text.push_str(&format!("  {name:<26} {line}\n")));
+    text.push_str("Campaigns (timegap campaign NAME):\n");
+    campaigns.for_each(|(name, line)| text.push_str(&format!("  {name:<26} {line}\n")));
+    print::out(&text);
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,283 @@
+//! `--serve`: the run in browsers of this machine.
+//!
+//! Two paths: `/` is the page, `/events` the stream of frames (server-sent events). Only the
+//! loopback interface is listened on, and only requests that name it are answered, so that no page
+//! of another origin can read along.
+
+use super::feed::{Frame, Update};
+use super::history::WINDOW_S;
+use group::Error;
+use std::collections::VecDeque;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// The page, with the report's colours.
+const PAGE: &str = include_str!("page.html");
+/// Most browsers at once.
+const MAX_CLIENTS: usize = 16;
+/// Messages that wait for one browser; one that is slower is let go.
+const BACKLOG: usize = 4096;
+/// Longest request that is read, bytes.
+const MAX_REQUEST: u64 = 8192;
+/// A browser that takes nothing for so long is let go.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// A served run.
+pub struct Server {
+    /// Where it is.
+    pub address: SocketAddr,
+    feeder: JoinHandle<()>,
+}
+
+/// What all threads of a server share.
+#[derive(Default)]
+struct Hub {
+    /// Newest frames as messages with their run time, for those who come late.
+    past: VecDeque<(f64, Arc<str>)>,
+    clients: Vec<SyncSender<Arc<str>>>,
+    threads: Vec<JoinHandle<()>>,
+    over: bool,
+}
+
+impl Server {
+    /// Listens on `port` of the loopback interface; 0 takes any that is free.
+    pub fn start(title: &str, port: u16, updates: Receiver<Update>) -> Result<Self, Error> {
+        let failed = |error| Error::Machine(format!("cannot serve 127.0.0.1:{port}: {error}"));
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(failed)?;
+        let address = listener.local_addr().map_err(failed)?;
+        let hub = Arc::new(Mutex::new(Hub::default()));
+        let page: Arc<str> = page(title).into();
+        let accepting = Arc::clone(&hub);
+        let acceptor = std::thread::Builder::new().name("serve".into()).spawn(move || {
+            for stream in listener.incoming().map_while(Result::ok) {
+                if lock(&accepting).over || !admit(&accepting, stream, &page) {
+                    return;
+                }
+            }
+        });
+        let acceptor = acceptor.map_err(failed)?;
+        let feeder = std::thread::Builder::new().name("serve-feed".into());
+        let feeder = feeder.spawn(move || {
+            feed(&hub, &updates);
+            // Wakes the acceptor, which then sees that it is over.
+            let _ = TcpStream::connect(address);
+            let _ = acceptor.join();
+            let threads = std::mem::take(&mut lock(&hub).threads);
+            threads.into_iter().for_each(|thread| drop(thread.join()));
+        });
+        Ok(Self { address, feeder: feeder.map_err(failed)? })
+    }
+
+    /// Waits until every browser knows that the run is over, or is gone.
+    pub fn finish(self) {
+        // A panic of it has been told where it happened.
+        let _ = self.feeder.join();
+    }
+}
+
+fn lock(hub: &Mutex<Hub>) -> MutexGuard<'_, Hub> {
+    hub.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn page(title: &str) -> String {
+    PAGE.replace("/*STYLE*/", include_str!("../../../report/src/style.css"))
+        .replace("TITLE", &report::chart::escape(title))
+        .replace("WINDOW_S", &WINDOW_S.to_string())
+}
+
+/// Hands the updates to all clients until the run is over.
+fn feed(hub: &Mutex<Hub>, updates: &Receiver<Update>) {
+    let mut how: Arc<str> = "the run was broken off".into();
+    for update in updates {
+        match update {
+            Update::Frame(frame) => lock(hub).tell(&frame),
+            Update::Ended(ending) => {
+                how = ending;
+                break;
+            }
+        }
+    }
+    let mut hub = lock(hub);
+    let text = serde_json::to_string(&*how).expect("a text is plain data");
+    hub.send(&format!("event: end\ndata: {text}\n\n").into());
+    hub.over = true;
+    // Their threads write the rest and end.
+    hub.clients.clear();
+}
+
+impl Hub {
+    fn tell(&mut self, frame: &Frame) {
+        let json = serde_json::to_string(frame).expect("a frame is plain data");
+        let message: Arc<str> = format!("data: {json}\n\n").into();
+        self.send(&message);
+        while self.past.front().is_some_and(|(time_s, _)| *time_s < frame.time_s - WINDOW_S) {
+            self.past.pop_front();
+        }
+        self.past.push_back((frame.time_s, message));
+        // A minute is 600 frames in realtime; a run that stands still has no right to more.
+        while self.past.len() > BACKLOG / 2 {
+            self.past.pop_front();
+        }
+    }
+
+    fn send(&mut self, message: &Arc<str>) {
+        self.clients.retain(|client| client.try_send(Arc::clone(message)).is_ok());
+    }
+}
+
+/// Gives a connection a thread; false when none can be had.
+fn admit(hub: &Arc<Mutex<Hub>>, stream: TcpStream, page: &Arc<str>) -> bool {
+    let mut shared = lock(hub);
+    shared.threads.retain(|thread| !thread.is_finished());
+    if shared.threads.len() >= MAX_CLIENTS {
+        // Too many: the connection closes.
+        return true;
+    }
+    let (hub, page) = (Arc::clone(hub), Arc::clone(page));
+    let thread = std::thread::Builder::new().name("browser".into());
+    let thread = thread.spawn(move || {
+        // A browser that went away is no error.
+        let _ = answer(&hub, stream, &page);
+    });
+    let Ok(thread) = thread else { return false };
+    shared.threads.push(thread);
+    true
+}
+
+/// Answers one request.
+fn answer(hub: &Mutex<Hub>, stream: TcpStream, page: &str) -> std::io::Result<()> {
+    stream.set_read_timeout(Some(PATIENCE))?;
+    stream.set_write_timeout(Some(PATIENCE))?;
+    let mut lines = BufReader::new((&stream).take(MAX_REQUEST)).lines();
+    let request = lines.next().transpose()?.unwrap_or_default();
+    let mut local = false;
+    for line in lines {
+        let line = line?;
+        if line.is_empty() {
+            break;
+        }
+        if let Some((name, value)) = line.split_once(':')
+            && name.eq_ignore_ascii_case("host")
+        {
+            let host = value.trim().rsplit_once(':').map_or(value.trim(), |(host, _)| host);
+            local = matches!(host, "127.0.0.1" | "localhost");
+        }
+    }
+    match request.strip_prefix("GET ").and_then(|rest| rest.split(' ').next()) {
+        _ if !local => respond(&stream, "403 Forbidden", "text/plain", "only for this machine\n"),
+        Some("/") => respond(&stream, "200 OK", "text/html; charset=utf-8", page),
+        Some("/events") => stream_events(hub, &stream),
+        Some(_) => respond(&stream, "404 Not Found", "text/plain", "there is / and /events\n"),
+        None => respond(&stream, "405 Method Not Allowed", "text/plain", "GET, please\n"),
+    }
+}
+
+fn respond(mut stream: &TcpStream, status: &str, kind: &str, body: &str) -> std::io::Result<()> {
+    write!(
+        stream,
+        "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {}\r\n\
+         Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\n\
+         Content-Security-Policy: default-src 'none'; style-src 'unsafe-inline'; \
+         script-src 'unsafe-inline'; connect-src 'self'\r\nConnection: close\r\n\r\n{body}",
+        body.len()
+    )?;
+    stream.flush()
+}
+
+fn stream_events(hub: &Mutex<Hub>, mut stream: &TcpStream) -> std::io::Result<()> {
+    let (sender, messages) = sync_channel(BACKLOG);
+    {
+        let mut hub = lock(hub);
+        for (_, message) in &hub.past {
+            // There is room for all of the past.
+            let _ = sender.try_send(Arc::clone(message));
+        }
+        if !hub.over {
+            hub.clients.push(sender);
+        }
+    }
+    stream.write_all(
+        b"HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\nCache-Control: no-store\r\n\
+          Connection: close\r\n\r\n",
+    )?;
+    for message in messages {
+        stream.write_all(message.as_bytes())?;
+    }
+    stream.flush()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn get(address: SocketAddr, path: &str, host: &str) -> String {
+        let mut stream = TcpStream::connect(address).expect("it listens");
+        write!(stream, "GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").expect("it reads");
+        let mut text = String::new();
+        stream.read_to_string(&mut text).expect("it answers and closes");
+        text
+    }
+
+    fn frame(time_s: f64) -> Update {
+        Update::Frame(Arc::new(Frame { time_s, ..Frame::default() }))
+    }
+
+    #[test]
+    fn browsers_get_the_past_the_present_and_the_end() {
+        let (sender, updates) = sync_channel(16);
+        let server = Server::start("a <run>", 0, updates).expect("a free port");
+        let address = server.address;
+        assert!(address.ip().is_loopback());
+        sender.send(frame(0.5)).expect("it listens");
+        let (seen, all_seen) = std::sync::mpsc::channel();
+        let browsers: Vec<_> = (0..3)
+            .map(|_| {
+                let seen = seen.clone();
+                std::thread::spawn(move || {
+                    let mut stream = TcpStream::connect(address).expect("it listens");
+                    write!(stream, "GET /events HTTP/1.1\r\nHost: localhost:1\r\n\r\n")
+                        .expect("it reads");
+                    let mut lines = BufReader::new(stream).lines().map_while(Result::ok);
+                    let first = lines.find(|line| line.starts_with("data: ")).expect("a frame");
+                    seen.send(()).expect("the test waits");
+                    (first, lines.collect::<Vec<_>>())
+                })
+            })
+            .collect();
+        for _ in &browsers {
+            all_seen.recv().expect("every browser sees the first frame");
+        }
+        sender.send(frame(1.5)).expect("it listens");
+        sender.send(Update::Ended("completed".into())).expect("it listens");
+        for browser in browsers {
+            let (first, rest) = browser.join().expect("no panic");
+            assert!(first.contains("\"time_s\":0.5"), "the past comes first: {first}");
+            let at = |line: &str| rest.iter().position(|other| other.starts_with(line));
+            let present = rest.iter().position(|line| line.contains("\"time_s\":1.5"));
+            assert!(present.is_some() && present < at("event: end"), "{rest:?}");
+            assert!(at("data: \"completed\"") > at("event: end"), "{rest:?}");
+        }
+        server.finish();
+        assert!(TcpStream::connect(address).is_err(), "nothing is left");
+    }
+
+    #[test]
+    fn the_page_needs_nothing_else_and_is_for_this_machine_only() {
+        let (sender, updates) = sync_channel(1);
+        let server = Server::start("a <run>", 0, updates).expect("a free port");
+        let page = get(server.address, "/", "127.0.0.1:80");
+        assert!(page.starts_with("HTTP/1.1 200") && page.contains("a &lt;run&gt;"), "{page}");
+        for sign in ["http://", "https://", "@import", "src="] {
+            assert!(!page.contains(sign), "{sign}");
+        }
+        assert!(get(server.address, "/", "evil.example").starts_with("HTTP/1.1 403"));
+        assert!(get(server.address, "/x", "localhost").starts_with("HTTP/1.1 404"));
+        // A run that is broken off tells nobody.
+        drop(sender);
+        server.finish();
+    }
+}

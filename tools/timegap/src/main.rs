@@ -1,0 +1,54 @@
+//! The `timegap` command: an adaptive-cruise stack as real processes over shared memory.
+
+#[cfg(feature = "count-allocations")]
+mod allocations;
+mod cli;
+mod inject;
+mod list;
+mod live;
+mod recordings;
+mod run;
+mod service;
+mod synthesize;
+mod trace;
+
+use clap::Parser;
+use cli::{Cli, Command};
+use runtime::log_warnings;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    #[cfg(feature = "count-allocations")]
+    allocations::report();
+    let command = Cli::parse().command;
+    if !matches!(command, Command::Service(_)) {
+        log_warnings();
+    }
+    let result = match command {
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Reproduce(arguments) => campaign::reproduce::run(&arguments),
+        Command::Bench(arguments) => bench::run(&arguments),
+        Command::Compare(arguments) => campaign::compare::run(&arguments),
+        Command::Trace(arguments) => trace::run(&arguments),
+        Command::Campaign(arguments) => campaign::campaign::run(&arguments),
+        Command::Sweep(arguments) => campaign::sweep::run(&arguments),
+        Command::Info(arguments) => recordings::info::run(&arguments),
+        Command::Recover(arguments) => recordings::recover::run(&arguments),
+        Command::Export(arguments) => recordings::export::run(&arguments),
+        Command::Replay(arguments) => recordings::replay::run(&arguments),
+        Command::Diff(arguments) => recordings::diff::run(&arguments),
+        Command::Layouts(arguments) => recordings::layouts::run(&arguments),
+        Command::Synthesize(arguments) => synthesize::run(&arguments),
+        Command::Doctor(arguments) => doctor::run(&arguments),
+        Command::Inject(arguments) => inject::run(&arguments),
+        Command::List(arguments) => list::run(&arguments),
+        Command::Service(arguments) => service::run(&arguments),
+    };
+    result.unwrap_or_else(|error| {
+        let text = error.to_string();
+        // A scenario's error brings its own heading, with the place.
+        let heading = if text.starts_with("error") { "" } else { "error: " };
+        eprintln!("{heading}{text}");
+        error.exit_code()
+    })
+}

@@ -1,0 +1,88 @@
+//! `timegap layouts`: the messages in the languages of those who read them.
+
+use clap::Args;
+use group::Error;
+use messages::{Element, Field, LAYOUT_VERSION, Layout, Scalar, TOPICS};
+use recorder::schema;
+use report::print;
+use serde_json::{Value, json};
+use std::process::ExitCode;
+
+/// Arguments of `layouts`.
+#[derive(Debug, Args)]
+#[group(required = true, multiple = false)]
+#[command(after_long_help = SUBSCRIBE)]
+pub struct LayoutsArguments {
+    /// A Python module of ctypes structures
+    #[arg(long)]
+    pub python: bool,
+    /// A C11 header
+    #[arg(long)]
+    pub c: bool,
+    /// The layouts as data: JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+const SUBSCRIBE: &str = "\
+To listen to a run that is going on from Python (pip install iceoryx2==0.10.0): write the module to \
+a file, take `root` and `prefix` from live.json in the run's results, and open the topic:
+
+    import json, ctypes, iceoryx2 as iox2, timegap_messages as messages
+    live = json.load(open(\"runs/mine/live.json\"))
+    config = iox2.config.default()
+    config.global_cfg.prefix = iox2.FileName.new(live[\"prefix\"])
+    config.global_cfg.root_path = iox2.Path.new(live[\"root\"])
+    node = iox2.NodeBuilder.new().config(config).create(iox2.ServiceType.Ipc)
+    topic = node.service_builder(iox2.ServiceName.new(\"vehicle/odometry\"))
+    topic = topic.publish_subscribe(messages.Odometry).open()
+    subscriber = topic.subscriber_builder().create()
+    sample = subscriber.receive()  # None until something was sent";
+
+/// Runs the command.
+pub fn run(arguments: &LayoutsArguments) -> Result<ExitCode, Error> {
+    if arguments.python {
+        print::out(&schema::python_module());
+    } else if arguments.c {
+        print::out(&schema::c_header());
+    } else {
+        let topics: serde_json::Map<_, _> = TOPICS
+            .into_iter()
+            .map(|topic| (topic.name().to_owned(), json!(topic.layout().name)))
+            .collect();
+        let structs: Vec<_> = schema::all().into_iter().map(as_json).collect();
+        let layouts = json!({
+            "schema_version": 1,
+            "layout_version": LAYOUT_VERSION,
+            "topics": topics,
+            "structs": structs,
+        });
+        print::out(&(serde_json::to_string_pretty(&layouts).expect("plain data") + "\n"));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn as_json(layout: &Layout) -> Value {
+    let field = |field: &Field| {
+        let element = match field.shape.element {
+            Element::Scalar(Scalar::U8) => "u8",
+            Element::Scalar(Scalar::U32) => "u32",
+            Element::Scalar(Scalar::U64) => "u64",
+            Element::Scalar(Scalar::I64) => "i64",
+            Element::Scalar(Scalar::F64) => "f64",
+            Element::Struct(inner) => inner.name,
+        };
+        json!({
+            "name": field.name,
+            "offset": field.offset,
+            "type": element,
+            "length": field.shape.len,
+        })
+    };
+    json!({
+        "name": layout.name,
+        "type_name": layout.type_name,
+        "bytes": layout.bytes,
+        "fields": layout.fields.iter().map(field).collect::<Vec<_>>(),
+    })
+}

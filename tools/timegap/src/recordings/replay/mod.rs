@@ -1,0 +1,176 @@
+//! `timegap replay`: a recorded run's inputs into the controller again.
+//!
+//! The controller is the real process on real topics; a replayer stands for everybody else and sends
+//! the recorded samples as they were. The controller is released as often as it was, at the recorded
+//! instants, and takes at each release the very samples that its recorded diagnostics name, also
+//! where it then kept silent. Each process of a controller that was restarted is replayed by itself.
+//!
+//! With the recorded controller the outputs must be the same. What is compared depends on the clock
+//! that the run was recorded on. In lockstep it is every byte of every command and diagnostics
+//! message. In realtime it is every byte but those that say how the machine fared: when the message
+//! was published (and the checksum over it), since when the cycle had waited, and its context
+//! switches and page faults. One thing is not in a recording: when a plan made beside the loop came.
+//! In a replay every plan comes in time; a realtime run whose summary counts late plans may differ.
+
+mod comparison;
+
+use super::{count, open};
+use clap::Args;
+use comparison::{Comparison, Row, by_step};
+use controller::laws;
+use group::Error;
+use group::replay;
+use recorder::Recording;
+use report::print;
+use report::progress::count_bar;
+use scenario::{Overrides, Scenario};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Arguments of `replay`.
+#[derive(Debug, Args)]
+pub struct ReplayArguments {
+    /// A run's directory of results, or a recording
+    pub run: PathBuf,
+    /// Give the inputs to another control law (see `timegap list`) and compare its commands
+    #[arg(long, value_name = "NAME")]
+    pub controller: Option<String>,
+    /// Change any key of the recorded scenario, by its dotted path; may be given again
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Where to write both controllers' requests [default: replay.csv beside the recording]
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Print the comparison as JSON, and nothing else, on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Runs the command.
+pub fn run(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
+    let recording = open(&arguments.run)?;
+    let (scenario, changed) = scenario(&recording, arguments)?;
+    let takes = recording.takes();
+    let cycles: usize = takes.iter().map(|take| take.releases.len()).sum();
+    if cycles == 0 {
+        let path = recording.path().display();
+        return Err(Error::Usage(format!("{path} holds no control cycle that could be replayed")));
+    }
+    let bar = count_bar(cycles, arguments.json);
+    let mut done = 0;
+    let mut rows = Vec::new();
+    let mut comparison = Comparison::new(&recording, &scenario, changed);
+    for take in &takes {
+        let replayed = replay(&scenario, take, recording.path(), &mut |cycles| {
+            bar.set_position(done + cycles);
+        })?;
+        done += take.releases.len() as u64;
+        comparison.add(take, &replayed);
+        rows.extend(by_step(&take.commands, &replayed.commands).map(|(a, b)| Row::new(a, b)));
+    }
+    bar.finish_and_clear();
+    comparison.finish(&rows);
+
+    let path =
+        arguments.out.clone().unwrap_or_else(|| recording.path().with_file_name("replay.csv"));
+    let written = write(&path, &rows);
+    if arguments.json {
+        print::out(&(serde_json::to_string_pretty(&comparison).expect("plain data") + "\n"));
+    } else {
+        print::out(&(as_text(&comparison) + &format!("  results        {}\n", path.display())));
+    }
+    written?;
+    Ok(if changed || comparison.identical { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// The recorded scenario, and whether something of it was changed.
+fn scenario(recording: &Recording, arguments: &ReplayArguments) -> Result<(Scenario, bool), Error> {
+    let usage = |error: &dyn std::fmt::Display| Error::Usage(error.to_string());
+    let mut overrides = Overrides::new();
+    if let Some(controller) = &arguments.controller {
+        overrides.option("--controller", "controller.name", controller);
+    }
+    for argument in &arguments.set {
+        overrides.set(argument).map_err(|e| usage(&e))?;
+    }
+    let text = &recording.metadata().scenario;
+    let recorded = Scenario::parse("the recorded scenario", text).map_err(|e| usage(&e))?;
+    let scenario = Scenario::parse_with("the recorded scenario", text, &overrides, &laws::check)
+        .map_err(|e| usage(&e))?;
+    let changed = scenario != recorded;
+    Ok((scenario, changed))
+}
+
+fn write(path: &Path, rows: &[Row]) -> Result<(), Error> {
+    let mut text = String::from(
+        "incarnation,step,time_s,recorded_request_mps2,replayed_request_mps2,difference_mps2\n",
+    );
+    for row in rows {
+        writeln!(
+            text,
+            "{},{},{},{},{},{}",
+            row.incarnation,
+            row.step,
+            row.time_s,
+            row.recorded_mps2,
+            row.replayed_mps2,
+            row.difference_mps2()
+        )
+        .expect("a string takes all");
+    }
+    std::fs::write(path, text).map_err(|reason| Error::Path {
+        action: "write",
+        path: path.to_owned(),
+        reason,
+    })
+}
+
+fn as_text(comparison: &Comparison) -> String {
+    let c = comparison;
+    let laws = if c.recorded_controller == c.replayed_controller {
+        c.recorded_controller.clone()
+    } else {
+        format!("{} recorded, {} replayed", c.recorded_controller, c.replayed_controller)
+    };
+    let mut text = format!("{} · {laws} · {}\n", c.scenario, c.mode);
+    let mut line = |label: &str, value: String| {
+        writeln!(text, "  {label:<14} {value}").expect("a string takes all");
+    };
+    line("replayed", count(c.cycles, "control cycle"));
+    for why in &c.cut_short {
+        line("CUT SHORT", why.clone());
+    }
+    if !c.changed {
+        let same = |identical: u64, all: u64| match identical == all {
+            true => format!("all {all} byte-identical"),
+            false => format!("ONLY {identical} of {all} BYTE-IDENTICAL"),
+        };
+        line("commands", same(c.identical_commands, c.commands));
+        line("diagnostics", same(c.identical_diagnostics, c.cycles));
+        if !c.not_compared.is_empty() {
+            line("", format!("not compared: {}", c.not_compared.join(", ")));
+        }
+    }
+    if !c.identical {
+        line(
+            "requests",
+            format!(
+                "differ by at most {:.3} m/s², at {:.2} s; root mean square {:.3} m/s²",
+                c.max_request_difference_mps2,
+                c.max_request_difference_at_s,
+                c.rms_request_difference_mps2
+            ),
+        );
+        if let Some(first) = &c.first_difference {
+            line(
+                "first",
+                format!(
+                    "{}, message {}, {}: {} recorded, {} replayed",
+                    first.topic, first.sequence, first.field, first.recorded, first.replayed
+                ),
+            );
+        }
+    }
+    text
+}

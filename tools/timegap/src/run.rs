@@ -1,0 +1,122 @@
+//! `timegap run`: one scenario, from the file to the results.
+
+use crate::live::{Live, LiveOptions};
+use clap::Args;
+use controller::laws;
+use group::{Ended, Error, GroupOptions, Keep, ModeName, ScenarioOptions, drive, open};
+use indicatif::{ProgressBar, ProgressStyle};
+use report::output::OutputDirectory;
+use report::summary::{self, Summary};
+use report::{RunPicture, print, trajectory};
+use runtime::Mode;
+use runtime::report::Outcome;
+use scenario::Scenario;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// Arguments of `run`.
+#[derive(Debug, Args)]
+pub struct RunArguments {
+    /// Name of a built-in scenario (see `timegap list`), or a TOML file
+    #[arg(default_value = "cacc-a")]
+    pub scenario: String,
+    #[command(flatten)]
+    pub scenario_options: ScenarioOptions,
+    #[command(flatten)]
+    pub group: GroupOptions,
+    /// Clock: `realtime`, or `lockstep` in simulated time, byte for byte repeatable
+    #[arg(long, value_enum, default_value_t = ModeName::Realtime)]
+    pub mode: ModeName,
+    /// Directory for the results [default: runs/<time>-<scenario>]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub live: LiveOptions,
+    /// Keep no recording of the topics
+    #[arg(long)]
+    pub no_record: bool,
+    /// Print the summary as JSON, and nothing else, on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Runs the command.
+pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
+    let begun = Instant::now();
+    let scenario = open(&arguments.scenario, &arguments.scenario_options)?;
+    let mode = arguments.mode.into();
+    let output = OutputDirectory::create(arguments.out.as_deref(), scenario.name.as_str())?;
+    output.write("scenario.toml", scenario.to_toml().as_bytes())?;
+
+    let mut live = Live::open(&arguments.live, &scenario)?;
+    let bar = progress_bar(&scenario, arguments.json || arguments.live.watch);
+    let keep = Keep {
+        live_file: Some(output.path().join("live.json")),
+        recording: (!arguments.no_record).then(|| output.path().join(recorder::FILE)),
+    };
+    let result = drive(&scenario, mode, &arguments.group, Some(keep), &mut |moment| {
+        bar.set_position(moment.time_ns.unsigned_abs() / 1_000_000);
+        live.look(moment);
+    });
+    bar.finish_and_clear();
+    let summary = result
+        .as_ref()
+        .map(|group| Summary::new(&scenario, mode, group, begun.elapsed()))
+        .map_err(ToString::to_string);
+    live.end(&match &summary {
+        Ok(summary) => print::outcome(summary),
+        Err(why) => why.clone(),
+    });
+    let group = result?;
+    let summary = summary.expect("a run that succeeded has one");
+    let json = serde_json::to_string_pretty(&summary).expect("a summary is plain data");
+    let figures = laws::figure_names(&scenario);
+    let written = output.write("summary.json", (json.clone() + "\n").as_bytes()).and_then(|()| {
+        output.write("trajectory.csv", trajectory::csv(&group.drive, figures).as_bytes())
+    });
+    let written = written.and_then(|()| match mode {
+        Mode::Realtime => output.write_histograms(&summary::histograms(&group)),
+        // Simulated time has no latencies of its own.
+        Mode::Lockstep => Ok(()),
+    });
+    let written = written.and_then(|()| {
+        let page = report::run_page(&scenario, &summary, &RunPicture::of(&scenario, &group));
+        output.write(report::FILE, page.as_bytes())
+    });
+    for (service, line) in &group.wrote {
+        eprintln!("{service}: {line}");
+    }
+    if arguments.json {
+        print::out(&(json + "\n"));
+    } else {
+        let results = format!("  {:<14} {}\n", "results", output.path().display());
+        let page = format!("  {:<14} {}\n", "report", output.path().join(report::FILE).display());
+        print::out(&(print::summary(&summary) + &results + &page));
+    }
+    // What was measured has been told before a full disk is.
+    written?;
+    Ok(exit_code(&group.ended, summary.outcome))
+}
+
+/// A bar on a terminal, for runs longer than a second; nothing elsewhere.
+fn progress_bar(scenario: &Scenario, quiet: bool) -> ProgressBar {
+    use std::io::IsTerminal;
+    if quiet || !std::io::stderr().is_terminal() || scenario.duration_s.value() <= 1.0 {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{msg} {wide_bar} {percent:>3} %")
+        .expect("the template is valid");
+    let bar = ProgressBar::new((scenario.duration_s.value() * 1e3) as u64).with_style(style);
+    bar.set_message(scenario.name.as_str().to_owned());
+    bar
+}
+
+/// Exit status of a run.
+pub fn exit_code(ended: &Ended, outcome: Outcome) -> ExitCode {
+    match (ended, outcome) {
+        (Ended::Interrupted, _) => ExitCode::from(130),
+        (_, Outcome::Completed) => ExitCode::SUCCESS,
+        _ => ExitCode::FAILURE,
+    }
+}

@@ -1,0 +1,55 @@
+//! `timegap service`: become one of the group's processes.
+
+use clap::Args;
+use group::Error;
+use messages::Service;
+use runtime::run_service;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Arguments of `service`.
+#[derive(Debug, Args)]
+pub struct ServiceArguments {
+    /// Which one
+    pub name: String,
+    /// The service's own arguments
+    pub arguments: Vec<String>,
+}
+
+/// Becomes one of the group's processes.
+pub fn run(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
+    if arguments.name == "janitor" {
+        return match arguments.arguments.as_slice() {
+            [root] => Ok(group::run_janitor(Path::new(root))),
+            _ => Err(Error::Usage("the janitor needs the root of a run".into())),
+        };
+    }
+    if arguments.name == "bench" {
+        return match arguments.arguments.as_slice() {
+            [root, job] => bench::run_peer(Path::new(root), job),
+            _ => Err(Error::Usage("a process of `timegap bench` needs its root and job".into())),
+        };
+    }
+    if arguments.name == "hog" {
+        return match arguments.arguments.as_slice() {
+            [_, what, number] if number.parse::<usize>().is_ok() => {
+                Ok(group::run_hog(what, number.parse().expect("checked")))
+            }
+            _ => Err(Error::Usage("the hog needs the root of a run, what and how much".into())),
+        };
+    }
+    if arguments.name == "recorder" {
+        return Ok(recorder::run(&arguments.arguments));
+    }
+    if arguments.name == "replayer" {
+        return Ok(recorder::replay(&arguments.arguments));
+    }
+    let service: Service = arguments.name.parse().map_err(Error::Usage)?;
+    let run = match service {
+        Service::Plant => plant::run,
+        Service::PerceptionSim => perception_sim::run,
+        Service::V2xSim => v2x_sim::run,
+        Service::Controller => controller::run,
+    };
+    Ok(run_service(service, &arguments.arguments, run))
+}

@@ -1,0 +1,89 @@
+//! `timegap synthesize`: a controller's design from its parameters, offline.
+
+use clap::{Args, ValueEnum};
+use group::Error;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Arguments of `synthesize`.
+#[derive(Debug, Args)]
+pub struct SynthesizeArguments {
+    /// Which controller
+    #[arg(value_enum)]
+    pub controller: DesignName,
+    /// Parameters, TOML (see services/controller/designs/quadratic-bounded.toml)
+    pub file: PathBuf,
+    /// Where to write the design
+    #[arg(long, value_name = "FILE", default_value = "design.json")]
+    pub out: PathBuf,
+    /// Print the design as JSON, and nothing else, on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A controller that is designed offline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DesignName {
+    /// Gao, Yan, Li, Hu 2015.
+    QuadraticBounded,
+}
+
+/// Runs the command.
+#[cfg(feature = "synthesize")]
+pub fn run(arguments: &SynthesizeArguments) -> Result<ExitCode, Error> {
+    use crate::cli::DesignName;
+    use controller::quadratic_bounded::synthesis::{DesignRequest, SynthesisError, synthesize};
+
+    let DesignName::QuadraticBounded = arguments.controller;
+    let path = &arguments.file;
+    let text = std::fs::read_to_string(path).map_err(|reason| Error::Path {
+        action: "read",
+        path: path.clone(),
+        reason,
+    })?;
+    let usage = |error: SynthesisError| Error::Usage(format!("{}: {error}", path.display()));
+    let request = DesignRequest::from_toml(&text).map_err(usage)?;
+    let synthesis = match synthesize(&request) {
+        Ok(synthesis) => synthesis,
+        Err(error @ SynthesisError::Infeasible(_)) => {
+            eprintln!("error: {}: {error}", path.display());
+            return Ok(ExitCode::FAILURE);
+        }
+        Err(error) => return Err(usage(error)),
+    };
+    let json = synthesis.design.to_json();
+    std::fs::write(&arguments.out, &json).map_err(|reason| Error::Path {
+        action: "write",
+        path: arguments.out.clone(),
+        reason,
+    })?;
+    if arguments.json {
+        println!("{json}");
+        return Ok(ExitCode::SUCCESS);
+    }
+    for trial in &synthesis.trials {
+        let outcome = match &trial.outcome {
+            Ok(objective) => format!("certified, objective {objective:.4}"),
+            Err(why) => why.clone(),
+        };
+        println!("alpha {:.5}: {outcome} ({} iterations)", trial.alpha, trial.iterations);
+    }
+    println!("design: {}", arguments.out.display());
+    println!(
+        "use it: timegap run SCENARIO --controller quadratic-bounded \
+         --set controller.quadratic_bounded.design={}",
+        arguments.out.display()
+    );
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Says what is missing.
+#[cfg(not(feature = "synthesize"))]
+pub fn run(arguments: &SynthesizeArguments) -> Result<ExitCode, Error> {
+    Err(Error::Usage(format!(
+        "this build cannot design controllers: it needs OpenBLAS (on Debian: apt-get install \
+         libopenblas-dev pkg-config gfortran) and the cargo feature, as in\n  \
+         cargo run --release --features synthesize -- synthesize quadratic-bounded {}",
+        arguments.file.display()
+    )))
+}

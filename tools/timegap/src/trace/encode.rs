@@ -1,0 +1,339 @@
+//! A timeline as a Perfetto trace.
+
+use super::proto::{
+    Clock, ClockSnapshot, CounterDescriptor, DebugAnnotation, EXPLICIT, EventType, RUN_TIME_CLOCK,
+    STATE_CLEARED, Trace, TracePacket, TrackDescriptor, TrackEvent, WALL_CLOCK,
+};
+use super::timeline::{Cycle, Timeline};
+use messages::Service;
+use prost::Message;
+use std::collections::BTreeMap;
+
+/// Track that all others belong to.
+const RUN: u64 = 1;
+/// Track of incidents that befall nobody in particular.
+const INCIDENTS: u64 = 2;
+/// First of the cores' tracks.
+const CORES: u64 = 1_000;
+/// First of the services' tracks.
+const SERVICES: u64 = 10_000;
+/// First of the counters' tracks.
+const COUNTERS: u64 = 20_000;
+
+/// How the tracks are called and where the cycles ran.
+#[derive(Clone, Debug, Default)]
+pub struct Frame {
+    /// Name of the whole.
+    pub title: String,
+    /// Run time 0 in ns since 1970.
+    pub started_unix_ns: i64,
+    /// What the kernel granted to each service, in words.
+    pub granted: BTreeMap<Service, String>,
+    /// Core that each service was pinned to.
+    pub cores: BTreeMap<Service, usize>,
+    /// Deadline of the control cycles, ns.
+    pub deadline_ns: i64,
+}
+
+/// The trace's bytes.
+pub fn encode(timeline: &Timeline, frame: &Frame) -> Vec<u8> {
+    let mut packets = vec![first_packet(frame)];
+    packets.extend(
+        tracks(timeline, frame)
+            .into_iter()
+            .map(|track| TracePacket { track_descriptor: Some(track), ..packet() }),
+    );
+    let mut events = cycles(timeline, frame);
+    events.extend(core_busy(timeline, frame));
+    events.extend(timeline.incidents.iter().map(|incident| {
+        let track = incident.service.map_or(INCIDENTS, service_track);
+        let category =
+            if incident.what == "deadline missed" { "deadline-miss" } else { "incident" };
+        (incident.at_ns, event(EventType::Instant, track, category, &incident.what))
+    }));
+    for (index, counter) in timeline.counters.iter().enumerate() {
+        events.extend(counter.samples.iter().map(|(at_ns, value)| {
+            let track_event = TrackEvent {
+                r#type: Some(EventType::Counter as i32),
+                track_uuid: Some(COUNTERS + index as u64),
+                double_counter_value: Some(*value),
+                ..TrackEvent::default()
+            };
+            (*at_ns, track_event)
+        }));
+    }
+    // Stable: what begins and ends at one instant on one track keeps its order.
+    events.sort_by_key(|event| event.0);
+    packets.extend(events.into_iter().map(|(at_ns, track_event)| TracePacket {
+        timestamp: Some(at_ns.max(0).unsigned_abs()),
+        track_event: Some(track_event),
+        ..packet()
+    }));
+    Trace { packet: packets }.encode_to_vec()
+}
+
+fn packet() -> TracePacket {
+    TracePacket { trusted_packet_sequence_id: Some(1), ..TracePacket::default() }
+}
+
+/// Says how run time and the wall's clock go together.
+fn first_packet(frame: &Frame) -> TracePacket {
+    let clock = |id, timestamp: i64| Clock {
+        clock_id: Some(id),
+        timestamp: Some(timestamp.max(0).unsigned_abs()),
+    };
+    TracePacket {
+        sequence_flags: Some(STATE_CLEARED),
+        clock_snapshot: Some(ClockSnapshot {
+            clocks: vec![clock(RUN_TIME_CLOCK, 0), clock(WALL_CLOCK, frame.started_unix_ns)],
+            primary_trace_clock: Some(RUN_TIME_CLOCK),
+        }),
+        ..packet()
+    }
+}
+
+fn service_track(service: Service) -> u64 {
+    SERVICES + service.index() as u64
+}
+
+/// The run, and below it: incidents, services in the order of the data's way, cores, figures.
+fn tracks(timeline: &Timeline, frame: &Frame) -> Vec<TrackDescriptor> {
+    let mut rank = 0;
+    let mut child = |uuid: u64, name: String| {
+        rank += 1;
+        TrackDescriptor {
+            uuid: Some(uuid),
+            name: Some(name),
+            parent_uuid: Some(RUN),
+            sibling_order_rank: Some(rank),
+            ..TrackDescriptor::default()
+        }
+    };
+    let mut tracks = vec![
+        TrackDescriptor {
+            uuid: Some(RUN),
+            name: Some(frame.title.clone()),
+            child_ordering: Some(EXPLICIT),
+            ..TrackDescriptor::default()
+        },
+        child(INCIDENTS, "faults".into()),
+    ];
+    for service in [Service::PerceptionSim, Service::V2xSim, Service::Controller, Service::Plant] {
+        let granted = frame.granted.get(&service).map_or("", String::as_str);
+        let name = format!("{service} {granted}").trim_end().to_owned();
+        tracks.push(child(service_track(service), name));
+    }
+    let cores: std::collections::BTreeSet<usize> = frame.cores.values().copied().collect();
+    tracks.extend(cores.iter().map(|core| child(CORES + *core as u64, format!("core {core}"))));
+    for (index, counter) in timeline.counters.iter().enumerate() {
+        let track = child(COUNTERS + index as u64, counter.name.into());
+        let unit = CounterDescriptor { unit_name: Some(counter.unit.into()) };
+        tracks.push(TrackDescriptor { counter: Some(unit), ..track });
+    }
+    tracks
+}
+
+/// An event and its instant, ns.
+type Event = (i64, TrackEvent);
+
+fn event(kind: EventType, track: u64, category: &str, name: &str) -> TrackEvent {
+    TrackEvent {
+        r#type: Some(kind as i32),
+        track_uuid: Some(track),
+        categories: vec![category.into()],
+        name: Some(name.into()),
+        ..TrackEvent::default()
+    }
+}
+
+fn end(track: u64) -> TrackEvent {
+    TrackEvent {
+        r#type: Some(EventType::SliceEnd as i32),
+        track_uuid: Some(track),
+        ..TrackEvent::default()
+    }
+}
+
+/// A slice for every cycle, with its wait for the start inside where it is known, and arrows along
+/// the chains.
+fn cycles(timeline: &Timeline, frame: &Frame) -> Vec<Event> {
+    let mut leaving: BTreeMap<usize, Vec<u64>> = BTreeMap::new();
+    let mut arriving: BTreeMap<usize, Vec<u64>> = BTreeMap::new();
+    for (flow, chain) in (1..).zip(&timeline.chains) {
+        for cycle in [chain.radar, Some(chain.control)].into_iter().flatten() {
+            leaving.entry(cycle).or_default().push(flow);
+        }
+        if let Some(cycle) = chain.plant {
+            arriving.entry(cycle).or_default().push(flow);
+        }
+    }
+    let mut events = Vec::new();
+    let mut last: Option<(Service, i64)> = None;
+    for (index, cycle) in timeline.cycles.iter().enumerate() {
+        let track = service_track(cycle.service);
+        // A cycle whose predecessor ran over its release begins where that ended.
+        let free_ns = last.filter(|(service, _)| *service == cycle.service).map(|(_, ns)| ns);
+        let begin_ns = cycle.release_ns.max(free_ns.unwrap_or(i64::MIN));
+        let finish_ns = cycle.finish_ns.max(begin_ns);
+        last = Some((cycle.service, finish_ns));
+        let missed = cycle.missed(frame.deadline_ns);
+        let category = if missed { "cycle,deadline-miss" } else { "cycle" };
+        let mut begin = event(EventType::SliceBegin, track, category, "cycle");
+        begin.categories = category.split(',').map(Into::into).collect();
+        let flows = leaving.remove(&index).unwrap_or_default();
+        let started = cycle.start_ns.filter(|ns| (begin_ns..finish_ns).contains(ns));
+        if started.is_none() {
+            begin.flow_ids.clone_from(&flows);
+        }
+        begin.terminating_flow_ids = arriving.remove(&index).unwrap_or_default();
+        begin.debug_annotations = annotations(cycle);
+        events.push((begin_ns, begin));
+        if let Some(start_ns) = started {
+            // Arrows come to where the sample is worked on.
+            let mut compute = event(EventType::SliceBegin, track, "compute", "compute");
+            compute.flow_ids = flows;
+            events.push((begin_ns, event(EventType::SliceBegin, track, "wait", "wait")));
+            events.push((start_ns, end(track)));
+            events.push((start_ns, compute));
+            events.push((finish_ns, end(track)));
+        }
+        events.push((finish_ns, end(track)));
+    }
+    events
+}
+
+fn annotations(cycle: &Cycle) -> Vec<DebugAnnotation> {
+    let number = |name: &str, value: i64| DebugAnnotation {
+        name: Some(name.into()),
+        int_value: Some(value),
+    };
+    vec![
+        number("step", cycle.step.cast_signed()),
+        number("release_ns", cycle.release_ns),
+        number("latency_ns", cycle.finish_ns - cycle.release_ns),
+        number("incarnation", cycle.incarnation.into()),
+    ]
+}
+
+/// When some service pinned to a core was in a cycle, and which.
+fn core_busy(timeline: &Timeline, frame: &Frame) -> Vec<Event> {
+    let mut by_core: BTreeMap<usize, Vec<&Cycle>> = BTreeMap::new();
+    for cycle in &timeline.cycles {
+        if let Some(core) = frame.cores.get(&cycle.service) {
+            by_core.entry(*core).or_default().push(cycle);
+        }
+    }
+    let mut events = Vec::new();
+    for (core, mut cycles) in by_core {
+        let track = CORES + core as u64;
+        cycles.sort_by_key(|cycle| cycle.release_ns);
+        let mut busy: Option<(i64, i64, Vec<&str>)> = None;
+        for cycle in cycles {
+            let (from, to, name) = (cycle.release_ns, cycle.finish_ns, cycle.service.name());
+            match &mut busy {
+                Some((_, until, names)) if from <= *until => {
+                    *until = to.max(*until);
+                    if !names.contains(&name) {
+                        names.push(name);
+                    }
+                }
+                _ => {
+                    events.extend(busy.take().into_iter().flat_map(|busy| slice(track, busy)));
+                    busy = Some((from, to, vec![name]));
+                }
+            }
+        }
+        events.extend(busy.into_iter().flat_map(|busy| slice(track, busy)));
+    }
+    events
+}
+
+fn slice(track: u64, (from, to, names): (i64, i64, Vec<&str>)) -> [Event; 2] {
+    let begin = event(EventType::SliceBegin, track, "core", &names.join(" + "));
+    [(from, begin), (to.max(from), end(track))]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::timeline::{Chain, Incident};
+
+    fn cycle(service: Service, step: u64, release_ns: i64, finish_ns: i64) -> Cycle {
+        Cycle { service, incarnation: 0, step, release_ns, start_ns: None, finish_ns }
+    }
+
+    fn decoded(timeline: &Timeline) -> Vec<TracePacket> {
+        let services = [Service::Plant, Service::PerceptionSim];
+        let cores = services.into_iter().map(|service| (service, 0)).collect();
+        let frame = Frame { cores, deadline_ns: 100, ..Frame::default() };
+        Trace::decode(encode(timeline, &frame).as_slice()).expect("what was encoded").packet
+    }
+
+    /// Depth of every track after each event; never below zero, zero at the end.
+    fn balanced(packets: &[TracePacket]) {
+        let mut depth: BTreeMap<u64, i32> = BTreeMap::new();
+        let mut time = 0;
+        for packet in packets {
+            let Some(event) = &packet.track_event else { continue };
+            let at = packet.timestamp.expect("events have a time");
+            assert!(at >= time, "in order of time");
+            time = at;
+            let depth = depth.entry(event.track_uuid.expect("on a track")).or_default();
+            match event.r#type() {
+                EventType::SliceBegin => *depth += 1,
+                EventType::SliceEnd => *depth -= 1,
+                EventType::Instant | EventType::Counter => {}
+            }
+            assert!(*depth >= 0, "a slice ended before it began");
+        }
+        assert!(depth.values().all(|depth| *depth == 0), "{depth:?}");
+    }
+
+    #[test]
+    fn slices_nest_and_arrows_join_the_chain() {
+        let mut control = cycle(Service::Controller, 0, 0, 90);
+        control.start_ns = Some(40);
+        let timeline = Timeline {
+            cycles: vec![
+                cycle(Service::Plant, 0, 0, 10),
+                cycle(Service::Plant, 1, 100, 110),
+                cycle(Service::PerceptionSim, 0, 0, 30),
+                control,
+            ],
+            chains: vec![Chain { radar: Some(2), control: 3, plant: Some(1) }],
+            ..Timeline::default()
+        };
+        let packets = decoded(&timeline);
+        balanced(&packets);
+        let events: Vec<_> = packets.iter().filter_map(|p| p.track_event.as_ref()).collect();
+        let with_flow = events.iter().filter(|event| event.flow_ids == [1]).count();
+        let ending: Vec<_> = events.iter().filter(|e| e.terminating_flow_ids == [1]).collect();
+        assert_eq!((with_flow, ending.len()), (2, 1));
+        assert_eq!(ending[0].track_uuid, Some(service_track(Service::Plant)));
+        assert!(events.iter().any(|event| event.name() == "compute"));
+        // Plant and perception share the core from 0 to 30.
+        assert!(events.iter().any(|event| event.name() == "plant + perception-sim"));
+    }
+
+    #[test]
+    fn an_overrun_does_not_tear_its_track() {
+        let timeline = Timeline {
+            cycles: vec![
+                cycle(Service::Controller, 0, 0, 250),
+                cycle(Service::Controller, 1, 100, 260),
+                cycle(Service::Controller, 2, 200, 240),
+            ],
+            incidents: vec![Incident {
+                service: Some(Service::Controller),
+                at_ns: 100,
+                what: "deadline missed".into(),
+            }],
+            ..Timeline::default()
+        };
+        let packets = decoded(&timeline);
+        balanced(&packets);
+        let missed = packets.iter().filter_map(|packet| packet.track_event.as_ref());
+        let missed = missed.filter(|event| event.categories.iter().any(|c| c == "deadline-miss"));
+        assert_eq!(missed.count(), 3, "two slices and the instant");
+    }
+}

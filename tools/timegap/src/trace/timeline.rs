@@ -1,0 +1,244 @@
+//! What a recording tells of time: the services' cycles, the chains through them, what went wrong.
+
+use messages::Service;
+use messages::{Command, Header, Odometry, RadarTracks, VehicleTruth};
+use recorder::{Record, Recording};
+use runtime::Timetable;
+use scenario::Scenario;
+use std::collections::BTreeMap;
+
+/// A run in time, ns of run time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Timeline {
+    /// Cycles of all services, in order of service and time.
+    pub cycles: Vec<Cycle>,
+    /// Chains from the radar through the controller to the plant.
+    pub chains: Vec<Chain>,
+    /// What went wrong and can be placed in time.
+    pub incidents: Vec<Incident>,
+    /// Figures of the drive: name, unit, samples.
+    pub counters: Vec<Counter>,
+}
+
+/// One cycle, from its scheduled release to the last message that it published.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cycle {
+    /// Whose.
+    pub service: Service,
+    /// Which restart of it.
+    pub incarnation: u32,
+    /// Simulation step.
+    pub step: u64,
+    /// Scheduled release.
+    pub release_ns: i64,
+    /// When it began to work, where the service tells.
+    pub start_ns: Option<i64>,
+    /// Last publication.
+    pub finish_ns: i64,
+}
+
+/// Cycles that a radar sample went through, as indices into the cycles; each is there if it was
+/// recorded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Chain {
+    /// The radar's cycle.
+    pub radar: Option<usize>,
+    /// The controller's.
+    pub control: usize,
+    /// The first of the plant's that acted on it.
+    pub plant: Option<usize>,
+}
+
+/// Something that went wrong.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Incident {
+    /// To whom; none if to nobody in particular.
+    pub service: Option<Service>,
+    /// When.
+    pub at_ns: i64,
+    /// What.
+    pub what: String,
+}
+
+/// A figure over time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Counter {
+    /// What it is.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// (ns of run time, value)
+    pub samples: Vec<(i64, f64)>,
+}
+
+impl Timeline {
+    /// Of a recording and the scenario that was recorded.
+    pub fn of(recording: &Recording, scenario: &Scenario) -> Self {
+        let table = Timetable::of(scenario);
+        let deadline_ns = i64::from(scenario.controller.deadline().value()) * 1_000_000;
+        let cycles = cycles(recording.records());
+        let chains = chains(recording, &cycles);
+        let mut incidents = misses(&cycles, deadline_ns);
+        incidents.extend(left_out(&cycles, &table));
+        incidents.extend(restarts(&cycles));
+        incidents.sort_by_key(|incident| incident.at_ns);
+        Self { cycles, chains, incidents, counters: counters(recording) }
+    }
+}
+
+/// The header of a record and, for a command, the start of its cycle.
+fn stamps(record: &Record<'_>) -> (Header, Option<i64>) {
+    let command = record.message::<Command>();
+    (record.header(), command.map(|command| command.start_ns))
+}
+
+/// The cycles behind all messages: those of one service, incarnation and step come from one.
+fn cycles<'a>(records: impl Iterator<Item = Record<'a>>) -> Vec<Cycle> {
+    let mut cycles: BTreeMap<(usize, u32, u64), Cycle> = BTreeMap::new();
+    for record in records {
+        // A sign of life is sent beside the cycle's work.
+        let Some(service) = record.topic.source() else { continue };
+        let (header, start_ns) = stamps(&record);
+        let key = (service.index(), header.incarnation, header.step);
+        let cycle = cycles.entry(key).or_insert(Cycle {
+            service,
+            incarnation: header.incarnation,
+            step: header.step,
+            release_ns: header.acquisition_ns,
+            start_ns: None,
+            finish_ns: header.publish_ns,
+        });
+        // A radar with latency tells of a time before its release.
+        cycle.release_ns = cycle.release_ns.max(header.acquisition_ns);
+        cycle.start_ns = cycle.start_ns.or(start_ns);
+        cycle.finish_ns = cycle.finish_ns.max(header.publish_ns);
+    }
+    cycles.into_values().collect()
+}
+
+/// The chain of every command that was computed from a radar sample.
+fn chains(recording: &Recording, cycles: &[Cycle]) -> Vec<Chain> {
+    let index: BTreeMap<(usize, u32, u64), usize> = (cycles.iter().enumerate())
+        .map(|(at, cycle)| ((cycle.service.index(), cycle.incarnation, cycle.step), at))
+        .collect();
+    let cycle_of = |service: Service, header: &Header| {
+        index.get(&(service.index(), header.incarnation, header.step)).copied()
+    };
+    // A sample is known by when it was published: numbers begin anew after a restart.
+    let radars: BTreeMap<i64, Option<usize>> = recording
+        .messages::<RadarTracks>()
+        .map(|radar| radar.message.header)
+        .map(|header| (header.publish_ns, cycle_of(Service::PerceptionSim, &header)))
+        .collect();
+    let acted = first_actuations(recording, cycle_of);
+    recording
+        .messages::<Command>()
+        .filter(|command| command.message.header.origins.radar.is_some())
+        .filter_map(|command| {
+            let header = command.message.header;
+            let radar_ns = header.origins.radar.publish_ns;
+            Some(Chain {
+                radar: radars.get(&radar_ns).copied().flatten(),
+                control: cycle_of(Service::Controller, &header)?,
+                plant: acted.get(&radar_ns).copied(),
+            })
+        })
+        .collect()
+}
+
+/// The plant's cycle in which each radar sample, by its publication, first reached the actuators:
+/// the one before the odometry that first names it.
+fn first_actuations(
+    recording: &Recording,
+    cycle_of: impl Fn(Service, &Header) -> Option<usize>,
+) -> BTreeMap<i64, usize> {
+    let mut acted = BTreeMap::new();
+    let mut before: Option<Header> = None;
+    for odometry in recording.messages::<Odometry>() {
+        let header = odometry.message.header;
+        if let Some(before) = &before
+            && header.origins.radar.is_some()
+            && let Some(cycle) = cycle_of(Service::Plant, before)
+        {
+            acted.entry(header.origins.radar.publish_ns).or_insert(cycle);
+        }
+        before = Some(header);
+    }
+    acted
+}
+
+/// Control cycles that finished after their deadline.
+fn misses(cycles: &[Cycle], deadline_ns: i64) -> Vec<Incident> {
+    let late = cycles.iter().filter(|cycle| cycle.missed(deadline_ns));
+    late.map(|cycle| Incident {
+        service: Some(cycle.service),
+        at_ns: cycle.release_ns + deadline_ns,
+        what: "deadline missed".into(),
+    })
+    .collect()
+}
+
+impl Cycle {
+    /// True for a control cycle that finished later than `deadline_ns` after its release.
+    pub fn missed(&self, deadline_ns: i64) -> bool {
+        self.service == Service::Controller && self.finish_ns - self.release_ns > deadline_ns
+    }
+}
+
+/// Scheduled releases without a cycle, between two cycles of the same incarnation.
+fn left_out(cycles: &[Cycle], table: &Timetable) -> Vec<Incident> {
+    let mut incidents = Vec::new();
+    for pair in cycles.windows(2) {
+        let [before, after] = pair else { continue };
+        if (before.service, before.incarnation) != (after.service, after.incarnation) {
+            continue;
+        }
+        let stride = table.stride(before.service);
+        let mut step = table.latest_release(before.service, before.step) + stride;
+        while step < after.step {
+            incidents.push(Incident {
+                service: Some(before.service),
+                at_ns: i64::try_from(step).map_or(i64::MAX, |step| step * table.step_ns),
+                what: "release left out".into(),
+            });
+            step += stride;
+        }
+    }
+    incidents
+}
+
+/// First cycles of restarted services.
+fn restarts(cycles: &[Cycle]) -> Vec<Incident> {
+    let pairs = cycles.windows(2).filter(|pair| {
+        pair[0].service == pair[1].service && pair[0].incarnation < pair[1].incarnation
+    });
+    pairs
+        .map(|pair| Incident {
+            service: Some(pair[1].service),
+            at_ns: pair[1].release_ns,
+            what: format!("back after restart {}", pair[1].incarnation),
+        })
+        .collect()
+}
+
+fn counters(recording: &Recording) -> Vec<Counter> {
+    let odometry = |value: fn(&Odometry) -> f64| -> Vec<(i64, f64)> {
+        let samples = recording.messages::<Odometry>();
+        samples.map(|o| (o.message.header.acquisition_ns, value(&o.message))).collect()
+    };
+    let mut ego_m = recording.messages::<Odometry>().peekable();
+    let mut position_m = None;
+    let mut gaps = Vec::new();
+    for truth in recording.messages::<VehicleTruth>().map(|truth| truth.message) {
+        while let Some(ego) = ego_m.next_if(|o| o.message.header.step <= truth.header.step) {
+            position_m = Some(ego.message.position_m);
+        }
+        let gap = position_m.and_then(|ego_m| truth.nearest_ahead(ego_m));
+        gaps.extend(gap.map(|(gap_m, _)| (truth.header.acquisition_ns, gap_m)));
+    }
+    vec![
+        Counter { name: "speed", unit: "m/s", samples: odometry(|o| o.speed_mps) },
+        Counter { name: "request", unit: "m/s²", samples: odometry(|o| o.request_mps2) },
+        Counter { name: "gap", unit: "m", samples: gaps },
+    ]
+}
