@@ -1,0 +1,162 @@
+//! Cut-in: a slower vehicle beside the ego comes into its lane.
+//!
+//! Its lateral speed rises by 1.5 m/s² and stays until it is centred; the distance of the case is that
+//! of the instant at which the lateral speed is reached, 1.6 m beside the ego.
+
+use crate::contact::contact;
+use crate::travel::Travel;
+use crate::{
+    Driver, Model, Outcome, STEP_S, Situation, VEHICLE_LENGTH_M, VEHICLE_WIDTH_M, Verdict, View,
+    mps,
+};
+
+/// Clearance at the instant of the case's distance \[m\]: both vehicles centred in lanes of 3.5 m.
+pub const CLEARANCE_M: f64 = 1.6;
+
+/// How fast the lateral speed rises \[m/s²\].
+pub const LATERAL_ACCELERATION_MPS2: f64 = 1.5;
+
+/// The slowest cut-in reaches the middle of the lane after 35 s.
+const LONGEST_S: f64 = 60.0;
+
+/// One cut-in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Case {
+    /// Speed of the ego \[km/h\].
+    pub ego_kmh: u32,
+    /// Speed of the other, below the ego's \[km/h\].
+    pub other_kmh: u32,
+    /// Distance from bumper to bumper when the lateral speed is reached \[m\].
+    pub distance_m: u32,
+    /// Lateral speed in tenths \[0.1 m/s\].
+    pub lateral_tenths_mps: u32,
+}
+
+impl Case {
+    /// Lateral speed of the other \[m/s\].
+    pub fn lateral_mps(&self) -> f64 {
+        f64::from(self.lateral_tenths_mps) * 0.1
+    }
+
+    /// How the case ends when `model` drives the ego.
+    pub fn drive(&self, model: Model) -> Verdict {
+        let other_mps = mps(self.other_kmh);
+        let mut speed_mps = mps(self.ego_kmh);
+        let mut lateral = LateralMotion::new(self.lateral_mps());
+        let closed_m = (speed_mps - other_mps) * STEP_S * f64::from(lateral.rising_steps);
+        let mut ego = Travel::from_m(0.0);
+        let mut other = Travel::from_m(f64::from(self.distance_m) + VEHICLE_LENGTH_M + closed_m);
+        let mut driver = Driver::new(model, Situation::CutIn);
+        for _ in 0..(LONGEST_S / STEP_S) as u32 {
+            let view = View {
+                gap_m: other.gap_to_m(&ego),
+                other_speed_mps: other_mps,
+                clearance_m: lateral.clearance_m(),
+                lateral_speed_mps: lateral.speed_mps(),
+            };
+            speed_mps = driver.step(speed_mps, Some(&view));
+            if driver.needs_no_reaction() {
+                return Verdict::NONE;
+            }
+            ego.step(speed_mps);
+            other.step(other_mps);
+            lateral.step();
+            let gap_m = other.gap_to_m(&ego);
+            let outcome = contact(gap_m, lateral.clearance_m());
+            if outcome.is_collision() {
+                return Verdict { outcome, impact_speed_mps: speed_mps - other_mps };
+            }
+            if gap_m <= -2.0 * VEHICLE_LENGTH_M {
+                return Verdict::NONE;
+            }
+        }
+        Verdict::NONE
+    }
+
+    /// How the case ends with each model.
+    pub fn outcomes(&self) -> crate::PerModel<Outcome> {
+        crate::PerModel::new(|model| self.drive(model).outcome)
+    }
+}
+
+/// The cases up to 60 km/h, in the order of the tables: 15,930.
+pub fn low() -> impl Iterator<Item = Case> {
+    pairs((10..=60).step_by(10), 10).flat_map(|pair| grid(pair, (1..=59).step_by(1)))
+}
+
+/// The cases from 70 to 130 km/h, in the order of the tables: 14,040.
+pub fn high() -> impl Iterator<Item = Case> {
+    pairs([70, 90, 110, 130].into_iter(), 30).flat_map(|pair| grid(pair, (1..=119).step_by(2)))
+}
+
+/// The pairs of speeds (ego's, other's): the other's from 10 km/h in steps of `step_kmh` below the
+/// ego's.
+fn pairs(ego_kmh: impl Iterator<Item = u32>, step_kmh: u32) -> impl Iterator<Item = (u32, u32)> {
+    ego_kmh.flat_map(move |ego_kmh| {
+        (10..ego_kmh).step_by(step_kmh as usize).map(move |other_kmh| (ego_kmh, other_kmh))
+    })
+}
+
+fn grid(
+    (ego_kmh, other_kmh): (u32, u32),
+    distances_m: impl Iterator<Item = u32>,
+) -> impl Iterator<Item = Case> {
+    distances_m.flat_map(move |distance_m| {
+        (0..=17).map(move |lateral_tenths_mps| Case {
+            ego_kmh,
+            other_kmh,
+            distance_m,
+            lateral_tenths_mps,
+        })
+    })
+}
+
+/// The other's way from the side to the middle of the ego's lane.
+///
+/// A step moves with the speed at its beginning.
+#[derive(Clone, Debug)]
+struct LateralMotion {
+    final_mps: f64,
+    /// Steps until the lateral speed is reached.
+    rising_steps: u32,
+    steps: u32,
+    /// From where the lateral speed is reached.
+    travel: Travel,
+}
+
+/// What the lateral speed gains in a step \[m/s\].
+const GAIN_MPS: f64 = 0.15;
+
+impl LateralMotion {
+    fn new(final_mps: f64) -> LateralMotion {
+        let rising_steps = (final_mps / GAIN_MPS).ceil() as u32;
+        let mut motion =
+            LateralMotion { final_mps, rising_steps, steps: 0, travel: Travel::from_m(0.0) };
+        let rising_mps = (0..rising_steps).map(|step| motion.speed_at(step)).sum();
+        motion.travel = Travel::ending_at_0(rising_mps);
+        motion
+    }
+
+    fn step(&mut self) {
+        self.travel.step(self.speed_mps());
+        self.steps += 1;
+    }
+
+    /// Between the sides of the two vehicles \[m\].
+    fn clearance_m(&self) -> f64 {
+        (CLEARANCE_M - self.travel.position_m()).max(-VEHICLE_WIDTH_M)
+    }
+
+    /// Lateral speed now \[m/s\].
+    fn speed_mps(&self) -> f64 {
+        if self.clearance_m() > -VEHICLE_WIDTH_M { self.speed_at(self.steps) } else { 0.0 }
+    }
+
+    fn speed_at(&self, step: u32) -> f64 {
+        if step < self.rising_steps {
+            (GAIN_MPS * f64::from(step)).min(self.final_mps)
+        } else {
+            self.final_mps
+        }
+    }
+}

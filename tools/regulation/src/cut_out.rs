@@ -1,0 +1,135 @@
+//! Cut-out: the vehicle ahead leaves the lane in front of a standing one.
+
+use crate::contact::contact;
+use crate::travel::Travel;
+use crate::{
+    Driver, Model, Outcome, STEP_S, Situation, VEHICLE_LENGTH_M, VEHICLE_WIDTH_M, Verdict, View,
+    mps,
+};
+
+/// How far the lead's centre must be off the lane's before a driver behind sees past it \[m\].
+pub const VISIBLE_OFFSET_M: f64 = 0.375;
+
+/// The slowest lead needs 19 s to be out of the way.
+const LONGEST_S: f64 = 100.0;
+
+/// One cut-out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Case {
+    /// Speed of the ego and the lead \[km/h\].
+    pub speed_kmh: u32,
+    /// From the lead's front bumper to the standing vehicle's rear bumper \[m\].
+    pub standing_distance_m: u32,
+    /// Lateral speed of the lead in tenths \[0.1 m/s\].
+    pub lateral_tenths_mps: u32,
+}
+
+impl Case {
+    /// Lateral speed of the lead \[m/s\].
+    pub fn lateral_mps(&self) -> f64 {
+        f64::from(self.lateral_tenths_mps) * 0.1
+    }
+
+    /// How the case ends when `model` drives the ego from the distance that it keeps behind the lead;
+    /// `None` if the model keeps none.
+    ///
+    /// The model drives on until it sees the standing vehicle, or that the lead has hit it.
+    pub fn drive(&self, model: Model) -> Option<Verdict> {
+        let mut speed_mps = mps(self.speed_kmh);
+        let distance_m = model.following_distance_m(speed_mps)?;
+        let mut ego = Travel::from_m(0.0);
+        let mut lead = Lead::new(self, distance_m);
+        let standing = Travel::from_m(
+            distance_m + f64::from(self.standing_distance_m) + 2.0 * VEHICLE_LENGTH_M,
+        );
+        let mut driver = Driver::new(model, Situation::InLane);
+        for _ in 0..(LONGEST_S / STEP_S) as u32 {
+            let obstacle = if lead.known_to_stand && lead.clearance_m() < 0.0 {
+                Some(&lead.travel)
+            } else {
+                lead.is_out_of_sight().then_some(&standing)
+            };
+            let view = obstacle.map(|obstacle| View {
+                gap_m: obstacle.gap_to_m(&ego),
+                other_speed_mps: 0.0,
+                clearance_m: -VEHICLE_WIDTH_M,
+                lateral_speed_mps: 0.0,
+            });
+            speed_mps = driver.step(speed_mps, view.as_ref());
+            ego.step(speed_mps);
+            lead.step(&standing);
+            let outcome = lead
+                .contact_with(&ego)
+                .unwrap_or_else(|| contact(standing.gap_to_m(&ego), -VEHICLE_WIDTH_M));
+            if outcome.is_collision() {
+                return Some(Verdict { outcome, impact_speed_mps: speed_mps });
+            }
+            if speed_mps == 0.0 {
+                break;
+            }
+        }
+        Some(Verdict::NONE)
+    }
+}
+
+/// The cases, in the order of the tables: 5,850.
+pub fn matrix() -> impl Iterator<Item = Case> {
+    (10..=130).step_by(10).flat_map(|speed_kmh| {
+        (2..=147).step_by(5).flat_map(move |standing_distance_m| {
+            (1..=29).step_by(2).map(move |lateral_tenths_mps| Case {
+                speed_kmh,
+                standing_distance_m,
+                lateral_tenths_mps,
+            })
+        })
+    })
+}
+
+/// The vehicle that leaves the lane, or stops where it hits the standing one.
+struct Lead {
+    speed_mps: f64,
+    lateral_mps: f64,
+    travel: Travel,
+    offset: Travel,
+    stands: bool,
+    /// Whether it already stood a step ago: only then a driver behind knows.
+    known_to_stand: bool,
+}
+
+impl Lead {
+    fn new(case: &Case, distance_m: f64) -> Lead {
+        Lead {
+            speed_mps: mps(case.speed_kmh),
+            lateral_mps: case.lateral_mps(),
+            travel: Travel::from_m(distance_m + VEHICLE_LENGTH_M),
+            offset: Travel::from_m(0.0),
+            stands: false,
+            known_to_stand: false,
+        }
+    }
+
+    fn step(&mut self, standing: &Travel) {
+        self.known_to_stand = self.stands;
+        if !self.stands {
+            self.travel.step(self.speed_mps);
+            self.offset.step(self.lateral_mps);
+            self.stands =
+                contact(standing.gap_to_m(&self.travel), self.clearance_m()).is_collision();
+        }
+    }
+
+    /// Between its side and that of a vehicle in the middle of the lane \[m\].
+    fn clearance_m(&self) -> f64 {
+        self.offset.position_m() - VEHICLE_WIDTH_M
+    }
+
+    fn is_out_of_sight(&self) -> bool {
+        self.offset.position_m() >= VISIBLE_OFFSET_M
+    }
+
+    /// The ego's contact with it where it stands; `None` without one.
+    fn contact_with(&self, ego: &Travel) -> Option<Outcome> {
+        let outcome = contact(self.travel.gap_to_m(ego), self.clearance_m());
+        (self.stands && outcome.is_collision()).then_some(outcome)
+    }
+}

@@ -1,0 +1,94 @@
+//! A model with its memory: from what is seen to the ego's next speed.
+
+use super::{Model, Situation, View, careful_driver, fuzzy, regulation, rss};
+use crate::STEP_S;
+use crate::contact::is_ahead;
+
+/// What a model asks for once its reaction time is over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Braking {
+    /// Deceleration \[m/s²\], positive.
+    pub deceleration_mps2: f64,
+    /// How fast the deceleration may grow \[m/s³\].
+    pub growth_mps3: f64,
+}
+
+/// A model that drives the ego: the speed it asks for, step by step.
+#[derive(Clone, Debug)]
+pub struct Driver {
+    model: Model,
+    recognition: careful_driver::Recognition,
+    acceleration_mps2: f64,
+    /// Steps since the trigger first held.
+    reacting_steps: Option<u32>,
+}
+
+impl Driver {
+    /// A driver at constant speed.
+    pub fn new(model: Model, situation: Situation) -> Driver {
+        Driver {
+            model,
+            recognition: careful_driver::Recognition::new(situation),
+            acceleration_mps2: 0.0,
+            reacting_steps: None,
+        }
+    }
+
+    /// The ego's speed after one step of [`STEP_S`] that begins at `speed_mps` with `view` of the
+    /// vehicle that matters, if there is one \[m/s\].
+    ///
+    /// A vehicle whose centre is behind the ego's is no reason to brake.
+    pub fn step(&mut self, speed_mps: f64, view: Option<&View>) -> f64 {
+        let braking =
+            view.filter(|view| is_ahead(view.gap_m)).and_then(|view| self.trigger(speed_mps, view));
+        self.reacting_steps = match self.reacting_steps {
+            Some(steps) => Some(steps + 1),
+            None => braking.map(|_| 0),
+        };
+        self.acceleration_mps2 = match (braking, self.reacting_steps) {
+            (Some(braking), Some(steps)) if steps >= self.reaction_steps() => self.brake(braking),
+            (Some(_), _) => -self.pedal_released_mps2(),
+            (None, _) => 0.0,
+        };
+        let next_mps = (speed_mps + self.acceleration_mps2 * STEP_S).max(0.0);
+        if next_mps == 0.0 {
+            self.acceleration_mps2 = 0.0;
+        }
+        next_mps
+    }
+
+    /// Whether the model has found that no reaction is needed: the case then counts as no collision.
+    pub fn needs_no_reaction(&self) -> bool {
+        self.model == Model::CarefulDriver && self.recognition.needs_no_reaction()
+    }
+
+    fn trigger(&mut self, speed_mps: f64, view: &View) -> Option<Braking> {
+        match self.model {
+            Model::CarefulDriver => self.recognition.trigger(speed_mps, view),
+            Model::Regulation => regulation::trigger(speed_mps, view),
+            Model::Rss => rss::trigger(speed_mps, view),
+            Model::Fuzzy => fuzzy::trigger(speed_mps, self.acceleration_mps2, view),
+        }
+    }
+
+    /// The reaction time in whole steps.
+    fn reaction_steps(&self) -> u32 {
+        match self.model {
+            Model::Regulation => regulation::REACTION_STEPS,
+            Model::CarefulDriver | Model::Rss | Model::Fuzzy => careful_driver::REACTION_STEPS,
+        }
+    }
+
+    /// Deceleration during the reaction time \[m/s²\].
+    fn pedal_released_mps2(&self) -> f64 {
+        match self.model {
+            Model::CarefulDriver => careful_driver::PEDAL_RELEASED_MPS2,
+            Model::Regulation | Model::Rss | Model::Fuzzy => 0.0,
+        }
+    }
+
+    fn brake(&self, braking: Braking) -> f64 {
+        let grown = self.acceleration_mps2.min(0.0) - braking.growth_mps3 * STEP_S;
+        grown.max(-braking.deceleration_mps2)
+    }
+}

@@ -1,0 +1,40 @@
+//! A position along one axis.
+
+use crate::{STEP_S, VEHICLE_LENGTH_M};
+
+/// A position along one axis: a start and the way since.
+///
+/// The way is the sum of the speeds of all steps times the step, not a sum of products: cases in which
+/// two sides meet exactly at a step are decided by rounding, and the reference's are this sum's.
+#[derive(Clone, Debug)]
+pub(crate) struct Travel {
+    start_m: f64,
+    speeds_mps: f64,
+}
+
+impl Travel {
+    /// At `start_m`.
+    pub(crate) fn from_m(start_m: f64) -> Travel {
+        Travel { start_m, speeds_mps: 0.0 }
+    }
+
+    /// Where steps whose speeds sum up to `speeds_mps` lead to 0.
+    pub(crate) fn ending_at_0(speeds_mps: f64) -> Travel {
+        Travel { start_m: 0.0, speeds_mps: -speeds_mps }
+    }
+
+    /// One step with `speed_mps`.
+    pub(crate) fn step(&mut self, speed_mps: f64) {
+        self.speeds_mps += speed_mps;
+    }
+
+    /// The position \[m\].
+    pub(crate) fn position_m(&self) -> f64 {
+        self.start_m + self.speeds_mps * STEP_S
+    }
+
+    /// From the front bumper of a vehicle `behind` to this one's rear bumper \[m\].
+    pub(crate) fn gap_to_m(&self, behind: &Travel) -> f64 {
+        self.position_m() - behind.position_m() - VEHICLE_LENGTH_M
+    }
+}
