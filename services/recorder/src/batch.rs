@@ -1,8 +1,8 @@
 //! Messages on their way from the topics to the file.
 
 use messages::{
-    Command, Diagnostics, Heartbeat, Map, Message, Odometry, Powertrain, Preview, RadarTracks,
-    SignalTruth, Spat, Topic, VehicleTruth,
+    Command, Diagnostics, Heartbeat, Map, Message, Odometry, Powertrain, Preview, RadarDetections,
+    RadarTracks, SignalTruth, Spat, Topic, VehicleTruth,
 };
 use runtime::{RuntimeError, Tap, Tapped};
 
@@ -84,6 +84,7 @@ impl Taps {
         let topics: Vec<Box<dyn Hear>> = vec![
             Box::new(tap.on::<Odometry>()?),
             Box::new(tap.on::<Powertrain>()?),
+            Box::new(tap.on::<RadarDetections>()?),
             Box::new(tap.on::<RadarTracks>()?),
             Box::new(tap.on::<Spat>()?),
             Box::new(tap.on::<Map>()?),

@@ -9,6 +9,7 @@
 //! | --- | --- | --- | --- |
 //! | `vehicle/odometry` | [`Odometry`] | plant | perception-sim, v2x-sim, controller |
 //! | `vehicle/powertrain` | [`Powertrain`] | plant, of a truck | controller |
+//! | `radar/detections` | [`RadarDetections`] | perception-sim | (observers) |
 //! | `radar/tracks` | [`RadarTracks`] | perception-sim | controller |
 //! | `v2x/spat` | [`Spat`] | v2x-sim | controller |
 //! | `v2x/map` | [`Map`] | v2x-sim | controller |
@@ -39,7 +40,8 @@ pub use header::{Header, Origin, Origins};
 pub use health::{Heartbeat, ServiceState};
 pub use layout::{Element, Field, Laid, Layout, Place, Scalar, Shape, Value};
 pub use perception::{
-    MAX_TRACKS, RadarTracks, Track, TrackedTarget, VehicleTruth, VehicleTruthItem,
+    Detection, MAX_DETECTIONS, MAX_TRACKS, RadarDetections, RadarTracks, Track, TrackedTarget,
+    VehicleTruth, VehicleTruthItem,
 };
 pub use service::Service;
 pub use topic::{LAYOUT_VERSION, Message, TOPICS, Topic};

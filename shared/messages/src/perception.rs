@@ -63,6 +63,72 @@ pub struct RadarTracks {
 message!(RadarTracks, Topic::RadarTracks);
 layout!(RadarTracks { header, target, count, tracks });
 
+/// Most detections that a message carries.
+pub const MAX_DETECTIONS: usize = 1024;
+
+/// One detection of the radar.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
+#[type_name("timegap_msgs/msg/Detection")]
+pub struct Detection {
+    /// Range, m.
+    pub range_m: f64,
+    /// Range rate, m/s, negative when closing.
+    pub range_rate_mps: f64,
+    /// Azimuth, rad, positive to the left.
+    pub azimuth_rad: f64,
+    /// Signal-to-noise ratio, dB.
+    pub snr_db: f64,
+    /// Radar cross section that follows from it, dB relative to 1 m².
+    pub rcs_dbsm: f64,
+    /// Reserved: 0.
+    pub flags: u32,
+    /// Detections with the same number are the same echo at different ambiguous range rates; 0: the
+    /// range rate is not ambiguous.
+    pub ambiguity_group: u32,
+}
+
+layout!(Detection {
+    range_m,
+    range_rate_mps,
+    azimuth_rad,
+    snr_db,
+    rcs_dbsm,
+    flags,
+    ambiguity_group
+});
+
+/// What the radar's receiver hands out in one scan: several detections for each vehicle, and some for
+/// none. Empty when the radar's model has no detections. The header's acquisition time is that of the
+/// scan.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
+#[type_name("timegap_msgs/msg/RadarDetections")]
+pub struct RadarDetections {
+    /// Common header.
+    pub header: Header,
+    /// Speed of the ego at the scan, m/s.
+    pub ego_speed_mps: f64,
+    /// Detections for which there was no room.
+    pub left_out: u64,
+    /// Valid entries of `detections`.
+    pub count: u64,
+    /// Detections, nearest first up to their noise; unused entries are 0.
+    pub detections: [Detection; MAX_DETECTIONS],
+}
+
+message!(RadarDetections, Topic::RadarDetections);
+layout!(RadarDetections { header, ego_speed_mps, left_out, count, detections });
+
+impl RadarDetections {
+    /// The valid detections.
+    #[must_use]
+    pub fn detections(&self) -> &[Detection] {
+        let count = usize::try_from(self.count).map_or(MAX_DETECTIONS, |n| n.min(MAX_DETECTIONS));
+        &self.detections[..count]
+    }
+}
+
 /// A vehicle as it really is.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]

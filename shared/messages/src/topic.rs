@@ -47,12 +47,15 @@ pub enum Topic {
     SignalTruth,
     /// `health/heartbeat`
     Heartbeat,
+    /// `radar/detections`; last, because a topic's number is part of its data ID.
+    RadarDetections,
 }
 
 /// All topics, in the order of the data's way.
-pub const TOPICS: [Topic; 11] = [
+pub const TOPICS: [Topic; 12] = [
     Topic::Odometry,
     Topic::Powertrain,
+    Topic::RadarDetections,
     Topic::RadarTracks,
     Topic::Spat,
     Topic::Map,
@@ -71,6 +74,7 @@ impl Topic {
         match self {
             Self::Odometry => "vehicle/odometry",
             Self::Powertrain => "vehicle/powertrain",
+            Self::RadarDetections => "radar/detections",
             Self::RadarTracks => "radar/tracks",
             Self::Spat => "v2x/spat",
             Self::Map => "v2x/map",
@@ -95,6 +99,7 @@ impl Topic {
         match self {
             Self::Odometry => super::Odometry::LAYOUT,
             Self::Powertrain => super::Powertrain::LAYOUT,
+            Self::RadarDetections => super::RadarDetections::LAYOUT,
             Self::RadarTracks => super::RadarTracks::LAYOUT,
             Self::Spat => super::Spat::LAYOUT,
             Self::Map => super::Map::LAYOUT,
@@ -124,7 +129,9 @@ impl Topic {
     pub const fn source(self) -> Option<Service> {
         match self {
             Self::Odometry | Self::Powertrain => Some(Service::Plant),
-            Self::RadarTracks | Self::VehicleTruth => Some(Service::PerceptionSim),
+            Self::RadarDetections | Self::RadarTracks | Self::VehicleTruth => {
+                Some(Service::PerceptionSim)
+            }
             Self::Spat | Self::Map | Self::Preview | Self::SignalTruth => Some(Service::V2xSim),
             Self::Command | Self::Diagnostics => Some(Service::Controller),
             Self::Heartbeat => None,
@@ -140,7 +147,7 @@ impl Topic {
                 &[Service::Controller]
             }
             Self::Command | Self::VehicleTruth | Self::SignalTruth => &[Service::Plant],
-            Self::Diagnostics | Self::Heartbeat => &[],
+            Self::RadarDetections | Self::Diagnostics | Self::Heartbeat => &[],
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use crate::{End, Receiver, RuntimeError, Sender, Transport};
 use messages::{
-    Command, Diagnostics, Heartbeat, Map, Message, Odometry, Powertrain, Preview, RadarTracks,
-    SignalTruth, Spat, VehicleTruth,
+    Command, Diagnostics, Heartbeat, Map, Message, Odometry, Powertrain, Preview, RadarDetections,
+    RadarTracks, SignalTruth, Spat, VehicleTruth,
 };
 use std::rc::Rc;
 
@@ -48,6 +48,7 @@ carried!(
     Odometry,
     Powertrain,
     Preview,
+    RadarDetections,
     RadarTracks,
     SignalTruth,
     Spat,

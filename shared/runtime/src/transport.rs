@@ -29,16 +29,26 @@ fn buffer(timetable: &Timetable) -> usize {
     usize::try_from((2 * slowest + 8).max(50)).expect("strides are small")
 }
 
+/// Larger messages have buffers of at most [`LARGE_BUFFER`], bytes: memory for the slowest of many
+/// readers would be tens of megabytes.
+const LARGE_BYTES: usize = 16 << 10;
+const LARGE_BUFFER: usize = 16;
+
+/// The part of `buffer` that `topic` gets.
+fn buffer_of(topic: Topic, buffer: usize) -> usize {
+    if topic.message_bytes() > LARGE_BYTES { buffer.min(LARGE_BUFFER) } else { buffer }
+}
+
 /// Shared memory that a group with this timetable may come to use, bytes: every publisher has room
 /// for what all its possible subscribers can lag behind.
 #[must_use]
 pub fn shared_memory_bytes(timetable: &Timetable) -> u64 {
     /// Management segments of all nodes, services and connections, generously.
     const MANAGEMENT: usize = 1 << 20;
-    let messages = MAX_PEERS * (buffer(timetable) + 2) + 2;
+    let messages = |topic| MAX_PEERS * (buffer_of(topic, buffer(timetable)) + 2) + 2;
     let publishers = |topic: Topic| topic.source().map_or(Service::ALL.len(), |_| 1);
-    let payload: usize =
-        TOPICS.iter().map(|&topic| publishers(topic) * messages * topic.message_bytes()).sum();
+    let bytes = |topic: Topic| publishers(topic) * messages(topic) * topic.message_bytes();
+    let payload: usize = TOPICS.into_iter().map(bytes).sum();
     (payload + MANAGEMENT) as u64
 }
 
@@ -157,7 +167,7 @@ impl Transport {
             .max_publishers(MAX_PEERS)
             .max_subscribers(MAX_PEERS)
             .max_nodes(2 * MAX_PEERS)
-            .subscriber_max_buffer_size(self.buffer)
+            .subscriber_max_buffer_size(buffer_of(T::TOPIC, self.buffer))
             // What a restarted receiver begins with.
             .history_size(1)
             .enable_safe_overflow(self.mode == Mode::Realtime)
