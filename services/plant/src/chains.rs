@@ -18,7 +18,7 @@
 //! left without them, the *net* reaction time, is what the deployment costs.
 
 use crate::worst::Worst;
-use messages::{Command, Origin};
+use messages::{Brake, Command, Header, Origin};
 use runtime::report::Hops;
 use runtime::statistics::{Latencies, Percentiles};
 use std::collections::BTreeMap;
@@ -32,6 +32,33 @@ pub struct Actuated {
     pub start_ns: i64,
     /// The actuation, ns of run time.
     pub now_ns: i64,
+}
+
+/// The stamps of a command that a chain is rebuilt from.
+#[derive(Clone, Copy, Debug)]
+pub struct Stamps {
+    /// Header of the command.
+    pub header: Header,
+    /// Scheduled release of the radar's cycle that published its sample, ns of run time.
+    pub radar_release_ns: i64,
+    /// Since when its service waited for its release, ns of run time.
+    pub idle_ns: i64,
+    /// When the cycle began to work on its inputs, ns of run time.
+    pub start_ns: i64,
+}
+
+impl From<&Command> for Stamps {
+    fn from(command: &Command) -> Self {
+        let Command { header, radar_release_ns, idle_ns, start_ns, .. } = *command;
+        Self { header, radar_release_ns, idle_ns, start_ns }
+    }
+}
+
+impl From<&Brake> for Stamps {
+    fn from(brake: &Brake) -> Self {
+        let Brake { header, radar_release_ns, idle_ns, start_ns, .. } = *brake;
+        Self { header, radar_release_ns, idle_ns, start_ns }
+    }
 }
 
 /// The parts of one reaction time, ns, in order of time.
@@ -56,7 +83,7 @@ pub struct Parts {
 impl Parts {
     /// The parts of the chain that ends with `command` at `actuated`.
     #[must_use]
-    pub fn of(command: &Command, actuated: &Actuated) -> Self {
+    pub fn of(command: &Stamps, actuated: &Actuated) -> Self {
         let radar = command.header.origins.radar;
         let mut reached = radar.acquisition_ns;
         // Time never goes back: a stage that was over before the last one ended took none.
@@ -96,7 +123,7 @@ impl Parts {
 
     /// The waits among them that are designed, ns.
     #[must_use]
-    pub fn designed_wait_ns(&self, command: &Command) -> i64 {
+    pub fn designed_wait_ns(&self, command: &Stamps) -> i64 {
         let radar = command.header.origins.radar;
         let latency = (command.radar_release_ns - radar.acquisition_ns).max(0);
         let timer = (command.header.acquisition_ns - radar.publish_ns).max(0);
@@ -151,13 +178,25 @@ impl Chains {
 
     /// Records that `command` acts at `actuated`; called in every cycle of the plant.
     pub fn actuated(&mut self, command: &Command, actuated: &Actuated) {
+        if let Some(parts) = self.record(&command.into(), actuated) {
+            self.worst.offer(command, &parts, actuated.now_ns);
+        }
+    }
+
+    /// The same for a request of the emergency brake.
+    pub fn braked(&mut self, brake: &Brake, actuated: &Actuated) {
+        self.record(&brake.into(), actuated);
+    }
+
+    /// The parts of a chain that ends here for the first time.
+    fn record(&mut self, command: &Stamps, actuated: &Actuated) -> Option<Parts> {
         let radar = command.header.origins.radar;
         if !radar.is_some() {
-            return;
+            return None;
         }
         self.age.record_ns(actuated.now_ns - radar.acquisition_ns);
         if self.last_radar == Some(radar) {
-            return;
+            return None;
         }
         self.last_radar = Some(radar);
         let parts = Parts::of(command, actuated);
@@ -179,7 +218,7 @@ impl Chains {
         for (histogram, part) in self.parts.iter_mut().zip(in_order) {
             histogram.record_ns(part);
         }
-        self.worst.offer(command, &parts, actuated.now_ns);
+        Some(parts)
     }
 
     /// Percentiles of the reaction time.
@@ -270,7 +309,7 @@ mod tests {
     #[test]
     fn parts_of_a_quiet_chain() {
         let quiet = command(radar(1, 100, 130), 100, 20, 142, 175);
-        let parts = Parts::of(&quiet, &at(200, 208, 220));
+        let parts = Parts::of(&(&quiet).into(), &at(200, 208, 220));
         let expected = Parts {
             radar_publish_ns: 30,
             controller_queue_ns: 0,
@@ -281,21 +320,21 @@ mod tests {
             actuate_ns: 12,
         };
         assert_eq!(parts, expected);
-        assert_eq!((parts.sum_ns(), parts.designed_wait_ns(&quiet)), (120, 25));
+        assert_eq!((parts.sum_ns(), parts.designed_wait_ns(&(&quiet).into())), (120, 25));
     }
 
     #[test]
     fn a_busy_controller_queues_by_accident_and_a_timer_by_design() {
         // Idle 40 after the sample was published: nobody designed that.
         let busy = command(radar(1, 100, 130), 100, 170, 174, 190);
-        let parts = Parts::of(&busy, &at(200, 200, 200));
+        let parts = Parts::of(&(&busy).into(), &at(200, 200, 200));
         assert_eq!((parts.controller_queue_ns, parts.radar_transport_ns), (40, 4));
-        assert_eq!(parts.designed_wait_ns(&busy), 10);
+        assert_eq!(parts.designed_wait_ns(&(&busy).into()), 10);
         // Released by its timer 20 after the publication, awake 5 later.
         let timer = command(radar(1, 100, 130), 150, 90, 155, 180);
-        let parts = Parts::of(&timer, &at(200, 200, 200));
+        let parts = Parts::of(&(&timer).into(), &at(200, 200, 200));
         assert_eq!((parts.controller_queue_ns, parts.radar_transport_ns), (20, 5));
-        assert_eq!(parts.designed_wait_ns(&timer), 20 + 20);
+        assert_eq!(parts.designed_wait_ns(&(&timer).into()), 20 + 20);
     }
 
     #[test]
@@ -303,9 +342,9 @@ mod tests {
         let mut late = command(radar(1, 100, 163), 150, 90, 170, 180);
         late.radar_release_ns = 150;
         // The plant was due at 160, before the command was there, and awoke at 230.
-        let parts = Parts::of(&late, &at(160, 230, 240));
+        let parts = Parts::of(&(&late).into(), &at(160, 230, 240));
         assert_eq!((parts.command_wait_ns, parts.command_transport_ns), (0, 50));
-        assert_eq!((parts.sum_ns(), parts.designed_wait_ns(&late)), (140, 50));
+        assert_eq!((parts.sum_ns(), parts.designed_wait_ns(&(&late).into())), (140, 50));
     }
 
     #[test]
@@ -319,9 +358,9 @@ mod tests {
             let origin = radar(1, random(50), random(100));
             let command = command(origin, random(200), random(200), random(200), random(200));
             let now = 250 + random(100);
-            let parts = Parts::of(&command, &at(random(250), random(250), now));
+            let parts = Parts::of(&(&command).into(), &at(random(250), random(250), now));
             assert_eq!(parts.sum_ns(), now - origin.acquisition_ns, "{command:?}");
-            let designed = parts.designed_wait_ns(&command);
+            let designed = parts.designed_wait_ns(&(&command).into());
             assert!((0..=parts.sum_ns()).contains(&designed));
         }
     }

@@ -54,11 +54,12 @@ impl Ego {
         }
     }
 
-    /// Moves on by one period of the plant.
-    pub fn step(&mut self, actuation: &Actuation) {
+    /// Moves on by one period of the plant, with the emergency brake's ceiling on the acceleration,
+    /// m/s².
+    pub fn step(&mut self, actuation: &Actuation, ceiling_mps2: Option<f64>) {
         match self {
-            Self::Car(car) => car.step(actuation.request_mps2),
-            Self::Truck(truck) => truck.step(actuation),
+            Self::Car(car) => car.step_below(actuation.request_mps2, ceiling_mps2),
+            Self::Truck(truck) => truck.step(actuation, ceiling_mps2),
         }
     }
 

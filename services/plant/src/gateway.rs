@@ -9,10 +9,10 @@
 //! | [`Source::Command`] | a valid command | the plan's first request |
 //! | [`Source::Plan`] | its control step is over | the plan's later requests; past its end, the last one for one step, then that one as far as it brakes |
 //! | [`Source::StopInLane`] | `follow_plan_s` later | `-stop_deceleration_mps2` |
-//! | [`Source::Emergency`] | below the first rung (with `automatic_emergency_braking` on any), when the ground truth ahead needs more | `-emergency_deceleration_mps2`, until standstill |
 //!
-//! Every request, whatever its source, is bounded in range; its rise and fall are bounded except
-//! that an emergency brakes at once.
+//! Every request, whatever its source, is bounded in range and rate. The gateway knows nothing of what is
+//! ahead: braking for it is the controller's work, and beside it that of the emergency brake, which has a
+//! path of its own to the wheels ([`crate::brake`]); the vehicle gets the harder of the two.
 //!
 //! A command to a truck may carry an engine torque beside its plan. It acts in place of the plan's
 //! first request, bounded in range and rate itself; the rungs below know the plan alone.
@@ -22,13 +22,6 @@ use serde::{Deserialize, Serialize};
 
 /// Longest plan that is kept, in control steps: as long as a command carries.
 const MAX_PLAN: usize = messages::PLAN_LEN;
-
-/// Distance kept from the vehicle ahead in an emergency stop, m.
-const EMERGENCY_MARGIN_M: f64 = 1.0;
-
-/// A valid command is overruled when the truth ahead needs more than this part of the emergency
-/// deceleration: no comfortable braking needs so much, and there is still some left.
-const EMERGENCY_SHARE: f64 = 0.6;
 
 /// Why a command was not accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,8 +48,6 @@ pub enum Source {
     Plan,
     /// A stop in lane at moderate deceleration.
     StopInLane,
-    /// A stop as hard as the ground truth ahead demands.
-    Emergency,
 }
 
 /// What the actuators get.
@@ -83,17 +74,6 @@ pub struct EngineRequest {
     pub gear: Option<usize>,
 }
 
-/// The vehicle ahead as it truly is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ahead {
-    /// Bumper-to-bumper distance, m.
-    pub gap_m: f64,
-    /// Speed, m/s.
-    pub speed_mps: f64,
-    /// Acceleration, m/s².
-    pub acceleration_mps2: f64,
-}
-
 /// The gateway.
 #[derive(Clone, Debug)]
 pub struct Gateway {
@@ -101,8 +81,8 @@ pub struct Gateway {
     fallback: Fallback,
     period_s: f64,
     follow_plan_ns: u64,
-    /// Time that the brakes take to bite, s.
-    brake_lag_s: f64,
+    /// A command is lost when its successor is overdue by this time.
+    overdue_ns: u64,
     plan: [f64; MAX_PLAN],
     plan_len: usize,
     start_ns: u64,
@@ -111,7 +91,6 @@ pub struct Gateway {
     engine: Option<EngineRequest>,
     /// Torque request of the period before, or what the engine gave then.
     last_torque_nm: f64,
-    emergency: bool,
     /// The launcher asked for a stop: no command counts any more.
     stopping: bool,
 }
@@ -120,7 +99,6 @@ pub struct Gateway {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Kept {
     last_request_mps2: f64,
-    emergency: bool,
     stopping: bool,
 }
 
@@ -133,7 +111,7 @@ impl Gateway {
             fallback: plant.fallback,
             period_s: 1e-3 * f64::from(plant.period_ms.value()),
             follow_plan_ns: plant.fallback.follow_plan_s.nanoseconds(),
-            brake_lag_s: plant.actuator_time_constant_s.value(),
+            overdue_ns: plant.fallback.overdue_s.nanoseconds(),
             plan: [0.0; MAX_PLAN],
             plan_len: 0,
             start_ns: 0,
@@ -141,7 +119,6 @@ impl Gateway {
             last_request_mps2: plant.initial_acceleration_mps2.value(),
             engine: None,
             last_torque_nm: 0.0,
-            emergency: false,
             stopping: false,
         }
     }
@@ -149,14 +126,13 @@ impl Gateway {
     /// What is to outlive this process.
     #[must_use]
     pub fn kept(&self) -> Kept {
-        let Self { last_request_mps2, emergency, stopping, .. } = *self;
-        Kept { last_request_mps2, emergency, stopping }
+        let Self { last_request_mps2, stopping, .. } = *self;
+        Kept { last_request_mps2, stopping }
     }
 
     /// Goes on from what another process kept.
     pub fn go_on_from(&mut self, kept: &Kept) {
-        (self.last_request_mps2, self.emergency) = (kept.last_request_mps2, kept.emergency);
-        self.stopping = kept.stopping;
+        (self.last_request_mps2, self.stopping) = (kept.last_request_mps2, kept.stopping);
     }
 
     /// Stops in lane, whatever commands come.
@@ -220,32 +196,10 @@ impl Gateway {
         }
     }
 
-    /// The request for the plant's period that starts at `now_ns`, with the ego at `speed_mps`.
-    /// Called once in each period.
-    pub fn actuate(&mut self, now_ns: u64, speed_mps: f64, ahead: Option<&Ahead>) -> Actuation {
-        let (mut source, mut wanted) = self.planned(now_ns);
-        let commanded = !matches!(source, Source::Plan | Source::StopInLane);
-        if !commanded || self.fallback.automatic_emergency_braking {
-            let needed = ahead.map_or(0.0, |ahead| {
-                let lag_m = (speed_mps - ahead.speed_mps).max(0.0) * self.brake_lag_s;
-                let gap_m = if commanded { ahead.gap_m - lag_m } else { ahead.gap_m };
-                required_deceleration(speed_mps, &Ahead { gap_m, ..*ahead })
-            });
-            let limit = if commanded {
-                EMERGENCY_SHARE * self.fallback.emergency_deceleration_mps2.value()
-            } else {
-                self.fallback.stop_deceleration_mps2.value()
-            };
-            self.emergency |= needed > limit.max(-wanted);
-            self.emergency &= speed_mps > 0.0;
-            if self.emergency {
-                source = Source::Emergency;
-                wanted = -self.fallback.emergency_deceleration_mps2.value();
-            }
-        } else {
-            self.emergency = false;
-        }
-        let request_mps2 = self.bounded(wanted, source);
+    /// The request for the plant's period that starts at `now_ns`. Called once in each period.
+    pub fn actuate(&mut self, now_ns: u64) -> Actuation {
+        let (source, wanted) = self.planned(now_ns);
+        let request_mps2 = self.bounded(wanted);
         self.last_request_mps2 = request_mps2;
         let asked = self.engine.filter(|_| source == Source::Command);
         self.engine = asked;
@@ -264,11 +218,13 @@ impl Gateway {
         EngineRequest { torque_nm, service_brake_n: asked.service_brake_n.max(0.0), ..asked }
     }
 
-    /// True while the newest command is no older than its successor may be in coming.
+    /// True until the newest command's successor is overdue by the margin: a command that comes a
+    /// moment after the plant's tick is late, not lost.
     #[must_use]
     pub fn is_commanded(&self, now_ns: u64) -> bool {
         let waiting = self.plan_len == 0 && now_ns <= self.follow_plan_ns;
-        waiting || (self.plan_len > 0 && now_ns < self.start_ns.saturating_add(2 * self.step_ns))
+        let due_ns = self.start_ns.saturating_add(self.step_ns);
+        waiting || (self.plan_len > 0 && now_ns < due_ns.saturating_add(self.overdue_ns))
     }
 
     fn planned(&self, now_ns: u64) -> (Source, f64) {
@@ -297,43 +253,21 @@ impl Gateway {
         (Source::Plan, request)
     }
 
-    fn bounded(&self, wanted: f64, source: Source) -> f64 {
+    fn bounded(&self, wanted: f64) -> f64 {
         let (last, period_s) = (self.last_request_mps2, self.period_s);
-        let mut request = wanted.min(last + self.bounds.max_rise_mps3.value() * period_s);
-        if source != Source::Emergency {
-            request = request.max(last - self.bounds.max_fall_mps3.value() * period_s);
-        }
+        let highest = last + self.bounds.max_rise_mps3.value() * period_s;
+        let lowest = last - self.bounds.max_fall_mps3.value() * period_s;
+        let request = wanted.min(highest).max(lowest);
         request.clamp(self.bounds.min_request_mps2.value(), self.bounds.max_request_mps2.value())
-    }
-}
-
-/// Constant deceleration that keeps the ego behind the vehicle ahead, m/s², when that one keeps its
-/// present acceleration until it stands; 0 when none is needed.
-#[must_use]
-pub fn required_deceleration(speed_mps: f64, ahead: &Ahead) -> f64 {
-    let room = (ahead.gap_m - EMERGENCY_MARGIN_M).max(0.1);
-    let braking = (-ahead.acceleration_mps2).max(0.0);
-    let closing = speed_mps - ahead.speed_mps;
-    let lead_stops_in_s = if braking > 0.0 { ahead.speed_mps / braking } else { f64::INFINITY };
-    // Equal speeds are reached after 2 room / closing at the deceleration that just avoids contact.
-    let meets_in_s = if closing > 0.0 { 2.0 * room / closing } else { f64::INFINITY };
-    if meets_in_s <= lead_stops_in_s && closing > 0.0 {
-        braking + closing * closing / (2.0 * room)
-    } else if lead_stops_in_s.is_finite() {
-        let to_its_stop = 0.5 * ahead.speed_mps * lead_stops_in_s;
-        speed_mps * speed_mps / (2.0 * (room + to_its_stop))
-    } else {
-        0.0
     }
 }
 
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
-    use scenario::quantity::{AccelerationMagnitude, Duration, JerkMagnitude, PeriodMs, Speed};
+    use scenario::quantity::{JerkMagnitude, PeriodMs};
 
     use super::*;
-    use crate::longitudinal::Vehicle;
 
     const STEP_NS: u64 = 100_000_000;
     const PERIOD_NS: u64 = 10_000_000;
@@ -348,7 +282,7 @@ mod tests {
     }
 
     fn at(gateway: &mut Gateway, now_ns: u64) -> (f64, Source) {
-        let actuation = gateway.actuate(now_ns, 20.0, None);
+        let actuation = gateway.actuate(now_ns);
         (actuation.request_mps2, actuation.source)
     }
 
@@ -377,7 +311,7 @@ mod tests {
         let asked = EngineRequest { torque_nm: 9e3, service_brake_n: 0.0, gear: Some(5) };
         gateway.accept_with_engine(0, 0, STEP_NS, &[0.1], Some(asked)).expect("a right command");
         let torque = |gateway: &mut Gateway, now_ns| {
-            gateway.actuate(now_ns, 20.0, None).engine.map(|engine| engine.torque_nm)
+            gateway.actuate(now_ns).engine.map(|engine| engine.torque_nm)
         };
         // 5000 N m/s over periods of 100 ms, from what the engine gave.
         assert_eq!(torque(&mut gateway, 0), Some(1000.0));
@@ -440,50 +374,14 @@ mod tests {
         plant.gateway.max_fall_mps3 = JerkMagnitude::of(50.0);
         let mut gateway = Gateway::new(&plant);
         gateway.accept(0, 0, STEP_NS, &[100.0, -100.0]).expect("it is valid");
-        let first = gateway.actuate(0, 20.0, None);
+        let first = gateway.actuate(0);
         assert!(first.limited && (first.request_mps2 - 0.1).abs() < 1e-12);
-        let second = gateway.actuate(STEP_NS, 20.0, None);
+        let second = gateway.actuate(STEP_NS);
         assert!(second.limited && (second.request_mps2 + 0.4).abs() < 1e-12);
         let mut free = self::gateway();
         free.accept(0, 0, STEP_NS, &[100.0, -100.0]).expect("it is valid");
-        assert_eq!(free.actuate(0, 20.0, None).request_mps2, 5.0);
-        assert_eq!(free.actuate(STEP_NS, 20.0, None).request_mps2, -8.0);
-    }
-
-    #[test]
-    fn required_deceleration_by_hand() {
-        let ahead =
-            |gap_m, speed_mps, acceleration_mps2| Ahead { gap_m, speed_mps, acceleration_mps2 };
-        // Standing obstacle: v²/(2 d).
-        assert!((required_deceleration(20.0, &ahead(41.0, 0.0, 0.0)) - 5.0).abs() < 1e-12);
-        // Constant lead: closing²/(2 d).
-        assert!((required_deceleration(20.0, &ahead(26.0, 10.0, 0.0)) - 2.0).abs() < 1e-12);
-        // A lead that brakes to a stop from the same speed: its stopping distance is ours too.
-        assert!((required_deceleration(20.0, &ahead(11.0, 20.0, -5.0)) - 4.0).abs() < 1e-12);
-        // Opening, and a lead that drives on.
-        assert_eq!(required_deceleration(10.0, &ahead(5.0, 20.0, 1.0)), 0.0);
-    }
-
-    #[test]
-    fn silence_before_a_standing_car_ends_in_an_emergency_stop_without_contact() {
-        let mut plant = Plant { initial_speed_mps: Speed::of(20.0), ..Plant::default() };
-        plant.fallback.follow_plan_s = Duration::of(0.5);
-        plant.fallback.emergency_deceleration_mps2 = AccelerationMagnitude::of(8.0);
-        let (mut gateway, mut vehicle) = (Gateway::new(&plant), Vehicle::new(&plant));
-        gateway.accept(0, 0, STEP_NS, &[0.0]).expect("it is valid");
-        let obstacle_m = 70.0;
-        let mut emergencies = 0;
-        for k in 0..1000 {
-            let state = vehicle.state();
-            let gap_m = obstacle_m - state.position_m;
-            let ahead = Ahead { gap_m, speed_mps: 0.0, acceleration_mps2: 0.0 };
-            let actuation = gateway.actuate(k * PERIOD_NS, state.speed_mps, Some(&ahead));
-            emergencies += usize::from(actuation.source == Source::Emergency);
-            vehicle.step(actuation.request_mps2);
-        }
-        assert!(emergencies > 0);
-        assert_eq!(vehicle.state().speed_mps, 0.0);
-        assert!(vehicle.state().position_m < obstacle_m);
+        assert_eq!(free.actuate(0).request_mps2, 5.0);
+        assert_eq!(free.actuate(STEP_NS).request_mps2, -8.0);
     }
 
     proptest! {
@@ -491,17 +389,15 @@ mod tests {
         fn whatever_comes_the_request_is_finite_and_in_range(
             commands in prop::collection::vec(
                 (0u64..40, prop::collection::vec(prop::num::f64::ANY, 0..4)), 0..60),
-            gap_m in prop::num::f64::NORMAL, lead in 0.0..40.0f64, a in -10.0..10.0f64,
         ) {
             let mut plant = Plant::default();
             plant.gateway.max_rise_mps3 = JerkMagnitude::of(20.0);
             let mut gateway = Gateway::new(&plant);
-            let ahead = Ahead { gap_m, speed_mps: lead, acceleration_mps2: a };
             let (mut now, mut last) = (0, 0.0);
             for (wait, plan) in commands {
                 let _ = gateway.accept(now, now, STEP_NS, &plan);
                 for _ in 0..wait {
-                    let request = gateway.actuate(now, 20.0, Some(&ahead)).request_mps2;
+                    let request = gateway.actuate(now).request_mps2;
                     prop_assert!((-8.0..=5.0).contains(&request));
                     prop_assert!(request <= last + 0.2 + 1e-12);
                     last = request;

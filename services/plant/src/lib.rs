@@ -1,5 +1,8 @@
 //! The simulated ego vehicle: its motion, its actuator gateway and the referee of a run.
 
+pub mod ahead;
+pub mod brake;
+mod braking;
 pub mod chains;
 pub mod delivery;
 pub mod ego;

@@ -96,18 +96,30 @@ impl Vehicle {
     /// Moves on by one period of the plant under a constant request, m/s². The gateway has seen to
     /// it that the request is finite.
     pub fn step(&mut self, request_mps2: f64) {
+        self.step_below(request_mps2, None);
+    }
+
+    /// The same with the emergency brake's ceiling on the acceleration, m/s².
+    pub fn step_below(&mut self, request_mps2: f64, ceiling_mps2: Option<f64>) {
+        let ceiling = ceiling_mps2.map(|ceiling| ceiling.max(self.min_mps2));
         match &mut self.motion {
             Motion::Fine { substeps, step_s, decay } => {
                 let (substeps, step_s, decay) = (*substeps, *step_s, *decay);
                 for _ in 0..substeps {
                     let request = self.attainable(request_mps2, self.state.speed_mps);
-                    self.state = exact_step(self.state, request, self.tau_s, step_s, decay);
+                    let free = exact_step(self.state, request, self.tau_s, step_s, decay);
+                    self.state = match ceiling {
+                        Some(ceiling) if ceiling < free.acceleration_mps2 => {
+                            braked_step(self.state, ceiling, step_s)
+                        }
+                        _ => free,
+                    };
                 }
             }
             Motion::PaperEuler { base, .. } => {
                 let speed_mps = base.speed_mps;
                 let request = self.attainable(request_mps2, speed_mps);
-                self.euler_sample(request);
+                self.euler_sample(ceiling.map_or(request, |ceiling| request.min(ceiling)));
             }
         }
     }
@@ -163,6 +175,19 @@ fn exact_step(state: State, request: f64, tau_s: f64, h: f64, decay: f64) -> Sta
     // It stops inside this step: the speed falls to zero in about the share v / (v - v') of it.
     let moving_s = h * v / (v - next.speed_mps);
     without_reverse(State { position_m: x + 0.5 * v * moving_s, ..next })
+}
+
+/// `h` seconds in which the emergency brake sets the acceleration.
+fn braked_step(state: State, acceleration_mps2: f64, h: f64) -> State {
+    let State { position_m: x, speed_mps: v, .. } = state;
+    let speed_mps = v + acceleration_mps2 * h;
+    if speed_mps <= 0.0 {
+        // It stops inside this step.
+        let stopping_m =
+            if acceleration_mps2 < 0.0 { -0.5 * v * v / acceleration_mps2 } else { 0.0 };
+        return State { position_m: x + stopping_m, speed_mps: 0.0, acceleration_mps2: 0.0 };
+    }
+    State { position_m: x + 0.5 * (v + speed_mps) * h, speed_mps, acceleration_mps2 }
 }
 
 fn without_reverse(state: State) -> State {

@@ -13,7 +13,7 @@ use scenario::controller::{ControllerName, SpacingPolicy};
 use scenario::v2x::Phase;
 use serde::{Deserialize, Serialize};
 
-use crate::gateway::Ahead;
+use crate::ahead::Ahead;
 use crate::longitudinal::State;
 
 /// Most signals watched at a time.

@@ -1,5 +1,6 @@
 //! The plant's loop: publish the motion, take the newest command, move on.
 
+use crate::braking::{self, Braking};
 use crate::chains::{Actuated, Chains};
 use crate::delivery::{Arrival, Delivery};
 use crate::ego::{self, Ego};
@@ -9,9 +10,10 @@ use crate::truck::Truck;
 use crate::truth;
 use messages::rung::{Rung, RungLog};
 use messages::{
-    self, Command, Header, Odometry, Origins, PLAN_LEN, Powertrain, ServiceState, VehicleTruth,
+    self, BrakeState, Command, Header, Odometry, Origins, PLAN_LEN, Powertrain, ServiceState,
+    VehicleTruth,
 };
-use runtime::report::{ControlFigures, Details, Outcome, PlantReport};
+use runtime::report::{ControlFigures, Details, Hops, Outcome, PlantReport};
 use runtime::{
     Cycle, Keeper, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber,
 };
@@ -46,6 +48,7 @@ struct Plant {
     command: Subscriber<Command>,
     vehicles: Subscriber<VehicleTruth>,
     signals: Subscriber<messages::SignalTruth>,
+    braking: Option<Braking>,
     delivery: Delivery,
     active: Option<Command>,
     request_mps2: f64,
@@ -67,6 +70,7 @@ struct Kept {
     gateway: gateway::Kept,
     referee: Referee,
     request_mps2: f64,
+    braking: Option<braking::Kept>,
 }
 
 impl Plant {
@@ -83,6 +87,7 @@ impl Plant {
             command: runtime.subscriber()?,
             vehicles: runtime.subscriber()?,
             signals: runtime.subscriber()?,
+            braking: Braking::open(runtime, scenario)?,
             delivery: Delivery::new(scenario),
             active: None,
             request_mps2: scenario.plant.initial_acceleration_mps2.value(),
@@ -106,6 +111,9 @@ impl Plant {
         self.referee = kept.referee;
         self.gateway.go_on_from(&kept.gateway);
         self.request_mps2 = kept.request_mps2;
+        if let (Some(braking), Some(kept)) = (&mut self.braking, kept.braking) {
+            braking.go_on_from(kept);
+        }
         self.rungs.begin(runtime.clock().scheduled_ns(kept.step) as f64 / 1e9, Rung::Full);
     }
 
@@ -118,12 +126,19 @@ impl Plant {
         runtime.update(&mut self.command)?;
         runtime.update(&mut self.vehicles)?;
         runtime.update(&mut self.signals)?;
+        if let Some(braking) = &mut self.braking {
+            braking.update(runtime)?;
+        }
         self.time_s = release.time_s;
 
         let violation = self.judge(&release);
-        let actuation = self.actuate(&release, runtime.clock().now_ns());
+        let now_ns = runtime.clock().now_ns();
+        let actuation = self.actuate(&release, now_ns);
         self.request_mps2 = actuation.request_mps2;
-        self.ego.step(&actuation);
+        let acceleration_mps2 = self.ego.state().acceleration_mps2;
+        let ceiling = (self.braking.as_mut())
+            .and_then(|braking| braking.act(&release, now_ns, acceleration_mps2));
+        self.ego.step(&actuation, ceiling);
         self.keep(release.step)?;
         self.rungs.observe(release.time_s, self.rung(&release, actuation.source));
         if runtime.is_to_stop() {
@@ -132,7 +147,7 @@ impl Plant {
 
         let state = match actuation.source {
             Source::None | Source::Command | Source::Plan => ServiceState::Running,
-            Source::StopInLane | Source::Emergency => ServiceState::Degraded,
+            Source::StopInLane => ServiceState::Degraded,
         };
         runtime.end_cycle(state)?;
         let brought_to_a_stop = runtime.is_to_stop() && self.stopped_for_want_of_commands;
@@ -150,18 +165,18 @@ impl Plant {
             gateway: self.gateway.kept(),
             referee: self.referee.clone(),
             request_mps2: self.request_mps2,
+            braking: self.braking.as_ref().map(Braking::kept),
         })
     }
 
     fn rung(&self, release: &Release, source: Source) -> Rung {
-        match source {
-            Source::None | Source::Command => Rung::Full,
-            Source::Plan if self.gateway.is_commanded(release.scheduled_ns.unsigned_abs()) => {
-                Rung::Full
-            }
-            Source::Plan => Rung::PlanFollowed,
-            Source::StopInLane => Rung::StopInLane,
-            Source::Emergency => Rung::Emergency,
+        let commanded = self.gateway.is_commanded(release.scheduled_ns.unsigned_abs());
+        match (self.braking.as_ref().map(Braking::state), source) {
+            (Some(BrakeState::Braking | BrakeState::Holding), _) => Rung::Emergency,
+            (_, Source::StopInLane) => Rung::StopInLane,
+            (_, Source::Plan) if !commanded => Rung::PlanFollowed,
+            (Some(BrakeState::Blind), _) => Rung::AebsLost,
+            (_, Source::None | Source::Command | Source::Plan) => Rung::Full,
         }
     }
 
@@ -244,13 +259,9 @@ impl Plant {
             let (scheduled_ns, start_ns) = (release.scheduled_ns, release.start_ns);
             self.chains.actuated(active, &Actuated { scheduled_ns, start_ns, now_ns });
         }
-        let state = self.ego.state();
-        let ahead = (self.vehicles.newest())
-            .and_then(|newest| truth::ahead(newest, state.position_m, release.time_s));
-        let now_ns = release.scheduled_ns.unsigned_abs();
-        let actuation = self.gateway.actuate(now_ns, state.speed_mps, ahead.as_ref());
-        let stopping = matches!(actuation.source, Source::StopInLane | Source::Emergency);
-        self.stopped_for_want_of_commands = stopping && state.speed_mps == 0.0;
+        let actuation = self.gateway.actuate(release.scheduled_ns.unsigned_abs());
+        let stopping = actuation.source == Source::StopInLane;
+        self.stopped_for_want_of_commands = stopping && self.ego.state().speed_mps == 0.0;
         actuation
     }
 
@@ -282,6 +293,11 @@ impl Plant {
             hops_us: self.chains.hops_us(),
             worst_chains: self.chains.worst().report(),
             undelivered_commands: self.delivery.undelivered(),
+            aebs: self.braking.as_ref().map(|braking| braking.figures().clone()),
+            brake_reaction_time_us: (self.braking.as_ref())
+                .and_then(|braking| braking.chains().reaction_us()),
+            brake_hops_us: (self.braking.as_ref())
+                .map_or_else(Hops::default, |braking| braking.chains().hops_us()),
             histograms: self.chains.histograms(),
         }
     }

@@ -98,8 +98,9 @@ impl Truck {
         Kept { motion: self.motion, brake_n: self.brake_n, braked_s: self.braked_s }
     }
 
-    /// Moves on by one period of the plant.
-    pub fn step(&mut self, actuation: &Actuation) {
+    /// Moves on by one period of the plant, with the emergency brake's ceiling on the acceleration,
+    /// m/s².
+    pub fn step(&mut self, actuation: &Actuation, ceiling_mps2: Option<f64>) {
         for _ in 0..self.substeps {
             let (speed_mps, gear) = (self.motion.speed_mps, self.motion.gear);
             let grade = self.road.grade(self.motion.position_m);
@@ -117,8 +118,19 @@ impl Truck {
                     grade,
                 ),
             };
+            // The emergency brake overrules engine and brakes where it wants less acceleration.
+            let emergency = ceiling_mps2
+                .filter(|ceiling| {
+                    *ceiling < actuation.request_mps2 || *ceiling < self.motion.acceleration_mps2
+                })
+                .map(|ceiling| {
+                    Demand::for_acceleration(&self.believed, ceiling, speed_mps, gear, grade)
+                });
+            let wanted = emergency.unwrap_or(wanted);
             let wanted_n = wanted.service_brake_n.min(self.most_brake_n);
-            self.brake_n += self.brake_share * (wanted_n - self.brake_n);
+            // Its ceiling has the brakes' own growth already.
+            let share = if emergency.is_some() { 1.0 } else { self.brake_share };
+            self.brake_n += share * (wanted_n - self.brake_n);
             if wanted_n > 0.0 {
                 self.braked_s += self.step_s;
             }
@@ -205,7 +217,7 @@ mod tests {
                 100.0 + 8.0 * grade
             ));
             for _ in 0..300 {
-                truck.step(&acceleration(-0.05));
+                truck.step(&acceleration(-0.05), None);
             }
             assert!((truck.state().acceleration_mps2 + 0.05).abs() < 1e-3, "{grade}");
             let felt = truck.powertrain().specific_force_mps2 - truck.state().acceleration_mps2;
@@ -219,7 +231,7 @@ mod tests {
         let mut heavy = truck("plant.mass_factor = 1.15");
         for truck in [&mut right, &mut heavy] {
             for _ in 0..300 {
-                truck.step(&acceleration(0.1));
+                truck.step(&acceleration(0.1), None);
             }
         }
         assert!(heavy.state().acceleration_mps2 < 0.9 * right.state().acceleration_mps2);
@@ -230,14 +242,14 @@ mod tests {
         let mut truck = truck("");
         let engine = EngineRequest { torque_nm: -1500.0, service_brake_n: 0.0, gear: None };
         for _ in 0..200 {
-            truck.step(&Actuation { engine: Some(engine), ..acceleration(0.0) });
+            truck.step(&Actuation { engine: Some(engine), ..acceleration(0.0) }, None);
         }
         assert_eq!(truck.service_brake_s(), 0.0);
         assert!(truck.state().acceleration_mps2 < -0.1);
         assert_eq!(truck.powertrain().fuel_gps, 0.0);
         let before_mps = truck.state().speed_mps;
         for _ in 0..300 {
-            truck.step(&acceleration(-4.0));
+            truck.step(&acceleration(-4.0), None);
         }
         let braked_mps = before_mps - truck.state().speed_mps;
         // Three seconds, less the brakes' lag and what shifts take from the engine brake.

@@ -1,6 +1,6 @@
 //! What the simulators say is really there, as the gateway and the referee want it.
 
-use crate::gateway::Ahead;
+use crate::ahead::Ahead;
 use crate::referee::{MAX_SIGNALS, SignalTruth};
 use messages::{self, PhaseState, VehicleTruth};
 use scenario::v2x::Phase;

@@ -50,7 +50,7 @@ impl Worst {
             solver_iterations: command.solver_iterations,
             mode: command.mode,
             parts: *parts,
-            designed_wait_ns: parts.designed_wait_ns(command),
+            designed_wait_ns: parts.designed_wait_ns(&command.into()),
             now_ns,
         });
     }

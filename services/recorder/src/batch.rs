@@ -1,8 +1,8 @@
 //! Messages on their way from the topics to the file.
 
 use messages::{
-    Command, Diagnostics, Heartbeat, Map, Message, Odometry, Powertrain, Preview, RadarDetections,
-    RadarTracks, SignalTruth, Spat, Topic, VehicleTruth,
+    Brake, Command, Diagnostics, Heartbeat, Map, Message, Odometry, Powertrain, Preview,
+    RadarDetections, RadarTracks, SignalTruth, Spat, Topic, VehicleTruth,
 };
 use runtime::{RuntimeError, Tap, Tapped};
 
@@ -85,6 +85,7 @@ impl Taps {
             Box::new(tap.on::<Odometry>()?),
             Box::new(tap.on::<Powertrain>()?),
             Box::new(tap.on::<RadarDetections>()?),
+            Box::new(tap.on::<Brake>()?),
             Box::new(tap.on::<RadarTracks>()?),
             Box::new(tap.on::<Spat>()?),
             Box::new(tap.on::<Map>()?),

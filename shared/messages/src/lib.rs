@@ -7,15 +7,16 @@
 //!
 //! | topic | message | published by | read by |
 //! | --- | --- | --- | --- |
-//! | `vehicle/odometry` | [`Odometry`] | plant | perception-sim, v2x-sim, controller |
+//! | `vehicle/odometry` | [`Odometry`] | plant | perception-sim, v2x-sim, controller, aebs |
 //! | `vehicle/powertrain` | [`Powertrain`] | plant, of a truck | controller |
-//! | `radar/detections` | [`RadarDetections`] | perception-sim | (observers) |
+//! | `radar/detections` | [`RadarDetections`] | perception-sim | aebs |
 //! | `radar/tracks` | [`RadarTracks`] | perception-sim | controller |
 //! | `v2x/spat` | [`Spat`] | v2x-sim | controller |
 //! | `v2x/map` | [`Map`] | v2x-sim | controller |
 //! | `v2x/preview` | [`Preview`] | v2x-sim, for a truck | controller |
 //! | `control/command` | [`Command`] | controller | plant |
 //! | `control/diagnostics` | [`Diagnostics`] | controller | (observers) |
+//! | `safety/brake` | [`Brake`] | aebs | plant |
 //! | `truth/vehicles` | [`VehicleTruth`] | perception-sim | plant (referee) |
 //! | `truth/signals` | [`SignalTruth`] | v2x-sim | plant (referee) |
 //! | `health/heartbeat` | [`Heartbeat`] | every service | launcher |
@@ -23,6 +24,7 @@
 //! The two `truth/` topics carry what the simulators know and no sensor distorts; only the referee
 //! in the plant, which must not be fooled by a faulty sensor, reads them.
 
+mod brake;
 mod control;
 pub mod e2e;
 mod header;
@@ -35,6 +37,7 @@ mod topic;
 mod v2x;
 mod vehicle;
 
+pub use brake::{Brake, BrakeState};
 pub use control::{Command, Diagnostics, FIGURES, PLAN_LEN};
 pub use header::{Header, Origin, Origins};
 pub use health::{Heartbeat, ServiceState};

@@ -10,9 +10,11 @@
 //! | [`Rung::Silent`] | controller | no valid `vehicle/odometry` for 0.1 s, or one that contradicts itself | two releases in a row with a fresh one |
 //! | [`Rung::PlanFollowed`] | plant | a control period passed without a new valid command | a valid command |
 //! | [`Rung::StopInLane`] | plant | the plan was followed for `plant.fallback.follow_plan_s`, or the launcher asked for it | a valid command; never, if the launcher asked |
-//! | [`Rung::Emergency`] | plant | on the two before: the truth ahead needs more | standstill, or a valid command |
+//! | [`Rung::Emergency`] | plant | the emergency brake brakes, or holds the brakes | it has let go |
+//! | [`Rung::AebsLost`] | plant | no valid `safety/brake` for three of its periods, or one that says that it sees nothing | a valid one that sees |
 //!
-//! Each service is on one rung at a time, the lowest one (furthest down this table) that applies.
+//! Each service is on one rung at a time: the lowest one (furthest down this table) that applies, but
+//! for the loss of the emergency brake, which shows only where nothing else does.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -38,13 +40,15 @@ pub enum Rung {
     PlanFollowed = 6,
     /// The plant stops in lane.
     StopInLane = 7,
-    /// The plant brakes as hard as the truth ahead needs.
+    /// The emergency brake acts.
     Emergency = 8,
+    /// There is no emergency brake; the controller's commands act as before.
+    AebsLost = 9,
 }
 
 impl Rung {
     /// All rungs, from the top.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Full,
         Self::SignalsLost,
         Self::SolveFailed,
@@ -54,6 +58,7 @@ impl Rung {
         Self::PlanFollowed,
         Self::StopInLane,
         Self::Emergency,
+        Self::AebsLost,
     ];
 
     /// Name in results.
@@ -69,6 +74,7 @@ impl Rung {
             Self::PlanFollowed => "plan-followed",
             Self::StopInLane => "stop-in-lane",
             Self::Emergency => "emergency",
+            Self::AebsLost => "aebs-lost",
         }
     }
 
@@ -188,6 +194,6 @@ mod tests {
             assert_eq!(Rung::from_wire(number), Some(rung));
             assert_eq!(rung as u32, number);
         }
-        assert_eq!(Rung::from_wire(9), None);
+        assert_eq!(Rung::from_wire(10), None);
     }
 }

@@ -14,11 +14,18 @@ pub enum Service {
     V2xSim = 3,
     /// The control law and its loop.
     Controller = 4,
+    /// The emergency brake.
+    Aebs = 5,
 }
 
 impl Service {
     /// All services, in the order of the data's way.
-    pub const ALL: [Self; 4] = [Self::Plant, Self::PerceptionSim, Self::V2xSim, Self::Controller];
+    pub const ALL: [Self; 5] =
+        [Self::Plant, Self::PerceptionSim, Self::V2xSim, Self::Controller, Self::Aebs];
+
+    /// The services of a group without the emergency brake.
+    pub const WITHOUT_AEBS: [Self; 4] =
+        [Self::Plant, Self::PerceptionSim, Self::V2xSim, Self::Controller];
 
     /// Name on the command line, in `ps` (behind `timegap-`) and in results.
     #[must_use]
@@ -28,6 +35,7 @@ impl Service {
             Self::PerceptionSim => "perception-sim",
             Self::V2xSim => "v2x-sim",
             Self::Controller => "controller",
+            Self::Aebs => "aebs",
         }
     }
 

@@ -47,12 +47,14 @@ pub enum Topic {
     SignalTruth,
     /// `health/heartbeat`
     Heartbeat,
-    /// `radar/detections`; last, because a topic's number is part of its data ID.
+    /// `radar/detections`; behind the others, because a topic's number is part of its data ID.
     RadarDetections,
+    /// `safety/brake`
+    Brake,
 }
 
 /// All topics, in the order of the data's way.
-pub const TOPICS: [Topic; 12] = [
+pub const TOPICS: [Topic; 13] = [
     Topic::Odometry,
     Topic::Powertrain,
     Topic::RadarDetections,
@@ -62,6 +64,7 @@ pub const TOPICS: [Topic; 12] = [
     Topic::Preview,
     Topic::Command,
     Topic::Diagnostics,
+    Topic::Brake,
     Topic::VehicleTruth,
     Topic::SignalTruth,
     Topic::Heartbeat,
@@ -75,6 +78,7 @@ impl Topic {
             Self::Odometry => "vehicle/odometry",
             Self::Powertrain => "vehicle/powertrain",
             Self::RadarDetections => "radar/detections",
+            Self::Brake => "safety/brake",
             Self::RadarTracks => "radar/tracks",
             Self::Spat => "v2x/spat",
             Self::Map => "v2x/map",
@@ -100,6 +104,7 @@ impl Topic {
             Self::Odometry => super::Odometry::LAYOUT,
             Self::Powertrain => super::Powertrain::LAYOUT,
             Self::RadarDetections => super::RadarDetections::LAYOUT,
+            Self::Brake => super::Brake::LAYOUT,
             Self::RadarTracks => super::RadarTracks::LAYOUT,
             Self::Spat => super::Spat::LAYOUT,
             Self::Map => super::Map::LAYOUT,
@@ -134,6 +139,7 @@ impl Topic {
             }
             Self::Spat | Self::Map | Self::Preview | Self::SignalTruth => Some(Service::V2xSim),
             Self::Command | Self::Diagnostics => Some(Service::Controller),
+            Self::Brake => Some(Service::Aebs),
             Self::Heartbeat => None,
         }
     }
@@ -142,12 +148,17 @@ impl Topic {
     #[must_use]
     pub const fn consumers(self) -> &'static [Service] {
         match self {
-            Self::Odometry => &[Service::PerceptionSim, Service::V2xSim, Service::Controller],
+            Self::Odometry => {
+                &[Service::PerceptionSim, Service::V2xSim, Service::Controller, Service::Aebs]
+            }
+            Self::RadarDetections => &[Service::Aebs],
             Self::Powertrain | Self::RadarTracks | Self::Spat | Self::Map | Self::Preview => {
                 &[Service::Controller]
             }
-            Self::Command | Self::VehicleTruth | Self::SignalTruth => &[Service::Plant],
-            Self::RadarDetections | Self::Diagnostics | Self::Heartbeat => &[],
+            Self::Command | Self::Brake | Self::VehicleTruth | Self::SignalTruth => {
+                &[Service::Plant]
+            }
+            Self::Diagnostics | Self::Heartbeat => &[],
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use crate::{End, Receiver, RuntimeError, Sender, Transport};
 use messages::{
-    Command, Diagnostics, Heartbeat, Map, Message, Odometry, Powertrain, Preview, RadarDetections,
-    RadarTracks, SignalTruth, Spat, VehicleTruth,
+    Brake, Command, Diagnostics, Heartbeat, Map, Message, Odometry, Powertrain, Preview,
+    RadarDetections, RadarTracks, SignalTruth, Spat, VehicleTruth,
 };
 use std::rc::Rc;
 
@@ -41,6 +41,7 @@ macro_rules! carried {
 }
 
 carried!(
+    Brake,
     Command,
     Diagnostics,
     Heartbeat,

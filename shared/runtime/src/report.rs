@@ -76,6 +76,8 @@ pub enum Details {
     Controller(Box<ControllerReport>),
     /// From the plant.
     Plant(Box<PlantReport>),
+    /// From the emergency brake.
+    Aebs(Box<AebsReport>),
 }
 
 /// What the controller tells.
@@ -127,6 +129,30 @@ pub struct ModeChange {
     pub figures: BTreeMap<String, f64>,
 }
 
+/// What the emergency brake tells.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AebsReport {
+    /// Deadline after each scheduled release, µs.
+    pub deadline_us: f64,
+    /// Cycles that finished late, and releases left out.
+    pub deadline_misses: u64,
+    /// Time for objects and decision, on the wall clock in both modes.
+    pub decide_us: Option<Percentiles>,
+}
+
+/// What the emergency brake did, as the plant counts it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BrakeFigures {
+    /// Times that it warned the driver.
+    pub warnings: u64,
+    /// Times that it braked.
+    pub interventions: u64,
+    /// Time for which it braked or held the brakes, s.
+    pub braking_s: f64,
+    /// Time without a fresh message of it, or with one that says that it sees nothing, s.
+    pub unavailable_s: f64,
+}
+
 /// What the plant tells.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlantReport {
@@ -154,6 +180,12 @@ pub struct PlantReport {
     pub worst_chains: Vec<WorstChain>,
     /// Commands that the scenario's misses and jitter kept from the actuators.
     pub undelivered_commands: u64,
+    /// What the emergency brake did; none where there is none.
+    pub aebs: Option<BrakeFigures>,
+    /// Radar acquisition to the first cycle of the brake path that uses it.
+    pub brake_reaction_time_us: Option<Percentiles>,
+    /// The parts of that, the emergency brake in the place of the controller.
+    pub brake_hops_us: Hops,
     /// Histograms of the reaction time, the data age and the parts, by their names.
     pub histograms: BTreeMap<String, Latencies>,
 }

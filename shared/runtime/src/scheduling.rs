@@ -54,6 +54,7 @@ impl Request {
             Service::PerceptionSim => (services.perception_sim, services.perception_sim_priority()),
             Service::V2xSim => (services.v2x_sim, services.v2x_sim_priority()),
             Service::Controller => (services.controller, services.controller_priority()),
+            Service::Aebs => (services.aebs, services.aebs_priority()),
         };
         let default = usable_cores().last().copied();
         Self {

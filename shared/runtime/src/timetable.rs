@@ -10,7 +10,7 @@ pub struct Timetable {
     /// Length of a step, ns: the plant's period.
     pub step_ns: i64,
     /// Steps between two releases of each service, in the order of [`Service::ALL`].
-    pub strides: [u64; 4],
+    pub strides: [u64; Service::ALL.len()],
     /// Last step of the run.
     pub last_step: u64,
 }
@@ -26,7 +26,7 @@ impl Timetable {
         let strides = Service::ALL.map(|service| {
             let period_ms = match service {
                 Service::Plant => step_ms,
-                Service::PerceptionSim => scenario.perception.period_ms.value(),
+                Service::PerceptionSim | Service::Aebs => scenario.perception.period_ms.value(),
                 Service::V2xSim => scenario.v2x.period_ms.value(),
                 Service::Controller => scenario.controller.period_ms.value(),
             };
@@ -79,12 +79,12 @@ mod tests {
 
     #[test]
     fn releases_and_waits() {
-        let table = Timetable { step_ns: 10_000_000, strides: [1, 5, 10, 10], last_step: 1000 };
+        let table = Timetable { step_ns: 10_000_000, strides: [1, 5, 10, 10, 5], last_step: 1000 };
         assert!(table.is_due(Service::PerceptionSim, 5) && !table.is_due(Service::V2xSim, 5));
         assert_eq!(table.latest_release(Service::PerceptionSim, 9), 5);
         assert_eq!(table.period_ns(Service::Controller), 100_000_000);
         assert!(table.is_awaited(Topic::Odometry, 5), "perception-sim is due");
-        assert!(!table.is_awaited(Topic::Odometry, 4), "nobody but the plant is due");
+        assert!(!table.is_awaited(Topic::Odometry, 4), "the plant alone is due");
         assert!(!table.is_awaited(Topic::RadarTracks, 5), "the controller is not due");
         assert!(table.is_awaited(Topic::VehicleTruth, 5), "the plant is always due");
     }

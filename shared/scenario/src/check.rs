@@ -2,6 +2,7 @@
 
 use super::Scenario;
 use super::actor::{Actor, MAX_ACTORS, MAX_PROFILE_POINTS, Profile, SpeedPoint};
+use super::aebs::LEAST_DECELERATION_MPS2;
 use super::controller::Release;
 use super::document::Problem;
 use super::faults::{Fault, MAX_FAULTS};
@@ -16,6 +17,7 @@ pub(super) fn all(scenario: &Scenario) -> Result<(), Problem> {
     plant(scenario)?;
     vehicle(scenario)?;
     perception(scenario)?;
+    aebs(scenario)?;
     signals(&scenario.v2x.signals)?;
     controller(scenario)?;
     actors(&scenario.actors)?;
@@ -95,14 +97,25 @@ fn plant(scenario: &Scenario) -> Result<(), Problem> {
     let gateway = &plant.gateway;
     let bounds = (gateway.min_request_mps2, gateway.max_request_mps2);
     around_zero("plant.gateway.min_request_mps2", "plant.gateway.max_request_mps2", bounds)?;
-    let fallback = &plant.fallback;
-    if fallback.emergency_deceleration_mps2 < fallback.stop_deceleration_mps2 {
+    Ok(())
+}
+
+/// The emergency brake needs brakes that deserve the name, and detections to brake for.
+fn aebs(scenario: &Scenario) -> Result<(), Problem> {
+    let deceleration = scenario.aebs.deceleration_mps2.value();
+    if scenario.has_aebs() && deceleration < LEAST_DECELERATION_MPS2 {
+        return fail(
+            "aebs.deceleration_mps2",
+            format!("an emergency brake of {deceleration} m/s² has no authority"),
+            format!("at least {LEAST_DECELERATION_MPS2} m/s² (UN R152)"),
+        );
+    }
+    if scenario.aebs.enabled == Some(true) && !scenario.perception.gives_detections() {
         return Err(Problem::new(
-            "plant.fallback.emergency_deceleration_mps2",
-            "the emergency stop is softer than the stop in lane",
-            format!("at least {}", fallback.stop_deceleration_mps2.value()),
-        )
-        .against("plant.fallback.stop_deceleration_mps2"));
+            "aebs.enabled",
+            "the emergency brake reads the radar's detections, and this radar gives none",
+            "perception.radar.model = \"detections\", or aebs.enabled = false",
+        ));
     }
     Ok(())
 }

@@ -31,6 +31,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 pub mod actor;
+pub mod aebs;
 pub mod builtin;
 pub mod controller;
 pub mod faults;
@@ -57,9 +58,11 @@ pub use error::ScenarioError;
 pub use overrides::Overrides;
 
 use actor::Actor;
+use aebs::Aebs;
 use controller::Controller;
 use document::Document;
 use faults::Fault;
+use messages::Service;
 use name::{Line, Name};
 use perception::Perception;
 use plant::Plant;
@@ -104,6 +107,9 @@ pub struct Scenario {
     /// Radar, tracker and target selection.
     #[serde(default)]
     pub perception: Perception,
+    /// The emergency brake.
+    #[serde(default)]
+    pub aebs: Aebs,
     /// The roadside unit and its signals.
     #[serde(default)]
     pub v2x: V2x,
@@ -193,6 +199,18 @@ impl Scenario {
         check::all(&scenario).map_err(|problem| document.problem(&problem))?;
         check(&scenario).map_err(|problem| document.problem(&problem))?;
         Ok(scenario)
+    }
+
+    /// True if the emergency brake is on.
+    #[must_use]
+    pub fn has_aebs(&self) -> bool {
+        self.aebs.enabled.unwrap_or_else(|| self.perception.gives_detections())
+    }
+
+    /// The services that the scenario's group consists of.
+    #[must_use]
+    pub fn services(&self) -> &'static [Service] {
+        if self.has_aebs() { &Service::ALL } else { &Service::WITHOUT_AEBS }
     }
 
     /// The scenario as it took effect: parsing this text gives an equal scenario.

@@ -26,6 +26,14 @@ pub struct Perception {
     pub target_selection: TargetSelection,
 }
 
+impl Perception {
+    /// True if the radar gives detections.
+    #[must_use]
+    pub fn gives_detections(&self) -> bool {
+        false
+    }
+}
+
 impl Default for Perception {
     fn default() -> Self {
         Self {

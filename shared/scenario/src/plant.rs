@@ -130,7 +130,7 @@ pub struct Gateway {
     pub max_request_mps2: Acceleration,
     /// Fastest rise of the request, m/s³.
     pub max_rise_mps3: JerkMagnitude,
-    /// Fastest fall of the request (braking harder), m/s³; an emergency stop is not held up.
+    /// Fastest fall of the request (braking harder), m/s³.
     pub max_fall_mps3: JerkMagnitude,
     /// Smallest engine torque let through, N m (negative).
     pub min_torque_nm: Torque,
@@ -162,11 +162,9 @@ pub struct Fallback {
     pub follow_plan_s: Duration,
     /// Deceleration of the stop in lane, m/s².
     pub stop_deceleration_mps2: AccelerationMagnitude,
-    /// Deceleration when the ground truth ahead demands more than the stop in lane gives, m/s².
-    pub emergency_deceleration_mps2: AccelerationMagnitude,
-    /// Brakes in an emergency even against a valid command, by the ground truth ahead. Off: what a
-    /// control law does is seen as it is.
-    pub automatic_emergency_braking: bool,
+    /// A command is lost, and the plan's rest a level of degradation, when its successor is overdue by
+    /// this time, s.
+    pub overdue_s: Duration,
 }
 
 impl Default for Fallback {
@@ -174,8 +172,7 @@ impl Default for Fallback {
         Self {
             follow_plan_s: Duration::of(1.0),
             stop_deceleration_mps2: AccelerationMagnitude::of(2.5),
-            emergency_deceleration_mps2: AccelerationMagnitude::of(8.0),
-            automatic_emergency_braking: false,
+            overdue_s: Duration::of(0.1),
         }
     }
 }

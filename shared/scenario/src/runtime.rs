@@ -2,7 +2,7 @@
 //!
 //! **Priorities** under `SCHED_FIFO` are by rate, the shortest period highest, and among equal rates by
 //! the order of the chain, so that whoever hands something over finishes before the next begins: 82
-//! plant, 81 perception, 80 V2X, 79 controller.
+//! plant, 81 perception, 80 emergency brake and V2X, 79 controller.
 //!
 //! **Cores.** All services share one core unless told otherwise: the last that the process may use,
 //! which leaves the first, where most machines take their interrupts, to everybody else. The services
@@ -78,6 +78,8 @@ pub struct Services {
     pub perception_sim: Placement,
     /// The control loop.
     pub controller: Placement,
+    /// The emergency brake.
+    pub aebs: Placement,
     /// The roadside unit.
     pub v2x_sim: Placement,
 }
@@ -105,6 +107,12 @@ impl Services {
     #[must_use]
     pub fn perception_sim_priority(&self) -> u8 {
         self.perception_sim.priority.unwrap_or(Priority::of(81)).value()
+    }
+
+    /// Priority of the emergency brake under SCHED_FIFO.
+    #[must_use]
+    pub fn aebs_priority(&self) -> u8 {
+        self.aebs.priority.unwrap_or(Priority::of(80)).value()
     }
 
     /// Priority of the controller under SCHED_FIFO.

@@ -53,6 +53,7 @@ impl Supervision {
             Service::PerceptionSim => self.services.perception_sim,
             Service::V2xSim => self.services.v2x_sim,
             Service::Controller => self.services.controller,
+            Service::Aebs => self.services.aebs,
         };
         own.unwrap_or(self.restart)
     }
@@ -74,6 +75,9 @@ pub struct Services {
     /// The control loop.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub controller: Option<Restart>,
+    /// The emergency brake.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub aebs: Option<Restart>,
 }
 
 /// When a service is started again.

@@ -90,7 +90,11 @@ impl Stage {
             root: root.path().to_owned(),
             prefix: root.prefix().to_owned(),
             mode: Mode::Realtime,
-            timetable: Timetable { step_ns: 1_000_000, strides: [1; 4], last_step: u64::MAX },
+            timetable: Timetable {
+                step_ns: 1_000_000,
+                strides: [1; messages::Service::ALL.len()],
+                last_step: u64::MAX,
+            },
             patience_ns: 10_000_000_000,
             scenario: String::new(),
         };

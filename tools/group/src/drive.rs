@@ -2,8 +2,8 @@
 
 use messages::Service;
 use messages::{
-    Command, Diagnostics, Header, Heartbeat, Odometry, Powertrain, RadarTracks, ServiceState, Spat,
-    VehicleTruth,
+    Brake, Command, Diagnostics, Header, Heartbeat, Odometry, Powertrain, RadarTracks,
+    ServiceState, Spat, VehicleTruth,
 };
 use runtime::report::ReceivedTopic;
 use runtime::{Group, Mode, Observed, Observer, RuntimeError};
@@ -74,6 +74,7 @@ pub struct DriveLog {
     diagnostics: Observed<Diagnostics>,
     heartbeat: Observed<Heartbeat>,
     /// Heard in realtime alone, for the first messages of restarted services.
+    brake: Observed<Brake>,
     sensors: Option<(Observed<RadarTracks>, Observed<Spat>)>,
     observer: Observer,
     odometries: Vec<Odometry>,
@@ -111,6 +112,7 @@ impl DriveLog {
             command: observer.listen()?,
             diagnostics: observer.listen()?,
             heartbeat: observer.listen()?,
+            brake: observer.listen()?,
             sensors: match group.mode {
                 Mode::Realtime => Some((observer.listen()?, observer.listen()?)),
                 Mode::Lockstep => None,
@@ -158,6 +160,7 @@ impl DriveLog {
             }
         })?;
         self.diagnostics.drain(|m| self.cycles.push(*m))?;
+        self.brake.drain(|m| note(Service::Aebs, &m.header))?;
         if let Some((radar, spat)) = &mut self.sensors {
             radar.drain(|m| note(Service::PerceptionSim, &m.header))?;
             spat.drain(|m| note(Service::V2xSim, &m.header))?;

@@ -219,7 +219,7 @@ impl Supervisor<'_> {
     fn run(&mut self, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<GroupOutcome, Error> {
         let spawned = Instant::now();
         self.group.write()?;
-        for service in Service::ALL {
+        for &service in self.launch.scenario.services() {
             // The first one leads the services' process group.
             let leader = self.leader();
             let program = self.launch.programs.get(&service).cloned();
@@ -286,7 +286,7 @@ impl Supervisor<'_> {
     }
 
     fn wait_until_ready(&mut self, spawned: Instant) -> Result<(), Error> {
-        let mut waiting: Vec<Service> = Service::ALL.to_vec();
+        let mut waiting: Vec<Service> = self.launch.scenario.services().to_vec();
         while let Some(&first) = waiting.first() {
             let left = self.launch.ready_timeout.saturating_sub(spawned.elapsed());
             match self.events.recv_timeout(left) {

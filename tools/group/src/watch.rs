@@ -217,7 +217,7 @@ impl Supervisor<'_> {
     }
 
     fn start_the_waiting(&mut self, course: &mut Course, now_ns: i64) -> Result<(), Error> {
-        for service in Service::ALL {
+        for &service in self.launch.scenario.services() {
             match self.member(service).phase {
                 Phase::Waiting { until_ns } if until_ns <= now_ns => {
                     if let Err(error) = self.restart(service, now_ns) {
@@ -265,7 +265,7 @@ impl Supervisor<'_> {
     fn replace_the_hung(&mut self, now_ns: i64) {
         let timeout = self.launch.scenario.supervision.heartbeat_timeout_ms.nanoseconds();
         let timeout = i64::try_from(timeout).unwrap_or(i64::MAX);
-        for service in Service::ALL {
+        for &service in self.launch.scenario.services() {
             // A heartbeat comes with the service's cycle, and at most ten times a second.
             let period_ns = self.group.timetable.period_ns(service).max(100_000_000);
             let member = self.member(service);

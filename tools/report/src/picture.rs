@@ -129,7 +129,7 @@ impl RunPicture {
                 Details::Controller(controller) => {
                     run.rungs.insert(name, rungs(&controller.rungs, run.duration_s));
                 }
-                Details::None => {}
+                Details::Aebs(_) | Details::None => {}
             }
         }
         run

@@ -21,6 +21,7 @@ pub fn summary(summary: &Summary) -> String {
     };
     line("outcome", outcome(summary));
     drive(summary, &mut line);
+    emergency_brake(summary, &mut line);
     timing(summary, &mut line);
     messages(summary, &mut line);
     faults(summary, &mut line);
@@ -115,6 +116,25 @@ fn drive(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
         let more = if more > 0 { format!(", and {more} more") } else { String::new() };
         line("modes", shown.join(", ") + &more);
     }
+}
+
+fn emergency_brake(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
+    let aebs = &summary.aebs;
+    let (Some(warnings), Some(interventions), Some(braking_s)) =
+        (aebs.warnings, aebs.interventions, aebs.braking_s)
+    else {
+        return;
+    };
+    let braked = match interventions {
+        0 => "never braked".to_owned(),
+        1 => format!("braked once, {braking_s:.1} s"),
+        n => format!("braked {n} times, {braking_s:.1} s in all"),
+    };
+    let blind = match aebs.unavailable_s {
+        Some(time_s) if time_s > 0.0 => format!(", not available for {time_s:.1} s"),
+        _ => String::new(),
+    };
+    line("emergency", format!("{braked}, {warnings} warnings{blind}"));
 }
 
 fn timing(summary: &Summary, line: &mut dyn FnMut(&str, String)) {

@@ -50,6 +50,7 @@ pub fn run(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
         Service::PerceptionSim => perception_sim::run,
         Service::V2xSim => v2x_sim::run,
         Service::Controller => controller::run,
+        Service::Aebs => aebs::run,
     };
     Ok(run_service(service, &arguments.arguments, run))
 }

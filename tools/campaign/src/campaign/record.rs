@@ -95,7 +95,7 @@ impl Record {
         let fallback = &scenario.plant.fallback;
         let braking = Braking {
             comfortable_mps2: fallback.stop_deceleration_mps2.value(),
-            emergency_mps2: fallback.emergency_deceleration_mps2.value(),
+            emergency_mps2: scenario.aebs.deceleration_mps2.value(),
         };
         let collided = summary.outcome == Outcome::Collision;
         let killed = |kind: &str| [Kind::Kill, Kind::RestartStorm].iter().any(|k| k.name() == kind);

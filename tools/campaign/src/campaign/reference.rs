@@ -5,7 +5,7 @@
 //! ahead does is taken from the record; past its end it keeps its last deceleration until it stands.
 
 use group::DriveStep;
-use plant::gateway::{Ahead, required_deceleration};
+use plant::ahead::{Ahead, required_deceleration};
 
 /// What the reference may do.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,0 +1,170 @@
+//! The emergency brake's loop: released by the radar's detections, or by its timer when they are late.
+
+use crate::decision::{Decision, Demand, Settings, State};
+use crate::objects::Objects;
+use crate::path::Path;
+use crate::prediction::{Authority, Ego};
+use messages::{Brake, BrakeState, Header, Odometry, Origins, RadarDetections, ServiceState};
+use runtime::report::{AebsReport, Details};
+use runtime::statistics::Latencies;
+use runtime::{Cycle, Publisher, Release, Runtime, RuntimeError, Subscriber, monotonic_ns};
+use scenario::Scenario;
+
+/// Half of the ego's width, m.
+const HALF_WIDTH_M: f64 = 0.95;
+/// Lateral speed below which nothing is concluded from it, m/s.
+const LEAST_LATERAL_MPS: f64 = 0.25;
+/// Periods by which detections may be late before the timer releases a cycle.
+const FALLBACK: f64 = 0.5;
+/// Periods of the radar after which its detections are of no use.
+const STALE_PERIODS: i64 = 4;
+/// Age at which odometry is of no use, ns.
+const STALE_ODOMETRY_NS: i64 = 100_000_000;
+
+/// Runs the emergency brake in its group, to the end of the run.
+///
+/// # Errors
+/// If the group's shared memory is not usable.
+pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
+    let scenario = runtime.scenario();
+    let mut aebs = Aebs::open(&mut runtime, &scenario)?;
+    runtime.begin(&scenario)?;
+    runtime.run_cycles(|runtime| aebs.cycle(runtime))?;
+    let report = aebs.report(runtime.skipped());
+    runtime.finish(Details::Aebs(Box::new(report)))
+}
+
+/// Settings of a scenario.
+#[must_use]
+pub fn settings(scenario: &Scenario) -> Settings {
+    let keys = &scenario.aebs;
+    Settings {
+        authority: Authority {
+            dead_time_s: 1e-9 * keys.dead_time_ms.nanoseconds() as f64,
+            jerk_mps3: keys.jerk_mps3.value(),
+            deceleration_mps2: keys.deceleration_mps2.value(),
+        },
+        path: Path {
+            half_width_m: HALF_WIDTH_M,
+            horizon_s: keys.lateral_horizon_s.value(),
+            least_lateral_mps: LEAST_LATERAL_MPS,
+        },
+        period_s: 1e-3 * f64::from(scenario.perception.period_ms.value()),
+        margin_m: keys.margin_m.value(),
+        warning_s: keys.warning_s.value(),
+    }
+}
+
+struct Aebs {
+    odometry: Subscriber<Odometry>,
+    detections: Subscriber<RadarDetections>,
+    brake: Publisher<Brake>,
+    objects: Objects,
+    decision: Decision,
+    deadline_ns: i64,
+    period_ns: i64,
+    fallback_ns: i64,
+    stale_ns: i64,
+    decide: Latencies,
+    deadline_misses: u64,
+}
+
+impl Aebs {
+    fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Self, RuntimeError> {
+        let period_ns = i64::from(scenario.perception.period_ms.value()) * 1_000_000;
+        let latency_ns = i64::from(scenario.perception.radar.latency_ms.value()) * 1_000_000;
+        Ok(Self {
+            odometry: runtime.subscriber()?,
+            detections: runtime.releasing_subscriber()?,
+            brake: runtime.publisher()?,
+            objects: Objects::default(),
+            decision: Decision::new(settings(scenario)),
+            deadline_ns: i64::from(scenario.aebs.deadline_ms.value()) * 1_000_000,
+            period_ns,
+            fallback_ns: (period_ns as f64 * FALLBACK) as i64,
+            stale_ns: latency_ns + STALE_PERIODS * period_ns,
+            decide: Latencies::default(),
+            deadline_misses: 0,
+        })
+    }
+
+    fn cycle(&mut self, runtime: &mut Runtime) -> Result<Cycle, RuntimeError> {
+        let Some(release) = runtime.next_release_by(&mut self.detections, self.fallback_ns)? else {
+            return Ok(Cycle::Last);
+        };
+        // The detections come last of all that a step makes wait for.
+        runtime.update(&mut self.detections)?;
+        runtime.update(&mut self.odometry)?;
+        let begun = monotonic_ns();
+        let demand = self.demand(&release);
+        self.decide.record_ns(monotonic_ns() - begun);
+        let message = self.message(runtime, &release, demand.as_ref());
+        let published_ns = self.brake.send_stamped(message)?;
+        self.deadline_misses += u64::from(published_ns - release.scheduled_ns > self.deadline_ns);
+        let state = if demand.is_some() { ServiceState::Running } else { ServiceState::Degraded };
+        runtime.end_cycle(state)?;
+        Ok(Cycle::Next)
+    }
+
+    /// `None` without detections or odometry of use.
+    fn demand(&mut self, release: &Release) -> Option<Demand> {
+        let odometry = self.odometry.newest()?;
+        let (_, speed_mps) = odometry.moved_to(release.time_s);
+        let ego = Ego { speed_mps, acceleration_mps2: odometry.acceleration_mps2 };
+        let scan = self.detections.newest()?;
+        let scanned_ns = scan.header.acquisition_ns;
+        let now_ns = release.scheduled_ns;
+        if now_ns - scanned_ns > self.stale_ns
+            || now_ns - odometry.header.acquisition_ns > STALE_ODOMETRY_NS.max(self.period_ns)
+        {
+            return None;
+        }
+        self.objects.take_scan(scanned_ns, scan.ego_speed_mps, scan.detections());
+        let age_s = (now_ns - scanned_ns) as f64 / 1e9;
+        let mean_mps = 0.5 * (scan.ego_speed_mps + speed_mps);
+        let now = self.objects.confirmed().map(|object| object.moved_on(age_s, mean_mps));
+        Some(self.decision.step(&ego, now))
+    }
+
+    fn message(&self, runtime: &Runtime, release: &Release, demand: Option<&Demand>) -> Brake {
+        let origins = Origins {
+            odometry: self.odometry.origin(),
+            radar: self.detections.origin(),
+            ..Origins::NONE
+        };
+        let newest = self.detections.newest();
+        let demand_or_none = demand.copied().unwrap_or_default();
+        let (gap_m, relative_speed_mps, lateral_m) = demand_or_none.threat.unwrap_or_default();
+        Brake {
+            header: Header::new(release.step, release.scheduled_ns, origins),
+            radar_release_ns: newest
+                .map_or(-1, |scan| runtime.clock().scheduled_ns(scan.header.step)),
+            idle_ns: release.idle_ns,
+            start_ns: release.start_ns,
+            state: demand.map_or(BrakeState::Blind, |demand| on_the_wire(demand.state)) as u32,
+            objects: u32::try_from(self.objects.confirmed().count()).unwrap_or(u32::MAX),
+            deceleration_mps2: demand_or_none.deceleration_mps2,
+            gap_m,
+            relative_speed_mps,
+            lateral_m,
+        }
+    }
+
+    fn report(&self, skipped: u64) -> AebsReport {
+        AebsReport {
+            deadline_us: self.deadline_ns as f64 / 1e3,
+            // A release left out is a deadline missed.
+            deadline_misses: self.deadline_misses + skipped,
+            decide_us: self.decide.percentiles_us(),
+        }
+    }
+}
+
+fn on_the_wire(state: State) -> BrakeState {
+    match state {
+        State::Monitoring => BrakeState::Monitoring,
+        State::Warning => BrakeState::Warning,
+        State::Braking => BrakeState::Braking,
+        State::Holding => BrakeState::Holding,
+    }
+}

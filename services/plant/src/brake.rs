@@ -1,0 +1,117 @@
+//! The emergency brake's own path to the wheels.
+//!
+//! A request acts after the dead time. From then on the path holds the vehicle's acceleration below a
+//! ceiling, which begins at the acceleration of that instant and falls with the path's jerk to what is
+//! asked, at most the authority. When nothing is asked any more the ceiling rises with the same jerk
+//! until the vehicle is below it by itself. The path is apart from the actuator that the controller
+//! commands: the vehicle gets the lower of the two accelerations.
+
+use scenario::Scenario;
+use serde::{Deserialize, Serialize};
+
+/// The brake path.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BrakePath {
+    dead_time_ns: u64,
+    jerk_mps3: f64,
+    authority_mps2: f64,
+    period_s: f64,
+    /// Since when a deceleration is asked for, ns of run time.
+    asked_since_ns: Option<u64>,
+    ceiling_mps2: Option<f64>,
+}
+
+impl BrakePath {
+    /// The path of a scenario, released.
+    #[must_use]
+    pub fn new(scenario: &Scenario) -> Self {
+        let keys = &scenario.aebs;
+        Self {
+            dead_time_ns: keys.dead_time_ms.nanoseconds(),
+            jerk_mps3: keys.jerk_mps3.value(),
+            authority_mps2: keys.deceleration_mps2.value(),
+            period_s: 1e-3 * f64::from(scenario.plant.period_ms.value()),
+            asked_since_ns: None,
+            ceiling_mps2: None,
+        }
+    }
+
+    /// Ceiling on the acceleration, m/s², in the plant's period that starts at `now_ns` with a vehicle
+    /// of acceleration `now_mps2`; `None` while the path is released. A request that is not a positive
+    /// number asks for nothing. Called once in each period.
+    pub fn step(&mut self, now_ns: u64, asked_mps2: f64, now_mps2: f64) -> Option<f64> {
+        let asks = asked_mps2 > 0.0;
+        self.asked_since_ns = if asks { self.asked_since_ns.or(Some(now_ns)) } else { None };
+        let acts = self.asked_since_ns.is_some_and(|since| now_ns - since >= self.dead_time_ns);
+        let reach = self.jerk_mps3 * self.period_s;
+        self.ceiling_mps2 = if acts {
+            let from = self.ceiling_mps2.map_or(now_mps2, |ceiling| ceiling.min(now_mps2));
+            Some((from - reach).max(-asked_mps2.min(self.authority_mps2)))
+        } else if asks {
+            // What was built up before stays while a new request is on its way.
+            self.ceiling_mps2
+        } else {
+            let risen = self.ceiling_mps2.map(|ceiling| ceiling + reach);
+            risen.filter(|ceiling| *ceiling < now_mps2.max(0.0) + reach)
+        };
+        self.ceiling_mps2
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PERIOD_NS: u64 = 10_000_000;
+
+    fn path() -> BrakePath {
+        let text = "schema_version = 1\nname = \"x\"\n";
+        BrakePath::new(&Scenario::parse("x.toml", text).expect("it is right"))
+    }
+
+    /// Accelerations over periods of a vehicle that follows the ceiling at once.
+    fn drive(path: &mut BrakePath, from: u64, periods: u64, asked: f64, mut now: f64) -> Vec<f64> {
+        (from..from + periods)
+            .map(|k| {
+                now = path.step(k * PERIOD_NS, asked, now).map_or(0.0, |ceiling| ceiling.min(0.0));
+                now
+            })
+            .collect()
+    }
+
+    #[test]
+    fn it_waits_falls_holds_and_rises() {
+        let mut path = path();
+        let braking = drive(&mut path, 0, 100, 8.34, 0.0);
+        assert!(braking[..10].iter().all(|a| *a == 0.0), "dead time of 0.1 s");
+        assert!((braking[10] + 0.1265).abs() < 1e-12);
+        let full = braking.iter().position(|a| *a <= -8.34).expect("it is reached");
+        assert_eq!(full, 10 + 65, "8.34 / 12.65 = 0.659 s after it began to fall");
+        assert_eq!(braking[99], -8.34);
+        let released = drive(&mut path, 100, 80, 0.0, -8.34);
+        assert!(released.windows(2).all(|pair| (0.0..=0.1266).contains(&(pair[1] - pair[0]))));
+        assert_eq!(path.step(200 * PERIOD_NS, 0.0, 0.0), None, "released");
+    }
+
+    #[test]
+    fn it_begins_where_the_vehicle_is() {
+        let mut path = path();
+        let braking = drive(&mut path, 0, 11, 8.34, 0.0);
+        assert!(braking[9] == 0.0);
+        let mut path = self::path();
+        for k in 0..10 {
+            assert_eq!(path.step(k * PERIOD_NS, 8.34, -4.0), None);
+        }
+        let first = path.step(10 * PERIOD_NS, 8.34, -4.0).expect("the dead time is over");
+        assert!((first + 4.1265).abs() < 1e-12);
+    }
+
+    #[test]
+    fn no_request_passes_the_authority_and_a_wrong_one_is_none() {
+        let least = drive(&mut path(), 0, 200, 1e9, 0.0).into_iter().fold(0.0, f64::min);
+        assert_eq!(least, -8.34);
+        for asked in [f64::NAN, -5.0, f64::NEG_INFINITY, 0.0] {
+            assert!((0..100).all(|k| path().step(k * PERIOD_NS, asked, 0.0).is_none()), "{asked}");
+        }
+    }
+}
