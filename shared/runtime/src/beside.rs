@@ -3,9 +3,10 @@
 //! A loop asks at a release, and the answer takes effect a fixed time later, at the release that is
 //! due then: in lockstep that release waits for it, so that the same run gives the same bytes; in
 //! realtime it takes what is there, and an answer that is not is late. The loop only ever *tries* the
-//! two locks of the handover, which the thread holds for a copy, and allocates nothing.
+//! two locks of the handover, which the thread holds for a copy, and allocates nothing. Where all
+//! services share one thread the work is done when it is asked for: its time does not count there.
 
-use super::{Mode, Release, Runtime, RuntimeError, monotonic_ns};
+use super::{Carrier, Mode, Release, Runtime, RuntimeError, monotonic_ns};
 use crate::report::PlanningReport;
 use crate::statistics::Latencies;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,8 +17,7 @@ use std::time::Duration;
 /// A thread that answers questions of type `Q` with `A`.
 #[derive(Debug)]
 pub struct Beside<Q, A> {
-    shared: Arc<Shared<Q, A>>,
-    thread: Option<JoinHandle<()>>,
+    worker: Worker<Q, A>,
     mode: Mode,
     delay_ns: i64,
     /// When the answer to the open question takes effect, run time in ns.
@@ -26,6 +26,23 @@ pub struct Beside<Q, A> {
     asked: u64,
     late: u64,
     worked: Latencies,
+}
+
+/// Who does the work.
+enum Worker<Q, A> {
+    /// A thread.
+    Thread { shared: Arc<Shared<Q, A>>, thread: Option<JoinHandle<()>> },
+    /// The loop's own thread, which does it at once.
+    Inline { work: Box<dyn FnMut(&Q) -> A>, answer: Option<(A, i64)> },
+}
+
+impl<Q, A> std::fmt::Debug for Worker<Q, A> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Thread { .. } => "Thread",
+            Self::Inline { .. } => "Inline",
+        })
+    }
 }
 
 #[derive(Debug)]
@@ -49,7 +66,27 @@ impl<Q: Send + 'static, A: Send + 'static> Beside<Q, A> {
         delay_ns: i64,
         work: impl FnMut(&Q) -> A + Send + 'static,
     ) -> Result<Self, RuntimeError> {
-        Self::start_in(runtime.clock().mode(), name, delay_ns, work)
+        match runtime.carrier() {
+            Carrier::SharedMemory => Self::start_in(runtime.clock().mode(), name, delay_ns, work),
+            Carrier::Memory => Ok(Self::inline(delay_ns, work)),
+        }
+    }
+
+    fn inline(delay_ns: i64, work: impl FnMut(&Q) -> A + 'static) -> Self {
+        Self::with(Worker::Inline { work: Box::new(work), answer: None }, Mode::Lockstep, delay_ns)
+    }
+
+    fn with(worker: Worker<Q, A>, mode: Mode, delay_ns: i64) -> Self {
+        Self {
+            worker,
+            mode,
+            delay_ns,
+            due_ns: None,
+            counted_late: false,
+            asked: 0,
+            late: 0,
+            worked: Latencies::default(),
+        }
     }
 
     fn start_in(
@@ -70,17 +107,7 @@ impl<Q: Send + 'static, A: Send + 'static> Beside<Q, A> {
             .name(name.into())
             .spawn(move || theirs.serve(work))
             .map_err(|error| RuntimeError::Setup(format!("thread {name}: {error}")))?;
-        Ok(Self {
-            shared,
-            thread: Some(thread),
-            mode,
-            delay_ns,
-            due_ns: None,
-            counted_late: false,
-            asked: 0,
-            late: 0,
-            worked: Latencies::default(),
-        })
+        Ok(Self::with(Worker::Thread { shared, thread: Some(thread) }, mode, delay_ns))
     }
 
     /// Whether a question is open.
@@ -97,11 +124,16 @@ impl<Q: Send + 'static, A: Send + 'static> Beside<Q, A> {
         if self.is_busy() {
             return Err(question);
         }
-        match self.lock(&self.shared.question) {
-            Some(mut slot) => *slot = Some(question),
-            None => return Err(question),
+        match &mut self.worker {
+            Worker::Thread { shared, .. } => {
+                match lock(self.mode, &shared.question) {
+                    Some(mut slot) => *slot = Some(question),
+                    None => return Err(question),
+                }
+                shared.asked.notify_one();
+            }
+            Worker::Inline { work, answer } => *answer = Some(timed(work, &question)),
         }
-        self.shared.asked.notify_one();
         self.due_ns = Some(release.scheduled_ns + self.delay_ns);
         self.counted_late = false;
         self.asked += 1;
@@ -113,9 +145,12 @@ impl<Q: Send + 'static, A: Send + 'static> Beside<Q, A> {
         if self.due_ns.is_none_or(|due_ns| release.scheduled_ns < due_ns) {
             return None;
         }
-        let answer = match self.mode {
-            Mode::Realtime => self.lock(&self.shared.answer).and_then(|mut slot| slot.take()),
-            Mode::Lockstep => self.wait(),
+        let answer = match (&mut self.worker, self.mode) {
+            (Worker::Thread { shared, .. }, Mode::Realtime) => {
+                lock(self.mode, &shared.answer).and_then(|mut slot| slot.take())
+            }
+            (Worker::Thread { shared, thread }, Mode::Lockstep) => shared.wait(thread.as_ref()),
+            (Worker::Inline { answer, .. }, _) => answer.take(),
         };
         let Some((answer, worked_ns)) = answer else {
             self.late += u64::from(!self.counted_late);
@@ -137,39 +172,44 @@ impl<Q: Send + 'static, A: Send + 'static> Beside<Q, A> {
             plan_us: self.worked.percentiles_us(),
         }
     }
+}
 
-    /// In realtime the loop does not wait, not even for a copy.
-    fn lock<'a, T>(&self, slot: &'a Mutex<T>) -> Option<MutexGuard<'a, T>> {
-        match self.mode {
-            Mode::Realtime => slot.try_lock().ok(),
-            Mode::Lockstep => Some(slot.lock().unwrap_or_else(PoisonError::into_inner)),
-        }
+/// In realtime the loop does not wait, not even for a copy.
+fn lock<T>(mode: Mode, slot: &Mutex<T>) -> Option<MutexGuard<'_, T>> {
+    match mode {
+        Mode::Realtime => slot.try_lock().ok(),
+        Mode::Lockstep => Some(slot.lock().unwrap_or_else(PoisonError::into_inner)),
     }
+}
 
+/// The answer to `question` and the time that it took, ns.
+fn timed<Q, A>(work: &mut (impl FnMut(&Q) -> A + ?Sized), question: &Q) -> (A, i64) {
+    let begun = monotonic_ns();
+    let answer = work(question);
+    (answer, monotonic_ns() - begun)
+}
+
+impl<Q, A> Shared<Q, A> {
     /// Waits for the answer; `None` if the thread died over it.
-    fn wait(&self) -> Option<(A, i64)> {
+    fn wait(&self, thread: Option<&JoinHandle<()>>) -> Option<(A, i64)> {
         const LOOK: Duration = Duration::from_millis(100);
-        let mut slot = self.shared.answer.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut slot = self.answer.lock().unwrap_or_else(PoisonError::into_inner);
         loop {
             if let Some(answer) = slot.take() {
                 return Some(answer);
             }
-            if self.thread.as_ref().is_none_or(JoinHandle::is_finished) {
+            if thread.is_none_or(JoinHandle::is_finished) {
                 return None;
             }
-            let waited = self.shared.answered.wait_timeout(slot, LOOK);
+            let waited = self.answered.wait_timeout(slot, LOOK);
             slot = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
     }
-}
 
-impl<Q, A> Shared<Q, A> {
     fn serve(&self, mut work: impl FnMut(&Q) -> A) {
         while let Some(question) = self.next() {
-            let begun = monotonic_ns();
-            let answer = work(&question);
-            let worked_ns = monotonic_ns() - begun;
-            *self.answer.lock().unwrap_or_else(PoisonError::into_inner) = Some((answer, worked_ns));
+            let answer = timed(&mut work, &question);
+            *self.answer.lock().unwrap_or_else(PoisonError::into_inner) = Some(answer);
             self.answered.notify_one();
         }
     }
@@ -190,12 +230,13 @@ impl<Q, A> Shared<Q, A> {
 
 impl<Q, A> Drop for Beside<Q, A> {
     fn drop(&mut self) {
+        let Worker::Thread { shared, thread } = &mut self.worker else { return };
         // Under the lock, so that a thread about to wait sees it.
-        let slot = self.shared.question.lock().unwrap_or_else(PoisonError::into_inner);
-        self.shared.closed.store(true, Ordering::Release);
+        let slot = shared.question.lock().unwrap_or_else(PoisonError::into_inner);
+        shared.closed.store(true, Ordering::Release);
         drop(slot);
-        self.shared.asked.notify_one();
-        if let Some(thread) = self.thread.take() {
+        shared.asked.notify_one();
+        if let Some(thread) = thread.take() {
             // A thread that panicked has said so.
             let _ = thread.join();
         }
@@ -221,11 +262,17 @@ mod tests {
 
     #[test]
     fn in_lockstep_an_answer_takes_effect_exactly_when_it_is_due() {
-        let mut beside = Beside::start_in(Mode::Lockstep, "double", DELAY_NS, |x: &u32| {
+        let slow = |x: &u32| {
             std::thread::sleep(Duration::from_millis(5));
             2 * x
-        })
-        .expect("a thread");
+        };
+        let thread = Beside::start_in(Mode::Lockstep, "double", DELAY_NS, slow);
+        for mut beside in [thread.expect("a thread"), Beside::inline(DELAY_NS, slow)] {
+            check_effect(&mut beside);
+        }
+    }
+
+    fn check_effect(beside: &mut Beside<u32, u32>) {
         let mut heard = Vec::new();
         for cycle in 0..6 {
             let release = release(100 * cycle);

@@ -16,16 +16,21 @@
 //!   nobody loses a message, and all stamps are simulated time: same scenario, same seed, same
 //!   bytes.
 //!
-//! `unsafe` is allowed in `scheduling`, `spawn`, `usage` and `words` alone, for system calls that no
+//! In lockstep a run can also do without processes: [`InProcess`] lets all services of a run take turns
+//! in one thread, with the same ports over the memory of one process. No service knows.
+//!
+//! `unsafe` is allowed in `coroutine`, `scheduling`, `spawn`, `usage` and `words` alone, for system calls that no
 //! crate wraps.
 
 mod beside;
 mod carried;
 mod clock;
+mod coroutine;
 mod error;
 mod faults;
 mod group;
 pub mod histogram_log;
+mod in_process;
 mod keeper;
 mod link;
 mod members;
@@ -53,6 +58,7 @@ pub use clock::{Clock, Mode, monotonic_ns, sleep_until};
 pub use error::RuntimeError;
 pub use faults::{Befallen, Injected, concerned};
 pub use group::Group;
+pub use in_process::{Entry, InProcess};
 pub use keeper::Keeper;
 pub(crate) use link::End;
 pub use link::{FromService, PEER_JOINED, StartOrder, ToService};
@@ -67,7 +73,7 @@ pub use session::{Cycle, Runtime, count_allocations_by, log_warnings, run_servic
 pub use spawn::inherit_only;
 pub use tap::{Tap, Tapped};
 pub use timetable::Timetable;
-pub use transport::shared_memory_bytes;
+pub use transport::{Carrier, shared_memory_bytes};
 pub(crate) use transport::{Receiver, Sender, Transport};
 pub use usage::Usage;
 pub use words::SharedWords;

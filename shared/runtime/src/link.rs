@@ -3,11 +3,15 @@
 //! The launcher writes [`ToService`] to the service's standard input and reads [`FromService`] from
 //! its standard output. The end of the input is the launcher's death, and an order to stop at once.
 
+use super::coroutine::Pause;
 use super::faults::{Inbox, Injected};
 use super::{RuntimeError, scheduling::Granted};
 use crate::report::ServiceReport;
 use serde::{Deserialize, Serialize};
+use std::cell::{Cell, RefCell};
+use std::collections::VecDeque;
 use std::io::{BufRead, Write};
+use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -83,7 +87,7 @@ impl End {
 /// The service's end of the link.
 #[derive(Debug)]
 pub(super) struct Link {
-    start: Receiver<StartOrder>,
+    way: Way,
     pub(super) end: End,
     pub(super) inbox: Inbox,
     /// Somebody joined the group.
@@ -92,7 +96,36 @@ pub(super) struct Link {
     pub(super) safe_stop: Arc<AtomicBool>,
 }
 
+/// How the link's messages go.
+#[derive(Debug)]
+enum Way {
+    /// By the standard streams; the start order comes from the thread that reads them.
+    Streams(Receiver<StartOrder>),
+    /// In memory, between services that take turns.
+    Memory(Desk, Pause),
+}
+
+/// Where a service and the launcher in its thread leave word for each other.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Desk {
+    /// What the service said, oldest first.
+    pub(super) said: Rc<RefCell<VecDeque<FromService>>>,
+    /// The start order.
+    pub(super) start: Rc<Cell<Option<StartOrder>>>,
+}
+
 impl Link {
+    /// The link of a service in the launcher's own thread.
+    pub(super) fn in_memory(desk: Desk, pause: Pause) -> Self {
+        Self {
+            way: Way::Memory(desk, pause),
+            end: End::default(),
+            inbox: Inbox::default(),
+            joined: Arc::default(),
+            safe_stop: Arc::default(),
+        }
+    }
+
     /// Listens to the launcher and to the signals that ask for an end.
     pub(super) fn open() -> Result<Self, RuntimeError> {
         let end = End::default();
@@ -126,27 +159,48 @@ impl Link {
                 orders.set_before(0);
             })
             .map_err(|e| RuntimeError::Link(format!("thread: {e}")))?;
-        Ok(Self { start, end, inbox, joined, safe_stop })
+        Ok(Self { way: Way::Streams(start), end, inbox, joined, safe_stop })
     }
 
     /// Waits for the start order.
     pub(super) fn wait_for_start(&self) -> Result<StartOrder, RuntimeError> {
         loop {
-            match self.start.recv_timeout(std::time::Duration::from_millis(50)) {
-                Ok(order) => return Ok(order),
-                Err(_) if self.end.is_now() => return Err(RuntimeError::Stopped),
-                Err(_) => {}
+            let order = match &self.way {
+                Way::Streams(start) => {
+                    start.recv_timeout(std::time::Duration::from_millis(50)).ok()
+                }
+                Way::Memory(desk, pause) => {
+                    pause.wait();
+                    desk.start.get()
+                }
+            };
+            match order {
+                Some(order) => return Ok(order),
+                None if self.end.is_now() => return Err(RuntimeError::Stopped),
+                None => {}
             }
         }
     }
 
     /// Tells the launcher something.
-    pub(super) fn say(&self, message: &FromService) -> Result<(), RuntimeError> {
-        let mut line = serde_json::to_vec(message).expect("link messages are plain data");
+    pub(super) fn say(&self, message: FromService) -> Result<(), RuntimeError> {
+        if let Way::Memory(desk, _) = &self.way {
+            desk.said.borrow_mut().push_back(message);
+            return Ok(());
+        }
+        let mut line = serde_json::to_vec(&message).expect("link messages are plain data");
         line.push(b'\n');
         let mut out = std::io::stdout().lock();
         out.write_all(&line)
             .and_then(|()| out.flush())
             .map_err(|e| RuntimeError::Link(format!("the launcher does not listen: {e}")))
+    }
+
+    /// Waits until the launcher has heard all services and closes the run.
+    pub(super) fn wait_for_the_end(&self) {
+        // In memory nothing is lost with its sender.
+        while matches!(self.way, Way::Streams(_)) && !self.end.is_now() {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
     }
 }

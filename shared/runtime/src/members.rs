@@ -38,21 +38,28 @@ pub fn enroll(
 
 /// The list as a consumer reads it.
 #[derive(Debug)]
-pub(super) struct Members {
-    path: PathBuf,
+pub(super) enum Members {
+    /// The processes that the launcher wrote down in this file.
+    Listed(PathBuf),
+    /// All are in this process, and each has its service's number for a process id.
+    InProcess,
 }
 
 impl Members {
     pub(super) fn of(root: &Path) -> Self {
-        Self { path: root.join(FILE) }
+        Self::Listed(root.join(FILE))
     }
 
     /// True if process `pid` is restart `incarnation` of service `source`. Reads the list anew, for
     /// it grows; whoever asks remembers the answer.
     pub(super) fn vouch(&self, source: u32, incarnation: u32, pid: u32) -> bool {
+        let path = match self {
+            Self::Listed(path) => path,
+            Self::InProcess => return incarnation == 0 && source == pid,
+        };
         let mut text = [0; 4096];
         let mut read = 0;
-        let Ok(mut file) = std::fs::File::open(&self.path) else { return false };
+        let Ok(mut file) = std::fs::File::open(path) else { return false };
         let mut rest = ([0; 64], 0);
         while let Ok(count @ 1..) = file.read(&mut text) {
             for &byte in &text[..count] {

@@ -3,7 +3,7 @@
 use super::faults::Faults;
 use super::members::Members;
 use super::port::Tally;
-use super::transport::Transport;
+use super::transport::{Seat, SharedMemory, Transport};
 use super::{Carried, Group, RuntimeError, Subscriber};
 use crate::report::ReceivedTopic;
 use messages::Message;
@@ -24,7 +24,14 @@ impl Observer {
     /// If the run's shared memory is not usable.
     pub fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
         let members = Rc::new(Members::of(&group.root));
-        Ok(Self { transport: Transport::join(group, name)?, mode: group.mode, members })
+        let transport = Transport::SharedMemory(SharedMemory::join(group, name)?);
+        Ok(Self { transport, mode: group.mode, members })
+    }
+
+    /// A listener in the process of a run.
+    pub(super) fn at(seat: Seat) -> Self {
+        let transport = Transport::Memory(seat);
+        Self { transport, mode: super::Mode::Lockstep, members: Rc::new(Members::InProcess) }
     }
 
     /// Removes what dead processes left on the topics, so that no sender waits for them.

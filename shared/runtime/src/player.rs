@@ -1,7 +1,7 @@
 //! Somebody who sends again what was sent before: the replayer.
 
 use super::link::End;
-use super::transport::{Sender, Transport};
+use super::transport::{Sender, SharedMemory, Transport};
 use super::waking::Waker;
 use super::{Carried, Group, RuntimeError};
 use messages::Message;
@@ -19,7 +19,7 @@ impl Player {
     /// # Errors
     /// If the run's shared memory is not usable.
     pub fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
-        Ok(Self { transport: Transport::join(group, name)? })
+        Ok(Self { transport: Transport::SharedMemory(SharedMemory::join(group, name)?) })
     }
 
     /// Opens the sending end of `T`'s topic.

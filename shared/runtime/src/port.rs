@@ -340,7 +340,7 @@ impl<T: Message> Subscriber<T> {
                 return Err(RuntimeError::Stopped);
             }
             let since = *waiting_since.get_or_insert_with(Instant::now);
-            if since.elapsed() > patience {
+            if self.waiter().is_in_vain() || since.elapsed() > patience {
                 let waited_s = since.elapsed().as_secs_f64();
                 return Err(RuntimeError::Starved { topic: T::TOPIC, step: due, waited_s });
             }

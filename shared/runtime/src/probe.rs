@@ -8,7 +8,7 @@
 use super::faults::{Faults, Lies};
 use super::members::Members;
 use super::port::Tally;
-use super::transport::{Ipc, Transport};
+use super::transport::{Ipc, SharedMemory, Transport};
 use super::waking::{Waiter, Waker};
 use super::{Carried, Clock, End, Group, Publisher, RuntimeError, Subscriber, monotonic_ns};
 use iceoryx2::port::{listener::Listener, notifier::Notifier};
@@ -20,18 +20,18 @@ use std::rc::Rc;
 use std::time::Duration;
 
 /// Topic whose name and wake-up word the probe's payloads use.
-pub(super) const TOPIC: Topic = Topic::RadarTracks;
+pub(crate) const TOPIC: Topic = Topic::RadarTracks;
 
 /// When a payload was sent, `CLOCK_MONOTONIC` ns.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, ZeroCopySend)]
 #[type_name("timegap_msgs/msg/Stamp")]
-pub(super) struct Stamp {
+pub(crate) struct Stamp {
     sent_ns: i64,
 }
 
 /// Payload bytes: nobody reads them, so that they need not be written.
-pub(super) type Payload = [MaybeUninit<u8>];
+pub(crate) type Payload = [MaybeUninit<u8>];
 
 /// A member of a group that is no service.
 #[derive(Debug)]
@@ -46,7 +46,15 @@ impl Probe {
     /// # Errors
     /// [`RuntimeError::Node`].
     pub fn join(group: Group, name: &str) -> Result<Self, RuntimeError> {
-        Ok(Self { transport: Transport::join(&group, name)?, group })
+        let transport = Transport::SharedMemory(SharedMemory::join(&group, name)?);
+        Ok(Self { transport, group })
+    }
+
+    fn node(&self) -> &SharedMemory {
+        match &self.transport {
+            Transport::SharedMemory(node) => node,
+            Transport::Memory(_) => unreachable!("`join` joined shared memory"),
+        }
     }
 
     /// The sending end of `T`'s topic, as `source` has it.
@@ -107,7 +115,7 @@ impl Probe {
     /// # Errors
     /// [`RuntimeError::Topic`].
     pub fn payload_sender(&self, bytes: usize) -> Result<PayloadSender, RuntimeError> {
-        let port = (self.transport.payload_topic()?.publisher_builder())
+        let port = (self.node().payload_topic()?.publisher_builder())
             .initial_max_slice_len(bytes)
             .create()
             .map_err(|e| RuntimeError::Topic { topic: TOPIC, reason: format!("{e:?}") })?;
@@ -119,7 +127,7 @@ impl Probe {
     /// # Errors
     /// [`RuntimeError::Topic`].
     pub fn payload_receiver(&self) -> Result<PayloadReceiver, RuntimeError> {
-        let port = (self.transport.payload_topic()?.subscriber_builder())
+        let port = (self.node().payload_topic()?.subscriber_builder())
             .create()
             .map_err(|e| RuntimeError::Topic { topic: TOPIC, reason: format!("{e:?}") })?;
         Ok(PayloadReceiver { port, waiter: self.transport.waiter(TOPIC) })
@@ -130,7 +138,7 @@ impl Probe {
     /// # Errors
     /// [`RuntimeError::Topic`].
     pub fn event_sender(&self) -> Result<EventSender, RuntimeError> {
-        let port = (self.transport.event()?.notifier_builder())
+        let port = (self.node().event()?.notifier_builder())
             .create()
             .map_err(|e| RuntimeError::Topic { topic: TOPIC, reason: format!("{e:?}") })?;
         Ok(EventSender(port))
@@ -141,7 +149,7 @@ impl Probe {
     /// # Errors
     /// [`RuntimeError::Topic`].
     pub fn event_receiver(&self) -> Result<EventReceiver, RuntimeError> {
-        let port = (self.transport.event()?.listener_builder())
+        let port = (self.node().event()?.listener_builder())
             .create()
             .map_err(|e| RuntimeError::Topic { topic: TOPIC, reason: format!("{e:?}") })?;
         Ok(EventReceiver(port))

@@ -56,8 +56,8 @@ pub struct ServiceReport {
     pub received: Vec<ReceivedTopic>,
     /// Allocations of the loop between the start and the last cycle, where somebody counts them.
     pub allocations_in_loop: Option<u64>,
-    /// Peak resident set, KiB.
-    pub peak_rss_kib: u64,
+    /// Peak resident set of its process, KiB; none if it has no process of its own.
+    pub peak_rss_kib: Option<u64>,
     /// What the kernel granted.
     pub scheduling: Granted,
     /// What faults did to the service's messages.

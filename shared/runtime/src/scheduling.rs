@@ -123,6 +123,18 @@ pub fn apply(request: &Request) -> Granted {
     }
 }
 
+/// What the calling thread has without asking.
+pub(super) fn in_force() -> Granted {
+    let policy = policy_in_force().to_string();
+    Granted {
+        requested: policy.clone(),
+        granted: policy,
+        core: pinned_core(),
+        memory_locked: false,
+        refused: Vec::new(),
+    }
+}
+
 /// A raised priority of the calling thread, until this is dropped; its children inherit it.
 #[derive(Debug)]
 pub struct Priority(());

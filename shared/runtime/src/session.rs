@@ -6,8 +6,8 @@ use super::link::Link;
 use super::members::Members;
 use super::port::Tally;
 use super::schedule::Schedule;
-use super::scheduling::{Granted, Request, apply};
-use super::transport::{Connect, Input, Transport};
+use super::scheduling::{Granted, Request, apply, in_force};
+use super::transport::{Carrier, Connect, Input, Seat, SharedMemory, Transport};
 use super::{
     Carried, Clock, FromService, Group, Mode, Overrun, Publisher, Release, RuntimeError,
     Subscriber, Usage,
@@ -91,34 +91,64 @@ impl Runtime {
         let scenario = Scenario::parse("scenario", &group.scenario)
             .map_err(|e| RuntimeError::Setup(e.to_string()))?;
         let schedule = Schedule::read(&group.root, service)?;
-        let transport = Transport::join(&group, service.name())?;
-        let clock = Rc::new(Clock::new(group.mode, group.timetable.step_ns));
+        let transport = Transport::SharedMemory(SharedMemory::join(&group, service.name())?);
+        let members = Members::of(&group.root);
+        let this = Self::new(service, group, scenario, transport, members, link);
+        Ok(Self { incarnation, schedule, ..this })
+    }
+
+    /// Joins the group whose services take turns in this thread.
+    pub(super) fn join_in_process(
+        service: Service,
+        group: Group,
+        scenario: Scenario,
+        seat: Seat,
+        link: Link,
+    ) -> Self {
+        Self::new(service, group, scenario, Transport::Memory(seat), Members::InProcess, link)
+    }
+
+    fn new(
+        service: Service,
+        group: Group,
+        scenario: Scenario,
+        transport: Transport,
+        members: Members,
+        link: Link,
+    ) -> Self {
         link.end.set_before(group.timetable.last_step + 1);
-        let faults = Rc::new(Faults::of(&scenario, link.inbox.clone()));
-        Ok(Self {
-            members: Rc::new(Members::of(&group.root)),
+        Self {
+            members: Rc::new(members),
+            faults: Rc::new(Faults::of(&scenario, link.inbox.clone())),
             scenario,
-            faults,
             inputs: Vec::new(),
+            clock: Rc::new(Clock::new(group.mode, group.timetable.step_ns)),
             group,
             service,
-            incarnation,
+            incarnation: 0,
             transport,
-            clock,
             link,
             sent: Vec::new(),
             received: Vec::new(),
             ports: Vec::new(),
             heartbeat: None,
             granted: None,
-            schedule,
+            schedule: None,
             step: 0,
             next_step: 0,
             cycles: 0,
             skipped: 0,
             jitter: Latencies::default(),
             allocations_in_loop: None,
-        })
+        }
+    }
+
+    /// What carries this service's messages.
+    pub(crate) fn carrier(&self) -> Carrier {
+        match self.transport {
+            Transport::SharedMemory(_) => Carrier::SharedMemory,
+            Transport::Memory(_) => Carrier::Memory,
+        }
     }
 
     /// Opens the sending end of `T`'s topic.
@@ -214,13 +244,14 @@ impl Runtime {
     /// If the link breaks or the run ends before it began.
     pub fn begin(&mut self, scenario: &Scenario) -> Result<(), RuntimeError> {
         self.heartbeat = Some(self.publisher::<Heartbeat>()?);
-        let request = match self.group.mode {
-            Mode::Realtime => Request::of(scenario, self.service),
-            Mode::Lockstep => Request::NOTHING,
+        let granted = match (self.carrier(), self.group.mode) {
+            // The thread is not this service's alone.
+            (Carrier::Memory, _) => in_force(),
+            (Carrier::SharedMemory, Mode::Realtime) => apply(&Request::of(scenario, self.service)),
+            (Carrier::SharedMemory, Mode::Lockstep) => apply(&Request::NOTHING),
         };
-        let granted = apply(&request);
         self.granted = Some(granted.clone());
-        self.link.say(&FromService::Ready(granted))?;
+        self.link.say(FromService::Ready(granted))?;
         let order = self.link.wait_for_start()?;
         self.clock.start(order.start_ns);
         // Everybody's ports exist now.
@@ -410,7 +441,7 @@ impl Runtime {
     /// [`RuntimeError::Link`].
     pub fn end_run(&mut self) -> Result<(), RuntimeError> {
         self.link.end.set_before(self.step + 1);
-        self.link.say(&FromService::Ended(self.step))
+        self.link.say(FromService::Ended(self.step))
     }
 
     /// Reports to the launcher and keeps all ports open until it has heard everybody, so that
@@ -429,15 +460,13 @@ impl Runtime {
             received: (self.received.iter())
                 .map(|(topic, tally)| tally.borrow().received(*topic))
                 .collect(),
-            peak_rss_kib: peak_rss_kib(),
+            peak_rss_kib: (self.carrier() == Carrier::SharedMemory).then(peak_rss_kib),
             scheduling: self.granted.expect("`begin` comes before `finish`"),
             befallen: self.faults.befallen(),
             details,
         };
-        self.link.say(&FromService::Report(Box::new(report)))?;
-        while !self.link.end.is_now() {
-            std::thread::sleep(Duration::from_millis(1));
-        }
+        self.link.say(FromService::Report(Box::new(report)))?;
+        self.link.wait_for_the_end();
         Ok(())
     }
 
@@ -458,7 +487,11 @@ impl Runtime {
                 Err(error) => break Err(error),
             }
         };
-        self.allocations_in_loop = allocations().zip(before).map(|(after, before)| after - before);
+        if self.carrier() == Carrier::SharedMemory {
+            // Elsewhere the thread's allocations are those of all services.
+            let counted = allocations().zip(before);
+            self.allocations_in_loop = counted.map(|(after, before)| after - before);
+        }
         result
     }
 

@@ -1,6 +1,6 @@
 //! A tap on the topics: every message as it was sent, unchecked, for whoever records it.
 
-use super::transport::{Receiver, Transport};
+use super::transport::{Receiver, Seat, SharedMemory, Transport};
 use super::{Carried, Group, RuntimeError};
 use messages::Message;
 use std::rc::Rc;
@@ -17,7 +17,12 @@ impl Tap {
     /// # Errors
     /// If the run's shared memory is not usable.
     pub fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
-        Ok(Self { transport: Transport::join(group, name)? })
+        Ok(Self { transport: Transport::SharedMemory(SharedMemory::join(group, name)?) })
+    }
+
+    /// A tap in the process of the run.
+    pub(super) fn at(seat: Seat) -> Self {
+        Self { transport: Transport::Memory(seat) }
     }
 
     /// Taps `T`'s topic from now on.

@@ -15,10 +15,12 @@
 //! iceoryx2's own event service (a datagram socket for each listener and a set of bits) does the same
 //! at more than twice the cost; `timegap bench` measures both beside the bare futex.
 
+use super::coroutine::Pause;
 use super::words::SharedWords;
 use messages::Topic;
 use rustix::io::Errno;
 use rustix::thread::futex;
+use std::cell::Cell;
 use std::io;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -35,11 +37,11 @@ impl Bells {
     }
 
     pub(super) fn waker(&self, topic: Topic) -> Waker {
-        Waker { bells: self.clone(), topic }
+        Waker::Futex { bells: self.clone(), topic }
     }
 
     pub(super) fn waiter(&self, topic: Topic) -> Waiter {
-        Waiter { bells: self.clone(), topic }
+        Waiter::Futex { bells: self.clone(), topic }
     }
 
     fn word(&self, topic: Topic) -> &AtomicU32 {
@@ -50,15 +52,23 @@ impl Bells {
 
 /// Wakes those who wait for a topic.
 #[derive(Debug)]
-pub(super) struct Waker {
-    bells: Bells,
-    topic: Topic,
+pub(super) enum Waker {
+    /// In other processes.
+    Futex {
+        /// The run's words.
+        bells: Bells,
+        /// The topic.
+        topic: Topic,
+    },
+    /// In the same thread, where waiting is a matter of turns.
+    InProcess,
 }
 
 impl Waker {
     /// Wakes everybody. To be called after the sample was sent.
     pub(super) fn wake(&self) {
-        let word = self.bells.word(self.topic);
+        let Self::Futex { bells, topic } = self else { return };
+        let word = bells.word(*topic);
         word.fetch_add(1, Ordering::Release);
         futex::wake(word, futex::Flags::empty(), i32::MAX.unsigned_abs())
             .expect("waking fails only for addresses that are none");
@@ -71,26 +81,52 @@ pub(super) struct Ticket(u32);
 
 /// Waits for a topic.
 #[derive(Debug)]
-pub(super) struct Waiter {
-    bells: Bells,
-    topic: Topic,
+pub(super) enum Waiter {
+    /// By sleeping.
+    Futex {
+        /// The run's words.
+        bells: Bells,
+        /// The topic.
+        topic: Topic,
+    },
+    /// By letting the other services of the thread go on.
+    InProcess {
+        /// What gives the turn away.
+        pause: Pause,
+        /// No message will come any more.
+        stalled: Rc<Cell<bool>>,
+    },
 }
 
 impl Waiter {
     /// To be taken before looking for a sample.
     pub(super) fn ticket(&self) -> Ticket {
-        Ticket(self.bells.word(self.topic).load(Ordering::Acquire))
+        match self {
+            Self::Futex { bells, topic } => Ticket(bells.word(*topic).load(Ordering::Acquire)),
+            Self::InProcess { .. } => Ticket(0),
+        }
     }
 
     /// Waits until somebody woke the topic's waiters since `ticket` was taken, at most for
-    /// `timeout`; a signal ends the wait early.
+    /// `timeout`; a signal ends the wait early, and so does another service's wait in this thread.
     pub(super) fn wait(&self, ticket: Ticket, timeout: Duration) -> io::Result<()> {
+        let (bells, topic) = match self {
+            Self::Futex { bells, topic } => (bells, *topic),
+            Self::InProcess { pause, .. } => {
+                pause.wait();
+                return Ok(());
+            }
+        };
         let timeout = timeout.try_into().map_err(|_| io::ErrorKind::InvalidInput)?;
-        let word = self.bells.word(self.topic);
-        match futex::wait(word, futex::Flags::empty(), ticket.0, Some(&timeout)) {
+        match futex::wait(bells.word(topic), futex::Flags::empty(), ticket.0, Some(&timeout)) {
             Ok(()) | Err(Errno::AGAIN | Errno::TIMEDOUT | Errno::INTR) => Ok(()),
             Err(error) => Err(error.into()),
         }
+    }
+
+    /// True if waiting longer is of no use.
+    pub(super) fn is_in_vain(&self) -> bool {
+        matches!(self, Self::InProcess { stalled, .. } if stalled.get())
     }
 }
 

@@ -6,7 +6,10 @@ use messages::{
     ServiceState, Spat, VehicleTruth,
 };
 use runtime::report::ReceivedTopic;
-use runtime::{Group, Mode, Observed, Observer, RuntimeError};
+use runtime::{Group, InProcess, Mode, Observed, Observer, RuntimeError, Timetable};
+
+/// Messages of a topic that room is made for from the start.
+const MOST_ROOM: u64 = 100_000;
 
 /// Everything that was heard.
 #[derive(Clone, Debug, Default)]
@@ -82,6 +85,8 @@ pub struct DriveLog {
     truths: Vec<VehicleTruth>,
     requests: Vec<(u64, f64)>,
     cycles: Vec<Diagnostics>,
+    /// In realtime the supervisor takes the signs of life.
+    supervised: bool,
     signs: Vec<Sign>,
     /// The newest incarnation heard of each service.
     incarnations: [u32; Service::ALL.len()],
@@ -104,7 +109,20 @@ pub struct Sign {
 impl DriveLog {
     /// Opens all topics.
     pub fn listen(group: &Group) -> Result<Self, RuntimeError> {
-        let observer = Observer::join(group, "launcher")?;
+        Self::by(Observer::join(group, "launcher")?, group.mode, &group.timetable)
+    }
+
+    /// Opens all topics of a run in this thread.
+    pub(crate) fn in_process(run: &InProcess) -> Result<Self, RuntimeError> {
+        Self::by(run.observer(), Mode::Lockstep, &run.timetable())
+    }
+
+    fn by(observer: Observer, mode: Mode, timetable: &Timetable) -> Result<Self, RuntimeError> {
+        // Room for the whole run, as far as it is not too long a one to be sure of.
+        let room = |service| {
+            let messages = timetable.last_step / timetable.stride(service) + 1;
+            usize::try_from(messages.min(MOST_ROOM)).expect("a small number")
+        };
         Ok(Self {
             odometry: observer.listen()?,
             powertrain: observer.listen()?,
@@ -113,16 +131,17 @@ impl DriveLog {
             diagnostics: observer.listen()?,
             heartbeat: observer.listen()?,
             brake: observer.listen()?,
-            sensors: match group.mode {
+            sensors: match mode {
                 Mode::Realtime => Some((observer.listen()?, observer.listen()?)),
                 Mode::Lockstep => None,
             },
             observer,
-            odometries: Vec::new(),
+            odometries: Vec::with_capacity(room(Service::Plant)),
             powertrains: Vec::new(),
-            truths: Vec::new(),
-            requests: Vec::new(),
-            cycles: Vec::new(),
+            truths: Vec::with_capacity(room(Service::PerceptionSim)),
+            requests: Vec::with_capacity(room(Service::Controller)),
+            cycles: Vec::with_capacity(room(Service::Controller)),
+            supervised: mode == Mode::Realtime,
             signs: Vec::new(),
             incarnations: [0; Service::ALL.len()],
             first_messages: Vec::new(),
@@ -167,12 +186,14 @@ impl DriveLog {
         }
         self.heartbeat.drain(|m| {
             let service = Service::ALL.into_iter().find(|s| s.to_wire() == m.header.source);
-            self.signs.extend(service.map(|service| Sign {
-                service,
-                incarnation: m.header.incarnation,
-                cycles: m.cycles,
-                degraded: m.state == ServiceState::Degraded as u64,
-            }));
+            if self.supervised {
+                self.signs.extend(service.map(|service| Sign {
+                    service,
+                    incarnation: m.header.incarnation,
+                    cycles: m.cycles,
+                    degraded: m.state == ServiceState::Degraded as u64,
+                }));
+            }
         })
     }
 

@@ -9,6 +9,8 @@
 //! when the launcher dies, and removes what the run left. What even the janitor could not remove, the
 //! next run does.
 //!
+//! In lockstep the same services can also take turns in the launcher's own thread: [`in_process`].
+//!
 //! During a realtime run [`watch`] keeps the group whole: a service that dies or hangs is replaced
 //! within its budget, and [`faults`] acts out what the scenario, or somebody at [`control`], wants to
 //! go wrong.
@@ -20,6 +22,7 @@ mod drive;
 mod error;
 mod events;
 mod faults;
+pub mod in_process;
 mod janitor;
 mod member;
 mod options;
@@ -35,6 +38,7 @@ pub use disturbance::run as run_hog;
 pub use drive::{Drive, DriveStep, PowertrainStep};
 pub use error::Error;
 pub use faults::FaultRecord;
+pub use in_process::entry;
 pub use janitor::run as run_janitor;
 pub use member::Heartbeats;
 pub use options::{GroupOptions, ModeName, ScenarioOptions};

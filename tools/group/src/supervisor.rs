@@ -13,7 +13,7 @@ use messages::Service;
 use runtime::report::ServiceReport;
 use runtime::scheduling::{Granted, Priority};
 use runtime::{
-    FromService, Group, Injected, Mode, StartOrder, Timetable, ToService, monotonic_ns,
+    Carrier, FromService, Group, Injected, Mode, StartOrder, Timetable, ToService, monotonic_ns,
     shared_memory_bytes,
 };
 use scenario::Scenario;
@@ -67,6 +67,8 @@ pub enum Ended {
 /// What came out of a group.
 #[derive(Debug)]
 pub struct GroupOutcome {
+    /// What carried the messages.
+    pub carrier: Carrier,
     /// Root of the run, which is gone.
     pub root: PathBuf,
     /// Why it ended.
@@ -267,6 +269,7 @@ impl Supervisor<'_> {
         let befallen = reports.values().flat_map(|report| report.befallen.iter().copied());
         self.faults.befallen(befallen);
         Ok(GroupOutcome {
+            carrier: Carrier::SharedMemory,
             root: self.root.path().to_owned(),
             ended,
             reports,

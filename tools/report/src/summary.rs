@@ -4,16 +4,17 @@ use group::{Drive, Ended, FaultRecord, GroupOutcome, Heartbeats, RecordingSummar
 use messages::Service;
 use messages::e2e::Outcomes;
 use messages::rung::Rungs;
-use runtime::Mode;
 use runtime::report::{
     ControlFigures, ControllerReport, Details, Hops, ModeChange, Outcome, PlanningReport,
     PlantReport, ReceivedTopic, ServiceReport, WorstChain,
 };
 use runtime::scheduling::Granted;
 use runtime::statistics::{Latencies, Percentiles};
+use runtime::{Carrier, Mode};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 use std::time::Duration;
 
 /// The summary of one run.
@@ -23,6 +24,8 @@ pub struct Summary {
     pub scenario: String,
     pub controller: String,
     pub mode: &'static str,
+    /// What carried the messages.
+    pub carrier: Carrier,
     pub seed: u64,
     pub outcome: Outcome,
     /// Why the outcome is `aborted`.
@@ -166,8 +169,13 @@ pub struct Host {
 }
 
 impl Host {
-    /// This machine.
+    /// This machine, which stays the same.
     pub fn this() -> Self {
+        static THIS: OnceLock<Host> = OnceLock::new();
+        THIS.get_or_init(Self::read).clone()
+    }
+
+    fn read() -> Self {
         let read = |path| std::fs::read_to_string(path).unwrap_or_default().trim().to_owned();
         Self {
             cpus: std::thread::available_parallelism().map_or(1, usize::from),
@@ -191,6 +199,7 @@ impl Summary {
             scenario: scenario.name.as_str().into(),
             controller: scenario.controller.name.as_str().into(),
             mode: mode.name(),
+            carrier: group.carrier,
             seed: scenario.seed.value(),
             outcome,
             aborted_because,
@@ -237,7 +246,7 @@ impl Summary {
                     restarts: group.restarts.get(&service).copied().unwrap_or(0),
                     heartbeats: group.heartbeats.get(&service).copied(),
                     exit: group.exits.get(&service).cloned(),
-                    peak_rss_kib: report(service).map(|report| report.peak_rss_kib),
+                    peak_rss_kib: report(service).and_then(|report| report.peak_rss_kib),
                     allocations_in_loop: report(service)
                         .and_then(|report| report.allocations_in_loop),
                     scheduling: report(service).map(|report| report.scheduling.clone()),

@@ -3,7 +3,9 @@
 use crate::live::{Live, LiveOptions};
 use clap::Args;
 use controller::laws;
-use group::{Ended, Error, GroupOptions, Keep, ModeName, ScenarioOptions, drive, open};
+use group::{
+    Ended, Error, GroupOptions, GroupOutcome, Keep, ModeName, Moment, ScenarioOptions, drive, open,
+};
 use indicatif::{ProgressBar, ProgressStyle};
 use report::output::OutputDirectory;
 use report::summary::{self, Summary};
@@ -11,8 +13,11 @@ use report::{RunPicture, print, trajectory};
 use runtime::Mode;
 use runtime::report::Outcome;
 use scenario::Scenario;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// Arguments of `run`.
@@ -28,6 +33,9 @@ pub struct RunArguments {
     /// Clock: `realtime`, or `lockstep` in simulated time, byte for byte repeatable
     #[arg(long, value_enum, default_value_t = ModeName::Realtime)]
     pub mode: ModeName,
+    /// Let all services take turns in one process: lockstep only, same bytes, no recording
+    #[arg(long)]
+    pub in_process: bool,
     /// Directory for the results [default: runs/<time>-<scenario>]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -46,19 +54,27 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     let begun = Instant::now();
     let scenario = open(&arguments.scenario, &arguments.scenario_options)?;
     let mode = arguments.mode.into();
+    if arguments.in_process {
+        refuse_what_needs_processes(arguments)?;
+    }
     let output = OutputDirectory::create(arguments.out.as_deref(), scenario.name.as_str())?;
     output.write("scenario.toml", scenario.to_toml().as_bytes())?;
 
     let mut live = Live::open(&arguments.live, &scenario)?;
     let bar = progress_bar(&scenario, arguments.json || arguments.live.watch);
-    let keep = Keep {
-        live_file: Some(output.path().join("live.json")),
-        recording: (!arguments.no_record).then(|| output.path().join(recorder::FILE)),
-    };
-    let result = drive(&scenario, mode, &arguments.group, Some(keep), &mut |moment| {
+    let mut watch = |moment: &Moment<'_>| {
         bar.set_position(moment.time_ns.unsigned_abs() / 1_000_000);
         live.look(moment);
-    });
+    };
+    let result = if arguments.in_process {
+        in_process(&scenario, &mut watch)
+    } else {
+        let keep = Keep {
+            live_file: Some(output.path().join("live.json")),
+            recording: (!arguments.no_record).then(|| output.path().join(recorder::FILE)),
+        };
+        drive(&scenario, mode, &arguments.group, Some(keep), &mut watch)
+    };
     bar.finish_and_clear();
     let summary = result
         .as_ref()
@@ -97,6 +113,30 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     // What was measured has been told before a full disk is.
     written?;
     Ok(exit_code(&group.ended, summary.outcome))
+}
+
+/// Runs all services in this process, until a signal asks for the end.
+fn in_process(
+    scenario: &Scenario,
+    watch: &mut dyn FnMut(&Moment<'_>),
+) -> Result<GroupOutcome, Error> {
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM, SIGHUP] {
+        signal_hook::flag::register(signal, Arc::clone(&stop))
+            .map_err(|e| Error::Machine(format!("cannot handle signals: {e}")))?;
+    }
+    group::in_process::run_watched(scenario, &|| stop.load(Ordering::Relaxed), watch)
+}
+
+fn refuse_what_needs_processes(arguments: &RunArguments) -> Result<(), Error> {
+    let conflict = if matches!(arguments.mode, ModeName::Realtime) {
+        "in realtime every service is a process: add --mode lockstep"
+    } else if !arguments.group.programs.is_empty() {
+        "a program of its own is a process: leave out --service or --in-process"
+    } else {
+        return Ok(());
+    };
+    Err(Error::Usage(format!("--in-process: {conflict}")))
 }
 
 /// A bar on a terminal, for runs longer than a second; nothing elsewhere.

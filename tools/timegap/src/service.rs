@@ -45,12 +45,5 @@ pub fn run(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
         return Ok(recorder::replay(&arguments.arguments));
     }
     let service: Service = arguments.name.parse().map_err(Error::Usage)?;
-    let run = match service {
-        Service::Plant => plant::run,
-        Service::PerceptionSim => perception_sim::run,
-        Service::V2xSim => v2x_sim::run,
-        Service::Controller => controller::run,
-        Service::Aebs => aebs::run,
-    };
-    Ok(run_service(service, &arguments.arguments, run))
+    Ok(run_service(service, &arguments.arguments, group::entry(service)))
 }

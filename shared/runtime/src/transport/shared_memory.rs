@@ -1,9 +1,10 @@
 //! iceoryx2 as timegap uses it: one private node per process and one way to open each topic.
 
-use super::link::End;
-use super::probe::{self, Payload, Stamp};
-use super::waking::{Bells, Waiter, Waker};
-use super::{Group, Mode, RuntimeError, Timetable};
+use super::{Connect, Input, Receiver, Sender, SenderId, buffer, buffer_of};
+use crate::link::End;
+use crate::probe::{self, Payload, Stamp};
+use crate::waking::{Bells, Waiter, Waker};
+use crate::{Group, Mode, RuntimeError, Timetable};
 use iceoryx2::config::Config;
 use iceoryx2::port::BackpressureAction;
 use iceoryx2::port::update_connections::UpdateConnections;
@@ -17,27 +18,10 @@ use std::os::unix::fs::PermissionsExt;
 use std::rc::Rc;
 
 /// The iceoryx2 variant of all topics.
-pub(super) type Ipc = ipc::Service;
+pub(crate) type Ipc = ipc::Service;
 
 /// Processes on one topic: the group, each restarted beside its dead self, and observers.
 const MAX_PEERS: usize = 10;
-
-/// Messages that a subscriber can lag behind: twice what the plant publishes between two releases
-/// of the slowest service, and enough for half a second without the processor at the usual rates.
-fn buffer(timetable: &Timetable) -> usize {
-    let slowest = timetable.strides.into_iter().max().unwrap_or(1);
-    usize::try_from((2 * slowest + 8).max(50)).expect("strides are small")
-}
-
-/// Larger messages have buffers of at most [`LARGE_BUFFER`], bytes: memory for the slowest of many
-/// readers would be tens of megabytes.
-const LARGE_BYTES: usize = 16 << 10;
-const LARGE_BUFFER: usize = 16;
-
-/// The part of `buffer` that `topic` gets.
-fn buffer_of(topic: Topic, buffer: usize) -> usize {
-    if topic.message_bytes() > LARGE_BYTES { buffer.min(LARGE_BUFFER) } else { buffer }
-}
 
 /// Shared memory that a group with this timetable may come to use, bytes: every publisher has room
 /// for what all its possible subscribers can lag behind.
@@ -52,19 +36,6 @@ pub fn shared_memory_bytes(timetable: &Timetable) -> u64 {
     (payload + MANAGEMENT) as u64
 }
 
-/// An end of a topic that can be connected to all others that exist, ahead of the first message:
-/// connecting creates files and allocates.
-pub trait Connect: Debug {
-    /// Connects.
-    fn connect(&self) -> Result<(), String>;
-}
-
-/// Sends messages of one type.
-pub trait Sender<T>: Connect {
-    /// Copies `message` into shared memory and hands it to all subscribers.
-    fn send(&self, message: &T) -> Result<(), String>;
-}
-
 impl<T: Message> Sender<T> for iceoryx2::port::publisher::Publisher<Ipc, T, ()> {
     fn send(&self, message: &T) -> Result<(), String> {
         self.send_copy(*message).map(|_| ()).map_err(|e| format!("{e:?}"))
@@ -77,33 +48,10 @@ impl<Port: UpdateConnections + Debug> Connect for Port {
     }
 }
 
-/// A sending port, unique on this host.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SenderId(u128);
-
-impl SenderId {
-    /// The process that made it: iceoryx2's ids are seconds, nanoseconds, process, counter.
-    pub(super) fn pid(self) -> u32 {
-        (self.0 >> 64) as u32
-    }
-}
-
-/// An end of a topic that messages come out of.
-pub trait Input: Debug {
-    /// True if a message waits.
-    fn has_input(&self) -> bool;
-}
-
 impl<T: Message> Input for iceoryx2::port::subscriber::Subscriber<Ipc, T, ()> {
     fn has_input(&self) -> bool {
         self.has_samples().unwrap_or(false)
     }
-}
-
-/// Receives messages of one type.
-pub trait Receiver<T>: Connect + Input {
-    /// The oldest message not yet taken, and the port that sent it.
-    fn receive(&self) -> Result<Option<(T, SenderId)>, String>;
 }
 
 impl<T: Message> Receiver<T> for iceoryx2::port::subscriber::Subscriber<Ipc, T, ()> {
@@ -115,19 +63,19 @@ impl<T: Message> Receiver<T> for iceoryx2::port::subscriber::Subscriber<Ipc, T, 
 
 /// A node in the run's private iceoryx2 domain.
 #[derive(Debug)]
-pub struct Transport {
+pub struct SharedMemory {
     node: Node<Ipc>,
     bells: Bells,
     mode: Mode,
     buffer: usize,
 }
 
-impl Transport {
+impl SharedMemory {
     /// Joins the run's domain.
     ///
     /// # Errors
     /// [`RuntimeError::Node`] if the root is not usable or shared memory is not to be had.
-    pub(super) fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
+    pub(crate) fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
         let error = |reason: String| RuntimeError::Node { root: group.root.clone(), reason };
         let config = domain(group).map_err(error)?;
         let name = NodeName::new(name).map_err(|e| error(format!("{e:?}")))?;
@@ -175,9 +123,7 @@ impl Transport {
             .map_err(|e| error(format!("{e:?}")))
     }
 
-    /// Creates the publisher of `T`'s topic. In lockstep it waits while a subscriber's buffer is
-    /// full, unless the run was aborted.
-    pub(crate) fn publisher<T: Message>(
+    pub(super) fn publisher<T: Message>(
         &self,
         end: End,
     ) -> Result<Rc<dyn Sender<T>>, RuntimeError> {
@@ -200,7 +146,7 @@ impl Transport {
         Ok(Rc::new(port))
     }
 
-    pub(crate) fn subscriber<T: Message>(&self) -> Result<Rc<dyn Receiver<T>>, RuntimeError> {
+    pub(super) fn subscriber<T: Message>(&self) -> Result<Rc<dyn Receiver<T>>, RuntimeError> {
         let port = (self.topic::<T>()?.subscriber_builder())
             .create()
             .map_err(|e| RuntimeError::Topic { topic: T::TOPIC, reason: format!("{e:?}") })?;
@@ -208,7 +154,7 @@ impl Transport {
     }
 
     /// The service of a probe's payloads, beside the one of its topic.
-    pub(super) fn payload_topic(
+    pub(crate) fn payload_topic(
         &self,
     ) -> Result<publish_subscribe::PortFactory<Ipc, Payload, Stamp>, RuntimeError> {
         self.node
@@ -224,7 +170,7 @@ impl Transport {
     }
 
     /// iceoryx2's own event service, which no topic uses.
-    pub(super) fn event(&self) -> Result<event::PortFactory<Ipc>, RuntimeError> {
+    pub(crate) fn event(&self) -> Result<event::PortFactory<Ipc>, RuntimeError> {
         self.node
             .service_builder(&"bench/event".try_into().expect("a valid service name"))
             .event()

@@ -1,0 +1,154 @@
+//! All services of a lockstep run in one thread: each is a task that goes on until it waits.
+//!
+//! The services' code, ports, checks and reports are those of a group of processes. What differs is
+//! what carries the messages (queues in memory) and what a wait is (another service's turn).
+
+use super::coroutine::{Pause, Task, Turn};
+use super::link::{Desk, End, Link};
+use super::transport::{Bus, Seat};
+use super::{
+    FromService, Group, Mode, Observer, Runtime, RuntimeError, StartOrder, Tap, Timetable,
+};
+use messages::Service;
+use scenario::Scenario;
+use std::path::PathBuf;
+use std::rc::Rc;
+
+/// What a service does from its start to its end.
+pub type Entry = fn(Runtime) -> Result<(), RuntimeError>;
+
+/// Wall time after which a wait for a due sample gives up, ns. Messages in memory come at once or not
+/// at all, which is noticed; what this bounds is a service that computes for ever.
+const PATIENCE_NS: i64 = 60_000_000_000;
+
+/// A run in one thread.
+///
+/// ```text
+/// new ── observer / tap ── start each service ──► take_turns ─► all ready ─► begin ─► take_turns … ─► idle
+/// ```
+#[derive(Debug)]
+pub struct InProcess {
+    bus: Rc<Bus>,
+    group: Group,
+    members: Vec<Member>,
+}
+
+#[derive(Debug)]
+struct Member {
+    service: Service,
+    task: Task,
+    desk: Desk,
+    end: End,
+}
+
+impl InProcess {
+    /// A run of `scenario` without services yet.
+    #[must_use]
+    pub fn new(scenario: &Scenario) -> Self {
+        let timetable = Timetable::of(scenario);
+        let group = Group {
+            // Nothing of it is in the file system.
+            root: PathBuf::new(),
+            prefix: String::new(),
+            mode: Mode::Lockstep,
+            timetable,
+            patience_ns: PATIENCE_NS,
+            scenario: String::new(),
+        };
+        Self { bus: Rc::new(Bus::new(&timetable)), group, members: Vec::new() }
+    }
+
+    /// The run's periods.
+    #[must_use]
+    pub fn timetable(&self) -> Timetable {
+        self.group.timetable
+    }
+
+    /// A listener. Whoever takes turns with the services must let it listen, or they wait for it.
+    #[must_use]
+    pub fn observer(&self) -> Observer {
+        Observer::at(Seat::new(Rc::clone(&self.bus), 0, None))
+    }
+
+    /// A tap, as a recorder has it. It must be read as a listener must.
+    #[must_use]
+    pub fn tap(&self) -> Tap {
+        Tap::at(Seat::new(Rc::clone(&self.bus), 0, None))
+    }
+
+    /// Adds a service, which does `entry`.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Setup`] if there is no memory for its stack.
+    pub fn start(
+        &mut self,
+        service: Service,
+        scenario: &Scenario,
+        entry: Entry,
+    ) -> Result<(), RuntimeError> {
+        let (pause, desk) = (Pause::default(), Desk::default());
+        let seat = Seat::new(Rc::clone(&self.bus), service.to_wire(), Some(pause.clone()));
+        let link = Link::in_memory(desk.clone(), pause.clone());
+        let end = link.end.clone();
+        let runtime =
+            Runtime::join_in_process(service, self.group.clone(), scenario.clone(), seat, link);
+        let task = Task::new(pause, move || entry(runtime))?;
+        self.members.push(Member { service, task, desk, end });
+        Ok(())
+    }
+
+    /// Gives the services that are ready the common start.
+    pub fn begin(&self) {
+        for member in &self.members {
+            // Simulated time has no instant on the wall.
+            member.desk.start.set(Some(StartOrder { start_ns: 0 }));
+        }
+    }
+
+    /// Ends the run after the releases of `step`.
+    pub fn stop_after(&self, step: u64) {
+        self.members.iter().for_each(|member| member.end.set_before(step + 1));
+    }
+
+    /// Ends the run at once.
+    pub fn abort(&self) {
+        self.members.iter().for_each(|member| member.end.set_before(0));
+    }
+
+    /// Gives every service a turn and hands what they say to `said`, a failure included. False when
+    /// all have ended.
+    ///
+    /// Call it again only after all listeners and taps have taken their messages: when a whole round
+    /// moves none, the services wait for each other for ever, and are told so.
+    pub fn take_turns(&mut self, said: &mut dyn FnMut(Service, FromService)) -> bool {
+        let before = self.bus.moved();
+        let (mut alive, mut changed) = (false, false);
+        for member in &mut self.members {
+            let failed = match member.task.resume() {
+                Some(Turn::Waits) => {
+                    alive = true;
+                    None
+                }
+                Some(Turn::Done(Ok(()) | Err(RuntimeError::Stopped))) => {
+                    changed = true;
+                    None
+                }
+                Some(Turn::Done(Err(error))) => Some(error.to_string()),
+                Some(Turn::Panicked(message)) => Some(format!("panicked: {message}")),
+                None => None,
+            };
+            while let Some(message) = member.desk.said.borrow_mut().pop_front() {
+                changed = true;
+                said(member.service, message);
+            }
+            if let Some(reason) = failed {
+                changed = true;
+                said(member.service, FromService::Failed(reason));
+            }
+        }
+        if !changed && self.bus.moved() == before {
+            self.bus.stall();
+        }
+        alive
+    }
+}

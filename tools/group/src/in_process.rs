@@ -1,0 +1,155 @@
+//! A lockstep run in the calling thread: the services take turns, and memory carries their messages.
+//!
+//! The results are those of a group of processes, to the byte; what is left out is the machine between
+//! the services: processes, shared memory, files. Faults of processes need processes.
+
+use super::drive::DriveLog;
+use super::faults::Faults;
+use super::supervisor::{Ended, GroupOutcome, Moment};
+use crate::Error;
+use messages::Service;
+use runtime::report::ServiceReport;
+use runtime::{Carrier, Entry, FromService, InProcess};
+use scenario::Scenario;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// What `service` does in its process, or in its turns.
+#[must_use]
+pub fn entry(service: Service) -> Entry {
+    match service {
+        Service::Plant => plant::run,
+        Service::PerceptionSim => perception_sim::run,
+        Service::V2xSim => v2x_sim::run,
+        Service::Controller => controller::run,
+        Service::Aebs => aebs::run,
+    }
+}
+
+/// Runs `scenario` in simulated time, in this thread.
+///
+/// # Errors
+/// [`Error::Usage`] for faults of processes, [`Error::NotReady`] if a service cannot begin.
+pub fn run(scenario: &Scenario) -> Result<GroupOutcome, Error> {
+    run_watched(scenario, &|| false, &mut |_| {})
+}
+
+/// The same while `watch` sees it go, until `interrupted` says that it is to end.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_watched(
+    scenario: &Scenario,
+    interrupted: &dyn Fn() -> bool,
+    watch: &mut dyn FnMut(&Moment<'_>),
+) -> Result<GroupOutcome, Error> {
+    refuse_faults_of_processes(scenario)?;
+    let begun = Instant::now();
+    let mut run = InProcess::new(scenario);
+    let mut log = DriveLog::in_process(&run)?;
+    for &service in scenario.services() {
+        run.start(service, scenario, entry(service))?;
+    }
+    let mut course = Course::default();
+    run.take_turns(&mut |service, said| course.hear(service, said));
+    if let Some((service, how)) = course.failed.take() {
+        run.abort();
+        return Err(Error::NotReady { service, what: format!("failed: {how}") });
+    }
+    let ready_after = begun.elapsed();
+    run.begin();
+    let started = Instant::now();
+    let mut faults = Faults::of(scenario);
+    let step_ns = run.timetable().step_ns;
+    loop {
+        let alive = run.take_turns(&mut |service, said| course.hear(service, said));
+        log.drain()?;
+        if !alive {
+            break;
+        }
+        let time_ns = step_ns * i64::try_from(log.reached()).expect("runs are finite");
+        watch(&Moment { time_ns, drive: &log, faults: &faults.records });
+        if let Some(step) = course.stop_after.take() {
+            run.stop_after(step);
+        }
+        if course.failed.is_some() {
+            run.abort();
+        } else if interrupted() {
+            course.interrupted = true;
+            run.abort();
+        }
+    }
+    let ran_for = started.elapsed();
+    let messages = course.reports.values().flat_map(|report| report.befallen.iter().copied());
+    faults.befallen(messages);
+    let services = scenario.services().iter();
+    let exits = services.clone().map(|&service| (service, course.exit_of(service)));
+    let exits = exits.collect();
+    let wrote = course.failed.iter().cloned().collect();
+    Ok(GroupOutcome {
+        carrier: Carrier::Memory,
+        root: PathBuf::new(),
+        ended: match course.failed {
+            Some((service, how)) => Ended::Broken { service, how },
+            None if course.interrupted => Ended::Interrupted,
+            None => Ended::Orderly,
+        },
+        reports: course.reports,
+        exits,
+        restarts: services.map(|&service| (service, 0)).collect(),
+        heartbeats: BTreeMap::new(),
+        faults: faults.records,
+        drive: log.finish()?,
+        ready_after,
+        ran_for: ran_for.max(Duration::from_nanos(1)),
+        recording: None,
+        wrote,
+    })
+}
+
+/// What the services said of the run so far.
+#[derive(Default)]
+struct Course {
+    reports: BTreeMap<Service, ServiceReport>,
+    /// The first service that could not go on, and why.
+    failed: Option<(Service, String)>,
+    /// The plant ended the run in this step.
+    stop_after: Option<u64>,
+    interrupted: bool,
+}
+
+impl Course {
+    fn hear(&mut self, service: Service, said: FromService) {
+        match said {
+            FromService::Ready(_) => {}
+            FromService::Report(report) => {
+                self.reports.insert(service, *report);
+            }
+            FromService::Ended(step) => self.stop_after = Some(step),
+            FromService::Failed(how) => {
+                self.failed.get_or_insert((service, how));
+            }
+        }
+    }
+
+    /// How the service's process would have ended.
+    fn exit_of(&self, service: Service) -> String {
+        match &self.failed {
+            Some((failed, how)) if *failed == service => how.clone(),
+            _ => "ok".into(),
+        }
+    }
+}
+
+fn refuse_faults_of_processes(scenario: &Scenario) -> Result<(), Error> {
+    let mut faults = scenario.faults.iter().enumerate();
+    match faults.find(|(_, fault)| fault.kind.is_of_processes()) {
+        Some((index, fault)) => Err(Error::Usage(format!(
+            "faults.{index}: `{}` acts on a process, and here all services share one: leave out \
+             --in-process and run with --mode realtime",
+            fault.kind.name()
+        ))),
+        None => Ok(()),
+    }
+}
