@@ -56,7 +56,7 @@ pub fn road(bytes: &[u8]) {
 /// Designs of the quadratic-bounded law. One that is accepted keeps its promise.
 pub fn design(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
-    let _ = controller::quadratic_bounded::Design::load(text);
+    let _ = controller::laws::quadratic_bounded::Design::load(text);
 }
 
 /// Recordings.

@@ -6,8 +6,9 @@
 
 use std::time::Instant;
 
-use controller::predictive::route::{Bound, Road};
-use controller::predictive::{Plan, PlanRequest, PlannerKind};
+use controller::law::{Plan, PlanRequest};
+use controller::laws::truck::route::{Bound, Road};
+use controller::laws::truck::{PlannerKind, create};
 use scenario::grade::{Alignment, generate};
 use truck_model::{Preset, Truck};
 
@@ -55,7 +56,7 @@ fn main() {
 }
 
 fn plans(truck: &Truck, road: &Road, kind: PlannerKind, repeats: usize) -> Vec<f64> {
-    let mut planner = kind.create(truck);
+    let mut planner = create(kind, truck);
     let mut plan = Plan::default();
     let places = (road.length_m() - 2500.0) / 100.0;
     (0..places as u64)

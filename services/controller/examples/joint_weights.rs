@@ -10,13 +10,14 @@
 //! point with a fresh simplex and from the best of a sample of the whole box of plausible weights.
 //! Same arguments, same result.
 
-use controller::cacc::config::{Config, SolverKind, SpacingPolicy};
-use controller::cacc::paper::PaperLaw;
-use controller::cacc::published::{Calibration, Row, Runs, rows};
-use controller::cacc::scenes::{self, Recording, Scene};
-use controller::cacc::weights::{JOINT, WeightSet, Weights};
+use controller::laws::cacc::config::Config;
+use controller::laws::cacc::paper::PaperLaw;
+use controller::laws::cacc::published::{Calibration, Row, Runs, rows};
+use controller::laws::cacc::scenes::{self, Recording, Scene};
+use controller::laws::cacc::weights::{JOINT, Weights};
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use scenario::controller::SpacingPolicy;
 
 const DIMENSIONS: usize = 6;
 /// Points drawn before each descent from a new place.
@@ -230,11 +231,10 @@ fn drive(scene: &Scene, set: Weights, light: bool) -> Recording {
         } else {
             SpacingPolicy::ConstantDistance
         },
-        weight_set: WeightSet::Custom,
-        weights: Some(set),
+        weights: set,
         ..Config::default()
     };
-    let solver = SolverKind::Riccati.create(config.horizon_steps);
+    let solver = config.create_solver();
     let mut law = PaperLaw::new(&config, &set, light, solver).expect("the weights are positive");
     scenes::run(scene, &mut law)
 }

@@ -3,8 +3,8 @@
 //!
 //! Fuel is against constant speed at equal trip time, with the kinetic energy at the end corrected.
 
-use controller::predictive::PlannerKind::{DynamicProgramming, PaperN2};
-use controller::predictive::route::{Comparison, Map, Road, Trip};
+use controller::laws::truck::PlannerKind::{DynamicProgramming, PaperN2};
+use controller::laws::truck::route::{Comparison, Map, Road, Trip};
 use rand_core::Rng;
 use rand_pcg::Pcg64;
 use scenario::grade::{Alignment, GradeProfile, HILLS_60KM, Point, generate};

@@ -4,7 +4,7 @@
 //! timing may be believed, [`Ladder::admit`] settles what else the law may be told, and after the step
 //! [`Ladder::settle`] names the rung. The table of entries and ways back is at [`messages::rung`].
 //!
-//! What never happens, whatever the faults: a law is told of a target or a light by a sample that is
+//! Under no fault is a law told of a target or a light by a sample that is
 //! older than the rung's bound; and no rung is without a way back to full function.
 
 use crate::law::{Ego, Input, MAX_PLAN, Output, Quality, Target};
@@ -20,7 +20,7 @@ const SHORTEST_STALE_S: f64 = 0.1;
 const PREDICT_S: f64 = 1.0;
 /// For how long announced signal timing is believed without a new announcement, s.
 const BELIEVE_SIGNALS_S: f64 = 5.0;
-/// Braking when nobody knows what is ahead, m/s².
+/// Braking when it is not known what is ahead, m/s².
 const COMFORTABLE_MPS2: f64 = -2.0;
 /// How fast that braking sets in, m/s³.
 const COMFORTABLE_JERK_MPS3: f64 = 2.5;

@@ -1,18 +1,16 @@
 //! The control laws and the control loop.
 //!
-//! A law is plain code behind one trait ([`law::Law`]); [`laws`] builds the one that a scenario
-//! names. The loop ([`run`]) samples the topics ([`sampling`]), asks the law and publishes.
+//! A law is plain code behind one trait ([`law::Law`]) and a descriptor ([`law::Descriptor`]) in the
+//! registry ([`laws::ALL`]). The loop samples the topics ([`sampling`]), asks the law and publishes:
+//! [`run`] with the law that the scenario names, [`run_law`] with one that you bring along.
 
-pub mod cacc;
 pub mod ladder;
 pub mod law;
 pub mod laws;
-mod planning;
+mod planning_thread;
 pub mod plausibility;
-pub mod predictive;
-pub mod quadratic_bounded;
 pub mod sampling;
 mod service;
-pub mod six_mode;
+pub mod settings;
 
-pub use service::run;
+pub use service::{run, run_law};

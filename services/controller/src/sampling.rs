@@ -3,10 +3,8 @@
 use crate::law::{
     self, Ego, Input, MAX_PHASES, MAX_SIGNALS, Phase, PhaseInterval, SignalAhead, Target,
 };
-use crate::predictive;
 use messages::{Map, Odometry, PhaseState, Powertrain, Preview, RadarTracks, Signal, Spat};
 use scenario::Scenario;
-use scenario::controller::ControllerName;
 
 /// A stop line is forgotten when it is this far behind, m.
 const PASSED_M: f64 = 50.0;
@@ -25,14 +23,14 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// The setting of a scenario.
+    /// The setting of a scenario; `raw_target` as the law wants it.
     #[must_use]
-    pub fn of(scenario: &Scenario) -> Self {
+    pub fn of(scenario: &Scenario, raw_target: bool) -> Self {
         Self {
             period_s: f64::from(scenario.controller.period_ms.value()) / 1e3,
             set_speed_mps: scenario.set_speed_mps.value(),
             speed_limit_mps: scenario.speed_limit_mps.map_or(f64::INFINITY, |v| v.value()),
-            raw_target: scenario.controller.name == ControllerName::Predictive,
+            raw_target,
         }
     }
 }
@@ -99,13 +97,13 @@ fn powertrain_at(powertrain: &Powertrain, samples: &Samples<'_>, time_s: f64) ->
     }
 }
 
-fn preview(preview: &Preview) -> predictive::Preview {
+fn preview(preview: &Preview) -> law::Preview {
     let count = usize::try_from(preview.count).map_or(0, |count| count.min(preview.grades.len()));
-    let mut ahead = predictive::Preview {
+    let mut ahead = law::Preview {
         start_m: preview.first_cell_m,
         cell_m: preview.cell_m,
         count,
-        ..predictive::Preview::default()
+        ..law::Preview::default()
     };
     ahead.grades[..count].copy_from_slice(&preview.grades[..count]);
     ahead

@@ -1,8 +1,10 @@
 //! The control loop: sample, decide, publish.
 
 use crate::ladder::{Admission, Ages, Ladder};
-use crate::law::{Input, Law, MAX_PLAN, Output, Quality};
-use crate::planning::PlanningThread;
+use crate::law::{
+    Descriptor, Formulation, Input, Law, MAX_FIGURES, MAX_PLAN, Output, Quality, TargetSource,
+};
+use crate::planning_thread::PlanningThread;
 use crate::plausibility::Motion;
 use crate::sampling::{Samples, Setting, input};
 use messages::rung::{Rung, RungLog};
@@ -17,27 +19,39 @@ use runtime::{
 };
 use scenario::{Scenario, controller};
 
-/// Mode changes that are kept; later ones are counted by nobody, since a law that changes so often
-/// has shown what it does.
+/// Mode changes that are kept. Further changes are dropped.
 const MAX_MODE_CHANGES: usize = 4096;
 /// Part of the control period after which the loop no longer waits for the radar to release it.
 const FALLBACK: f64 = 0.5;
 
 const _: () = assert!(MAX_PLAN == PLAN_LEN, "a command carries every plan");
+const _: () = assert!(MAX_FIGURES == FIGURES, "the diagnostics carry every figure");
 
 /// Runs the controller in its group, to the end of the run.
 ///
 /// # Errors
 /// If the group's shared memory is not usable or the scenario's law cannot be set up.
-pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
+pub fn run(runtime: Runtime) -> Result<(), RuntimeError> {
     let scenario = runtime.scenario();
-    let law = crate::laws::build(&scenario)
-        .map_err(|problem| RuntimeError::Setup(format!("{}: {}", problem.path, problem.message)))?;
+    let law = crate::laws::of(&scenario).map_err(setup)?;
+    run_law(runtime, law)
+}
+
+/// Runs one law in the group, whatever law the scenario names, to the end of the run.
+///
+/// # Errors
+/// If the group's shared memory is not usable or the law refuses the scenario's settings.
+pub fn run_law(mut runtime: Runtime, law: &'static Descriptor) -> Result<(), RuntimeError> {
+    let scenario = runtime.scenario();
     let mut controller = Loop::open(&mut runtime, &scenario, law)?;
     runtime.begin(&scenario)?;
     runtime.run_cycles(|runtime| controller.cycle(runtime))?;
     let report = controller.report(runtime.skipped());
     runtime.finish(Details::Controller(Box::new(report)))
+}
+
+fn setup(problem: scenario::Problem) -> RuntimeError {
+    RuntimeError::Setup(format!("{}: {}", problem.path, problem.message))
 }
 
 /// A mode change as the loop keeps it.
@@ -58,6 +72,7 @@ struct TruckTopics {
 
 struct Loop {
     law: Box<dyn Law>,
+    formulation: &'static Formulation,
     planning: Option<PlanningThread>,
     setting: Setting,
     release: controller::Release,
@@ -90,19 +105,21 @@ impl Loop {
     fn open(
         runtime: &mut Runtime,
         scenario: &Scenario,
-        mut law: Box<dyn Law>,
+        descriptor: &'static Descriptor,
     ) -> Result<Self, RuntimeError> {
+        let mut law = (descriptor.build)(scenario).map_err(setup)?;
         let period_ns = i64::from(scenario.controller.period_ms.value()) * 1_000_000;
         let release = scenario.controller.release;
         let mut output = Output::default();
-        // Faults its code and data in before the loop; forgotten at once.
+        // Brings its code and data into memory before the loop; then forgets it.
         law.step(&Input { period_s: 0.1, ..Input::default() }, &mut output);
         law.reset();
         let planning = PlanningThread::start(runtime, law.as_mut(), period_ns)?;
         Ok(Self {
             law,
+            formulation: (descriptor.formulation)(&scenario.controller),
             planning,
-            setting: Setting::of(scenario),
+            setting: Setting::of(scenario, descriptor.target == TargetSource::Measured),
             release,
             plan_period_ns: period_ns,
             deadline_ns: i64::from(scenario.controller.deadline().value()) * 1_000_000,
@@ -145,7 +162,7 @@ impl Loop {
         };
         let Some(release) = release else { return Ok(Cycle::Last) };
         let before = runtime.usage();
-        // The radar's sample comes last: whoever waits for it first, waits once.
+        // The radar's sample comes last: after waiting for it the others are there.
         runtime.update(&mut self.radar)?;
         runtime.update(&mut self.odometry)?;
         runtime.update(&mut self.spat)?;
@@ -192,7 +209,7 @@ impl Loop {
                 self.solve.record_ns(monotonic_ns() - begun);
             }
             Admission::Brake => self.ladder.brake(self.setting.period_s, &mut self.output),
-            // An empty plan is no command, and says so: in lockstep the plant waits for word.
+            // An empty plan is no command, and says so: in lockstep the plant waits for a message.
             Admission::Silence => {
                 let mode = self.output.mode;
                 self.output = Output { mode, plan_len: 0, ..Output::default() };
@@ -318,15 +335,15 @@ impl Loop {
             names.get(index as usize).map_or_else(|| index.to_string(), ToString::to_string)
         };
         let figures = |values: &[f64; FIGURES]| {
-            let names = self.law.figure_names().iter().map(ToString::to_string);
+            let names = self.formulation.figures.iter().map(|figure| figure.name.to_owned());
             // A figure that does not apply in this mode is left out.
             names.zip(*values).filter(|(_, value)| value.is_finite()).collect()
         };
         let change = |change: &Change| ModeChange {
             t_s: change.time_s,
-            from: name(self.law.mode_names(), change.from),
-            to: name(self.law.mode_names(), change.to),
-            reason: name(self.law.reason_names(), change.reason),
+            from: name(self.formulation.modes, change.from),
+            to: name(self.formulation.modes, change.to),
+            reason: name(self.formulation.reasons, change.reason),
             figures: figures(&change.figures),
         };
         ControllerReport {

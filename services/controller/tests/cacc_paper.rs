@@ -1,13 +1,14 @@
 //! The paper's formulation against the reference closed loops and the published figures.
 
-use controller::cacc::config::{Config, SolverKind, SpacingPolicy};
-use controller::cacc::paper::PaperLaw;
-use controller::cacc::published::{Calibration, Runs, rows};
-use controller::cacc::scenes::{self, Recording, Scene};
-use controller::cacc::weights::{self, WeightSet, Weights};
 use controller::law::{
     Ego, Input, Law, MAX_SIGNALS, Output, Phase, PhaseInterval, Quality, SignalAhead, Target,
 };
+use controller::laws::cacc::config::Config;
+use controller::laws::cacc::paper::PaperLaw;
+use controller::laws::cacc::published::{Calibration, Runs, rows};
+use controller::laws::cacc::scenes::{self, Recording, Scene};
+use controller::laws::cacc::weights::{self, Weights};
+use scenario::controller::{Solver, SpacingPolicy};
 
 macro_rules! reference {
     ($name:literal) => {
@@ -16,14 +17,9 @@ macro_rules! reference {
 }
 
 fn law(set: Weights, policy: SpacingPolicy, light: bool) -> PaperLaw {
-    let config = Config {
-        spacing_policy: policy,
-        weight_set: WeightSet::Custom,
-        weights: Some(set),
-        ..Config::default()
-    };
-    config.validate().expect("the test's configuration is valid");
-    let solver = SolverKind::Riccati.create(config.horizon_steps);
+    let config = Config { spacing_policy: policy, weights: set, ..Config::default() };
+    config.check().expect("the test's configuration is valid");
+    let solver = config.create_solver();
     PaperLaw::new(&config, &set, light, solver).expect("a validated configuration is convex")
 }
 
@@ -153,7 +149,7 @@ fn behind(target: Target) -> Input {
 #[test]
 fn clarabel_drives_scenario_a_as_riccati_does() {
     let config = Config { spacing_policy: SpacingPolicy::ConstantDistance, ..Config::default() };
-    let clarabel = SolverKind::Clarabel.create(config.horizon_steps);
+    let clarabel = Config { solver: Solver::Clarabel, ..config }.create_solver();
     let mut law = PaperLaw::new(&config, &weights::JOINT, true, clarabel)
         .expect("a validated configuration is convex");
     let other = scenes::run(&scenes::A, &mut law);

@@ -1,55 +1,61 @@
 //! The suite that every control law passes, whatever its principle: see [`Law`].
 //!
-//! A new law is one line in [`laws`].
+//! It takes the laws from the registry: a new law is tested without a line here. [`VARIANTS`] adds
+//! settings that choose another formulation or planner.
 
-use controller::cacc::config::{Config, SpacingPolicy};
-use controller::cacc::{self, Controller};
 use controller::law::{
-    Ego, Input, Law, MAX_PLAN, Output, Phase, PhaseInterval, Powertrain, SignalAhead, Target,
+    Ego, Formulation, Input, Law, MAX_PLAN, Output, Phase, PhaseInterval, Plan, PlanRequest,
+    Powertrain, Preview, SignalAhead, Target,
 };
-use controller::predictive::{self, Plan, PlanRequest, PlannerKind, Preview};
-use controller::quadratic_bounded::{Design, QuadraticBounded, Settings};
-use controller::six_mode::{Parameters, SixMode};
+use controller::laws;
 use rand_core::Rng;
 use rand_pcg::Pcg64;
-use truck_model::{Preset, Truck};
+use scenario::Scenario;
 
-type Maker = fn() -> Box<dyn Law>;
+/// Laws with settings of `[controller]` that make something else of them.
+const VARIANTS: [(&str, &str); 6] = [
+    ("six-mode", "six_mode.variant = \"literal\""),
+    ("acc-mpc", "spacing_policy = \"constant-distance\""),
+    ("cacc-mpc", "spacing_policy = \"constant-distance\""),
+    ("cacc-mpc", "spacing_policy = \"measured-headway\""),
+    ("predictive", "predictive.planner = \"paper-n2\""),
+    ("predictive", "predictive.planner = \"constant-speed\""),
+];
 
-/// The laws, by name.
-fn laws() -> Vec<(&'static str, Maker)> {
-    vec![
-        ("six-mode", || Box::new(SixMode::new(Parameters::default()).expect("valid"))),
-        ("six-mode literal", || Box::new(SixMode::new(Parameters::literal()).expect("valid"))),
-        ("quadratic-bounded", || {
-            Box::new(QuadraticBounded::new(Design::shipped(), Settings::default()).expect("valid"))
-        }),
-        ("acc-mpc", || predictive(Controller::AccMpc, SpacingPolicy::ConstantTimeHeadway)),
-        ("cacc-mpc", || predictive(Controller::CaccMpc, SpacingPolicy::ConstantTimeHeadway)),
-        ("acc-mpc paper", || predictive(Controller::AccMpc, SpacingPolicy::ConstantDistance)),
-        ("cacc-mpc paper", || predictive(Controller::CaccMpc, SpacingPolicy::ConstantDistance)),
-        ("cacc-mpc table 3", || predictive(Controller::CaccMpc, SpacingPolicy::MeasuredHeadway)),
-        ("predictive", || truck(PlannerKind::DynamicProgramming)),
-        ("predictive paper-n2", || truck(PlannerKind::PaperN2)),
-        ("predictive constant-speed", || truck(PlannerKind::ConstantSpeed)),
-    ]
+/// A law with its settings.
+struct Subject {
+    name: String,
+    scenario: Scenario,
 }
 
-fn predictive(which: Controller, spacing_policy: SpacingPolicy) -> Box<dyn Law> {
-    let config = Config { spacing_policy, ..Config::default() };
-    cacc::build(which, &config).expect("valid")
+impl Subject {
+    fn new(law: &str, keys: &str) -> Self {
+        let text = format!(
+            "schema_version = 1\nname = \"conformance\"\n[controller]\nname = \"{law}\"\n{keys}\n"
+        );
+        let scenario = Scenario::parse("conformance", &text).expect("the keys are right");
+        Self { name: format!("{law} {keys}"), scenario }
+    }
+
+    fn law(&self) -> Box<dyn Law> {
+        laws::build(&self.scenario).unwrap_or_else(|problem| panic!("{}: {problem:?}", self.name))
+    }
+
+    fn formulation(&self) -> &'static Formulation {
+        laws::formulation(&self.scenario).expect("the registry has the law")
+    }
 }
 
-fn truck(planner: PlannerKind) -> Box<dyn Law> {
-    let truck = Truck::preset(Preset::Jh6At49T);
-    Box::new(predictive::Predictive::new(&predictive::Settings::new(&truck, planner)))
+fn subjects() -> Vec<Subject> {
+    let registered = laws::ALL.iter().map(|law| Subject::new(law.name, ""));
+    registered.chain(VARIANTS.iter().map(|(law, keys)| Subject::new(law, keys))).collect()
 }
 
 /// Runs a check for every law; a failure names the law.
-fn for_each(check: impl Fn(&mut dyn Law)) {
-    for (name, make) in laws() {
-        println!("{name}");
-        check(make().as_mut());
+fn for_each(check: impl Fn(&mut dyn Law, &Formulation)) {
+    for subject in subjects() {
+        println!("{}", subject.name);
+        check(subject.law().as_mut(), subject.formulation());
     }
 }
 
@@ -63,7 +69,7 @@ fn ask(law: &mut dyn Law, input: &Input) -> Output {
     output
 }
 
-/// What the loop does beside a law that plans: the plan is there before the next step.
+/// Makes the plan that the law wants, before the next step, as the loop's planning thread does.
 fn plan(law: &mut dyn Law) {
     if let Some(planning) = law.planning()
         && let Some(request) = planning.request()
@@ -76,16 +82,16 @@ fn plan(law: &mut dyn Law) {
 
 /// The promises of a single output.
 #[track_caller]
-fn sound(law: &dyn Law, input: &Input, output: &Output) {
+fn sound(law: &dyn Law, formulation: &Formulation, input: &Input, output: &Output) {
     let (low, high) = law.request_bounds_mps2();
     assert!(low.is_finite() && high.is_finite() && low < 0.0 && high > 0.0);
     assert!((1..=MAX_PLAN).contains(&output.plan_len), "{input:?}");
     for request in &output.plan_mps2[..output.plan_len] {
         assert!((low..=high).contains(request), "request {request} for {input:?}");
     }
-    assert!((output.mode as usize) < law.mode_names().len(), "{input:?}");
-    assert!((output.mode_reason as usize) < law.reason_names().len(), "{input:?}");
-    assert!(law.figure_names().len() <= output.figures.len());
+    assert!((output.mode as usize) < formulation.modes.len(), "{input:?}");
+    assert!((output.mode_reason as usize) < formulation.reasons.len(), "{input:?}");
+    assert!(formulation.figures.len() <= output.figures.len());
     assert!(output.figures.iter().all(|f| f.is_finite()), "{:?} for {input:?}", output.figures);
 }
 
@@ -221,19 +227,19 @@ const EVIL: [f64; 11] = [
 
 #[test]
 fn outputs_are_bounded_for_anything_a_road_shows() {
-    for_each(|law| {
+    for_each(|law, formulation| {
         let mut rng = Pcg64::new(1, 1);
         for k in 0..3000 {
             let input = random(&mut rng, k);
             let output = ask(law, &input);
-            sound(law, &input, &output);
+            sound(law, formulation, &input, &output);
         }
     });
 }
 
 #[test]
 fn outputs_are_finite_and_bounded_for_any_number_and_usable_after_it() {
-    for_each(|law| {
+    for_each(|law, formulation| {
         // Only a law that plans looks at a truck and its road; their numbers come last.
         let others = Input { powertrain: None, preview: None, ..ordinary(0) };
         let mut seen = if law.planning().is_some() { ordinary(0) } else { others };
@@ -248,13 +254,13 @@ fn outputs_are_finite_and_bounded_for_any_number_and_usable_after_it() {
                     let mut input = ordinary(k);
                     *numbers(&mut input)[index] = evil;
                     let output = ask(law, &input);
-                    sound(law, &input, &output);
+                    sound(law, formulation, &input, &output);
                 }
                 // One bad sample must not poison the state for good.
                 for k in 6..60 {
                     let input = ordinary(k);
                     let output = ask(law, &input);
-                    sound(law, &input, &output);
+                    sound(law, formulation, &input, &output);
                 }
                 let input = ordinary(60);
                 let usual = ask(law, &input).quality;
@@ -270,7 +276,7 @@ fn outputs_are_finite_and_bounded_for_any_number_and_usable_after_it() {
 
 #[test]
 fn all_numbers_bad_at_once() {
-    for_each(|law| {
+    for_each(|law, formulation| {
         for evil in EVIL {
             let mut input = ordinary(0);
             for number in numbers(&mut input) {
@@ -278,14 +284,14 @@ fn all_numbers_bad_at_once() {
             }
             input.signals[0].as_mut().expect("it has one").count = usize::MAX;
             let output = ask(law, &input);
-            sound(law, &input, &output);
+            sound(law, formulation, &input, &output);
         }
     });
 }
 
 #[test]
 fn a_lost_target_and_its_return() {
-    for_each(|law| {
+    for_each(|law, formulation| {
         for k in 0..200 {
             let mut input = ordinary(k);
             if (k / 7) % 2 == 1 {
@@ -294,7 +300,7 @@ fn a_lost_target_and_its_return() {
                 target.track_id = k / 14;
             }
             let output = ask(law, &input);
-            sound(law, &input, &output);
+            sound(law, formulation, &input, &output);
         }
         // An empty road below the set speed: in the end every law accelerates.
         let mut output = Output::default();
@@ -307,7 +313,7 @@ fn a_lost_target_and_its_return() {
 
 #[test]
 fn lost_and_impossible_signals() {
-    for_each(|law| {
+    for_each(|law, formulation| {
         for k in 0..120 {
             let mut input = ordinary(k);
             input.signals = match k % 6 {
@@ -319,14 +325,14 @@ fn lost_and_impossible_signals() {
                 _ => input.signals,
             };
             let output = ask(law, &input);
-            sound(law, &input, &output);
+            sound(law, formulation, &input, &output);
         }
     });
 }
 
 #[test]
 fn a_car_right_ahead_is_braked_for() {
-    for_each(|law| {
+    for_each(|law, _| {
         let mut input = ordinary(0);
         input.target = Some(Target {
             track_id: 9,
@@ -358,7 +364,7 @@ fn fingerprint(law: &mut dyn Law, seed: u64) -> Vec<u64> {
 
 #[test]
 fn reset_brings_back_the_first_behaviour_exactly() {
-    for_each(|law| {
+    for_each(|law, _| {
         let fresh = fingerprint(law, 1);
         assert_ne!(fingerprint(law, 2), fresh);
         law.reset();
@@ -374,15 +380,16 @@ fn reset_brings_back_the_first_behaviour_exactly() {
 
 #[test]
 fn equal_inputs_give_equal_bits() {
-    for (name, make) in laws() {
-        let (mut one, mut other) = (make(), make());
+    for subject in subjects() {
+        let (mut one, mut other) = (subject.law(), subject.law());
+        let name = &subject.name;
         assert_eq!(fingerprint(one.as_mut(), 7), fingerprint(other.as_mut(), 7), "{name}");
     }
 }
 
 #[test]
 fn a_step_allocates_nothing() {
-    for_each(|law| {
+    for_each(|law, _| {
         let mut rng = Pcg64::new(5, 1);
         let inputs: Vec<Input> = (0..500).map(|k| random(&mut rng, k)).collect();
         let mut output = Output::default();
@@ -397,7 +404,7 @@ fn a_step_allocates_nothing() {
 
 #[test]
 fn planning_allocates_nothing() {
-    for_each(|law| {
+    for_each(|law, _| {
         let Some(planning) = law.planning() else { return };
         let mut planner = planning.planner();
         let mut plan = Plan::default();

@@ -9,10 +9,10 @@ mod plant;
 #[path = "quadratic_bounded/scenario.rs"]
 mod scenario;
 
-use controller::quadratic_bounded::synthesis::{
+use controller::laws::quadratic_bounded::synthesis::{
     DesignRequest, Options, SynthesisError, synthesize,
 };
-use controller::quadratic_bounded::{Design, Parameters, Settings};
+use controller::laws::quadratic_bounded::{Design, Parameters, Settings};
 use scenario::{CUT_IN, DEPART, FOLLOW, KMH, first, run};
 
 const SHIPPED: &str =

@@ -9,7 +9,7 @@
 
 use runtime::report::ControlFigures;
 use scenario::Scenario;
-use scenario::controller::{ControllerName, SpacingPolicy};
+use scenario::referee::DesiredGap;
 use scenario::v2x::Phase;
 use serde::{Deserialize, Serialize};
 
@@ -71,7 +71,8 @@ pub enum Violation {
 /// Watches one run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Referee {
-    desired: DesiredGap,
+    /// The gap that errors are measured against; `None`: the law alone knows it.
+    desired: Option<DesiredGap>,
     set_speed_mps: f64,
     /// A vehicle farther away is none that a gap could be kept to, m.
     reach_m: f64,
@@ -85,51 +86,6 @@ pub struct Referee {
     figures: ControlFigures,
 }
 
-/// The gap that the scenario's law aims at, as far as the scenario tells.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub enum DesiredGap {
-    /// t_h v + d_b of the start, frozen, m.
-    Frozen(f64),
-    /// t_h v + d_b: t_h in s, d_b in m.
-    Headway(f64, f64),
-    /// Known to the law alone.
-    Unknown,
-}
-
-impl DesiredGap {
-    /// The one of a scenario.
-    #[must_use]
-    pub fn of(scenario: &Scenario) -> Self {
-        let controller = &scenario.controller;
-        let headway_s = controller.time_headway_s.value();
-        let standstill_m = controller.standstill_distance_m.value();
-        match (controller.name, controller.spacing_policy) {
-            (
-                ControllerName::SixMode
-                | ControllerName::QuadraticBounded
-                | ControllerName::Predictive,
-                _,
-            ) => Self::Unknown,
-            (_, SpacingPolicy::ConstantDistance) => {
-                Self::Frozen(headway_s * scenario.plant.initial_speed_mps.value() + standstill_m)
-            }
-            (_, SpacingPolicy::MeasuredHeadway | SpacingPolicy::ConstantTimeHeadway) => {
-                Self::Headway(headway_s, standstill_m)
-            }
-        }
-    }
-
-    /// At a speed of the ego, m.
-    #[must_use]
-    pub fn at(self, speed_mps: f64) -> Option<f64> {
-        match self {
-            Self::Frozen(gap_m) => Some(gap_m),
-            Self::Headway(headway_s, standstill_m) => Some(headway_s * speed_mps + standstill_m),
-            Self::Unknown => None,
-        }
-    }
-}
-
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Sample {
     time_s: f64,
@@ -141,7 +97,7 @@ impl Referee {
     #[must_use]
     pub fn new(scenario: &Scenario) -> Self {
         Self {
-            desired: DesiredGap::of(scenario),
+            desired: scenario.referee.desired_gap,
             set_speed_mps: scenario.set_speed_mps.value(),
             reach_m: scenario.perception.radar.max_range_m.value(),
             last: None,
@@ -226,7 +182,7 @@ impl Referee {
             return None;
         };
         let closing = speed - ahead.speed_mps;
-        let desired = self.desired.at(speed);
+        let desired = self.desired.map(|desired| desired.at(speed));
         let figures = &mut self.figures;
         let gap_error = desired.map(|desired| ahead.gap_m - desired);
         figures.final_gap_error_m = gap_error;
@@ -350,6 +306,7 @@ fn seconds(time_ns: u64) -> f64 {
 mod tests {
     use proptest::prelude::*;
     use scenario::builtin;
+    use scenario::quantity::{Distance, TimeConstant};
 
     use super::*;
 
@@ -358,6 +315,16 @@ mod tests {
     fn scenario(name: &str) -> Scenario {
         let builtin = builtin::find(name).expect("it is built in");
         Scenario::parse(name, builtin.text).expect("it is right")
+    }
+
+    /// The same with a gap to measure against, as the launcher adds it.
+    fn following() -> Scenario {
+        let mut scenario = scenario("following");
+        scenario.referee.desired_gap = Some(DesiredGap::Headway {
+            time_headway_s: TimeConstant::of(1.5),
+            standstill_distance_m: Distance::of(5.0),
+        });
+        scenario
     }
 
     fn state(position_m: f64, speed_mps: f64, acceleration_mps2: f64) -> State {
@@ -458,7 +425,7 @@ mod tests {
 
     #[test]
     fn figures_that_do_not_apply_are_absent() {
-        let mut referee = Referee::new(&scenario("following"));
+        let mut referee = Referee::new(&following());
         assert_eq!(*referee.figures(), ControlFigures::default());
         referee.observe(0, &state(0.0, 25.0, 0.5), None, &[]);
         let figures = referee.figures();
@@ -479,7 +446,7 @@ mod tests {
 
     #[test]
     fn mean_squares_weigh_by_time() {
-        let mut referee = Referee::new(&scenario("following"));
+        let mut referee = Referee::new(&following());
         // The desired gap at 20 m/s is 1.5 * 20 + 5 = 35 m; the first sample has no length yet.
         for (time_ns, gap_m, acceleration) in
             [(0, 90.0, 0.0), (PERIOD_NS, 38.0, 0.1), (4 * PERIOD_NS, 34.0, 0.1)]

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::law_tables::LawTables;
+use super::name::Name;
 use super::quantity::{
     Acceleration, Length, PeriodMs, PositiveWeight, Steps, TimeConstant, Weight,
 };
@@ -10,8 +12,8 @@ use super::quantity::{
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Controller {
-    /// Which law.
-    pub name: ControllerName,
+    /// Which law; the registry of the laws knows the names.
+    pub name: Name,
     /// Period of the control loop, ms.
     pub period_ms: PeriodMs,
     /// What starts a cycle.
@@ -40,18 +42,9 @@ pub struct Controller {
     pub max_request_mps2: Acceleration,
     /// Weights of the paper's problem.
     pub weights: Weights,
-    /// Parameters of the problem for the road; the law checks them.
-    #[serde(skip_serializing_if = "toml::Table::is_empty")]
-    pub road: toml::Table,
-    /// Parameters of the `six-mode` law; the law checks them.
-    #[serde(skip_serializing_if = "toml::Table::is_empty")]
-    pub six_mode: toml::Table,
-    /// Parameters of the `quadratic-bounded` law; the law checks them.
-    #[serde(skip_serializing_if = "toml::Table::is_empty")]
-    pub quadratic_bounded: toml::Table,
-    /// Parameters of the `predictive` law; the law checks them.
-    #[serde(skip_serializing_if = "toml::Table::is_empty")]
-    pub predictive: toml::Table,
+    /// The laws' own tables; the registry of the laws checks them.
+    #[serde(flatten, skip_deserializing)]
+    pub tables: LawTables,
 }
 
 impl Controller {
@@ -71,7 +64,7 @@ impl Controller {
 impl Default for Controller {
     fn default() -> Self {
         Self {
-            name: ControllerName::CaccMpc,
+            name: Name::of("cacc-mpc"),
             period_ms: PeriodMs::of(100),
             release: Release::Radar,
             deadline_ms: None,
@@ -85,44 +78,7 @@ impl Default for Controller {
             min_request_mps2: Acceleration::of(-4.9),
             max_request_mps2: Acceleration::of(4.9),
             weights: Weights::default(),
-            road: toml::Table::new(),
-            six_mode: toml::Table::new(),
-            quadratic_bounded: toml::Table::new(),
-            predictive: toml::Table::new(),
-        }
-    }
-}
-
-/// The control laws.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ControllerName {
-    /// Predictive following without the light (He et al. 2024, the baseline).
-    AccMpc,
-    /// Predictive following through signalised intersections (He et al. 2024).
-    CaccMpc,
-    /// Six switched modes (Wang et al. 2014).
-    SixMode,
-    /// Dynamic output feedback under quadratic boundedness (Gao et al. 2015).
-    QuadraticBounded,
-    /// Predictive cruise of a heavy truck (Li, Zheng, Wang, Wang).
-    Predictive,
-}
-
-impl ControllerName {
-    /// Every law, in the order of `timegap list`.
-    pub const ALL: [Self; 5] =
-        [Self::AccMpc, Self::CaccMpc, Self::SixMode, Self::QuadraticBounded, Self::Predictive];
-
-    /// The name as scenario files and the command line spell it.
-    #[must_use]
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::AccMpc => "acc-mpc",
-            Self::CaccMpc => "cacc-mpc",
-            Self::SixMode => "six-mode",
-            Self::QuadraticBounded => "quadratic-bounded",
-            Self::Predictive => "predictive",
+            tables: LawTables::default(),
         }
     }
 }

@@ -73,7 +73,10 @@ impl ScenarioError {
     /// Says what would have been right.
     #[must_use]
     pub(super) fn expecting(mut self, expected: impl Into<String>) -> Self {
-        self.expected = Some(expected.into());
+        let expected = expected.into();
+        if !expected.is_empty() {
+            self.expected = Some(in_an_authors_words(&self.message, &expected));
+        }
         self
     }
 
@@ -176,23 +179,26 @@ fn split_expectation(message: &str) -> (String, Option<String>) {
         .replace("unknown field `", "unknown key `")
         .replace("unknown variant `", "unknown value `")
         .replace("missing field `", "missing key `");
-    let expected = expected.map(|expected| {
-        match expected {
-            "f64" => "a number",
-            "i64" | "u64" | "i32" | "u32" => "a whole number",
-            "a map" => "a table",
-            "a sequence" => "an array",
-            "a boolean" => "true or false",
-            other if other.starts_with("struct ") => "a table",
-            other => other.strip_prefix("one of ").unwrap_or(other),
-        }
-        .to_owned()
-    });
-    let expected = expected.map(|expected| match nearest(&what, &expected) {
-        Some(near) if !what.is_empty() => format!("{expected} (did you mean `{near}`?)"),
-        _ => expected,
-    });
+    let expected = expected.map(|expected| in_an_authors_words(&what, expected));
     (what, expected)
+}
+
+/// What serde or a check expected, in the words of a scenario's author, with the nearest word where one
+/// may have been mistyped.
+fn in_an_authors_words(what: &str, expected: &str) -> String {
+    let expected = match expected {
+        "f64" => "a number",
+        "i64" | "u64" | "i32" | "u32" => "a whole number",
+        "a map" => "a table",
+        "a sequence" => "an array",
+        "a boolean" => "true or false",
+        other if other.starts_with("struct ") => "a table",
+        other => other.strip_prefix("one of ").unwrap_or(other),
+    };
+    match nearest(what, expected) {
+        Some(near) => format!("{expected} (did you mean `{near}`?)"),
+        None => expected.to_owned(),
+    }
 }
 
 /// The accepted word nearest to the refused one, when it is near enough to be a slip.

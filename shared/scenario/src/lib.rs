@@ -40,6 +40,7 @@ pub mod perception;
 pub mod plant;
 pub mod preview;
 pub mod quantity;
+pub mod referee;
 pub mod road;
 pub mod runtime;
 pub mod supervision;
@@ -50,11 +51,14 @@ mod document;
 mod error;
 mod files;
 pub mod grade;
+mod law_tables;
 mod overrides;
+mod placed;
 mod table;
 
 pub use document::{MAX_TEXT_BYTES, Problem};
 pub use error::ScenarioError;
+pub use law_tables::LawTables;
 pub use overrides::Overrides;
 
 use actor::Actor;
@@ -67,6 +71,7 @@ use name::{Line, Name};
 use perception::Perception;
 use plant::Plant;
 use quantity::{Duration, Seed, Speed};
+use referee::Referee;
 use road::Road;
 use runtime::Runtime;
 use supervision::Supervision;
@@ -110,6 +115,9 @@ pub struct Scenario {
     /// The emergency brake.
     #[serde(default)]
     pub aebs: Aebs,
+    /// What the referee measures against.
+    #[serde(default, skip_serializing_if = "Referee::is_default")]
+    pub referee: Referee,
     /// The roadside unit and its signals.
     #[serde(default)]
     pub v2x: V2x,
@@ -192,7 +200,8 @@ impl Scenario {
                 format!("{SCHEMA_VERSION}"),
             )));
         }
-        let mut scenario: Self = document.read()?;
+        let (mut scenario, tables): (Self, _) = document.read()?;
+        scenario.controller.tables = tables;
         if let Some(directory) = directory {
             files::load(&mut scenario, &document, directory)?;
         }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Name of a scenario: it becomes part of the run directory's name.
+/// Name of a scenario, a law or an actor; a scenario's becomes part of the run directory's name.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Name(String);
@@ -13,6 +13,15 @@ pub struct Name(String);
 pub struct Line(String);
 
 impl Name {
+    /// A name from a literal.
+    ///
+    /// # Panics
+    /// When it is no name.
+    #[must_use]
+    pub fn of(name: &str) -> Self {
+        Self::try_from(name.to_owned()).expect("a literal that is a name")
+    }
+
     /// The name.
     #[must_use]
     pub fn as_str(&self) -> &str {

@@ -1,6 +1,6 @@
 //! What a truck can be asked for, and the inner loop that turns an acceleration into it.
 
-use crate::gearbox::GEARS;
+use crate::parameters::GEARS;
 use crate::truck::Truck;
 
 /// A request to engine, brakes and gearbox.

@@ -5,13 +5,13 @@
 //! T_up are speed and torque after the shift. Six seconds lie between shifts and each interrupts
 //! traction for one.
 //!
-//! What the rule leaves open: an engine below 800 rpm is relieved at once by the highest gear that
-//! turns it at 1000 rpm or more; that shift does not wait for the six seconds.
+//! The rule does not say what happens at very low engine speeds: below 800 rpm the gearbox shifts at
+//! once to the highest gear that turns the engine at 1000 rpm or more; that shift does not wait for
+//! the six seconds.
 
+use crate::parameters::GEARS;
 use crate::truck::Truck;
 
-/// Number of gears: the top six of twelve.
-pub const GEARS: usize = 6;
 /// Least time between two shifts, s.
 pub const MIN_BETWEEN_SHIFTS_S: f64 = 6.0;
 /// Time without traction in a shift, s.

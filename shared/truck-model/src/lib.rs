@@ -26,7 +26,7 @@ mod truck;
 
 pub use demand::Demand;
 pub use engine::Engine;
-pub use gearbox::{GEARS, MIN_BETWEEN_SHIFTS_S, TRACTION_INTERRUPTION_S};
+pub use gearbox::{MIN_BETWEEN_SHIFTS_S, TRACTION_INTERRUPTION_S};
 pub use motion::{Ledger, Motion};
-pub use parameters::{Parameters, Preset};
+pub use parameters::{GEARS, Parameters, Preset};
 pub use truck::{AIR_DENSITY_KGPM3, FUEL_DENSITY_GPL, GRAVITY_MPS2, Truck};

@@ -11,7 +11,8 @@
 
 use crate::demand::Demand;
 use crate::engine::{IDLE_RPM, RADPS_PER_RPM};
-use crate::gearbox::{GEARS, MIN_BETWEEN_SHIFTS_S, TRACTION_INTERRUPTION_S};
+use crate::gearbox::{MIN_BETWEEN_SHIFTS_S, TRACTION_INTERRUPTION_S};
+use crate::parameters::GEARS;
 use crate::truck::Truck;
 use serde::{Deserialize, Serialize};
 

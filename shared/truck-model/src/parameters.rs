@@ -1,6 +1,7 @@
 //! Parameters of the vehicles that are shipped.
 
-use crate::gearbox::GEARS;
+/// Number of gears: the top six of twelve.
+pub const GEARS: usize = 6;
 
 /// A vehicle of the published system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,8 +1,7 @@
 //! Forces and torques of a truck: equations (1) to (4) and (6).
 
 use crate::engine::{Engine, IDLE_RPM, RADPS_PER_RPM};
-use crate::gearbox::GEARS;
-use crate::parameters::{Parameters, Preset};
+use crate::parameters::{GEARS, Parameters, Preset};
 
 /// Gravitational acceleration, m/s².
 pub const GRAVITY_MPS2: f64 = 9.81;

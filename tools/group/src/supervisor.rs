@@ -106,6 +106,14 @@ pub struct Moment<'a> {
     pub faults: &'a [FaultRecord],
 }
 
+/// The scenario as the services read it: with the gap that the law aims at, so that the referee can
+/// measure against it without knowing any law.
+fn for_services(scenario: &Scenario) -> Scenario {
+    let mut scenario = scenario.clone();
+    scenario.referee.desired_gap = controller::laws::desired_gap(&scenario);
+    scenario
+}
+
 /// Launches a group and stays until nothing of it is left. `watch` is called some ten times a second
 /// and more.
 ///
@@ -128,7 +136,7 @@ pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Grou
         mode: launch.mode,
         timetable,
         patience_ns: 10_000_000_000,
-        scenario: launch.scenario.to_toml(),
+        scenario: for_services(&launch.scenario).to_toml(),
     };
     let mut supervisor = Supervisor {
         faults: Faults::of(&launch.scenario),

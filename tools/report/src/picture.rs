@@ -5,11 +5,9 @@ use group::{Drive, DriveStep, FaultRecord, GroupOutcome};
 use messages::Service;
 use messages::VehicleTruth;
 use messages::rung::{Rung, Rungs};
-use plant::referee::DesiredGap;
 use runtime::report::{Details, WorstChain};
 use runtime::statistics::QuantileCurve;
 use scenario::Scenario;
-use scenario::controller::ControllerName;
 use scenario::v2x::Phase;
 use std::collections::BTreeMap;
 use v2x_sim::program::Program;
@@ -212,19 +210,17 @@ fn fault(record: &FaultRecord) -> FaultMark {
     FaultMark { t_s: record.t_s, label, outcome: outcome.join(", ") }
 }
 
-/// Gap that the law aims at, where there is somebody to keep it to.
+/// Gap that the law aims at, where there is a vehicle ahead.
 fn desired_gap(scenario: &Scenario, drive: &Drive) -> Points {
-    let desired = DesiredGap::of(scenario);
-    // This law alone knows its desired gap, and tells it as gap minus error.
-    let error = (scenario.controller.name == ControllerName::QuadraticBounded)
-        .then(|| laws::figure_names(scenario).iter().position(|name| *name == "gap_error_m"))
-        .flatten();
+    let desired = laws::desired_gap(scenario);
+    let error = laws::gap_error_figure(scenario);
     let steps = drive.steps.iter();
     steps
         .filter_map(|step| {
             let gap_m = step.gap_m?;
             let by_law = || Some(gap_m - step.figures?[error?]);
-            Some((step.time_s, desired.at(step.speed_mps).or_else(by_law)?))
+            let known = desired.map(|desired| desired.at(step.speed_mps));
+            Some((step.time_s, known.or_else(by_law)?))
         })
         .collect()
 }

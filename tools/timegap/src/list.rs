@@ -3,11 +3,11 @@
 use campaign::campaign;
 use clap::Args;
 
+use controller::law::{Descriptor, Figure, Formulation};
 use controller::laws;
 use group::Error;
 use report::print;
 use scenario::builtin;
-use scenario::controller::ControllerName;
 use std::process::ExitCode;
 
 /// Arguments of `list`.
@@ -37,15 +37,14 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
         return Ok(ExitCode::SUCCESS);
     }
     let scenarios = builtin::ALL.iter().map(|builtin| (builtin.name, builtin.summary));
-    let controllers =
-        ControllerName::ALL.into_iter().map(|name| (name.as_str(), laws::describe(name)));
+    let controllers = laws::ALL.into_iter().map(|law| (law.name, law.description));
     let campaigns = campaign::BUILTIN.iter().map(|builtin| (builtin.name, builtin.summary));
     if arguments.json {
         let entry = |(name, line)| serde_json::json!({"name": name, "description": line});
         let list = serde_json::json!({
             "schema_version": 1,
             "scenarios": scenarios.map(entry).collect::<Vec<_>>(),
-            "controllers": controllers.map(entry).collect::<Vec<_>>(),
+            "controllers": laws::ALL.map(controller),
             "campaigns": campaigns.map(entry).collect::<Vec<_>>(),
         });
         let json = serde_json::to_string_pretty(&list).expect("plain data");
@@ -61,4 +60,26 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
     campaigns.for_each(|(name, line)| text.push_str(&format!("  {name:<26} {line}\n")));
     print::out(&text);
     Ok(ExitCode::SUCCESS)
+}
+
+/// All that is known of a law without building it.
+fn controller(law: &Descriptor) -> serde_json::Value {
+    let formulation = |formulation: &&Formulation| {
+        let figure =
+            |figure: &Figure| serde_json::json!({"name": figure.name, "unit": figure.unit});
+        serde_json::json!({
+            "name": formulation.name,
+            "modes": formulation.modes,
+            "reasons": formulation.reasons,
+            "figures": formulation.figures.iter().map(figure).collect::<Vec<_>>(),
+        })
+    };
+    serde_json::json!({
+        "name": law.name,
+        "description": law.description,
+        "source": law.source,
+        "table": law.table.map(|table| table.name),
+        "defaults": law.table.map(|table| (table.defaults)()),
+        "formulations": law.formulations.iter().map(formulation).collect::<Vec<_>>(),
+    })
 }

@@ -89,7 +89,7 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     let json = serde_json::to_string_pretty(&summary).expect("a summary is plain data");
     let figures = laws::figure_names(&scenario);
     let written = output.write("summary.json", (json.clone() + "\n").as_bytes()).and_then(|()| {
-        output.write("trajectory.csv", trajectory::csv(&group.drive, figures).as_bytes())
+        output.write("trajectory.csv", trajectory::csv(&group.drive, &figures).as_bytes())
     });
     let written = written.and_then(|()| match mode {
         Mode::Realtime => output.write_histograms(&summary::histograms(&group)),

@@ -32,7 +32,9 @@ pub enum DesignName {
 #[cfg(feature = "synthesize")]
 pub fn run(arguments: &SynthesizeArguments) -> Result<ExitCode, Error> {
     use crate::cli::DesignName;
-    use controller::quadratic_bounded::synthesis::{DesignRequest, SynthesisError, synthesize};
+    use controller::laws::quadratic_bounded::synthesis::{
+        DesignRequest, SynthesisError, synthesize,
+    };
 
     let DesignName::QuadraticBounded = arguments.controller;
     let path = &arguments.file;

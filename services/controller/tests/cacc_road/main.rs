@@ -10,9 +10,9 @@ use std::ops::Range;
 
 use cases::Case;
 use comfort::Record;
-use controller::cacc::config::{Config, SolverKind};
-use controller::cacc::road::RoadLaw;
 use controller::law::{Law, Output};
+use controller::laws::cacc::config::Config;
+use controller::laws::cacc::road::RoadLaw;
 use mpc_solver::Solver;
 use solvers::{Fake, Temper};
 use world::{Breach, Signal};
@@ -25,7 +25,7 @@ fn law_with(solver: Box<dyn Solver + Send>) -> RoadLaw {
 }
 
 fn law() -> RoadLaw {
-    law_with(SolverKind::Riccati.create(Config::default().horizon_steps))
+    law_with(Config::default().create_solver())
 }
 
 /// What a random case came to.
@@ -106,7 +106,7 @@ fn random_cases_are_safe_and_comfortable_when_the_solver_always_fails() {
 
 #[test]
 fn random_cases_are_safe_when_the_solver_returns_anything() {
-    all_are_safe(0..300, |seed| law_with(Box::new(Fake::new(Temper::Lies, seed))), false);
+    all_are_safe(0..300, |seed| law_with(Box::new(Fake::new(Temper::FalselySolved, seed))), false);
 }
 
 /// The long run of the three properties above; about a quarter of an hour.
@@ -114,9 +114,9 @@ fn random_cases_are_safe_when_the_solver_returns_anything() {
 #[ignore = "long"]
 fn many_random_cases_are_safe() {
     let fails = |seed| law_with(Box::new(Fake::new(Temper::Fails, seed)));
-    let lies = |seed| law_with(Box::new(Fake::new(Temper::Lies, seed)));
+    let falsely_solved = |seed| law_with(Box::new(Fake::new(Temper::FalselySolved, seed)));
     println!("solver fails: {} comfortable of 10000", all_are_safe(10_000..20_000, fails, true));
-    all_are_safe(20_000..30_000, lies, false);
+    all_are_safe(20_000..30_000, falsely_solved, false);
     println!("solved: {} comfortable of 2000", all_are_safe(30_000..32_000, |_| law(), true));
 }
 

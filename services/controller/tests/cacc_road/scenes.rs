@@ -1,10 +1,10 @@
 //! Single scenes, each one case that a road brings.
 
-use controller::cacc::config::{Config, SolverKind};
-use controller::cacc::{Controller, build};
 use controller::law::{
     Ego, Input, Law, MAX_SIGNALS, Output, Phase, PhaseInterval, Quality, SignalAhead, Target,
 };
+use controller::laws::cacc::config::Config;
+use controller::laws::cacc::{Signals, build, road};
 
 use crate::cases::Random;
 use crate::solvers::Flaky;
@@ -55,7 +55,7 @@ fn run_law(law: &mut dyn Law, mut world: World, seconds: f64, events: &[(f64, Ev
         let crossed =
             |s: &&Signal| s.line_m > before.position_m && s.line_m <= world.ego.position_m;
         run.crossings_s.extend(world.signals.iter().filter(crossed).map(|_| world.time_s));
-        let mode = law.mode_names()[output.mode as usize];
+        let mode = road::FORMULATION.modes[output.mode as usize];
         if run.modes.last() != Some(&mode) {
             run.modes.push(mode);
         }
@@ -222,7 +222,7 @@ fn a_near_cut_in_with_equal_speed_is_no_emergency() {
 
 #[test]
 fn acc_ignores_the_light() {
-    let mut acc = build(Controller::AccMpc, &Config::default()).expect("the default is valid");
+    let mut acc = build(Signals::Ignored, &Config::default()).expect("the default is valid");
     let mut world = with_signal(12.0, 12.0, 200.0, [20.0, 3.0, 20.0], 2, 8.0);
     world.signals[0].left_s = 60.0;
     let mut output = Output::default();
@@ -268,7 +268,7 @@ fn the_plan_is_exported_whole_and_repeats_to_the_bit() {
 
 #[test]
 fn a_failed_solve_follows_the_previous_plan_and_then_the_driver() {
-    let real = SolverKind::Riccati.create(100);
+    let real = Config::default().create_solver();
     let mut law = law_with(Box::new(Flaky::new(real, 1)));
     let (mut first, mut second, mut late) =
         (Output::default(), Output::default(), Output::default());

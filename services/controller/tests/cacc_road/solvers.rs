@@ -8,7 +8,7 @@ pub(crate) enum Temper {
     /// Never finds anything.
     Fails,
     /// Calls any inputs within the bounds a solution.
-    Lies,
+    FalselySolved,
 }
 
 /// A solver that does not solve.
@@ -53,7 +53,7 @@ impl Solver for Fake {
         problem.roll_out(&self.inputs, &mut self.states);
         let (status, residual) = match self.temper {
             Temper::Fails => (Status::IterationLimit, f64::INFINITY),
-            Temper::Lies => (Status::Solved, 0.0),
+            Temper::FalselySolved => (Status::Solved, 0.0),
         };
         let residuals = Residuals { stationarity: residual, ..Residuals::default() };
         Report { status, iterations: 1, residuals, objective: 0.0 }

@@ -1,10 +1,10 @@
 //! Behind a lead: the four points of the paper's figure, fuel, headway, and a lead that brakes hard.
 
 use crate::roads::generated;
-use controller::predictive::route::{
+use controller::laws::truck::route::{
     Assisted, Chase, Lead, Map, Moment, Noise, OrdinaryAcc, Road, chase,
 };
-use controller::predictive::{PlannerKind, Prices, Settings};
+use controller::laws::truck::{PlannerKind, Prices, Settings};
 use rand_core::Rng;
 use rand_pcg::Pcg64;
 use truck_model::{Preset, Truck};

@@ -2,11 +2,11 @@
 //! invented slope.
 
 use crate::roads::{SET_MPS, generated};
-use controller::law::{Ego, Input, Law, Output, Planning, Powertrain, Quality};
-use controller::predictive::route::{Assisted, Map, Road, drive};
-use controller::predictive::{
-    Plan, PlanRequest, Planner, PlannerKind, Predictive, Preview, Settings,
+use controller::law::{
+    Ego, Input, Law, Output, Plan, PlanRequest, Planner, Planning, Powertrain, Preview, Quality,
 };
+use controller::laws::truck::route::{Assisted, Map, Road, drive};
+use controller::laws::truck::{PlannerKind, Predictive, Settings};
 use truck_model::{Preset, Truck};
 
 const CRUISE: u32 = 0;
@@ -139,12 +139,12 @@ fn a_planner_that_never_answers_leaves_a_cruise_control() {
 }
 
 #[test]
-fn old_answers_and_answers_to_nobody_are_not_taken() {
+fn old_answers_and_answers_that_no_request_asked_for_are_not_taken() {
     let mut law = Predictive::new(&Settings::new(&truck(), PlannerKind::DynamicProgramming));
     let mut planner = law.planner();
     let mut output = Output::default();
     let mut plan = Plan::default();
-    let stranger = PlanRequest {
+    let foreign = PlanRequest {
         number: 77,
         speed_mps: 20.0,
         gear: 5,
@@ -154,7 +154,7 @@ fn old_answers_and_answers_to_nobody_are_not_taken() {
         preview: flat(64, 0.0),
         ..PlanRequest::default()
     };
-    assert!(planner.plan(&stranger, &mut plan));
+    assert!(planner.plan(&foreign, &mut plan));
     law.step(&input(0, Some(flat(64, 0.0))), &mut output);
     law.accept(&plan);
     law.step(&input(1, Some(flat(64, 0.0))), &mut output);

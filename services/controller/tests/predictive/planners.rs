@@ -1,7 +1,8 @@
 //! The planners by themselves.
 
 use crate::roads::{SET_MPS, generated};
-use controller::predictive::{Plan, PlanRequest, PlannerKind};
+use controller::law::{Plan, PlanRequest};
+use controller::laws::truck::{PlannerKind, SpeedBand, create};
 use proptest::prelude::*;
 use truck_model::{Preset, Truck};
 
@@ -29,7 +30,7 @@ fn on_the_flat_they_hold_the_set_speed() {
         let truck = Truck::preset(preset);
         for kind in PLANNERS {
             let mut plan = Plan::default();
-            assert!(kind.create(&truck).plan(&request(&[0.0; 42], SET_MPS), &mut plan));
+            assert!(create(kind, &truck).plan(&request(&[0.0; 42], SET_MPS), &mut plan));
             for segment in &plan.segments[..plan.len] {
                 let speed_mps = (2.0 * segment.end_speed2_half).sqrt();
                 assert!((speed_mps - SET_MPS).abs() < 0.6, "{kind:?}: {speed_mps}");
@@ -47,7 +48,7 @@ fn before_a_hill_they_gain_speed_and_before_a_dip_they_lose_it() {
         grades
     };
     for kind in PLANNERS {
-        let mut planner = kind.create(&truck);
+        let mut planner = create(kind, &truck);
         let mut torque_nm = |grade: f64| {
             let mut plan = Plan::default();
             assert!(planner.plan(&request(&before(grade), SET_MPS), &mut plan));
@@ -66,7 +67,7 @@ fn before_a_hill_they_gain_speed_and_before_a_dip_they_lose_it() {
 fn the_dynamic_program_keeps_a_lower_gear_for_a_hill() {
     let truck = Truck::preset(Preset::Jh6At49T);
     let mut plan = Plan::default();
-    let mut planner = PlannerKind::DynamicProgramming.create(&truck);
+    let mut planner = create(PlannerKind::DynamicProgramming, &truck);
     assert!(planner.plan(&request(&[0.035; 42], SET_MPS), &mut plan));
     let gears: Vec<_> = plan.segments[..plan.len].iter().map(|segment| segment.gear).collect();
     assert!(gears.iter().any(|gear| gear.is_some_and(|gear| gear < 5)), "{gears:?}");
@@ -76,7 +77,7 @@ fn the_dynamic_program_keeps_a_lower_gear_for_a_hill() {
 fn a_short_preview_gives_a_short_plan_and_none_gives_none() {
     let truck = Truck::preset(Preset::Jh6At49T);
     for kind in PLANNERS {
-        let mut planner = kind.create(&truck);
+        let mut planner = create(kind, &truck);
         let mut plan = Plan::default();
         assert!(planner.plan(&request(&[0.0; 6], SET_MPS), &mut plan), "{kind:?}");
         assert!(plan.end_m() <= 300.0);
@@ -96,7 +97,7 @@ fn plans_repeat_to_the_bit() {
     let truck = Truck::preset(Preset::Jh6At25T);
     let road = generated(10_000.0, 4);
     for kind in PLANNERS {
-        let (mut one, mut other) = (kind.create(&truck), kind.create(&truck));
+        let (mut one, mut other) = (create(kind, &truck), create(kind, &truck));
         // The other one has planned something else before.
         let _ = other.plan(&request(&[0.02; 30], 18.0), &mut Plan::default());
         let (mut a, mut b) = (Plan::default(), Plan::default());
@@ -122,14 +123,14 @@ proptest! {
         for kind in PLANNERS {
             let mut plan = Plan::default();
             let request = PlanRequest { gear, time_price, ..request(&grades, speed_mps) };
-            if !kind.create(&truck).plan(&request, &mut plan) {
+            if !create(kind, &truck).plan(&request, &mut plan) {
                 continue;
             }
             let mut start_m = 0.0;
             for segment in &plan.segments[..plan.len] {
                 prop_assert!(segment.end_m > start_m && segment.engine_torque_nm.is_finite());
                 let speed_mps = (2.0 * segment.end_speed2_half).sqrt();
-                prop_assert!(speed_mps <= request.max_speed_mps() + 1e-6, "{speed_mps}");
+                prop_assert!(speed_mps <= SpeedBand::of(&request).max_mps + 1e-6, "{speed_mps}");
                 prop_assert!(speed_mps > 7.0, "{speed_mps}");
                 prop_assert!(segment.gear.is_none_or(|gear| gear < 6));
                 start_m = segment.end_m;

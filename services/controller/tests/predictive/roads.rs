@@ -1,6 +1,6 @@
 //! The roads of these tests.
 
-use controller::predictive::route::Road;
+use controller::laws::truck::route::Road;
 use scenario::grade::{Alignment, GradeProfile, HILLS_60KM, Point, generate};
 
 /// Set speed, m/s.

@@ -1,11 +1,11 @@
 //! The saving table: fuel against constant speed at equal trip time.
 
 use crate::roads::{SET_MPS, generated, given};
-use controller::predictive::PlannerKind::{DynamicProgramming, PaperN2};
-use controller::predictive::route::{Comparison, EQUAL_TIME, Map, Trip};
+use controller::laws::truck::PlannerKind::{DynamicProgramming, PaperN2};
+use controller::laws::truck::route::{Comparison, EQUAL_TIME, Map, Trip};
 use truck_model::{Preset, Truck};
 
-fn on(preset: Preset, road: &controller::predictive::route::Road) -> Comparison {
+fn on(preset: Preset, road: &controller::laws::truck::route::Road) -> Comparison {
     Comparison::new(&Truck::preset(preset), road, SET_MPS).expect("the truck gets over this road")
 }
 

@@ -2,7 +2,9 @@
 
 use super::plant::ask;
 use controller::law::{Ego, Law, Quality, Target};
-use controller::quadratic_bounded::{Condition, Design, DesignError, QuadraticBounded, Settings};
+use controller::laws::quadratic_bounded::{
+    Condition, Design, DesignError, QUADRATIC_BOUNDED, QuadraticBounded, Settings,
+};
 use serde_json::{Value, json};
 
 const SHIPPED: &str =
@@ -164,9 +166,9 @@ fn hostile_files_are_refused_with_a_reason() {
     let far = changed(|v| v["design"]["rules"][0]["ac"][0][0] = json!(1e300));
     assert_eq!(far, Err(DesignError::Number(1e300)));
     let far = changed(|v| v["design"]["parameters"]["sample_time_s"] = json!(1e300));
-    assert!(matches!(far, Err(DesignError::Parameter(e)) if e.key == "sample_time_s"));
+    assert!(matches!(far, Err(DesignError::Parameter(e)) if e.key() == "sample_time_s"));
     let many = changed(|v| v["design"]["parameters"]["start_set"] = json!(vec![[0.0; 4]; 17]));
-    assert!(matches!(many, Err(DesignError::Parameter(e)) if e.key == "start_set (count)"));
+    assert!(matches!(many, Err(DesignError::Parameter(e)) if e.key() == "start_set (count)"));
     let unknown = changed(|v| v["design"]["gain"] = json!(1.0));
     assert!(matches!(unknown, Err(DesignError::Syntax(_))));
     let version = changed(|v| v["format"] = json!("timegap quadratic-bounded design 2"));
@@ -228,11 +230,12 @@ fn the_smaller_increment_wins_and_names_its_reason() {
         (Some(near), 10.0, "cruise", "set speed demands less"),
         (Some(Target { gap_m: 150.1, ..near }), 30.0, "cruise", "no target in range"),
     ];
+    let formulation = QUADRATIC_BOUNDED.formulations[0];
     for (target, set_speed, mode, reason) in cases {
         law.reset();
         let out = ask(&mut law, (0.0, 0.1), ego, target, set_speed);
-        assert_eq!(law.mode_names()[out.mode as usize], mode);
-        assert_eq!(law.reason_names()[out.mode_reason as usize], reason);
+        assert_eq!(formulation.modes[out.mode as usize], mode);
+        assert_eq!(formulation.reasons[out.mode_reason as usize], reason);
         let (cruise, follow) = (out.figures[6], out.figures[7]);
         let smaller = if mode == "follow" { follow } else { cruise };
         let bound = law.design().parameters().increment_bound_mps2;

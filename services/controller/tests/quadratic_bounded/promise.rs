@@ -6,7 +6,7 @@
 
 use super::plant::{DT, Pair, ask};
 use controller::law::Ego;
-use controller::quadratic_bounded::{
+use controller::laws::quadratic_bounded::{
     ClosedMatrix, ClosedState, DISTURBANCES, Design, QuadraticBounded, Settings, State, closed_loop,
 };
 use nalgebra::SVector;

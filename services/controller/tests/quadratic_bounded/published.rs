@@ -4,7 +4,7 @@
 //! where it names an upper bound ("steady by about 30 s") the bound is what is checked.
 
 use super::scenario::{CUT_IN, DEPART, FOLLOW, KMH, Row, first, run};
-use controller::quadratic_bounded::{Design, Settings};
+use controller::laws::quadratic_bounded::{Design, Settings};
 
 #[track_caller]
 fn about(ours: f64, paper: f64, tolerance: f64) {

@@ -2,7 +2,7 @@
 
 use crate::plant::{DT, Pair, ask};
 use controller::law::Ego;
-use controller::quadratic_bounded::{Design, Mode, QuadraticBounded, Settings};
+use controller::laws::quadratic_bounded::{Design, Mode, QuadraticBounded, Settings};
 
 pub(crate) const KMH: f64 = 1.0 / 3.6;
 const PERIOD: f64 = 0.1;

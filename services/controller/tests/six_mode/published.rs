@@ -6,7 +6,7 @@
 
 use super::plant::{Actor, DT, advance_ego, ask, input};
 use controller::law::Ego;
-use controller::six_mode::{Parameters, SixMode};
+use controller::laws::six_mode::{Parameters, SixMode};
 use rand_core::Rng;
 use rand_pcg::Pcg32;
 
@@ -149,7 +149,7 @@ fn noise_multiplies_the_mode_changes_of_the_literal_law_only() {
         filter_time_s: defaults.filter_time_s,
         ..published.clone()
     };
-    let literal = Parameters { variant: controller::six_mode::Variant::Literal, ..published };
+    let literal = Parameters { variant: controller::laws::six_mode::Variant::Literal, ..published };
     let (literal, robust) = (count(&literal), count(&robust));
     println!("mode changes, literal {literal:?}, robust {robust:?}");
     assert!(literal[10] >= 40, "literal {literal:?}");

@@ -2,7 +2,7 @@
 
 use super::plant::{Actor, DT, advance_ego, ask, input};
 use controller::law::{Ego, Law};
-use controller::six_mode::{Mode, Parameters, SixMode};
+use controller::laws::six_mode::{Mode, Parameters, SixMode};
 use rand_core::Rng;
 use rand_pcg::Pcg32;
 
@@ -135,7 +135,7 @@ fn run(seed: u64, p: &Parameters, tally: &mut Tally) {
             };
             tally.encounters += usize::from(world.car.is_some());
             if !world.avoidable(p.braking_mps2, hardest) {
-                // Nobody could have: take that car away again.
+                // No driver could have: take that car away again.
                 tally.excused += 1;
                 world.car = None;
             }

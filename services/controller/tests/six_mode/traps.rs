@@ -4,7 +4,7 @@
 
 use super::plant::{Actor, DT, advance_ego, ask, input};
 use controller::law::{Ego, Input, Law, Output, Target};
-use controller::six_mode::{Boundaries, Mode, Parameters, SixMode};
+use controller::laws::six_mode::{Boundaries, Mode, Parameters, SIX_MODE, SixMode};
 
 const PERIOD: f64 = 0.1;
 
@@ -192,12 +192,13 @@ fn trap_9_a_new_target_is_not_mixed_with_the_old_one() {
 #[test]
 fn the_output_names_mode_reason_and_boundaries() {
     let mut law = robust();
+    let formulation = SIX_MODE.formulations[0];
     let out = ask(&mut law, &seen(20.0, 12.0, -1.0));
-    assert_eq!(law.mode_names()[out.mode as usize], "avoid");
-    assert_eq!(law.reason_names()[out.mode_reason as usize], "gap below R_b");
+    assert_eq!(formulation.modes[out.mode as usize], "avoid");
+    assert_eq!(formulation.reasons[out.mode_reason as usize], "gap below R_b");
     let b = Boundaries::robust(law.parameters(), 20.0, -1.0);
     assert_eq!(out.figures[..4], [b.warning_m, b.braking_m, b.following_m, b.desired_m]);
-    assert_eq!(law.figure_names()[..4], ["r_w_m", "r_b_m", "r_j_m", "r_x_m"]);
+    assert_eq!(formulation.figure_names()[..4], ["r_w_m", "r_b_m", "r_j_m", "r_x_m"]);
 }
 
 /// The decelerate mode's output is the mean of the last four demands.

@@ -13,7 +13,6 @@ use report::summary::{Control, Timing};
 use std::path::PathBuf;
 
 use runtime::report::Outcome;
-use scenario::controller::ControllerName;
 use serde::Serialize;
 use std::fmt::Write;
 use std::process::ExitCode;
@@ -64,7 +63,7 @@ pub struct CompareArguments {
 /// Runs the command.
 pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
     let controllers = if arguments.controllers.is_empty() {
-        ControllerName::ALL.iter().map(|name| name.as_str().to_owned()).collect()
+        controller::laws::ALL.iter().map(|law| law.name.to_owned()).collect()
     } else {
         arguments.controllers.clone()
     };

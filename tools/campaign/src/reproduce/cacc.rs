@@ -3,8 +3,8 @@
 
 use super::row::Row;
 use super::{Driven, Runner};
-use controller::cacc::published::{self, Calibration, Runs, Trajectory};
-use controller::cacc::weights::{self, Weights};
+use controller::laws::cacc::published::{self, Calibration, Runs, Trajectory};
+use controller::laws::cacc::weights::{self, Weights};
 use group::Error;
 
 /// Scenarios driven.

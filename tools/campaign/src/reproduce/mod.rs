@@ -147,7 +147,7 @@ pub struct Driven {
     /// Its summary.
     pub summary: Summary,
     /// Names of the law's figures in the drive.
-    pub figure_names: &'static [&'static str],
+    pub figure_names: Vec<&'static str>,
 }
 
 impl Driven {

@@ -1,10 +1,10 @@
 //! What is computed without processes: the bound, drivers of flesh and blood, generated roads.
 
 use super::SET_SPEED_MPS;
-use controller::predictive::route::{
+use controller::laws::truck::route::{
     Assisted, Bound, Cruise, Driver, Human, Map, Road, Trip, at_equal_time, drive,
 };
-use controller::predictive::{PlannerKind, Prices, Settings};
+use controller::laws::truck::{PlannerKind, Prices, Settings};
 use scenario::grade::{Alignment, GradeProfile, generate};
 use truck_model::{Preset, Truck};
 

@@ -134,7 +134,7 @@ fn traffic(runner: &mut Runner<'_>, rows: &mut Vec<Row>) -> Result<(), Error> {
 fn fuel(driven: &Driven) -> Option<f64> {
     let truck = Truck::preset(Preset::Jh6At49T);
     let (first, last) = (driven.drive.steps.first()?, driven.drive.steps.last()?);
-    let price_gpj = controller::predictive::Prices::new(&truck, first.speed_mps).energy_gpj;
+    let price_gpj = controller::laws::truck::Prices::new(&truck, first.speed_mps).energy_gpj;
     let gained_j = truck.kinetic_energy_j(last.speed_mps) - truck.kinetic_energy_j(first.speed_mps);
     let grams = last.powertrain?.fuel_g - price_gpj * gained_j;
     Some(1e5 * grams / FUEL_DENSITY_GPL / last.position_m)

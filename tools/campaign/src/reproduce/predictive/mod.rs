@@ -8,7 +8,7 @@
 
 use super::Runner;
 use super::row::Row;
-use controller::predictive::Prices;
+use controller::laws::truck::Prices;
 use group::DriveStep;
 use group::Error;
 use truck_model::{FUEL_DENSITY_GPL, Preset, Truck};

@@ -1,0 +1,106 @@
+//! What a law is told at one release.
+
+use super::preview::Preview;
+
+/// Most signals a law is told about, nearest first.
+pub const MAX_SIGNALS: usize = 4;
+/// Most future phases a signal announces, the current one included.
+pub const MAX_PHASES: usize = 8;
+
+/// State of the ego vehicle at the time of the release.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ego {
+    /// Distance travelled since the start of the run, m.
+    pub position_m: f64,
+    /// Speed, m/s, never negative.
+    pub speed_mps: f64,
+    /// Acceleration, m/s².
+    pub acceleration_mps2: f64,
+}
+
+/// The in-path target as the tracker reports it, brought to the time of the release.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Target {
+    /// Identity of the track: a new number means a new vehicle.
+    pub track_id: u32,
+    /// Bumper-to-bumper distance, m.
+    pub gap_m: f64,
+    /// Range rate: target speed minus ego speed, m/s (negative when closing).
+    pub relative_speed_mps: f64,
+    /// Absolute acceleration of the target, m/s².
+    pub acceleration_mps2: f64,
+    /// Age of the sample behind this estimate, s.
+    pub age_s: f64,
+}
+
+/// Movement phase of a signal group (SAE J2735 movement phase state, reduced).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Phase {
+    /// Not known: never to be treated as green.
+    #[default]
+    Unknown,
+    /// Protected movement allowed.
+    Green,
+    /// Clearance: stop if that is comfortable.
+    Yellow,
+    /// Stop and remain.
+    Red,
+}
+
+/// One announced interval of a signal program.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PhaseInterval {
+    /// Phase shown during the interval.
+    pub phase: Phase,
+    /// Time from the release until the interval ends, s.
+    pub ends_in_s: f64,
+}
+
+/// A signal ahead on the ego's lane.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SignalAhead {
+    /// Intersection id times 256 plus signal group id.
+    pub id: u32,
+    /// Distance from the ego's front bumper to the stop line, m; negative once it is passed.
+    pub distance_m: f64,
+    /// Current and next intervals, in order of time; `count` of them are valid.
+    pub intervals: [PhaseInterval; MAX_PHASES],
+    /// Number of valid entries in `intervals`.
+    pub count: usize,
+}
+
+/// Engine and gearbox of a truck, and the slope it feels, as its own computers report them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Powertrain {
+    /// Gear, counted from 0, the lowest; the one being engaged during a shift.
+    pub gear: usize,
+    /// Time since the last shift began, s.
+    pub since_shift_s: f64,
+    /// Torque at the crankshaft, N m.
+    pub engine_torque_nm: f64,
+    /// The vehicle's own estimate of the grade under it (rise over run).
+    pub grade: f64,
+}
+
+/// Everything a law is told at one release.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Input {
+    /// Time of the release since the start of the run, s.
+    pub time_s: f64,
+    /// Control period, s.
+    pub period_s: f64,
+    /// Ego state.
+    pub ego: Ego,
+    /// In-path target, if the radar has one.
+    pub target: Option<Target>,
+    /// Signals ahead, nearest first.
+    pub signals: [Option<SignalAhead>; MAX_SIGNALS],
+    /// Engine and gearbox, if the vehicle is a truck.
+    pub powertrain: Option<Powertrain>,
+    /// The road ahead, if a map describes it.
+    pub preview: Option<Preview>,
+    /// Driver's set speed, m/s.
+    pub set_speed_mps: f64,
+    /// Legal limit on this road, m/s (infinite when unknown).
+    pub speed_limit_mps: f64,
+}

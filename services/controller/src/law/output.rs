@@ -1,0 +1,88 @@
+//! What a law returns at one release.
+
+/// Longest plan a command can carry, in control steps.
+pub const MAX_PLAN: usize = 128;
+/// Most figures that a law shows.
+pub const MAX_FIGURES: usize = 8;
+
+/// How good the returned command is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Quality {
+    /// The law's full function.
+    #[default]
+    Full,
+    /// Usable, but some constraint had to be relaxed (an infeasible light, a violated buffer).
+    Relaxed,
+    /// The law failed and its backup produced the command.
+    Backup,
+}
+
+/// A request to a truck's engine, in addition to the acceleration requests.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TorqueRequest {
+    /// Torque at the crankshaft, N m; below the drag torque it asks for the engine brake.
+    pub engine_torque_nm: f64,
+    /// Force of the service brakes at the wheels, N: the last resort, 0 otherwise.
+    pub service_brake_n: f64,
+    /// Gear to engage, counted from 0; `None` leaves it to the gearbox.
+    pub gear: Option<usize>,
+}
+
+/// What a law returns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Output {
+    /// Planned requests, m/s², one per control period; the first acts now. `plan_len` are valid.
+    pub plan_mps2: [f64; MAX_PLAN],
+    /// Valid entries of `plan_mps2`, at least 1.
+    pub plan_len: usize,
+    /// For a truck: what the engine is asked for now. It comes before `plan_mps2[0]`, which says the
+    /// same as an acceleration; the later requests of the plan have no torque.
+    pub torque: Option<TorqueRequest>,
+    /// Mode of the law, an index into the modes of its [`Formulation`](super::Formulation).
+    pub mode: u32,
+    /// Reason of the last mode change, an index into the formulation's reasons.
+    pub mode_reason: u32,
+    /// Quality of the command.
+    pub quality: Quality,
+    /// Iterations the solver took, 0 for explicit laws.
+    pub solver_iterations: u32,
+    /// The law's own figures for `control/diagnostics`, named by its formulation.
+    pub figures: [f64; MAX_FIGURES],
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Self {
+            plan_mps2: [0.0; MAX_PLAN],
+            plan_len: 1,
+            torque: None,
+            mode: 0,
+            mode_reason: 0,
+            quality: Quality::Full,
+            solver_iterations: 0,
+            figures: [0.0; MAX_FIGURES],
+        }
+    }
+}
+
+impl Output {
+    /// Sets a plan of one request, the form of every law without a horizon.
+    pub fn set_request(&mut self, request_mps2: f64) {
+        self.plan_mps2[0] = request_mps2;
+        self.plan_len = 1;
+        self.torque = None;
+    }
+
+    /// Makes every figure finite: what is no number is 0, what is beyond all numbers the largest one.
+    pub fn bound_figures(&mut self) {
+        for figure in &mut self.figures {
+            *figure = if figure.is_nan() { 0.0 } else { figure.clamp(f64::MIN, f64::MAX) };
+        }
+    }
+
+    /// Request that acts now, m/s².
+    #[must_use]
+    pub fn request_mps2(&self) -> f64 {
+        self.plan_mps2[0]
+    }
+}

@@ -1,0 +1,144 @@
+//! Settings of the two model-predictive laws.
+
+use mpc_solver::{Kind, Solver};
+use scenario::controller::{Controller, Solver as SolverName, SpacingPolicy};
+
+use super::road_config::RoadConfig;
+use super::weights::{JOINT, Weights};
+use crate::law::MAX_PLAN;
+use crate::settings::{SettingError, below, within};
+
+/// Settings of `acc-mpc` and `cacc-mpc`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Config {
+    /// How the desired distance is formed, and with it the formulation.
+    pub spacing_policy: SpacingPolicy,
+    /// Solver of the convex programs.
+    pub solver: SolverName,
+    /// Steps of the prediction, `N`.
+    pub horizon_steps: usize,
+    /// Step of the prediction, `T`, s.
+    pub step_s: f64,
+    /// Lag of the vehicle's acceleration behind the request, `tau`, s.
+    pub actuator_lag_s: f64,
+    /// Smallest request, m/s².
+    pub min_request_mps2: f64,
+    /// Largest request, m/s².
+    pub max_request_mps2: f64,
+    /// Time headway `t_h`, s.
+    pub time_headway_s: f64,
+    /// Buffer `d_b`: the desired gap at standstill under the paper's spacing policies, m.
+    pub buffer_m: f64,
+    /// Weights of the paper's cost.
+    pub weights: Weights,
+    /// Settings of the formulation for the road.
+    pub road: RoadConfig,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            spacing_policy: SpacingPolicy::ConstantTimeHeadway,
+            solver: SolverName::Riccati,
+            horizon_steps: 100,
+            step_s: 0.1,
+            actuator_lag_s: 0.5,
+            min_request_mps2: -4.9,
+            max_request_mps2: 4.9,
+            time_headway_s: 1.5,
+            buffer_m: 12.0,
+            weights: JOINT,
+            road: RoadConfig::default(),
+        }
+    }
+}
+
+impl Config {
+    /// The settings of a scenario, with `road` from its table.
+    #[must_use]
+    pub fn of(controller: &Controller, road: RoadConfig) -> Self {
+        let standstill_m = controller.standstill_distance_m.value();
+        let weights = &controller.weights;
+        Self {
+            spacing_policy: controller.spacing_policy,
+            solver: controller.solver,
+            horizon_steps: controller.horizon.value().into(),
+            step_s: f64::from(controller.prediction_step().value()) / 1e3,
+            actuator_lag_s: controller.model_time_constant_s.value(),
+            min_request_mps2: controller.min_request_mps2.value(),
+            max_request_mps2: controller.max_request_mps2.value(),
+            time_headway_s: controller.time_headway_s.value(),
+            buffer_m: standstill_m,
+            weights: Weights {
+                gap_error_per_m2: weights.q1.value(),
+                speed_error_s2_per_m2: weights.q2.value(),
+                acceleration_s4_per_m2: weights.q3.value(),
+                request_s4_per_m2: weights.r.value(),
+                light_m: weights.light_weight.value(),
+                light_threshold_m: weights.light_threshold_m.value(),
+            },
+            road: RoadConfig { standstill_gap_m: standstill_m, ..road },
+        }
+    }
+
+    /// The solver that is asked for.
+    #[must_use]
+    pub fn create_solver(&self) -> Box<dyn Solver + Send> {
+        let kind = match self.solver {
+            SolverName::Riccati => Kind::Riccati,
+            SolverName::Clarabel => Kind::Clarabel,
+        };
+        kind.create(self.horizon_steps)
+    }
+
+    /// Checks every setting.
+    ///
+    /// # Errors
+    /// The first key that is not usable.
+    pub fn check(&self) -> Result<(), SettingError> {
+        within("horizon_steps", self.horizon_steps as f64, 10.0, MAX_PLAN as f64)?;
+        within("step_s", self.step_s, 0.01, 0.5)?;
+        within("actuator_lag_s", self.actuator_lag_s, 0.05, 5.0)?;
+        below("step_s", self.step_s, "actuator_lag_s", self.actuator_lag_s)?;
+        within("min_request_mps2", self.min_request_mps2, -12.0, -0.5)?;
+        within("max_request_mps2", self.max_request_mps2, 0.5, 12.0)?;
+        within("time_headway_s", self.time_headway_s, 0.3, 5.0)?;
+        within("buffer_m", self.buffer_m, 0.5, 50.0)?;
+        self.weights.check()?;
+        self.road.check_within(self.min_request_mps2, self.max_request_mps2)
+    }
+
+    /// The scenario's key for one of these settings, below `controller`.
+    #[must_use]
+    pub fn scenario_key(key: &'static str, controller: &Controller) -> &'static str {
+        match key {
+            "horizon_steps" => "horizon",
+            "step_s" if controller.prediction_step_ms.is_some() => "prediction_step_ms",
+            "step_s" => "period_ms",
+            "actuator_lag_s" => "model_time_constant_s",
+            "buffer_m" | "road.standstill_gap_m" => "standstill_distance_m",
+            other => other,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_is_valid() {
+        assert_eq!(Config::default().check(), Ok(()));
+    }
+
+    #[test]
+    fn what_is_no_number_and_what_contradicts_is_refused() {
+        let nan = Config { actuator_lag_s: f64::NAN, ..Config::default() };
+        assert_eq!(nan.check().expect_err("NaN").key(), "actuator_lag_s");
+        let slow = Config { step_s: 0.4, actuator_lag_s: 0.3, ..Config::default() };
+        assert_eq!(slow.check().expect_err("a step beyond the lag").key(), "step_s");
+        let weights = Weights { request_s4_per_m2: 0.0, ..JOINT };
+        let free = Config { weights, ..Config::default() };
+        assert_eq!(free.check().expect_err("no cost").key(), "weights.request_s4_per_m2");
+    }
+}

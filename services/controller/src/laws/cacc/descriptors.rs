@@ -1,0 +1,119 @@
+//! The laws `acc-mpc` and `cacc-mpc` as data, and how they are built.
+
+use mpc_solver::ProblemError;
+use scenario::controller::{Controller, SpacingPolicy};
+use scenario::quantity::Distance;
+use scenario::referee::DesiredGap;
+use scenario::{Problem, Scenario};
+use thiserror::Error;
+
+use super::config::Config;
+use super::paper::{self, PaperLaw};
+use super::road::{self, RoadLaw};
+use super::road_config::RoadConfig;
+use crate::law::{Descriptor, Formulation, GapPolicy, Law, TargetSource};
+use crate::settings::{SettingError, Table, read};
+
+/// Model-predictive following.
+pub static ACC_MPC: Descriptor = Descriptor {
+    name: "acc-mpc",
+    description: "predictive following, blind to signals (He et al. 2024, baseline)",
+    source: SOURCE,
+    table: Some(TABLE),
+    formulations: FORMULATIONS,
+    formulation,
+    gap: GapPolicy::Scenario(desired_gap),
+    target: TargetSource::Tracked,
+    build: |scenario| of(scenario, Signals::Ignored),
+};
+
+/// The same with signalised intersections.
+pub static CACC_MPC: Descriptor = Descriptor {
+    name: "cacc-mpc",
+    description: "predictive following through signalised intersections (He et al. 2024)",
+    source: SOURCE,
+    table: Some(TABLE),
+    formulations: FORMULATIONS,
+    formulation,
+    gap: GapPolicy::Scenario(desired_gap),
+    target: TargetSource::Tracked,
+    build: |scenario| of(scenario, Signals::Used),
+};
+
+const SOURCE: &str = "He, Xi, Huang, Chen and Huang, 2024, doi 10.3969/j.issn.2095-1469.2024.06.06";
+const TABLE: Table = Table::of::<RoadConfig>("road");
+const FORMULATIONS: &[&Formulation] = &[&road::FORMULATION, &paper::FORMULATION];
+
+/// What a law does about signals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Signals {
+    /// `acc-mpc`.
+    Ignored,
+    /// `cacc-mpc`.
+    Used,
+}
+
+/// Why a law could not be built.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum BuildError {
+    /// A setting is not accepted.
+    #[error(transparent)]
+    Setting(#[from] SettingError),
+    /// The settings do not make a convex program.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+}
+
+/// Builds a law from its settings; the spacing policy picks the formulation.
+///
+/// # Errors
+/// [`BuildError`] when a setting is out of range or the weights make no convex program.
+pub fn build(signals: Signals, config: &Config) -> Result<Box<dyn Law + Send>, BuildError> {
+    config.check()?;
+    let uses_light = signals == Signals::Used;
+    let solver = config.create_solver();
+    if config.spacing_policy == SpacingPolicy::ConstantTimeHeadway {
+        return Ok(Box::new(RoadLaw::new(config, uses_light, solver)?));
+    }
+    Ok(Box::new(PaperLaw::new(config, &config.weights, uses_light, solver)?))
+}
+
+fn formulation(controller: &Controller) -> &'static Formulation {
+    match controller.spacing_policy {
+        SpacingPolicy::ConstantTimeHeadway => &road::FORMULATION,
+        SpacingPolicy::ConstantDistance | SpacingPolicy::MeasuredHeadway => &paper::FORMULATION,
+    }
+}
+
+fn desired_gap(scenario: &Scenario) -> DesiredGap {
+    let controller = &scenario.controller;
+    let time_headway_s = controller.time_headway_s;
+    let standstill_m = controller.standstill_distance_m.value();
+    let distance =
+        |m: f64| Distance::try_from(m).expect("a headway and a length are within a distance");
+    match controller.spacing_policy {
+        SpacingPolicy::ConstantDistance => {
+            let start_mps = scenario.plant.initial_speed_mps.value();
+            DesiredGap::Fixed { gap_m: distance(time_headway_s.value() * start_mps + standstill_m) }
+        }
+        SpacingPolicy::MeasuredHeadway | SpacingPolicy::ConstantTimeHeadway => {
+            let standstill_distance_m = distance(standstill_m);
+            DesiredGap::Headway { time_headway_s, standstill_distance_m }
+        }
+    }
+}
+
+fn of(scenario: &Scenario, signals: Signals) -> Result<Box<dyn Law>, Problem> {
+    let controller = &scenario.controller;
+    let config = Config::of(controller, read(controller, TABLE.name)?);
+    match build(signals, &config) {
+        Ok(law) => Ok(law),
+        Err(BuildError::Setting(error)) => {
+            let key = Config::scenario_key(error.key(), controller);
+            Err(Problem::said(format!("controller.{key}"), &error.to_string()))
+        }
+        Err(BuildError::Problem(error)) => {
+            Err(Problem::new("controller", error.to_string(), "weights of a convex problem"))
+        }
+    }
+}

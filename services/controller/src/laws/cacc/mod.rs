@@ -1,0 +1,20 @@
+//! The model-predictive laws `acc-mpc` and `cacc-mpc` (He, Xi, Huang, Chen and Huang, 2024,
+//! doi 10.3969/j.issn.2095-1469.2024.06.06).
+//!
+//! `acc-mpc` follows and ignores signals, `cacc-mpc` uses them. The spacing policy picks the
+//! formulation: the paper's own ([`paper`]), which its figures need, or the one for the road
+//! ([`road`]), which is the default.
+
+pub mod config;
+mod descriptors;
+pub mod driver;
+pub mod kinematics;
+pub mod paper;
+mod plan;
+pub mod published;
+pub mod road;
+pub mod road_config;
+pub mod scenes;
+pub mod weights;
+
+pub use descriptors::{ACC_MPC, BuildError, CACC_MPC, Signals, build};

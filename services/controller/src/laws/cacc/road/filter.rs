@@ -1,0 +1,348 @@
+//! The last word on every request: pure kinematics with the actuator's lag.
+//!
+//! A request acts for one period and is then followed by emergency braking with a deceleration that
+//! the vehicle surely reaches. The request is safe when the vehicle then stops
+//!
+//! * before each closed line, and
+//! * behind the lead at all times, even if the lead brakes from now on as hard as it is reckoned with.
+//!
+//! From a safe state emergency braking is safe, so a safe request always exists, and the state
+//! stays safe: neither a line nor the lead is reached, whatever the law above wants. A state can be
+//! unsafe through no choice of ours (a vehicle cuts in, a light jumps). Behind a lead the request
+//! is then at least comfortable braking, harder as far as what the lead does now calls for it,
+//! instead of the worst that it might do. At a line that is to be passed, the request must leave
+//! the vehicle able to stop, or fast enough to cross before red at the speed it has.
+
+use super::lead::LeadNow;
+use crate::laws::cacc::config::Config;
+use crate::laws::cacc::kinematics::{Lag, LagStep, Motion};
+
+/// Distance kept to a closed line, m.
+const LINE_MARGIN_M: f64 = 0.2;
+/// Share of the hardest request that the vehicle surely reaches.
+const SURE: f64 = 0.95;
+/// Halvings of the interval of requests: to a thousandth of a m/s².
+const HALVINGS: usize = 13;
+/// Step in which ego and lead are compared, s.
+const CHECK_S: f64 = 0.1;
+/// Shares of the hardest braking with which a crossing behind a slower lead is tried.
+const BRAKING_SHARES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
+/// Longest comparison, steps: well over the stop from 70 m/s.
+const CHECKS: usize = 250;
+
+/// How the filter treats a line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Rule {
+    /// Stop before it.
+    Stop,
+    /// Cross it before red, which comes in so many seconds, or stay able to stop.
+    Pass {
+        /// s.
+        red_in_s: f64,
+    },
+}
+
+/// A line ahead and its rule.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Gate {
+    /// Distance to the line, m.
+    pub(super) distance_m: f64,
+    /// How it is treated.
+    pub(super) rule: Rule,
+}
+
+/// The filter.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Filter {
+    lag: Lag,
+    period: LagStep,
+    check: LagStep,
+    min_mps2: f64,
+    max_mps2: f64,
+    comfort_mps2: f64,
+    min_gap_m: f64,
+    lead_deceleration_mps2: f64,
+}
+
+impl Filter {
+    /// A filter for a control period of `period_s`.
+    pub(super) fn new(config: &Config, period_s: f64) -> Self {
+        let lag = Lag { tau_s: config.actuator_lag_s };
+        Self {
+            lag,
+            period: lag.discretise(period_s),
+            check: lag.discretise(CHECK_S),
+            min_mps2: config.min_request_mps2,
+            max_mps2: config.max_request_mps2,
+            comfort_mps2: -config.road.comfort_deceleration_mps2,
+            min_gap_m: config.road.min_gap_m,
+            lead_deceleration_mps2: config.road.lead_deceleration_mps2,
+        }
+    }
+
+    /// The safe request nearest to `request`.
+    pub(super) fn apply(
+        &self,
+        request: f64,
+        ego: Motion,
+        lead: Option<&LeadNow>,
+        gates: &[Gate],
+    ) -> f64 {
+        let mut u = request.clamp(self.min_mps2, self.max_mps2);
+        for gate in gates {
+            if let Rule::Pass { red_in_s } = gate.rule {
+                u = self.pass(u, ego, lead, gate.distance_m, red_in_s);
+            }
+        }
+        for gate in gates {
+            if gate.rule == Rule::Stop {
+                u = self.lower(u, |u| self.stops_before(u, ego, gate.distance_m));
+            }
+        }
+        let Some(lead) = lead else { return u };
+        let worst = self.lead_deceleration_mps2.max(-lead.acceleration_mps2);
+        if self.stays_behind(self.min_mps2, ego, lead, worst) {
+            self.lower(u, |u| self.stays_behind(u, ego, lead, worst))
+        } else {
+            let now = (-lead.acceleration_mps2).max(0.0);
+            self.lower(u.min(self.comfort_mps2), |u| self.stays_behind(u, ego, lead, now))
+        }
+    }
+
+    /// Whether the hardest braking from now on stops before a line.
+    pub(super) fn can_stop(&self, ego: Motion, distance_m: f64) -> bool {
+        self.stops_before(self.min_mps2, ego, distance_m)
+    }
+
+    /// Whether the speed that is left when the present deceleration has died away crosses a line
+    /// before red.
+    pub(super) fn can_cross(
+        &self,
+        ego: Motion,
+        lead: Option<&LeadNow>,
+        distance_m: f64,
+        red_in_s: f64,
+    ) -> bool {
+        self.has_room(0.0, ego, lead, distance_m, red_in_s)
+    }
+
+    /// Whether braking with a constant `request` from now on is enough: it stops before each line
+    /// that is to be stopped at, and behind the lead if that goes on as it does now.
+    pub(super) fn suffices(
+        &self,
+        request: f64,
+        ego: Motion,
+        lead: Option<&LeadNow>,
+        gates: &[Gate],
+    ) -> bool {
+        let ego = Motion { position_m: 0.0, ..ego };
+        let rest = self.lag.stop(ego, request).distance_m;
+        let stops = gates
+            .iter()
+            .all(|gate| gate.rule != Rule::Stop || rest <= gate.distance_m - LINE_MARGIN_M);
+        stops
+            && lead.is_none_or(|lead| {
+                let now = (-lead.acceleration_mps2).max(0.0);
+                self.keeps_gap(ego, 0.0, |_| request, lead, now)
+            })
+    }
+
+    /// The largest request up to `u` that passes `test`; the smallest there is when none does.
+    fn lower(&self, u: f64, test: impl Fn(f64) -> bool) -> f64 {
+        if test(u) {
+            return u;
+        }
+        let (mut low, mut high) = (self.min_mps2, u);
+        if !test(low) {
+            return low;
+        }
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if test(middle) { low = middle } else { high = middle }
+        }
+        low
+    }
+
+    fn pass(
+        &self,
+        u: f64,
+        ego: Motion,
+        lead: Option<&LeadNow>,
+        distance_m: f64,
+        red_in_s: f64,
+    ) -> f64 {
+        let crosses = |u: f64| self.crosses(u, ego, distance_m, red_in_s);
+        let stops = |u: f64| self.stops_before(u, ego, distance_m);
+        if stops(u) || self.has_room(u, ego, lead, distance_m, red_in_s) {
+            return u;
+        }
+        if stops(self.min_mps2) {
+            return self.lower(u, stops);
+        }
+        // Too late to stop. Room behind the lead is seen to after this.
+        if crosses(u) {
+            return u;
+        }
+        if !crosses(self.max_mps2) {
+            // Neither is possible any more: cross as slowly as can be.
+            return self.min_mps2;
+        }
+        let (mut low, mut high) = (u, self.max_mps2);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if crosses(middle) { high = middle } else { low = middle }
+        }
+        high
+    }
+
+    fn stops_before(&self, u: f64, ego: Motion, distance_m: f64) -> bool {
+        let next = self.period.advance(Motion { position_m: 0.0, ..ego }, u);
+        let rest = self.lag.stop(next, SURE * self.min_mps2).distance_m;
+        next.position_m + rest <= distance_m - LINE_MARGIN_M
+    }
+
+    fn crosses(&self, u: f64, ego: Motion, distance_m: f64, red_in_s: f64) -> bool {
+        let next = self.period.advance(Motion { position_m: 0.0, ..ego }, u);
+        // Speed once the present deceleration has died away.
+        let kept = next.speed_mps + next.acceleration_mps2.min(0.0) * self.lag.tau_s;
+        let left = (red_in_s - self.period.step_s).max(0.0);
+        next.position_m + kept.max(0.0) * left >= distance_m + LINE_MARGIN_M
+    }
+
+    /// Whether a lead that goes on as it does now leaves room to cross before red: at the speed
+    /// kept, with braking only after the line, or while braking for the lead all along.
+    fn has_room(
+        &self,
+        u: f64,
+        ego: Motion,
+        lead: Option<&LeadNow>,
+        distance_m: f64,
+        red_in_s: f64,
+    ) -> bool {
+        let Some(lead) = lead else { return self.crosses(u, ego, distance_m, red_in_s) };
+        let next = self.period.advance(Motion { position_m: 0.0, ..ego }, u);
+        let hardest = SURE * self.min_mps2;
+        let now = (-lead.acceleration_mps2).max(0.0);
+        let after = |at: f64| if at < distance_m { 0.0 } else { hardest };
+        if self.crosses(u, ego, distance_m, red_in_s)
+            && self.keeps_gap(next, self.period.step_s, after, lead, now)
+        {
+            return true;
+        }
+        BRAKING_SHARES.iter().any(|share| {
+            let request = share * hardest;
+            self.reaches(next, request, distance_m, red_in_s - self.period.step_s)
+                && self.keeps_gap(next, self.period.step_s, |_| request, lead, now)
+        })
+    }
+
+    /// Whether a constant request gets beyond a line in the time that is left.
+    fn reaches(&self, mut ego: Motion, request: f64, distance_m: f64, left_s: f64) -> bool {
+        let mut time = 0.0;
+        while time + CHECK_S <= left_s && ego.speed_mps > 0.0 {
+            ego = self.check.advance(ego, request);
+            time += CHECK_S;
+            if ego.position_m >= distance_m + LINE_MARGIN_M {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Whether braking after one period of `u` keeps the gap while the lead brakes with
+    /// `deceleration` from now on.
+    fn stays_behind(&self, u: f64, ego: Motion, lead: &LeadNow, deceleration: f64) -> bool {
+        let next = self.period.advance(Motion { position_m: 0.0, ..ego }, u);
+        self.keeps_gap(next, self.period.step_s, |_| SURE * self.min_mps2, lead, deceleration)
+    }
+
+    /// Whether an ego in state `ego` after `time` keeps the gap with a request that depends on its
+    /// place.
+    fn keeps_gap(
+        &self,
+        mut ego: Motion,
+        mut time: f64,
+        request: impl Fn(f64) -> f64,
+        lead: &LeadNow,
+        deceleration: f64,
+    ) -> bool {
+        for _ in 0..CHECKS {
+            let gap = lead_position(lead, deceleration, time) - ego.position_m;
+            if gap < self.min_gap_m {
+                return false;
+            }
+            if ego.speed_mps <= 0.0 && ego.acceleration_mps2 <= 0.0 {
+                break;
+            }
+            // Opening from here on: a lead that does not brake is only ever approached less.
+            if deceleration == 0.0
+                && ego.speed_mps + 0.5 * ego.acceleration_mps2.max(0.0) <= lead.speed_mps
+            {
+                break;
+            }
+            ego = self.check.advance(ego, request(ego.position_m));
+            time += CHECK_S;
+        }
+        true
+    }
+}
+
+fn lead_position(lead: &LeadNow, deceleration: f64, time_s: f64) -> f64 {
+    let v = lead.speed_mps.max(0.0);
+    let moving = if deceleration > 0.0 { time_s.min(v / deceleration) } else { time_s };
+    lead.gap_m + v * moving - 0.5 * deceleration * moving * moving
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn filter() -> Filter {
+        let mut config = Config::default();
+        config.road.min_gap_m = 1.0;
+        Filter::new(&config, 0.1)
+    }
+
+    #[test]
+    fn whatever_is_asked_the_line_is_not_reached() {
+        let step = Lag { tau_s: 0.5 }.discretise(0.1);
+        for v in [3.0, 10.0, 25.0] {
+            let mut ego = Motion { position_m: 0.0, speed_mps: v, acceleration_mps2: 0.0 };
+            for _ in 0..400 {
+                let gate = Gate { distance_m: 120.0 - ego.position_m, rule: Rule::Stop };
+                ego = step.advance(ego, filter().apply(4.9, ego, None, &[gate]));
+            }
+            assert_eq!(ego.speed_mps, 0.0);
+            assert!(ego.position_m > 118.0 && ego.position_m < 120.0, "{}", ego.position_m);
+        }
+    }
+
+    #[test]
+    fn whatever_is_asked_a_braking_lead_is_not_reached() {
+        let step = Lag { tau_s: 0.5 }.discretise(0.1);
+        let mut ego = Motion { position_m: 0.0, speed_mps: 20.0, acceleration_mps2: 0.0 };
+        let (mut x, mut v) = (40.0_f64, 20.0_f64);
+        let mut smallest = f64::INFINITY;
+        for k in 0..400 {
+            let a = if k < 100 || v <= 0.0 { 0.0 } else { -4.0 };
+            let lead = LeadNow { gap_m: x - ego.position_m, speed_mps: v, acceleration_mps2: a };
+            ego = step.advance(ego, filter().apply(4.9, ego, Some(&lead), &[]));
+            let next = (v + 0.1 * a).max(0.0);
+            x += 0.05 * (v + next);
+            v = next;
+            smallest = smallest.min(x - ego.position_m);
+        }
+        assert_eq!((ego.speed_mps, v), (0.0, 0.0));
+        assert!(smallest > 0.9 && smallest < 3.0, "{smallest}");
+    }
+
+    #[test]
+    fn past_the_point_of_no_return_it_crosses_before_red() {
+        let ego = Motion { position_m: 0.0, speed_mps: 15.0, acceleration_mps2: 0.0 };
+        let pass = |red_in_s| Gate { distance_m: 20.0, rule: Rule::Pass { red_in_s } };
+        assert!(!filter().can_stop(ego, 20.0));
+        assert!(filter().apply(-3.0, ego, None, &[pass(1.35)]) > -0.5);
+        assert_eq!(filter().apply(-3.0, ego, None, &[pass(9.0)]), -3.0);
+        assert_eq!(filter().apply(1.0, ego, None, &[pass(0.5)]), -4.9);
+    }
+}

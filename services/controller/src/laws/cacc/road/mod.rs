@@ -1,0 +1,455 @@
+//! The formulation for the road.
+//!
+//! In each cycle the signals ahead are remembered and the lead is predicted. For the nearest stop
+//! line there are two candidates, to pass and to stop. Each has a reference, a comfortable driver
+//! rolled out over the horizon, and a convex program that smooths it and enforces the limits:
+//!
+//! ```text
+//! x = (e, ed, a),   e = t_h v + s0 - gap,   ed = v - v_lead
+//! e+  = e + T ed + (t_h c_v + c_p) a + (t_h b_v + b_p) u + d_e        exact, linear
+//! ed+ = ed + c_v a + b_v u + d_ed,          a+ = c_a a + b_a u
+//! d   = what the lead's acceleration a_l(t) = a_l(0) exp(-t/tau_l) does to e and ed
+//!
+//! minimise  1/2 sum( q_e (e - e_ref)² + q_v (ed - ed_ref)² + q_a (a - a_ref)²
+//!                  + q_j ((u - a)/tau)² + r (u - u_ref)² ) + exact penalties
+//! pass:  position >= line at the last stage of green, comfortable requests only
+//! stop:  position <= line - margin while it is closed
+//! both:  position <= lead - gap_min,  0 <= v <= v_max
+//! ```
+//!
+//! One of the two is chosen by feasibility and by one cost for both plans, with hysteresis. The
+//! first request then goes through a filter of pure kinematics, which has the last word: after it
+//! the vehicle can still stop before each line that is not to be passed, can still stop behind a
+//! lead that brakes as hard as is reckoned with, and crosses a line that is passed before red.
+//!
+//! When a program is not solved, what is left of the previous plan is followed, and after it the
+//! driver's own requests. The filter judges these like any other.
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `T`, `tau` | [`Config::step_s`], [`Config::actuator_lag_s`] | s |
+//! | `t_h` | [`Config::time_headway_s`] | s |
+//! | `s0`, `gap_min` | [`RoadConfig::standstill_gap_m`](super::road_config::RoadConfig), `min_gap_m` | m |
+//! | `c`, `b` | [`super::kinematics::LagStep`] | s², s, 1 |
+//! | `tau_l` | `RoadConfig::lead_decay_s` | s |
+//! | `q_e`, `q_v`, `q_a`, `q_j`, `r` | the weights of `RoadConfig` | see there |
+//! | margin | `RoadConfig::stop_margin_m` | m |
+
+mod decision;
+mod filter;
+mod lead;
+mod planner;
+mod program;
+mod reference;
+mod signals;
+
+use mpc_solver::{ProblemError, Solver};
+
+use self::decision::{Choice, Reason, Situation, choose};
+use self::filter::{Filter, Gate, Rule};
+use self::lead::LeadNow;
+use self::planner::{Planner, Seen};
+use self::program::Deadline;
+use self::signals::{Line, SignalMemory};
+use super::config::Config;
+use super::kinematics::{Lag, Motion};
+use super::plan::PlanMemory;
+use crate::law::{Figure, Formulation, Input, Law, MAX_SIGNALS, Output, Quality};
+
+/// Speed that stands for "no limit", m/s.
+const NO_LIMIT_MPS: f64 = 70.0;
+/// A previous plan older than this is not followed, s.
+const MAX_PLAN_AGE_S: f64 = 0.5;
+/// A pass that was decided may come this close to the end of green, s.
+const LAST_MARGIN_S: f64 = 0.1;
+/// Margin of a comfortable stop, m.
+const STOP_ROOM_M: f64 = 0.3;
+/// Below this speed and request the vehicle is held, m/s and m/s².
+const STANDSTILL: f64 = 0.1;
+/// Request that holds the vehicle, m/s².
+const HOLD_MPS2: f64 = -0.5;
+
+/// The meaning of the numbers in the output.
+pub static FORMULATION: Formulation = Formulation {
+    name: "road",
+    modes: &["cruise", "follow", "pass", "stop"],
+    reasons: &[
+        "start",
+        "target-lost",
+        "target-found",
+        "green-in-reach",
+        "green-out-of-reach",
+        "stop-cheaper",
+        "clears-in-yellow",
+        "emergency",
+        "signal-unknown",
+    ],
+    figures: &[
+        Figure::new("gap_error_m", "m"),
+        Figure::new("speed_error_mps", "m/s"),
+        Figure::new("filter_correction_mps2", "m/s²"),
+        Figure::new("solver_residual", "1"),
+        Figure::new("pass_shortfall_m", "m"),
+        Figure::new("pass_cost", "1"),
+        Figure::new("stop_cost", "1"),
+    ],
+};
+
+/// `acc-mpc` and `cacc-mpc` for the road.
+pub struct RoadLaw {
+    config: Config,
+    uses_light: bool,
+    planner: Planner,
+    state: State,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct State {
+    signals: SignalMemory,
+    chosen: Option<(u32, Choice)>,
+    plan: PlanMemory,
+    /// What the plan in memory was made for.
+    planned: Option<Choice>,
+    mode: Option<u32>,
+    reason: u32,
+}
+
+/// What is done about the nearest line.
+#[derive(Clone, Copy, Debug, Default)]
+struct Decision {
+    /// `None` without a line.
+    choice: Option<Choice>,
+    /// Why, as an index into the reasons.
+    reason: u32,
+    /// How far the pass falls short of the line at the end of green, m.
+    shortfall_m: f64,
+}
+
+impl RoadLaw {
+    /// Builds the law with its programs; `uses_light` makes it `cacc-mpc`.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when the settings do not make a convex program; a validated configuration
+    /// always does.
+    pub fn new(
+        config: &Config,
+        uses_light: bool,
+        solver: Box<dyn Solver + Send>,
+    ) -> Result<Self, ProblemError> {
+        Ok(Self {
+            config: *config,
+            uses_light,
+            planner: Planner::new(config, solver)?,
+            state: State::new(config),
+        })
+    }
+
+    /// What is measured, in the law's own terms; `None` when a number is missing.
+    fn look(&mut self, input: &Input) -> Option<Seen> {
+        let ego = &input.ego;
+        let lead = input.target.as_ref().map(|target| LeadNow {
+            gap_m: target.gap_m,
+            speed_mps: (ego.speed_mps + target.relative_speed_mps).max(0.0),
+            acceleration_mps2: target.acceleration_mps2,
+        });
+        let sum = ego.position_m + ego.speed_mps + ego.acceleration_mps2 + input.time_s;
+        let lead_sum = lead.map_or(0.0, |l| l.gap_m + l.speed_mps + l.acceleration_mps2);
+        let raw = input.target.map_or(0.0, |target| target.relative_speed_mps);
+        let period_fits = input.period_s > 0.0 && input.period_s <= 1.0;
+        if !((sum + lead_sum + raw).is_finite() && period_fits) {
+            return None;
+        }
+        if self.uses_light {
+            self.state.signals.update(input);
+        }
+        let mut lines = [Line::default(); MAX_SIGNALS];
+        let count = self.state.signals.lines().len();
+        lines[..count].copy_from_slice(self.state.signals.lines());
+        Some(Seen {
+            ego: Motion {
+                position_m: 0.0,
+                speed_mps: ego.speed_mps.clamp(0.0, NO_LIMIT_MPS),
+                acceleration_mps2: ego.acceleration_mps2.clamp(-15.0, 15.0),
+            },
+            lead,
+            lines,
+            count,
+            desired_mps: input.set_speed_mps.min(input.speed_limit_mps).clamp(0.0, NO_LIMIT_MPS),
+        })
+    }
+
+    /// Plans for the nearest line and decides about it.
+    fn plan(
+        &mut self,
+        input: &Input,
+        seen: &Seen,
+        filter: &Filter,
+        output: &mut Output,
+    ) -> Decision {
+        let nearest = seen.lines[..seen.count].first().copied();
+        let Some(line) = nearest else {
+            self.planner.candidate(Choice::Pass, input, seen, reference::Gate::Open, None);
+            self.state.chosen = None;
+            return Decision::default();
+        };
+        let now = input.time_s;
+        let line_m = line.at_m - input.ego.position_m;
+        let before = self.state.chosen.filter(|chosen| chosen.0 == line.id).map(|chosen| chosen.1);
+        let green = if line.known {
+            line.greens().iter().find(|green| green.clear_s > now).copied()
+        } else {
+            line.shown(now).copied()
+        };
+        let margin = match before {
+            Some(Choice::Pass) => LAST_MARGIN_S,
+            _ => self.config.road.pass_margin_s,
+        };
+        let deadline = green.and_then(|green| {
+            let stage = ((green.to_s - margin - now) / self.planner.lag.step_s).floor();
+            (stage >= 1.0).then(|| (stage.min(1e6)) as usize)
+        });
+        let n = self.config.horizon_steps;
+        let (mut reaches, mut clears, mut untouched) = (false, false, false);
+        let mut shortfall_m = 0.0;
+        if let Some(green) = green {
+            let gate = if green.from_s <= now {
+                reference::Gate::Open
+            } else {
+                reference::Gate::ClosedUntil(green.from_s)
+            };
+            let row = deadline.filter(|&stage| stage <= n).map(|stage| Deadline { stage, line_m });
+            self.planner.candidate(Choice::Pass, input, seen, gate, row);
+            let arrival = self.planner.arrival(Choice::Pass, seen.ego, line_m);
+            reaches = match (deadline, arrival) {
+                (Some(stage), Some(arrival)) => arrival <= stage,
+                (Some(stage), None) => stage > n,
+                (None, _) => false,
+            };
+            let clear = (green.clear_s - now - LAST_MARGIN_S) / self.planner.lag.step_s;
+            let red_in_s = green.clear_s - now;
+            clears = clear > n as f64
+                || arrival.is_some_and(|stage| stage as f64 <= clear)
+                || green.from_s <= now
+                    && filter.can_cross(seen.ego, seen.lead.as_ref(), line_m, red_in_s);
+            // The undisturbed driver passes: nothing can be cheaper.
+            let driver = &self.planner.candidate_of(Choice::Pass).reference;
+            let in_time = |k| deadline.is_some_and(|stage| k <= stage);
+            untouched = reaches && driver.reaches(line_m, n).is_some_and(in_time);
+            shortfall_m = self.planner.shortfall(seen.ego, line_m, deadline);
+            output.figures[4] = shortfall_m;
+        }
+        let (mut pass_cost, mut stop_cost) = (0.0, f64::INFINITY);
+        if !(line.known && untouched) {
+            let next = line
+                .greens()
+                .iter()
+                .find(|next| line.known && green.is_none_or(|green| next.from_s >= green.clear_s));
+            let gate = next
+                .map_or(reference::Gate::Closed, |next| reference::Gate::ClosedUntil(next.from_s));
+            self.planner.candidate(Choice::Stop, input, seen, gate, None);
+            if green.is_some() {
+                pass_cost = self.planner.cost(Choice::Pass, seen.ego);
+                stop_cost = self.planner.cost(Choice::Stop, seen.ego);
+                output.figures[5] = pass_cost;
+                output.figures[6] = stop_cost;
+            }
+        }
+        let lag = Lag { tau_s: self.config.actuator_lag_s };
+        let comfort = -self.config.road.comfort_deceleration_mps2;
+        let room = STOP_ROOM_M.min(0.5 * line_m);
+        let comfortable_stop = lag.stop(seen.ego, comfort).distance_m <= line_m - room;
+        let situation = Situation {
+            known: line.known,
+            reaches,
+            clears,
+            comfortable_stop,
+            pass_cost,
+            stop_cost,
+            before,
+        };
+        let (choice, reason) = choose(&situation, self.config.road.hysteresis);
+        self.state.chosen = Some((line.id, choice));
+        Decision { choice: Some(choice), reason: reason_index(reason), shortfall_m }
+    }
+
+    /// The rules of the filter for all lines ahead.
+    fn gates(
+        &self,
+        input: &Input,
+        seen: &Seen,
+        choice: Option<Choice>,
+        filter: &Filter,
+    ) -> ([Gate; MAX_SIGNALS], usize) {
+        let now = input.time_s;
+        let n = self.config.horizon_steps;
+        let mut gates = [Gate { distance_m: 0.0, rule: Rule::Stop }; MAX_SIGNALS];
+        for (j, line) in seen.lines[..seen.count].iter().enumerate() {
+            let distance_m = line.at_m - input.ego.position_m;
+            let open = line.shown(now);
+            let passes = match (j, open) {
+                (_, None) => false,
+                // Beyond the point of no return a stop is no longer a choice.
+                (0, Some(_)) => {
+                    choice == Some(Choice::Pass) || !filter.can_stop(seen.ego, distance_m)
+                }
+                (_, Some(green)) => {
+                    let reference =
+                        &self.planner.candidate_of(choice.unwrap_or(Choice::Pass)).reference;
+                    let margin = self.config.road.pass_margin_s;
+                    line.known
+                        && reference.reaches(distance_m, n).is_some_and(|k| {
+                            now + k as f64 * self.planner.lag.step_s <= green.to_s - margin
+                        })
+                }
+            };
+            let rule = match open {
+                Some(green) if passes => Rule::Pass { red_in_s: green.clear_s - now },
+                _ => Rule::Stop,
+            };
+            gates[j] = Gate { distance_m, rule };
+        }
+        (gates, seen.count)
+    }
+
+    /// Writes the chosen plan, the previous one or the driver's, and filters its first request.
+    /// Returns whether the nearest line is to be stopped at as things stand.
+    fn write(
+        &mut self,
+        input: &Input,
+        seen: &Seen,
+        decision: &Decision,
+        filter: &Filter,
+        output: &mut Output,
+    ) -> bool {
+        let choice = decision.choice;
+        let taken = choice.unwrap_or(Choice::Pass);
+        let n = self.config.horizon_steps;
+        let candidate = self.planner.candidate_of(taken);
+        output.solver_iterations = candidate.iterations;
+        output.figures[3] = candidate.residual;
+        let plan = &mut self.state.plan;
+        if candidate.solved {
+            plan.store(&candidate.requests[..n], input.time_s);
+            self.state.planned = choice;
+            output.quality = if decision.shortfall_m > 0.0 && taken == Choice::Pass {
+                Quality::Relaxed
+            } else {
+                Quality::Full
+            };
+        } else {
+            output.quality = Quality::Backup;
+        }
+        let same = self.state.planned == choice;
+        let written = (candidate.solved || same)
+            && plan.write(input.time_s, input.period_s, MAX_PLAN_AGE_S, output);
+        if !written {
+            let mut driver = PlanMemory::new(self.config.step_s);
+            driver.store(&candidate.requests[..n], input.time_s);
+            driver.write(input.time_s, input.period_s, 0.0, output);
+        }
+        let (min, max) = (self.config.min_request_mps2, self.config.road.acceleration_mps2);
+        for request in &mut output.plan_mps2[..output.plan_len] {
+            *request = request.clamp(min, max);
+        }
+        let wanted = output.request_mps2();
+        let (gates, count) = self.gates(input, seen, choice, filter);
+        // Nothing calls for more than the comfort bound as long as it is enough.
+        let comfort = -self.config.road.comfort_deceleration_mps2;
+        let enough = filter.suffices(comfort, seen.ego, seen.lead.as_ref(), &gates[..count]);
+        let tempered = if enough { wanted.max(comfort) } else { wanted };
+        let mut safe = filter.apply(tempered, seen.ego, seen.lead.as_ref(), &gates[..count]);
+        let room_m = self.config.road.stop_margin_m + 1.0;
+        let waits = gates[..count]
+            .first()
+            .is_some_and(|gate| gate.rule == Rule::Stop && gate.distance_m < room_m);
+        if seen.ego.speed_mps < STANDSTILL && (waits || safe < STANDSTILL) {
+            safe = safe.min(HOLD_MPS2);
+        }
+        output.figures[2] = safe - wanted;
+        if safe < wanted - 1e-9 {
+            // The rest of the plan was made for another beginning: it must not undo the braking.
+            for request in &mut output.plan_mps2[1..output.plan_len] {
+                *request = request.min(safe.max(-self.config.road.comfort_deceleration_mps2));
+            }
+        }
+        output.plan_mps2[0] = safe;
+        gates[..count].first().is_some_and(|gate| gate.rule == Rule::Stop)
+    }
+}
+
+impl Law for RoadLaw {
+    fn reset(&mut self) {
+        self.state = State::new(&self.config);
+    }
+
+    fn step(&mut self, input: &Input, output: &mut Output) {
+        *output = Output::default();
+        let Some(seen) = self.look(input) else {
+            output.quality = Quality::Backup;
+            if !self.state.plan.write(input.time_s, self.config.step_s, MAX_PLAN_AGE_S, output) {
+                output.set_request(-self.config.road.reference_deceleration_mps2);
+            }
+            output.mode = self.state.mode.unwrap_or(0);
+            output.mode_reason = self.state.reason;
+            return;
+        };
+        self.planner.predict(seen.lead.as_ref());
+        let filter = Filter::new(&self.config, input.period_s);
+        let decision = self.plan(input, &seen, &filter, output);
+        let closed = self.write(input, &seen, &decision, &filter, output);
+        if let Some(lead) = &seen.lead {
+            let v = seen.ego.speed_mps;
+            let desired = self.config.time_headway_s * v + self.config.road.standstill_gap_m;
+            output.figures[0] = desired - lead.gap_m;
+            output.figures[1] = v - lead.speed_mps;
+        }
+        output.bound_figures();
+        output.mode = match (decision.choice, seen.lead) {
+            (Some(_), _) if closed => 3,
+            (Some(_), _) => 2,
+            (None, Some(_)) => 1,
+            (None, None) => 0,
+        };
+        output.mode_reason = self.state.note_mode(output.mode, decision.reason);
+    }
+
+    fn request_bounds_mps2(&self) -> (f64, f64) {
+        (self.config.min_request_mps2, self.config.max_request_mps2)
+    }
+}
+
+impl State {
+    fn new(config: &Config) -> Self {
+        Self {
+            signals: SignalMemory::default(),
+            chosen: None,
+            plan: PlanMemory::new(config.step_s),
+            planned: None,
+            mode: None,
+            reason: 0,
+        }
+    }
+
+    fn note_mode(&mut self, mode: u32, reason: u32) -> u32 {
+        if self.mode.is_some_and(|old| old != mode) {
+            self.reason = match mode {
+                0 => 1,
+                1 => 2,
+                _ => reason,
+            };
+        }
+        self.mode = Some(mode);
+        self.reason
+    }
+}
+
+fn reason_index(reason: Reason) -> u32 {
+    match reason {
+        Reason::GreenInReach => 3,
+        Reason::GreenOutOfReach => 4,
+        Reason::StopCheaper => 5,
+        Reason::ClearsInYellow => 6,
+        Reason::Emergency => 7,
+        Reason::Unknown => 8,
+    }
+}

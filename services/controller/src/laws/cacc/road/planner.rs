@@ -1,0 +1,189 @@
+//! The two candidates of a cycle: references, programs and the plans that come out.
+
+use mpc_solver::{ProblemError, Solver, Start};
+
+use super::decision::Choice;
+use super::lead::{LeadNow, Prediction};
+use super::program::{Deadline, Programs};
+use super::reference::{Gate, Reference, Scene};
+use super::signals::Line;
+use crate::law::{Input, MAX_PLAN, MAX_SIGNALS};
+use crate::laws::cacc::config::Config;
+use crate::laws::cacc::driver::Driver;
+use crate::laws::cacc::kinematics::{Lag, LagStep, Motion};
+use crate::laws::cacc::paper::usable;
+
+/// The measured scene of one cycle.
+pub(super) struct Seen {
+    pub(super) ego: Motion,
+    pub(super) lead: Option<LeadNow>,
+    pub(super) lines: [Line; MAX_SIGNALS],
+    pub(super) count: usize,
+    pub(super) desired_mps: f64,
+}
+
+/// Makes candidates.
+pub(super) struct Planner {
+    config: Config,
+    solver: Box<dyn Solver + Send>,
+    programs: Programs,
+    driver: Driver,
+    pub(super) lag: LagStep,
+    lead_decay: f64,
+    work: Box<Work>,
+}
+
+/// Buffers of one cycle.
+struct Work {
+    lead: Prediction,
+    pass: Candidate,
+    stop: Candidate,
+}
+
+/// A reference and the plan made from it.
+pub(super) struct Candidate {
+    pub(super) reference: Reference,
+    pub(super) requests: [f64; MAX_PLAN],
+    pub(super) solved: bool,
+    pub(super) iterations: u32,
+    pub(super) residual: f64,
+}
+
+impl Candidate {
+    const EMPTY: Self = Self {
+        reference: Reference::EMPTY,
+        requests: [0.0; MAX_PLAN],
+        solved: false,
+        iterations: 0,
+        residual: 0.0,
+    };
+}
+
+impl Planner {
+    pub(super) fn new(
+        config: &Config,
+        solver: Box<dyn Solver + Send>,
+    ) -> Result<Self, ProblemError> {
+        let lag = Lag { tau_s: config.actuator_lag_s }.discretise(config.step_s);
+        let road = &config.road;
+        Ok(Self {
+            config: *config,
+            solver,
+            programs: Programs::new(config, &lag)?,
+            driver: Driver {
+                acceleration_mps2: road.acceleration_mps2,
+                deceleration_mps2: road.reference_deceleration_mps2,
+                hardest_mps2: -config.min_request_mps2,
+            },
+            lag,
+            lead_decay: libm::exp(-config.step_s / road.lead_decay_s),
+            work: Box::new(Work {
+                lead: Prediction::ABSENT,
+                pass: Candidate::EMPTY,
+                stop: Candidate::EMPTY,
+            }),
+        })
+    }
+
+    /// Predicts the lead for the candidates of this cycle.
+    pub(super) fn predict(&mut self, lead: Option<&LeadNow>) {
+        self.work.lead.update(lead, self.lag.step_s, self.lead_decay);
+    }
+
+    /// Makes one candidate: rolls out its driver and solves its program.
+    pub(super) fn candidate(
+        &mut self,
+        choice: Choice,
+        input: &Input,
+        seen: &Seen,
+        gate: Gate,
+        deadline: Option<Deadline>,
+    ) {
+        let Work { lead, pass, stop } = &mut *self.work;
+        let scene = Scene {
+            driver: self.driver,
+            lag: self.lag,
+            horizon: self.config.horizon_steps,
+            now_s: input.time_s,
+            desired_mps: seen.desired_mps,
+            headway_s: self.config.time_headway_s,
+            standstill_m: self.config.road.standstill_gap_m,
+            min_gap_m: self.config.road.min_gap_m,
+            stop_margin_m: self.config.road.stop_margin_m,
+            pass_margin_s: self.config.road.pass_margin_s,
+            origin_m: input.ego.position_m,
+            lead,
+            lines: &seen.lines[..seen.count],
+        };
+        let candidate = if choice == Choice::Pass { pass } else { stop };
+        candidate.reference.roll_out(&scene, seen.ego, gate);
+        let emergency =
+            candidate.reference.hardest_mps2 > self.config.road.comfort_deceleration_mps2;
+        let problem = if choice == Choice::Pass && !emergency {
+            self.programs.fill_go(&candidate.reference, lead, seen.desired_mps, deadline);
+            &self.programs.go
+        } else {
+            self.programs.fill_hold(&candidate.reference, lead, seen.desired_mps);
+            &self.programs.hold
+        };
+        let report = self.solver.solve(problem, Start::Cold);
+        candidate.solved = usable(&report);
+        candidate.iterations = report.iterations;
+        candidate.residual = report.residuals.max();
+        let n = self.config.horizon_steps;
+        let source =
+            if candidate.solved { self.solver.inputs() } else { &candidate.reference.request_mps2 };
+        candidate.requests[..n].copy_from_slice(&source[..n]);
+    }
+
+    /// The candidate made last for a choice.
+    pub(super) fn candidate_of(&self, choice: Choice) -> &Candidate {
+        match choice {
+            Choice::Pass => &self.work.pass,
+            Choice::Stop => &self.work.stop,
+        }
+    }
+
+    /// First stage at which a candidate's plan is beyond the line.
+    pub(super) fn arrival(&self, choice: Choice, ego: Motion, line_m: f64) -> Option<usize> {
+        let requests = &self.candidate_of(choice).requests[..self.config.horizon_steps];
+        let mut motion = ego;
+        for (k, &request) in requests.iter().enumerate() {
+            motion = self.lag.advance(motion, request);
+            if motion.position_m >= line_m {
+                return Some(k + 1);
+            }
+        }
+        None
+    }
+
+    /// How far the pass falls short of the line at the end of green, m; zero when it does not.
+    pub(super) fn shortfall(&self, ego: Motion, line_m: f64, deadline: Option<usize>) -> f64 {
+        let Some(stage) = deadline else { return 0.0 };
+        let n = self.config.horizon_steps;
+        let mut motion = ego;
+        for &request in &self.work.pass.requests[..stage.min(n)] {
+            motion = self.lag.advance(motion, request);
+        }
+        if stage <= n { (line_m - motion.position_m).max(0.0) } else { 0.0 }
+    }
+
+    /// Cost of a plan: time lost against the driver who passes, acceleration and jerk.
+    pub(super) fn cost(&self, choice: Choice, ego: Motion) -> f64 {
+        let road = &self.config.road;
+        let n = self.config.horizon_steps;
+        let passing = &self.work.pass.reference.motion;
+        let mut motion = ego;
+        let mut sum = 0.0;
+        for (k, &request) in self.candidate_of(choice).requests[..n].iter().enumerate() {
+            let jerk = (request - motion.acceleration_mps2) / self.config.actuator_lag_s;
+            motion = self.lag.advance(motion, request);
+            let (a, slower) =
+                (motion.acceleration_mps2, motion.speed_mps - passing[k + 1].speed_mps);
+            sum += road.speed_weight_s2_per_m2 * slower * slower
+                + road.acceleration_weight_s4_per_m2 * a * a
+                + road.jerk_weight_s6_per_m2 * jerk * jerk;
+        }
+        0.5 * sum
+    }
+}

@@ -1,0 +1,179 @@
+//! The reference: a comfortable driver, rolled out over the horizon.
+//!
+//! The driver heads for the desired speed behind the predicted lead and in front of closed lines.
+//! It knows when a line opens: with `D` the time left and `d` the distance, any speed up to `v*`
+//! leaves it able to stop with deceleration `b` and lag `h` when the line opens,
+//!
+//! ```text
+//! d = v* (D + h) + v*² / (2 b)    ->    v* = b (sqrt((D + h)² + 2 d / b) - (D + h))
+//! ```
+//!
+//! so that it glides to a light about to turn green instead of braking for it.
+
+use super::lead::Prediction;
+use super::signals::Line;
+use crate::law::MAX_PLAN;
+use crate::laws::cacc::driver::{Driver, Obstacle};
+use crate::laws::cacc::kinematics::{LagStep, Motion};
+
+/// Headway that the driver keeps to a stop line, s.
+const LINE_HEADWAY_S: f64 = 1.0;
+/// Lag `h` that it reckons with when it glides, s.
+const GLIDE_LAG_S: f64 = 0.5;
+/// Band of speed above `v*` over which gliding fades into braking, m/s.
+const GLIDE_BAND_MPS: f64 = 1.0;
+/// Slowest speed at which a later line's arrival is estimated, m/s.
+const CREEP_MPS: f64 = 1.0;
+
+/// How the nearest line is meant to be treated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Gate {
+    /// As open from now on.
+    Open,
+    /// As closed until the time, s.
+    ClosedUntil(f64),
+    /// As closed.
+    Closed,
+}
+
+/// What does not change along a roll-out.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scene<'a> {
+    pub(super) driver: Driver,
+    pub(super) lag: LagStep,
+    pub(super) horizon: usize,
+    pub(super) now_s: f64,
+    pub(super) desired_mps: f64,
+    pub(super) headway_s: f64,
+    pub(super) standstill_m: f64,
+    pub(super) min_gap_m: f64,
+    pub(super) stop_margin_m: f64,
+    pub(super) pass_margin_s: f64,
+    /// Distance on the odometer of the roll-out's origin, m.
+    pub(super) origin_m: f64,
+    pub(super) lead: &'a Prediction,
+    pub(super) lines: &'a [Line],
+}
+
+/// The driver's trajectory from the ego's state; position 0 is the ego's front bumper now.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reference {
+    pub(super) motion: [Motion; MAX_PLAN + 1],
+    pub(super) request_mps2: [f64; MAX_PLAN],
+    /// Farthest position allowed at each stage by lead and closed lines, never behind the driver,
+    /// m.
+    pub(super) ceiling_m: [f64; MAX_PLAN + 1],
+    pub(super) hardest_mps2: f64,
+}
+
+impl Reference {
+    pub(super) const EMPTY: Self = Self {
+        motion: [Motion { position_m: 0.0, speed_mps: 0.0, acceleration_mps2: 0.0 }; MAX_PLAN + 1],
+        request_mps2: [0.0; MAX_PLAN],
+        ceiling_m: [f64::INFINITY; MAX_PLAN + 1],
+        hardest_mps2: 0.0,
+    };
+
+    /// Rolls the driver out from `start`.
+    pub(super) fn roll_out(&mut self, scene: &Scene<'_>, start: Motion, nearest: Gate) {
+        self.hardest_mps2 = 0.0;
+        self.motion[0] = start;
+        self.ceiling_m[0] = f64::INFINITY;
+        for k in 0..scene.horizon {
+            let here = self.motion[k];
+            let (request, ceiling) = scene.request(k, here, nearest);
+            self.hardest_mps2 = self.hardest_mps2.max(-request);
+            self.request_mps2[k] = request;
+            let next = scene.lag.advance(here, request);
+            self.motion[k + 1] = next;
+            let behind_lead = if scene.lead.present {
+                scene.lead.position_m[k + 1] - scene.min_gap_m
+            } else {
+                f64::INFINITY
+            };
+            self.ceiling_m[k + 1] = ceiling.min(behind_lead).max(next.position_m + 0.05);
+        }
+    }
+
+    /// First stage at which the driver is at or beyond `position_m`.
+    pub(super) fn reaches(&self, position_m: f64, horizon: usize) -> Option<usize> {
+        (0..=horizon).find(|&k| self.motion[k].position_m >= position_m)
+    }
+}
+
+impl Scene<'_> {
+    /// The driver's request at stage `k` and the ceiling that closed lines put on the next
+    /// position.
+    fn request(&self, k: usize, here: Motion, nearest: Gate) -> (f64, f64) {
+        let v = here.speed_mps;
+        let mut request = self.driver.free_mps2(v, self.desired_mps);
+        if self.lead.present {
+            let lead = Obstacle {
+                gap_m: self.lead.position_m[k] - here.position_m,
+                speed_mps: self.lead.speed_mps[k],
+                acceleration_mps2: self.lead.acceleration_mps2[k],
+                headway_s: self.headway_s,
+                standstill_m: self.standstill_m,
+            };
+            request = request.min(self.driver.follow_mps2(v, self.desired_mps, &lead));
+        }
+        let time = self.now_s + k as f64 * self.lag.step_s;
+        let mut ceiling = f64::INFINITY;
+        for (j, line) in self.lines.iter().enumerate() {
+            let distance = line.at_m - self.origin_m - here.position_m;
+            if distance <= 0.0 {
+                continue;
+            }
+            let opens = match (j, nearest) {
+                (0, Gate::Open) => continue,
+                (0, Gate::Closed) => None,
+                (0, Gate::ClosedUntil(opens)) if time >= opens => continue,
+                (0, Gate::ClosedUntil(opens)) => Some(opens),
+                _ => match self.later_line(line, time, distance, v) {
+                    Gate::Open => continue,
+                    Gate::Closed => None,
+                    Gate::ClosedUntil(opens) => Some(opens),
+                },
+            };
+            ceiling = ceiling.min(line.at_m - self.origin_m - self.stop_margin_m);
+            request = request.min(self.before_line(v, distance, opens.map(|at| at - time)));
+        }
+        (request, ceiling)
+    }
+
+    /// Request in front of a closed line that opens in so many seconds.
+    fn before_line(&self, v: f64, distance: f64, opens_in_s: Option<f64>) -> f64 {
+        let line = Obstacle {
+            gap_m: distance,
+            speed_mps: 0.0,
+            acceleration_mps2: 0.0,
+            headway_s: LINE_HEADWAY_S,
+            standstill_m: self.stop_margin_m,
+        };
+        let stop = self.driver.follow_mps2(v, self.desired_mps, &line);
+        let Some(left) = opens_in_s else { return stop };
+        let b = self.driver.deceleration_mps2;
+        let wait = left + GLIDE_LAG_S;
+        let room = (distance - self.stop_margin_m).max(0.0);
+        let glide = b * ((wait * wait + 2.0 * room / b).sqrt() - wait);
+        // Above the glide speed the line is to be braked for as if it stayed closed.
+        let share = (1.0 + (glide - v) / GLIDE_BAND_MPS).clamp(0.0, 1.0);
+        let free = self.driver.free_mps2(v, glide.min(self.desired_mps));
+        stop + share * (free - stop).max(0.0)
+    }
+
+    /// A line behind the nearest is open when it is green now and will be on arrival.
+    fn later_line(&self, line: &Line, time: f64, distance: f64, v: f64) -> Gate {
+        if !line.known {
+            return Gate::Closed;
+        }
+        let arrival = time + distance / v.max(CREEP_MPS) + self.pass_margin_s;
+        for green in line.greens() {
+            if arrival > green.to_s {
+                continue;
+            }
+            return if green.from_s <= time { Gate::Open } else { Gate::ClosedUntil(green.from_s) };
+        }
+        Gate::Closed
+    }
+}

@@ -1,0 +1,98 @@
+//! Settings of the road formulation.
+
+use serde::{Deserialize, Serialize};
+
+use crate::settings::{SettingError, Settings, within};
+
+/// Settings of the road formulation; all decelerations are positive numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RoadConfig {
+    /// Desired gap to a standing lead, m.
+    #[serde(skip)]
+    pub standstill_gap_m: f64,
+    /// Gap that is never given up knowingly, m.
+    pub min_gap_m: f64,
+    /// Where to stop, ahead of the line, m.
+    pub stop_margin_m: f64,
+    /// Largest acceleration, m/s².
+    pub acceleration_mps2: f64,
+    /// Largest deceleration that still counts as comfortable, m/s².
+    pub comfort_deceleration_mps2: f64,
+    /// Deceleration that the reference driver aims at, m/s².
+    pub reference_deceleration_mps2: f64,
+    /// Hardest deceleration of the lead that the safety filter reckons with, m/s².
+    pub lead_deceleration_mps2: f64,
+    /// Time constant with which the lead's acceleration is predicted to decay, s.
+    pub lead_decay_s: f64,
+    /// A pass must reach the line this long before the end of green, s.
+    pub pass_margin_s: f64,
+    /// Once decided, the other program must be better by this share of its cost to be taken.
+    pub hysteresis: f64,
+    /// Weight on the gap error's distance from the reference, 1/m².
+    pub gap_weight_per_m2: f64,
+    /// Weight on the speed's distance from the reference, s²/m².
+    pub speed_weight_s2_per_m2: f64,
+    /// Weight on the acceleration, s⁴/m².
+    pub acceleration_weight_s4_per_m2: f64,
+    /// Weight on the jerk, s⁶/m².
+    pub jerk_weight_s6_per_m2: f64,
+    /// Weight on the request, s⁴/m².
+    pub request_weight_s4_per_m2: f64,
+}
+
+impl Default for RoadConfig {
+    fn default() -> Self {
+        Self {
+            standstill_gap_m: 5.0,
+            min_gap_m: 2.0,
+            stop_margin_m: 1.0,
+            acceleration_mps2: 2.0,
+            comfort_deceleration_mps2: 3.0,
+            reference_deceleration_mps2: 1.7,
+            lead_deceleration_mps2: 4.0,
+            lead_decay_s: 1.5,
+            pass_margin_s: 0.5,
+            hysteresis: 0.2,
+            gap_weight_per_m2: 0.2,
+            speed_weight_s2_per_m2: 1.0,
+            acceleration_weight_s4_per_m2: 0.1,
+            jerk_weight_s6_per_m2: 0.5,
+            request_weight_s4_per_m2: 0.05,
+        }
+    }
+}
+
+impl Settings for RoadConfig {
+    fn check(&self) -> Result<(), SettingError> {
+        within("stop_margin_m", self.stop_margin_m, 0.3, 20.0)?;
+        within("lead_deceleration_mps2", self.lead_deceleration_mps2, 0.5, 12.0)?;
+        within("lead_decay_s", self.lead_decay_s, 0.05, 20.0)?;
+        within("pass_margin_s", self.pass_margin_s, 0.0, 10.0)?;
+        within("hysteresis", self.hysteresis, 0.0, 10.0)?;
+        within("gap_weight_per_m2", self.gap_weight_per_m2, 0.0, 1e6)?;
+        within("speed_weight_s2_per_m2", self.speed_weight_s2_per_m2, 0.0, 1e6)?;
+        let acceleration = self.acceleration_weight_s4_per_m2;
+        within("acceleration_weight_s4_per_m2", acceleration, 0.0, 1e6)?;
+        within("jerk_weight_s6_per_m2", self.jerk_weight_s6_per_m2, 0.0, 1e6)?;
+        within("request_weight_s4_per_m2", self.request_weight_s4_per_m2, 1e-6, 1e6)
+    }
+}
+
+impl RoadConfig {
+    /// Checks every setting, those included that depend on the bounds of the request. Keys are
+    /// relative to `controller`.
+    ///
+    /// # Errors
+    /// The first key that is not usable.
+    pub fn check_within(&self, min_mps2: f64, max_mps2: f64) -> Result<(), SettingError> {
+        let (standstill_m, comfort_mps2) = (self.standstill_gap_m, self.comfort_deceleration_mps2);
+        within("road.standstill_gap_m", standstill_m, 1.0, 50.0)?;
+        within("road.min_gap_m", self.min_gap_m, 0.1, standstill_m)?;
+        within("road.acceleration_mps2", self.acceleration_mps2, 0.2, max_mps2)?;
+        within("road.comfort_deceleration_mps2", comfort_mps2, 0.5, -min_mps2)?;
+        let reference_mps2 = self.reference_deceleration_mps2;
+        within("road.reference_deceleration_mps2", reference_mps2, 0.2, comfort_mps2)?;
+        self.check()
+    }
+}

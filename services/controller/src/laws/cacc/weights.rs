@@ -1,0 +1,70 @@
+//! Weights of the paper's cost.
+//!
+//! The paper prints none. These sets were calibrated against its figures with the convention
+//!
+//! ```text
+//! J = 1/2 sum(Q1 e² + Q2 ed² + Q3 a² + R u²) + w sum(1/min(D, d_th) - 1/d_th)
+//! ```
+//!
+//! The example `joint_weights` looks for a better joint set. 12,000 evaluations over the whole box
+//! that the single-scenario sets span lowered its score (the mean of the squared differences in
+//! units of the tolerance) from 0.335 to 0.288, at Q = (96.9, 768, 0.109), w = 1.60e6, d_th = 139
+//! and a Table 3 lead of 2.318 m/s²: the valley Q2/Q1 = 7 to 8, w/Q1 = 1.4e4 to 1.8e4 again, with
+//! other members for other starts (0.299 at Q1 = 14.6). C and the CACC of Table 3 come closer, A
+//! goes away a little, and the same one figure (`A.cacc.ed_min_mps`) stays outside of its
+//! tolerance. That is not clearly better, and [`JOINT`] stays the joint set.
+
+use crate::settings::{SettingError, above, within};
+
+/// Weights of the paper's cost: `Q1`, `Q2`, `Q3`, `R`, `w` and `d_th`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    /// `Q1`, on the spacing error, 1/m².
+    pub gap_error_per_m2: f64,
+    /// `Q2`, on the speed error, s²/m².
+    pub speed_error_s2_per_m2: f64,
+    /// `Q3`, on the acceleration, s⁴/m².
+    pub acceleration_s4_per_m2: f64,
+    /// `R`, on the request, s⁴/m².
+    pub request_s4_per_m2: f64,
+    /// `w`, on the light's penalty `1/D`, m.
+    pub light_m: f64,
+    /// `d_th`, the margin beyond which the light costs nothing, m.
+    pub light_threshold_m: f64,
+}
+
+/// One set for all scenarios; the reference closed loops were made with it.
+pub const JOINT: Weights = set(19.243, 135.712, 0.00159, 275_773.0, 108.5);
+/// Fitted to scenario A alone.
+pub const SCENARIO_A: Weights = set(19.5, 29.5, 1.29, 1.16e5, 43.8);
+/// Fitted to scenario C alone.
+pub const SCENARIO_C: Weights = set(1275.0, 9998.0, 0.001, 2.6e7, 306.0);
+/// Fitted to Table 3 alone (lead acceleration 2.594 m/s²).
+pub const TABLE_3: Weights = set(0.988, 0.516, 0.020, 1401.0, 37.5);
+
+const fn set(q1: f64, q2: f64, q3: f64, w: f64, d_th: f64) -> Weights {
+    Weights {
+        gap_error_per_m2: q1,
+        speed_error_s2_per_m2: q2,
+        acceleration_s4_per_m2: q3,
+        request_s4_per_m2: 1.0,
+        light_m: w,
+        light_threshold_m: d_th,
+    }
+}
+
+impl Weights {
+    /// Checks that the cost is convex and finite.
+    ///
+    /// # Errors
+    /// The first key that is not finite or has the wrong sign.
+    pub fn check(&self) -> Result<(), SettingError> {
+        let most = f64::MAX;
+        within("weights.gap_error_per_m2", self.gap_error_per_m2, 0.0, most)?;
+        within("weights.speed_error_s2_per_m2", self.speed_error_s2_per_m2, 0.0, most)?;
+        within("weights.acceleration_s4_per_m2", self.acceleration_s4_per_m2, 0.0, most)?;
+        within("weights.light_m", self.light_m, 0.0, most)?;
+        above("weights.request_s4_per_m2", self.request_s4_per_m2, 0.0, most)?;
+        above("weights.light_threshold_m", self.light_threshold_m, 0.0, most)
+    }
+}

@@ -1,0 +1,164 @@
+//! The laws: each is a folder here and a line in [`ALL`].
+
+pub mod cacc;
+pub mod quadratic_bounded;
+pub mod six_mode;
+pub mod truck;
+
+use crate::law::{Descriptor, Formulation, GapPolicy, Law};
+use scenario::referee::DesiredGap;
+use scenario::{Problem, Scenario};
+
+/// Every law, in the order of `timegap list`.
+pub static ALL: [&Descriptor; 5] = [
+    &cacc::ACC_MPC,
+    &cacc::CACC_MPC,
+    &six_mode::SIX_MODE,
+    &quadratic_bounded::QUADRATIC_BOUNDED,
+    &truck::PREDICTIVE,
+];
+
+/// The law of that name.
+#[must_use]
+pub fn find(name: &str) -> Option<&'static Descriptor> {
+    ALL.into_iter().find(|law| law.name == name)
+}
+
+/// The law that a scenario names.
+///
+/// # Errors
+/// Names the key when there is no such law.
+pub fn of(scenario: &Scenario) -> Result<&'static Descriptor, Problem> {
+    let name = scenario.controller.name.as_str();
+    find(name).ok_or_else(|| {
+        let message = format!("unknown value `{name}`");
+        Problem::new("controller.name", message, quoted(ALL.iter().map(|law| law.name)))
+    })
+}
+
+/// Builds the law of a scenario.
+///
+/// # Errors
+/// Names the key that the law refuses.
+pub fn build(scenario: &Scenario) -> Result<Box<dyn Law>, Problem> {
+    (of(scenario)?.build)(scenario)
+}
+
+/// Checks the law's name, the tables of all laws, and that the scenario's law accepts its settings.
+///
+/// # Errors
+/// Names the first key that is wrong.
+pub fn check(scenario: &Scenario) -> Result<(), Problem> {
+    let controller = &scenario.controller;
+    let law = of(scenario)?;
+    for name in controller.tables.names() {
+        let tables = || ALL.into_iter().filter_map(|law| law.table);
+        match tables().find(|table| table.name == name) {
+            Some(table) => (table.check)(controller, name)?,
+            None => {
+                let mut names: Vec<_> = tables().map(|table| table.name).collect();
+                names.dedup();
+                let known = quoted(names.into_iter());
+                let sentence = format!("unknown key `{name}`, expected {known}");
+                return Err(controller.tables.refuse(name, &sentence));
+            }
+        }
+    }
+    (law.build)(scenario).map(|_| ())
+}
+
+/// The formulation that a scenario chooses; `None` when this registry does not know its law.
+#[must_use]
+pub fn formulation(scenario: &Scenario) -> Option<&'static Formulation> {
+    of(scenario).ok().map(|law| (law.formulation)(&scenario.controller))
+}
+
+/// Names of the figures that the scenario's law puts into `control/diagnostics`.
+#[must_use]
+pub fn figure_names(scenario: &Scenario) -> Vec<&'static str> {
+    formulation(scenario).map_or_else(Vec::new, Formulation::figure_names)
+}
+
+/// Names of the modes of the scenario's law.
+#[must_use]
+pub fn mode_names(scenario: &Scenario) -> &'static [&'static str] {
+    formulation(scenario).map_or(&[], |formulation| formulation.modes)
+}
+
+/// The gap that gap errors are measured against: the scenario's own, else the one that its law aims
+/// at, as far as the scenario tells.
+#[must_use]
+pub fn desired_gap(scenario: &Scenario) -> Option<DesiredGap> {
+    scenario.referee.desired_gap.or_else(|| match of(scenario).ok()?.gap {
+        GapPolicy::Scenario(gap) => Some(gap(scenario)),
+        GapPolicy::Figure(_) | GapPolicy::Internal => None,
+    })
+}
+
+/// The place among the law's figures of gap minus desired gap, where only the law knows it.
+#[must_use]
+pub fn gap_error_figure(scenario: &Scenario) -> Option<usize> {
+    match of(scenario).ok()?.gap {
+        GapPolicy::Figure(name) => formulation(scenario)?.figure(name),
+        GapPolicy::Scenario(_) | GapPolicy::Internal => None,
+    }
+}
+
+fn quoted<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    names.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use scenario::Overrides;
+
+    fn refused(lines: &str) -> String {
+        let text = format!("schema_version = 1\nname = \"mine\"\n[controller]\n{lines}");
+        Scenario::parse_with("mine.toml", &text, &Overrides::new(), &check)
+            .expect_err("it is wrong")
+            .to_string()
+    }
+
+    #[test]
+    fn names_and_tables_are_found_once() {
+        for law in ALL {
+            assert!(std::ptr::eq(find(law.name).expect("it is in the list"), law));
+            assert!(!law.formulations.is_empty() && !law.description.contains('\n'));
+        }
+    }
+
+    #[test]
+    fn a_name_that_is_none_is_shown_with_the_nearest() {
+        let shown = refused("name = \"cac-mpc\"\n");
+        assert!(
+            shown.contains("mine.toml:4:8") && shown.contains("did you mean `cacc-mpc`?"),
+            "{shown}"
+        );
+    }
+
+    #[test]
+    fn a_wrong_key_in_a_laws_table_is_marked_at_the_key() {
+        let shown = refused("name = \"six-mode\"\n[controller.six_mode]\nbraking_mps3 = 2\n");
+        assert!(shown.contains("mine.toml:6:1: unknown key `braking_mps3`"), "{shown}");
+        assert!(
+            shown.contains("   | ^^^^^^^^^^^^ expected")
+                || shown.contains("  | ^^^^^^^^^^^^ expected"),
+            "{shown}"
+        );
+        assert!(shown.contains("did you mean `braking_mps2`?"), "{shown}");
+        let shown = refused("[controller.predictive]\nplanner = \"dynamic\"\n");
+        assert!(shown.contains("mine.toml:5:11: unknown value `dynamic`"), "{shown}");
+        let shown = refused("name = \"six-mode\"\n[controller.six_mode]\nbraking_mps2 = -1\n");
+        assert!(shown.contains("mine.toml:6:16") && shown.contains("at most 12"), "{shown}");
+        let shown = refused("road.min_gap_m = \"near\"\n");
+        assert!(shown.contains("mine.toml:4:18") && shown.contains("expected a number"), "{shown}");
+    }
+
+    #[test]
+    fn a_table_that_belongs_to_no_law_is_marked_at_its_name() {
+        let shown = refused("six_mod = { braking_mps2 = 2 }\n");
+        assert!(shown.contains("mine.toml:4:1: unknown key `six_mod`"), "{shown}");
+        assert!(shown.contains("did you mean `six_mode`?"), "{shown}");
+    }
+}

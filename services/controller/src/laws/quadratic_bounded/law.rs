@@ -1,0 +1,371 @@
+//! The law: increments, virtual lead, the smaller of two, and the envelope.
+
+use super::certificate::{ClosedMatrix, ClosedState, extended};
+use super::design::Design;
+use super::model::{State, StateMatrix};
+use crate::law::{Figure, Formulation, Input, Law, Output, Quality};
+use crate::settings::{self, SettingError, within};
+use nalgebra::{SMatrix, SVector};
+use serde::{Deserialize, Serialize};
+
+/// Request towards which a law without usable input moves, m/s².
+const BLIND_REQUEST: f64 = -1.0;
+/// No road vehicle is faster, m/s; anything above is a broken input.
+const FASTEST: f64 = 150.0;
+/// Share of the sample time by which a release may come early and still be due.
+const EARLY: f64 = 1e-6;
+
+/// Settings of the law outside its design, as `[controller.quadratic_bounded]` holds them.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Settings {
+    /// Path of a design file; absent: the design that comes with the law.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub design: Option<String>,
+    /// Targets beyond this range are not followed, m.
+    pub sensor_range_m: f64,
+    /// Gap errors above this are taken for this, m.
+    pub gap_error_limit_m: f64,
+    /// Gap errors that would make V larger than this are taken for smaller ones.
+    pub envelope_limit: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { design: None, sensor_range_m: 150.0, gap_error_limit_m: 20.0, envelope_limit: 0.98 }
+    }
+}
+
+impl settings::Settings for Settings {
+    fn check(&self) -> Result<(), SettingError> {
+        within("sensor_range_m", self.sensor_range_m, 1.0, 1000.0)?;
+        within("gap_error_limit_m", self.gap_error_limit_m, 0.0, 1000.0)?;
+        within("envelope_limit", self.envelope_limit, 0.01, 1.0)
+    }
+}
+
+/// The meaning of the numbers in the output.
+pub(super) static FORMULATION: Formulation = Formulation {
+    name: "quadratic boundedness",
+    modes: &["cruise", "follow"],
+    reasons: &["none", "no target in range", "set speed demands less", "lead demands less"],
+    figures: &[
+        Figure::new("lyapunov", "1"),
+        Figure::new("gap_error_m", "m"),
+        Figure::new("gap_error_used_m", "m"),
+        Figure::new("speed_error_mps", "m/s"),
+        Figure::new("gap_error_rate_mps", "m/s"),
+        Figure::new("increment_mps2", "m/s²"),
+        Figure::new("cruise_increment_mps2", "m/s²"),
+        Figure::new("follow_increment_mps2", "m/s²"),
+    ],
+};
+
+/// Which lead the law follows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// The virtual lead, at the set speed and without gap error.
+    Cruise,
+    /// The real one.
+    Follow,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Reason {
+    #[default]
+    None,
+    NoTarget,
+    CruiseDemandsLess,
+    LeadDemandsLess,
+}
+
+/// What one lead asks for.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    /// [x; xc] as the law takes it.
+    z: ClosedState,
+    increment: f64,
+}
+
+/// The quadratic-bounded law.
+#[derive(Clone, Debug)]
+pub struct QuadraticBounded {
+    design: Design,
+    settings: Settings,
+    /// Lead of the last update; `None` before the first and after unusable input.
+    mode: Option<Mode>,
+    reason: Reason,
+    /// Controller state xc.
+    xc: State,
+    /// u(k-1), m/s².
+    request: f64,
+    started: bool,
+    /// Time until the next update is due, s.
+    wait_s: f64,
+    /// Quality and figures of the last update, for the releases that hold it.
+    quality: Quality,
+    figures: [f64; 8],
+}
+
+impl QuadraticBounded {
+    /// A law with a verified design.
+    ///
+    /// # Errors
+    /// The setting that is not usable.
+    pub fn new(design: Design, settings: Settings) -> Result<Self, SettingError> {
+        settings::Settings::check(&settings)?;
+        Ok(Self {
+            design,
+            settings,
+            mode: None,
+            reason: Reason::None,
+            xc: State::zeros(),
+            request: 0.0,
+            started: false,
+            wait_s: 0.0,
+            quality: Quality::Full,
+            figures: [0.0; 8],
+        })
+    }
+
+    /// The design behind the law.
+    #[must_use]
+    pub fn design(&self) -> &Design {
+        &self.design
+    }
+
+    /// Lead of the last update.
+    #[must_use]
+    pub fn mode(&self) -> Option<Mode> {
+        self.mode
+    }
+
+    /// The controller state xc.
+    #[must_use]
+    pub fn controller_state(&self) -> &State {
+        &self.xc
+    }
+
+    /// One sample of the increment law.
+    fn update(&mut self, input: &Checked, too_slow: bool) {
+        let p = self.design.parameters();
+        let Checked { speed, acceleration, target, set_speed } = *input;
+        if !self.started {
+            self.started = true;
+            self.request = acceleration.clamp(-p.request_bound_mps2, p.request_bound_mps2);
+        }
+        let desired = p.desired_gap_m(speed);
+        let cruise =
+            self.cruise(State::new(0.0, set_speed - speed, acceleration, self.request), speed);
+        let follow =
+            target.filter(|t| t.0 <= self.settings.sensor_range_m).map(|(gap, relative)| {
+                self.follow(State::new(gap - desired, relative, acceleration, self.request), speed)
+            });
+        let (mode, reason, chosen) = match follow {
+            None => (Mode::Cruise, Reason::NoTarget, cruise),
+            Some(f) if f.increment < cruise.increment => (Mode::Follow, Reason::LeadDemandsLess, f),
+            Some(_) => (Mode::Cruise, Reason::CruiseDemandsLess, cruise),
+        };
+        if self.mode != Some(mode) {
+            self.mode = Some(mode);
+            self.reason = reason;
+        }
+        let p = self.design.parameters();
+        let bound = p.increment_bound_mps2;
+        let request = (self.request + chosen.increment.clamp(-bound, bound))
+            .clamp(-p.request_bound_mps2, p.request_bound_mps2);
+        let increment = request - self.request;
+        self.request = request;
+        self.xc = self.next_controller_state(&chosen.z, speed);
+
+        let v = self.design.lyapunov(&chosen.z);
+        self.quality = if v > 1.0 || too_slow { Quality::Relaxed } else { Quality::Full };
+        let true_gap_error = target.map_or(0.0, |t| t.0 - desired);
+        let rate = chosen.z[1] - p.gap_derivative_s(speed) * acceleration;
+        self.figures = [
+            v,
+            true_gap_error,
+            chosen.z[0],
+            chosen.z[1],
+            rate,
+            increment,
+            cruise.increment,
+            follow.map_or(0.0, |f| f.increment),
+        ];
+    }
+
+    /// The virtual lead: no gap error, and a speed that keeps V within its limit.
+    fn cruise(&self, mut x: State, speed: f64) -> Candidate {
+        let (low, high) = self.admissible(Mode::Cruise, &x, 1);
+        x[1] = x[1].clamp(low, high);
+        self.candidate(Mode::Cruise, &x, speed)
+    }
+
+    /// The real lead, its gap error cut off above: without that a lead that is far away and slower
+    /// would be outside of what the design promises anything about.
+    fn follow(&self, mut x: State, speed: f64) -> Candidate {
+        let (_, high) = self.admissible(Mode::Follow, &x, 0);
+        x[0] = x[0].min(high).min(self.settings.gap_error_limit_m);
+        self.candidate(Mode::Follow, &x, speed)
+    }
+
+    fn candidate(&self, mode: Mode, x: &State, speed: f64) -> Candidate {
+        let xc = if self.mode == Some(mode) { self.xc } else { self.design.reset() * x };
+        let blend = self.design.parameters().memberships(speed);
+        let rules = self.design.rules();
+        let increment =
+            blend.iter().zip(rules).map(|(h, r)| h * (r.fx.dot(&xc) + r.fy.dot(x))).sum();
+        Candidate { z: extended(x, &xc), increment }
+    }
+
+    /// Values of entry `index` of x for which V stays within its limit, the rest as given. The one
+    /// with the least V where there are none.
+    fn admissible(&self, mode: Mode, x: &State, index: usize) -> (f64, f64) {
+        let limit = self.settings.envelope_limit;
+        if self.mode == Some(mode) {
+            let p: &ClosedMatrix = self.design.p();
+            interval(p, &extended(x, &self.xc), index, limit)
+        } else {
+            let x_inverse: &StateMatrix = self.design.x_inverse();
+            interval(x_inverse, x, index, limit)
+        }
+    }
+
+    fn next_controller_state(&self, z: &ClosedState, speed: f64) -> State {
+        let x = State::from_fn(|i, _| z[i]);
+        let xc = State::from_fn(|i, _| z[i + x.len()]);
+        let blend = self.design.parameters().memberships(speed);
+        blend
+            .iter()
+            .zip(self.design.rules())
+            .fold(State::zeros(), |next, (h, r)| next + (r.ac * xc + r.l * x) * *h)
+    }
+
+    /// Without usable input: towards comfortable braking, never releasing a brake that is on. The
+    /// next usable input starts from a reset controller state.
+    fn blind(&mut self) {
+        let step = self.design.parameters().increment_bound_mps2;
+        self.request = BLIND_REQUEST.min(self.request).max(self.request - step);
+        self.mode = None;
+        self.started = true;
+        self.wait_s = 0.0;
+        self.quality = Quality::Backup;
+        self.figures = [0.0; 8];
+    }
+}
+
+/// Roots of V(z with entry `index` free) = limit for V = z' m z.
+fn interval<const N: usize>(
+    m: &SMatrix<f64, N, N>,
+    z: &SVector<f64, N>,
+    index: usize,
+    limit: f64,
+) -> (f64, f64) {
+    let mut rest = *z;
+    rest[index] = 0.0;
+    let row = m.column(index).dot(&rest);
+    let square = m[(index, index)];
+    let constant = (rest.transpose() * m * rest)[(0, 0)];
+    let half_width = (row * row - square * (constant - limit)).max(0.0).sqrt();
+    ((-row - half_width) / square, (-row + half_width) / square)
+}
+
+/// Values of the input that the law uses.
+struct Checked {
+    speed: f64,
+    acceleration: f64,
+    /// Gap, m, and relative speed, m/s.
+    target: Option<(f64, f64)>,
+    set_speed: f64,
+}
+
+impl Law for QuadraticBounded {
+    fn reset(&mut self) {
+        self.mode = None;
+        self.reason = Reason::None;
+        self.xc = State::zeros();
+        self.request = 0.0;
+        self.started = false;
+        self.wait_s = 0.0;
+        self.quality = Quality::Full;
+        self.figures = [0.0; 8];
+    }
+
+    fn step(&mut self, input: &Input, output: &mut Output) {
+        *output = Output::default();
+        let sample_time = self.design.parameters().sample_time_s;
+        match check(input) {
+            None => self.blind(),
+            Some(checked) => {
+                if self.wait_s <= EARLY * sample_time {
+                    let too_slow = input.period_s > sample_time * (1.0 + EARLY);
+                    self.update(&checked, too_slow);
+                    // A late update does not shift the next; a lost one is not made up for.
+                    self.wait_s = (self.wait_s + sample_time).max(0.0);
+                }
+                self.wait_s -= input.period_s;
+            }
+        }
+        output.set_request(self.request);
+        output.quality = self.quality;
+        output.figures = self.figures;
+        output.mode = u32::from(self.mode == Some(Mode::Follow));
+        output.mode_reason = self.reason as u32;
+    }
+
+    fn request_bounds_mps2(&self) -> (f64, f64) {
+        let bound = self.design.parameters().request_bound_mps2;
+        (-bound, bound)
+    }
+}
+
+/// The input, if every value the law uses is one that a vehicle can have.
+fn check(input: &Input) -> Option<Checked> {
+    let within = |v: f64, low: f64, high: f64| (low..=high).contains(&v);
+    let set_speed = input.set_speed_mps.min(input.speed_limit_mps).max(0.0);
+    let usable = within(input.period_s, 1e-4, 10.0)
+        && within(input.ego.speed_mps, -1.0, FASTEST)
+        && within(input.ego.acceleration_mps2, -50.0, 50.0)
+        && within(set_speed, 0.0, FASTEST)
+        && !input.set_speed_mps.is_nan()
+        && !input.speed_limit_mps.is_nan()
+        && input.target.is_none_or(|t| {
+            within(t.gap_m, -1e6, 1e6) && within(t.relative_speed_mps, -2.0 * FASTEST, FASTEST)
+        });
+    usable.then(|| Checked {
+        speed: input.ego.speed_mps.max(0.0),
+        acceleration: input.ego.acceleration_mps2,
+        target: input.target.map(|t| (t.gap_m, t.relative_speed_mps)),
+        set_speed,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_interval_ends_where_v_meets_the_limit() {
+        let m = nalgebra::Matrix2::new(2.0, 0.5, 0.5, 1.0);
+        let z = nalgebra::Vector2::new(7.0, 0.3);
+        let (low, high) = interval(&m, &z, 0, 0.98);
+        for x in [low, high] {
+            let z = nalgebra::Vector2::new(x, 0.3);
+            assert!(((z.transpose() * m * z)[(0, 0)] - 0.98).abs() < 1e-12);
+        }
+        assert!(low < high);
+        // No value is admissible: the minimiser of V.
+        let z = nalgebra::Vector2::new(7.0, 30.0);
+        assert_eq!(interval(&m, &z, 0, 0.98), (-7.5, -7.5));
+    }
+
+    #[test]
+    fn settings_name_the_bad_key() {
+        use crate::settings::Settings as _;
+        assert_eq!(Settings::default().check(), Ok(()));
+        let bad = Settings { envelope_limit: 1.5, ..Settings::default() };
+        assert_eq!(bad.check().expect_err("too large").key(), "envelope_limit");
+        let bad = Settings { gap_error_limit_m: f64::NAN, ..Settings::default() };
+        assert_eq!(bad.check().expect_err("NaN").key(), "gap_error_limit_m");
+    }
+}

@@ -1,0 +1,119 @@
+//! Quadratic-bounded cruise control (`quadratic-bounded`).
+//!
+//! Gao, Yan, Li, Hu: "Multi-objective adaptive cruise control by quadratic boundedness and dynamic
+//! output feedback", 2015. Four indices describe what a driver wants: safety (gap error, speed
+//! error), comfort (acceleration, request), handiness (change of the request) and efficiency (rate
+//! of the gap error). The law keeps each inside its bound for every bounded acceleration of the
+//! lead: the state cannot leave an ellipsoid that lies within all bounds.
+//!
+//! # Model
+//!
+//! ```text
+//! x = [Dd, Dv, a_h, u(k-1)],  Dd = d - d_des(v_h),  Dv = v_p - v_h,  d_des(v) = c0 + c1 v + c2 v²
+//! Dd' = Dv - rho(v_h) a_h,    Dv' = a_p - a_h,      a_h' = (u - a_h) / T,   rho(v) = c1 + 2 c2 v
+//! h1 = (vmax - v) / (vmax - vmin),  h2 = 1 - h1,    rho_i = rho(vmin), rho(vmax)
+//! x+ = sum h_i A_i x + B Du + E a_p,   y = x + noise                           (Euler, period Ts)
+//! xc+ = sum h_i (Ac_i xc + L_i y),     Du = sum h_i (Fx_i xc + Fy_i y),    u(k) = u(k-1) + Du
+//! ```
+//!
+//! The two rules are exact, not an approximation, because rho is affine in v.
+//!
+//! | symbol | field | unit |
+//! | --- | --- | --- |
+//! | Ts, T | `sample_time_s`, `actuator_lag_s` | s |
+//! | c0, c1, c2 | `gap_constant_m`, `gap_slope_s`, `gap_curvature_s2pm` | m, s, s²/m |
+//! | vmin, vmax | `least_speed_mps`, `greatest_speed_mps` | m/s |
+//! | bound on a_p | `lead_acceleration_mps2` | m/s² |
+//! | bounds on the noise | `gap_noise_m`, `speed_noise_mps`, `acceleration_noise_mps2` | m, m/s, m/s² |
+//! | bounds on Dd, Dv, a, u | `gap_error_bound_m`, `speed_error_bound_mps`, `acceleration_bound_mps2`, `request_bound_mps2` | m, m/s, m/s², m/s² |
+//! | bound on Du | `increment_bound_mps2` | m/s² |
+//! | bound on Dd' | `gap_error_rate_bound_mps` | m/s |
+//! | Ac_i, L_i, Fx_i, Fy_i | [`Gains`] | |
+//! | P | [`Design::p`] | |
+//!
+//! # Use
+//!
+//! Cruise is following a virtual lead with Dd = 0 and Dv = v_set - v_h. The smaller of the two
+//! increments acts, and xc is reset to the value with the least V whenever the lead changes. Before
+//! the law the gap error is cut off above, at `gap_error_limit_m` and at the largest value with
+//! V <= `envelope_limit`; the virtual lead's Dv likewise, on both sides. Outside the ellipsoid
+//! (V > 1: a stopped car ahead at speed, say) the law still answers, within its bounds on u and Du,
+//! but nothing is proven; the output's quality is then [`Relaxed`](crate::law::Quality::Relaxed).
+//!
+//! The increments are computed every Ts, whatever the control period: shorter periods hold the
+//! request in between, a period that does not divide Ts delays single updates but keeps their mean
+//! rate, and a longer one runs one update per release and is reported as `Relaxed`, because the
+//! certificate speaks of Ts only.
+//!
+//! # Design
+//!
+//! Gains are made offline, by semidefinite programming (feature `synthesize`), and come as a file
+//! with their certificate. [`Design::load`] proves the certificate again, by Cholesky alone; a
+//! [`Design`] that is not proven does not exist.
+//!
+//! # How hard it can brake
+//!
+//! The paper calls the deceleration behind a car that cuts in "large" (ego at 110 km/h, car at 80,
+//! 150 m ahead when it is first seen). The shipped design brakes with 0.72 m/s²; 0.48 would do, as
+//! 73 m are to spare. What a search over 480 designs found (gap constant, start set, weights, alpha;
+//! 460 were certified):
+//!
+//! | design | hardest, m/s² | paper's other figures | V |
+//! | --- | --- | --- | --- |
+//! | shipped | -0.72 | all hold | 1.00 |
+//! | `quadratic-bounded-firm`: c0 = 8 m, start set from 17 m, gap and speed weighted tenfold, alpha 0.02 | -1.10 | all hold, most closer | 1.00 |
+//! | the same, gap alone weighted, alpha 0.015: hardest with all figures | -1.15 | all hold; gap closed 8 s later | 0.98 |
+//! | start set from 8 m, c0 = 5 m: hardest within the ellipsoid | -1.32 | following starts at 11.7 s, departing at 25.3 s | 1.00 |
+//! | shipped, the whole gap error hidden from it | -2.07 | follows from the start; the gap stays 68 m too large | 6.0 |
+//!
+//! So within the certificate "large" cannot be more than about 1.3 m/s²: a harder law slows down
+//! long before the gap asks for it, and the gap then closes late or never. The command is
+//! `cargo test --release -p controller --features synthesize --test quadratic_bounded_synthesis --
+//! --nocapture`, with `--ignored search` for the search itself.
+
+mod certificate;
+mod content;
+mod design;
+mod error;
+mod law;
+mod model;
+#[cfg(feature = "synthesize")]
+pub mod synthesis;
+
+pub use certificate::{ClosedMatrix, ClosedState, Gains, closed_loop};
+pub use design::Design;
+pub use error::{Condition, DesignError, Failure};
+pub use law::{Mode, QuadraticBounded, Settings};
+pub use model::{DISTURBANCES, DisturbanceMatrix, Parameters, RULES, STATES, State, StateMatrix};
+
+use crate::law::{Descriptor, GapPolicy, Law, TargetSource};
+use crate::settings::{Table, read};
+use scenario::{Problem, Scenario};
+
+const TABLE: Table = Table::of::<Settings>("quadratic_bounded");
+
+/// The law as data.
+pub static QUADRATIC_BOUNDED: Descriptor = Descriptor {
+    name: "quadratic-bounded",
+    description: "output feedback that keeps all indices within bounds (Gao et al. 2015)",
+    source: "Gao, Yan, Li, Hu, 2015",
+    table: Some(TABLE),
+    formulations: &[&law::FORMULATION],
+    formulation: |_| &law::FORMULATION,
+    gap: GapPolicy::Figure("gap_error_m"),
+    target: TargetSource::Tracked,
+    build,
+};
+
+fn build(scenario: &Scenario) -> Result<Box<dyn Law>, Problem> {
+    let settings: Settings = read(&scenario.controller, TABLE.name)?;
+    let design = match &settings.design {
+        None => Design::shipped(),
+        Some(path) => Design::open(path).map_err(|error| {
+            let key = "controller.quadratic_bounded.design";
+            Problem::new(key, format!("{path}: {error}"), "a certified design")
+        })?,
+    };
+    let law = QuadraticBounded::new(design, settings);
+    Ok(Box::new(law.map_err(|error| error.in_table("controller.quadratic_bounded"))?))
+}

@@ -1,0 +1,257 @@
+//! The law: observe, decide, ask, smooth, limit.
+
+use super::boundaries::Boundaries;
+use super::filter::TargetFilter;
+use super::modes::{self, Mode, Reason, Situation};
+use super::parameters::{Parameters, Variant};
+use super::requests;
+use crate::law::{Ego, Figure, Formulation, Input, Law, Output, Quality, Target};
+use crate::settings::{SettingError, Settings as _};
+
+/// Samples in the mean of the decelerate mode.
+const MEAN: usize = 4;
+/// Request towards which a law without usable input moves, m/s².
+const BLIND_REQUEST: f64 = -1.0;
+/// Control period assumed when the given one is not usable, s.
+const BLIND_PERIOD: f64 = 0.1;
+/// Largest distance shown among the figures, m: the literal R_j has a pole.
+const FARTHEST: f64 = 1e6;
+/// No road vehicle is faster, m/s; anything above is a broken input.
+const FASTEST: f64 = 150.0;
+
+/// The meaning of the numbers in the output.
+pub(super) static FORMULATION: Formulation = Formulation {
+    name: "six modes",
+    modes: Mode::NAMES,
+    reasons: Reason::NAMES,
+    figures: &[
+        Figure::new("r_w_m", "m"),
+        Figure::new("r_b_m", "m"),
+        Figure::new("r_j_m", "m"),
+        Figure::new("r_x_m", "m"),
+        Figure::new("gap_m", "m"),
+        Figure::new("relative_speed_mps", "m/s"),
+        Figure::new("demand_mps2", "m/s²"),
+        Figure::new("time_in_mode_s", "s"),
+    ],
+};
+
+/// The six-mode law.
+#[derive(Clone, Debug)]
+pub struct SixMode {
+    parameters: Parameters,
+    filter: TargetFilter,
+    mode: Option<Mode>,
+    reason: Reason,
+    /// Time since the mode was entered, s.
+    held_s: f64,
+    /// The last demands, newest at `samples - 1` modulo [`MEAN`].
+    demands: [f64; MEAN],
+    samples: usize,
+    /// Request of the last step, m/s².
+    request: f64,
+}
+
+/// What a step needs of its input once that is known to be usable.
+struct Checked {
+    ego: Ego,
+    target: Option<Target>,
+    set_speed: f64,
+    period: f64,
+}
+
+impl SixMode {
+    /// A law with the given parameters.
+    ///
+    /// # Errors
+    /// The parameter that is not usable.
+    pub fn new(parameters: Parameters) -> Result<Self, SettingError> {
+        parameters.check()?;
+        Ok(Self {
+            parameters,
+            filter: TargetFilter::default(),
+            mode: None,
+            reason: Reason::None,
+            held_s: 0.0,
+            demands: [0.0; MEAN],
+            samples: 0,
+            request: 0.0,
+        })
+    }
+
+    /// The law's parameters.
+    #[must_use]
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// Mode of the last step; `None` before the first, and for the literal law as long as the
+    /// paper's table has had no row for what it saw.
+    #[must_use]
+    pub fn mode(&self) -> Option<Mode> {
+        self.mode
+    }
+
+    fn robust(&self) -> bool {
+        self.parameters.variant == Variant::Robust
+    }
+
+    /// The target, if it is within range, as the law sees it.
+    fn observe(&mut self, input: &Checked) -> Option<Situation> {
+        let robust = self.robust();
+        let p = &self.parameters;
+        let Some(target) = &input.target else {
+            self.filter.clear();
+            return None;
+        };
+        let time_constant = if robust { p.filter_time_s } else { 0.0 };
+        let (gap_m, relative_mps) =
+            self.filter.update(target, &input.ego, input.period, time_constant);
+        modes::in_range(p, self.mode, gap_m, robust).then_some(Situation {
+            gap_m,
+            speed_mps: input.ego.speed_mps,
+            relative_mps,
+        })
+    }
+
+    /// Decides the mode and returns its demand, m/s². `None`: the table has no row, all stays.
+    fn decide(&mut self, cruise: f64, seen: Option<(Situation, Boundaries)>) -> Option<f64> {
+        let p = &self.parameters;
+        let Some((s, b)) = seen else {
+            self.enter(Mode::Cruise, Reason::NoTarget);
+            return Some(cruise);
+        };
+        let (mode, reason) = match p.variant {
+            Variant::Literal => modes::literal(p, &s, &b)?,
+            Variant::Robust => modes::robust(p, self.mode, self.held_s, &s, &b),
+        };
+        let demand = requests::following(p, mode, &s, &b);
+        let demand = match p.variant {
+            Variant::Literal => demand.max(self.request_bounds_mps2().0),
+            Variant::Robust => demand.min(cruise),
+        };
+        self.enter(mode, reason);
+        Some(demand)
+    }
+
+    fn enter(&mut self, mode: Mode, reason: Reason) {
+        if self.mode != Some(mode) {
+            self.mode = Some(mode);
+            self.reason = reason;
+            self.held_s = 0.0;
+        }
+    }
+
+    /// Mean of the last demands in the decelerate mode, the newest otherwise.
+    fn mean(&mut self, demand: f64) -> f64 {
+        self.demands[self.samples % MEAN] = demand;
+        self.samples += 1;
+        if self.mode == Some(Mode::Decelerate) {
+            let count = self.samples.min(MEAN);
+            self.demands[..count].iter().sum::<f64>() / count as f64
+        } else {
+            demand
+        }
+    }
+
+    /// Bounds the request and, in the robust law, its rate.
+    fn limit(&self, demand: f64, period: f64) -> f64 {
+        let (low, high) = self.request_bounds_mps2();
+        let demand = demand.clamp(low, high);
+        let p = &self.parameters;
+        let rise = p.jerk_limit_mps3 * period;
+        match (p.variant, self.mode) {
+            (Variant::Literal, _) => demand,
+            (_, Some(Mode::Avoid)) => {
+                demand.max(self.request - p.emergency_jerk_limit_mps3 * period)
+            }
+            _ => demand.clamp(self.request - rise, self.request + rise),
+        }
+    }
+
+    /// Without usable input: towards comfortable braking, never releasing a brake that is on.
+    fn blind(&mut self, output: &mut Output) {
+        let rise = self.parameters.jerk_limit_mps3 * BLIND_PERIOD;
+        self.request = BLIND_REQUEST.min(self.request).max(self.request - rise);
+        output.quality = Quality::Backup;
+        output.set_request(self.request);
+    }
+}
+
+impl Law for SixMode {
+    fn reset(&mut self) {
+        self.filter.clear();
+        self.mode = None;
+        self.reason = Reason::None;
+        self.held_s = 0.0;
+        self.demands = [0.0; MEAN];
+        self.samples = 0;
+        self.request = 0.0;
+    }
+
+    fn step(&mut self, input: &Input, output: &mut Output) {
+        *output = Output::default();
+        if let Some(input) = check(input) {
+            let seen = self.observe(&input);
+            let seen = seen.map(|s| {
+                let p = &self.parameters;
+                let b = if self.robust() {
+                    Boundaries::robust(p, s.speed_mps, s.relative_mps)
+                } else {
+                    Boundaries::literal(p, s.speed_mps, s.relative_mps)
+                };
+                (s, b)
+            });
+            let cruise = requests::cruise(&self.parameters, input.set_speed, input.ego.speed_mps);
+            let decided = self.decide(cruise, seen);
+            if let Some(demand) = decided {
+                let demand = self.mean(demand);
+                self.request = self.limit(demand, input.period);
+            }
+            self.held_s += input.period;
+            output.set_request(self.request);
+            if let Some((s, b)) = seen {
+                output.figures[..6].copy_from_slice(&[
+                    b.warning_m,
+                    b.braking_m,
+                    b.following_m.clamp(-FARTHEST, FARTHEST),
+                    b.desired_m,
+                    s.gap_m,
+                    s.relative_mps,
+                ]);
+            }
+            output.figures[6] = decided.unwrap_or(self.request);
+            output.figures[7] = self.held_s;
+        } else {
+            self.blind(output);
+        }
+        output.mode = self.mode.unwrap_or(Mode::Cruise).index();
+        output.mode_reason = self.reason.index();
+    }
+
+    fn request_bounds_mps2(&self) -> (f64, f64) {
+        let least = requests::LEVELS[requests::LEVELS.len() - 1];
+        (least.min(-self.parameters.braking_mps2), requests::FULL_ACCELERATION)
+    }
+}
+
+/// The input, if every value the law uses is one that a vehicle can have.
+fn check(input: &Input) -> Option<Checked> {
+    let within = |v: f64, low: f64, high: f64| (low..=high).contains(&v);
+    let set_speed = input.set_speed_mps.min(input.speed_limit_mps).max(0.0);
+    let usable = within(input.period_s, 1e-4, 10.0)
+        && within(input.ego.speed_mps, -1.0, FASTEST)
+        && within(set_speed, 0.0, FASTEST)
+        && !input.set_speed_mps.is_nan()
+        && !input.speed_limit_mps.is_nan()
+        && input.target.is_none_or(|t| {
+            within(t.gap_m, -FARTHEST, FARTHEST)
+                && within(t.relative_speed_mps, -2.0 * FASTEST, FASTEST)
+        });
+    usable.then(|| Checked {
+        ego: Ego { speed_mps: input.ego.speed_mps.max(0.0), ..input.ego },
+        target: input.target,
+        set_speed,
+        period: input.period_s,
+    })
+}

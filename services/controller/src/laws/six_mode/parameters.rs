@@ -1,0 +1,203 @@
+//! Parameters of the law, as the table `[controller.six_mode]` holds them.
+
+use serde::{Deserialize, Serialize};
+
+use crate::settings::{SettingError, Settings, above, below, within};
+
+/// Which reading of the paper drives.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Variant {
+    /// The paper with its misprints corrected and nothing added: for study, not for driving.
+    Literal,
+    /// The same modes with every listed trap cured.
+    #[default]
+    Robust,
+}
+
+/// Parameters of the six-mode law; the default is the driving default.
+///
+/// The second group acts in the robust variant only.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Parameters {
+    /// Which variant runs.
+    pub variant: Variant,
+    /// a_h: the ego's full braking, m/s² (positive).
+    pub braking_mps2: f64,
+    /// a_p: the hardest braking expected of a target, m/s² (positive, above a_h).
+    pub lead_braking_mps2: f64,
+    /// a: the deceleration behind the warning distance, m/s² (positive).
+    pub warning_deceleration_mps2: f64,
+    /// t1: driver and system reaction time, s.
+    pub reaction_time_s: f64,
+    /// R0: gap left after an emergency stop, m.
+    pub standstill_gap_m: f64,
+    /// Targets beyond this range are not followed, m.
+    pub sensor_range_m: f64,
+    /// k: closing speed from which steady driving becomes an approach, m/s.
+    pub approach_threshold_mps: f64,
+    /// k_c: relative speeds below this are regulated proportionally, m/s.
+    pub steady_band_mps: f64,
+    /// k1: gain of the cruise law, 1/s.
+    pub cruise_gain_per_s: f64,
+    /// k3: gain of the steady law, 1/s.
+    pub steady_gain_per_s: f64,
+
+    /// Least width of the decelerate band, R_w - R_b, m (trap 1).
+    pub least_band_m: f64,
+    /// Hardest braking of the approach law, m/s² (positive; trap 3).
+    pub approach_limit_mps2: f64,
+    /// Floor of the approach law's denominator R - R_w, m (trap 3).
+    pub approach_floor_m: f64,
+    /// How far below R_j the gap must fall to end the accelerate mode, m (trap 4).
+    pub following_hysteresis_m: f64,
+    /// Relative speed that counts as opening or closing once the other held, m/s (trap 5).
+    pub sign_band_mps: f64,
+    /// Steady driving accelerates less when the gap is within this of R_w, m (trap 6).
+    pub opening_fade_m: f64,
+    /// The avoid mode ends this far above R_b, m (trap 7).
+    pub braking_hysteresis_m: f64,
+    /// The decelerate mode ends this far above R_w, m (trap 8).
+    pub warning_hysteresis_m: f64,
+    /// Half width of the hysteresis on k, m/s (trap 8).
+    pub threshold_hysteresis_mps: f64,
+    /// Least time in a mode before it may end, except into 1, 4 and 5, s (trap 8).
+    pub dwell_s: f64,
+    /// Time constant of the filter on gap and target speed, s; 0 switches it off (trap 8).
+    pub filter_time_s: f64,
+    /// A target is taken up only this far inside the sensor range, m (trap 9).
+    pub range_hysteresis_m: f64,
+    /// Limit on the rate of the request outside the avoid mode, m/s³ (trap 9).
+    pub jerk_limit_mps3: f64,
+    /// Limit on the rate at which the avoid mode applies the brake, m/s³ (trap 9).
+    pub emergency_jerk_limit_mps3: f64,
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        Self {
+            variant: Variant::Robust,
+            braking_mps2: 6.0,
+            lead_braking_mps2: 8.0,
+            warning_deceleration_mps2: 1.0,
+            reaction_time_s: 1.1,
+            standstill_gap_m: 4.0,
+            sensor_range_m: 180.0,
+            approach_threshold_mps: 0.5,
+            steady_band_mps: 0.15,
+            cruise_gain_per_s: 1.0,
+            steady_gain_per_s: 0.02,
+            least_band_m: 2.0,
+            approach_limit_mps2: 1.0,
+            approach_floor_m: 2.0,
+            following_hysteresis_m: 3.0,
+            sign_band_mps: 0.1,
+            opening_fade_m: 10.0,
+            braking_hysteresis_m: 3.0,
+            warning_hysteresis_m: 1.0,
+            threshold_hysteresis_mps: 0.15,
+            dwell_s: 0.5,
+            filter_time_s: 0.3,
+            range_hysteresis_m: 2.0,
+            jerk_limit_mps3: 5.0,
+            emergency_jerk_limit_mps3: 20.0,
+        }
+    }
+}
+
+impl Parameters {
+    /// The literal variant of the paper with the driving default's values.
+    #[must_use]
+    pub fn literal() -> Self {
+        Self { variant: Variant::Literal, ..Self::default() }
+    }
+
+    /// The values that reproduce the published run.
+    ///
+    /// The paper prints a, t1, R0, the range, k1 and k3. It does not print a_h, a_p, k, k_c nor any
+    /// hysteresis: those are inferred from its switching times. Sensors are ideal there, so the
+    /// filter and the dwell are off.
+    #[must_use]
+    pub fn published() -> Self {
+        Self {
+            braking_mps2: 4.0,
+            lead_braking_mps2: 6.0,
+            approach_threshold_mps: 0.256,
+            steady_band_mps: 0.0768,
+            braking_hysteresis_m: 2.4,
+            threshold_hysteresis_mps: 0.0256,
+            sign_band_mps: 0.0128,
+            dwell_s: 0.0,
+            filter_time_s: 0.0,
+            jerk_limit_mps3: 8.0,
+            ..Self::default()
+        }
+    }
+}
+
+impl Settings for Parameters {
+    fn check(&self) -> Result<(), SettingError> {
+        above("braking_mps2", self.braking_mps2, 0.0, 12.0)?;
+        above("lead_braking_mps2", self.lead_braking_mps2, 0.0, 15.0)?;
+        above("warning_deceleration_mps2", self.warning_deceleration_mps2, 0.0, 12.0)?;
+        above("standstill_gap_m", self.standstill_gap_m, 0.0, 50.0)?;
+        above("sensor_range_m", self.sensor_range_m, 0.0, 1000.0)?;
+        above("approach_threshold_mps", self.approach_threshold_mps, 0.0, 20.0)?;
+        above("cruise_gain_per_s", self.cruise_gain_per_s, 0.0, 10.0)?;
+        above("least_band_m", self.least_band_m, 0.0, 50.0)?;
+        above("approach_limit_mps2", self.approach_limit_mps2, 0.0, 12.0)?;
+        above("approach_floor_m", self.approach_floor_m, 0.0, 50.0)?;
+        above("opening_fade_m", self.opening_fade_m, 0.0, 100.0)?;
+        above("jerk_limit_mps3", self.jerk_limit_mps3, 0.0, 1000.0)?;
+        above("emergency_jerk_limit_mps3", self.emergency_jerk_limit_mps3, 0.0, 1000.0)?;
+        within("reaction_time_s", self.reaction_time_s, 0.0, 10.0)?;
+        within("steady_band_mps", self.steady_band_mps, 0.0, 20.0)?;
+        within("steady_gain_per_s", self.steady_gain_per_s, 0.0, 10.0)?;
+        within("following_hysteresis_m", self.following_hysteresis_m, 0.0, 100.0)?;
+        within("sign_band_mps", self.sign_band_mps, 0.0, 5.0)?;
+        within("braking_hysteresis_m", self.braking_hysteresis_m, 0.0, 100.0)?;
+        within("warning_hysteresis_m", self.warning_hysteresis_m, 0.0, 100.0)?;
+        within("threshold_hysteresis_mps", self.threshold_hysteresis_mps, 0.0, 5.0)?;
+        within("dwell_s", self.dwell_s, 0.0, 10.0)?;
+        within("filter_time_s", self.filter_time_s, 0.0, 10.0)?;
+        within("range_hysteresis_m", self.range_hysteresis_m, 0.0, 100.0)?;
+        let (lead, threshold) = (self.lead_braking_mps2, self.approach_threshold_mps);
+        below("braking_mps2", self.braking_mps2, "lead_braking_mps2", lead)?;
+        below("steady_band_mps", self.steady_band_mps, "approach_threshold_mps", threshold)?;
+        let hysteresis = self.threshold_hysteresis_mps;
+        below("threshold_hysteresis_mps", hysteresis, "approach_threshold_mps", threshold)?;
+        below("range_hysteresis_m", self.range_hysteresis_m, "sensor_range_m", self.sensor_range_m)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_built_in_sets_are_valid() {
+        for p in [Parameters::default(), Parameters::literal(), Parameters::published()] {
+            assert_eq!(p.check(), Ok(()));
+        }
+    }
+
+    #[test]
+    fn a_bad_value_names_its_key() {
+        let bad = |p: Parameters| p.check().expect_err("must be refused").key();
+        let base = Parameters::default();
+        assert_eq!(bad(Parameters { braking_mps2: -4.0, ..base.clone() }), "braking_mps2");
+        assert_eq!(bad(Parameters { braking_mps2: 9.0, ..base.clone() }), "braking_mps2");
+        assert_eq!(bad(Parameters { dwell_s: f64::NAN, ..base.clone() }), "dwell_s");
+        assert_eq!(bad(Parameters { sensor_range_m: f64::INFINITY, ..base }), "sensor_range_m");
+    }
+
+    #[test]
+    fn unknown_keys_are_refused_and_missing_ones_default() {
+        let p: Parameters =
+            serde_json::from_str(r#"{"variant":"literal","braking_mps2":4.0}"#).expect("valid");
+        assert_eq!(p, Parameters { braking_mps2: 4.0, ..Parameters::literal() });
+        let e = serde_json::from_str::<Parameters>(r#"{"braking":4.0}"#).expect_err("unknown key");
+        assert!(e.to_string().contains("braking"), "{e}");
+    }
+}

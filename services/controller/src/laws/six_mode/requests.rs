@@ -1,0 +1,128 @@
+//! The acceleration that each mode asks for, m/s².
+
+use super::boundaries::Boundaries;
+use super::modes::{Mode, Situation};
+use super::parameters::{Parameters, Variant};
+
+/// Request of the accelerate mode and upper bound of every request.
+pub(super) const FULL_ACCELERATION: f64 = 1.0;
+/// The eight levels of the decelerate mode, from R_w down to R_b.
+pub(super) const LEVELS: [f64; 8] = [-0.5, -0.75, -1.25, -1.75, -2.25, -2.75, -3.25, -3.75];
+
+/// Set-speed error up to which the cruise law is proportional, m/s (1 km/h).
+const CRUISE_BAND: f64 = 1.0 / 3.6;
+/// Hardest braking of the cruise law.
+const CRUISE_BRAKING: f64 = -1.0;
+/// Steady mode (1), slightly closing, eq (9).
+const STEADY_CLOSING: f64 = -0.1;
+/// Steady mode (2), slightly opening, eq (9).
+const STEADY_OPENING: f64 = 0.4;
+
+/// Eq (7): reach and keep the set speed.
+#[must_use]
+pub(super) fn cruise(p: &Parameters, set_speed: f64, speed: f64) -> f64 {
+    let error = set_speed - speed;
+    if error > CRUISE_BAND {
+        FULL_ACCELERATION
+    } else {
+        (p.cruise_gain_per_s * error).clamp(CRUISE_BRAKING, FULL_ACCELERATION)
+    }
+}
+
+/// Request of a mode that has a target, before mean and limits.
+#[must_use]
+pub(super) fn following(p: &Parameters, mode: Mode, s: &Situation, b: &Boundaries) -> f64 {
+    match mode {
+        Mode::Approach => approach(p, s, b),
+        Mode::Steady => steady(p, s, b),
+        Mode::Decelerate => LEVELS[level(s.gap_m, b)],
+        Mode::Avoid => -p.braking_mps2,
+        Mode::Accelerate | Mode::Cruise => FULL_ACCELERATION,
+    }
+}
+
+/// Eq (8): the constant deceleration that matches speeds at R_w. The literal law divides by what
+/// is left of the way, whatever it is (trap 3).
+fn approach(p: &Parameters, s: &Situation, b: &Boundaries) -> f64 {
+    let way = s.gap_m - b.warning_m;
+    let square = s.relative_mps * s.relative_mps;
+    match p.variant {
+        Variant::Literal if way > 0.0 => -square / (2.0 * way),
+        Variant::Literal => f64::NEG_INFINITY,
+        Variant::Robust => {
+            (-square / (2.0 * way.max(p.approach_floor_m))).max(-p.approach_limit_mps2)
+        }
+    }
+}
+
+/// Eqs (9) and (10). The robust law lets the push of eq (9) fade towards R_w, which itself grows
+/// with the ego's speed: otherwise steady and decelerate take turns for ever (trap 6).
+fn steady(p: &Parameters, s: &Situation, b: &Boundaries) -> f64 {
+    let relative = s.relative_mps;
+    if relative.abs() < p.steady_band_mps {
+        p.steady_gain_per_s * relative
+    } else if relative < 0.0 {
+        STEADY_CLOSING
+    } else {
+        match p.variant {
+            Variant::Literal => STEADY_OPENING,
+            Variant::Robust => {
+                STEADY_OPENING * ((s.gap_m - b.warning_m) / p.opening_fade_m).clamp(0.0, 1.0)
+            }
+        }
+    }
+}
+
+/// Which of the eight equal bands between R_w and R_b the gap lies in, 0 at R_w.
+fn level(gap: f64, b: &Boundaries) -> usize {
+    let s = (b.warning_m - gap) / (b.warning_m - b.braking_m);
+    // The cast saturates: below 0 and NaN give band 0.
+    ((8.0 * s) as usize).min(LEVELS.len() - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cruise_is_the_papers_equation_7() {
+        let p = Parameters::default();
+        assert_eq!(cruise(&p, 20.0, 19.0), 1.0);
+        assert_eq!(cruise(&p, 20.0, 19.75), 0.25);
+        assert_eq!(cruise(&p, 20.0, 20.5), -0.5);
+        assert_eq!(cruise(&p, 20.0, 30.0), -1.0);
+    }
+
+    #[test]
+    fn the_eight_levels_divide_the_band_equally() {
+        let b = Boundaries { warning_m: 18.0, braking_m: 10.0, ..Boundaries::default() };
+        for (i, gap) in [17.9, 16.9, 15.9, 14.9, 13.9, 12.9, 11.9, 10.9].into_iter().enumerate() {
+            assert_eq!(level(gap, &b), i);
+        }
+        assert_eq!(level(10.0, &b), 7);
+        assert_eq!(level(19.0, &b), 0);
+    }
+
+    #[test]
+    fn approach_is_equation_8() {
+        let s = Situation { gap_m: 130.0, speed_mps: 20.0, relative_mps: -4.0 };
+        let b = Boundaries { warning_m: 110.0, ..Boundaries::default() };
+        for p in [Parameters::default(), Parameters::literal()] {
+            assert_eq!(following(&p, Mode::Approach, &s, &b), -0.4);
+        }
+    }
+
+    #[test]
+    fn steady_follows_equations_9_and_10() {
+        let p = Parameters::default();
+        let b = Boundaries { warning_m: 40.0, ..Boundaries::default() };
+        let at = |p: &Parameters, gap_m, relative_mps| {
+            steady(p, &Situation { gap_m, speed_mps: 10.0, relative_mps }, &b)
+        };
+        assert_eq!(at(&p, 60.0, 0.1), 0.02 * 0.1);
+        assert_eq!(at(&p, 60.0, -0.3), -0.1);
+        assert_eq!(at(&p, 60.0, 0.3), 0.4);
+        assert_eq!(at(&p, 45.0, 0.3), 0.2);
+        assert_eq!(at(&Parameters::literal(), 45.0, 0.3), 0.4);
+    }
+}

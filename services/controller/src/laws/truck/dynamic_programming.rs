@@ -1,0 +1,159 @@
+//! Receding-horizon dynamic programming over kinetic energy, with gears.
+//!
+//! ```text
+//! min  sum(fuel + beta t + shifts) - gamma (K_end - K_set) + q gamma (K_end - K_set)²/K_set      q = 0.5
+//! ```
+//!
+//! A change of torque against the one that acts costs a little, lest the torque chatters between
+//! levels of the grid.
+
+use super::energy_grid::{Costs, EnergyGrid, LOWEST, PLANNED_GEARS, SLOWNESS_GPM, Values};
+use super::prices::Prices;
+use super::speed_band::SpeedBand;
+use crate::law::{MAX_SEGMENTS, Plan, PlanRequest, Planner};
+use truck_model::Truck;
+
+/// Weight q of the terminal cost's square.
+const TERMINAL_SQUARE: f64 = 0.5;
+/// Price of a change of tractive force, g/N.
+const CHANGE_GPN: f64 = 2e-5;
+/// Lowest speed of the grid, as a share of the set speed (50 km/h at 75 km/h).
+const LOWEST_SPEED: f64 = 50.0 / 75.0;
+
+/// Resolution of the program.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Resolution {
+    /// Nodes over kinetic energy.
+    pub nodes: usize,
+    /// Length of a step, m.
+    pub step_m: f64,
+    /// Number of steps, at most [`MAX_SEGMENTS`].
+    pub steps: usize,
+}
+
+impl Default for Resolution {
+    fn default() -> Self {
+        Self { nodes: 70, step_m: 100.0, steps: 20 }
+    }
+}
+
+/// The planner.
+#[derive(Clone, Debug)]
+pub struct DynamicProgramming {
+    truck: Truck,
+    resolution: Resolution,
+    grid: EnergyGrid,
+    prices: Prices,
+    /// Set and highest speed that the grid is laid out for.
+    laid_out_for: (f64, f64),
+    values: Vec<Values>,
+}
+
+impl DynamicProgramming {
+    /// A planner for `truck`.
+    ///
+    /// # Panics
+    /// If the resolution has fewer than two nodes, no step, or more than [`MAX_SEGMENTS`].
+    #[must_use]
+    pub fn new(truck: &Truck, resolution: Resolution) -> Self {
+        assert!(resolution.nodes >= 2 && (1..=MAX_SEGMENTS).contains(&resolution.steps));
+        let values = || [(); PLANNED_GEARS].map(|()| vec![0.0; resolution.nodes]);
+        Self {
+            truck: *truck,
+            resolution,
+            grid: EnergyGrid::new(truck, resolution.nodes),
+            prices: Prices::default(),
+            laid_out_for: (0.0, 0.0),
+            values: (0..=resolution.steps).map(|_| values()).collect(),
+        }
+    }
+
+    fn lay_out(&mut self, request: &PlanRequest) {
+        let wanted = (request.set_speed_mps, SpeedBand::of(request).max_mps);
+        if self.laid_out_for != wanted {
+            self.laid_out_for = wanted;
+            self.prices = Prices::new(&self.truck, request.set_speed_mps);
+            self.grid.span(LOWEST_SPEED * wanted.0.min(wanted.1), wanted.1);
+        }
+        self.grid.set_costs(Costs {
+            time_gps: request.time_price * self.prices.time_gps,
+            shift_g: self.prices.shift_g,
+            slow_gpm: SLOWNESS_GPM,
+            min_speed_mps: SpeedBand::of(request).min_mps,
+        });
+    }
+
+    fn value_at_the_end(&mut self, steps: usize, set_speed_mps: f64) {
+        let set_j = self.truck.kinetic_energy_j(set_speed_mps);
+        let gamma = self.prices.energy_gpj;
+        for values in &mut self.values[steps] {
+            for (value, &energy_j) in values.iter_mut().zip(self.grid.energies_j()) {
+                let above_j = energy_j - set_j;
+                *value = gamma * above_j * (TERMINAL_SQUARE * above_j / set_j - 1.0);
+            }
+        }
+    }
+
+    /// Follows the values from the truck's state to the horizon.
+    fn roll_out(&mut self, request: &PlanRequest, steps: usize, plan: &mut Plan) -> bool {
+        let length_m = self.resolution.step_m;
+        let mut position_m = request.position_m;
+        let mut energy_j = self.truck.kinetic_energy_j(request.speed_mps);
+        let mut gear = request.gear;
+        let rpm = self.truck.engine_rpm(request.speed_mps, gear);
+        let net_nm = request.engine_torque_nm - self.truck.auxiliary_torque_nm(rpm);
+        let mut force_n = self.truck.force_n(net_nm, gear);
+        for step in 0..steps {
+            let end_m = position_m + length_m;
+            let Some(grade) = request.preview.mean_grade(position_m, end_m) else { return false };
+            let stage = self.grid.stage(length_m, grade);
+            let next = &self.values[step + 1];
+            let before = (force_n, CHANGE_GPN);
+            let Some(choice) = self.grid.choose(stage, energy_j, gear, next, before) else {
+                return false;
+            };
+            let mean_mps = self.truck.speed_mps(0.5 * (energy_j + choice.end_j));
+            (gear, force_n, energy_j) = (choice.gear, choice.force_n, choice.end_j);
+            let rpm = self.truck.engine_rpm(mean_mps, gear);
+            let torque_nm =
+                self.truck.net_torque_nm(force_n, gear) + self.truck.auxiliary_torque_nm(rpm);
+            plan.push(end_m, torque_nm, Some(gear), self.truck.speed_mps(energy_j));
+            position_m = end_m;
+        }
+        true
+    }
+}
+
+impl Planner for DynamicProgramming {
+    fn plan(&mut self, request: &PlanRequest, plan: &mut Plan) -> bool {
+        plan.begin(request);
+        let known_m = request.preview.end_m() - request.position_m;
+        let steps = (known_m / self.resolution.step_m).max(0.0) as usize;
+        let steps = steps.min(self.resolution.steps);
+        if steps == 0 {
+            return false;
+        }
+        self.lay_out(request);
+        let (low_j, high_j) = self.grid.range_j();
+        let energy_j = self.truck.kinetic_energy_j(request.speed_mps);
+        if !(low_j..=1.05 * high_j).contains(&energy_j) || request.gear < LOWEST {
+            return false;
+        }
+        self.value_at_the_end(steps, request.set_speed_mps);
+        for step in (1..steps).rev() {
+            let from_m = request.position_m + self.resolution.step_m * step as f64;
+            let to_m = from_m + self.resolution.step_m;
+            let Some(grade) = request.preview.mean_grade(from_m, to_m) else { return false };
+            let stage = self.grid.stage(self.resolution.step_m, grade);
+            let (here, next) = self.values.split_at_mut(step + 1);
+            self.grid.backward(stage, &next[0], &mut here[step]);
+        }
+        let done = self.roll_out(request, steps, plan);
+        if done {
+            plan.binding = 1;
+        } else {
+            plan.len = 0;
+        }
+        done
+    }
+}

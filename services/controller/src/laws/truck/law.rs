@@ -1,0 +1,420 @@
+//! The law: what drives the truck at each release.
+//!
+//! | mode | when | torque |
+//! |---|---|---|
+//! | `cruise` | no plan: none arrived, it is stale, the map ends or contradicts the vehicle | keeps the set speed |
+//! | `predictive` | 1: no target, or far beyond its band without risk | the plan's, within step 3's bounds |
+//! | `follow` | 2 | inverse dynamics (6) of (18), between drag and full load; below the band the engine brake |
+//! | `warn` | 3 | the same; what engine and engine brake cannot give, the service brakes do |
+//!
+//! The service brakes are the last resort: too close to the target, when it takes much to stay away from it,
+//! and to hold the limit downhill.
+
+use super::following::{self, JERK_MPS3, LastResort, Means};
+use super::limiter;
+use super::map_trust::MapTrust;
+use super::planners::create;
+use super::settings::{PlannerKind, Settings};
+use super::spacing::{Mode, Spacing};
+use super::speed_band::{max_speed_mps, min_speed_mps};
+use super::speed_keeper::SpeedKeeper;
+use super::target_filter::{Estimate, TargetFilter};
+use super::time_price::TimePrice;
+use super::tracking::{Guidance, Tracking};
+use crate::law::{
+    Figure, Formulation, Input, Law, MAX_PLAN, Output, Plan, PlanRequest, Planner, Planning,
+    Powertrain, Preview, Quality, TorqueRequest,
+};
+use truck_model::{Demand, GEARS, Motion};
+
+/// Requests, m/s².
+const REQUESTS_MPS2: (f64, f64) = (-6.5, 1.5);
+/// Lowest set speed that is planned for, m/s.
+const PLANNED_FROM_MPS: f64 = 10.0;
+/// Distance from the lead over which its road counts, m (14).
+const LEAD_ROAD_M: f64 = 300.0;
+/// Largest believable values of an input.
+const BELIEVABLE: f64 = 1e7;
+const BELIEVABLE_MPS: f64 = 100.0;
+/// Guard of the lower bound (step 3): torque above holding, N m, and more per m/s below.
+const GUARD_NM: f64 = 200.0;
+const GUARD_NM_PER_MPS: f64 = 400.0;
+/// Requests that a command carries of the plan.
+const REQUESTS: usize = 50;
+
+/// The meaning of the numbers in the output.
+pub(super) static FORMULATION: Formulation = Formulation {
+    name: "truck",
+    modes: &["cruise", "predictive", "follow", "warn"],
+    reasons: &[
+        "none",
+        "plan",
+        "no_plan",
+        "map_contradicts",
+        "target",
+        "target_gone",
+        "too_close",
+        "bad_input",
+    ],
+    figures: &[
+        Figure::new("economic_speed_mps", "m/s"),
+        Figure::new("engine_torque_nm", "N m"),
+        Figure::new("gear", "1"),
+        Figure::new("time_price", "1"),
+        Figure::new("lag_s", "s"),
+        Figure::new("filtered_gap_m", "m"),
+        Figure::new("service_brake_n", "N"),
+        Figure::new("plan_ahead_m", "m"),
+    ],
+};
+
+const CRUISE: u32 = 0;
+const PREDICTIVE: u32 = 1;
+const FOLLOW: u32 = 2;
+const WARN: u32 = 3;
+const PLAN: u32 = 1;
+const NO_PLAN: u32 = 2;
+const MAP_CONTRADICTS: u32 = 3;
+const TARGET: u32 = 4;
+const TARGET_GONE: u32 = 5;
+const TOO_CLOSE: u32 = 6;
+const BAD_INPUT: u32 = 7;
+
+/// The law.
+#[derive(Clone, Debug)]
+pub struct Predictive {
+    settings: Settings,
+    state: State,
+}
+
+/// All that `reset` forgets.
+#[derive(Clone, Debug)]
+struct State {
+    tracking: Tracking,
+    filter: TargetFilter,
+    spacing_mode: Mode,
+    price: TimePrice,
+    trust: MapTrust,
+    keeper: SpeedKeeper,
+    last_resort: LastResort,
+    /// Acceleration that was wanted last behind a target, m/s².
+    wanted_mps2: Option<f64>,
+    mode: u32,
+    reason: u32,
+    request: Option<PlanRequest>,
+}
+
+impl State {
+    fn new(settings: &Settings) -> Self {
+        Self {
+            tracking: Tracking::default(),
+            filter: TargetFilter::default(),
+            spacing_mode: Mode::default(),
+            price: TimePrice::new(settings.planner.usual_time_price()),
+            trust: MapTrust::default(),
+            keeper: SpeedKeeper::default(),
+            last_resort: LastResort::default(),
+            wanted_mps2: None,
+            mode: CRUISE,
+            reason: 0,
+            request: None,
+        }
+    }
+}
+
+impl Predictive {
+    /// A law of these settings.
+    #[must_use]
+    pub fn new(settings: &Settings) -> Self {
+        Self { settings: *settings, state: State::new(settings) }
+    }
+
+    /// How late the truck is against its mean speed, s.
+    #[must_use]
+    pub fn lag_s(&self) -> f64 {
+        self.state.price.lag_s()
+    }
+
+    /// The powertrain; without a report the gear that the speed suggests.
+    fn powertrain(&self, input: &Input) -> Powertrain {
+        let reported = input.powertrain.filter(|powertrain| {
+            powertrain.gear < GEARS
+                && powertrain.engine_torque_nm.abs() < BELIEVABLE
+                && powertrain.grade.abs() < 1.0
+        });
+        reported.unwrap_or_else(|| {
+            let motion = Motion::new(&self.settings.truck, 0.0, input.ego.speed_mps, 0.0);
+            Powertrain {
+                gear: motion.gear,
+                since_shift_s: motion.since_shift_s,
+                engine_torque_nm: motion.engine_torque_nm,
+                grade: 0.0,
+            }
+        })
+    }
+
+    /// Torque of the plan within the bounds of step 3, N m.
+    fn guarded_nm(&self, input: &Input, powertrain: &Powertrain, guidance: &Guidance) -> f64 {
+        let truck = &self.settings.truck;
+        let (speed_mps, gear) = (input.ego.speed_mps, powertrain.gear);
+        let scale = truck.parameters().engine_scale;
+        let hold_nm = truck.engine_torque_nm(0.0, speed_mps, gear, powertrain.grade);
+        let rpm = truck.engine_rpm(speed_mps, gear);
+        let (low_nm, high_nm) =
+            (truck.engine().drag_torque_nm(rpm), truck.engine().max_torque_nm(rpm));
+        let slow_mps = min_speed_mps(input.set_speed_mps) - speed_mps;
+        let mut torque_nm = guidance.engine_torque_nm;
+        if self.settings.planner == PlannerKind::PaperN2 && slow_mps > 0.0 {
+            torque_nm = torque_nm.max(hold_nm + scale * (GUARD_NM + GUARD_NM_PER_MPS * slow_mps));
+        }
+        if speed_mps > max_speed_mps(input.set_speed_mps, input.speed_limit_mps) {
+            torque_nm = torque_nm.min(hold_nm);
+        }
+        torque_nm.clamp(low_nm, high_nm)
+    }
+
+    /// Gaps and mode behind the target.
+    fn look_at(&mut self, input: &Input, target: &Estimate) -> Spacing {
+        let speed_mps = input.ego.speed_mps;
+        let target_mps = (speed_mps + target.relative_speed_mps).max(0.0);
+        let from_m = input.ego.position_m + target.gap_m.max(0.0);
+        let grade = input
+            .preview
+            .filter(|preview| preview.is_sound() && !self.state.trust.is_lost())
+            .and_then(|preview| preview.mean_grade(from_m, from_m + LEAD_ROAD_M));
+        let spacing = Spacing::new(speed_mps, target_mps, grade.unwrap_or(0.0));
+        self.state.spacing_mode = spacing.mode(target, self.state.spacing_mode);
+        spacing
+    }
+
+    /// The demand behind a target, if the target counts.
+    fn behind(
+        &mut self,
+        input: &Input,
+        powertrain: &Powertrain,
+        target: &Estimate,
+        economic_mps: f64,
+    ) -> Option<Demand> {
+        let spacing = self.look_at(input, target);
+        let speed_mps = input.ego.speed_mps;
+        let target_mps = (speed_mps + target.relative_speed_mps).max(0.0);
+        let aim_mps = following::target_speed_mps(economic_mps, target_mps, &spacing, target.gap_m);
+        let mode = self.state.spacing_mode;
+        let means = self.state.last_resort.update(mode, speed_mps, &spacing, target);
+        if means == Means::Engine && mode == Mode::Predictive && aim_mps >= economic_mps {
+            return None;
+        }
+        let wanted = following::acceleration_mps2(mode, speed_mps, aim_mps, &spacing, target);
+        let before = self.state.wanted_mps2.unwrap_or(input.ego.acceleration_mps2);
+        let (up, down) = (JERK_MPS3.0 * input.period_s, JERK_MPS3.1 * input.period_s);
+        let eased = wanted.clamp(before - down, before + up);
+        self.state.wanted_mps2 = Some(eased);
+        let acceleration_mps2 = match means {
+            Means::ServiceBrake(least_mps2) => least_mps2.min(eased),
+            Means::Engine | Means::EngineBrake => eased,
+        };
+        let truck = &self.settings.truck;
+        let gear = powertrain.gear;
+        let mut demand =
+            Demand::for_acceleration(truck, acceleration_mps2, speed_mps, gear, powertrain.grade);
+        let rpm = truck.engine_rpm(speed_mps, gear);
+        demand.engine_torque_nm = demand.engine_torque_nm.min(truck.engine().max_torque_nm(rpm));
+        if !matches!(means, Means::ServiceBrake(_)) {
+            demand.service_brake_n = 0.0;
+        }
+        if means == Means::Engine {
+            let drag_nm = truck.engine().drag_torque_nm(rpm);
+            demand.engine_torque_nm = demand.engine_torque_nm.max(drag_nm);
+        }
+        Some(demand)
+    }
+
+    /// Writes the demand and the accelerations that go with it.
+    fn write(&self, input: &Input, powertrain: &Powertrain, demand: &Demand, output: &mut Output) {
+        let truck = &self.settings.truck;
+        let (speed_mps, gear) = (input.ego.speed_mps, powertrain.gear);
+        let rpm = truck.engine_rpm(speed_mps, gear);
+        let net_nm = demand.engine_torque_nm - truck.auxiliary_torque_nm(rpm);
+        let force_n = truck.force_n(net_nm, gear)
+            - demand.service_brake_n
+            - truck.resistance_n(speed_mps, powertrain.grade);
+        let (low, high) = REQUESTS_MPS2;
+        let bounded = |mps2: f64| mps2.clamp(low, high);
+        output.set_request(bounded(force_n / truck.inertial_mass_kg()));
+        output.torque = Some(TorqueRequest {
+            engine_torque_nm: demand.engine_torque_nm,
+            service_brake_n: demand.service_brake_n,
+            gear: demand.gear,
+        });
+        if self.state.mode != PREDICTIVE {
+            return;
+        }
+        // The rest of the plan, by the plan's own speeds.
+        let plan = self.state.tracking.plan();
+        let (mut position_m, mut speed_mps) = (input.ego.position_m, speed_mps);
+        for request in 1..REQUESTS.min(MAX_PLAN) {
+            position_m += speed_mps * input.period_s;
+            let Some(index) = plan.segment_at(position_m) else { break };
+            speed_mps = plan.speed_mps(index, position_m);
+            output.plan_mps2[request] = bounded(plan.acceleration_mps2(index));
+            output.plan_len = request + 1;
+        }
+    }
+
+    fn enter(&mut self, mode: u32, reason: u32) {
+        if self.state.mode != mode {
+            self.state.reason = reason;
+        }
+        self.state.mode = mode;
+    }
+}
+
+impl Law for Predictive {
+    fn reset(&mut self) {
+        self.state = State::new(&self.settings);
+    }
+
+    fn step(&mut self, input: &Input, output: &mut Output) {
+        *output = Output::default();
+        self.state.request = None;
+        if !believable(input) {
+            output.quality = Quality::Backup;
+            output.mode = CRUISE;
+            output.mode_reason = BAD_INPUT;
+            return;
+        }
+        let dt_s = input.period_s;
+        let ego = &input.ego;
+        let powertrain = self.powertrain(input);
+        let preview = input.preview.filter(Preview::is_sound);
+        let map_grade = preview.and_then(|preview| preview.grade(ego.position_m));
+        self.state.trust.update(map_grade, powertrain.grade, dt_s);
+        let target = self.state.filter.update(input.target.as_ref(), ego.acceleration_mps2, dt_s);
+
+        let distrusted = self.state.trust.is_lost();
+        if distrusted {
+            self.state.tracking.drop_plan();
+        }
+        let guidance = self.state.tracking.guidance(input);
+        let set_mps = input.set_speed_mps.min(input.speed_limit_mps);
+        let economic_mps = guidance.map_or(set_mps, |guidance| guidance.speed_mps);
+
+        let behind = match &target {
+            Some(target) => self.behind(input, &powertrain, target, economic_mps),
+            None => {
+                self.state.spacing_mode = Mode::Predictive;
+                self.state.last_resort = LastResort::default();
+                None
+            }
+        };
+        let free = behind.is_none();
+        let demand = match (behind, guidance) {
+            (Some(demand), _) => {
+                match self.state.spacing_mode {
+                    Mode::Warn => self.enter(WARN, TOO_CLOSE),
+                    Mode::Follow | Mode::Predictive => self.enter(FOLLOW, TARGET),
+                }
+                demand
+            }
+            (None, Some(guidance)) => {
+                self.enter(PREDICTIVE, if self.state.mode >= FOLLOW { TARGET_GONE } else { PLAN });
+                Demand {
+                    engine_torque_nm: self.guarded_nm(input, &powertrain, &guidance),
+                    service_brake_n: 0.0,
+                    gear: guidance.gear,
+                }
+            }
+            (None, None) => {
+                self.enter(CRUISE, if distrusted { MAP_CONTRADICTS } else { NO_PLAN });
+                let torque_nm = self.state.keeper.torque_nm(
+                    &self.settings.truck,
+                    (set_mps, ego.speed_mps),
+                    powertrain.gear,
+                    powertrain.grade,
+                    dt_s,
+                );
+                Demand::torque(torque_nm)
+            }
+        };
+        if free {
+            self.state.wanted_mps2 = None;
+        }
+        if self.state.mode != CRUISE {
+            self.state.keeper = SpeedKeeper::default();
+        }
+        if self.state.mode == PREDICTIVE {
+            let mean_mps = self.settings.mean_speed * set_mps;
+            self.state.price.update(ego.speed_mps, mean_mps.max(1.0), dt_s);
+        }
+        let limit_mps = max_speed_mps(input.set_speed_mps, input.speed_limit_mps);
+        let demand = limiter::limited(
+            &self.settings.truck,
+            demand,
+            ego.speed_mps,
+            powertrain.gear,
+            powertrain.grade,
+            limit_mps,
+        );
+        self.write(input, &powertrain, &demand, output);
+
+        if let Some(preview) = preview
+            && !distrusted
+            && set_mps >= PLANNED_FROM_MPS
+        {
+            let price = self.state.price.value();
+            self.state.request =
+                self.state.tracking.request(input, &powertrain, &preview, price, guidance.as_ref());
+        }
+        output.mode = self.state.mode;
+        output.mode_reason = self.state.reason;
+        if self.state.mode == CRUISE && self.settings.planner != PlannerKind::ConstantSpeed {
+            output.quality = Quality::Relaxed;
+        }
+        let gap_m = target.map_or(0.0, |target| target.gap_m);
+        output.figures = [
+            economic_mps,
+            demand.engine_torque_nm,
+            powertrain.gear as f64 + 1.0,
+            self.state.price.value(),
+            self.state.price.lag_s(),
+            gap_m,
+            demand.service_brake_n,
+            self.state.tracking.plan().end_m() - ego.position_m,
+        ];
+        output.bound_figures();
+    }
+
+    fn request_bounds_mps2(&self) -> (f64, f64) {
+        REQUESTS_MPS2
+    }
+
+    fn planning(&mut self) -> Option<&mut dyn Planning> {
+        (self.settings.planner != PlannerKind::ConstantSpeed).then_some(self)
+    }
+}
+
+impl Planning for Predictive {
+    fn planner(&self) -> Box<dyn Planner> {
+        create(self.settings.planner, &self.settings.truck)
+    }
+
+    fn request(&mut self) -> Option<PlanRequest> {
+        self.state.request.take()
+    }
+
+    fn accept(&mut self, plan: &Plan) {
+        self.state.tracking.accept(plan);
+    }
+}
+
+/// Whether the numbers can be those of a truck on a road.
+fn believable(input: &Input) -> bool {
+    let ego = &input.ego;
+    input.time_s.abs() < BELIEVABLE
+        && (1e-4..10.0).contains(&input.period_s)
+        && ego.position_m.abs() < BELIEVABLE
+        && (0.0..BELIEVABLE_MPS).contains(&ego.speed_mps)
+        && ego.acceleration_mps2.abs() < BELIEVABLE_MPS
+        && (0.0..BELIEVABLE_MPS).contains(&input.set_speed_mps)
+        && input.speed_limit_mps > 0.0
+}

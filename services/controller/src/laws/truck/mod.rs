@@ -1,0 +1,82 @@
+//! Predictive cruise for a heavy truck (Li, Zheng, Wang, Wang; FAW Jiefang JH6).
+//!
+//! Planning and driving are apart, so that planning can run in the background, at any latency:
+//!
+//! ```text
+//!   Input ──► Predictive::step ──► Output
+//!                ▲       │ Planning::request
+//!                │       ▼
+//!                │   PlanRequest ──► Planner::plan ──► Plan
+//!                │                                      │
+//!                └──────── Planning::accept ◄───────────┘
+//! ```
+//!
+//! The law commands engine torque ([`Output::torque`](crate::law::Output::torque)); the accelerations
+//! that go with it are in the output as well, so that the gateway has a future to follow.
+//!
+//! | part | of the paper | module |
+//! |---|---|---|
+//! | road classes, reconstruction | steps 1, 2 | `road_classes` |
+//! | rolling optimisation, n = 2 | steps 3 to 6 | `paper_n2` |
+//! | dynamic programming | the better planner | `dynamic_programming`, `energy_grid` |
+//! | servo of the mean speed | beta | `time_price` |
+//! | gap, modes | (14) to (16) | `spacing` |
+//! | accelerations, brakes | (17), (18) | `following` |
+//! | radar filter | | `target_filter` |
+//! | whole trips, baselines, the bound | the tables | [`route`] |
+
+mod dynamic_programming;
+mod energy_grid;
+mod following;
+mod gear_curve;
+mod law;
+mod limiter;
+mod map_trust;
+mod paper_n2;
+mod planners;
+mod prices;
+mod road_classes;
+pub mod route;
+mod settings;
+mod spacing;
+mod speed_band;
+mod speed_keeper;
+mod target_filter;
+mod time_price;
+mod tracking;
+
+pub use dynamic_programming::{DynamicProgramming, Resolution};
+pub use law::Predictive;
+pub use paper_n2::PaperN2;
+pub use planners::create;
+pub use prices::Prices;
+pub use settings::{Keys, PlannerKind, Settings};
+pub use speed_band::SpeedBand;
+
+use crate::law::{Descriptor, GapPolicy, Law, TargetSource};
+use crate::settings::{Table, read};
+use scenario::{Problem, Scenario};
+use truck_model::{Preset, Truck};
+
+const TABLE: Table = Table::of::<Keys>("predictive");
+
+/// The law as data.
+pub static PREDICTIVE: Descriptor = Descriptor {
+    name: "predictive",
+    description: "predictive cruise of a heavy truck over hills (Li, Zheng, Wang, Wang)",
+    source: "Li, Zheng, Wang, Wang (FAW Jiefang JH6)",
+    table: Some(TABLE),
+    formulations: &[&law::FORMULATION],
+    formulation: |_| &law::FORMULATION,
+    gap: GapPolicy::Internal,
+    target: TargetSource::Measured,
+    build,
+};
+
+/// The truck as the law believes it to be; on a car it drives as the heavier one would.
+fn build(scenario: &Scenario) -> Result<Box<dyn Law>, Problem> {
+    let Keys { planner, mean_speed } = read(&scenario.controller, TABLE.name)?;
+    let preset = Preset::named(scenario.plant.vehicle.as_str()).unwrap_or(Preset::Jh6At49T);
+    let settings = Settings::new(&Truck::preset(preset), planner);
+    Ok(Box::new(Predictive::new(&Settings { mean_speed, ..settings })))
+}

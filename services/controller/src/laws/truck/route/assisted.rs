@@ -1,0 +1,116 @@
+//! The law as a driver: it sees a map, its plans take effect some cycles after they were asked for.
+
+use super::chase::Follower;
+use super::{CONTROL_PERIOD_S, Driver, Road, Seen};
+use crate::law::{Ego, Input, Law, Output, Plan, Planner, Planning, Powertrain, Target};
+use crate::laws::truck::{Predictive, Settings};
+use truck_model::Demand;
+
+/// Control cycles from a request to its plan's effect, as in the real loop.
+const DELAY_CYCLES: u32 = 2;
+/// How far the map shows the road, m.
+const REACH_M: f64 = 2000.0;
+
+/// What the map says, which need not be so.
+#[derive(Clone, Debug)]
+pub struct Map {
+    /// The road on the map.
+    pub road: Road,
+    /// How far ahead of its true place the map shows everything, m.
+    pub shift_m: f64,
+}
+
+/// The predictive law with its planner.
+pub struct Assisted {
+    law: Predictive,
+    planner: Box<dyn Planner>,
+    map: Map,
+    set_speed_mps: f64,
+    answer: Option<(Plan, u32)>,
+    target: Option<Target>,
+    output: Output,
+    /// Number of plans made.
+    pub plans: u32,
+}
+
+impl Assisted {
+    /// The law on a road that it knows from `map`.
+    #[must_use]
+    pub fn new(settings: &Settings, set_speed_mps: f64, map: Map) -> Self {
+        let law = Predictive::new(settings);
+        Self {
+            planner: law.planner(),
+            law,
+            map,
+            set_speed_mps,
+            answer: None,
+            target: None,
+            output: Output::default(),
+            plans: 0,
+        }
+    }
+
+    fn take_plan(&mut self) {
+        if let Some((plan, cycles)) = &mut self.answer {
+            *cycles -= 1;
+            if *cycles == 0 {
+                self.law.accept(plan);
+                self.answer = None;
+            }
+        }
+    }
+}
+
+impl Driver for Assisted {
+    fn demand(&mut self, seen: &Seen<'_>) -> Demand {
+        let motion = seen.motion;
+        let mut preview = self.map.road.preview(motion.position_m - self.map.shift_m, REACH_M);
+        preview.start_m += self.map.shift_m;
+        let input = Input {
+            time_s: seen.time_s,
+            period_s: CONTROL_PERIOD_S,
+            ego: Ego {
+                position_m: motion.position_m,
+                speed_mps: motion.speed_mps,
+                acceleration_mps2: motion.acceleration_mps2,
+            },
+            target: self.target,
+            powertrain: Some(Powertrain {
+                gear: motion.gear,
+                since_shift_s: motion.since_shift_s,
+                engine_torque_nm: motion.engine_torque_nm,
+                grade: seen.grade,
+            }),
+            preview: Some(preview),
+            set_speed_mps: self.set_speed_mps,
+            speed_limit_mps: f64::INFINITY,
+            ..Input::default()
+        };
+        self.take_plan();
+        self.law.step(&input, &mut self.output);
+        if self.answer.is_none()
+            && let Some(request) = self.law.request()
+        {
+            let mut plan = Plan::default();
+            self.planner.plan(&request, &mut plan);
+            self.plans += 1;
+            self.answer = Some((plan, DELAY_CYCLES));
+        }
+        let request = self.output.torque.unwrap_or_default();
+        Demand {
+            engine_torque_nm: request.engine_torque_nm,
+            service_brake_n: request.service_brake_n,
+            gear: request.gear,
+        }
+    }
+}
+
+impl Follower for Assisted {
+    fn show(&mut self, target: Option<Target>) {
+        self.target = target;
+    }
+
+    fn mode(&self) -> u32 {
+        self.output.mode
+    }
+}

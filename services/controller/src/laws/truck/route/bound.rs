@@ -1,0 +1,132 @@
+//! The bound: a dynamic program over the whole route, driven.
+
+use super::{Driver, Road, Seen};
+use crate::laws::truck::energy_grid::{
+    Costs, EnergyGrid, LOWEST, PLANNED_GEARS, SLOWNESS_GPM, Values,
+};
+use crate::laws::truck::limiter;
+use crate::laws::truck::prices::Prices;
+use crate::laws::truck::speed_band::min_speed_mps;
+use truck_model::{Demand, GEARS, Truck};
+
+/// Lowest speed of the grid, as a share of the set speed.
+const SLOWEST_SPEED: f64 = 45.0 / 75.0;
+/// Length of a step, m.
+const STEP_M: f64 = 100.0;
+
+/// Knows the whole road and the values on it.
+#[derive(Clone, Debug)]
+pub struct Bound {
+    truck: Truck,
+    grid: EnergyGrid,
+    limit_mps: f64,
+    road: Road,
+    values: Vec<Values>,
+    step: usize,
+    demand: Demand,
+}
+
+impl Bound {
+    /// Solves the route, with `nodes` over kinetic energy and a price of time of `time_price` times the
+    /// flat's. The trip ends at the value of its kinetic energy.
+    #[must_use]
+    pub fn solve(
+        truck: &Truck,
+        road: &Road,
+        set_speed_mps: f64,
+        limit_mps: f64,
+        time_price: f64,
+        nodes: usize,
+    ) -> Self {
+        let prices = Prices::new(truck, set_speed_mps);
+        let mut grid = EnergyGrid::new(truck, nodes);
+        grid.span(SLOWEST_SPEED * set_speed_mps, limit_mps);
+        grid.set_costs(Costs {
+            time_gps: time_price * prices.time_gps,
+            shift_g: prices.shift_g,
+            slow_gpm: SLOWNESS_GPM,
+            min_speed_mps: min_speed_mps(set_speed_mps),
+        });
+        let road = Road::new(STEP_M, stages(road));
+        let steps = road.grades().len();
+        let empty = || [(); PLANNED_GEARS].map(|()| vec![0.0; nodes]);
+        let mut values: Vec<Values> = (0..=steps).map(|_| empty()).collect();
+        for gear in &mut values[steps] {
+            for (value, &energy_j) in gear.iter_mut().zip(grid.energies_j()) {
+                *value = -prices.energy_gpj * energy_j;
+            }
+        }
+        for step in (0..steps).rev() {
+            let stage = grid.stage(STEP_M, road.grades()[step]);
+            let (here, next) = values.split_at_mut(step + 1);
+            grid.backward(stage, &next[0], &mut here[step]);
+        }
+        let demand = Demand::default();
+        Self { truck: *truck, grid, limit_mps, road, values, step: usize::MAX, demand }
+    }
+
+    /// Cost of the whole route from a speed in the highest gear, g: fuel, and time at its price.
+    #[must_use]
+    pub fn cost_g(&mut self, speed_mps: f64) -> Option<f64> {
+        let energy_j = self.truck.kinetic_energy_j(speed_mps);
+        let stage = self.grid.stage(STEP_M, self.road.grades()[0]);
+        self.grid
+            .choose(stage, energy_j, GEARS - 1, &self.values[1], (0.0, 0.0))
+            .map(|choice| choice.cost_g)
+    }
+
+    fn decide(&mut self, seen: &Seen<'_>) {
+        let motion = seen.motion;
+        let last = self.road.grades().len() - 1;
+        let end_m = (self.step + 1) as f64 * STEP_M;
+        let left_m = (end_m - motion.position_m).max(1.0);
+        let stage = self.grid.stage(left_m, self.road.grades()[self.step]);
+        let (low_j, _) = self.grid.range_j();
+        let energy_j = self.truck.kinetic_energy_j(motion.speed_mps);
+        let next = &self.values[self.step.min(last) + 1];
+        let gear = motion.gear.max(LOWEST);
+        let choice = if energy_j < low_j {
+            None
+        } else {
+            self.grid.choose(stage, energy_j, gear, next, (0.0, 0.0))
+        };
+        self.demand = match choice {
+            Some(choice) => {
+                let rpm = self.truck.engine_rpm(motion.speed_mps, choice.gear);
+                let net_nm = self.truck.net_torque_nm(choice.force_n, choice.gear);
+                Demand {
+                    engine_torque_nm: net_nm + self.truck.auxiliary_torque_nm(rpm),
+                    service_brake_n: 0.0,
+                    gear: Some(choice.gear),
+                }
+            }
+            None => Demand::torque(f64::MAX),
+        };
+    }
+}
+
+/// Mean grades of steps of [`STEP_M`]; the road's end may be cut short by less than a step.
+fn stages(road: &Road) -> Vec<f64> {
+    let per_step = (STEP_M / road.cell_m()).round().max(1.0) as usize;
+    road.grades().chunks(per_step).map(|c| c.iter().sum::<f64>() / c.len() as f64).collect()
+}
+
+impl Driver for Bound {
+    fn demand(&mut self, seen: &Seen<'_>) -> Demand {
+        let last = self.road.grades().len() - 1;
+        let step = ((seen.motion.position_m / STEP_M) as usize).min(last);
+        if step != self.step {
+            self.step = step;
+            self.decide(seen);
+        }
+        let motion = seen.motion;
+        limiter::limited(
+            &self.truck,
+            self.demand,
+            motion.speed_mps,
+            motion.gear,
+            seen.grade,
+            self.limit_mps,
+        )
+    }
+}

@@ -1,0 +1,103 @@
+//! One truck on one road: the fuel of each driver against constant speed, at equal trip time.
+
+use super::{Assisted, Bound, Cruise, Human, Map, Road, Trip, at_equal_time, drive};
+use crate::laws::truck::speed_band::max_speed_mps;
+use crate::laws::truck::{PlannerKind, Prices, Settings};
+use truck_model::Truck;
+
+/// Range of the mean speed over the set speed in which equal trip time is looked for.
+const MEAN_SPEEDS: (f64, f64) = (0.97, 1.07);
+/// Range of the price of time over the flat's.
+const TIME_PRICES: (f64, f64) = (0.9, 2.4);
+/// Range of a driver's aim over the set speed.
+const AIMS: (f64, f64) = (0.9, 1.12);
+/// Nodes of the bound.
+const BOUND_NODES: usize = 300;
+
+/// A truck, a road and the trip at constant speed.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    truck: Truck,
+    road: Road,
+    set_speed_mps: f64,
+    energy_gpj: f64,
+    baseline: Trip,
+}
+
+impl Comparison {
+    /// Drives the baseline; `None` when the truck gets stuck on this road.
+    #[must_use]
+    pub fn new(truck: &Truck, road: &Road, set_speed_mps: f64) -> Option<Self> {
+        let mut cruise = Cruise::new(truck, set_speed_mps, limit_mps(set_speed_mps));
+        Some(Self {
+            truck: *truck,
+            road: road.clone(),
+            set_speed_mps,
+            energy_gpj: Prices::new(truck, set_speed_mps).energy_gpj,
+            baseline: drive(truck, road, set_speed_mps, &mut cruise)?,
+        })
+    }
+
+    /// The trip at constant speed.
+    #[must_use]
+    pub fn baseline(&self) -> &Trip {
+        &self.baseline
+    }
+
+    /// Fuel of a trip at equal kinetic energy at both ends, L/100 km.
+    #[must_use]
+    pub fn l_per_100_km(&self, trip: &Trip) -> f64 {
+        trip.corrected_l_per_100_km(self.energy_gpj)
+    }
+
+    /// Fuel of a trip against the baseline's, percent; savings are negative.
+    #[must_use]
+    pub fn change_percent(&self, trip: &Trip) -> f64 {
+        100.0 * (self.l_per_100_km(trip) / self.l_per_100_km(&self.baseline) - 1.0)
+    }
+
+    /// The law with a planner; it believes the truck to be `believed` and the road to be `map`.
+    #[must_use]
+    pub fn assisted(&self, planner: PlannerKind, believed: &Truck, map: &Map) -> Option<Trip> {
+        at_equal_time(self.baseline.time_s, MEAN_SPEEDS, |mean_speed| {
+            let settings = Settings { mean_speed, ..Settings::new(believed, planner) };
+            let mut driver = Assisted::new(&settings, self.set_speed_mps, map.clone());
+            drive(&self.truck, &self.road, self.set_speed_mps, &mut driver)
+        })
+    }
+
+    /// The law with a planner, rightly informed.
+    #[must_use]
+    pub fn informed(&self, planner: PlannerKind) -> Option<Trip> {
+        let map = Map { road: self.road.clone(), shift_m: 0.0 };
+        self.assisted(planner, &self.truck, &map)
+    }
+
+    /// The dynamic program over the whole route.
+    #[must_use]
+    pub fn bound(&self) -> Option<Trip> {
+        let limit_mps = limit_mps(self.set_speed_mps);
+        at_equal_time(self.baseline.time_s, TIME_PRICES, |price| {
+            let set_mps = self.set_speed_mps;
+            let mut bound =
+                Bound::solve(&self.truck, &self.road, set_mps, limit_mps, price, BOUND_NODES);
+            drive(&self.truck, &self.road, set_mps, &mut bound)
+        })
+    }
+
+    /// A driver whose aim has a standard deviation of `sigma_mps`.
+    #[must_use]
+    pub fn human(&self, sigma_mps: f64, seed: u64) -> Option<Trip> {
+        let limit_mps = limit_mps(self.set_speed_mps);
+        at_equal_time(self.baseline.time_s, AIMS, |share| {
+            let aim_mps = share * self.set_speed_mps;
+            let mut human = Human::new(&self.truck, aim_mps, limit_mps, sigma_mps, seed);
+            drive(&self.truck, &self.road, self.set_speed_mps, &mut human)
+        })
+    }
+}
+
+/// Speed above which all of them brake, m/s.
+fn limit_mps(set_speed_mps: f64) -> f64 {
+    max_speed_mps(set_speed_mps, f64::INFINITY)
+}

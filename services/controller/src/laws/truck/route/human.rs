@@ -1,0 +1,144 @@
+//! Human driver model: the speed wanders around the set speed and drops now and then.
+
+use super::{CONTROL_PERIOD_S, Driver, Seen};
+use crate::laws::truck::limiter;
+use rand_core::Rng;
+use rand_pcg::Pcg64;
+use truck_model::{Demand, Truck};
+
+/// Time between two movements of the foot, s.
+const TICK_S: f64 = 2.0;
+/// Distance over which the aim wanders, and the stride of that, m.
+const WANDERING_M: f64 = 500.0;
+const STRIDE_M: f64 = 50.0;
+/// Mean distance between two slowdowns, m, and how far and by how much each goes.
+const BETWEEN_SLOWDOWNS_M: f64 = 30_000.0;
+const SLOWDOWN_M: f64 = 300.0;
+const SLOWDOWN_MPS: f64 = 8.0 / 3.6;
+/// Hardest braking in a slowdown, m/s², and per speed error, 1/s.
+const BRAKING_MPS2: f64 = 0.6;
+const BRAKING_PER_S: f64 = 0.3;
+/// Torque per speed error, N m per m/s, of the generic engine.
+const GAIN: f64 = 1000.0;
+
+/// A driver whose aimed speed is a seeded wandering about the set speed.
+#[derive(Clone, Debug)]
+pub struct Human {
+    truck: Truck,
+    set_speed_mps: f64,
+    limit_mps: f64,
+    sigma_mps: f64,
+    wandering: Random,
+    wandering_mps: f64,
+    position_m: f64,
+    slowdowns: Random,
+    slow_from_m: f64,
+    next_s: f64,
+    torque_nm: f64,
+}
+
+impl Human {
+    /// A driver whose aim has the standard deviation `sigma_mps`.
+    #[must_use]
+    pub fn new(
+        truck: &Truck,
+        set_speed_mps: f64,
+        limit_mps: f64,
+        sigma_mps: f64,
+        seed: u64,
+    ) -> Self {
+        let mut wandering = Random::new(seed, 1);
+        let mut slowdowns = Random::new(seed, 2);
+        Self {
+            truck: *truck,
+            set_speed_mps,
+            limit_mps,
+            sigma_mps,
+            wandering_mps: sigma_mps * wandering.normal(),
+            wandering,
+            position_m: 0.0,
+            slow_from_m: BETWEEN_SLOWDOWNS_M * slowdowns.exponential(),
+            slowdowns,
+            next_s: 0.0,
+            torque_nm: 0.0,
+        }
+    }
+
+    /// Goes on to a position. All chance is drawn over distance, so that the same happens at the same
+    /// places whatever the speed.
+    fn advance(&mut self, position_m: f64) {
+        let kept = libm::exp(-STRIDE_M / WANDERING_M);
+        while self.position_m + STRIDE_M <= position_m {
+            self.position_m += STRIDE_M;
+            self.wandering_mps = kept * self.wandering_mps
+                + self.sigma_mps * (1.0 - kept * kept).sqrt() * self.wandering.normal();
+        }
+        while position_m > self.slow_from_m + SLOWDOWN_M {
+            self.slow_from_m += SLOWDOWN_M + BETWEEN_SLOWDOWNS_M * self.slowdowns.exponential();
+        }
+    }
+
+    fn is_slowing(&self, position_m: f64) -> bool {
+        position_m > self.slow_from_m
+    }
+}
+
+/// Numbers by chance.
+#[derive(Clone, Debug)]
+struct Random(Pcg64);
+
+impl Random {
+    fn new(seed: u64, stream: u128) -> Self {
+        Self(Pcg64::new(u128::from(seed), stream))
+    }
+
+    fn uniform(&mut self) -> f64 {
+        ((self.0.next_u64() >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+    }
+
+    /// Box and Muller.
+    fn normal(&mut self) -> f64 {
+        let (u, angle) = (self.uniform(), self.uniform());
+        (-2.0 * libm::log(u)).sqrt() * libm::cos(2.0 * core::f64::consts::PI * angle)
+    }
+
+    fn exponential(&mut self) -> f64 {
+        -libm::log(self.uniform())
+    }
+}
+
+impl Driver for Human {
+    fn demand(&mut self, seen: &Seen<'_>) -> Demand {
+        let motion = seen.motion;
+        let (speed_mps, gear) = (motion.speed_mps, motion.gear);
+        self.advance(motion.position_m);
+        let slow_mps = self.set_speed_mps - SLOWDOWN_MPS;
+        let slowing = self.is_slowing(motion.position_m);
+        if seen.time_s + 0.5 * CONTROL_PERIOD_S >= self.next_s {
+            self.next_s = seen.time_s + TICK_S;
+            let aim_mps = if slowing { slow_mps } else { self.set_speed_mps + self.wandering_mps };
+            let error_mps = aim_mps.min(self.limit_mps - 0.3) - speed_mps;
+            let hold_nm = self.truck.engine_torque_nm(0.0, speed_mps, gear, seen.grade);
+            let gain = GAIN * self.truck.parameters().engine_scale;
+            self.torque_nm = hold_nm + gain * error_mps;
+        }
+        let rpm = self.truck.engine_rpm(speed_mps, gear);
+        let engine = self.truck.engine();
+        let torque_nm = self.torque_nm.clamp(engine.drag_torque_nm(rpm), engine.max_torque_nm(rpm));
+        let mut demand = Demand::torque(torque_nm);
+        if slowing && speed_mps > slow_mps {
+            let acceleration_mps2 = (BRAKING_PER_S * (slow_mps - speed_mps)).max(-BRAKING_MPS2);
+            let braking = Demand::for_acceleration(
+                &self.truck,
+                acceleration_mps2,
+                speed_mps,
+                gear,
+                seen.grade,
+            );
+            if braking.engine_torque_nm < torque_nm {
+                demand = braking;
+            }
+        }
+        limiter::limited(&self.truck, demand, speed_mps, gear, seen.grade, self.limit_mps)
+    }
+}

@@ -1,0 +1,84 @@
+//! What a scenario may set of the law.
+
+use crate::settings::{self, SettingError, within};
+use serde::{Deserialize, Serialize};
+use truck_model::Truck;
+
+/// Which planner drives.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PlannerKind {
+    /// Receding-horizon dynamic programming.
+    #[default]
+    DynamicProgramming,
+    /// The published scheme.
+    PaperN2,
+    /// None: a PI control of the set speed, the baseline of all savings.
+    ConstantSpeed,
+}
+
+impl PlannerKind {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::DynamicProgramming, Self::PaperN2, Self::ConstantSpeed];
+
+    /// Name in scenarios and tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::DynamicProgramming => "dynamic-programming",
+            Self::PaperN2 => "paper-n2",
+            Self::ConstantSpeed => "constant-speed",
+        }
+    }
+
+    /// The price of time, relative to the flat's, at which a truck keeps its mean speed over hills; the
+    /// servo corrects its error.
+    #[must_use]
+    pub(crate) fn usual_time_price(self) -> f64 {
+        match self {
+            Self::DynamicProgramming | Self::ConstantSpeed => 1.3,
+            Self::PaperN2 => 1.6,
+        }
+    }
+}
+
+/// The law's table, `[controller.predictive]`.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Keys {
+    /// Which planner drives.
+    pub planner: PlannerKind,
+    /// Mean speed to keep on a free road, relative to the set speed.
+    pub mean_speed: f64,
+}
+
+impl Default for Keys {
+    fn default() -> Self {
+        Self { planner: PlannerKind::default(), mean_speed: 1.0 }
+    }
+}
+
+impl settings::Settings for Keys {
+    fn check(&self) -> Result<(), SettingError> {
+        within("mean_speed", self.mean_speed, 0.8, 1.2)
+    }
+}
+
+/// Settings of the law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// The truck as the law knows it.
+    pub truck: Truck,
+    /// Which planner drives.
+    pub planner: PlannerKind,
+    /// Mean speed to keep on a free road, relative to the set speed.
+    pub mean_speed: f64,
+}
+
+impl Settings {
+    /// Settings for a truck whose mean speed shall be its set speed.
+    #[must_use]
+    pub fn new(truck: &Truck, planner: PlannerKind) -> Self {
+        Self { truck: *truck, planner, mean_speed: 1.0 }
+    }
+}

@@ -1,0 +1,169 @@
+//! How the laws read and check their settings: one error type, one wording.
+
+use scenario::Problem;
+use scenario::controller::Controller;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use thiserror::Error;
+
+/// A law's own table in a scenario file, as a type. Every key has a default.
+pub trait Settings: Default + DeserializeOwned + Serialize {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// The first key that is not usable.
+    fn check(&self) -> Result<(), SettingError>;
+}
+
+/// Reads and checks the table `controller.<table>` of a scenario.
+///
+/// # Errors
+/// The place of the first wrong key or value.
+pub fn read<T: Settings>(controller: &Controller, table: &str) -> Result<T, Problem> {
+    let settings: T = controller.tables.read(table)?;
+    settings.check().map_err(|error| error.in_table(&format!("controller.{table}")))?;
+    Ok(settings)
+}
+
+/// A law's table as data.
+#[derive(Clone, Copy, Debug)]
+pub struct Table {
+    /// Name below `[controller]`.
+    pub name: &'static str,
+    /// The keys with their defaults.
+    pub defaults: fn() -> toml::Table,
+    /// Reads the table and checks what does not depend on other keys.
+    pub check: fn(&Controller, &str) -> Result<(), Problem>,
+}
+
+impl Table {
+    /// The table `name`, of type `T`.
+    #[must_use]
+    pub const fn of<T: Settings>(name: &'static str) -> Self {
+        Self {
+            name,
+            defaults: || {
+                toml::Table::try_from(T::default()).expect("settings are plain numbers and words")
+            },
+            check: |controller, name| read::<T>(controller, name).map(|_| ()),
+        }
+    }
+}
+
+/// A setting that a law refuses. The key is relative to the law's table.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum SettingError {
+    /// Outside its range.
+    #[error("{key} = {value} is out of range, expected a number from {least} to {most}")]
+    OutOfRange {
+        /// The key.
+        key: &'static str,
+        /// Its value.
+        value: f64,
+        /// Smallest value.
+        least: f64,
+        /// Largest value.
+        most: f64,
+    },
+    /// Not above its lower bound, or above the upper one.
+    #[error("{key} = {value} is out of range, expected a number above {above} and at most {most}")]
+    NotAbove {
+        /// The key.
+        key: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be greater than.
+        above: f64,
+        /// Largest value.
+        most: f64,
+    },
+    /// Not below the value of another key.
+    #[error("{key} = {value} is too large, expected a number below {other} ({limit})")]
+    NotBelow {
+        /// The key.
+        key: &'static str,
+        /// Its value.
+        value: f64,
+        /// The other key.
+        other: &'static str,
+        /// The other key's value.
+        limit: f64,
+    },
+}
+
+impl SettingError {
+    /// The key that is refused.
+    #[must_use]
+    pub fn key(&self) -> &'static str {
+        match *self {
+            Self::OutOfRange { key, .. }
+            | Self::NotAbove { key, .. }
+            | Self::NotBelow { key, .. } => key,
+        }
+    }
+
+    /// The error at its place in a scenario file: `table` is the dotted path of the law's table.
+    #[must_use]
+    pub fn in_table(&self, table: &str) -> Problem {
+        Problem::said(format!("{table}.{}", self.key()), &self.to_string())
+    }
+}
+
+/// Accepts `least <= value <= most`; NaN is refused.
+///
+/// # Errors
+/// [`SettingError::OutOfRange`].
+pub fn within(key: &'static str, value: f64, least: f64, most: f64) -> Result<(), SettingError> {
+    if (least..=most).contains(&value) {
+        Ok(())
+    } else {
+        Err(SettingError::OutOfRange { key, value, least, most })
+    }
+}
+
+/// Accepts `above < value <= most`; NaN is refused.
+///
+/// # Errors
+/// [`SettingError::NotAbove`].
+pub fn above(key: &'static str, value: f64, above: f64, most: f64) -> Result<(), SettingError> {
+    if value > above && value <= most {
+        Ok(())
+    } else {
+        Err(SettingError::NotAbove { key, value, above, most })
+    }
+}
+
+/// Accepts a value below another key's; NaN is refused.
+///
+/// # Errors
+/// [`SettingError::NotBelow`].
+pub fn below(
+    key: &'static str,
+    value: f64,
+    other: &'static str,
+    limit: f64,
+) -> Result<(), SettingError> {
+    if value < limit { Ok(()) } else { Err(SettingError::NotBelow { key, value, other, limit }) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_number_is_refused_everywhere() {
+        assert!(within("a", f64::NAN, 0.0, 1.0).is_err());
+        assert!(above("a", f64::NAN, 0.0, 1.0).is_err());
+        assert!(below("a", f64::NAN, "b", 1.0).is_err());
+    }
+
+    #[test]
+    fn an_error_says_key_value_and_what_was_expected() {
+        let error = above("lag_s", 0.0, 0.0, 2.0).expect_err("not above zero");
+        assert_eq!(
+            error.to_string(),
+            "lag_s = 0 is out of range, expected a number above 0 and at most 2"
+        );
+        assert_eq!(error.in_table("controller.road").path, "controller.road.lag_s");
+    }
+}

@@ -1,0 +1,75 @@
+//! The tables below `[controller]` that belong to the laws.
+//!
+//! This crate knows no law: it keeps each table as it was written, with the positions of its keys, and
+//! the law reads it into a type of its own. What is wrong is then shown at the key, as for every other.
+
+use std::collections::BTreeMap;
+
+use serde::de::DeserializeOwned;
+use serde::{Serialize, Serializer};
+use toml::de::{DeTable, DeValue};
+
+use super::document::Problem;
+use super::placed::Placed;
+
+/// Tables of `[controller]` that have a type in this crate.
+const TYPED: [&str; 1] = ["weights"];
+
+/// The laws' tables of a scenario, by name.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LawTables(BTreeMap<String, Placed>);
+
+impl Serialize for LawTables {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(name, table)| (name, table.plain())))
+    }
+}
+
+impl LawTables {
+    /// Names of the tables that were written.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.0.keys().map(String::as_str)
+    }
+
+    /// Reads a table into a type; one that was not written is an empty one.
+    ///
+    /// # Errors
+    /// The place of a key or a value that the type does not accept.
+    pub fn read<T: DeserializeOwned>(&self, name: &str) -> Result<T, Problem> {
+        let empty = Placed::empty();
+        let table = self.0.get(name).unwrap_or(&empty);
+        T::deserialize(table).map_err(|error| {
+            let problem = Problem::said(format!("controller.{name}"), error.message());
+            problem.at(error.place().cloned().unwrap_or_else(|| table.place()))
+        })
+    }
+
+    /// A complaint about the name of a table that was written.
+    #[must_use]
+    pub fn refuse(&self, name: &str, sentence: &str) -> Problem {
+        let problem = Problem::said(format!("controller.{name}"), sentence);
+        match self.0.get(name).and_then(Placed::key_place) {
+            Some(place) => problem.at(place),
+            None => problem,
+        }
+    }
+
+    /// Takes the laws' tables out of the `controller` table of a document.
+    pub(super) fn take_from(root: &mut DeTable<'_>) -> Self {
+        let mut tables = BTreeMap::new();
+        if let Some(controller) = root.get_mut("controller")
+            && let DeValue::Table(controller) = controller.get_mut()
+        {
+            for (key, value) in controller.iter() {
+                let name: &str = key.get_ref();
+                if value.get_ref().is_table() && !TYPED.contains(&name) {
+                    tables.insert(name.to_owned(), Placed::of(value).with_key(key.span()));
+                }
+            }
+            for name in tables.keys() {
+                controller.remove(name.as_str());
+            }
+        }
+        Self(tables)
+    }
+}

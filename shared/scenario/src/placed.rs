@@ -1,0 +1,271 @@
+//! A TOML value that remembers where each of its keys and values stood.
+
+use std::fmt;
+use std::ops::Range;
+
+use serde::de::value::{MapDeserializer, SeqDeserializer, StrDeserializer};
+use serde::de::{self, Deserialize, Deserializer, IntoDeserializer, Visitor};
+use serde::forward_to_deserialize_any;
+use toml::Spanned;
+use toml::de::DeValue;
+
+/// A value with its place. Two values are equal when they are the same wherever they stand.
+#[derive(Clone, Debug)]
+pub(super) struct Placed {
+    key: Option<Range<usize>>,
+    place: Range<usize>,
+    content: Content,
+}
+
+#[derive(Clone, Debug)]
+enum Content {
+    Scalar(toml::Value),
+    Array(Vec<Placed>),
+    Table(Vec<(String, Placed)>),
+}
+
+impl PartialEq for Placed {
+    fn eq(&self, other: &Self) -> bool {
+        self.plain() == other.plain()
+    }
+}
+
+impl Placed {
+    /// An empty table without a place.
+    pub(super) fn empty() -> Self {
+        Self { key: None, place: 0..0, content: Content::Table(Vec::new()) }
+    }
+
+    /// A value of a document.
+    pub(super) fn of(value: &Spanned<DeValue<'_>>) -> Self {
+        let content = match value.get_ref() {
+            DeValue::Table(table) => {
+                let entry = |(key, value): (&Spanned<_>, &Spanned<DeValue<'_>>)| {
+                    let name: &std::borrow::Cow<'_, str> = key.get_ref();
+                    (name.to_string(), Self::of(value).with_key(key.span()))
+                };
+                Content::Table(table.iter().map(entry).collect())
+            }
+            DeValue::Array(array) => Content::Array(array.iter().map(Self::of).collect()),
+            _ => Content::Scalar(scalar(value)),
+        };
+        Self { key: None, place: value.span(), content }
+    }
+
+    /// The same with the place of the key that holds it.
+    pub(super) fn with_key(mut self, key: Range<usize>) -> Self {
+        self.key = Some(key);
+        self
+    }
+
+    /// Where it stands.
+    pub(super) fn place(&self) -> Range<usize> {
+        self.place.clone()
+    }
+
+    /// Where its key stands.
+    pub(super) fn key_place(&self) -> Option<Range<usize>> {
+        self.key.clone()
+    }
+
+    /// The value alone.
+    pub(super) fn plain(&self) -> toml::Value {
+        match &self.content {
+            Content::Scalar(value) => value.clone(),
+            Content::Array(array) => toml::Value::Array(array.iter().map(Self::plain).collect()),
+            Content::Table(table) => toml::Value::Table(
+                table.iter().map(|(name, value)| (name.clone(), value.plain())).collect(),
+            ),
+        }
+    }
+}
+
+/// A value that is neither a table nor an array. A number that fits no type is kept as its text, which
+/// no reader of numbers accepts.
+fn scalar(value: &Spanned<DeValue<'_>>) -> toml::Value {
+    let deserializer = toml::de::ValueDeserializer::from(value.clone());
+    toml::Value::deserialize(deserializer)
+        .unwrap_or_else(|error| toml::Value::String(error.message().to_owned()))
+}
+
+/// Why a value does not fit a type, and where that was found.
+#[derive(Clone, Debug)]
+pub(super) struct PlacedError {
+    message: String,
+    place: Option<Range<usize>>,
+}
+
+impl PlacedError {
+    pub(super) fn message(&self) -> &str {
+        &self.message
+    }
+
+    pub(super) fn place(&self) -> Option<&Range<usize>> {
+        self.place.as_ref()
+    }
+
+    /// The innermost place counts.
+    fn at(mut self, place: &Range<usize>) -> Self {
+        self.place.get_or_insert_with(|| place.clone());
+        self
+    }
+}
+
+impl fmt::Display for PlacedError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for PlacedError {}
+
+impl de::Error for PlacedError {
+    fn custom<T: fmt::Display>(message: T) -> Self {
+        Self { message: message.to_string(), place: None }
+    }
+}
+
+fn unplaced(error: &toml::de::Error) -> PlacedError {
+    PlacedError { message: error.message().to_owned(), place: None }
+}
+
+impl<'de> IntoDeserializer<'de, PlacedError> for &'de Placed {
+    type Deserializer = Self;
+
+    fn into_deserializer(self) -> Self {
+        self
+    }
+}
+
+impl<'de> Deserializer<'de> for &'de Placed {
+    type Error = PlacedError;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, PlacedError> {
+        let read = match &self.content {
+            Content::Scalar(value) => {
+                value.clone().deserialize_any(visitor).map_err(|error| unplaced(&error))
+            }
+            Content::Array(array) => visitor.visit_seq(SeqDeserializer::new(array.iter())),
+            Content::Table(table) => visitor.visit_map(MapDeserializer::new(
+                table.iter().map(|(name, value)| (Key { name, place: &value.key }, value)),
+            )),
+        };
+        read.map_err(|error| error.at(&self.place))
+    }
+
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, PlacedError> {
+        visitor.visit_some(self)
+    }
+
+    fn deserialize_newtype_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        visitor: V,
+    ) -> Result<V::Value, PlacedError> {
+        visitor.visit_newtype_struct(self)
+    }
+
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        name: &'static str,
+        variants: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, PlacedError> {
+        let read = self.plain().deserialize_enum(name, variants, visitor);
+        read.map_err(|error| unplaced(&error).at(&self.place))
+    }
+
+    forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit
+        unit_struct seq tuple tuple_struct map struct identifier ignored_any
+    }
+}
+
+/// A key on its way to a type's field.
+struct Key<'a> {
+    name: &'a str,
+    place: &'a Option<Range<usize>>,
+}
+
+impl<'de> IntoDeserializer<'de, PlacedError> for Key<'de> {
+    type Deserializer = Self;
+
+    fn into_deserializer(self) -> Self {
+        self
+    }
+}
+
+impl<'de> Deserializer<'de> for Key<'de> {
+    type Error = PlacedError;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, PlacedError> {
+        let name: StrDeserializer<'_, PlacedError> = self.name.into_deserializer();
+        name.deserialize_any(visitor).map_err(|error| match self.place {
+            Some(place) => error.at(place),
+            None => error,
+        })
+    }
+
+    forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit
+        unit_struct seq tuple tuple_struct map struct enum option newtype_struct identifier ignored_any
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde::Deserialize;
+
+    use super::*;
+
+    #[derive(Debug, Deserialize, PartialEq)]
+    #[serde(deny_unknown_fields, default)]
+    struct Table {
+        gain_per_s: f64,
+        kind: Kind,
+        steps: Option<u32>,
+        levels: Vec<f64>,
+    }
+
+    #[derive(Debug, Default, Deserialize, PartialEq)]
+    #[serde(rename_all = "kebab-case")]
+    enum Kind {
+        #[default]
+        Plain,
+        TwoStep,
+    }
+
+    impl Default for Table {
+        fn default() -> Self {
+            Self { gain_per_s: 1.0, kind: Kind::Plain, steps: None, levels: Vec::new() }
+        }
+    }
+
+    fn read(text: &str) -> Result<Table, (String, String)> {
+        let document = DeValue::parse(text).expect("the test's own text");
+        let placed = Placed::of(&document);
+        Table::deserialize(&placed).map_err(|error| {
+            let place = error.place().expect("every error has a place").clone();
+            (error.message().to_owned(), text[place].to_owned())
+        })
+    }
+
+    #[test]
+    fn values_arrive() {
+        let table = read("{ gain_per_s = 2, kind = \"two-step\", steps = 3, levels = [1, 2.5] }");
+        let wanted =
+            Table { gain_per_s: 2.0, kind: Kind::TwoStep, steps: Some(3), levels: vec![1.0, 2.5] };
+        assert_eq!(table, Ok(wanted));
+        assert_eq!(read("{}"), Ok(Table::default()));
+    }
+
+    #[test]
+    fn a_fault_is_found_where_it_stands() {
+        let place = |text: &str| read(text).expect_err("it is wrong").1;
+        assert_eq!(place("{ steps = 3, gian_per_s = 2 }"), "gian_per_s");
+        assert_eq!(place("{ gain_per_s = \"fast\" }"), "\"fast\"");
+        assert_eq!(place("{ kind = \"three-step\" }"), "\"three-step\"");
+        assert_eq!(place("{ levels = [1, true] }"), "true");
+        assert_eq!(place("{ steps = -3 }"), "-3");
+    }
+}

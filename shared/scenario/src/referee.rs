@@ -1,0 +1,52 @@
+//! `[referee]`: what the referee measures a drive against.
+
+use serde::{Deserialize, Serialize};
+
+use super::quantity::{Distance, TimeConstant};
+
+/// The referee.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Referee {
+    /// The gap that the gap errors are measured against; absent: the one that the law aims at, as far
+    /// as that is known outside the law.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub desired_gap: Option<DesiredGap>,
+}
+
+impl Referee {
+    pub(super) fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// A desired gap over the ego's speed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum DesiredGap {
+    /// The same at every speed.
+    Fixed {
+        /// Gap, m.
+        gap_m: Distance,
+    },
+    /// A time headway and a distance at standstill.
+    Headway {
+        /// Time headway, s.
+        time_headway_s: TimeConstant,
+        /// Gap at standstill, m.
+        standstill_distance_m: Distance,
+    },
+}
+
+impl DesiredGap {
+    /// At a speed of the ego, m.
+    #[must_use]
+    pub fn at(self, speed_mps: f64) -> f64 {
+        match self {
+            Self::Fixed { gap_m } => gap_m.value(),
+            Self::Headway { time_headway_s, standstill_distance_m } => {
+                time_headway_s.value() * speed_mps + standstill_distance_m.value()
+            }
+        }
+    }
+}
