@@ -1,71 +1,8 @@
 //! Construction of a [`Problem`]: everything that can be wrong with one is found here.
 
-use std::fmt;
-
-use crate::problem::{
-    LightCost, LightStage, MAX_HORIZON, MAX_ROWS, Problem, Row, Softness, Terminal,
-};
-
-/// Why a problem could not be built or solved as it stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ProblemError {
-    /// The horizon is zero or above [`MAX_HORIZON`].
-    Horizon(usize),
-    /// A number is NaN or infinite; the text says which.
-    NotFinite(&'static str),
-    /// `A` has an entry below its diagonal.
-    NotUpperTriangular,
-    /// `B` is zero: the input would have no effect.
-    NoInput,
-    /// `u_min` is not below `u_max`.
-    EmptyInputRange,
-    /// `r` is not positive.
-    InputCost,
-    /// A cost matrix is not symmetric; the text says which.
-    NotSymmetric(&'static str),
-    /// A cost matrix is not positive semidefinite; the text says which.
-    NotConvex(&'static str),
-    /// There are more than [`MAX_ROWS`] rows.
-    TooManyRows(usize),
-    /// A row names stages outside of `1..=N`; the number is the row's.
-    RowStages(usize),
-    /// A row's gradient is zero; the number is the row's.
-    EmptyRow(usize),
-    /// A soft limit's linear price is not positive, or its quadratic one is negative.
-    Price,
-    /// The light's weight or threshold is not positive.
-    Light,
-}
-
-impl fmt::Display for ProblemError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Horizon(n) => {
-                write!(f, "the horizon is {n} steps; it must be 1 to {MAX_HORIZON}")
-            }
-            Self::NotFinite(what) => write!(f, "a number is not finite: {what}"),
-            Self::NotUpperTriangular => {
-                write!(f, "the dynamics matrix has an entry below its diagonal")
-            }
-            Self::NoInput => write!(f, "the input has no effect on the state"),
-            Self::EmptyInputRange => write!(f, "the lower input bound is not below the upper one"),
-            Self::InputCost => write!(f, "the cost of the input must be positive"),
-            Self::NotSymmetric(what) => write!(f, "the {what} is not symmetric"),
-            Self::NotConvex(what) => write!(f, "the {what} is not positive semidefinite"),
-            Self::TooManyRows(n) => {
-                write!(f, "there are {n} rows; at most {MAX_ROWS} are possible")
-            }
-            Self::RowStages(j) => write!(f, "row {j} names stages outside of the horizon"),
-            Self::EmptyRow(j) => write!(f, "row {j} has a zero gradient"),
-            Self::Price => {
-                write!(f, "a soft limit needs a positive linear and a non-negative quadratic price")
-            }
-            Self::Light => write!(f, "the light's weight and threshold must be positive"),
-        }
-    }
-}
-
-impl std::error::Error for ProblemError {}
+use crate::error::ProblemError;
+use crate::limits::{MAX_HORIZON, MAX_ROWS};
+use crate::problem::{LightCost, LightStage, Problem, Row, Softness, Terminal};
 
 /// Builder of a [`Problem`]; see there and at the head of the crate.
 #[derive(Clone, Debug)]
@@ -73,8 +10,16 @@ pub struct ProblemBuilder {
     problem: Problem,
 }
 
+impl Problem {
+    /// Starts a problem of `horizon` steps with the identity as dynamics and no cost: dynamics, input
+    /// cost and bounds must be given.
+    pub fn builder(horizon: usize) -> ProblemBuilder {
+        ProblemBuilder::new(horizon)
+    }
+}
+
 impl ProblemBuilder {
-    pub(crate) fn new(horizon: usize) -> Self {
+    fn new(horizon: usize) -> Self {
         let problem = Problem {
             horizon,
             a: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
@@ -196,7 +141,7 @@ impl ProblemBuilder {
         check_cost(&problem)?;
         check_rows(&problem)?;
         if let Some(light) = &problem.light {
-            check_price(&light.softness)?;
+            check_penalty(&light.softness)?;
             // Written so that NaN fails as well.
             if !(light.weight > 0.0 && light.weight.is_finite() && light.threshold > 0.0) {
                 return Err(ProblemError::Light);
@@ -275,12 +220,12 @@ fn check_rows(problem: &Problem) -> Result<(), ProblemError> {
         if row.from == 0 || row.to > problem.horizon {
             return Err(ProblemError::RowStages(j));
         }
-        check_price(&row.softness)?;
+        check_penalty(&row.softness)?;
     }
     Ok(())
 }
 
-fn check_price(softness: &Softness) -> Result<(), ProblemError> {
+fn check_penalty(softness: &Softness) -> Result<(), ProblemError> {
     match *softness {
         Softness::Soft { linear, quadratic }
             if !(linear > 0.0
@@ -288,7 +233,7 @@ fn check_price(softness: &Softness) -> Result<(), ProblemError> {
                 && quadratic >= 0.0
                 && quadratic.is_finite()) =>
         {
-            Err(ProblemError::Price)
+            Err(ProblemError::PenaltyWeight)
         }
         _ => Ok(()),
     }
@@ -301,21 +246,21 @@ fn largest(m: &[[f64; 3]; 3]) -> f64 {
 /// Gaussian elimination with the largest pivot first; `scale` times 1e-12 counts as zero.
 fn is_semidefinite(mut m: [[f64; 3]; 3], scale: f64) -> bool {
     let zero = 1e-12 * scale;
-    let mut open = [true; 3];
+    let mut is_left = [true; 3];
     for _ in 0..3 {
-        let candidates = (0..3).filter(|&i| open[i]);
+        let candidates = (0..3).filter(|&i| is_left[i]);
         let Some(pivot) = candidates.max_by(|&i, &j| m[i][i].total_cmp(&m[j][j])) else { break };
         if m[pivot][pivot] <= zero {
-            let rest = || (0..3).filter(|&i| open[i]);
+            let rest = || (0..3).filter(|&i| is_left[i]);
             return rest().all(|i| {
                 rest()
                     .all(|j| m[i][j].abs() <= zero.max(1e-9 * scale * f64::from(u8::from(i != j))))
             });
         }
-        open[pivot] = false;
+        is_left[pivot] = false;
         for i in 0..3 {
             for j in 0..3 {
-                if open[i] && open[j] {
+                if is_left[i] && is_left[j] {
                     m[i][j] -= m[i][pivot] * m[pivot][j] / m[pivot][pivot];
                 }
             }

@@ -13,7 +13,8 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
 use crate::kkt::{Multipliers, Residuals, residuals};
-use crate::problem::{MAX_ROWS, Problem, Softness, Terminal};
+use crate::limits::MAX_ROWS;
+use crate::problem::{Problem, Softness, Terminal};
 use crate::solver::{Report, Solver, Start, Status};
 
 /// `c`, m: about the margin at which the cost matters.
@@ -214,8 +215,8 @@ fn stages(problem: &Problem, j: usize) -> impl Iterator<Item = usize> + '_ {
     (row.from..=row.to).filter(move |&k| problem.limits[j][k] < f64::INFINITY)
 }
 
-/// `(linear, quadratic)` price of a soft limit.
-fn price(softness: &Softness) -> Option<(f64, f64)> {
+/// `(linear, quadratic)` penalty weights of a soft limit.
+fn penalty(softness: &Softness) -> Option<(f64, f64)> {
     match *softness {
         Softness::Hard => None,
         Softness::Soft { linear, quadratic } => Some((linear, quadratic)),
@@ -255,7 +256,7 @@ fn assemble_cost(problem: &Problem) -> (Triplets, Vec<f64>) {
         }
     }
     for (j, row) in problem.rows.iter().enumerate() {
-        if let Some((linear, quadratic)) = price(&row.softness) {
+        if let Some((linear, quadratic)) = penalty(&row.softness) {
             for _ in stages(problem, j) {
                 entry(gradient.len(), gradient.len(), quadratic);
                 gradient.push(linear);
@@ -265,7 +266,7 @@ fn assemble_cost(problem: &Problem) -> (Triplets, Vec<f64>) {
     if let Some(light) = &problem.light {
         for _ in 0..problem.light_len {
             gradient.extend([0.0, light.weight / (CONE_SCALE * CONE_SCALE)]);
-            if let Some((linear, _)) = price(&light.softness) {
+            if let Some((linear, _)) = penalty(&light.softness) {
                 gradient.push(linear);
             }
         }
@@ -315,12 +316,12 @@ fn assemble_constraints(
             for i in 0..3 {
                 a.push(state(k) + i, row.gradient[i]);
             }
-            if price(&row.softness).is_some() {
+            if penalty(&row.softness).is_some() {
                 a.push(slack, -1.0);
             }
             let at = a.end(problem.limits[j][k]);
             layout.rows[j].push((k, at));
-            if price(&row.softness).is_some() {
+            if penalty(&row.softness).is_some() {
                 a.push(slack, -1.0);
                 a.end(0.0);
                 slack += 1;
@@ -329,7 +330,7 @@ fn assemble_constraints(
     }
     layout.light = a.rhs.len();
     if let Some(light) = &problem.light {
-        let soft = price(&light.softness).is_some();
+        let soft = penalty(&light.softness).is_some();
         let width = if soft { 3 } else { 2 };
         for (k, stage) in problem.light_stages().iter().enumerate() {
             for i in 0..3 {

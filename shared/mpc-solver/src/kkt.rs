@@ -21,13 +21,14 @@
 //! the terminal equality, at least 1. For `v_k` that scale is at least the largest `B'λ` from stage `k` on, since
 //! that is what has to cancel in it.
 
+use crate::limits::MAX_ROWS;
 use crate::problem::{Problem, Softness, Terminal, dot};
 
 /// Multipliers of a solution, with room for the horizon they were made for.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Multipliers {
     /// `rows[j][k]` = `μ_{j,k}`, `k = 0..=N`; zero where the row is not in force.
-    pub rows: [Vec<f64>; crate::MAX_ROWS],
+    pub rows: [Vec<f64>; MAX_ROWS],
     /// `light[k]` = `α_k`, `k = 0..=N`; zero where the light is not in force.
     pub light: Vec<f64>,
     /// `y`.

@@ -28,7 +28,7 @@
 //! soft:  ψ(z) = min_{σ ≥ max(z, 0)} λ σ + ½ κ σ² = λ max(z, 0) + ½ κ max(z, 0)²
 //! ```
 //!
-//! The soft form is an exact penalty: a price `λ` above the multiplier of the hard row gives the
+//! The soft form is an exact penalty: a penalty weight `λ` above the multiplier of the hard row gives the
 //! hard row's solution wherever there is one, and a least violation where there is none.
 //!
 //! The *light* is the convex form of the barrier of He, Xi, Huang, Chen and Huang (2024,
@@ -69,14 +69,20 @@
 
 mod builder;
 mod clarabel;
+mod error;
+mod kind;
 mod kkt;
+mod limits;
 mod problem;
 mod riccati;
 mod solver;
 
-pub use builder::{ProblemBuilder, ProblemError};
+pub use builder::ProblemBuilder;
 pub use clarabel::Clarabel;
+pub use error::ProblemError;
+pub use kind::{Kind, UnknownSolver};
 pub use kkt::{Multipliers, Residuals, residuals};
-pub use problem::{LightCost, LightStage, MAX_HORIZON, MAX_ROWS, Problem, Row, Softness, Terminal};
+pub use limits::{MAX_HORIZON, MAX_ROWS};
+pub use problem::{LightCost, LightStage, Problem, Row, Softness, Terminal};
 pub use riccati::Riccati;
-pub use solver::{Kind, Report, Solver, Start, Status};
+pub use solver::{Report, Solver, Start, Status};

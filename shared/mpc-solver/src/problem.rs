@@ -1,11 +1,6 @@
 //! The problem as data: what is fixed by the builder and what a control cycle may overwrite.
 
-use crate::builder::{ProblemBuilder, ProblemError};
-
-/// Largest horizon, steps.
-pub const MAX_HORIZON: usize = 1000;
-/// Most rows a problem can have.
-pub const MAX_ROWS: usize = 4;
+use crate::error::ProblemError;
 
 /// What happens at and beyond a limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,9 +9,9 @@ pub enum Softness {
     Hard,
     /// Exact penalty on the violation `σ ≥ 0`: `linear · σ + ½ quadratic · σ²`.
     Soft {
-        /// Price `λ > 0` of the violation, cost per unit.
+        /// Penalty weight `λ > 0` of the violation, cost per unit.
         linear: f64,
-        /// Curvature `κ ≥ 0` of the price, cost per unit squared (not used by the light).
+        /// Quadratic penalty weight `κ ≥ 0`, cost per unit squared (not used by the light).
         quadratic: f64,
     },
 }
@@ -43,7 +38,7 @@ pub struct LightCost {
     pub weight: f64,
     /// Threshold `d_th > 0` beyond which the margin costs nothing, m; may be infinite.
     pub threshold: f64,
-    /// Hard: `D > 0` or infeasible. Soft: the linear price of the margin's shortfall, cost/m.
+    /// Hard: `D > 0` or infeasible. Soft: the linear penalty weight of the margin's shortfall, cost/m.
     pub softness: Softness,
 }
 
@@ -66,6 +61,39 @@ pub enum Terminal {
 }
 
 /// A problem of the class described at the head of the crate.
+///
+/// ```
+/// use mpc_solver::{Problem, Riccati, Row, Softness, Solver, Start, Status};
+///
+/// // States: spacing error (m), relative speed (m/s), acceleration (m/s²). Steps of 0.1 s, a lag of 0.5 s.
+/// let mut problem = Problem::builder(50)
+///     .dynamics([[1.0, 0.1, 0.0], [0.0, 1.0, 0.1], [0.0, 0.0, 0.8]], [0.0, 0.0, 0.2])
+///     .input_bounds(-4.9, 4.9)
+///     .input_cost(1.0)
+///     .state_weights([10.0, 50.0, 0.0])
+///     .terminal_weights([100.0, 500.0, 1.0])
+///     // Never more than 12 m too near.
+///     .row(Row {
+///         gradient: [1.0, 0.0, 0.0],
+///         from: 3,
+///         to: 50,
+///         limit: 12.0,
+///         softness: Softness::Soft { linear: 1e5, quadratic: 0.0 },
+///     })
+///     .build()?;
+/// let mut solver = Riccati::new(50);
+///
+/// // 10 m too near and 4 m/s faster than the vehicle ahead: brake.
+/// problem.set_initial_state([10.0, 4.0, 0.0]);
+/// let report = solver.solve(&problem, Start::Cold);
+/// assert_eq!(report.status, Status::Solved);
+/// assert_eq!(solver.inputs()[0], -4.9);
+///
+/// // A cycle later: overwrite what has changed, start from the solution before.
+/// problem.set_initial_state(solver.states()[1]);
+/// assert_eq!(solver.solve(&problem, Start::Shifted(1)).status, Status::Solved);
+/// # Ok::<(), mpc_solver::ProblemError>(())
+/// ```
 ///
 /// Weights, dynamics and bounds are checked by the builder and stay. What a control cycle changes
 /// has a setter here that costs nothing and checks nothing; every [`crate::Solver::solve`] calls
@@ -97,12 +125,6 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// Starts a problem of `horizon` steps with the identity as dynamics and no cost: dynamics, input
-    /// cost and bounds must be given.
-    pub fn builder(horizon: usize) -> ProblemBuilder {
-        ProblemBuilder::new(horizon)
-    }
-
     /// Sets `x_0`.
     pub fn set_initial_state(&mut self, x0: [f64; 3]) {
         self.x0 = x0;
@@ -156,7 +178,7 @@ impl Problem {
     /// Sets the margins of stages `1..=K` from an iterator, first stage first; what exceeds the
     /// horizon is dropped, an empty iterator switches the light off.
     ///
-    /// Without effect on a problem built without [`ProblemBuilder::light`].
+    /// Without effect on a problem built without [`crate::ProblemBuilder::light`].
     pub fn set_light(&mut self, stages: impl IntoIterator<Item = LightStage>) {
         self.light_len = 0;
         for (slot, stage) in self.light_stages.iter_mut().zip(stages) {

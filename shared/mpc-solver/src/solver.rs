@@ -2,7 +2,6 @@
 
 use crate::kkt::{Multipliers, Residuals};
 use crate::problem::Problem;
-use crate::{Clarabel, Riccati};
 
 /// Where a solver starts from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -57,36 +56,4 @@ pub trait Solver {
 
     /// Multipliers of the last solve.
     fn multipliers(&self) -> &Multipliers;
-}
-
-/// The solvers by name, for configuration.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Kind {
-    /// [`Riccati`], named `riccati`.
-    #[default]
-    Riccati,
-    /// [`Clarabel`], named `clarabel`.
-    Clarabel,
-}
-
-impl Kind {
-    /// A solver of this kind for horizons up to `max_horizon`, at its default tolerance.
-    pub fn create(self, max_horizon: usize) -> Box<dyn Solver + Send> {
-        match self {
-            Self::Riccati => Box::new(Riccati::new(max_horizon)),
-            Self::Clarabel => Box::new(Clarabel::new()),
-        }
-    }
-}
-
-impl std::str::FromStr for Kind {
-    type Err = &'static str;
-
-    fn from_str(name: &str) -> Result<Self, Self::Err> {
-        match name {
-            "riccati" => Ok(Self::Riccati),
-            "clarabel" => Ok(Self::Clarabel),
-            _ => Err("the solver must be `riccati` or `clarabel`"),
-        }
-    }
 }

@@ -68,7 +68,7 @@ fn refuses_what_is_not_and_says_why() {
     let limit = f64::NEG_INFINITY;
     assert_eq!(error(valid().row(Row { limit, ..row() })), ProblemError::NotFinite("row limit"));
     let free = Softness::Soft { linear: 0.0, quadratic: 1.0 };
-    assert_eq!(error(valid().row(Row { softness: free, ..row() })), ProblemError::Price);
+    assert_eq!(error(valid().row(Row { softness: free, ..row() })), ProblemError::PenaltyWeight);
     let light = LightCost { weight: 1.0, threshold: 0.0, softness: Softness::Hard };
     assert_eq!(error(valid().light(light)), ProblemError::Light);
     let dark = LightCost { weight: f64::NAN, threshold: 1.0, softness: Softness::Hard };

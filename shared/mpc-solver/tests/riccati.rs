@@ -176,7 +176,7 @@ fn one_step_by_hand() {
     assert_eq!(u, -2.0);
     let (u, _) = solve_one(&one_step().row(row(Softness::Hard)).build().expect(valid));
     assert!((u + 1.0).abs() < 1e-9);
-    // du/dσ: at x₁ = 5 − σ the row's price must be u/2 + 3 x₁ = 14.5 − 3.25 σ.
+    // du/dσ: at x₁ = 5 − σ the row's multiplier must be u/2 + 3 x₁ = 14.5 − 3.25 σ.
     let soft = |linear| row(Softness::Soft { linear, quadratic: 0.0 });
     let (u, _) = solve_one(&one_step().row(soft(15.0)).build().expect(valid));
     assert!((u + 1.0).abs() < 1e-9, "an exact penalty is exact");

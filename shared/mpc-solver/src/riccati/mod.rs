@@ -1,70 +1,96 @@
 //! The solver made for the problem: an active-set method for the common case, an interior point for
 //! the rest, both on one stage-wise recursion.
 //!
-//! 1. `active` guesses which inputs are at their bounds and where on its graph the light is, solves what
-//!    remains, and improves the guess: one or two sweeps for most cruise problems, about seven with a light.
-//! 2. `interior` takes over when rows are active or the guesses do not settle. Once its steps are nearly
-//!    full it shows which inequalities are active; `active` then finishes in two or three sweeps, exactly.
-//! 3. What either returns is checked by [`crate::residuals`], which knows nothing of the methods: the status is
-//!    [`Status::Solved`] only if the optimality conditions hold to 1e-8.
-//! 4. While the interior point is not feasible, `certificate` asks whether its multipliers prove that
-//!    nothing is.
+//! The phases of a solve, each of which either ends it or hands over to the next:
 //!
-//! The equations are at the head of `recursion`; `light_graph` and `row_graph` have the
-//! active set's view of the penalties, `barrier` the inequalities of the
-//! interior point.
+//! 1. *Warm* ([`Riccati::warm`]): the active set from the previous solution, moved forward.
+//! 2. *Cold* ([`Riccati::cold`]): the active set from nothing ([`active_set`]).
+//! 3. *Interior point* ([`Riccati::interior`]), started near an early trajectory of the cold attempt
+//!    ([`interior_point`]). Once its steps are nearly full it shows which inequalities are active, and the active set
+//!    finishes exactly, in two or three rounds. While it is not feasible, [`infeasibility`] asks whether its
+//!    multipliers prove that nothing is.
+//!
+//! What any of them returns is checked by [`crate::residuals`], which knows nothing of the methods: the status is
+//! [`Status::Solved`] only if the optimality conditions hold to 1e-8.
+//!
+//! Every loop has a bound, and so has the time: at most 12 warm and 18 cold rounds; three starts of the interior point
+//! with 60 iterations each, and in each two attempts of five rounds to finish. Together that is 240 sweeps over the
+//! horizon, linear in `N`; on feasible problems 40 have been the most (the fuzzer and the benchmark count them).
+//!
+//! The equations are at the head of [`lqr`]; [`light_curve`] and [`row_curve`] have the active set's view of the penalties,
+//! [`interior_point`] the inequalities as pairs.
 
-mod active;
-mod barrier;
-mod certificate;
-mod interior;
-mod light_graph;
-mod recursion;
-mod row_graph;
+mod active_set;
+mod infeasibility;
+mod interior_point;
+mod light_curve;
+mod lqr;
+mod matrix;
+mod row_curve;
+mod working_set;
 
 use crate::kkt::{Multipliers, Residuals, residuals};
 use crate::problem::Problem;
 use crate::solver::{Report, Solver, Start, Status};
-use active::{ActiveSet, From, Outcome};
-use interior::Interior;
-use recursion::Plant;
+use active_set::{ActiveSet, From, Outcome, Point};
+use interior_point::InteriorPoint;
+use lqr::LinearQuadratic;
 
 /// Largest scaled residual of the optimality conditions that counts as solved.
 const TOLERANCE: f64 = 1e-8;
-/// Iterations of the interior point.
+/// Rounds of the active set from the previous solution. With many acting rows a wrong guess is not worth more.
+const WARM_ROUNDS: u32 = 12;
+const WARM_ROUNDS_WITH_ROW_TANGENTS: u32 = 2;
+/// Iterations of the interior point from each of its starts.
 const MAX_ITERATIONS: u32 = 60;
-/// Mean product of the pairs from which on the optimality conditions are looked at.
-const NEARLY: f64 = 1e-6;
-/// Part of the first iterate's infeasibility that counts as feasible.
-const CLOSED: f64 = 1e-9;
-/// Iterations after which a start must have closed some of its infeasibility, and how much may be left.
-const TRIAL: u32 = 8;
-const OPENED: f64 = 0.9;
-/// How far inside the starts begin.
-const BOLDNESS: [f64; 3] = [1.0, 30.0, 1000.0];
-/// Rounds of the active set from the previous solution: more would cost more than a cold start.
-const WARM_ROUNDS: u32 = 6;
-const WARM_ROUNDS_WITH_ROWS: u32 = 2;
-/// How often, and for how many rounds, the active set may try the interior point's suggestion, and what
-/// part of the first infeasibility may be left then.
-const MAX_TRIES: u32 = 2;
-const TRY_ROUNDS: u32 = 5;
-const NEARLY_CLOSED: f64 = 1e-3;
-/// Fruitless looks at the optimality conditions after which the machine's precision is at its end.
-const MAX_LOOKS: u32 = 8;
+/// Mean product of the pairs below which the optimality conditions are evaluated.
+const MU_TOLERANCE: f64 = 1e-6;
+/// Part of the first iterate's linear residuals that counts as none.
+const RESIDUAL_TOLERANCE: f64 = 1e-9;
+/// Evaluations of the optimality conditions without success after which the machine's precision is at its end.
+const MAX_EVALUATIONS: u32 = 8;
+/// Part of the linear residuals that may be left when the active set tries to finish; how often it may, and for how
+/// many rounds.
+const FINISH_RESIDUAL: f64 = 1e-3;
+const MAX_FINISHES: u32 = 2;
+const FINISH_ROUNDS: u32 = 5;
+/// Iterations between two tests for infeasibility.
+const INFEASIBILITY_INTERVAL: u32 = 4;
+/// Part of the linear residuals that a start which is not stuck has taken away by the end of its trial.
+const LEAST_PROGRESS: f64 = 0.1;
+
+/// A start of the interior point.
+struct InteriorStart {
+    /// How far inside it begins.
+    distance: f64,
+    /// Iterations after which it must have made progress; none if no other start follows.
+    trial: Option<u32>,
+}
+
+/// The starts, farther inside each time: a start that is stuck at the boundary is left.
+const STARTS: [InteriorStart; 3] = [
+    InteriorStart { distance: 1.0, trial: Some(8) },
+    InteriorStart { distance: 30.0, trial: Some(8) },
+    InteriorStart { distance: 1000.0, trial: None },
+];
+
+/// How a phase ended.
+type Ending = (Status, Residuals);
 
 /// The solver; see the head of the crate for its problem.
 #[derive(Clone, Debug)]
 pub struct Riccati {
     capacity: usize,
     active: ActiveSet,
-    interior: Interior,
+    interior: InteriorPoint,
     inputs: Vec<f64>,
     states: Vec<[f64; 3]>,
     multipliers: Multipliers,
     horizon: usize,
-    /// Whether the active set of the last solve can start the next one.
-    settled: bool,
+    /// Sweeps of the current solve.
+    iterations: u32,
+    /// Whether the guess of the last solve can start the next one.
+    is_settled: bool,
 }
 
 impl Riccati {
@@ -73,102 +99,116 @@ impl Riccati {
         Self {
             capacity: max_horizon,
             active: ActiveSet::new(max_horizon),
-            interior: Interior::new(max_horizon),
+            interior: InteriorPoint::new(max_horizon),
             inputs: vec![0.0; max_horizon],
             states: vec![[0.0; 3]; max_horizon + 1],
             multipliers: Multipliers::new(max_horizon),
             horizon: 0,
-            settled: false,
+            iterations: 0,
+            is_settled: false,
         }
     }
 
-    /// The active set's attempt; `None` if it has to be given up.
+    /// Phase 1. Nothing if there is no previous solution, or the attempt fails.
+    fn warm(&mut self, problem: &Problem, lq: &LinearQuadratic, start: Start) -> Option<Ending> {
+        let Start::Shifted(steps) = start else { return None };
+        self.active.shift(problem, steps);
+        let rounds = if self.active.has_acting_row_tangents() {
+            WARM_ROUNDS_WITH_ROW_TANGENTS
+        } else {
+            WARM_ROUNDS
+        };
+        self.try_active(problem, lq, From::Guess(rounds))
+    }
+
+    /// Phase 2. Nothing if the attempt fails.
+    fn cold(&mut self, problem: &Problem, lq: &LinearQuadratic) -> Option<Ending> {
+        self.multipliers.clear();
+        self.try_active(problem, lq, From::Nothing)
+    }
+
+    /// Phase 3.
+    fn interior(&mut self, problem: &Problem, lq: &LinearQuadratic) -> Ending {
+        let n = problem.horizon;
+        self.inputs[..n].copy_from_slice(&self.active.early_inputs()[..n]);
+        let mut last = (Status::IterationLimit, Residuals::default());
+        for start in &STARTS {
+            problem.roll_out(&self.inputs, &mut self.states);
+            let (inputs, states) = (&self.inputs[..n], &self.states[..=n]);
+            self.interior.start(problem, inputs, states, start.distance);
+            last = self.descend(problem, lq, start.trial);
+            if last.0 != Status::IterationLimit {
+                break;
+            }
+            self.inputs.fill(0.5 * (problem.u_min + problem.u_max));
+        }
+        if last.0 == Status::IterationLimit {
+            last.1 = self.take_iterate(problem);
+        }
+        last
+    }
+
+    /// Iterations of the interior point from one start.
+    fn descend(&mut self, problem: &Problem, lq: &LinearQuadratic, trial: Option<u32>) -> Ending {
+        let (mut finishes, mut evaluations) = (0, 0);
+        self.multipliers.clear();
+        for iteration in 1..=MAX_ITERATIONS {
+            self.iterations += 1;
+            let Some(step) = self.interior.iterate(problem, lq) else { break };
+            let residual = self.interior.remaining_residual();
+            if finishes < MAX_FINISHES && step.is_fast() && residual < FINISH_RESIDUAL {
+                finishes += 1;
+                self.interior.suggest(problem, &mut self.active.guess);
+                if let Some(ending) = self.try_active(problem, lq, From::Guess(FINISH_ROUNDS)) {
+                    return ending;
+                }
+            }
+            if step.mu < MU_TOLERANCE && residual < RESIDUAL_TOLERANCE {
+                let found = self.take_iterate(problem);
+                if found.max() <= TOLERANCE {
+                    return (Status::Solved, found);
+                }
+                evaluations += 1;
+                if evaluations == MAX_EVALUATIONS {
+                    break;
+                }
+            }
+            let is_stuck = trial == Some(iteration) && residual > 1.0 - LEAST_PROGRESS;
+            let is_infeasible = residual > RESIDUAL_TOLERANCE;
+            if is_stuck || is_infeasible && iteration % INFEASIBILITY_INTERVAL == 0 {
+                let found = self.take_iterate(problem);
+                if infeasibility::is_proved(problem, &self.multipliers) {
+                    return (Status::Infeasible, found);
+                }
+            }
+            if is_stuck {
+                break;
+            }
+        }
+        (Status::IterationLimit, Residuals::default())
+    }
+
+    /// An attempt of the active set; nothing if it is given up, or does not meet the tolerance.
     fn try_active(
         &mut self,
         problem: &Problem,
-        plant: &Plant,
+        lq: &LinearQuadratic,
         from: From,
-    ) -> (Option<Residuals>, u32) {
-        let (outcome, rounds) = self.active.solve(
-            problem,
-            plant,
-            from,
-            &mut self.inputs,
-            &mut self.states,
-            &mut self.multipliers,
-        );
-        let found = (outcome == Outcome::Settled).then(|| self.residuals(problem));
-        (found.filter(|r| r.max() <= TOLERANCE), rounds)
-    }
-
-    /// The interior point, from the trajectory at hand; again from farther inside if its steps are
-    /// stuck at the boundary.
-    fn run_interior(&mut self, problem: &Problem, plant: &Plant) -> (Status, Residuals, u32) {
-        let mut iterations = 0;
-        for boldness in BOLDNESS {
-            let last = boldness == BOLDNESS[BOLDNESS.len() - 1];
-            let n = problem.horizon;
-            self.interior.start(problem, &self.inputs[..n], &self.states[..=n], boldness);
-            let (status, residuals, steps) = self.descend(problem, plant, last);
-            iterations += steps;
-            if status != Status::IterationLimit || last {
-                return (status, residuals, iterations);
-            }
-            self.inputs.fill(0.5 * (problem.u_min + problem.u_max));
-            problem.roll_out(&self.inputs, &mut self.states);
+    ) -> Option<Ending> {
+        let Self { active, inputs, states, multipliers, .. } = self;
+        let (outcome, rounds) =
+            active.solve(problem, lq, from, &mut Point { inputs, states, multipliers });
+        self.iterations += rounds;
+        if outcome == Outcome::GivenUp {
+            return None;
         }
-        unreachable!("the last start returns")
+        let found = self.residuals(problem);
+        self.is_settled = found.max() <= TOLERANCE;
+        self.is_settled.then_some((Status::Solved, found))
     }
 
-    fn descend(
-        &mut self,
-        problem: &Problem,
-        plant: &Plant,
-        last: bool,
-    ) -> (Status, Residuals, u32) {
-        let mut looks = 0;
-        let (mut tries, mut extra) = (0, 0);
-        self.multipliers.clear();
-        for iteration in 1..=MAX_ITERATIONS {
-            let Some(step) = self.interior.iterate(problem, plant) else {
-                return (Status::IterationLimit, self.take_interior(problem), iteration + extra);
-            };
-            let (mu, open) = (step.mu, self.interior.open());
-            if tries < MAX_TRIES && step.is_fast() && open < NEARLY_CLOSED {
-                tries += 1;
-                self.interior.suggest(problem, &mut self.active);
-                let (found, rounds) = self.try_active(problem, plant, From::Guess(TRY_ROUNDS));
-                extra += rounds;
-                if let Some(residuals) = found {
-                    self.settled = true;
-                    return (Status::Solved, residuals, iteration + extra);
-                }
-            }
-            if mu < NEARLY && open < CLOSED {
-                let found = self.take_interior(problem);
-                looks += 1;
-                if found.max() <= TOLERANCE {
-                    return (Status::Solved, found, iteration + extra);
-                }
-                if looks == MAX_LOOKS {
-                    return (Status::IterationLimit, found, iteration + extra);
-                }
-            }
-            let stuck = !last && iteration == TRIAL && open > OPENED;
-            if open > CLOSED && iteration % 4 == 0 || stuck {
-                let found = self.take_interior(problem);
-                if certificate::proves_infeasible(problem, &self.multipliers) {
-                    return (Status::Infeasible, found, iteration + extra);
-                }
-                if stuck {
-                    return (Status::IterationLimit, found, iteration + extra);
-                }
-            }
-        }
-        (Status::IterationLimit, self.take_interior(problem), MAX_ITERATIONS + extra)
-    }
-
-    fn take_interior(&mut self, problem: &Problem) -> Residuals {
+    /// Takes the interior point's iterate for the solution.
+    fn take_iterate(&mut self, problem: &Problem) -> Residuals {
         self.interior.read(problem, &mut self.inputs, &mut self.multipliers);
         problem.roll_out(&self.inputs, &mut self.states);
         self.residuals(problem)
@@ -181,56 +221,39 @@ impl Riccati {
     /// The answer to a problem that cannot be computed with.
     fn refuse(&mut self, problem: &Problem) -> Report {
         self.horizon = problem.horizon.min(self.capacity);
-        self.settled = false;
+        self.is_settled = false;
         self.inputs.fill(0.0_f64.max(problem.u_min).min(problem.u_max));
         self.states.fill(problem.x0);
         self.multipliers.clear();
         let residuals = Residuals { stationarity: f64::NAN, ..Residuals::default() };
-        Report { status: Status::InvalidInput, iterations: 0, residuals, objective: f64::NAN }
+        let (status, iterations) = (Status::InvalidInput, self.iterations);
+        Report { status, iterations, residuals, objective: f64::NAN }
     }
 }
 
 impl Solver for Riccati {
     fn solve(&mut self, problem: &Problem, start: Start) -> Report {
         let n = problem.horizon;
+        self.iterations = 0;
         if n > self.capacity || problem.check().is_err() {
             return self.refuse(problem);
         }
-        let plant = Plant::new(problem);
-        let mut found = None;
-        let mut iterations = 0;
-        let mut try_cold = true;
-        if let (Start::Shifted(steps), true) = (start, self.settled && self.horizon == n) {
-            self.active.shift(problem, steps);
-            self.multipliers.clear();
-            // Where rows were active, the cold attempt would fail as well.
-            try_cold = !self.active.has_rows();
-            let rounds = if try_cold { WARM_ROUNDS } else { WARM_ROUNDS_WITH_ROWS };
-            (found, iterations) = self.try_active(problem, &plant, From::Guess(rounds));
-        }
+        let lq = LinearQuadratic::new(problem);
+        let start = if self.is_settled && self.horizon == n { start } else { Start::Cold };
         self.horizon = n;
-        if found.is_none() && try_cold {
-            self.multipliers.clear();
-            let (cold, rounds) = self.try_active(problem, &plant, From::Nothing);
-            found = cold;
-            iterations += rounds;
-        }
-        self.settled = found.is_some();
-        let (status, residuals) = match found {
-            Some(residuals) => (Status::Solved, residuals),
-            None => {
-                let (status, residuals, steps) = self.run_interior(problem, &plant);
-                iterations += steps;
-                (status, residuals)
-            }
-        };
+        self.is_settled = false;
+        let (status, residuals) = self
+            .warm(problem, &lq, start)
+            .or_else(|| self.cold(problem, &lq))
+            .unwrap_or_else(|| self.interior(problem, &lq));
         let objective = problem.objective(&self.inputs, &self.states);
-        let finite = self.states[..=n].iter().flatten().sum::<f64>().is_finite();
+        let end = &self.states[n];
+        let is_finite = (end[0] + end[1] + end[2]).is_finite();
         // A solution outside of the light's domain does not exist: an infinite cost is an overflow.
-        if !finite || status == Status::Solved && !objective.is_finite() {
-            return Report { iterations, ..self.refuse(problem) };
+        if !is_finite || status == Status::Solved && !objective.is_finite() {
+            return self.refuse(problem);
         }
-        Report { status, iterations, residuals, objective }
+        Report { status, iterations: self.iterations, residuals, objective }
     }
 
     fn inputs(&self) -> &[f64] {

@@ -16,8 +16,8 @@ use crate::problem::{Problem, Softness, Terminal, dot};
 /// Part of the summed magnitudes that the least value must exceed, far above their rounding.
 const MARGIN: f64 = 1e-9;
 
-/// Whether `multipliers` prove `problem` infeasible.
-pub(super) fn proves_infeasible(problem: &Problem, multipliers: &Multipliers) -> bool {
+/// Whether `multipliers` prove that no input satisfies the hard constraints of `problem`.
+pub(super) fn is_proved(problem: &Problem, multipliers: &Multipliers) -> bool {
     let n = problem.horizon;
     let a = &problem.a;
     let mut costate = [0.0; 3];

@@ -8,9 +8,15 @@
 //! Sums and maxima run over four lanes, joined at the end: the same result on every machine, and
 //! loops that need not wait for one addition after the other.
 
+/// Compliance that is added to those of rows and light, unit of the limit per unit of its multiplier.
+///
+/// It moves the limit by `PROXIMAL (μ⁺ − μ)`, which vanishes as the multiplier settles, and keeps the
+/// curvature from outgrowing the machine's precision while the slack of an active limit goes to zero.
+pub(super) const PROXIMAL: f64 = 1e-12;
+
 /// One pair per stage.
 #[derive(Clone, Debug)]
-pub(in crate::riccati) struct Pairs {
+pub(super) struct Pairs {
     pub(super) slack: Vec<f64>,
     pub(super) multiplier: Vec<f64>,
     /// `1/s` and `1/λ`.
@@ -50,19 +56,19 @@ impl Pairs {
     }
 
     /// Reciprocal of the longest possible predictor step, at least 1.
-    pub(super) fn reach_affine(&self, len: usize) -> f64 {
+    pub(super) fn affine_step_reciprocal(&self, len: usize) -> f64 {
         // max(−r, 1 + r) = ½ + |r + ½|
         0.5 + largest(len, [&self.relative], |[r]| (r + 0.5).abs())
     }
 
     /// Sum of the products after a predictor step of length `a`.
-    pub(super) fn gap_affine(&self, len: usize, a: f64) -> f64 {
+    pub(super) fn gap_after_affine(&self, len: usize, a: f64) -> f64 {
         let arrays = [&self.slack[..], &self.multiplier, &self.relative];
         sum(len, arrays, |[s, l, r]| s * l * ((1.0 + a * r) * (1.0 - a - a * r)))
     }
 
     /// Targets of the corrector.
-    pub(super) fn aim(&mut self, len: usize, tau: f64, trust: f64) {
+    pub(super) fn set_targets(&mut self, len: usize, tau: f64, trust: f64) {
         let (s, l) = (&self.slack[..len], &self.multiplier[..len]);
         let (r, t) = (&self.relative[..len], &mut self.target[..len]);
         for k in 0..len {
@@ -71,14 +77,14 @@ impl Pairs {
     }
 
     /// Reciprocal of the longest possible step.
-    pub(super) fn reach(&self, len: usize) -> f64 {
+    pub(super) fn step_reciprocal(&self, len: usize) -> f64 {
         let arrays = [&self.relative[..], &self.target, &self.per_slack, &self.per_multiplier];
         largest(len, arrays, |[r, t, ps, pl]| greater(-r, 1.0 + r - t * (ps * pl)))
     }
 
     /// Whether the slack of entry `k`, rather than its multiplier, goes to zero: by Tapia's indicator, which of
     /// the two has shrunk more in the last step.
-    pub(super) fn closes(&self, k: usize) -> bool {
+    pub(super) fn is_active(&self, k: usize) -> bool {
         let remaining =
             self.target[k] * (self.per_slack[k] * self.per_multiplier[k]) - self.relative[k];
         1.0 + self.relative[k] < remaining

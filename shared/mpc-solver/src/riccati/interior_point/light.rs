@@ -1,18 +1,17 @@
 //! The light, over its stages.
 
-use super::PROXIMAL;
-use super::pairs::{Pairs, greater, largest};
+use super::pairs::{PROXIMAL, Pairs, greater, largest};
 use crate::problem::{LightCost, LightStage, Softness, dot};
-use crate::riccati::light_graph::{LightGraph, Tangent};
+use crate::riccati::light_curve::{LightCurve, LightTangent};
 
 /// Variable `p`; pairs `(s, α)`, with a finite threshold `(d_th − p, β)`, and, if soft, `(σ, λ − α)`.
 #[derive(Clone, Debug)]
-pub(in crate::riccati) struct LightBarrier {
-    pub(in crate::riccati) len: usize,
+pub(super) struct LightBarrier {
+    pub(super) len: usize,
     /// `w`.
     cost: f64,
     threshold: f64,
-    price: f64,
+    penalty: f64,
     is_soft: bool,
     is_capped: bool,
     p: Vec<f64>,
@@ -20,11 +19,11 @@ pub(in crate::riccati) struct LightBarrier {
     dp: Vec<f64>,
     below: Pairs,
     capped: Pairs,
-    slip: Pairs,
+    violation: Pairs,
     /// `W` by stage; entry 0 belongs to stage 1.
-    pub(in crate::riccati) weight: Vec<f64>,
+    pub(super) curvature: Vec<f64>,
     /// Force against `c`: the predictor's without a change of `D`, or what the corrector adds.
-    pub(in crate::riccati) force: Vec<f64>,
+    pub(super) slope: Vec<f64>,
     /// Change of `D` at which the predictor leaves `α` as it is.
     offset: Vec<f64>,
     /// `1/(H + β/(d_th − p))`.
@@ -32,13 +31,13 @@ pub(in crate::riccati) struct LightBarrier {
 }
 
 impl LightBarrier {
-    pub(in crate::riccati) fn new(len: usize) -> Self {
+    pub(super) fn new(len: usize) -> Self {
         let zeros = || vec![0.0; len];
         Self {
             len: 0,
             cost: 0.0,
             threshold: 0.0,
-            price: 0.0,
+            penalty: 0.0,
             is_soft: false,
             is_capped: false,
             p: zeros(),
@@ -46,9 +45,9 @@ impl LightBarrier {
             dp: zeros(),
             below: Pairs::new(len),
             capped: Pairs::new(len),
-            slip: Pairs::new(len),
-            weight: zeros(),
-            force: zeros(),
+            violation: Pairs::new(len),
+            curvature: zeros(),
+            slope: zeros(),
             offset: zeros(),
             compliance: zeros(),
         }
@@ -56,7 +55,7 @@ impl LightBarrier {
 
     /// Starts at half of the margins that the states leave, at least `least`, with multipliers near the
     /// curve: too small ones cost a dozen iterations.
-    pub(in crate::riccati) fn start(
+    pub(super) fn start(
         &mut self,
         light: Option<&LightCost>,
         stages: &[LightStage],
@@ -69,7 +68,7 @@ impl LightBarrier {
         self.cost = light.weight;
         self.threshold = light.threshold;
         self.is_capped = light.threshold < f64::INFINITY;
-        (self.is_soft, self.price) = match light.softness {
+        (self.is_soft, self.penalty) = match light.softness {
             Softness::Hard => (false, f64::INFINITY),
             Softness::Soft { linear, .. } => (true, linear),
         };
@@ -79,7 +78,7 @@ impl LightBarrier {
             let p = (0.5 * d).max(2.0 * least).min(top);
             let steep = 0.3 * light.weight / (p * p);
             let s = (d - p).max(least);
-            let alpha = (mu / s).max(steep).min(0.5 * self.price);
+            let alpha = (mu / s).max(steep).min(0.5 * self.penalty);
             self.p[k] = p;
             self.below.slack[k] = s;
             self.below.multiplier[k] = alpha;
@@ -89,19 +88,15 @@ impl LightBarrier {
                 self.capped.multiplier[k] = (mu / room).max(0.1 * steep);
             }
             if self.is_soft {
-                let gamma = self.price - alpha;
-                self.slip.slack[k] = (p + s - d).max(mu / gamma).max(least);
-                self.slip.multiplier[k] = gamma;
+                let gamma = self.penalty - alpha;
+                self.violation.slack[k] = (p + s - d).max(mu / gamma).max(least);
+                self.violation.multiplier[k] = gamma;
             }
         }
     }
 
     /// Models the pairs for the predictor; returns the sum and the number of the products.
-    pub(in crate::riccati) fn predict(
-        &mut self,
-        stages: &[LightStage],
-        states: &[[f64; 3]],
-    ) -> (f64, usize) {
+    pub(super) fn linearize(&mut self, stages: &[LightStage], states: &[[f64; 3]]) -> (f64, usize) {
         let len = self.len;
         if len == 0 {
             return (0.0, 0);
@@ -113,14 +108,14 @@ impl LightBarrier {
             families += 1;
         }
         if self.is_soft {
-            gap += self.slip.invert(len);
+            gap += self.violation.invert(len);
             families += 1;
         }
         let (stages, states) = (&stages[..len], &states[1..=len]);
         let (p, per_p) = (&self.p[..len], &mut self.per_p[..len]);
         let (s, alpha) = (&self.below.slack[..len], &self.below.multiplier[..len]);
         let compliance = &mut self.compliance[..len];
-        let (w, offset) = (&mut self.weight[..len], &mut self.offset[..len]);
+        let (w, offset) = (&mut self.curvature[..len], &mut self.offset[..len]);
         for k in 0..len {
             per_p[k] = 1.0 / p[k];
             compliance[k] = 2.0 * alpha[k] * per_p[k];
@@ -141,58 +136,58 @@ impl LightBarrier {
             offset[k] += (self.cost * (per_p[k] * per_p[k]) - alpha[k]) * soft;
         }
         if self.is_soft {
-            let (sigma, per) = (&self.slip.slack[..len], &self.slip.per_multiplier[..len]);
+            let (sigma, per) =
+                (&self.violation.slack[..len], &self.violation.per_multiplier[..len]);
             for k in 0..len {
                 w[k] += sigma[k] * per[k];
                 // σ's residual and its product's cancel.
             }
         }
-        let force = &mut self.force[..len];
+        let slope = &mut self.slope[..len];
         for k in 0..len {
             w[k] = 1.0 / w[k];
-            force[k] = alpha[k] + w[k] * offset[k];
+            slope[k] = alpha[k] + w[k] * offset[k];
         }
         (gap, families * len)
     }
 
-    /// Sets `force` to what the corrector's targets add.
-    pub(in crate::riccati) fn correct(&mut self, tau: f64, trust: f64) {
+    /// Sets the corrector's targets, and `slope` to what they add.
+    pub(super) fn set_targets(&mut self, tau: f64, trust: f64) {
+        self.below.set_targets(self.len, tau, trust);
+        if self.is_capped {
+            self.capped.set_targets(self.len, tau, trust);
+        }
+        if self.is_soft {
+            self.violation.set_targets(self.len, tau, trust);
+        }
         let len = self.len;
-        let force = &mut self.force[..len];
-        self.below.aim(len, tau, trust);
+        let slope = &mut self.slope[..len];
         for k in 0..len {
-            force[k] = self.below.target[k] * self.below.per_multiplier[k];
+            slope[k] = self.below.target[k] * self.below.per_multiplier[k];
         }
         if self.is_capped {
-            self.capped.aim(len, tau, trust);
             for k in 0..len {
-                force[k] -= self.capped.target[k] * self.capped.per_slack[k] * self.compliance[k];
+                slope[k] -= self.capped.target[k] * self.capped.per_slack[k] * self.compliance[k];
             }
         }
         if self.is_soft {
-            self.slip.aim(len, tau, trust);
             for k in 0..len {
-                force[k] -= self.slip.target[k] * self.slip.per_multiplier[k];
+                slope[k] -= self.violation.target[k] * self.violation.per_multiplier[k];
             }
         }
         for k in 0..len {
-            force[k] *= self.weight[k];
+            slope[k] *= self.curvature[k];
         }
     }
 
     /// Takes the sweep's changes of the states.
-    pub(in crate::riccati) fn follow(
-        &mut self,
-        stages: &[LightStage],
-        changes: &[[f64; 3]],
-        corrected: bool,
-    ) {
+    pub(super) fn expand(&mut self, stages: &[LightStage], changes: &[[f64; 3]], corrected: bool) {
         let len = self.len;
         let add = if corrected { 1.0 } else { 0.0 };
         let (stages, changes) = (&stages[..len], &changes[1..=len]);
         for k in 0..len {
             let change = dot(&stages[k].gradient, &changes[k]);
-            let da = self.weight[k] * (self.offset[k] - change) + add * self.force[k];
+            let da = self.curvature[k] * (self.offset[k] - change) + add * self.slope[k];
             let b = &mut self.below;
             let mut pull = self.cost * (self.per_p[k] * self.per_p[k]) - b.multiplier[k] - da;
             b.relative[k] = (b.target[k] * b.per_slack[k] - da) * b.per_multiplier[k] - 1.0;
@@ -203,7 +198,7 @@ impl LightBarrier {
             }
             self.dp[k] = pull * self.compliance[k];
             if self.is_soft {
-                let c = &mut self.slip;
+                let c = &mut self.violation;
                 c.relative[k] = (c.target[k] * c.per_slack[k] + da) * c.per_multiplier[k] - 1.0;
             }
         }
@@ -213,46 +208,46 @@ impl LightBarrier {
         largest(self.len, [&self.dp, &self.per_p], |[dp, per_p]| greater(-dp * per_p, 0.0))
     }
 
-    pub(in crate::riccati) fn reach_affine(&self) -> f64 {
-        let mut reach = self.below.reach_affine(self.len).max(self.reach_p());
+    pub(super) fn affine_step_reciprocal(&self) -> f64 {
+        let mut step_reciprocal = self.below.affine_step_reciprocal(self.len).max(self.reach_p());
         if self.is_capped {
-            reach = reach.max(self.capped.reach_affine(self.len));
+            step_reciprocal = step_reciprocal.max(self.capped.affine_step_reciprocal(self.len));
         }
         if self.is_soft {
-            reach = reach.max(self.slip.reach_affine(self.len));
+            step_reciprocal = step_reciprocal.max(self.violation.affine_step_reciprocal(self.len));
         }
-        reach
+        step_reciprocal
     }
 
-    pub(in crate::riccati) fn gap_affine(&self, a: f64) -> f64 {
-        let mut gap = self.below.gap_affine(self.len, a);
+    pub(super) fn gap_after_affine(&self, a: f64) -> f64 {
+        let mut gap = self.below.gap_after_affine(self.len, a);
         if self.is_capped {
-            gap += self.capped.gap_affine(self.len, a);
+            gap += self.capped.gap_after_affine(self.len, a);
         }
         if self.is_soft {
-            gap += self.slip.gap_affine(self.len, a);
+            gap += self.violation.gap_after_affine(self.len, a);
         }
         gap
     }
 
-    pub(in crate::riccati) fn reach(&self) -> f64 {
-        let mut reach = self.below.reach(self.len).max(self.reach_p());
+    pub(super) fn step_reciprocal(&self) -> f64 {
+        let mut step_reciprocal = self.below.step_reciprocal(self.len).max(self.reach_p());
         if self.is_capped {
-            reach = reach.max(self.capped.reach(self.len));
+            step_reciprocal = step_reciprocal.max(self.capped.step_reciprocal(self.len));
         }
         if self.is_soft {
-            reach = reach.max(self.slip.reach(self.len));
+            step_reciprocal = step_reciprocal.max(self.violation.step_reciprocal(self.len));
         }
-        reach
+        step_reciprocal
     }
 
-    pub(in crate::riccati) fn advance(&mut self, a: f64) {
+    pub(super) fn advance(&mut self, a: f64) {
         self.below.advance(self.len, a);
         if self.is_capped {
             self.capped.advance(self.len, a);
         }
         if self.is_soft {
-            self.slip.advance(self.len, a);
+            self.violation.advance(self.len, a);
         }
         for (p, dp) in self.p[..self.len].iter_mut().zip(&self.dp) {
             *p += a * dp;
@@ -260,19 +255,19 @@ impl LightBarrier {
     }
 
     /// The part of the light's graph that entry `k` goes to.
-    pub(in crate::riccati) fn tangent(&self, graph: &LightGraph, k: usize) -> Tangent {
-        if !self.below.closes(k) {
-            graph.clear()
-        } else if self.is_capped && self.capped.closes(k) {
-            graph.edge(self.below.multiplier[k])
-        } else if self.is_soft && !self.slip.closes(k) {
-            graph.straight()
+    pub(super) fn tangent(&self, curve: &LightCurve, k: usize) -> LightTangent {
+        if !self.below.is_active(k) {
+            curve.clear()
+        } else if self.is_capped && self.capped.is_active(k) {
+            curve.edge(self.below.multiplier[k])
+        } else if self.is_soft && !self.violation.is_active(k) {
+            curve.straight()
         } else {
-            graph.hyperbola_at(self.p[k])
+            curve.hyperbola_at(self.p[k])
         }
     }
 
-    pub(in crate::riccati) fn multipliers(&self) -> &[f64] {
+    pub(super) fn multipliers(&self) -> &[f64] {
         &self.below.multiplier[..self.len]
     }
 }

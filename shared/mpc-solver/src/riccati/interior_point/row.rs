@@ -1,28 +1,27 @@
 //! One row, over its stages.
 
-use super::PROXIMAL;
-use super::pairs::Pairs;
+use super::pairs::{PROXIMAL, Pairs};
 use crate::problem::{Row, Softness, dot};
-use crate::riccati::row_graph::RowTangent;
+use crate::riccati::row_curve::RowTangent;
 
 /// Finite stand-in for an infinite limit.
 const NO_LIMIT: f64 = 1e9;
 
 /// Pairs `(s, μ)` and, if soft, `(σ, ν)`.
 #[derive(Clone, Debug)]
-pub(in crate::riccati) struct RowBarrier {
-    pub(in crate::riccati) gradient: [f64; 3],
-    /// First stage; the others follow.
-    pub(in crate::riccati) from: usize,
-    pub(in crate::riccati) len: usize,
+pub(super) struct RowBarrier {
+    pub(super) gradient: [f64; 3],
+    /// First stage; the others expand.
+    pub(super) from: usize,
+    pub(super) len: usize,
     /// `(λ, κ)`.
-    price: Option<(f64, f64)>,
+    penalty: Option<(f64, f64)>,
     limit: Pairs,
-    slip: Pairs,
+    violation: Pairs,
     /// `W` by stage, counted from `from`.
-    pub(in crate::riccati) weight: Vec<f64>,
+    pub(super) curvature: Vec<f64>,
     /// Force on `g`: the predictor's without a change of `z`, or what the corrector adds.
-    pub(in crate::riccati) force: Vec<f64>,
+    pub(super) slope: Vec<f64>,
     /// Change of `z` at which the predictor leaves the multiplier as it is.
     offset: Vec<f64>,
     /// `1/(ν + κσ)`.
@@ -30,24 +29,24 @@ pub(in crate::riccati) struct RowBarrier {
 }
 
 impl RowBarrier {
-    pub(in crate::riccati) fn new(len: usize) -> Self {
+    pub(super) fn new(len: usize) -> Self {
         let zeros = || vec![0.0; len];
         Self {
             gradient: [0.0; 3],
             from: 0,
             len: 0,
-            price: None,
+            penalty: None,
             limit: Pairs::new(len),
-            slip: Pairs::new(len),
-            weight: zeros(),
-            force: zeros(),
+            violation: Pairs::new(len),
+            curvature: zeros(),
+            slope: zeros(),
             offset: zeros(),
             per_stiffness: zeros(),
         }
     }
 
     /// Starts with the slacks that the states leave, at least `least`, and products about `mu`.
-    pub(in crate::riccati) fn start(
+    pub(super) fn start(
         &mut self,
         row: &Row,
         limits: &[f64],
@@ -58,7 +57,7 @@ impl RowBarrier {
         self.gradient = row.gradient;
         self.from = row.from;
         self.len = if row.to >= row.from { row.to - row.from + 1 } else { 0 };
-        self.price = match row.softness {
+        self.penalty = match row.softness {
             Softness::Hard => None,
             Softness::Soft { linear, quadratic } => Some((linear, quadratic)),
         };
@@ -68,22 +67,18 @@ impl RowBarrier {
             let s = room.max(least);
             self.limit.slack[i] = s;
             self.limit.multiplier[i] = mu / s;
-            if let Some((price, curvature)) = self.price {
-                let m = (mu / s).min(0.5 * price);
+            if let Some((penalty, curvature)) = self.penalty {
+                let m = (mu / s).min(0.5 * penalty);
                 self.limit.multiplier[i] = m;
                 let sigma = (s - room).max(least);
-                self.slip.slack[i] = sigma;
-                self.slip.multiplier[i] = price + curvature * sigma - m;
+                self.violation.slack[i] = sigma;
+                self.violation.multiplier[i] = penalty + curvature * sigma - m;
             }
         }
     }
 
     /// Models the pairs for the predictor; returns the sum and the number of the products.
-    pub(in crate::riccati) fn predict(
-        &mut self,
-        limits: &[f64],
-        states: &[[f64; 3]],
-    ) -> (f64, usize) {
+    pub(super) fn linearize(&mut self, limits: &[f64], states: &[[f64; 3]]) -> (f64, usize) {
         let len = self.len;
         if len == 0 {
             return (0.0, 0);
@@ -92,16 +87,16 @@ impl RowBarrier {
         let (h, states) = (&limits[self.from..][..len], &states[self.from..][..len]);
         let (s, m) = (&self.limit.slack[..len], &self.limit.multiplier[..len]);
         let pm = &self.limit.per_multiplier[..len];
-        let (w, force) = (&mut self.weight[..len], &mut self.force[..len]);
+        let (w, slope) = (&mut self.curvature[..len], &mut self.slope[..len]);
         let offset = &mut self.offset[..len];
         for i in 0..len {
             // s + (residual of the slack), to begin with.
             offset[i] = within_reach(h[i]) - dot(&self.gradient, &states[i]);
             w[i] = s[i] * pm[i] + PROXIMAL;
         }
-        if let Some((_, curvature)) = self.price {
-            gap += self.slip.invert(len);
-            let (sigma, nu) = (&self.slip.slack[..len], &self.slip.multiplier[..len]);
+        if let Some((_, curvature)) = self.penalty {
+            gap += self.violation.invert(len);
+            let (sigma, nu) = (&self.violation.slack[..len], &self.violation.multiplier[..len]);
             let per_stiffness = &mut self.per_stiffness[..len];
             for i in 0..len {
                 let soft = 1.0 / (nu[i] + curvature * sigma[i]);
@@ -112,85 +107,99 @@ impl RowBarrier {
         }
         for i in 0..len {
             w[i] = 1.0 / w[i];
-            force[i] = m[i] - w[i] * offset[i];
+            slope[i] = m[i] - w[i] * offset[i];
         }
-        (gap, if self.price.is_some() { 2 * len } else { len })
+        (gap, if self.penalty.is_some() { 2 * len } else { len })
     }
 
-    /// Sets `force` to what the corrector's targets add.
-    pub(in crate::riccati) fn correct(&mut self, tau: f64, trust: f64) {
+    /// Sets the corrector's targets, and `slope` to what they add.
+    pub(super) fn set_targets(&mut self, tau: f64, trust: f64) {
+        self.limit.set_targets(self.len, tau, trust);
+        if self.penalty.is_some() {
+            self.violation.set_targets(self.len, tau, trust);
+        }
         let len = self.len;
-        self.limit.aim(len, tau, trust);
         let (t, pm) = (&self.limit.target[..len], &self.limit.per_multiplier[..len]);
-        let (w, force) = (&self.weight[..len], &mut self.force[..len]);
-        if self.price.is_some() {
-            self.slip.aim(len, tau, trust);
-            let (t2, soft) = (&self.slip.target[..len], &self.per_stiffness[..len]);
+        let (w, slope) = (&self.curvature[..len], &mut self.slope[..len]);
+        if self.penalty.is_some() {
+            let (t2, soft) = (&self.violation.target[..len], &self.per_stiffness[..len]);
             for i in 0..len {
-                force[i] = w[i] * (t[i] * pm[i] - t2[i] * soft[i]);
+                slope[i] = w[i] * (t[i] * pm[i] - t2[i] * soft[i]);
             }
         } else {
             for i in 0..len {
-                force[i] = w[i] * (t[i] * pm[i]);
+                slope[i] = w[i] * (t[i] * pm[i]);
             }
         }
     }
 
     /// Takes the sweep's changes of the states.
-    pub(in crate::riccati) fn follow(&mut self, changes: &[[f64; 3]], corrected: bool) {
+    pub(super) fn expand(&mut self, changes: &[[f64; 3]], corrected: bool) {
         let len = self.len;
         let changes = &changes[self.from..][..len];
-        let (w, force, offset) = (&self.weight[..len], &self.force[..len], &self.offset[..len]);
+        let (w, slope, offset) = (&self.curvature[..len], &self.slope[..len], &self.offset[..len]);
         let (t, ps) = (&self.limit.target[..len], &self.limit.per_slack[..len]);
         let pm = &self.limit.per_multiplier[..len];
         let r = &mut self.limit.relative[..len];
         let add = if corrected { 1.0 } else { 0.0 };
         for i in 0..len {
-            let dm = w[i] * (dot(&self.gradient, &changes[i]) - offset[i]) + add * force[i];
+            let dm = w[i] * (dot(&self.gradient, &changes[i]) - offset[i]) + add * slope[i];
             r[i] = (t[i] * ps[i] - dm) * pm[i] - 1.0;
-            if self.price.is_some() {
-                let push = self.slip.target[i] * self.slip.per_slack[i];
-                self.slip.relative[i] =
-                    (push - self.slip.multiplier[i] + dm) * self.per_stiffness[i];
+            if self.penalty.is_some() {
+                let slope = self.violation.target[i] * self.violation.per_slack[i];
+                self.violation.relative[i] =
+                    (slope - self.violation.multiplier[i] + dm) * self.per_stiffness[i];
             }
         }
     }
 
-    pub(in crate::riccati) fn reach_affine(&self) -> f64 {
-        let limit = self.limit.reach_affine(self.len);
-        if self.price.is_some() { limit.max(self.slip.reach_affine(self.len)) } else { limit }
+    pub(super) fn affine_step_reciprocal(&self) -> f64 {
+        let limit = self.limit.affine_step_reciprocal(self.len);
+        if self.penalty.is_some() {
+            limit.max(self.violation.affine_step_reciprocal(self.len))
+        } else {
+            limit
+        }
     }
 
-    pub(in crate::riccati) fn gap_affine(&self, a: f64) -> f64 {
-        let gap = self.limit.gap_affine(self.len, a);
-        if self.price.is_some() { gap + self.slip.gap_affine(self.len, a) } else { gap }
+    pub(super) fn gap_after_affine(&self, a: f64) -> f64 {
+        let gap = self.limit.gap_after_affine(self.len, a);
+        if self.penalty.is_some() {
+            gap + self.violation.gap_after_affine(self.len, a)
+        } else {
+            gap
+        }
     }
 
-    pub(in crate::riccati) fn reach(&self) -> f64 {
-        let limit = self.limit.reach(self.len);
-        if self.price.is_some() { limit.max(self.slip.reach(self.len)) } else { limit }
+    pub(super) fn step_reciprocal(&self) -> f64 {
+        let limit = self.limit.step_reciprocal(self.len);
+        if self.penalty.is_some() {
+            limit.max(self.violation.step_reciprocal(self.len))
+        } else {
+            limit
+        }
     }
 
-    pub(in crate::riccati) fn advance(&mut self, a: f64) {
+    pub(super) fn advance(&mut self, a: f64) {
         self.limit.advance(self.len, a);
-        if self.price.is_some() {
-            self.slip.advance(self.len, a);
+        if self.penalty.is_some() {
+            self.violation.advance(self.len, a);
         }
     }
 
     /// The part of the row's graph that stage `k` goes to.
-    pub(in crate::riccati) fn tangent(&self, k: usize) -> RowTangent {
+    pub(super) fn tangent(&self, k: usize) -> RowTangent {
         let i = k - self.from;
-        match self.price {
-            _ if !self.limit.closes(i) => RowTangent::default(),
-            Some((price, curvature)) if !self.slip.closes(i) => {
-                RowTangent::beyond(price, curvature)
+        match self.penalty {
+            _ if !self.limit.is_active(i) => RowTangent::default(),
+            Some((penalty, curvature)) if !self.violation.is_active(i) => {
+                RowTangent::beyond(penalty, curvature)
             }
             _ => RowTangent::edge(self.limit.multiplier[i]),
         }
     }
 
-    pub(in crate::riccati) fn multipliers(&self) -> &[f64] {
+    pub(super) fn multipliers(&self) -> &[f64] {
         &self.limit.multiplier[..self.len]
     }
 }

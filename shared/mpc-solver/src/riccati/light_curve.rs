@@ -1,7 +1,7 @@
-//! The light's cost as a graph, and its tangents.
+//! The light's cost as a curve, and its tangents.
 //!
 //! `α ∈ −∂φ(D)` is a curve in the plane of the margin `D` and the multiplier `α`, never rising: flat at the
-//! price `λ` up to the knee `√(w/λ)` (soft lights only), the hyperbola `w/D²` down to `d_th`, vertical there, and
+//! penalty `λ` up to the knee `√(w/λ)` (soft lights only), the hyperbola `w/D²` down to `d_th`, vertical there, and
 //! flat at zero beyond. A Newton step replaces the curve by its tangent at one of its points; the point of
 //! the tangent that the step ends at is brought back to the curve *by the coordinate that moves less far*: by
 //! `D` when the margin has grown, by `α` when it has shrunk. On the hyperbola, the one would leave the
@@ -12,11 +12,11 @@ use crate::problem::{LightCost, Softness};
 
 /// The curve's constants.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct LightGraph {
+pub(super) struct LightCurve {
     weight: f64,
     threshold: f64,
     /// `λ`; infinite for a hard light.
-    price: f64,
+    penalty: f64,
     /// The largest `D` at which `α = λ`; zero for a hard light.
     knee: f64,
     /// `α` at the upper end of the vertical part.
@@ -40,7 +40,7 @@ enum Region {
 
 /// A tangent `α = alpha − slope (D − margin)`.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Tangent {
+pub(super) struct LightTangent {
     region: Region,
     margin: f64,
     alpha: f64,
@@ -48,20 +48,20 @@ pub(super) struct Tangent {
     pub(super) slope: f64,
 }
 
-impl LightGraph {
+impl LightCurve {
     pub(super) fn new(light: &LightCost) -> Self {
         let (w, d_th) = (light.weight, light.threshold);
-        let price = match light.softness {
+        let penalty = match light.softness {
             Softness::Hard => f64::INFINITY,
             Softness::Soft { linear, .. } => linear,
         };
-        let top = (w / (d_th * d_th)).min(price);
+        let top = (w / (d_th * d_th)).min(penalty);
         let stiffness = if d_th < f64::INFINITY { 1e5 * w / (d_th * d_th * d_th) } else { 0.0 };
         Self {
             weight: w,
             threshold: d_th,
-            price,
-            knee: (w / price).sqrt().min(d_th),
+            penalty,
+            knee: (w / penalty).sqrt().min(d_th),
             top,
             stiffness,
         }
@@ -69,7 +69,7 @@ impl LightGraph {
 
     /// Where to start when the light's absence would give the margin `margin`, and at most `best`
     /// anywhere on the horizon.
-    pub(super) fn start(&self, margin: f64, best: f64) -> Tangent {
+    pub(super) fn start(&self, margin: f64, best: f64) -> LightTangent {
         if margin >= self.threshold {
             return self.clear();
         }
@@ -78,14 +78,14 @@ impl LightGraph {
     }
 
     /// Beyond the threshold.
-    pub(super) fn clear(&self) -> Tangent {
-        Tangent { region: Region::Clear, margin: self.threshold, alpha: 0.0, slope: 0.0 }
+    pub(super) fn clear(&self) -> LightTangent {
+        LightTangent { region: Region::Clear, margin: self.threshold, alpha: 0.0, slope: 0.0 }
     }
 
     /// At the threshold.
-    pub(super) fn edge(&self, alpha: f64) -> Tangent {
+    pub(super) fn edge(&self, alpha: f64) -> LightTangent {
         let slope = self.stiffness;
-        Tangent {
+        LightTangent {
             region: Region::Edge,
             margin: self.threshold,
             alpha: alpha.clamp(0.0, self.top),
@@ -94,31 +94,31 @@ impl LightGraph {
     }
 
     /// Below the knee.
-    pub(super) fn straight(&self) -> Tangent {
-        Tangent { region: Region::Straight, margin: self.knee, alpha: self.price, slope: 0.0 }
+    pub(super) fn straight(&self) -> LightTangent {
+        LightTangent { region: Region::Straight, margin: self.knee, alpha: self.penalty, slope: 0.0 }
     }
 
     /// On the hyperbola, or below its knee, at a margin.
-    pub(super) fn hyperbola_at(&self, margin: f64) -> Tangent {
+    pub(super) fn hyperbola_at(&self, margin: f64) -> LightTangent {
         if margin <= self.knee {
             return self.straight();
         }
         let alpha = self.weight / (margin * margin);
-        Tangent { region: Region::Hyperbola, margin, alpha, slope: 2.0 * alpha / margin }
+        LightTangent { region: Region::Hyperbola, margin, alpha, slope: 2.0 * alpha / margin }
     }
 
-    fn hyperbola_with(&self, alpha: f64) -> Tangent {
-        if alpha >= self.price {
+    fn hyperbola_with(&self, alpha: f64) -> LightTangent {
+        if alpha >= self.penalty {
             return self.straight();
         }
         let margin = (self.weight / alpha).sqrt();
-        Tangent { region: Region::Hyperbola, margin, alpha, slope: 2.0 * alpha / margin }
+        LightTangent { region: Region::Hyperbola, margin, alpha, slope: 2.0 * alpha / margin }
     }
 
     /// Takes the point of `tangent` at `margin` back to the curve: the new tangent, the multiplier of the
     /// point, and how far it was from the curve, relative (1 or more when it changes to another part).
     #[inline]
-    pub(super) fn project(&self, tangent: &Tangent, margin: f64) -> (Tangent, f64, f64) {
+    pub(super) fn project(&self, tangent: &LightTangent, margin: f64) -> (LightTangent, f64, f64) {
         let alpha = tangent.alpha - tangent.slope * (margin - tangent.margin);
         let d_th = self.threshold;
         let next = match tangent.region {
@@ -148,10 +148,10 @@ impl LightGraph {
     }
 }
 
-impl Tangent {
-    /// The force on the margin's gradient `c` when the tangent is written `α = force − slope (D − o)`.
+impl LightTangent {
+    /// `α` where the state is zero: the tangent written as `α = at_origin − slope c'x`.
     #[inline(always)]
-    pub(super) fn force(&self, offset: f64) -> f64 {
+    pub(super) fn at_origin(&self, offset: f64) -> f64 {
         self.alpha + self.slope * (self.margin - offset)
     }
 }
@@ -160,17 +160,17 @@ impl Tangent {
 mod tests {
     use super::*;
 
-    fn graph(softness: Softness) -> LightGraph {
-        LightGraph::new(&LightCost { weight: 900.0, threshold: 30.0, softness })
+    fn curve(softness: Softness) -> LightCurve {
+        LightCurve::new(&LightCost { weight: 900.0, threshold: 30.0, softness })
     }
 
     /// `min_D φ(D) + c D` one tangent at a time.
-    fn minimise(graph: &LightGraph, c: f64, start: f64) -> (f64, usize) {
-        let mut tangent = graph.hyperbola_at(start);
+    fn minimise(curve: &LightCurve, c: f64, start: f64) -> (f64, usize) {
+        let mut tangent = curve.hyperbola_at(start);
         for steps in 1..100 {
             // The tangent's α must equal c.
             let margin = tangent.margin + (tangent.alpha - c) / tangent.slope;
-            let (next, _, distance) = graph.project(&tangent, margin);
+            let (next, _, distance) = curve.project(&tangent, margin);
             if distance < 1e-12 {
                 return (margin, steps);
             }
@@ -181,7 +181,7 @@ mod tests {
 
     #[test]
     fn finds_the_minimum_from_any_start() {
-        let hard = graph(Softness::Hard);
+        let hard = curve(Softness::Hard);
         for start in [0.01, 0.5, 3.0, 10.0, 29.0] {
             let (margin, steps) = minimise(&hard, 4.0, start);
             assert!((margin - 15.0).abs() < 1e-9, "{start}: {margin}");
@@ -193,7 +193,7 @@ mod tests {
 
     #[test]
     fn parts_meet_where_they_should() {
-        let soft = graph(Softness::Soft { linear: 9.0, quadratic: 0.0 });
+        let soft = curve(Softness::Soft { linear: 9.0, quadratic: 0.0 });
         assert_eq!(soft.knee, 10.0);
         assert_eq!(soft.top, 1.0);
         assert_eq!(soft.hyperbola_at(9.0).region, Region::Straight);

@@ -1,7 +1,7 @@
-//! A row's penalty as a graph, and its tangents.
+//! A row's penalty as a curve, and its tangents.
 //!
-//! `μ ∈ ∂ψ(z)` is zero below the limit, vertical at it up to the price `λ` (without end if hard), and `λ + κ z`
-//! beyond. As for the light ([`super::light_graph`]), a tangent stands for the curve in one round, and the point
+//! `μ ∈ ∂ψ(z)` is zero below the limit, vertical at it up to the penalty `λ` (without end if hard), and `λ + κ z`
+//! beyond. As for the light ([`super::light_curve`]), a tangent stands for the curve in one round, and the point
 //! reached on it says which part comes next. The vertical part is a steep line through the multiplier that the
 //! round before has found, so that the multiplier settles and the limit is met exactly.
 
@@ -37,8 +37,8 @@ impl RowTangent {
     }
 
     /// Beyond the limit of a soft row.
-    pub(super) fn beyond(price: f64, curvature: f64) -> Self {
-        Self { region: Region::Beyond, multiplier: price, slope: curvature }
+    pub(super) fn beyond(penalty: f64, curvature: f64) -> Self {
+        Self { region: Region::Beyond, multiplier: penalty, slope: curvature }
     }
 
     /// Whether it adds anything to the problem.
@@ -47,7 +47,7 @@ impl RowTangent {
         self.region != Region::Clear
     }
 
-    /// `μ` at `z`, written for the force on the row's gradient: at `z = −limit`.
+    /// `μ` at `z`, written for the slope along the row's gradient: at `z = −limit`.
     #[inline(always)]
     pub(super) fn at(&self, z: f64) -> f64 {
         self.multiplier + self.slope * z
@@ -57,7 +57,7 @@ impl RowTangent {
     /// distance from the curve in units of the limit (1 or more when it changes to another part).
     pub(super) fn project(&self, row: &Row, z: f64, unit: f64) -> (Self, f64, f64) {
         let mu = self.at(z);
-        let (price, curvature) = match row.softness {
+        let (penalty, curvature) = match row.softness {
             Softness::Hard => (f64::INFINITY, 0.0),
             Softness::Soft { linear, quadratic } => (linear, quadratic),
         };
@@ -65,9 +65,9 @@ impl RowTangent {
             Region::Clear if z > 1e-10 * unit => Self::edge(0.0),
             Region::Clear => *self,
             Region::Edge if mu < 0.0 => Self::default(),
-            Region::Edge if mu > price => Self::beyond(price, curvature),
+            Region::Edge if mu > penalty => Self::beyond(penalty, curvature),
             Region::Edge => Self::edge(mu),
-            Region::Beyond if z < 0.0 => Self::edge(price),
+            Region::Beyond if z < 0.0 => Self::edge(penalty),
             Region::Beyond => *self,
         };
         let distance = if next.region != self.region {

@@ -1,0 +1,239 @@
+//! The multipliers of the working rows, exactly: a convex program of at most [`MAX_WORKING_ROWS`] unknowns.
+//!
+//! With the sides of the inputs and the tangents of the light fixed, the violations of the working rows are
+//! affine in their multipliers, `z(μ) = z̄ − S μ` with `S` symmetric positive semidefinite, and each pair must be
+//! on its row's graph:
+//!
+//! ```text
+//! hard:  0 ≤ μ ⟂ z ≤ 0
+//! soft:  the same for μ ≤ λ, and z = (μ − λ)/κ beyond (κ = 0: μ = λ, z ≥ 0)
+//! ```
+//!
+//! These are the optimality conditions of `min ½ μ'S μ − z̄'μ + Σ_c θ_c(μ_c)` over `μ ≥ 0`, with `θ_c(μ) = (μ − λ)²/2κ`
+//! beyond `λ` and zero below. Every multiplier is on one [`Piece`] of its graph; those inside of theirs are solved for
+//! by `LDL'`, the step is cut at the first end of a piece, and a multiplier at an end is released when the
+//! gradient says that the cost falls (Lawson and Hanson's method for bounded least squares). The
+//! cost falls with every change of pieces, so that no set of them comes back; the number of changes is
+//! bounded by [`MAX_CHANGES`] all the same, for the sake of rounding. When the bound is reached, the attempt of the
+//! active set is given up.
+
+/// Most rows that are treated at once.
+pub(super) const MAX_WORKING_ROWS: usize = 8;
+/// Changes of pieces; three for each multiplier.
+const MAX_CHANGES: usize = 3 * MAX_WORKING_ROWS;
+/// Part of the response without the terminal equality below which a row cannot be influenced.
+const UNREACHABLE: f64 = 1e-11;
+
+/// The part of a row's graph that its multiplier is on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Piece {
+    /// `μ = 0`.
+    #[default]
+    Zero,
+    /// `z = 0`, `0 ≤ μ ≤ λ`.
+    Limit,
+    /// `μ = λ + κ z`, `κ > 0`.
+    Penalty,
+    /// `μ = λ`, `κ = 0`.
+    Ceiling,
+}
+
+/// `z(μ) = value − response · μ` and the graphs of the rows.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Complementarity {
+    /// Number of rows.
+    pub(super) len: usize,
+    /// `S`.
+    pub(super) response: [[f64; MAX_WORKING_ROWS]; MAX_WORKING_ROWS],
+    /// What `S`'s diagonal is without the terminal equality.
+    pub(super) scale: [f64; MAX_WORKING_ROWS],
+    /// `z̄`.
+    pub(super) value: [f64; MAX_WORKING_ROWS],
+    /// `λ`, infinite for a hard row.
+    pub(super) weight: [f64; MAX_WORKING_ROWS],
+    /// `κ`.
+    pub(super) curvature: [f64; MAX_WORKING_ROWS],
+}
+
+impl Complementarity {
+    /// Solves for `multipliers`, starting from their values; `None` if the changes of pieces run out.
+    pub(super) fn solve(&self, multipliers: &mut [f64; MAX_WORKING_ROWS]) -> Option<()> {
+        let mut pieces = [Piece::default(); MAX_WORKING_ROWS];
+        for c in 0..self.len {
+            pieces[c] = self.piece_of(c, &mut multipliers[c]);
+        }
+        for _ in 0..MAX_CHANGES {
+            let target = self.stationary(&pieces, multipliers);
+            match self.first_end(&pieces, multipliers, &target) {
+                Some((c, part)) => {
+                    for e in 0..self.len {
+                        multipliers[e] += part * (target[e] - multipliers[e]);
+                    }
+                    self.leave(c, &mut pieces, multipliers, target[c]);
+                }
+                None => {
+                    *multipliers = target;
+                    match self.release(&pieces, multipliers) {
+                        Some(c) => pieces[c] = Piece::Limit,
+                        None => return Some(()),
+                    }
+                }
+            }
+        }
+        None
+    }
+
+    fn is_reachable(&self, c: usize) -> bool {
+        self.response[c][c] > UNREACHABLE * self.scale[c]
+    }
+
+    fn piece_of(&self, c: usize, multiplier: &mut f64) -> Piece {
+        if *multiplier <= 0.0 || !self.is_reachable(c) {
+            *multiplier = 0.0;
+            Piece::Zero
+        } else if *multiplier < self.weight[c] {
+            Piece::Limit
+        } else if self.curvature[c] > 0.0 {
+            Piece::Penalty
+        } else {
+            *multiplier = self.weight[c];
+            Piece::Ceiling
+        }
+    }
+
+    /// The multipliers that make the cost stationary in those inside of their pieces.
+    fn stationary(
+        &self,
+        pieces: &[Piece; MAX_WORKING_ROWS],
+        multipliers: &[f64; MAX_WORKING_ROWS],
+    ) -> [f64; MAX_WORKING_ROWS] {
+        let mut inside = [0; MAX_WORKING_ROWS];
+        let mut count = 0;
+        for c in 0..self.len {
+            if matches!(pieces[c], Piece::Limit | Piece::Penalty) {
+                inside[count] = c;
+                count += 1;
+            }
+        }
+        let mut target = *multipliers;
+        // LDL' row by row, with the right-hand side as a last column.
+        let mut lower = [[0.0; MAX_WORKING_ROWS]; MAX_WORKING_ROWS];
+        let mut diagonal = [0.0; MAX_WORKING_ROWS];
+        let mut rhs = [0.0; MAX_WORKING_ROWS];
+        for i in 0..count {
+            let c = inside[i];
+            let mut pivot = self.response[c][c] * (1.0 + UNREACHABLE);
+            let mut value = self.value[c];
+            for e in 0..self.len {
+                if matches!(pieces[e], Piece::Zero | Piece::Ceiling) {
+                    value -= self.response[c][e] * multipliers[e];
+                }
+            }
+            if pieces[c] == Piece::Penalty {
+                pivot += 1.0 / self.curvature[c];
+                value += self.weight[c] / self.curvature[c];
+            }
+            let least = UNREACHABLE * pivot;
+            for j in 0..i {
+                let mut sum = self.response[c][inside[j]];
+                for m in 0..j {
+                    sum -= lower[i][m] * lower[j][m] * diagonal[m];
+                }
+                lower[i][j] = sum / diagonal[j];
+                pivot -= lower[i][j] * sum;
+                value -= lower[i][j] * rhs[j];
+            }
+            diagonal[i] = pivot.max(least);
+            rhs[i] = value;
+        }
+        for i in (0..count).rev() {
+            let mut sum = rhs[i] / diagonal[i];
+            for j in i + 1..count {
+                sum -= lower[j][i] * target[inside[j]];
+            }
+            target[inside[i]] = sum;
+        }
+        target
+    }
+
+    /// Which multiplier first comes to the end of its piece on the way to `target`, and the part of the way.
+    fn first_end(
+        &self,
+        pieces: &[Piece; MAX_WORKING_ROWS],
+        from: &[f64; MAX_WORKING_ROWS],
+        target: &[f64; MAX_WORKING_ROWS],
+    ) -> Option<(usize, f64)> {
+        let mut first: Option<(usize, f64)> = None;
+        for c in 0..self.len {
+            let end = match pieces[c] {
+                Piece::Limit if target[c] < 0.0 => 0.0,
+                Piece::Limit | Piece::Penalty
+                    if (target[c] > self.weight[c]) == (pieces[c] == Piece::Limit) =>
+                {
+                    self.weight[c]
+                }
+                _ => continue,
+            };
+            if target[c] == end {
+                continue;
+            }
+            let part = ((end - from[c]) / (target[c] - from[c])).clamp(0.0, 1.0);
+            if first.is_none_or(|(_, least)| part < least) {
+                first = Some((c, part));
+            }
+        }
+        first
+    }
+
+    /// Takes multiplier `c` over the end of its piece.
+    fn leave(
+        &self,
+        c: usize,
+        pieces: &mut [Piece; MAX_WORKING_ROWS],
+        multipliers: &mut [f64; MAX_WORKING_ROWS],
+        target: f64,
+    ) {
+        (pieces[c], multipliers[c]) = match pieces[c] {
+            Piece::Limit if target < 0.0 => (Piece::Zero, 0.0),
+            Piece::Limit if self.curvature[c] > 0.0 => (Piece::Penalty, self.weight[c]),
+            Piece::Limit => (Piece::Ceiling, self.weight[c]),
+            _ => (Piece::Limit, self.weight[c]),
+        };
+    }
+
+    /// The multiplier at an end of its graph whose release makes the cost fall fastest.
+    fn release(
+        &self,
+        pieces: &[Piece; MAX_WORKING_ROWS],
+        multipliers: &[f64; MAX_WORKING_ROWS],
+    ) -> Option<usize> {
+        let mut best: Option<(usize, f64)> = None;
+        for c in 0..self.len {
+            let inward = match pieces[c] {
+                Piece::Zero => 1.0,
+                Piece::Ceiling => -1.0,
+                Piece::Limit | Piece::Penalty => continue,
+            };
+            if !self.is_reachable(c) {
+                continue;
+            }
+            let z = self.violation(c, multipliers);
+            // The fall of the cost along this multiplier alone is z²/2S.
+            let fall = inward * z * z.abs() / self.response[c][c];
+            let tiny = 1e-13 * self.value[c].abs();
+            if inward * z > tiny && best.is_none_or(|(_, most)| fall > most) {
+                best = Some((c, fall));
+            }
+        }
+        best.map(|(c, _)| c)
+    }
+
+    /// `z_c`.
+    fn violation(&self, c: usize, multipliers: &[f64; MAX_WORKING_ROWS]) -> f64 {
+        let mut z = self.value[c];
+        for e in 0..self.len {
+            z -= self.response[c][e] * multipliers[e];
+        }
+        z
+    }
+}

@@ -1,0 +1,85 @@
+//! The forward sweep: every input is the minimiser of its stage's cost-to-go, clamped to its bounds.
+//!
+//! ```text
+//! v_k = −(F x_k + f + β y + Σ_c μ_c f_c)/δ,     u_k = clamp(v_k, u_min, u_max)
+//! ```
+//!
+//! The side that an input is clamped to is its side in the next guess.
+
+use super::complementarity::MAX_WORKING_ROWS;
+use super::response::RowResponse;
+use super::rows::WorkingRow;
+use crate::problem::Problem;
+use crate::riccati::lqr::{LinearQuadratic, Sweep};
+use crate::riccati::working_set::Side;
+
+/// What the sweep is made of.
+pub(super) struct Policy<'a> {
+    pub(super) lq: &'a LinearQuadratic,
+    pub(super) sweep: &'a Sweep,
+    /// `y`.
+    pub(super) terminal: [f64; 3],
+    pub(super) response: &'a RowResponse,
+    pub(super) rows: &'a [WorkingRow],
+}
+
+/// The trajectory, the sides it suggests, and its inputs before they were clamped.
+pub(super) struct Trajectory<'a> {
+    pub(super) inputs: &'a mut [f64],
+    pub(super) states: &'a mut [[f64; 3]],
+    pub(super) sides: &'a mut [Side],
+    pub(super) unclamped: &'a mut [f64],
+}
+
+impl Policy<'_> {
+    /// Fills the trajectory.
+    pub(super) fn simulate(&self, problem: &Problem, trajectory: &mut Trajectory) {
+        if self.lq.is_last_only {
+            self.sweep_forward::<true>(problem, trajectory);
+        } else {
+            self.sweep_forward::<false>(problem, trajectory);
+        }
+    }
+
+    fn sweep_forward<const LAST: bool>(&self, problem: &Problem, trajectory: &mut Trajectory) {
+        let n = problem.horizon;
+        let (gains, d) = (&self.sweep.gains[..n], &problem.d[..n]);
+        let (inputs, states) = (&mut trajectory.inputs[..n], &mut trajectory.states[..=n]);
+        let (sides, unclamped) = (&mut trajectory.sides[..n], &mut trajectory.unclamped[..n]);
+        let mut mu = [0.0; MAX_WORKING_ROWS];
+        for (slot, row) in mu.iter_mut().zip(self.rows) {
+            *slot = row.multiplier;
+        }
+        let (lo, hi) = (problem.u_min, problem.u_max);
+        let mut x = problem.x0;
+        states[0] = x;
+        for k in 0..n {
+            let gain = &gains[k];
+            let mut offset = gain.offset(&self.terminal);
+            if k < self.response.reach {
+                let f = &self.response.offsets[k];
+                let mut sums = [0.0; MAX_WORKING_ROWS / 2];
+                for c in 0..MAX_WORKING_ROWS / 2 {
+                    let other = c + MAX_WORKING_ROWS / 2;
+                    sums[c] = f[c] * mu[c] + f[other] * mu[other];
+                }
+                offset += (sums[0] + sums[1]) + (sums[2] + sums[3]);
+            }
+            let v = -gain.input(offset, &x);
+            // Branches rather than a minimum and a maximum: the sides come in long runs, and a predicted
+            // branch does not wait for `v`.
+            let (next, u, side) = if v > hi {
+                (self.lq.step::<LAST>(&x, hi), hi, Side::Upper)
+            } else if v < lo {
+                (self.lq.step::<LAST>(&x, lo), lo, Side::Lower)
+            } else {
+                (self.lq.closed_step::<LAST>(&x, gain, offset, v), v, Side::Free)
+            };
+            unclamped[k] = v;
+            sides[k] = side;
+            inputs[k] = u;
+            x = [next[0] + d[k][0], next[1] + d[k][1], next[2] + d[k][2]];
+            states[k + 1] = x;
+        }
+    }
+}

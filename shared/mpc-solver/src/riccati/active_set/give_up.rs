@@ -1,0 +1,50 @@
+//! When an attempt is given up.
+//!
+//! The method has no safeguard: it settles within a few rounds or wanders. An attempt that wanders is known by these
+//! signs, each of them checked on the drives of the paper and on random problems (the counts are in the
+//! project's measurements):
+//!
+//! 1. More than 3/10 of the inputs change sides in one round, from the third on: the guess alternates between two
+//!    patterns.
+//! 2. The terminal equality is left with fewer than four free inputs, from the third round on, or with fewer than a
+//!    quarter of them free from the seventh on: near the time-optimal solution every round moves a switch by one
+//!    stage, and there are many stages to go.
+//! 3. More than a quarter of the stages violate a row (in the second round, the first with the light: two fifths): an arc of
+//!    active stages is more than [`super::complementarity::MAX_WORKING_ROWS`] multipliers can hold.
+//!
+//! A guess that comes from elsewhere (the interior point, the previous solution) is good or it is not: it is dropped as soon as
+//! a tenth of its inputs change sides in one round when rows are in it by their tangents, else a third.
+
+/// What a round has led to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Progress {
+    pub(super) round: u32,
+    pub(super) horizon: usize,
+    /// Inputs that have changed sides.
+    pub(super) changed: usize,
+    /// Inputs between their bounds.
+    pub(super) free: usize,
+    /// Whether the end is fixed.
+    pub(super) has_terminal_equality: bool,
+}
+
+impl Progress {
+    /// Whether a cold attempt shows that it wanders.
+    pub(super) fn is_hopeless(&self) -> bool {
+        let n = self.horizon;
+        let alternates = self.changed > 3 * n / 10;
+        let is_bang_bang =
+            self.has_terminal_equality && self.free < 4 || self.round >= 7 && self.free < n / 4;
+        self.changed > 0 && self.round >= 3 && (alternates || is_bang_bang)
+    }
+
+    /// Whether a given guess has turned out wrong.
+    pub(super) fn refutes_guess(&self, has_row_tangents: bool) -> bool {
+        self.changed > self.horizon / if has_row_tangents { 10 } else { 3 }
+    }
+
+    /// Most stages that may violate a row.
+    pub(super) fn most_violated(&self, is_first_with_light: bool) -> usize {
+        if is_first_with_light { 2 * self.horizon / 5 } else { self.horizon / 4 }
+    }
+}

@@ -1,0 +1,337 @@
+//! The fast method: which inputs are at their bounds, where on its curve is the light, which rows act?
+//!
+//! A round of the method takes a guess and solves the linear-quadratic problem that it makes:
+//!
+//! 1. *Backward sweep* ([`super::lqr`]) with the inputs of the guess held and the light's curve replaced by its
+//!    tangents.
+//! 2. *Row response* ([`response`]): how the trajectory answers to the multipliers of the working rows.
+//! 3. *Complementarity* ([`dual`], [`complementarity`]): these multipliers, exactly, and that of the terminal equality.
+//! 4. *Forward sweep* ([`forward`]), in which every input is clamped to its bounds.
+//! 5. *New guess*: the sides that the inputs were clamped to ([`switching`]), tangents where the margins have led
+//!    ([`light`]), the rows that the trajectory violates ([`rows`]).
+//!
+//! When no input changes sides, all margins are on their tangents' points of contact and no further row is violated, the
+//! trajectory satisfies the optimality conditions: `v − u` at a bound, times `−δ`, is the bound's multiplier. Most cruise
+//! problems settle after one or two rounds, about seven with a light, about eleven with the light and a
+//! row. It is a semismooth Newton method without a safeguard, so that it may wander; why it ends all the same: the
+//! rounds are bounded, and [`give_up`] says which attempts are not worth their rounds. What follows then is another
+//! method's, see [`crate::Riccati`].
+//!
+//! A guess from the interior point has its rows in the sweep itself, by their tangents ([`super::row_curve`]): there may be
+//! many of them, and they are nearly right. Cold, and warm after a solution that had its rows in the working
+//! set, they enter the working set as the trajectory violates them; from the second round on when
+//! cold, because the first one does not know the light.
+
+mod complementarity;
+mod dual;
+mod forward;
+mod give_up;
+mod light;
+mod response;
+mod rows;
+mod switching;
+
+use super::light_curve::{LightCurve, LightTangent};
+use super::lqr::{InputModel, LinearQuadratic, StageModels, Sweep};
+use super::row_curve::RowTangent;
+use super::working_set::{Side, WorkingSet};
+use crate::kkt::Multipliers;
+use crate::problem::{LightStage, Problem, Terminal, dot};
+use forward::{Policy, Trajectory};
+use give_up::Progress;
+use response::RowResponse;
+use rows::{Update, WorkingRows};
+
+/// Rounds of an attempt from nothing.
+const MAX_ROUNDS: u32 = 18;
+/// Relative distance from the light's curve that counts as none.
+const ON_CURVE: f64 = 2e-10;
+
+/// Where the method ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Outcome {
+    /// Optimal up to the check of the optimality conditions.
+    Settled,
+    /// The attempt was given up, or the rounds ran out.
+    GivenUp,
+}
+
+/// Where an attempt starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum From {
+    /// From nothing.
+    Nothing,
+    /// From the guess at hand, for so many rounds at most.
+    Guess(u32),
+}
+
+/// Primal and dual variables that an attempt fills.
+pub(super) struct Point<'a> {
+    pub(super) inputs: &'a mut [f64],
+    pub(super) states: &'a mut [[f64; 3]],
+    pub(super) multipliers: &'a mut Multipliers,
+}
+
+/// Work memory and the guess that survives from solve to solve.
+#[derive(Clone, Debug)]
+pub(super) struct ActiveSet {
+    pub(super) guess: WorkingSet,
+    rows: WorkingRows,
+    sweep: Sweep,
+    response: RowResponse,
+    next_sides: Vec<Side>,
+    unclamped: Vec<f64>,
+    /// Inputs of the last trajectory before the rounds could diverge.
+    early_inputs: Vec<f64>,
+    /// Whether a row in the guess by its tangents acted in the last round.
+    row_tangents_act: bool,
+}
+
+impl ActiveSet {
+    pub(super) fn new(max_horizon: usize) -> Self {
+        Self {
+            guess: WorkingSet::new(max_horizon),
+            rows: WorkingRows::new(),
+            sweep: Sweep::new(max_horizon),
+            response: RowResponse::new(max_horizon),
+            next_sides: vec![Side::Free; max_horizon],
+            unclamped: vec![0.0; max_horizon],
+            early_inputs: vec![0.0; max_horizon],
+            row_tangents_act: false,
+        }
+    }
+
+    /// Moves the guess forward by `steps`.
+    pub(super) fn shift(&mut self, problem: &Problem, steps: usize) {
+        let middle = self.guess.shift(problem, steps);
+        self.rows.shift(problem, steps, middle);
+    }
+
+    /// Whether a row acts in the guess by its tangents.
+    pub(super) fn has_acting_row_tangents(&self) -> bool {
+        self.guess.has_row_tangents && self.row_tangents_act
+    }
+
+    /// Inputs of the second round of the last attempt from nothing.
+    pub(super) fn early_inputs(&self) -> &[f64] {
+        &self.early_inputs
+    }
+
+    /// Solves; returns the outcome and the number of rounds. The point is that of the last round.
+    pub(super) fn solve(
+        &mut self,
+        problem: &Problem,
+        lq: &LinearQuadratic,
+        from: From,
+        point: &mut Point,
+    ) -> (Outcome, u32) {
+        let n = problem.horizon;
+        let curve = problem.light.as_ref().map(LightCurve::new).unwrap_or_default();
+        let is_cold = from == From::Nothing;
+        let max_rounds = match from {
+            From::Nothing => MAX_ROUNDS,
+            From::Guess(rounds) => rounds,
+        };
+        if is_cold {
+            self.guess.clear();
+        }
+        if is_cold || self.guess.has_row_tangents {
+            self.rows.clear();
+        }
+        // Cold, the first round goes without the light and only shows where the margins would be.
+        let mut has_light = problem.light_len == 0 || !is_cold;
+        // The last stage at which the guess differs from that of the sweep before.
+        let mut last_changed = n;
+        for round in 1..=max_rounds {
+            if !self.minimise(problem, lq, has_light, last_changed, point) {
+                return (Outcome::GivenUp, round);
+            }
+            if is_cold && round <= 2 {
+                self.early_inputs[..n].copy_from_slice(&point.inputs[..n]);
+            }
+            let progress = self.progress(problem, round);
+            let was_first_with_light = problem.light_len > 0 && is_cold && round == 2;
+            let off_curve = self.renew_light(problem, &curve, &mut has_light, point);
+            let rows = if self.guess.has_row_tangents {
+                self.renew_row_tangents(problem, point)
+            } else if is_cold && round == 1 && !(progress.changed == 0 && off_curve == 0.0) {
+                RowChange { is_complete: false, last_stage: 0 }
+            } else {
+                let most = progress.most_violated(was_first_with_light);
+                match self.rows.update(problem, point.states, most) {
+                    Update::TooMany => return (Outcome::GivenUp, round),
+                    update => RowChange { is_complete: update == Update::Complete, last_stage: 0 },
+                }
+            };
+            if progress.changed == 0 && off_curve <= ON_CURVE && rows.is_complete {
+                if !self.guess.has_row_tangents {
+                    self.rows.write(problem, &mut point.multipliers.rows);
+                }
+                return (Outcome::Settled, round);
+            }
+            let is_wandering = if is_cold {
+                progress.is_hopeless()
+            } else {
+                progress.refutes_guess(self.guess.has_row_tangents)
+            };
+            if is_wandering {
+                return (Outcome::GivenUp, round);
+            }
+            last_changed = self.renew_sides(problem).max(problem.light_len).max(rows.last_stage);
+        }
+        (Outcome::GivenUp, max_rounds)
+    }
+
+    /// Steps 1 to 4 of a round; false if the multipliers or the trajectory cannot be computed.
+    fn minimise(
+        &mut self,
+        problem: &Problem,
+        lq: &LinearQuadratic,
+        has_light: bool,
+        last_changed: usize,
+        point: &mut Point,
+    ) -> bool {
+        let models = Models {
+            problem,
+            sides: &self.guess.sides,
+            tangents: &self.guess.light,
+            stages: if has_light { problem.light_stages() } else { &[] },
+            rows: &self.guess.rows[..self.guess.row_count(problem)],
+        };
+        let cost_to_go = lq.factor(problem, &models, &mut self.sweep, last_changed);
+        let sides = &self.guess.sides;
+        self.response.compute(problem, lq, &self.sweep, sides, self.rows.members());
+        let rows = self.rows.members_mut();
+        let Some(y) = dual::solve(problem, &cost_to_go, &self.response, rows) else { return false };
+        point.multipliers.terminal = y;
+        let (sweep, response) = (&self.sweep, &self.response);
+        let policy = Policy { lq, sweep, terminal: y, response, rows: self.rows.members() };
+        policy.simulate(
+            problem,
+            &mut Trajectory {
+                inputs: point.inputs,
+                states: point.states,
+                sides: &mut self.next_sides,
+                unclamped: &mut self.unclamped,
+            },
+        );
+        let end = &point.states[problem.horizon];
+        (end[0] + end[1] + end[2] + y[0] + y[1] + y[2]).is_finite()
+    }
+
+    fn progress(&self, problem: &Problem, round: u32) -> Progress {
+        let n = problem.horizon;
+        let sides = self.guess.sides[..n].iter().zip(&self.next_sides[..n]);
+        Progress {
+            round,
+            horizon: n,
+            changed: sides.filter(|(before, after)| before != after).count(),
+            free: self.next_sides[..n].iter().filter(|side| **side == Side::Free).count(),
+            has_terminal_equality: matches!(problem.terminal, Terminal::Equality(_)),
+        }
+    }
+
+    /// New tangents of the light; returns how far the trajectory was off its curve, relative.
+    fn renew_light(
+        &mut self,
+        problem: &Problem,
+        curve: &LightCurve,
+        has_light: &mut bool,
+        point: &mut Point,
+    ) -> f64 {
+        if !*has_light {
+            light::place(problem, curve, point.states, &mut self.guess.light);
+            *has_light = true;
+            return f64::INFINITY;
+        }
+        let multipliers = &mut point.multipliers.light;
+        light::project(problem, curve, point.states, &mut self.guess.light, multipliers)
+    }
+
+    /// New tangents of the rows that are in the guess by them.
+    fn renew_row_tangents(&mut self, problem: &Problem, point: &mut Point) -> RowChange {
+        let mut change = RowChange { is_complete: true, last_stage: 0 };
+        self.row_tangents_act = false;
+        for (j, row) in problem.rows.iter().enumerate() {
+            for k in row.from..=row.to {
+                let h = problem.limits[j][k];
+                let slot = &mut self.guess.rows[j][k];
+                let z = dot(&row.gradient, &point.states[k]) - h;
+                if h == f64::INFINITY || (z <= 0.0 && !slot.acts()) {
+                    point.multipliers.rows[j][k] = 0.0;
+                    continue;
+                }
+                let (next, mu, distance) = slot.project(row, z, h.abs().max(1.0));
+                *slot = next;
+                self.row_tangents_act |= next.acts();
+                point.multipliers.rows[j][k] = mu;
+                change.is_complete &= distance <= ON_CURVE;
+                change.last_stage = change.last_stage.max(k);
+            }
+        }
+        change
+    }
+
+    /// Takes over the sides of the last trajectory; returns the last stage at which they differ.
+    fn renew_sides(&mut self, problem: &Problem) -> usize {
+        let n = problem.horizon;
+        let (sides, next) = (&mut self.guess.sides[..n], &mut self.next_sides[..n]);
+        let from = self.rows.last_acting_stage();
+        let bounds = (problem.u_min, problem.u_max);
+        switching::free_switches(next, sides, &self.unclamped, from, bounds);
+        let last = (0..n).rev().find(|&k| sides[k] != next[k]).unwrap_or(0);
+        sides.copy_from_slice(next);
+        last
+    }
+}
+
+/// What a round has changed in the rows of the guess.
+struct RowChange {
+    /// Nothing: all rows hold with the multipliers they have.
+    is_complete: bool,
+    /// The last stage with a new tangent.
+    last_stage: usize,
+}
+
+/// The guess as models of the stages.
+struct Models<'a> {
+    problem: &'a Problem,
+    sides: &'a [Side],
+    tangents: &'a [LightTangent],
+    stages: &'a [LightStage],
+    rows: &'a [Vec<RowTangent>],
+}
+
+impl StageModels for Models<'_> {
+    const WITH_DISTURBANCE: bool = true;
+
+    #[inline(always)]
+    fn input(&self, k: usize) -> InputModel {
+        let gradient = self.problem.r_lin[k];
+        match self.sides[k] {
+            Side::Free => InputModel::Free(0.0, gradient),
+            Side::Upper => InputModel::Held(self.problem.u_max, gradient),
+            Side::Lower => InputModel::Held(self.problem.u_min, gradient),
+        }
+    }
+
+    #[inline(always)]
+    fn state_gradient(&self, k: usize) -> [f64; 3] {
+        if k < self.problem.horizon { self.problem.q_lin[k] } else { self.problem.p_lin }
+    }
+
+    #[inline(always)]
+    fn state_functions(&self, k: usize, mut add: impl FnMut(&[f64; 3], f64, f64)) {
+        if k <= self.stages.len() {
+            let (stage, tangent) = (&self.stages[k - 1], &self.tangents[k - 1]);
+            add(&stage.gradient, tangent.slope, -tangent.at_origin(stage.offset));
+        }
+        for (j, tangents) in self.rows.iter().enumerate() {
+            let tangent = &tangents[k];
+            if tangent.acts() {
+                let slope = tangent.at(-self.problem.limits[j][k]);
+                add(&self.problem.rows[j].gradient, tangent.slope, slope);
+            }
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! The working rows: which rows may act, and at which stage.
+//!
+//! A round takes the violations of its trajectory as they are: rows whose multiplier came out zero leave the set, and
+//! of every run of neighbouring violated stages the worst one enters. One stage per run is enough to
+//! begin with, because a row that holds at the worst stage mostly holds at its neighbours; the rounds that
+//! follow move or split it.
+
+use super::complementarity::MAX_WORKING_ROWS;
+use crate::limits::MAX_ROWS;
+use crate::problem::{Problem, dot};
+
+/// Violation that counts as none, relative to the limit or 1.
+const TOLERANCE: f64 = 1e-10;
+
+/// A row at one stage.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WorkingRow {
+    pub(super) row: usize,
+    pub(super) stage: usize,
+    /// `μ`.
+    pub(super) multiplier: f64,
+}
+
+/// What an update has found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Update {
+    /// All rows hold, but for those at work.
+    Complete,
+    /// Rows have entered.
+    Extended,
+    /// More rows are violated than the method can treat.
+    TooMany,
+}
+
+/// The set; at most [`MAX_WORKING_ROWS`] members.
+#[derive(Clone, Debug)]
+pub(super) struct WorkingRows {
+    members: Vec<WorkingRow>,
+}
+
+impl WorkingRows {
+    pub(super) fn new() -> Self {
+        Self { members: Vec::with_capacity(MAX_WORKING_ROWS) }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.members.clear();
+    }
+
+    pub(super) fn members(&self) -> &[WorkingRow] {
+        &self.members
+    }
+
+    pub(super) fn members_mut(&mut self) -> &mut [WorkingRow] {
+        &mut self.members
+    }
+
+    /// The last stage at which a row acts; 0 if none does.
+    pub(super) fn last_acting_stage(&self) -> usize {
+        let acting = self.members.iter().filter(|member| member.multiplier > 0.0);
+        acting.fold(0, |last, member| last.max(member.stage))
+    }
+
+    /// Moves the members below stage `middle` forward by `steps` and drops those that are no longer in force.
+    pub(super) fn shift(&mut self, problem: &Problem, steps: usize, middle: usize) {
+        self.members.retain_mut(|member| {
+            if member.stage < middle {
+                member.stage = member.stage.saturating_sub(steps);
+            }
+            problem.rows.get(member.row).is_some_and(|row| {
+                (row.from..=row.to).contains(&member.stage)
+                    && problem.limits[member.row][member.stage] < f64::INFINITY
+            })
+        });
+    }
+
+    /// Adapts the set to a trajectory of which at most `most_violated` stages may violate a row.
+    pub(super) fn update(
+        &mut self,
+        problem: &Problem,
+        states: &[[f64; 3]],
+        most_violated: usize,
+    ) -> Update {
+        self.members.retain(|member| member.multiplier > 0.0);
+        let mut violated = 0;
+        let mut update = Update::Complete;
+        for (j, row) in problem.rows.iter().enumerate() {
+            let mut worst: Option<(usize, f64)> = None;
+            for k in row.from..=row.to {
+                let h = problem.limits[j][k];
+                let z = dot(&row.gradient, &states[k]) - h;
+                if z > 0.0 && z > TOLERANCE * h.abs().max(1.0) {
+                    violated += 1;
+                    if worst.is_none_or(|(_, most)| z > most) {
+                        worst = Some((k, z));
+                    }
+                } else if let Some((stage, _)) = worst.take() {
+                    update = self.enter(j, stage, update);
+                }
+            }
+            if let Some((stage, _)) = worst {
+                update = self.enter(j, stage, update);
+            }
+        }
+        if violated > most_violated { Update::TooMany } else { update }
+    }
+
+    /// Adds a row at a stage unless it is there; returns the state of the update after it.
+    fn enter(&mut self, row: usize, stage: usize, update: Update) -> Update {
+        if self.members.iter().any(|member| (member.row, member.stage) == (row, stage)) {
+            return update;
+        }
+        if self.members.len() == MAX_WORKING_ROWS {
+            return Update::TooMany;
+        }
+        self.members.push(WorkingRow { row, stage, multiplier: 0.0 });
+        if update == Update::TooMany { update } else { Update::Extended }
+    }
+
+    /// Writes the multipliers of the members, zero elsewhere.
+    pub(super) fn write(&self, problem: &Problem, multipliers: &mut [Vec<f64>; MAX_ROWS]) {
+        for row in &mut multipliers[..problem.rows.len()] {
+            row[..=problem.horizon].fill(0.0);
+        }
+        for member in &self.members {
+            multipliers[member.row][member.stage] = member.multiplier;
+        }
+    }
+}

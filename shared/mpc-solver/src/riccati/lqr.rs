@@ -1,0 +1,413 @@
+//! The stage-wise solution of an equality-constrained linear-quadratic problem, on which both methods stand.
+//!
+//! With the inputs that are held at a bound taken out and every other inequality replaced by a quadratic
+//! model, what remains of the problem is linear-quadratic. Its cost-to-go from stage `k`, with the multiplier `y`
+//! of `x_N = x_f` as a parameter, is
+//!
+//! ```text
+//! V_k(x, y) = ½ x'P_k x + p_k'x + y'(Ψ_k'x + t_k − x_f) − ½ y'W_k y + const,
+//! P_N = P, p_N = p, Ψ_N = I, t_N = 0, W_N = 0.
+//! ```
+//!
+//! With `h = p_{k+1} + P_{k+1}d_k` and the stage's own Hessian and gradient (`Q̂`, `q̂`, `r̂`, `ρ̂`: cost plus
+//! models of the inequalities), one step backwards is
+//!
+//! ```text
+//! F = B'P_{k+1}A + s'      δ = r̂ + B'P_{k+1}B      f = B'h + ρ̂      β = B'Ψ_{k+1}
+//! u_k = −(F x_k + f + β y)/δ                                             (input free)
+//! P_k = Q̂ + A'P_{k+1}A − F'F/δ          p_k = q̂ + A'h − F'f/δ
+//! Ψ_k = A'Ψ_{k+1} − F'β/δ               W_k = W_{k+1} + β'β/δ
+//! t_k = t_{k+1} + Ψ_{k+1}'d_k − β'f/δ
+//! ```
+//!
+//! and with `u_k` held at `ū` the fractions go, `h` becomes `h + P_{k+1}B ū`, `ρ̂` drops out, `q̂` gains `s ū` and
+//! `t_k` gains `β'ū`. `V_0` is stationary in `y` at `W_0 y = Ψ_0'x_0 + t_0 − x_f`; one sweep forwards then gives
+//! the trajectory. There is one division per stage, and nothing is stored but the gains and, every [`STRIDE`]
+//! stages, the cost-to-go, so that a sweep can be resumed above which nothing has changed.
+//!
+//! The sweep cannot fail: `r > 0` and the models are convex, so that `δ ≥ r > 0` in exact arithmetic. Numbers
+//! beyond the range of `f64` show in the trajectory, which its callers check.
+
+use super::matrix::{Factors, Symmetric, add_rank_one, product};
+use crate::problem::{Problem, Terminal};
+
+/// The constant part of a problem, unpacked for the recursion.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LinearQuadratic {
+    a: Symmetric,
+    b: [f64; 3],
+    q: Symmetric,
+    s: [f64; 3],
+    r: f64,
+    p: Symmetric,
+    /// Whether the input acts on the last state only.
+    pub(super) is_last_only: bool,
+    /// Whether any `d_k` is not zero.
+    has_disturbance: bool,
+}
+
+/// Model of a stage's input, besides its curvature `r` and the cost of state times input.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum InputModel {
+    /// Curvature to add to `r`, and the gradient `ρ̂`.
+    Free(f64, f64),
+    /// Held at this value; the gradient.
+    Held(f64, f64),
+}
+
+/// The models that turn the problem into a linear-quadratic one. Its unknowns may be the trajectory
+/// itself or a change of one: then there is no disturbance.
+pub(super) trait StageModels {
+    /// Whether the disturbances count.
+    const WITH_DISTURBANCE: bool;
+
+    /// Model of `u_k`.
+    fn input(&self, k: usize) -> InputModel;
+
+    /// Linear cost of `x_k`, apart from that of the functions.
+    fn state_gradient(&self, k: usize) -> [f64; 3];
+
+    /// Calls back with `g`, curvature and slope of each modelled function of `g'x_k`, `k ≥ 1`.
+    fn state_functions(&self, k: usize, add: impl FnMut(&[f64; 3], f64, f64));
+}
+
+/// Three states by four columns: `Ψ`, and `p` as the last.
+type Columns = [[f64; 4]; 3];
+
+/// The minimising input of a stage: `u = −(feedback·x + constant + terminal·y)`.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Gain {
+    /// `F/δ`.
+    pub(super) feedback: [f64; 3],
+    /// `1/δ`.
+    pub(super) inverse: f64,
+    /// `β/δ` and, last, `f/δ`.
+    pub(super) feedforward: [f64; 4],
+}
+
+/// The linear and dual parts of the cost-to-go at some stage.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct CostToGo {
+    /// `Ψ | p`.
+    linear: Columns,
+    /// `W | −t`, row by row.
+    dual: Columns,
+}
+
+/// `W y = miss`: the terminal equality after a sweep.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TerminalSystem {
+    /// `W`.
+    pub(super) factors: Factors,
+    /// What the end misses with `y = 0`.
+    pub(super) miss: [f64; 3],
+}
+
+/// Stages between two stored costs-to-go.
+const STRIDE: usize = 8;
+
+/// Gains of all stages, and costs-to-go from which a sweep can be resumed.
+#[derive(Clone, Debug)]
+pub(super) struct Sweep {
+    pub(super) gains: Vec<Gain>,
+    /// Entry `i` belongs to stage `STRIDE · i`.
+    hessians: Vec<Symmetric>,
+    costs: Vec<CostToGo>,
+}
+
+impl Sweep {
+    pub(super) fn new(max_horizon: usize) -> Self {
+        let stored = max_horizon / STRIDE + 1;
+        Self {
+            gains: vec![Gain::default(); max_horizon],
+            hessians: vec![[0.0; 6]; stored],
+            costs: vec![CostToGo::default(); stored],
+        }
+    }
+}
+
+impl LinearQuadratic {
+    pub(super) fn new(problem: &Problem) -> Self {
+        let upper = |m: &[[f64; 3]; 3]| [m[0][0], m[0][1], m[0][2], m[1][1], m[1][2], m[2][2]];
+        Self {
+            a: upper(&problem.a),
+            b: problem.b,
+            q: upper(&problem.q),
+            s: problem.s,
+            r: problem.r,
+            p: upper(&problem.p),
+            is_last_only: problem.b[0] == 0.0 && problem.b[1] == 0.0,
+            has_disturbance: problem.d[..problem.horizon].iter().any(|d| *d != [0.0; 3]),
+        }
+    }
+
+    /// `A'v`.
+    #[inline(always)]
+    pub(super) fn transposed(&self, v: &[f64; 3]) -> [f64; 3] {
+        let [a00, a01, a02, a11, a12, a22] = self.a;
+        [a00 * v[0], a01 * v[0] + a11 * v[1], a02 * v[0] + a12 * v[1] + a22 * v[2]]
+    }
+
+    /// `A x + B u`.
+    #[inline(always)]
+    pub(super) fn step<const LAST: bool>(&self, x: &[f64; 3], u: f64) -> [f64; 3] {
+        let [a00, a01, a02, a11, a12, a22] = self.a;
+        let b = &self.b;
+        let first = a00 * x[0] + a01 * x[1] + a02 * x[2];
+        let second = a11 * x[1] + a12 * x[2];
+        let third = a22 * x[2] + b[2] * u;
+        if LAST { [first, second, third] } else { [first + b[0] * u, second + b[1] * u, third] }
+    }
+
+    /// `A x + B u` with `u = −(F x + offset)`: the last state, on which the next input waits, comes from the last
+    /// column of `A − B F` and does not wait for `u`.
+    #[inline(always)]
+    pub(super) fn closed_step<const LAST: bool>(
+        &self,
+        x: &[f64; 3],
+        gain: &Gain,
+        offset: f64,
+        u: f64,
+    ) -> [f64; 3] {
+        let [first, second, _] = self.step::<LAST>(x, u);
+        let rest = offset + (gain.feedback[0] * x[0] + gain.feedback[1] * x[1]);
+        let closed = self.a[5] - self.b[2] * gain.feedback[2];
+        [first, second, closed * x[2] - self.b[2] * rest]
+    }
+
+    /// `B'v`.
+    #[inline(always)]
+    pub(super) fn input_of<const LAST: bool>(&self, v: &[f64; 3]) -> f64 {
+        let last = self.b[2] * v[2];
+        if LAST { last } else { self.b[0] * v[0] + self.b[1] * v[1] + last }
+    }
+
+    /// `A'P A`.
+    #[inline(always)]
+    fn congruence(&self, p: &Symmetric) -> Symmetric {
+        let [a00, a01, a02, a11, a12, a22] = self.a;
+        let [p00, p01, p02, p11, p12, p22] = *p;
+        let m01 = a01 * p00 + a11 * p01;
+        let m02 = a02 * p00 + a12 * p01 + a22 * p02;
+        let m12 = a02 * p01 + a12 * p11 + a22 * p12;
+        let m22 = a02 * p02 + a12 * p12 + a22 * p22;
+        [
+            a00 * (a00 * p00),
+            a00 * m01,
+            a00 * m02,
+            a01 * m01 + a11 * (a01 * p01 + a11 * p11),
+            a01 * m02 + a11 * m12,
+            a02 * m02 + a12 * m12 + a22 * m22,
+        ]
+    }
+
+    /// The backward sweep.
+    ///
+    /// `last` is the last stage whose models differ from those of the sweep before; at `N` nothing is
+    /// taken over.
+    pub(super) fn factor<M: StageModels>(
+        &self,
+        problem: &Problem,
+        models: &M,
+        sweep: &mut Sweep,
+        last: usize,
+    ) -> CostToGo {
+        let terminal = matches!(problem.terminal, Terminal::Equality(_));
+        match (self.is_last_only, M::WITH_DISTURBANCE && self.has_disturbance, terminal) {
+            (true, false, false) => {
+                self.backward::<true, false, false, M>(problem, models, sweep, last)
+            }
+            (true, false, true) => {
+                self.backward::<true, false, true, M>(problem, models, sweep, last)
+            }
+            (true, true, false) => {
+                self.backward::<true, true, false, M>(problem, models, sweep, last)
+            }
+            (true, true, true) => {
+                self.backward::<true, true, true, M>(problem, models, sweep, last)
+            }
+            (false, _, _) => self.backward::<false, true, true, M>(problem, models, sweep, last),
+        }
+    }
+
+    fn backward<const LAST: bool, const DISTURBED: bool, const TERMINAL: bool, M: StageModels>(
+        &self,
+        problem: &Problem,
+        models: &M,
+        sweep: &mut Sweep,
+        last: usize,
+    ) -> CostToGo {
+        let n = problem.horizon;
+        let d = &problem.d[..n];
+        let gains = &mut sweep.gains[..n];
+        let (top, from) = resume(n, last);
+        let (mut p, CostToGo { mut linear, mut dual }) = if top < n {
+            (sweep.hessians[from], sweep.costs[from])
+        } else {
+            let v = models.state_gradient(n);
+            let mut linear = [[1.0, 0.0, 0.0, v[0]], [0.0, 1.0, 0.0, v[1]], [0.0, 0.0, 1.0, v[2]]];
+            let mut p = self.p;
+            models.state_functions(n, |g, curvature, slope| {
+                add_rank_one(&mut p, g, curvature);
+                add_slope(&mut linear, g, slope);
+            });
+            (p, CostToGo { linear, dual: Columns::default() })
+        };
+        let [a00, a01, a02, a11, a12, a22] = self.a;
+        for k in (0..top).rev() {
+            let pb = if LAST {
+                [self.b[2] * p[2], self.b[2] * p[4], self.b[2] * p[5]]
+            } else {
+                product(&p, &self.b)
+            };
+            if DISTURBED && M::WITH_DISTURBANCE {
+                let carried = product(&p, &d[k]);
+                for j in 0..3 {
+                    dual[j][3] -=
+                        linear[0][j] * d[k][0] + linear[1][j] * d[k][1] + linear[2][j] * d[k][2];
+                }
+                for i in 0..3 {
+                    linear[i][3] += carried[i];
+                }
+            }
+            let model = models.input(k);
+            let (extra, slope) = match model {
+                InputModel::Free(extra, slope) => (extra, slope),
+                InputModel::Held(_, slope) => (0.0, slope),
+            };
+            let inverse = 1.0 / (self.r + extra + self.input_of::<LAST>(&pb));
+            // What follows does not wait for the division: it is the longest link of the chain.
+            let fa = self.transposed(&pb);
+            let f = [fa[0] + self.s[0], fa[1] + self.s[1], fa[2] + self.s[2]];
+            let mut next = self.q;
+            let gradient = models.state_gradient(k);
+            let mut next_linear = Columns::default();
+            for j in 0..4 {
+                next_linear[0][j] = a00 * linear[0][j];
+                next_linear[1][j] = a01 * linear[0][j] + a11 * linear[1][j];
+                next_linear[2][j] = a02 * linear[0][j] + a12 * linear[1][j] + a22 * linear[2][j];
+            }
+            for i in 0..3 {
+                next_linear[i][3] += gradient[i];
+            }
+            if k > 0 {
+                models.state_functions(k, |g, curvature, slope| {
+                    add_rank_one(&mut next, g, curvature);
+                    add_slope(&mut next_linear, g, slope);
+                });
+            }
+            let apa = self.congruence(&p);
+            for i in 0..6 {
+                next[i] += apa[i];
+            }
+            let mut beta = [0.0; 4];
+            for j in 0..4 {
+                beta[j] = self.input_of::<LAST>(&[linear[0][j], linear[1][j], linear[2][j]]);
+            }
+            let mut pull = beta;
+            pull[3] += slope;
+            let gain = &mut gains[k];
+            gain.feedback = [f[0] * inverse, f[1] * inverse, f[2] * inverse];
+            gain.inverse = inverse;
+            gain.feedforward = pull.map(|b| b * inverse);
+            if let InputModel::Held(u, _) = model {
+                p = next;
+                for i in 0..3 {
+                    next_linear[i][3] += f[i] * u;
+                    dual[i][3] -= beta[i] * u;
+                }
+            } else {
+                p = [
+                    next[0] - (f[0] * f[0]) * inverse,
+                    next[1] - (f[0] * f[1]) * inverse,
+                    next[2] - (f[0] * f[2]) * inverse,
+                    next[3] - (f[1] * f[1]) * inverse,
+                    next[4] - (f[1] * f[2]) * inverse,
+                    next[5] - (f[2] * f[2]) * inverse,
+                ];
+                if TERMINAL {
+                    for i in 0..3 {
+                        for j in 0..4 {
+                            next_linear[i][j] -= gain.feedback[i] * pull[j];
+                            dual[i][j] += beta[i] * gain.feedforward[j];
+                        }
+                    }
+                } else {
+                    for i in 0..3 {
+                        next_linear[i][3] -= gain.feedback[i] * pull[3];
+                    }
+                }
+            }
+            linear = next_linear;
+            if k % STRIDE == 0 {
+                sweep.hessians[k / STRIDE] = p;
+                sweep.costs[k / STRIDE] = CostToGo { linear, dual };
+            }
+        }
+        CostToGo { linear, dual }
+    }
+}
+
+/// Where a sweep that keeps everything above stage `last` begins: the stage, and its stored entry.
+fn resume(horizon: usize, last: usize) -> (usize, usize) {
+    let entry = last / STRIDE + 1;
+    if entry * STRIDE < horizon { (entry * STRIDE, entry) } else { (horizon, 0) }
+}
+
+impl CostToGo {
+    /// `W_0 y = Ψ_0'x_0 + t_0 − x_f`.
+    pub(super) fn terminal_system(&self, problem: &Problem, x_f: &[f64; 3]) -> TerminalSystem {
+        let (x, psi) = (&problem.x0, &self.linear);
+        let miss = std::array::from_fn(|j| {
+            let reached = psi[0][j] * x[0] + psi[1][j] * x[1] + psi[2][j] * x[2];
+            reached - self.dual[j][3] - x_f[j]
+        });
+        TerminalSystem { factors: self.factors(), miss }
+    }
+
+    /// The same for changes of a trajectory that ends at `x_N`; `y` is the new multiplier.
+    pub(super) fn terminal_system_of_change(
+        &self,
+        x_n: &[f64; 3],
+        x_f: &[f64; 3],
+    ) -> TerminalSystem {
+        let miss = std::array::from_fn(|j| x_n[j] - self.dual[j][3] - x_f[j]);
+        TerminalSystem { factors: self.factors(), miss }
+    }
+
+    /// `W` factored.
+    pub(super) fn factors(&self) -> Factors {
+        let w = &self.dual;
+        Factors::new(&[w[0][0], w[0][1], w[0][2], w[1][1], w[1][2], w[2][2]])
+    }
+}
+
+impl TerminalSystem {
+    /// `y`.
+    pub(super) fn multiplier(&self) -> [f64; 3] {
+        self.factors.solve(&self.miss)
+    }
+}
+
+impl Gain {
+    /// `constant + terminal·y`, the part of the input that does not depend on the state.
+    #[inline(always)]
+    pub(super) fn offset(&self, y: &[f64; 3]) -> f64 {
+        self.feedforward[3]
+            + (self.feedforward[0] * y[0] + self.feedforward[1] * y[1] + self.feedforward[2] * y[2])
+    }
+
+    /// `−u` for an offset; the last state last: it is the one that the previous input has just changed.
+    #[inline(always)]
+    pub(super) fn input(&self, offset: f64, x: &[f64; 3]) -> f64 {
+        (offset + (self.feedback[0] * x[0] + self.feedback[1] * x[1])) + self.feedback[2] * x[2]
+    }
+}
+
+/// Adds `slope · g` to the last column.
+#[inline(always)]
+fn add_slope(linear: &mut Columns, g: &[f64; 3], slope: f64) {
+    for i in 0..3 {
+        linear[i][3] += slope * g[i];
+    }
+}

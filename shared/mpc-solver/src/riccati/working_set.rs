@@ -1,0 +1,137 @@
+//! A guess of what is active at the solution: the bounds of the inputs, the parts of the light's curve, the parts
+//! of the rows' curves.
+//!
+//! The active-set method improves it from round to round, the interior point makes one from its iterate, and it
+//! survives from solve to solve for the warm start.
+
+use super::light_curve::LightTangent;
+use super::row_curve::RowTangent;
+use crate::limits::MAX_ROWS;
+use crate::problem::{Problem, Terminal};
+
+/// The bound that an input is held at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(i8)]
+pub(super) enum Side {
+    /// `u_min`.
+    Lower = -1,
+    /// None: the input is free.
+    #[default]
+    Free = 0,
+    /// `u_max`.
+    Upper = 1,
+}
+
+/// The guess, stage by stage.
+#[derive(Clone, Debug)]
+pub(super) struct WorkingSet {
+    /// `sides[k]` belongs to `u_k`.
+    pub(super) sides: Vec<Side>,
+    /// `light[k]` belongs to stage `k + 1`.
+    pub(super) light: Vec<LightTangent>,
+    /// `rows[j][k]` belongs to stage `k`; only if `has_row_tangents`.
+    pub(super) rows: [Vec<RowTangent>; MAX_ROWS],
+    /// Whether rows are in the guess by their tangents.
+    pub(super) has_row_tangents: bool,
+}
+
+impl WorkingSet {
+    /// All inputs free, room for horizons up to `max_horizon`.
+    pub(super) fn new(max_horizon: usize) -> Self {
+        Self {
+            sides: vec![Side::Free; max_horizon],
+            light: vec![LightTangent::default(); max_horizon],
+            rows: std::array::from_fn(|_| vec![RowTangent::default(); max_horizon + 1]),
+            has_row_tangents: false,
+        }
+    }
+
+    /// All inputs free, no rows.
+    pub(super) fn clear(&mut self) {
+        self.sides.fill(Side::Free);
+        self.has_row_tangents = false;
+    }
+
+    /// Number of rows that are in the guess by their tangents.
+    pub(super) fn row_count(&self, problem: &Problem) -> usize {
+        if self.has_row_tangents { problem.rows.len() } else { 0 }
+    }
+
+    /// Moves the guess forward by `steps` and returns the stage up to which it was moved.
+    ///
+    /// With a cost at the end everything moves. With `x_N = x_f` the last switches belong to the end of the horizon
+    /// and stay at their distance from it: only what comes before the middle of the longest run of free
+    /// inputs moves.
+    pub(super) fn shift(&mut self, problem: &Problem, steps: usize) -> usize {
+        let n = problem.horizon;
+        let steps = steps.min(n);
+        let middle = match problem.terminal {
+            Terminal::Equality(_) => middle_of_longest_free_run(&self.sides[..n]).max(steps),
+            Terminal::Cost => n,
+        };
+        self.sides.copy_within(steps..middle, 0);
+        self.sides[middle - steps..middle].fill(Side::Free);
+        self.light.copy_within(steps..n, 0);
+        if self.has_row_tangents {
+            for (tangents, row) in self.rows.iter_mut().zip(&problem.rows) {
+                tangents.copy_within(steps..=n, 0);
+                tangents[n + 1 - steps..=n].fill(RowTangent::default());
+                // The row may have moved since.
+                for (k, slot) in tangents[..=n].iter_mut().enumerate() {
+                    if k < row.from || k > row.to {
+                        *slot = RowTangent::default();
+                    }
+                }
+            }
+        }
+        middle
+    }
+}
+
+/// The middle of the longest run of free inputs; the end if there is none.
+fn middle_of_longest_free_run(sides: &[Side]) -> usize {
+    let (mut longest, mut middle, mut run) = (0, sides.len(), 0);
+    for (k, side) in sides.iter().enumerate() {
+        run = if *side == Side::Free { run + 1 } else { 0 };
+        if run > longest {
+            longest = run;
+            middle = k + 1 - run / 2;
+        }
+    }
+    middle
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Side::{Free, Lower, Upper};
+    use super::*;
+
+    fn problem(terminal: bool) -> Problem {
+        let builder = Problem::builder(8)
+            .dynamics([[1.0, 0.1, 0.0], [0.0, 1.0, 0.1], [0.0, 0.0, 0.8]], [0.0, 0.0, 0.2])
+            .input_cost(1.0)
+            .input_bounds(-1.0, 1.0);
+        let builder = if terminal { builder.terminal_equality([0.0; 3]) } else { builder };
+        builder.build().expect("a valid problem")
+    }
+
+    #[test]
+    fn the_end_of_the_guess_stays_with_a_terminal_equality_and_moves_without() {
+        let start = [Upper, Upper, Free, Free, Free, Free, Lower, Lower];
+        let mut set = WorkingSet::new(8);
+        set.sides.copy_from_slice(&start);
+        set.shift(&problem(true), 1);
+        assert_eq!(set.sides, [Upper, Free, Free, Free, Free, Free, Lower, Lower]);
+        set.sides.copy_from_slice(&start);
+        set.shift(&problem(false), 1);
+        assert_eq!(set.sides, [Upper, Free, Free, Free, Free, Lower, Lower, Free]);
+    }
+
+    #[test]
+    fn a_shift_beyond_the_horizon_frees_everything() {
+        let mut set = WorkingSet::new(8);
+        set.sides.fill(Upper);
+        set.shift(&problem(false), 100);
+        assert_eq!(set.sides, [Free; 8]);
+    }
+}
