@@ -11,6 +11,7 @@ use crate::law::{Ego, Input, MAX_PLAN, Output, Quality, Target};
 use crate::sampling::SignalTrust;
 use messages::rung::Rung;
 use scenario::Scenario;
+use scenario::perception::RadarModel;
 
 /// Periods of its source after which an input is stale.
 const STALE_PERIODS: f64 = 3.0;
@@ -96,7 +97,8 @@ impl Ladder {
         let stale =
             |period_ms: u32| (STALE_PERIODS * f64::from(period_ms) / 1e3).max(SHORTEST_STALE_S);
         let latency_s = f64::from(scenario.perception.radar.latency_ms.value()) / 1e3;
-        let latency_s = if scenario.perception.ideal { 0.0 } else { latency_s };
+        let latency_s =
+            if scenario.perception.model() == RadarModel::Ideal { 0.0 } else { latency_s };
         Self {
             stale_radar_s: stale(scenario.perception.period_ms.value()) + latency_s,
             stale_spat_s: stale(scenario.v2x.period_ms.value()),

@@ -1,10 +1,16 @@
 //! The other vehicles, the radar that sees them and the tracker behind it.
 
+//!
+//! [`traffic`] moves the other vehicles, [`radar`] sees them, [`tracking`] makes tracks of what it sees,
+//! and [`quality`] compares these with the traffic. [`perception`] is one step of all. All of it is
+//! plain code: functions of state, seed and time; only the service has a clock and ports.
+
 pub mod perception;
+pub mod quality;
 pub mod radar;
+pub mod random;
 mod service;
-pub mod target_selection;
-pub mod tracker;
+pub mod tracking;
 pub mod traffic;
 
 pub use service::run;

@@ -1,15 +1,17 @@
 //! The perception loop: move the traffic, scan, track, publish.
 
-use crate::perception::{Perception, TrackList};
-use crate::radar::Ego;
+use crate::perception::Perception;
+use crate::radar::scene::Ego;
+use crate::tracking::TrackList;
 use crate::traffic::{Kept, Vehicle};
 use bytemuck::Zeroable;
 use messages::{
-    Header, MAX_TRACKS, Odometry, Origins, RadarTracks, ServiceState, Track, TrackedTarget,
-    VehicleTruth, VehicleTruthItem,
+    Detection, Header, MAX_TRACKS, Odometry, Origins, RadarDetections, RadarTracks, ServiceState,
+    Track, TrackedTarget, VehicleTruth, VehicleTruthItem,
 };
 use runtime::report::Details;
-use runtime::{Cycle, Keeper, Mode, Overrun, Runtime, RuntimeError};
+use runtime::{Cycle, Keeper, Mode, Overrun, Publisher, Runtime, RuntimeError};
+use scenario::perception::RadarModel;
 
 /// Runs traffic and radar in their group, to the end of the run.
 ///
@@ -21,6 +23,10 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     let mut odometry = runtime.subscriber::<Odometry>()?;
     let mut tracks = runtime.publisher::<RadarTracks>()?;
     let mut truth = runtime.publisher::<VehicleTruth>()?;
+    let mut output = DetectionOutput::new();
+    if scenario.perception.model() == RadarModel::Detections {
+        output.port = Some(runtime.publisher::<RadarDetections>()?);
+    }
     let start = Ego { speed_mps: scenario.plant.initial_speed_mps.value(), ..Ego::default() };
     let mut keeper = match runtime.clock().mode() {
         Mode::Realtime => Some(runtime.keeper::<Kept>()?),
@@ -36,7 +42,8 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         let Some(release) = runtime.next_release(Overrun::Skip) else { return Ok(Cycle::Last) };
         runtime.update(&mut odometry)?;
         let ego = odometry.newest().map_or(start, |odometry| ego_at(odometry, release.time_s));
-        let list = *perception.step(release.scheduled_ns.unsigned_abs(), &ego);
+        let time_ns = release.scheduled_ns.unsigned_abs();
+        let list = *perception.step(time_ns, &ego, &mut output.message.detections);
         if let Some(keeper) = &mut keeper {
             keeper.keep(&perception.traffic().kept())?;
         }
@@ -46,13 +53,43 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         let header = Header::new(release.step, release.scheduled_ns, origins);
         truth.send(truth_on_the_wire(header, perception.vehicles()))?;
         let acquired = Header { acquisition_ns: list.acquisition_ns, ..header };
+        output.send(acquired, &perception)?;
         tracks.send(tracks_on_the_wire(acquired, &list))?;
 
         let seen = odometry.newest().is_some();
         runtime.end_cycle(if seen { ServiceState::Running } else { ServiceState::Degraded })?;
         Ok(Cycle::Next)
     })?;
-    runtime.finish(Details::None)
+    runtime.finish(Details::Perception(Box::new(perception.report())))
+}
+
+/// Where the radar writes its detections, and what sends them.
+struct DetectionOutput {
+    message: Box<RadarDetections>,
+    /// Entries that the last scan has written.
+    written: usize,
+    port: Option<Publisher<RadarDetections>>,
+}
+
+impl DetectionOutput {
+    fn new() -> Self {
+        Self { message: Box::new(RadarDetections::zeroed()), written: 0, port: None }
+    }
+
+    /// Sends what the radar has written, if its model has detections.
+    fn send(&mut self, header: Header, perception: &Perception) -> Result<(), RuntimeError> {
+        let Some(port) = &mut self.port else { return Ok(()) };
+        let received = perception.received();
+        if let Some(stale) = self.message.detections.get_mut(received.count..self.written) {
+            stale.fill(Detection::zeroed());
+        }
+        self.written = received.count;
+        self.message.header = header;
+        self.message.ego_speed_mps = perception.scanned().ego.speed_mps;
+        self.message.left_out = received.left_out;
+        self.message.count = received.count as u64;
+        port.send(*self.message)
+    }
 }
 
 /// The radar measures from where the ego is, not from where it was last heard of.
@@ -85,9 +122,9 @@ fn tracks_on_the_wire(header: Header, list: &TrackList) -> RadarTracks {
         *wire = Track {
             id: track.id,
             in_path: (list.target == Some(index)).into(),
-            range_m: track.detection.range_m,
-            range_rate_mps: track.detection.range_rate_mps,
-            azimuth_rad: track.detection.azimuth_rad,
+            range_m: track.range_m,
+            range_rate_mps: track.range_rate_mps,
+            azimuth_rad: track.azimuth_rad,
         };
         message.count += 1;
     }

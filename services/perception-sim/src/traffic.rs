@@ -34,6 +34,8 @@ pub struct Vehicle {
     pub acceleration_mps2: f64,
     /// Lateral position of its centre, m from the centre of the ego's lane, left positive.
     pub lateral_m: f64,
+    /// Lateral speed, m/s, left positive.
+    pub lateral_speed_mps: f64,
     /// Length, m.
     pub length_m: f64,
 }
@@ -145,12 +147,14 @@ impl Mover {
         self.base = Some(base);
         let inside_ns = time_ns - base.time_ns;
         let here = if inside_ns > 0 { self.after(&base, inside_ns) } else { base };
+        let (lateral_m, lateral_speed_mps) = lateral_at(&self.actor, seconds(time_ns));
         Vehicle {
             present: true,
             rear_position_m: here.position_m,
             speed_mps: here.speed_mps,
             acceleration_mps2: self.acceleration(&base, seconds(self.step_ns)),
-            lateral_m: lateral_at(&self.actor, seconds(time_ns)),
+            lateral_m,
+            lateral_speed_mps,
             length_m: self.actor.length_m.value(),
         }
     }
@@ -230,15 +234,17 @@ fn speed_in(points: &[SpeedPoint], time_s: f64) -> f64 {
     }
 }
 
-/// Lateral position: each motion is the fifth-order curve with rest at both ends.
-fn lateral_at(actor: &Actor, time_s: f64) -> f64 {
-    let mut lateral = actor.lateral_offset_m.value();
+/// Lateral position, m, and speed, m/s: each motion is the fifth-order curve with rest at both ends.
+fn lateral_at(actor: &Actor, time_s: f64) -> (f64, f64) {
+    let (mut lateral, mut speed) = (actor.lateral_offset_m.value(), 0.0);
     for LateralMotion { time_s: start, to_m, duration_s } in &actor.lateral {
         let s = ((time_s - start.value()) / duration_s.value()).clamp(0.0, 1.0);
         let share = s * s * s * (10.0 + s * (6.0 * s - 15.0));
+        let slope = 30.0 * s * s * (1.0 - s) * (1.0 - s) / duration_s.value();
+        speed = slope * (to_m.value() - lateral) + (1.0 - share) * speed;
         lateral += share * (to_m.value() - lateral);
     }
-    lateral
+    (lateral, speed)
 }
 
 fn seconds(time_ns: u64) -> f64 {

@@ -6,7 +6,7 @@ use super::aebs::LEAST_DECELERATION_MPS2;
 use super::controller::Release;
 use super::document::Problem;
 use super::faults::{Fault, MAX_FAULTS};
-use super::perception::MAX_LATENCY_SCANS;
+use super::perception::{MAX_LATENCY_SCANS, Perception, Radar, RadarModel};
 use super::plant::Integrator;
 use super::quantity::{Acceleration, Time};
 use super::v2x::{MAX_PROGRAM_PHASES, MAX_SIGNALS, Signal};
@@ -178,6 +178,20 @@ fn perception(scenario: &Scenario) -> Result<(), Problem> {
             format!("at most {} ms", MAX_LATENCY_SCANS * period),
         );
     }
+    object_list_keys(perception)?;
+    let tracker = &perception.tracker;
+    if tracker.confirm_hits > tracker.confirm_scans || tracker.confirm_scans.value() > 32 {
+        return Err(Problem::new(
+            "perception.tracker.confirm_hits",
+            format!(
+                "{} hits in {} scans",
+                tracker.confirm_hits.value(),
+                tracker.confirm_scans.value()
+            ),
+            "at most as many hits as scans, and at most 32 scans",
+        )
+        .against("perception.tracker.confirm_scans"));
+    }
     let selection = &perception.target_selection;
     if selection.leave_half_width_m < selection.enter_half_width_m {
         return Err(Problem::new(
@@ -186,6 +200,29 @@ fn perception(scenario: &Scenario) -> Result<(), Problem> {
             format!("at least {}", selection.enter_half_width_m.value()),
         )
         .against("perception.target_selection.enter_half_width_m"));
+    }
+    Ok(())
+}
+
+/// In the model `detections` the accuracy is not a key.
+fn object_list_keys(perception: &Perception) -> Result<(), Problem> {
+    if perception.model() != RadarModel::Detections {
+        return Ok(());
+    }
+    let (radar, usual) = (&perception.radar, Radar::default());
+    for (key, value, usual) in [
+        ("range_sigma_m", radar.range_sigma_m, usual.range_sigma_m),
+        ("range_rate_sigma_mps", radar.range_rate_sigma_mps, usual.range_rate_sigma_mps),
+        ("azimuth_sigma_deg", radar.azimuth_sigma_deg, usual.azimuth_sigma_deg),
+    ] {
+        if value != usual {
+            return Err(Problem::new(
+                format!("perception.radar.{key}"),
+                format!("{key} has no effect in the model `detections`"),
+                "perception.radar.model = \"object-list\", or the keys of perception.radar.detections",
+            )
+            .against("perception.radar.model"));
+        }
     }
     Ok(())
 }

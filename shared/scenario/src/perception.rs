@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::quantity::{
-    Angle, DelayMs, Length, PeriodMs, Probability, Reach, Sigma, SigmaMultiple, Time, TimeConstant,
+    Angle, Count, CrossSection, Decibels, DelayMs, Length, Loss, MeanCount, PerKilometre, PeriodMs,
+    Probability, Reach, Sigma, SigmaMultiple, Speed, Time, TimeConstant,
 };
 
 /// Longest latency of the radar, in scans.
@@ -15,23 +16,15 @@ pub const MAX_LATENCY_SCANS: u32 = 32;
 pub struct Perception {
     /// Period of the radar and of `radar/tracks`, ms.
     pub period_ms: PeriodMs,
-    /// Exact tracks: the true gap, speed and acceleration at once, without noise, dropout, latency
-    /// or filter. Range and field of view still bound what is seen.
+    /// The same as `radar.model = "ideal"`.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub ideal: bool,
     /// What the radar sees and how well.
     pub radar: Radar,
-    /// The Kalman filter behind each track.
+    /// What becomes of the radar's measurements.
     pub tracker: Tracker,
     /// Which track is the target.
     pub target_selection: TargetSelection,
-}
-
-impl Perception {
-    /// True if the radar gives detections.
-    #[must_use]
-    pub fn gives_detections(&self) -> bool {
-        false
-    }
 }
 
 impl Default for Perception {
@@ -46,29 +39,63 @@ impl Default for Perception {
     }
 }
 
+impl Perception {
+    /// How deep the simulation of the radar goes.
+    #[must_use]
+    pub fn model(&self) -> RadarModel {
+        if self.ideal { RadarModel::Ideal } else { self.radar.model }
+    }
+
+    /// True if the radar gives detections.
+    #[must_use]
+    pub fn gives_detections(&self) -> bool {
+        self.model() == RadarModel::Detections
+    }
+}
+
+/// How deep the simulation of the radar goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RadarModel {
+    /// Detections as a radar's receiver hands them out, with the tracker that works on them alone.
+    #[default]
+    Detections,
+    /// One noisy measurement for each vehicle, with its identity.
+    ObjectList,
+    /// Exact tracks: the true gap, speed and acceleration at once, without noise, dropout, latency
+    /// or filter. Range and field of view still bound what is seen.
+    Ideal,
+}
+
 /// The radar at the middle of the ego's front bumper.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Radar {
+    /// How deep the simulation goes.
+    pub model: RadarModel,
     /// Farthest detection, m.
     pub max_range_m: Reach,
     /// Full opening angle, degrees, symmetric to the ego's axis.
     pub field_of_view_deg: Angle,
-    /// Standard deviation of the range, m.
+    /// Standard deviation of the range, m. Of the model `object-list`; in `detections` it follows from
+    /// the signal-to-noise ratio. So do the next two.
     pub range_sigma_m: Sigma,
     /// Standard deviation of the range rate, m/s.
     pub range_rate_sigma_mps: Sigma,
     /// Standard deviation of the azimuth, degrees.
     pub azimuth_sigma_deg: Sigma,
-    /// Probability that a visible object is missing from one scan.
+    /// Probability that a visible vehicle is missing from one scan, whatever its echoes are like.
     pub dropout_probability: Probability,
     /// Time from the acquisition to the publication of a scan, ms: a multiple of the period.
     pub latency_ms: DelayMs,
+    /// Of the model `detections`.
+    pub detections: Detections,
 }
 
 impl Default for Radar {
     fn default() -> Self {
         Self {
+            model: RadarModel::default(),
             max_range_m: Reach::of(150.0),
             field_of_view_deg: Angle::of(60.0),
             range_sigma_m: Sigma::of(0.4),
@@ -76,31 +103,175 @@ impl Default for Radar {
             azimuth_sigma_deg: Sigma::of(0.3),
             dropout_probability: Probability::of(0.0),
             latency_ms: DelayMs::of(0),
+            detections: Detections::default(),
         }
     }
 }
 
-/// Kalman filter on gap, relative speed and lead acceleration, with Singer's model of the latter.
+/// Detections as a radar's receiver hands them out. Accuracy and resolution are those of a 77 GHz
+/// radar for cruise control with 0.2 to 0.3 GHz of bandwidth.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Detections {
+    /// Signal-to-noise ratio of 1 m² at 100 m on the axis, dB.
+    pub snr_at_100_m_db: Decibels,
+    /// How much weaker an echo is at the edge of the field of view than on the axis, dB, both ways.
+    pub edge_loss_db: Loss,
+    /// An echo is detected when it and the noise exceed the mean noise by this, dB.
+    pub threshold_db: Decibels,
+    /// Mean radar cross section of a car's rear, dB relative to 1 m² (ISO 15622's target: 10 m²).
+    pub car_rcs_dbsm: CrossSection,
+    /// That of a vehicle longer than 7 m.
+    pub lorry_rcs_dbsm: CrossSection,
+    /// Fluctuation of the cross section from scan to scan: Swerling's case 0 (none), 1 or 3.
+    pub swerling: Swerling,
+    /// Echoes nearer than this in range, and in range rate and azimuth, may merge, m.
+    pub range_resolution_m: Length,
+    /// The same in range rate, m/s.
+    pub range_rate_resolution_mps: Speed,
+    /// The same in azimuth, degrees.
+    pub azimuth_resolution_deg: Angle,
+    /// Echoes that the resolution does not keep apart come out as one.
+    pub merge: bool,
+    /// Standard deviation of the range that no signal-to-noise ratio improves, m.
+    pub range_floor_m: Sigma,
+    /// That of the range rate, m/s.
+    pub range_rate_floor_mps: Sigma,
+    /// That of the azimuth, degrees.
+    pub azimuth_floor_deg: Sigma,
+    /// How much weaker the echo of what a nearer vehicle hides is, dB; 0: nothing hides anything.
+    pub hidden_loss_db: Loss,
+    /// Mean number of detections of noise in a scan.
+    pub false_alarms_per_scan: MeanCount,
+    /// Standing objects on each side of the road, per km.
+    pub standing_objects_per_km: PerKilometre,
+    /// Their mean radar cross section, dB relative to 1 m².
+    pub standing_object_rcs_dbsm: CrossSection,
+    /// Distance of guard rails and standing objects from the centre of the ego's lane, m.
+    pub roadside_offset_m: Length,
+    /// Probability of a second echo from under the body of a vehicle.
+    pub under_body_probability: Probability,
+    /// Mean of its additional range, m.
+    pub under_body_range_m: Length,
+    /// How much weaker it is, dB.
+    pub under_body_loss_db: Loss,
+    /// Share of the road with a guard rail on either side, in which vehicles have mirror images.
+    pub guard_rail_share: Probability,
+    /// How much weaker a mirror image is, dB.
+    pub guard_rail_loss_db: Loss,
+}
+
+impl Default for Detections {
+    fn default() -> Self {
+        Self {
+            snr_at_100_m_db: Decibels::of(15.0),
+            edge_loss_db: Loss::of(6.0),
+            threshold_db: Decibels::of(12.0),
+            car_rcs_dbsm: CrossSection::of(10.0),
+            lorry_rcs_dbsm: CrossSection::of(16.0),
+            swerling: Swerling::Case1,
+            range_resolution_m: Length::of(0.75),
+            range_rate_resolution_mps: Speed::of(0.2),
+            azimuth_resolution_deg: Angle::of(3.0),
+            merge: true,
+            range_floor_m: Sigma::of(0.1),
+            range_rate_floor_mps: Sigma::of(0.03),
+            azimuth_floor_deg: Sigma::of(0.1),
+            hidden_loss_db: Loss::of(20.0),
+            false_alarms_per_scan: MeanCount::of(0.5),
+            standing_objects_per_km: PerKilometre::of(50.0),
+            standing_object_rcs_dbsm: CrossSection::of(0.0),
+            roadside_offset_m: Length::of(8.0),
+            under_body_probability: Probability::of(0.3),
+            under_body_range_m: Length::of(1.5),
+            under_body_loss_db: Loss::of(10.0),
+            guard_rail_share: Probability::of(0.5),
+            guard_rail_loss_db: Loss::of(18.0),
+        }
+    }
+}
+
+/// Swerling's cases that a scan can tell apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "i64", into = "i64")]
+pub enum Swerling {
+    /// No fluctuation.
+    Case0,
+    /// Many equal parts.
+    Case1,
+    /// One strong part among many.
+    Case3,
+}
+
+/// A number that is no case of Swerling's that applies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0} is out of range, expected Swerling's case 0, 1 or 3")]
+pub struct NoSwerlingCase(i64);
+
+impl TryFrom<i64> for Swerling {
+    type Error = NoSwerlingCase;
+
+    fn try_from(case: i64) -> Result<Self, NoSwerlingCase> {
+        match case {
+            0 => Ok(Self::Case0),
+            1 => Ok(Self::Case1),
+            3 => Ok(Self::Case3),
+            other => Err(NoSwerlingCase(other)),
+        }
+    }
+}
+
+impl From<Swerling> for i64 {
+    fn from(swerling: Swerling) -> i64 {
+        match swerling {
+            Swerling::Case0 => 0,
+            Swerling::Case1 => 1,
+            Swerling::Case3 => 3,
+        }
+    }
+}
+
+/// The filter behind each track, and the life of a track.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Tracker {
-    /// Standard deviation of the lead's acceleration, m/s².
+    /// Which filter follows gap, relative speed and lead acceleration.
+    pub filter: TrackingFilter,
+    /// Standard deviation of the acceleration of a lead that does not manoeuvre hard, m/s².
     pub lead_acceleration_sigma_mps2: Sigma,
-    /// Correlation time of the lead's acceleration, s.
+    /// Correlation time of that acceleration, s.
     pub maneuver_time_constant_s: TimeConstant,
     /// A measurement farther off than this many standard deviations is not used.
     pub gate_sigma: SigmaMultiple,
     /// A track without measurement is dropped after this time, s.
     pub coast_s: Time,
+    /// A track is confirmed when so many ...
+    pub confirm_hits: Count,
+    /// ... of so many scans in a row have measured it (model `detections`).
+    pub confirm_scans: Count,
+}
+
+/// A filter of gap, relative speed and lead acceleration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TrackingFilter {
+    /// One Kalman filter with Singer's model of the lead's acceleration.
+    Singer,
+    /// Three of them side by side, for a quiet, a moderate and a hard manoeuvre.
+    #[default]
+    InteractingModels,
 }
 
 impl Default for Tracker {
     fn default() -> Self {
         Self {
+            filter: TrackingFilter::default(),
             lead_acceleration_sigma_mps2: Sigma::of(0.5),
             maneuver_time_constant_s: TimeConstant::of(2.5),
             gate_sigma: SigmaMultiple::of(5.0),
             coast_s: Time::of(0.5),
+            confirm_hits: Count::of(3),
+            confirm_scans: Count::of(4),
         }
     }
 }
@@ -116,6 +287,9 @@ pub struct TargetSelection {
     pub leave_half_width_m: Length,
     /// A vehicle must be in the path for this time before it becomes the target, s.
     pub confirm_s: Time,
+    /// A vehicle whose lateral motion would take its body before the ego's within this time is in
+    /// the path already, s; 0: no prediction. Exact tracks are not predicted.
+    pub predict_s: Time,
 }
 
 impl Default for TargetSelection {
@@ -124,6 +298,7 @@ impl Default for TargetSelection {
             enter_half_width_m: Length::of(1.6),
             leave_half_width_m: Length::of(2.2),
             confirm_s: Time::of(0.1),
+            predict_s: Time::of(1.2),
         }
     }
 }

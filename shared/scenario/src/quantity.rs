@@ -107,6 +107,16 @@ quantity! {
     Power, 1.0, 10_000.0, "a power from 1 to 10000 kW";
     /// A deviation, in the unit of the figure that deviates.
     Shift, -1e4, 1e4, "a number from -10000 to 10000";
+    /// A ratio of powers, dB.
+    Decibels, -100.0, 100.0, "a level from -100 to 100 dB";
+    /// A loss of power, dB.
+    Loss, 0.0, 100.0, "a loss from 0 to 100 dB";
+    /// A radar cross section, dB relative to 1 m².
+    CrossSection, -40.0, 60.0, "a radar cross section from -40 to 60 dBsm";
+    /// A mean number of events in a scan.
+    MeanCount, 0.0, 2000.0, "a mean number from 0 to 2000";
+    /// A number of objects on a kilometre.
+    PerKilometre, 0.0, 2000.0, "a number from 0 to 2000 per km";
     /// A weight in a cost function.
     Weight, 0.0, 1e12, "a weight from 0 to 1e12";
     /// A weight in a cost function that must not vanish.

@@ -127,7 +127,7 @@ impl RunPicture {
                 Details::Controller(controller) => {
                     run.rungs.insert(name, rungs(&controller.rungs, run.duration_s));
                 }
-                Details::Aebs(_) | Details::None => {}
+                Details::Aebs(_) | Details::Perception(_) | Details::None => {}
             }
         }
         run

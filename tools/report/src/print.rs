@@ -22,6 +22,7 @@ pub fn summary(summary: &Summary) -> String {
     line("outcome", outcome(summary));
     drive(summary, &mut line);
     emergency_brake(summary, &mut line);
+    radar(summary, &mut line);
     timing(summary, &mut line);
     messages(summary, &mut line);
     faults(summary, &mut line);
@@ -135,6 +136,32 @@ fn emergency_brake(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
         _ => String::new(),
     };
     line("emergency", format!("{braked}, {warnings} warnings{blind}"));
+}
+
+/// How well the tracks of a radar that errs matched the traffic.
+fn radar(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
+    let Some(perception) = summary.perception.filter(|perception| perception.gospa_m > 0.0) else {
+        return;
+    };
+    let mut parts = vec![format!(
+        "GOSPA {:.2} m (localisation {:.2}, missed {:.2}, false {:.2})",
+        perception.gospa_m, perception.localisation_m, perception.missed_m, perception.false_m
+    )];
+    if let (Some(mean_s), Some(worst_s)) = (perception.cut_in_mean_s, perception.cut_in_worst_s) {
+        parts.push(format!("cut-in confirmed {mean_s:+.2} s after overlap, worst {worst_s:+.2}"));
+    }
+    if perception.cut_ins_unconfirmed > 0 {
+        parts.push(format!("{} cut-ins not confirmed", perception.cut_ins_unconfirmed));
+    }
+    if perception.false_targets > 0 {
+        let (count, time_s) = (perception.false_targets, perception.false_target_s);
+        parts.push(format!("{count} false targets, {time_s:.2} s"));
+    }
+    let left_out = perception.detections_left_out.unwrap_or(0) + perception.tracks_left_out;
+    if left_out > 0 {
+        parts.push(format!("{left_out} detections and tracks found no room in their messages"));
+    }
+    line("radar", parts.join(", "));
 }
 
 fn timing(summary: &Summary, line: &mut dyn FnMut(&str, String)) {

@@ -5,8 +5,8 @@ use messages::Service;
 use messages::e2e::Outcomes;
 use messages::rung::Rungs;
 use runtime::report::{
-    ControlFigures, ControllerReport, Details, Hops, ModeChange, Outcome, PlanningReport,
-    PlantReport, ReceivedTopic, ServiceReport, WorstChain,
+    ControlFigures, ControllerReport, Details, Hops, ModeChange, Outcome, PerceptionReport,
+    PlanningReport, PlantReport, ReceivedTopic, ServiceReport, WorstChain,
 };
 use runtime::scheduling::Granted;
 use runtime::statistics::{Latencies, Percentiles};
@@ -41,6 +41,8 @@ pub struct Summary {
     pub messages: BTreeMap<String, TopicCounts>,
     /// What the emergency brake did.
     pub aebs: Aebs,
+    /// How well the radar's tracks matched the traffic.
+    pub perception: Option<PerceptionReport>,
     /// What became of the recording; null if none was asked for.
     pub recording: Option<RecordingSummary>,
     pub faults: Vec<FaultRecord>,
@@ -233,6 +235,7 @@ impl Summary {
                 undelivered_commands: plant.map(|plant| plant.undelivered_commands),
             },
             aebs: Aebs::of(scenario, plant, report(Service::Aebs)),
+            perception: report(Service::PerceptionSim).and_then(perception_details),
             messages: messages(&group.reports, &group.drive),
             recording: group.recording.clone(),
             faults: group.faults.clone(),
@@ -280,6 +283,13 @@ pub fn histograms(group: &GroupOutcome) -> Vec<(String, Latencies)> {
 fn plant_details(report: &ServiceReport) -> Option<&PlantReport> {
     match &report.details {
         Details::Plant(plant) => Some(plant),
+        _ => None,
+    }
+}
+
+fn perception_details(report: &ServiceReport) -> Option<PerceptionReport> {
+    match &report.details {
+        Details::Perception(perception) => Some(**perception),
         _ => None,
     }
 }

@@ -1,0 +1,244 @@
+//! Tracks against ground truth over many seeded scenes, with and without each imperfection.
+//!
+//! ```sh
+//! cargo run --release -p perception-sim --example quality -- [SCENES]
+//! ```
+//!
+//! A scene lasts 20 s and is one of four kinds by its seed: a lead of varying speed, a cut-in, dense
+//! traffic on three lanes, a lead that brakes hard. The ego follows the nearest vehicle in its lane by
+//! the intelligent driver model, which sees the truth, so that all rows have the same traffic.
+
+use bytemuck::Zeroable;
+use messages::{Detection, MAX_DETECTIONS};
+use perception_sim::perception::Perception;
+use perception_sim::radar::scene::Ego;
+use perception_sim::random::Random;
+use perception_sim::traffic::Vehicle;
+use runtime::report::PerceptionReport;
+use scenario::{Overrides, Scenario};
+
+const PERIOD_NS: u64 = 50_000_000;
+const SCANS: u64 = 400;
+
+/// A row of the table: its name and the keys that differ from the defaults, in
+/// `perception.radar.detections` if they do not say otherwise.
+const ROWS: [(&str, &[&str]); 11] = [
+    ("all", &[]),
+    ("no fluctuation", &["swerling=0"]),
+    ("no occlusion", &["hidden_loss_db=0"]),
+    ("no false alarms", &["false_alarms_per_scan=0"]),
+    ("no roadside", &["standing_objects_per_km=0"]),
+    ("no under-body echo", &["under_body_probability=0"]),
+    ("no guard rail", &["guard_rail_share=0"]),
+    ("all echoes resolved", &["merge=false"]),
+    (
+        "no receiver noise",
+        &["snr_at_100_m_db=60", "range_floor_m=0", "range_rate_floor_mps=0", "azimuth_floor_deg=0"],
+    ),
+    (
+        "none of them",
+        &[
+            "swerling=0",
+            "hidden_loss_db=0",
+            "false_alarms_per_scan=0",
+            "standing_objects_per_km=0",
+            "under_body_probability=0",
+            "guard_rail_share=0",
+            "merge=false",
+            "snr_at_100_m_db=60",
+            "range_floor_m=0",
+            "range_rate_floor_mps=0",
+            "azimuth_floor_deg=0",
+        ],
+    ),
+    ("object-list", &["/perception.radar.model=\"object-list\""]),
+];
+
+fn main() {
+    let scenes = std::env::args().nth(1).map_or(1000, |argument| {
+        argument.parse().unwrap_or_else(|_| panic!("`{argument}` is not a number of scenes"))
+    });
+    println!("{scenes} scenes of {} s; GOSPA with c = 10 m, p = 2", SCANS / 20);
+    println!(
+        "{:20} {:>7} {:>7} {:>7} {:>7} | {:>7} {:>7} {:>6} {:>6} | {:>8} {:>8} | {:>5} {:>7}",
+        "",
+        "GOSPA",
+        "local.",
+        "missed",
+        "false",
+        "cut-in",
+        "worst",
+        "n",
+        "unconf",
+        "false/h",
+        "false s",
+        "det.",
+        "µs/scan"
+    );
+    println!(
+        "{:20} {:>7} {:>7} {:>7} {:>7} | {:>7} {:>7} {:>6} {:>6} | {:>8} {:>8} | {:>5} {:>7}",
+        "", "m", "m", "m", "m", "s", "s", "", "", "", "per h", "", ""
+    );
+    for (name, keys) in ROWS {
+        let row = run(scenes, keys);
+        let report = &row.sum;
+        let n = f64::from(scenes);
+        let hours = n * SCANS as f64 * 0.05 / 3600.0;
+        let rms = |sum: f64| (sum / n).sqrt();
+        println!(
+            "{name:20} {:7.2} {:7.2} {:7.2} {:7.2} | {:+7.2} {:+7.2} {:6} {:6} | {:8.1} {:8.1} | {:5.1} {:7.2}",
+            rms(report.gospa_m),
+            rms(report.localisation_m),
+            rms(report.missed_m),
+            rms(report.false_m),
+            report.cut_in_mean_s.unwrap_or(f64::NAN) / report.cut_ins.max(1) as f64,
+            report.cut_in_worst_s.unwrap_or(f64::NAN),
+            report.cut_ins,
+            report.cut_ins_unconfirmed,
+            report.false_targets as f64 / hours,
+            report.false_target_s / hours,
+            report.detections.unwrap_or(0) as f64 / (n * SCANS as f64),
+            row.scan_us,
+        );
+    }
+}
+
+/// Processor time of this process so far, s, to a hundredth.
+fn processor_s() -> f64 {
+    let stat = std::fs::read_to_string("/proc/self/stat").expect("the kernel shows it");
+    let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or("").split_whitespace().collect();
+    // utime and stime, in ticks of USER_HZ = 100.
+    fields[11..13].iter().map(|ticks| ticks.parse::<f64>().expect("a number") / 100.0).sum()
+}
+
+struct Row {
+    /// Sums over the scenes; of squares for the four lengths.
+    sum: PerceptionReport,
+    scan_us: f64,
+}
+
+fn run(scenes: u32, keys: &[&str]) -> Row {
+    let mut detections = Box::new([Detection::zeroed(); MAX_DETECTIONS]);
+    let mut sum = PerceptionReport::default();
+    let mut spent_s = 0.0;
+    for seed in 1..=scenes {
+        let scenario = scene(seed, keys);
+        let mut perception = Perception::new(&scenario);
+        let mut ego = Ego { speed_mps: scenario.plant.initial_speed_mps.value(), ..Ego::default() };
+        let began_s = processor_s();
+        for k in 0..SCANS {
+            perception.step(k * PERIOD_NS, &ego, &mut detections);
+            ego = follow(ego, scenario.set_speed_mps.value(), perception.vehicles());
+        }
+        spent_s += processor_s() - began_s;
+        add(&mut sum, &perception.report());
+    }
+    Row { sum, scan_us: 1e6 * spent_s / (f64::from(scenes) * SCANS as f64) }
+}
+
+fn add(sum: &mut PerceptionReport, one: &PerceptionReport) {
+    sum.gospa_m += one.gospa_m * one.gospa_m;
+    sum.localisation_m += one.localisation_m * one.localisation_m;
+    sum.missed_m += one.missed_m * one.missed_m;
+    sum.false_m += one.false_m * one.false_m;
+    sum.cut_ins += one.cut_ins;
+    sum.cut_ins_unconfirmed += one.cut_ins_unconfirmed;
+    let total_s = one.cut_in_mean_s.map_or(0.0, |mean_s| mean_s * one.cut_ins as f64);
+    *sum.cut_in_mean_s.get_or_insert(0.0) += total_s;
+    if let Some(worst_s) = one.cut_in_worst_s {
+        let so_far_s = sum.cut_in_worst_s.unwrap_or(f64::NEG_INFINITY);
+        sum.cut_in_worst_s = Some(so_far_s.max(worst_s));
+    }
+    sum.false_targets += one.false_targets;
+    sum.false_target_s += one.false_target_s;
+    *sum.detections.get_or_insert(0) += one.detections.unwrap_or(0);
+}
+
+/// A scene by its seed, with the row's keys.
+fn scene(seed: u32, keys: &[&str]) -> Scenario {
+    let mut random = Random::of_run(u64::from(seed), 77);
+    let ego_mps = random.between(12.0, 33.0);
+    let mut text = format!(
+        "schema_version = 1\nname = \"scene\"\nseed = {seed}\nduration_s = 20\n\
+         set_speed_mps = {ego_mps}\n[plant]\ninitial_speed_mps = {ego_mps}\n"
+    );
+    let gap_m = random.between(0.8, 2.0) * ego_mps + 5.0;
+    let mut actor = |gap_m: f64, speed_mps: f64, length_m: f64, rest: &str| {
+        let name = text.matches("[[actors]]").count();
+        text += &format!(
+            "[[actors]]\nname = \"a{name}\"\ngap_m = {gap_m}\ninitial_speed_mps = {speed_mps}\n\
+             length_m = {length_m}\n{rest}\n"
+        );
+    };
+    match seed % 4 {
+        0 => {
+            let (period_s, peak) = (random.between(6.0, 20.0), random.between(0.3, 2.0));
+            let sine =
+                format!("profile.sine = {{ amplitude_mps2 = {peak}, period_s = {period_s} }}");
+            actor(gap_m, ego_mps, 4.5, &sine);
+        }
+        1 => {
+            let side = if random.uniform() < 0.5 { 3.5 } else { -3.5 };
+            let (begins_s, takes_s) = (random.between(3.0, 10.0), random.between(2.0, 6.0));
+            let speed_mps = ego_mps - random.between(-1.0, 4.0);
+            let cut_in = format!(
+                "lateral_offset_m = {side}\n\
+                 lateral = [{{ time_s = {begins_s}, to_m = 0, duration_s = {takes_s} }}]"
+            );
+            actor(random.between(15.0, 70.0), speed_mps, 4.5, &cut_in);
+            actor(gap_m + 60.0, ego_mps, 16.0, "");
+        }
+        2 => {
+            actor(gap_m, ego_mps, 4.5, "");
+            for _ in 0..6 {
+                let lane = if random.uniform() < 0.5 { 3.5 } else { -3.5 };
+                let length_m = if random.uniform() < 0.3 { 16.0 } else { 4.5 };
+                let speed_mps = ego_mps + random.between(-5.0, 5.0);
+                let offset = format!("lateral_offset_m = {lane}");
+                actor(random.between(5.0, 120.0), speed_mps.max(0.0), length_m, &offset);
+            }
+        }
+        _ => {
+            let (begins_s, braking) = (random.between(4.0, 10.0), random.between(3.0, 9.0));
+            let brakes = format!(
+                "profile.steps = [{{ time_s = {begins_s}, speed_mps = {}, \
+                 acceleration_mps2 = {braking} }}]",
+                random.between(0.0, 0.7) * ego_mps
+            );
+            actor(gap_m, ego_mps, 4.5, &brakes);
+            actor(random.between(20.0, 100.0), ego_mps + 2.0, 4.5, "lateral_offset_m = 3.5");
+        }
+    }
+    let mut overrides = Overrides::new();
+    for key in keys {
+        let key = match key.strip_prefix('/') {
+            Some(key) => key.to_owned(),
+            None => format!("perception.radar.detections.{key}"),
+        };
+        overrides.set(&key).unwrap_or_else(|error| panic!("{error}"));
+    }
+    let scenario = Scenario::parse_with("scene", &text, &overrides, &|_| Ok(()));
+    scenario.unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// One period of the intelligent driver model (Treiber, Hennecke and Helbing 2000).
+fn follow(ego: Ego, set_speed_mps: f64, vehicles: &[Vehicle]) -> Ego {
+    let (dt_s, v) = (PERIOD_NS as f64 * 1e-9, ego.speed_mps);
+    let ahead = vehicles
+        .iter()
+        .filter(|vehicle| vehicle.in_ego_path() && vehicle.rear_position_m > ego.position_m)
+        .min_by(|a, b| a.rear_position_m.total_cmp(&b.rear_position_m));
+    let free = 1.0 - libm::pow(v / set_speed_mps, 4.0);
+    let wanted = ahead.map_or(free, |vehicle| {
+        let gap_m = (vehicle.rear_position_m - ego.position_m).max(0.5);
+        let closing_mps = v - vehicle.speed_mps;
+        let desired_m = 3.0 + (1.2 * v + 0.5 * v * closing_mps / (1.5f64 * 2.5).sqrt()).max(0.0);
+        free - (desired_m / gap_m) * (desired_m / gap_m)
+    });
+    let acceleration_mps2 = (1.5 * wanted).clamp(-9.0, 1.5).max(-v / dt_s);
+    Ego {
+        position_m: ego.position_m + v * dt_s + 0.5 * acceleration_mps2 * dt_s * dt_s,
+        speed_mps: (v + acceleration_mps2 * dt_s).max(0.0),
+        acceleration_mps2,
+    }
+}

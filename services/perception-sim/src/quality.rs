@@ -1,0 +1,391 @@
+//! How well the tracks match the traffic, by ground truth.
+//!
+//! * GOSPA (generalised optimal sub-pattern assignment) with c = 10 m, p = 2, alpha = 2, on the positions
+//!   (gap, lateral) of all vehicles whose rear is in range and field of view, hidden ones included. A
+//!   track on the body of any other vehicle, which is in view in part at most, is neither right nor
+//!   false:
+//!
+//! ```text
+//! d² = min over assignments  Σ assigned |x - y|²  +  c²/2 · (missed + false)
+//! ```
+//!
+//!   The figures are root mean squares over the scans, so that the squares of localisation, missed and
+//!   false add up to that of the whole.
+//! * Time to confirm a cut-in: from the moment when the bodies' lanes overlap to the publication of a
+//!   track of it that is in the path; negative when it was recognised before.
+//! * False targets: selected targets that are no vehicle, or a vehicle that neither overlaps the ego's
+//!   lane nor moves towards it.
+//!
+//! Source: Rahmathullah, García-Fernández and Svensson, Generalized optimal sub-pattern assignment
+//! metric (FUSION 2017).
+
+use messages::MAX_TRACKS;
+use runtime::report::PerceptionReport;
+use scenario::Scenario;
+
+use crate::radar::object_list::View;
+use crate::radar::scene::Scene;
+use crate::tracking::TrackList;
+use crate::traffic::Vehicle;
+
+/// Distance c beyond which a track is of no vehicle, m.
+const CUTOFF_M: f64 = 10.0;
+/// A track may be this far from the body of a vehicle that is seen in part, m.
+const BODY_MARGIN_M: f64 = 3.0;
+/// A vehicle that moves inwards faster than this is no false target, m/s.
+const INWARD_MPS: f64 = 0.1;
+
+/// The account of a run so far.
+#[derive(Clone, Debug)]
+pub struct Quality {
+    view: View,
+    scans: u64,
+    localisation: f64,
+    missed: u64,
+    false_tracks: u64,
+    left_out: u64,
+    targets: Targets,
+    cut_ins: [CutIn; MAX_TRACKS],
+    confirmed: Confirmed,
+    last_ns: Option<i64>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Targets {
+    episodes: u64,
+    false_s: f64,
+    is_false: bool,
+}
+
+/// A vehicle on its way into the path.
+#[derive(Clone, Copy, Debug, Default)]
+struct CutIn {
+    /// It has been beside the lane.
+    outside: bool,
+    /// When it began to overlap, if it has not been confirmed since.
+    overlaps_ns: Option<i64>,
+    /// Since when a track of it has been in the path.
+    in_path_ns: Option<i64>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Confirmed {
+    count: u64,
+    sum_s: f64,
+    worst_s: f64,
+}
+
+impl Quality {
+    /// Before the first scan.
+    #[must_use]
+    pub fn new(scenario: &Scenario) -> Self {
+        Self {
+            view: View::new(&scenario.perception.radar),
+            scans: 0,
+            localisation: 0.0,
+            missed: 0,
+            false_tracks: 0,
+            left_out: 0,
+            targets: Targets::default(),
+            cut_ins: [CutIn::default(); MAX_TRACKS],
+            confirmed: Confirmed { worst_s: f64::NEG_INFINITY, ..Confirmed::default() },
+            last_ns: None,
+        }
+    }
+
+    /// Judges the tracks of the scan of `scene`, published at `published_ns`.
+    pub fn observe(&mut self, scene: &Scene, list: &TrackList, published_ns: i64) {
+        let mut owners = [None; MAX_TRACKS];
+        let in_view =
+            scene.vehicles.map(|vehicle| self.view.measure(&scene.ego, &vehicle).is_some());
+        let pairs = Assignment::best(scene, &in_view, list);
+        let visible = in_view.iter().filter(|seen| **seen).count() as u64;
+        self.scans += 1;
+        self.localisation += pairs.squares;
+        self.missed += visible - pairs.count;
+        self.false_tracks += list.count as u64 - pairs.count - pairs.partly;
+        self.left_out += u64::from(list.left_out);
+        for (vehicle, track) in pairs.track_of.iter().enumerate() {
+            if let Some(track) = track {
+                owners[*track] = Some(vehicle);
+            }
+        }
+        self.judge_target(scene, list, &owners, published_ns);
+        for index in 0..MAX_TRACKS {
+            let in_path = pairs.track_of[index].is_some_and(|track| list.tracks[track].in_path);
+            let ahead = in_view[index];
+            self.judge_cut_in(
+                index,
+                &scene.vehicles[index],
+                ahead,
+                in_path,
+                scene.time_ns,
+                published_ns,
+            );
+        }
+        self.last_ns = Some(published_ns);
+    }
+
+    fn judge_target(
+        &mut self,
+        scene: &Scene,
+        list: &TrackList,
+        owners: &[Option<usize>; MAX_TRACKS],
+        now_ns: i64,
+    ) {
+        let is_false = list.target.is_some_and(|target| {
+            owners[target].is_none_or(|owner| {
+                let vehicle = &scene.vehicles[owner];
+                let inward_mps = -vehicle.lateral_speed_mps * vehicle.lateral_m.signum();
+                !vehicle.in_ego_path() && inward_mps < INWARD_MPS
+            })
+        });
+        if is_false {
+            self.targets.episodes += u64::from(!self.targets.is_false);
+            let dt_ns = self.last_ns.map_or(0, |last| now_ns - last);
+            self.targets.false_s += dt_ns as f64 * 1e-9;
+        }
+        self.targets.is_false = is_false;
+    }
+
+    fn judge_cut_in(
+        &mut self,
+        index: usize,
+        vehicle: &Vehicle,
+        in_view: bool,
+        in_path: bool,
+        time_ns: i64,
+        published_ns: i64,
+    ) {
+        let state = &mut self.cut_ins[index];
+        if !vehicle.present || !in_view {
+            *state = CutIn::default();
+            return;
+        }
+        state.in_path_ns = in_path.then(|| state.in_path_ns.unwrap_or(published_ns));
+        if !vehicle.in_ego_path() {
+            state.outside = true;
+            state.overlaps_ns = None;
+            return;
+        }
+        if state.outside {
+            state.outside = false;
+            state.overlaps_ns = Some(time_ns);
+        }
+        if let (Some(overlaps_ns), Some(confirmed_ns)) = (state.overlaps_ns, state.in_path_ns) {
+            let delay_s = (confirmed_ns - overlaps_ns) as f64 * 1e-9;
+            self.confirmed.count += 1;
+            self.confirmed.sum_s += delay_s;
+            self.confirmed.worst_s = self.confirmed.worst_s.max(delay_s);
+            state.overlaps_ns = None;
+        }
+    }
+
+    /// The figures so far, but for what only the radar counts.
+    #[must_use]
+    pub fn figures(&self) -> PerceptionReport {
+        let scans = (self.scans as f64).max(1.0);
+        let rms = |sum: f64| (sum / scans).sqrt();
+        let penalty = 0.5 * CUTOFF_M * CUTOFF_M;
+        let (missed, false_) = (penalty * self.missed as f64, penalty * self.false_tracks as f64);
+        let some = self.confirmed.count > 0;
+        PerceptionReport {
+            scans: self.scans,
+            gospa_m: rms(self.localisation + missed + false_),
+            localisation_m: rms(self.localisation),
+            missed_m: rms(missed),
+            false_m: rms(false_),
+            tracks_left_out: self.left_out,
+            cut_ins: self.confirmed.count,
+            cut_in_mean_s: some.then(|| self.confirmed.sum_s / self.confirmed.count as f64),
+            cut_in_worst_s: some.then_some(self.confirmed.worst_s),
+            cut_ins_unconfirmed: self.cut_ins.iter().filter(|c| c.overlaps_ns.is_some()).count()
+                as u64,
+            false_targets: self.targets.episodes,
+            false_target_s: self.targets.false_s,
+            detections: None,
+            detections_left_out: None,
+        }
+    }
+}
+
+/// Which track is of which vehicle.
+#[derive(Clone, Copy, Debug, Default)]
+struct Assignment {
+    track_of: [Option<usize>; MAX_TRACKS],
+    count: u64,
+    squares: f64,
+    /// Tracks of vehicles that are in view in part at most.
+    partly: u64,
+}
+
+impl Assignment {
+    /// The assignment with the least GOSPA: all are tried, and distances beyond the cutoff leave few.
+    fn best(scene: &Scene, in_view: &[bool; MAX_TRACKS], list: &TrackList) -> Self {
+        let mut best = Self::default();
+        Self::default().extend(0, scene, in_view, list, &mut 0, &mut best);
+        best.add_partly_seen(scene, in_view, list);
+        best
+    }
+
+    /// Gives what tracks are left to the vehicles on whose bodies they are.
+    fn add_partly_seen(&mut self, scene: &Scene, in_view: &[bool; MAX_TRACKS], list: &TrackList) {
+        for (index, track) in list.tracks().iter().enumerate() {
+            if self.track_of.contains(&Some(index)) {
+                continue;
+            }
+            let owner = (0..MAX_TRACKS).find(|&vehicle| {
+                let truth = &scene.vehicles[vehicle];
+                let along_m = track.gap_m + scene.ego.position_m - truth.rear_position_m;
+                truth.present
+                    && !in_view[vehicle]
+                    && self.track_of[vehicle].is_none()
+                    && (-BODY_MARGIN_M..truth.length_m + BODY_MARGIN_M).contains(&along_m)
+                    && (track.lateral_m - truth.lateral_m).abs() < BODY_MARGIN_M
+            });
+            if let Some(vehicle) = owner {
+                self.track_of[vehicle] = Some(index);
+                self.partly += 1;
+            }
+        }
+    }
+
+    /// What pairs save of the penalty for missed and false.
+    fn saved(&self) -> f64 {
+        CUTOFF_M * CUTOFF_M * self.count as f64 - self.squares
+    }
+
+    fn extend(
+        self,
+        vehicle: usize,
+        scene: &Scene,
+        in_view: &[bool; MAX_TRACKS],
+        list: &TrackList,
+        taken: &mut u32,
+        best: &mut Self,
+    ) {
+        let Some(next) = (vehicle..MAX_TRACKS).find(|&index| in_view[index]) else {
+            if self.saved() > best.saved() {
+                *best = self;
+            }
+            return;
+        };
+        let truth = &scene.vehicles[next];
+        let gap_m = truth.rear_position_m - scene.ego.position_m;
+        for (index, track) in list.tracks().iter().enumerate() {
+            let (x, y) = (track.gap_m - gap_m, track.lateral_m - truth.lateral_m);
+            let square = x * x + y * y;
+            if square < CUTOFF_M * CUTOFF_M && *taken & 1 << index == 0 {
+                let mut pairs = self;
+                pairs.track_of[next] = Some(index);
+                pairs.count += 1;
+                pairs.squares += square;
+                *taken |= 1 << index;
+                pairs.extend(next + 1, scene, in_view, list, taken, best);
+                *taken &= !(1 << index);
+            }
+        }
+        self.extend(next + 1, scene, in_view, list, taken, best);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::radar::scene::Ego;
+    use crate::tracking::Track;
+
+    fn quality() -> Quality {
+        let text = "schema_version = 1\nname = \"x\"\n";
+        Quality::new(&Scenario::parse("x.toml", text).expect("it is right"))
+    }
+
+    fn car(gap_m: f64, lateral_m: f64) -> Vehicle {
+        Vehicle {
+            present: true,
+            rear_position_m: gap_m,
+            lateral_m,
+            length_m: 4.5,
+            ..Vehicle::default()
+        }
+    }
+
+    fn scene(time_ns: i64, vehicles: &[Vehicle]) -> Scene {
+        Scene::new(time_ns, Ego::default(), vehicles)
+    }
+
+    fn list(tracks: &[(f64, f64, bool)]) -> TrackList {
+        let mut list = TrackList::new(0);
+        for &(gap_m, lateral_m, in_path) in tracks {
+            list.add(Track { gap_m, lateral_m, in_path, ..Track::default() });
+        }
+        list.finish();
+        list
+    }
+
+    #[test]
+    fn gospa_is_split_as_published() {
+        // Two vehicles, one of them tracked 3 m off; one track of nothing.
+        let mut quality = quality();
+        let scene = scene(0, &[car(50.0, 0.0), car(90.0, 3.5)]);
+        quality.observe(&scene, &list(&[(53.0, 0.0, true), (120.0, 0.0, false)]), 0);
+        let figures = quality.figures();
+        assert!((figures.localisation_m - 3.0).abs() < 1e-12);
+        assert!((figures.missed_m - 50f64.sqrt()).abs() < 1e-12);
+        assert!((figures.false_m - 50f64.sqrt()).abs() < 1e-12);
+        assert!((figures.gospa_m - (9.0f64 + 100.0).sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_assignment_is_the_best_of_all_not_the_first() {
+        // The first vehicle is nearest to the track that the second one needs.
+        let scene = scene(0, &[car(50.0, 0.0), car(58.0, 0.0)]);
+        let tracks = list(&[(43.0, 0.0, true), (53.0, 0.0, true)]);
+        let pairs = Assignment::best(&scene, &scene.vehicles.map(|v| v.present), &tracks);
+        assert_eq!((pairs.track_of[0], pairs.track_of[1]), (Some(0), Some(1)));
+        assert!((pairs.squares - (49.0 + 25.0)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_is_out_of_view_is_not_missed() {
+        let mut quality = quality();
+        quality.observe(&scene(0, &[car(-20.0, 3.5), car(500.0, 0.0)]), &list(&[]), 0);
+        assert_eq!(quality.figures().gospa_m, 0.0);
+    }
+
+    #[test]
+    fn a_cut_in_is_timed_from_the_overlap() {
+        for (confirmed_at, delay_s) in [(3i64, -0.1), (5, 0.0), (9, 0.2)] {
+            let mut quality = quality();
+            for k in 0..20i64 {
+                // It overlaps from the fifth scan on.
+                let lateral_m = if k < 5 { 2.0 } else { 1.7 };
+                let tracks = list(&[(50.0, lateral_m, k >= confirmed_at)]);
+                let time_ns = k * 50_000_000;
+                quality.observe(&scene(time_ns, &[car(50.0, lateral_m)]), &tracks, time_ns);
+            }
+            let figures = quality.figures();
+            assert_eq!((figures.cut_ins, figures.cut_ins_unconfirmed), (1, 0));
+            assert!((figures.cut_in_mean_s.expect("one") - delay_s).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_target_beside_the_lane_or_of_nothing_is_false() {
+        let mut quality = quality();
+        let inward = Vehicle { lateral_speed_mps: -1.0, ..car(50.0, 2.5) };
+        for (k, vehicles, is_false) in
+            [(0, [car(50.0, 0.0)], false), (1, [inward], false), (2, [car(50.0, 2.5)], true)]
+        {
+            let before = quality.figures().false_targets;
+            let time_ns = k * 50_000_000;
+            let tracks = list(&[(50.0, vehicles[0].lateral_m, true)]);
+            quality.observe(&scene(time_ns, &vehicles), &tracks, time_ns);
+            assert_eq!(quality.figures().false_targets - before, u64::from(is_false));
+        }
+        quality.observe(&scene(150_000_000, &[]), &list(&[(30.0, 0.0, true)]), 150_000_000);
+        let figures = quality.figures();
+        assert_eq!(figures.false_targets, 1, "the episode goes on");
+        assert!((figures.false_target_s - 0.1).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,342 @@
+//! The echoes of vehicles.
+//!
+//! A vehicle reflects at a few places of its body: the middle of its rear, the rear corners, and the
+//! wheelhouses of the side that it shows, on long vehicles more along that side. A place is strong when
+//! its face is seen squarely; each has a fluctuation of its own. What another vehicle hides is seen under
+//! that vehicle only, weaker. Beside the straight path a wave takes two others:
+//!
+//! * under the body: it is thrown to and fro between the road and the floor and comes back from the same
+//!   direction, later: an echo beyond the true range.
+//! * by the guard rail: the vehicle's mirror image, farther off and beyond the rail. A rail stands on
+//!   some stretches of the road and not on others.
+//!
+//! Sources: the reflecting places after Bühren and Yang, Simulation of automotive radar target lists
+//! using a novel approach of object representation (IEEE Intelligent Vehicles 2006); the mean cross section
+//! of a car, 10 m², is that of the test target of ISO 15622; multipath by guard rails after
+//! Kamann and others, Automotive radar multipath propagation in uncertain environments (ITSC 2018).
+//! The strengths of the places and of the detours are chosen, not measured.
+
+use super::echo::{Antenna, Echo, Fluctuation};
+use super::receiver::Echoes;
+use super::scene::{Ego, Scene};
+use crate::random::{Random, fixed, hash};
+use crate::traffic::{VEHICLE_WIDTH_M, Vehicle};
+
+/// Share of the mean cross section in the middle of the rear.
+const REAR_SHARE: f64 = 0.6;
+/// Share in each rear corner.
+const CORNER_SHARE: f64 = 0.2;
+/// Share in each wheelhouse of a side seen squarely.
+const SIDE_SHARE: f64 = 0.5;
+/// Distance of a wheelhouse from the end of the body, m.
+const WHEELHOUSE_M: f64 = 0.9;
+/// Longest stretch of a side without a place that reflects, m.
+const SIDE_SPACING_M: f64 = 4.0;
+/// A longer vehicle is a lorry, m.
+const LONGEST_CAR_M: f64 = 7.0;
+/// Length of a stretch of road with or without a rail, m.
+const RAIL_STRETCH_M: f64 = 100.0;
+
+/// How vehicles reflect.
+#[derive(Clone, Copy, Debug)]
+pub struct Bodies {
+    /// Mean cross section of a car's rear, m².
+    pub car_m2: f64,
+    /// Mean cross section of a lorry's rear, m².
+    pub lorry_m2: f64,
+    /// Probability that a vehicle is missing from a scan, whatever its echoes are like.
+    pub dropout_probability: f64,
+    /// How each place fluctuates.
+    pub fluctuation: Fluctuation,
+    /// Factor on the power of what another vehicle hides; 1: nothing hides anything.
+    pub hidden_factor: f64,
+    /// Echoes from under the body.
+    pub under_body: UnderBody,
+    /// Mirror images in guard rails.
+    pub rail: Rail,
+}
+
+/// Echoes from under the body.
+#[derive(Clone, Copy, Debug)]
+pub struct UnderBody {
+    /// Probability in a scan.
+    pub probability: f64,
+    /// Factor on the power of the rear's echo.
+    pub factor: f64,
+    /// Mean of the additional range, which is exponential, m.
+    pub mean_m: f64,
+}
+
+/// Guard rails on both sides.
+#[derive(Clone, Copy, Debug)]
+pub struct Rail {
+    /// Share of the road's stretches that have one; 0: none.
+    pub share: f64,
+    /// Distance from the centre of the ego's lane, m.
+    pub offset_m: f64,
+    /// Factor on the power of the direct echo.
+    pub factor: f64,
+}
+
+impl Bodies {
+    /// Adds the echoes of all vehicles of a scene.
+    pub fn reflect(&self, seed: u64, scene: &Scene, antenna: &Antenna, echoes: &mut Echoes) {
+        for (index, vehicle) in scene.vehicles.iter().enumerate() {
+            let body = Body::of(&scene.ego, vehicle);
+            if !vehicle.present || body.front_m <= 0.0 || body.rear_m > antenna.max_range_m {
+                continue;
+            }
+            let mut random = Random::of_scan(seed, index as u64 + 1, scene.time_ns);
+            if random.uniform() < self.dropout_probability {
+                continue;
+            }
+            let mut sight = Sight { bodies: self, seed, scene, antenna, random, echoes };
+            sight.vehicle(index, vehicle, &body);
+        }
+    }
+}
+
+/// The outline of a vehicle as the radar has it before itself, m.
+#[derive(Clone, Copy, Debug)]
+struct Body {
+    rear_m: f64,
+    front_m: f64,
+    right_m: f64,
+    left_m: f64,
+}
+
+impl Body {
+    fn of(ego: &Ego, vehicle: &Vehicle) -> Self {
+        let rear_m = vehicle.rear_position_m - ego.position_m;
+        Self {
+            rear_m,
+            front_m: rear_m + vehicle.length_m,
+            right_m: vehicle.lateral_m - 0.5 * VEHICLE_WIDTH_M,
+            left_m: vehicle.lateral_m + 0.5 * VEHICLE_WIDTH_M,
+        }
+    }
+
+    /// The straight line to a point passes through the body before it reaches the point.
+    fn hides(&self, x_m: f64, y_m: f64) -> bool {
+        if self.front_m <= 0.0 || self.rear_m >= x_m {
+            return false;
+        }
+        let slope = y_m / x_m;
+        let (mut enter, mut leave) = (self.rear_m.max(0.0), self.front_m.min(x_m - 0.01));
+        if slope.abs() < 1e-9 {
+            return self.right_m < y_m && y_m < self.left_m && enter < leave;
+        }
+        let (a, b) = (self.right_m / slope, self.left_m / slope);
+        enter = enter.max(a.min(b));
+        leave = leave.min(a.max(b));
+        enter < leave
+    }
+}
+
+/// True if a vehicle other than number `itself` stands between the radar and a point.
+pub(super) fn hidden(scene: &Scene, itself: usize, x_m: f64, y_m: f64) -> bool {
+    scene.vehicles.iter().enumerate().any(|(index, vehicle)| {
+        index != itself && vehicle.present && Body::of(&scene.ego, vehicle).hides(x_m, y_m)
+    })
+}
+
+/// One vehicle in one scan.
+struct Sight<'a> {
+    bodies: &'a Bodies,
+    seed: u64,
+    scene: &'a Scene,
+    antenna: &'a Antenna,
+    random: Random,
+    echoes: &'a mut Echoes,
+}
+
+impl Sight<'_> {
+    fn vehicle(&mut self, index: usize, vehicle: &Vehicle, body: &Body) {
+        let lorry = vehicle.length_m > LONGEST_CAR_M;
+        let mean_m2 = if lorry { self.bodies.lorry_m2 } else { self.bodies.car_m2 };
+        let velocity = (vehicle.speed_mps - self.scene.ego.speed_mps, vehicle.lateral_speed_mps);
+        if body.rear_m > 0.0 {
+            let middle = (body.rear_m, vehicle.lateral_m);
+            let squarely = middle.0 / libm::sqrt(middle.0 * middle.0 + middle.1 * middle.1);
+            let rear_m2 = mean_m2 * squarely * squarely;
+            let echo = self.place(index, middle, velocity, REAR_SHARE * rear_m2);
+            if let Some(echo) = echo {
+                self.under_body(&echo);
+            }
+            self.place(index, (body.rear_m, body.left_m), velocity, CORNER_SHARE * rear_m2);
+            self.place(index, (body.rear_m, body.right_m), velocity, CORNER_SHARE * rear_m2);
+            self.mirrored(middle, velocity, rear_m2);
+        }
+        let side_m = if body.right_m > 0.0 { body.right_m } else { body.left_m };
+        if body.right_m > 0.0 || body.left_m < 0.0 {
+            self.side(index, body, side_m, velocity, SIDE_SHARE * mean_m2);
+        }
+    }
+
+    /// The places along a side.
+    fn side(&mut self, index: usize, body: &Body, y_m: f64, velocity: (f64, f64), area_m2: f64) {
+        let (first, last) = (body.rear_m + WHEELHOUSE_M, body.front_m - WHEELHOUSE_M);
+        let gaps = ((last - first) / SIDE_SPACING_M).ceil().max(1.0);
+        for k in 0..=gaps as u32 {
+            let x_m = first + (last - first) * f64::from(k) / gaps;
+            let squarely = y_m.abs() / libm::sqrt(x_m * x_m + y_m * y_m);
+            self.place(index, (x_m, y_m), velocity, area_m2 * squarely);
+        }
+    }
+
+    /// The direct echo of one place.
+    fn place(
+        &mut self,
+        index: usize,
+        (x, y): (f64, f64),
+        velocity: (f64, f64),
+        area_m2: f64,
+    ) -> Option<Echo> {
+        let area_m2 = area_m2 * self.bodies.fluctuation.draw(&mut self.random);
+        let mut echo = self.antenna.echo((x, y), velocity, area_m2)?;
+        if self.bodies.hidden_factor < 1.0 && hidden(self.scene, index, x, y) {
+            echo.power *= self.bodies.hidden_factor;
+        }
+        self.echoes.add(echo);
+        Some(echo)
+    }
+
+    /// The later echo from under the body.
+    fn under_body(&mut self, direct: &Echo) {
+        let under = &self.bodies.under_body;
+        if under.probability > 0.0 && self.random.uniform() < under.probability {
+            let range_m = direct.range_m + under.mean_m * self.random.exponential();
+            let fluctuation = self.bodies.fluctuation.draw(&mut self.random);
+            let power = under.factor * fluctuation * direct.power;
+            self.echoes.add(Echo { range_m, power, ..*direct });
+        }
+    }
+
+    /// The mirror images in the rails of both sides.
+    fn mirrored(&mut self, (x, y): (f64, f64), (vx, vy): (f64, f64), area_m2: f64) {
+        let rail = self.bodies.rail;
+        if rail.share <= 0.0 {
+            return;
+        }
+        for (side, offset_m) in [(0, rail.offset_m), (1, -rail.offset_m)] {
+            if (offset_m - y) * offset_m <= 0.0 {
+                continue; // The vehicle is beyond the rail itself.
+            }
+            let image_y = 2.0 * offset_m - y;
+            let struck_m = self.scene.ego.position_m + x * offset_m / image_y;
+            let stretch = (struck_m / RAIL_STRETCH_M).floor() as i64;
+            let there = fixed(hash(self.seed, RAIL_STREAM + side), stretch as u64) < rail.share;
+            if !there {
+                continue;
+            }
+            let fluctuation = self.bodies.fluctuation.draw(&mut self.random);
+            let area_m2 = area_m2 * rail.factor * fluctuation;
+            if let Some(echo) = self.antenna.echo((x, image_y), (vx, -vy), area_m2) {
+                self.echoes.add(echo);
+            }
+        }
+    }
+}
+
+/// Where rails stand is drawn from these streams.
+const RAIL_STREAM: u64 = 1 << 32;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EXACT: Bodies = Bodies {
+        car_m2: 10.0,
+        lorry_m2: 30.0,
+        dropout_probability: 0.0,
+        fluctuation: Fluctuation::None,
+        hidden_factor: 0.01,
+        under_body: UnderBody { probability: 0.0, factor: 0.1, mean_m: 1.5 },
+        rail: Rail { share: 0.0, offset_m: 8.0, factor: 0.03 },
+    };
+
+    fn car(rear_m: f64, lateral_m: f64) -> Vehicle {
+        Vehicle {
+            present: true,
+            rear_position_m: rear_m,
+            speed_mps: 20.0,
+            lateral_m,
+            length_m: 4.5,
+            ..Vehicle::default()
+        }
+    }
+
+    fn echoes(bodies: &Bodies, vehicles: &[Vehicle]) -> Vec<Echo> {
+        let ego = Ego { position_m: 0.0, speed_mps: 25.0, acceleration_mps2: 0.0 };
+        let scene = Scene::new(0, ego, vehicles);
+        let mut echoes = Echoes::with_capacity(64);
+        bodies.reflect(1, &scene, &Antenna::new(15.0, 6.0, 60.0, 150.0), &mut echoes);
+        echoes.list().to_vec()
+    }
+
+    #[test]
+    fn a_car_ahead_shows_its_rear_and_a_car_beside_its_side_too() {
+        let ahead = echoes(&EXACT, &[car(40.0, 0.0)]);
+        assert_eq!(ahead.len(), 3);
+        assert!(ahead.iter().all(|echo| (echo.range_m - 40.0).abs() < 0.02));
+        assert!(ahead.iter().all(|echo| (echo.range_rate_mps + 5.0).abs() < 0.01));
+        let power: f64 = ahead.iter().map(|echo| echo.power).sum();
+        let expected = 10f64.powf(1.5) * 10.0 * 2.5f64.powi(4);
+        assert!((power / expected - 1.0).abs() < 0.01, "{power} of {expected}");
+
+        let beside = echoes(&EXACT, &[car(20.0, 3.5)]);
+        assert_eq!(beside.len(), 5);
+        let lorry = Vehicle { length_m: 16.0, ..car(20.0, 3.5) };
+        assert!(echoes(&EXACT, &[lorry]).len() >= 7);
+    }
+
+    #[test]
+    fn a_car_that_is_overtaken_is_seen_while_any_of_it_is_ahead() {
+        // The rear is behind the radar; the front wheelhouse is 10 m ahead.
+        let long = Vehicle { length_m: 13.0, ..car(-2.0, 3.5) };
+        assert!(!echoes(&EXACT, &[long]).is_empty());
+        assert!(echoes(&EXACT, &[car(-5.0, 3.5)]).is_empty());
+    }
+
+    #[test]
+    fn a_nearer_vehicle_hides_what_is_behind_it() {
+        let near = echoes(&EXACT, &[car(40.0, 0.0)]);
+        let both = echoes(&EXACT, &[car(40.0, 0.0), car(20.0, 0.0)]);
+        assert_eq!(both.len(), 6);
+        for (free, hidden) in near.iter().zip(&both) {
+            assert!((hidden.power / free.power - 0.01).abs() < 1e-9);
+        }
+        // Beside it nothing is hidden, and the nearer one is not hidden by the farther.
+        let lanes = echoes(&EXACT, &[car(40.0, 0.0), car(20.0, 3.5)]);
+        assert!(near.iter().zip(&lanes).all(|(free, seen)| free.power == seen.power));
+        let swapped = echoes(&EXACT, &[car(20.0, 0.0), car(40.0, 0.0)]);
+        assert!(swapped[0].power > 0.99 * echoes(&EXACT, &[car(20.0, 0.0)])[0].power);
+    }
+
+    #[test]
+    fn the_echo_from_under_the_body_comes_late() {
+        let under = UnderBody { probability: 1.0, ..EXACT.under_body };
+        let all = echoes(&Bodies { under_body: under, ..EXACT }, &[car(40.0, 0.0)]);
+        let late: Vec<_> = all.iter().filter(|echo| echo.range_m > 40.05).collect();
+        assert_eq!(late.len(), 1);
+        assert!((late[0].power / all[0].power - 0.1).abs() < 1e-9);
+        assert_eq!(late[0].azimuth_rad, all[0].azimuth_rad);
+    }
+
+    #[test]
+    fn a_rail_shows_the_mirror_image() {
+        let rail = Rail { share: 1.0, ..EXACT.rail };
+        let all = echoes(&Bodies { rail, ..EXACT }, &[car(60.0, 2.0)]);
+        let (mut left, mut right) = (0, 0);
+        for echo in &all {
+            let y = echo.range_m * libm::sin(echo.azimuth_rad);
+            left += u32::from((y - 14.0).abs() < 1e-6);
+            right += u32::from((y + 18.0).abs() < 1e-6);
+        }
+        assert_eq!((left, right), (1, 1));
+        // Half of the road has a rail when half of its stretches do.
+        let rail = Rail { share: 0.5, ..EXACT.rail };
+        let seen = (0..400).filter(|stretch| fixed(hash(1, RAIL_STREAM), *stretch) < rail.share);
+        assert!((150..250).contains(&seen.count()));
+    }
+}

@@ -1,0 +1,129 @@
+//! The radar that hands out detections.
+//!
+//! A scan is a function of the seed, the scene and nothing else: its random numbers belong to the seed
+//! and the scan's time, so that any scan can be repeated alone.
+//!
+//! | part | keys of `[perception.radar.detections]` |
+//! |---|---|
+//! | [`Antenna`] | `snr_at_100_m_db`, `edge_loss_db` |
+//! | [`Bodies`] | `car_rcs_dbsm`, `lorry_rcs_dbsm`, `swerling`, `hidden_loss_db`, `under_body_*`, `guard_rail_*` |
+//! | [`Roadside`] | `standing_objects_*` |
+//! | [`Receiver`] | `range_*`, `range_rate_*`, `azimuth_*`, `merge`, `threshold_db`, `false_alarms_per_scan` |
+
+use messages::{Detection, MAX_DETECTIONS};
+use scenario::Scenario;
+use scenario::perception::{Detections, Radar, Swerling};
+
+use super::bodies::{Bodies, Rail, UnderBody};
+use super::echo::{Antenna, Fluctuation, ratio};
+use super::receiver::{Accuracy, Echoes, Received, Receiver};
+use super::roadside::Roadside;
+use super::scene::Scene;
+
+/// Echoes of one scan for which there is room before they merge.
+const ECHOES: usize = 4 * MAX_DETECTIONS;
+
+/// The radar.
+#[derive(Clone, Debug)]
+pub struct DetectionRadar {
+    seed: u64,
+    antenna: Antenna,
+    bodies: Bodies,
+    roadside: Roadside,
+    receiver: Receiver,
+    echoes: Echoes,
+}
+
+impl DetectionRadar {
+    /// The radar of a scenario.
+    #[must_use]
+    pub fn new(scenario: &Scenario) -> Self {
+        let radar = &scenario.perception.radar;
+        let keys = &radar.detections;
+        let fluctuation = match keys.swerling {
+            Swerling::Case0 => Fluctuation::None,
+            Swerling::Case1 => Fluctuation::ManyParts,
+            Swerling::Case3 => Fluctuation::StrongPart,
+        };
+        Self {
+            seed: scenario.seed.value(),
+            antenna: Antenna::new(
+                keys.snr_at_100_m_db.value(),
+                keys.edge_loss_db.value(),
+                radar.field_of_view_deg.value(),
+                radar.max_range_m.value(),
+            ),
+            bodies: bodies(radar, fluctuation),
+            roadside: Roadside {
+                objects_per_km: keys.standing_objects_per_km.value(),
+                offset_m: keys.roadside_offset_m.value(),
+                area_m2: ratio(keys.standing_object_rcs_dbsm.value()),
+                fluctuation,
+                hidden_factor: ratio(-keys.hidden_loss_db.value()),
+            },
+            receiver: receiver(keys),
+            echoes: Echoes::with_capacity(ECHOES),
+        }
+    }
+
+    /// Writes the detections of a scene, nearest first, as many as there is room for. What the rest of
+    /// `detections` holds stays.
+    pub fn scan(
+        &mut self,
+        scene: &Scene,
+        detections: &mut [Detection; MAX_DETECTIONS],
+    ) -> Received {
+        let echoes = &mut self.echoes;
+        echoes.clear();
+        self.bodies.reflect(self.seed, scene, &self.antenna, echoes);
+        self.roadside.reflect(self.seed, scene, &self.antenna, echoes);
+        self.receiver.detect(self.seed, scene.time_ns, &self.antenna, echoes, detections)
+    }
+
+    /// The receiver, whose accuracy the tracker knows.
+    #[must_use]
+    pub fn receiver(&self) -> &Receiver {
+        &self.receiver
+    }
+}
+
+fn bodies(radar: &Radar, fluctuation: Fluctuation) -> Bodies {
+    let keys = &radar.detections;
+    Bodies {
+        dropout_probability: radar.dropout_probability.value(),
+        car_m2: ratio(keys.car_rcs_dbsm.value()),
+        lorry_m2: ratio(keys.lorry_rcs_dbsm.value()),
+        fluctuation,
+        hidden_factor: ratio(-keys.hidden_loss_db.value()),
+        under_body: UnderBody {
+            probability: keys.under_body_probability.value(),
+            factor: ratio(-keys.under_body_loss_db.value()),
+            mean_m: keys.under_body_range_m.value(),
+        },
+        rail: Rail {
+            share: keys.guard_rail_share.value(),
+            offset_m: keys.roadside_offset_m.value(),
+            factor: ratio(-keys.guard_rail_loss_db.value()),
+        },
+    }
+}
+
+fn receiver(keys: &Detections) -> Receiver {
+    Receiver {
+        range: Accuracy {
+            resolution: keys.range_resolution_m.value(),
+            floor: keys.range_floor_m.value(),
+        },
+        range_rate: Accuracy {
+            resolution: keys.range_rate_resolution_mps.value(),
+            floor: keys.range_rate_floor_mps.value(),
+        },
+        azimuth: Accuracy {
+            resolution: keys.azimuth_resolution_deg.value().to_radians(),
+            floor: keys.azimuth_floor_deg.value().to_radians(),
+        },
+        merges: keys.merge,
+        threshold: ratio(keys.threshold_db.value()),
+        false_alarms: keys.false_alarms_per_scan.value(),
+    }
+}

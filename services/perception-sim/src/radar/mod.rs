@@ -1,0 +1,15 @@
+//! The radar at the middle of the ego's front bumper, in three depths.
+//!
+//! * [`object_list`]: one noisy measurement for each vehicle, with its identity.
+//! * detections: what the receiver of a radar hands out, several for each vehicle and some for none.
+//!   [`bodies`] and [`roadside`] turn the scene into echoes, [`receiver`] turns echoes into detections,
+//!   and [`detections`] holds the three together.
+//! * ideal: exact and complete, taken from the scene itself.
+
+pub mod bodies;
+pub mod detections;
+pub mod echo;
+pub mod object_list;
+pub mod receiver;
+pub mod roadside;
+pub mod scene;

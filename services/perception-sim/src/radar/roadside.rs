@@ -1,0 +1,100 @@
+//! What stands beside the road: posts, signs, trees.
+//!
+//! On each side the road is cut into cells, and in each stands one object, at a place and with a mean
+//! cross section that depend on the seed and the cell alone: the same object is met in every scan.
+
+use super::bodies::hidden;
+use super::echo::{Antenna, Fluctuation};
+use super::receiver::Echoes;
+use super::scene::Scene;
+use crate::random::{Random, fixed, hash};
+
+/// Objects stand at most this much farther off than the nearest, m.
+const DEPTH_M: f64 = 3.0;
+/// Number of the random numbers' stream; vehicles have those below.
+const STREAM: u64 = 1 << 20;
+
+/// How the roadside reflects.
+#[derive(Clone, Copy, Debug)]
+pub struct Roadside {
+    /// Objects on each side of a kilometre; 0: none.
+    pub objects_per_km: f64,
+    /// Distance of the nearest from the centre of the ego's lane, m.
+    pub offset_m: f64,
+    /// Mean cross section, m². That of one object is exponential over the objects.
+    pub area_m2: f64,
+    /// How each fluctuates from scan to scan.
+    pub fluctuation: Fluctuation,
+    /// Factor on the power of what a vehicle hides; 1: nothing hides anything.
+    pub hidden_factor: f64,
+}
+
+impl Roadside {
+    /// Adds the echoes of what stands within range.
+    pub fn reflect(&self, seed: u64, scene: &Scene, antenna: &Antenna, echoes: &mut Echoes) {
+        if self.objects_per_km <= 0.0 {
+            return;
+        }
+        let cell_m = 1e3 / self.objects_per_km;
+        let ego = &scene.ego;
+        let mut random = Random::of_scan(seed, STREAM, scene.time_ns);
+        let (first, last) =
+            (ego.position_m / cell_m, (ego.position_m + antenna.max_range_m) / cell_m);
+        for cell in first.floor() as i64..=last.floor() as i64 {
+            for (side, sign) in [(0, 1.0), (1, -1.0)] {
+                let object = hash(seed, STREAM + 2 * cell as u64 + side);
+                let x_m = (cell as f64 + fixed(object, 0)) * cell_m - ego.position_m;
+                let y_m = sign * (self.offset_m + DEPTH_M * fixed(object, 1));
+                let mean_m2 = -self.area_m2 * libm::log(1.0 - fixed(object, 2));
+                let area_m2 = mean_m2 * self.fluctuation.draw(&mut random);
+                let Some(mut echo) = antenna.echo((x_m, y_m), (-ego.speed_mps, 0.0), area_m2)
+                else {
+                    continue;
+                };
+                if self.hidden_factor < 1.0 && hidden(scene, usize::MAX, x_m, y_m) {
+                    echo.power *= self.hidden_factor;
+                }
+                echoes.add(echo);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::scene::Ego;
+    use super::*;
+
+    const ROADSIDE: Roadside = Roadside {
+        objects_per_km: 100.0,
+        offset_m: 8.0,
+        area_m2: 100.0,
+        fluctuation: Fluctuation::None,
+        hidden_factor: 1.0,
+    };
+
+    /// Places of the objects on the road, m, and how far beside it.
+    fn seen(position_m: f64) -> Vec<(f64, f64)> {
+        let ego = Ego { position_m, speed_mps: 30.0, acceleration_mps2: 0.0 };
+        let scene = Scene::new(0, ego, &[]);
+        let mut echoes = Echoes::with_capacity(100);
+        ROADSIDE.reflect(7, &scene, &Antenna::new(40.0, 0.0, 60.0, 150.0), &mut echoes);
+        let place = |echo: &super::super::echo::Echo| {
+            let (sine, cosine) = libm::sincos(echo.azimuth_rad);
+            assert!((echo.range_rate_mps + 30.0 * cosine).abs() < 1e-9, "it stands");
+            (position_m + echo.range_m * cosine, echo.range_m * sine)
+        };
+        echoes.list().iter().map(place).collect()
+    }
+
+    #[test]
+    fn what_stands_is_where_it_was() {
+        let (before, after) = (seen(1000.0), seen(1010.0));
+        assert!((20..=30).contains(&before.len()), "{}", before.len());
+        let kept = before.iter().filter(|(x, y)| {
+            after.iter().any(|(x2, y2)| (x - x2).abs() < 1e-6 && (y - y2).abs() < 1e-6)
+        });
+        assert!(kept.count() >= before.len() - 4);
+        assert!(before.iter().all(|(_, y)| (8.0..=11.0).contains(&y.abs())));
+    }
+}

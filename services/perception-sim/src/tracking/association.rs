@@ -1,0 +1,230 @@
+//! Which detection belongs to which track.
+//!
+//! A vehicle gives several detections, so that a track may take any number of them while a detection
+//! belongs to one track at most. The assignment with the least total distance is then that of every
+//! detection to its nearest track within the gate: each choice leaves all others free.
+//!
+//! Distance is measured from the outline of the vehicle as the track predicts it, in standard deviations
+//! of range, lateral position and range rate.
+
+use messages::Detection;
+
+use crate::radar::receiver::{Receiver, snr_of};
+
+/// Gate of the position, standard deviations.
+const POSITION_GATE: f64 = 3.0;
+/// Standard deviation of where on the body an echo arises, m.
+const BODY_SIGMA_M: f64 = 0.3;
+/// An echo may arise this far beyond the known length: lengths are found out, and echoes from under the
+/// body come late, m.
+const BEYOND_M: f64 = 2.5;
+/// The same along the side that a vehicle on another lane shows: places that reflect are far apart on
+/// long vehicles, m.
+const BEYOND_ALONG_SIDE_M: f64 = 6.0;
+/// Vehicles farther than this from the ego's axis show a side, m.
+const SIDE_SHOWN_M: f64 = 1.8;
+/// Distance that is added for a track that is not confirmed.
+const TENTATIVE_PENALTY: f64 = 4.0;
+
+/// A detection in the ego's coordinates.
+#[derive(Clone, Copy, Debug)]
+pub struct Point {
+    /// Distance ahead, m.
+    pub x_m: f64,
+    /// Distance to the left, m.
+    pub y_m: f64,
+    /// Cosine and sine of the azimuth.
+    pub direction: (f64, f64),
+    /// Range rate, m/s.
+    pub range_rate_mps: f64,
+    /// Variance of the range, m².
+    pub range_variance: f64,
+    /// Variance of the range rate, m²/s².
+    pub range_rate_variance: f64,
+    /// Variance of the lateral position, m².
+    pub lateral_variance: f64,
+    /// Speed over ground along the line of sight, m/s.
+    pub ground_speed_mps: f64,
+    /// Index of the detection.
+    pub detection: usize,
+    /// Place of the track that it belongs to.
+    pub owner: Option<usize>,
+}
+
+impl Point {
+    /// A detection, with the accuracy that the receiver has at its signal-to-noise ratio.
+    #[must_use]
+    pub fn new(index: usize, detection: &Detection, ego_mps: f64, receiver: &Receiver) -> Self {
+        let (sine, cosine) = libm::sincos(detection.azimuth_rad);
+        let snr = snr_of(detection);
+        let cross_m = detection.range_m / cosine.max(0.1);
+        Self {
+            x_m: detection.range_m * cosine,
+            y_m: detection.range_m * sine,
+            direction: (cosine, sine),
+            range_rate_mps: detection.range_rate_mps,
+            range_variance: receiver.range.variance(snr).max(1e-6),
+            range_rate_variance: receiver.range_rate.variance(snr).max(1e-6),
+            lateral_variance: (receiver.azimuth.variance(snr) * cross_m * cross_m).max(1e-6),
+            ground_speed_mps: detection.range_rate_mps + ego_mps * cosine,
+            detection: index,
+            owner: None,
+        }
+    }
+
+    /// Speed relative to the ego along the road, for a lateral speed, m/s.
+    #[must_use]
+    pub fn relative_speed_mps(&self, lateral_mps: f64) -> f64 {
+        let (cosine, sine) = self.direction;
+        (self.range_rate_mps - lateral_mps * sine) / cosine.max(0.1)
+    }
+}
+
+/// The outline that a track predicts, with its uncertainty.
+#[derive(Clone, Copy, Debug)]
+pub struct Outline {
+    /// Place of the track.
+    pub place: usize,
+    /// It is confirmed.
+    pub confirmed: bool,
+    /// Position of the rear and of its lateral centre, m.
+    pub rear_m: f64,
+    /// Lateral position of its centre, m.
+    pub lateral_m: f64,
+    /// Length, m.
+    pub length_m: f64,
+    /// Half of the width, m.
+    pub half_width_m: f64,
+    /// Speed relative to the ego, m/s.
+    pub relative_speed_mps: f64,
+    /// Lateral speed, m/s.
+    pub lateral_speed_mps: f64,
+    /// Variances of rear, lateral position, relative speed (with that of a good measurement) and
+    /// lateral speed.
+    pub variances: [f64; 4],
+}
+
+impl Outline {
+    /// Distance of a detection from the outline, squared; `None` outside the gate.
+    #[must_use]
+    pub fn distance(&self, point: &Point, gate: f64) -> Option<f64> {
+        let along_m = point.x_m - self.rear_m;
+        let beyond_m = if self.is_on_side(point) { BEYOND_ALONG_SIDE_M } else { BEYOND_M };
+        let off_x = (-along_m).max(along_m - self.length_m - beyond_m).max(0.0);
+        let off_y = ((point.y_m - self.lateral_m).abs() - self.half_width_m).max(0.0);
+        let body = BODY_SIGMA_M * BODY_SIGMA_M;
+        let x = off_x * off_x / (self.variances[0] + point.range_variance + body);
+        let y = off_y * off_y / (self.variances[1] + point.lateral_variance + body);
+        if x > POSITION_GATE * POSITION_GATE || y > POSITION_GATE * POSITION_GATE {
+            return None;
+        }
+        let (cosine, sine) = point.direction;
+        let predicted = self.relative_speed_mps * cosine + self.lateral_speed_mps * sine;
+        let residual = point.range_rate_mps - predicted;
+        let variance =
+            self.variances[2] + point.range_rate_variance + sine * sine * self.variances[3];
+        let rate = residual * residual / variance;
+        let penalty = if self.confirmed { 0.0 } else { TENTATIVE_PENALTY };
+        (rate <= gate * gate).then_some(x + y + rate + penalty)
+    }
+
+    /// A point lies on the line of the side that the vehicle shows to the ego.
+    fn is_on_side(&self, point: &Point) -> bool {
+        let side_m = self.lateral_m - self.half_width_m * self.lateral_m.signum();
+        let margin_m = 0.4 + 2.0 * (self.variances[1] + point.lateral_variance).sqrt();
+        self.lateral_m.abs() > SIDE_SHOWN_M && (point.y_m - side_m).abs() < margin_m
+    }
+
+    /// A point lies on the vehicle or close to it, however fast it moves.
+    #[must_use]
+    pub fn covers(&self, point: &Point) -> bool {
+        let margin_x = 1.0 + POSITION_GATE * (self.variances[0] + point.range_variance).sqrt();
+        let margin_y = 0.5 + POSITION_GATE * (self.variances[1] + point.lateral_variance).sqrt();
+        let along_m = point.x_m - self.rear_m;
+        along_m > -margin_x
+            && along_m < self.length_m + BEYOND_M + margin_x
+            && (point.y_m - self.lateral_m).abs() < self.half_width_m + margin_y
+    }
+}
+
+/// Gives every point to the track with the nearest outline.
+pub fn associate(points: &mut [Point], outlines: &[Outline], gate: f64) {
+    for point in points {
+        let mut nearest = f64::INFINITY;
+        for outline in outlines {
+            if let Some(distance) = outline.distance(point, gate)
+                && distance < nearest
+            {
+                nearest = distance;
+                point.owner = Some(outline.place);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// A point of a good detection.
+    pub(in super::super) fn point(x_m: f64, y_m: f64, range_rate_mps: f64) -> Point {
+        Point {
+            x_m,
+            y_m,
+            direction: (1.0, 0.0),
+            range_rate_mps,
+            range_variance: 0.01,
+            range_rate_variance: 0.01,
+            lateral_variance: 0.04,
+            ground_speed_mps: 20.0 + range_rate_mps,
+            detection: 0,
+            owner: None,
+        }
+    }
+
+    fn outline(place: usize, rear_m: f64, lateral_m: f64) -> Outline {
+        Outline {
+            place,
+            confirmed: true,
+            rear_m,
+            lateral_m,
+            length_m: 4.5,
+            half_width_m: 0.9,
+            relative_speed_mps: 0.0,
+            lateral_speed_mps: 0.0,
+            variances: [0.1, 0.05, 0.05, 0.1],
+        }
+    }
+
+    fn owners(points: &[Point], outlines: &[Outline]) -> Vec<Option<usize>> {
+        let mut points = points.to_vec();
+        associate(&mut points, outlines, 5.0);
+        points.iter().map(|point| point.owner).collect()
+    }
+
+    #[test]
+    fn a_track_takes_all_echoes_of_its_vehicle() {
+        let points = [point(40.0, 0.8, 0.1), point(40.2, -0.9, 0.0), point(44.0, 0.9, -0.1)];
+        assert_eq!(owners(&points, &[outline(7, 40.0, 0.0)]), [Some(7); 3]);
+    }
+
+    #[test]
+    fn between_two_vehicles_the_nearer_gets_the_echo() {
+        let outlines = [outline(0, 40.0, 0.0), outline(1, 40.0, 3.5)];
+        let points = [point(40.0, 0.9, 0.0), point(40.0, 2.5, 0.0), point(40.0, 3.4, 0.0)];
+        assert_eq!(owners(&points, &outlines), [Some(0), Some(1), Some(1)]);
+    }
+
+    #[test]
+    fn what_is_elsewhere_or_moves_otherwise_belongs_to_none() {
+        let points = [point(30.0, 0.0, 0.0), point(40.0, 4.0, 0.0), point(40.0, 0.0, -5.0)];
+        assert_eq!(owners(&points, &[outline(0, 40.0, 0.0)]), [None; 3]);
+    }
+
+    #[test]
+    fn a_confirmed_track_keeps_its_echoes_from_a_new_one() {
+        let tentative = Outline { confirmed: false, ..outline(1, 40.0, 0.0) };
+        let points = [point(39.5, 0.0, 0.0)];
+        assert_eq!(owners(&points, &[tentative, outline(0, 40.0, 0.0)]), [Some(0)]);
+    }
+}

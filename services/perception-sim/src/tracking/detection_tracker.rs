@@ -1,0 +1,228 @@
+//! The tracker that works on detections alone, and on the ego's own motion.
+//!
+//! In each scan: move all tracks on; give every detection to a track ([`super::association`]); let each
+//! track take in what it got ([`super::track`]); begin tracks with what is left ([`super::birth`]);
+//! confirm, end and unite tracks. It allocates nothing after its making.
+
+use messages::Detection;
+use scenario::Scenario;
+use scenario::perception::TrackingFilter;
+
+use super::association::{Outline, Point, associate};
+use super::birth;
+use super::list::{Track, TrackList};
+use super::longitudinal::{Kind, Maneuver, Model};
+use super::path::PathLimits;
+use super::road_edge::RoadEdge;
+use super::track::{DetectedTrack, FieldOfView, Life, Sighting};
+use crate::radar::receiver::Receiver;
+use crate::radar::scene::Ego;
+use crate::traffic::VEHICLE_WIDTH_M;
+
+/// Tracks at most, those that are not confirmed included.
+const MAX_KEPT: usize = 32;
+
+/// The tracker.
+#[derive(Clone, Debug)]
+pub struct DetectionTracker {
+    model: Model,
+    limits: PathLimits,
+    life: Life,
+    gate: f64,
+    receiver: Receiver,
+    view: FieldOfView,
+    tracks: Vec<DetectedTrack>,
+    points: Vec<Point>,
+    outlines: Vec<Outline>,
+    edge: RoadEdge,
+    last_ns: Option<i64>,
+    next_id: u32,
+}
+
+/// The longitudinal model that a scenario asks for.
+#[must_use]
+pub fn model_of(scenario: &Scenario) -> Model {
+    let keys = &scenario.perception.tracker;
+    let quiet = Maneuver {
+        sigma_mps2: keys.lead_acceleration_sigma_mps2.value(),
+        tau_s: keys.maneuver_time_constant_s.value(),
+    };
+    let kind = match keys.filter {
+        TrackingFilter::Singer => Kind::Singer,
+        TrackingFilter::InteractingModels => Kind::Interacting,
+    };
+    Model::new(kind, quiet, keys.gate_sigma.value())
+}
+
+impl DetectionTracker {
+    /// The tracker of a scenario, which knows how exact the receiver is.
+    #[must_use]
+    pub fn new(scenario: &Scenario, receiver: &Receiver) -> Self {
+        let perception = &scenario.perception;
+        let keys = &perception.tracker;
+        Self {
+            model: model_of(scenario),
+            limits: PathLimits::new(&perception.target_selection, false),
+            life: Life {
+                hits: keys.confirm_hits.value().into(),
+                scans: keys.confirm_scans.value().into(),
+                coast_s: keys.coast_s.value(),
+            },
+            gate: keys.gate_sigma.value(),
+            receiver: *receiver,
+            view: FieldOfView {
+                half_rad: 0.5 * perception.radar.field_of_view_deg.value().to_radians(),
+                resolution_rad: receiver.azimuth.resolution,
+            },
+            tracks: Vec::with_capacity(MAX_KEPT),
+            points: Vec::with_capacity(messages::MAX_DETECTIONS),
+            outlines: Vec::with_capacity(MAX_KEPT),
+            edge: RoadEdge::default(),
+            last_ns: None,
+            next_id: 1,
+        }
+    }
+
+    /// Takes in the scan of `time_ns` and hands out the confirmed tracks.
+    pub fn step(&mut self, time_ns: i64, ego: &Ego, detections: &[Detection]) -> TrackList {
+        let dt_s = self.last_ns.map_or(0.0, |last| (time_ns - last) as f64 * 1e-9);
+        self.last_ns = Some(time_ns);
+        self.predict(dt_s, ego.acceleration_mps2);
+        self.read(detections, ego);
+        self.associate();
+        self.update(dt_s, ego.acceleration_mps2);
+        self.begin();
+        self.unite();
+        self.confirm(dt_s);
+        self.list(time_ns, detections)
+    }
+
+    fn predict(&mut self, dt_s: f64, ego_acceleration_mps2: f64) {
+        let step = self.model.step(dt_s, ego_acceleration_mps2);
+        for track in &mut self.tracks {
+            track.predict(&self.model, &step);
+        }
+    }
+
+    fn read(&mut self, detections: &[Detection], ego: &Ego) {
+        self.points.clear();
+        for (index, detection) in detections.iter().enumerate() {
+            let point = Point::new(index, detection, ego.speed_mps, &self.receiver);
+            if !birth::moves(&point) {
+                self.edge.observe(point.y_m);
+            }
+            self.points.push(point);
+        }
+    }
+
+    fn associate(&mut self) {
+        self.outlines.clear();
+        let outlines = self.tracks.iter().enumerate().map(|(place, track)| track.outline(place));
+        self.outlines.extend(outlines);
+        associate(&mut self.points, &self.outlines, self.gate);
+    }
+
+    fn update(&mut self, dt_s: f64, ego_acceleration_mps2: f64) {
+        let step = self.model.step(dt_s, ego_acceleration_mps2);
+        for (place, track) in self.tracks.iter_mut().enumerate() {
+            let own = self.points.iter().filter(|point| point.owner == Some(place));
+            let Some(sighting) = Sighting::of(own, track.across.speed_mps()) else { continue };
+            track.see(&self.model, &step, &sighting, &self.view);
+            let moving = sighting.ground_mps().abs() > MOVING_MPS;
+            track.moved |= moving;
+        }
+    }
+
+    fn begin(&mut self) {
+        let tracks = &mut self.tracks;
+        self.outlines.retain(|outline| tracks[outline.place].is_seen());
+        let model = &self.model;
+        birth::find(&mut self.points, &self.outlines, &self.edge, |sighting, moves| {
+            if tracks.len() < MAX_KEPT {
+                tracks.push(DetectedTrack::begin(model, sighting, moves));
+            }
+        });
+    }
+
+    /// Of two tracks of one vehicle the older stays.
+    fn unite(&mut self) {
+        let mut newer = 1;
+        while newer < self.tracks.len() {
+            let same = (0..newer).find(|&older| same(&self.tracks[older], &self.tracks[newer]));
+            match same {
+                Some(older) => {
+                    let newer = self.tracks.remove(newer);
+                    self.tracks[older].take_over(&newer);
+                }
+                None => newer += 1,
+            }
+        }
+    }
+
+    fn confirm(&mut self, dt_s: f64) {
+        let life = &self.life;
+        self.tracks.retain(|track| !track.is_over(life));
+        for track in &mut self.tracks {
+            if track.id == 0 && track.deserves_confirmation(life) {
+                track.id = self.next_id;
+                self.next_id = self.next_id.wrapping_add(1).max(1);
+            }
+            let across = track.across();
+            self.limits.observe(&mut track.membership, &across, dt_s);
+        }
+    }
+
+    fn list(&self, time_ns: i64, detections: &[Detection]) -> TrackList {
+        let mut list = TrackList::new(time_ns);
+        for track in self.tracks.iter().filter(|track| track.id != 0) {
+            let estimate = track.along.estimate();
+            let mut entry = Track {
+                id: track.id,
+                measured: track.is_seen(),
+                gap_m: estimate.gap_m.max(0.0),
+                relative_speed_mps: estimate.relative_speed_mps,
+                acceleration_mps2: estimate.acceleration_mps2,
+                lateral_m: track.across.position_m(),
+                lateral_speed_mps: track.across.speed_mps(),
+                length_m: track.length_m,
+                width_m: track.width_m,
+                in_path: track.membership.in_path(),
+                ..Track::default()
+            };
+            entry.range_m = libm::hypot(entry.gap_m, entry.lateral_m);
+            entry.range_rate_mps = entry.relative_speed_mps;
+            entry.azimuth_rad = libm::atan2(entry.lateral_m, entry.gap_m.max(0.1));
+            if track.is_seen()
+                && let Some(detection) = detections.get(track.nearest)
+            {
+                entry.range_m = detection.range_m;
+                entry.range_rate_mps = detection.range_rate_mps;
+                entry.azimuth_rad = detection.azimuth_rad;
+            }
+            list.add(entry);
+        }
+        list.finish();
+        list
+    }
+}
+
+/// A track that is faster than this over ground has moved, m/s.
+const MOVING_MPS: f64 = 2.0;
+
+/// Two tracks are of one vehicle: the newer one lies on the older one and moves with it. On another lane
+/// it may lie before the older one by the length of a lorry, whose rear comes into view last.
+fn same(older: &DetectedTrack, newer: &DetectedTrack) -> bool {
+    let (a, b) = (older.along.estimate(), newer.along.estimate());
+    let along_m = b.gap_m - a.gap_m;
+    let (a_y, b_y) = (older.across.position_m(), newer.across.position_m());
+    let aside = a_y.abs().min(b_y.abs()) > VEHICLE_WIDTH_M;
+    let (before_m, rate_mps) = if aside { (LORRY_M, 0.5) } else { (2.0, 1.5) };
+    let rate_mps = if along_m > -2.0 { 1.5 } else { rate_mps };
+    (-before_m..older.length_m).contains(&along_m)
+        && (a_y - b_y).abs() < 1.2
+        && (a.relative_speed_mps - b.relative_speed_mps).abs() < rate_mps
+        && (older.unseen_s <= newer.unseen_s || newer.id == 0)
+}
+
+/// A part of a lorry that is seen before its rear may be this far ahead of it, m.
+const LORRY_M: f64 = 9.0;

@@ -1,0 +1,85 @@
+//! Tracks that are the truth, for laws that are to be judged without a sensor's errors. Range and field
+//! of view still bound what is seen.
+
+use messages::MAX_TRACKS;
+use scenario::Scenario;
+
+use super::list::{Track, TrackList};
+use super::path::{Across, Membership, PathLimits};
+use crate::radar::object_list::{Measurement, View};
+use crate::radar::scene::Scene;
+use crate::traffic::Vehicle;
+
+/// The tracker.
+#[derive(Clone, Debug)]
+pub struct ExactTracker {
+    view: View,
+    limits: PathLimits,
+    tracks: [Option<(u32, Membership)>; MAX_TRACKS],
+    last_ns: Option<i64>,
+    next_id: u32,
+}
+
+impl ExactTracker {
+    /// The tracker of a scenario.
+    #[must_use]
+    pub fn new(scenario: &Scenario) -> Self {
+        let perception = &scenario.perception;
+        Self {
+            view: View::new(&perception.radar),
+            limits: PathLimits::new(&perception.target_selection, true),
+            tracks: [None; MAX_TRACKS],
+            last_ns: None,
+            next_id: 1,
+        }
+    }
+
+    /// The vehicles in view.
+    pub fn step(&mut self, scene: &Scene) -> TrackList {
+        let dt_s = self.last_ns.map_or(0.0, |last| (scene.time_ns - last) as f64 * 1e-9);
+        self.last_ns = Some(scene.time_ns);
+        let mut list = TrackList::new(scene.time_ns);
+        for (place, vehicle) in self.tracks.iter_mut().zip(&scene.vehicles) {
+            let Some(measurement) = self.view.measure(&scene.ego, vehicle) else {
+                *place = None;
+                continue;
+            };
+            let (id, mut membership) = place.unwrap_or_else(|| {
+                let id = self.next_id;
+                self.next_id = self.next_id.wrapping_add(1).max(1);
+                // What the radar sees of it is what selects it first, its true place afterwards.
+                let lateral_m = measurement.range_m * libm::sin(measurement.azimuth_rad);
+                (id, self.limits.long_known(lateral_m))
+            });
+            self.limits.observe(&mut membership, &Across::resting(vehicle.lateral_m), dt_s);
+            *place = Some((id, membership));
+            list.add(entry(id, membership.in_path(), &measurement, scene, vehicle));
+        }
+        list.finish();
+        list
+    }
+}
+
+fn entry(
+    id: u32,
+    in_path: bool,
+    measurement: &Measurement,
+    scene: &Scene,
+    vehicle: &Vehicle,
+) -> Track {
+    Track {
+        id,
+        range_m: measurement.range_m,
+        range_rate_mps: measurement.range_rate_mps,
+        azimuth_rad: measurement.azimuth_rad,
+        measured: true,
+        gap_m: (vehicle.rear_position_m - scene.ego.position_m).max(0.0),
+        relative_speed_mps: vehicle.speed_mps - scene.ego.speed_mps,
+        acceleration_mps2: vehicle.acceleration_mps2,
+        lateral_m: vehicle.lateral_m,
+        lateral_speed_mps: vehicle.lateral_speed_mps,
+        length_m: vehicle.length_m,
+        width_m: crate::traffic::VEHICLE_WIDTH_M,
+        in_path,
+    }
+}

@@ -1,0 +1,221 @@
+//! Interacting multiple models: a bank of Kalman filters with different ideas of how much the target
+//! manoeuvres, each weighted by how well it predicts.
+//!
+//! Each step mixes the filters' states by the probabilities of a change of model, moves each on, takes
+//! the measurement into each, and reweights them:
+//!
+//! ```text
+//! c_j = Σ_i p_ij mu_i       x0_j = Σ_i p_ij mu_i x_i / c_j        P0_j likewise, with the spread of means
+//! mu_j+ = c_j L_j / Σ c L   L_j: likelihood of the measurements in filter j
+//! ```
+//!
+//! Source: Blom and Bar-Shalom, The interacting multiple model algorithm for systems with Markovian
+//! switching coefficients, IEEE Trans. Automatic Control 33 (1988) 780. With one model it is that Kalman
+//! filter, bit for bit.
+
+use std::array::from_fn;
+
+use super::kalman::{Gaussian, Innovation};
+
+/// No model is ever thought less likely than this, so that it can come back.
+const LEAST_WEIGHT: f64 = 1e-4;
+
+/// A bank of `M` filters on the same `N` elements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bank<const N: usize, const M: usize> {
+    filters: [Gaussian<N>; M],
+    weights: [f64; M],
+}
+
+impl<const N: usize, const M: usize> Bank<N, M> {
+    /// Filters that start with the given states; the first is the likely one.
+    #[must_use]
+    pub fn new(filters: [Gaussian<N>; M]) -> Self {
+        let mut weights = [0.1 / M as f64; M];
+        weights[0] += 0.9;
+        if M == 1 {
+            weights[0] = 1.0;
+        }
+        Self { filters, weights }
+    }
+
+    /// Mixes the filters, where `change[i]` is the probability that model `i` ends within the step,
+    /// every other being equally likely to follow, and then moves each on.
+    pub fn predict(&mut self, change: &[f64; M], mut advance: impl FnMut(usize, &mut Gaussian<N>)) {
+        if M > 1 {
+            self.mix(change);
+        }
+        for (model, filter) in self.filters.iter_mut().enumerate() {
+            advance(model, filter);
+        }
+    }
+
+    fn mix(&mut self, change: &[f64; M]) {
+        let others = (M - 1) as f64;
+        let before = self.filters;
+        let shares: [[f64; M]; M] = from_fn(|to| {
+            from_fn(|from| {
+                let probability =
+                    if to == from { 1.0 - change[from] } else { change[from] / others };
+                probability * self.weights[from]
+            })
+        });
+        for to in 0..M {
+            let total: f64 = shares[to].iter().sum();
+            self.weights[to] = total;
+            let share = shares[to].map(|share| share / total);
+            self.filters[to] = mixture(&before, &share);
+        }
+    }
+
+    /// The bank's expectation and its covariance, the models' disagreement included.
+    #[must_use]
+    pub fn combined(&self) -> Gaussian<N> {
+        if M == 1 { self.filters[0] } else { mixture(&self.filters, &self.weights) }
+    }
+
+    /// Probability of each model.
+    #[must_use]
+    pub fn weights(&self) -> &[f64; M] {
+        &self.weights
+    }
+
+    /// The measurement of element `m` beside the prediction of the model that is least sure: what a gate
+    /// has to let through.
+    #[must_use]
+    pub fn widest(&self, m: usize, measured: f64, variance: f64) -> Innovation {
+        let mut widest = self.filters[0].innovation(m, measured, variance);
+        for filter in &self.filters[1..] {
+            let other = filter.innovation(m, measured, variance);
+            if other.variance > widest.variance {
+                widest = other;
+            }
+        }
+        widest
+    }
+
+    /// Takes measurements of single elements, (element, value, variance), into every filter.
+    pub fn correct(&mut self, measurements: &[(usize, f64, f64)]) {
+        // Half the squared distance, and the likelihood's factor before the exponential.
+        let (mut distances, mut factors) = ([0.0; M], [1.0; M]);
+        for (model, filter) in self.filters.iter_mut().enumerate() {
+            for &(m, measured, variance) in measurements {
+                let innovation = filter.innovation(m, measured, variance);
+                filter.correct(m, &innovation);
+                distances[model] +=
+                    0.5 * innovation.residual * innovation.residual / innovation.variance;
+                factors[model] /= innovation.variance;
+            }
+        }
+        if M == 1 {
+            return;
+        }
+        let nearest = distances.iter().copied().fold(f64::INFINITY, f64::min);
+        for model in 0..M {
+            let likelihood = factors[model].sqrt() * libm::exp(nearest - distances[model]);
+            self.weights[model] *= likelihood;
+        }
+        let total: f64 = self.weights.iter().sum();
+        self.weights = self.weights.map(|weight| (weight / total).max(LEAST_WEIGHT));
+        let total: f64 = self.weights.iter().sum();
+        self.weights = self.weights.map(|weight| weight / total);
+    }
+
+    /// Changes every filter's state.
+    pub fn for_each(&mut self, change: impl FnMut(&mut Gaussian<N>)) {
+        self.filters.iter_mut().for_each(change);
+    }
+}
+
+/// Mean and covariance of a mixture.
+fn mixture<const N: usize, const M: usize>(
+    parts: &[Gaussian<N>; M],
+    shares: &[f64; M],
+) -> Gaussian<N> {
+    let mean: [f64; N] =
+        from_fn(|i| parts.iter().zip(shares).map(|(part, share)| share * part.mean[i]).sum());
+    let mut covariance = [[0.0; N]; N];
+    for (part, share) in parts.iter().zip(shares) {
+        let off: [f64; N] = from_fn(|i| part.mean[i] - mean[i]);
+        for i in 0..N {
+            for j in i..N {
+                covariance[i][j] += share * (part.covariance[i][j] + off[i] * off[j]);
+            }
+        }
+    }
+    for i in 0..N {
+        for j in 0..i {
+            covariance[i][j] = covariance[j][i];
+        }
+    }
+    Gaussian { mean, covariance }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bank() -> Bank<1, 2> {
+        Bank::new([Gaussian::independent([0.0], [1.0]); 2])
+    }
+
+    /// One step of a random walk whose step is small in the first model and large in the second.
+    fn step(bank: &mut Bank<1, 2>, measured: f64) {
+        bank.predict(&[0.05, 0.2], |model, filter| {
+            filter.spread(&[[1.0]], &[1.0], [0.01, 4.0][model]);
+        });
+        bank.correct(&[(0, measured, 0.1)]);
+    }
+
+    #[test]
+    fn the_model_that_predicts_well_gets_the_weight() {
+        let mut bank = bank();
+        for _ in 0..50 {
+            step(&mut bank, 0.0);
+        }
+        assert!(bank.weights()[0] > 0.8, "{:?}", bank.weights());
+        let calm = bank.combined().covariance[0][0];
+        step(&mut bank, 3.0);
+        assert!(bank.weights()[1] > 0.9, "{:?}", bank.weights());
+        assert!(bank.combined().mean[0] > 2.5);
+        assert!(bank.combined().covariance[0][0] > 1.5 * calm);
+    }
+
+    #[test]
+    fn weights_sum_to_one_and_none_dies() {
+        let mut bank = bank();
+        for measured in [0.0, 1e6, -1e6, 1e-9, 0.0, 1e12] {
+            step(&mut bank, measured);
+            let total: f64 = bank.weights().iter().sum();
+            assert!((total - 1.0).abs() < 1e-12);
+            assert!(bank.weights().iter().all(|&weight| weight >= 0.9 * LEAST_WEIGHT));
+        }
+    }
+
+    #[test]
+    fn a_mixture_of_two_points_is_as_wide_as_their_distance() {
+        let parts = [-1.0, 1.0].map(|mean| Gaussian::independent([mean], [0.5]));
+        let both = mixture(&parts, &[0.5, 0.5]);
+        assert_eq!((both.mean, both.covariance), ([0.0], [[1.5]]));
+    }
+
+    #[test]
+    fn one_model_is_the_kalman_filter_bit_for_bit() {
+        let start = Gaussian::independent([1.0, 2.0], [0.3, 0.7]);
+        let mut bank = Bank::new([start]);
+        let mut plain = start;
+        let advance = |filter: &mut Gaussian<2>| {
+            filter.mean[0] += 0.1 * filter.mean[1];
+            filter.spread(&[[1.0, 0.1], [0.0, 0.97]], &[0.1, 1.0], 0.2);
+        };
+        for k in 0..100 {
+            let measured = libm::sin(f64::from(k));
+            bank.predict(&[0.5], |_, filter| advance(filter));
+            bank.correct(&[(0, measured, 0.2)]);
+            advance(&mut plain);
+            let innovation = plain.innovation(0, measured, 0.2);
+            plain.correct(0, &innovation);
+            assert_eq!(bank.combined(), plain);
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! The motion of a vehicle across the lanes.
+//!
+//! State [y, s]: lateral position, m, and lateral speed, m/s. Two models run side by side
+//! ([`super::interacting`]): a vehicle that keeps its lane, whose lateral speed fades with
+//! [`FADING_S`], and one that changes it, whose lateral speed is a random walk. The noise is a white
+//! acceleration of the given density.
+
+use super::interacting::Bank;
+use super::kalman::Gaussian;
+use super::longitudinal::Measured;
+
+/// Density of the lateral acceleration in lane and in a lane change, m²/s³.
+const DENSITY: [f64; 2] = [0.01, 2.0];
+/// Time constant with which the lateral speed of a vehicle that keeps its lane fades, s.
+const FADING_S: f64 = 1.0;
+/// Mean time that a vehicle stays in lane, and in a lane change, s.
+const SOJOURN_S: [f64; 2] = [5.0, 2.0];
+/// Standard deviation of the lateral speed of a vehicle that is new, m/s.
+const FIRST_SPEED_SIGMA_MPS: f64 = 1.0;
+/// A lateral position is limited to this many standard deviations of its prediction.
+const LIMIT_SIGMA: f64 = 3.0;
+
+/// The filter of one vehicle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Filter {
+    bank: Bank<2, 2>,
+    combined: Gaussian<2>,
+}
+
+impl Filter {
+    /// A filter that starts with one measured position, m.
+    #[must_use]
+    pub fn start(position: Measured) -> Self {
+        let speed_variance = FIRST_SPEED_SIGMA_MPS * FIRST_SPEED_SIGMA_MPS;
+        let state =
+            Gaussian::independent([position.value, 0.0], [position.variance, speed_variance]);
+        Self { bank: Bank::new([state; 2]), combined: state }
+    }
+
+    /// Moves the estimate on by `dt_s`.
+    pub fn predict(&mut self, dt_s: f64) {
+        let change = SOJOURN_S.map(|sojourn_s| (dt_s / sojourn_s).min(0.5));
+        // The first order of the fading's exponential: steps are short beside it.
+        let fading = [1.0 / (1.0 + dt_s / FADING_S), 1.0];
+        self.bank.predict(&change, |model, state| {
+            let kept = fading[model];
+            state.mean[0] += dt_s * state.mean[1];
+            state.mean[1] *= kept;
+            state.spread(&[[1.0, dt_s], [0.0, kept]], &[0.5 * dt_s, 1.0], DENSITY[model] * dt_s);
+        });
+        self.combined = self.bank.combined();
+    }
+
+    /// Takes in a measured position, m. One far off counts as one at the limit.
+    pub fn update(&mut self, position: Measured) {
+        let innovation = self.bank.widest(0, position.value, position.variance);
+        let limit = LIMIT_SIGMA * innovation.variance.sqrt();
+        let predicted = position.value - innovation.residual;
+        let value = predicted + innovation.residual.clamp(-limit, limit);
+        if value.is_finite() {
+            self.bank.correct(&[(0, value, position.variance)]);
+            self.combined = self.bank.combined();
+        }
+    }
+
+    /// Lateral position, m.
+    #[must_use]
+    pub fn position_m(&self) -> f64 {
+        self.combined.mean[0]
+    }
+
+    /// Lateral speed, m/s.
+    #[must_use]
+    pub fn speed_mps(&self) -> f64 {
+        self.combined.mean[1]
+    }
+
+    /// Standard deviation of the lateral position, m.
+    #[must_use]
+    pub fn position_sigma_m(&self) -> f64 {
+        self.combined.covariance[0][0].max(0.0).sqrt()
+    }
+
+    /// Standard deviation of the lateral speed, m/s.
+    #[must_use]
+    pub fn speed_sigma_mps(&self) -> f64 {
+        self.combined.covariance[1][1].max(0.0).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DT_S: f64 = 0.05;
+
+    /// Repeatable errors with a standard deviation of about 1.
+    fn error(k: u32) -> f64 {
+        let mixed = u64::from(k).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40;
+        (mixed as f64 / f64::from(1 << 24) - 0.5) * 12f64.sqrt()
+    }
+
+    /// Runs the filter over a lateral motion measured with `sigma_m`; calls back after each scan.
+    fn follow(sigma_m: f64, motion: impl Fn(f64) -> f64, mut see: impl FnMut(f64, &Filter)) {
+        let measured = |k: u32| motion(f64::from(k) * DT_S) + sigma_m * error(k);
+        let mut filter = Filter::start(Measured::new(measured(0), sigma_m));
+        for k in 1..400 {
+            filter.predict(DT_S);
+            filter.update(Measured::new(measured(k), sigma_m));
+            see(f64::from(k) * DT_S, &filter);
+        }
+    }
+
+    #[test]
+    fn a_vehicle_in_lane_has_little_lateral_speed() {
+        let mut worst = 0.0f64;
+        follow(
+            0.25,
+            |_| 3.5,
+            |time_s, filter| {
+                if time_s > 2.0 {
+                    worst = worst.max(filter.speed_mps().abs());
+                }
+            },
+        );
+        assert!(worst < 0.35, "{worst} m/s");
+    }
+
+    #[test]
+    fn a_lane_change_is_seen_within_a_third_of_a_second() {
+        let mut seen_s = f64::INFINITY;
+        follow(
+            0.15,
+            |time_s| 3.5 - 1.2 * (time_s - 5.0).max(0.0),
+            |time_s, filter| {
+                if time_s > 5.0 && filter.speed_mps() < -0.6 {
+                    seen_s = seen_s.min(time_s - 5.0);
+                }
+            },
+        );
+        assert!(seen_s < 0.36, "{seen_s} s");
+    }
+
+    #[test]
+    fn one_wild_position_moves_it_little() {
+        let mut filter = Filter::start(Measured::new(0.0, 0.2));
+        for _ in 0..100 {
+            filter.predict(DT_S);
+            filter.update(Measured::new(0.0, 0.2));
+        }
+        filter.update(Measured::new(50.0, 0.2));
+        assert!(filter.position_m() < 0.6, "{}", filter.position_m());
+        let before = filter;
+        filter.update(Measured::new(f64::NAN, 0.2));
+        assert_eq!(filter, before);
+    }
+}
