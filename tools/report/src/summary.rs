@@ -20,24 +20,35 @@ use std::time::Duration;
 /// The summary of one run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
+    /// Version of these keys: it goes up when one changes its name or meaning.
     pub schema_version: u32,
+    /// Name of the scenario.
     pub scenario: String,
+    /// Name of the control law.
     pub controller: String,
+    /// Clock: `realtime` or `lockstep`.
     pub mode: &'static str,
     /// What carried the messages.
     pub carrier: Carrier,
+    /// Seed of every random draw of the run.
     pub seed: u64,
+    /// How the run ended.
     pub outcome: Outcome,
     /// Why the outcome is `aborted`.
     pub aborted_because: Option<String>,
+    /// Run time reached, s: simulated time in lockstep.
     pub duration_s: f64,
+    /// Time on the wall clock from the first spawn until all processes were gone, s.
     pub wall_s: f64,
     /// From the first spawn until all services were ready, ms.
     pub ready_ms: f64,
     /// Simulated time over the wall time since the start instant.
     pub simulated_per_wall: Option<f64>,
+    /// Figures of the drive, from ground truth.
     pub control: Control,
+    /// Latencies, jitter and deadlines.
     pub timing: Timing,
+    /// Counts of each topic, by its name.
     pub messages: BTreeMap<String, TopicCounts>,
     /// What the emergency brake did.
     pub aebs: Aebs,
@@ -45,38 +56,56 @@ pub struct Summary {
     pub perception: Option<PerceptionReport>,
     /// What became of the recording; null if none was asked for.
     pub recording: Option<RecordingSummary>,
+    /// Faults in order of time, with what became of each.
     pub faults: Vec<FaultRecord>,
     /// The ways of controller and plant on the degradation ladder.
     pub rungs: BTreeMap<&'static str, Rungs>,
+    /// The processes of the group.
     pub services: Vec<ServiceSummary>,
+    /// The machine.
     pub host: Host,
 }
 
+/// Figures of the drive.
 #[derive(Clone, Debug, Serialize)]
 pub struct Control {
+    /// What the referee measured on ground truth.
     #[serde(flatten)]
     pub figures: ControlFigures,
+    /// Changes of the law's mode; null if the controller made no report.
     pub mode_changes: Option<Vec<ModeChange>>,
 }
 
+/// Latencies, jitter and deadlines. Durations are in µs; a figure without samples is null.
 #[derive(Clone, Debug, Serialize)]
 pub struct Timing {
+    /// Cycles of the controller.
     pub cycles: Option<u64>,
+    /// Deadline of a control cycle after its scheduled release, µs.
     pub deadline_us: Option<f64>,
+    /// Control cycles that ended after their deadline, and releases left out; null in lockstep.
     pub deadline_misses: Option<u64>,
+    /// Radar acquisition to the first actuation that uses it, µs.
     pub reaction_time_us: Option<Percentiles>,
+    /// Age of the radar data behind every actuation, µs.
     pub data_age_us: Option<Percentiles>,
+    /// Actual minus scheduled begin of the control cycles, µs.
     pub release_jitter_us: Option<Percentiles>,
+    /// Time inside the control law, µs, on the wall clock in both modes.
     pub solve_us: Option<Percentiles>,
-    /// The waits of the reaction time that are designed, and the reaction time without them.
+    /// The designed waits of the reaction time, µs.
     pub designed_wait_us: Option<Percentiles>,
+    /// The reaction time without its designed waits, µs.
     pub net_reaction_us: Option<Percentiles>,
+    /// The parts of the reaction time, µs.
     pub hops_us: Hops,
+    /// The chains with the longest reaction times, longest first.
     pub worst_chains: Vec<WorstChain>,
-    /// Longest time between two commands that the actuator gateway accepted.
+    /// Longest time between two commands that the actuator gateway accepted, µs.
     pub max_command_gap_us: Option<f64>,
-    /// Cycles whose command had to be relaxed, and whose command came from the law's backup.
+    /// Cycles whose command had to be relaxed.
     pub relaxed_cycles: Option<u64>,
+    /// Cycles whose command came from the law's backup.
     pub backup_cycles: Option<u64>,
     /// Planning beside the control loop, of laws that do.
     pub planning: Option<PlanningReport>,
@@ -135,8 +164,10 @@ impl Aebs {
     }
 }
 
+/// Messages of one topic.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct TopicCounts {
+    /// Messages sent by all of the topic's senders.
     pub sent: u64,
     /// Fewest messages that one of the topic's readers received; null if nobody reads it.
     pub received: Option<u64>,
@@ -150,23 +181,33 @@ pub struct TopicCounts {
     pub digests: BTreeMap<String, String>,
 }
 
+/// One process of the group.
 #[derive(Clone, Debug, Serialize)]
 pub struct ServiceSummary {
+    /// Name of the service.
     pub name: &'static str,
+    /// Times that the supervisor started it again.
     pub restarts: u32,
-    /// Its signs of life, as the launcher heard them; null in lockstep.
+    /// Heartbeats that the supervisor received; null in lockstep.
     pub heartbeats: Option<Heartbeats>,
+    /// How its process ended; null if that is not known.
     pub exit: Option<String>,
+    /// Largest resident set, KiB; null without a report.
     pub peak_rss_kib: Option<u64>,
     /// Allocations of the loop, in programs whose allocator counts; null elsewhere.
     pub allocations_in_loop: Option<u64>,
+    /// Scheduling asked for and granted; null without a report.
     pub scheduling: Option<Granted>,
 }
 
+/// The machine that ran the processes.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Host {
+    /// Processors that this process may use.
     pub cpus: usize,
+    /// Release of the kernel.
     pub kernel: String,
+    /// Whether the kernel is built with PREEMPT_RT.
     pub realtime_kernel: bool,
 }
 

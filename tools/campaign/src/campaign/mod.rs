@@ -60,6 +60,7 @@ pub struct CampaignArguments {
     /// Runs at once [default: one per core; 1 in realtime]
     #[arg(long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,
+    /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
     /// Directory for the results [default: runs/<time>-<campaign>]

@@ -50,6 +50,7 @@ pub struct CompareArguments {
     /// Change any key of every scenario, by its dotted path; may be given again
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
+    /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
     /// Directory for the results [default: runs/<time>-compare]

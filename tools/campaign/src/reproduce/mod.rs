@@ -67,6 +67,7 @@ pub struct ReproduceArguments {
     /// Which paper; all when omitted
     #[arg(value_enum)]
     pub paper: Option<PaperName>,
+    /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
     /// Directory for the results [default: runs/<time>-reproduce]

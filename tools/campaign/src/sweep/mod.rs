@@ -35,6 +35,7 @@ pub struct SweepArguments {
     /// Seeds, by commas or as A..B; every point is run with each
     #[arg(long, value_name = "SEEDS", conflicts_with = "seed")]
     pub seeds: Option<String>,
+    /// What every point of the grid has in common.
     #[command(flatten)]
     pub scenario_options: ScenarioOptions,
     /// Clock: curves repeat exactly in `lockstep`; `realtime` also measures deadlines
@@ -43,6 +44,7 @@ pub struct SweepArguments {
     /// Runs at once [default: one per core; 1 in realtime]
     #[arg(long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,
+    /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
     /// Directory for the results [default: runs/<time>-sweep]
