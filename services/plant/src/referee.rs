@@ -165,7 +165,11 @@ impl Referee {
         let figures = &mut self.figures;
         figures.min_accel_mps2 = smaller(figures.min_accel_mps2, acceleration);
         figures.max_accel_mps2 = larger(figures.max_accel_mps2, acceleration);
-        if let Some(last) = self.last {
+        // A rigid vehicle comes to a stand with a step of its acceleration. Over one period that is no
+        // jerk of the drive: it would grow without bound as the period shrinks.
+        let comes_to_stand =
+            |last: &Sample| last.ego.speed_mps > 0.0 && sample.ego.speed_mps <= 0.0;
+        if let Some(last) = self.last.filter(|last| !comes_to_stand(last)) {
             let rise = acceleration - last.ego.acceleration_mps2;
             let period_s = sample.time_s - last.time_s;
             let jerk = (rise / period_s).abs();
@@ -442,6 +446,20 @@ mod tests {
         assert_eq!(figures.min_ttc_s, None);
         assert_eq!(figures.final_gap_error_m, Some(30.0 - (1.5 * 25.0 + 5.0)));
         assert!((figures.max_abs_jerk_mps3.expect("two samples") - 10.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_step_of_the_acceleration_at_a_stop_is_no_jerk() {
+        let mut referee = Referee::new(&scenario("following"));
+        let motion = [(0.05, -2.5), (0.025, -2.5), (0.0, 0.0), (0.0, 0.0), (0.001, 0.1)];
+        for (index, (speed, acceleration)) in (0_i64..).zip(motion) {
+            referee.observe(index * PERIOD_NS, &state(0.0, speed, acceleration), None, &[]);
+        }
+        let jerk = referee.figures().max_abs_jerk_mps3.expect("five samples");
+        assert!(
+            (jerk - 10.0).abs() < 1e-9,
+            "moving off counts, coming to a stand does not: {jerk}"
+        );
     }
 
     #[test]
