@@ -1,16 +1,20 @@
 //! Several runs of one scenario in one picture.
 
-use super::chart::{Curve, Picture, Plot, Stroke, Tone};
+use super::chart::{Curve, Picture, Plot, Stroke, Tone, escape};
 use super::html::figure;
 use super::picture::{Points, RunPicture};
 
+/// Largest difference of two runs' speeds at which one curve covers the other, m/s.
+const ALIKE_MPS: f64 = 0.01;
+
 /// Speed, gap and acceleration of named runs over each other, with the vehicle ahead of the first.
+/// Later runs are drawn below and wider, so that runs that drive alike show as one curve in another.
 pub fn overlay(runs: &[(&str, &RunPicture)]) -> String {
     let until_s = runs.iter().map(|(_, run)| run.duration_s).fold(0.0, f64::max);
     let curves = |series: fn(&RunPicture) -> &Points| -> Vec<Curve> {
         let runs = runs.iter().enumerate();
         runs.map(|(index, (name, run))| {
-            Curve::new(name, Tone::Series(index), series(run).clone()).stroke(stroke(index))
+            Curve::new(name, Tone::Series(index), series(run).clone()).covered_by(index)
         })
         .collect()
     };
@@ -25,14 +29,52 @@ pub fn overlay(runs: &[(&str, &RunPicture)]) -> String {
         Plot::over_time("Speed", until_s, "m/s", speeds),
         Plot::over_time("Gap to the vehicle ahead", until_s, "m", curves(|run| &run.gap_m)),
         Plot::over_time("Acceleration", until_s, "m/s²", curves(|run| &run.acceleration_mps2)),
-        Plot::over_time("Way", until_s, "m", curves(|run| &run.position_m)),
+        Plot::over_time("Position", until_s, "m", curves(|run| &run.position_m)),
     ];
     let drawn: String =
         plots.iter().filter(|plot| !plot.keys().is_empty()).map(|plot| figure(plot)).collect();
-    format!("<div class=\"grid\">\n{drawn}</div>\n")
+    format!("<div class=\"grid\">\n{drawn}</div>\n{}", alike(runs))
 }
 
-/// The second round of colours has another stroke.
-const fn stroke(index: usize) -> Stroke {
-    if index.is_multiple_of(2) { Stroke::Solid } else { Stroke::Dashed }
+/// A line for each run that drives as an earlier one does: its curves lie under the other's.
+fn alike(runs: &[(&str, &RunPicture)]) -> String {
+    let mut text = String::new();
+    for (index, (name, run)) in runs.iter().enumerate() {
+        let same = |(_, other): &&(&str, &RunPicture)| {
+            let pairs = run.speed_mps.iter().zip(&other.speed_mps);
+            run.speed_mps.len() == other.speed_mps.len()
+                && !run.speed_mps.is_empty()
+                && pairs.into_iter().all(|(a, b)| (a.1 - b.1).abs() <= ALIKE_MPS)
+        };
+        if let Some((other, _)) = runs[..index].iter().find(same) {
+            let (name, other) = (escape(name), escape(other));
+            text.push_str(&format!(
+                "<p class=\"quiet\">{name} drives as {other} does, within {ALIKE_MPS} m/s: its \
+                 curves are the wider ones below.</p>\n"
+            ));
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_under_another_is_wider_and_named() {
+        let run = |speed: f64| RunPicture {
+            duration_s: 1.0,
+            speed_mps: vec![(0.0, speed), (1.0, speed + 1.0)],
+            ..RunPicture::default()
+        };
+        let (a, b, c) = (run(10.0), run(10.0), run(12.0));
+        let drawn = overlay(&[("acc-mpc", &a), ("cacc-mpc", &b), ("other", &c)]);
+        assert!(drawn.contains("cacc-mpc drives as acc-mpc does"), "{drawn}");
+        assert!(!drawn.contains("other drives as"), "{drawn}");
+        assert!(
+            drawn.contains("line t1 solid wide-1") || drawn.contains("line t1  wide-1"),
+            "{drawn}"
+        );
+    }
 }

@@ -1,15 +1,16 @@
-//! `report.html`: a command's results as one page that needs nothing else.
+//! Results of a run for people: `report.html`, text tables, CSV, the summary.
 //!
 //! ```text
 //! results ─► RunPicture (series) ─► Plot, Bands (pictures) ─► figures, tables ─► one page
 //! ```
 //!
-//! The verdict and the figures come first, then the pictures, then how the machine ran it. The page
-//! loads nothing and runs nothing; it is read on a desk, on a telephone, in the dark and on paper.
+//! The verdict and the figures come first, then the pictures, then how the machine ran it. A page
+//! loads nothing and runs no script; it is read on a desk, on a telephone, in the dark and on paper.
 
 pub mod chart;
 mod compare;
 mod drive;
+mod following;
 pub mod html;
 pub mod output;
 mod picture;
@@ -17,10 +18,12 @@ pub mod print;
 pub mod progress;
 mod run;
 pub mod summary;
+pub mod table;
 mod timing;
 pub mod trajectory;
 
 pub use compare::overlay;
+pub use following::Following;
 pub use picture::RunPicture;
 pub use run::{page as run_page, pictures as run_pictures};
 pub use timing::{Distribution, distributions};

@@ -140,7 +140,8 @@ impl RunPicture {
         let series = |value: fn(&DriveStep) -> Option<f64>| -> Points {
             steps.iter().filter_map(|step| value(step).map(|value| (step.time_s, value))).collect()
         };
-        // The truth of the other vehicles comes in some steps only; in those, nobody ahead is told.
+        // Ground truth of the other vehicles comes in some steps only: only there does a missing gap
+        // mean that no vehicle is ahead.
         let heard: std::collections::BTreeSet<u64> =
             drive.vehicles.iter().map(|truth| truth.header.step).collect();
         let ahead = |value: fn(&DriveStep) -> Option<f64>| -> Points {

@@ -1,5 +1,6 @@
 //! What a person reads after a run.
 
+use crate::chart::number;
 use crate::summary::Summary;
 use group::RecordingSummary;
 use messages::rung::Rung;
@@ -8,7 +9,7 @@ use runtime::statistics::Percentiles;
 use std::fmt::Write as _;
 use std::io::Write as _;
 
-/// Writes text on standard output. Whoever closed it has read enough.
+/// Writes text on standard output. A closed pipe is not an error.
 pub fn out(text: &str) {
     let _ = std::io::stdout().write_all(text.as_bytes());
 }
@@ -88,15 +89,21 @@ fn drive(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
             .min_ttc_s
             .map_or_else(String::new, |ttc| format!(", time to collision at least {ttc:.1} s"));
         let end = control.final_gap_error_m.map_or_else(String::new, |error| {
-            format!(", off the desired one by {error:.2} m at the end")
+            format!(", off the desired one by {} m at the end", number(error, 2))
         });
-        line("gap", format!("at least {gap:.1} m{end}{ttc}"));
+        line("gap", format!("{}{end}{ttc}", smallest_gap(summary.outcome, gap)));
+    }
+    let following = &summary.control.following;
+    if let (Some(least), Some(median)) = (following.min_time_gap_s, following.median_time_gap_s) {
+        let (least, median) = (number(least, 2), number(median, 2));
+        line("time gap", format!("at least {least} s, median {median} s"));
     }
     if let (Some(low), Some(high)) = (control.min_accel_mps2, control.max_accel_mps2) {
         let jerk = control
             .max_abs_jerk_mps3
             .map_or_else(String::new, |jerk| format!(", jerk at most {jerk:.1} m/s³"));
-        line("acceleration", format!("{low:.2} to {high:.2} m/s²{jerk}"));
+        let (low, high) = (number(low, 2), number(high, 2));
+        line("acceleration", format!("{low} to {high} m/s²{jerk}"));
     }
     if let Some(fuel) = control.fuel_l_per_100km {
         let shifts = control
@@ -162,6 +169,14 @@ fn radar(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
         parts.push(format!("{left_out} detections and tracks found no room in their messages"));
     }
     line("radar", parts.join(", "));
+}
+
+/// The smallest gap in words; bodies that touch have none.
+fn smallest_gap(outcome: Outcome, gap_m: f64) -> String {
+    if outcome == Outcome::Collision && gap_m <= 0.0 {
+        return "none left at the collision".into();
+    }
+    format!("at least {} m", number(gap_m, 1))
 }
 
 fn timing(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
@@ -321,6 +336,13 @@ pub fn duration(us: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_gap_is_never_a_negative_zero() {
+        assert_eq!(smallest_gap(Outcome::Completed, -0.01), "at least 0.0 m");
+        assert_eq!(smallest_gap(Outcome::Collision, -0.01), "none left at the collision");
+        assert_eq!(smallest_gap(Outcome::Completed, 4.26), "at least 4.3 m");
+    }
 
     #[test]
     fn durations_choose_their_unit() {

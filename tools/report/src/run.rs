@@ -20,7 +20,7 @@ pub fn page(scenario: &Scenario, summary: &Summary, run: &RunPicture) -> String 
         section("The drive", &pictures(run)),
         section("Timing", &times(summary, run)),
         section("Messages", &messages(summary)),
-        section("What the machine granted", &machine(summary)),
+        section("Processes and scheduling", &machine(summary)),
         repeat(scenario, summary),
     ]
     .concat();
@@ -54,7 +54,7 @@ fn verdict(summary: &Summary) -> (bool, String) {
     }
 }
 
-/// What is read first.
+/// The figures at the top of the page.
 fn figures(summary: &Summary) -> Vec<Tile> {
     let control = &summary.control.figures;
     let timing = &summary.timing;
@@ -79,8 +79,21 @@ fn figures(summary: &Summary) -> Vec<Tile> {
     let missed = timing.deadline_misses.zip(timing.cycles);
     let deadline = timing.deadline_us.map_or_else(String::new, print::duration);
     [
-        tile("Smallest gap", number(control.min_gap_m, 1, "m"), String::new()),
-        tile("Least time to collision", number(control.min_ttc_s, 1, "s"), String::new()),
+        tile(
+            "Smallest gap",
+            number(control.min_gap_m.map(|gap| gap.max(0.0)), 1, "m"),
+            String::new(),
+        ),
+        tile(
+            "Shortest time gap",
+            number(summary.control.following.min_time_gap_s, 2, "s"),
+            summary
+                .control
+                .following
+                .median_time_gap_s
+                .map_or_else(String::new, |median| format!("median {median:.2} s")),
+        ),
+        tile("Smallest time to collision", number(control.min_ttc_s, 1, "s"), String::new()),
         tile(
             "Off the desired gap at the end",
             number(control.final_gap_error_m, 2, "m"),
@@ -130,7 +143,7 @@ fn faults(run: &RunPicture) -> String {
         ("no.", Column::Number),
         ("at, s", Column::Number),
         ("fault", Column::Text),
-        ("what came of it", Column::Text),
+        ("result", Column::Text),
     ];
     section("Faults", &table(&head, &rows))
 }
@@ -168,7 +181,7 @@ fn times(summary: &Summary, run: &RunPicture) -> String {
         format!("<div class=\"grid\">\n{hops}{worst}</div>\n<div class=\"gap\"></div>\n");
     text.push_str(&timing::percentiles(summary));
     if !run.worst_chains.is_empty() {
-        text.push_str("<h3 class=\"sub\">What the longest chains met with</h3>\n");
+        text.push_str("<h3 class=\"sub\">The longest chains</h3>\n");
         text.push_str(&timing::worst_table(&run.worst_chains));
     }
     text
@@ -202,7 +215,7 @@ fn machine(summary: &Summary) -> String {
     let head = [
         ("service", Column::Text),
         ("granted", Column::Text),
-        ("asked for", Column::MoreText),
+        ("requested", Column::MoreText),
         ("core", Column::Text),
         ("memory", Column::Text),
         ("peak", Column::Number),
@@ -245,12 +258,12 @@ fn service(service: &ServiceSummary) -> Vec<String> {
     ]
 }
 
-/// How to do it again, with the scenario as it took effect.
+/// How to repeat the run, with the scenario as it took effect.
 fn repeat(scenario: &Scenario, summary: &Summary) -> String {
     let toml = scenario.to_toml();
     let whole = if toml.len() <= MAX_SCENARIO {
         format!(
-            "<details><summary>The scenario as it took effect</summary>\n<pre>{}</pre>\n</details>\n",
+            "<details><summary>The scenario with all options applied</summary>\n<pre>{}</pre>\n</details>\n",
             escape(&toml)
         )
     } else {
@@ -260,5 +273,5 @@ fn repeat(scenario: &Scenario, summary: &Summary) -> String {
     let again = format!(
         "<p>In the directory of this page: <code>timegap run scenario.toml{mode}</code></p>\n"
     );
-    section("Again", &(again + &whole))
+    section("Repeat this run", &(again + &whole))
 }

@@ -1,5 +1,6 @@
 //! `summary.json`: stable names for what a run measured. A figure that does not apply is null.
 
+use crate::following::Following;
 use group::{Drive, Ended, FaultRecord, GroupOutcome, Heartbeats, RecordingSummary};
 use messages::Service;
 use messages::e2e::Outcomes;
@@ -72,12 +73,15 @@ pub struct Control {
     /// What the referee measured on ground truth.
     #[serde(flatten)]
     pub figures: ControlFigures,
+    /// Time gaps behind the vehicle ahead.
+    #[serde(flatten)]
+    pub following: Following,
     /// Changes of the law's mode; null if the controller made no report.
     pub mode_changes: Option<Vec<ModeChange>>,
 }
 
 /// Latencies, jitter and deadlines. Durations are in µs; a figure without samples is null.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Timing {
     /// Cycles of the controller.
     pub cycles: Option<u64>,
@@ -169,11 +173,11 @@ impl Aebs {
 pub struct TopicCounts {
     /// Messages sent by all of the topic's senders.
     pub sent: u64,
-    /// Fewest messages that one of the topic's readers received; null if nobody reads it.
+    /// Fewest messages that one of the topic's readers received; null if it has no readers.
     pub received: Option<u64>,
     /// Most messages that one of the topic's readers missed.
     pub lost: Option<u64>,
-    /// Messages that the topic's readers refused; null if nobody reads it.
+    /// Messages that the topic's readers refused; null if it has no readers.
     pub e2e_errors: Option<u64>,
     /// Outcomes of the end-to-end check, summed over the topic's readers.
     pub e2e: Outcomes,
@@ -252,6 +256,7 @@ impl Summary {
             simulated_per_wall: (ran_s > 0.0 && duration_s > 0.0).then(|| duration_s / ran_s),
             control: Control {
                 figures: plant.map(|plant| plant.control.clone()).unwrap_or_default(),
+                following: Following::of(&group.drive.steps),
                 mode_changes: controller.map(|controller| controller.mode_changes.clone()),
             },
             timing: Timing {

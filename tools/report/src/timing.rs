@@ -11,16 +11,16 @@ use runtime::statistics::{Latencies, Percentiles, QuantileCurve};
 /// Chains drawn as timelines; the table has them all.
 const DRAWN_CHAINS: usize = 5;
 
-/// The hops in order of time: name of the figure, name for readers, colour. Waits are dotted, work is dashed, what the
-/// transport takes is solid.
+/// The hops in order of time: name of the figure, name for readers, colour. Waits are dotted, work
+/// is dashed, what the transport takes is solid.
 const HOPS: [(&str, &str, Tone, Stroke); 7] = [
     ("radar_publish", "radar publishes", Tone::Series(1), Stroke::Dashed),
-    ("controller_queue", "waits for the controller", Tone::Series(5), Stroke::Dotted),
+    ("controller_queue", "waits for the controller", Tone::Series(4), Stroke::Dotted),
     ("radar_transport", "controller wakes", Tone::Series(2), Stroke::Solid),
     ("controller_compute", "controller computes", Tone::Series(3), Stroke::Dashed),
     ("command_wait", "waits for the plant", Tone::Muted, Stroke::Dotted),
-    ("command_transport", "plant wakes", Tone::Series(4), Stroke::Solid),
-    ("actuate", "plant actuates", Tone::Series(6), Stroke::Dashed),
+    ("command_transport", "plant wakes", Tone::Series(6), Stroke::Solid),
+    ("actuate", "plant actuates", Tone::Series(5), Stroke::Dashed),
 ];
 
 /// Distributions of the chain's hops on a logarithmic axis; none without samples.
@@ -31,10 +31,9 @@ pub fn latencies(run: &RunPicture, count: u64) -> Option<Plot> {
     ];
     let drawn = whole.iter().chain(&HOPS).filter_map(|(figure, name, tone, stroke)| {
         let curve = run.latencies.get(*figure)?;
-        curve
-            .iter()
-            .any(|point| point.1 > 0.0)
-            .then(|| Curve::new(name, *tone, distribution(curve, count)).stroke(*stroke))
+        let points = distribution(curve, count);
+        let name = format!("{name}{}", zeros(curve));
+        (!points.is_empty()).then(|| Curve::new(&name, *tone, points).stroke(*stroke))
     });
     cumulative(&format!("Latency of each hop (n = {count})"), count, drawn.collect())
 }
@@ -57,8 +56,10 @@ pub fn distributions(title: &str, drawn: &[Distribution<'_>]) -> Option<Plot> {
     let drawn = drawn.iter().filter(|drawn| drawn.latencies.count() > 0);
     let curves = drawn.map(|drawn| {
         let latencies = drawn.latencies;
-        let points = distribution(&latencies.quantile_curve(), latencies.count());
-        Curve::new(&drawn.label, drawn.tone, points).stroke(drawn.stroke)
+        let curve = latencies.quantile_curve();
+        let label = format!("{}{}", drawn.label, zeros(&curve));
+        let points = distribution(&curve, latencies.count());
+        Curve::new(&label, drawn.tone, points).stroke(drawn.stroke)
     });
     cumulative(title, most, curves.collect())
 }
@@ -162,12 +163,27 @@ pub fn worst_table(chains: &[WorstChain]) -> String {
     stacked_table(&head, &rows)
 }
 
-/// A quantile curve as points (latency, share). The largest of n samples stands at 1 - 1/2n: nobody
-/// knows where the distribution ends.
+/// A quantile curve as points (latency, share). The largest of n samples stands at 1 - 1/2n, since
+/// the samples do not show where the distribution ends. A logarithmic axis has no place for zeros:
+/// the curve begins above their share.
 fn distribution(curve: &QuantileCurve, count: u64) -> Vec<(f64, f64)> {
     let last = 1.0 - 0.5 / count.max(1) as f64;
-    let first = curve.first().map(|point| (point.1, 0.0));
-    first.into_iter().chain(curve.iter().map(|(share, us)| (*us, share.min(last)))).collect()
+    let positive = || curve.iter().filter(|point| point.1 > 0.0);
+    let first = positive().next().map(|point| (point.1, zero_share(curve)));
+    first.into_iter().chain(positive().map(|(share, us)| (*us, share.min(last)))).collect()
+}
+
+/// Share of the samples that took no time.
+fn zero_share(curve: &QuantileCurve) -> f64 {
+    curve.iter().filter(|point| point.1 <= 0.0).map(|point| point.0).fold(0.0, f64::max)
+}
+
+/// What the legend says of the samples that a logarithmic axis cannot show.
+fn zeros(curve: &QuantileCurve) -> String {
+    match 100.0 * zero_share(curve) {
+        percent if percent > 0.0 => format!(" (zero in {percent:.0} %)"),
+        _ => String::new(),
+    }
 }
 
 /// Percentiles of everything that was timed; empty where nothing was.
@@ -249,6 +265,28 @@ mod tests {
         let points = distribution(&vec![(0.0, 1.0), (0.5, 2.0), (1.0, 9.0)], 100);
         assert_eq!(points.first(), Some(&(1.0, 0.0)));
         assert_eq!(points.last(), Some(&(9.0, 0.995)));
+    }
+
+    #[test]
+    fn zeros_are_said_and_not_drawn() {
+        let curve = vec![(0.0, 0.0), (0.5, 0.0), (0.75, 40.0), (1.0, 60.0)];
+        let points = distribution(&curve, 1_000);
+        assert_eq!(points.first(), Some(&(40.0, 0.5)), "begins above the share of zeros");
+        assert!(points.iter().all(|point| point.0 > 0.0));
+        assert_eq!(zeros(&curve), " (zero in 50 %)");
+        assert_eq!(zeros(&vec![(0.0, 1.0), (1.0, 2.0)]), "");
+        assert!(distribution(&vec![(0.0, 0.0), (1.0, 0.0)], 9).is_empty(), "nothing to draw");
+    }
+
+    #[test]
+    fn no_two_hops_look_alike() {
+        for (index, hop) in HOPS.iter().enumerate() {
+            for other in &HOPS[..index] {
+                assert!((hop.2, hop.3) != (other.2, other.3), "{} and {}", hop.1, other.1);
+            }
+        }
+        let waits: Vec<_> = HOPS.iter().filter(|hop| hop.3 == Stroke::Dotted).collect();
+        assert!(waits[0].2 == Tone::Series(4) && waits[1].2 == Tone::Muted, "one grey at most");
         assert!(latencies(&RunPicture::default(), 0).is_none());
     }
 }

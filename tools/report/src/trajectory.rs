@@ -1,28 +1,32 @@
 //! `trajectory.csv`: the drive, one row per sample of the vehicle's motion.
 
+use crate::table::{self, field};
 use group::Drive;
-use std::fmt::Write;
+
+/// Columns before those of the law's own figures.
+const COLUMNS: [&str; 11] = [
+    "time_s",
+    "position_m",
+    "speed_mps",
+    "acceleration_mps2",
+    "request_mps2",
+    "gap_m",
+    "lead_speed_mps",
+    "mode",
+    "gear",
+    "engine_torque_nm",
+    "fuel_g",
+];
 
 /// The drive as CSV. What was not published in a step is left empty. The columns of the law's own
 /// figures are named by `figure_names`.
 pub fn csv(drive: &Drive, figure_names: &[&str]) -> String {
-    let mut text = String::from(
-        "time_s,position_m,speed_mps,acceleration_mps2,request_mps2,gap_m,lead_speed_mps,mode,\
-         gear,engine_torque_nm,fuel_g",
-    );
-    for name in figure_names {
-        text.push(',');
-        text.push_str(name);
-    }
-    text.push('\n');
-    for step in &drive.steps {
-        write!(
-            text,
-            "{},{},{},{},{},{},{},{},{},{},{}",
-            step.time_s,
-            step.position_m,
-            step.speed_mps,
-            step.acceleration_mps2,
+    let rows = drive.steps.iter().map(|step| {
+        let own = [
+            step.time_s.to_string(),
+            step.position_m.to_string(),
+            step.speed_mps.to_string(),
+            step.acceleration_mps2.to_string(),
             field(step.request_mps2),
             field(step.gap_m),
             field(step.lead_speed_mps),
@@ -30,19 +34,12 @@ pub fn csv(drive: &Drive, figure_names: &[&str]) -> String {
             step.powertrain.map_or_else(String::new, |powertrain| powertrain.gear.to_string()),
             field(step.powertrain.map(|powertrain| powertrain.engine_torque_nm)),
             field(step.powertrain.map(|powertrain| powertrain.fuel_g)),
-        )
-        .expect("a string takes all");
-        for index in 0..figure_names.len() {
-            text.push(',');
-            text.push_str(&field(step.figures.map(|figures| figures[index])));
-        }
-        text.push('\n');
-    }
-    text
-}
-
-fn field(value: Option<f64>) -> String {
-    value.map_or_else(String::new, |value| value.to_string())
+        ];
+        let figures =
+            (0..figure_names.len()).map(|index| field(step.figures.map(|figures| figures[index])));
+        own.into_iter().chain(figures)
+    });
+    table::csv(COLUMNS.iter().chain(figure_names), rows)
 }
 
 #[cfg(test)]

@@ -68,14 +68,24 @@ impl Axis {
         Self { label: label.into(), scale, format: Format::Number }
     }
 
-    /// A linear axis that holds all of `values`, widened to whole ticks; never empty.
+    /// A linear axis that holds all of `values`, widened to whole ticks; never empty. It reaches
+    /// below 0 only where a value does.
     pub fn holding(label: &str, values: impl Iterator<Item = f64>) -> Self {
         let (mut low, mut high) = bounds(values).unwrap_or((0.0, 1.0));
         if high - low < 1e-6 * high.abs().max(1.0) {
-            (low, high) = (low - 0.5, high + 0.5);
+            let least = if low >= 0.0 { 0.0 } else { f64::NEG_INFINITY };
+            (low, high) = ((low - 0.5).max(least), high + 0.5);
         }
         let step = nice_step(high - low, 5);
         Self::linear(label, (low / step).floor() * step, (high / step).ceil() * step)
+    }
+
+    /// Counts from 0 on, with whole numbers at the ticks.
+    pub fn counts(label: &str, values: impl Iterator<Item = f64>) -> Self {
+        let high = bounds(values).map_or(1.0, |(_, high)| high);
+        // Five ticks at least, so that no tick stands between two counts.
+        let step = nice_step(high.max(5.0), 5).max(1.0);
+        Self::linear(label, 0.0, (high.max(5.0) / step).ceil() * step)
     }
 
     /// Durations in µs over whole decades or halves of them.
@@ -226,6 +236,18 @@ mod tests {
             }
             assert!(axis.ticks(5).len() >= 2, "{axis:?}");
         }
+    }
+
+    #[test]
+    fn a_count_begins_at_zero_and_has_whole_ticks() {
+        for values in [vec![], vec![0.0, 0.0], vec![3.0], vec![0.0, 17.0], vec![1200.0]] {
+            let axis = Axis::counts("", values.iter().copied());
+            assert!(matches!(axis.scale, Scale::Linear { low: 0.0, .. }), "{axis:?}");
+            assert!(labels(&axis, 5).iter().all(|label| !label.contains('.')), "{axis:?}");
+            assert!(values.iter().all(|value| axis.share(*value) <= 1.0), "{axis:?}");
+        }
+        let zeros = Axis::holding("", [0.0, 0.0].into_iter());
+        assert!(labels(&zeros, 5).iter().all(|label| !label.contains('−')), "{zeros:?}");
     }
 
     #[test]

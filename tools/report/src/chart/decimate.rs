@@ -2,7 +2,7 @@
 //! lowest, the highest and the last are kept (Jugel et al. 2014, "M4"), so that no spike is lost; then
 //! what lies on the straight line between its neighbours goes.
 
-/// Distance from a straight line that nobody sees, px.
+/// Distance from a straight line that is too small to see, px.
 const UNSEEN: f64 = 0.12;
 /// Most points that one straight line replaces: bounds the work.
 const LONGEST: usize = 64;

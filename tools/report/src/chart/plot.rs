@@ -27,17 +27,25 @@ pub struct Curve {
     pub stroke: Stroke,
     /// Holds each value until the next point instead of joining them.
     pub steps: bool,
+    /// Number of curves that may cover this one: it is drawn that much wider, so that it still
+    /// shows on both sides of them.
+    pub covered_by: usize,
 }
 
 impl Curve {
     /// A solid curve.
     pub fn new(name: &str, tone: Tone, points: Vec<(f64, f64)>) -> Self {
-        Self { name: name.into(), points, tone, stroke: Stroke::Solid, steps: false }
+        Self { name: name.into(), points, tone, stroke: Stroke::Solid, steps: false, covered_by: 0 }
     }
 
     /// The same with another stroke.
     pub fn stroke(self, stroke: Stroke) -> Self {
         Self { stroke, ..self }
+    }
+
+    /// The same below so many others that may have the same points.
+    pub fn covered_by(self, others: usize) -> Self {
+        Self { covered_by: others, ..self }
     }
 
     /// The same as a staircase.
@@ -146,7 +154,9 @@ impl Picture for Plot {
             let points = stairs(curve);
             let places =
                 points.iter().map(|(x, y)| (area.x(self.x.share(*x)), area.y(self.y.share(*y))));
-            let class = format!("line {} {}", curve.tone.class(), curve.stroke.class());
+            let wider = ["", " wide-1", " wide-2", " wide-3", " wide-4"];
+            let wider = wider[curve.covered_by.min(wider.len() - 1)];
+            let class = format!("line {} {}{wider}", curve.tone.class(), curve.stroke.class());
             svg.curve(&class, &decimate(places));
         }
         badges(&mut svg, &self.marks, |x| area.x(self.x.share(x)), 10.0);

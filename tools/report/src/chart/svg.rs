@@ -1,4 +1,9 @@
 //! An SVG element under construction.
+//!
+//! Written by hand, for a reason: plotting crates draw with fixed colours and font metrics of their
+//! own, some by a script. These pictures take every colour from the page's style sheet, so that one
+//! file serves light, dark and paper; they hold no script; and their bytes are the same on every
+//! machine, which tests rely on.
 
 use std::fmt::Write;
 

@@ -1,0 +1,53 @@
+//! Time gaps of a drive: the time in which the ego reaches the place where the vehicle ahead is.
+
+use group::DriveStep;
+use serde::Serialize;
+
+/// Slowest speed at which a time gap is defined here, m/s: below it the quotient of gap and speed
+/// grows without saying anything about following.
+const SLOWEST_MPS: f64 = 1.0;
+
+/// Time gaps while a vehicle was ahead, s; null without one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Following {
+    /// Shortest time gap, s.
+    pub min_time_gap_s: Option<f64>,
+    /// Median over the samples of the drive, s.
+    pub median_time_gap_s: Option<f64>,
+}
+
+impl Following {
+    /// Of the samples that have a gap, at 1 m/s and faster.
+    pub fn of(steps: &[DriveStep]) -> Self {
+        let moving = steps.iter().filter(|step| step.speed_mps >= SLOWEST_MPS);
+        let mut gaps_s: Vec<f64> =
+            moving.filter_map(|step| Some(step.gap_m? / step.speed_mps)).collect();
+        gaps_s.sort_by(f64::total_cmp);
+        let median = match gaps_s.len() {
+            0 => None,
+            n => Some((gaps_s[(n - 1) / 2] + gaps_s[n / 2]) / 2.0),
+        };
+        Self { min_time_gap_s: gaps_s.first().copied(), median_time_gap_s: median }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_gap_is_the_gap_over_the_speed_and_a_standing_vehicle_has_none() {
+        let step = |gap_m, speed_mps| DriveStep { gap_m, speed_mps, ..DriveStep::default() };
+        let steps = [
+            step(Some(20.0), 10.0),
+            step(Some(30.0), 10.0),
+            step(Some(15.0), 10.0),
+            step(None, 10.0),
+            step(Some(3.0), 0.0),
+        ];
+        let following = Following::of(&steps);
+        assert_eq!(following.min_time_gap_s, Some(1.5));
+        assert_eq!(following.median_time_gap_s, Some(2.0));
+        assert_eq!(Following::of(&steps[3..]), Following::default());
+    }
+}

@@ -1,0 +1,120 @@
+//! Text tables and CSV: the one place that knows how rows become text.
+
+use comfy_table::{CellAlignment, Table, presets};
+
+/// What stands where a figure does not apply.
+pub const NONE: &str = "-";
+
+/// On which side a column's cells are flush.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Align {
+    /// Words.
+    Left,
+    /// Numbers.
+    Right,
+}
+
+/// Rows under headings, for a terminal. Columns are as wide as their widest cell; one in which no
+/// row has a figure is left out.
+#[derive(Clone, Debug)]
+pub struct TextTable {
+    head: Vec<(String, Align)>,
+    rows: Vec<Vec<String>>,
+}
+
+impl TextTable {
+    /// A table without rows.
+    pub fn new<'a>(head: impl IntoIterator<Item = (&'a str, Align)>) -> Self {
+        let head = head.into_iter().map(|(name, align)| (name.to_owned(), align)).collect();
+        Self { head, rows: Vec::new() }
+    }
+
+    /// The usual table: words in the first column, numbers in the others.
+    pub fn of_figures<'a>(head: impl IntoIterator<Item = &'a str>) -> Self {
+        let aligns = std::iter::once(Align::Left).chain(std::iter::repeat(Align::Right));
+        Self::new(head.into_iter().zip(aligns))
+    }
+
+    /// Adds a row; missing cells are empty.
+    pub fn row(&mut self, cells: impl IntoIterator<Item = String>) {
+        let mut row: Vec<String> = cells.into_iter().collect();
+        row.resize(self.head.len(), String::new());
+        self.rows.push(row);
+    }
+
+    /// The table as lines, indented by two spaces and ended by a line break.
+    pub fn text(&self) -> String {
+        let empty = |cell: &str| cell.is_empty() || cell == NONE;
+        let shown: Vec<usize> = (0..self.head.len())
+            .filter(|&column| {
+                self.rows.is_empty() || self.rows.iter().any(|row| !empty(&row[column]))
+            })
+            .collect();
+        let mut table = Table::new();
+        table.load_preset(presets::NOTHING);
+        table.set_header(shown.iter().map(|&column| &self.head[column].0));
+        for row in &self.rows {
+            table.add_row(shown.iter().map(|&column| &row[column]));
+        }
+        for (place, &column) in shown.iter().enumerate() {
+            let column_of_text = table.column_mut(place).expect("the header has it");
+            column_of_text.set_padding((2, 0));
+            column_of_text.set_cell_alignment(match self.head[column].1 {
+                Align::Left => CellAlignment::Left,
+                Align::Right => CellAlignment::Right,
+            });
+        }
+        table.trim_fmt() + "\n"
+    }
+}
+
+/// Rows under `head` as CSV (RFC 4180, lines ended by a line feed): a field is quoted where it must
+/// be, and empty where nothing applies.
+pub fn csv<H, R>(head: H, rows: impl IntoIterator<Item = R>) -> String
+where
+    H: IntoIterator<Item: AsRef<[u8]>>,
+    R: IntoIterator<Item: AsRef<[u8]>>,
+{
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(head).expect("memory takes all");
+    for row in rows {
+        writer.write_record(row).expect("every row has a field for each heading");
+    }
+    let bytes = writer.into_inner().expect("memory takes all");
+    String::from_utf8(bytes).expect("made of strings")
+}
+
+/// A figure as a field of CSV: all of its digits, or nothing.
+pub fn field(value: Option<f64>) -> String {
+    value.map_or_else(String::new, |value| value.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_without_a_figure_are_left_out_and_the_others_line_up() {
+        let mut table = TextTable::of_figures(["", "gap, m", "fuel", "jerk"]);
+        table.row(["acc-mpc", "10.5", NONE, "1.0"].map(String::from));
+        table.row(["six-mode", "9.0", NONE, "250.0"].map(String::from));
+        assert_eq!(
+            table.text(),
+            "            gap, m   jerk\n  acc-mpc     10.5    1.0\n  six-mode     9.0  250.0\n"
+        );
+    }
+
+    #[test]
+    fn a_row_may_be_short_and_a_table_empty() {
+        let mut table = TextTable::new([("name", Align::Left), ("note", Align::Left)]);
+        assert_eq!(table.text(), "  name  note\n");
+        table.row(["a".to_owned()]);
+        assert_eq!(table.text(), "  name\n  a\n");
+    }
+
+    #[test]
+    fn fields_are_quoted_where_they_must_be() {
+        let text = csv(["a", "b"], [["x, \"y\"", ""], ["1", "2"]]);
+        assert_eq!(text, "a,b\n\"x, \"\"y\"\"\",\n1,2\n");
+    }
+}
