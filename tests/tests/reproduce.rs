@@ -20,12 +20,18 @@ fn rows(corner: &Corner, paper: &str) -> (bool, Vec<Value>) {
 
 /// The row's `ok` is what its numbers say.
 fn consistent(row: &Value) {
-    let (Some(paper), Some(tolerance)) = (row["paper"].as_f64(), row["tolerance"].as_f64()) else {
+    let kind = row["kind"].as_str().expect("every row says its source");
+    assert!(["paper", "reconstruction", "requirement"].contains(&kind), "{row}");
+    let expected = row["expected"].as_f64();
+    assert_eq!(row["paper"].as_f64(), expected.filter(|_| kind == "paper"), "{row}");
+    let (Some(expected), Some(tolerance)) = (expected, row["tolerance"].as_f64()) else {
+        assert_eq!(row["check"], "shown", "{row}");
         return;
     };
-    let bound = row["note"] == "an upper bound";
+    assert!(row["tolerance_reason"].is_string(), "{row}");
+    let bound = row["check"] == "at_most";
     let within = row["ours"].as_f64().is_some_and(|ours| {
-        let off = if bound { ours - paper } else { (ours - paper).abs() };
+        let off = if bound { ours - expected } else { (ours - expected).abs() };
         off <= tolerance + 1e-9
     });
     assert_eq!(row["ok"].as_bool(), Some(within), "{row}");

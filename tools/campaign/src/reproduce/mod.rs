@@ -1,32 +1,30 @@
-//! `timegap reproduce`: a paper's scenarios through the real processes, its published figures beside
+//! `timegap reproduce`: a paper's scenarios through the real processes, the expected figures beside
 //! ours.
+//!
+//! Scenarios are driven on all cores: papers, and within a paper everything that does not wait for
+//! the result of another run, go on side by side ([`runner`]).
 
 mod cacc;
 mod page;
 mod predictive;
 mod quadratic_bounded;
 mod row;
+mod runner;
 mod six_mode;
 
 use clap::{Args, ValueEnum};
 use group::Error;
-use group::{Drive, Ended, GroupOutcome};
-use group::{GroupOptions, ScenarioOptions};
+use group::GroupOptions;
+use page::page;
 use report::RunPicture;
 use report::chart::Plot;
 use report::output::OutputDirectory;
 use report::print;
-use report::summary::Summary;
-use std::path::PathBuf;
-
-use indicatif::ProgressBar;
-use page::page;
 use row::{Row, Verdict};
-use runtime::Mode;
-use scenario::Scenario;
+use runner::{Part, Runner, together};
 use serde::Serialize;
+use std::path::PathBuf;
 use std::process::ExitCode;
-use std::time::Instant;
 
 /// The papers, in the order of their names.
 pub const PAPERS: [PaperName; 4] =
@@ -101,26 +99,40 @@ impl PaperName {
             Self::Cacc => "cacc",
         }
     }
+
+    /// Scenarios driven, at most.
+    const fn runs(self) -> usize {
+        match self {
+            Self::SixMode => six_mode::RUNS,
+            Self::QuadraticBounded => quadratic_bounded::RUNS,
+            Self::Predictive => predictive::RUNS,
+            Self::Cacc => cacc::RUNS,
+        }
+    }
+
+    fn reproduce(self, runner: &Runner<'_>) -> Result<Part, Error> {
+        match self {
+            Self::SixMode => six_mode::reproduce(runner),
+            Self::QuadraticBounded => quadratic_bounded::reproduce(runner),
+            Self::Predictive => predictive::reproduce(runner),
+            Self::Cacc => cacc::reproduce(runner),
+        }
+    }
 }
 
 /// Runs the command.
 pub fn run(arguments: &ReproduceArguments) -> Result<ExitCode, Error> {
     let output = OutputDirectory::create(arguments.out.as_deref(), "reproduce")?;
     let papers = arguments.paper.map_or(PAPERS.to_vec(), |paper| vec![paper]);
-    let mut runner = Runner::new(&arguments.group, &papers, arguments.json);
+    let runs = papers.iter().map(|paper| paper.runs()).sum();
+    let runner = Runner::new(&arguments.group, runs, arguments.json);
+    let parts = together(papers.iter().map(|paper| || paper.reproduce(&runner)));
+    runner.finish();
     let mut done = Vec::new();
-    for name in papers {
-        let rows = match name {
-            PaperName::SixMode => six_mode::reproduce(&mut runner)?,
-            PaperName::QuadraticBounded => quadratic_bounded::reproduce(&mut runner)?,
-            PaperName::Predictive => predictive::reproduce(&mut runner)?,
-            PaperName::Cacc => cacc::reproduce(&mut runner)?,
-        };
-        let drives = std::mem::take(&mut runner.drives);
-        let pictures = std::mem::take(&mut runner.pictures);
+    for (name, part) in papers.iter().zip(parts) {
+        let Part { rows, drives, pictures } = part?;
         done.push(Paper { paper: name.as_str(), rows, drives, pictures });
     }
-    runner.bar.finish_and_clear();
     let ok = done.iter().flat_map(|paper| &paper.rows).all(|row| row.verdict() != Verdict::Outside);
     let reproduction = Reproduction { schema_version: 1, ok, papers: done };
     let json = serde_json::to_string_pretty(&reproduction).expect("plain data");
@@ -137,86 +149,4 @@ pub fn run(arguments: &ReproduceArguments) -> Result<ExitCode, Error> {
     }
     written?;
     Ok(if ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
-}
-
-/// A scenario that was driven in lockstep.
-pub struct Driven {
-    /// The scenario as it took effect.
-    pub scenario: Scenario,
-    /// What was heard of the drive.
-    pub drive: Drive,
-    /// Its summary.
-    pub summary: Summary,
-    /// Names of the law's figures in the drive.
-    pub figure_names: Vec<&'static str>,
-}
-
-impl Driven {
-    /// One of the law's figures over the control cycles: (time in s, value).
-    pub fn figure(&self, name: &str) -> Vec<(f64, f64)> {
-        let index = self.figure_names.iter().position(|figure| *figure == name);
-        let index = index.expect("the law has a figure of this name");
-        self.drive
-            .steps
-            .iter()
-            .filter_map(|step| step.figures.map(|figures| (step.time_s, figures[index])))
-            .collect()
-    }
-}
-
-/// Drives scenarios in lockstep, one after the other, with a progress bar over all.
-pub struct Runner<'a> {
-    group: &'a GroupOptions,
-    bar: ProgressBar,
-    /// What was driven since somebody last looked, with what was set.
-    drives: Vec<(String, RunPicture)>,
-    /// What the paper wants to be seen beside them.
-    pictures: Vec<Gallery>,
-}
-
-impl<'a> Runner<'a> {
-    fn new(group: &'a GroupOptions, papers: &[PaperName], quiet: bool) -> Self {
-        let runs = papers
-            .iter()
-            .map(|paper| match paper {
-                PaperName::SixMode => six_mode::RUNS,
-                PaperName::QuadraticBounded => quadratic_bounded::RUNS,
-                PaperName::Predictive => predictive::RUNS,
-                PaperName::Cacc => cacc::RUNS,
-            })
-            .sum();
-        let bar = report::progress::count_bar(runs, quiet);
-        Self { group, bar, drives: Vec::new(), pictures: Vec::new() }
-    }
-
-    /// Drives a built-in scenario with these keys set.
-    pub fn drive(&mut self, name: &str, keys: &[&str]) -> Result<Driven, Error> {
-        self.bar.set_message(name.to_owned());
-        let options = ScenarioOptions {
-            set: keys.iter().map(ToString::to_string).collect(),
-            ..ScenarioOptions::default()
-        };
-        let scenario = group::open(name, &options)?;
-        let begun = Instant::now();
-        let group = group::drive(&scenario, Mode::Lockstep, self.group, None, &mut |_| {})?;
-        orderly(&group)?;
-        let summary = Summary::new(&scenario, Mode::Lockstep, &group, begun.elapsed());
-        self.bar.inc(1);
-        let what = format!("{name} · {}", scenario.controller.name.as_str());
-        self.drives.push((what, RunPicture::of_drive(&scenario, &group.drive)));
-        let figure_names = controller::laws::figure_names(&scenario);
-        Ok(Driven { scenario, drive: group.drive, summary, figure_names })
-    }
-}
-
-/// A run that did not reach its end has no figures.
-fn orderly(group: &GroupOutcome) -> Result<(), Error> {
-    match &group.ended {
-        Ended::Orderly => Ok(()),
-        Ended::Interrupted => Err(Error::Interrupted),
-        Ended::Broken { service, how } => Err(Error::NotReady {
-            service: *service,
-            what: format!("ended before its time: {how}"),
-        }),
-    }
 }

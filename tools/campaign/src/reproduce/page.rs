@@ -1,47 +1,45 @@
-//! The page of a reproduction: the papers' figures beside ours, and what was driven for them.
+//! The page of a reproduction: the expected figures beside ours, and what was driven for them.
 
-use super::row::{Row, Verdict};
+use super::row::{Row, Verdict, tally};
 use super::{Gallery, Paper, Reproduction};
 use report::chart::{escape, number};
 use report::html::{Cell, Column, document, figure, section, table};
 use report::run_pictures;
 
+/// What the sources mean.
+const SOURCES: &str = "<p class=\"quiet\">Sources: <b>paper</b>, printed by the paper; \
+    <b>reconstruction</b>, from a reference implementation of what the paper does not print; \
+    <b>requirement</b>, demanded of the controller.</p>\n";
+
 /// The page.
 pub fn page(reproduction: &Reproduction) -> String {
     let rows = || reproduction.papers.iter().flat_map(|paper| &paper.rows);
-    let (within, checked) = count(rows());
-    let verdict = format!("{within} of {checked} published figures within their tolerance");
+    let compared = rows().filter(|row| row.verdict() != Verdict::Shown).count();
+    let within = rows().filter(|row| row.verdict() == Verdict::Within).count();
+    let verdict = format!("{within} of {compared} figures within their tolerance");
     let papers: String = reproduction.papers.iter().map(paper).collect();
     document(
         "Reproduction of the papers",
         "every run in lockstep",
         reproduction.ok,
         &verdict,
-        &papers,
+        &(SOURCES.to_owned() + &papers),
     )
 }
 
-/// Figures within their tolerance, and figures that have one.
-fn count<'a>(rows: impl Iterator<Item = &'a Row>) -> (usize, usize) {
-    rows.fold((0, 0), |(within, checked), row| match row.verdict() {
-        Verdict::Within => (within + 1, checked + 1),
-        Verdict::Outside => (within, checked + 1),
-        Verdict::Shown => (within, checked),
-    })
-}
-
 fn paper(paper: &Paper) -> String {
-    let (within, checked) = count(paper.rows.iter());
-    let heading = format!("{}: {within} of {checked} within", paper.paper);
+    let heading = format!("{}: {}", paper.paper, tally(&paper.rows));
     let several = paper.rows.iter().any(|row| row.weights.is_some());
     let mut head = vec![
         ("figure", Column::Text),
-        ("paper", Column::Number),
+        ("source", Column::Text),
+        ("expected", Column::Number),
         ("ours", Column::Number),
         ("unit", Column::Text),
         ("tolerance", Column::MoreNumber),
         ("", Column::Text),
-        ("", Column::MoreText),
+        ("reason of the tolerance", Column::MoreText),
+        ("note", Column::MoreText),
     ];
     if several {
         head.insert(1, ("weights", Column::MoreText));
@@ -57,14 +55,15 @@ fn cells(row: &Row, several: bool) -> Vec<Cell> {
         Verdict::Outside => Cell::Bad("OUTSIDE".into()),
         Verdict::Shown => Cell::Plain(String::new()),
     };
-    let tolerance = row.tolerance.map_or_else(String::new, |t| format!("± {t:.2}"));
     let mut cells = vec![
         Cell::Plain(row.id.clone()),
-        Cell::Plain(value(row.paper)),
+        Cell::Plain(row.kind.name().into()),
+        Cell::Plain(row.expectation()),
         Cell::Plain(value(row.ours)),
         Cell::Plain(row.unit.into()),
-        Cell::Plain(tolerance),
+        Cell::Plain(row.tolerance_in_words()),
         verdict,
+        Cell::Plain(row.tolerance_reason.unwrap_or_default().into()),
         Cell::Plain(row.note.unwrap_or_default().into()),
     ];
     if several {

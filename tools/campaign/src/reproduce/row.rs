@@ -1,80 +1,202 @@
-//! One published figure beside ours.
+//! One figure to be reproduced, beside ours.
+//!
+//! What ours is compared with has one of three sources, and every row says which: the *paper* prints
+//! it; the *reconstruction* of what the paper does not print gives it; or it is a *requirement* that
+//! a working controller must meet, whatever the paper says.
 
+use report::chart::number;
+use report::table::{Align, NONE, TextTable};
 use serde::Serialize;
-use std::fmt::Write;
 
-/// A published figure and what a run gave.
+/// Where the expected value comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// Printed by the paper, as a number or in a plot.
+    Paper,
+    /// From a reference implementation of what the paper does not print.
+    Reconstruction,
+    /// Demanded of the controller.
+    Requirement,
+}
+
+impl Kind {
+    /// Name in tables and results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::Reconstruction => "reconstruction",
+            Self::Requirement => "requirement",
+        }
+    }
+}
+
+/// How ours is compared with the expected value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Check {
+    /// Ours lies within the tolerance on both sides.
+    Near,
+    /// Ours is no larger than the expected value and the tolerance.
+    AtMost,
+    /// Not compared.
+    Shown,
+}
+
+/// A value to be reproduced, and its source.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Expected {
+    kind: Kind,
+    value: f64,
+}
+
+/// A value that the paper prints.
+pub const fn paper(value: f64) -> Expected {
+    Expected { kind: Kind::Paper, value }
+}
+
+/// A value of the reconstruction.
+pub const fn reconstruction(value: f64) -> Expected {
+    Expected { kind: Kind::Reconstruction, value }
+}
+
+/// A value that is demanded.
+pub const fn requirement(value: f64) -> Expected {
+    Expected { kind: Kind::Requirement, value }
+}
+
+/// Largest accepted difference, in the figure's unit, and why it is that large.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    value: f64,
+    reason: &'static str,
+}
+
+/// A tolerance with its reason.
+pub const fn within(value: f64, reason: &'static str) -> Tolerance {
+    Tolerance { value, reason }
+}
+
+/// No difference is accepted.
+pub const EXACT: Tolerance = within(0.0, "exact");
+
+/// An expected figure and what a run gave.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
     /// Scenario and figure, joined by dots.
     pub id: String,
-    /// Which set of weights, where there are several.
+    /// Set of weights, where there are several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub weights: Option<String>,
+    /// Source of the expected value.
+    pub kind: Kind,
     /// Unit of the numbers.
     pub unit: &'static str,
-    /// The paper's value; null where it gives words only.
+    /// The paper's value; null where the paper prints no number.
     pub paper: Option<f64>,
+    /// What ours is compared with: the paper's value in rows of its kind; null where nothing is
+    /// compared.
+    pub expected: Option<f64>,
     /// Ours; null where the run never got there.
     pub ours: Option<f64>,
-    /// Largest accepted difference; null where nothing is checked.
+    /// How they are compared.
+    pub check: Check,
+    /// Largest accepted difference; null where nothing is compared.
     pub tolerance: Option<f64>,
+    /// Why the tolerance is that large.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerance_reason: Option<&'static str>,
     /// Whether ours is accepted.
     pub ok: bool,
-    /// What a number cannot say.
+    /// How ours was obtained, or what a number cannot say.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<&'static str>,
 }
 
-/// What comes of comparing.
+/// Result of the comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// Within the tolerance.
     Within,
     /// Outside, or missing.
     Outside,
-    /// Shown, not checked.
+    /// Shown, not compared.
     Shown,
 }
 
 impl Row {
-    /// A figure that must lie within `tolerance` of the paper's.
+    /// A figure that must lie within the tolerance on both sides.
     pub fn near(
         id: &str,
         unit: &'static str,
-        paper: f64,
+        expected: Expected,
         ours: Option<f64>,
-        tolerance: f64,
+        tolerance: Tolerance,
     ) -> Self {
-        let ok = ours.is_some_and(|ours| (ours - paper).abs() <= tolerance + 1e-9);
-        Self {
-            id: id.into(),
-            weights: None,
-            unit,
-            paper: Some(paper),
-            ours,
-            tolerance: Some(tolerance),
-            ok,
-            note: None,
-        }
+        Self::compared(id, unit, expected, ours, tolerance, Check::Near)
     }
 
-    /// A figure that must not exceed the paper's by more than `tolerance`.
+    /// A figure that must not exceed the expected one by more than the tolerance.
     pub fn at_most(
         id: &str,
         unit: &'static str,
-        paper: f64,
+        expected: Expected,
         ours: Option<f64>,
-        tolerance: f64,
+        tolerance: Tolerance,
     ) -> Self {
-        let ok = ours.is_some_and(|ours| ours <= paper + tolerance + 1e-9);
-        Self { ok, note: Some("an upper bound"), ..Self::near(id, unit, paper, ours, tolerance) }
+        Self::compared(id, unit, expected, ours, tolerance, Check::AtMost)
     }
 
-    /// A figure that the paper gives in words only: shown, not checked.
-    pub fn shown(id: &str, unit: &'static str, ours: Option<f64>, note: &'static str) -> Self {
-        let row = Self::near(id, unit, 0.0, ours, 0.0);
-        Self { paper: None, tolerance: None, ok: true, note: Some(note), ..row }
+    /// A figure without a number to compare it with.
+    pub fn shown(
+        id: &str,
+        unit: &'static str,
+        kind: Kind,
+        ours: Option<f64>,
+        note: &'static str,
+    ) -> Self {
+        Self {
+            id: id.into(),
+            weights: None,
+            kind,
+            unit,
+            paper: None,
+            expected: None,
+            ours,
+            check: Check::Shown,
+            tolerance: None,
+            tolerance_reason: None,
+            ok: true,
+            note: Some(note),
+        }
+    }
+
+    fn compared(
+        id: &str,
+        unit: &'static str,
+        Expected { kind, value }: Expected,
+        ours: Option<f64>,
+        tolerance: Tolerance,
+        check: Check,
+    ) -> Self {
+        let off = |ours: f64| match check {
+            Check::AtMost => ours - value,
+            Check::Near | Check::Shown => (ours - value).abs(),
+        };
+        Self {
+            id: id.into(),
+            weights: None,
+            kind,
+            unit,
+            paper: (kind == Kind::Paper).then_some(value),
+            expected: Some(value),
+            ours,
+            check,
+            tolerance: Some(tolerance.value),
+            tolerance_reason: Some(tolerance.reason),
+            ok: ours.is_some_and(|ours| off(ours) <= tolerance.value + 1e-9),
+            note: None,
+        }
     }
 
     /// The same row with what a number cannot say.
@@ -82,46 +204,83 @@ impl Row {
         Self { note: Some(note), ..self }
     }
 
-    /// What comes of comparing.
+    /// Result of the comparison.
     pub fn verdict(&self) -> Verdict {
-        match (self.tolerance, self.ok) {
-            (None, _) => Verdict::Shown,
-            (Some(_), true) => Verdict::Within,
-            (Some(_), false) => Verdict::Outside,
+        match (self.check, self.ok) {
+            (Check::Shown, _) => Verdict::Shown,
+            (_, true) => Verdict::Within,
+            (_, false) => Verdict::Outside,
+        }
+    }
+
+    /// The expected value in words: a bound says that it is one.
+    pub fn expectation(&self) -> String {
+        let value = self.expected.map_or_else(|| NONE.into(), |value| number(value, 2));
+        if self.check == Check::AtMost { format!("at most {value}") } else { value }
+    }
+
+    /// The tolerance in words; nothing where none applies.
+    pub fn tolerance_in_words(&self) -> String {
+        match (self.check, self.tolerance) {
+            (_, None) => String::new(),
+            (Check::AtMost, Some(tolerance)) => format!("+ {tolerance:.2}"),
+            (_, Some(tolerance)) => format!("± {tolerance:.2}"),
         }
     }
 }
 
-/// The rows as a table for people.
-pub fn table(paper: &str, rows: &[Row]) -> String {
-    let within = rows.iter().filter(|row| row.verdict() == Verdict::Within).count();
-    let checked = rows.iter().filter(|row| row.verdict() != Verdict::Shown).count();
-    let mut text = format!("{paper}: {within} of {checked} figures within their tolerance\n");
-    let width = rows.iter().map(|row| row.id.chars().count()).max().unwrap_or(0);
-    let mut weights = None;
-    for row in rows {
-        if row.weights != weights {
-            weights.clone_from(&row.weights);
-            if let Some(weights) = &weights {
-                writeln!(text, "  weights: {weights}").expect("a string takes all");
-            }
+/// Rows within their tolerance and rows that have one, of each kind that is there: "18 of 19 of the
+/// paper, 2 of 2 requirements".
+pub fn tally(rows: &[Row]) -> String {
+    let of_kind = |kind: Kind, word: &str| {
+        let compared = rows.iter().filter(|row| row.kind == kind);
+        let compared: Vec<_> = compared.filter(|row| row.verdict() != Verdict::Shown).collect();
+        let within = compared.iter().filter(|row| row.ok).count();
+        (!compared.is_empty()).then(|| format!("{within} of {} {word}", compared.len()))
+    };
+    let parts = [
+        of_kind(Kind::Paper, "figures of the paper"),
+        of_kind(Kind::Reconstruction, "of the reconstruction"),
+        of_kind(Kind::Requirement, "requirements"),
+    ];
+    parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+/// The rows as a table.
+pub fn table(name: &str, rows: &[Row]) -> String {
+    let mut text = format!("{name}: {} within their tolerance\n", tally(rows));
+    for rows in rows.chunk_by(|a, b| a.weights == b.weights) {
+        if let Some(weights) = &rows[0].weights {
+            text.push_str(&format!("  weights: {weights}\n"));
         }
-        let number = |value: Option<f64>| value.map_or_else(|| "-".into(), |v| format!("{v:.2}"));
-        let mark = match row.verdict() {
-            Verdict::Within => "ok",
-            Verdict::Outside => "OUTSIDE",
-            Verdict::Shown => "",
-        };
-        let tolerance = row.tolerance.map_or_else(String::new, |t| format!("± {t:.2}"));
-        let note = row.note.unwrap_or_default();
-        let line = format!(
-            "  {:<width$}  paper {:>7}  ours {:>7} {:<4} {tolerance:<7} {mark:<7} {note}",
-            row.id,
-            number(row.paper),
-            number(row.ours),
-            row.unit,
-        );
-        writeln!(text, "{}", line.trim_end()).expect("a string takes all");
+        let mut table = TextTable::new([
+            ("", Align::Left),
+            ("source", Align::Left),
+            ("expected", Align::Right),
+            ("ours", Align::Right),
+            ("", Align::Left),
+            ("tolerance", Align::Left),
+            ("", Align::Left),
+            ("", Align::Left),
+        ]);
+        for row in rows {
+            let mark = match row.verdict() {
+                Verdict::Within => "ok",
+                Verdict::Outside => "OUTSIDE",
+                Verdict::Shown => "",
+            };
+            table.row([
+                row.id.clone(),
+                row.kind.name().to_owned(),
+                row.expectation(),
+                row.ours.map_or_else(|| NONE.into(), |ours| number(ours, 2)),
+                row.unit.to_owned(),
+                row.tolerance_in_words(),
+                mark.to_owned(),
+                row.note.unwrap_or_default().to_owned(),
+            ]);
+        }
+        text.push_str(&table.text());
     }
     text
 }
@@ -130,18 +289,45 @@ pub fn table(paper: &str, rows: &[Row]) -> String {
 mod tests {
     use super::*;
 
+    const TENTH: Tolerance = within(0.1, "a reason");
+
     #[test]
     fn rows_are_judged_by_their_tolerance() {
-        assert_eq!(Row::near("a", "s", 4.0, Some(3.9), 0.1).verdict(), Verdict::Within);
-        assert_eq!(Row::near("a", "s", 4.0, Some(3.89), 0.1).verdict(), Verdict::Outside);
-        assert_eq!(Row::near("a", "s", 4.0, None, 0.1).verdict(), Verdict::Outside);
-        assert_eq!(Row::at_most("a", "s", 30.0, Some(24.0), 0.5).verdict(), Verdict::Within);
-        assert_eq!(Row::shown("a", "m", Some(1.0), "large").verdict(), Verdict::Shown);
+        let near = |ours| Row::near("a", "s", paper(4.0), ours, TENTH).verdict();
+        assert_eq!(near(Some(3.9)), Verdict::Within);
+        assert_eq!(near(Some(3.89)), Verdict::Outside);
+        assert_eq!(near(None), Verdict::Outside);
+        let most = Row::at_most("a", "s", requirement(30.0), Some(24.0), TENTH);
+        assert_eq!(most.verdict(), Verdict::Within);
+        let shown = Row::shown("a", "m", Kind::Paper, Some(1.0), "large");
+        assert_eq!(shown.verdict(), Verdict::Shown);
+    }
+
+    #[test]
+    fn only_what_the_paper_prints_is_called_the_papers() {
+        assert_eq!(Row::near("a", "s", paper(4.0), Some(4.0), TENTH).paper, Some(4.0));
+        for expected in [reconstruction(4.0), requirement(4.0)] {
+            let row = Row::near("a", "s", expected, Some(4.0), TENTH);
+            assert_eq!((row.paper, row.expected), (None, Some(4.0)));
+            let text = table("predictive", &[row]);
+            assert!(!text.contains("paper"), "{text}");
+        }
     }
 
     #[test]
     fn a_row_outside_its_tolerance_is_not_hidden() {
-        let text = table("cacc", &[Row::near("A.x", "s", 4.0, Some(3.0), 0.1)]);
+        let text = table("cacc", &[Row::near("A.x", "s", paper(4.0), Some(3.0), TENTH)]);
         assert!(text.contains("0 of 1") && text.contains("OUTSIDE"), "{text}");
+    }
+
+    #[test]
+    fn every_compared_row_gives_the_reason_of_its_tolerance() {
+        let json = serde_json::to_value(Row::near("a", "s", paper(4.0), None, TENTH));
+        let json = json.expect("plain data");
+        assert_eq!(
+            (&json["kind"], &json["tolerance_reason"]),
+            (&"paper".into(), &"a reason".into())
+        );
+        assert_eq!(json["check"], "near");
     }
 }

@@ -1,4 +1,4 @@
-//! What is computed without processes: the bound, drivers of flesh and blood, generated roads.
+//! What is computed without processes: the full-route plan, human driver models, generated roads.
 
 use super::SET_SPEED_MPS;
 use controller::laws::truck::route::{
@@ -10,22 +10,22 @@ use truck_model::{Preset, Truck};
 
 /// Length of a road's cells, m.
 const CELL_M: f64 = 50.0;
-/// Nodes of the bound's grid over kinetic energy.
-const BOUND_NODES: usize = 400;
+/// Nodes of the full-route plan's grid over kinetic energy.
+const FULL_ROUTE_NODES: usize = 400;
 /// Seeds over which a driver's fuel is averaged.
 const HUMAN_SEEDS: u64 = 4;
 /// Standard deviations of the drivers' aim, m/s.
 const HUMAN_SIGMAS_MPS: [f64; 2] = [2.5 / 3.6, 4.0 / 3.6];
 /// How far a driver lets the truck exceed the set speed, m/s.
 const ABOVE_SET_MPS: f64 = 5.0 / 3.6;
-/// Prices of time between which the bound's trip time is that of the baseline.
+/// Prices of time between which the full-route plan's trip time is that of the baseline.
 const PRICES: (f64, f64) = (0.3, 4.0);
 /// Aims, as parts of the set speed, between which a driver's trip time is that of the baseline.
 const AIMS: (f64, f64) = (0.95, 1.06);
 /// Mean speeds, as parts of the set speed, between which the law's trip time is that of the baseline.
 const MEANS: (f64, f64) = (0.97, 1.04);
 
-/// Roads on which the planner is compared with the bound.
+/// Roads on which the planner is compared with the full-route plan.
 pub const GENERATED: u64 = 10;
 
 /// A truck on a road at constant speed: the baseline.
@@ -57,10 +57,11 @@ impl Baseline {
         self.trip.corrected_l_per_100_km(self.energy_gpj)
     }
 
-    /// Fuel of the full-route dynamic program, percent.
-    pub fn bound_percent(&self) -> Option<f64> {
+    /// Fuel of the dynamic program over the full route, percent. On its grid of kinetic energies that is
+    /// the best plan; on the road another plan can be a little better, so it is no lower bound.
+    pub fn full_route_percent(&self) -> Option<f64> {
         self.change(PRICES, |price| {
-            let (truck, nodes) = (&self.truck, BOUND_NODES);
+            let (truck, nodes) = (&self.truck, FULL_ROUTE_NODES);
             Bound::solve(truck, &self.road, SET_SPEED_MPS, limit_mps(), price, nodes)
         })
     }
@@ -74,7 +75,7 @@ impl Baseline {
         })
     }
 
-    /// Mean fuel of drivers with each of the two deviations of the aim, percent.
+    /// Mean fuel of human driver models with each of the two deviations of the aim, percent.
     pub fn human_percent(&self) -> [Option<f64>; 2] {
         HUMAN_SIGMAS_MPS.map(|sigma_mps| {
             let changes = (1..=HUMAN_SEEDS).map(|seed| {

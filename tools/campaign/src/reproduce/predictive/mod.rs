@@ -5,9 +5,11 @@
 //! that is compared is moved until both need the same time within 0.1 %. Fuel is taken where the road
 //! ends and corrected for the kinetic energy there. Rows marked `driven` come from the process group in
 //! lockstep, rows marked `computed` from the same truck and road without processes.
+//!
+//! The paper prints no table of savings and no parameters: savings are compared with those of the
+//! reconstruction, and only the points of the following figure are the paper's own.
 
-use super::Runner;
-use super::row::Row;
+use super::runner::{Part, Runner, together};
 use controller::laws::truck::Prices;
 use group::DriveStep;
 use group::Error;
@@ -27,22 +29,24 @@ const ROAD_M: f64 = 60e3;
 /// Set speed of the trip, m/s.
 const SET_SPEED_MPS: f64 = 75.0 / 3.6;
 
-pub fn reproduce(runner: &mut Runner<'_>) -> Result<Vec<Row>, Error> {
-    let mut rows = Vec::new();
-    savings::reproduce(runner, &mut rows)?;
-    following::reproduce(runner, &mut rows)?;
-    // Its own pictures show them, over distance.
-    runner.drives.clear();
-    Ok(rows)
+/// Drives the scenarios, computes the plans over the whole route, and compares.
+pub fn reproduce(runner: &Runner<'_>) -> Result<Part, Error> {
+    let mut part = Part::default();
+    let parts: [fn(&Runner<'_>) -> Result<Part, Error>; 2] =
+        [savings::reproduce, following::reproduce];
+    for result in together(parts.map(|reproduce| move || reproduce(runner))) {
+        part.extend(result?);
+    }
+    Ok(part)
 }
 
-/// What came of a trip to the road's end.
+/// A trip to the road's end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Trip {
     time_s: f64,
     /// Fuel at equal kinetic energy at both ends, L/100 km.
     corrected_l_per_100km: f64,
-    /// Part of it that the correction made, L/100 km.
+    /// Part of it that is the correction, L/100 km.
     correction_l_per_100km: f64,
 }
 

@@ -1,7 +1,8 @@
 //! Pictures of trips over distance.
 
 use super::ROAD_M;
-use crate::reproduce::{Driven, Gallery};
+use crate::reproduce::Gallery;
+use crate::reproduce::runner::Driven;
 use group::{DriveStep, PowertrainStep};
 use report::chart::{Axis, Curve, Plot, Tone};
 use scenario::Scenario;
