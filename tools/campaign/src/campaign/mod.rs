@@ -167,7 +167,7 @@ fn conclude(
     } else {
         let results = format!("results: {}\n", output.path().display());
         let page = format!("report:  {}\n", output.path().join(report::FILE).display());
-        report::print::out(&(print::table(&verdict) + &results + &page));
+        report::print::out(&(print::verdict(&verdict) + &results + &page));
     }
     // What was measured has been told before a full disk is.
     written?;

@@ -40,8 +40,8 @@ pub fn page(verdict: &Verdict, times: &Times) -> String {
     );
     let body = [
         tiles(&figures(&verdict.all)),
-        section("Required", &requirements(verdict)),
-        section("Times", &pictures(times)),
+        section("Requirements", &requirements(verdict)),
+        section("Detection and recovery", &pictures(times)),
         section("Runs", &combinations(verdict)),
         failures(verdict),
     ]
@@ -59,12 +59,12 @@ fn figures(all: &Tally) -> Vec<Tile> {
         count("Red lights", all.red_lights),
         count("Safe stops", all.safe_stops),
         count("Aborted", all.aborted),
-        count("Left behind", all.leaks),
+        count("Objects left behind", all.leaks),
     ];
     let least =
-        [("Smallest gap", all.min_gap_m, "m"), ("Least time to collision", all.min_ttc_s, "s")];
+        [("Smallest gap", all.min_gap_m, "m"), ("Smallest time to collision", all.min_ttc_s, "s")];
     tiles.extend(least.into_iter().filter_map(|(label, value, unit)| {
-        let value = format!("{} {unit}", number(value?, 1));
+        let value = format!("{} {unit}", number(value?.max(0.0), 1));
         Some(Tile { label, value, note: String::new() })
     }));
     tiles
@@ -103,9 +103,11 @@ fn pictures(times: &Times) -> String {
         latencies
     };
     let (detection, recovery) = (latencies(&times.detection), latencies(&times.recovery));
-    let drawn =
-        [("until the supervisor knew", &detection), ("until the first fresh message", &recovery)];
-    // In simulated time nothing takes long.
+    let drawn = [
+        ("detected by the supervisor", &detection),
+        ("first message of the restarted process", &recovery),
+    ];
+    // In lockstep all of them are zero.
     let drawn = drawn.into_iter().filter(|(_, l)| l.percentiles_us().is_some_and(|p| p.max > 1.0));
     let drawn: Vec<_> = drawn
         .enumerate()
@@ -116,9 +118,9 @@ fn pictures(times: &Times) -> String {
             latencies,
         })
         .collect();
-    match distributions("From a process fault on", &drawn) {
+    match distributions("Time after a process fault", &drawn) {
         Some(plot) => format!("<div class=\"grid\">\n{}</div>\n", figure(&plot)),
-        None => "<p class=\"quiet\">No process was harmed.</p>\n".to_owned(),
+        None => "<p class=\"quiet\">No process fault was timed.</p>\n".to_owned(),
     }
 }
 
@@ -150,20 +152,20 @@ fn combinations(verdict: &Verdict) -> String {
         ("controller", Column::Text),
         ("fault", Column::Text),
         ("runs", Column::Number),
-        ("whole", Column::Number),
-        ("stops", Column::MoreNumber),
-        ("crashes", Column::Number),
-        ("red", Column::Number),
+        ("completed", Column::Number),
+        ("safe stops", Column::MoreNumber),
+        ("collisions", Column::Number),
+        ("red lights", Column::Number),
         ("aborted", Column::MoreNumber),
         ("min gap, m", Column::MoreNumber),
         ("min TTC, s", Column::MoreNumber),
-        ("back p50, ms", Column::MoreNumber),
-        ("back max, ms", Column::MoreNumber),
+        ("recovery p50, ms", Column::MoreNumber),
+        ("recovery max, ms", Column::MoreNumber),
     ];
     table(&head, &rows)
 }
 
-/// The runs to blame, each with the command that repeats it.
+/// The runs that broke a requirement, each with the command that repeats it.
 fn failures(verdict: &Verdict) -> String {
     if verdict.failures.is_empty() {
         return String::new();
@@ -171,10 +173,7 @@ fn failures(verdict: &Verdict) -> String {
     let rows: Vec<_> = (verdict.failures.iter().take(MAX_FAILURES))
         .map(|failure| vec![failure.run.to_string(), failure.why.clone(), failure.repeat.clone()])
         .collect();
-    let head = [
-        ("run", Column::Number),
-        ("why", Column::Text),
-        ("the command that repeats it", Column::Text),
-    ];
-    section("Runs to blame", &table(&head, &rows))
+    let head =
+        [("run", Column::Number), ("why", Column::Text), ("command that repeats it", Column::Text)];
+    section("Failures", &table(&head, &rows))
 }

@@ -1,8 +1,10 @@
-//! A verdict for people, and the runs as CSV.
+//! A verdict as text, and the runs as CSV.
 
 use super::record::Record;
 use super::tally::Tally;
 use super::verdict::Verdict;
+use report::chart::number;
+use report::table::{self, NONE, TextTable};
 use runtime::statistics::Percentiles;
 use std::fmt::Write;
 
@@ -12,7 +14,7 @@ const SHOWN: usize = 5;
 const MAX_ROWS: usize = 12;
 
 /// The verdict in a table.
-pub fn table(verdict: &Verdict) -> String {
+pub fn verdict(verdict: &Verdict) -> String {
     let mut text = format!(
         "{} ({}): {} of {} runs, {} kills\n",
         verdict.campaign,
@@ -31,19 +33,18 @@ pub fn table(verdict: &Verdict) -> String {
     if rows.len() > 1 {
         rows.push(("all".into(), &verdict.all));
     }
-    let width = rows.iter().map(|(label, _)| label.chars().count()).max().unwrap_or(0);
-    let mut line = |label: &str, cells: [&str; 9]| {
-        let [runs, whole, stops, crashes, reds, aborted, gap, ttc, recovery] = cells;
-        writeln!(
-            text,
-            "  {label:<width$}  {runs:>6} {whole:>6} {stops:>6} {crashes:>6} {reds:>6} \
-             {aborted:>7} {gap:>8} {ttc:>8}  {recovery}"
-        )
-        .expect("a string takes all");
-    };
-    let head = ["runs", "whole", "stops", "crash", "red", "aborted", "min gap", "min TTC"];
-    let [a, b, c, d, e, f, g, h] = head;
-    line("", [a, b, c, d, e, f, g, h, "recovery p50, p99, max"]);
+    let mut rows_of_text = TextTable::of_figures([
+        "",
+        "runs",
+        "completed",
+        "safe stops",
+        "collisions",
+        "red lights",
+        "aborted",
+        "min gap",
+        "min TTC",
+        "recovery p50, p99, max",
+    ]);
     for (label, tally) in rows {
         let counts = [
             tally.runs,
@@ -53,14 +54,18 @@ pub fn table(verdict: &Verdict) -> String {
             tally.red_lights,
             tally.aborted,
         ];
-        let [runs, whole, stops, crashes, reds, aborted] = counts.map(|count| count.to_string());
-        let number = |value: Option<f64>, unit: &str| {
-            value.map_or_else(|| "-".into(), |value| format!("{value:.1} {unit}"))
+        let figure = |value: Option<f64>, unit: &str| {
+            value.map_or_else(|| NONE.into(), |value| format!("{} {unit}", number(value, 1)))
         };
-        let (gap, ttc) = (number(tally.min_gap_m, "m"), number(tally.min_ttc_s, "s"));
-        let recovery = times(tally.recovery_us);
-        line(&label, [&runs, &whole, &stops, &crashes, &reds, &aborted, &gap, &ttc, &recovery]);
+        let (gap, ttc) = (figure(tally.min_gap_m, "m"), figure(tally.min_ttc_s, "s"));
+        let counts = counts.map(|count| count.to_string());
+        rows_of_text.row(std::iter::once(label).chain(counts).chain([
+            gap,
+            ttc,
+            times(tally.recovery_us),
+        ]));
     }
+    text.push_str(&rows_of_text.text());
     text + &totals(verdict) + &requirements(verdict)
 }
 
@@ -139,40 +144,53 @@ fn requirements(verdict: &Verdict) -> String {
     let missing = verdict.planned as u64 - verdict.all.runs;
     let word = match (verdict.ok, missing) {
         (true, _) => "all requirements hold".into(),
-        (false, 0) => "NOT WHAT IS REQUIRED".into(),
-        (false, missing) => format!("NOT WHOLE: {missing} runs are missing"),
+        (false, 0) => "A REQUIREMENT IS BROKEN".into(),
+        (false, missing) => format!("INCOMPLETE: {missing} runs are missing"),
     };
     text + "verdict: " + &word + "\n"
 }
 
+/// Columns of the runs.
+const COLUMNS: [&str; 19] = [
+    "run",
+    "scenario",
+    "controller",
+    "fault",
+    "seed",
+    "outcome",
+    "avoidable",
+    "duration_s",
+    "min_gap_m",
+    "min_ttc_s",
+    "kills",
+    "max_detection_us",
+    "max_recovery_us",
+    "unrecovered",
+    "messages_lost",
+    "disturbed",
+    "corrupted",
+    "undetected",
+    "leaks",
+];
+
 /// One row per run, in their order; a figure that does not apply is empty.
 pub fn csv(records: &[Record]) -> String {
-    let mut text = String::from(
-        "run,scenario,controller,fault,seed,outcome,avoidable,duration_s,min_gap_m,min_ttc_s,\
-         kills,max_detection_us,max_recovery_us,unrecovered,messages_lost,disturbed,corrupted,\
-         undetected,leaks\n",
-    );
-    let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
-    let most = |values: &[f64]| number(values.iter().copied().max_by(f64::total_cmp));
-    let quoted = |word: &str| match word.contains([',', '"']) {
-        true => format!("\"{}\"", word.replace('"', "\"\"")),
-        false => word.to_owned(),
-    };
+    let most = |values: &[f64]| table::field(values.iter().copied().max_by(f64::total_cmp));
     let mut sorted: Vec<_> = records.iter().collect();
     sorted.sort_by_key(|record| record.run);
-    for record in sorted {
+    let rows = sorted.into_iter().map(|record| {
         let outcome = serde_json::to_value(record.outcome).expect("plain data");
-        let cells = [
+        [
             record.run.to_string(),
-            quoted(&record.scenario),
+            record.scenario.clone(),
             record.controller.clone(),
-            quoted(&record.fault),
+            record.fault.clone(),
             record.seed.to_string(),
             outcome.as_str().unwrap_or_default().to_owned(),
             record.avoidable.to_string(),
             record.duration_s.to_string(),
-            number(record.min_gap_m),
-            number(record.min_ttc_s),
+            table::field(record.min_gap_m),
+            table::field(record.min_ttc_s),
             record.kills.to_string(),
             most(&record.detection_us),
             most(&record.recovery_us),
@@ -182,8 +200,7 @@ pub fn csv(records: &[Record]) -> String {
             record.corrupted.to_string(),
             record.undetected.to_string(),
             record.leaks.len().to_string(),
-        ];
-        text.push_str(&(cells.join(",") + "\n"));
-    }
-    text
+        ]
+    });
+    table::csv(COLUMNS, rows)
 }

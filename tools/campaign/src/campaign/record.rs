@@ -44,9 +44,9 @@ pub struct Record {
     /// Longest time that the plant was without the command that was due, ms.
     pub command_overdue_ms: Option<f64>,
     pub messages_lost: u64,
-    /// Messages that faults befell, at all their receivers.
+    /// Messages disturbed by faults, over all their receivers.
     pub disturbed: u64,
-    /// Messages that corruption befell, and how many of them no check refused.
+    /// Messages corrupted by faults.
     pub corrupted: u64,
     pub undetected: u64,
     /// What the run left behind.
@@ -118,7 +118,7 @@ impl Record {
             recovery_us: faults.iter().filter_map(|fault| fault.recovered_after_us).collect(),
             unrecovered: match summary.outcome {
                 Outcome::Completed => unrecovered.count() as u64,
-                // Nobody comes back when the run is over or in its safe state.
+                // No service is restarted after the end or in the safe state.
                 _ => 0,
             },
             rungs_s: (summary.rungs.iter())

@@ -74,7 +74,7 @@ fn stays_clear(
     })
 }
 
-/// The samples at which somebody was ahead. The acceleration of the vehicle ahead is the slope of its
+/// The samples with a vehicle ahead. The acceleration of the vehicle ahead is the slope of its
 /// speed, while it is the same one: a speed that jumps is another vehicle's.
 fn samples(steps: &[DriveStep]) -> Vec<Sample> {
     /// Slope that no vehicle has, m/s².

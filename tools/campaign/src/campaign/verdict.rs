@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn too_few_blame_nobody_and_what_was_not_measured_does_not_hold() {
+    fn too_few_samples_are_no_verdict_and_a_missing_figure_is_a_failure() {
         let few = verdict("min_kills = 1000", WHOLE);
         assert!(!few.ok && few.failures.is_empty());
         let nothing = verdict("min_ttc_s = 1", WHOLE);

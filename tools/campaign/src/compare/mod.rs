@@ -1,5 +1,6 @@
 //! `timegap compare`: controllers side by side on the same scenarios.
 
+mod columns;
 mod page;
 
 use crate::batch::{self, Job};
@@ -10,11 +11,11 @@ use report::RunPicture;
 use report::output::OutputDirectory;
 use report::print;
 use report::summary::{Control, Timing};
+use report::table::{Align, TextTable};
 use std::path::PathBuf;
 
 use runtime::report::Outcome;
 use serde::Serialize;
-use std::fmt::Write;
 use std::process::ExitCode;
 
 #[derive(Debug, Serialize)]
@@ -119,55 +120,59 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
     Ok(if whole { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// The rows for people: one block per scenario.
+/// The rows as text: one table for each scenario.
 fn table(rows: &[Row]) -> String {
-    let mut text = String::new();
-    let mut scenario = None;
-    for row in rows {
-        if scenario != Some(&row.scenario) {
-            scenario = Some(&row.scenario);
-            writeln!(
-                text,
-                "{} ({})\n  {:<18} {:>10} {:>8} {:>8} {:>8} {:>15} {:>8} {:>9} {:>9} {:>8}",
-                row.scenario,
-                row.mode,
-                "",
-                "outcome",
-                "min gap",
-                "min TTC",
-                "gap off",
-                "acceleration",
-                "jerk",
-                "law p50",
-                "law p99",
-                "missed",
-            )
-            .expect("a string takes all");
+    let blocks = rows.chunk_by(|a, b| a.scenario == b.scenario).map(|rows| {
+        let columns = columns::shown(rows);
+        let figures = columns.iter().map(|column| (column.heading, Align::Right));
+        let head = [("", Align::Left), ("outcome", Align::Left)].into_iter().chain(figures);
+        let mut table = TextTable::new(head);
+        for row in rows {
+            let words = [row.controller.clone(), print::outcome_word(row.outcome).to_owned()];
+            table.row(words.into_iter().chain(columns.iter().map(|column| column.cell(row))));
         }
-        let control = &row.control.figures;
-        let number = |value: Option<f64>, unit: &str| {
-            value.map_or_else(|| "-".into(), |value| format!("{value:.1}{unit}"))
+        let (scenario, mode) = (&rows[0].scenario, rows[0].mode);
+        format!("{scenario} ({mode})\n{}", table.text())
+    });
+    blocks.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use report::Following;
+    use runtime::report::ControlFigures;
+
+    /// A row of a car: without fuel, and without deadlines, since it was driven in lockstep.
+    fn row(controller: &str, min_gap_m: f64) -> Row {
+        let figures = ControlFigures {
+            min_gap_m: Some(min_gap_m),
+            rms_gap_error_m: Some(0.5),
+            ..ControlFigures::default()
         };
-        let range = match (control.min_accel_mps2, control.max_accel_mps2) {
-            (Some(low), Some(high)) => format!("{low:.2} to {high:.2}"),
-            _ => "-".into(),
-        };
-        let solve = row.timing.solve_us;
-        writeln!(
-            text,
-            "  {:<18} {:>10} {:>8} {:>8} {:>8} {:>15} {:>8} {:>9} {:>9} {:>8}",
-            row.controller,
-            print::outcome_word(row.outcome),
-            number(control.min_gap_m, " m"),
-            number(control.min_ttc_s, " s"),
-            number(control.final_gap_error_m, " m"),
-            range,
-            number(control.max_abs_jerk_mps3, ""),
-            number(solve.map(|p| p.p50), " µs"),
-            number(solve.map(|p| p.p99), " µs"),
-            row.timing.deadline_misses.map_or_else(|| "-".into(), |misses| misses.to_string()),
-        )
-        .expect("a string takes all");
+        let following = Following { min_time_gap_s: Some(1.25), median_time_gap_s: Some(1.5) };
+        Row {
+            scenario: "following".into(),
+            controller: controller.into(),
+            mode: "lockstep",
+            outcome: Outcome::Completed,
+            control: Control { figures, following, mode_changes: None },
+            timing: Timing::default(),
+            picture: RunPicture::default(),
+        }
     }
-    text
+
+    #[test]
+    fn time_gaps_are_shown_and_columns_without_a_figure_are_not() {
+        let rows = [row("acc-mpc", 20.0), row("six-mode", -0.01)];
+        for text in [table(&rows), page::page(&rows)] {
+            for heading in ["min time gap, s", "median time gap, s", "gap error rms, m"] {
+                assert!(text.contains(heading), "{heading}: {text}");
+            }
+            for heading in ["fuel", "missed", "gap error at the end"] {
+                assert!(!text.contains(heading), "{heading}: {text}");
+            }
+            assert!(!text.contains("-0.0") && !text.contains("−0.0"), "{text}");
+        }
+    }
 }

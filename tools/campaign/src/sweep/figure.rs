@@ -17,96 +17,90 @@ pub enum Fold {
 pub struct Figure {
     /// Name in results.
     pub name: &'static str,
-    /// Heading of its column.
+    /// Heading of its column, with the unit.
     pub heading: &'static str,
-    /// Panel of the picture that it is drawn in.
+    /// Panel of the picture that it is drawn in, with the unit; a count has none.
     pub panel: &'static str,
+    /// Name in the legend of its panel.
+    pub label: &'static str,
     /// How seeds are folded.
     pub fold: Fold,
     /// Its value; none where it does not apply.
     pub of: fn(&Summary) -> Option<f64>,
 }
 
+const GAP_ERROR: &str = "gap error, m";
+const TIME_GAP: &str = "time gap, s";
+const JERK: &str = "jerk, m/s³";
+
 /// All figures, in the order of the columns. None of them depends on the wall clock in lockstep.
-pub const ALL: [Figure; 11] = [
-    Figure {
-        name: "rms_gap_error_m",
-        heading: "gap off rms, m",
-        panel: "gap error, m",
-        fold: Fold::Mean,
-        of: |summary| summary.control.figures.rms_gap_error_m,
-    },
-    Figure {
-        name: "max_abs_gap_error_m",
-        heading: "most, m",
-        panel: "gap error, m",
-        fold: Fold::Most,
-        of: |summary| summary.control.figures.max_abs_gap_error_m,
-    },
-    Figure {
-        name: "rms_jerk_mps3",
-        heading: "jerk rms, m/s³",
-        panel: "jerk, m/s³",
-        fold: Fold::Mean,
-        of: |summary| summary.control.figures.rms_jerk_mps3,
-    },
-    Figure {
-        name: "max_abs_jerk_mps3",
-        heading: "most, m/s³",
-        panel: "jerk, m/s³",
-        fold: Fold::Most,
-        of: |summary| summary.control.figures.max_abs_jerk_mps3,
-    },
-    Figure {
-        name: "min_gap_m",
-        heading: "min gap, m",
-        panel: "smallest gap, m",
-        fold: Fold::Least,
-        of: |summary| summary.control.figures.min_gap_m,
-    },
-    Figure {
-        name: "min_ttc_s",
-        heading: "min TTC, s",
-        panel: "smallest time to collision, s",
-        fold: Fold::Least,
-        of: |summary| summary.control.figures.min_ttc_s,
-    },
-    Figure {
-        name: "stop_line_crossing_s",
-        heading: "crossing, s",
-        panel: "stop line crossed, s",
-        fold: Fold::Mean,
-        of: |summary| summary.control.figures.stop_line_crossing_s,
-    },
-    Figure {
-        name: "fuel_l_per_100km",
-        heading: "L/100 km",
-        panel: "fuel, L/100 km",
-        fold: Fold::Mean,
-        of: |summary| summary.control.figures.fuel_l_per_100km,
-    },
-    Figure {
-        name: "data_age_p50_ms",
-        heading: "data age, ms",
-        panel: "median data age, ms",
-        fold: Fold::Mean,
-        of: |summary| summary.timing.data_age_us.map(|age| age.p50 / 1e3),
-    },
-    Figure {
-        name: "deadline_misses",
-        heading: "missed",
-        panel: "deadlines missed",
-        fold: Fold::Mean,
-        of: |summary| summary.timing.deadline_misses.map(|misses| misses as f64),
-    },
-    Figure {
-        name: "undelivered_commands",
-        heading: "undelivered",
-        panel: "commands not delivered",
-        fold: Fold::Mean,
-        of: |summary| summary.timing.undelivered_commands.map(|commands| commands as f64),
-    },
+pub const ALL: [Figure; 13] = [
+    figure("rms_gap_error_m", "gap error rms, m", GAP_ERROR, "rms", Fold::Mean, |summary| {
+        summary.control.figures.rms_gap_error_m
+    }),
+    figure("max_abs_gap_error_m", "largest, m", GAP_ERROR, "largest", Fold::Most, |summary| {
+        summary.control.figures.max_abs_gap_error_m
+    }),
+    figure("rms_jerk_mps3", "jerk rms, m/s³", JERK, "rms", Fold::Mean, |summary| {
+        summary.control.figures.rms_jerk_mps3
+    }),
+    figure("max_abs_jerk_mps3", "largest, m/s³", JERK, "largest", Fold::Most, |summary| {
+        summary.control.figures.max_abs_jerk_mps3
+    }),
+    figure("min_gap_m", "min gap, m", "smallest gap, m", "smallest gap", Fold::Least, |summary| {
+        summary.control.figures.min_gap_m
+    }),
+    figure(
+        "min_ttc_s",
+        "min TTC, s",
+        "smallest time to collision, s",
+        "smallest",
+        Fold::Least,
+        |s| s.control.figures.min_ttc_s,
+    ),
+    figure("min_time_gap_s", "min time gap, s", TIME_GAP, "shortest", Fold::Least, |summary| {
+        summary.control.following.min_time_gap_s
+    }),
+    figure("median_time_gap_s", "median, s", TIME_GAP, "median", Fold::Mean, |summary| {
+        summary.control.following.median_time_gap_s
+    }),
+    figure(
+        "stop_line_crossing_s",
+        "crossing, s",
+        "stop line crossed, s",
+        "crossed",
+        Fold::Mean,
+        |s| s.control.figures.stop_line_crossing_s,
+    ),
+    figure("fuel_l_per_100km", "L/100 km", "fuel, L/100 km", "fuel", Fold::Mean, |summary| {
+        summary.control.figures.fuel_l_per_100km
+    }),
+    figure("data_age_p50_ms", "data age, ms", "median data age, ms", "median", Fold::Mean, |s| {
+        s.timing.data_age_us.map(|age| age.p50 / 1e3)
+    }),
+    figure("deadline_misses", "missed", "deadlines missed", "missed", Fold::Mean, |summary| {
+        summary.timing.deadline_misses.map(|misses| misses as f64)
+    }),
+    figure(
+        "undelivered_commands",
+        "undelivered",
+        "commands not delivered",
+        "commands",
+        Fold::Mean,
+        |s| s.timing.undelivered_commands.map(|commands| commands as f64),
+    ),
 ];
+
+const fn figure(
+    name: &'static str,
+    heading: &'static str,
+    panel: &'static str,
+    label: &'static str,
+    fold: Fold,
+    of: fn(&Summary) -> Option<f64>,
+) -> Figure {
+    Figure { name, heading, panel, label, fold, of }
+}
 
 /// The figures of one run or point, in the order of [`ALL`].
 pub type Values = [Option<f64>; ALL.len()];

@@ -7,6 +7,7 @@ mod figure;
 mod page;
 mod param;
 mod results;
+mod words;
 
 use crate::batch::{self, Job};
 use clap::Args;
@@ -79,7 +80,14 @@ pub fn run(arguments: &SweepArguments) -> Result<ExitCode, Error> {
     bar.finish_and_clear();
 
     let runs = runs.into_iter().flatten().collect();
-    let sweep = Sweep::new(&arguments.scenario, mode, &params, runs);
+    let mut controllers: Vec<String> = Vec::new();
+    for job in &jobs {
+        let name = job.scenario.controller.name.as_str();
+        if !controllers.iter().any(|known| known == name) {
+            controllers.push(name.to_owned());
+        }
+    }
+    let sweep = Sweep::new(&arguments.scenario, controllers, mode, &params, runs);
     let json = serde_json::to_string_pretty(&sweep).expect("plain data") + "\n";
     let written = output
         .write("sweep.csv", sweep.csv().as_bytes())
@@ -93,7 +101,7 @@ pub fn run(arguments: &SweepArguments) -> Result<ExitCode, Error> {
         print::out(&format!("results: {}\n", output.path().display()));
         print::out(&format!("report:  {}\n", output.path().join(report::FILE).display()));
     }
-    // What was measured has been told before a full disk is.
+    // Printed first: a full disk does not take what was measured.
     written?;
     end?;
     let whole = sweep.runs.iter().all(|run| run.outcome == Outcome::Completed);

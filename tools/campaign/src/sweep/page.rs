@@ -2,6 +2,7 @@
 
 use super::figure::ALL;
 use super::results::{Point, Sweep};
+use super::words;
 use report::chart::{Axis, Curve, Plot, Tone};
 use report::html::{Cell, Column, document, figure, section, table};
 use runtime::report::Outcome;
@@ -23,7 +24,12 @@ pub fn page(sweep: &Sweep) -> String {
     };
     document(
         &format!("Sweep of {}", sweep.scenario),
-        &format!("{} over {}", sweep.mode, sweep.params.join(", ")),
+        &format!(
+            "{} · {} · over {}",
+            sweep.controllers.join(", "),
+            sweep.mode,
+            sweep.params.join(", ")
+        ),
         whole == sweep.runs.len(),
         &verdict,
         &(curves + &section("Points", &points(sweep))),
@@ -51,7 +57,7 @@ pub fn plots(sweep: &Sweep) -> Vec<Plot> {
     for (point, x) in sweep.points.iter().zip(values) {
         let others = sweep.params.iter().zip(&point.values).enumerate();
         let others = others.filter(|(index, _)| *index != place);
-        let name: Vec<_> = others.map(|(_, (key, value))| format!("{key} = {value}")).collect();
+        let name: Vec<_> = others.map(|(_, (key, value))| words::value(key, value)).collect();
         let name = name.join(", ");
         match series.iter_mut().find(|(known, _)| *known == name) {
             Some((_, points)) => points.push((x, point)),
@@ -69,15 +75,23 @@ pub fn plots(sweep: &Sweep) -> Vec<Plot> {
                 let points = points.filter_map(|(x, p)| Some((*x, p.figures.0[index]?)));
                 let points: Vec<_> = points.collect();
                 if !points.is_empty() {
-                    let name = format!("{} {name}", figure.name);
-                    curves.push(Curve::new(name.trim_end(), Tone::Series(curves.len()), points));
+                    // A panel of one figure says it in its title.
+                    let label = match (panel.len(), name.is_empty()) {
+                        (1, false) => name.clone(),
+                        (_, true) => figure.label.to_owned(),
+                        (_, false) => format!("{}, {name}", figure.label),
+                    };
+                    curves.push(Curve::new(&label, Tone::Series(curves.len()), points));
                 }
             }
         }
         let (title, unit) = panel[0].panel.split_once(", ").unwrap_or((panel[0].panel, ""));
         if !curves.is_empty() {
-            let x = Axis::linear(&sweep.params[place], low, high);
-            plots.push(Plot { x, ..Plot::over_time(title, 1.0, unit, curves) });
+            let x = Axis::linear(&words::axis(&sweep.params[place]), low, high);
+            let plot = Plot::over(title, x, unit, curves);
+            let values = plot.curves.iter().flat_map(|curve| &curve.points).map(|point| point.1);
+            let y = if unit.is_empty() { Axis::counts("number", values) } else { plot.y.clone() };
+            plots.push(Plot { y, ..plot });
         }
     }
     plots

@@ -5,6 +5,37 @@ use group::Error;
 /// Most values of one key.
 const MAX_VALUES: usize = 10_000;
 
+/// Why a list of values cannot be read.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ValuesError {
+    /// `A..B` without `/STEP`.
+    #[error("the range has no step")]
+    NoStep,
+    /// Nothing between two commas.
+    #[error("a value is missing")]
+    Missing,
+    /// A list names a value again.
+    #[error("{0} is there twice")]
+    Twice(String),
+    /// A part of a range.
+    #[error("`{0}` is not a number")]
+    NotANumber(String),
+    /// A range that would not move on.
+    #[error("the step {0} is not above 0")]
+    Step(String),
+    /// A range that runs backwards.
+    #[error("the range begins at {from}, after its end {to}")]
+    Backwards {
+        /// Begin.
+        from: String,
+        /// End.
+        to: String,
+    },
+    /// A range of more values than a key may have.
+    #[error("{0:.0} values, more than {MAX_VALUES}")]
+    TooMany(f64),
+}
+
 /// A key and the values that it takes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Param {
@@ -21,14 +52,14 @@ impl Param {
             Error::Usage(format!("--param {argument}: {what}, expected KEY=A..B/STEP or KEY=a,b,c"))
         };
         let (key, list) = argument.split_once('=').ok_or_else(|| refuse("no `=`".into()))?;
-        let values = values(list, None).map_err(refuse)?;
+        let values = values(list, None).map_err(|error| refuse(error.to_string()))?;
         Ok(Self { key: key.trim().into(), values })
     }
 }
 
 /// The values of `A..B/STEP`, both ends included, or of `a,b,c`. Where a range has no step,
 /// `usual_step` is taken, if there is one.
-pub fn values(list: &str, usual_step: Option<&str>) -> Result<Vec<String>, String> {
+pub fn values(list: &str, usual_step: Option<&str>) -> Result<Vec<String>, ValuesError> {
     // A path may have two dots as well; a range begins with a number.
     if let Some((from, rest)) = list.split_once("..")
         && from.trim().parse::<f64>().is_ok()
@@ -36,36 +67,36 @@ pub fn values(list: &str, usual_step: Option<&str>) -> Result<Vec<String>, Strin
         let (to, step) = match (rest.split_once('/'), usual_step) {
             (Some(parts), _) => parts,
             (None, Some(step)) => (rest, step),
-            (None, None) => return Err("the range has no step".into()),
+            (None, None) => return Err(ValuesError::NoStep),
         };
         return range(from.trim(), to.trim(), step.trim());
     }
     let values: Vec<String> = list.split(',').map(|value| value.trim().to_owned()).collect();
     if values.iter().any(String::is_empty) {
-        return Err("a value is missing".into());
+        return Err(ValuesError::Missing);
     }
     if let Some(twice) = values.iter().enumerate().find(|(i, v)| values[..*i].contains(v)) {
-        return Err(format!("{} is there twice", twice.1));
+        return Err(ValuesError::Twice(twice.1.clone()));
     }
     Ok(values)
 }
 
-fn range(from: &str, to: &str, step: &str) -> Result<Vec<String>, String> {
+fn range(from: &str, to: &str, step: &str) -> Result<Vec<String>, ValuesError> {
     let number = |text: &str| match text.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
-        _ => Err(format!("`{text}` is not a number")),
+        _ => Err(ValuesError::NotANumber(text.to_owned())),
     };
     let [first, last, width] = [number(from)?, number(to)?, number(step)?];
     if width <= 0.0 {
-        return Err(format!("the step {step} is not above 0"));
+        return Err(ValuesError::Step(step.to_owned()));
     }
     if first > last {
-        return Err(format!("the range begins at {from}, after its end {to}"));
+        return Err(ValuesError::Backwards { from: from.to_owned(), to: to.to_owned() });
     }
     // The last value may miss the end by rounding alone.
     let count = ((last - first) / width + 1e-9).floor() + 1.0;
     if count > MAX_VALUES as f64 {
-        return Err(format!("{count:.0} values, more than {MAX_VALUES}"));
+        return Err(ValuesError::TooMany(count));
     }
     let decimals = decimals(from).zip(decimals(step)).map(|(from, step)| from.max(step));
     Ok((0..count as usize)

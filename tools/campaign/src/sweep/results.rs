@@ -5,16 +5,18 @@ use super::param::Param;
 use group::Error;
 use report::print;
 use report::summary::Summary;
+use report::table::{self, Align, NONE, TextTable};
 use runtime::Mode;
 use runtime::report::Outcome;
 use serde::ser::{Serialize, SerializeMap, Serializer};
-use std::fmt::Write;
 
 /// The whole sweep.
 #[derive(Debug, serde::Serialize)]
 pub struct Sweep {
     schema_version: u32,
     pub scenario: String,
+    /// Controllers of the runs: one, unless the controller is swept.
+    pub controllers: Vec<String>,
     pub mode: &'static str,
     /// Swept keys.
     pub params: Vec<String>,
@@ -77,7 +79,13 @@ impl Run {
 
 impl Sweep {
     /// Puts the runs, in the grid's order, together.
-    pub fn new(scenario: &str, mode: Mode, params: &[Param], runs: Vec<Run>) -> Self {
+    pub fn new(
+        scenario: &str,
+        controllers: Vec<String>,
+        mode: Mode,
+        params: &[Param],
+        runs: Vec<Run>,
+    ) -> Self {
         let points = runs.chunk_by(|a, b| a.values == b.values).map(|seeds| Point {
             values: seeds[0].values.clone(),
             seeds: seeds.len(),
@@ -89,6 +97,7 @@ impl Sweep {
         Self {
             schema_version: 1,
             scenario: scenario.into(),
+            controllers,
             mode: mode.name(),
             params: params.iter().map(|param| param.key.clone()).collect(),
             points: points.collect(),
@@ -99,60 +108,35 @@ impl Sweep {
     /// One row per run; a figure that does not apply is empty.
     pub fn csv(&self) -> String {
         let names = ALL.iter().map(|figure| figure.name);
-        let head: Vec<_> = (self.params.iter().map(String::as_str))
-            .chain(["seed", "outcome"])
-            .chain(names)
-            .collect();
-        let mut text = head.join(",") + "\n";
-        for run in &self.runs {
-            let numbers = run
-                .figures
-                .0
-                .iter()
-                .map(|value| value.map_or_else(String::new, |value| value.to_string()));
+        let head = self.params.iter().map(String::as_str).chain(["seed", "outcome"]).chain(names);
+        let rows = self.runs.iter().map(|run| {
             let outcome = serde_json::to_value(run.outcome).expect("plain data");
             let outcome = outcome.as_str().unwrap_or_default().to_owned();
-            let row: Vec<_> = (run.values.iter().cloned())
-                .chain([run.seed.to_string(), outcome])
-                .chain(numbers)
-                .collect();
-            text.push_str(&(row.join(",") + "\n"));
-        }
-        text
+            let figures = run.figures.0.iter().map(|value| table::field(*value));
+            let first = run.values.iter().cloned().chain([run.seed.to_string(), outcome]);
+            first.chain(figures).collect::<Vec<_>>()
+        });
+        table::csv(head, rows)
     }
 
-    /// One row per point, for people. Columns in which nothing applies are left out.
+    /// One row per point, as text.
     pub fn table(&self) -> String {
-        let shown: Vec<_> = (0..ALL.len())
-            .filter(|&index| self.points.iter().any(|point| point.figures.0[index].is_some()))
-            .collect();
-        let seeds = self.points.iter().map(|point| point.seeds).max().unwrap_or(0);
-        let of_seeds = if seeds > 1 { format!(", {seeds} seeds each") } else { String::new() };
-        let mut text =
-            format!("{} ({}): {} points{of_seeds}\n", self.scenario, self.mode, self.points.len());
-        let mut row = |cells: Vec<String>, tail: String| {
-            let widths = self.params.iter().map(|key| key.chars().count().max(8));
-            let widths = widths.chain(shown.iter().map(|&index| width(ALL[index].heading)));
-            for (cell, width) in cells.iter().zip(widths) {
-                write!(text, "  {cell:>width$}").expect("a string takes all");
-            }
-            writeln!(text, "  {tail}").expect("a string takes all");
-        };
-        let headings = shown.iter().map(|&index| ALL[index].heading.to_owned());
-        row(self.params.iter().cloned().chain(headings).collect(), "outcome".into());
+        let params = self.params.iter().map(|key| (key.as_str(), Align::Right));
+        let figures = ALL.iter().map(|figure| (figure.heading, Align::Right));
+        let mut table = TextTable::new(params.chain(figures).chain([("outcome", Align::Left)]));
         for (point, runs) in self.points.iter().zip(self.runs.chunk_by(|a, b| a.values == b.values))
         {
-            let figures = shown.iter().map(|&index| {
-                point.figures.0[index].map_or_else(|| "-".into(), |value| format!("{value:.2}"))
-            });
-            row(point.values.iter().cloned().chain(figures).collect(), outcomes(runs));
+            let figure =
+                |value: &Option<f64>| value.map_or_else(|| NONE.into(), |v| format!("{v:.2}"));
+            let figures = point.figures.0.iter().map(figure);
+            table.row(point.values.iter().cloned().chain(figures).chain([outcomes(runs)]));
         }
-        text
+        let seeds = self.points.iter().map(|point| point.seeds).max().unwrap_or(0);
+        let of_seeds = if seeds > 1 { format!(", {seeds} seeds each") } else { String::new() };
+        let controllers = self.controllers.join(", ");
+        let (scenario, mode, points) = (&self.scenario, self.mode, self.points.len());
+        format!("{scenario} ({controllers}, {mode}): {points} points{of_seeds}\n{}", table.text())
     }
-}
-
-fn width(heading: &str) -> usize {
-    heading.chars().count().max(7)
 }
 
 /// How the runs of one point ended: `completed`, or how many did what else.
@@ -191,7 +175,7 @@ mod tests {
             run("20", 1, Outcome::Completed, None),
             run("20", 2, Outcome::Collision, Some(-0.1)),
         ];
-        (Sweep::new("x", Mode::Lockstep, &params, runs), params)
+        (Sweep::new("x", vec!["acc-mpc".into()], Mode::Lockstep, &params, runs), params)
     }
 
     #[test]
@@ -211,7 +195,7 @@ mod tests {
         let csv = sweep.csv();
         let lines: Vec<_> = csv.lines().collect();
         assert!(lines[0].starts_with("runtime.extra_delay_ms,seed,outcome,rms_gap_error_m,"));
-        assert_eq!(lines[3], "20,1,completed,2,,,,,,,,,,");
+        assert_eq!(lines[3], "20,1,completed,2,,,,,,,,,,,,");
         assert!(lines[4].starts_with("20,2,collision,2,,,,-0.1,"));
     }
 
@@ -223,14 +207,40 @@ mod tests {
     }
 
     #[test]
+    fn the_page_names_the_controller_and_its_legends_are_words() {
+        let (sweep, _) = sweep();
+        let page = page::page(&sweep);
+        assert!(page.contains("acc-mpc"), "{page}");
+        let (head, _) = page.split_once("<h2>Points</h2>").expect("a table of points");
+        assert!(!head.contains("rms_gap_error_m") && !head.contains("min_gap_m"), "{head}");
+        assert!(sweep.table().starts_with("x (acc-mpc, lockstep)"), "{}", sweep.table());
+    }
+
+    #[test]
+    fn a_count_has_an_axis_from_zero() {
+        let (mut sweep, _) = sweep();
+        let missed = ALL.iter().position(|figure| figure.name == "deadline_misses");
+        for point in &mut sweep.points {
+            point.figures.0[missed.expect("a figure")] = Some(0.0);
+        }
+        let plots = page::plots(&sweep);
+        let plot = plots.iter().find(|plot| plot.title == "deadlines missed").expect("drawn");
+        assert_eq!(plot.y.share(0.0), 0.0, "{:?}", plot.y);
+    }
+
+    #[test]
     fn the_pictures_are_over_the_first_key_that_is_a_number() {
         let (sweep, _) = sweep();
         let plots = page::plots(&sweep);
         assert!(plots.iter().any(|plot| plot.title == "smallest gap" && plot.y.label == "m"));
-        assert!(plots.iter().all(|plot| plot.x.label == "runtime.extra_delay_ms"));
+        assert!(
+            plots.iter().all(|plot| plot.x.label == "extra delay, ms (runtime.extra_delay_ms)")
+        );
         let params = [Param::parse("controller.name=a,b").expect("good")];
         let runs =
             vec![run("a", 1, Outcome::Completed, None), run("b", 1, Outcome::Completed, None)];
-        assert!(page::plots(&Sweep::new("x", Mode::Lockstep, &params, runs)).is_empty());
+        assert!(
+            page::plots(&Sweep::new("x", Vec::new(), Mode::Lockstep, &params, runs)).is_empty()
+        );
     }
 }
