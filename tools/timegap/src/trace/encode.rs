@@ -11,16 +11,14 @@ use std::collections::BTreeMap;
 
 /// Track that all others belong to.
 const RUN: u64 = 1;
-/// Track of incidents that befall nobody in particular.
+/// Track of incidents that concern no single service.
 const INCIDENTS: u64 = 2;
-/// First of the cores' tracks.
-const CORES: u64 = 1_000;
 /// First of the services' tracks.
 const SERVICES: u64 = 10_000;
 /// First of the counters' tracks.
 const COUNTERS: u64 = 20_000;
 
-/// How the tracks are called and where the cycles ran.
+/// Names of the tracks, and what the run's settings were.
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
     /// Name of the whole.
@@ -29,8 +27,6 @@ pub struct Frame {
     pub started_unix_ns: i64,
     /// What the kernel granted to each service, in words.
     pub granted: BTreeMap<Service, String>,
-    /// Core that each service was pinned to.
-    pub cores: BTreeMap<Service, usize>,
     /// Deadline of the control cycles, ns.
     pub deadline_ns: i64,
 }
@@ -44,7 +40,7 @@ pub fn encode(timeline: &Timeline, frame: &Frame) -> Vec<u8> {
             .map(|track| TracePacket { track_descriptor: Some(track), ..packet() }),
     );
     let mut events = cycles(timeline, frame);
-    events.extend(core_busy(timeline, frame));
+    events.extend(publications(timeline));
     events.extend(timeline.incidents.iter().map(|incident| {
         let track = incident.service.map_or(INCIDENTS, service_track);
         let category =
@@ -96,7 +92,7 @@ fn service_track(service: Service) -> u64 {
     SERVICES + service.index() as u64
 }
 
-/// The run, and below it: incidents, services in the order of the data's way, cores, figures.
+/// The run, and below it: incidents, services in the order of the data's way, figures.
 fn tracks(timeline: &Timeline, frame: &Frame) -> Vec<TrackDescriptor> {
     let mut rank = 0;
     let mut child = |uuid: u64, name: String| {
@@ -123,8 +119,6 @@ fn tracks(timeline: &Timeline, frame: &Frame) -> Vec<TrackDescriptor> {
         let name = format!("{service} {granted}").trim_end().to_owned();
         tracks.push(child(service_track(service), name));
     }
-    let cores: std::collections::BTreeSet<usize> = frame.cores.values().copied().collect();
-    tracks.extend(cores.iter().map(|core| child(CORES + *core as u64, format!("core {core}"))));
     for (index, counter) in timeline.counters.iter().enumerate() {
         let track = child(COUNTERS + index as u64, counter.name.into());
         let unit = CounterDescriptor { unit_name: Some(counter.unit.into()) };
@@ -154,15 +148,13 @@ fn end(track: u64) -> TrackEvent {
     }
 }
 
-/// A slice for every cycle, with its wait for the start inside where it is known, and arrows along
-/// the chains.
+/// A slice for every cycle, with its wait for the start inside where it is known, and the arrows of
+/// the chains as far as they pass through controller and plant.
 fn cycles(timeline: &Timeline, frame: &Frame) -> Vec<Event> {
     let mut leaving: BTreeMap<usize, Vec<u64>> = BTreeMap::new();
     let mut arriving: BTreeMap<usize, Vec<u64>> = BTreeMap::new();
     for (flow, chain) in (1..).zip(&timeline.chains) {
-        for cycle in [chain.radar, Some(chain.control)].into_iter().flatten() {
-            leaving.entry(cycle).or_default().push(flow);
-        }
+        leaving.entry(chain.control).or_default().push(flow);
         if let Some(cycle) = chain.plant {
             arriving.entry(cycle).or_default().push(flow);
         }
@@ -215,42 +207,20 @@ fn annotations(cycle: &Cycle) -> Vec<DebugAnnotation> {
     ]
 }
 
-/// When some service pinned to a core was in a cycle, and which.
-fn core_busy(timeline: &Timeline, frame: &Frame) -> Vec<Event> {
-    let mut by_core: BTreeMap<usize, Vec<&Cycle>> = BTreeMap::new();
-    for cycle in &timeline.cycles {
-        if let Some(core) = frame.cores.get(&cycle.service) {
-            by_core.entry(*core).or_default().push(cycle);
+/// The publication of each radar message that a command was computed from, where its arrows begin.
+fn publications(timeline: &Timeline) -> Vec<Event> {
+    let mut flows: BTreeMap<(usize, i64), Vec<u64>> = BTreeMap::new();
+    for (flow, chain) in (1..).zip(&timeline.chains) {
+        if let Some(radar) = chain.radar {
+            flows.entry((radar, chain.radar_publish_ns)).or_default().push(flow);
         }
     }
-    let mut events = Vec::new();
-    for (core, mut cycles) in by_core {
-        let track = CORES + core as u64;
-        cycles.sort_by_key(|cycle| cycle.release_ns);
-        let mut busy: Option<(i64, i64, Vec<&str>)> = None;
-        for cycle in cycles {
-            let (from, to, name) = (cycle.release_ns, cycle.finish_ns, cycle.service.name());
-            match &mut busy {
-                Some((_, until, names)) if from <= *until => {
-                    *until = to.max(*until);
-                    if !names.contains(&name) {
-                        names.push(name);
-                    }
-                }
-                _ => {
-                    events.extend(busy.take().into_iter().flat_map(|busy| slice(track, busy)));
-                    busy = Some((from, to, vec![name]));
-                }
-            }
-        }
-        events.extend(busy.into_iter().flat_map(|busy| slice(track, busy)));
-    }
-    events
-}
-
-fn slice(track: u64, (from, to, names): (i64, i64, Vec<&str>)) -> [Event; 2] {
-    let begin = event(EventType::SliceBegin, track, "core", &names.join(" + "));
-    [(from, begin), (to.max(from), end(track))]
+    let publication = |((radar, at_ns), flow_ids): ((usize, i64), Vec<u64>)| {
+        let track = service_track(timeline.cycles[radar].service);
+        let instant = event(EventType::Instant, track, "publication", "radar published");
+        (at_ns, TrackEvent { flow_ids, ..instant })
+    };
+    flows.into_iter().map(publication).collect()
 }
 
 #[cfg(test)]
@@ -263,9 +233,7 @@ mod tests {
     }
 
     fn decoded(timeline: &Timeline) -> Vec<TracePacket> {
-        let services = [Service::Plant, Service::PerceptionSim];
-        let cores = services.into_iter().map(|service| (service, 0)).collect();
-        let frame = Frame { cores, deadline_ns: 100, ..Frame::default() };
+        let frame = Frame { deadline_ns: 100, ..Frame::default() };
         Trace::decode(encode(timeline, &frame).as_slice()).expect("what was encoded").packet
     }
 
@@ -300,7 +268,12 @@ mod tests {
                 cycle(Service::PerceptionSim, 0, 0, 30),
                 control,
             ],
-            chains: vec![Chain { radar: Some(2), control: 3, plant: Some(1) }],
+            chains: vec![Chain {
+                radar: Some(2),
+                radar_publish_ns: 25,
+                control: 3,
+                plant: Some(1),
+            }],
             ..Timeline::default()
         };
         let packets = decoded(&timeline);
@@ -311,8 +284,22 @@ mod tests {
         assert_eq!((with_flow, ending.len()), (2, 1));
         assert_eq!(ending[0].track_uuid, Some(service_track(Service::Plant)));
         assert!(events.iter().any(|event| event.name() == "compute"));
-        // Plant and perception share the core from 0 to 30.
-        assert!(events.iter().any(|event| event.name() == "plant + perception-sim"));
+        let radar = packets.iter().find(|packet| {
+            packet.track_event.as_ref().is_some_and(|event| event.name() == "radar published")
+        });
+        let radar = radar.expect("the arrow begins at the publication");
+        assert_eq!(radar.timestamp, Some(25), "neither at the release nor at the cycle's end");
+        assert_eq!(radar.track_event.as_ref().map(|e| e.flow_ids.clone()), Some(vec![1]));
+    }
+
+    #[test]
+    fn no_track_pretends_to_show_a_processor() {
+        let timeline =
+            Timeline { cycles: vec![cycle(Service::Plant, 0, 0, 10)], ..Timeline::default() };
+        let names =
+            decoded(&timeline).into_iter().filter_map(|packet| packet.track_descriptor?.name);
+        let names: Vec<_> = names.collect();
+        assert!(names.iter().all(|name| !name.starts_with("core")), "{names:?}");
     }
 
     #[test]

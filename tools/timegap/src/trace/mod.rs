@@ -1,9 +1,11 @@
 //! `timegap trace`: a recorded run for Perfetto (<https://ui.perfetto.dev>).
 //!
-//! One track per service with a slice per cycle, one per core with what ran there, arrows along the
-//! chains from radar over controller to plant, missed deadlines and faults as instants, and the
-//! drive's figures. Times are the messages' own stamps: a cycle is seen from its scheduled release
-//! to its last publication.
+//! One track per service with a slice per cycle, arrows along the chains from radar over controller
+//! to plant, missed deadlines and faults as instants, and the drive's figures. Times are the
+//! messages' own stamps: a slice reaches from the scheduled release of its cycle to the cycle's last
+//! publication. That is response time, waits included, and not use of a processor: messages do not
+//! carry what a processor did, so there is no track for one. An arrow leaves where the radar's message
+//! was published.
 
 mod encode;
 mod proto;
@@ -100,7 +102,6 @@ pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Error> {
 fn frame(recording: &Recording, scenario: &Scenario) -> Frame {
     let metadata = recording.metadata();
     let of = |service: Service| metadata.scheduling.get(service.name());
-    let cores = Service::ALL.into_iter().filter_map(|s| Some((s, of(s)?.core?))).collect();
     let granted = Service::ALL.into_iter().filter_map(|service| {
         let granted = of(service)?;
         let core = granted.core.map_or_else(String::new, |core| format!(", core {core}"));
@@ -115,7 +116,6 @@ fn frame(recording: &Recording, scenario: &Scenario) -> Frame {
         ),
         started_unix_ns: metadata.started_unix_ns,
         granted: granted.collect(),
-        cores,
         deadline_ns: i64::from(scenario.controller.deadline().value()) * 1_000_000,
     }
 }

@@ -1,4 +1,4 @@
-//! What a recording tells of time: the services' cycles, the chains through them, what went wrong.
+//! The times in a recording: the services' cycles, the chains through them, incidents.
 
 use messages::Service;
 use messages::{Command, Header, Odometry, RadarTracks, VehicleTruth};
@@ -14,7 +14,7 @@ pub struct Timeline {
     pub cycles: Vec<Cycle>,
     /// Chains from the radar through the controller to the plant.
     pub chains: Vec<Chain>,
-    /// What went wrong and can be placed in time.
+    /// Misses, faults and restarts.
     pub incidents: Vec<Incident>,
     /// Figures of the drive: name, unit, samples.
     pub counters: Vec<Counter>,
@@ -23,15 +23,15 @@ pub struct Timeline {
 /// One cycle, from its scheduled release to the last message that it published.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cycle {
-    /// Whose.
+    /// The service.
     pub service: Service,
-    /// Which restart of it.
+    /// Number of its restart.
     pub incarnation: u32,
     /// Simulation step.
     pub step: u64,
     /// Scheduled release.
     pub release_ns: i64,
-    /// When it began to work, where the service tells.
+    /// Start of its work, where the service's messages carry it.
     pub start_ns: Option<i64>,
     /// Last publication.
     pub finish_ns: i64,
@@ -43,20 +43,22 @@ pub struct Cycle {
 pub struct Chain {
     /// The radar's cycle.
     pub radar: Option<usize>,
+    /// When the radar's message was published.
+    pub radar_publish_ns: i64,
     /// The controller's.
     pub control: usize,
     /// The first of the plant's that acted on it.
     pub plant: Option<usize>,
 }
 
-/// Something that went wrong.
+/// A miss, a fault or a restart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Incident {
-    /// To whom; none if to nobody in particular.
+    /// The service concerned; none if no single one is.
     pub service: Option<Service>,
-    /// When.
+    /// Instant.
     pub at_ns: i64,
-    /// What.
+    /// What happened.
     pub what: String,
 }
 
@@ -96,7 +98,7 @@ fn stamps(record: &Record<'_>) -> (Header, Option<i64>) {
 fn cycles<'a>(records: impl Iterator<Item = Record<'a>>) -> Vec<Cycle> {
     let mut cycles: BTreeMap<(usize, u32, u64), Cycle> = BTreeMap::new();
     for record in records {
-        // A sign of life is sent beside the cycle's work.
+        // A heartbeat is not part of a cycle.
         let Some(service) = record.topic.source() else { continue };
         let (header, start_ns) = stamps(&record);
         let key = (service.index(), header.incarnation, header.step);
@@ -108,7 +110,7 @@ fn cycles<'a>(records: impl Iterator<Item = Record<'a>>) -> Vec<Cycle> {
             start_ns: None,
             finish_ns: header.publish_ns,
         });
-        // A radar with latency tells of a time before its release.
+        // A radar with latency acquires before its release.
         cycle.release_ns = cycle.release_ns.max(header.acquisition_ns);
         cycle.start_ns = cycle.start_ns.or(start_ns);
         cycle.finish_ns = cycle.finish_ns.max(header.publish_ns);
@@ -139,6 +141,7 @@ fn chains(recording: &Recording, cycles: &[Cycle]) -> Vec<Chain> {
             let radar_ns = header.origins.radar.publish_ns;
             Some(Chain {
                 radar: radars.get(&radar_ns).copied().flatten(),
+                radar_publish_ns: radar_ns,
                 control: cycle_of(Service::Controller, &header)?,
                 plant: acted.get(&radar_ns).copied(),
             })
