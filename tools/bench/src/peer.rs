@@ -39,7 +39,7 @@ pub mod metronome {
     pub const STOP: u32 = 2;
 }
 
-/// Wake-ups that are not counted, since they meet pages and caches as nobody left them.
+/// First wake-ups, which are not counted: pages and caches are still cold.
 const WARM_UP: u64 = 10;
 
 /// What a process is to do.
@@ -84,7 +84,7 @@ pub struct Outcome {
 pub fn run(root: &Path, job: &str) -> Result<ExitCode, Error> {
     let job: Job = serde_json::from_str(job)
         .map_err(|e| Error::Usage(format!("a process of `timegap bench`: {e}")))?;
-    // Whatever ends the benchmark ends this process.
+    // This process ends with the benchmark.
     set_parent_process_death_signal(Some(Signal::KILL))
         .map_err(|e| Error::Machine(format!("cannot follow the parent process: {e}")))?;
     if getppid() != Pid::from_raw(job.parent.cast_signed()) {

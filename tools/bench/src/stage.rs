@@ -15,7 +15,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Priorities, as a group's services have them: whoever wakes goes before who is woken.
+/// Priorities, as a group's services have them: the source runs before the sink.
 const SOURCE_PRIORITY: u8 = 81;
 const SINK_PRIORITY: u8 = 80;
 /// The metronome goes before every service: it sees the machine and nothing of ours.
