@@ -452,7 +452,7 @@ mod tests {
     fn the_step_of_the_acceleration_at_a_stop_is_no_jerk() {
         let mut referee = Referee::new(&scenario("following"));
         let motion = [(0.05, -2.5), (0.025, -2.5), (0.0, 0.0), (0.0, 0.0), (0.001, 0.1)];
-        for (index, (speed, acceleration)) in (0_i64..).zip(motion) {
+        for (index, (speed, acceleration)) in (0..).zip(motion) {
             referee.observe(index * PERIOD_NS, &state(0.0, speed, acceleration), None, &[]);
         }
         let jerk = referee.figures().max_abs_jerk_mps3.expect("five samples");
