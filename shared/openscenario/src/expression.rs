@@ -1,0 +1,382 @@
+//! `${expressions}` of attribute values.
+//!
+//! Operators by precedence, highest first: unary `-` and `not`, functions; `*`, `/`, `%`; `+`, `-`;
+//! `and`; `or`. Functions: round, floor, ceil, sqrt, pow, sign, abs, max, min, sin, cos, tan, asin, acos,
+//! atan. Names of parameters begin with `$`.
+
+use serde::{Deserialize, Serialize};
+
+/// Deepest nesting of parentheses.
+const MAX_DEPTH: usize = 100;
+
+/// A value of a parameter, variable or attribute.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Value {
+    /// A truth value.
+    Boolean(bool),
+    /// A number, whole numbers included.
+    Number(f64),
+    /// Any other text.
+    Text(String),
+}
+
+impl Value {
+    /// Reads a literal: a number, `true` or `false`, or else text.
+    #[must_use]
+    pub fn literal(text: &str) -> Self {
+        match text.trim() {
+            "true" => Self::Boolean(true),
+            "false" => Self::Boolean(false),
+            trimmed => match number(trimmed) {
+                Some(value) => Self::Number(value),
+                None => Self::Text(text.to_owned()),
+            },
+        }
+    }
+
+    /// The number, if it is one.
+    #[must_use]
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Self::Number(value) => Some(*value),
+            Self::Text(text) => number(text.trim()),
+            Self::Boolean(_) => None,
+        }
+    }
+
+    /// The text as an attribute holds it.
+    #[must_use]
+    pub fn text(&self) -> String {
+        match self {
+            Self::Boolean(value) => value.to_string(),
+            Self::Number(value) => value.to_string(),
+            Self::Text(text) => text.clone(),
+        }
+    }
+}
+
+/// A finite number, or an infinite one spelt `INF`.
+fn number(text: &str) -> Option<f64> {
+    match text {
+        "INF" | "inf" => Some(f64::INFINITY),
+        "-INF" | "-inf" => Some(f64::NEG_INFINITY),
+        _ => text.parse::<f64>().ok().filter(|value| value.is_finite()),
+    }
+}
+
+/// Why an expression has no value.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Fault<E> {
+    /// The expression itself: what is wrong, what would have been right.
+    Expression(String, String),
+    /// A parameter in it.
+    Parameter(E),
+}
+
+type Result<E> = std::result::Result<Value, Fault<E>>;
+
+/// The value of what stands between `${` and `}`. `parameter` gives the value of a name.
+///
+/// # Errors
+/// When it is no expression, a type does not fit, or a parameter has no value.
+pub fn evaluate<E>(
+    text: &str,
+    parameter: &mut dyn FnMut(&str) -> std::result::Result<Value, E>,
+) -> Result<E> {
+    let mut parser = Parser { text, at: 0, depth: 0, parameter };
+    let value = parser.or()?;
+    parser.space();
+    if parser.at < text.len() {
+        return wrong(format!("`{}` is left over", &text[parser.at..]), "an operator");
+    }
+    match value {
+        Value::Number(number) if !number.is_finite() => {
+            wrong(format!("`{text}` is not a finite number"), "a finite number")
+        }
+        value => Ok(value),
+    }
+}
+
+fn wrong<E>(what: impl Into<String>, expected: &str) -> Result<E> {
+    Err(Fault::Expression(what.into(), expected.to_owned()))
+}
+
+struct Parser<'a, E> {
+    text: &'a str,
+    at: usize,
+    depth: usize,
+    parameter: &'a mut dyn FnMut(&str) -> std::result::Result<Value, E>,
+}
+
+impl<'a, E> Parser<'a, E> {
+    fn or(&mut self) -> Result<E> {
+        let mut left = self.and()?;
+        while self.word("or") {
+            let right = self.and()?;
+            left = Value::Boolean(self.boolean(&left)? | self.boolean(&right)?);
+        }
+        Ok(left)
+    }
+
+    fn and(&mut self) -> Result<E> {
+        let mut left = self.sum()?;
+        while self.word("and") {
+            let right = self.sum()?;
+            left = Value::Boolean(self.boolean(&left)? & self.boolean(&right)?);
+        }
+        Ok(left)
+    }
+
+    fn sum(&mut self) -> Result<E> {
+        let mut left = self.product()?;
+        while let Some(sign) = self.any(&['+', '-']) {
+            let right = self.product()?;
+            let (a, b) = (self.number(&left)?, self.number(&right)?);
+            left = Value::Number(if sign == '+' { a + b } else { a - b });
+        }
+        Ok(left)
+    }
+
+    fn product(&mut self) -> Result<E> {
+        let mut left = self.unary()?;
+        while let Some(sign) = self.any(&['*', '/', '%']) {
+            let right = self.unary()?;
+            let (a, b) = (self.number(&left)?, self.number(&right)?);
+            if sign != '*' && b == 0.0 {
+                return wrong("a division by 0", "a divisor other than 0");
+            }
+            left = Value::Number(match sign {
+                '*' => a * b,
+                '/' => a / b,
+                _ => a % b,
+            });
+        }
+        Ok(left)
+    }
+
+    fn unary(&mut self) -> Result<E> {
+        self.depth += 1;
+        if self.depth > MAX_DEPTH {
+            return wrong("it is nested too deeply", "at most 100 levels");
+        }
+        let value = if self.any(&['-']).is_some() {
+            let value = self.unary()?;
+            Ok(Value::Number(-self.number(&value)?))
+        } else if self.word("not") {
+            let value = self.unary()?;
+            Ok(Value::Boolean(!self.boolean(&value)?))
+        } else {
+            self.primary()
+        };
+        self.depth -= 1;
+        value
+    }
+
+    fn primary(&mut self) -> Result<E> {
+        self.space();
+        let rest = &self.text[self.at..];
+        match rest.chars().next() {
+            Some('(') => {
+                self.at += 1;
+                let value = self.or()?;
+                self.close()?;
+                Ok(value)
+            }
+            Some('$') => {
+                let name = self.name(1);
+                (self.parameter)(name).map_err(Fault::Parameter)
+            }
+            Some(c) if c.is_ascii_digit() || c == '.' => self.literal(),
+            Some(c) if c.is_ascii_alphabetic() => {
+                let name = self.name(0);
+                match name {
+                    "true" => Ok(Value::Boolean(true)),
+                    "false" => Ok(Value::Boolean(false)),
+                    _ => self.call(name),
+                }
+            }
+            _ => wrong(
+                format!("`{}` ends too early", self.text),
+                "a number, a `$parameter`, a function or a parenthesis",
+            ),
+        }
+    }
+
+    fn literal(&mut self) -> Result<E> {
+        let bytes = self.text.as_bytes();
+        let start = self.at;
+        while self.at < bytes.len() {
+            let byte = bytes[self.at];
+            let exponent = matches!(byte, b'+' | b'-') && matches!(bytes[self.at - 1], b'e' | b'E');
+            if !(byte.is_ascii_digit() || matches!(byte, b'.' | b'e' | b'E') || exponent) {
+                break;
+            }
+            self.at += 1;
+        }
+        let text = &self.text[start..self.at];
+        match number(text) {
+            Some(value) => Ok(Value::Number(value)),
+            None => wrong(format!("`{text}` is not a number"), "a number"),
+        }
+    }
+
+    fn call(&mut self, name: &str) -> Result<E> {
+        let arguments = match name {
+            "pow" | "max" | "min" => 2,
+            "round" | "floor" | "ceil" | "sqrt" | "sign" | "abs" | "sin" | "cos" | "tan" | "asin"
+            | "acos" | "atan" => 1,
+            _ => {
+                return wrong(
+                    format!("`{name}` is not a function (a parameter begins with `$`)"),
+                    "round, floor, ceil, sqrt, pow, sign, abs, max, min, sin, cos, tan, asin, acos or atan",
+                );
+            }
+        };
+        if self.any(&['(']).is_none() {
+            return wrong(format!("`{name}` has no arguments"), "`(`");
+        }
+        let first = self.or()?;
+        let first = self.number(&first)?;
+        let second = if arguments == 2 {
+            if self.any(&[',']).is_none() {
+                return wrong(format!("`{name}` has one argument"), "two");
+            }
+            let second = self.or()?;
+            self.number(&second)?
+        } else {
+            0.0
+        };
+        self.close()?;
+        let value = match name {
+            "pow" => libm::pow(first, second),
+            "max" => first.max(second),
+            "min" => first.min(second),
+            "round" => libm::round(first),
+            "floor" => libm::floor(first),
+            "ceil" => libm::ceil(first),
+            "sqrt" => libm::sqrt(first),
+            "sign" if first == 0.0 => 0.0,
+            "sign" => first.signum(),
+            "abs" => first.abs(),
+            "sin" => libm::sin(first),
+            "cos" => libm::cos(first),
+            "tan" => libm::tan(first),
+            "asin" => libm::asin(first),
+            "acos" => libm::acos(first),
+            _ => libm::atan(first),
+        };
+        Ok(Value::Number(value))
+    }
+
+    fn close(&mut self) -> std::result::Result<(), Fault<E>> {
+        match self.any(&[')']) {
+            Some(_) => Ok(()),
+            None => Err(Fault::Expression(
+                format!("a parenthesis of `{}` is not closed", self.text),
+                "`)`".to_owned(),
+            )),
+        }
+    }
+
+    fn number(&self, value: &Value) -> std::result::Result<f64, Fault<E>> {
+        value.number().ok_or_else(|| {
+            Fault::Expression(format!("`{}` is not a number", value.text()), "a number".to_owned())
+        })
+    }
+
+    fn boolean(&self, value: &Value) -> std::result::Result<bool, Fault<E>> {
+        match value {
+            Value::Boolean(value) => Ok(*value),
+            other => Err(Fault::Expression(
+                format!("`{}` is not a truth value", other.text()),
+                "true or false".to_owned(),
+            )),
+        }
+    }
+
+    fn space(&mut self) {
+        let rest = &self.text[self.at..];
+        self.at += rest.len() - rest.trim_start().len();
+    }
+
+    /// Takes one of these characters.
+    fn any(&mut self, signs: &[char]) -> Option<char> {
+        self.space();
+        let next = self.text[self.at..].chars().next().filter(|c| signs.contains(c))?;
+        self.at += next.len_utf8();
+        Some(next)
+    }
+
+    /// Takes this word.
+    fn word(&mut self, word: &str) -> bool {
+        self.space();
+        let rest = &self.text[self.at..];
+        let ends = |c: char| !(c.is_alphanumeric() || c == '_');
+        let found =
+            rest.strip_prefix(word).is_some_and(|after| after.chars().next().is_none_or(ends));
+        if found {
+            self.at += word.len();
+        }
+        found
+    }
+
+    /// Takes a name, `skip` bytes from here.
+    fn name(&mut self, skip: usize) -> &'a str {
+        let start = self.at + skip;
+        let text: &'a str = self.text;
+        let length = text[start..]
+            .find(|c: char| !(c.is_alphanumeric() || c == '_'))
+            .unwrap_or(text.len() - start);
+        self.at = start + length;
+        &text[start..self.at]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn value(text: &str) -> Result<String> {
+        evaluate(text, &mut |name| match name {
+            "v" => Ok(Value::Number(60.0)),
+            "rate" => Ok(Value::Number(-5.0)),
+            "model" => Ok(Value::Text("car".to_owned())),
+            other => Err(other.to_owned()),
+        })
+    }
+
+    #[test]
+    fn arithmetic_follows_the_usual_precedence() {
+        for (text, expected) in [
+            ("1 + 2 * 3", 7.0),
+            ("(1 + 2) * 3", 9.0),
+            ("$v / 3.6", 60.0 / 3.6),
+            ("-$v", -60.0),
+            ("2 * -$rate", 10.0),
+            ("2 - -3", 5.0),
+            ("7 % 4 - 1", 2.0),
+            ("sqrt( $rate * $rate )", 5.0),
+            ("pow(2, 3) + max(1, min(5, 4))", 12.0),
+            ("2.1E-1 * 10", 2.1),
+            ("round(2.5) + floor(-0.5) + ceil(0.5) + sign(-3) + abs(-1)", 3.0),
+        ] {
+            assert_eq!(value(text), Ok(Value::Number(expected)), "{text}");
+        }
+    }
+
+    #[test]
+    fn truth_values_combine() {
+        assert_eq!(value("true and not false"), Ok(Value::Boolean(true)));
+        assert_eq!(value("false or (true and false)"), Ok(Value::Boolean(false)));
+    }
+
+    #[test]
+    fn what_has_no_value_says_why() {
+        assert_eq!(value("$w + 1"), Err(Fault::Parameter("w".to_owned())));
+        let parentheses = "(".repeat(200);
+        for text in ["", "1 +", "1 2", "(1", "foo(1)", "pow(1)", "1 / 0", "$model * 2", "not 1", "1e", &parentheses, "sqrt(-1)", "é"] {
+            assert!(matches!(value(text), Err(Fault::Expression(..))), "{text}: {:?}", value(text));
+        }
+    }
+}

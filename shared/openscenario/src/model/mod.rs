@@ -1,0 +1,125 @@
+//! What a scenario says, with every value resolved.
+//!
+//! [`Script`] is plain data: it can be written down and read back (`serde`), and made without any XML.
+//! Entities, parameters and variables are meant by their place in the script's lists.
+
+pub mod action;
+pub mod condition;
+pub mod position;
+pub mod storyboard;
+
+use serde::{Deserialize, Serialize};
+
+use crate::expression::Value;
+use crate::road::Road;
+use action::Action;
+use condition::Trigger;
+use storyboard::Story;
+
+/// Most entities, the ego included.
+pub const MAX_ENTITIES: usize = 32;
+
+/// A whole scenario.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Script {
+    /// The road.
+    pub road: Road,
+    /// The ego's place among the entities.
+    pub ego: usize,
+    /// Everything that is on the road.
+    pub entities: Vec<Entity>,
+    /// Parameters and variables that the storyboard compares or changes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub values: Vec<Named>,
+    /// What is done before the first step, in order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub init: Vec<InitAction>,
+    /// The stories.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stories: Vec<Story>,
+    /// What ends the storyboard.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stop: Option<Trigger>,
+}
+
+/// Something on the road.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Entity {
+    /// Its name.
+    pub name: String,
+    /// What it is.
+    pub category: Category,
+    /// Its body.
+    pub body: Body,
+    /// Who moves it.
+    #[serde(default)]
+    pub drive: Drive,
+}
+
+/// What an entity is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Category {
+    /// A car, van, lorry, bus, motorbike, bicycle, trailer, train or tram.
+    Vehicle,
+    /// A pedestrian, wheelchair or animal.
+    Pedestrian,
+    /// A thing.
+    MiscObject,
+}
+
+/// Who moves an entity.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Drive {
+    /// The storyboard.
+    #[default]
+    Scripted,
+    /// Its caller: the ego, or traffic with profiles of its own.
+    External,
+}
+
+/// The box around an entity.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Body {
+    /// Centre of the box ahead of the entity's origin, m.
+    pub center_ahead_m: f64,
+    /// Centre of the box to the left of the entity's origin, m.
+    pub center_left_m: f64,
+    /// Length, m.
+    pub length_m: f64,
+    /// Width, m.
+    pub width_m: f64,
+}
+
+/// A parameter or variable with its value at the start.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Named {
+    /// Its name.
+    pub name: String,
+    /// Its value.
+    pub value: Value,
+}
+
+/// An action of Init.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct InitAction {
+    /// The entity that does it; absent: an action of the world.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub actor: Option<usize>,
+    /// What is done.
+    pub action: Action,
+}
+
+impl Script {
+    /// The place of an entity of a name.
+    #[must_use]
+    pub fn entity(&self, name: &str) -> Option<usize> {
+        self.entities.iter().position(|entity| entity.name == name)
+    }
+}

@@ -1,0 +1,355 @@
+//! The road: its lanes and its length, from an OpenDRIVE file.
+//!
+//! Everything moves in the road's own coordinates: `s` along the reference line, `t` across it, positive
+//! to the left. One road with one lane section of constant widths is read. A curved reference line is
+//! accepted: the road is unrolled, its curvature has no effect, and what needs the plane's coordinates
+//! (world positions, absolute headings) is refused.
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Place, ReadError};
+use crate::xml::{Document, Element};
+
+/// Width of the lanes of an assumed road, m.
+pub const ASSUMED_LANE_WIDTH_M: f64 = 3.5;
+/// Lanes on each side of an assumed road.
+const ASSUMED_LANES: i32 = 8;
+
+/// A road.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Road {
+    /// Its id in the file.
+    pub id: String,
+    /// Its length, m; absent: without end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub length_m: Option<f64>,
+    /// Where its reference line begins and points, when it is straight.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub straight: Option<Line>,
+    /// Its lanes from right to left, without the centre lane.
+    pub lanes: Vec<Lane>,
+}
+
+/// A straight reference line.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Line {
+    /// Start, m.
+    pub x_m: f64,
+    /// Start, m.
+    pub y_m: f64,
+    /// Heading, rad.
+    pub heading_rad: f64,
+}
+
+/// A lane.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Lane {
+    /// Id: negative to the right of the reference line.
+    pub id: i32,
+    /// Centre, m from the reference line, positive to the left.
+    pub center_m: f64,
+    /// Width, m.
+    pub width_m: f64,
+}
+
+impl Road {
+    /// A straight road without end, with lanes of 3.5 m on both sides: what stands in for a road
+    /// file that is not there.
+    #[must_use]
+    pub fn assumed() -> Self {
+        let lane = |id: i32| Lane {
+            id,
+            center_m: f64::from(id.signum()) * (f64::from(id.abs()) - 0.5) * ASSUMED_LANE_WIDTH_M,
+            width_m: ASSUMED_LANE_WIDTH_M,
+        };
+        let ids = (-ASSUMED_LANES..=ASSUMED_LANES).filter(|id| *id != 0);
+        let straight = Line { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 };
+        Self {
+            id: "0".to_owned(),
+            length_m: None,
+            straight: Some(straight),
+            lanes: ids.map(lane).collect(),
+        }
+    }
+
+    /// The lane of an id.
+    #[must_use]
+    pub fn lane(&self, id: i32) -> Option<&Lane> {
+        self.lanes.iter().find(|lane| lane.id == id)
+    }
+
+    /// Where in `lanes` the lane at a lateral position is: the nearest one.
+    #[must_use]
+    pub fn index_at(&self, t_m: f64) -> usize {
+        let distance =
+            |lane: &Lane| ((t_m - lane.center_m).abs() - 0.5 * lane.width_m).max(0.0);
+        let mut best = 0;
+        for (i, lane) in self.lanes.iter().enumerate() {
+            if distance(lane) < distance(&self.lanes[best]) {
+                best = i;
+            }
+        }
+        best
+    }
+
+    /// The lane some lanes to the left (in the direction of `s`) of the one at a lateral position.
+    #[must_use]
+    pub fn lane_beside(&self, t_m: f64, lanes_left: i32) -> Option<&Lane> {
+        let index = i64::try_from(self.index_at(t_m)).ok()? + i64::from(lanes_left);
+        self.lanes.get(usize::try_from(index).ok()?)
+    }
+
+    /// Whether a lateral position is on one of the lanes.
+    #[must_use]
+    pub fn holds(&self, t_m: f64) -> bool {
+        self.lanes.iter().any(|lane| (t_m - lane.center_m).abs() <= 0.5 * lane.width_m)
+    }
+}
+
+/// Reads the road `id`, or the only one, from an OpenDRIVE file.
+///
+/// # Errors
+/// When there is no such road or it is not of the kind above.
+pub fn read(document: &Document, id: Option<&str>) -> Result<Road, ReadError> {
+    let reader = Reader { file: &document.file };
+    let root = &document.root;
+    if root.name != "OpenDRIVE" {
+        return Err(reader.element(root, "the file", "is not supported", "`OpenDRIVE`"));
+    }
+    let roads: Vec<&Element> = root.children.iter().filter(|e| e.name == "road").collect();
+    let found = match (id, roads.as_slice()) {
+        (Some(id), roads) => roads.iter().find(|road| road.attribute("id") == Some(id)).copied(),
+        (None, [road]) => Some(*road),
+        (None, _) => None,
+    };
+    let Some(road) = found else {
+        let known = crate::error::one_of(roads.iter().filter_map(|road| road.attribute("id")));
+        let wanted = id.map_or("one road".to_owned(), |id| format!("a road `{id}`"));
+        return Err(reader.meaning(root, format!("the roads of this file are {known}"), wanted));
+    };
+    reader.road(road)
+}
+
+struct Reader<'a> {
+    file: &'a str,
+}
+
+impl Reader<'_> {
+    fn road(&self, road: &Element) -> Result<Road, ReadError> {
+        let length_m = self.number(road, "length")?;
+        let straight = self.line(road, length_m)?;
+        self.level(road)?;
+        let lanes = road.child("lanes");
+        let Some(lanes) = lanes else {
+            return Err(self.element(road, "OpenDRIVE", "has no lanes", "`lanes`"));
+        };
+        let mut sections = lanes.children.iter().filter(|child| child.name == "laneSection");
+        let Some(section) = sections.next() else {
+            return Err(self.element(lanes, "road", "has no lane section", "one `laneSection`"));
+        };
+        if let Some(second) = sections.next() {
+            return Err(self.element(second, "lanes", "is there twice", "one lane section"));
+        }
+        let mut offset_m = 0.0;
+        for offset in lanes.children.iter().filter(|child| child.name == "laneOffset") {
+            offset_m = self.constant(offset)?;
+            if self.number(offset, "s")? != 0.0 {
+                return Err(self.element(offset, "lanes", "changes along the road", "one from s = 0"));
+            }
+        }
+        let mut read = Vec::new();
+        for side in ["left", "right"] {
+            self.side(section, side, offset_m, &mut read)?;
+        }
+        if read.is_empty() {
+            return Err(self.element(section, "lanes", "has no lanes", "at least one lane"));
+        }
+        read.sort_by(|a, b| a.center_m.total_cmp(&b.center_m));
+        let id = road.attribute("id").unwrap_or_default().to_owned();
+        Ok(Road { id, length_m: Some(length_m), straight, lanes: read })
+    }
+
+    /// The lanes of one side, from the reference line outwards.
+    fn side(
+        &self,
+        section: &Element,
+        side: &str,
+        offset_m: f64,
+        read: &mut Vec<Lane>,
+    ) -> Result<(), ReadError> {
+        let Some(group) = section.child(side) else { return Ok(()) };
+        let mut lanes: Vec<(i32, &Element)> = Vec::new();
+        for lane in group.children.iter().filter(|child| child.name == "lane") {
+            let id = self.number(lane, "id")? as i32;
+            if id == 0 || (id > 0) != (side == "left") {
+                let expected = "positive ids on the left, negative ones on the right";
+                return Err(self.element(lane, side, "has an id of the other side", expected));
+            }
+            lanes.push((id, lane));
+        }
+        lanes.sort_by_key(|(id, _)| id.abs());
+        let mut edge_m = 0.0;
+        for (id, lane) in lanes {
+            let mut widths = lane.children.iter().filter(|child| child.name == "width");
+            let Some(width) = widths.next() else {
+                return Err(self.element(lane, side, "has no width", "one `width`"));
+            };
+            if let Some(second) = widths.next() {
+                return Err(self.element(second, "lane", "is there twice", "one constant width"));
+            }
+            let width_m = self.constant(width)?;
+            let sign = f64::from(id.signum());
+            let center_m = offset_m + sign * (edge_m + 0.5 * width_m);
+            read.push(Lane { id, center_m, width_m });
+            edge_m += width_m;
+        }
+        Ok(())
+    }
+
+    /// The reference line, when it is straight.
+    fn line(&self, road: &Element, length_m: f64) -> Result<Option<Line>, ReadError> {
+        let view = road.child("planView");
+        let pieces: Vec<&Element> = view
+            .map(|view| view.children.iter().filter(|child| child.name == "geometry").collect())
+            .unwrap_or_default();
+        let Some(first) = pieces.first() else {
+            return Err(self.element(road, "OpenDRIVE", "has no geometry", "`planView`"));
+        };
+        if !(length_m > 0.0) {
+            return Err(self.meaning(road, "the road has no length".to_owned(), "a length".into()));
+        }
+        let heading_rad = self.number(first, "hdg")?;
+        let mut straight = true;
+        for piece in &pieces {
+            let heading = self.number(piece, "hdg")?;
+            straight &= piece.child("line").is_some() && (heading - heading_rad).abs() < 1e-9;
+        }
+        let start = Line { x_m: self.number(first, "x")?, y_m: self.number(first, "y")?, heading_rad };
+        Ok(straight.then_some(start))
+    }
+
+    /// A road with grades is refused: cars know none.
+    fn level(&self, road: &Element) -> Result<(), ReadError> {
+        let Some(profile) = road.child("elevationProfile") else { return Ok(()) };
+        for piece in &profile.children {
+            for slope in ["b", "c", "d"] {
+                if self.number(piece, slope)? != 0.0 {
+                    let expected = "a level road";
+                    return Err(self.element(piece, "elevationProfile", "has a grade", expected));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The value of a polynomial that must be constant.
+    fn constant(&self, element: &Element) -> Result<f64, ReadError> {
+        for factor in ["b", "c", "d"] {
+            if self.number(element, factor)? != 0.0 {
+                let expected = "a constant (b, c and d are 0)";
+                return Err(self.element(element, "lane", "changes along the road", expected));
+            }
+        }
+        self.number(element, "a")
+    }
+
+    fn number(&self, element: &Element, attribute: &str) -> Result<f64, ReadError> {
+        let text = element.attribute(attribute).unwrap_or_default();
+        text.trim().parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| {
+            ReadError::Attribute {
+                place: self.place(element),
+                attribute: attribute.to_owned(),
+                element: element.name.clone(),
+                reason: format!("`{text}` is not a number"),
+                expected: "a number".to_owned(),
+            }
+        })
+    }
+
+    fn place(&self, element: &Element) -> Place {
+        Place { file: self.file.to_owned(), line: element.line }
+    }
+
+    fn element(
+        &self,
+        element: &Element,
+        parent: &str,
+        fault: &'static str,
+        expected: &str,
+    ) -> ReadError {
+        ReadError::Element {
+            place: self.place(element),
+            element: element.name.clone(),
+            parent: parent.to_owned(),
+            fault,
+            expected: expected.to_owned(),
+        }
+    }
+
+    fn meaning(&self, element: &Element, reason: String, expected: String) -> ReadError {
+        ReadError::Meaning { place: self.place(element), reason, expected }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::xml;
+
+    const STRAIGHT: &str = r#"<OpenDRIVE><road id="7" length="100">
+<planView><geometry s="0" x="1" y="2" hdg="0.5" length="100"><line/></geometry></planView>
+<lanes><laneOffset s="0" a="0.5" b="0" c="0" d="0"/><laneSection s="0">
+<left><lane id="1"><width sOffset="0" a="3" b="0" c="0" d="0"/></lane></left>
+<center><lane id="0"/></center>
+<right><lane id="-1"><width sOffset="0" a="2" b="0" c="0" d="0"/></lane>
+<lane id="-2"><width sOffset="0" a="4" b="0" c="0" d="0"/></lane></right>
+</laneSection></lanes></road></OpenDRIVE>"#;
+
+    fn road(text: &str) -> Result<Road, ReadError> {
+        read(&xml::parse("a.xodr", text).expect("it is well-formed"), None)
+    }
+
+    #[test]
+    fn lanes_lie_beside_each_other() {
+        let road = road(STRAIGHT).expect("it is straight");
+        let centers: Vec<(i32, f64)> = road.lanes.iter().map(|l| (l.id, l.center_m)).collect();
+        assert_eq!(centers, [(-2, -3.5), (-1, -0.5), (1, 2.0)]);
+        assert_eq!(road.straight, Some(Line { x_m: 1.0, y_m: 2.0, heading_rad: 0.5 }));
+        assert_eq!(road.length_m, Some(100.0));
+        let beside = |t, n| road.lane_beside(t, n).map(|lane| lane.id);
+        assert_eq!([beside(-3.0, 1), beside(-3.0, 2), beside(-3.0, 3)], [Some(-1), Some(1), None]);
+        assert!(road.holds(3.4) && !road.holds(3.6));
+    }
+
+    #[test]
+    fn a_curved_road_is_unrolled_and_says_so() {
+        let curved = STRAIGHT.replace("<line/>", "<arc curvature=\"0.001\"/>");
+        assert_eq!(road(&curved).expect("its lanes are constant").straight, None);
+    }
+
+    #[test]
+    fn what_cannot_be_driven_is_refused_with_its_line() {
+        for (from, to, expected) in [
+            ("a=\"4\" b=\"0\"", "a=\"4\" b=\"0.1\"", "a.xodr:7: element `width` in `lane` changes"),
+            ("<laneOffset", "<laneSection s=\"0\"/><laneOffset", "a.xodr:3: element `laneSection` in `lanes` is there twice"),
+            ("length=\"100\">\n<plan", "length=\"0\">\n<plan", "a.xodr:1: the road has no length"),
+            ("<road id", "<road id=\"1\"/><road id", "a.xodr:1: the roads of this file are `1` or `7`"),
+            ("OpenDRIVE", "Map", "element `Map`"),
+        ] {
+            let text = STRAIGHT.replace(from, to);
+            let shown = road(&text).expect_err(to).to_string();
+            assert!(shown.starts_with(expected) || shown.contains(expected), "{shown}");
+        }
+    }
+
+    #[test]
+    fn an_assumed_road_has_lanes_of_both_signs() {
+        let road = Road::assumed();
+        assert_eq!(road.lane(-4).map(|lane| lane.center_m), Some(-12.25));
+        assert_eq!(road.lane(1).map(|lane| lane.center_m), Some(1.75));
+        assert_eq!(road.lane_beside(-1.75, 1).map(|lane| lane.id), Some(1));
+    }
+}

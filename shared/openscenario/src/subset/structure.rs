@@ -1,0 +1,110 @@
+//! Rows for what a file is made of: entities, positions, storyboard, variations.
+
+use super::Rule;
+
+const UNUSED: &str = "read, without effect";
+
+/// The file itself, parameters, catalogs, entities.
+pub const FILE: &[Rule] = &[
+    Rule::new("OpenSCENARIO", "", "FileHeader ParameterDeclarations? VariableDeclarations? CatalogLocations? RoadNetwork? Entities? Storyboard? Catalog? ParameterValueDistribution?", "", "a scenario, a catalog or a parameter variation"),
+    Rule::new("FileHeader", "revMajor revMinor date? description? author?", "License? Properties?", "", "version 1.0 to 1.3; the description becomes the scenario's"),
+    Rule::new("License", "name? resource? spdxId?", "", "", UNUSED),
+    Rule::new("ParameterDeclarations", "", "ParameterDeclaration*", "", "parameters of the file, of a catalog entry or of a part of the storyboard"),
+    Rule::new("ParameterDeclaration", "name parameterType value", "ConstraintGroup*", "", "value: a literal, `$name` or `${expression}`; set by `--param` and by variations"),
+    Rule::new("ConstraintGroup", "", "ValueConstraint+", "", "all its constraints hold; of several groups, one does"),
+    Rule::new("ValueConstraint", "rule value", "", "", "compared as numbers where both are numbers, as text otherwise"),
+    Rule::new("VariableDeclarations", "", "VariableDeclaration*", "", "variables of the storyboard"),
+    Rule::new("VariableDeclaration", "name variableType value", "", "", "read and changed while the storyboard runs"),
+    Rule::new("CatalogLocations", "", "VehicleCatalog? PedestrianCatalog? MiscObjectCatalog? ControllerCatalog? TrajectoryCatalog? ManeuverCatalog? EnvironmentCatalog? RouteCatalog?", "", "relative to the scenario file"),
+    Rule::new("VehicleCatalog", "", "Directory", "", "searched for vehicles"),
+    Rule::new("PedestrianCatalog", "", "Directory", "", "searched for pedestrians"),
+    Rule::new("MiscObjectCatalog", "", "Directory", "", "searched for misc objects"),
+    Rule::new("ControllerCatalog", "", "Directory", "", "searched for controllers"),
+    Rule::new("TrajectoryCatalog", "", "Directory", "", "searched for trajectories"),
+    Rule::new("ManeuverCatalog", "", "Directory", "", "searched for maneuvers"),
+    Rule::new("EnvironmentCatalog", "", "Directory", "", UNUSED),
+    Rule::new("RouteCatalog", "", "Directory", "", UNUSED),
+    Rule::new("Directory", "path", "", "", "every `.xosc` file in it is a catalog"),
+    Rule::new("Catalog", "name", "Vehicle* Pedestrian* MiscObject* Controller* Trajectory* Maneuver*", "", "entries for catalog references"),
+    Rule::new("CatalogReference", "catalogName entryName", "ParameterAssignments?", "", "the entry, with its parameters assigned"),
+    Rule::new("ParameterAssignments", "", "ParameterAssignment*", "", "values for the entry's parameters"),
+    Rule::new("ParameterAssignment", "parameterRef value", "", "", "one of them"),
+    Rule::new("RoadNetwork", "", "LogicFile? SceneGraphFile?", "", "the road; without one, lanes of 3.5 m on a straight road are assumed"),
+    Rule::new("LogicFile", "filepath", "", "", "an OpenDRIVE file, see \"Roads\""),
+    Rule::new("SceneGraphFile", "filepath", "", "", UNUSED),
+    Rule::new("Entities", "", "ScenarioObject+ EntitySelection*", "", "the ego and up to 31 others"),
+    Rule::new("EntitySelection", "name", "Members", "", "a name for several entities, for `Actors` and `TriggeringEntities`"),
+    Rule::new("Members", "", "EntityRef+", "", "the entities of a selection"),
+    Rule::new("ScenarioObject", "name", "ObjectController*", "CatalogReference Vehicle Pedestrian MiscObject", "the one called `Ego`, or else the only one with a controller, is driven by timegap's stack"),
+    Rule::new("ObjectController", "name?", "", "CatalogReference Controller", "marks the ego; others are moved by the storyboard alone"),
+    Rule::new("Controller", "name controllerType?", "ParameterDeclarations? Properties?", "", UNUSED),
+    Rule::new("Vehicle", "name vehicleCategory role? mass? model3d?", "ParameterDeclarations? BoundingBox Performance? Axles? Properties? Property*", "", "its bounding box; a mass of the ego is not used"),
+    Rule::new("Pedestrian", "name pedestrianCategory mass? model? model3d? role?", "ParameterDeclarations? BoundingBox Properties?", "", "its bounding box"),
+    Rule::new("MiscObject", "name miscObjectCategory mass? model3d?", "ParameterDeclarations? BoundingBox Properties?", "", "its bounding box"),
+    Rule::new("BoundingBox", "", "Center Dimensions", "", "extent of the body, for gaps, contact and the radar"),
+    Rule::new("Center", "x y z", "", "", "centre of the box seen from the entity's origin, m"),
+    Rule::new("Dimensions", "width length height", "", "", "m"),
+    Rule::new("Performance", "maxSpeed maxAcceleration maxDeceleration maxAccelerationRate? maxDecelerationRate?", "", "", "not enforced: actions do what they say"),
+    Rule::new("Axles", "", "FrontAxle? RearAxle AdditionalAxle*", "", UNUSED),
+    Rule::new("FrontAxle", "maxSteering wheelDiameter trackWidth positionX positionZ", "", "", UNUSED),
+    Rule::new("RearAxle", "maxSteering wheelDiameter trackWidth positionX positionZ", "", "", UNUSED),
+    Rule::new("AdditionalAxle", "maxSteering wheelDiameter trackWidth positionX positionZ", "", "", UNUSED),
+    Rule::new("Properties", "", "Property* File*", "", UNUSED),
+    Rule::new("Property", "name value", "", "", UNUSED),
+    Rule::new("File", "filepath", "", "", UNUSED),
+];
+
+/// Positions.
+pub const POSITIONS: &[Rule] = &[
+    Rule::new("Position", "", "", "WorldPosition RelativeWorldPosition RelativeObjectPosition RoadPosition RelativeRoadPosition LanePosition RelativeLanePosition", "of the entity's origin"),
+    Rule::new("WorldPosition", "x y z? h? p? r?", "", "", "straight roads only; z, p, r not used"),
+    Rule::new("RelativeWorldPosition", "entityRef dx dy dz?", "Orientation?", "", "straight roads only"),
+    Rule::new("RelativeObjectPosition", "entityRef dx dy dz?", "Orientation?", "", "in the other entity's own axes"),
+    Rule::new("RoadPosition", "roadId s t", "Orientation?", "", "along and across the reference line"),
+    Rule::new("RelativeRoadPosition", "entityRef ds dt", "Orientation?", "", "the same from another entity"),
+    Rule::new("LanePosition", "roadId laneId s offset?", "Orientation?", "", "offset from the lane's centre, positive to the left of the reference line"),
+    Rule::new("RelativeLanePosition", "entityRef dLane ds? dsLane? offset?", "Orientation?", "", "dLane counts lanes to the left of the other entity; lane 0 is not counted"),
+    Rule::new("Orientation", "h? p? r? type?", "", "", "absolute only on straight roads; a missing one is along the reference line, in every lane; p, r not used"),
+];
+
+/// The storyboard's frame.
+pub const STORYBOARD: &[Rule] = &[
+    Rule::new("Storyboard", "", "Init Story* StopTrigger?", "", "ends the run when its stop trigger fires; otherwise the run ends at its duration"),
+    Rule::new("Init", "", "Actions", "", "done before the first step: teleports, then speeds, then the rest"),
+    Rule::new("Actions", "", "GlobalAction* Private*", "", "actions of Init"),
+    Rule::new("Private", "entityRef", "PrivateAction+", "", "actions of one entity"),
+    Rule::new("Story", "name?", "ParameterDeclarations? Act+", "", "runs from the start"),
+    Rule::new("Act", "name", "ManeuverGroup+ StartTrigger? StopTrigger?", "", "without a start trigger it starts with its story"),
+    Rule::new("ManeuverGroup", "maximumExecutionCount name", "Actors CatalogReference* Maneuver*", "", "runs again until its count is reached"),
+    Rule::new("Actors", "selectTriggeringEntities", "EntityRef*", "", "selectTriggeringEntities=\"false\" only"),
+    Rule::new("EntityRef", "entityRef", "", "", "an entity or a selection"),
+    Rule::new("Maneuver", "name", "ParameterDeclarations? Event+", "", "its events stand by while it runs"),
+    Rule::new("Event", "name priority maximumExecutionCount?", "Action+ StartTrigger?", "", "priority overwrite or override, skip, parallel; without a start trigger it starts with its maneuver"),
+    Rule::new("Action", "name", "", "PrivateAction GlobalAction", "done for every actor of the group"),
+    Rule::new("StartTrigger", "", "ConditionGroup*", "", "fires when one group holds; without groups, never"),
+    Rule::new("StopTrigger", "", "ConditionGroup*", "", "the same"),
+];
+
+/// Parameter value distributions.
+pub const VARIATION: &[Rule] = &[
+    Rule::new("ParameterValueDistribution", "", "ScenarioFile", "Deterministic Stochastic", "a campaign of one run for each combination"),
+    Rule::new("ScenarioFile", "filepath", "", "", "relative to the variation file"),
+    Rule::new("Deterministic", "", "DeterministicSingleParameterDistribution* DeterministicMultiParameterDistribution*", "", "all combinations; the last one listed varies fastest; combinations that break a constraint are left out and counted"),
+    Rule::new("DeterministicSingleParameterDistribution", "parameterName", "", "DistributionSet DistributionRange", "values of one parameter"),
+    Rule::new("DeterministicMultiParameterDistribution", "", "ValueSetDistribution", "", "values of several parameters together"),
+    Rule::new("ValueSetDistribution", "", "ParameterValueSet+", "", "one set after the other"),
+    Rule::new("ParameterValueSet", "", "ParameterAssignment+", "", "values that go together"),
+    Rule::new("DistributionSet", "", "Element+", "", "the values listed"),
+    Rule::new("DistributionRange", "stepWidth", "Range", "", "from the lower limit in steps up to the upper limit, which belongs to it"),
+    Rule::new("Element", "value weight?", "", "", "a value; its weight in a probability distribution set"),
+    Rule::new("Range", "lowerLimit upperLimit", "", "", "both limits belong to it"),
+    Rule::new("Stochastic", "numberOfTestRuns randomSeed?", "StochasticDistribution+", "", "draws of rand_pcg's Pcg64 from the seed (0 without one), each parameter from a stream of its own"),
+    Rule::new("StochasticDistribution", "parameterName", "", "ProbabilityDistributionSet NormalDistribution LogNormalDistribution UniformDistribution PoissonDistribution Histogram", "one parameter"),
+    Rule::new("ProbabilityDistributionSet", "", "Element+", "", "values by weight"),
+    Rule::new("NormalDistribution", "expectedValue variance", "Range?", "", "redrawn outside its range"),
+    Rule::new("LogNormalDistribution", "expectedValue variance", "Range?", "", "of the logarithm's expected value and variance; redrawn outside its range"),
+    Rule::new("UniformDistribution", "", "Range", "", "even between the limits"),
+    Rule::new("PoissonDistribution", "expectedValue", "Range?", "", "whole numbers; redrawn outside its range"),
+    Rule::new("Histogram", "", "Bin+", "", "a bin by weight, then even inside it"),
+    Rule::new("Bin", "weight", "Range", "", "a bin"),
+];

@@ -1,0 +1,159 @@
+//! Draws from a probability distribution.
+
+use rand_core::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+
+use super::range;
+use crate::error::ReadError;
+use crate::node::Node;
+
+/// Draws outside a range before it is given up.
+const MAX_REDRAWS: usize = 10_000;
+
+/// A probability distribution.
+#[derive(Clone, Debug)]
+pub(super) enum Distribution {
+    /// Texts with their weights.
+    Set(Vec<(String, f64)>),
+    /// Expected value and standard deviation, of the value or of its logarithm.
+    Normal { mean: f64, deviation: f64, log: bool, range: Option<(f64, f64)> },
+    /// Even between two limits.
+    Uniform(f64, f64),
+    /// Whole numbers.
+    Poisson { mean: f64, range: Option<(f64, f64)> },
+    /// Bins with their weights.
+    Histogram(Vec<((f64, f64), f64)>),
+}
+
+impl Distribution {
+    pub(super) fn read(node: Node<'_>) -> Result<Self, ReadError> {
+        let bounds = || node.child_if("Range").map(range).transpose();
+        let distribution = match node.name() {
+            "ProbabilityDistributionSet" => Self::Set(
+                node.children()
+                    .map(|element| Ok((element.text("value")?, element.magnitude("weight")?)))
+                    .collect::<Result<_, ReadError>>()?,
+            ),
+            "Histogram" => Self::Histogram(
+                node.children()
+                    .map(|bin| Ok((range(bin.child("Range")?)?, bin.magnitude("weight")?)))
+                    .collect::<Result<_, ReadError>>()?,
+            ),
+            "UniformDistribution" => {
+                let (lower, upper) = range(node.child("Range")?)?;
+                Self::Uniform(lower, upper)
+            }
+            "PoissonDistribution" => {
+                let mean = node.magnitude("expectedValue")?;
+                // Beyond this Knuth's product of uniform draws underflows.
+                if mean > 500.0 {
+                    return Err(node.fault("expectedValue").error(format!("{mean}"), "at most 500"));
+                }
+                Self::Poisson { mean, range: bounds()? }
+            }
+            name => Self::Normal {
+                mean: node.number("expectedValue")?,
+                deviation: libm::sqrt(node.magnitude("variance")?),
+                log: name == "LogNormalDistribution",
+                range: bounds()?,
+            },
+        };
+        let weights = match &distribution {
+            Self::Set(items) => items.iter().map(|item| item.1).sum(),
+            Self::Histogram(bins) => bins.iter().map(|bin| bin.1).sum(),
+            _ => 1.0,
+        };
+        if !(weights > 0.0) {
+            return Err(node.refuse("all weights are 0", "a weight above 0"));
+        }
+        Ok(distribution)
+    }
+
+    pub(super) fn seeded(self, seed: u64, stream: u64) -> Draws {
+        // The stream is part of the seed: SplitMix64's increment keeps the seeds of streams apart.
+        let seed = seed ^ stream.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        Draws { distribution: self, generator: Pcg64::seed_from_u64(seed) }
+    }
+}
+
+/// A distribution with its generator.
+#[derive(Clone, Debug)]
+pub(super) struct Draws {
+    distribution: Distribution,
+    generator: Pcg64,
+}
+
+impl Draws {
+    /// The next value; none where its range holds hardly any.
+    pub(super) fn draw(&mut self) -> Option<String> {
+        let distribution = self.distribution.clone();
+        match distribution {
+            Distribution::Set(items) => {
+                let chosen = self.weighted(items.iter().map(|item| item.1));
+                Some(items[chosen].0.clone())
+            }
+            Distribution::Histogram(bins) => {
+                let chosen = self.weighted(bins.iter().map(|bin| bin.1));
+                let (lower, upper) = bins[chosen].0;
+                Some((lower + (upper - lower) * self.unit()).to_string())
+            }
+            Distribution::Uniform(lower, upper) => {
+                Some((lower + (upper - lower) * self.unit()).to_string())
+            }
+            Distribution::Normal { mean, deviation, log, range } => self.inside(range, |draws| {
+                let value = mean + deviation * draws.normal();
+                if log { libm::exp(value) } else { value }
+            }),
+            Distribution::Poisson { mean, range } => {
+                self.inside(range, |draws| draws.poisson(mean))
+            }
+        }
+    }
+
+    fn inside(&mut self, range: Option<(f64, f64)>, mut next: impl FnMut(&mut Self) -> f64) -> Option<String> {
+        for _ in 0..MAX_REDRAWS {
+            let value = next(self);
+            if range.is_none_or(|(lower, upper)| (lower..=upper).contains(&value)) {
+                return Some(value.to_string());
+            }
+        }
+        None
+    }
+
+    fn weighted(&mut self, weights: impl Iterator<Item = f64> + Clone) -> usize {
+        let mut at = self.unit() * weights.clone().sum::<f64>();
+        let mut chosen = 0;
+        for (i, weight) in weights.enumerate() {
+            if weight > 0.0 {
+                chosen = i;
+                if at < weight {
+                    break;
+                }
+            }
+            at -= weight;
+        }
+        chosen
+    }
+
+    /// Uniform in [0, 1), 53 bits.
+    fn unit(&mut self) -> f64 {
+        (self.generator.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Standard normal, by Box and Muller.
+    fn normal(&mut self) -> f64 {
+        let (a, b) = (1.0 - self.unit(), self.unit());
+        libm::sqrt(-2.0 * libm::log(a)) * libm::cos(2.0 * std::f64::consts::PI * b)
+    }
+
+    /// Poisson, by Knuth's product of uniform draws.
+    fn poisson(&mut self, mean: f64) -> f64 {
+        let limit = libm::exp(-mean);
+        let (mut count, mut product) = (0.0, self.unit());
+        while product > limit {
+            count += 1.0;
+            product *= self.unit();
+        }
+        count
+    }
+}

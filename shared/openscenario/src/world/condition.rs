@@ -1,0 +1,228 @@
+//! Conditions: tests, edges, delays.
+
+use std::collections::VecDeque;
+
+use serde::{Deserialize, Serialize};
+
+use crate::model::Script;
+use crate::model::condition::{
+    Along, CollisionWith, Condition, Edge, EntityTest, Measured, Target, Test, Trigger,
+};
+use crate::model::position::From;
+use crate::world::geometry::distance;
+use crate::world::motion::{Motion, seconds};
+use crate::world::start::index;
+use crate::world::{World, WorldError};
+
+/// What a condition remembers between steps.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct ConditionMemory {
+    /// The test's outcome in the step before.
+    last: Option<bool>,
+    /// Outcomes that wait for their delay to pass, with the times at which it has.
+    waiting: VecDeque<(u64, bool)>,
+    /// The delayed outcome.
+    delayed: bool,
+}
+
+impl ConditionMemory {
+    /// The outcome after edge and delay.
+    fn take(&mut self, condition: &Condition, outcome: bool, now_ns: u64) -> bool {
+        let rises = self.last == Some(false) && outcome;
+        let falls = self.last == Some(true) && !outcome;
+        let changed = self.last != Some(outcome);
+        self.last = Some(outcome);
+        let edge = match condition.edge {
+            Edge::None => outcome,
+            Edge::Rising => rises,
+            Edge::Falling => falls,
+            Edge::RisingOrFalling => rises || falls,
+        };
+        if condition.delay_ns == 0 {
+            return edge;
+        }
+        let pulse = condition.edge != Edge::None;
+        if edge && pulse || changed && !pulse {
+            self.waiting.push_back((now_ns + condition.delay_ns, edge));
+        }
+        self.delayed &= !pulse;
+        while let Some(&(due_ns, outcome)) = self.waiting.front()
+            && due_ns <= now_ns
+        {
+            self.delayed = if pulse { true } else { outcome };
+            self.waiting.pop_front();
+        }
+        self.delayed
+    }
+}
+
+impl World {
+    /// Evaluates every condition of a trigger, the first of which has the number `first`; gives whether
+    /// one of its groups holds.
+    pub(super) fn fires(&mut self, trigger: &Trigger, first: usize) -> bool {
+        let now_ns = self.state.time_ns;
+        let mut number = first;
+        let mut fires = false;
+        for group in &trigger.0 {
+            let mut holds = !group.is_empty();
+            for condition in group {
+                let outcome = self.test(&condition.test, number);
+                let memory = &mut self.state.conditions[number];
+                holds &= memory.take(condition, outcome, now_ns);
+                number += 1;
+            }
+            fires |= holds;
+        }
+        fires
+    }
+
+    /// Forgets what a trigger's conditions remember.
+    pub(super) fn forget(&mut self, trigger: &Trigger, first: usize) {
+        let count = trigger.0.iter().map(Vec::len).sum::<usize>();
+        for memory in &mut self.state.conditions[first..first + count] {
+            memory.last = None;
+            memory.waiting.clear();
+            memory.delayed = false;
+        }
+    }
+
+    fn test(&self, test: &Test, number: usize) -> bool {
+        match test {
+            Test::Time { rule, value } => rule.holds(seconds(self.state.time_ns), *value),
+            Test::Value { of, rule, value } => rule.compares(&self.state.values[*of], value),
+            Test::Element { state, .. } => {
+                let element = self.plan.watched[number].expect("the plan has looked it up");
+                self.state.progress[element].is(*state, self.state.step)
+            }
+            Test::Entity { entities, all, is } => {
+                let mut each = entities.iter().map(|entity| self.entity_test(*entity, is));
+                if *all { each.all(|holds| holds) } else { each.any(|holds| holds) }
+            }
+        }
+    }
+
+    fn entity_test(&self, entity: usize, test: &EntityTest) -> bool {
+        let mover = &self.state.movers[entity];
+        let motion = &mover.motion;
+        if !motion.present {
+            return false;
+        }
+        let lasts = |since: Option<u64>, duration_s: f64| {
+            since.is_some_and(|since| seconds(self.state.time_ns - since) >= duration_s)
+        };
+        match test {
+            EntityTest::EndOfRoad(duration_s) => lasts(mover.at_end_since, *duration_s),
+            EntityTest::Offroad(duration_s) => lasts(mover.off_since, *duration_s),
+            EntityTest::StandStill(duration_s) => lasts(mover.stands_since, *duration_s),
+            EntityTest::TraveledDistance(metres) => mover.odometer_m >= *metres,
+            EntityTest::Acceleration { rule, value } => rule.holds(motion.acceleration_mps2, *value),
+            EntityTest::Speed { rule, value } => rule.holds(motion.speed_mps, *value),
+            EntityTest::RelativeSpeed { entity, rule, value } => {
+                rule.holds(motion.speed_mps - self.motion(*entity).speed_mps, *value)
+            }
+            EntityTest::Collision(with) => self.collides(entity, *with),
+            EntityTest::ReachPosition { position, tolerance_m } => {
+                self.resolve(position).is_some_and(|(s_m, t_m, _)| {
+                    libm::hypot(s_m - motion.s_m, t_m - motion.t_m) <= *tolerance_m
+                })
+            }
+            EntityTest::Distance { to, rule, value } => {
+                self.measure(entity, to).is_some_and(|(metres, _)| rule.holds(metres, *value))
+            }
+            EntityTest::Headway { to, rule, value } => self
+                .measure(entity, to)
+                .is_some_and(|(metres, _)| rule.holds(quotient(metres, motion.speed_mps), *value)),
+            EntityTest::TimeToCollision { to, rule, value } => self
+                .measure(entity, to)
+                .is_some_and(|(metres, closing)| rule.holds(quotient(metres, closing), *value)),
+        }
+    }
+
+    fn collides(&self, entity: usize, with: CollisionWith) -> bool {
+        let own = self.extent(entity);
+        let touches = |other: usize| {
+            other != entity && self.motion(other).present && own.overlaps(&self.extent(other))
+        };
+        match with {
+            CollisionWith::Entity(other) => touches(other),
+            CollisionWith::Category(category) => (0..self.script.entities.len())
+                .any(|other| self.script.entities[other].category == category && touches(other)),
+        }
+    }
+
+    /// Distance, m, and how fast it shrinks, m/s.
+    fn measure(&self, entity: usize, to: &Measured) -> Option<(f64, f64)> {
+        let own = self.motion(entity);
+        let (body, far) = match &to.target {
+            Target::Entity(other) => {
+                (Some(&self.script.entities[*other].body), self.motion(*other))
+            }
+            Target::Position(position) => {
+                let (s_m, t_m, heading_rad) = self.resolve(position)?;
+                (None, Motion { present: true, s_m, t_m, heading_rad, ..Motion::default() })
+            }
+        };
+        if !far.present {
+            return None;
+        }
+        let ends = ((&self.script.entities[entity].body, &own), (body, &far));
+        let metres = distance(ends.0, ends.1, to.along, to.entity_axes, to.freespace);
+        Some((metres, closing(&own, &far, to)))
+    }
+}
+
+/// How fast two points come nearer along a direction, m/s.
+fn closing(own: &Motion, far: &Motion, to: &Measured) -> f64 {
+    let velocity = |motion: &Motion| {
+        let (sin, cos) = (libm::sin(motion.heading_rad), libm::cos(motion.heading_rad));
+        (motion.speed_mps * cos, motion.speed_mps * sin + motion.lateral_mps)
+    };
+    let (own_s, own_t) = velocity(own);
+    let (far_s, far_t) = velocity(far);
+    let (ds, dt) = (far.s_m - own.s_m, far.t_m - own.t_m);
+    let base = if to.entity_axes { own.heading_rad } else { 0.0 };
+    let angle = match to.along {
+        Along::Longitudinal => base,
+        Along::Lateral => base + std::f64::consts::FRAC_PI_2,
+        Along::Euclidean => libm::atan2(dt, ds),
+    };
+    let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+    let apart = ds * cos + dt * sin;
+    ((own_s - far_s) * cos + (own_t - far_t) * sin) * if apart < 0.0 { -1.0 } else { 1.0 }
+}
+
+/// A time: infinite where nothing comes nearer.
+fn quotient(metres: f64, mps: f64) -> f64 {
+    if mps > 0.0 { metres / mps } else { f64::INFINITY }
+}
+
+/// Checks that every index of a test is inside its list.
+pub(super) fn check(script: &Script, test: &Test) -> Result<(), WorldError> {
+    let entities = script.entities.len();
+    let at = |from: &From| match from {
+        From::Road { .. } => Ok(()),
+        From::EntityOnRoad { entity, .. }
+        | From::Entity { entity, .. }
+        | From::EntityLane { entity, .. } => index("entity", *entity, entities),
+    };
+    let far = |to: &Measured| match &to.target {
+        Target::Entity(entity) => index("entity", *entity, entities),
+        Target::Position(position) => at(&position.from),
+    };
+    let Test::Entity { entities: list, is, .. } = test else {
+        return match test {
+            Test::Value { of, .. } => index("value", *of, script.values.len()),
+            _ => Ok(()),
+        };
+    };
+    list.iter().try_for_each(|entity| index("entity", *entity, entities))?;
+    match is {
+        EntityTest::Collision(CollisionWith::Entity(entity))
+        | EntityTest::RelativeSpeed { entity, .. } => index("entity", *entity, entities),
+        EntityTest::ReachPosition { position, .. } => at(&position.from),
+        EntityTest::Distance { to, .. }
+        | EntityTest::Headway { to, .. }
+        | EntityTest::TimeToCollision { to, .. } => far(to),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,96 @@
+//! Bodies on the road: extents, distances, overlap.
+
+use crate::model::Body;
+use crate::model::condition::Along;
+use crate::world::motion::Motion;
+
+/// The rectangle along the road's axes around a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// Its rear end: the smallest `s`, m.
+    pub from_s_m: f64,
+    /// Its front end: the largest `s`, m.
+    pub to_s_m: f64,
+    /// Its right side: the smallest `t`, m.
+    pub from_t_m: f64,
+    /// Its left side: the largest `t`, m.
+    pub to_t_m: f64,
+}
+
+impl Extent {
+    /// The extent of a body in motion.
+    #[must_use]
+    pub fn of(body: &Body, motion: &Motion) -> Self {
+        let s = Interval::of(body, motion, 0.0);
+        let t = Interval::of(body, motion, std::f64::consts::FRAC_PI_2);
+        Self { from_s_m: s.from, to_s_m: s.to, from_t_m: t.from, to_t_m: t.to }
+    }
+
+    /// Whether two extents overlap.
+    #[must_use]
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.from_s_m < other.to_s_m
+            && other.from_s_m < self.to_s_m
+            && self.from_t_m < other.to_t_m
+            && other.from_t_m < self.to_t_m
+    }
+}
+
+/// A body seen along one direction.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Interval {
+    from: f64,
+    to: f64,
+}
+
+impl Interval {
+    /// Along the direction `angle` from the road's.
+    pub(super) fn of(body: &Body, motion: &Motion, angle: f64) -> Self {
+        let (sin, cos) = (libm::sin(motion.heading_rad - angle), libm::cos(motion.heading_rad - angle));
+        let origin = motion.s_m * libm::cos(angle) + motion.t_m * libm::sin(angle);
+        let center = origin + body.center_ahead_m * cos - body.center_left_m * sin;
+        let half = 0.5 * (body.length_m * cos.abs() + body.width_m * sin.abs());
+        Self { from: center - half, to: center + half }
+    }
+
+    /// A point.
+    pub(super) fn point(s_m: f64, t_m: f64, angle: f64) -> Self {
+        let at = s_m * libm::cos(angle) + t_m * libm::sin(angle);
+        Self { from: at, to: at }
+    }
+
+    /// The free space to another interval, 0 where they overlap.
+    pub(super) fn gap(&self, other: &Self) -> f64 {
+        (other.from - self.to).max(self.from - other.to).max(0.0)
+    }
+}
+
+/// The distance from a body, or from its origin, to another body or a point, m.
+pub(super) fn distance(
+    (body, motion): (&Body, &Motion),
+    (other_body, other): (Option<&Body>, &Motion),
+    along: Along,
+    entity_axes: bool,
+    freespace: bool,
+) -> f64 {
+    let base = if entity_axes { motion.heading_rad } else { 0.0 };
+    let measure = |angle: f64| {
+        let (own, far) = if freespace {
+            let far = match other_body {
+                Some(body) => Interval::of(body, other, angle),
+                None => Interval::point(other.s_m, other.t_m, angle),
+            };
+            (Interval::of(body, motion, angle), far)
+        } else {
+            let own = Interval::point(motion.s_m, motion.t_m, angle);
+            (own, Interval::point(other.s_m, other.t_m, angle))
+        };
+        own.gap(&far)
+    };
+    let aside = base + std::f64::consts::FRAC_PI_2;
+    match along {
+        Along::Longitudinal => measure(base),
+        Along::Lateral => measure(aside),
+        Along::Euclidean => libm::hypot(measure(base), measure(aside)),
+    }
+}

@@ -1,0 +1,194 @@
+//! The moving world: a [`Script`] stepped in time.
+//!
+//! No clock, no files, no random numbers: the same calls give the same motion, bit by bit. A step moves
+//! the entities to the new time, ends actions, evaluates triggers, starts actions. Speeds and lateral
+//! positions of shapes are closed forms of time, and so is the way covered under a shape: the size of
+//! the steps decides only when triggers are looked at.
+
+mod condition;
+mod geometry;
+mod motion;
+mod plan;
+mod start;
+mod storyboard;
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::expression::Value;
+use crate::model::action::{Action, SpeedTarget};
+use crate::model::{Drive, Script};
+use condition::ConditionMemory;
+use motion::Mover;
+pub use geometry::Extent;
+pub use motion::Motion;
+pub use plan::NotFound;
+use plan::Plan;
+use storyboard::Progress;
+
+/// A script whose beginning makes no sense.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum WorldError {
+    /// An index beyond its list.
+    #[error("{what} {index} does not exist, expected less than {count}")]
+    Index {
+        /// What kind of thing.
+        what: &'static str,
+        /// The index.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// A condition names a part of the storyboard that is not there.
+    #[error("{0}")]
+    Element(#[from] NotFound),
+    /// An entity has no place at the start.
+    #[error("`{entity}` cannot be placed: {reason}")]
+    Placement {
+        /// Its name.
+        entity: String,
+        /// Why.
+        reason: &'static str,
+    },
+    /// Two entities' speeds at the start depend on each other.
+    #[error("the speed of `{entity}` at the start depends on itself")]
+    Speed {
+        /// Its name.
+        entity: String,
+    },
+}
+
+/// Everything that a world remembers: restored into a world of the same script, it goes on the same way.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    time_ns: u64,
+    step: u64,
+    stopped: bool,
+    /// Triggers are being evaluated.
+    evaluating: bool,
+    movers: Vec<Mover>,
+    progress: Vec<Progress>,
+    conditions: Vec<ConditionMemory>,
+    values: Vec<Value>,
+}
+
+/// A script that moves.
+#[derive(Clone, Debug)]
+pub struct World {
+    script: Arc<Script>,
+    plan: Arc<Plan>,
+    state: State,
+}
+
+impl World {
+    /// The world at its start, after Init.
+    ///
+    /// # Errors
+    /// When the script refers to what it does not hold, or an entity cannot be placed.
+    pub fn new(script: Script) -> Result<Self, WorldError> {
+        let plan = Plan::of(&script)?;
+        let state = State {
+            time_ns: 0,
+            step: 0,
+            stopped: false,
+            evaluating: false,
+            movers: vec![Mover::default(); script.entities.len()],
+            progress: vec![Progress::default(); plan.elements.len()],
+            conditions: vec![ConditionMemory::default(); plan.conditions],
+            values: script.values.iter().map(|named| named.value.clone()).collect(),
+        };
+        let mut world = Self { script: Arc::new(script), plan: Arc::new(plan), state };
+        world.place()?;
+        world.first_speeds()?;
+        let script = Arc::clone(&world.script);
+        for item in &script.init {
+            let actors = item.actor.as_slice();
+            match item.action {
+                Action::Teleport(_) | Action::Add { .. } => {}
+                Action::Speed { transition, target } if world.at_once(&transition, &target) => {}
+                ref action => world.start(action, actors, None),
+            }
+        }
+        Ok(world)
+    }
+
+    /// Says where an entity is that its caller moves, for the next step.
+    pub fn observe(&mut self, entity: usize, motion: Motion) {
+        if let Some(mover) = self.state.movers.get_mut(entity) {
+            mover.observed = Some(motion);
+        }
+    }
+
+    /// Brings the world to `time_ns` since the start, which never goes back.
+    pub fn step(&mut self, time_ns: u64) {
+        let time_ns = time_ns.max(self.state.time_ns);
+        self.state.step += 1;
+        self.advance(time_ns);
+        self.state.time_ns = time_ns;
+        if !self.state.stopped {
+            self.storyboard();
+        }
+    }
+
+    /// Goes on from what another world of the same script remembered. A state of another script is
+    /// passed over.
+    pub fn restore(&mut self, state: State) {
+        let alike = state.movers.len() == self.state.movers.len()
+            && state.progress.len() == self.state.progress.len()
+            && state.conditions.len() == self.state.conditions.len()
+            && state.values.len() == self.state.values.len();
+        if alike {
+            self.state = state;
+        }
+    }
+
+    /// What it remembers.
+    #[must_use]
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// The script.
+    #[must_use]
+    pub fn script(&self) -> &Script {
+        &self.script
+    }
+
+    /// Where an entity is and how it moves.
+    #[must_use]
+    pub fn motion(&self, entity: usize) -> Motion {
+        self.state.movers[entity].motion
+    }
+
+    /// The extent of an entity's body on the road.
+    #[must_use]
+    pub fn extent(&self, entity: usize) -> Extent {
+        Extent::of(&self.script.entities[entity].body, &self.motion(entity))
+    }
+
+    /// The storyboard's stop trigger has fired.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        self.state.stopped
+    }
+
+    /// A speed that Init sets without any time: done in [`Self::first_speeds`].
+    fn at_once(
+        &self,
+        transition: &crate::model::action::Transition,
+        target: &SpeedTarget,
+    ) -> bool {
+        let continuous = match target {
+            SpeedTarget::Absolute(_) => false,
+            SpeedTarget::Delta { continuous, .. } | SpeedTarget::Factor { continuous, .. } => {
+                *continuous
+            }
+        };
+        !continuous && start::is_immediate(transition)
+    }
+
+    fn is_external(&self, entity: usize) -> bool {
+        self.script.entities[entity].drive == Drive::External
+    }
+}

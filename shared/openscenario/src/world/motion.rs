@@ -1,0 +1,465 @@
+//! Where entities are, and how they go on.
+
+use serde::{Deserialize, Serialize};
+
+use crate::model::Drive;
+use crate::model::action::{Distance, Gap, Shape, Side};
+use crate::world::World;
+use crate::world::geometry::Extent;
+
+/// How near a distance must be to count as reached, m.
+const REACHED_M: f64 = 0.05;
+/// How near a speed must be to count as reached, m/s.
+const REACHED_MPS: f64 = 0.05;
+/// How fast an error of distance is driven off when it is small, 1/s.
+const APPROACH_PER_S: f64 = 0.5;
+
+/// Where an entity is and how it moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Motion {
+    /// It is on the road; nothing else here means anything otherwise.
+    pub present: bool,
+    /// Origin along the reference line, m.
+    pub s_m: f64,
+    /// Origin across it, positive to the left, m.
+    pub t_m: f64,
+    /// Heading from the reference line, rad.
+    pub heading_rad: f64,
+    /// Speed along the heading, m/s.
+    pub speed_mps: f64,
+    /// Speed across the road from a lateral action, m/s.
+    pub lateral_mps: f64,
+    /// Acceleration along the heading, m/s².
+    pub acceleration_mps2: f64,
+}
+
+impl Motion {
+    /// 1 for an entity that faces along the road, -1 for one that faces against it.
+    #[must_use]
+    pub fn direction(&self) -> f64 {
+        if libm::cos(self.heading_rad) < 0.0 { -1.0 } else { 1.0 }
+    }
+}
+
+/// An entity and what moves it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Mover {
+    pub motion: Motion,
+    /// What the caller says of an entity that it moves.
+    pub observed: Option<Motion>,
+    /// Way covered since the start, m.
+    pub odometer_m: f64,
+    pub pace: Pace,
+    pub pace_owner: Option<usize>,
+    pub steer: Steer,
+    pub steer_owner: Option<usize>,
+    pub path: Option<Path>,
+    pub path_owner: Option<usize>,
+    /// Since when it stands, is at the road's end, is off the road, ns.
+    pub stands_since: Option<u64>,
+    pub at_end_since: Option<u64>,
+    pub off_since: Option<u64>,
+}
+
+/// How the speed goes on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) enum Pace {
+    /// As it is.
+    #[default]
+    Free,
+    /// From one speed to another.
+    Shape(SpeedShape),
+    /// The speed of another entity, for ever.
+    Match { entity: usize, factor: f64, offset_mps: f64, rate_mps2: f64 },
+    /// At a distance to another entity.
+    Keep(Distance),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct SpeedShape {
+    pub from_mps: f64,
+    pub to_mps: f64,
+    pub start_ns: u64,
+    /// Infinite for a rate of 0.
+    pub duration_s: f64,
+    pub shape: Shape,
+}
+
+/// How the lateral position goes on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) enum Steer {
+    /// As it is.
+    #[default]
+    Hold,
+    /// From one lateral position to another.
+    Shape(LateralShape),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct LateralShape {
+    pub from_t_m: f64,
+    pub to_t_m: f64,
+    pub by: Course,
+    pub shape: Shape,
+    /// Does not end, and follows this entity's lateral position at a distance.
+    pub endless: Option<Option<(usize, f64)>>,
+}
+
+/// What a lateral shape is a function of.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) enum Course {
+    Time { start_ns: u64, duration_s: f64 },
+    Way { start_m: f64, length_m: f64 },
+}
+
+/// A line being followed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Path {
+    /// Corners: time in s since the start of the run or way in m, then `s` and `t`.
+    pub corners: Vec<(f64, f64, f64)>,
+    /// Odometer at its start, m, where corners are passed by way.
+    pub by_way_from_m: Option<f64>,
+}
+
+impl Shape {
+    /// Progress from 0 to 1 at `x` from 0 to 1.
+    pub(super) fn value(self, x: f64) -> f64 {
+        let x = x.clamp(0.0, 1.0);
+        match self {
+            Self::Linear => x,
+            Self::Cubic => x * x * (3.0 - 2.0 * x),
+            Self::Sinusoidal => 0.5 - 0.5 * libm::cos(std::f64::consts::PI * x),
+            Self::Step => 1.0,
+        }
+    }
+
+    /// The integral of [`Self::value`] from 0 to `x`, at most 1.
+    fn integral(self, x: f64) -> f64 {
+        let pi = std::f64::consts::PI;
+        match self {
+            Self::Linear => 0.5 * x * x,
+            Self::Cubic => x * x * x * (1.0 - 0.5 * x),
+            Self::Sinusoidal => 0.5 * x - libm::sin(pi * x) / (2.0 * pi),
+            Self::Step => x,
+        }
+    }
+
+    /// The derivative of [`Self::value`].
+    fn rate(self, x: f64) -> f64 {
+        let pi = std::f64::consts::PI;
+        match self {
+            _ if !(0.0..1.0).contains(&x) => 0.0,
+            Self::Linear => 1.0,
+            Self::Cubic => 6.0 * x * (1.0 - x),
+            Self::Sinusoidal => 0.5 * pi * libm::sin(pi * x),
+            Self::Step => 0.0,
+        }
+    }
+
+    /// The largest derivative.
+    pub(super) fn largest_rate(self) -> f64 {
+        match self {
+            Self::Linear => 1.0,
+            Self::Cubic => 1.5,
+            Self::Sinusoidal => std::f64::consts::FRAC_PI_2,
+            Self::Step => f64::INFINITY,
+        }
+    }
+
+    /// The largest second derivative.
+    pub(super) fn largest_curvature(self) -> f64 {
+        let pi = std::f64::consts::PI;
+        match self {
+            Self::Linear | Self::Step => f64::INFINITY,
+            Self::Cubic => 6.0,
+            Self::Sinusoidal => 0.5 * pi * pi,
+        }
+    }
+}
+
+impl SpeedShape {
+    fn x(&self, time_ns: u64) -> f64 {
+        seconds(time_ns.saturating_sub(self.start_ns)) / self.duration_s
+    }
+
+    fn is_over(&self, time_ns: u64) -> bool {
+        self.x(time_ns) >= 1.0
+    }
+
+    fn speed(&self, time_ns: u64) -> f64 {
+        match self.is_over(time_ns) {
+            true => self.to_mps,
+            false => self.from_mps + (self.to_mps - self.from_mps) * self.shape.value(self.x(time_ns)),
+        }
+    }
+
+    fn acceleration(&self, time_ns: u64) -> f64 {
+        (self.to_mps - self.from_mps) / self.duration_s * self.shape.rate(self.x(time_ns))
+    }
+
+    /// Way covered between two times.
+    fn way(&self, from_ns: u64, to_ns: u64) -> f64 {
+        if self.duration_s.is_infinite() {
+            return self.from_mps * seconds(to_ns - from_ns);
+        }
+        let (a, b) = (self.x(from_ns).min(1.0), self.x(to_ns).min(1.0));
+        let change = self.shape.integral(b) - self.shape.integral(a);
+        let inside = self.from_mps * (b - a) + (self.to_mps - self.from_mps) * change;
+        let after = (self.x(to_ns) - b) - (self.x(from_ns) - a);
+        self.duration_s * (inside + self.to_mps * after)
+    }
+}
+
+impl World {
+    /// Moves every entity to `time_ns`; actions that end on the way end.
+    pub(super) fn advance(&mut self, time_ns: u64) {
+        let from_ns = self.state.time_ns;
+        for entity in 0..self.state.movers.len() {
+            if self.is_external(entity) {
+                self.take_observed(entity, time_ns);
+            } else if !matches!(self.state.movers[entity].pace, Pace::Keep(_)) {
+                self.drive(entity, from_ns, time_ns);
+            }
+        }
+        for entity in 0..self.state.movers.len() {
+            if !self.is_external(entity)
+                && let Pace::Keep(distance) = self.state.movers[entity].pace
+            {
+                self.keep(entity, &distance, from_ns, time_ns);
+            }
+        }
+        for entity in 0..self.state.movers.len() {
+            self.steer(entity, from_ns, time_ns);
+            self.follow(entity, time_ns);
+            self.note_standing(entity, time_ns);
+        }
+    }
+
+    /// An entity that its caller moves: its actions take their time and move nothing.
+    fn take_observed(&mut self, entity: usize, time_ns: u64) {
+        let mover = &mut self.state.movers[entity];
+        if let Some(observed) = mover.observed.take() {
+            mover.odometer_m += (observed.s_m - mover.motion.s_m).abs();
+            mover.motion = observed;
+        }
+        let over = match mover.pace {
+            Pace::Shape(shape) => shape.is_over(time_ns),
+            Pace::Keep(distance) => !distance.continuous,
+            Pace::Free | Pace::Match { .. } => false,
+        };
+        if over {
+            self.end_pace(entity);
+        }
+    }
+
+    fn drive(&mut self, entity: usize, from_ns: u64, time_ns: u64) {
+        let elapsed_s = seconds(time_ns - from_ns);
+        let reference = match self.state.movers[entity].pace {
+            Pace::Match { entity: other, factor, offset_mps, .. } => {
+                (factor * self.state.movers[other].motion.speed_mps + offset_mps).max(0.0)
+            }
+            _ => 0.0,
+        };
+        let mover = &mut self.state.movers[entity];
+        let before = mover.motion.speed_mps;
+        let (way_m, speed_mps, acceleration, over) = match mover.pace {
+            Pace::Free | Pace::Keep(_) => (before * elapsed_s, before, 0.0, false),
+            Pace::Shape(shape) => (
+                shape.way(from_ns, time_ns),
+                shape.speed(time_ns),
+                shape.acceleration(time_ns),
+                shape.is_over(time_ns),
+            ),
+            Pace::Match { rate_mps2, .. } => {
+                let step = rate_mps2 * elapsed_s;
+                let speed = before + (reference - before).clamp(-step, step);
+                (0.5 * (before + speed) * elapsed_s, speed, rate(before, speed, elapsed_s), false)
+            }
+        };
+        mover.roll(way_m, speed_mps, acceleration);
+        if over {
+            self.end_pace(entity);
+        }
+    }
+
+    /// Drives at a distance to another entity.
+    fn keep(&mut self, entity: usize, distance: &Distance, from_ns: u64, time_ns: u64) {
+        let elapsed_s = seconds(time_ns - from_ns);
+        let before = self.state.movers[entity].motion.speed_mps;
+        let Some(goal) = self.gap_goal(entity, distance) else {
+            self.drive_free(entity, elapsed_s);
+            return;
+        };
+        let other = self.state.movers[distance.entity].motion.speed_mps;
+        let Some(limits) = distance.limits else {
+            let mover = &mut self.state.movers[entity];
+            let here = mover.motion.s_m;
+            let way_m = (goal - here) * mover.motion.direction();
+            mover.roll(way_m, other, rate(before, other, elapsed_s));
+            mover.motion.s_m = goal;
+            return;
+        };
+        // The error ahead of the entity, m: driven off no faster than the brakes can end it.
+        let mover = &mut self.state.movers[entity];
+        let error_m = (goal - mover.motion.s_m) * mover.motion.direction();
+        let brake = if error_m > 0.0 { limits.max_deceleration_mps2 } else { limits.max_acceleration_mps2 };
+        let closing = libm::sqrt(2.0 * brake * error_m.abs()).min(APPROACH_PER_S * error_m.abs());
+        let wanted = (other + closing * error_m.signum()).clamp(0.0, limits.max_speed_mps);
+        let up = limits.max_acceleration_mps2 * elapsed_s;
+        let down = limits.max_deceleration_mps2 * elapsed_s;
+        let speed = before + (wanted - before).clamp(-down, up);
+        mover.roll(0.5 * (before + speed) * elapsed_s, speed, rate(before, speed, elapsed_s));
+        let reached = error_m.abs() < REACHED_M && (speed - other).abs() < REACHED_MPS;
+        if reached && !distance.continuous {
+            self.end_pace(entity);
+        }
+    }
+
+    fn drive_free(&mut self, entity: usize, elapsed_s: f64) {
+        let mover = &mut self.state.movers[entity];
+        let speed = mover.motion.speed_mps;
+        mover.roll(speed * elapsed_s, speed, 0.0);
+    }
+
+    /// Where along the road the entity would be at its distance from another, m.
+    pub(super) fn gap_goal(&self, entity: usize, distance: &Distance) -> Option<f64> {
+        let (own, other) = (self.motion(entity), self.motion(distance.entity));
+        if !own.present || !other.present {
+            return None;
+        }
+        let direction = other.direction();
+        let ahead = match distance.side {
+            Side::Ahead => true,
+            Side::Behind => false,
+            Side::Any => (own.s_m - other.s_m) * direction >= 0.0,
+        };
+        let gap_m = match distance.gap {
+            Gap::Distance(gap_m) => gap_m,
+            Gap::Time(gap_s) if ahead => gap_s * other.speed_mps,
+            Gap::Time(gap_s) => gap_s * own.speed_mps,
+        };
+        let forward = ahead == (direction > 0.0);
+        if !distance.freespace {
+            return Some(if forward { other.s_m + gap_m } else { other.s_m - gap_m });
+        }
+        let (near, far): (Extent, Extent) = (self.extent(entity), self.extent(distance.entity));
+        Some(match forward {
+            true => far.to_s_m + gap_m + (own.s_m - near.from_s_m),
+            false => far.from_s_m - gap_m - (near.to_s_m - own.s_m),
+        })
+    }
+
+    fn steer(&mut self, entity: usize, from_ns: u64, time_ns: u64) {
+        let Steer::Shape(shape) = self.state.movers[entity].steer else { return };
+        let odometer_m = self.state.movers[entity].odometer_m;
+        let x = match shape.by {
+            Course::Time { start_ns, duration_s } => {
+                ratio(seconds(time_ns.saturating_sub(start_ns)), duration_s)
+            }
+            Course::Way { start_m, length_m } => ratio(odometer_m - start_m, length_m),
+        };
+        let over = x >= 1.0;
+        let target = match (over, shape.endless) {
+            (true, Some(Some((other, offset_m)))) => {
+                self.state.movers[other].motion.t_m + offset_m
+            }
+            (true, _) => shape.to_t_m,
+            (false, _) => shape.from_t_m + (shape.to_t_m - shape.from_t_m) * shape.shape.value(x),
+        };
+        if !self.is_external(entity) {
+            let mover = &mut self.state.movers[entity];
+            let elapsed_s = seconds(time_ns - from_ns);
+            mover.motion.lateral_mps = rate(mover.motion.t_m, target, elapsed_s);
+            mover.motion.t_m = target;
+        }
+        if over && shape.endless.is_none() {
+            self.end_steer(entity);
+        }
+    }
+
+    /// Moves along a line.
+    fn follow(&mut self, entity: usize, time_ns: u64) {
+        let mover = &mut self.state.movers[entity];
+        let Some(path) = &mover.path else { return };
+        let at = match path.by_way_from_m {
+            Some(start_m) => mover.odometer_m - start_m,
+            None => seconds(time_ns),
+        };
+        let corners = &path.corners;
+        let last = corners[corners.len() - 1];
+        let before = corners.partition_point(|corner| corner.0 <= at).clamp(1, corners.len() - 1) - 1;
+        let (a, b) = (corners[before], corners[before + 1]);
+        let share = ((at - a.0) / (b.0 - a.0)).clamp(0.0, 1.0);
+        let (ds, dt) = (b.1 - a.1, b.2 - a.2);
+        let timed = path.by_way_from_m.is_none();
+        let over = at >= last.0;
+        if self.script.entities[entity].drive == Drive::Scripted {
+            let motion = &mut mover.motion;
+            let s_m = a.1 + share * ds;
+            let t_m = a.2 + share * dt;
+            if timed && at >= corners[0].0 {
+                motion.speed_mps = libm::hypot(ds, dt) / (b.0 - a.0);
+                motion.acceleration_mps2 = 0.0;
+                mover.odometer_m += libm::hypot(s_m - motion.s_m, t_m - motion.t_m);
+            } else if timed {
+                motion.speed_mps = 0.0;
+            }
+            motion.s_m = s_m;
+            motion.t_m = t_m;
+            motion.lateral_mps = 0.0;
+            if ds != 0.0 || dt != 0.0 {
+                motion.heading_rad = libm::atan2(dt, ds);
+            }
+        }
+        if over {
+            self.end_path(entity);
+        }
+    }
+
+    fn note_standing(&mut self, entity: usize, time_ns: u64) {
+        let road = &self.script.road;
+        let mover = &mut self.state.movers[entity];
+        let motion = mover.motion;
+        let beyond = |length_m: f64| motion.s_m >= length_m || motion.s_m <= 0.0 && motion.direction() < 0.0;
+        let at_end = road.length_m.is_some_and(beyond);
+        for (since, holds) in [
+            (&mut mover.stands_since, motion.speed_mps == 0.0),
+            (&mut mover.at_end_since, at_end),
+            (&mut mover.off_since, !road.holds(motion.t_m)),
+        ] {
+            *since = if motion.present && holds { since.or(Some(time_ns)) } else { None };
+        }
+    }
+}
+
+impl Mover {
+    /// Covers a way along the heading; a line being followed with timing moves by itself.
+    fn roll(&mut self, way_m: f64, speed_mps: f64, acceleration_mps2: f64) {
+        if self.path.as_ref().is_some_and(|path| path.by_way_from_m.is_none()) || !self.motion.present {
+            return;
+        }
+        let motion = &mut self.motion;
+        let heading = motion.heading_rad;
+        if self.path.is_none() {
+            motion.s_m += way_m * libm::cos(heading);
+            motion.t_m += way_m * libm::sin(heading);
+        }
+        motion.speed_mps = speed_mps;
+        motion.acceleration_mps2 = acceleration_mps2;
+        motion.lateral_mps = 0.0;
+        self.odometer_m += way_m.abs();
+    }
+}
+
+fn ratio(value: f64, whole: f64) -> f64 {
+    if whole > 0.0 { value / whole } else { 1.0 }
+}
+
+/// Change per second; 0 where no time passes.
+fn rate(from: f64, to: f64, elapsed_s: f64) -> f64 {
+    if elapsed_s > 0.0 { (to - from) / elapsed_s } else { 0.0 }
+}
+
+pub(super) fn seconds(time_ns: u64) -> f64 {
+    time_ns as f64 * 1e-9
+}
