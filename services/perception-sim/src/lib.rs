@@ -10,6 +10,7 @@ pub mod quality;
 pub mod radar;
 pub mod random;
 mod service;
+mod stage;
 pub mod tracking;
 pub mod traffic;
 

@@ -96,7 +96,7 @@ impl Perception {
         ego: &Ego,
         detections: &mut [Detection; MAX_DETECTIONS],
     ) -> &TrackList {
-        self.traffic.advance(time_ns, ego.position_m);
+        self.traffic.advance(time_ns, ego);
         let now_ns = i64::try_from(time_ns).unwrap_or(i64::MAX);
         let scene = Scene::new(now_ns, *ego, self.traffic.vehicles());
         if self.taken == 0 {

@@ -51,7 +51,8 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         // The referee's copy first: the plant may be waiting for it.
         let origins = Origins { odometry: odometry.origin(), ..Origins::NONE };
         let header = Header::new(release.step, release.scheduled_ns, origins);
-        truth.send(truth_on_the_wire(header, perception.vehicles()))?;
+        let ended = perception.traffic().is_over();
+        truth.send(truth_on_the_wire(header, perception.vehicles(), ended))?;
         let acquired = Header { acquisition_ns: list.acquisition_ns, ..header };
         output.send(acquired, &perception)?;
         tracks.send(tracks_on_the_wire(acquired, &list))?;
@@ -98,8 +99,8 @@ fn ego_at(odometry: &Odometry, time_s: f64) -> Ego {
     Ego { position_m, speed_mps, acceleration_mps2: odometry.acceleration_mps2 }
 }
 
-fn truth_on_the_wire(header: Header, vehicles: &[Vehicle]) -> VehicleTruth {
-    let mut message = VehicleTruth { header, ..VehicleTruth::zeroed() };
+fn truth_on_the_wire(header: Header, vehicles: &[Vehicle], ended: bool) -> VehicleTruth {
+    let mut message = VehicleTruth { header, ended: ended.into(), ..VehicleTruth::zeroed() };
     let present = vehicles.iter().filter(|vehicle| vehicle.present).take(MAX_TRACKS);
     for (item, vehicle) in message.vehicles.iter_mut().zip(present) {
         *item = VehicleTruthItem {

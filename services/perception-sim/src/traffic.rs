@@ -1,6 +1,7 @@
 //! The other vehicles: where they truly are.
 //!
-//! Each follows its profile alone; nobody reacts to the ego. With the integrator `fine` speed and
+//! Each follows its profile alone, or a storyboard ([`crate::stage`]), whose triggers may look at the ego.
+//! With the integrator `fine` speed and
 //! position are those of an acceleration that is constant over each step (1 ms by default), exact for
 //! profiles of constant pieces. With `paper-euler` they take the step of the CACC paper's simulation,
 //!
@@ -10,13 +11,15 @@
 //!
 //! and samples inside a step lie on its straight lines, as the ego's do.
 
+use openscenario::world::State;
 use scenario::Scenario;
 use scenario::actor::{Actor, LateralMotion, MAX_ACTORS, Profile, SpeedPoint};
+use scenario::event::VEHICLE_WIDTH_M;
 use scenario::plant::Integrator;
 use serde::{Deserialize, Serialize};
 
-/// Width of every vehicle, the ego included, m.
-pub const VEHICLE_WIDTH_M: f64 = 1.8;
+use crate::radar::Ego;
+use crate::stage::Stage;
 
 /// Times of a profile take effect this much early, so that rounding does not lose a step, s.
 const TIME_TOLERANCE_S: f64 = 1e-9;
@@ -28,7 +31,7 @@ pub struct Vehicle {
     pub present: bool,
     /// Position of the rear bumper along the road, m.
     pub rear_position_m: f64,
-    /// Speed, m/s, never negative.
+    /// Speed, m/s, negative where it comes towards the ego.
     pub speed_mps: f64,
     /// Acceleration, m/s².
     pub acceleration_mps2: f64,
@@ -38,13 +41,15 @@ pub struct Vehicle {
     pub lateral_speed_mps: f64,
     /// Length, m.
     pub length_m: f64,
+    /// Lateral distance below which its body and the ego's would touch, m.
+    pub touches_within_m: f64,
 }
 
 impl Vehicle {
     /// Its body and the ego's would touch if they were at the same place along the road.
     #[must_use]
     pub fn in_ego_path(&self) -> bool {
-        self.present && self.lateral_m.abs() < VEHICLE_WIDTH_M
+        self.present && self.lateral_m.abs() < self.touches_within_m
     }
 }
 
@@ -52,12 +57,13 @@ impl Vehicle {
 #[derive(Clone, Debug)]
 pub struct Traffic {
     movers: Vec<Mover>,
+    stage: Option<Stage>,
     vehicles: Vec<Vehicle>,
 }
 
 /// Where all vehicles are, as it outlives a process.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub struct Kept([Option<Base>; MAX_ACTORS]);
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Kept([Option<Base>; MAX_ACTORS], Option<State>);
 
 /// A vehicle and what moves it.
 #[derive(Clone, Debug)]
@@ -95,15 +101,24 @@ impl Traffic {
             })
             .collect();
         let vehicles = vec![Vehicle::default(); movers.len()];
-        Self { movers, vehicles }
+        Self { movers, stage: Stage::of(scenario), vehicles }
     }
 
     /// Brings all vehicles to `time_ns`, which never goes back. A vehicle that appears is placed
-    /// relative to the ego's front bumper at `ego_position_m`.
-    pub fn advance(&mut self, time_ns: u64, ego_position_m: f64) {
+    /// relative to the ego's front bumper.
+    pub fn advance(&mut self, time_ns: u64, ego: &Ego) {
         for (mover, vehicle) in self.movers.iter_mut().zip(&mut self.vehicles) {
-            *vehicle = mover.advance(time_ns, ego_position_m);
+            *vehicle = mover.advance(time_ns, ego.position_m);
         }
+        if let Some(stage) = &mut self.stage {
+            stage.advance(time_ns, ego, &mut self.vehicles);
+        }
+    }
+
+    /// A storyboard has come to its end, and so has the run.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        self.stage.as_ref().is_some_and(Stage::is_over)
     }
 
     /// Where everybody is, for a process that goes on in this one's place: vehicles do not vanish with
@@ -114,6 +129,7 @@ impl Traffic {
         for (place, mover) in kept.0.iter_mut().zip(&self.movers) {
             *place = mover.base;
         }
+        kept.1 = self.stage.as_ref().map(|stage| stage.state().clone());
         kept
     }
 
@@ -121,6 +137,9 @@ impl Traffic {
     pub fn go_on_from(&mut self, kept: &Kept) {
         for (mover, base) in self.movers.iter_mut().zip(kept.0) {
             mover.base = base;
+        }
+        if let (Some(stage), Some(state)) = (&mut self.stage, &kept.1) {
+            stage.restore(state.clone());
         }
     }
 
@@ -156,6 +175,7 @@ impl Mover {
             lateral_m,
             lateral_speed_mps,
             length_m: self.actor.length_m.value(),
+            touches_within_m: VEHICLE_WIDTH_M,
         }
     }
 
@@ -179,7 +199,7 @@ impl Mover {
     fn acceleration(&self, base: &Base, step_s: f64) -> f64 {
         let (start_s, speed) = (seconds(base.time_ns), base.speed_mps);
         let wanted = match &self.actor.profile {
-            Profile::Constant => 0.0,
+            Profile::Constant | Profile::Storyboard => 0.0,
             Profile::Steps(steps) => {
                 current(steps, start_s, |step| step.time_s.value()).map_or(0.0, |step| {
                     let rate = step.acceleration_mps2.value();
@@ -272,6 +292,10 @@ mod tests {
         Traffic::new(&scenario)
     }
 
+    fn ego(position_m: f64) -> Ego {
+        Ego { position_m, ..Ego::default() }
+    }
+
     fn lead(profile: &str) -> Traffic {
         traffic(&format!("[[actors]]\nname = \"lead\"\ngap_m = 50\n{profile}\n"))
     }
@@ -280,9 +304,9 @@ mod tests {
     fn at(traffic: &mut Traffic, time_s: f64) -> Vehicle {
         let end = (time_s * 1e9).round() as u64;
         for time_ns in (0..=end).step_by(PERIOD_NS as usize) {
-            traffic.advance(time_ns, 0.0);
+            traffic.advance(time_ns, &ego(0.0));
         }
-        traffic.advance(end, 0.0);
+        traffic.advance(end, &ego(0.0));
         traffic.vehicles()[0]
     }
 
@@ -300,11 +324,11 @@ mod tests {
             for (k, line) in csv.lines().skip(1).enumerate() {
                 let row: Vec<f64> = line.split(',').map(|f| f.parse().expect("a number")).collect();
                 let (position, gap, speed) = (row[1], row[7], row[8]);
-                traffic.advance(2 * k as u64 * PERIOD_NS, 0.0);
+                traffic.advance(2 * k as u64 * PERIOD_NS, &ego(0.0));
                 let vehicle = traffic.vehicles()[0];
                 assert!((vehicle.rear_position_m - position - gap).abs() < 2e-5, "{name} {k}");
                 assert!((vehicle.speed_mps - speed).abs() < 1e-5, "{name} {k}");
-                traffic.advance((2 * k as u64 + 1) * PERIOD_NS, 0.0);
+                traffic.advance((2 * k as u64 + 1) * PERIOD_NS, &ego(0.0));
             }
         }
     }
@@ -368,13 +392,13 @@ mod tests {
     #[test]
     fn a_vehicle_appears_relative_to_the_ego_and_leaves() {
         let mut traffic = lead("initial_speed_mps = 10\nappears_at_s = 2\nleaves_at_s = 4");
-        traffic.advance(1_950_000_000, 30.0);
+        traffic.advance(1_950_000_000, &ego(30.0));
         assert!(!traffic.vehicles()[0].present);
-        traffic.advance(2_000_000_000, 31.0);
+        traffic.advance(2_000_000_000, &ego(31.0));
         assert_eq!(traffic.vehicles()[0].rear_position_m, 81.0);
-        traffic.advance(3_000_000_000, 50.0);
+        traffic.advance(3_000_000_000, &ego(50.0));
         assert!((traffic.vehicles()[0].rear_position_m - 91.0).abs() < 1e-9);
-        traffic.advance(4_000_000_000, 60.0);
+        traffic.advance(4_000_000_000, &ego(60.0));
         assert!(!traffic.vehicles()[0].present);
     }
 
@@ -402,15 +426,15 @@ mod tests {
                 {{ time_s = 1.23, speed_mps = 0, acceleration_mps2 = 3.1 }},\
                 {{ time_s = 7, speed_mps = 20, acceleration_mps2 = 1.7 }}]");
             let (mut coarse, mut fine) = (traffic(&text), traffic(&text));
-            coarse.advance(0, 0.0);
+            coarse.advance(0, &ego(0.0));
             let (mut now, mut last) = (0, 0.0);
             for skip in skips {
                 for _ in 0..skip {
-                    fine.advance(now, 0.0);
+                    fine.advance(now, &ego(0.0));
                     now += 10_000_000;
                 }
-                fine.advance(now, 0.0);
-                coarse.advance(now, 0.0);
+                fine.advance(now, &ego(0.0));
+                coarse.advance(now, &ego(0.0));
                 prop_assert_eq!(fine.vehicles(), coarse.vehicles());
                 let vehicle = fine.vehicles()[0];
                 prop_assert!(vehicle.speed_mps >= 0.0 && vehicle.rear_position_m >= last);

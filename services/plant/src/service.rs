@@ -21,7 +21,7 @@ use scenario::Scenario;
 use scenario::v2x::Phase;
 use serde::{Deserialize, Serialize};
 
-/// Runs the plant in its group, to the end of the run or the first violation.
+/// Runs the plant in its group, to the end of the run or of its storyboard, or to the first violation.
 ///
 /// # Errors
 /// If the group's shared memory is not usable.
@@ -151,7 +151,8 @@ impl Plant {
         };
         runtime.end_cycle(state)?;
         let brought_to_a_stop = runtime.is_to_stop() && self.stopped_for_want_of_commands;
-        if violation.is_some() || brought_to_a_stop {
+        let ended = self.vehicles.newest().is_some_and(|truth| truth.ended != 0);
+        if violation.is_some() || brought_to_a_stop || ended {
             runtime.end_run()?;
         }
         Ok(Cycle::Next)

@@ -155,6 +155,8 @@ layout!(VehicleTruthItem { in_lane, rear_position_m, speed_mps, acceleration_mps
 pub struct VehicleTruth {
     /// Common header.
     pub header: Header,
+    /// 1 once the scenario's storyboard has come to its end, and with it the run.
+    pub ended: u64,
     /// Valid entries of `vehicles`.
     pub count: u64,
     /// The vehicles in the scenario's order; unused entries are 0.
@@ -162,7 +164,7 @@ pub struct VehicleTruth {
 }
 
 message!(VehicleTruth, Topic::VehicleTruth);
-layout!(VehicleTruth { header, count, vehicles });
+layout!(VehicleTruth { header, ended, count, vehicles });
 
 impl VehicleTruth {
     /// Gap to, m, and speed of, m/s, the nearest vehicle in lane whose rear is not behind the ego's

@@ -11,7 +11,7 @@ const MAX_DEPTH: usize = 100;
 
 /// A value of a parameter, variable or attribute.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(rename_all = "kebab-case")]
 pub enum Value {
     /// A truth value.
     Boolean(bool),
@@ -224,8 +224,8 @@ impl<'a, E> Parser<'a, E> {
     fn call(&mut self, name: &str) -> Result<E> {
         let arguments = match name {
             "pow" | "max" | "min" => 2,
-            "round" | "floor" | "ceil" | "sqrt" | "sign" | "abs" | "sin" | "cos" | "tan" | "asin"
-            | "acos" | "atan" => 1,
+            "round" | "floor" | "ceil" | "sqrt" | "sign" | "abs" | "sin" | "cos" | "tan"
+            | "asin" | "acos" | "atan" => 1,
             _ => {
                 return wrong(
                     format!("`{name}` is not a function (a parameter begins with `$`)"),
@@ -375,7 +375,21 @@ mod tests {
     fn what_has_no_value_says_why() {
         assert_eq!(value("$w + 1"), Err(Fault::Parameter("w".to_owned())));
         let parentheses = "(".repeat(200);
-        for text in ["", "1 +", "1 2", "(1", "foo(1)", "pow(1)", "1 / 0", "$model * 2", "not 1", "1e", &parentheses, "sqrt(-1)", "é"] {
+        for text in [
+            "",
+            "1 +",
+            "1 2",
+            "(1",
+            "foo(1)",
+            "pow(1)",
+            "1 / 0",
+            "$model * 2",
+            "not 1",
+            "1e",
+            &parentheses,
+            "sqrt(-1)",
+            "é",
+        ] {
             assert!(matches!(value(text), Err(Fault::Expression(..))), "{text}: {:?}", value(text));
         }
     }

@@ -28,11 +28,7 @@ impl<'a> Node<'a> {
         reason: impl Into<String>,
         expected: impl Into<String>,
     ) -> ReadError {
-        ReadError::Meaning {
-            place: self.place(),
-            reason: reason.into(),
-            expected: expected.into(),
-        }
+        ReadError::Meaning { place: self.place(), reason: reason.into(), expected: expected.into() }
     }
 
     pub(crate) fn fault(&self, attribute: &'a str) -> AttributeFault<'a> {
@@ -70,10 +66,7 @@ impl<'a> Node<'a> {
     /// The first child of one of these names, which the subset demands.
     pub(crate) fn chosen(&self, names: &[&str]) -> Result<Self, ReadError> {
         self.children().find(|child| names.contains(&child.name())).ok_or_else(|| {
-            self.refuse(
-                format!("`{}` is empty", self.element.name),
-                one_of(names.iter().copied()),
-            )
+            self.refuse(format!("`{}` is empty", self.element.name), one_of(names.iter().copied()))
         })
     }
 
@@ -114,7 +107,9 @@ impl<'a> Node<'a> {
             .ok_or_else(|| self.fault(attribute).error("is missing", "a number"))?;
         match number.is_finite() {
             true => Ok(number),
-            false => Err(self.fault(attribute).error(format!("{number} is not finite"), "a number")),
+            false => {
+                Err(self.fault(attribute).error(format!("{number} is not finite"), "a number"))
+            }
         }
     }
 
@@ -129,7 +124,9 @@ impl<'a> Node<'a> {
     pub(crate) fn magnitude(&self, attribute: &'a str) -> Result<f64, ReadError> {
         match self.number(attribute)? {
             number if number >= 0.0 => Ok(number),
-            number => Err(self.fault(attribute).error(format!("{number} is negative"), "0 or more")),
+            number => {
+                Err(self.fault(attribute).error(format!("{number} is negative"), "0 or more"))
+            }
         }
     }
 

@@ -109,7 +109,12 @@ impl Scope {
         for (i, declaration) in declared.iter().enumerate() {
             let name = declaration.attribute("name").unwrap_or_default();
             if declared[..i].iter().any(|other| other.attribute("name") == Some(name)) {
-                return Err(reading.fault(declaration, name, "is declared twice", "one declaration"));
+                return Err(reading.fault(
+                    declaration,
+                    name,
+                    "is declared twice",
+                    "one declaration",
+                ));
             }
             reading.value(name, declaration)?;
         }
@@ -227,8 +232,11 @@ impl<'a> Reading<'a> {
         self.open.push(name.to_owned());
         let type_name = declaration.attribute("parameterType").unwrap_or_default();
         let Some(kind) = Type::named(type_name) else {
-            let fault =
-                AttributeFault { file: self.file, element: declaration, attribute: "parameterType" };
+            let fault = AttributeFault {
+                file: self.file,
+                element: declaration,
+                attribute: "parameterType",
+            };
             return Err(fault.error(
                 format!("`{type_name}` is not a type"),
                 "string, double, integer, int, unsignedInt, unsignedShort, boolean or dateTime",
@@ -241,14 +249,16 @@ impl<'a> Reading<'a> {
         };
         let fault = AttributeFault { file: self.file, element: declaration, attribute: "value" };
         let declared = self.declared;
-        let value = resolve(text, &fault, &mut |other| {
-            match declared.iter().find(|d| d.attribute("name") == Some(other)) {
+        let value =
+            resolve(text, &fault, &mut |other| match declared
+                .iter()
+                .find(|d| d.attribute("name") == Some(other))
+            {
                 Some(found) => self.value(other, found),
                 None => self.outer.value(other).cloned().ok_or_else(|| {
                     self.fault(declaration, other, "is not declared", &names(declared))
                 }),
-            }
-        })?;
+            })?;
         let value = match kind {
             Type::Text if !text.trim().starts_with('$') => Value::Text(text.to_owned()),
             _ => value,
@@ -344,7 +354,8 @@ fn constraints(file: &str, declaration: &Element, scope: &Scope) -> Result<(), R
         let mut words = Vec::new();
         for constraint in &group.children {
             let fault = AttributeFault { file, element: constraint, attribute: "rule" };
-            let rule_name = scope.resolve(constraint.attribute("rule").unwrap_or_default(), &fault)?;
+            let rule_name =
+                scope.resolve(constraint.attribute("rule").unwrap_or_default(), &fault)?;
             let rule_name = rule_name.text();
             let Some((_, rule)) = Rule::NAMES.iter().find(|(known, _)| *known == rule_name) else {
                 return Err(fault.error(
@@ -379,7 +390,8 @@ mod tests {
     use crate::xml;
 
     fn scope(declarations: &str, assigned: &[(&str, &str)]) -> Result<Scope, ReadError> {
-        let text = format!("<A><ParameterDeclarations>\n{declarations}\n</ParameterDeclarations></A>");
+        let text =
+            format!("<A><ParameterDeclarations>\n{declarations}\n</ParameterDeclarations></A>");
         let document = xml::parse("x.xosc", &text).expect("it is well-formed");
         let assigned: Vec<Assignment> = assigned
             .iter()
@@ -400,7 +412,8 @@ mod tests {
 
     #[test]
     fn declarations_refer_to_each_other_in_any_order() {
-        let text = declared("gap", "double", "${2 * $v}", "") + &declared("v", "double", "${60 / 3.6}", "");
+        let text = declared("gap", "double", "${2 * $v}", "")
+            + &declared("v", "double", "${60 / 3.6}", "");
         let scope = scope(&text, &[("v", "10")]).expect("it is right");
         assert_eq!(scope.value("gap"), Some(&Value::Number(20.0)));
     }
@@ -417,7 +430,9 @@ mod tests {
     #[test]
     fn one_group_of_constraints_must_hold() {
         let group = |bounds: &str| format!("<ConstraintGroup>{bounds}</ConstraintGroup>");
-        let bound = |rule: &str, value: &str| format!("<ValueConstraint rule=\"{rule}\" value=\"{value}\"/>");
+        let bound = |rule: &str, value: &str| {
+            format!("<ValueConstraint rule=\"{rule}\" value=\"{value}\"/>")
+        };
         let range = group(&(bound("greaterThan", "0") + &bound("lessOrEqual", "$top")));
         let text = declared("v", "double", "60", &(range + &group(&bound("equalTo", "-1"))))
             + &declared("top", "double", "60", "");
@@ -435,7 +450,10 @@ mod tests {
     #[test]
     fn types_are_checked() {
         assert!(refusal(&declared("n", "integer", "1.5", ""), &[]).contains("whole number"));
-        assert!(refusal(&declared("n", "double", "fast", ""), &[]).contains("`fast` is not of type double"));
+        assert!(
+            refusal(&declared("n", "double", "fast", ""), &[])
+                .contains("`fast` is not of type double")
+        );
         assert!(refusal(&declared("n", "speed", "1", ""), &[]).contains("is not a type"));
         let shown = refusal(&declared("n", "double", "1", ""), &[("n", "x")]);
         assert_eq!(shown, "parameter n=x: x.xosc declares it as double, expected a number");

@@ -84,8 +84,7 @@ impl Road {
     /// Where in `lanes` the lane at a lateral position is: the nearest one.
     #[must_use]
     pub fn index_at(&self, t_m: f64) -> usize {
-        let distance =
-            |lane: &Lane| ((t_m - lane.center_m).abs() - 0.5 * lane.width_m).max(0.0);
+        let distance = |lane: &Lane| ((t_m - lane.center_m).abs() - 0.5 * lane.width_m).max(0.0);
         let mut best = 0;
         for (i, lane) in self.lanes.iter().enumerate() {
             if distance(lane) < distance(&self.lanes[best]) {
@@ -157,7 +156,12 @@ impl Reader<'_> {
         for offset in lanes.children.iter().filter(|child| child.name == "laneOffset") {
             offset_m = self.constant(offset)?;
             if self.number(offset, "s")? != 0.0 {
-                return Err(self.element(offset, "lanes", "changes along the road", "one from s = 0"));
+                return Err(self.element(
+                    offset,
+                    "lanes",
+                    "changes along the road",
+                    "one from s = 0",
+                ));
             }
         }
         let mut read = Vec::new();
@@ -227,7 +231,8 @@ impl Reader<'_> {
             let heading = self.number(piece, "hdg")?;
             straight &= piece.child("line").is_some() && (heading - heading_rad).abs() < 1e-9;
         }
-        let start = Line { x_m: self.number(first, "x")?, y_m: self.number(first, "y")?, heading_rad };
+        let start =
+            Line { x_m: self.number(first, "x")?, y_m: self.number(first, "y")?, heading_rad };
         Ok(straight.then_some(start))
     }
 
@@ -334,9 +339,17 @@ mod tests {
     fn what_cannot_be_driven_is_refused_with_its_line() {
         for (from, to, expected) in [
             ("a=\"4\" b=\"0\"", "a=\"4\" b=\"0.1\"", "a.xodr:7: element `width` in `lane` changes"),
-            ("<laneOffset", "<laneSection s=\"0\"/><laneOffset", "a.xodr:3: element `laneSection` in `lanes` is there twice"),
+            (
+                "<laneOffset",
+                "<laneSection s=\"0\"/><laneOffset",
+                "a.xodr:3: element `laneSection` in `lanes` is there twice",
+            ),
             ("length=\"100\">\n<plan", "length=\"0\">\n<plan", "a.xodr:1: the road has no length"),
-            ("<road id", "<road id=\"1\"/><road id", "a.xodr:1: the roads of this file are `1` or `7`"),
+            (
+                "<road id",
+                "<road id=\"1\"/><road id",
+                "a.xodr:1: the roads of this file are `1` or `7`",
+            ),
             ("OpenDRIVE", "Map", "element `Map`"),
         ] {
             let text = STRAIGHT.replace(from, to);

@@ -83,9 +83,7 @@ pub fn parse(file: &str, text: &str) -> Result<Document, ReadError> {
                 open.push(element(&tag, line).map_err(|reason| syntax(start, reason))?);
                 None
             }
-            Event::Empty(tag) => {
-                Some(element(&tag, line).map_err(|reason| syntax(start, reason))?)
-            }
+            Event::Empty(tag) => Some(element(&tag, line).map_err(|reason| syntax(start, reason))?),
             Event::End(_) => open.pop(),
             Event::DocType(_) => {
                 return Err(syntax(start, "a document type is not accepted".to_owned()));
@@ -162,7 +160,11 @@ mod tests {
 
     #[test]
     fn what_is_not_well_formed_is_refused_at_its_line() {
-        assert!(refusal("<A>\n <B>\n</A>").starts_with("x.xosc:3: not XML"), "{}", refusal("<A>\n <B>\n</A>"));
+        assert!(
+            refusal("<A>\n <B>\n</A>").starts_with("x.xosc:3: not XML"),
+            "{}",
+            refusal("<A>\n <B>\n</A>")
+        );
         assert!(refusal("<A>\n").contains("`A` of line 1 is not closed"));
         assert!(refusal("<A/>\n<B/>").starts_with("x.xosc:2: a second outermost element"));
         assert!(refusal("").contains("no element"));

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use super::event::ActorEvent;
 use super::name::Name;
 use super::quantity::{
     Acceleration, AccelerationMagnitude, Distance, Duration, Lateral, Length, Speed, Time,
@@ -47,6 +48,9 @@ pub struct Actor {
     /// Lateral motions in order of time: a cut-in ends at 0, a cut-out beside the lane.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lateral: Vec<LateralMotion>,
+    /// What it does when something happens, beside keeping its speed.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub events: Vec<ActorEvent>,
 }
 
 /// How an actor's speed develops.
@@ -66,6 +70,8 @@ pub enum Profile {
     Speeds(Vec<SpeedPoint>),
     /// The same from a CSV file with the columns `time_s` and `speed_mps`.
     Csv(CsvFile),
+    /// As the scenario's storyboard says: the n-th such actor is the n-th entity that it moves.
+    Storyboard,
 }
 
 impl Profile {

@@ -21,6 +21,8 @@ pub(super) fn all(scenario: &Scenario) -> Result<(), Problem> {
     signals(&scenario.v2x.signals)?;
     controller(scenario)?;
     actors(&scenario.actors)?;
+    super::storyboard::check(scenario)?;
+    super::event::check(&scenario.actors)?;
     faults(&scenario.faults)
 }
 
@@ -316,7 +318,7 @@ fn actors(actors: &[Actor]) -> Result<(), Problem> {
 fn profile(actor: &Actor, path: &str) -> Result<(), Problem> {
     let key = format!("{path}.profile");
     match &actor.profile {
-        Profile::Constant | Profile::Sine(_) => {}
+        Profile::Constant | Profile::Sine(_) | Profile::Storyboard => {}
         Profile::Steps(steps) => increasing(&format!("{key}.steps"), steps, |step| step.time_s)?,
         Profile::Piecewise(pieces) => {
             increasing(&format!("{key}.piecewise"), pieces, |piece| piece.time_s)?;

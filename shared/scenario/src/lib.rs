@@ -34,6 +34,7 @@ pub mod actor;
 pub mod aebs;
 pub mod builtin;
 pub mod controller;
+pub mod event;
 pub mod faults;
 pub mod name;
 pub mod perception;
@@ -43,6 +44,7 @@ pub mod quantity;
 pub mod referee;
 pub mod road;
 pub mod runtime;
+pub mod storyboard;
 pub mod supervision;
 pub mod v2x;
 
@@ -74,6 +76,7 @@ use quantity::{Duration, Seed, Speed};
 use referee::Referee;
 use road::Road;
 use runtime::Runtime;
+use storyboard::Storyboard;
 use supervision::Supervision;
 use v2x::V2x;
 
@@ -136,6 +139,10 @@ pub struct Scenario {
     /// What goes wrong.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub faults: Vec<Fault>,
+    /// The storyboard that moves the actors with the profile `storyboard`; comes from an OpenSCENARIO
+    /// file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub storyboard: Option<Storyboard>,
 }
 
 impl Scenario {
@@ -181,6 +188,23 @@ impl Scenario {
         }
         let text = files::read(path).map_err(|message| ScenarioError::whole(argument, message))?;
         Self::build(argument, &text, overrides, Some(path.parent().unwrap_or(path)), check)
+    }
+
+    /// Opens an OpenSCENARIO file with its catalogs and its road, as a scenario with `overrides` laid
+    /// over it. `parameters` take the place of the values that the file declares.
+    ///
+    /// # Errors
+    /// When a file cannot be read or is outside the subset of the standard that is read here, or when
+    /// an override does not fit.
+    pub fn open_openscenario(
+        path: &Path,
+        parameters: &[openscenario::Assignment],
+        overrides: &Overrides,
+        check: &dyn Fn(&Self) -> Result<(), Problem>,
+    ) -> Result<Self, storyboard::OpenError> {
+        let text = storyboard::translate(path, parameters)?;
+        let source = format!("{} as a scenario", path.display());
+        Ok(Self::build(&source, &text, overrides, None, check)?)
     }
 
     fn build(

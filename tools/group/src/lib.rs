@@ -46,5 +46,5 @@ pub use processes::{Janitor, this_program};
 pub use recording::RecordingSummary;
 pub use replay::{Replayed, replay};
 pub use root::{RunRoot, base, check_room, is_alive, shared_memory_room};
-pub use run::{Keep, drive, open, open_with};
+pub use run::{Keep, drive, is_openscenario, open, open_with};
 pub use supervisor::{Ended, GroupOutcome, Launch, Moment, launch};

@@ -19,6 +19,9 @@ pub struct ScenarioOptions {
     /// Change any key of the scenario, by its dotted path; may be given again
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
+    /// Parameters of an OpenSCENARIO file, `NAME=VALUE`: an option of the commands that take one.
+    #[arg(skip)]
+    pub parameters: Vec<String>,
 }
 
 /// How a group is brought up.

@@ -2,9 +2,10 @@
 
 use crate::{Error, GroupOptions, GroupOutcome, Launch, Moment, ScenarioOptions, launch};
 use controller::laws;
+use openscenario::Assignment;
 use runtime::Mode;
 use scenario::{Overrides, Scenario};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// Opens a scenario and lays the options over it.
@@ -35,7 +36,33 @@ pub fn open_with(
     for argument in keys {
         overrides.set_by(option, argument).map_err(usage)?;
     }
+    let parameters = options.parameters.iter().map(|argument| assignment(argument));
+    let parameters = parameters.collect::<Result<Vec<_>, _>>()?;
+    if is_openscenario(name) {
+        let path = Path::new(name);
+        return Scenario::open_openscenario(path, &parameters, &overrides, &laws::check)
+            .map_err(usage);
+    }
+    if let Some(argument) = options.parameters.first() {
+        return Err(Error::Usage(format!(
+            "error: --param {argument}: {name} is no OpenSCENARIO file, expected --set KEY=VALUE"
+        )));
+    }
     Scenario::open(name, &overrides, &laws::check).map_err(usage)
+}
+
+/// Whether a scenario's name is the path of an OpenSCENARIO file.
+#[must_use]
+pub fn is_openscenario(name: &str) -> bool {
+    Path::new(name).extension().is_some_and(|extension| extension == "xosc")
+}
+
+/// A value for a parameter of an OpenSCENARIO file.
+fn assignment(argument: &str) -> Result<Assignment, Error> {
+    let (name, value) = argument.split_once('=').ok_or_else(|| {
+        Error::Usage(format!("error: --param {argument}: no value, expected NAME=VALUE"))
+    })?;
+    Ok(Assignment { name: name.trim_start_matches('$').to_owned(), value: value.to_owned() })
 }
 
 fn usage(error: impl std::fmt::Display) -> Error {

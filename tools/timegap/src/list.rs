@@ -5,7 +5,7 @@ use clap::Args;
 
 use controller::law::{Descriptor, Figure, Formulation};
 use controller::laws;
-use group::Error;
+use group::{Error, ScenarioOptions};
 use report::print;
 use scenario::builtin;
 use std::process::ExitCode;
@@ -13,9 +13,12 @@ use std::process::ExitCode;
 /// Arguments of `list`.
 #[derive(Debug, Args)]
 pub struct ListArguments {
-    /// Print this built-in scenario's or campaign's file
+    /// Print this built-in scenario's or campaign's file, or an OpenSCENARIO file as a scenario
     #[arg(long, value_name = "NAME")]
     pub show: Option<String>,
+    /// Give a parameter of the OpenSCENARIO file another value; may be given again
+    #[arg(long = "param", value_name = "NAME=VALUE", requires = "show")]
+    pub parameters: Vec<String>,
     /// Print the list as JSON
     #[arg(long, conflicts_with = "show")]
     pub json: bool,
@@ -23,6 +26,12 @@ pub struct ListArguments {
 
 /// Runs the command.
 pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
+    if let Some(name) = arguments.show.as_deref().filter(|name| group::is_openscenario(name)) {
+        let parameters = arguments.parameters.clone();
+        let options = ScenarioOptions { parameters, ..ScenarioOptions::default() };
+        print::out(&group::open(name, &options)?.to_toml());
+        return Ok(ExitCode::SUCCESS);
+    }
     if let Some(name) = &arguments.show {
         let scenarios = builtin::ALL.iter().map(|builtin| (builtin.name, builtin.text));
         let campaigns = campaign::BUILTIN.iter().map(|builtin| (builtin.name, builtin.text));

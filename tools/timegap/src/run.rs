@@ -23,9 +23,12 @@ use std::time::Instant;
 /// Arguments of `run`.
 #[derive(Debug, Args)]
 pub struct RunArguments {
-    /// Name of a built-in scenario (see `timegap list`), or a TOML file
+    /// Name of a built-in scenario (see `timegap list`), a TOML file, or an OpenSCENARIO file (.xosc)
     #[arg(default_value = "cacc-a")]
     pub scenario: String,
+    /// Give a parameter of an OpenSCENARIO file another value; may be given again
+    #[arg(long = "param", value_name = "NAME=VALUE")]
+    pub parameters: Vec<String>,
     #[command(flatten)]
     pub scenario_options: ScenarioOptions,
     #[command(flatten)]
@@ -52,7 +55,14 @@ pub struct RunArguments {
 /// Runs the command.
 pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     let begun = Instant::now();
-    let scenario = open(&arguments.scenario, &arguments.scenario_options)?;
+    let options = ScenarioOptions {
+        parameters: arguments.parameters.clone(),
+        ..arguments.scenario_options.clone()
+    };
+    let scenario = open(&arguments.scenario, &options)?;
+    for notice in scenario.storyboard.iter().flat_map(|storyboard| &storyboard.notices) {
+        eprintln!("note: {notice}");
+    }
     let mode = arguments.mode.into();
     if arguments.in_process {
         refuse_what_needs_processes(arguments)?;

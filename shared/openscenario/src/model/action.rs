@@ -145,7 +145,7 @@ pub struct Distance {
     /// Does not end by itself.
     pub continuous: bool,
     /// How the entity may drive to get there; absent: it is there at once.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub limits: Option<Limits>,
 }
 

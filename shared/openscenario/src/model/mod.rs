@@ -17,7 +17,7 @@ use condition::Trigger;
 use storyboard::Story;
 
 /// Most entities, the ego included.
-pub const MAX_ENTITIES: usize = 32;
+pub const MAX_ENTITIES: usize = 9;
 
 /// A whole scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

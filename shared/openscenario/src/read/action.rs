@@ -239,7 +239,9 @@ impl Reader<'_> {
             }
         };
         if timing.is_some() && vertices.windows(2).any(|pair| pair[0].time_s >= pair[1].time_s) {
-            return Err(what.refuse("the times of the vertices do not increase", "increasing times"));
+            return Err(
+                what.refuse("the times of the vertices do not increase", "increasing times")
+            );
         }
         if let Some(mode) = node.child_if("TrajectoryFollowingMode") {
             mode.word("followingMode", &[("follow", ()), ("position", ())])?;
@@ -273,11 +275,8 @@ impl Reader<'_> {
 }
 
 fn transition(node: Node<'_>) -> Result<Transition, ReadError> {
-    let dimensions = [
-        ("time", Dimension::Time),
-        ("rate", Dimension::Rate),
-        ("distance", Dimension::Distance),
-    ];
+    let dimensions =
+        [("time", Dimension::Time), ("rate", Dimension::Rate), ("distance", Dimension::Distance)];
     let dimension = node.word("dynamicsDimension", &dimensions)?;
     let value = node.number("value")?;
     if value < 0.0 && dimension != Dimension::Rate {

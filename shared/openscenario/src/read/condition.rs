@@ -111,7 +111,11 @@ impl Reader<'_> {
             "RelativeSpeedCondition" => {
                 directed(node)?;
                 let entity = self.entity_ref(node)?;
-                EntityTest::RelativeSpeed { entity, rule: rule(node)?, value: node.number("value")? }
+                EntityTest::RelativeSpeed {
+                    entity,
+                    rule: rule(node)?,
+                    value: node.number("value")?,
+                }
             }
             "ReachPositionCondition" => EntityTest::ReachPosition {
                 position: self.position_in(node)?,

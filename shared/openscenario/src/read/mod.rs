@@ -62,6 +62,34 @@ pub fn scenario(
     reader.read(node)
 }
 
+/// A scenario file's parameters, to be asked about many values.
+#[derive(Clone, Debug)]
+pub struct Template {
+    document: Document,
+}
+
+impl Template {
+    /// Reads the file alone, without its catalogs and its road.
+    ///
+    /// # Errors
+    /// As [`scenario`].
+    pub fn open(path: &Path, source: &dyn Source) -> Result<Self, ReadError> {
+        Ok(Self { document: open(path, source)? })
+    }
+
+    /// Whether values break none of the constraints that the file declares.
+    ///
+    /// # Errors
+    /// When they do not fit its parameters for another reason.
+    pub fn admits(&self, assigned: &[Assignment]) -> Result<bool, ReadError> {
+        match Scope::default().with(&self.document.file, &self.document.root, assigned) {
+            Ok(_) => Ok(true),
+            Err(ReadError::Constraint { .. }) => Ok(false),
+            Err(error) => Err(error),
+        }
+    }
+}
+
 /// Reads and checks one file.
 pub(crate) fn open(path: &Path, source: &dyn Source) -> Result<Document, ReadError> {
     let file = path.display().to_string();

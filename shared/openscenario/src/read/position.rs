@@ -36,7 +36,9 @@ impl Reader<'_> {
                 Ok(Position { from, heading: Heading::Road(heading) })
             }
             "RelativeLanePosition" => {
-                if kind.element.attribute("ds").is_some() == kind.element.attribute("dsLane").is_some() {
+                if kind.element.attribute("ds").is_some()
+                    == kind.element.attribute("dsLane").is_some()
+                {
                     return Err(kind.refuse("`ds` and `dsLane` say the same here", "one of them"));
                 }
                 let ds_m = kind.number_or("ds", 0.0)? + kind.number_or("dsLane", 0.0)?;
@@ -116,10 +118,9 @@ fn lane_center(node: Node<'_>, road: &Road) -> Result<f64, ReadError> {
 fn along(node: Node<'_>, road: &Road, attribute: &'static str) -> Result<f64, ReadError> {
     let s_m = node.magnitude(attribute)?;
     match road.length_m {
-        Some(length_m) if s_m > length_m => Err(node.fault(attribute).error(
-            format!("{s_m} m are beyond the road's end"),
-            format!("at most {length_m}"),
-        )),
+        Some(length_m) if s_m > length_m => Err(node
+            .fault(attribute)
+            .error(format!("{s_m} m are beyond the road's end"), format!("at most {length_m}"))),
         _ => Ok(s_m),
     }
 }

@@ -32,10 +32,9 @@ impl Reader<'_> {
         };
         if !placed[self.ego] {
             let name = &self.entities[self.ego].name;
-            return Err(node.refuse(
-                format!("the ego `{name}` is not placed"),
-                "a `TeleportAction` for it",
-            ));
+            return Err(
+                node.refuse(format!("the ego `{name}` is not placed"), "a `TeleportAction` for it")
+            );
         }
         for (entity, placed) in placed.iter().enumerate() {
             if !placed && !added(entity) {
@@ -109,7 +108,12 @@ impl Reader<'_> {
                 "CatalogReference" => {
                     let locations = self.root.child_if("CatalogLocations");
                     let found = &mut |entry: Node<'_>| self.maneuver(entry, &actors);
-                    maneuvers.push(self.library.entry(maneuver, locations, &["Maneuver"], found)?);
+                    maneuvers.push(self.library.entry(
+                        maneuver,
+                        locations,
+                        &["Maneuver"],
+                        found,
+                    )?);
                 }
                 _ => {}
             }
@@ -171,8 +175,6 @@ fn executions(node: Node<'_>) -> Result<u32, ReadError> {
     }
     match node.integer("maximumExecutionCount")? {
         count @ 1.. => Ok(count.unsigned_abs()),
-        count => {
-            Err(node.fault("maximumExecutionCount").error(format!("{count}"), "1 or more"))
-        }
+        count => Err(node.fault("maximumExecutionCount").error(format!("{count}"), "1 or more")),
     }
 }

@@ -254,7 +254,10 @@ mod tests {
         assert!(shown.contains("`filepath` of `LogicFile`: is missing"), "{shown}");
         let twice = "<LogicFile filepath=\"a\"/>\n<LogicFile filepath=\"a\"/>";
         let shown = refusal(&format!("<RoadNetwork>{twice}</RoadNetwork>"));
-        assert!(shown.contains("x.xosc:4: element `LogicFile` in `RoadNetwork` is there twice"), "{shown}");
+        assert!(
+            shown.contains("x.xosc:4: element `LogicFile` in `RoadNetwork` is there twice"),
+            "{shown}"
+        );
         let shown = refusal("<Entities><ScenarioObject name=\"a\"/></Entities>");
         assert!(shown.contains("exactly one of `CatalogReference`"), "{shown}");
     }

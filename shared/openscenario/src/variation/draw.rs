@@ -47,7 +47,9 @@ impl Distribution {
                 let mean = node.magnitude("expectedValue")?;
                 // Beyond this Knuth's product of uniform draws underflows.
                 if mean > 500.0 {
-                    return Err(node.fault("expectedValue").error(format!("{mean}"), "at most 500"));
+                    return Err(node
+                        .fault("expectedValue")
+                        .error(format!("{mean}"), "at most 500"));
                 }
                 Self::Poisson { mean, range: bounds()? }
             }
@@ -110,7 +112,11 @@ impl Draws {
         }
     }
 
-    fn inside(&mut self, range: Option<(f64, f64)>, mut next: impl FnMut(&mut Self) -> f64) -> Option<String> {
+    fn inside(
+        &mut self,
+        range: Option<(f64, f64)>,
+        mut next: impl FnMut(&mut Self) -> f64,
+    ) -> Option<String> {
         for _ in 0..MAX_REDRAWS {
             let value = next(self);
             if range.is_none_or(|(lower, upper)| (lower..=upper).contains(&value)) {

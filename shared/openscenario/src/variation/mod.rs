@@ -44,10 +44,9 @@ impl Variation {
         let scope = Scope::default().with(&document.file, &document.root, &[])?;
         let root = Node { file: &document.file, element: &document.root, scope: &scope };
         let Some(node) = root.child_if("ParameterValueDistribution") else {
-            return Err(root.refuse(
-                "this file varies no parameters",
-                "`ParameterValueDistribution`",
-            ));
+            return Err(
+                root.refuse("this file varies no parameters", "`ParameterValueDistribution`")
+            );
         };
         let relative = node.child("ScenarioFile")?.text("filepath")?;
         let directory = path.parent().unwrap_or(Path::new(""));
@@ -147,7 +146,9 @@ fn range(node: Node<'_>) -> Result<(f64, f64), ReadError> {
         true => Ok((lower, upper)),
         false => {
             let expected = format!("{lower} or more");
-            Err(node.fault("upperLimit").error(format!("{upper} is below the lower limit"), expected))
+            Err(node
+                .fault("upperLimit")
+                .error(format!("{upper} is below the lower limit"), expected))
         }
     }
 }

@@ -40,15 +40,26 @@ fn all_combinations_are_made_the_last_fastest() {
 fn draws_repeat_and_have_their_distribution() {
     let body = |seed: u32| {
         let one = |name: &str, inside: &str| {
-            format!("<StochasticDistribution parameterName=\"{name}\">{inside}</StochasticDistribution>")
+            format!(
+                "<StochasticDistribution parameterName=\"{name}\">{inside}</StochasticDistribution>"
+            )
         };
         format!(
             "<Stochastic numberOfTestRuns=\"4000\" randomSeed=\"{seed}\">{}{}{}{}{}</Stochastic>",
             one("n", "<NormalDistribution expectedValue=\"5\" variance=\"4\"/>"),
-            one("u", "<UniformDistribution><Range lowerLimit=\"1\" upperLimit=\"3\"/></UniformDistribution>"),
+            one(
+                "u",
+                "<UniformDistribution><Range lowerLimit=\"1\" upperLimit=\"3\"/></UniformDistribution>"
+            ),
             one("p", "<PoissonDistribution expectedValue=\"3\"/>"),
-            one("h", "<Histogram><Bin weight=\"3\"><Range lowerLimit=\"0\" upperLimit=\"1\"/></Bin><Bin weight=\"1\"><Range lowerLimit=\"1\" upperLimit=\"2\"/></Bin></Histogram>"),
-            one("s", "<ProbabilityDistributionSet><Element value=\"1\" weight=\"1\"/><Element value=\"0\" weight=\"3\"/></ProbabilityDistributionSet>"),
+            one(
+                "h",
+                "<Histogram><Bin weight=\"3\"><Range lowerLimit=\"0\" upperLimit=\"1\"/></Bin><Bin weight=\"1\"><Range lowerLimit=\"1\" upperLimit=\"2\"/></Bin></Histogram>"
+            ),
+            one(
+                "s",
+                "<ProbabilityDistributionSet><Element value=\"1\" weight=\"1\"/><Element value=\"0\" weight=\"3\"/></ProbabilityDistributionSet>"
+            ),
         )
     };
     let drawn = variation(&body(7)).expect("it is right");
@@ -63,9 +74,13 @@ fn draws_repeat_and_have_their_distribution() {
         (mean, square / values.len() as f64)
     };
     // Five standard errors of each mean for 4000 draws.
-    for (i, mean, variance, margin) in
-        [(0, 5.0, 4.0, 0.16), (1, 2.0, 1.0 / 3.0, 0.05), (2, 3.0, 3.0, 0.14), (3, 0.75, 0.27, 0.05), (4, 0.25, 0.1875, 0.035)]
-    {
+    for (i, mean, variance, margin) in [
+        (0, 5.0, 4.0, 0.16),
+        (1, 2.0, 1.0 / 3.0, 0.05),
+        (2, 3.0, 3.0, 0.14),
+        (3, 0.75, 0.27, 0.05),
+        (4, 0.25, 0.1875, 0.035),
+    ] {
         let (m, v) = moments(&column(i));
         assert!((m - mean).abs() < margin, "{i}: mean {m}");
         assert!((v - variance).abs() < 0.15 * variance, "{i}: variance {v}");

@@ -115,7 +115,9 @@ impl World {
             EntityTest::Offroad(duration_s) => lasts(mover.off_since, *duration_s),
             EntityTest::StandStill(duration_s) => lasts(mover.stands_since, *duration_s),
             EntityTest::TraveledDistance(metres) => mover.odometer_m >= *metres,
-            EntityTest::Acceleration { rule, value } => rule.holds(motion.acceleration_mps2, *value),
+            EntityTest::Acceleration { rule, value } => {
+                rule.holds(motion.acceleration_mps2, *value)
+            }
             EntityTest::Speed { rule, value } => rule.holds(motion.speed_mps, *value),
             EntityTest::RelativeSpeed { entity, rule, value } => {
                 rule.holds(motion.speed_mps - self.motion(*entity).speed_mps, *value)

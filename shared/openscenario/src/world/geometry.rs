@@ -46,7 +46,8 @@ pub(super) struct Interval {
 impl Interval {
     /// Along the direction `angle` from the road's.
     pub(super) fn of(body: &Body, motion: &Motion, angle: f64) -> Self {
-        let (sin, cos) = (libm::sin(motion.heading_rad - angle), libm::cos(motion.heading_rad - angle));
+        let (sin, cos) =
+            (libm::sin(motion.heading_rad - angle), libm::cos(motion.heading_rad - angle));
         let origin = motion.s_m * libm::cos(angle) + motion.t_m * libm::sin(angle);
         let center = origin + body.center_ahead_m * cos - body.center_left_m * sin;
         let half = 0.5 * (body.length_m * cos.abs() + body.width_m * sin.abs());

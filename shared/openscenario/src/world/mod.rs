@@ -20,9 +20,9 @@ use crate::expression::Value;
 use crate::model::action::{Action, SpeedTarget};
 use crate::model::{Drive, Script};
 use condition::ConditionMemory;
-use motion::Mover;
 pub use geometry::Extent;
 pub use motion::Motion;
+use motion::Mover;
 pub use plan::NotFound;
 use plan::Plan;
 use storyboard::Progress;
@@ -174,11 +174,7 @@ impl World {
     }
 
     /// A speed that Init sets without any time: done in [`Self::first_speeds`].
-    fn at_once(
-        &self,
-        transition: &crate::model::action::Transition,
-        target: &SpeedTarget,
-    ) -> bool {
+    fn at_once(&self, transition: &crate::model::action::Transition, target: &SpeedTarget) -> bool {
         let continuous = match target {
             SpeedTarget::Absolute(_) => false,
             SpeedTarget::Delta { continuous, .. } | SpeedTarget::Factor { continuous, .. } => {

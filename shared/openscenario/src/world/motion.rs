@@ -189,7 +189,9 @@ impl SpeedShape {
     fn speed(&self, time_ns: u64) -> f64 {
         match self.is_over(time_ns) {
             true => self.to_mps,
-            false => self.from_mps + (self.to_mps - self.from_mps) * self.shape.value(self.x(time_ns)),
+            false => {
+                self.from_mps + (self.to_mps - self.from_mps) * self.shape.value(self.x(time_ns))
+            }
         }
     }
 
@@ -302,7 +304,8 @@ impl World {
         // The error ahead of the entity, m: driven off no faster than the brakes can end it.
         let mover = &mut self.state.movers[entity];
         let error_m = (goal - mover.motion.s_m) * mover.motion.direction();
-        let brake = if error_m > 0.0 { limits.max_deceleration_mps2 } else { limits.max_acceleration_mps2 };
+        let brake =
+            if error_m > 0.0 { limits.max_deceleration_mps2 } else { limits.max_acceleration_mps2 };
         let closing = libm::sqrt(2.0 * brake * error_m.abs()).min(APPROACH_PER_S * error_m.abs());
         let wanted = (other + closing * error_m.signum()).clamp(0.0, limits.max_speed_mps);
         let up = limits.max_acceleration_mps2 * elapsed_s;
@@ -311,6 +314,7 @@ impl World {
         mover.roll(0.5 * (before + speed) * elapsed_s, speed, rate(before, speed, elapsed_s));
         let reached = error_m.abs() < REACHED_M && (speed - other).abs() < REACHED_MPS;
         if reached && !distance.continuous {
+            mover.motion.speed_mps = other;
             self.end_pace(entity);
         }
     }
@@ -360,9 +364,7 @@ impl World {
         };
         let over = x >= 1.0;
         let target = match (over, shape.endless) {
-            (true, Some(Some((other, offset_m)))) => {
-                self.state.movers[other].motion.t_m + offset_m
-            }
+            (true, Some(Some((other, offset_m)))) => self.state.movers[other].motion.t_m + offset_m,
             (true, _) => shape.to_t_m,
             (false, _) => shape.from_t_m + (shape.to_t_m - shape.from_t_m) * shape.shape.value(x),
         };
@@ -387,7 +389,8 @@ impl World {
         };
         let corners = &path.corners;
         let last = corners[corners.len() - 1];
-        let before = corners.partition_point(|corner| corner.0 <= at).clamp(1, corners.len() - 1) - 1;
+        let before =
+            corners.partition_point(|corner| corner.0 <= at).clamp(1, corners.len() - 1) - 1;
         let (a, b) = (corners[before], corners[before + 1]);
         let share = ((at - a.0) / (b.0 - a.0)).clamp(0.0, 1.0);
         let (ds, dt) = (b.1 - a.1, b.2 - a.2);
@@ -420,7 +423,8 @@ impl World {
         let road = &self.script.road;
         let mover = &mut self.state.movers[entity];
         let motion = mover.motion;
-        let beyond = |length_m: f64| motion.s_m >= length_m || motion.s_m <= 0.0 && motion.direction() < 0.0;
+        let beyond =
+            |length_m: f64| motion.s_m >= length_m || motion.s_m <= 0.0 && motion.direction() < 0.0;
         let at_end = road.length_m.is_some_and(beyond);
         for (since, holds) in [
             (&mut mover.stands_since, motion.speed_mps == 0.0),
@@ -435,7 +439,9 @@ impl World {
 impl Mover {
     /// Covers a way along the heading; a line being followed with timing moves by itself.
     fn roll(&mut self, way_m: f64, speed_mps: f64, acceleration_mps2: f64) {
-        if self.path.as_ref().is_some_and(|path| path.by_way_from_m.is_none()) || !self.motion.present {
+        if self.path.as_ref().is_some_and(|path| path.by_way_from_m.is_none())
+            || !self.motion.present
+        {
             return;
         }
         let motion = &mut self.motion;

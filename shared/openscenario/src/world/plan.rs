@@ -83,7 +83,10 @@ impl Plan {
 }
 
 /// The triggers of an act (start, stop) or of an event (start).
-fn triggers<'a>(script: &'a Script, element: &Element) -> (Option<&'a Trigger>, Option<&'a Trigger>) {
+fn triggers<'a>(
+    script: &'a Script,
+    element: &Element,
+) -> (Option<&'a Trigger>, Option<&'a Trigger>) {
     let at = element.at;
     match element.kind {
         ElementKind::Act => {
@@ -123,7 +126,10 @@ fn find(elements: &[Element], kind: ElementKind, name: &str) -> Result<usize, No
         (Some((index, _)), None) => Ok(index),
         (None, _) => Err(NotFound {
             reason: format!("the storyboard has no {} `{name}`", words(kind)),
-            expected: names(),
+            expected: match elements.iter().any(|element| element.kind == kind) {
+                true => names(),
+                false => format!("the name of one, and there is no {}", words(kind)),
+            },
         }),
         (Some(_), Some(_)) => Err(NotFound {
             reason: format!("the storyboard has several parts called `{name}`"),
@@ -188,7 +194,12 @@ impl List {
                         let at = At { event, ..at };
                         list.open(ElementKind::Event, &e.name, at, |list| {
                             for (action, a) in e.actions.iter().enumerate() {
-                                list.open(ElementKind::Action, &a.name, At { action, ..at }, |_| {});
+                                list.open(
+                                    ElementKind::Action,
+                                    &a.name,
+                                    At { action, ..at },
+                                    |_| {},
+                                );
                             }
                         });
                     }

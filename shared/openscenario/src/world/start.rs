@@ -31,7 +31,8 @@ impl World {
         }
         while !open.is_empty() {
             let waits = |position: &Position, open: &[(usize, &Position)]| {
-                reference(position).is_some_and(|other| open.iter().any(|(actor, _)| *actor == other))
+                reference(position)
+                    .is_some_and(|other| open.iter().any(|(actor, _)| *actor == other))
             };
             let Some(next) = open.iter().position(|(_, position)| !waits(position, &open)) else {
                 let entity = script.entities[open[0].0].name.clone();
@@ -100,7 +101,9 @@ impl World {
     fn begin(&mut self, action: &Action, actor: usize, element: Option<usize>) {
         match action {
             Action::Teleport(position) => self.teleport(actor, position),
-            Action::Speed { target, transition } => self.begin_speed(actor, target, transition, element),
+            Action::Speed { target, transition } => {
+                self.begin_speed(actor, target, transition, element)
+            }
             Action::Distance(distance) => {
                 if distance.limits.is_none() && !distance.continuous {
                     self.clear_pace(actor);
@@ -161,13 +164,16 @@ impl World {
             SpeedTarget::Factor { entity, factor, continuous: true } => (entity, factor, 0.0),
             _ => {
                 let change = (to_mps - from_mps).abs();
-                let duration_s = match (is_immediate(transition) || change == 0.0, transition.dimension) {
-                    (true, _) => 0.0,
-                    (_, Dimension::Time) => transition.value,
-                    (_, Dimension::Rate) => transition.shape.largest_rate() * change / transition.value,
-                    // All shapes are symmetric: the mean speed is the mean of both ends.
-                    (_, Dimension::Distance) => 2.0 * transition.value / (from_mps + to_mps),
-                };
+                let duration_s =
+                    match (is_immediate(transition) || change == 0.0, transition.dimension) {
+                        (true, _) => 0.0,
+                        (_, Dimension::Time) => transition.value,
+                        (_, Dimension::Rate) => {
+                            transition.shape.largest_rate() * change / transition.value
+                        }
+                        // All shapes are symmetric: the mean speed is the mean of both ends.
+                        (_, Dimension::Distance) => 2.0 * transition.value / (from_mps + to_mps),
+                    };
                 if duration_s <= 0.0 {
                     self.clear_pace(actor);
                     if !self.is_external(actor) {
@@ -210,8 +216,7 @@ impl World {
             }
             Dimension::Distance => Course::Way { start_m, length_m: transition.value },
         };
-        let shape =
-            LateralShape { from_t_m, to_t_m, by, shape: transition.shape, endless: None };
+        let shape = LateralShape { from_t_m, to_t_m, by, shape: transition.shape, endless: None };
         self.set_steer(actor, shape, immediate, element);
     }
 
@@ -261,7 +266,13 @@ impl World {
         self.hold(element);
     }
 
-    fn set_steer(&mut self, actor: usize, shape: LateralShape, immediate: bool, element: Option<usize>) {
+    fn set_steer(
+        &mut self,
+        actor: usize,
+        shape: LateralShape,
+        immediate: bool,
+        element: Option<usize>,
+    ) {
         self.clear_steer(actor);
         self.clear_path(actor);
         if immediate && !self.is_external(actor) {
@@ -484,7 +495,9 @@ fn check_action(script: &Script, action: &Action) -> Result<(), WorldError> {
             index("entity", *entity, entities)?;
             at(position)
         }
-        Action::Trajectory(line) => line.vertices.iter().try_for_each(|vertex| at(&vertex.position)),
+        Action::Trajectory(line) => {
+            line.vertices.iter().try_for_each(|vertex| at(&vertex.position))
+        }
         Action::Set { value, .. } => index("value", *value, script.values.len()),
         Action::Speed { .. }
         | Action::LaneChange { .. }

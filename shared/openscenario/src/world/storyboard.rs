@@ -209,7 +209,8 @@ impl World {
                 ElementKind::Action => continue,
             };
             let busy = (index + 1..end).any(|i| {
-                self.plan.elements[i].kind == inner && self.state.progress[i].phase != Phase::Complete
+                self.plan.elements[i].kind == inner
+                    && self.state.progress[i].phase != Phase::Complete
             });
             if busy {
                 continue;
@@ -254,7 +255,13 @@ impl World {
         self.mark(index, ElementState::StartTransition);
     }
 
-    fn each(&mut self, from: usize, end: usize, kind: ElementKind, mut act: impl FnMut(&mut Self, usize)) {
+    fn each(
+        &mut self,
+        from: usize,
+        end: usize,
+        kind: ElementKind,
+        mut act: impl FnMut(&mut Self, usize),
+    ) {
         for index in from..end {
             if self.plan.elements[index].kind == kind {
                 act(self, index);

@@ -1,0 +1,228 @@
+//! Vehicles that a storyboard moves.
+//!
+//! The storyboard's world has the road's coordinates; the simulation's axis begins at the ego's front
+//! bumper where the run starts, in the middle of the ego, and points the way the ego faces.
+
+use openscenario::model::Drive;
+use openscenario::world::State;
+use openscenario::{Motion, World};
+use scenario::Scenario;
+use scenario::actor::Profile;
+
+use crate::radar::Ego;
+use crate::traffic::Vehicle;
+
+/// A world with its place on the simulation's axis.
+#[derive(Clone, Debug)]
+pub(crate) struct Stage {
+    world: World,
+    /// For each actor of the scenario its entity.
+    entities: Vec<usize>,
+    /// The ego at the start.
+    start: Motion,
+    /// 1 where the ego faces along the road, -1 where it faces against it.
+    direction: f64,
+    /// The ego's front bumper and the middle of its body at the start, m.
+    front_s_m: f64,
+    middle_t_m: f64,
+    ego_width_m: f64,
+}
+
+impl Stage {
+    /// The storyboard of a scenario, where it has one.
+    pub(crate) fn of(scenario: &Scenario) -> Option<Self> {
+        let script = scenario.script()?;
+        let ego = script.ego;
+        let by_storyboard =
+            scenario.actors.iter().any(|actor| actor.profile == Profile::Storyboard);
+        let moved = |index: &usize| match by_storyboard {
+            true => script.entities[*index].drive == Drive::Scripted,
+            false => *index != ego,
+        };
+        let entities = (0..script.entities.len()).filter(moved).collect();
+        let ego_width_m = script.entities[ego].body.width_m;
+        let world = World::new(script).expect("the scenario has been checked");
+        let start = world.motion(ego);
+        let extent = world.extent(ego);
+        let direction = start.direction();
+        Some(Self {
+            entities,
+            direction,
+            front_s_m: if direction > 0.0 { extent.to_s_m } else { extent.from_s_m },
+            middle_t_m: 0.5 * (extent.from_t_m + extent.to_t_m),
+            ego_width_m,
+            world,
+            start,
+        })
+    }
+
+    /// Brings the world to `time_ns`. `actors` are the scenario's; those that the storyboard moves are
+    /// filled in, the others are taken from it.
+    pub(crate) fn advance(&mut self, time_ns: u64, ego: &Ego, actors: &mut [Vehicle]) {
+        let here = Motion {
+            s_m: self.start.s_m + self.direction * ego.position_m,
+            speed_mps: ego.speed_mps,
+            acceleration_mps2: ego.acceleration_mps2,
+            ..self.start
+        };
+        self.world.observe(self.world.script().ego, here);
+        for (&entity, vehicle) in self.entities.iter().zip(&*actors) {
+            if self.world.script().entities[entity].drive == Drive::External {
+                self.world.observe(entity, self.motion_of(entity, vehicle));
+            }
+        }
+        self.world.step(time_ns);
+        for (&entity, vehicle) in self.entities.iter().zip(actors) {
+            if self.world.script().entities[entity].drive == Drive::Scripted {
+                *vehicle = self.vehicle(entity);
+            }
+        }
+    }
+
+    /// The storyboard has come to its end.
+    pub(crate) fn is_over(&self) -> bool {
+        self.world.is_stopped()
+    }
+
+    pub(crate) fn state(&self) -> &State {
+        self.world.state()
+    }
+
+    pub(crate) fn restore(&mut self, state: State) {
+        self.world.restore(state);
+    }
+
+    fn vehicle(&self, entity: usize) -> Vehicle {
+        let motion = self.world.motion(entity);
+        if !motion.present {
+            return Vehicle::default();
+        }
+        let extent = self.world.extent(entity);
+        let rear_s_m = if self.direction > 0.0 { extent.from_s_m } else { extent.to_s_m };
+        let middle_t_m = 0.5 * (extent.from_t_m + extent.to_t_m);
+        let width_m = extent.to_t_m - extent.from_t_m;
+        let along = self.direction * libm::cos(motion.heading_rad);
+        Vehicle {
+            present: true,
+            rear_position_m: self.direction * (rear_s_m - self.front_s_m),
+            speed_mps: along * motion.speed_mps,
+            acceleration_mps2: along * motion.acceleration_mps2,
+            lateral_m: self.direction * (middle_t_m - self.middle_t_m),
+            length_m: extent.to_s_m - extent.from_s_m,
+            touches_within_m: 0.5 * (width_m + self.ego_width_m),
+        }
+    }
+
+    /// An actor with a profile, whose origin is at its rear bumper.
+    fn motion_of(&self, entity: usize, vehicle: &Vehicle) -> Motion {
+        let body = &self.world.script().entities[entity].body;
+        let behind_m = 0.5 * body.length_m - body.center_ahead_m;
+        Motion {
+            present: vehicle.present,
+            s_m: self.front_s_m + vehicle.rear_position_m + behind_m,
+            t_m: self.middle_t_m + vehicle.lateral_m,
+            speed_mps: vehicle.speed_mps,
+            acceleration_mps2: vehicle.acceleration_mps2,
+            ..Motion::default()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::traffic::Traffic;
+
+    const CUT_IN: &str = r#"
+        schema_version = 1
+        name = "x"
+        [plant]
+        initial_speed_mps = 25
+        [[actors]]
+        name = "lorry"
+        gap_m = 100
+        initial_speed_mps = 20
+        [[actors]]
+        name = "car"
+        gap_m = 60
+        initial_speed_mps = 20
+        lateral_offset_m = -3.5
+        [[actors.events]]
+        name = "cut-in"
+        when = { gap_below_m = 30 }
+        lateral = { to_m = 0, duration_s = 2 }
+        speed = { to_mps = 16, rate_mps2 = 2 }
+        [[actors.events]]
+        when = { completed = "cut-in" }
+        delay_s = 1
+        lateral = { to_m = 3.5, duration_s = 2 }
+        [[actors.events]]
+        when = { gap_above_m = 40 }
+        to = "lorry"
+        delay_s = 100
+        speed = { to_mps = 0, rate_mps2 = 2 }
+    "#;
+
+    /// The ego keeps `ego_mps`; gives (gap, car) for every 10 ms.
+    fn drive(text: &str, ego_mps: f64, until_s: f64) -> Vec<(f64, Vehicle)> {
+        let scenario = Scenario::parse("x.toml", text).unwrap_or_else(|error| panic!("{error}"));
+        let mut traffic = Traffic::new(&scenario);
+        (0..(until_s * 100.0) as u64)
+            .map(|k| {
+                let position_m = ego_mps * k as f64 * 0.01;
+                let ego = Ego { position_m, speed_mps: ego_mps, acceleration_mps2: 0.0 };
+                traffic.advance(k * 10_000_000, &ego);
+                let car = traffic.vehicles()[1];
+                (car.rear_position_m - position_m, car)
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_cut_in_begins_at_its_gap_whatever_the_ego_does() {
+        for ego_mps in [22.0, 25.0, 30.0] {
+            let steps = drive(CUT_IN, ego_mps, 40.0);
+            assert_eq!(steps[0].1.rear_position_m, 60.0);
+            let begins = steps.iter().find(|(_, car)| car.lateral_m > -3.5).expect("it cuts in");
+            assert!((begins.0 - 30.0).abs() < 0.3, "{}", begins.0);
+            let slowest = steps.iter().map(|(_, car)| car.speed_mps).fold(f64::INFINITY, f64::min);
+            assert!((slowest - 16.0).abs() < 1e-9);
+            let in_path = steps.iter().position(|(_, car)| car.in_ego_path()).expect("it is ahead");
+            let last = steps.last().expect("there are steps").1;
+            assert!(in_path > 0 && !last.in_ego_path());
+            assert!((last.lateral_m - 3.5).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn profiles_beside_events_move_as_ever() {
+        let scenario = Scenario::parse("x.toml", CUT_IN).expect("it is right");
+        let mut traffic = Traffic::new(&scenario);
+        for k in 0..=500 {
+            traffic.advance(k * 10_000_000, &Ego::default());
+        }
+        assert!((traffic.vehicles()[0].rear_position_m - 200.0).abs() < 1e-8);
+    }
+
+    #[test]
+    fn restored_traffic_goes_on_the_same_way() {
+        let scenario = Scenario::parse("x.toml", CUT_IN).expect("it is right");
+        let at = |k: u64| {
+            let position_m = 0.25 * k as f64;
+            (k * 10_000_000, Ego { position_m, speed_mps: 25.0, acceleration_mps2: 0.0 })
+        };
+        let mut whole = Traffic::new(&scenario);
+        for k in 0..700 {
+            let (time_ns, ego) = at(k);
+            whole.advance(time_ns, &ego);
+        }
+        let mut next = Traffic::new(&scenario);
+        next.go_on_from(&whole.kept());
+        for k in 700..1500 {
+            let (time_ns, ego) = at(k);
+            whole.advance(time_ns, &ego);
+            next.advance(time_ns, &ego);
+            assert_eq!(whole.vehicles(), next.vehicles());
+        }
+    }
+}

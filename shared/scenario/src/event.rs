@@ -1,0 +1,365 @@
+//! `[[actors.events]]`: what an actor does when something happens.
+//!
+//! ```toml
+//! [[actors]]
+//! name = "car"
+//! gap_m = 60
+//! initial_speed_mps = 20
+//! lateral_offset_m = -3.5
+//! [[actors.events]]
+//! name = "cut-in"
+//! when = { gap_below_m = 30 }
+//! lateral = { to_m = 0, duration_s = 3 }
+//! speed = { to_mps = 15, rate_mps2 = 1 }
+//! [[actors.events]]
+//! when = { completed = "cut-in" }
+//! delay_s = 5
+//! speed = { to_mps = 0, rate_mps2 = 6 }
+//! ```
+//!
+//! Each event happens once, when its trigger first holds. Events are made into a storyboard, and moved by
+//! the same engine as those of OpenSCENARIO files.
+
+use openscenario::Script;
+use openscenario::model::action::{Action, Dimension, LaneTarget, Shape, SpeedTarget, Transition};
+use openscenario::model::condition::{
+    Along, Condition, Edge, EntityTest, Measured, Target, Test, Trigger,
+};
+use openscenario::model::position::{From, Heading, Position};
+use openscenario::model::storyboard::{
+    Act, ElementKind, ElementState, Event, Maneuver, ManeuverGroup, NamedAction, Priority, Story,
+};
+use openscenario::model::{Body, Category, Drive, Entity, InitAction};
+use openscenario::parameter::Rule;
+use openscenario::road::{Lane, Road};
+use serde::{Deserialize, Serialize};
+
+use super::Scenario;
+use super::actor::{Actor, Profile};
+use super::document::Problem;
+use super::name::Name;
+use super::quantity::{AccelerationMagnitude, Distance, Duration, Lateral, Speed, Time};
+
+/// Most events of an actor.
+const MAX_EVENTS: usize = 100;
+/// Width of every vehicle of a scenario file, m.
+pub const VEHICLE_WIDTH_M: f64 = 1.8;
+
+/// Something that an actor does once.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ActorEvent {
+    /// Its name, for events that wait for it; unique among the actor's events.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<Name>,
+    /// What makes it happen.
+    pub when: When,
+    /// The actor that a gap, headway or time to collision is to; absent: the ego.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub to: Option<Name>,
+    /// How much later it happens, s.
+    #[serde(default = "at_once", skip_serializing_if = "is_at_once")]
+    pub delay_s: Time,
+    /// A change of speed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub speed: Option<SpeedChange>,
+    /// A change of the lateral position.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lateral: Option<LateralChange>,
+}
+
+/// What makes an event happen.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum When {
+    /// The run's time has come, s.
+    TimeS(Time),
+    /// The free space along the road is shorter, m.
+    GapBelowM(Distance),
+    /// The free space along the road is longer, m.
+    GapAboveM(Distance),
+    /// The time headway of the one behind is shorter, s.
+    HeadwayBelowS(Time),
+    /// The time to collision is shorter, s.
+    TtcBelowS(Time),
+    /// The actor's own speed is lower, m/s.
+    SpeedBelowMps(Speed),
+    /// The actor's own speed is higher, m/s.
+    SpeedAboveMps(Speed),
+    /// The ego's speed is lower, m/s.
+    EgoSpeedBelowMps(Speed),
+    /// The ego's speed is higher, m/s.
+    EgoSpeedAboveMps(Speed),
+    /// An event of this actor with this name has ended.
+    Completed(Name),
+}
+
+/// A change of speed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpeedChange {
+    /// Speed at its end, m/s.
+    pub to_mps: Speed,
+    /// Largest rate on the way, m/s².
+    pub rate_mps2: AccelerationMagnitude,
+    /// Its shape.
+    #[serde(default = "linear")]
+    pub shape: Shape,
+}
+
+/// A change of the lateral position.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LateralChange {
+    /// Lateral position at its end, m, left positive.
+    pub to_m: Lateral,
+    /// Time that it takes, s.
+    pub duration_s: Duration,
+    /// Its shape.
+    #[serde(default = "sinusoidal")]
+    pub shape: Shape,
+}
+
+impl Scenario {
+    /// The script that moves its actors: an OpenSCENARIO file's, or one made of the actors' events.
+    /// Entity 0 is the ego in the latter, entity `i + 1` the actor `i`. Nothing where no actor is
+    /// moved by events.
+    #[must_use]
+    pub fn script(&self) -> Option<Script> {
+        if let Some(storyboard) = &self.storyboard {
+            return Some(storyboard.script.clone());
+        }
+        let moved = self.actors.iter().any(|actor| !actor.events.is_empty());
+        moved.then(|| of_events(self))
+    }
+}
+
+/// The events of a scenario's actors as a storyboard. Origins are at rear bumpers, `t` counts from the
+/// middle of the ego's lane.
+fn of_events(scenario: &Scenario) -> Script {
+    let body = |length_m: f64| Body {
+        center_ahead_m: 0.5 * length_m,
+        center_left_m: 0.0,
+        length_m,
+        width_m: VEHICLE_WIDTH_M,
+    };
+    let ego_length_m = scenario.plant.length_m.value();
+    let entity = |name: &str, length_m: f64, drive: Drive| Entity {
+        name: name.to_owned(),
+        category: Category::Vehicle,
+        body: body(length_m),
+        drive,
+    };
+    let mut entities = vec![entity("the ego", ego_length_m, Drive::External)];
+    let place = |actor, s_m, t_m| InitAction {
+        actor: Some(actor),
+        action: Action::Teleport(Position {
+            from: From::Road { s_m, t_m },
+            heading: Heading::Road(0.0),
+        }),
+    };
+    let speed = |actor, mps| InitAction {
+        actor: Some(actor),
+        action: Action::Speed { target: SpeedTarget::Absolute(mps), transition: STEP },
+    };
+    let mut init =
+        vec![place(0, -ego_length_m, 0.0), speed(0, scenario.plant.initial_speed_mps.value())];
+    let mut stories = Vec::new();
+    for (index, actor) in scenario.actors.iter().enumerate() {
+        let moved = !actor.events.is_empty();
+        let drive = if moved { Drive::Scripted } else { Drive::External };
+        entities.push(entity(actor.name.as_str(), actor.length_m.value(), drive));
+        if moved {
+            init.push(place(index + 1, actor.gap_m.value(), actor.lateral_offset_m.value()));
+            let initial_mps = actor.initial_speed_mps.map_or(0.0, |speed| speed.value());
+            init.push(speed(index + 1, initial_mps));
+            stories.push(story(scenario, index, actor));
+        }
+    }
+    let lane = Lane { id: -1, center_m: 0.0, width_m: openscenario::road::ASSUMED_LANE_WIDTH_M };
+    let road = Road { lanes: vec![lane], ..Road::assumed() };
+    Script { road, ego: 0, entities, values: Vec::new(), init, stories, stop: None }
+}
+
+const STEP: Transition = Transition { shape: Shape::Step, dimension: Dimension::Time, value: 0.0 };
+
+fn story(scenario: &Scenario, index: usize, actor: &Actor) -> Story {
+    let own = index + 1;
+    let events = actor.events.iter().enumerate().map(|(number, event)| {
+        let mut actions = Vec::new();
+        if let Some(SpeedChange { to_mps, rate_mps2, shape }) = event.speed {
+            let transition =
+                Transition { shape, dimension: Dimension::Rate, value: rate_mps2.value() };
+            let target = SpeedTarget::Absolute(to_mps.value());
+            let action = Action::Speed { target, transition };
+            actions.push(NamedAction { name: "speed".to_owned(), action });
+        }
+        if let Some(LateralChange { to_m, duration_s, shape }) = event.lateral {
+            let transition =
+                Transition { shape, dimension: Dimension::Time, value: duration_s.value() };
+            let target = LaneTarget::Lateral(to_m.value());
+            let action = Action::LaneChange { target, offset_m: 0.0, transition };
+            actions.push(NamedAction { name: "lateral".to_owned(), action });
+        }
+        Event {
+            name: event_name(event, number),
+            priority: Priority::Parallel,
+            executions: 1,
+            start: Some(Trigger(vec![vec![condition(scenario, own, event)]])),
+            actions,
+        }
+    });
+    let maneuver = Maneuver { name: "events".to_owned(), events: events.collect() };
+    let group = ManeuverGroup {
+        name: "actor".to_owned(),
+        executions: 1,
+        actors: vec![own],
+        maneuvers: vec![maneuver],
+    };
+    let act = Act { name: "run".to_owned(), start: None, stop: None, groups: vec![group] };
+    Story { name: actor.name.as_str().to_owned(), acts: vec![act] }
+}
+
+fn event_name(event: &ActorEvent, number: usize) -> String {
+    let given = event.name.as_ref().map(|name| name.as_str().to_owned());
+    given.unwrap_or_else(|| format!("event {}", number + 1))
+}
+
+fn condition(scenario: &Scenario, own: usize, event: &ActorEvent) -> Condition {
+    let named = |name: &Name| scenario.actors.iter().position(|actor| actor.name == *name);
+    let other = event.to.as_ref().and_then(named).map_or(0, |index| index + 1);
+    let measured = |target| Measured {
+        target: Target::Entity(target),
+        freespace: true,
+        along: Along::Longitudinal,
+        entity_axes: false,
+    };
+    let of = |entities: Vec<usize>, is| Test::Entity { entities, all: false, is };
+    let test = match &event.when {
+        When::TimeS(time) => Test::Time { rule: Rule::GreaterOrEqual, value: time.value() },
+        When::GapBelowM(gap) => {
+            let (to, value) = (measured(other), gap.value());
+            of(vec![own], EntityTest::Distance { to, rule: Rule::LessThan, value })
+        }
+        When::GapAboveM(gap) => {
+            let (to, value) = (measured(other), gap.value());
+            of(vec![own], EntityTest::Distance { to, rule: Rule::GreaterThan, value })
+        }
+        // The one behind is asked: the ego, or the other actor.
+        When::HeadwayBelowS(time) => {
+            let (to, value) = (measured(own), time.value());
+            of(vec![other], EntityTest::Headway { to, rule: Rule::LessThan, value })
+        }
+        When::TtcBelowS(time) => {
+            let (to, value) = (measured(own), time.value());
+            of(vec![other], EntityTest::TimeToCollision { to, rule: Rule::LessThan, value })
+        }
+        When::SpeedBelowMps(speed) => {
+            of(vec![own], EntityTest::Speed { rule: Rule::LessThan, value: speed.value() })
+        }
+        When::SpeedAboveMps(speed) => {
+            of(vec![own], EntityTest::Speed { rule: Rule::GreaterThan, value: speed.value() })
+        }
+        When::EgoSpeedBelowMps(speed) => {
+            of(vec![0], EntityTest::Speed { rule: Rule::LessThan, value: speed.value() })
+        }
+        When::EgoSpeedAboveMps(speed) => {
+            of(vec![0], EntityTest::Speed { rule: Rule::GreaterThan, value: speed.value() })
+        }
+        When::Completed(name) => Test::Element {
+            kind: ElementKind::Event,
+            name: format!(
+                "{}::run::actor::events::{}",
+                scenario.actors[own - 1].name.as_str(),
+                name.as_str()
+            ),
+            state: ElementState::Complete,
+        },
+    };
+    Condition { edge: Edge::None, delay_ns: event.delay_s.nanoseconds(), test }
+}
+
+/// Checks that events hold together.
+pub(super) fn check(actors: &[Actor]) -> Result<(), Problem> {
+    for (i, actor) in actors.iter().enumerate().filter(|(_, actor)| !actor.events.is_empty()) {
+        let plain = actor.profile == Profile::Constant
+            && actor.lateral.is_empty()
+            && actor.appears_at_s.value() == 0.0
+            && actor.leaves_at_s.is_none()
+            && actor.max_speed_mps.is_none();
+        if !plain {
+            return Err(Problem::new(
+                format!("actors.{i}.events"),
+                "an actor with events is on the road from start to end and moves by them alone",
+                "no profile, lateral, appears_at_s, leaves_at_s or max_speed_mps beside events",
+            ));
+        }
+        if actor.events.len() > MAX_EVENTS {
+            let expected = format!("at most {MAX_EVENTS}");
+            return Err(Problem::new(format!("actors.{i}.events"), "too many events", expected));
+        }
+        for (k, event) in actor.events.iter().enumerate() {
+            one(actors, i, k, event)?;
+        }
+    }
+    Ok(())
+}
+
+fn one(actors: &[Actor], i: usize, k: usize, event: &ActorEvent) -> Result<(), Problem> {
+    let path = format!("actors.{i}.events.{k}");
+    let own = &actors[i];
+    if event.speed.is_none() && event.lateral.is_none() {
+        return Err(Problem::new(path, "an event that does nothing", "`speed`, `lateral` or both"));
+    }
+    let named =
+        |name: &Name| own.events.iter().filter(|other| other.name.as_ref() == Some(name)).count();
+    if event.name.as_ref().is_some_and(|name| named(name) > 1) {
+        let message = "another event of this actor has the same name";
+        return Err(Problem::new(format!("{path}.name"), message, "a name of its own"));
+    }
+    if let When::Completed(name) = &event.when
+        && (named(name) == 0 || event.name.as_ref() == Some(name))
+    {
+        let names: Vec<&str> =
+            own.events.iter().filter_map(|other| other.name.as_ref()).map(Name::as_str).collect();
+        return Err(Problem::new(
+            format!("{path}.when.completed"),
+            format!("there is no other event `{}` of this actor", name.as_str()),
+            format!("one of {}", names.join(", ")),
+        ));
+    }
+    if let Some(other) = &event.to {
+        let measures = matches!(
+            event.when,
+            When::GapBelowM(_) | When::GapAboveM(_) | When::HeadwayBelowS(_) | When::TtcBelowS(_)
+        );
+        if !measures {
+            let message = "this trigger measures nothing to another actor";
+            return Err(Problem::new(format!("{path}.to"), message, "no `to`"));
+        }
+        if *other == own.name || !actors.iter().any(|actor| actor.name == *other) {
+            return Err(Problem::new(
+                format!("{path}.to"),
+                format!("there is no other actor `{}`", other.as_str()),
+                "the name of another actor",
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn at_once() -> Time {
+    Time::of(0.0)
+}
+
+fn is_at_once(time: &Time) -> bool {
+    time.value() == 0.0
+}
+
+fn linear() -> Shape {
+    Shape::Linear
+}
+
+fn sinusoidal() -> Shape {
+    Shape::Sinusoidal
+}

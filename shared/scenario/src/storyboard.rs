@@ -1,0 +1,269 @@
+//! `[storyboard]`: what an OpenSCENARIO file says, carried in the scenario.
+//!
+//! [`translate`] makes a scenario of such a file. The ego is this program's own: its place, its speed and
+//! its extent come from the file, its control from `[controller]`. Every other entity is an actor with
+//! the profile `storyboard`. The storyboard itself is carried as it was resolved (parameters, catalogs
+//! and road included), so that a service which is handed the scenario's text needs no other file.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use openscenario::model::condition::{Condition, Test, Trigger};
+use openscenario::model::{Drive, Script};
+use openscenario::parameter::Rule;
+use openscenario::{Assignment, Disk, ReadError, World, WorldError, read};
+use serde::{Deserialize, Serialize};
+
+use super::actor::{MAX_ACTORS, Profile};
+use super::document::Problem;
+use super::error::ScenarioError;
+use super::{SCHEMA_VERSION, Scenario};
+
+/// How long a run lasts whose storyboard has no end in time, s.
+pub const DEFAULT_DURATION_S: f64 = 300.0;
+/// Longest line of prose that a scenario takes, characters.
+const MAX_LINE: usize = 500;
+/// Shortest extent of an actor along the road, m.
+const MIN_LENGTH_M: f64 = 0.1;
+
+/// A storyboard with where it comes from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Storyboard {
+    /// The file that it was read from.
+    pub source: String,
+    /// How it is simulated where that needs saying, a sentence each.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notices: Vec<String>,
+    /// The file's parameters with the values that took effect.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub parameters: BTreeMap<String, String>,
+    /// What it says.
+    pub script: Script,
+}
+
+/// An OpenSCENARIO file that makes no scenario.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum OpenError {
+    /// The file, a catalog or the road is refused.
+    #[error("error: {0}")]
+    Read(#[from] ReadError),
+    /// Its beginning makes no sense.
+    #[error("error: {file}: {cause}")]
+    Start {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        cause: WorldError,
+    },
+    /// It has more actors than a scenario takes.
+    #[error("error: {file}: {count} entities beside the ego, expected at most {MAX_ACTORS}")]
+    Actors {
+        /// The file.
+        file: String,
+        /// How many it has.
+        count: usize,
+    },
+    /// It does not fit a scenario, or an override does not.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+}
+
+/// The text of a scenario that runs an OpenSCENARIO file.
+pub(super) fn translate(path: &Path, parameters: &[Assignment]) -> Result<String, OpenError> {
+    let file = path.display().to_string();
+    let read = read::scenario(path, &Disk, parameters)?;
+    let world = World::new(read.script.clone())
+        .map_err(|cause| OpenError::Start { file: file.clone(), cause })?;
+    let script = read.script;
+    let count = script.entities.len() - 1;
+    if count > MAX_ACTORS {
+        return Err(OpenError::Actors { file, count });
+    }
+    let ego = world.motion(script.ego);
+    let printable: String = read.description.chars().filter(|c| !c.is_control()).collect();
+    let translated = Translated {
+        schema_version: SCHEMA_VERSION,
+        name: word(path.file_stem().and_then(|stem| stem.to_str()), "scenario"),
+        description: printable.chars().take(MAX_LINE).collect(),
+        duration_s: ends_after(&script).unwrap_or(DEFAULT_DURATION_S),
+        set_speed_mps: ego.speed_mps,
+        plant: TranslatedEgo {
+            initial_speed_mps: ego.speed_mps,
+            length_m: script.entities[script.ego].body.length_m,
+        },
+        actors: actors(&script, &world),
+        storyboard: Storyboard {
+            source: file,
+            notices: read.notices,
+            parameters: read.parameters.into_iter().collect(),
+            script,
+        },
+    };
+    Ok(toml::to_string(&translated).expect("a script has a form in TOML"))
+}
+
+/// What a translated file sets of a scenario; all else has its default.
+#[derive(Serialize)]
+struct Translated {
+    schema_version: u32,
+    name: String,
+    description: String,
+    duration_s: f64,
+    set_speed_mps: f64,
+    plant: TranslatedEgo,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    actors: Vec<TranslatedActor>,
+    storyboard: Storyboard,
+}
+
+#[derive(Serialize)]
+struct TranslatedEgo {
+    initial_speed_mps: f64,
+    length_m: f64,
+}
+
+#[derive(Serialize)]
+struct TranslatedActor {
+    name: String,
+    gap_m: f64,
+    initial_speed_mps: f64,
+    length_m: f64,
+    profile: Profile,
+}
+
+/// The entities that the storyboard moves, as actors: where they are at the start.
+fn actors(script: &Script, world: &World) -> Vec<TranslatedActor> {
+    let ego = world.extent(script.ego);
+    let forward = world.motion(script.ego).direction() > 0.0;
+    let mut actors: Vec<TranslatedActor> = Vec::new();
+    for (index, entity) in script.entities.iter().enumerate() {
+        if entity.drive == Drive::External {
+            continue;
+        }
+        let (motion, extent) = (world.motion(index), world.extent(index));
+        let gap_m = match forward {
+            true => extent.from_s_m - ego.to_s_m,
+            false => ego.from_s_m - extent.to_s_m,
+        };
+        let mut name = word(Some(&entity.name), "actor");
+        if actors.iter().any(|other| other.name == name) {
+            name = format!("{}-{index}", name.chars().take(60).collect::<String>());
+        }
+        let length_m = match motion.present {
+            true => extent.to_s_m - extent.from_s_m,
+            false => entity.body.length_m,
+        };
+        actors.push(TranslatedActor {
+            name,
+            gap_m: if motion.present { gap_m.max(0.0) } else { 0.0 },
+            initial_speed_mps: motion.speed_mps,
+            length_m: length_m.max(MIN_LENGTH_M),
+            profile: Profile::Storyboard,
+        });
+    }
+    actors
+}
+
+/// A text as a scenario's name: its letters, digits, `-` and `_`.
+fn word(text: Option<&str>, otherwise: &str) -> String {
+    let good = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    let word: String =
+        text.unwrap_or_default().chars().map(|c| if good(c) { c } else { '-' }).take(64).collect();
+    if word.is_empty() { otherwise.to_owned() } else { word }
+}
+
+/// The time after which a storyboard has ended whatever happens: a group of its stop trigger asks for
+/// nothing but that time has passed.
+fn ends_after(script: &Script) -> Option<f64> {
+    let Trigger(groups) = script.stop.as_ref()?;
+    let passes = |condition: &Condition| match condition.test {
+        Test::Time { rule: Rule::GreaterThan | Rule::GreaterOrEqual, value } => {
+            Some(value + condition.delay_ns as f64 * 1e-9)
+        }
+        _ => None,
+    };
+    let after = |group: &Vec<Condition>| {
+        group.iter().map(passes).try_fold(0.0, |most: f64, at| Some(most.max(at?)))
+    };
+    groups.iter().filter(|group| !group.is_empty()).filter_map(after).min_by(f64::total_cmp)
+}
+
+/// Actors and storyboard belong together.
+pub(super) fn check(scenario: &Scenario) -> Result<(), Problem> {
+    let follows = |actor: &&super::actor::Actor| actor.profile == Profile::Storyboard;
+    let actors = scenario.actors.iter().filter(follows).count();
+    let first = scenario.actors.iter().position(|actor| follows(&actor)).unwrap_or(0);
+    let Some(storyboard) = &scenario.storyboard else {
+        return match actors {
+            0 => Ok(()),
+            _ => Err(Problem::new(
+                format!("actors.{first}.profile"),
+                "there is no storyboard to follow",
+                "another profile, or a scenario made from an OpenSCENARIO file",
+            )),
+        };
+    };
+    let script = &storyboard.script;
+    if let Err(cause) = World::new(script.clone()) {
+        return Err(Problem::new(
+            "storyboard.script",
+            cause.to_string(),
+            "a script that holds together",
+        ));
+    }
+    let moved = script.entities.iter().filter(|entity| entity.drive == Drive::Scripted).count();
+    if moved != actors || scenario.actors.len() != actors {
+        return Err(Problem::new(
+            "storyboard.script.entities",
+            format!("{moved} entities for {actors} of {} actors", scenario.actors.len()),
+            "one actor with the profile `storyboard` for each entity that it moves, and no others",
+        ));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use openscenario::model::condition::Edge;
+
+    fn at(value: f64, delay_s: f64) -> Condition {
+        let test = Test::Time { rule: Rule::GreaterOrEqual, value };
+        Condition { edge: Edge::Rising, delay_ns: (delay_s * 1e9) as u64, test }
+    }
+
+    #[test]
+    fn the_end_in_time_is_the_earliest_that_nothing_else_is_asked_for() {
+        let mut script = Script {
+            road: openscenario::road::Road::assumed(),
+            ego: 0,
+            entities: Vec::new(),
+            values: Vec::new(),
+            init: Vec::new(),
+            stories: Vec::new(),
+            stop: None,
+        };
+        assert_eq!(ends_after(&script), None);
+        let value = Condition {
+            test: Test::Value {
+                of: 0,
+                rule: Rule::EqualTo,
+                value: openscenario::Value::Number(1.0),
+            },
+            ..at(0.0, 0.0)
+        };
+        script.stop = Some(Trigger(vec![vec![at(1.0, 0.0), value], Vec::new()]));
+        assert_eq!(ends_after(&script), None);
+        let groups = &mut script.stop.as_mut().expect("it is there").0;
+        groups.push(vec![at(20.0, 2.5), at(3.0, 0.0)]);
+        groups.push(vec![at(40.0, 0.0)]);
+        assert_eq!(ends_after(&script), Some(22.5));
+    }
+
+    #[test]
+    fn names_become_words() {
+        assert_eq!(word(Some("Lead vehicle 1"), "x"), "Lead-vehicle-1");
+        assert_eq!(word(Some(""), "x"), "x");
+    }
+}
