@@ -8,6 +8,8 @@
 //! controllers = ["cacc-mpc", "acc-mpc"]  # left out: each scenario's own
 //! seeds = 20                             # runs of every combination
 //! set = ["duration_s=10"]                # keys set in all runs
+//! variation = "./cut_in_variation.xosc"  # instead of scenarios: OpenSCENARIO parameter values
+//! sample = 200                           # so many of the runs, drawn by the first seed
 //!
 //! [[faults]]                             # one of these per run; left out: none
 //! kind = "drop"                          # keys as in a scenario
@@ -27,8 +29,8 @@ use runtime::Mode;
 use scenario::name::{Line, Name};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::num::NonZeroU32;
-use std::path::Path;
+use std::num::{NonZeroU32, NonZeroUsize};
+use std::path::{Path, PathBuf};
 
 /// Longest campaign file, bytes.
 const MAX_BYTES: u64 = 1 << 20;
@@ -47,8 +49,15 @@ pub struct Campaign {
     /// Clock.
     #[serde(default = "lockstep")]
     pub mode: Mode,
-    /// Names of built-in scenarios, or files.
+    /// Names of built-in scenarios, or files; with a variation, its scenario.
+    #[serde(default)]
     pub scenarios: Vec<String>,
+    /// A parameter variation file of OpenSCENARIO: a run for each of its combinations.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub variation: Option<PathBuf>,
+    /// How many of the runs are done; left out: all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sample: Option<NonZeroUsize>,
     /// Controllers; empty: each scenario's own.
     #[serde(default)]
     pub controllers: Vec<String>,
@@ -178,19 +187,29 @@ impl Campaign {
             let what = "no built-in campaign and no file of this name";
             return Err(Error::Usage(format!("{argument}: {what}, expected a path or {names}")));
         }
+        if group::is_openscenario(argument) {
+            return super::variation::campaign(path);
+        }
         let mut campaign = Self::read(path)?;
         let directory = path.parent().unwrap_or(path);
+        // From now on wherever the campaign is resumed.
+        let absolute = |file: &Path| {
+            let file = directory.join(file);
+            std::fs::canonicalize(&file).map_err(|reason| Error::Path {
+                action: "read",
+                path: file,
+                reason,
+            })
+        };
         for scenario in &mut campaign.scenarios {
-            // From now on wherever the campaign is resumed.
-            if scenario.contains('/') || scenario.ends_with(".toml") {
-                let file = directory.join(&*scenario);
-                let file = std::fs::canonicalize(&file).map_err(|reason| Error::Path {
-                    action: "read",
-                    path: file,
-                    reason,
-                })?;
-                *scenario = file.to_string_lossy().into_owned();
+            let is_file = [".toml", ".xosc"].iter().any(|end| scenario.ends_with(end));
+            if scenario.contains('/') || is_file {
+                *scenario = absolute(Path::new(scenario))?.to_string_lossy().into_owned();
             }
+        }
+        if let Some(variation) = &mut campaign.variation {
+            *variation = absolute(variation)?;
+            campaign.scenarios = super::variation::campaign(variation)?.scenarios;
         }
         Ok(campaign)
     }
@@ -215,7 +234,7 @@ impl Campaign {
             let version = campaign.schema_version;
             return Err(refuse(format!("schema_version = {version} is not known, expected 1")));
         }
-        if campaign.scenarios.is_empty() {
+        if campaign.scenarios.is_empty() && campaign.variation.is_none() {
             return Err(refuse("scenarios = [] runs nothing, expected at least one".into()));
         }
         if campaign.sample_every_s.is_some_and(|every| !(0.1..=3600.0).contains(&every)) {

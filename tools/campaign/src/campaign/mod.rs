@@ -15,6 +15,7 @@ mod print;
 mod record;
 mod reference;
 mod tally;
+mod variation;
 mod verdict;
 
 use crate::batch::{self, Job};
@@ -30,6 +31,7 @@ use plan::Planned;
 use record::Record;
 use runtime::Mode;
 use scenario::Scenario;
+use std::collections::BTreeSet;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -43,8 +45,11 @@ const FILE: &str = "campaign.toml";
 #[derive(Debug, Args)]
 #[command(after_help = "Built-in campaigns: kills, messages, soak.")]
 pub struct CampaignArguments {
-    /// A campaign file, or the name of a built-in campaign
+    /// A campaign file, an OpenSCENARIO parameter variation (.xosc), or the name of a built-in campaign
     pub campaign: Option<String>,
+    /// Do only N of the runs, drawn by the first seed
+    #[arg(long, value_name = "N")]
+    pub sample: Option<NonZeroUsize>,
     /// Runs of every combination, instead of what the file says
     #[arg(long, value_name = "N")]
     pub seeds: Option<NonZeroU32>,
@@ -55,7 +60,7 @@ pub struct CampaignArguments {
     #[arg(long, value_name = "DIR", conflicts_with = "out")]
     pub resume: Option<PathBuf>,
     /// Put the shards in these directories together
-    #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with_all = ["campaign", "seeds", "shard", "resume"])]
+    #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with_all = ["campaign", "seeds", "sample", "shard", "resume"])]
     pub merge: Vec<PathBuf>,
     /// Runs at once [default: one per core; 1 in realtime]
     #[arg(long, value_name = "N")]
@@ -80,12 +85,13 @@ pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
 fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     let campaign = open(arguments)?;
     let plan = plan::plan(&campaign)?;
-    let mine = shard(&campaign, &plan);
+    let mine = shard(&campaign, &plan.runs);
     // Everything is read before anything runs.
     let mut jobs = Vec::with_capacity(mine.len());
     for planned in &mine {
         jobs.push(job(&campaign, planned)?);
     }
+    note(&plan, &jobs);
     let chosen = arguments.resume.as_deref().or(arguments.out.as_deref());
     let output = OutputDirectory::create(chosen, campaign.name.as_str())?;
     if arguments.resume.is_none() && output.path().join(journal::FILE).exists() {
@@ -117,7 +123,21 @@ fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
         eprintln!("{done} of {all} runs are kept: timegap campaign --resume {directory} goes on");
     }
     end?;
-    conclude(arguments, &campaign, &mine, records, &output)
+    conclude(arguments, &campaign, (&mine, plan.left_out), records, &output)
+}
+
+/// Says what a person should know of how OpenSCENARIO files are run.
+fn note(plan: &plan::Plan, jobs: &[Job]) {
+    let storyboards = jobs.iter().filter_map(|job| job.scenario.storyboard.as_ref());
+    let notices: BTreeSet<&String> =
+        storyboards.flat_map(|storyboard| &storyboard.notices).collect();
+    for notice in notices {
+        eprintln!("note: {notice}");
+    }
+    if plan.left_out > 0 {
+        let count = plan.left_out;
+        eprintln!("note: {count} combinations break a constraint of the scenario and are left out");
+    }
 }
 
 /// Puts shards together.
@@ -143,20 +163,21 @@ fn merge(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     let campaign = whole.expect("clap asks for at least one directory");
     let plan = plan::plan(&campaign)?;
     let output = OutputDirectory::create(arguments.out.as_deref(), campaign.name.as_str())?;
-    conclude(arguments, &campaign, &plan.iter().collect::<Vec<_>>(), records, &output)
+    let all = plan.runs.iter().collect::<Vec<_>>();
+    conclude(arguments, &campaign, (&all, plan.left_out), records, &output)
 }
 
 /// Judges, writes and prints.
 fn conclude(
     arguments: &CampaignArguments,
     campaign: &Campaign,
-    planned: &[&Planned],
+    (planned, left_out): (&[&Planned], usize),
     records: Vec<Record>,
     output: &OutputDirectory,
 ) -> Result<ExitCode, Error> {
     let csv = print::csv(&records);
     let times = page::Times::of(&records);
-    let verdict = Verdict::new(campaign, planned, records);
+    let verdict = Verdict { left_out, ..Verdict::new(campaign, planned, records) };
     let json = serde_json::to_string_pretty(&verdict).expect("plain data") + "\n";
     let written = output
         .write("campaign.csv", csv.as_bytes())
@@ -190,6 +211,7 @@ fn open(arguments: &CampaignArguments) -> Result<Campaign, Error> {
     };
     asked.seeds = arguments.seeds.unwrap_or(asked.seeds);
     asked.shard = arguments.shard.or(asked.shard);
+    asked.sample = arguments.sample.or(asked.sample);
     match begun {
         Some(begun) if begun != asked => Err(Error::Usage(format!(
             "{} holds another campaign, or another shard of it, expected the one that it began with",
@@ -210,6 +232,7 @@ fn job(campaign: &Campaign, planned: &Planned) -> Result<Job, Error> {
     let options = ScenarioOptions {
         controller: planned.controller.clone(),
         seed: Some(planned.seed.to_string()),
+        parameters: planned.parameters.clone(),
         ..ScenarioOptions::default()
     };
     let scenario = group::open_with(&planned.scenario, &options, "set", &planned.keys)?;

@@ -1,8 +1,9 @@
 //! From a campaign to its runs: the matrix, and what is drawn for each run.
 
 use super::file::Campaign;
+use super::variation::Variants;
 use group::Error;
-use rand_core::Rng;
+use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use toml::{Table, Value};
 
@@ -24,6 +25,17 @@ pub struct Planned {
     pub seed: u32,
     /// Keys set, as for `--set`.
     pub keys: Vec<String>,
+    /// Parameters of an OpenSCENARIO file, as for `--param`.
+    pub parameters: Vec<String>,
+}
+
+/// The runs of a campaign.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// The runs, by their numbers.
+    pub runs: Vec<Planned>,
+    /// Combinations of a variation that break a constraint of its scenario.
+    pub left_out: usize,
 }
 
 impl Planned {
@@ -36,6 +48,9 @@ impl Planned {
         words.extend(["--mode".into(), mode.into(), "--seed".into(), self.seed.to_string()]);
         for key in &self.keys {
             words.extend(["--set".into(), quoted(key)]);
+        }
+        for parameter in &self.parameters {
+            words.extend(["--param".into(), quoted(parameter)]);
         }
         words.join(" ")
     }
@@ -53,7 +68,33 @@ fn quoted(word: &str) -> String {
 
 /// All runs of a campaign, its shard not regarded. Neighbouring runs belong to different
 /// combinations, so that a part of the campaign says something about each.
-pub fn plan(campaign: &Campaign) -> Result<Vec<Planned>, Error> {
+pub fn plan(campaign: &Campaign) -> Result<Plan, Error> {
+    let variants = campaign.variation.as_deref().map(Variants::open).transpose()?;
+    let left_out = variants.as_ref().map_or(0, |variants| variants.left_out);
+    let parameters = variants.map_or_else(|| vec![Vec::new()], |variants| variants.parameters);
+    let mut runs = whole(campaign, &parameters)?;
+    if let Some(sample) = campaign.sample {
+        thin(&mut runs, sample.get(), campaign.first_seed);
+    }
+    Ok(Plan { runs, left_out })
+}
+
+/// Keeps `count` of the runs, drawn by a seed, in their order.
+fn thin(runs: &mut Vec<Planned>, count: usize, seed: u32) {
+    let mut random = Pcg64::seed_from_u64(seed.into());
+    let mut left = runs.len();
+    let mut wanted = count.min(left);
+    // Knuth's algorithm S: each run is kept with the chance that makes the number come out.
+    runs.retain(|_| {
+        let uniform = (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+        let keep = uniform * (left as f64) < wanted as f64;
+        left -= 1;
+        wanted -= usize::from(keep);
+        keep
+    });
+}
+
+fn whole(campaign: &Campaign, parameters: &[Vec<String>]) -> Result<Vec<Planned>, Error> {
     let own = vec![None];
     let named: Vec<_> = campaign.controllers.iter().cloned().map(Some).collect();
     let controllers = if named.is_empty() { own } else { named };
@@ -61,7 +102,8 @@ pub fn plan(campaign: &Campaign) -> Result<Vec<Planned>, Error> {
     let faults: Vec<_> =
         if faults.is_empty() { vec![None] } else { faults.into_iter().map(Some).collect() };
     let seeds = campaign.seeds.get();
-    let combinations = campaign.scenarios.len() * controllers.len() * faults.len();
+    let combinations =
+        campaign.scenarios.len() * parameters.len() * controllers.len() * faults.len();
     if combinations.checked_mul(seeds as usize).is_none_or(|runs| runs > MAX_RUNS) {
         return Err(Error::Usage(format!(
             "{combinations} combinations with {seeds} seeds each are more than {MAX_RUNS} runs"
@@ -69,7 +111,8 @@ pub fn plan(campaign: &Campaign) -> Result<Vec<Planned>, Error> {
     }
     let mut runs = Vec::with_capacity(combinations * seeds as usize);
     for seed in (0..seeds).map(|number| campaign.first_seed.saturating_add(number)) {
-        for (place, scenario) in campaign.scenarios.iter().enumerate() {
+        let each = |scenario| parameters.iter().map(move |values| (scenario, values));
+        for (place, (scenario, values)) in campaign.scenarios.iter().flat_map(each).enumerate() {
             for controller in &controllers {
                 for (which, fault) in faults.iter().enumerate() {
                     let mut keys = campaign.set.clone();
@@ -84,6 +127,7 @@ pub fn plan(campaign: &Campaign) -> Result<Vec<Planned>, Error> {
                         fault: fault.as_ref().map_or("none", |fault| &fault.label).into(),
                         seed,
                         keys,
+                        parameters: values.clone(),
                     });
                 }
             }
@@ -185,7 +229,7 @@ bits = [1, 3]
 
     #[test]
     fn every_combination_has_every_seed() {
-        let runs = plan(&campaign(FAULTS)).expect("a plan");
+        let runs = plan(&campaign(FAULTS)).expect("a plan").runs;
         assert_eq!(runs.len(), 2 * 2 * 2 * 50);
         assert!(runs.iter().enumerate().all(|(number, run)| run.run == number));
         let one = runs.iter().filter(|run| {
@@ -199,8 +243,8 @@ bits = [1, 3]
 
     #[test]
     fn draws_stay_in_their_ranges_and_repeat() {
-        let runs = plan(&campaign(FAULTS)).expect("a plan");
-        assert_eq!(runs, plan(&campaign(FAULTS)).expect("a plan"));
+        let runs = plan(&campaign(FAULTS)).expect("a plan").runs;
+        assert_eq!(runs, plan(&campaign(FAULTS)).expect("a plan").runs);
         let faults = |run: &Planned| {
             let table: Table = toml::from_str(run.keys.last().expect("faults")).expect("TOML");
             table["faults"].as_array().expect("a list").clone()
@@ -230,7 +274,7 @@ bits = [1, 3]
 
     #[test]
     fn without_faults_and_controllers_there_is_one_run_per_scenario_and_seed() {
-        let runs = plan(&campaign("set = [\"duration_s=2\"]")).expect("a plan");
+        let runs = plan(&campaign("set = [\"duration_s=2\"]")).expect("a plan").runs;
         assert_eq!(runs.len(), 2);
         assert_eq!(runs[0].keys, ["duration_s=2"]);
         assert_eq!(
@@ -243,7 +287,7 @@ bits = [1, 3]
     fn the_repeating_command_survives_a_shell() {
         assert_eq!(quoted("it's {a}"), r"'it'\''s {a}'");
         assert_eq!(quoted(""), "''");
-        let runs = plan(&campaign(FAULTS)).expect("a plan");
+        let runs = plan(&campaign(FAULTS)).expect("a plan").runs;
         let said = runs[0].repeat("realtime");
         assert!(said.contains("--set 'faults=[{ "), "{said}");
     }

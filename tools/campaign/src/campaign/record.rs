@@ -21,6 +21,9 @@ pub struct Record {
     /// What went wrong, in a word.
     pub fault: String,
     pub seed: u32,
+    /// Parameters of an OpenSCENARIO file.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parameters: Vec<String>,
     pub outcome: Outcome,
     /// Why the outcome is `aborted`.
     pub aborted_because: Option<String>,
@@ -64,6 +67,7 @@ impl Record {
             controller: scenario.controller.name.as_str().into(),
             fault: planned.fault.clone(),
             seed: planned.seed,
+            parameters: planned.parameters.clone(),
             outcome: Outcome::Aborted,
             aborted_because: None,
             avoidable: false,

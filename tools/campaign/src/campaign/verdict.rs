@@ -17,6 +17,8 @@ pub struct Verdict {
     pub mode: Mode,
     /// Runs that were to be done.
     pub planned: usize,
+    /// Combinations of a variation that break a constraint of its scenario, and are no runs.
+    pub left_out: usize,
     #[serde(flatten)]
     pub all: Tally,
     pub requirements: Vec<Requirement>,
@@ -84,6 +86,7 @@ impl Verdict {
             campaign: campaign.name.as_str().into(),
             mode: campaign.mode,
             planned: planned.len(),
+            left_out: 0,
             all,
             requirements,
             combinations: combinations(&records),
@@ -199,7 +202,7 @@ mod tests {
 
     fn verdict(require: &str, outcomes: [Outcome; 4]) -> Verdict {
         let campaign = campaign(require);
-        let plan = plan::plan(&campaign).expect("a plan");
+        let plan = plan::plan(&campaign).expect("a plan").runs;
         let records = plan.iter().zip(outcomes).enumerate();
         let records = records.map(|(number, (planned, outcome))| {
             record(planned, outcome, 10.0 - number as f64, &[1e3 * (number + 1) as f64])
@@ -255,7 +258,7 @@ mod tests {
     #[test]
     fn missing_runs_make_no_whole_campaign() {
         let campaign = campaign("max_collisions = 0");
-        let plan = plan::plan(&campaign).expect("a plan");
+        let plan = plan::plan(&campaign).expect("a plan").runs;
         let records = vec![record(&plan[0], Outcome::Completed, 1.0, &[])];
         let verdict = Verdict::new(&campaign, &plan.iter().collect::<Vec<_>>(), records);
         assert!(!verdict.ok && verdict.failures.is_empty());

@@ -1,0 +1,168 @@
+//! Parameter variation files of OpenSCENARIO as campaigns.
+
+use super::file::Campaign;
+use group::Error;
+use openscenario::variation::Variation;
+use openscenario::{Disk, ReadError, read};
+use runtime::Mode;
+use scenario::name::{Line, Name};
+use std::collections::BTreeMap;
+use std::num::NonZeroU32;
+use std::path::{Path, PathBuf};
+
+/// Longest description, characters.
+const MAX_LINE: usize = 500;
+
+/// The values that a variation file gives to its scenario's parameters.
+#[derive(Debug)]
+pub struct Variants {
+    /// The scenario file.
+    pub scenario: String,
+    /// What the variation file says of itself.
+    pub description: String,
+    /// For each run its values, as for `--param`.
+    pub parameters: Vec<Vec<String>>,
+    /// Combinations that break a constraint of the scenario.
+    pub left_out: usize,
+}
+
+impl Variants {
+    /// Reads a variation file and the parameters of its scenario.
+    pub fn open(path: &Path) -> Result<Self, Error> {
+        let variation = Variation::open(path, &Disk).map_err(refuse)?;
+        let template = read::Template::open(&variation.scenario, &Disk).map_err(refuse)?;
+        let mut parameters = Vec::new();
+        for index in 0..variation.len() {
+            let values = variation.get(index);
+            if template.admits(&values).map_err(refuse)? {
+                let written = values.iter().map(|value| format!("{}={}", value.name, value.value));
+                parameters.push(written.collect());
+            }
+        }
+        let scenario = normal(&variation.scenario).to_string_lossy().into_owned();
+        let left_out = variation.len() - parameters.len();
+        if parameters.is_empty() {
+            return Err(Error::Usage(format!(
+                "error: {}: all {left_out} combinations break a constraint of {scenario}, \
+                 expected one that does not",
+                path.display()
+            )));
+        }
+        Ok(Self { scenario, description: variation.description, parameters, left_out })
+    }
+}
+
+/// The campaign that runs a variation file.
+pub fn campaign(path: &Path) -> Result<Campaign, Error> {
+    let file = std::fs::canonicalize(path).map_err(|reason| Error::Path {
+        action: "read",
+        path: path.to_owned(),
+        reason,
+    })?;
+    let variants = Variants::open(&file)?;
+    let good = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' };
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let name: String = stem.chars().map(good).take(64).collect();
+    let printable = variants.description.chars().filter(|c| !c.is_control());
+    let required = ["max_avoidable_collisions", "max_aborted"].map(|key| (key.to_owned(), 0.0));
+    Ok(Campaign {
+        schema_version: 1,
+        name: Name::try_from(name).map_err(Error::Usage)?,
+        description: Line::try_from(printable.take(MAX_LINE).collect::<String>())
+            .map_err(Error::Usage)?,
+        mode: Mode::Lockstep,
+        scenarios: vec![variants.scenario],
+        variation: Some(file),
+        sample: None,
+        controllers: Vec::new(),
+        seeds: NonZeroU32::MIN,
+        first_seed: 1,
+        set: Vec::new(),
+        sample_every_s: None,
+        shard: None,
+        faults: Vec::new(),
+        require: BTreeMap::from(required),
+    })
+}
+
+/// A path without `.` in it.
+fn normal(path: &Path) -> PathBuf {
+    path.components().filter(|part| *part != std::path::Component::CurDir).collect()
+}
+
+fn refuse(error: ReadError) -> Error {
+    Error::Usage(format!("error: {error}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::plan::plan;
+    use super::*;
+
+    const SCENARIO: &str = r#"<OpenSCENARIO><FileHeader revMajor="1" revMinor="1"/>
+        <ParameterDeclarations>
+          <ParameterDeclaration name="v" parameterType="double" value="10"><ConstraintGroup><ValueConstraint rule="lessThan" value="30"/></ConstraintGroup></ParameterDeclaration>
+          <ParameterDeclaration name="m" parameterType="string" value="car"/>
+        </ParameterDeclarations></OpenSCENARIO>"#;
+    const VARIATION: &str = r#"<OpenSCENARIO><FileHeader revMajor="1" revMinor="1" description="two by three"/>
+        <ParameterValueDistribution><ScenarioFile filepath="./sub/a.xosc"/><Deterministic>
+          <DeterministicSingleParameterDistribution parameterName="v"><DistributionRange stepWidth="10"><Range lowerLimit="10" upperLimit="30"/></DistributionRange></DeterministicSingleParameterDistribution>
+          <DeterministicSingleParameterDistribution parameterName="m"><DistributionSet><Element value="car"/><Element value="bus"/></DistributionSet></DeterministicSingleParameterDistribution>
+        </Deterministic></ParameterValueDistribution></OpenSCENARIO>"#;
+
+    /// A directory with both files, gone when it is dropped.
+    struct Files(PathBuf);
+
+    impl Files {
+        fn new(name: &str, variation: &str) -> Self {
+            let directory =
+                std::env::temp_dir().join(format!("timegap-{name}-{}", std::process::id()));
+            std::fs::create_dir_all(directory.join("sub")).expect("writable");
+            std::fs::write(directory.join("sub/a.xosc"), SCENARIO).expect("writable");
+            std::fs::write(directory.join("v.xosc"), variation).expect("writable");
+            Self(directory)
+        }
+    }
+
+    impl Drop for Files {
+        fn drop(&mut self) {
+            let _ = std::fs::remove_dir_all(&self.0);
+        }
+    }
+
+    #[test]
+    fn every_combination_that_keeps_the_constraints_is_a_run() {
+        let files = Files::new("variation", VARIATION);
+        let campaign = campaign(&files.0.join("v.xosc")).expect("a variation");
+        assert_eq!(campaign.description.as_str(), "two by three");
+        let planned = plan(&campaign).expect("a plan");
+        assert_eq!(planned.left_out, 2);
+        let values: Vec<String> = planned.runs.iter().map(|run| run.parameters.join(" ")).collect();
+        assert_eq!(values, ["v=10 m=car", "v=10 m=bus", "v=20 m=car", "v=20 m=bus"]);
+        let said = planned.runs[1].repeat("lockstep");
+        assert!(
+            said.ends_with("sub/a.xosc --mode lockstep --seed 1 --param v=10 --param m=bus"),
+            "{said}"
+        );
+    }
+
+    #[test]
+    fn a_sample_is_spread_and_repeats() {
+        let files = Files::new("sample", VARIATION);
+        let mut campaign = campaign(&files.0.join("v.xosc")).expect("a variation");
+        campaign.sample = std::num::NonZeroUsize::new(3);
+        let planned = plan(&campaign).expect("a plan");
+        assert_eq!(planned.runs.len(), 3);
+        assert!(planned.runs.windows(2).all(|pair| pair[0].run < pair[1].run));
+        assert_eq!(planned.runs, plan(&campaign).expect("a plan").runs);
+        campaign.sample = std::num::NonZeroUsize::new(9);
+        assert_eq!(plan(&campaign).expect("a plan").runs.len(), 4);
+    }
+
+    #[test]
+    fn a_variation_that_fits_nothing_is_refused() {
+        let files = Files::new("unfit", &VARIATION.replace("\"v\"", "\"w\""));
+        let said = campaign(&files.0.join("v.xosc")).expect_err("no such parameter").to_string();
+        assert!(said.contains("parameter w=10") && said.contains("does not declare it"), "{said}");
+    }
+}
