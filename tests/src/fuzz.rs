@@ -3,10 +3,13 @@
 //! with mutations of good examples.
 
 use messages::e2e::{Channel, Outcomes, profile7};
+use openscenario::variation::Variation;
+use openscenario::{Source, World};
 use recorder::Recording;
 use runtime::{FromService, Group, ToService};
 use scenario::Scenario;
 use scenario::faults::Fault;
+use std::path::{Path, PathBuf};
 
 /// A reader of bytes from outside.
 pub struct Target {
@@ -17,7 +20,7 @@ pub struct Target {
 }
 
 /// All of them.
-pub const TARGETS: [Target; 7] = [
+pub const TARGETS: [Target; 8] = [
     Target { name: "scenario", read: scenario },
     Target { name: "speed_table", read: speed_table },
     Target { name: "road", read: road },
@@ -25,6 +28,7 @@ pub const TARGETS: [Target; 7] = [
     Target { name: "recording", read: recording },
     Target { name: "link", read: link },
     Target { name: "end_to_end", read: end_to_end },
+    Target { name: "openscenario", read: openscenario },
 ];
 
 /// Scenario files. One that is accepted can be written and read again, and its law can be built.
@@ -84,5 +88,37 @@ pub fn end_to_end(bytes: &[u8]) {
         let counter = u32::from_be_bytes([bytes[12], bytes[13], bytes[14], bytes[15]]);
         profile7::protect(&mut again, 7, counter);
         assert_eq!(again, bytes);
+    }
+}
+
+/// OpenSCENARIO files, scenarios and variations alike. A scenario that is accepted moves and stays finite.
+pub fn openscenario(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let path = Path::new("fuzz.xosc");
+    let files = OneFile(text);
+    if let Ok(variation) = Variation::open(path, &files) {
+        assert!(!variation.is_empty() && !variation.get(variation.len() - 1).is_empty());
+    }
+    let Ok(read) = openscenario::read::scenario(path, &files, &[]) else { return };
+    let entities = read.script.entities.len();
+    let Ok(mut world) = World::new(read.script) else { return };
+    for step in 0..20 {
+        world.step(step * 100_000_000);
+    }
+    for entity in 0..entities {
+        assert!(!world.motion(entity).s_m.is_nan() && !world.motion(entity).speed_mps.is_nan());
+    }
+}
+
+/// A file that is everywhere a scenario names one.
+struct OneFile<'a>(&'a str);
+
+impl Source for OneFile<'_> {
+    fn read(&self, _: &Path) -> std::io::Result<String> {
+        Ok(self.0.to_owned())
+    }
+
+    fn list(&self, directory: &Path) -> std::io::Result<Vec<PathBuf>> {
+        Ok(vec![directory.join("fuzz.xosc")])
     }
 }

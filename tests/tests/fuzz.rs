@@ -22,6 +22,17 @@ fn examples(name: &str) -> Vec<Vec<u8>> {
             text("distance_m,height_m\n0,10\n50,11\n100,9.5\n"),
             text("distance_m,grade\n0,0.01\n50,-0.02\n"),
         ],
+        "openscenario" => {
+            let example = |name: &str| file(&format!("examples/openscenario/{name}.xosc"));
+            // The road is the same file, so none is named.
+            let road = "<LogicFile filepath=\"./straight.xodr\"/>";
+            let scenario = String::from_utf8(example("cut_in")).expect("it is text");
+            vec![
+                text(&scenario.replace(road, "")),
+                example("cut_in_variation"),
+                example("crossing_pedestrian"),
+            ]
+        }
         "design" => vec![file("services/controller/designs/quadratic-bounded.json")],
         "link" => vec![
             text(r#"{"start":{"start_ns":12}}"#),

@@ -5,6 +5,9 @@ use crate::expression::Value;
 use crate::parameter::{AttributeFault, Scope};
 use crate::xml::Element;
 
+/// Largest magnitude of a number, in any unit: beyond it nothing that moves stays finite.
+const MAX_NUMBER: f64 = 1e9;
+
 /// An element that has been held against the subset.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Node<'a> {
@@ -100,15 +103,16 @@ impl<'a> Node<'a> {
         }
     }
 
-    /// A finite number.
+    /// A finite number of a plausible magnitude.
     pub(crate) fn number(&self, attribute: &'a str) -> Result<f64, ReadError> {
         let number = self
             .number_if(attribute)?
             .ok_or_else(|| self.fault(attribute).error("is missing", "a number"))?;
-        match number.is_finite() {
+        match number.abs() <= MAX_NUMBER {
             true => Ok(number),
             false => {
-                Err(self.fault(attribute).error(format!("{number} is not finite"), "a number"))
+                let expected = format!("a number from -{MAX_NUMBER:e} to {MAX_NUMBER:e}");
+                Err(self.fault(attribute).error(format!("{number} is out of range"), expected))
             }
         }
     }

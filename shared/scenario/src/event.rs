@@ -363,3 +363,75 @@ fn linear() -> Shape {
 fn sinusoidal() -> Shape {
     Shape::Sinusoidal
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEAD: &str = "schema_version = 1\nname = \"x\"\n[[actors]]\nname = \"car\"\ngap_m = 60\n";
+
+    fn read(lines: &str) -> Result<Scenario, String> {
+        let text = format!("{HEAD}{lines}");
+        Scenario::parse("x.toml", &text).map_err(|error| error.to_string())
+    }
+
+    const EVENTS: &str = "initial_speed_mps = 20
+[[actors.events]]
+name = \"a\"
+when = { gap_below_m = 30 }
+speed = { to_mps = 10, rate_mps2 = 2 }
+[[actors.events]]
+when = { completed = \"a\" }
+delay_s = 2
+lateral = { to_m = 3.5, duration_s = 3, shape = \"cubic\" }
+";
+
+    #[test]
+    fn events_become_a_storyboard_and_read_back() {
+        let scenario = read(EVENTS).expect("it is right");
+        let script = scenario.script().expect("there are events");
+        assert!(openscenario::World::new(script.clone()).is_ok());
+        assert_eq!(script.entities.len(), 2);
+        let names: Vec<&str> = script.stories[0].acts[0].groups[0].maneuvers[0]
+            .events
+            .iter()
+            .map(|event| event.name.as_str())
+            .collect();
+        assert_eq!(names, ["a", "event 2"]);
+        let again = Scenario::parse("again.toml", &scenario.to_toml()).expect("it was written");
+        assert_eq!(again, scenario);
+        assert_eq!(read("initial_speed_mps = 20\n").expect("it is right").script(), None);
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_shown_at_its_line() {
+        for (from, to, line, expected) in [
+            ("gap_below_m = 30", "gap_under_m = 30", 9, "gap_below_m"),
+            ("gap_below_m = 30", "gap_below_m = -1", 9, "a distance from 0"),
+            ("speed = { to_mps = 10, rate_mps2 = 2 }", "", 7, "`speed`, `lateral` or both"),
+            ("completed = \"a\"", "completed = \"b\"", 12, "one of a"),
+            ("name = \"a\"", "name = \"a\"\nto = \"van\"", 9, "the name of another actor"),
+            ("delay_s = 2", "to = \"car\"", 13, "no `to`"),
+            (
+                "initial_speed_mps = 20",
+                "initial_speed_mps = 20\nappears_at_s = 3",
+                8,
+                "beside events",
+            ),
+            ("\"cubic\"", "\"round\"", 14, "`cubic`"),
+        ] {
+            assert!(EVENTS.contains(from), "{from}");
+            let shown = read(&EVENTS.replacen(from, to, 1)).expect_err(to);
+            assert!(
+                shown.contains(&format!("x.toml:{line}:")) && shown.contains(expected),
+                "{shown}"
+            );
+        }
+        let shown =
+            read("initial_speed_mps = 20\nprofile = \"storyboard\"\n").expect_err("no storyboard");
+        assert!(
+            shown.contains("x.toml:7:") && shown.contains("no storyboard to follow"),
+            "{shown}"
+        );
+    }
+}

@@ -6,6 +6,7 @@ use crate::model::Drive;
 use crate::model::action::{Distance, Gap, Shape, Side};
 use crate::world::World;
 use crate::world::geometry::Extent;
+use crate::world::start::MAX_SPEED_MPS;
 
 /// How near a distance must be to count as reached, m.
 const REACHED_M: f64 = 0.05;
@@ -258,7 +259,8 @@ impl World {
         let elapsed_s = seconds(time_ns - from_ns);
         let reference = match self.state.movers[entity].pace {
             Pace::Match { entity: other, factor, offset_mps, .. } => {
-                (factor * self.state.movers[other].motion.speed_mps + offset_mps).max(0.0)
+                (factor * self.state.movers[other].motion.speed_mps + offset_mps)
+                    .clamp(0.0, MAX_SPEED_MPS)
             }
             _ => 0.0,
         };

@@ -11,6 +11,9 @@ use crate::model::{MAX_ENTITIES, Script};
 use crate::world::motion::{Course, LateralShape, Motion, Pace, Path, SpeedShape, Steer, seconds};
 use crate::world::{World, WorldError};
 
+/// No target speed is higher, m/s: a factor that is applied again and again stays finite.
+pub(super) const MAX_SPEED_MPS: f64 = 1e4;
+
 /// A transition that takes no time.
 pub(super) fn is_immediate(transition: &Transition) -> bool {
     transition.shape == Shape::Step
@@ -388,13 +391,12 @@ impl World {
     }
 
     fn target_speed(&self, target: &SpeedTarget) -> f64 {
-        match *target {
+        let speed = match *target {
             SpeedTarget::Absolute(mps) => mps,
-            SpeedTarget::Delta { entity, mps, .. } => {
-                (self.motion(entity).speed_mps + mps).max(0.0)
-            }
+            SpeedTarget::Delta { entity, mps, .. } => self.motion(entity).speed_mps + mps,
             SpeedTarget::Factor { entity, factor, .. } => self.motion(entity).speed_mps * factor,
-        }
+        };
+        speed.clamp(0.0, MAX_SPEED_MPS)
     }
 
     /// The lateral position at which a lane change ends, where there is such a lane.

@@ -1,0 +1,189 @@
+//! OpenSCENARIO files run: storyboard, variation, refusals.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use system_tests::{Corner, text};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
+
+fn examples() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/openscenario")
+}
+
+/// A corner with the examples in it.
+fn corner() -> Corner {
+    let corner = Corner::new(PROGRAM);
+    copy(&examples(), &corner.path().join("examples"));
+    corner
+}
+
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).expect("our own directory");
+    for entry in std::fs::read_dir(from).expect("it is in the repository") {
+        let path = entry.expect("it is readable").path();
+        let target = to.join(path.file_name().expect("it has a name"));
+        if path.is_dir() {
+            copy(&path, &target);
+        } else {
+            std::fs::copy(&path, &target).expect("our own directory");
+        }
+    }
+}
+
+fn lockstep(corner: &Corner, file: &str, more: &[&str]) -> Value {
+    let arguments = [&["run", file, "--mode", "lockstep"], more].concat();
+    corner.json(&arguments)
+}
+
+#[test]
+fn a_cut_in_happens_at_its_gap_and_ends_the_run() {
+    let corner = corner();
+    let file = "examples/cut_in.xosc";
+    let summary = lockstep(&corner, file, &["--out", "a"]);
+    assert_eq!(summary["scenario"], "cut_in");
+    assert_eq!(summary["outcome"], "completed");
+    let duration_s = summary["duration_s"].as_f64().expect("a time");
+    assert!((10.0..60.0).contains(&duration_s), "the stop trigger ends the run: {duration_s}");
+    // In path from about half of the lane change on, when the gap is still most of 30 m.
+    let gap_m = summary["control"]["min_gap_m"].as_f64().expect("a gap");
+    assert!((5.0..30.0).contains(&gap_m), "{gap_m}");
+    // What took effect is kept, and runs by itself.
+    let kept = std::fs::read_to_string(corner.path().join("a/scenario.toml")).expect("it is kept");
+    assert!(kept.contains("Ego_Speed_kph = \"90\""), "{kept}");
+    std::fs::remove_dir_all(corner.path().join("examples")).expect("our own directory");
+    let again = lockstep(&corner, "a/scenario.toml", &["--out", "b"]);
+    assert_eq!(again["messages"], summary["messages"]);
+    assert!(corner.roots().is_empty());
+}
+
+#[test]
+fn parameters_change_what_happens() {
+    let corner = corner();
+    let file = "examples/cut_in.xosc";
+    let wide = lockstep(&corner, file, &["--param", "Gap_m=60"]);
+    let narrow = lockstep(&corner, file, &["--param", "Gap_m=15", "--param", "Model=lorry"]);
+    let gap = |summary: &Value| summary["control"]["min_gap_m"].as_f64().expect("a gap");
+    assert!(gap(&wide) > gap(&narrow) + 10.0, "{} {}", gap(&wide), gap(&narrow));
+    let shown = corner.run(&["list", "--show", file, "--param", "Model=lorry"]);
+    assert!(shown.status.success() && text(&shown).contains("length_m = 12.0"), "{}", text(&shown));
+}
+
+#[test]
+fn a_pedestrian_is_a_target() {
+    let corner = corner();
+    let summary = lockstep(&corner, "examples/crossing_pedestrian.xosc", &[]);
+    let figures = &summary["control"];
+    assert!(figures["min_gap_m"].as_f64().is_some(), "{figures}");
+    assert!(figures["min_accel_mps2"].as_f64() < Some(-1.0), "the ego brakes: {figures}");
+}
+
+#[test]
+fn a_variation_runs_every_combination_that_keeps_the_constraints() {
+    let corner = corner();
+    let arguments = ["campaign", "examples/cut_in_variation.xosc", "--out", "c"];
+    let output = corner.run(&arguments);
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));
+    assert!(text(&output).contains("2 combinations break a constraint"), "{}", text(&output));
+    let verdict = std::fs::read(corner.path().join("c/campaign.json")).expect("a verdict");
+    let verdict: Value = serde_json::from_slice(&verdict).expect("JSON");
+    assert_eq!((&verdict["runs"], &verdict["left_out"]), (&6.into(), &2.into()));
+    assert_eq!(verdict["aborted"], 0);
+}
+
+#[test]
+fn what_is_wrong_is_one_error_with_its_place() {
+    let corner = corner();
+    let path = corner.path().join("examples/cut_in.xosc");
+    let good = std::fs::read_to_string(&path).expect("it is there");
+    for (from, to, arguments, expected) in [
+        ("revMinor=\"2\"", "revMinor=\"4\"", &[][..], "cut_in.xosc:5: version 1.4"),
+        (
+            "<LateralAction>",
+            "<SynchronizeAction/><LateralAction>",
+            &[],
+            "element `SynchronizeAction` in `PrivateAction` is not supported, expected `LongitudinalAction`",
+        ),
+        ("./catalogs", "./nowhere", &[], "nowhere cannot be read"),
+        (
+            "\"road_users\"",
+            "\"aircraft\"",
+            &[],
+            "catalog `aircraft` is in none of the catalog locations",
+        ),
+        ("$Gap_m + 30", "$Gap + 30", &[], "parameter `Gap` is not declared"),
+        ("value=\"30\"/>", "value=\"${$Gap_m}\"/>", &[], "parameter `Gap_m` depends on itself"),
+        ("laneId=\"-2\"", "laneId=\"-9\"", &[], "has no lane `-9`"),
+        ("</Storyboard>", "", &[], "not XML"),
+        ("revMinor=\"2\"", "revMinor=\"2\"", &["--param", "Speed=3"], "parameter Speed=3"),
+        (
+            "revMinor=\"2\"",
+            "revMinor=\"2\"",
+            &["--param", "Gap_m"],
+            "no value, expected NAME=VALUE",
+        ),
+        (
+            "revMinor=\"2\"",
+            "revMinor=\"2\"",
+            &["--param", "Ego_Speed_kph=200"],
+            "parameter `Ego_Speed_kph` has the value 200, expected greaterThan 0",
+        ),
+    ] {
+        assert!(good.contains(from), "{from}");
+        std::fs::write(&path, good.replacen(from, to, 1)).expect("our own directory");
+        let output = corner.run(&[&["run", "examples/cut_in.xosc"], arguments].concat());
+        let said = text(&output);
+        assert_eq!(output.status.code(), Some(2), "{to}: {said}");
+        assert!(said.contains(expected), "{to}: {said}");
+        assert_eq!(said.trim().lines().count(), 1, "{said}");
+    }
+    std::fs::write(&path, good).expect("our own directory");
+    let road = corner.path().join("examples/straight.xodr");
+    let bent =
+        std::fs::read_to_string(&road).expect("it is there").replacen("b=\"0\"", "b=\"0.1\"", 1);
+    std::fs::write(&road, bent).expect("our own directory");
+    let output = corner.run(&["run", "examples/cut_in.xosc"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        text(&output)
+            .contains("straight.xodr:13: element `width` in `lane` changes along the road"),
+        "{}",
+        text(&output)
+    );
+    assert!(corner.roots().is_empty());
+    assert!(!corner.path().join("runs").exists());
+}
+
+/// ASAM's scenarios are not part of this repository: run where `OPENSCENARIO_FILES` names the folders.
+#[test]
+fn the_standards_own_scenarios_run() {
+    let Ok(folders) = std::env::var("OPENSCENARIO_FILES") else {
+        use std::io::Write;
+        let word = "SKIPPED: OPENSCENARIO_FILES names no folder with OpenSCENARIO files";
+        let _ = writeln!(std::io::stderr(), "{word}");
+        return;
+    };
+    let corner = Corner::new(PROGRAM);
+    let mut ran = 0;
+    for folder in folders.split(':') {
+        for entry in std::fs::read_dir(folder).expect("a readable folder") {
+            let path = entry.expect("it is readable").path();
+            let storyboard =
+                std::fs::read_to_string(&path).is_ok_and(|t| t.contains("<Storyboard>"));
+            if !storyboard {
+                continue;
+            }
+            let arguments = ["run", &path.to_string_lossy(), "--mode", "lockstep", "--json"];
+            let output = corner.run(&arguments);
+            let summary: Value = serde_json::from_slice(&output.stdout)
+                .unwrap_or_else(|_| panic!("{}: {}", path.display(), text(&output)));
+            println!(
+                "{}: {} after {} s",
+                path.display(),
+                summary["outcome"],
+                summary["duration_s"]
+            );
+            ran += 1;
+        }
+    }
+    assert!(ran > 0, "no scenario in {folders}");
+}
