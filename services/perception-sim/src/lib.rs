@@ -1,5 +1,4 @@
 //! The other vehicles, the radar that sees them and the tracker behind it.
-
 //!
 //! [`traffic`] moves the other vehicles, [`radar`] sees them, [`tracking`] makes tracks of what it sees,
 //! and [`quality`] compares these with the traffic. [`perception`] is one step of all. All of it is
