@@ -9,7 +9,7 @@ use openscenario::{Motion, World};
 use scenario::Scenario;
 use scenario::actor::Profile;
 
-use crate::radar::Ego;
+use crate::radar::scene::Ego;
 use crate::traffic::Vehicle;
 
 /// A world with its place on the simulation's axis.
@@ -108,6 +108,8 @@ impl Stage {
             speed_mps: along * motion.speed_mps,
             acceleration_mps2: along * motion.acceleration_mps2,
             lateral_m: self.direction * (middle_t_m - self.middle_t_m),
+            lateral_speed_mps: self.direction
+                * (motion.lateral_mps + motion.speed_mps * libm::sin(motion.heading_rad)),
             length_m: extent.to_s_m - extent.from_s_m,
             touches_within_m: 0.5 * (width_m + self.ego_width_m),
         }

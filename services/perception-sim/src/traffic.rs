@@ -18,7 +18,7 @@ use scenario::event::VEHICLE_WIDTH_M;
 use scenario::plant::Integrator;
 use serde::{Deserialize, Serialize};
 
-use crate::radar::Ego;
+use crate::radar::scene::Ego;
 use crate::stage::Stage;
 
 /// Times of a profile take effect this much early, so that rounding does not lose a step, s.

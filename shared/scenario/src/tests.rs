@@ -346,7 +346,8 @@ fn a_laws_table_keeps_its_places_also_on_the_command_line() {
     let error = shown(&text, "controller.mine.gian_per_s=2").expect_err("no such key");
     assert!(error.starts_with("error: --set controller.mine.gian_per_s=2: unknown key"), "{error}");
     assert!(error.contains("did you mean `gain_per_s`?"), "{error}");
-    let error = shown(&text.replace("gain_per_s = 1", "gain_per_s = true"), "seed=1").expect_err("no number");
+    let error = shown(&text.replace("gain_per_s = 1", "gain_per_s = true"), "seed=1")
+        .expect_err("no number");
     assert!(error.starts_with("error: x.toml:4:14: ") && error.contains("^^^^"), "{error}");
 }
 

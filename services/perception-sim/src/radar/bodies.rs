@@ -20,7 +20,8 @@ use super::echo::{Antenna, Echo, Fluctuation};
 use super::receiver::Echoes;
 use super::scene::{Ego, Scene};
 use crate::random::{Random, fixed, hash};
-use crate::traffic::{VEHICLE_WIDTH_M, Vehicle};
+use crate::traffic::Vehicle;
+use scenario::event::VEHICLE_WIDTH_M;
 
 /// Share of the mean cross section in the middle of the rear.
 const REAR_SHARE: f64 = 0.6;

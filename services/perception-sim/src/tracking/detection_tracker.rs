@@ -17,7 +17,7 @@ use super::road_edge::RoadEdge;
 use super::track::{DetectedTrack, FieldOfView, Life, Sighting};
 use crate::radar::receiver::Receiver;
 use crate::radar::scene::Ego;
-use crate::traffic::VEHICLE_WIDTH_M;
+use scenario::event::VEHICLE_WIDTH_M;
 
 /// Tracks at most, those that are not confirmed included.
 const MAX_KEPT: usize = 32;

@@ -79,7 +79,7 @@ fn entry(
         lateral_m: vehicle.lateral_m,
         lateral_speed_mps: vehicle.lateral_speed_mps,
         length_m: vehicle.length_m,
-        width_m: crate::traffic::VEHICLE_WIDTH_M,
+        width_m: scenario::event::VEHICLE_WIDTH_M,
         in_path,
     }
 }

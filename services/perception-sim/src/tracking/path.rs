@@ -8,7 +8,7 @@
 
 use scenario::perception::TargetSelection;
 
-use crate::traffic::VEHICLE_WIDTH_M;
+use scenario::event::VEHICLE_WIDTH_M;
 
 /// Slower lateral motion is wandering within the lane, m/s.
 const LEAST_LATERAL_SPEED_MPS: f64 = 0.3;

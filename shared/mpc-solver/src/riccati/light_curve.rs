@@ -95,7 +95,12 @@ impl LightCurve {
 
     /// Below the knee.
     pub(super) fn straight(&self) -> LightTangent {
-        LightTangent { region: Region::Straight, margin: self.knee, alpha: self.penalty, slope: 0.0 }
+        LightTangent {
+            region: Region::Straight,
+            margin: self.knee,
+            alpha: self.penalty,
+            slope: 0.0,
+        }
     }
 
     /// On the hyperbola, or below its knee, at a margin.
