@@ -1,6 +1,5 @@
 //! A Python of the tests' own, with the packages that read what timegap writes.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
@@ -15,24 +14,13 @@ const PACKAGES: [&str; 6] = [
     "rosbags==0.11.9",
 ];
 
-/// The interpreter of a virtual environment below `directory`, made at the first call. `None`, and a
-/// line that says why, where there is no Python, no pip or no network.
-#[must_use]
-pub fn interpreter(directory: &Path) -> Option<PathBuf> {
+/// The interpreter of a virtual environment below `directory`, made at the first call.
+///
+/// # Errors
+/// The reason where there is no Python, no pip or no network.
+pub fn interpreter(directory: &Path) -> Result<PathBuf, String> {
     static FOUND: OnceLock<Result<PathBuf, String>> = OnceLock::new();
-    match FOUND.get_or_init(|| prepare(&directory.join("interop-venv"))) {
-        Ok(python) => Some(python.clone()),
-        Err(reason) => {
-            skip(reason);
-            None
-        }
-    }
-}
-
-/// Says that a test did not test anything; the test harness hides what `println!` prints.
-pub fn skip(reason: &str) {
-    let test = std::thread::current().name().unwrap_or("a test").to_owned();
-    let _ = writeln!(std::io::stderr(), "SKIPPED {test}: {reason}");
+    FOUND.get_or_init(|| prepare(&directory.join("interop-venv"))).clone()
 }
 
 fn prepare(venv: &Path) -> Result<PathBuf, String> {

@@ -6,14 +6,23 @@ use recorder::Recording;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, ExitCode, Output};
+use system_tests::cases::{self, Needed, needing};
 use system_tests::{Corner, python, text, wait_for};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 const SCRIPTS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/python");
 
-fn interpreter() -> Option<PathBuf> {
+fn interpreter() -> Result<PathBuf, String> {
     python::interpreter(Path::new(env!("CARGO_TARGET_TMPDIR")))
+}
+
+fn pypi() -> Needed {
+    interpreter().map(|_| ())
+}
+
+fn c_compiler() -> Needed {
+    cases::program("cc")
 }
 
 fn succeeded(command: &mut Command) -> String {
@@ -37,9 +46,8 @@ fn example(corner: &Corner, command: &str) -> String {
 /// Every message by topic, sender and sequence number, as its scalars.
 type Lines = BTreeMap<(String, String, String), Vec<String>>;
 
-#[test]
 fn other_readers_see_the_same_values() {
-    let Some(python) = interpreter() else { return };
+    let python = interpreter().expect("looked for before");
     let corner = Corner::new(PROGRAM);
     // Signals without an announced end have infinite times; a cut-in has several tracks.
     // A truck has topics of its own.
@@ -102,9 +110,8 @@ fn compare(recording: &Recording, theirs: &Lines, library: &str) {
     }
 }
 
-#[test]
 fn the_pandas_example_runs_as_printed() {
-    let Some(python) = interpreter() else { return };
+    let python = interpreter().expect("looked for before");
     let corner = Corner::new(PROGRAM);
     printed(&corner, &["run", "--mode", "lockstep", "--duration", "2", "--out", "runs/mine"]);
     printed(&corner, &["export", "runs/mine", "--csv"]);
@@ -123,9 +130,8 @@ fn the_pandas_example_runs_as_printed() {
     assert!((row("max") - max).abs() < 1e-5, "{table}");
 }
 
-#[test]
 fn a_python_process_hears_a_running_group() {
-    let Some(python) = interpreter() else { return };
+    let python = interpreter().expect("looked for before");
     let corner = Corner::new(PROGRAM);
     let module = printed(&corner, &["layouts", "--python"]);
     std::fs::write(corner.path().join("timegap_messages.py"), module).expect("writable");
@@ -163,7 +169,6 @@ fn a_python_process_hears_a_running_group() {
     }
 }
 
-#[test]
 fn a_c_compiler_lays_the_structs_out_alike() {
     let corner = Corner::new(PROGRAM);
     std::fs::write(corner.path().join("timegap.h"), printed(&corner, &["layouts", "--c"]))
@@ -191,19 +196,16 @@ fn a_c_compiler_lays_the_structs_out_alike() {
     let compiled = Command::new("cc")
         .args(["-std=c11", "-Wall", "-Wextra", "-Werror", "-pedantic", "main.c", "-o", "main"])
         .current_dir(corner.path())
-        .output();
-    match compiled {
-        Ok(output) => assert!(output.status.success(), "{}", text(&output)),
-        Err(error) => return python::skip(&format!("cc: {error}")),
-    }
+        .output()
+        .expect("looked for before");
+    assert!(compiled.status.success(), "{}", text(&compiled));
     assert_eq!(succeeded(&mut Command::new(corner.path().join("main"))), expected);
 }
 
 /// An independent implementation of AUTOSAR E2E profile 7 finds every recorded message intact, none
 /// with a flipped bit, and protects each with the same bytes.
-#[test]
 fn another_implementation_of_the_end_to_end_protection_agrees() {
-    let Some(python) = interpreter() else { return };
+    let python = interpreter().expect("looked for before");
     let corner = Corner::new(PROGRAM);
     printed(&corner, &["run", "corridor", "--mode", "lockstep", "--duration", "2", "--out", "out"]);
     let recording = Recording::open(&corner.path().join("out")).expect("a recording");
@@ -223,4 +225,26 @@ fn another_implementation_of_the_end_to_end_protection_agrees() {
         let bytes = message.split_once(' ').expect("two words").1;
         assert_eq!(answer, format!("1 0 {bytes}"));
     }
+}
+
+fn main() -> ExitCode {
+    cases::run(&[
+        needing(pypi, "other_readers_see_the_same_values", other_readers_see_the_same_values),
+        needing(pypi, "the_pandas_example_runs_as_printed", the_pandas_example_runs_as_printed),
+        needing(
+            pypi,
+            "a_python_process_hears_a_running_group",
+            a_python_process_hears_a_running_group,
+        ),
+        needing(
+            c_compiler,
+            "a_c_compiler_lays_the_structs_out_alike",
+            a_c_compiler_lays_the_structs_out_alike,
+        ),
+        needing(
+            pypi,
+            "another_implementation_of_the_end_to_end_protection_agrees",
+            another_implementation_of_the_end_to_end_protection_agrees,
+        ),
+    ])
 }

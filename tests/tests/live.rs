@@ -5,7 +5,8 @@ use serde_json::{Value, json};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, ExitCode, Stdio};
+use system_tests::cases::{self, Needed, case, needing};
 use system_tests::{Corner, text, wait_for};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
@@ -18,6 +19,10 @@ fn browser() -> Option<PathBuf> {
             ["chromium", "chromium-browser", "google-chrome"].map(|name| directory.join(name))
         })
         .find(|program| program.is_file())
+}
+
+fn chromium() -> Needed {
+    browser().map(|_| ()).ok_or_else(|| "no chromium".to_owned())
 }
 
 /// Starts a run that serves itself, and reads from it where.
@@ -116,12 +121,8 @@ const SHOWN: &str = "({ frames: Number(document.body.dataset.frames ?? 0),
     points: Object.fromEntries([...document.querySelectorAll('[data-field]')]
         .map((curve) => [curve.dataset.field, curve.getAttribute('d').split(/[ML]/).length - 1])) })";
 
-#[test]
 fn the_page_draws_updates_and_survives_the_end_of_the_run() {
-    let Some(program) = browser() else {
-        println!("SKIPPED: no chromium here (Debian: apt-get install chromium)");
-        return;
-    };
+    let program = browser().expect("looked for before");
     let corner = Corner::new(PROGRAM);
     // Long: the test ends it when it has seen enough.
     let (run, address, rest) = serve(&corner, "600");
@@ -157,8 +158,7 @@ fn the_page_draws_updates_and_survives_the_end_of_the_run() {
     }
 }
 
-#[test]
-fn a_run_nobody_looks_at_ends_as_ever() {
+fn a_run_without_a_viewer_ends_as_usual() {
     let corner = Corner::new(PROGRAM);
     let (run, _, rest) = serve(&corner, "1");
     let output = run.wait_with_output().expect("the run ends");
@@ -167,7 +167,6 @@ fn a_run_nobody_looks_at_ends_as_ever() {
     assert_eq!(shown.status.code(), Some(2), "no terminal here: {}", text(&shown));
 }
 
-#[test]
 fn a_port_that_is_taken_is_said() {
     let corner = Corner::new(PROGRAM);
     let taken = std::net::TcpListener::bind("127.0.0.1:0").expect("a free port");
@@ -175,4 +174,16 @@ fn a_port_that_is_taken_is_said() {
     let output = corner.run(&["run", "--duration", "1", "--serve", &port]);
     assert_eq!(output.status.code(), Some(3), "{}", text(&output));
     assert!(text(&output).contains(&port), "{}", text(&output));
+}
+
+fn main() -> ExitCode {
+    cases::run(&[
+        needing(
+            chromium,
+            "the_page_draws_updates_and_survives_the_end_of_the_run",
+            the_page_draws_updates_and_survives_the_end_of_the_run,
+        ),
+        case("a_run_without_a_viewer_ends_as_usual", a_run_without_a_viewer_ends_as_usual),
+        case("a_port_that_is_taken_is_said", a_port_that_is_taken_is_said),
+    ])
 }

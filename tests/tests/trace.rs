@@ -2,7 +2,8 @@
 
 use serde_json::Value;
 use std::path::PathBuf;
-use std::process::Command;
+use std::process::{Command, ExitCode};
+use system_tests::cases::{self, Needed, case, needing};
 use system_tests::{Corner, text};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
@@ -66,6 +67,10 @@ fn python() -> Option<PathBuf> {
     (installed && works(&python)).then_some(python)
 }
 
+fn perfetto() -> Needed {
+    python().map(|_| ()).ok_or_else(|| "no Python with PyPI's perfetto".to_owned())
+}
+
 fn read(python: &PathBuf, corner: &Corner) -> Value {
     let trace = corner.path().join("out/trace.pftrace");
     let output = Command::new(python).args(["-c", READER]).arg(trace).output().expect("it starts");
@@ -73,12 +78,8 @@ fn read(python: &PathBuf, corner: &Corner) -> Value {
     serde_json::from_slice(&output.stdout).expect("the reader prints JSON")
 }
 
-#[test]
 fn perfetto_reads_what_was_written() {
-    let Some(python) = python() else {
-        println!("SKIPPED: no Python with PyPI's perfetto can be had here");
-        return;
-    };
+    let python = python().expect("looked for before");
     let corner = Corner::new(PROGRAM);
     let summary = corner.json(&["run", "--duration", "2", "--out", "out"]);
     let written = corner.json(&["trace", "out"]);
@@ -138,7 +139,6 @@ fn perfetto_reads_what_was_written() {
     assert_eq!(missed(list("instants"), 2), missed(slices, 4));
 }
 
-#[test]
 fn what_went_wrong_is_marked() {
     let corner = Corner::new(PROGRAM);
     let faults = "schema_version = 1\nname = \"stopped\"\nduration_s = 2\n\
@@ -150,10 +150,7 @@ fn what_went_wrong_is_marked() {
     // The fault itself, and what a controller that stood still for two periods missed.
     assert!(written["incidents"].as_u64() >= Some(2), "{written}");
 
-    let Some(python) = python() else {
-        println!("SKIPPED: no Python with PyPI's perfetto can be had here");
-        return;
-    };
+    let python = python().expect("looked for before");
     let seen = read(&python, &corner);
     let instants = seen["instants"].as_array().expect("a list");
     let named = |track: &str, name: &str| {
@@ -170,7 +167,6 @@ fn what_went_wrong_is_marked() {
     );
 }
 
-#[test]
 fn what_is_no_recording_is_refused() {
     let corner = Corner::new(PROGRAM);
     let nothing = corner.run(&["trace", "nowhere"]);
@@ -179,4 +175,12 @@ fn what_is_no_recording_is_refused() {
     let foreign = corner.run(&["trace", "x.mcap"]);
     assert_eq!(foreign.status.code(), Some(2), "{}", text(&foreign));
     assert!(text(&foreign).contains("x.mcap"));
+}
+
+fn main() -> ExitCode {
+    cases::run(&[
+        needing(perfetto, "perfetto_reads_what_was_written", perfetto_reads_what_was_written),
+        needing(perfetto, "what_went_wrong_is_marked", what_went_wrong_is_marked),
+        case("what_is_no_recording_is_refused", what_is_no_recording_is_refused),
+    ])
 }
