@@ -15,10 +15,13 @@ const CHANCE: f64 = 5.0;
 /// A figure in relation to the floor, then and now.
 #[derive(Clone, Debug, Serialize)]
 pub struct Change {
+    /// Which figure.
     pub what: String,
     /// Over the floor of the same run.
     pub then: f64,
+    /// The same now.
     pub now: f64,
+    /// Whether it has grown by the factor.
     pub worse: bool,
 }
 
@@ -142,7 +145,9 @@ mod tests {
                 floor_misses: Some(2),
                 floor_misses_per_million: Some(200.0),
             }],
+            paired: Vec::new(),
             goals: Vec::new(),
+            caveats: Vec::new(),
         }
     }
 

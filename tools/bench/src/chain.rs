@@ -6,7 +6,6 @@ use super::stage::Stage;
 use group::Ended;
 use group::Error;
 use group::{GroupOptions, ScenarioOptions};
-
 use report::summary::{self, Summary, Timing};
 use runtime::Mode;
 use runtime::statistics::Latencies;
@@ -21,6 +20,7 @@ const READY_TIMEOUT_S: f64 = 20.0;
 
 /// What a group and its metronome measured in the same seconds.
 pub struct Chain {
+    /// The controller's and the plant's times.
     pub timing: Timing,
     /// The group's histograms, by name.
     pub histograms: Vec<(String, Latencies)>,

@@ -1,82 +1,173 @@
-//! What timegap promises in terms of the machine's own floor, checked in the same run.
+//! What timegap promises in terms of the machine's own floor, judged in the same run.
 
-use super::plan::{CONTROLLER_PERIODS_US, Conditions, Load, Placement, Scheduling};
-use super::results::Report;
-use serde::{Deserialize, Serialize};
+use super::paired::{Compared, Comparison};
+use super::plan::Placement;
+use super::statistics::{self, Estimate, Events};
+use serde::Serialize;
 
-/// A figure over the one that it is compared with.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+/// Outcome of a goal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The whole interval is at or below the limit.
+    Met,
+    /// The whole interval is above the limit.
+    Missed,
+    /// The interval holds the limit: more samples would tell.
+    Undecided,
+}
+
+impl Verdict {
+    /// Name in tables and results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Met => "met",
+            Self::Missed => "missed",
+            Self::Undecided => "undecided",
+        }
+    }
+}
+
+/// A figure over the one that it is compared with, and the judgement.
+#[derive(Clone, Debug, Serialize)]
 pub struct Goal {
-    pub goal: String,
+    /// What is compared with what, and by which figure.
+    pub name: String,
+    /// Cores of both.
     pub placement: Placement,
+    /// Figure of ours: µs, or events per million cycles.
     pub ours: f64,
+    /// The same figure of the floor.
     pub floor: f64,
-    /// Largest factor between them.
+    /// Their ratio; null where the floor has no event and ours has.
+    pub ratio: Option<f64>,
+    /// Interval that holds the true ratio with 95 % confidence, lower and upper end; a null upper end
+    /// has no bound.
+    pub ci95: [Option<f64>; 2],
+    /// Largest ratio that is accepted.
     pub limit: f64,
-    pub ok: bool,
+    /// Samples of ours, or its cycles.
+    pub n: u64,
+    /// Judgement.
+    pub verdict: Verdict,
+    /// Why this machine is not what the goal is meant for; empty where nothing is missing.
+    pub caveats: Vec<String>,
 }
 
 impl Goal {
-    fn new(goal: &str, placement: Placement, ours: f64, floor: f64, limit: f64) -> Self {
-        Self { goal: goal.into(), placement, ours, floor, limit, ok: ours <= limit * floor }
+    fn new(name: String, placement: Placement, limit: f64, estimate: Estimate) -> Self {
+        let Estimate { ours, floor, ratio, low, high, n } = estimate;
+        let verdict = match () {
+            () if high <= limit => Verdict::Met,
+            () if low > limit => Verdict::Missed,
+            () => Verdict::Undecided,
+        };
+        let finite = |value: f64| value.is_finite().then_some(value);
+        let ci95 = [finite(low), finite(high)];
+        let caveats = Vec::new();
+        let ratio = finite(ratio);
+        Self { name, placement, ours, floor, ratio, ci95, limit, n, verdict, caveats }
     }
 }
 
-/// All goals whose figures are there.
-pub fn check(report: &Report) -> Vec<Goal> {
-    let mut goals = Vec::new();
-    for placement in [Placement::SameCore, Placement::TwoCores] {
-        let under = |load| Conditions { placement, scheduling: Scheduling::Fifo, load };
-        let idle = report.message(under(Load::Idle));
-        if let (Some(ours), Some(floor)) = (idle, report.floor.futex_us.of(placement)) {
-            goals.push(Goal::new("transport over futex, p50", placement, ours.p50, floor.p50, 1.5));
-            goals.push(Goal::new("transport over futex, p99", placement, ours.p99, floor.p99, 2.0));
-        }
-        for load in [Load::Cpu, Load::Memory] {
-            if let (Some(idle), Some(loaded)) = (idle, report.message(under(load))) {
-                let goal = format!("transport under {} load over idle, p99", load.name());
-                goals.push(Goal::new(&goal, placement, loaded.p99, idle.p99, 2.0));
-            }
-            for period_us in CONTROLLER_PERIODS_US {
-                let net = |load| report.chain(under(load), period_us)?.net_reaction_us;
-                if let (Some(idle), Some(loaded)) = (net(Load::Idle), net(load)) {
-                    let (load, period_ms) = (load.name(), period_us / 1000);
-                    let goal =
-                        format!("net reaction under {load} load over idle at {period_ms} ms, p99");
-                    goals.push(Goal::new(&goal, placement, loaded.p99, idle.p99, 2.0));
-                }
-            }
-        }
-        for row in report.chain.iter().filter(|row| row.conditions == under(Load::Idle)) {
-            if let (Some(net), Some(floor)) = (row.net_reaction_us, row.floor_sum_us) {
-                let goal = format!(
-                    "net reaction over the sum of its floors at {} ms, p50",
-                    row.period_us / 1000
-                );
-                goals.push(Goal::new(&goal, placement, net.p50, floor, 2.0));
-            }
-        }
-        for row in &report.deadlines {
-            if row.conditions == under(Load::Idle)
-                && row.period_us == 1_000
-                && let (Some(ours), Some(floor)) =
-                    (row.misses_per_million, row.floor_misses_per_million)
-            {
-                goals.push(Goal::new("misses per million at 1 ms", placement, ours, floor, 1.0));
-            }
-        }
-    }
-    goals
+/// Limits of a comparison: of the medians' ratio, and of that of the 99th percentiles if it has one;
+/// none of a comparison that is only shown.
+fn limits(comparison: Comparison, placement: Placement) -> Option<(f64, Option<f64>)> {
+    Some(match (comparison, placement) {
+        // One is the truth: how far above it a verdict would still be chance.
+        (Comparison::FloorItself, _) => (1.1, Some(1.5)),
+        (Comparison::Message, Placement::SameCore) => (1.3, Some(1.5)),
+        (Comparison::Message, Placement::TwoCores) => (1.15, Some(1.5)),
+        (Comparison::Detections, _) => (1.2, None),
+        (Comparison::Iceoryx2Event | Comparison::UnixDatagram | Comparison::Tcp, _) => return None,
+    })
+}
+
+/// The goals of a comparison of two ways to hand something over. `tails` judges the 99th percentiles
+/// too, where there are enough samples.
+pub fn of_comparison(compared: &Compared, tails: bool) -> Vec<Goal> {
+    let Some((p50, p99)) = limits(compared.comparison, compared.conditions.placement) else {
+        return Vec::new();
+    };
+    let name = |figure: &str| format!("{}, {figure}", compared.comparison.name());
+    let placement = compared.conditions.placement;
+    let medians = statistics::medians(&compared.pairs);
+    let medians = medians.map(|estimate| Goal::new(name("p50"), placement, p50, estimate));
+    let tails = p99.filter(|_| tails).zip(statistics::p99s(&compared.pairs));
+    let tails = tails.map(|(limit, estimate)| Goal::new(name("p99"), placement, limit, estimate));
+    medians.into_iter().chain(tails).collect()
+}
+
+/// Largest ratio of the chain's undesigned time to the sum of its floors.
+const CHAIN_LIMIT: f64 = 1.5;
+
+/// The goal of a chain: blocks of (net reaction time, sum of the floors), µs.
+pub fn of_chain(period_us: u32, placement: Placement, blocks: &[(f64, f64)]) -> Option<Goal> {
+    let name = format!("net reaction over the sum of its floors at {} ms, p50", period_us / 1000);
+    statistics::paired(blocks).map(|estimate| Goal::new(name, placement, CHAIN_LIMIT, estimate))
+}
+
+/// The goal of the deadlines at 1 ms: no more misses than a process that only sleeps has on the same
+/// core in the same seconds. Without a miss of ours it is met, whatever the floor's.
+pub fn of_misses(placement: Placement, ours: Events, floor: Events) -> Option<Goal> {
+    let name = "deadline misses per million at 1 ms over the floor's".to_owned();
+    let goal = Goal::new(name, placement, 1.0, statistics::rates(ours, floor)?);
+    Some(if ours.events == 0 { Goal { verdict: Verdict::Met, ..goal } } else { goal })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plan::{Conditions, Load, Scheduling};
+    use crate::statistics::Pair;
+
+    fn verdict(low: f64, high: f64) -> Verdict {
+        let estimate = Estimate { ours: 1.0, floor: 1.0, ratio: 1.0, low, high, n: 1 };
+        Goal::new(String::new(), Placement::SameCore, 1.3, estimate).verdict
+    }
 
     #[test]
-    fn a_goal_is_met_up_to_its_limit() {
-        let goal = |ours| Goal::new("transport", Placement::SameCore, ours, 10.0, 1.5).ok;
-        assert!(goal(15.0) && !goal(15.1));
-        assert!(Goal::new("misses", Placement::SameCore, 0.0, 0.0, 1.0).ok, "nothing of nothing");
+    fn a_goal_is_met_or_missed_only_by_its_whole_interval() {
+        assert_eq!(verdict(1.1, 1.3), Verdict::Met);
+        assert_eq!(verdict(1.31, 1.4), Verdict::Missed);
+        assert_eq!(verdict(1.2, 1.4), Verdict::Undecided);
+        assert_eq!(verdict(0.0, f64::INFINITY), Verdict::Undecided);
+    }
+
+    #[test]
+    fn a_quick_run_judges_no_99th_percentile() {
+        let arm = |ns: u32| (0..250).map(|index| ns + index).collect::<Vec<_>>();
+        let pair = Pair { ours: arm(11_000), floor: arm(10_000) };
+        let compared = Compared {
+            comparison: Comparison::Message,
+            conditions: Conditions {
+                placement: Placement::SameCore,
+                scheduling: Scheduling::Fifo,
+                load: Load::Idle,
+            },
+            period_us: 1_000,
+            lost: 0,
+            pairs: vec![pair; 20],
+        };
+        let names = |tails| -> Vec<String> {
+            of_comparison(&compared, tails).into_iter().map(|goal| goal.name).collect()
+        };
+        assert_eq!(names(false).len(), 1);
+        assert_eq!(names(true).len(), 2);
+        assert!(names(true)[1].ends_with("p99"));
+    }
+
+    #[test]
+    fn misses_are_compared_as_rates_and_none_is_enough() {
+        let verdict = |ours, floor| {
+            let events = |events| Events { events, cycles: 10_000 };
+            let goal = of_misses(Placement::SameCore, events(ours), events(floor));
+            goal.expect("cycles").verdict
+        };
+        assert_eq!(verdict(0, 0), Verdict::Met);
+        assert_eq!(verdict(40, 4), Verdict::Missed);
+        assert_eq!(verdict(5, 4), Verdict::Undecided);
+        assert_eq!(verdict(3, 30), Verdict::Met);
+        assert!(of_misses(Placement::SameCore, Events::default(), Events::default()).is_none());
     }
 }

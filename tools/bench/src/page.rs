@@ -1,9 +1,11 @@
-//! The page of a benchmark: goals, and every distribution beside the machine's floor under the same
-//! conditions.
+//! The page of a benchmark: goals with their intervals, and every distribution beside the machine's
+//! floor under the same conditions.
 
-use super::results::{ChainRow, DeadlineRow, Report};
+use super::goals::{Goal, Verdict};
+use super::results::{ChainRow, DeadlineRow, PairedRow, Report};
+use super::table::{interval, ratio};
 use crate::in_words;
-use report::chart::{Plot, Stroke, Tone, number};
+use report::chart::{Axis, Bands, Mark, Plot, Row, Span, Stroke, Tone, number};
 use report::html::{Cell, Column, document, figure, section, table};
 use report::print::duration;
 use report::{Distribution, distributions};
@@ -29,8 +31,13 @@ const WAYS: [(&str, &str); 5] = [
 
 /// The page. `histograms` are tagged with figure, conditions and period.
 pub fn page(report: &Report, histograms: &[(String, Latencies)]) -> String {
-    let held = report.goals.iter().filter(|goal| goal.ok).count();
-    let verdict = format!("{held} of {} goals hold", report.goals.len());
+    let count = |verdict| report.goals.iter().filter(|goal| goal.verdict == verdict).count();
+    let [met, missed, undecided] = [Verdict::Met, Verdict::Missed, Verdict::Undecided].map(count);
+    let caveats = match report.caveats.as_slice() {
+        [] => String::new(),
+        caveats => format!(", {}", caveats.join(", ")),
+    };
+    let verdict = format!("Goals: {met} met, {missed} missed, {undecided} undecided{caveats}");
     let host = &report.host;
     let kind = if host.realtime_kernel { "real-time kernel" } else { "not a real-time kernel" };
     let about = format!(
@@ -44,7 +51,8 @@ pub fn page(report: &Report, histograms: &[(String, Latencies)]) -> String {
         .collect();
     let body = [
         refused,
-        section("Goals", &goals(report)),
+        section("Goals", &(goals(report) + &gap() + &intervals(report))),
+        section("Comparisons in alternating blocks", &comparisons(report, histograms)),
         section("Waking", &pictures(histograms, "Waking", &WAYS)),
         section(
             "The chain",
@@ -53,7 +61,7 @@ pub fn page(report: &Report, histograms: &[(String, Latencies)]) -> String {
         section("Deadlines", &deadlines(&report.deadlines)),
     ]
     .concat();
-    document("Benchmark", &about, held == report.goals.len(), &verdict, &body)
+    document("Benchmark", &about, missed == 0, &verdict, &body)
 }
 
 fn gap() -> String {
@@ -63,15 +71,21 @@ fn gap() -> String {
 fn goals(report: &Report) -> String {
     let rows: Vec<_> = (report.goals.iter())
         .map(|goal| {
-            let factor = goal.ours / goal.floor;
+            let verdict = goal.verdict.name().to_owned();
             vec![
-                Cell::Plain(goal.goal.clone()),
+                Cell::Plain(goal.name.clone()),
                 Cell::Plain(goal.placement.name().replace('_', " ")),
                 Cell::Plain(number(goal.ours, 1)),
                 Cell::Plain(number(goal.floor, 1)),
-                Cell::Plain(if factor.is_finite() { number(factor, 2) } else { "–".into() }),
-                Cell::Plain(number(goal.limit, 1)),
-                if goal.ok { Cell::Good("holds".into()) } else { Cell::Bad("BROKEN".into()) },
+                Cell::Plain(ratio(goal.ratio)),
+                Cell::Plain(interval(goal.ci95)),
+                Cell::Plain(number(goal.limit, 2)),
+                Cell::Plain(goal.n.to_string()),
+                match goal.verdict {
+                    Verdict::Met => Cell::Good(verdict),
+                    Verdict::Missed => Cell::Bad(verdict),
+                    Verdict::Undecided => Cell::Plain(verdict),
+                },
             ]
         })
         .collect();
@@ -80,11 +94,71 @@ fn goals(report: &Report) -> String {
         ("placement", Column::MoreText),
         ("ours", Column::MoreNumber),
         ("floor", Column::MoreNumber),
-        ("factor", Column::Number),
+        ("ratio", Column::Number),
+        ("95 % interval", Column::Number),
         ("limit", Column::Number),
-        ("", Column::Text),
+        ("n", Column::MoreNumber),
+        ("verdict", Column::Text),
     ];
     table(&head, &rows)
+}
+
+/// Largest ratio that the intervals' axis shows, over the limit.
+const WIDEST: f64 = 2.0;
+
+/// The intervals as bars, each over its goal's limit: what ends left of 1 is met, what begins right of
+/// it is missed.
+fn intervals(report: &Report) -> String {
+    if report.goals.is_empty() {
+        return String::new();
+    }
+    let row = |goal: &Goal| {
+        let place = |end: Option<f64>| end.map_or(WIDEST, |end| (end / goal.limit).min(WIDEST));
+        let [low, high] = goal.ci95;
+        let tone = match goal.verdict {
+            Verdict::Met => Tone::Go,
+            Verdict::Missed => Tone::Stop,
+            Verdict::Undecided => Tone::Clear,
+        };
+        let (from, to) = (place(low), place(high));
+        let placement = goal.placement.name().replace('_', " ");
+        let interval = interval(goal.ci95);
+        Row {
+            name: format!("{}, {placement}: {interval}, limit {:.2}", goal.name, goal.limit),
+            spans: vec![Span { from, to, label: goal.verdict.name().to_owned(), tone }],
+        }
+    };
+    let bands = Bands {
+        title: "95 % intervals over their limits".into(),
+        x: Axis::linear("ratio over its limit", 0.0, WIDEST),
+        rows: report.goals.iter().map(row).collect(),
+        marks: vec![Mark { x: 1.0, number: 1 }],
+    };
+    format!("<div class=\"grid\">\n{}</div>\n", figure(&bands))
+}
+
+/// The distributions of every comparison: ours and its floor.
+fn comparisons(report: &Report, histograms: &[(String, Latencies)]) -> String {
+    let picture = |row: &PairedRow| {
+        let name = row.comparison.name();
+        let tag = format!("{}:{}us", in_words(&row.conditions).replace(' ', ":"), row.period_us);
+        let arm = |arm: &str, label: &str, tone, stroke| {
+            let known = format!("{}-{arm}:{tag}", name.replace(' ', "-"));
+            let (_, latencies) = histograms.iter().find(|(tag, _)| *tag == known)?;
+            let label = format!("{label} (n = {})", latencies.count());
+            Some(Distribution { label, tone, stroke, latencies })
+        };
+        let (ours, floor) = name.split_once(" over ").unwrap_or((name, "floor"));
+        let drawn = [
+            arm("ours", ours, Tone::Series(0), Stroke::Solid),
+            arm("floor", floor, Tone::Muted, Stroke::Dashed),
+        ];
+        let drawn: Vec<_> = drawn.into_iter().flatten().collect();
+        let conditions = in_words(&row.conditions).replace('_', " ");
+        distributions(&format!("{name}: {conditions}"), &drawn).map(|plot| figure(&plot))
+    };
+    let drawn: String = report.paired.iter().filter_map(picture).collect();
+    format!("<div class=\"grid\">\n{drawn}</div>\n")
 }
 
 /// One picture for each set of conditions under which a figure of `names` was measured.

@@ -1,6 +1,7 @@
 //! The processes that a benchmark measures: this program again, with one job.
 
 use super::load;
+use super::paired::{Blocks, UNCOUNTED};
 use super::plan::{Load, Mechanism};
 use super::wake::{Sink, Source};
 use group::Error;
@@ -19,8 +20,12 @@ pub mod words {
     pub const COUNT: usize = 0;
     /// 1 once the sink waits.
     pub const READY: usize = 16;
+    /// Number of the block that the sink waits for, from 1.
+    pub const BLOCK_READY: usize = 24;
     /// Wake-ups in all, plus 1, once the source has done them.
     pub const DONE: usize = 32;
+    /// Number of the block that the source has ended, from 1.
+    pub const BLOCK_DONE: usize = 40;
     /// State of the metronome, [`super::metronome`].
     pub const METRONOME: usize = 48;
     /// First word of the ring of stamps, two words each.
@@ -51,6 +56,10 @@ pub enum Task {
     Source(Mechanism, u64),
     /// Is woken.
     Sink(Mechanism),
+    /// Wakes the sink by two ways in turn.
+    PairedSource(Blocks),
+    /// Is woken by two ways in turn, and writes the samples of every block to [`BLOCKS_FILE`].
+    PairedSink(Blocks),
     /// Keeps the core busy.
     Load(Load),
 }
@@ -69,7 +78,10 @@ pub struct Job {
     pub period_ns: i64,
 }
 
-/// What came of a job.
+/// File below the stage's root that holds the samples of all blocks.
+pub const BLOCKS_FILE: &str = "bench-blocks.json";
+
+/// Outcome of a job.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Outcome {
     pub granted: Granted,
@@ -98,6 +110,8 @@ pub fn run(root: &Path, job: &str) -> Result<ExitCode, Error> {
         Task::Metronome => metronome_job(&job),
         Task::Source(mechanism, count) => source(&job, root, mechanism, count),
         Task::Sink(mechanism) => sink(&job, root, mechanism),
+        Task::PairedSource(blocks) => paired_source(&job, root, blocks),
+        Task::PairedSink(blocks) => paired_sink(&job, root, blocks),
     }?;
     println!("{}", serde_json::to_string(&outcome).expect("plain data"));
     Ok(ExitCode::SUCCESS)
@@ -149,7 +163,7 @@ fn metronome_job(job: &Job) -> Result<Outcome, Error> {
 
 fn source(job: &Job, root: &Path, mechanism: Mechanism, count: u64) -> Result<Outcome, Error> {
     let page = page(&job.page)?;
-    let mut source = Source::open(mechanism, root, &page)?;
+    let mut source = Source::open(&[mechanism], root, &page)?;
     while page.word(words::READY).load(Ordering::Acquire) == 0 {
         std::thread::sleep(std::time::Duration::from_micros(200));
     }
@@ -159,20 +173,89 @@ fn source(job: &Job, root: &Path, mechanism: Mechanism, count: u64) -> Result<Ou
         while monotonic_ns() < next {
             sleep_until(next);
         }
-        source.wake()?;
-        // A source that was late leaves out what it missed: it is the way to the sink that counts.
-        let over = (monotonic_ns() - next).max(0) / job.period_ns;
-        next += (over + 1) * job.period_ns;
+        source.wake(mechanism)?;
+        next = following(next, job.period_ns);
     }
     let done = u32::try_from(count + 1).unwrap_or(u32::MAX);
     page.word(words::DONE).store(done, Ordering::Release);
-    source.wake_for_the_end()?;
+    source.wake_for_the_end(mechanism)?;
     Ok(Outcome { granted, latencies: Latencies::default(), cycles: count, misses: 0 })
+}
+
+/// The instant of the next wake-up. A source that was late leaves out what it missed: it is the way to
+/// the sink that counts.
+fn following(last: i64, period_ns: i64) -> i64 {
+    let over = (monotonic_ns() - last).max(0) / period_ns;
+    last + (over + 1) * period_ns
+}
+
+fn paired_source(job: &Job, root: &Path, blocks: Blocks) -> Result<Outcome, Error> {
+    let page = page(&job.page)?;
+    let mut source = Source::open(&blocks.arms, root, &page)?;
+    let granted = schedule(job);
+    let mut cycles = 0;
+    for (number, arm) in (1_u32..).zip(blocks.order()) {
+        let by = blocks.arms[arm];
+        while page.word(words::BLOCK_READY).load(Ordering::Acquire) < number {
+            std::thread::sleep(std::time::Duration::from_micros(200));
+        }
+        let mut next = monotonic_ns() + job.period_ns;
+        for _ in 0..UNCOUNTED + blocks.wakes {
+            while monotonic_ns() < next {
+                sleep_until(next);
+            }
+            source.wake(by)?;
+            cycles += 1;
+            next = following(next, job.period_ns);
+        }
+        page.word(words::BLOCK_DONE).store(number, Ordering::Release);
+        source.wake_for_the_end(by)?;
+    }
+    Ok(Outcome { granted, latencies: Latencies::default(), cycles, misses: 0 })
+}
+
+fn paired_sink(job: &Job, root: &Path, blocks: Blocks) -> Result<Outcome, Error> {
+    let page = page(&job.page)?;
+    let mut sink = Sink::open(&blocks.arms, root, &page)?;
+    let granted = schedule(job);
+    let due = UNCOUNTED + blocks.wakes;
+    let (mut all, mut cycles, mut misses) = (Vec::new(), 0, 0);
+    for (number, arm) in (1_u32..).zip(blocks.order()) {
+        let mut samples: Vec<u32> = Vec::with_capacity(blocks.wakes as usize);
+        let mut came = 0;
+        // What an earlier block left in a buffer is older than this.
+        let begun = monotonic_ns();
+        page.word(words::BLOCK_READY).store(number, Ordering::Release);
+        loop {
+            let before = came;
+            let was_done = page.word(words::BLOCK_DONE).load(Ordering::Acquire) >= number;
+            sink.wait(blocks.arms[arm], |sent_ns| {
+                if sent_ns >= begun {
+                    came += 1;
+                    if came > UNCOUNTED {
+                        let ns = (monotonic_ns() - sent_ns).max(0);
+                        samples.push(u32::try_from(ns).unwrap_or(u32::MAX));
+                    }
+                }
+            })?;
+            // What overflowed while the sink was stalled does not come any more.
+            if came >= due || (was_done && came == before) {
+                break;
+            }
+        }
+        cycles += u64::from(came);
+        misses += u64::from(due.saturating_sub(came));
+        all.push(samples);
+    }
+    let path = root.join(BLOCKS_FILE);
+    let text = serde_json::to_string(&all).expect("plain data");
+    std::fs::write(&path, text).map_err(|reason| Error::Path { action: "write", path, reason })?;
+    Ok(Outcome { granted, latencies: Latencies::default(), cycles, misses })
 }
 
 fn sink(job: &Job, root: &Path, mechanism: Mechanism) -> Result<Outcome, Error> {
     let page = page(&job.page)?;
-    let mut sink = Sink::open(mechanism, root, &page)?;
+    let mut sink = Sink::open(&[mechanism], root, &page)?;
     let granted = schedule(job);
     page.word(words::READY).store(1, Ordering::Release);
     let mut latencies = Latencies::default();
@@ -180,7 +263,7 @@ fn sink(job: &Job, root: &Path, mechanism: Mechanism) -> Result<Outcome, Error> 
     loop {
         let before = cycles;
         let was_done = page.word(words::DONE).load(Ordering::Acquire) != 0;
-        sink.wait(|sent_ns| {
+        sink.wait(mechanism, |sent_ns| {
             cycles += 1;
             if cycles > WARM_UP {
                 latencies.record_ns(monotonic_ns() - sent_ns);

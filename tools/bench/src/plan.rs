@@ -1,5 +1,6 @@
 //! What is measured, under which conditions, in which order.
 
+use super::paired::{Comparison, PAIRS, UNCOUNTED, WAKES};
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
@@ -70,10 +71,16 @@ pub enum Mechanism {
     Eventfd,
     /// iceoryx2's event service.
     Iceoryx2Event,
-    /// A message through the services' own ports.
+    /// A message through the services' own ports: the radar's tracks.
     Message,
+    /// The largest message through the services' own ports: the radar's detections.
+    Detections,
     /// A loaned payload of so many bytes.
     Payload(usize),
+    /// The radar's tracks over a unix datagram socket.
+    UnixDatagram,
+    /// The same over TCP on the loopback device.
+    Tcp,
 }
 
 /// One thing to measure.
@@ -101,6 +108,8 @@ pub const CONTROLLER_PERIODS_US: [u32; 7] = [100_000, 50_000, 20_000, 10_000, 5_
 pub const PAYLOAD_BYTES: [usize; 5] = [64, 1 << 10, 1 << 14, 1 << 17, 1 << 20];
 /// Period of the wake-up measurements, µs; and the longer one, at which caches are cold.
 const WAKE_PERIOD_US: u32 = 1_000;
+/// Period of a quick run's comparisons, µs.
+const QUICK_WAKE_PERIOD_US: u32 = 400;
 pub const COLD_PERIOD_US: u32 = 10_000;
 
 impl Cell {
@@ -114,14 +123,76 @@ impl Cell {
     }
 }
 
-/// The cells of a run on so many cores. `quick` leaves out most conditions, and most of all those
-/// that are not of `reference`: the best scheduling that the kernel grants.
+/// What is compared in alternating blocks, on so many cores, and the time between two wake-ups, µs: a
+/// quick run wakes more often.
+pub fn comparisons(
+    quick: bool,
+    peers: bool,
+    cores: usize,
+    reference: Scheduling,
+) -> Vec<(Comparison, Conditions, u32)> {
+    let asked = move |comparison: &Comparison| peers || !comparison.is_peer();
+    let period_us = if quick { QUICK_WAKE_PERIOD_US } else { WAKE_PERIOD_US };
+    let best = move |conditions: &Conditions| {
+        conditions.load == Load::Idle && conditions.scheduling == reference
+    };
+    let of = move |conditions: Conditions| {
+        let all = Comparison::ALL.into_iter().filter(asked);
+        all.map(move |comparison| (comparison, conditions, period_us))
+    };
+    conditions(cores).filter(best).flat_map(of).collect()
+}
+
+/// Time that a comparison takes.
+pub fn comparison_estimate(period_us: u32) -> Duration {
+    let wakes = 2 * PAIRS * (WAKES + UNCOUNTED);
+    Duration::from_micros(u64::from(wakes) * u64::from(period_us)) + Duration::from_millis(150)
+}
+
+/// A chain that runs in blocks beside its floors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChainBlocks {
+    /// Under which conditions.
+    pub conditions: Conditions,
+    /// Period of perception and controller, µs.
+    pub period_us: u32,
+    /// Number of blocks.
+    pub blocks: u32,
+    /// Length of each, s.
+    pub block_s: f64,
+}
+
+impl ChainBlocks {
+    /// Time that the blocks take, with the start of each group and the futex beside it.
+    pub fn estimate(&self) -> Duration {
+        let futex_s = f64::from(CHAIN_WAKES * self.period_us) / 1e6;
+        Duration::from_secs_f64(f64::from(self.blocks) * (self.block_s + futex_s + 0.3))
+    }
+}
+
+/// Wake-ups of the futex block beside each block of a chain.
+pub const CHAIN_WAKES: u32 = 100;
+
+/// The chains that run in blocks: at 1 ms, in a quick run on one core only.
+pub fn chain_blocks(quick: bool, cores: usize, reference: Scheduling) -> Vec<ChainBlocks> {
+    let best = |conditions: &Conditions| {
+        conditions.load == Load::Idle && conditions.scheduling == reference
+    };
+    let placements = if quick { 1 } else { 2 };
+    let (blocks, block_s) = if quick { (PAIRS, 0.2) } else { (PAIRS, 1.0) };
+    let period_us = WAKE_PERIOD_US;
+    let blocks_of = move |conditions| ChainBlocks { conditions, period_us, blocks, block_s };
+    conditions(cores).filter(best).take(placements).map(blocks_of).collect()
+}
+
+/// The cells of a run on so many cores. `quick` leaves out all conditions but an idle machine under
+/// `reference`, the best scheduling that the kernel grants.
 pub fn cells(quick: bool, cores: usize, reference: Scheduling) -> Vec<Cell> {
     let mut cells = Vec::new();
     for conditions in conditions(cores) {
         let idle = conditions.load == Load::Idle;
         let granted = conditions.scheduling == reference;
-        if quick && (conditions.load == Load::Memory || !(idle || granted)) {
+        if quick && !(idle && granted) {
             continue;
         }
         let mut add = |measure, period_us| cells.push(Cell { measure, conditions, period_us });
@@ -185,7 +256,12 @@ mod tests {
             let quick = cells(true, 2, reference);
             assert!(quick.iter().all(|cell| full.contains(cell)));
             let sum: Duration = quick.iter().map(|cell| cell.estimate(super::super::QUICK_S)).sum();
-            assert!(sum < Duration::from_secs(25), "{sum:?}");
+            let compared = comparisons(true, false, 2, reference);
+            let compared = compared.into_iter().map(|(_, _, us)| comparison_estimate(us));
+            let chains = chain_blocks(true, 2, reference);
+            let chains = chains.iter().map(ChainBlocks::estimate);
+            let sum = sum + compared.chain(chains).sum::<Duration>();
+            assert!(sum < Duration::from_secs(58), "{sum:?}");
         }
     }
 

@@ -1,7 +1,9 @@
 //! `bench.json`: stable names for what was measured. A figure that could not be had is null.
 
 use super::goals::Goal;
+use super::paired::{Compared, Comparison};
 use super::plan::{Conditions, Load, Placement, Scheduling};
+use super::statistics;
 use report::summary::Host;
 use runtime::report::Hops;
 use runtime::statistics::Percentiles;
@@ -21,7 +23,58 @@ pub struct Report {
     pub transport_us: Vec<TransportRow>,
     pub chain: Vec<ChainRow>,
     pub deadlines: Vec<DeadlineRow>,
+    /// Comparisons in alternating blocks, which the goals are judged by.
+    #[serde(skip_deserializing)]
+    pub paired: Vec<PairedRow>,
+    /// What is promised, with its interval and verdict.
+    #[serde(skip_deserializing)]
     pub goals: Vec<Goal>,
+    /// What keeps this machine from being the one that the goals are meant for.
+    #[serde(default)]
+    pub caveats: Vec<String>,
+}
+
+/// A comparison of two ways to wake, block by block.
+#[derive(Clone, Debug, Serialize)]
+pub struct PairedRow {
+    /// What was compared with what.
+    pub comparison: Comparison,
+    /// Under which conditions.
+    #[serde(flatten)]
+    pub conditions: Conditions,
+    /// Time between two wake-ups, µs.
+    pub period_us: u32,
+    /// Pairs of blocks.
+    pub pairs: usize,
+    /// Wake-ups that never arrived.
+    pub lost: u64,
+    /// Ours, µs.
+    pub ours_us: Option<Percentiles>,
+    /// The floor, µs.
+    pub floor_us: Option<Percentiles>,
+    /// Ratio of the medians.
+    pub ratio: Option<f64>,
+    /// Its 95 % interval, lower and upper end.
+    pub ci95: Option<[f64; 2]>,
+}
+
+impl PairedRow {
+    /// The row of a comparison.
+    pub fn of(compared: &Compared) -> Self {
+        let [ours, floor] = compared.histograms();
+        let medians = statistics::medians(&compared.pairs);
+        Self {
+            comparison: compared.comparison,
+            conditions: compared.conditions,
+            period_us: compared.period_us,
+            pairs: compared.pairs.len(),
+            lost: compared.lost,
+            ours_us: ours.percentiles_us(),
+            floor_us: floor.percentiles_us(),
+            ratio: medians.map(|estimate| estimate.ratio),
+            ci95: medians.map(|estimate| [estimate.low, estimate.high]),
+        }
+    }
 }
 
 /// What the machine itself takes. The named figures are those of an idle machine under `SCHED_FIFO`
@@ -40,15 +93,6 @@ pub struct Floor {
 pub struct ByPlacement {
     pub same_core: Option<Percentiles>,
     pub two_cores: Option<Percentiles>,
-}
-
-impl ByPlacement {
-    pub fn of(&self, placement: Placement) -> Option<Percentiles> {
-        match placement {
-            Placement::SameCore => self.same_core,
-            Placement::TwoCores => self.two_cores,
-        }
-    }
 }
 
 /// What a floor row measures.
@@ -139,12 +183,6 @@ impl Report {
     pub fn chain(&self, conditions: Conditions, period_us: u32) -> Option<&ChainRow> {
         let mut rows = self.chain.iter();
         rows.find(|row| row.conditions == conditions && row.period_us == period_us)
-    }
-
-    /// The services' own message under these conditions.
-    pub fn message(&self, conditions: Conditions) -> Option<Percentiles> {
-        let mut rows = self.transport_us.iter().filter(|row| row.passing == Passing::Copied);
-        rows.find(|row| row.conditions == conditions).and_then(|row| row.us)
     }
 }
 

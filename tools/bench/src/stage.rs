@@ -1,7 +1,9 @@
 //! Where measurements take place: a run's root of their own, with the processes on it.
 
-use super::peer::{self, Job, Outcome, Task, metronome, words};
+use super::paired::{Blocks, Compared, Comparison, PAIRS, WAKES};
+use super::peer::{self, BLOCKS_FILE, Job, Outcome, Task, metronome, words};
 use super::plan::{Conditions, Load, Mechanism, Placement, Scheduling};
+use super::sockets::Socket;
 use group::Error;
 use group::{Janitor, RunRoot, check_room, this_program};
 use runtime::scheduling::usable_cores;
@@ -35,7 +37,12 @@ pub struct Peer {
 }
 
 impl Peer {
-    /// What came of its job, once it has ended.
+    /// Whether it has ended, and if so, whether with success.
+    fn ended(&mut self) -> Option<bool> {
+        self.child.try_wait().ok().flatten().map(|status| status.success())
+    }
+
+    /// The outcome of its job, once it has ended.
     pub fn finish(mut self) -> Result<Outcome, Error> {
         let lost = |e| Error::Machine(format!("lost a process of the benchmark: {e}"));
         let status = loop {
@@ -136,6 +143,18 @@ impl Stage {
         count: u64,
     ) -> Result<Outcome, Error> {
         self.clear();
+        let (source, sink) = (Task::Source(mechanism, count), Task::Sink(mechanism));
+        self.between(source, sink, conditions, period_us).map(|(sink, _)| sink)
+    }
+
+    /// Runs a source and a sink to their end. Returns the outcomes of the sink and of the source.
+    fn between(
+        &self,
+        source: Task,
+        sink: Task,
+        conditions: Conditions,
+        period_us: u32,
+    ) -> Result<(Outcome, Outcome), Error> {
         let fifo = conditions.scheduling == Scheduling::Fifo;
         let (source_core, sink_core) = self.placed(conditions.placement);
         let counter = eventfd(0, EventfdFlags::CLOEXEC)
@@ -144,10 +163,48 @@ impl Stage {
             let counter = counter.try_clone().map_err(|e| Error::Machine(e.to_string()))?;
             self.spawn(task, fifo.then_some(priority), core, period_us, Some(counter))
         };
-        let sink = spawn(Task::Sink(mechanism), SINK_PRIORITY, sink_core)?;
-        let source = spawn(Task::Source(mechanism, count), SOURCE_PRIORITY, source_core)?;
-        source.finish()?;
-        sink.finish()
+        let mut sink = spawn(sink, SINK_PRIORITY, sink_core)?;
+        let mut source = spawn(source, SOURCE_PRIORITY, source_core)?;
+        while source.ended().is_none() && !self.interrupted.load(Ordering::Relaxed) {
+            // A source without its sink would wait for ever.
+            if sink.ended() == Some(false) {
+                sink.finish()?;
+                return Err(Error::Machine("a process of the benchmark failed".into()));
+            }
+            std::thread::sleep(LOOK);
+        }
+        let source = source.finish()?;
+        Ok((sink.finish()?, source))
+    }
+
+    /// Compares two ways to wake, block by block; none where the kernel did not grant the scheduling.
+    pub fn compare(
+        &self,
+        comparison: Comparison,
+        conditions: Conditions,
+        period_us: u32,
+    ) -> Result<Option<Compared>, Error> {
+        self.clear();
+        let seed = u64::from(period_us) + 1_000_000 * comparison as u64;
+        let blocks = Blocks { arms: comparison.arms(), pairs: PAIRS, wakes: WAKES, seed };
+        let (sink, source) = (Task::PairedSink(blocks), Task::PairedSource(blocks));
+        let (sink, source) = self.between(source, sink, conditions, period_us)?;
+        let as_asked = |outcome: &Outcome| outcome.granted.granted == outcome.granted.requested;
+        if !as_asked(&sink) || !as_asked(&source) {
+            return Ok(None);
+        }
+        let root = self.root.as_ref().expect("there until the end").path();
+        Socket::forget(root);
+        let path = root.join(BLOCKS_FILE);
+        let text = std::fs::read_to_string(&path).map_err(|reason| Error::Path {
+            action: "read",
+            path,
+            reason,
+        })?;
+        let samples = serde_json::from_str(&text)
+            .map_err(|e| Error::Machine(format!("the samples of a comparison: {e}")))?;
+        let (lost, pairs) = (sink.misses, blocks.paired(samples));
+        Ok(Some(Compared { comparison, conditions, period_us, lost, pairs }))
     }
 
     /// Starts a metronome on the core of the placement's sink; it ticks, and does not count yet.
@@ -181,7 +238,15 @@ impl Stage {
     }
 
     fn clear(&self) {
-        for word in [words::COUNT, words::READY, words::DONE, words::METRONOME] {
+        let all = [
+            words::COUNT,
+            words::READY,
+            words::BLOCK_READY,
+            words::DONE,
+            words::BLOCK_DONE,
+            words::METRONOME,
+        ];
+        for word in all {
             self.page.word(word).store(0, Ordering::Release);
         }
     }

@@ -1,19 +1,24 @@
-//! A benchmark for people.
+//! A benchmark as text.
 
 use super::baseline::Change;
+use super::goals::Verdict;
 use super::plan::{Cell, Measure, Mechanism};
 use super::results::{FloorMeasure, Passing, Report};
 use crate::in_words;
+use report::table::TextTable;
 use runtime::statistics::Percentiles;
 use std::fmt::Write;
 
-/// What a way to wake is called.
+/// Name of a way to wake.
 pub fn mechanism(mechanism: Mechanism) -> String {
     match mechanism {
         Mechanism::Futex => "futex".into(),
         Mechanism::Eventfd => "eventfd".into(),
         Mechanism::Iceoryx2Event => "iceoryx2-event".into(),
         Mechanism::Message => "message".into(),
+        Mechanism::Detections => "detections".into(),
+        Mechanism::UnixDatagram => "unix-datagram".into(),
+        Mechanism::Tcp => "tcp".into(),
         Mechanism::Payload(bytes) => format!("payload-{bytes}"),
     }
 }
@@ -49,12 +54,13 @@ pub fn report(report: &Report) -> String {
     transport(report, &mut text);
     chains(report, &mut text);
     deadlines(report, &mut text);
+    comparisons(report, &mut text);
     goals(report, &mut text);
     text
 }
 
 fn floor(report: &Report, text: &mut String) {
-    heading(text, "the machine's floor, µs", &["period", "p50", "p99", "max", "n"]);
+    let mut table = figures("the machine's floor, µs", &["period", "p50", "p99", "max", "n"]);
     for row in &report.floor.rows {
         let name = match row.measure {
             FloorMeasure::Sleep => "sleep",
@@ -64,12 +70,13 @@ fn floor(report: &Report, text: &mut String) {
         };
         let what = format!("{name}, {}", in_words(&row.conditions));
         let period = format!("{} ms", row.period_us / 1000);
-        row_of(text, &what, &[&[period], &percentiles(row.us)[..]].concat());
+        table.row([what, period].into_iter().chain(percentiles(row.us)));
     }
+    add(text, &table);
 }
 
 fn transport(report: &Report, text: &mut String) {
-    heading(text, "publish, wake, read, µs", &["p50", "p99", "max", "n", "over futex"]);
+    let mut table = figures("publish, wake, read, µs", &["p50", "p99", "max", "n", "over futex"]);
     for row in &report.transport_us {
         let passing = match row.passing {
             Passing::Copied => "message",
@@ -81,13 +88,14 @@ fn transport(report: &Report, text: &mut String) {
             || "-".into(),
             |(us, futex)| format!("{:.2}, p99 {:.2}", us.p50 / futex.p50, us.p99 / futex.p99),
         );
-        row_of(text, &what, &[&percentiles(row.us)[..], &[ratio]].concat());
+        table.row(std::iter::once(what).chain(percentiles(row.us)).chain([ratio]));
     }
+    add(text, &table);
 }
 
 fn chains(report: &Report, text: &mut String) {
     let columns = ["reaction", "waits", "net p50", "net p99", "floors", "n"];
-    heading(text, "radar to actuation, µs", &columns);
+    let mut table = figures("radar to actuation, µs", &columns);
     for row in &report.chain {
         let what = format!("{} ms, {}", row.period_us / 1000, in_words(&row.conditions));
         let p50 = |p: Option<Percentiles>| number(p.map(|p| p.p50));
@@ -99,13 +107,15 @@ fn chains(report: &Report, text: &mut String) {
             number(row.floor_sum_us),
             row.net_reaction_us.map_or_else(|| "-".into(), |p| p.count.to_string()),
         ];
-        row_of(text, &what, &cells);
+        table.row(std::iter::once(what).chain(cells));
     }
+    add(text, &table);
 }
 
 fn deadlines(report: &Report, text: &mut String) {
     let columns = ["cycles", "misses", "per million", "floor", "per million"];
-    heading(text, "deadlines missed by the controller, and by a mere sleeper", &columns);
+    let mut table =
+        figures("deadlines missed by the controller, and by a process that only sleeps", &columns);
     for row in &report.deadlines {
         let what = format!("{} ms, {}", row.period_us / 1000, in_words(&row.conditions));
         let count = |count: Option<u64>| count.map_or_else(|| "-".into(), |n| n.to_string());
@@ -116,27 +126,65 @@ fn deadlines(report: &Report, text: &mut String) {
             count(row.floor_misses),
             number(row.floor_misses_per_million),
         ];
-        row_of(text, &what, &cells);
+        table.row(std::iter::once(what).chain(cells));
     }
+    add(text, &table);
+}
+
+fn comparisons(report: &Report, text: &mut String) {
+    let columns = ["p50", "over", "ratio", "95 %", "pairs of blocks", "lost"];
+    let mut table = figures("compared in alternating blocks, µs", &columns);
+    for row in &report.paired {
+        let p50 = |us: Option<Percentiles>| number(us.map(|p| p.p50));
+        table.row([
+            format!("{}, {}", row.comparison.name(), in_words(&row.conditions)),
+            p50(row.ours_us),
+            p50(row.floor_us),
+            ratio(row.ratio),
+            row.ci95.map_or_else(|| "-".into(), |[low, high]| interval([Some(low), Some(high)])),
+            row.pairs.to_string(),
+            row.lost.to_string(),
+        ]);
+    }
+    add(text, &table);
 }
 
 fn goals(report: &Report, text: &mut String) {
     if report.goals.is_empty() {
         return;
     }
-    heading(text, "goals, as factors of the floor", &["ours", "floor", "factor", "limit", ""]);
+    let columns = ["ours", "floor", "ratio", "95 %", "limit", "n", "verdict"];
+    let mut table = figures("goals, as ratios with their 95 % intervals", &columns);
     for goal in &report.goals {
-        let what = format!("{}, {}", goal.goal, goal.placement.name());
-        let factor = (goal.floor > 0.0).then(|| goal.ours / goal.floor);
-        let cells = [
+        table.row([
+            format!("{}, {}", goal.name, goal.placement.name()),
             number(Some(goal.ours)),
             number(Some(goal.floor)),
-            factor.map_or_else(|| "-".into(), |factor| format!("{factor:.2}")),
-            number(Some(goal.limit)),
-            if goal.ok { "met" } else { "missed" }.into(),
-        ];
-        row_of(text, &what, &cells);
+            ratio(goal.ratio),
+            interval(goal.ci95),
+            format!("{:.2}", goal.limit),
+            goal.n.to_string(),
+            goal.verdict.name().to_owned(),
+        ]);
     }
+    add(text, &table);
+    let count = |verdict| report.goals.iter().filter(|goal| goal.verdict == verdict).count();
+    let [met, missed, undecided] = [Verdict::Met, Verdict::Missed, Verdict::Undecided].map(count);
+    let caveats = match report.caveats.as_slice() {
+        [] => String::new(),
+        caveats => format!(" ({})", caveats.join(", ")),
+    };
+    line(text, &format!("verdict: {met} met, {missed} missed, {undecided} undecided{caveats}"));
+}
+
+/// A ratio; one without a bound has no number.
+pub fn ratio(value: Option<f64>) -> String {
+    value.map_or_else(|| "∞".into(), |value| format!("{value:.2}"))
+}
+
+/// An interval from its ends.
+pub fn interval([low, high]: [Option<f64>; 2]) -> String {
+    format!("{} to {}", ratio(low), ratio(high))
 }
 
 /// The comparison with an earlier report: what is worse, and how much was compared.
@@ -144,11 +192,15 @@ pub fn changes(changes: &[Change], factor: f64) -> String {
     let mut text = String::new();
     let worse: Vec<_> = changes.iter().filter(|change| change.worse).collect();
     let title = format!("{} of {} figures worse by {factor}", worse.len(), changes.len());
-    heading(&mut text, &title, &["then", "now"]);
+    let mut table = figures(&title, &["then", "now"]);
     for change in worse {
-        let cells = [format!("{:.2}", change.then), format!("{:.2}", change.now)];
-        row_of(&mut text, &change.what, &cells);
+        table.row([
+            change.what.clone(),
+            format!("{:.2}", change.then),
+            format!("{:.2}", change.now),
+        ]);
     }
+    add(&mut text, &table);
     text
 }
 
@@ -166,18 +218,15 @@ fn number(value: Option<f64>) -> String {
     value.map_or_else(|| "-".into(), |value| format!("{value:.1}"))
 }
 
-const NAME_WIDTH: usize = 66;
-
-fn heading(text: &mut String, title: &str, columns: &[&str]) {
-    line(text, "");
-    let columns: String = columns.iter().map(|column| format!(" {column:>11}")).collect();
-    line(text, &format!("{title:<NAME_WIDTH$}{columns}"));
+/// A table of figures under its title.
+fn figures<'a>(title: &'a str, columns: &[&'a str]) -> TextTable {
+    TextTable::of_figures(std::iter::once(title).chain(columns.iter().copied()))
 }
 
-fn row_of(text: &mut String, name: &str, cells: &[String]) {
-    let cells: String = cells.iter().map(|cell| format!(" {cell:>11}")).collect();
-    let width = NAME_WIDTH - 2;
-    line(text, &format!("  {name:<width$}{cells}"));
+/// Adds a table after an empty line.
+fn add(text: &mut String, table: &TextTable) {
+    line(text, "");
+    text.push_str(&table.text());
 }
 
 fn line(text: &mut String, line: &str) {

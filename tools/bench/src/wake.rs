@@ -1,14 +1,16 @@
 //! The two ends of each way to wake a process.
 //!
 //! Every wake-up carries the instant before the sender's first act, so that a sink that was stalled
-//! is charged for each wake-up that it came late to.
+//! is charged for each wake-up that it came late to. An end may hold several ways open and use one
+//! after the other; ways of the same mechanism are one.
 
 use super::peer::words::{COUNT, RING, STAMPS};
 use super::plan::Mechanism;
+use super::sockets::Socket;
 use bytemuck::Zeroable;
 use group::Error;
 use messages::Service;
-use messages::{Header, Origins, RadarTracks};
+use messages::{Header, Origins, RadarDetections, RadarTracks};
 use runtime::{
     EventReceiver, EventSender, Group, PayloadReceiver, PayloadSender, Probe, Publisher,
     SharedWords, Subscriber, enroll, monotonic_ns,
@@ -25,7 +27,7 @@ const LOOK: Duration = Duration::from_millis(50);
 pub struct Source<'a> {
     page: &'a SharedWords,
     sent: u32,
-    way: SourceWay,
+    ways: Vec<(Mechanism, SourceWay)>,
     /// After the ports that need it.
     _probe: Option<Probe>,
 }
@@ -35,11 +37,33 @@ enum SourceWay {
     Eventfd,
     Event(Box<EventSender>),
     Message(Box<Publisher<RadarTracks>>),
+    Detections(Box<Publisher<RadarDetections>>, Box<RadarDetections>),
     Payload(PayloadSender),
+    Socket(Socket),
 }
 
 fn join(root: &Path, name: &str) -> Result<Probe, Error> {
     Ok(Probe::join(Group::read(root)?, name)?)
+}
+
+/// Each mechanism once.
+fn distinct(mechanisms: &[Mechanism]) -> Vec<Mechanism> {
+    let mut distinct = Vec::new();
+    for mechanism in mechanisms {
+        if !distinct.contains(mechanism) {
+            distinct.push(*mechanism);
+        }
+    }
+    distinct
+}
+
+/// The probe that mechanisms with ports need.
+fn probe(mechanisms: &[Mechanism], root: &Path, name: &str) -> Result<Option<Probe>, Error> {
+    let bare = |mechanism: &Mechanism| {
+        use Mechanism::{Eventfd, Futex, Tcp, UnixDatagram};
+        matches!(mechanism, Futex | Eventfd | UnixDatagram | Tcp)
+    };
+    if mechanisms.iter().all(bare) { Ok(None) } else { join(root, name).map(Some) }
 }
 
 /// Words of the stamp of a wake-up.
@@ -49,68 +73,94 @@ fn stamp_words(page: &SharedWords, number: u32) -> [&std::sync::atomic::AtomicU3
 }
 
 impl<'a> Source<'a> {
-    pub fn open(mechanism: Mechanism, root: &Path, page: &'a SharedWords) -> Result<Self, Error> {
-        let open = || join(root, "bench-source");
-        let (way, probe) = match mechanism {
-            Mechanism::Futex => (SourceWay::Futex, None),
-            Mechanism::Eventfd => (SourceWay::Eventfd, None),
-            Mechanism::Iceoryx2Event => {
-                let probe = open()?;
-                (SourceWay::Event(Box::new(probe.event_sender()?)), Some(probe))
-            }
-            Mechanism::Message => {
-                let probe = open()?;
-                // A reader heeds members of the group alone.
-                enroll(root, Service::PerceptionSim, 0, std::process::id())?;
-                let port = probe.publisher(Service::PerceptionSim)?;
-                (SourceWay::Message(Box::new(port)), Some(probe))
-            }
-            Mechanism::Payload(bytes) => {
-                let probe = open()?;
-                (SourceWay::Payload(probe.payload_sender(bytes)?), Some(probe))
-            }
-        };
-        Ok(Self { page, sent: 0, way, _probe: probe })
+    /// Opens the sending ends of `mechanisms`.
+    pub fn open(
+        mechanisms: &[Mechanism],
+        root: &Path,
+        page: &'a SharedWords,
+    ) -> Result<Self, Error> {
+        let probe = probe(mechanisms, root, "bench-source")?;
+        let needed = || probe.as_ref().expect("made for every mechanism with a port");
+        // A reader accepts messages of the group's members alone.
+        let member = || enroll(root, Service::PerceptionSim, 0, std::process::id());
+        let mut ways = Vec::new();
+        for mechanism in distinct(mechanisms) {
+            let way = match mechanism {
+                Mechanism::Futex => SourceWay::Futex,
+                Mechanism::Eventfd => SourceWay::Eventfd,
+                Mechanism::Iceoryx2Event => SourceWay::Event(Box::new(needed().event_sender()?)),
+                Mechanism::Message => {
+                    member()?;
+                    SourceWay::Message(Box::new(needed().publisher(Service::PerceptionSim)?))
+                }
+                Mechanism::Detections => {
+                    member()?;
+                    let port = needed().publisher(Service::PerceptionSim)?;
+                    let message: Box<RadarDetections> = Box::new(RadarDetections::zeroed());
+                    SourceWay::Detections(Box::new(port), message)
+                }
+                Mechanism::Payload(bytes) => SourceWay::Payload(needed().payload_sender(bytes)?),
+                Mechanism::UnixDatagram => SourceWay::Socket(Socket::datagram_source(root)?),
+                Mechanism::Tcp => SourceWay::Socket(Socket::tcp_source(root)?),
+            };
+            ways.push((mechanism, way));
+        }
+        Ok(Self { page, sent: 0, ways, _probe: probe })
     }
 
     /// One wake-up.
-    pub fn wake(&mut self) -> Result<(), Error> {
-        match &mut self.way {
-            SourceWay::Message(port) => {
-                let header = Header::new(self.sent.into(), monotonic_ns(), Origins::NONE);
+    pub fn wake(&mut self, by: Mechanism) -> Result<(), Error> {
+        let header = Header::new(self.sent.into(), monotonic_ns(), Origins::NONE);
+        match self.ways.iter_mut().find(|(mechanism, _)| *mechanism == by) {
+            Some((_, SourceWay::Message(port))) => {
                 port.send(RadarTracks { header, ..RadarTracks::zeroed() })?;
             }
-            SourceWay::Payload(port) => port.send()?,
-            SourceWay::Futex | SourceWay::Eventfd | SourceWay::Event(_) => {
+            Some((_, SourceWay::Detections(port, message))) => {
+                message.header = header;
+                port.send(**message)?;
+            }
+            Some((_, SourceWay::Payload(port))) => port.send()?,
+            Some((_, SourceWay::Socket(socket))) => {
+                socket.send(&RadarTracks { header, ..RadarTracks::zeroed() })?;
+            }
+            Some((_, SourceWay::Futex | SourceWay::Eventfd | SourceWay::Event(_))) => {
                 let now = monotonic_ns().cast_unsigned();
                 let [high, low] = stamp_words(self.page, self.sent);
                 high.store((now >> 32) as u32, Ordering::Relaxed);
                 low.store(now as u32, Ordering::Relaxed);
-                self.page.word(COUNT).store(self.sent + 1, Ordering::Release);
-                self.ring()?;
+                self.sent += 1;
+                self.page.word(COUNT).store(self.sent, Ordering::Release);
+                return self.ring(by);
             }
+            None => unreachable!("every mechanism of the job was opened"),
         }
-        self.sent += 1;
         Ok(())
     }
 
     /// Lets a sink that waits without a timeout look again.
-    pub fn wake_for_the_end(&self) -> Result<(), Error> {
-        self.ring()
+    pub fn wake_for_the_end(&self, by: Mechanism) -> Result<(), Error> {
+        self.ring(by)
     }
 
-    fn ring(&self) -> Result<(), Error> {
+    fn ring(&self, by: Mechanism) -> Result<(), Error> {
         let failed = |e: rustix::io::Errno| Error::Machine(format!("cannot wake: {e}"));
-        match &self.way {
-            SourceWay::Futex => {
+        match self.ways.iter().find(|(mechanism, _)| *mechanism == by) {
+            Some((_, SourceWay::Futex)) => {
                 futex::wake(self.page.word(COUNT), futex::Flags::empty(), 1).map_err(failed)?;
             }
-            SourceWay::Eventfd => {
+            Some((_, SourceWay::Eventfd)) => {
                 // The counter is this process's standard input.
                 rustix::io::write(rustix::stdio::stdin(), &1_u64.to_ne_bytes()).map_err(failed)?;
             }
-            SourceWay::Event(event) => event.wake()?,
-            SourceWay::Message(_) | SourceWay::Payload(_) => {}
+            Some((_, SourceWay::Event(event))) => event.wake()?,
+            Some((
+                _,
+                SourceWay::Message(_)
+                | SourceWay::Detections(..)
+                | SourceWay::Payload(_)
+                | SourceWay::Socket(_),
+            ))
+            | None => {}
         }
         Ok(())
     }
@@ -120,8 +170,8 @@ impl<'a> Source<'a> {
 pub struct Sink<'a> {
     page: &'a SharedWords,
     seen: u32,
-    way: SinkWay,
-    /// After the ports that need it; the messages' port is waited for through it.
+    ways: Vec<(Mechanism, SinkWay)>,
+    /// After the ports that need it; messages are waited for through it.
     probe: Option<Probe>,
 }
 
@@ -130,45 +180,59 @@ enum SinkWay {
     Eventfd,
     Event(Box<EventReceiver>),
     Message(Box<Subscriber<RadarTracks>>),
+    Detections(Box<Subscriber<RadarDetections>>),
     Payload(PayloadReceiver),
+    Socket(Socket),
 }
 
 impl<'a> Sink<'a> {
-    pub fn open(mechanism: Mechanism, root: &Path, page: &'a SharedWords) -> Result<Self, Error> {
-        let open = || join(root, "bench-sink");
-        let (way, probe) = match mechanism {
-            Mechanism::Futex => (SinkWay::Futex, None),
-            Mechanism::Eventfd => (SinkWay::Eventfd, None),
-            Mechanism::Iceoryx2Event => {
-                let probe = open()?;
-                (SinkWay::Event(Box::new(probe.event_receiver()?)), Some(probe))
-            }
-            Mechanism::Message => {
-                let probe = open()?;
-                (SinkWay::Message(Box::new(probe.subscriber()?)), Some(probe))
-            }
-            Mechanism::Payload(_) => {
-                let probe = open()?;
-                (SinkWay::Payload(probe.payload_receiver()?), Some(probe))
-            }
-        };
-        Ok(Self { page, seen: 0, way, probe })
+    /// Opens the receiving ends of `mechanisms`.
+    pub fn open(
+        mechanisms: &[Mechanism],
+        root: &Path,
+        page: &'a SharedWords,
+    ) -> Result<Self, Error> {
+        let probe = probe(mechanisms, root, "bench-sink")?;
+        let needed = || probe.as_ref().expect("made for every mechanism with a port");
+        let mut ways = Vec::new();
+        for mechanism in distinct(mechanisms) {
+            let way = match mechanism {
+                Mechanism::Futex => SinkWay::Futex,
+                Mechanism::Eventfd => SinkWay::Eventfd,
+                Mechanism::Iceoryx2Event => SinkWay::Event(Box::new(needed().event_receiver()?)),
+                Mechanism::Message => SinkWay::Message(Box::new(needed().subscriber()?)),
+                Mechanism::Detections => SinkWay::Detections(Box::new(needed().subscriber()?)),
+                Mechanism::Payload(_) => SinkWay::Payload(needed().payload_receiver()?),
+                Mechanism::UnixDatagram => SinkWay::Socket(Socket::datagram_sink(root)?),
+                Mechanism::Tcp => SinkWay::Socket(Socket::tcp_sink(root)?),
+            };
+            ways.push((mechanism, way));
+        }
+        Ok(Self { page, seen: 0, ways, probe })
     }
 
     /// Waits once, and hands the stamp of each new wake-up to `each`.
-    pub fn wait(&mut self, mut each: impl FnMut(i64)) -> Result<(), Error> {
+    pub fn wait(&mut self, by: Mechanism, mut each: impl FnMut(i64)) -> Result<(), Error> {
         let failed = |e: rustix::io::Errno| Error::Machine(format!("cannot wait: {e}"));
-        match &mut self.way {
-            SinkWay::Message(port) => {
-                let probe = self.probe.as_ref().expect("opened with the port");
-                probe.next_samples(port, LOOK, |m| each(m.header.acquisition_ns))?;
+        let probe = || self.probe.as_ref().expect("opened with the port");
+        match self.ways.iter_mut().find(|(mechanism, _)| *mechanism == by) {
+            Some((_, SinkWay::Message(port))) => {
+                probe().next_samples(port, LOOK, |m| each(m.header.acquisition_ns))?;
                 return Ok(());
             }
-            SinkWay::Payload(port) => {
+            Some((_, SinkWay::Detections(port))) => {
+                probe().next_samples(port, LOOK, |m| each(m.header.acquisition_ns))?;
+                return Ok(());
+            }
+            Some((_, SinkWay::Payload(port))) => {
                 port.next(LOOK, |sent_ns, _| each(sent_ns))?;
                 return Ok(());
             }
-            SinkWay::Futex => {
+            Some((_, SinkWay::Socket(socket))) => {
+                each(socket.receive()?);
+                return Ok(());
+            }
+            Some((_, SinkWay::Futex)) => {
                 use rustix::io::Errno;
                 let timeout = LOOK.try_into().expect("short");
                 let word = self.page.word(COUNT);
@@ -177,10 +241,11 @@ impl<'a> Sink<'a> {
                     Err(error) => return Err(failed(error)),
                 }
             }
-            SinkWay::Eventfd => {
+            Some((_, SinkWay::Eventfd)) => {
                 rustix::io::read(rustix::stdio::stdin(), &mut [0_u8; 8]).map_err(failed)?;
             }
-            SinkWay::Event(event) => event.wait(LOOK)?,
+            Some((_, SinkWay::Event(event))) => event.wait(LOOK)?,
+            None => unreachable!("every mechanism of the job was opened"),
         }
         let count = self.page.word(COUNT).load(Ordering::Acquire);
         while self.seen < count {

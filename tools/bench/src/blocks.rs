@@ -1,0 +1,105 @@
+//! The part of a benchmark that judges: comparisons in alternating blocks.
+
+use super::chain::{self, Chain};
+use super::goals::{self, Goal};
+use super::paired::Comparison;
+use super::plan::{self, CHAIN_WAKES, Cell, ChainBlocks, Conditions, Measure, Mechanism};
+use super::results::PairedRow;
+use super::statistics::Events;
+use super::{Bench, in_words, millis};
+use group::Error;
+use indicatif::ProgressBar;
+use rand_core::Rng;
+use rand_pcg::Pcg64;
+
+/// One block of a chain: its undesigned time beside what the machine and the law take, µs.
+struct ChainBlock {
+    /// Median net reaction time.
+    net_us: f64,
+    /// Sum of the floors' medians: two absolute sleeps, the law, a wake-up by futex.
+    floor_us: f64,
+}
+
+impl Bench<'_> {
+    /// Makes all comparisons and judges the goals.
+    pub fn compare(
+        &mut self,
+        comparisons: &[(Comparison, Conditions, u32)],
+        chains: &[ChainBlocks],
+        bar: &ProgressBar,
+    ) -> Result<(), Error> {
+        let tails = !self.report.quick;
+        for &(comparison, conditions, period_us) in comparisons {
+            bar.set_message(format!("{}, {}", comparison.name(), in_words(&conditions)));
+            if let Some(compared) = self.stage.compare(comparison, conditions, period_us)? {
+                let tag = format!("{}:{period_us}us", in_words(&conditions).replace(' ', ":"));
+                let name = comparison.name().replace(' ', "-");
+                for (arm, histogram) in ["ours", "floor"].into_iter().zip(compared.histograms()) {
+                    self.histograms.push((format!("{name}-{arm}:{tag}"), histogram));
+                }
+                self.report.paired.push(PairedRow::of(&compared));
+                self.judge(goals::of_comparison(&compared, tails));
+            }
+            bar.inc(millis(plan::comparison_estimate(period_us)));
+        }
+        for blocks in chains {
+            bar.set_message(format!("chain in blocks, {}", in_words(&blocks.conditions)));
+            self.chain_in_blocks(blocks)?;
+            bar.inc(millis(blocks.estimate()));
+        }
+        Ok(())
+    }
+
+    /// Adds goals, each with what this machine lacks.
+    fn judge(&mut self, goals: impl IntoIterator<Item = Goal>) {
+        let caveats = &self.report.caveats;
+        let said = goals.into_iter().map(|goal| Goal { caveats: caveats.clone(), ..goal });
+        self.report.goals.extend(said);
+    }
+
+    /// Runs the group block after block, each with a block of the futex before or after it, drawn by
+    /// lot. The sleeping process and the law are measured in the very seconds of the group's block.
+    fn chain_in_blocks(&mut self, blocks: &ChainBlocks) -> Result<(), Error> {
+        let ChainBlocks { conditions, period_us, block_s, .. } = *blocks;
+        let cell = Cell { measure: Measure::Chain, conditions, period_us };
+        let mut random = Pcg64::new(period_us.into(), 23);
+        random.next_u64();
+        let (mut done, mut ours, mut floor) = (Vec::new(), Events::default(), Events::default());
+        for _ in 0..blocks.blocks {
+            let futex = || {
+                let count = u64::from(CHAIN_WAKES);
+                self.stage.wake(Mechanism::Futex, conditions, period_us, count)
+            };
+            let (chain, futex) = if random.next_u64() >> 63 == 0 {
+                let futex = futex()?;
+                (chain::run(self.stage, &cell, block_s)?, futex)
+            } else {
+                let chain = chain::run(self.stage, &cell, block_s)?;
+                (chain, futex()?)
+            };
+            if !chain.as_asked {
+                return Ok(());
+            }
+            let missed = chain.timing.deadline_misses.unwrap_or(0);
+            ours.events += missed;
+            ours.cycles += chain.timing.cycles.unwrap_or(0).max(missed);
+            floor.events += chain.floor.misses;
+            floor.cycles += chain.floor.cycles;
+            let futex_us = futex.latencies.percentiles_us().map(|p| p.p50);
+            done.extend(futex_us.and_then(|us| block(&chain, us)));
+        }
+        let pairs: Vec<_> = done.iter().map(|block| (block.net_us, block.floor_us)).collect();
+        self.judge(goals::of_chain(period_us, conditions.placement, &pairs));
+        self.judge(goals::of_misses(conditions.placement, ours, floor));
+        Ok(())
+    }
+}
+
+/// The figures of a block; none where one was not measured.
+fn block(chain: &Chain, futex_us: f64) -> Option<ChainBlock> {
+    let sleep_us = chain.floor.latencies.percentiles_us()?.p50;
+    Some(ChainBlock {
+        net_us: chain.timing.net_reaction_us?.p50,
+        floor_us: 2.0 * sleep_us + chain.timing.solve_us?.p50 + futex_us,
+    })
+}

@@ -1,0 +1,174 @@
+//! Comparisons of two ways to wake a process, in alternating blocks.
+//!
+//! One source and one sink hold both ways open and use them in turn: pair after pair, each a block of
+//! ours and a block of the floor in an order drawn by lot. Both processes derive that order from the
+//! same seed, so that nothing has to be said between blocks but "ready" and "done".
+
+use super::plan::{Conditions, Mechanism};
+use super::statistics::Pair;
+use rand_core::Rng;
+use rand_pcg::Pcg64;
+use runtime::statistics::Latencies;
+use serde::{Deserialize, Serialize};
+
+/// Pairs of blocks.
+pub const PAIRS: u32 = 20;
+/// Counted wake-ups in a block.
+pub const WAKES: u32 = 250;
+/// First wake-ups of a block, which are not counted: the other way has the caches.
+pub const UNCOUNTED: u32 = 5;
+
+/// What is compared with its floor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Comparison {
+    /// The futex with itself: whether the method can be believed.
+    FloorItself,
+    /// A message through the services' own ports with the futex.
+    Message,
+    /// The radar's detections with its tracks, both through the services' own ports.
+    Detections,
+    /// iceoryx2's own event service, which hands over nothing, with a message.
+    Iceoryx2Event,
+    /// The same message over a unix datagram socket with one through the services' ports.
+    UnixDatagram,
+    /// The same over TCP on the loopback device.
+    Tcp,
+}
+
+impl Comparison {
+    /// All, in the order of the results.
+    pub const ALL: [Self; 6] = [
+        Self::FloorItself,
+        Self::Message,
+        Self::Detections,
+        Self::Iceoryx2Event,
+        Self::UnixDatagram,
+        Self::Tcp,
+    ];
+
+    /// Whether it is with what a user would take instead: shown, and no goal.
+    pub const fn is_peer(self) -> bool {
+        matches!(self, Self::Iceoryx2Event | Self::UnixDatagram | Self::Tcp)
+    }
+
+    /// What is compared with what.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::FloorItself => "futex over itself",
+            Self::Message => "message over futex",
+            Self::Detections => "radar detections over radar tracks",
+            Self::Iceoryx2Event => "iceoryx2 event over message",
+            Self::UnixDatagram => "unix datagram over message",
+            Self::Tcp => "TCP on loopback over message",
+        }
+    }
+
+    /// Ours and the floor.
+    pub const fn arms(self) -> [Mechanism; 2] {
+        match self {
+            Self::FloorItself => [Mechanism::Futex, Mechanism::Futex],
+            Self::Message => [Mechanism::Message, Mechanism::Futex],
+            Self::Detections => [Mechanism::Detections, Mechanism::Message],
+            Self::Iceoryx2Event => [Mechanism::Iceoryx2Event, Mechanism::Message],
+            Self::UnixDatagram => [Mechanism::UnixDatagram, Mechanism::Message],
+            Self::Tcp => [Mechanism::Tcp, Mechanism::Message],
+        }
+    }
+}
+
+/// The blocks of a comparison.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Blocks {
+    /// Ours and the floor.
+    pub arms: [Mechanism; 2],
+    /// Pairs of blocks.
+    pub pairs: u32,
+    /// Counted wake-ups in a block.
+    pub wakes: u32,
+    /// Decides the order inside the pairs.
+    pub seed: u64,
+}
+
+impl Blocks {
+    /// The arm of each block, 0 for ours and 1 for the floor: both once in every pair.
+    pub fn order(&self) -> Vec<usize> {
+        let mut random = Pcg64::new(self.seed.into(), 17);
+        random.next_u64();
+        let pair = |_| if random.next_u64() >> 63 == 0 { [0, 1] } else { [1, 0] };
+        (0..self.pairs).flat_map(pair).collect()
+    }
+
+    /// The blocks' samples, in their order, as pairs.
+    pub fn paired(&self, blocks: Vec<Vec<u32>>) -> Vec<Pair> {
+        let order = self.order();
+        let mut blocks = blocks.into_iter().zip(order);
+        let mut pairs = Vec::new();
+        while let (Some((first, arm)), Some((second, _))) = (blocks.next(), blocks.next()) {
+            let (ours, floor) = if arm == 0 { (first, second) } else { (second, first) };
+            pairs.push(Pair { ours, floor });
+        }
+        pairs
+    }
+}
+
+/// A comparison that was made.
+#[derive(Clone, Debug)]
+pub struct Compared {
+    /// What was compared.
+    pub comparison: Comparison,
+    /// Under which conditions.
+    pub conditions: Conditions,
+    /// Time between two wake-ups, µs.
+    pub period_us: u32,
+    /// Wake-ups that never arrived.
+    pub lost: u64,
+    /// The samples.
+    pub pairs: Vec<Pair>,
+}
+
+impl Compared {
+    /// All samples of ours and of the floor as histograms.
+    pub fn histograms(&self) -> [Latencies; 2] {
+        let of = |arm: fn(&Pair) -> &Vec<u32>| {
+            let mut latencies = Latencies::default();
+            for ns in self.pairs.iter().flat_map(arm) {
+                latencies.record_ns(i64::from(*ns));
+            }
+            latencies
+        };
+        [of(|pair| &pair.ours), of(|pair| &pair.floor)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BLOCKS: Blocks =
+        Blocks { arms: Comparison::Message.arms(), pairs: 40, wakes: 3, seed: 5 };
+
+    #[test]
+    fn every_pair_has_both_arms_in_an_order_drawn_by_lot() {
+        let order = BLOCKS.order();
+        assert!(order.chunks(2).all(|pair| pair[0] + pair[1] == 1), "{order:?}");
+        let ours_first = order.chunks(2).filter(|pair| pair[0] == 0).count();
+        assert!((8..=32).contains(&ours_first), "{ours_first} of 40");
+        assert_eq!(order, BLOCKS.order(), "both processes agree");
+        assert_ne!(order, Blocks { seed: 6, ..BLOCKS }.order());
+    }
+
+    #[test]
+    fn blocks_find_their_arm_again() {
+        let blocks = BLOCKS.order().iter().map(|&arm| vec![arm as u32; 3]).collect();
+        for pair in BLOCKS.paired(blocks) {
+            assert_eq!((pair.ours, pair.floor), (vec![0; 3], vec![1; 3]));
+        }
+    }
+
+    #[test]
+    fn enough_blocks_and_samples_for_a_99th_percentile() {
+        const { assert!(PAIRS >= 20 && WAKES >= 250 && WAKES <= 500) };
+        assert!((PAIRS * WAKES) as usize >= crate::statistics::ENOUGH_FOR_P99);
+    }
+}

@@ -1,0 +1,119 @@
+//! What a user would take instead of shared memory: the same message over sockets.
+
+use group::Error;
+use messages::RadarTracks;
+use std::io::{Read, Write};
+use std::net::{Ipv4Addr, TcpListener, TcpStream};
+use std::os::unix::net::UnixDatagram;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Bytes of the message.
+const BYTES: usize = size_of::<RadarTracks>();
+/// Time after which the other end is given up.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// One end of a connection that loses nothing: it waits where there is no room, or nothing to read.
+#[derive(Debug)]
+pub enum Socket {
+    /// A unix datagram socket.
+    Datagram(UnixDatagram),
+    /// TCP on the loopback device, without delay.
+    Tcp(TcpStream),
+}
+
+fn failed(what: &'static str) -> impl Fn(std::io::Error) -> Error {
+    move |error| Error::Machine(format!("{what}: {error}"))
+}
+
+fn datagram_path(root: &Path) -> PathBuf {
+    root.join("bench.sock")
+}
+
+fn port_path(root: &Path) -> PathBuf {
+    root.join("bench.port")
+}
+
+/// Tries until it works or [`PATIENCE`] is over.
+fn patiently<T>(mut attempt: impl FnMut() -> std::io::Result<T>) -> std::io::Result<T> {
+    let begun = Instant::now();
+    loop {
+        match attempt() {
+            Err(_) if begun.elapsed() < PATIENCE => std::thread::sleep(Duration::from_millis(1)),
+            result => return result,
+        }
+    }
+}
+
+impl Socket {
+    /// The receiving end of a datagram socket below `root`.
+    pub fn datagram_sink(root: &Path) -> Result<Self, Error> {
+        UnixDatagram::bind(datagram_path(root)).map(Self::Datagram).map_err(failed("unix datagram"))
+    }
+
+    /// The sending end, once the receiving one is there.
+    pub fn datagram_source(root: &Path) -> Result<Self, Error> {
+        let connect = || {
+            let socket = UnixDatagram::unbound()?;
+            socket.connect(datagram_path(root))?;
+            Ok(socket)
+        };
+        patiently(connect).map(Self::Datagram).map_err(failed("unix datagram"))
+    }
+
+    /// The receiving end of a connection; waits for the sending one.
+    pub fn tcp_sink(root: &Path) -> Result<Self, Error> {
+        let accept = || {
+            let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
+            let port = listener.local_addr()?.port().to_string();
+            // Whole or not at all, so that the other end reads no half number.
+            let part = root.join(".bench.port.part");
+            std::fs::write(&part, port)?;
+            std::fs::rename(part, port_path(root))?;
+            listener.accept().map(|(stream, _)| stream)
+        };
+        accept().map(Self::Tcp).map_err(failed("tcp"))
+    }
+
+    /// The sending end, once the receiving one is there.
+    pub fn tcp_source(root: &Path) -> Result<Self, Error> {
+        let connect = || {
+            let port = std::fs::read_to_string(port_path(root))?;
+            let port: u16 = port.parse().map_err(std::io::Error::other)?;
+            let stream = TcpStream::connect((Ipv4Addr::LOCALHOST, port))?;
+            stream.set_nodelay(true)?;
+            Ok(stream)
+        };
+        patiently(connect).map(Self::Tcp).map_err(failed("tcp"))
+    }
+
+    /// Removes the names of both ends, so that the next comparison finds none.
+    pub fn forget(root: &Path) {
+        for path in [datagram_path(root), port_path(root)] {
+            // Absent unless a comparison used it.
+            let _ = std::fs::remove_file(path);
+        }
+    }
+
+    /// Sends one message.
+    pub fn send(&mut self, message: &RadarTracks) -> Result<(), Error> {
+        let bytes = bytemuck::bytes_of(message);
+        match self {
+            Self::Datagram(socket) => socket.send(bytes).map(|_| ()),
+            Self::Tcp(stream) => stream.write_all(bytes),
+        }
+        .map_err(failed("cannot send"))
+    }
+
+    /// Waits for one message; its acquisition stamp, ns.
+    pub fn receive(&mut self) -> Result<i64, Error> {
+        let mut bytes = [0_u8; BYTES];
+        match self {
+            Self::Datagram(socket) => socket.recv(&mut bytes).map(|_| ()),
+            Self::Tcp(stream) => stream.read_exact(&mut bytes),
+        }
+        .map_err(failed("cannot receive"))?;
+        let message: RadarTracks = bytemuck::pod_read_unaligned(&bytes);
+        Ok(message.header.acquisition_ns)
+    }
+}
