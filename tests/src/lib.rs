@@ -46,6 +46,8 @@ impl Corner {
             .args(arguments)
             .current_dir(&self.path)
             .env("TMPDIR", &self.path)
+            // Where runs keep their small files: below it, so that this corner's are told from others'.
+            .env("XDG_RUNTIME_DIR", &self.path)
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped());

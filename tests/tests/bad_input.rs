@@ -1,6 +1,7 @@
 //! Bad input gets one clear error that says where and what was expected, exit status 2 (or 3 when
 //! the machine is to blame), and leaves nothing.
 
+use std::path::Path;
 use std::process::{Command, ExitCode};
 use system_tests::cases::{self, case, needing};
 use system_tests::{Corner, text};
@@ -109,10 +110,60 @@ fn output_directories() {
 fn a_service_that_exits_at_once() {
     refused(
         &["run", "--service", "controller=/bin/true"],
-        3,
+        2,
         &["controller", "before it was ready"],
     );
     refused(&["run", "--service", "plant=/no/such/program"], 2, &["/no/such/program"]);
+}
+
+/// Endless output is neither kept nor waited for.
+fn a_service_that_floods_its_output() {
+    let program = ["/usr/bin/yes", "/bin/yes"].into_iter().find(|path| Path::new(path).exists());
+    let service = format!("controller={}", program.expect("yes is everywhere"));
+    refused(&["run", "--service", &service], 2, &["controller", "endless text"]);
+}
+
+/// A pipe, which would be waited for, is no scenario file.
+fn a_pipe_as_a_scenario() {
+    let corner = Corner::new(PROGRAM);
+    let pipe = corner.path().join("pipe.toml");
+    let made = Command::new("mkfifo").arg(&pipe).status().expect("mkfifo is there");
+    assert!(made.success());
+    refused_in(&corner, &["run", "pipe.toml"], 2, &["pipe.toml", "not a regular file"]);
+}
+
+fn few_open_files() {
+    let corner = Corner::new(PROGRAM);
+    let output = Command::new("sh")
+        .args(["-c", "ulimit -n 32; exec \"$0\" run cacc-a --mode lockstep", PROGRAM])
+        .current_dir(corner.path())
+        .env("XDG_RUNTIME_DIR", corner.path())
+        .output()
+        .expect("a shell starts");
+    let said = text(&output);
+    assert_eq!(output.status.code(), Some(3), "{said}");
+    assert!(said.contains("32 files") && said.contains("ulimit -n"), "{said}");
+    assert!(!corner.path().join("runs").exists(), "nothing is left of a run that never was");
+}
+
+fn unknown_commands_and_faults_without_meaning() {
+    refused(&["rnu"], 2, &["'rnu'", "'run'"]);
+    refused(&["inject", "nowhere", "kill", "controller", "--for", "2"], 2, &["for"]);
+    refused_scenario(
+        "[[faults]]\nkind = \"kill\"\nservice = \"plant\"\nat_s = 1\nfor_s = 2\n",
+        &["mine.toml:8:1", "^", "for_s"],
+    );
+}
+
+/// What cannot be printed is an error.
+fn a_full_standard_output() {
+    let corner = Corner::new(PROGRAM);
+    for arguments in [["list"].as_slice(), &["run", "cacc-a", "--mode", "lockstep", "--json"]] {
+        let full = std::fs::File::options().write(true).open("/dev/full").expect("it is there");
+        let output = corner.command(arguments).stdout(full).output().expect("it starts");
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", text(&output));
+        assert!(text(&output).contains("standard output"), "{}", text(&output));
+    }
 }
 
 fn a_service_that_never_becomes_ready() {
@@ -148,7 +199,7 @@ fn full_shared_memory() {
         Command::new("unshare")
             .args(["--user", "--map-root-user", "--mount", "sh", "-c", &script(size), PROGRAM])
             .current_dir(corner.path())
-            .env("TMPDIR", corner.path())
+            .env("XDG_RUNTIME_DIR", corner.path())
             .output()
     };
     let output = run("64m").expect("it starts");
@@ -172,7 +223,7 @@ fn full_disk() {
     let output = Command::new("unshare")
         .args(["--user", "--map-root-user", "--mount", "sh", "-c", script, PROGRAM])
         .current_dir(corner.path())
-        .env("TMPDIR", corner.path())
+        .env("XDG_RUNTIME_DIR", corner.path())
         .output()
         .expect("it starts");
     let said = text(&output);
@@ -189,6 +240,14 @@ fn main() -> ExitCode {
         case("output_directories", output_directories),
         case("a_service_that_exits_at_once", a_service_that_exits_at_once),
         case("a_service_that_never_becomes_ready", a_service_that_never_becomes_ready),
+        case("a_service_that_floods_its_output", a_service_that_floods_its_output),
+        case("a_pipe_as_a_scenario", a_pipe_as_a_scenario),
+        case("few_open_files", few_open_files),
+        case(
+            "unknown_commands_and_faults_without_meaning",
+            unknown_commands_and_faults_without_meaning,
+        ),
+        case("a_full_standard_output", a_full_standard_output),
         case("a_foreign_base_directory", a_foreign_base_directory),
         needing(cases::mount_namespace, "full_shared_memory", full_shared_memory),
         needing(cases::mount_namespace, "full_disk", full_disk),

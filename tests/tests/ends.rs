@@ -91,7 +91,8 @@ fn death_of_the_launcher_even_with_a_stopped_service() {
 fn death_of_the_launcher_at_any_instant_of_its_start() {
     let corner = Corner::new(PROGRAM);
     for delay_ms in [0, 1, 2, 4, 7, 11, 16, 22, 30, 40, 60, 90] {
-        let child = corner.start(&["run", "following", "--duration", "600", "--out", "out"]);
+        let child =
+            corner.start(&["run", "following", "--duration", "600", "--out", "out", "--force"]);
         std::thread::sleep(Duration::from_millis(delay_ms));
         let roots = corner.roots();
         signal(pid(&child), Signal::KILL);

@@ -15,7 +15,7 @@ const LOST_PERIODS: i64 = 3;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Kept {
     path: BrakePath,
-    figures: BrakeFigures,
+    pub(crate) figures: BrakeFigures,
 }
 
 /// The emergency brake as the plant has it.

@@ -156,6 +156,8 @@ pub struct Chains {
     /// One for each of [`PARTS`].
     parts: [Latencies; PARTS.len()],
     worst: Worst,
+    deadline_ns: i64,
+    late: u64,
     last_radar: Option<Origin>,
 }
 
@@ -172,6 +174,8 @@ impl Chains {
             controller_to_plant: Latencies::default(),
             parts: Default::default(),
             worst: Worst::new(deadline_ns),
+            deadline_ns,
+            late: 0,
             last_radar: None,
         }
     }
@@ -202,6 +206,7 @@ impl Chains {
         let parts = Parts::of(command, actuated);
         let (sum, designed) = (parts.sum_ns(), parts.designed_wait_ns(command));
         self.reaction.record_ns(sum);
+        self.late += u64::from(sum > self.deadline_ns);
         self.designed_wait.record_ns(designed);
         self.net_reaction.record_ns(sum - designed);
         self.radar_to_controller.record_ns(parts.radar_to_controller_ns());
@@ -219,6 +224,12 @@ impl Chains {
             histogram.record_ns(part);
         }
         Some(parts)
+    }
+
+    /// Chains whose reaction time, end to end, was longer than the deadline.
+    #[must_use]
+    pub fn late(&self) -> u64 {
+        self.late
     }
 
     /// Percentiles of the reaction time.

@@ -60,6 +60,11 @@ impl Delivery {
         }
     }
 
+    /// Goes on counting from what was counted before this process.
+    pub fn go_on_from(&mut self, undelivered: u64) {
+        self.undelivered = undelivered;
+    }
+
     /// Takes the topic's newest command, unless it has been taken before.
     pub fn take(&mut self, newest: &Command) {
         let identity = (newest.header.incarnation, newest.header.sequence);

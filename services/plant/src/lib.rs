@@ -10,8 +10,9 @@ pub mod gateway;
 pub mod longitudinal;
 pub mod referee;
 mod service;
+pub mod timeliness;
 pub mod truck;
 mod truth;
 mod worst;
 
-pub use service::run;
+pub use service::{last_known, run};

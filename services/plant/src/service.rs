@@ -6,6 +6,7 @@ use crate::delivery::{Arrival, Delivery};
 use crate::ego::{self, Ego};
 use crate::gateway::{self, Actuation, EngineRequest, Gateway, Source};
 use crate::referee::{MAX_SIGNALS, Referee, SignalTruth, Violation};
+use crate::timeliness::Timeliness;
 use crate::truck::Truck;
 use crate::truth;
 use messages::rung::{Rung, RungLog};
@@ -15,7 +16,7 @@ use messages::{
 };
 use runtime::report::{ControlFigures, Details, Hops, Outcome, PlantReport};
 use runtime::{
-    Cycle, Keeper, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber,
+    Cycle, Group, Keeper, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber,
 };
 use scenario::Scenario;
 use scenario::v2x::Phase;
@@ -50,6 +51,7 @@ struct Plant {
     signals: Subscriber<messages::SignalTruth>,
     braking: Option<Braking>,
     delivery: Delivery,
+    timeliness: Timeliness,
     active: Option<Command>,
     request_mps2: f64,
     time_s: f64,
@@ -62,8 +64,9 @@ struct Plant {
     keeper: Option<Keeper<Kept>>,
 }
 
-/// What outlives the plant's process: the vehicle does not vanish with it, nor what the referee saw.
-#[derive(Serialize, Deserialize)]
+/// What outlives the plant's process: the vehicle does not vanish with it, nor what the referee saw, nor
+/// what was counted.
+#[derive(Deserialize)]
 struct Kept {
     step: u64,
     ego: ego::Kept,
@@ -71,6 +74,56 @@ struct Kept {
     referee: Referee,
     request_mps2: f64,
     braking: Option<braking::Kept>,
+    counted: Counted,
+    rungs: RungLog,
+}
+
+/// The same by reference, field by field: to write it allocates nothing.
+#[derive(Serialize)]
+struct Keeping<'a> {
+    step: u64,
+    ego: ego::Kept,
+    gateway: gateway::Kept,
+    referee: &'a Referee,
+    request_mps2: f64,
+    braking: Option<braking::Kept>,
+    counted: Counted,
+    rungs: &'a RungLog,
+}
+
+/// Counts that go on over all processes of the plant.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+struct Counted {
+    time_s: f64,
+    timeliness: Timeliness,
+    longest_gap_ns: i64,
+    undelivered: u64,
+}
+
+/// The figures of a plant that is gone, up to the last cycle that it kept; `None` if it kept none. The
+/// times of its chains died with it.
+#[must_use]
+pub fn last_known(group: &Group) -> Option<PlantReport> {
+    let kept: Kept = Keeper::last(group, messages::Service::Plant)?;
+    let outcome = match kept.referee.violation() {
+        Some(Violation::Collision { .. }) => Outcome::Collision,
+        Some(Violation::RedLight { .. }) => Outcome::RedLight,
+        None => Outcome::Aborted,
+    };
+    let counted = kept.counted;
+    Some(PlantReport {
+        outcome,
+        duration_s: counted.time_s,
+        control: kept.referee.figures().clone(),
+        rungs: kept.rungs.report(),
+        max_command_gap_us: (counted.longest_gap_ns > 0)
+            .then_some(counted.longest_gap_ns as f64 / 1e3),
+        undelivered_commands: counted.undelivered,
+        commands_due: counted.timeliness.due(),
+        commands_missed: counted.timeliness.missed(),
+        aebs: kept.braking.map(|braking| braking.figures),
+        ..PlantReport::empty(outcome)
+    })
 }
 
 impl Plant {
@@ -89,6 +142,10 @@ impl Plant {
             signals: runtime.subscriber()?,
             braking: Braking::open(runtime, scenario)?,
             delivery: Delivery::new(scenario),
+            timeliness: Timeliness::new(
+                i64::from(scenario.controller.period_ms.value()) * 1_000_000,
+                i64::from(scenario.controller.deadline().value()) * 1_000_000,
+            ),
             active: None,
             request_mps2: scenario.plant.initial_acceleration_mps2.value(),
             time_s: 0.0,
@@ -114,7 +171,11 @@ impl Plant {
         if let (Some(braking), Some(kept)) = (&mut self.braking, kept.braking) {
             braking.go_on_from(kept);
         }
-        self.rungs.begin(runtime.clock().scheduled_ns(kept.step) as f64 / 1e9, Rung::Full);
+        self.rungs = kept.rungs;
+        self.time_s = kept.counted.time_s;
+        self.timeliness = kept.counted.timeliness;
+        self.longest_gap_ns = kept.counted.longest_gap_ns;
+        self.delivery.go_on_from(kept.counted.undelivered);
     }
 
     fn cycle(&mut self, runtime: &mut Runtime) -> Result<Cycle, RuntimeError> {
@@ -160,13 +221,20 @@ impl Plant {
 
     fn keep(&mut self, step: u64) -> Result<(), RuntimeError> {
         let Some(keeper) = &mut self.keeper else { return Ok(()) };
-        keeper.keep(&Kept {
+        keeper.keep(&Keeping {
             step,
             ego: self.ego.kept(),
             gateway: self.gateway.kept(),
-            referee: self.referee.clone(),
+            referee: &self.referee,
             request_mps2: self.request_mps2,
             braking: self.braking.as_ref().map(Braking::kept),
+            counted: Counted {
+                time_s: self.time_s,
+                timeliness: self.timeliness,
+                longest_gap_ns: self.longest_gap_ns,
+                undelivered: self.delivery.undelivered(),
+            },
+            rungs: &self.rungs,
         })
     }
 
@@ -235,6 +303,9 @@ impl Plant {
         }
         if let Some(Arrival { command, delay_ns }) = self.delivery.arrived(now_ns) {
             let plan_len = usize::try_from(command.plan_len).map_or(0, |len| len.min(PLAN_LEN));
+            if plan_len > 0 {
+                self.timeliness.arrived(command.header.acquisition_ns);
+            }
             // The plan is moved by the delay with the rest of the command.
             let start_ns = command.header.acquisition_ns + delay_ns;
             let engine = (command.has_torque != 0).then(|| EngineRequest {
@@ -256,6 +327,7 @@ impl Plant {
                 self.active = Some(command);
             }
         }
+        self.timeliness.judge(release.scheduled_ns);
         if let Some(active) = &self.active {
             let (scheduled_ns, start_ns) = (release.scheduled_ns, release.start_ns);
             self.chains.actuated(active, &Actuated { scheduled_ns, start_ns, now_ns });
@@ -299,6 +371,9 @@ impl Plant {
                 .and_then(|braking| braking.chains().reaction_us()),
             brake_hops_us: (self.braking.as_ref())
                 .map_or_else(Hops::default, |braking| braking.chains().hops_us()),
+            commands_due: self.timeliness.due(),
+            commands_missed: self.timeliness.missed(),
+            late_reactions: self.chains.late(),
             histograms: self.chains.histograms(),
         }
     }

@@ -30,6 +30,7 @@ pub mod e2e;
 mod header;
 mod health;
 mod layout;
+pub mod notes;
 mod perception;
 pub mod rung;
 mod service;

@@ -109,7 +109,7 @@ pub struct Rungs {
 }
 
 /// Follows a service on its ladder; allocates nothing once made.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct RungLog {
     now: Rung,
     last_s: f64,

@@ -3,6 +3,11 @@
 use messages::Topic;
 use std::path::PathBuf;
 
+/// What a person can do about an error of the transport; its own reason is a name in iceoryx2's sources,
+/// which `TIMEGAP_LOG` shows.
+const HINT: &str =
+    ": `timegap doctor` checks the machine, TIMEGAP_LOG=1 shows the library's own words";
+
 /// Why a service cannot go on.
 #[derive(Debug, thiserror::Error)]
 pub enum RuntimeError {
@@ -15,7 +20,7 @@ pub enum RuntimeError {
         reason: String,
     },
     /// iceoryx2 could not create a node.
-    #[error("cannot join the run's shared memory below {}: {reason}", root.display())]
+    #[error("cannot join the run's shared memory below {}{HINT}", root.display())]
     Node {
         /// Root of the run.
         root: PathBuf,
@@ -23,7 +28,7 @@ pub enum RuntimeError {
         reason: String,
     },
     /// A topic could not be created or opened.
-    #[error("cannot open topic `{}`: {reason}", topic.name())]
+    #[error("cannot open topic `{}`{HINT}", topic.name())]
     Topic {
         /// The topic.
         topic: Topic,
@@ -31,7 +36,7 @@ pub enum RuntimeError {
         reason: String,
     },
     /// A message could not be sent.
-    #[error("cannot send on topic `{}`: {reason}", topic.name())]
+    #[error("cannot send on topic `{}`{HINT}", topic.name())]
     Send {
         /// The topic.
         topic: Topic,
@@ -39,7 +44,7 @@ pub enum RuntimeError {
         reason: String,
     },
     /// A message could not be received.
-    #[error("cannot receive on topic `{}`: {reason}", topic.name())]
+    #[error("cannot receive on topic `{}`{HINT}", topic.name())]
     Receive {
         /// The topic.
         topic: Topic,

@@ -4,17 +4,24 @@
 //! checksum: a process that dies while it writes leaves the other slot whole. One system call per
 //! write, no allocation.
 
-use super::RuntimeError;
+use super::own_file::open_own;
+use super::{Group, RuntimeError};
+use messages::Service;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use std::fs::{File, OpenOptions};
-use std::os::unix::fs::{FileExt, OpenOptionsExt};
-use std::path::Path;
+use std::fs::File;
+use std::os::unix::fs::FileExt;
+use std::path::{Path, PathBuf};
 use xxhash_rust::xxh3::xxh3_64;
 
 /// Bytes of a slot: number, length, checksum, state.
-const SLOT: usize = 8 * 1024;
+const SLOT: usize = 64 * 1024;
 const HEAD: usize = 24;
+
+/// Where a service of the run with this prefix keeps its state.
+pub(super) fn state_path(prefix: &str, service: Service) -> PathBuf {
+    Path::new("/dev/shm").join(format!("{prefix}{service}.state"))
+}
 
 /// Keeps states of type `T`.
 #[derive(Debug)]
@@ -25,21 +32,24 @@ pub struct Keeper<T> {
     state: std::marker::PhantomData<T>,
 }
 
-impl<T: Serialize + DeserializeOwned> Keeper<T> {
+impl<T: DeserializeOwned> Keeper<T> {
     /// Opens the file at `path`, or makes it.
     pub(super) fn open(path: &Path) -> Result<Self, RuntimeError> {
         let error = |e: std::io::Error| RuntimeError::Setup(format!("{}: {e}", path.display()));
-        let file = OpenOptions::new()
-            .read(true)
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .mode(0o600)
-            .open(path)
-            .map_err(error)?;
+        let file = open_own(path).map_err(error)?;
         // All pages are there before the loop needs them.
         file.set_len(2 * SLOT as u64).map_err(error)?;
         Ok(Self { file, kept: 0, slot: Box::new([0; SLOT]), state: std::marker::PhantomData })
+    }
+
+    /// The newest state that `service`, which is gone, kept in its run; `None` if it kept none.
+    #[must_use]
+    pub fn last(group: &Group, service: Service) -> Option<T> {
+        let path = state_path(&group.prefix, service);
+        if !path.exists() {
+            return None;
+        }
+        Self::open(&path).ok()?.restore()
     }
 
     /// The newest state that was kept whole.
@@ -70,11 +80,11 @@ impl<T: Serialize + DeserializeOwned> Keeper<T> {
         newest
     }
 
-    /// Keeps `state`.
+    /// Keeps `state`, which has the form of a `T`.
     ///
     /// # Errors
     /// [`RuntimeError::Setup`] if it does not fit, or the file cannot be written.
-    pub fn keep(&mut self, state: &T) -> Result<(), RuntimeError> {
+    pub fn keep(&mut self, state: &impl Serialize) -> Result<(), RuntimeError> {
         let error = |e: String| RuntimeError::Setup(format!("the kept state: {e}"));
         let used = postcard::to_slice(state, &mut self.slot[HEAD..])
             .map_err(|e| error(e.to_string()))?
@@ -104,10 +114,10 @@ mod tests {
         }
         let mut restored = open();
         assert_eq!(restored.restore(), Some((4, Some(0.1))));
-        restored.keep(&(5, None)).expect("it fits");
+        restored.keep(&(5_u64, None::<f64>)).expect("it fits");
         assert_eq!(open().restore(), Some((5, None)));
         // The newest slot is the one that a dying process was writing.
-        let file = OpenOptions::new().write(true).open(&path).expect("ours");
+        let file = File::options().write(true).open(&path).expect("ours");
         file.write_all_at(&[0xff; 40], 0).expect("ours");
         assert_eq!(open().restore(), Some((4, Some(0.1))));
         std::fs::remove_file(&path).expect("ours");

@@ -22,6 +22,7 @@
 //! `unsafe` is allowed in `coroutine`, `scheduling`, `spawn`, `usage` and `words` alone, for system calls that no
 //! crate wraps.
 
+mod account;
 mod beside;
 mod carried;
 mod clock;
@@ -35,6 +36,7 @@ mod keeper;
 mod link;
 mod members;
 mod observer;
+mod own_file;
 mod player;
 mod port;
 mod probe;
@@ -52,6 +54,7 @@ mod usage;
 mod waking;
 mod words;
 
+pub use account::{LastAccount, take_account};
 pub use beside::Beside;
 pub use carried::Carried;
 pub use clock::{Clock, Mode, monotonic_ns, sleep_until};

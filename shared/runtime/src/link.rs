@@ -57,7 +57,7 @@ pub enum FromService {
     Failed(String),
 }
 
-/// First step that is not to be run any more, shared with the link's thread and signal handlers.
+/// First step that is not to be run any more, shared with the link's thread.
 #[derive(Clone, Debug)]
 pub struct End(Arc<AtomicUsize>);
 
@@ -126,13 +126,10 @@ impl Link {
         }
     }
 
-    /// Listens to the launcher and to the signals that ask for an end.
+    /// Listens to the launcher. SIGTERM and SIGINT keep their default: a service that they end has died,
+    /// and the launcher replaces it.
     pub(super) fn open() -> Result<Self, RuntimeError> {
         let end = End::default();
-        for signal in [signal_hook::consts::SIGTERM, signal_hook::consts::SIGINT] {
-            signal_hook::flag::register_usize(signal, Arc::clone(&end.0), 0)
-                .map_err(|e| RuntimeError::Link(format!("signal handler: {e}")))?;
-        }
         let joined = Arc::new(AtomicBool::new(false));
         signal_hook::flag::register(PEER_JOINED, Arc::clone(&joined))
             .map_err(|e| RuntimeError::Link(format!("signal handler: {e}")))?;

@@ -223,8 +223,42 @@ pub struct PlantReport {
     pub brake_reaction_time_us: Option<Percentiles>,
     /// The parts of that, the emergency brake in the place of the controller.
     pub brake_hops_us: Hops,
+    /// Control periods whose deadline passed, by the plant's own schedule.
+    pub commands_due: u64,
+    /// Those without a command in time.
+    pub commands_missed: u64,
+    /// Chains whose reaction time was longer than the deadline.
+    pub late_reactions: u64,
     /// Histograms of the reaction time, the data age and the parts, by their names.
     pub histograms: BTreeMap<String, Latencies>,
+}
+
+impl PlantReport {
+    /// A report of a plant that ended so, without a figure.
+    #[must_use]
+    pub fn empty(outcome: Outcome) -> Self {
+        Self {
+            outcome,
+            duration_s: 0.0,
+            control: ControlFigures::default(),
+            rungs: Rungs::default(),
+            max_command_gap_us: None,
+            reaction_time_us: None,
+            data_age_us: None,
+            designed_wait_us: None,
+            net_reaction_us: None,
+            hops_us: Hops::default(),
+            worst_chains: Vec::new(),
+            undelivered_commands: 0,
+            aebs: None,
+            brake_reaction_time_us: None,
+            brake_hops_us: Hops::default(),
+            commands_due: 0,
+            commands_missed: 0,
+            late_reactions: 0,
+            histograms: BTreeMap::new(),
+        }
+    }
 }
 
 /// How a run ended.

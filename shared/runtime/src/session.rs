@@ -1,7 +1,8 @@
 //! One service's life in the group.
 
+use super::account::Account;
 use super::faults::{Faults, Lies};
-use super::keeper::Keeper;
+use super::keeper::{Keeper, state_path};
 use super::link::Link;
 use super::members::Members;
 use super::port::Tally;
@@ -17,7 +18,6 @@ use crate::statistics::Latencies;
 use messages::Service;
 use messages::{Header, Heartbeat, Message, Odometry, Origins, ServiceState, Topic};
 use scenario::Scenario;
-use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::cell::RefCell;
 use std::path::Path;
@@ -26,6 +26,9 @@ use std::rc::Rc;
 use std::sync::OnceLock;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
+use tracing_subscriber::filter::{LevelFilter, Targets};
+use tracing_subscriber::layer::{Layer, SubscriberExt};
+use tracing_subscriber::util::SubscriberInitExt;
 
 static ALLOCATIONS: OnceLock<fn() -> u64> = OnceLock::new();
 
@@ -78,6 +81,8 @@ pub struct Runtime {
     skipped: u64,
     jitter: Latencies,
     allocations_in_loop: Option<u64>,
+    /// In realtime, where a process may die and the run goes on.
+    account: Option<Account>,
 }
 
 impl Runtime {
@@ -140,6 +145,7 @@ impl Runtime {
             skipped: 0,
             jitter: Latencies::default(),
             allocations_in_loop: None,
+            account: None,
         }
     }
 
@@ -222,9 +228,8 @@ impl Runtime {
     ///
     /// # Errors
     /// [`RuntimeError::Setup`] if shared memory has no room for it.
-    pub fn keeper<T: Serialize + DeserializeOwned>(&self) -> Result<Keeper<T>, RuntimeError> {
-        let name = format!("{}{}.state", self.group.prefix, self.service);
-        Keeper::open(&Path::new("/dev/shm").join(name))
+    pub fn keeper<T: DeserializeOwned>(&self) -> Result<Keeper<T>, RuntimeError> {
+        Keeper::open(&state_path(&self.group.prefix, self.service))
     }
 
     /// Goes on with the step after `step`, whatever time it is.
@@ -244,6 +249,12 @@ impl Runtime {
     /// If the link breaks or the run ends before it began.
     pub fn begin(&mut self, scenario: &Scenario) -> Result<(), RuntimeError> {
         self.heartbeat = Some(self.publisher::<Heartbeat>()?);
+        self.account = match (self.carrier(), self.group.mode) {
+            (Carrier::SharedMemory, Mode::Realtime) => {
+                Some(Account::open(&self.group, self.service, self.incarnation)?)
+            }
+            _ => None,
+        };
         let granted = match (self.carrier(), self.group.mode) {
             // The thread is not this service's alone.
             (Carrier::Memory, _) => in_force(),
@@ -432,6 +443,9 @@ impl Runtime {
             let header = Header::new(self.step, scheduled_ns, Origins::NONE);
             heartbeat.send(Heartbeat { header, cycles, state: state as u64 })?;
         }
+        if let Some(account) = &self.account {
+            account.write(cycles, self.skipped, &self.sent, &self.received);
+        }
         Ok(())
     }
 
@@ -525,15 +539,20 @@ fn peak_rss_kib() -> u64 {
     line.and_then(|line| line.trim().trim_end_matches(" kB").parse().ok()).unwrap_or(0)
 }
 
-/// Sends warnings to standard error; once in a process.
+/// Sends warnings to standard error; once in a process. Those of iceoryx2, which are about its own
+/// objects, only where the environment sets `TIMEGAP_LOG`.
 pub fn log_warnings() {
-    tracing_subscriber::fmt()
+    let library = match std::env::var_os("TIMEGAP_LOG") {
+        Some(_) => LevelFilter::WARN,
+        None => LevelFilter::OFF,
+    };
+    let filter = Targets::new().with_default(LevelFilter::WARN).with_target("iceoryx2", library);
+    let lines = tracing_subscriber::fmt::layer()
         .with_writer(std::io::stderr)
-        .with_max_level(tracing::Level::WARN)
         .without_time()
         .with_ansi(false)
-        .with_target(false)
-        .init();
+        .with_target(false);
+    tracing_subscriber::registry().with(lines.with_filter(filter)).init();
 }
 
 /// A service process from its start to its exit status. `arguments` are the run's root and the
@@ -555,6 +574,9 @@ pub fn run_service(
     match Runtime::join(service, Path::new(root), incarnation).and_then(run) {
         Ok(()) | Err(RuntimeError::Stopped) => ExitCode::SUCCESS,
         Err(error) => {
+            if std::env::var_os("TIMEGAP_LOG").is_some() {
+                eprintln!("{error:?}");
+            }
             let line = serde_json::to_string(&FromService::Failed(error.to_string()));
             println!("{}", line.expect("a string is plain data"));
             ExitCode::FAILURE

@@ -2,23 +2,22 @@
 
 #![allow(unsafe_code, reason = "no crate maps shared memory as atomic words")]
 
-use rustix::fs::{FallocateFlags, OFlags, fallocate};
+use super::own_file::open_own;
+use rustix::fs::{FallocateFlags, fallocate};
 use rustix::mm::{MapFlags, ProtFlags, mmap, munmap};
-use std::fs::OpenOptions;
 use std::io;
-use std::os::unix::fs::OpenOptionsExt;
 use std::path::Path;
 use std::ptr::NonNull;
 use std::sync::atomic::AtomicU32;
 
 /// Words that fit in one page.
-const WORDS: usize = 1024;
+pub(super) const WORDS: usize = 1024;
 const BYTES: usize = WORDS * size_of::<AtomicU32>();
 
 /// A page of words in `/dev/shm`, zero at first and the same for all who map it.
 ///
-/// It belongs to nobody: whoever comes first makes it, and it stays valid when any of them dies. It
-/// is removed with everything else that carries the run's prefix.
+/// The first process makes it, and it stays valid when any of them dies. It is removed with
+/// everything else that carries the run's prefix.
 #[derive(Debug)]
 pub struct SharedWords(NonNull<AtomicU32>);
 
@@ -28,14 +27,7 @@ impl SharedWords {
     /// # Errors
     /// If it cannot be created, there is no room for it, or it is another user's.
     pub fn map(name: &str) -> io::Result<Self> {
-        let file = OpenOptions::new()
-            .create(true)
-            .truncate(false)
-            .read(true)
-            .write(true)
-            .mode(0o600)
-            .custom_flags(OFlags::NOFOLLOW.bits().cast_signed())
-            .open(Path::new("/dev/shm").join(name))?;
+        let file = open_own(&Path::new("/dev/shm").join(name))?;
         // A page that cannot be had is an error here, and would be a SIGBUS later.
         fallocate(&file, FallocateFlags::empty(), 0, BYTES as u64)?;
         let (protection, flags) = (ProtFlags::READ | ProtFlags::WRITE, MapFlags::SHARED);

@@ -319,6 +319,15 @@ impl Fault {
                 ));
             }
         }
+        if self.for_s.is_some() && matches!(self.kind, Kind::Kill | Kind::RestartStorm) {
+            return Err(Problem::new(
+                format!("{path}.for_s"),
+                format!(
+                    "`for_s` means nothing for a fault of kind `{kind}`, which is over at once"
+                ),
+                "no such key here",
+            ));
+        }
         if let (Some(field), Some(topic)) = (self.field, self.topic)
             && field.topic() != topic.0
         {

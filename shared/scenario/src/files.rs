@@ -14,11 +14,12 @@ use super::table::Table;
 
 /// Reads a text file of at most [`MAX_TEXT_BYTES`].
 pub(super) fn read(path: &Path) -> Result<String, String> {
-    let file = File::open(path).map_err(|error| format!("cannot be opened: {error}"))?;
-    let metadata = file.metadata().map_err(|error| format!("cannot be read: {error}"))?;
+    // Looked at before it is opened: to open a pipe is to wait for its other end.
+    let metadata = path.metadata().map_err(|error| format!("cannot be opened: {error}"))?;
     if !metadata.is_file() {
         return Err("is not a regular file".to_owned());
     }
+    let file = File::open(path).map_err(|error| format!("cannot be opened: {error}"))?;
     let mut bytes = Vec::new();
     file.take(MAX_TEXT_BYTES as u64 + 1)
         .read_to_end(&mut bytes)

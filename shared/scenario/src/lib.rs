@@ -44,6 +44,7 @@ pub mod quantity;
 pub mod referee;
 pub mod road;
 pub mod runtime;
+pub mod schema;
 pub mod storyboard;
 pub mod supervision;
 pub mod v2x;

@@ -50,7 +50,12 @@ pub fn run(stage: &Stage, cell: &Cell, seconds: f64) -> Result<Chain, Error> {
         Ended::Interrupted => return Err(Error::Interrupted),
         Ended::Orderly => {}
         Ended::Broken { service, how } => {
-            return Err(Error::NotReady { service: *service, what: how.clone() });
+            let what = how.clone();
+            return Err(Error::NotReady { service: *service, what, foreign: false });
+        }
+        Ended::GivenUp { service, .. } => {
+            let what = "ended too often".into();
+            return Err(Error::NotReady { service: *service, what, foreign: false });
         }
     }
     let summary = Summary::new(&scenario, Mode::Realtime, &outcome, begun.elapsed());

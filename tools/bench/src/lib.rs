@@ -45,7 +45,7 @@ use clap::Args;
 use group::Error;
 use indicatif::{ProgressBar, ProgressStyle};
 use messages::Topic;
-use report::output::OutputDirectory;
+use report::output::{OutputDirectory, OutputOptions};
 use report::print;
 use report::summary::Host;
 use runtime::statistics::{Latencies, Percentiles};
@@ -84,9 +84,8 @@ pub struct BenchArguments {
     /// Factor by which a ratio to the floor must grow to be called worse
     #[arg(long, value_name = "F", default_value_t = 1.5, value_parser = factor)]
     pub factor: f64,
-    /// Directory for the results [default: runs/<time>-bench]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: OutputOptions,
     /// Print the result as JSON, and nothing else, on standard output
     #[arg(long)]
     pub json: bool,
@@ -109,7 +108,7 @@ fn factor(argument: &str) -> Result<f64, String> {
 /// Runs the command.
 pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
     let before = arguments.against.as_deref().map(baseline::read).transpose()?;
-    let output = OutputDirectory::create(arguments.out.as_deref(), "bench")?;
+    let output = OutputDirectory::create(&arguments.output, "bench")?;
     let interrupted = Arc::new(AtomicBool::new(false));
     for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
         signal_hook::flag::register(signal, Arc::clone(&interrupted))
@@ -162,15 +161,15 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
         })?;
     }
     if arguments.json {
-        print::out(&with_changes(&report, changes.as_deref()));
+        print::out(&with_changes(&report, changes.as_deref()))?;
     } else {
-        print::out(&table::report(&report));
+        print::out(&table::report(&report))?;
         if let Some(changes) = &changes {
-            print::out(&table::changes(changes, arguments.factor));
+            print::out(&table::changes(changes, arguments.factor))?;
         }
-        print::out(&format!("results: {}\n", output.path().display()));
+        print::out(&format!("results: {}\n", output.path().display()))?;
         let page = output.path().join(report::FILE);
-        print::out(&format!("report:  {}\n", page.display()));
+        print::out(&format!("report:  {}\n", page.display()))?;
     }
     // Printed first: a full disk does not take what was measured.
     written?;

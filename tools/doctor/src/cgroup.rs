@@ -16,7 +16,7 @@ pub struct Limit {
 pub struct Limits {
     /// `cpu.max` (version 2).
     pub cpu_max: Vec<Limit>,
-    /// `cpu.cfs_quota_us` (version 1), for the period of 100 ms that nobody changes.
+    /// `cpu.cfs_quota_us` (version 1), for the period of 100 ms, which is hardly ever changed.
     pub cpu_quota_us: Vec<Limit>,
     /// `cpu.rt_runtime_us` (version 1).
     pub rt_runtime_us: Vec<Limit>,

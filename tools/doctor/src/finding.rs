@@ -27,7 +27,7 @@ pub struct Finding {
     pub found: String,
     /// What that costs; null when it costs nothing.
     pub costs: Option<String>,
-    /// The command that mends it; null when nothing is to be mended, or nobody here can.
+    /// The command that improves it; null when nothing is to be improved, or no command can.
     pub fix: Option<String>,
     /// No run can start as long as it is so.
     pub prevents_runs: bool,

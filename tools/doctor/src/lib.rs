@@ -1,4 +1,5 @@
-//! `timegap doctor`: what this machine grants, what the rest costs, and the command that mends it.
+//! `timegap doctor`: what this machine grants, what the rest costs, and the command that gets it.
+//! Status 0 without a bad finding, 1 with one, 3 if nothing can run.
 //!
 //! `machine` reads, the other modules judge what was read: plain functions from the contents of files
 //! to a [`Finding`].
@@ -52,11 +53,16 @@ pub fn run(arguments: &DoctorArguments) -> Result<ExitCode, Error> {
     let ok = findings.iter().all(|finding| finding.verdict == Verdict::Ok);
     let report = Report { schema_version: 1, ok, can_run, host, findings };
     if arguments.json {
-        print::out(&(serde_json::to_string_pretty(&report).expect("plain data") + "\n"));
+        print::out(&(serde_json::to_string_pretty(&report).expect("plain data") + "\n"))?;
     } else {
-        print::out(&(finding::table(&report.findings) + &conclusion(&report) + "\n"));
+        print::out(&(finding::table(&report.findings) + &conclusion(&report) + "\n"))?;
     }
-    Ok(if can_run { ExitCode::SUCCESS } else { ExitCode::from(3) })
+    let bad = report.findings.iter().any(|finding| finding.verdict == Verdict::Bad);
+    Ok(match (can_run, bad) {
+        (false, _) => ExitCode::from(3),
+        (true, true) => ExitCode::FAILURE,
+        (true, false) => ExitCode::SUCCESS,
+    })
 }
 
 fn examine(host: &Host) -> Vec<Finding> {
@@ -72,24 +78,25 @@ fn examine(host: &Host) -> Vec<Finding> {
     let online = sys("cpu/online").unwrap_or_default();
     let [before, after] = machine::stat();
     let memory = storage::available_memory(&proc("meminfo").unwrap_or_default());
-    let tmpdir = std::env::var_os("TMPDIR").map(PathBuf::from);
+    let runtime = std::env::var_os("XDG_RUNTIME_DIR").map(PathBuf::from);
     let base = machine::base();
+    let program = std::env::current_exe().unwrap_or_else(|_| "timegap".into());
     let clock = |name: &str| sys(&format!("clocksource/clocksource0/{name}_clocksource"));
     vec![
         storage::shared_memory(machine::shared_memory(), needed, memory),
-        storage::temporary(
+        storage::run_directory(
             base.as_deref().map_err(|e| Error::Machine(e.to_string())),
-            tmpdir.as_deref(),
+            runtime.as_deref(),
         ),
         processor::affinity(&cores, &online),
-        scheduling::policy(&granted, root),
+        scheduling::policy(&granted, root, &program),
         scheduling::throttling(
             proc("sys/kernel/sched_rt_runtime_us").as_deref(),
             proc("sys/kernel/sched_rt_period_us").as_deref(),
         ),
         cgroup::real_time_time(&limits),
         cgroup::processor_time(&limits, cores.len()),
-        scheduling::locked_memory(&granted, &proc("self/limits").unwrap_or_default()),
+        scheduling::locked_memory(&granted, &proc("self/limits").unwrap_or_default(), &program),
         cgroup::memory(&limits, needed + PROCESSES_BYTES),
         scheduling::timer_slack(&granted),
         processor::kernel(&host.kernel, host.realtime_kernel),
@@ -112,7 +119,7 @@ fn conclusion(report: &Report) -> String {
     } else {
         "runs work; `timegap bench` measures what they cost"
     };
-    format!("{ok} ok, {warn} to be mended, {bad} bad: {runs}")
+    format!("{ok} ok, {warn} to be improved, {bad} bad: {runs}")
 }
 
 #[cfg(test)]

@@ -77,10 +77,10 @@ pub fn stat() -> [String; 2] {
 
 /// Room for shared memory.
 pub fn shared_memory() -> Result<Room, Error> {
-    group::shared_memory_room().map(|(size, free)| Room { size, free })
+    Ok(group::shared_memory_room().map(|(size, free)| Room { size, free })?)
 }
 
 /// Directory for the sockets of all runs, made if need be.
 pub fn base() -> Result<PathBuf, Error> {
-    group::base()
+    Ok(group::base()?)
 }

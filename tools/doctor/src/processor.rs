@@ -14,7 +14,7 @@ pub struct IdleState {
     pub name: String,
     /// Time to leave it, µs.
     pub latency_us: u64,
-    /// Nobody enters it.
+    /// It is never entered.
     pub disabled: bool,
 }
 

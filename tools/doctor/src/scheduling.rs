@@ -2,10 +2,14 @@
 
 use super::finding::Finding;
 use runtime::scheduling::Granted;
+use std::path::Path;
 
-/// Gives the program what it needs without making its user root.
-const CAPABILITIES: &str =
-    "sudo setcap cap_sys_nice,cap_ipc_lock=ep \"$(readlink -f \"$(command -v timegap)\")\"";
+/// The command that gives the program at `program` what it needs without making its user root. A new
+/// build is a new file, without it.
+fn capabilities(program: &Path) -> String {
+    let quoted = program.display().to_string().replace('\'', "'\\''");
+    format!("sudo setcap cap_sys_nice,cap_ipc_lock=ep '{quoted}' (again after each build)")
+}
 
 /// The reason why something that a thread asked for was refused.
 fn refusal<'a>(granted: &'a Granted, what: &str) -> Option<&'a str> {
@@ -13,8 +17,8 @@ fn refusal<'a>(granted: &'a Granted, what: &str) -> Option<&'a str> {
     Some(line.split_once(": ").map_or(line, |(_, reason)| reason))
 }
 
-/// Whether a thread that asked for `SCHED_FIFO` has it.
-pub fn policy(granted: &Granted, root: bool) -> Finding {
+/// Whether a thread of `program` that asked for `SCHED_FIFO` has it.
+pub fn policy(granted: &Granted, root: bool, program: &Path) -> Finding {
     const CHECK: &str = "real-time priority";
     if granted.granted == granted.requested {
         return Finding::ok(CHECK, format!("{} is granted", granted.granted));
@@ -30,7 +34,7 @@ pub fn policy(granted: &Granted, root: bool) -> Finding {
              --ulimit rtprio=99"
                 .into()
         } else {
-            CAPABILITIES.into()
+            capabilities(program)
         }),
     )
 }
@@ -59,8 +63,8 @@ pub fn throttling(runtime_us: Option<&str>, period_us: Option<&str>) -> Finding 
     }
 }
 
-/// Whether memory stays where it is.
-pub fn locked_memory(granted: &Granted, limits: &str) -> Finding {
+/// Whether memory of `program` stays where it is.
+pub fn locked_memory(granted: &Granted, limits: &str, program: &Path) -> Finding {
     const CHECK: &str = "locked memory";
     if granted.memory_locked {
         return Finding::ok(CHECK, "granted");
@@ -71,7 +75,7 @@ pub fn locked_memory(granted: &Granted, limits: &str) -> Finding {
         CHECK,
         format!("refused ({reason}); the limit is {limit} bytes"),
         "under memory pressure a control cycle waits for the disk",
-        Some(CAPABILITIES.into()),
+        Some(capabilities(program)),
     )
 }
 
@@ -106,6 +110,10 @@ Max locked memory         65536                65536                bytes
 Max realtime priority     0                    0
 ";
 
+    fn path() -> &'static Path {
+        Path::new("/my builds/timegap")
+    }
+
     fn granted(policy: &str, refused: &[&str]) -> Granted {
         Granted {
             requested: "fifo:80".into(),
@@ -119,7 +127,8 @@ Max realtime priority     0                    0
     #[test]
     fn all_granted() {
         let all = granted("fifo:80", &[]);
-        let findings = [policy(&all, false), locked_memory(&all, LIMITS), timer_slack(&all)];
+        let findings =
+            [policy(&all, false, path()), locked_memory(&all, LIMITS, path()), timer_slack(&all)];
         assert!(findings.iter().all(|f| f.verdict == Verdict::Ok && f.fix.is_none()));
     }
 
@@ -127,17 +136,21 @@ Max realtime priority     0                    0
     fn an_ordinary_user_is_told_which_capabilities_help() {
         let refused = ["locked memory: Cannot allocate memory", "fifo:80: Operation not permitted"];
         let none = granted("other", &refused);
-        let found = policy(&none, false);
+        let found = policy(&none, false, path());
         assert_eq!(found.verdict, Verdict::Bad);
         assert!(found.found.contains("Operation not permitted"), "{found:?}");
-        assert!(found.fix.is_some_and(|fix| fix.contains("setcap cap_sys_nice")));
-        let found = locked_memory(&none, LIMITS);
+        let fix = found.fix.expect("it can be mended");
+        assert!(
+            fix.contains("setcap cap_sys_nice") && fix.contains("'/my builds/timegap'"),
+            "{fix}"
+        );
+        let found = locked_memory(&none, LIMITS, path());
         assert!(found.found.contains("Cannot allocate") && found.found.contains("65536 bytes"));
     }
 
     #[test]
     fn a_refused_root_is_in_a_container() {
-        let found = policy(&granted("other", &["fifo:80: Operation not permitted"]), true);
+        let found = policy(&granted("other", &["fifo:80: Operation not permitted"]), true, path());
         assert!(found.fix.is_some_and(|fix| fix.contains("sys_nice") && !fix.contains("setcap")));
     }
 

@@ -43,17 +43,18 @@ pub fn shared_memory(room: Result<Room, Error>, needed: u64, memory: Option<u64>
     }
 }
 
-/// The directory for the sockets: the one in use, and the one that TMPDIR asks for.
-pub fn temporary(base: Result<&Path, Error>, tmpdir: Option<&Path>) -> Finding {
-    const CHECK: &str = "temporary directory";
+/// The directory for the runs' small files: the one in use, and the one that XDG_RUNTIME_DIR asks for.
+pub fn run_directory(base: Result<&Path, Error>, asked: Option<&Path>) -> Finding {
+    const CHECK: &str = "run directory";
     match base {
-        Err(error) => Finding::fatal(CHECK, &error, "export TMPDIR=/tmp && sudo chmod 1777 /tmp"),
-        Ok(base) => match tmpdir {
+        Err(error) => Finding::fatal(CHECK, &error, "unset XDG_RUNTIME_DIR"),
+        Ok(base) => match asked {
             Some(asked) if !base.starts_with(asked) => Finding::warn(
                 CHECK,
-                format!("{}, not below TMPDIR = {}", base.display(), asked.display()),
-                "the names of sockets below it would be too long (108 bytes): /tmp is used instead",
-                Some("export TMPDIR=/tmp".into()),
+                format!("{}, not below XDG_RUNTIME_DIR = {}", base.display(), asked.display()),
+                "that directory is not this user's own, or its name is too long for the names of \
+                 sockets below it (108 bytes); nothing else",
+                Some("unset XDG_RUNTIME_DIR".into()),
             ),
             _ => Finding::ok(CHECK, base.display().to_string()),
         },
@@ -90,14 +91,14 @@ mod tests {
     }
 
     #[test]
-    fn a_long_or_missing_temporary_directory() {
-        let tmp = Path::new("/tmp/timegap-0");
-        assert_eq!(temporary(Ok(tmp), None).verdict, Verdict::Ok);
-        assert_eq!(temporary(Ok(tmp), Some(Path::new("/tmp"))).verdict, Verdict::Ok);
-        let long = Path::new("/var/lib/somebody/with/a/long/name");
-        assert_eq!(temporary(Ok(tmp), Some(long)).verdict, Verdict::Warn);
-        let refused = Error::Machine("cannot create /tmp/timegap-0: read-only".into());
-        assert!(temporary(Err(refused), None).prevents_runs);
+    fn a_long_or_missing_run_directory() {
+        let used = Path::new("/run/user/7/timegap-7");
+        assert_eq!(run_directory(Ok(used), None).verdict, Verdict::Ok);
+        assert_eq!(run_directory(Ok(used), Some(Path::new("/run/user/7"))).verdict, Verdict::Ok);
+        let long = Path::new("/var/lib/users/with/a/long/name");
+        assert_eq!(run_directory(Ok(used), Some(long)).verdict, Verdict::Warn);
+        let refused = Error::Machine("cannot create /run/user/7/timegap-7: read-only".into());
+        assert!(run_directory(Err(refused), None).prevents_runs);
     }
 
     #[test]

@@ -64,7 +64,7 @@ fn ask(mut client: UnixStream, events: &Sender<Event>) -> Option<std::io::Result
     Some(writeln!(client, "{text}"))
 }
 
-/// Makes the thread of [`listen`] notice that nobody receives its events any more.
+/// Makes the thread of [`listen`] notice that its events are no longer received.
 pub fn close(root: &Path) {
     // It is gone already, or hears us.
     let _ = UnixStream::connect(root.join(SOCKET));

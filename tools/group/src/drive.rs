@@ -5,7 +5,7 @@ use messages::{
     Brake, Command, Diagnostics, Header, Heartbeat, Odometry, Powertrain, RadarTracks,
     ServiceState, Spat, VehicleTruth,
 };
-use runtime::report::ReceivedTopic;
+use runtime::report::{ControlFigures, ReceivedTopic};
 use runtime::{Group, InProcess, Mode, Observed, Observer, RuntimeError, Timetable};
 
 /// Messages of a topic that room is made for from the start.
@@ -84,6 +84,10 @@ pub struct DriveLog {
     powertrains: Vec<(u64, PowertrainStep)>,
     truths: Vec<VehicleTruth>,
     requests: Vec<(u64, f64)>,
+    /// Deadline of a control cycle, and commands that were published later than that, ns.
+    deadline_ns: i64,
+    late_commands: u64,
+    controller_stride: u64,
     cycles: Vec<Diagnostics>,
     /// In realtime the supervisor takes the signs of life.
     supervised: bool,
@@ -107,17 +111,22 @@ pub struct Sign {
 }
 
 impl DriveLog {
-    /// Opens all topics.
-    pub fn listen(group: &Group) -> Result<Self, RuntimeError> {
-        Self::by(Observer::join(group, "launcher")?, group.mode, &group.timetable)
+    /// Opens all topics. A command is late `deadline_ns` after its release.
+    pub fn listen(group: &Group, deadline_ns: i64) -> Result<Self, RuntimeError> {
+        Self::by(Observer::join(group, "launcher")?, group.mode, &group.timetable, deadline_ns)
     }
 
-    /// Opens all topics of a run in this thread.
+    /// Opens all topics of a run in this thread, in which no command is late.
     pub(crate) fn in_process(run: &InProcess) -> Result<Self, RuntimeError> {
-        Self::by(run.observer(), Mode::Lockstep, &run.timetable())
+        Self::by(run.observer(), Mode::Lockstep, &run.timetable(), i64::MAX)
     }
 
-    fn by(observer: Observer, mode: Mode, timetable: &Timetable) -> Result<Self, RuntimeError> {
+    fn by(
+        observer: Observer,
+        mode: Mode,
+        timetable: &Timetable,
+        deadline_ns: i64,
+    ) -> Result<Self, RuntimeError> {
         // Room for the whole run, as far as it is not too long a one to be sure of.
         let room = |service| {
             let messages = timetable.last_step / timetable.stride(service) + 1;
@@ -140,6 +149,9 @@ impl DriveLog {
             powertrains: Vec::new(),
             truths: Vec::with_capacity(room(Service::PerceptionSim)),
             requests: Vec::with_capacity(room(Service::Controller)),
+            deadline_ns,
+            late_commands: 0,
+            controller_stride: timetable.stride(Service::Controller),
             cycles: Vec::with_capacity(room(Service::Controller)),
             supervised: mode == Mode::Realtime,
             signs: Vec::new(),
@@ -174,6 +186,8 @@ impl DriveLog {
         self.truth.drain(|m| self.truths.push(*m))?;
         self.command.drain(|m| {
             note(Service::Controller, &m.header);
+            let late = m.header.publish_ns - m.header.acquisition_ns > self.deadline_ns;
+            self.late_commands += u64::from(late);
             if m.plan_len > 0 {
                 self.requests.push((m.header.step, m.plan_mps2[0]));
             }
@@ -213,7 +227,7 @@ impl DriveLog {
         self.odometries.last().map(|odometry| (odometry.position_m, odometry.speed_mps))
     }
 
-    /// Removes what a dead process left on the topics, so that nobody waits for it.
+    /// Removes what a dead process left on the topics, so that no sender waits for it.
     pub fn remove_dead(&self) {
         self.observer.remove_dead();
     }
@@ -221,6 +235,37 @@ impl DriveLog {
     /// Everything heard so far: motion of the ego, the other vehicles, control cycles.
     pub fn heard(&self) -> (&[Odometry], &[VehicleTruth], &[Diagnostics]) {
         (&self.odometries, &self.truths, &self.cycles)
+    }
+
+    /// Figures of the drive as far as it was heard: gap and acceleration.
+    pub fn figures(&self) -> ControlFigures {
+        let accelerations = || self.odometries.iter().map(|odometry| odometry.acceleration_mps2);
+        let mut truths = self.truths.iter().peekable();
+        let gaps = self.odometries.iter().filter_map(|odometry| {
+            let truth = take_step(&mut truths, odometry.header.step, |truth| truth.header.step)?;
+            truth.nearest_ahead(odometry.position_m).map(|(gap_m, _)| gap_m)
+        });
+        ControlFigures {
+            min_gap_m: gaps.reduce(f64::min),
+            min_accel_mps2: accelerations().reduce(f64::min),
+            max_accel_mps2: accelerations().reduce(f64::max),
+            ..ControlFigures::default()
+        }
+    }
+
+    /// Run time that the vehicle was last heard of, s.
+    pub fn reached_s(&self) -> f64 {
+        self.odometries.last().map_or(0.0, |odometry| odometry.header.acquisition_ns as f64 / 1e9)
+    }
+
+    /// Commands that were published after the deadline of their cycle.
+    pub fn late_commands(&self) -> u64 {
+        self.late_commands
+    }
+
+    /// Steps between two releases of the controller.
+    pub fn controller_stride(&self) -> u64 {
+        self.controller_stride
     }
 
     /// Newest step that the vehicle was heard of.

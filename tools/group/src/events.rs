@@ -1,13 +1,27 @@
 //! What happens to a running group, as one stream.
+//!
+//! A service's output is bounded: a line by [`LONGEST_LINE`], text that is no message by [`CHATTER`]
+//! in all, of which [`KEPT_LINES`] lines are handed on. A service that says more than that is broken
+//! ([`Event::Flooded`]), whatever it says.
 
 use super::control::Answer;
 use messages::Service;
 use runtime::FromService;
 use scenario::faults::Fault;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Handle;
-use std::io::BufRead;
+use std::io::{BufRead, BufReader, Read};
 use std::process::{ChildStderr, ChildStdout};
 use std::sync::mpsc::Sender;
+
+/// Longest line of a service, bytes: a report with all its histograms has a few hundred KiB.
+const LONGEST_LINE: u64 = 16 << 20;
+/// Text beside messages that one process may write, bytes.
+const CHATTER: u64 = 256 << 10;
+/// Lines of such text that are handed on.
+const KEPT_LINES: usize = 50;
+/// Characters of such a line that are handed on.
+const KEPT_CHARACTERS: usize = 400;
 
 /// Something that happened.
 #[derive(Debug)]
@@ -16,13 +30,15 @@ pub enum Event {
     Said(Service, FromService),
     /// A service wrote a line that is no message: a warning, a panic.
     Wrote(Service, String),
-    /// A service's process is gone; its status waits to be taken.
+    /// A service writes more than a service does.
+    Flooded(Service),
+    /// A service's process is gone, or closed its output; its status waits to be taken.
     Gone(Service),
-    /// Somebody asked for an end: Ctrl-C, SIGTERM, SIGHUP.
+    /// Ctrl-C, SIGTERM or SIGHUP asks for an end.
     Signal,
-    /// Somebody sends a fault and awaits the answer.
+    /// A fault from outside, and where its answer goes.
     Inject(Box<Fault>, Sender<Answer>),
-    /// Nothing: a sender finds out whether anybody listens.
+    /// Nothing: a sender finds out whether the receiver is still there.
     Knock,
 }
 
@@ -35,32 +51,72 @@ pub fn follow(
 ) -> std::io::Result<()> {
     let said = events.clone();
     std::thread::Builder::new().name(format!("{service}-out")).spawn(move || {
-        for line in std::io::BufReader::new(out).lines().map_while(Result::ok) {
-            let event = match serde_json::from_str(&line) {
-                Ok(message) => Event::Said(service, message),
-                Err(_) => Event::Wrote(service, line),
-            };
-            if said.send(event).is_err() {
-                return;
-            }
-        }
-        // The end of the output is the end of the process; nobody else holds the pipe.
+        follow_stream(service, out, &said);
+        // The end of the output is the end of the process: it alone holds the pipe.
         let _ = said.send(Event::Gone(service));
     })?;
-    std::thread::Builder::new().name(format!("{service}-err")).spawn(move || {
-        for line in std::io::BufReader::new(err).lines().map_while(Result::ok) {
-            if events.send(Event::Wrote(service, line)).is_err() {
-                return;
-            }
-        }
-    })?;
+    std::thread::Builder::new()
+        .name(format!("{service}-err"))
+        .spawn(move || follow_stream(service, err, &events))?;
     Ok(())
+}
+
+/// Hands on messages and text until the stream ends or its reader does not listen any more.
+fn follow_stream(service: Service, stream: impl Read, events: &Sender<Event>) {
+    let mut reader = BufReader::new(stream);
+    let (mut line, mut chatter, mut lines) = (Vec::new(), 0, 0);
+    loop {
+        line.clear();
+        match (&mut reader).take(LONGEST_LINE).read_until(b'\n', &mut line) {
+            Ok(0) | Err(_) => return,
+            Ok(_) => {}
+        }
+        let event = match serde_json::from_slice(&line) {
+            Ok(message) => Event::Said(service, message),
+            Err(_) => {
+                chatter += line.len() as u64;
+                lines += 1;
+                if chatter > CHATTER {
+                    break;
+                }
+                if lines > KEPT_LINES {
+                    continue;
+                }
+                Event::Wrote(service, kept(&line))
+            }
+        };
+        if events.send(event).is_err() {
+            return;
+        }
+    }
+    if events.send(Event::Flooded(service)).is_ok() {
+        // A process that is to be killed may wait for room in the pipe until it is.
+        let _ = std::io::copy(&mut reader, &mut std::io::sink());
+    }
+}
+
+/// A line as a person may see it.
+fn kept(line: &[u8]) -> String {
+    let text = String::from_utf8_lossy(line);
+    text.trim_end().chars().take(KEPT_CHARACTERS).collect()
+}
+
+/// The signals that ask this process for an end: SIGINT, SIGTERM, and SIGHUP unless this process was
+/// started to ignore it (`nohup`).
+#[must_use]
+pub fn end_signals() -> Vec<i32> {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    // Shells start background jobs with SIGINT ignored; it is heard all the same.
+    let mut signals = vec![SIGINT, SIGTERM];
+    if !is_ignored(&status, SIGHUP) {
+        signals.push(SIGHUP);
+    }
+    signals
 }
 
 /// Turns the signals that ask for an end into events, until the handle is closed.
 pub fn follow_signals(events: Sender<Event>) -> std::io::Result<Handle> {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-    let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP])?;
+    let mut signals = signal_hook::iterator::Signals::new(end_signals())?;
     let handle = signals.handle();
     std::thread::Builder::new().name("signals".into()).spawn(move || {
         for _ in signals.forever() {
@@ -70,4 +126,48 @@ pub fn follow_signals(events: Sender<Event>) -> std::io::Result<Handle> {
         }
     })?;
     Ok(handle)
+}
+
+/// True if the process with this `/proc/<pid>/status` ignores `signal`.
+fn is_ignored(status: &str, signal: i32) -> bool {
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::mpsc::channel;
+
+    fn events(stream: impl Read) -> Vec<Event> {
+        let (sender, receiver) = channel();
+        follow_stream(Service::Controller, stream, &sender);
+        drop(sender);
+        receiver.into_iter().collect()
+    }
+
+    #[test]
+    fn messages_and_text_are_told_apart() {
+        let found = events("{\"ended\":7}\nwarning: \u{1b}x\n\n".as_bytes());
+        assert!(matches!(found[0], Event::Said(_, FromService::Ended(7))), "{found:?}");
+        assert!(matches!(&found[1], Event::Wrote(_, line) if line.starts_with("warning")));
+    }
+
+    #[test]
+    fn a_flood_is_reported_once_and_only_its_first_lines_are_kept() {
+        let found = events(std::io::repeat(b'y').take(CHATTER + 1));
+        assert!(matches!(found[..], [Event::Flooded(_)]), "one endless line");
+        let lines = "y\n".repeat(CHATTER as usize);
+        let found = events(lines.as_bytes());
+        assert_eq!(found.len(), KEPT_LINES + 1);
+        assert!(matches!(found.last(), Some(Event::Flooded(_))));
+    }
+
+    #[test]
+    fn an_inherited_disposition_is_read_from_the_kernels_mask() {
+        let status = "Name:\tx\nSigBlk:\t0000000000000000\nSigIgn:\t0000000000000001\n";
+        assert!(is_ignored(status, SIGHUP));
+        assert!(!is_ignored(status, SIGTERM) && !is_ignored("", SIGHUP));
+    }
 }

@@ -14,15 +14,16 @@ const STORM: u16 = 3;
 pub struct FaultRecord {
     /// Run time at which it began, s.
     pub t_s: f64,
-    /// Kind of the fault, or `died` or `hung` for what nobody asked for.
+    /// Kind of the fault, or `died`, `hung` or `flooded` for one that was not asked for.
     pub kind: String,
-    /// The service that it befell.
+    /// The service that it acts on.
     pub service: Option<Service>,
-    /// The topic whose messages it befell.
+    /// The topic whose messages it acts on.
     pub topic: Option<&'static str>,
-    /// Messages that it befell, summed over the topic's ports.
+    /// Messages that it changed, summed over the topic's ports.
     pub messages: Option<u64>,
-    /// Until the launcher knew that the service was gone or hung, µs.
+    /// Until the launcher knew that the service was gone or hung, µs; null for a death whose instant
+    /// is not known.
     pub detected_after_us: Option<f64>,
     /// Until the first fresh message of the service's next process, µs.
     pub recovered_after_us: Option<f64>,
@@ -159,7 +160,7 @@ impl Faults {
         acts
     }
 
-    /// True while a service is to recover from what befell it.
+    /// True while a service is to recover from a fault.
     pub fn is_recovery_awaited(&self) -> bool {
         self.records
             .iter()
@@ -197,8 +198,16 @@ impl Faults {
     }
 
     /// Notes that the launcher found `service` gone or hung at `now_ns`; its restart `awaits` will
-    /// show its recovery. What nobody asked for gets a record of its own, of that kind.
-    pub fn detected(&mut self, service: Service, kind: &str, awaits: u32, now_ns: i64) {
+    /// show its recovery. A fault that was not asked for gets a record of its own, of that kind, with
+    /// the run time `since_ns` at which it began, where that is known.
+    pub fn detected(
+        &mut self,
+        service: Service,
+        kind: &str,
+        awaits: u32,
+        since_ns: Option<i64>,
+        now_ns: i64,
+    ) {
         let asked = self.records.iter_mut().rev().find(|record| {
             record.service == Some(service)
                 && record.detected_after_us.is_none()
@@ -214,12 +223,12 @@ impl Faults {
             return;
         }
         self.records.push(FaultRecord {
-            t_s: now_ns as f64 / 1e9,
+            t_s: since_ns.unwrap_or(now_ns) as f64 / 1e9,
             kind: kind.into(),
             service: Some(service),
             topic: None,
             messages: None,
-            detected_after_us: Some(0.0),
+            detected_after_us: since_ns.map(|since_ns| (now_ns - since_ns) as f64 / 1e3),
             recovered_after_us: None,
             number: u32::MAX,
             awaits: Some(awaits),
@@ -288,7 +297,7 @@ mod tests {
         assert_eq!(due, [(0, Act::Kill(Service::Controller))]);
         faults.done(0, 1_000_500_000, None);
         assert_eq!(faults.due(2_000_000_000, None, |_| Some(0)), []);
-        faults.detected(Service::Controller, "died", 1, 1_001_000_000);
+        faults.detected(Service::Controller, "died", 1, None, 1_001_000_000);
         faults.recovered(Service::Controller, 1, 1_012_500_000);
         let [record] = faults.records.as_slice() else { panic!("one record") };
         assert_eq!(record.detected_after_us.map(f64::round), Some(500.0));
@@ -323,12 +332,14 @@ mod tests {
     }
 
     #[test]
-    fn a_death_that_nobody_asked_for_is_recorded_once() {
+    fn a_death_that_was_not_asked_for_is_recorded_once_with_what_was_measured() {
         let mut faults = faults("");
-        faults.detected(Service::Plant, "hung", 1, 5);
-        faults.detected(Service::Plant, "died", 1, 6);
-        assert_eq!(faults.records.len(), 1);
-        assert_eq!(faults.records[0].kind, "hung");
+        faults.detected(Service::Plant, "hung", 1, Some(5_000), 6_000);
+        faults.detected(Service::Plant, "died", 1, None, 7_000);
+        faults.detected(Service::Controller, "died", 1, None, 8_000);
+        let [hung, died] = faults.records.as_slice() else { panic!("two records") };
+        assert_eq!((hung.kind.as_str(), hung.detected_after_us), ("hung", Some(1.0)));
+        assert_eq!((died.t_s, died.detected_after_us), (8e-6, None), "its instant is not known");
     }
 
     #[test]

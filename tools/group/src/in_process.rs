@@ -4,6 +4,7 @@
 //! the services: processes, shared memory, files. Faults of processes need processes.
 
 use super::drive::DriveLog;
+use super::exits::Exit;
 use super::faults::Faults;
 use super::supervisor::{Ended, GroupOutcome, Moment};
 use crate::Error;
@@ -55,7 +56,8 @@ pub fn run_watched(
     run.take_turns(&mut |service, said| course.hear(service, said));
     if let Some((service, how)) = course.failed.take() {
         run.abort();
-        return Err(Error::NotReady { service, what: format!("failed: {how}") });
+        let what = format!("failed: {how}");
+        return Err(Error::NotReady { service, what, foreign: false });
     }
     let ready_after = begun.elapsed();
     run.begin();
@@ -134,10 +136,10 @@ impl Course {
     }
 
     /// How the service's process would have ended.
-    fn exit_of(&self, service: Service) -> String {
+    fn exit_of(&self, service: Service) -> Exit {
         match &self.failed {
-            Some((failed, how)) if *failed == service => how.clone(),
-            _ => "ok".into(),
+            Some((failed, _)) if *failed == service => Exit::Status(1),
+            _ => Exit::Ok,
         }
     }
 }

@@ -12,8 +12,8 @@
 //! In lockstep the same services can also take turns in the launcher's own thread: [`in_process`].
 //!
 //! During a realtime run [`watch`] keeps the group whole: a service that dies or hangs is replaced
-//! within its budget, and [`faults`] acts out what the scenario, or somebody at [`control`], wants to
-//! go wrong.
+//! within its budget ([`exits`] is the table of all ends), and [`faults`] applies the faults of the
+//! scenario and those that come in at [`control`].
 
 mod attendant;
 pub mod control;
@@ -21,22 +21,28 @@ mod disturbance;
 mod drive;
 mod error;
 mod events;
+pub mod exits;
 mod faults;
 pub mod in_process;
 mod janitor;
+mod life;
 mod member;
 mod options;
 mod processes;
 mod recording;
 mod replay;
+mod room;
 mod root;
 mod run;
+mod starvation;
 mod supervisor;
 mod watch;
 
 pub use disturbance::run as run_hog;
 pub use drive::{Drive, DriveStep, PowertrainStep};
-pub use error::Error;
+pub use error::{Error, RoomError, RootError};
+pub use events::end_signals;
+pub use exits::Exit;
 pub use faults::FaultRecord;
 pub use in_process::entry;
 pub use janitor::run as run_janitor;
@@ -45,6 +51,7 @@ pub use options::{GroupOptions, ModeName, ScenarioOptions};
 pub use processes::{Janitor, this_program};
 pub use recording::RecordingSummary;
 pub use replay::{Replayed, replay};
-pub use root::{RunRoot, base, check_room, is_alive, shared_memory_room};
+pub use room::{check_room, shared_memory_room};
+pub use root::{RunRoot, base, is_alive};
 pub use run::{Keep, drive, is_openscenario, open, open_with};
 pub use supervisor::{Ended, GroupOutcome, Launch, Moment, launch};

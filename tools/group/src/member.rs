@@ -1,8 +1,11 @@
-//! One service of the group over all its processes: policy, budget, signs of life.
+//! One service of the group over all its processes: policy, budget, signs of life, accounts.
 
 use super::drive::Sign;
-use super::processes::{Process, describe};
+use super::events::Event;
+use super::exits::Exit;
+use super::processes::Process;
 use super::root::RunRoot;
+use super::starvation::Share;
 use crate::Error;
 use messages::Service;
 use runtime::report::ServiceReport;
@@ -12,8 +15,6 @@ use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::mpsc::Sender;
 use std::time::Duration;
-
-use super::events::Event;
 
 /// Where a service is in its life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,14 +44,33 @@ pub struct Member {
     incarnation: u32,
     /// Where it is.
     pub phase: Phase,
-    /// What it reported at its end.
+    /// What it reported at the run's end.
     pub report: Option<ServiceReport>,
-    /// Run time of the last sign of life, ns, and the cycles done then.
-    sign: (i64, u64),
+    /// What its processes before the present one counted.
+    pub past: Vec<ServiceReport>,
+    /// What the launcher killed the present process for, or how it ended during the run.
+    cause: Option<Exit>,
+    /// The present process has reported, before the run's end.
+    has_told: bool,
+    silence: Silence,
     /// Its signs of life over all its processes.
     pub heartbeats: Heartbeats,
     /// Run times of the restarts within the budget's window, ns.
     restarts: VecDeque<i64>,
+}
+
+/// The time since a service's last sign of life.
+#[derive(Clone, Copy, Debug, Default)]
+struct Silence {
+    /// Run time of the last sign of life, ns.
+    heard_ns: i64,
+    /// Cycles done then.
+    cycles: u64,
+    /// Run time from which it counts as silent, ns: later than `heard_ns` where the silence was the
+    /// machine's or the launcher's.
+    since_ns: i64,
+    /// What it had of the processor at a run time within the silence, ns.
+    suspect: Option<(i64, Share)>,
 }
 
 /// Signs of life of a service.
@@ -62,6 +82,8 @@ pub struct Heartbeats {
     pub degraded: u64,
     /// Longest time without one, ms.
     pub longest_silence_ms: f64,
+    /// Time without one because the machine did not give it the processor, ms.
+    pub starved_ms: f64,
 }
 
 /// What the supervisor is to do about a death.
@@ -92,7 +114,10 @@ impl Member {
             incarnation: 0,
             phase: Phase::Starting { since_ns: -1 },
             report: None,
-            sign: (0, 0),
+            past: Vec::new(),
+            cause: None,
+            has_told: false,
+            silence: Silence::default(),
             heartbeats: Heartbeats::default(),
             restarts: VecDeque::new(),
         })
@@ -109,67 +134,112 @@ impl Member {
         self.incarnation += 1;
         let identity = (self.service, self.incarnation);
         self.process = Process::spawn(identity, self.program.as_ref(), root, leader, events)?;
+        (self.cause, self.has_told) = (None, false);
         self.phase = Phase::Starting { since_ns: now_ns };
         self.restarts.push_back(now_ns);
         Ok(())
     }
 
-    /// The service.
-    pub fn service(&self) -> Service {
-        self.service
+    /// The next process takes part from now on.
+    pub fn begin(&mut self, now_ns: i64) {
+        self.phase = Phase::Running;
+        self.silence = Silence { heard_ns: now_ns, since_ns: now_ns, ..Silence::default() };
     }
 
-    /// Which process of the service it is, counted from 0.
-    pub fn incarnation(&self) -> u32 {
-        self.incarnation
+    /// Kills the present process, which is said to have ended so.
+    pub fn kill(&mut self, cause: Exit) {
+        self.cause.get_or_insert(cause);
+        self.process.kill();
     }
 
-    /// The present process.
-    pub fn process(&mut self) -> &mut Process {
-        &mut self.process
+    /// Notes that the present process leaves by itself, before the run's end, with this report.
+    pub fn leaves_early(&mut self, report: ServiceReport) {
+        self.past.push(report);
+        self.has_told = true;
     }
 
-    /// Process id.
-    pub fn pid(&self) -> i32 {
-        self.process.pid()
+    /// Keeps what the present process, which is gone, left, unless it told that itself.
+    pub fn keep(&mut self, left: ServiceReport) {
+        if !self.has_told {
+            self.past.push(left);
+        }
     }
 
-    /// Process group of the present process.
-    pub fn group(&self) -> i32 {
-        self.process.group()
+    /// How the present process ended; one that lives on after `grace` is killed and has ended as
+    /// `overdue`.
+    pub fn exit(&mut self, grace: Duration, overdue: Exit) -> Exit {
+        let (status, killed) = self.process.end(grace);
+        match (self.cause, Exit::of(status)) {
+            (Some(cause), _) => cause,
+            (None, _) if killed => overdue,
+            (None, exit) => exit,
+        }
     }
 
-    /// How the present process ended, waiting for it to be gone.
-    pub fn how_it_ended(&mut self, grace: Duration) -> String {
-        describe(self.process.end(grace))
+    /// How the present process ended, which closed its output before the run's end; it is killed if it
+    /// lives on after `grace`.
+    pub fn exit_in_run(&mut self, grace: Duration) -> Exit {
+        let exit = match self.exit(grace, Exit::OutputClosed) {
+            Exit::Ok => Exit::Early,
+            other => other,
+        };
+        self.cause = Some(exit);
+        exit
     }
 
     /// Notes a sign of life at `now_ns` with so many cycles done; none without progress.
     pub fn sign_of_life(&mut self, sign: &Sign, now_ns: i64) {
         self.heartbeats.count += 1;
         self.heartbeats.degraded += u64::from(sign.degraded);
-        let silent_ns = now_ns - self.sign.0;
-        self.heartbeats.longest_silence_ms =
-            self.heartbeats.longest_silence_ms.max(silent_ns as f64 / 1e6);
-        if sign.incarnation == self.incarnation && sign.cycles > self.sign.1 {
-            self.sign = (now_ns, sign.cycles);
+        let silent_ms = (now_ns - self.silence.heard_ns) as f64 / 1e6;
+        self.heartbeats.longest_silence_ms = self.heartbeats.longest_silence_ms.max(silent_ms);
+        if sign.incarnation == self.incarnation && sign.cycles > self.silence.cycles {
+            self.silence =
+                Silence { heard_ns: now_ns, cycles: sign.cycles, since_ns: now_ns, suspect: None };
         }
     }
 
     /// Counts the time without a sign of life from `now_ns` on.
-    pub fn forgive(&mut self, now_ns: i64) {
-        self.sign.0 = self.sign.0.max(now_ns);
+    pub fn reset_silence(&mut self, now_ns: i64) {
+        self.silence.since_ns = self.silence.since_ns.max(now_ns);
+        self.silence.suspect = None;
     }
 
-    /// It takes part from now on.
-    pub fn begin(&mut self, now_ns: i64) {
-        self.phase = Phase::Running;
-        self.sign = (now_ns, 0);
+    /// True if the service hangs: no sign of life for more than `limit_ns`, although the machine gave
+    /// it the processor.
+    pub fn is_hung(&mut self, now_ns: i64, limit_ns: i64) -> bool {
+        let silent_ns = now_ns - self.silence.since_ns;
+        if 2 * silent_ns > limit_ns && self.silence.suspect.is_none() {
+            self.silence.suspect = Share::of(self.pid()).map(|share| (now_ns, share));
+        }
+        if silent_ns <= limit_ns {
+            return false;
+        }
+        let Some((then_ns, before)) = self.silence.suspect else { return true };
+        let starved = Share::of(self.pid())
+            .is_some_and(|share| before.is_starved(share, (now_ns - then_ns).max(1)));
+        if starved {
+            self.heartbeats.starved_ms += silent_ns as f64 / 1e6;
+            self.reset_silence(now_ns);
+        }
+        !starved
     }
 
-    /// Time without a sign of life, ns.
-    pub fn silent_ns(&self, now_ns: i64) -> i64 {
-        now_ns - self.sign.0
+    /// True if the next process should be ready by now: it was started before `limit_ns`, and the
+    /// machine gave it the processor.
+    pub fn is_overdue(&mut self, now_ns: i64, limit_ns: i64) -> bool {
+        let Phase::Starting { since_ns } = self.phase else { return false };
+        let waited_ns = now_ns - since_ns;
+        if waited_ns <= limit_ns {
+            return false;
+        }
+        let starved = Share::of(self.pid())
+            .is_some_and(|share| Share::default().is_starved(share, waited_ns));
+        if starved {
+            self.heartbeats.starved_ms += waited_ns as f64 / 1e6;
+            self.phase = Phase::Starting { since_ns: now_ns };
+        }
+        !starved
     }
 
     /// What to do now that its process is gone; `failed` if not by its own orderly end.
@@ -188,6 +258,41 @@ impl Member {
             return Verdict::GiveUp;
         }
         Verdict::Restart(backoff(policy, row))
+    }
+
+    /// The present process.
+    pub fn process(&mut self) -> &mut Process {
+        &mut self.process
+    }
+
+    /// The service.
+    pub fn service(&self) -> Service {
+        self.service
+    }
+
+    /// Which process of the service it is, counted from 0.
+    pub fn incarnation(&self) -> u32 {
+        self.incarnation
+    }
+
+    /// Process id.
+    pub fn pid(&self) -> i32 {
+        self.process.pid()
+    }
+
+    /// Process group of the present process.
+    pub fn group(&self) -> i32 {
+        self.process.group()
+    }
+
+    /// Run time of the last sign of life, ns.
+    pub fn heard_ns(&self) -> i64 {
+        self.silence.heard_ns
+    }
+
+    /// True if the service runs a program of the user's.
+    pub fn is_foreign(&self) -> bool {
+        self.program.is_some()
     }
 }
 

@@ -8,7 +8,7 @@ use messages::Service;
 use runtime::{PEER_JOINED, ToService, enroll, inherit_only};
 use rustix::process::{Pid, Signal, kill_process};
 use std::io::Write;
-use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::os::unix::process::CommandExt;
 use std::path::PathBuf;
 use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::mpsc::Sender;
@@ -111,18 +111,20 @@ impl Process {
         }
     }
 
-    /// Waits until the process is gone; kills it after `grace`.
-    pub fn end(&mut self, grace: Duration) -> ExitStatus {
+    /// Waits until the process is gone; kills it after `grace`. Its status, and whether it was killed
+    /// here.
+    pub fn end(&mut self, grace: Duration) -> (ExitStatus, bool) {
         // The end of the orders tells the service to go.
         self.orders = None;
         let begun = Instant::now();
+        let mut killed = false;
         loop {
             if let Some(status) = self.poll() {
-                return status;
+                return (status, killed);
             }
             if begun.elapsed() > grace {
                 // Ours and not yet waited for: the id cannot be another's.
-                let _ = self.child.kill();
+                killed |= self.child.kill().is_ok();
             }
             std::thread::sleep(Duration::from_millis(1));
         }
@@ -139,19 +141,6 @@ impl Process {
 
 fn pid(child: &Child) -> i32 {
     i32::try_from(child.id()).expect("process ids are positive and fit")
-}
-
-/// What an exit status means, in words.
-pub fn describe(status: ExitStatus) -> String {
-    match (status.code(), status.signal()) {
-        (Some(0), _) => "ok".into(),
-        (Some(code), _) => format!("exit status {code}"),
-        (None, Some(signal)) => {
-            let name = signal_hook::low_level::signal_name(signal).unwrap_or("an unknown signal");
-            format!("killed by {name}")
-        }
-        (None, None) => "unknown".into(),
-    }
 }
 
 /// The janitor's process.
@@ -186,7 +175,7 @@ impl Janitor {
         self.say(&group.to_string());
     }
 
-    /// Sends it home: the launcher has cleaned up.
+    /// Ends it: the launcher has cleaned up.
     pub fn dismiss(mut self) {
         self.say(DONE);
         drop(self.lines.take());

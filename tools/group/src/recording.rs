@@ -2,7 +2,7 @@
 //! says so.
 
 use super::attendant::Attendant;
-use super::processes::describe;
+use super::exits::Exit;
 use super::root::RunRoot;
 use recorder::{FromRecorder, Recording, Start, ToRecorder};
 use runtime::scheduling::Granted;
@@ -21,7 +21,7 @@ pub struct RecordingSummary {
     pub path: PathBuf,
     /// Messages in it.
     pub messages: u64,
-    /// Messages that were sent and are not in it; null if nobody was left to count.
+    /// Messages that were sent and are not in it; null if the recorder died.
     pub lost: Option<u64>,
     /// Its size, bytes.
     pub bytes: u64,
@@ -74,7 +74,9 @@ impl RecorderProcess {
         }
         let reason = match process.hear(Duration::ZERO) {
             Some(FromRecorder::Failed(reason)) => reason,
-            _ => process.end(Duration::ZERO).map_or_else(String::new, describe),
+            _ => process
+                .end(Duration::ZERO)
+                .map_or_else(String::new, |status| Exit::of(status).to_string()),
         };
         self.give_up(reason);
         true

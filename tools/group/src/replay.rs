@@ -2,8 +2,10 @@
 
 use super::attendant::Attendant;
 use super::events::{Event, follow_signals};
-use super::processes::{Janitor, Process, describe};
-use super::root::{RunRoot, check_room};
+use super::exits::Exit;
+use super::processes::{Janitor, Process};
+use super::room::check_room;
+use super::root::RunRoot;
 use crate::Error;
 use messages::Service;
 use messages::{Command, Diagnostics};
@@ -128,7 +130,8 @@ impl Cast {
                 Ok(Event::Said(_, FromService::Report(_))) => break,
                 Ok(Event::Said(_, FromService::Failed(how))) => return Err(broken(how)),
                 Ok(Event::Gone(_)) => {
-                    return Err(broken(describe(self.controller.end(EXIT_GRACE))));
+                    let (status, _) = self.controller.end(EXIT_GRACE);
+                    return Err(broken(Exit::of(status).to_string()));
                 }
                 Ok(Event::Signal) => return Err(Error::Interrupted),
                 Ok(Event::Wrote(_, line)) => eprintln!("controller: {line}"),
@@ -157,7 +160,8 @@ impl Cast {
                 Ok(Event::Said(_, FromService::Ready(_))) => break,
                 Ok(Event::Said(_, FromService::Failed(how))) => return Err(broken(how)),
                 Ok(Event::Gone(_)) => {
-                    return Err(broken(describe(self.controller.end(EXIT_GRACE))));
+                    let (status, _) = self.controller.end(EXIT_GRACE);
+                    return Err(broken(Exit::of(status).to_string()));
                 }
                 Ok(Event::Signal) => return Err(Error::Interrupted),
                 Ok(Event::Wrote(_, line)) => eprintln!("controller: {line}"),
@@ -180,7 +184,8 @@ impl Cast {
 }
 
 fn broken(what: String) -> Error {
-    Error::NotReady { service: Service::Controller, what: format!("broke the replay: {what}") }
+    let what = format!("broke the replay: {what}");
+    Error::NotReady { service: Service::Controller, what, foreign: false }
 }
 
 /// Hears the controller.

@@ -1,6 +1,9 @@
-//! A run's private corner: a directory in the temporary directory, a prefix in `/dev/shm`, a lock.
+//! A run's private corner: a directory in memory, a prefix in `/dev/shm`, a lock.
+//!
+//! The directory is `$XDG_RUNTIME_DIR/timegap-<uid>/<id>`, or the same below `/dev/shm`. Both are file
+//! systems in memory: iceoryx2 makes some hundred small files for a run and waits for the disk with each.
 
-use crate::Error;
+use super::room::SHARED_MEMORY;
 use rustix::fs::{FlockOperation, flock};
 use std::fs::{DirBuilder, File};
 use std::io;
@@ -10,14 +13,50 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicI64, Ordering};
 use std::time::Duration;
 
-/// Where POSIX shared memory lives.
-const SHARED_MEMORY: &str = "/dev/shm";
 /// Name of the lock file in a run's root.
 const LOCK: &str = "lock";
 /// Longest path of a base directory: event sockets below it must fit in 108 bytes.
 const LONGEST_BASE: usize = 24;
+/// Attempts to make a root while other runs remove the empty base.
+const ATTEMPTS: usize = 100;
 /// A root without a lock is left alone for so long: its owner may be about to lock it.
 const GRACE: Duration = Duration::from_secs(60);
+
+/// Why a run's directory cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum RootError {
+    /// A directory or file cannot be made or looked at.
+    #[error("cannot {action} {}: {reason}", path.display())]
+    Path {
+        /// What was tried.
+        action: &'static str,
+        /// On what.
+        path: PathBuf,
+        /// What the system said.
+        reason: io::Error,
+    },
+    /// The directory of the user's runs is another user's, or open to others.
+    #[error(
+        "{} is not a directory that belongs to this user alone: remove it, or set XDG_RUNTIME_DIR",
+        path.display()
+    )]
+    NotOwn {
+        /// The directory.
+        path: PathBuf,
+    },
+    /// Other runs removed it again and again.
+    #[error("{} is removed as often as it is made", path.display())]
+    Vanishes {
+        /// The directory.
+        path: PathBuf,
+    },
+}
+
+/// An error of an operation on `path`.
+fn failed(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> RootError {
+    let path = path.to_owned();
+    move |reason| RootError::Path { action, path, reason }
+}
 
 /// A run's root, locked by this process.
 #[derive(Debug)]
@@ -29,24 +68,24 @@ pub struct RunRoot {
 
 impl RunRoot {
     /// Makes a new root for this process, after removing what dead runs of this user left.
-    pub fn create() -> Result<Self, Error> {
-        let base = base()?;
-        sweep(&base);
+    ///
+    /// # Errors
+    /// If the directory cannot be made.
+    pub fn create() -> Result<Self, RootError> {
+        sweep(&base()?);
         // The number keeps apart runs that threads of one launcher start at the same instant, the
         // time those of launchers with the same id in containers that share a directory.
         static NUMBER: AtomicI64 = AtomicI64::new(0);
         let number = NUMBER.fetch_add(1, Ordering::Relaxed) & 0xfff;
         let time = runtime::monotonic_ns() & 0xfff;
         let id = format!("{:x}-{:x}", std::process::id(), time << 12 | number);
-        let path = base.join(&id);
-        let error = |reason| Error::Path { action: "create", path: path.clone(), reason };
-        DirBuilder::new().mode(0o700).create(&path).map_err(error)?;
-        // Nobody may find the lock before it is taken: who can take it removes the root.
+        let path = create(&id)?;
+        // The lock is taken before it has its name: a process that can take it removes the root.
         let unlocked = path.join("unlocked");
-        let lock = File::create_new(&unlocked).map_err(error)?;
+        let lock = File::create_new(&unlocked).map_err(failed("create", &unlocked))?;
         flock(&lock, FlockOperation::NonBlockingLockExclusive)
-            .map_err(|e| Error::Machine(format!("cannot lock {}: {e}", path.display())))?;
-        std::fs::rename(&unlocked, path.join(LOCK)).map_err(error)?;
+            .map_err(|errno| failed("lock", &unlocked)(errno.into()))?;
+        std::fs::rename(&unlocked, path.join(LOCK)).map_err(failed("rename", &unlocked))?;
         Ok(Self { prefix: prefix_of(&id), path, lock })
     }
 
@@ -82,70 +121,70 @@ pub fn is_alive(root: &Path) -> bool {
         .is_ok_and(|lock| flock(&lock, FlockOperation::NonBlockingLockExclusive).is_err())
 }
 
-/// Checks that shared memory has room for `needed` bytes: a page that cannot be had later would end
-/// the process that touches it.
-pub fn check_room(needed: u64) -> Result<(), Error> {
-    let (_, free) = shared_memory_room()?;
-    if free >= needed {
-        return Ok(());
-    }
-    let [free, needed] = [free, needed].map(|bytes| bytes.div_ceil(1024));
-    Err(Error::Machine(format!(
-        "{SHARED_MEMORY} has {free} KiB free and a run may use {needed} KiB: free some, or enlarge \
-         it with `mount -o remount,size=64m {SHARED_MEMORY}`"
-    )))
-}
-
-/// Size of the file system of the shared memory and what is free of it, bytes.
-pub fn shared_memory_room() -> Result<(u64, u64), Error> {
-    let found = rustix::fs::statvfs(SHARED_MEMORY)
-        .map_err(|e| Error::Machine(format!("{SHARED_MEMORY} is needed for shared memory: {e}")))?;
-    Ok((found.f_blocks * found.f_frsize, found.f_bavail * found.f_frsize))
-}
-
 /// Removes a run's directory and its shared memory.
 pub fn wipe(root: &Path) {
     if let Some(id) = root.file_name().and_then(|name| name.to_str()) {
         let prefix = prefix_of(id);
         for entry in std::fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten() {
             if entry.file_name().to_string_lossy().starts_with(&prefix) {
-                // Somebody else's clean-up may have been faster.
+                // Another process's clean-up may have been faster.
                 let _ = std::fs::remove_file(entry.path());
             }
         }
     }
     let _ = std::fs::remove_dir_all(root);
+    if let Some(base) = root.parent() {
+        // It is removed with its last run: a directory that is not empty stays.
+        let _ = std::fs::remove_dir(base);
+    }
 }
 
 fn prefix_of(id: &str) -> String {
     format!("timegap_{id}_")
 }
 
+/// Makes the root of this id. A run that ends removes the base when it is empty: then it is made again.
+fn create(id: &str) -> Result<PathBuf, RootError> {
+    for _ in 0..ATTEMPTS {
+        let path = base()?.join(id);
+        match DirBuilder::new().mode(0o700).create(&path) {
+            Ok(()) => return Ok(path),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            Err(reason) => return Err(failed("create", &path)(reason)),
+        }
+    }
+    Err(RootError::Vanishes { path: base()? })
+}
+
 /// The user's own directory for all runs.
-pub fn base() -> Result<PathBuf, Error> {
+///
+/// # Errors
+/// If it cannot be made or is not the user's own.
+pub fn base() -> Result<PathBuf, RootError> {
     let uid = rustix::process::geteuid().as_raw();
-    let temporary = std::env::temp_dir();
-    let temporary = if temporary.as_os_str().len() > LONGEST_BASE || !temporary.is_absolute() {
-        PathBuf::from("/tmp")
-    } else {
-        temporary
-    };
-    let base = temporary.join(format!("timegap-{uid}"));
+    let runtime = std::env::var_os("XDG_RUNTIME_DIR").map(PathBuf::from);
+    let parent = runtime.filter(|path| is_usable(path, uid));
+    let base = parent.unwrap_or_else(|| SHARED_MEMORY.into()).join(format!("timegap-{uid}"));
     match DirBuilder::new().mode(0o700).create(&base) {
-        Err(e) if e.kind() != io::ErrorKind::AlreadyExists => {
-            return Err(Error::Machine(format!("cannot create {}: {e}", base.display())));
+        Err(error) if error.kind() != io::ErrorKind::AlreadyExists => {
+            return Err(failed("create", &base)(error));
         }
         _ => {}
     }
-    let found = std::fs::symlink_metadata(&base)
-        .map_err(|e| Error::Machine(format!("cannot examine {}: {e}", base.display())))?;
-    if !found.is_dir() || found.uid() != uid || found.permissions().mode() & 0o077 != 0 {
-        return Err(Error::Machine(format!(
-            "{} is not a directory that belongs to this user alone: remove it, or set TMPDIR",
-            base.display()
-        )));
-    }
-    Ok(base)
+    let found = match std::fs::symlink_metadata(&base) {
+        // Another launcher's last run has just removed it; it is made again when it is needed.
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(base),
+        found => found.map_err(failed("examine", &base))?,
+    };
+    let own = found.is_dir() && found.uid() == uid && found.permissions().mode() & 0o077 == 0;
+    if own { Ok(base) } else { Err(RootError::NotOwn { path: base }) }
+}
+
+/// True if `path` is a directory of this user, and short enough for the names of sockets below it.
+fn is_usable(path: &Path, uid: u32) -> bool {
+    path.is_absolute()
+        && path.as_os_str().len() <= LONGEST_BASE
+        && path.metadata().is_ok_and(|found| found.is_dir() && found.uid() == uid)
 }
 
 /// Removes the roots below `base` whose processes are all gone.
@@ -171,6 +210,19 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_runtime_directory_is_short_and_the_users_own() {
+        let uid = rustix::process::geteuid().as_raw();
+        let here = std::env::temp_dir();
+        assert!(!is_usable(Path::new("relative"), uid));
+        assert!(!is_usable(Path::new("/no/such/directory"), uid));
+        assert!(!is_usable(&here, uid + 1), "another user's");
+        let long = here.join("a-name-that-makes-sockets-too-long");
+        std::fs::create_dir_all(&long).expect("the temporary directory is writable");
+        assert!(!is_usable(&long, uid));
+        std::fs::remove_dir(&long).expect("ours");
+    }
+
+    #[test]
     fn a_sweep_spares_the_living_and_removes_the_dead() {
         let base = std::env::temp_dir().join(format!("timegap-sweep-{}", std::process::id()));
         let [living, dead, young] = ["living", "dead", "young"].map(|name| base.join(name));
@@ -178,7 +230,7 @@ mod tests {
             std::fs::create_dir_all(root).expect("the temporary directory is writable");
         }
         let lock = File::create_new(living.join(LOCK)).expect("new directory");
-        flock(&lock, FlockOperation::NonBlockingLockExclusive).expect("nobody else knows it");
+        flock(&lock, FlockOperation::NonBlockingLockExclusive).expect("only this test knows it");
         File::create_new(dead.join(LOCK)).expect("new directory");
         sweep(&base);
         assert!(living.exists() && !dead.exists() && young.exists());

@@ -31,24 +31,24 @@ pub fn open_with(
         overrides.option("--duration", "duration_s", duration);
     }
     for argument in &options.set {
-        overrides.set(argument).map_err(usage)?;
+        overrides.set(argument)?;
     }
     for argument in keys {
-        overrides.set_by(option, argument).map_err(usage)?;
+        overrides.set_by(option, argument)?;
     }
     let parameters = options.parameters.iter().map(|argument| assignment(argument));
     let parameters = parameters.collect::<Result<Vec<_>, _>>()?;
     if is_openscenario(name) {
         let path = Path::new(name);
         return Scenario::open_openscenario(path, &parameters, &overrides, &laws::check)
-            .map_err(usage);
+            .map_err(|error| Error::OpenScenario(Box::new(error)));
     }
     if let Some(argument) = options.parameters.first() {
         return Err(Error::Usage(format!(
-            "error: --param {argument}: {name} is no OpenSCENARIO file, expected --set KEY=VALUE"
+            "--param {argument}: {name} is no OpenSCENARIO file, expected --set KEY=VALUE"
         )));
     }
-    Scenario::open(name, &overrides, &laws::check).map_err(usage)
+    Ok(Scenario::open(name, &overrides, &laws::check)?)
 }
 
 /// Whether a scenario's name is the path of an OpenSCENARIO file.
@@ -60,13 +60,9 @@ pub fn is_openscenario(name: &str) -> bool {
 /// A value for a parameter of an OpenSCENARIO file.
 fn assignment(argument: &str) -> Result<Assignment, Error> {
     let (name, value) = argument.split_once('=').ok_or_else(|| {
-        Error::Usage(format!("error: --param {argument}: no value, expected NAME=VALUE"))
+        Error::Usage(format!("--param {argument}: no value, expected NAME=VALUE"))
     })?;
     Ok(Assignment { name: name.trim_start_matches('$').to_owned(), value: value.to_owned() })
-}
-
-fn usage(error: impl std::fmt::Display) -> Error {
-    Error::Usage(error.to_string())
 }
 
 /// What a run shows while it drives, and keeps of it.

@@ -3,14 +3,17 @@
 use super::control;
 use super::drive::{Drive, DriveLog};
 use super::events::{Event, follow_signals};
+use super::exits::Exit;
 use super::faults::{FaultRecord, Faults};
+use super::life;
 use super::member::{Heartbeats, Member, Phase};
 use super::processes::Janitor;
 use super::recording::{RecorderProcess, RecordingSummary};
-use super::root::{RunRoot, check_room};
+use super::room::check_room;
+use super::root::RunRoot;
 use crate::Error;
 use messages::Service;
-use runtime::report::ServiceReport;
+use runtime::report::{Details, Outcome, PlantReport, ServiceReport};
 use runtime::scheduling::{Granted, Priority};
 use runtime::{
     Carrier, FromService, Group, Injected, Mode, StartOrder, Timetable, ToService, monotonic_ns,
@@ -25,8 +28,8 @@ use std::time::{Duration, Instant};
 
 /// Time that services get to go after they reported.
 pub(super) const EXIT_GRACE: Duration = Duration::from_secs(2);
-/// Priority of the supervisor in realtime: below all services, above everybody else, so that a busy
-/// machine does not hold a restart up.
+/// Priority of the supervisor in realtime: below all services, above all other programs, so that a
+/// busy machine does not hold a restart up.
 const PRIORITY: u8 = 10;
 
 /// What to launch, and how.
@@ -55,12 +58,19 @@ pub enum Ended {
     Orderly,
     /// Ctrl-C, SIGTERM or SIGHUP.
     Interrupted,
-    /// A service ended before its time and none took its place.
+    /// A service ended before its time and was not replaced.
     Broken {
         /// The service.
         service: Service,
         /// How.
         how: String,
+    },
+    /// A service ended too often: the vehicle was ordered to stop in lane.
+    GivenUp {
+        /// The service.
+        service: Service,
+        /// How often it had been started again.
+        restarts: u32,
     },
 }
 
@@ -76,7 +86,7 @@ pub struct GroupOutcome {
     /// What the services reported.
     pub reports: BTreeMap<Service, ServiceReport>,
     /// How the last process of each service ended.
-    pub exits: BTreeMap<Service, String>,
+    pub exits: BTreeMap<Service, Exit>,
     /// How often each service was restarted.
     pub restarts: BTreeMap<Service, u32>,
     /// Each service's signs of life, in realtime.
@@ -95,7 +105,7 @@ pub struct GroupOutcome {
     pub wrote: Vec<(Service, String)>,
 }
 
-/// A run at a moment, for whoever watches it.
+/// A run at a moment, for its views.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment<'a> {
     /// Run time reached, ns.
@@ -159,7 +169,7 @@ pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Grou
         member.process().order(&ToService::Abort);
     }
     for member in &mut supervisor.members {
-        exits.insert(member.service(), member.how_it_ended(EXIT_GRACE));
+        exits.insert(member.service(), member.exit(EXIT_GRACE, Exit::Unreported));
     }
     let janitor = supervisor.dissolve();
     signals.close();
@@ -169,7 +179,7 @@ pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Grou
     outcome.map(|outcome| GroupOutcome { exits, ..outcome })
 }
 
-/// In simulated time everybody waits for everybody: there is nothing to be seen of a process fault.
+/// In simulated time all services wait for each other: a process fault shows nothing.
 fn refuse_faults_of_processes(launch: &Launch) -> Result<(), Error> {
     let faults = launch.scenario.faults.iter().enumerate();
     let mut of_processes = faults.filter(|(_, fault)| fault.kind.is_of_processes());
@@ -189,7 +199,7 @@ struct LiveFile<'a>(&'a Path);
 impl<'a> LiveFile<'a> {
     fn write(path: &'a Path, group: &Group) -> Self {
         let text = serde_json::to_string_pretty(group).expect("a group is plain data");
-        // Whoever waits for the file finds all of it.
+        // Written aside and renamed: a reader finds all of it or none.
         let half = path.with_extension("json.new");
         if let Err(error) = std::fs::write(&half, text).and_then(|()| std::fs::rename(&half, path))
         {
@@ -203,6 +213,31 @@ impl Drop for LiveFile<'_> {
     fn drop(&mut self) {
         // It may never have been written.
         let _ = std::fs::remove_file(self.0);
+    }
+}
+
+/// Adds what only controller and plant tell, of processes that could not.
+fn complete(whole: &mut ServiceReport, group: &Group, scenario: &Scenario, log: &DriveLog) {
+    match (whole.service, &whole.details) {
+        (Service::Controller, details) => {
+            let last = match details {
+                Details::Controller(last) => Some(&**last),
+                _ => None,
+            };
+            let report = life::of_controller(scenario, log, last);
+            // A program of the user's keeps no account; its cycles were heard.
+            whole.cycles = whole.cycles.max(log.heard().2.len() as u64);
+            whole.details = Details::Controller(Box::new(report));
+        }
+        (Service::Plant, Details::None) => {
+            let report = plant::last_known(group).unwrap_or_else(|| PlantReport {
+                duration_s: log.reached_s(),
+                control: log.figures(),
+                ..PlantReport::empty(Outcome::Aborted)
+            });
+            whole.details = Details::Plant(Box::new(report));
+        }
+        _ => {}
     }
 }
 
@@ -242,7 +277,8 @@ impl Supervisor<'_> {
         }
         self.recording = (self.launch.recording.as_deref())
             .map(|path| RecorderProcess::spawn(path, self.root, self.leader()));
-        let mut log = DriveLog::listen(&self.group)?;
+        let deadline_ms = self.launch.scenario.controller.deadline().value();
+        let mut log = DriveLog::listen(&self.group, i64::from(deadline_ms) * 1_000_000)?;
         self.wait_until_ready(spawned)?;
         let ready_after = spawned.elapsed();
         // A receiver that has not looked yet is not connected, and a full buffer of one that is not
@@ -256,7 +292,7 @@ impl Supervisor<'_> {
             i64::try_from(self.launch.start_delay.as_nanos()).expect("start delays are short");
         self.start_ns = monotonic_ns() + delay;
         if let Some(recording) = &mut self.recording {
-            recording.begin(self.start_ns, std::mem::take(&mut self.granted));
+            recording.begin(self.start_ns, self.granted.clone());
         }
         self.order_all(&ToService::Start(StartOrder { start_ns: self.start_ns }));
         for member in &mut self.members {
@@ -270,10 +306,7 @@ impl Supervisor<'_> {
         let ended = self.follow_run(&mut log, watch)?;
         drop(priority);
         let ran_ns = (monotonic_ns() - self.start_ns).max(0);
-        let mut reports = BTreeMap::new();
-        for member in &mut self.members {
-            reports.extend(member.report.take().map(|report| (member.service(), report)));
-        }
+        let reports = self.reports(&log);
         let befallen = reports.values().flat_map(|report| report.befallen.iter().copied());
         self.faults.befallen(befallen);
         Ok(GroupOutcome {
@@ -296,42 +329,74 @@ impl Supervisor<'_> {
         })
     }
 
+    /// What all processes of each service told, or left.
+    fn reports(&mut self, log: &DriveLog) -> BTreeMap<Service, ServiceReport> {
+        let mut reports = BTreeMap::new();
+        for member in &mut self.members {
+            let mut lives = std::mem::take(&mut member.past);
+            let was_restarted = !lives.is_empty() || member.report.is_none();
+            lives.extend(member.report.take());
+            let service = member.service();
+            let Some(mut whole) = life::whole(lives) else { continue };
+            if was_restarted {
+                complete(&mut whole, &self.group, &self.launch.scenario, log);
+            }
+            reports.insert(service, whole);
+        }
+        reports
+    }
+
+    /// Keeps what the present process of `service`, which is gone, had counted.
+    pub(super) fn keep_account(&mut self, service: Service) {
+        let Some(granted) = self.granted.get(service.name()).cloned() else { return };
+        let incarnation = self.member(service).incarnation();
+        let left = life::left_by(&self.group, service, incarnation, granted);
+        self.member(service).keep(left);
+    }
+
     fn wait_until_ready(&mut self, spawned: Instant) -> Result<(), Error> {
         let mut waiting: Vec<Service> = self.launch.scenario.services().to_vec();
         while let Some(&first) = waiting.first() {
             let left = self.launch.ready_timeout.saturating_sub(spawned.elapsed());
+            if left.is_zero() {
+                let timeout = self.launch.ready_timeout.as_secs_f64();
+                return Err(self.not_ready(first, format!("was not ready within {timeout} s")));
+            }
             match self.events.recv_timeout(left) {
                 Ok(Event::Said(service, FromService::Ready(granted))) => {
                     waiting.retain(|s| *s != service);
                     self.granted.insert(service.name().into(), granted);
                 }
                 Ok(Event::Said(service, FromService::Failed(reason))) => {
-                    return Err(Error::NotReady { service, what: format!("failed: {reason}") });
+                    return Err(self.not_ready(service, format!("failed: {reason}")));
+                }
+                Ok(Event::Flooded(service)) => {
+                    let what = "wrote endless text instead of messages: it is no service".into();
+                    return Err(self.not_ready(service, what));
                 }
                 Ok(Event::Gone(service)) => {
-                    let how = self.member(service).how_it_ended(EXIT_GRACE);
-                    let what = format!("ended before it was ready ({how})");
-                    return Err(Error::NotReady {
-                        service,
-                        what: what + &self.last_words(service),
-                    });
+                    let exit = self.member(service).exit(EXIT_GRACE, Exit::OutputClosed);
+                    let what = format!("ended before it was ready ({exit})");
+                    let what = what + &self.last_words(service);
+                    return Err(self.not_ready(service, what));
                 }
                 Ok(Event::Signal) => return Err(Error::Interrupted),
                 Ok(Event::Wrote(service, line)) => self.wrote.push((service, line)),
                 Ok(Event::Inject(_, reply)) => {
                     let message = "the run has not begun".into();
-                    // Who asked may be gone.
+                    // The client may be gone.
                     let _ = reply.send(control::Answer { ok: false, message });
                 }
-                Ok(Event::Said(..) | Event::Knock) => {}
-                Err(_) => {
-                    let timeout = self.launch.ready_timeout.as_secs_f64();
-                    let what = format!("was not ready within {timeout} s");
-                    return Err(Error::NotReady { service: first, what });
-                }
+                // The timeout is looked at above.
+                Ok(Event::Said(..) | Event::Knock) | Err(_) => {}
             }
         }
         Ok(())
+    }
+
+    fn not_ready(&mut self, service: Service, what: String) -> Error {
+        let foreign = self.member(service).is_foreign();
+        Error::NotReady { service, what, foreign }
     }
 
     pub(super) fn member(&mut self, service: Service) -> &mut Member {

@@ -1,13 +1,15 @@
-//! A run under way: what happened, what is due, who is silent.
+//! A run under way: what happened, what is due, which service is silent. [`super::exits`] has the
+//! table of what becomes of a process that ends.
 
 use super::control::Answer;
 use super::disturbance::Disturbance;
 use super::drive::DriveLog;
 use super::events::Event;
+use super::exits::Exit;
 use super::faults::Act;
 use super::member::{Phase, Verdict};
 use super::recording::RecorderProcess;
-use super::supervisor::{EXIT_GRACE, Ended, Moment, Supervisor};
+use super::supervisor::{Ended, Moment, Supervisor};
 use crate::Error;
 use messages::Service;
 use runtime::{FromService, Injected, Mode, StartOrder, ToService, concerned, monotonic_ns};
@@ -22,22 +24,27 @@ const REPORT_GRACE: Duration = Duration::from_secs(3);
 const LOOK: Duration = Duration::from_millis(20);
 /// The same while a restarted service is awaited.
 const CLOSE_LOOK: Duration = Duration::from_millis(1);
-/// The same in lockstep, where the launcher's own buffer must not hold anybody up.
+/// The same in lockstep, where senders wait for room in the launcher's own buffer.
 const LOCKSTEP_LOOK: Duration = Duration::from_millis(2);
 /// A restarted service that is not ready after so long is killed, ns.
 const RESTART_TIMEOUT_NS: i64 = 2_000_000_000;
 /// The launcher looked so late that the silence may have been its own, ns.
 const STALLED_NS: i64 = 100_000_000;
+/// Time between the end of a process's output and its own.
+const LAST_MOMENT: Duration = Duration::from_millis(100);
 
 /// How a run is going to end.
 struct Course {
     ended: Ended,
-    /// When whoever has not reported is taken for hung.
+    /// The services were told to end before the scenario's end.
+    is_stopping: bool,
+    /// When a service that has not reported is taken for hung.
     deadline: Option<Instant>,
 }
 
 impl Course {
     fn ending(&mut self) {
+        self.is_stopping = true;
         self.deadline = Some(Instant::now() + REPORT_GRACE);
     }
 }
@@ -54,7 +61,8 @@ impl Supervisor<'_> {
         let length_ns = table.step_ns * i64::try_from(table.last_step).expect("runs are finite");
         let length = Duration::from_nanos(length_ns.unsigned_abs());
         let end = Instant::now() + length + self.launch.start_delay + REPORT_GRACE;
-        let mut course = Course { ended: Ended::Orderly, deadline: realtime.then_some(end) };
+        let mut course =
+            Course { ended: Ended::Orderly, is_stopping: false, deadline: realtime.then_some(end) };
         let mut looked_ns = self.now_ns();
         while self.members.iter().any(|member| member.report.is_none()) {
             let event = self.events.recv_timeout(self.until_next_look(realtime));
@@ -70,20 +78,20 @@ impl Supervisor<'_> {
             };
             watch(&Moment { time_ns, drive: log, faults: &self.faults.records });
             match event {
-                Ok(event) => self.take(event, log, &mut course, now_ns)?,
+                Ok(event) => self.take(event, log, &mut course, now_ns),
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return Ok(course.ended),
             }
             if realtime && course.ended == Ended::Orderly {
                 if now_ns - looked_ns > STALLED_NS {
-                    self.members.iter_mut().for_each(|member| member.forgive(now_ns));
+                    self.members.iter_mut().for_each(|member| member.reset_silence(now_ns));
                 }
-                self.hear_signs_of_life(log, now_ns);
-                self.act_out(log, now_ns);
+                self.check_heartbeats(log, now_ns);
+                self.apply_faults(log, now_ns);
                 if now_ns < length_ns {
-                    self.replace_the_hung(now_ns);
+                    self.kill_the_hung(now_ns);
                 }
-                self.start_the_waiting(&mut course, now_ns)?;
+                self.start_the_waiting(&mut course, now_ns);
             }
             looked_ns = now_ns;
             if self.silent().is_none() {
@@ -98,18 +106,29 @@ impl Supervisor<'_> {
                 break;
             }
         }
-        // A vehicle that was brought to a stop without a service came to an orderly end.
+        if course.ended == Ended::Orderly {
+            course.ended = self.how_it_ended();
+        }
+        Ok(course.ended)
+    }
+
+    /// How a run ended that was not broken off.
+    fn how_it_ended(&mut self) -> Ended {
         let mut missing = self.members.iter_mut().filter(|member| {
             member.report.is_none()
                 && (member.phase != Phase::GivenUp || member.service() == Service::Plant)
         });
-        if course.ended == Ended::Orderly
-            && let Some(member) = missing.next()
-        {
-            let how = member.how_it_ended(EXIT_GRACE);
-            course.ended = Ended::Broken { service: member.service(), how };
+        if let Some(member) = missing.next() {
+            let how = member.exit(LAST_MOMENT, Exit::Unreported).to_string();
+            return Ended::Broken { service: member.service(), how };
         }
-        Ok(course.ended)
+        let mut given_up = self.members.iter().filter(|member| member.phase == Phase::GivenUp);
+        match given_up.next() {
+            Some(member) => {
+                Ended::GivenUp { service: member.service(), restarts: member.incarnation() }
+            }
+            None => Ended::Orderly,
+        }
     }
 
     fn now_ns(&self) -> i64 {
@@ -129,16 +148,17 @@ impl Supervisor<'_> {
         }
     }
 
-    fn take(
-        &mut self,
-        event: Event,
-        log: &DriveLog,
-        course: &mut Course,
-        now_ns: i64,
-    ) -> Result<(), Error> {
+    fn take(&mut self, event: Event, log: &mut DriveLog, course: &mut Course, now_ns: i64) {
         match event {
             Event::Said(service, FromService::Report(report)) => {
-                self.member(service).report = Some(*report);
+                if course.ended == Ended::Orderly && self.is_early(service, log, course, now_ns) {
+                    let member = self.member(service);
+                    member.leaves_early(*report);
+                    // Its end is an event.
+                    member.process().order(&ToService::Abort);
+                } else {
+                    self.member(service).report = Some(*report);
+                }
             }
             Event::Said(_, FromService::Ended(step)) => {
                 self.order_all(&ToService::StopAfter(step));
@@ -152,8 +172,9 @@ impl Supervisor<'_> {
                 }
             }
             Event::Gone(service) if self.member(service).report.is_none() => {
-                self.bury(service, log, course, now_ns)?;
+                self.on_exit(service, log, course, now_ns);
             }
+            Event::Flooded(service) => self.member(service).kill(Exit::Flooded),
             Event::Signal if course.ended == Ended::Orderly => {
                 course.ended = Ended::Interrupted;
                 self.order_all(&ToService::Abort);
@@ -162,50 +183,61 @@ impl Supervisor<'_> {
             Event::Wrote(service, line) => self.wrote.push((service, line)),
             Event::Inject(fault, reply) => {
                 let answer = self.inject(*fault, log, now_ns);
-                // Who asked may be gone.
+                // The client may be gone.
                 let _ = reply.send(answer);
             }
             Event::Gone(_) | Event::Signal | Event::Knock => {}
         }
-        Ok(())
+    }
+
+    /// True if `service` cannot have come to the run's end yet.
+    fn is_early(&self, service: Service, log: &DriveLog, course: &Course, now_ns: i64) -> bool {
+        let table = &self.group.timetable;
+        let last = table.latest_release(service, table.last_step);
+        match self.launch.mode {
+            // A run that was ordered to stop ends when it does.
+            _ if course.is_stopping => false,
+            Mode::Realtime => {
+                now_ns < table.step_ns * i64::try_from(last).expect("runs are finite")
+            }
+            Mode::Lockstep => log.reached() < last,
+        }
     }
 
     /// Decides what becomes of a service whose process is gone.
-    fn bury(
-        &mut self,
-        service: Service,
-        log: &DriveLog,
-        course: &mut Course,
-        now_ns: i64,
-    ) -> Result<(), Error> {
+    fn on_exit(&mut self, service: Service, log: &mut DriveLog, course: &mut Course, now_ns: i64) {
         let policy = self.launch.scenario.supervision;
         let member = self.member(service);
-        let how = member.how_it_ended(EXIT_GRACE);
-        let awaits = self.member(service).incarnation() + 1;
-        self.faults.detected(service, "died", awaits, now_ns);
+        let exit = member.exit_in_run(LAST_MOMENT);
+        let awaits = member.incarnation() + 1;
+        let kind = if exit == Exit::Flooded { "flooded" } else { "died" };
+        self.faults.detected(service, kind, awaits, None, now_ns);
         self.faults.replaced(service);
+        self.keep_account(service);
         if self.launch.mode == Mode::Lockstep || course.ended != Ended::Orderly {
             log.remove_dead();
-            self.break_off(service, how, course);
-            return Ok(());
+            self.break_off(service, exit.to_string(), course);
+            return;
         }
-        let verdict = self.member(service).verdict(&policy, how != "ok", now_ns);
+        let verdict = self.member(service).verdict(&policy, exit.is_failure(), now_ns);
         match verdict {
             Verdict::Restart(wait) => {
                 let until_ns = now_ns.saturating_add_unsigned(wait.as_nanos() as u64);
                 self.member(service).phase = Phase::Waiting { until_ns };
-                self.start_the_waiting(course, now_ns)?;
+                self.start_the_waiting(course, now_ns);
             }
             Verdict::GiveUp if service != Service::Plant => {
-                self.wrote.push((service, format!("{how}, too often: stopping the vehicle")));
+                self.wrote.push((service, format!("{exit}, too often: stopping the vehicle")));
                 self.member(service).phase = Phase::GivenUp;
                 self.member(Service::Plant).process().order(&ToService::SafeStop);
             }
-            Verdict::GiveUp | Verdict::EndRun => self.break_off(service, how, course),
+            Verdict::GiveUp => {
+                self.break_off(service, format!("{exit}, too often"), course);
+            }
+            Verdict::EndRun => self.break_off(service, exit.to_string(), course),
         }
         // While the next process starts: there is room on every topic for it beside its dead self.
         log.remove_dead();
-        Ok(())
     }
 
     fn break_off(&mut self, service: Service, how: String, course: &mut Course) {
@@ -216,7 +248,7 @@ impl Supervisor<'_> {
         }
     }
 
-    fn start_the_waiting(&mut self, course: &mut Course, now_ns: i64) -> Result<(), Error> {
+    fn start_the_waiting(&mut self, course: &mut Course, now_ns: i64) {
         for &service in self.launch.scenario.services() {
             match self.member(service).phase {
                 Phase::Waiting { until_ns } if until_ns <= now_ns => {
@@ -224,14 +256,16 @@ impl Supervisor<'_> {
                         self.break_off(service, error.to_string(), course);
                     }
                 }
-                Phase::Starting { since_ns } if now_ns - since_ns > RESTART_TIMEOUT_NS => {
-                    // Its end is the next event.
-                    self.member(service).process().kill();
+                Phase::Starting { .. } => {
+                    let member = self.member(service);
+                    if member.is_overdue(now_ns, RESTART_TIMEOUT_NS) {
+                        // Its end is the next event.
+                        member.kill(Exit::NotReady);
+                    }
                 }
                 _ => {}
             }
         }
-        Ok(())
     }
 
     /// Lets a restarted service into the run.
@@ -252,7 +286,7 @@ impl Supervisor<'_> {
         }
     }
 
-    fn hear_signs_of_life(&mut self, log: &mut DriveLog, now_ns: i64) {
+    fn check_heartbeats(&mut self, log: &mut DriveLog, now_ns: i64) {
         for sign in log.take_signs() {
             self.member(sign.service).sign_of_life(&sign, now_ns);
         }
@@ -261,8 +295,8 @@ impl Supervisor<'_> {
         }
     }
 
-    /// Kills the services that give no sign of life; their end is an event.
-    fn replace_the_hung(&mut self, now_ns: i64) {
+    /// Kills the services that hang; their end is an event.
+    fn kill_the_hung(&mut self, now_ns: i64) {
         let timeout = self.launch.scenario.supervision.heartbeat_timeout_ms.nanoseconds();
         let timeout = i64::try_from(timeout).unwrap_or(i64::MAX);
         for &service in self.launch.scenario.services() {
@@ -271,18 +305,18 @@ impl Supervisor<'_> {
             let member = self.member(service);
             if member.phase == Phase::Running
                 && member.report.is_none()
-                && member.silent_ns(now_ns) > timeout + period_ns
+                && member.is_hung(now_ns, timeout + period_ns)
             {
-                let awaits = member.incarnation() + 1;
-                member.process().kill();
-                member.forgive(now_ns);
-                self.faults.detected(service, "hung", awaits, now_ns);
+                let (awaits, heard_ns) = (member.incarnation() + 1, member.heard_ns());
+                member.kill(Exit::Hung);
+                member.reset_silence(now_ns);
+                self.faults.detected(service, "hung", awaits, Some(heard_ns), now_ns);
             }
         }
     }
 
-    /// Does what the faults of processes want done now.
-    fn act_out(&mut self, log: &DriveLog, now_ns: i64) {
+    /// Applies the faults of processes that are due.
+    fn apply_faults(&mut self, log: &DriveLog, now_ns: i64) {
         let up: BTreeMap<Service, u32> = (self.members.iter())
             .filter(|member| member.phase == Phase::Running && member.report.is_none())
             .map(|member| (member.service(), member.incarnation()))

@@ -1,53 +1,155 @@
-//! Where a run's results go.
+//! Where results go: a directory with one owner.
+//!
+//! The directory itself is locked for as long as its command runs, so that no second one mixes its files
+//! with the first one's. One that holds results is refused; `--force` clears those results, all of them,
+//! so that none of an earlier run stays beside those of the new one. Other files are left alone.
 
+use clap::Args;
 use group::Error;
 use runtime::histogram_log;
 use runtime::statistics::Latencies;
-use std::io::Write;
+use rustix::fs::{FlockOperation, flock};
+use std::cell::Cell;
+use std::fs::File;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
+
+/// What commands write into their directory; a name without a dot is a directory.
+const RESULTS: [&str; 19] = [
+    "bench.json",
+    "campaign.csv",
+    "campaign.json",
+    "campaign.toml",
+    "compare.json",
+    "csv",
+    "histograms.hlog",
+    "runs.jsonl",
+    "live.json",
+    "recording.mcap",
+    "replay.csv",
+    "report.html",
+    "reproduce.json",
+    "scenario.toml",
+    "summary.json",
+    "sweep.csv",
+    "sweep.json",
+    "trace.pftrace",
+    "trajectory.csv",
+];
+
+/// Where the results go.
+#[derive(Clone, Debug, Default, Args)]
+pub struct OutputOptions {
+    /// Directory for the results [default: runs/<time>-<name>]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replace the results that the directory holds
+    #[arg(long, requires = "out")]
+    pub force: bool,
+}
 
 /// A directory for results, made before the run so that nothing can be lost after it.
 #[derive(Debug)]
 pub struct OutputDirectory {
     path: PathBuf,
+    /// Locked.
+    _directory: File,
+    /// Directories that were made for it, the innermost first.
+    made: Vec<PathBuf>,
+    /// A result was written, or something else that is to be kept.
+    is_used: Cell<bool>,
 }
 
 impl OutputDirectory {
-    /// Makes `chosen`, or a new directory below `runs` named after the time and `scenario`.
-    pub fn create(chosen: Option<&Path>, scenario: &str) -> Result<Self, Error> {
-        let error = |path: &Path| {
-            let path = path.to_owned();
-            move |reason| Error::Path { action: "write results to", path, reason }
-        };
-        if let Some(path) = chosen {
-            std::fs::create_dir_all(path).map_err(error(path))?;
-            let output = Self { path: path.to_owned() };
-            // Refused now rather than after the run.
-            output.write(".writable", b"")?;
-            std::fs::remove_file(path.join(".writable")).map_err(error(path))?;
-            return Ok(output);
+    /// Makes the chosen directory, or a new one below `runs` named after the time and `name`.
+    ///
+    /// # Errors
+    /// If it cannot be written, belongs to a command that is running, or holds results.
+    pub fn create(options: &OutputOptions, name: &str) -> Result<Self, Error> {
+        let Some(path) = &options.out else { return Self::create_new(name) };
+        let output = Self::take(path)?;
+        let found: Vec<_> = RESULTS.into_iter().filter(|name| path.join(name).exists()).collect();
+        match found.first() {
+            None => {}
+            Some(_) if options.force => {
+                found.iter().try_for_each(|name| remove(&path.join(name)))?;
+            }
+            Some(first) => {
+                return Err(Error::Usage(format!(
+                    "{} holds results ({first}): choose another directory, or add --force to \
+                     replace them",
+                    path.display()
+                )));
+            }
         }
+        Ok(output)
+    }
+
+    /// Opens the directory of a command that was broken off, with what it holds.
+    ///
+    /// # Errors
+    /// If it cannot be written or belongs to a command that is running.
+    pub fn resume(path: &Path) -> Result<Self, Error> {
+        let output = Self::take(path)?;
+        output.keep();
+        Ok(output)
+    }
+
+    fn take(path: &Path) -> Result<Self, Error> {
+        let error = error(path);
+        let missing = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
+        let made = path.ancestors().take_while(missing).map(Path::to_owned).collect();
+        std::fs::create_dir_all(path).map_err(error)?;
+        let output = Self::lock(path.to_owned(), made)?;
+        // Refused now rather than after the run.
+        output.write_file(".writable", b"")?;
+        remove(&path.join(".writable"))?;
+        Ok(output)
+    }
+
+    fn create_new(name: &str) -> Result<Self, Error> {
         let runs = Path::new("runs");
         std::fs::create_dir_all(runs).map_err(error(runs))?;
         let time = jiff::Zoned::now().strftime("%Y%m%d-%H%M%S").to_string();
         for attempt in 1.. {
             let suffix = if attempt == 1 { String::new() } else { format!("-{attempt}") };
-            let path = runs.join(format!("{time}-{scenario}{suffix}"));
+            let path = runs.join(format!("{time}-{name}{suffix}"));
             match std::fs::create_dir(&path) {
-                Ok(()) => return Ok(Self { path }),
-                Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {}
+                Ok(()) => return Self::lock(path.clone(), vec![path, runs.to_owned()]),
+                Err(e) if e.kind() == ErrorKind::AlreadyExists => {}
                 Err(e) => return Err(error(&path)(e)),
             }
         }
         unreachable!("some attempt finds a free name or fails")
     }
 
+    fn lock(path: PathBuf, made: Vec<PathBuf>) -> Result<Self, Error> {
+        let directory = File::open(&path).map_err(error(&path))?;
+        match flock(&directory, FlockOperation::NonBlockingLockExclusive) {
+            Err(rustix::io::Errno::WOULDBLOCK) => Err(Error::Usage(format!(
+                "{} belongs to a command that is still running: choose another directory",
+                path.display()
+            ))),
+            // A file system without locks has directories all the same.
+            _ => Ok(Self { path, _directory: directory, made, is_used: Cell::new(false) }),
+        }
+    }
+
     /// The directory.
+    #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
+    /// Keeps the directory also if no result is written into it.
+    pub fn keep(&self) {
+        self.is_used.set(true);
+    }
+
     /// Writes tagged histograms as `histograms.hlog`, which the tools of the HdrHistogram family read.
+    ///
+    /// # Errors
+    /// [`Error::Path`].
     pub fn write_histograms(&self, histograms: &[(String, Latencies)]) -> Result<(), Error> {
         let mut log = Vec::new();
         let tagged = histograms.iter().map(|(tag, histogram)| (tag.as_str(), histogram));
@@ -55,16 +157,116 @@ impl OutputDirectory {
         self.write("histograms.hlog", &log)
     }
 
-    /// Writes a file, whole or not at all.
+    /// Writes a result, whole or not at all.
+    ///
+    /// # Errors
+    /// [`Error::Path`].
     pub fn write(&self, name: &str, contents: &[u8]) -> Result<(), Error> {
+        self.keep();
+        self.write_file(name, contents)
+    }
+
+    /// Writes what a command is about to run. A command that fails before its first result takes it
+    /// away again.
+    ///
+    /// # Errors
+    /// [`Error::Path`].
+    pub fn write_input(&self, name: &str, contents: &[u8]) -> Result<(), Error> {
+        self.write_file(name, contents)
+    }
+
+    fn write_file(&self, name: &str, contents: &[u8]) -> Result<(), Error> {
         let path = self.path.join(name);
         let temporary = self.path.join(format!(".{name}.part"));
-        let written = std::fs::File::create(&temporary)
+        let written = File::create(&temporary)
             .and_then(|mut file| file.write_all(contents).and_then(|()| file.sync_all()))
             .and_then(|()| std::fs::rename(&temporary, &path));
         written.map_err(|reason| {
             let _ = std::fs::remove_file(&temporary);
             Error::Path { action: "write", path, reason }
         })
+    }
+}
+
+impl Drop for OutputDirectory {
+    /// Leaves nothing of a command that did not get as far as a result.
+    fn drop(&mut self) {
+        if self.is_used.get() {
+            return;
+        }
+        for name in RESULTS {
+            // Whether it goes or not, there is nobody left to hear of it.
+            let _ = remove(&self.path.join(name));
+        }
+        for directory in &self.made {
+            // One that holds something else stays.
+            let _ = std::fs::remove_dir(directory);
+        }
+    }
+}
+
+fn error(path: &Path) -> impl Fn(std::io::Error) -> Error + Copy + '_ {
+    move |reason| Error::Path { action: "write results to", path: path.to_owned(), reason }
+}
+
+/// Removes a file or a directory, if it is there.
+fn remove(path: &Path) -> Result<(), Error> {
+    let removed = match std::fs::symlink_metadata(path) {
+        Ok(found) if found.is_dir() => std::fs::remove_dir_all(path),
+        Ok(_) => std::fs::remove_file(path),
+        Err(error) => Err(error),
+    };
+    match removed {
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
+        removed => removed.map_err(|reason| Error::Path {
+            action: "remove",
+            path: path.to_owned(),
+            reason,
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A directory of this test's own.
+    fn place(name: &str) -> PathBuf {
+        std::env::temp_dir().join(format!("timegap-output-{}-{name}", std::process::id()))
+    }
+
+    fn options(out: &Path, force: bool) -> OutputOptions {
+        OutputOptions { out: Some(out.to_owned()), force }
+    }
+
+    #[test]
+    fn a_directory_has_one_owner_at_a_time() {
+        let path = place("owner");
+        let first = OutputDirectory::create(&options(&path, false), "x").expect("writable");
+        for force in [false, true] {
+            let second = OutputDirectory::create(&options(&path, force), "x");
+            let refusal = second.expect_err("it has an owner").to_string();
+            assert!(refusal.contains("still running"), "{refusal}");
+        }
+        first.write("summary.json", b"{}").expect("ours");
+        drop(first);
+        let refusal = OutputDirectory::create(&options(&path, false), "x").expect_err("finished");
+        assert!(refusal.to_string().contains("--force"), "{refusal}");
+        std::fs::create_dir(path.join("csv")).expect("ours");
+        std::fs::write(path.join("notes.txt"), "mine").expect("ours");
+        let third = OutputDirectory::create(&options(&path, true), "x").expect("forced");
+        assert!(!path.join("summary.json").exists() && !path.join("csv").exists());
+        drop(third);
+        assert!(path.join("notes.txt").exists(), "the user's own files stay");
+        std::fs::remove_dir_all(&path).expect("ours");
+    }
+
+    #[test]
+    fn what_never_got_to_a_result_leaves_nothing() {
+        let path = place("failed").join("a/b");
+        let output = OutputDirectory::create(&options(&path, false), "x").expect("writable");
+        output.write_input("scenario.toml", b"").expect("ours");
+        drop(output);
+        assert!(!place("failed").exists());
     }
 }

@@ -1,17 +1,28 @@
 //! What a person reads after a run.
 
 use crate::chart::number;
-use crate::summary::Summary;
-use group::RecordingSummary;
+use crate::summary::{Summary, Timing};
+use group::{Error, RecordingSummary};
 use messages::rung::Rung;
 use runtime::report::{Outcome, WorstChain};
 use runtime::statistics::Percentiles;
 use std::fmt::Write as _;
-use std::io::Write as _;
+use std::io::{ErrorKind, Write as _};
 
-/// Writes text on standard output. A closed pipe is not an error.
-pub fn out(text: &str) {
-    let _ = std::io::stdout().write_all(text.as_bytes());
+/// Writes text on standard output. A closed pipe is not an error: its reader has read enough.
+///
+/// # Errors
+/// [`Error::Path`] if standard output cannot be written.
+pub fn out(text: &str) -> Result<(), Error> {
+    let mut output = std::io::stdout().lock();
+    match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        written => written.map_err(|reason| Error::Path {
+            action: "write",
+            path: "standard output".into(),
+            reason,
+        }),
+    }
 }
 
 /// The run in ten seconds' reading.
@@ -217,11 +228,35 @@ fn timing(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     if let Some(worst) = timing.worst_chains.first() {
         line("", longest(worst));
     }
-    if let (Some(misses), Some(cycles), Some(deadline)) =
-        (timing.deadline_misses, timing.cycles, timing.deadline_us)
-    {
-        line("deadline", format!("{misses} of {cycles} cycles missed {}", duration(deadline)));
+    if let Some(text) = deadlines(timing) {
+        line("deadline", text);
     }
+    if let Some(undelivered) = timing.undelivered_commands.filter(|count| *count > 0) {
+        line("undelivered", format!("{undelivered} commands never reached the actuators"));
+    }
+}
+
+/// The three deadlines of one length, each with what missed it: the control cycle's own, the command's at
+/// the plant, the whole way from the radar to the actuators.
+fn deadlines(timing: &Timing) -> Option<String> {
+    let cycle = timing.deadline_misses.zip(timing.cycles);
+    let plant = timing.missed_at_plant.zip(timing.due_at_plant);
+    let whole = timing.late_reactions.zip(timing.reaction_time_us.map(|p| p.count));
+    let parts: Vec<String> =
+        [("control cycle", cycle), ("command late at the plant", plant), ("end to end", whole)]
+            .into_iter()
+            .filter_map(|(name, counts)| {
+                counts.map(|(missed, all)| format!("{name} {missed} of {all}"))
+            })
+            .collect();
+    let deadline = duration(timing.deadline_us?);
+    let disagree = match (timing.deadline_misses, timing.missed_at_plant) {
+        (Some(own), Some(at_plant)) if own < at_plant => {
+            "; the plant missed more than the controller says"
+        }
+        _ => "",
+    };
+    (!parts.is_empty()).then(|| format!("{deadline}, missed: {}{disagree}", parts.join(", ")))
 }
 
 /// The longest chain in one line: where its undesigned time went, and what its control cycle met.
@@ -286,8 +321,16 @@ fn faults(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
         line("degraded", rungs.join(", "));
     }
     let refused: u64 = summary.messages.values().filter_map(|topic| topic.e2e_errors).sum();
-    if refused > 0 {
-        line("", format!("{refused} messages refused by the end-to-end check"));
+    let unknown: u64 = summary.messages.values().map(|topic| topic.e2e.stranger).sum();
+    if refused > unknown {
+        let refused = refused - unknown;
+        line("refused", format!("{refused} messages, by the end-to-end check"));
+    }
+    for (topic, counts) in &summary.messages {
+        if counts.e2e.stranger > 0 {
+            let count = counts.e2e.stranger;
+            line("refused", format!("{count} messages of an unknown sender on {topic}"));
+        }
     }
 }
 
@@ -297,19 +340,43 @@ fn machine(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
         let core = granted.core.map_or_else(|| "any core".into(), |core| format!("core {core}"));
         let locked = if granted.memory_locked { "memory locked" } else { "memory not locked" };
         let rss = service.peak_rss_kib.unwrap_or(0) as f64 / 1024.0;
-        let refused = if granted.refused.is_empty() {
-            String::new()
-        } else {
-            format!("; not granted: {}", granted.refused.join(", "))
-        };
         let restarts = match service.restarts {
             0 => String::new(),
             1 => ", restarted once".into(),
             n => format!(", restarted {n} times"),
         };
         let granted = &granted.granted;
-        line(service.name, format!("{granted}, {core}, {locked}, {rss:.1} MiB{restarts}{refused}"));
+        line(service.name, format!("{granted}, {core}, {locked}, {rss:.1} MiB{restarts}"));
     }
+    for service in &summary.services {
+        let starved_ms = service.heartbeats.map_or(0.0, |heartbeats| heartbeats.starved_ms);
+        if starved_ms > 0.0 {
+            let starved = duration(starved_ms * 1e3);
+            let name = service.name;
+            line("starved", format!("{name}: by the machine, for {starved} without the processor"));
+        }
+    }
+    if let Some(text) = refusals(summary) {
+        line("not granted", text);
+    }
+}
+
+/// What the machine refused, each reason once, and where the remedy is.
+fn refusals(summary: &Summary) -> Option<String> {
+    let granted = summary.services.iter().filter_map(|service| service.scheduling.as_ref());
+    let mut refused: Vec<String> = Vec::new();
+    for line in granted.flat_map(|granted| &granted.refused) {
+        // Priorities differ from service to service; the reason does not.
+        let line = match line.split_once(": ") {
+            Some((what, why)) if what.starts_with("fifo") => format!("real-time priority: {why}"),
+            _ => line.clone(),
+        };
+        if !refused.contains(&line) {
+            refused.push(line);
+        }
+    }
+    (!refused.is_empty())
+        .then(|| format!("{} (`timegap doctor` shows how to get it)", refused.join("; ")))
 }
 
 fn percentiles(p: &Percentiles) -> String {

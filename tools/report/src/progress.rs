@@ -1,6 +1,6 @@
 //! Progress bars.
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 
 /// A bar over so many runs on a terminal; nothing elsewhere.
 pub fn count_bar(runs: usize, quiet: bool) -> ProgressBar {
@@ -8,7 +8,15 @@ pub fn count_bar(runs: usize, quiet: bool) -> ProgressBar {
     if quiet || !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
-    let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}, {eta} to go")
-        .expect("the template is valid");
+    let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}, {left} to go")
+        .expect("the template is valid")
+        .with_key("left", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
+            // Before the first run is over its length is not known.
+            let written = match state.pos() {
+                0 => text.write_str("–"),
+                _ => write!(text, "{:#}", HumanDuration(state.eta())),
+            };
+            written.expect("a line takes all");
+        });
     ProgressBar::new(runs as u64).with_style(style)
 }

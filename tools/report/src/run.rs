@@ -77,6 +77,7 @@ fn figures(summary: &Summary) -> Vec<Tile> {
     };
     let reaction = timing.reaction_time_us.filter(|_| summary.mode == "realtime");
     let missed = timing.deadline_misses.zip(timing.cycles);
+    let late = timing.missed_at_plant.zip(timing.due_at_plant);
     let deadline = timing.deadline_us.map_or_else(String::new, print::duration);
     [
         tile(
@@ -111,8 +112,13 @@ fn figures(summary: &Summary) -> Vec<Tile> {
             }),
         ),
         tile(
-            "Deadlines missed",
+            "Control cycles late",
             missed.map(|(missed, cycles)| format!("{missed} of {cycles}")),
+            deadline.clone(),
+        ),
+        tile(
+            "Commands late at the plant",
+            late.map(|(missed, due)| format!("{missed} of {due}")),
             deadline,
         ),
         tile(
@@ -197,6 +203,7 @@ fn messages(summary: &Summary) -> String {
                 count(counts.received),
                 count(counts.lost),
                 count(counts.e2e_errors),
+                counts.e2e.stranger.to_string(),
             ]
         })
         .collect();
@@ -206,6 +213,7 @@ fn messages(summary: &Summary) -> String {
         ("received", Column::Number),
         ("lost", Column::Number),
         ("invalid", Column::MoreNumber),
+        ("of unknown senders", Column::MoreNumber),
     ];
     table(&head, &rows)
 }

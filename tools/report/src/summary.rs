@@ -115,6 +115,14 @@ pub struct Timing {
     pub planning: Option<PlanningReport>,
     /// Commands that the scenario's misses and jitter kept from the actuators.
     pub undelivered_commands: Option<u64>,
+    /// Control periods in which no command was at the plant in time, by the plant's own schedule, and
+    /// the periods that were judged.
+    pub missed_at_plant: Option<u64>,
+    pub due_at_plant: Option<u64>,
+    /// The worse of `deadline_misses` and `missed_at_plant`.
+    pub worst_deadline_misses: Option<u64>,
+    /// Reaction times, end to end, that were longer than the deadline.
+    pub late_reactions: Option<u64>,
 }
 
 /// The emergency brake in a run.
@@ -238,6 +246,9 @@ impl Summary {
         let report = |service| group.reports.get(&service);
         let plant = report(Service::Plant).and_then(plant_details);
         let controller = report(Service::Controller).and_then(controller_details);
+        let deadline_misses = controller
+            .filter(|_| mode == Mode::Realtime)
+            .map(|controller| controller.deadline_misses);
         let duration_s = plant.map_or(0.0, |plant| plant.duration_s);
         let ran_s = group.ran_for.as_secs_f64();
         let (outcome, aborted_because) = outcome(&group.ended, plant);
@@ -262,9 +273,7 @@ impl Summary {
             timing: Timing {
                 cycles: report(Service::Controller).map(|report| report.cycles),
                 deadline_us: controller.map(|controller| controller.deadline_us),
-                deadline_misses: controller
-                    .filter(|_| mode == Mode::Realtime)
-                    .map(|controller| controller.deadline_misses),
+                deadline_misses,
                 reaction_time_us: plant.and_then(|plant| plant.reaction_time_us),
                 data_age_us: plant.and_then(|plant| plant.data_age_us),
                 release_jitter_us: report(Service::Controller)
@@ -279,6 +288,13 @@ impl Summary {
                 backup_cycles: controller.map(|controller| controller.backup),
                 planning: controller.and_then(|controller| controller.planning),
                 undelivered_commands: plant.map(|plant| plant.undelivered_commands),
+                missed_at_plant: plant.map(|plant| plant.commands_missed),
+                due_at_plant: plant.map(|plant| plant.commands_due),
+                worst_deadline_misses: deadline_misses
+                    .max(plant.map(|plant| plant.commands_missed)),
+                late_reactions: plant
+                    .filter(|plant| plant.reaction_time_us.is_some())
+                    .map(|plant| plant.late_reactions),
             },
             aebs: Aebs::of(scenario, plant, report(Service::Aebs)),
             perception: report(Service::PerceptionSim).and_then(perception_details),
@@ -294,7 +310,7 @@ impl Summary {
                     name: service.name(),
                     restarts: group.restarts.get(&service).copied().unwrap_or(0),
                     heartbeats: group.heartbeats.get(&service).copied(),
-                    exit: group.exits.get(&service).cloned(),
+                    exit: group.exits.get(&service).map(ToString::to_string),
                     peak_rss_kib: report(service).and_then(|report| report.peak_rss_kib),
                     allocations_in_loop: report(service)
                         .and_then(|report| report.allocations_in_loop),
@@ -315,6 +331,13 @@ fn outcome(ended: &Ended, plant: Option<&PlantReport>) -> (Outcome, Option<Strin
         Ended::Interrupted => (Outcome::Aborted, Some("interrupted".into())),
         Ended::Broken { service, how } => {
             (Outcome::Aborted, Some(format!("{service} ended before its time: {how}")))
+        }
+        Ended::GivenUp { service, restarts } => {
+            let why = format!("{service} ended too often, after {restarts} restarts");
+            match reached {
+                Outcome::SafeStop => (Outcome::SafeStop, Some(why)),
+                _ => (Outcome::Aborted, Some(why + "; the run ended before the vehicle stood")),
+            }
         }
     }
 }

@@ -158,7 +158,7 @@ pub fn worst_table(chains: &[WorstChain]) -> String {
         ("iterations", Column::MoreNumber),
         ("switches, own + forced", Column::MoreNumber),
         ("page faults, minor + major", Column::MoreNumber),
-        ("deadline", Column::Number),
+        ("control cycle", Column::Number),
     ];
     stacked_table(&head, &rows)
 }

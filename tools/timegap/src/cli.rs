@@ -7,7 +7,8 @@ use crate::recordings::layouts::LayoutsArguments;
 use crate::recordings::recover::RecoverArguments;
 use crate::recordings::replay::ReplayArguments;
 use crate::trace::TraceArguments;
-use clap::{Parser, Subcommand};
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{CommandFactory, Parser, Subcommand};
 
 /// An adaptive-cruise stack as real processes over shared memory: driven, measured, broken.
 #[derive(Debug, Parser)]
@@ -29,45 +30,92 @@ pub enum Command {
     Run(crate::run::RunArguments),
     /// Run a paper's scenarios in lockstep and print its published figures beside ours
     Reproduce(campaign::reproduce::ReproduceArguments),
-    /// Latency, jitter and deadline misses, beside the machine's own floor
+    /// Measure latency, jitter and deadline misses beside the machine's own floor
     Bench(bench::BenchArguments),
-    /// Controllers side by side on the same scenarios
+    /// Drive the same scenarios with several controllers and compare them
     Compare(campaign::compare::CompareArguments),
-    /// A recorded run as a trace for Perfetto
+    /// Convert a recorded run to a trace for Perfetto
     Trace(TraceArguments),
-    /// Many seeded runs with faults, and one verdict
+    /// Drive many seeded runs with faults and give one verdict
     Campaign(campaign::campaign::CampaignArguments),
-    /// A figure of the drive as a function of any key of a scenario
+    /// Drive a scenario for all values of a key and print a figure of each
     Sweep(campaign::sweep::SweepArguments),
-    /// What a recording holds
+    /// Show what a recording holds
     Info(InfoArguments),
-    /// Make a recording whole that was cut off
+    /// Repair a truncated recording
     Recover(RecoverArguments),
     /// Write a recording as tables
     Export(ExportArguments),
-    /// Give a recorded run's inputs to the controller again and compare its commands
+    /// Feed a recorded run's inputs to the controller again and compare its commands
     Replay(ReplayArguments),
-    /// Find where two recordings part
+    /// Show the first difference between two recordings
     Diff(DiffArguments),
     /// Print the messages' layouts for Python or C
     Layouts(LayoutsArguments),
     /// Design a controller offline (cargo feature `synthesize`)
     Synthesize(crate::synthesize::SynthesizeArguments),
-    /// What this machine grants, what the rest costs, and the command that mends it
+    /// Check what this machine grants, what the rest costs, and how to get it
     Doctor(doctor::DoctorArguments),
-    /// A fault into a run that is going on
+    /// Inject a fault into a run that is going on
     Inject(crate::inject::InjectArguments),
     /// List the scenarios, controllers and campaigns
     List(crate::list::ListArguments),
+    /// Write shell completions, the man page or a page of the documentation on standard output
+    #[command(hide = true)]
+    Generate(crate::generate::GenerateArguments),
     /// Run one service; started by the launcher
     #[command(hide = true)]
     Service(crate::service::ServiceArguments),
 }
 
+impl Cli {
+    /// Reads the command line. Help and errors end the process, worded by clap.
+    pub fn read() -> Self {
+        Self::try_parse().unwrap_or_else(|error| suggest(error).exit())
+    }
+}
+
+/// Adds the nearest command to the error about an unknown one. clap's own measure of likeness knows no
+/// transposed letters in words as short as ours.
+fn suggest(mut error: clap::Error) -> clap::Error {
+    let given = match error.get(ContextKind::InvalidSubcommand) {
+        Some(ContextValue::String(given)) if error.kind() == ErrorKind::InvalidSubcommand => given,
+        _ => return error,
+    };
+    if error.get(ContextKind::SuggestedSubcommand).is_none()
+        && let Some(near) = nearest(given)
+    {
+        error.insert(ContextKind::SuggestedSubcommand, ContextValue::Strings(vec![near]));
+    }
+    error
+}
+
+/// The command that is likest to `given`, if one is like enough to be meant.
+fn nearest(given: &str) -> Option<String> {
+    let command = Cli::command();
+    let names = command.get_subcommands().filter(|command| !command.is_hide_set());
+    let (distance, name) = names
+        .map(|command| command.get_name())
+        .map(|name| (strsim::osa_distance(given, name), name))
+        .min()?;
+    (distance <= 1 + given.chars().count() / 4).then(|| name.to_owned())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
+
+    #[test]
+    fn a_slip_of_the_finger_is_understood() {
+        for (given, meant) in
+            [("rnu", "run"), ("lsit", "list"), ("benhc", "bench"), ("doctr", "doctor")]
+        {
+            let error = Cli::try_parse_from(["timegap", given]).expect_err("no such command");
+            let text = suggest(error).to_string();
+            assert!(text.contains(&format!("'{meant}'")), "{given}: {text}");
+        }
+        assert_eq!(nearest("xyzzy"), None);
+    }
 
     #[test]
     fn the_command_line_is_consistent() {

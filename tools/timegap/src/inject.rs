@@ -1,4 +1,4 @@
-//! `timegap inject`: a fault into a run that is going on.
+//! `timegap inject`: inject a fault into a run that is going on.
 
 use clap::Args;
 use group::Error;
@@ -21,7 +21,7 @@ pub struct InjectArguments {
     /// Kind of the fault: kill, stop, restart-storm, hog, memory, delay, drop, duplicate, reorder,
     /// corrupt, freeze, bias, stale, clock-step
     pub kind: Kind,
-    /// The service or the topic that it befalls
+    /// The service or the topic that it acts on
     pub target: Option<String>,
     /// How long it lasts, s [default: to the end of the run]
     #[arg(long = "for", value_name = "SECONDS")]
@@ -29,7 +29,7 @@ pub struct InjectArguments {
     /// When it begins from now, s
     #[arg(long = "in", value_name = "SECONDS")]
     pub after: Option<f64>,
-    /// Part of the messages that it befalls
+    /// Probability with which it acts on a message
     #[arg(long, default_value_t = 1.0)]
     pub probability: f64,
     /// `delay`: by how much, ms
@@ -75,9 +75,9 @@ pub fn run(arguments: &InjectArguments) -> Result<ExitCode, Error> {
     let answer = control::inject(&root, &fault)
         .map_err(|e| Error::Usage(format!("{} is not going on: {e}", arguments.run.display())))?;
     if arguments.json {
-        print::out(&(serde_json::to_string(&answer).expect("plain data") + "\n"));
+        print::out(&(serde_json::to_string(&answer).expect("plain data") + "\n"))?;
     } else if answer.ok {
-        print::out(&format!("{}\n", answer.message));
+        print::out(&format!("{}\n", answer.message))?;
     }
     if answer.ok {
         Ok(ExitCode::SUCCESS)

@@ -19,6 +19,9 @@ pub struct ListArguments {
     /// Give a parameter of the OpenSCENARIO file another value; may be given again
     #[arg(long = "param", value_name = "NAME=VALUE", requires = "show")]
     pub parameters: Vec<String>,
+    /// Print a JSON Schema of the scenario file, for editors
+    #[arg(long, conflicts_with_all = ["show", "json"])]
+    pub schema: bool,
     /// Print the list as JSON
     #[arg(long, conflicts_with = "show")]
     pub json: bool,
@@ -29,7 +32,7 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
     if let Some(name) = arguments.show.as_deref().filter(|name| group::is_openscenario(name)) {
         let parameters = arguments.parameters.clone();
         let options = ScenarioOptions { parameters, ..ScenarioOptions::default() };
-        print::out(&group::open(name, &options)?.to_toml());
+        print::out(&group::open(name, &options)?.to_toml())?;
         return Ok(ExitCode::SUCCESS);
     }
     if let Some(name) = &arguments.show {
@@ -42,7 +45,12 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
             let names = names.join(", ");
             Error::Usage(format!("no scenario or campaign `{name}`, expected one of {names}"))
         })?;
-        print::out(text);
+        print::out(text)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    if arguments.schema {
+        let schema = serde_json::to_string_pretty(&crate::reference::json_schema());
+        print::out(&(schema.expect("plain data") + "\n"))?;
         return Ok(ExitCode::SUCCESS);
     }
     let scenarios = builtin::ALL.iter().map(|builtin| (builtin.name, builtin.summary));
@@ -57,7 +65,7 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
             "campaigns": campaigns.map(entry).collect::<Vec<_>>(),
         });
         let json = serde_json::to_string_pretty(&list).expect("plain data");
-        print::out(&(json + "\n"));
+        print::out(&(json + "\n"))?;
         return Ok(ExitCode::SUCCESS);
     }
     let mut text = String::new();
@@ -67,7 +75,7 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
     controllers.for_each(|(name, line)| text.push_str(&format!("  {name:<26} {line}\n")));
     text.push_str("Campaigns (timegap campaign NAME):\n");
     campaigns.for_each(|(name, line)| text.push_str(&format!("  {name:<26} {line}\n")));
-    print::out(&text);
+    print::out(&text)?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -3,24 +3,26 @@
 #[cfg(feature = "count-allocations")]
 mod allocations;
 mod cli;
+mod generate;
 mod inject;
 mod list;
 mod live;
 mod recordings;
+mod reference;
 mod run;
 mod service;
 mod synthesize;
 mod trace;
 
-use clap::Parser;
 use cli::{Cli, Command};
+use group::Error;
 use runtime::log_warnings;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     #[cfg(feature = "count-allocations")]
     allocations::report();
-    let command = Cli::parse().command;
+    let command = Cli::read().command;
     if !matches!(command, Command::Service(_)) {
         log_warnings();
     }
@@ -42,13 +44,19 @@ fn main() -> ExitCode {
         Command::Doctor(arguments) => doctor::run(&arguments),
         Command::Inject(arguments) => inject::run(&arguments),
         Command::List(arguments) => list::run(&arguments),
+        Command::Generate(arguments) => generate::run(&arguments),
         Command::Service(arguments) => service::run(&arguments),
     };
     result.unwrap_or_else(|error| {
-        let text = error.to_string();
-        // A scenario's error brings its own heading, with the place.
-        let heading = if text.starts_with("error") { "" } else { "error: " };
-        eprintln!("{heading}{text}");
+        match &error {
+            // It brings its own heading, with the place.
+            Error::Scenario(error) => eprintln!("{error}"),
+            Error::OpenScenario(error) => eprintln!("{error}"),
+            error => eprintln!("error: {error}"),
+        }
+        if std::env::var_os("TIMEGAP_LOG").is_some() {
+            eprintln!("{error:?}");
+        }
         error.exit_code()
     })
 }

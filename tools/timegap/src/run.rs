@@ -7,14 +7,12 @@ use group::{
     Ended, Error, GroupOptions, GroupOutcome, Keep, ModeName, Moment, ScenarioOptions, drive, open,
 };
 use indicatif::{ProgressBar, ProgressStyle};
-use report::output::OutputDirectory;
+use report::output::{OutputDirectory, OutputOptions};
 use report::summary::{self, Summary};
 use report::{RunPicture, print, trajectory};
 use runtime::Mode;
 use runtime::report::Outcome;
 use scenario::Scenario;
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -39,9 +37,8 @@ pub struct RunArguments {
     /// Let all services take turns in one process: lockstep only, same bytes, no recording
     #[arg(long)]
     pub in_process: bool,
-    /// Directory for the results [default: runs/<time>-<scenario>]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: OutputOptions,
     #[command(flatten)]
     pub live: LiveOptions,
     /// Keep no recording of the topics
@@ -67,8 +64,8 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     if arguments.in_process {
         refuse_what_needs_processes(arguments)?;
     }
-    let output = OutputDirectory::create(arguments.out.as_deref(), scenario.name.as_str())?;
-    output.write("scenario.toml", scenario.to_toml().as_bytes())?;
+    let output = OutputDirectory::create(&arguments.output, scenario.name.as_str())?;
+    output.write_input("scenario.toml", scenario.to_toml().as_bytes())?;
 
     let mut live = Live::open(&arguments.live, &scenario)?;
     let bar = progress_bar(&scenario, arguments.json || arguments.live.watch);
@@ -86,6 +83,10 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
         drive(&scenario, mode, &arguments.group, Some(keep), &mut watch)
     };
     bar.finish_and_clear();
+    if matches!(result, Ok(_) | Err(Error::Runtime(_))) {
+        // It drove: its recording is kept whatever comes now.
+        output.keep();
+    }
     let summary = result
         .as_ref()
         .map(|group| Summary::new(&scenario, mode, group, begun.elapsed()))
@@ -114,13 +115,13 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
         eprintln!("{service}: {line}");
     }
     if arguments.json {
-        print::out(&(json + "\n"));
+        print::out(&(json + "\n"))?;
     } else {
         let results = format!("  {:<14} {}\n", "results", output.path().display());
         let page = format!("  {:<14} {}\n", "report", output.path().join(report::FILE).display());
-        print::out(&(print::summary(&summary) + &results + &page));
+        print::out(&(print::summary(&summary) + &results + &page))?;
     }
-    // What was measured has been told before a full disk is.
+    // Print first, then fail on a full disk.
     written?;
     Ok(exit_code(&group.ended, summary.outcome))
 }
@@ -131,7 +132,7 @@ fn in_process(
     watch: &mut dyn FnMut(&Moment<'_>),
 ) -> Result<GroupOutcome, Error> {
     let stop = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM, SIGHUP] {
+    for signal in group::end_signals() {
         signal_hook::flag::register(signal, Arc::clone(&stop))
             .map_err(|e| Error::Machine(format!("cannot handle signals: {e}")))?;
     }

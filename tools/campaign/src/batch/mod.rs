@@ -17,7 +17,6 @@ use leftovers::leftovers;
 use report::summary::Summary;
 use runtime::Mode;
 use scenario::Scenario;
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -145,7 +144,7 @@ struct Interrupt {
 impl Interrupt {
     fn watch() -> Result<Self, Error> {
         let came = Arc::new(AtomicBool::new(false));
-        let registered = [SIGINT, SIGTERM, SIGHUP]
+        let registered = group::end_signals()
             .into_iter()
             .map(|signal| signal_hook::flag::register(signal, Arc::clone(&came)))
             .collect::<Result<_, _>>()

@@ -21,7 +21,7 @@ mod verdict;
 use crate::batch::{self, Job};
 use group::Error;
 use group::{GroupOptions, ScenarioOptions};
-use report::output::OutputDirectory;
+use report::output::{OutputDirectory, OutputOptions};
 
 use clap::Args;
 pub use file::BUILTIN;
@@ -68,9 +68,8 @@ pub struct CampaignArguments {
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
-    /// Directory for the results [default: runs/<time>-<campaign>]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: OutputOptions,
     /// Print the verdict as JSON, and nothing else, on standard output
     #[arg(long)]
     pub json: bool,
@@ -92,14 +91,10 @@ fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
         jobs.push(job(&campaign, planned)?);
     }
     note(&plan, &jobs);
-    let chosen = arguments.resume.as_deref().or(arguments.out.as_deref());
-    let output = OutputDirectory::create(chosen, campaign.name.as_str())?;
-    if arguments.resume.is_none() && output.path().join(journal::FILE).exists() {
-        let directory = output.path().display();
-        return Err(Error::Usage(format!(
-            "{directory} holds a campaign already, expected a new directory, or --resume {directory}"
-        )));
-    }
+    let output = match &arguments.resume {
+        Some(directory) => OutputDirectory::resume(directory)?,
+        None => OutputDirectory::create(&arguments.output, campaign.name.as_str())?,
+    };
     output.write(FILE, campaign.to_toml().as_bytes())?;
     let (mut journal, mut records) = Journal::open::<Record>(output.path())?;
     let (planned, jobs): (Vec<_>, Vec<_>) = (mine.iter().copied().zip(jobs))
@@ -162,7 +157,7 @@ fn merge(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     }
     let campaign = whole.expect("clap asks for at least one directory");
     let plan = plan::plan(&campaign)?;
-    let output = OutputDirectory::create(arguments.out.as_deref(), campaign.name.as_str())?;
+    let output = OutputDirectory::create(&arguments.output, campaign.name.as_str())?;
     let all = plan.runs.iter().collect::<Vec<_>>();
     conclude(arguments, &campaign, (&all, plan.left_out), records, &output)
 }
@@ -184,11 +179,11 @@ fn conclude(
         .and_then(|()| output.write("campaign.json", json.as_bytes()))
         .and_then(|()| output.write(report::FILE, page::page(&verdict, &times).as_bytes()));
     if arguments.json {
-        report::print::out(&json);
+        report::print::out(&json)?;
     } else {
         let results = format!("results: {}\n", output.path().display());
         let page = format!("report:  {}\n", output.path().join(report::FILE).display());
-        report::print::out(&(print::verdict(&verdict) + &results + &page));
+        report::print::out(&(print::verdict(&verdict) + &results + &page))?;
     }
     // What was measured has been told before a full disk is.
     written?;

@@ -8,11 +8,10 @@ use clap::Args;
 use group::Error;
 use group::{GroupOptions, ModeName, ScenarioOptions};
 use report::RunPicture;
-use report::output::OutputDirectory;
+use report::output::{OutputDirectory, OutputOptions};
 use report::print;
 use report::summary::{Control, Timing};
 use report::table::{Align, TextTable};
-use std::path::PathBuf;
 
 use runtime::report::Outcome;
 use serde::Serialize;
@@ -54,9 +53,8 @@ pub struct CompareArguments {
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
-    /// Directory for the results [default: runs/<time>-compare]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: OutputOptions,
     /// Print the rows as JSON, and nothing else, on standard output
     #[arg(long)]
     pub json: bool,
@@ -82,7 +80,7 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
             jobs.push(Job { scenario: group::open(name, &options)?, mode, sample_every: None });
         }
     }
-    let output = OutputDirectory::create(arguments.out.as_deref(), "compare")?;
+    let output = OutputDirectory::create(&arguments.output, "compare")?;
     let bar = report::progress::count_bar(jobs.len(), arguments.json);
     let at_once = batch::at_once(None, mode);
     let mut rows: Vec<_> = jobs.iter().map(|_| None).collect();
@@ -110,11 +108,11 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
     let written =
         written.and_then(|()| output.write(report::FILE, page::page(&comparison.rows).as_bytes()));
     if arguments.json {
-        print::out(&(json + "\n"));
+        print::out(&(json + "\n"))?;
     } else {
-        print::out(&table(&comparison.rows));
-        print::out(&format!("results: {}\n", output.path().display()));
-        print::out(&format!("report:  {}\n", output.path().join(report::FILE).display()));
+        print::out(&table(&comparison.rows))?;
+        print::out(&format!("results: {}\n", output.path().display()))?;
+        print::out(&format!("report:  {}\n", output.path().join(report::FILE).display()))?;
     }
     written?;
     Ok(if whole { ExitCode::SUCCESS } else { ExitCode::FAILURE })

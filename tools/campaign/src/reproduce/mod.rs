@@ -18,7 +18,7 @@ use group::GroupOptions;
 use page::page;
 use report::RunPicture;
 use report::chart::Plot;
-use report::output::OutputDirectory;
+use report::output::{OutputDirectory, OutputOptions};
 use report::print;
 use row::{Row, Verdict};
 use runner::{Part, Runner, together};
@@ -68,9 +68,8 @@ pub struct ReproduceArguments {
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
-    /// Directory for the results [default: runs/<time>-reproduce]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: OutputOptions,
     /// Print the rows as JSON, and nothing else, on standard output
     #[arg(long)]
     pub json: bool,
@@ -122,7 +121,7 @@ impl PaperName {
 
 /// Runs the command.
 pub fn run(arguments: &ReproduceArguments) -> Result<ExitCode, Error> {
-    let output = OutputDirectory::create(arguments.out.as_deref(), "reproduce")?;
+    let output = OutputDirectory::create(&arguments.output, "reproduce")?;
     let papers = arguments.paper.map_or(PAPERS.to_vec(), |paper| vec![paper]);
     let runs = papers.iter().map(|paper| paper.runs()).sum();
     let runner = Runner::new(&arguments.group, runs, arguments.json);
@@ -139,13 +138,13 @@ pub fn run(arguments: &ReproduceArguments) -> Result<ExitCode, Error> {
     let written = output.write("reproduce.json", (json.clone() + "\n").as_bytes());
     let written = written.and_then(|()| output.write(report::FILE, page(&reproduction).as_bytes()));
     if arguments.json {
-        print::out(&(json + "\n"));
+        print::out(&(json + "\n"))?;
     } else {
         for paper in &reproduction.papers {
-            print::out(&row::table(paper.paper, &paper.rows));
+            print::out(&row::table(paper.paper, &paper.rows))?;
         }
-        print::out(&format!("results: {}\n", output.path().display()));
-        print::out(&format!("report:  {}\n", output.path().join(report::FILE).display()));
+        print::out(&format!("results: {}\n", output.path().display()))?;
+        print::out(&format!("report:  {}\n", output.path().join(report::FILE).display()))?;
     }
     written?;
     Ok(if ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })

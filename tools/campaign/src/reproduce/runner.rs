@@ -128,6 +128,12 @@ fn orderly(group: &GroupOutcome) -> Result<(), Error> {
         Ended::Broken { service, how } => Err(Error::NotReady {
             service: *service,
             what: format!("ended before its time: {how}"),
+            foreign: false,
+        }),
+        Ended::GivenUp { service, .. } => Err(Error::NotReady {
+            service: *service,
+            what: "ended too often".into(),
+            foreign: false,
         }),
     }
 }

@@ -14,12 +14,11 @@ use clap::Args;
 use group::Error;
 use group::{GroupOptions, ModeName, ScenarioOptions};
 use param::Param;
-use report::output::OutputDirectory;
+use report::output::{OutputDirectory, OutputOptions};
 use report::print;
 use results::{Run, Sweep};
 use runtime::report::Outcome;
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Most runs of a sweep.
@@ -48,9 +47,8 @@ pub struct SweepArguments {
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
-    /// Directory for the results [default: runs/<time>-sweep]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: OutputOptions,
     /// Print the points as JSON, and nothing else, on standard output
     #[arg(long)]
     pub json: bool,
@@ -67,7 +65,7 @@ pub fn run(arguments: &SweepArguments) -> Result<ExitCode, Error> {
         let scenario = group::open_with(&arguments.scenario, options, "--param", keys)?;
         jobs.push(Job { scenario, mode, sample_every: None });
     }
-    let output = OutputDirectory::create(arguments.out.as_deref(), "sweep")?;
+    let output = OutputDirectory::create(&arguments.output, "sweep")?;
     let bar = report::progress::count_bar(jobs.len(), arguments.json);
     bar.set_message(format!("sweep {}", jobs[0].scenario.name.as_str()));
     let mut runs: Vec<Option<Run>> = vec![None; jobs.len()];
@@ -95,11 +93,11 @@ pub fn run(arguments: &SweepArguments) -> Result<ExitCode, Error> {
         .and_then(|()| output.write(report::FILE, page::page(&sweep).as_bytes()));
     // What an interrupt left undone is missing; what was done is kept.
     if end.is_ok() && arguments.json {
-        print::out(&json);
+        print::out(&json)?;
     } else if !arguments.json {
-        print::out(&sweep.table());
-        print::out(&format!("results: {}\n", output.path().display()));
-        print::out(&format!("report:  {}\n", output.path().join(report::FILE).display()));
+        print::out(&sweep.table())?;
+        print::out(&format!("results: {}\n", output.path().display()))?;
+        print::out(&format!("report:  {}\n", output.path().join(report::FILE).display()))?;
     }
     // Printed first: a full disk does not take what was measured.
     written?;

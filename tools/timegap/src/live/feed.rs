@@ -11,9 +11,11 @@ use std::time::{Duration, Instant};
 
 /// Time between two frames.
 const PERIOD: Duration = Duration::from_millis(100);
+/// Time that all views together get to take the end of the run.
+const END_PATIENCE: Duration = Duration::from_millis(500);
 /// Most points of the drive in one frame.
 const MAX_POINTS: usize = 100;
-/// Steps after which there is a point even if nobody told of the other vehicles.
+/// Steps after which there is a point even without news of the other vehicles.
 const STEPS: u64 = 10;
 
 /// What is new since the last frame.
@@ -27,7 +29,7 @@ pub struct Frame {
     pub mode: String,
     /// Quality of its last command.
     pub quality: &'static str,
-    /// Rung of the controller on the degradation ladder.
+    /// Level of the controller on the degradation ladder.
     pub rung: &'static str,
     /// Radar acquisition to the controller's answer, over the whole run, µs.
     pub answer_us: Option<Percentiles>,
@@ -120,12 +122,19 @@ impl LiveFeed {
         });
     }
 
-    /// Tells all views that the run is over, and how. They take it when they can.
+    /// Tells all views that the run is over, and how.
     pub fn end(self, how: &str) {
         let how: Arc<str> = how.into();
+        let begun = Instant::now();
         for view in self.views {
-            // A view that is gone need not know.
-            let _ = view.send(Update::Ended(Arc::clone(&how)));
+            let mut last = Update::Ended(Arc::clone(&how));
+            // A view that does not keep up sees the end of its channel instead.
+            while let Err(TrySendError::Full(unsent)) = view.try_send(last)
+                && begun.elapsed() < END_PATIENCE
+            {
+                last = unsent;
+                std::thread::sleep(Duration::from_millis(1));
+            }
         }
     }
 

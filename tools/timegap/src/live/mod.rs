@@ -20,19 +20,23 @@ use scenario::Scenario;
 use server::Server;
 use std::sync::mpsc::sync_channel;
 use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 
 /// Frames that wait for a view.
 const BACKLOG: usize = 64;
+/// Time that the terminal gets to be given back.
+const TERMINAL_PATIENCE: Duration = Duration::from_secs(1);
 /// Port of `--serve` without a number.
 const PORT: &str = "8170";
 
 /// How a run is looked at while it goes on.
 #[derive(Clone, Debug, Default, Args)]
 pub struct LiveOptions {
-    /// Show the run in the terminal while it goes on; q ends it
+    /// Show the run in the terminal while it goes on; q ends it, and so does the terminal's end
     #[arg(long)]
     pub watch: bool,
-    /// Show the run to browsers of this machine while it goes on, on this port (0: any)
+    /// Show the run to browsers of this machine while it goes on, on this port (0: any); the address
+    /// that is printed holds a token without which nothing is served
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = PORT)]
     pub serve: Option<u16>,
 }
@@ -56,7 +60,7 @@ impl Live {
                 let (sender, updates) = sync_channel(BACKLOG);
                 views.push(sender);
                 let server = Server::start(&title, port, updates)?;
-                eprintln!("live at http://{}/", server.address);
+                eprintln!("live at {}", server.url());
                 Some(server)
             }
         };
@@ -80,8 +84,11 @@ impl Live {
     pub fn end(self, how: &str) {
         self.feed.end(how);
         if let Some(terminal) = self.terminal {
-            // A panic of it has been told where it happened.
-            let _ = terminal.join();
+            let begun = Instant::now();
+            // A terminal that takes no output any more must not hold the results up.
+            while !terminal.is_finished() && begun.elapsed() < TERMINAL_PATIENCE {
+                std::thread::sleep(Duration::from_millis(1));
+            }
         }
         if let Some(server) = self.server {
             server.finish();

@@ -1,19 +1,24 @@
 //! `--serve`: the run in browsers of this machine.
 //!
-//! Two paths: `/` is the page, `/events` the stream of frames (server-sent events). Only the
-//! loopback interface is listened on, and only requests that name it are answered, so that no page
-//! of another origin can read along.
+//! Two paths below a token: `/TOKEN/` is the page, `/TOKEN/events` the stream of frames (server-sent
+//! events). Only the loopback interface is listened on, only requests that name it are answered, so that
+//! no page of another origin can read along, and the token keeps other users of this machine out.
+//!
+//! Written by hand, since it is less than a library's configuration: two answers, no keep-alive, no
+//! bodies. Everything a client could hold up is bounded: a request by [`REQUEST_TIME`] and
+//! [`MAX_REQUEST`], clients by [`MAX_CLIENTS`], what waits for one by [`BACKLOG`], and the end of the run
+//! by [`END_PATIENCE`], after which all connections are closed.
 
 use super::feed::{Frame, Update};
 use super::history::WINDOW_S;
 use group::Error;
 use std::collections::VecDeque;
-use std::io::{BufRead, BufReader, Read, Write};
-use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
+use std::io::{ErrorKind, Read, Write};
+use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// The page, with the report's colours.
 const PAGE: &str = include_str!("page.html");
@@ -22,14 +27,21 @@ const MAX_CLIENTS: usize = 16;
 /// Messages that wait for one browser; one that is slower is let go.
 const BACKLOG: usize = 4096;
 /// Longest request that is read, bytes.
-const MAX_REQUEST: u64 = 8192;
+const MAX_REQUEST: usize = 8192;
+/// Time for a whole request.
+const REQUEST_TIME: Duration = Duration::from_secs(2);
 /// A browser that takes nothing for so long is let go.
 const PATIENCE: Duration = Duration::from_secs(1);
+/// Time after the end of the run in which browsers get the rest.
+const END_PATIENCE: Duration = Duration::from_secs(2);
+/// Bytes of the token.
+const TOKEN_BYTES: usize = 16;
 
 /// A served run.
 pub struct Server {
     /// Where it is.
     pub address: SocketAddr,
+    token: Arc<str>,
     feeder: JoinHandle<()>,
 }
 
@@ -39,7 +51,7 @@ struct Hub {
     /// Newest frames as messages with their run time, for those who come late.
     past: VecDeque<(f64, Arc<str>)>,
     clients: Vec<SyncSender<Arc<str>>>,
-    threads: Vec<JoinHandle<()>>,
+    threads: Vec<(JoinHandle<()>, TcpStream)>,
     over: bool,
 }
 
@@ -50,11 +62,12 @@ impl Server {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(failed)?;
         let address = listener.local_addr().map_err(failed)?;
         let hub = Arc::new(Mutex::new(Hub::default()));
-        let page: Arc<str> = page(title).into();
+        let token = token().map_err(failed)?;
+        let served = Served { page: page(title).into(), token: Arc::clone(&token) };
         let accepting = Arc::clone(&hub);
         let acceptor = std::thread::Builder::new().name("serve".into()).spawn(move || {
             for stream in listener.incoming().map_while(Result::ok) {
-                if lock(&accepting).over || !admit(&accepting, stream, &page) {
+                if lock(&accepting).over || !admit(&accepting, stream, &served) {
                     return;
                 }
             }
@@ -67,15 +80,48 @@ impl Server {
             let _ = TcpStream::connect(address);
             let _ = acceptor.join();
             let threads = std::mem::take(&mut lock(&hub).threads);
-            threads.into_iter().for_each(|thread| drop(thread.join()));
+            close(threads);
         });
-        Ok(Self { address, feeder: feeder.map_err(failed)? })
+        Ok(Self { address, token, feeder: feeder.map_err(failed)? })
     }
 
-    /// Waits until every browser knows that the run is over, or is gone.
+    /// Its address with the token.
+    pub fn url(&self) -> String {
+        format!("http://{}/{}/", self.address, self.token)
+    }
+
+    /// Waits until every browser knows that the run is over, is gone, or was too slow.
     pub fn finish(self) {
         // A panic of it has been told where it happened.
         let _ = self.feeder.join();
+    }
+}
+
+/// What is served, and to whom.
+#[derive(Clone)]
+struct Served {
+    page: Arc<str>,
+    token: Arc<str>,
+}
+
+/// Random digits, new for each run.
+fn token() -> std::io::Result<Arc<str>> {
+    let mut bytes = [0; TOKEN_BYTES];
+    std::fs::File::open("/dev/urandom")?.read_exact(&mut bytes)?;
+    Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect::<String>().into())
+}
+
+/// Waits for the browsers' threads, and closes the connections of those that take too long.
+fn close(threads: Vec<(JoinHandle<()>, TcpStream)>) {
+    let begun = Instant::now();
+    while begun.elapsed() < END_PATIENCE && threads.iter().any(|(thread, _)| !thread.is_finished())
+    {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    for (thread, stream) in threads {
+        // A thread that waits for its browser gets an error.
+        let _ = stream.shutdown(Shutdown::Both);
+        drop(thread.join());
     }
 }
 
@@ -118,7 +164,7 @@ impl Hub {
             self.past.pop_front();
         }
         self.past.push_back((frame.time_s, message));
-        // A minute is 600 frames in realtime; a run that stands still has no right to more.
+        // A minute is 600 frames in realtime; a run whose time stands still keeps no more.
         while self.past.len() > BACKLOG / 2 {
             self.past.pop_front();
         }
@@ -130,49 +176,67 @@ impl Hub {
 }
 
 /// Gives a connection a thread; false when none can be had.
-fn admit(hub: &Arc<Mutex<Hub>>, stream: TcpStream, page: &Arc<str>) -> bool {
+fn admit(hub: &Arc<Mutex<Hub>>, stream: TcpStream, served: &Served) -> bool {
     let mut shared = lock(hub);
-    shared.threads.retain(|thread| !thread.is_finished());
+    shared.threads.retain(|(thread, _)| !thread.is_finished());
     if shared.threads.len() >= MAX_CLIENTS {
         // Too many: the connection closes.
         return true;
     }
-    let (hub, page) = (Arc::clone(hub), Arc::clone(page));
+    let Ok(handle) = stream.try_clone() else { return false };
+    let (hub, served) = (Arc::clone(hub), served.clone());
     let thread = std::thread::Builder::new().name("browser".into());
     let thread = thread.spawn(move || {
         // A browser that went away is no error.
-        let _ = answer(&hub, stream, &page);
+        let _ = answer(&hub, stream, &served);
     });
     let Ok(thread) = thread else { return false };
-    shared.threads.push(thread);
+    shared.threads.push((thread, handle));
     true
 }
 
-/// Answers one request.
-fn answer(hub: &Mutex<Hub>, stream: TcpStream, page: &str) -> std::io::Result<()> {
-    stream.set_read_timeout(Some(PATIENCE))?;
-    stream.set_write_timeout(Some(PATIENCE))?;
-    let mut lines = BufReader::new((&stream).take(MAX_REQUEST)).lines();
-    let request = lines.next().transpose()?.unwrap_or_default();
-    let mut local = false;
-    for line in lines {
-        let line = line?;
-        if line.is_empty() {
-            break;
+/// Reads a request up to the empty line that ends it.
+fn request(mut stream: &TcpStream) -> std::io::Result<String> {
+    let begun = Instant::now();
+    let (mut text, mut chunk) = (Vec::new(), [0; 1024]);
+    while !text.windows(4).any(|end| end == b"\r\n\r\n") {
+        let left = REQUEST_TIME.saturating_sub(begun.elapsed());
+        if left.is_zero() || text.len() > MAX_REQUEST {
+            return Err(ErrorKind::TimedOut.into());
         }
-        if let Some((name, value)) = line.split_once(':')
-            && name.eq_ignore_ascii_case("host")
-        {
-            let host = value.trim().rsplit_once(':').map_or(value.trim(), |(host, _)| host);
-            local = matches!(host, "127.0.0.1" | "localhost");
+        stream.set_read_timeout(Some(left))?;
+        match stream.read(&mut chunk)? {
+            0 => return Err(ErrorKind::UnexpectedEof.into()),
+            count => text.extend_from_slice(&chunk[..count]),
         }
     }
-    match request.strip_prefix("GET ").and_then(|rest| rest.split(' ').next()) {
-        _ if !local => respond(&stream, "403 Forbidden", "text/plain", "only for this machine\n"),
-        Some("/") => respond(&stream, "200 OK", "text/html; charset=utf-8", page),
-        Some("/events") => stream_events(hub, &stream),
-        Some(_) => respond(&stream, "404 Not Found", "text/plain", "there is / and /events\n"),
-        None => respond(&stream, "405 Method Not Allowed", "text/plain", "GET, please\n"),
+    Ok(String::from_utf8_lossy(&text).into_owned())
+}
+
+/// Answers one request.
+fn answer(hub: &Mutex<Hub>, stream: TcpStream, served: &Served) -> std::io::Result<()> {
+    stream.set_write_timeout(Some(PATIENCE))?;
+    let request = request(&stream)?;
+    let mut lines = request.lines();
+    let first = lines.next().unwrap_or_default();
+    let host = lines
+        .filter_map(|line| line.split_once(':'))
+        .find_map(|(name, value)| name.eq_ignore_ascii_case("host").then(|| value.trim()));
+    let host = host.map(|host| host.rsplit_once(':').map_or(host, |(host, _)| host));
+    let local = host.is_some_and(|host| matches!(host, "127.0.0.1" | "localhost"));
+    let Some(path) = first.strip_prefix("GET ").and_then(|rest| rest.split(' ').next()) else {
+        return respond(&stream, "405 Method Not Allowed", "text/plain", "only GET is answered\n");
+    };
+    let below = path.strip_prefix('/').and_then(|path| path.strip_prefix(&*served.token));
+    match below {
+        Some("/") if local => respond(&stream, "200 OK", "text/html; charset=utf-8", &served.page),
+        Some("/events") if local => stream_events(hub, &stream),
+        _ => respond(
+            &stream,
+            "403 Forbidden",
+            "text/plain",
+            "open the whole address that the run printed\n",
+        ),
     }
 }
 
@@ -213,6 +277,7 @@ fn stream_events(hub: &Mutex<Hub>, mut stream: &TcpStream) -> std::io::Result<()
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::io::{BufRead, BufReader};
 
     fn get(address: SocketAddr, path: &str, host: &str) -> String {
         let mut stream = TcpStream::connect(address).expect("it listens");
@@ -230,16 +295,16 @@ mod tests {
     fn browsers_get_the_past_the_present_and_the_end() {
         let (sender, updates) = sync_channel(16);
         let server = Server::start("a <run>", 0, updates).expect("a free port");
-        let address = server.address;
+        let (address, token) = (server.address, Arc::clone(&server.token));
         assert!(address.ip().is_loopback());
         sender.send(frame(0.5)).expect("it listens");
         let (seen, all_seen) = std::sync::mpsc::channel();
         let browsers: Vec<_> = (0..3)
             .map(|_| {
-                let seen = seen.clone();
+                let (seen, token) = (seen.clone(), Arc::clone(&token));
                 std::thread::spawn(move || {
                     let mut stream = TcpStream::connect(address).expect("it listens");
-                    write!(stream, "GET /events HTTP/1.1\r\nHost: localhost:1\r\n\r\n")
+                    write!(stream, "GET /{token}/events HTTP/1.1\r\nHost: localhost:1\r\n\r\n")
                         .expect("it reads");
                     let mut lines = BufReader::new(stream).lines().map_while(Result::ok);
                     let first = lines.find(|line| line.starts_with("data: ")).expect("a frame");
@@ -269,15 +334,39 @@ mod tests {
     fn the_page_needs_nothing_else_and_is_for_this_machine_only() {
         let (sender, updates) = sync_channel(1);
         let server = Server::start("a <run>", 0, updates).expect("a free port");
-        let page = get(server.address, "/", "127.0.0.1:80");
+        let home = format!("/{}/", server.token);
+        assert_eq!(server.url(), format!("http://{}{home}", server.address));
+        let page = get(server.address, &home, "127.0.0.1:80");
         assert!(page.starts_with("HTTP/1.1 200") && page.contains("a &lt;run&gt;"), "{page}");
         for sign in ["http://", "https://", "@import", "src="] {
             assert!(!page.contains(sign), "{sign}");
         }
-        assert!(get(server.address, "/", "evil.example").starts_with("HTTP/1.1 403"));
-        assert!(get(server.address, "/x", "localhost").starts_with("HTTP/1.1 404"));
-        // A run that is broken off tells nobody.
+        let refused =
+            |path: &str, host| get(server.address, path, host).starts_with("HTTP/1.1 403");
+        assert!(refused(&home, "evil.example"), "another origin");
+        assert!(refused("/", "localhost") && refused("/events", "localhost"), "no token");
+        assert!(refused(&format!("{home}x"), "localhost"), "no such page");
+        // A run that is broken off just ends.
         drop(sender);
         server.finish();
+    }
+
+    #[test]
+    fn slow_clients_do_not_hold_up_the_end() {
+        let (sender, updates) = sync_channel(1);
+        let server = Server::start("run", 0, updates).expect("a free port");
+        // One that never ends its request, and one that takes no events.
+        let mut slow = TcpStream::connect(server.address).expect("it listens");
+        slow.write_all(b"GET / HT").expect("it reads");
+        let mut deaf = TcpStream::connect(server.address).expect("it listens");
+        write!(deaf, "GET /{}/events HTTP/1.1\r\nHost: localhost\r\n\r\n", server.token)
+            .expect("it reads");
+        sender.send(Update::Ended("completed".into())).expect("it listens");
+        // The watchdog is the test's own: both clients stay until the server has let them go.
+        server.finish();
+        let mut rest = Vec::new();
+        let _ = slow.read_to_end(&mut rest);
+        assert!(rest.is_empty(), "it was answered without a whole request");
+        drop(deaf);
     }
 }

@@ -6,7 +6,6 @@ use group::Error;
 use ratatui::Frame as Screen;
 use ratatui::Terminal;
 use ratatui::backend::CrosstermBackend;
-use ratatui::crossterm::event::{self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 use ratatui::crossterm::terminal::{
     EnterAlternateScreen, LeaveAlternateScreen, disable_raw_mode, enable_raw_mode,
 };
@@ -17,28 +16,88 @@ use ratatui::symbols::Marker;
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, Paragraph};
 use report::print::duration;
+use runtime::statistics::Percentiles;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::io::Errno;
 use rustix::process::{Signal, getpid, kill_process};
-use std::io::{IsTerminal, Stderr, stderr};
+use std::fs::File;
+use std::io::{IsTerminal, Stderr, stderr, stdin};
+use std::os::fd::{AsFd, OwnedFd};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
 /// Longest time that a key waits.
 const PATIENCE: Duration = Duration::from_millis(50);
+/// Ctrl-C as a byte: a terminal in raw mode sends no signal for it.
+const CONTROL_C: u8 = 3;
+/// First byte of a key that is more than a letter.
+const ESCAPE: u8 = 0x1b;
 
-/// Starts the view, which ends with its channel or the run. It draws on standard error: standard
-/// output belongs to the results.
+/// Starts the view, which ends with its channel, the run or the terminal. It draws on standard error:
+/// standard output belongs to the results.
 pub fn watch(title: String, updates: Receiver<Update>) -> Result<JoinHandle<()>, Error> {
     if !stderr().is_terminal() {
         return Err(Error::Usage("--watch needs a terminal".into()));
     }
     let failed = |error| Error::Machine(format!("cannot use the terminal: {error}"));
+    let keys = Keys::open().map_err(failed)?;
     let mut terminal = Held::take().map_err(failed)?;
     let thread = std::thread::Builder::new().name("watch".into());
-    thread.spawn(move || terminal.follow(&title, &updates)).map_err(failed)
+    thread.spawn(move || terminal.follow(&title, &updates, &keys)).map_err(failed)
 }
 
-/// The terminal while it is ours; whatever happens it is given back.
+/// What the terminal's keyboard says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Asked {
+    /// Nothing that means anything here.
+    Nothing,
+    /// The run is to end.
+    End,
+    /// The terminal is gone, and the run is to end with it.
+    Gone,
+}
+
+/// The terminal's keyboard.
+struct Keys(OwnedFd);
+
+impl Keys {
+    fn open() -> std::io::Result<Self> {
+        if stdin().is_terminal() {
+            return stdin().as_fd().try_clone_to_owned().map(Self);
+        }
+        File::open("/dev/tty").map(|tty| Self(tty.into()))
+    }
+
+    /// What was asked since the last time. Never waits.
+    fn asked(&self) -> Asked {
+        let mut fds = [PollFd::new(&self.0, PollFlags::IN)];
+        if poll(&mut fds, Some(&Timespec::default())).is_err() {
+            return Asked::Nothing;
+        }
+        let found = fds[0].revents();
+        if !found.contains(PollFlags::IN) {
+            let gone = found.intersects(PollFlags::HUP | PollFlags::ERR | PollFlags::NVAL);
+            return if gone { Asked::Gone } else { Asked::Nothing };
+        }
+        let mut bytes = [0; 64];
+        match rustix::io::read(&self.0, &mut bytes) {
+            // The end of a terminal, which a poll reports as readable for ever.
+            Ok(0) => Asked::Gone,
+            Ok(count) => meaning(&bytes[..count]),
+            Err(Errno::INTR | Errno::AGAIN) => Asked::Nothing,
+            Err(_) => Asked::Gone,
+        }
+    }
+}
+
+fn meaning(bytes: &[u8]) -> Asked {
+    let ends = bytes.first() != Some(&ESCAPE)
+        && bytes.iter().any(|&byte| byte == b'q' || byte == CONTROL_C);
+    if ends { Asked::End } else { Asked::Nothing }
+}
+
+/// The terminal while it is ours; it is given back in every case.
 struct Held(Terminal<CrosstermBackend<Stderr>>);
 
 impl Held {
@@ -56,7 +115,7 @@ impl Held {
         Terminal::new(CrosstermBackend::new(stderr())).map(Self).inspect_err(|_| give_back())
     }
 
-    fn follow(&mut self, title: &str, updates: &Receiver<Update>) {
+    fn follow(&mut self, title: &str, updates: &Receiver<Update>, keys: &Keys) {
         let mut history = History::default();
         loop {
             match updates.recv_timeout(PATIENCE) {
@@ -64,16 +123,14 @@ impl Held {
                 Ok(Update::Ended(_)) | Err(RecvTimeoutError::Disconnected) => return,
                 Err(RecvTimeoutError::Timeout) => {}
             }
-            while event::poll(Duration::ZERO).unwrap_or(false) {
-                if let Ok(Event::Key(key)) = event::read()
-                    && ends(key)
-                {
-                    // The way that everybody else's wish for an end takes as well.
-                    let _ = kill_process(getpid(), Signal::INT);
-                }
+            let asked = keys.asked();
+            let gone = asked == Asked::Gone
+                || self.0.draw(|screen| draw(screen, title, &history)).is_err();
+            if gone || asked == Asked::End {
+                // The run ends as on any other SIGINT.
+                let _ = kill_process(getpid(), Signal::INT);
             }
-            if self.0.draw(|screen| draw(screen, title, &history)).is_err() {
-                // The terminal is gone; the run is not.
+            if gone {
                 return;
             }
         }
@@ -87,14 +144,9 @@ impl Drop for Held {
 }
 
 fn give_back() {
-    // Who cannot restore the terminal can tell nobody either.
+    // A terminal that cannot be restored is gone.
     let _ = disable_raw_mode();
     let _ = execute!(stderr(), LeaveAlternateScreen, cursor::Show);
-}
-
-fn ends(key: KeyEvent) -> bool {
-    let control_c = key.code == KeyCode::Char('c') && key.modifiers.contains(KeyModifiers::CONTROL);
-    key.kind == KeyEventKind::Press && (key.code == KeyCode::Char('q') || control_c)
 }
 
 /// One picture of the run.
@@ -102,7 +154,7 @@ fn draw(screen: &mut Screen<'_>, title: &str, history: &History) {
     let [head, charts, figures, foot] = Layout::vertical([
         Constraint::Length(1),
         Constraint::Min(9),
-        Constraint::Length(7),
+        Constraint::Length(STATE_LINES + 2),
         Constraint::Length(1),
     ])
     .areas(screen.area());
@@ -146,24 +198,28 @@ fn draw(screen: &mut Screen<'_>, title: &str, history: &History) {
     screen.render_widget(Line::raw("q ends the run"), foot);
 }
 
-/// Mode, quality and latency.
+/// Lines of [`state`].
+const STATE_LINES: u16 = 7;
+
+/// Mode, level of degradation and latency, in lines of at most 28 characters: half of 60 columns without
+/// its border.
 fn state(history: &History) -> Vec<Line<'static>> {
     let newest = &history.newest;
-    let answer = newest.answer_us.map_or_else(
-        || "radar to answer  –".to_owned(),
-        |p| format!("radar to answer  p50 {}, p99 {}", duration(p.p50), duration(p.p99)),
-    );
-    let worst = newest.answer_us.map_or_else(String::new, |p| {
-        format!("                 max {} (n = {})", duration(p.max), p.count)
-    });
+    let answer = |name: &str, of: fn(&Percentiles) -> f64| {
+        let us = newest.answer_us.map_or_else(|| "–".to_owned(), |p| duration(of(&p)));
+        format!("{name} {us}")
+    };
+    let count = newest.answer_us.map_or(0, |p| p.count);
     let point = history.points.back().copied().unwrap_or_default();
     let gap = point.gap_m.map_or_else(|| "–".to_owned(), |gap| format!("{gap:.1} m"));
     vec![
-        Line::raw(format!("speed {:.1} m/s, gap {gap}", point.speed_mps)),
-        Line::raw(format!("mode  {}", newest.mode)),
-        Line::raw(format!("rung  {}, commands {}", newest.rung, newest.quality)),
-        Line::raw(answer),
-        Line::raw(worst),
+        Line::raw(format!("{:.1} m/s, gap {gap}", point.speed_mps)),
+        Line::raw(format!("mode   {}", newest.mode)),
+        Line::raw(format!("level  {}", newest.rung)),
+        Line::raw(format!("command {}", newest.quality)),
+        Line::raw(answer("radar to command p50", |p| p.p50)),
+        Line::raw(answer("                 p99", |p| p.p99)),
+        Line::raw(answer("                 max", |p| p.max) + &format!(" (n = {count})")),
     ]
 }
 
@@ -248,7 +304,8 @@ mod tests {
             "gap, m",
             "acceleration, m/s²",
             "mode  follow",
-            "rung  lead-predicted, commands full",
+            "level  lead-predicted",
+            "command full",
             "3.250 s  kill controller",
             "q ends the run",
         ] {
@@ -266,9 +323,34 @@ mod tests {
     }
 
     #[test]
+    fn figures_are_whole_at_60_and_80_columns() {
+        let mut history = history();
+        let p = 123_456.7;
+        let answers = Percentiles { p50: p, p90: p, p99: p, p999: p, p9999: p, max: p, count: 7 };
+        history.newest.answer_us = Some(answers);
+        for width in [60, 80] {
+            let text = picture(width, 40, &history);
+            for part in ["p50 123.46 ms", "p99 123.46 ms", "max 123.46 ms", "level  lead-predicted"]
+            {
+                assert!(text.contains(part), "{part} at {width} columns\n{text}");
+            }
+        }
+    }
+
+    #[test]
     fn q_and_control_c_end_the_run() {
-        assert!(ends(KeyEvent::new(KeyCode::Char('q'), KeyModifiers::NONE)));
-        assert!(ends(KeyEvent::new(KeyCode::Char('c'), KeyModifiers::CONTROL)));
-        assert!(!ends(KeyEvent::new(KeyCode::Char('c'), KeyModifiers::NONE)));
+        assert_eq!(meaning(b"q"), Asked::End);
+        assert_eq!(meaning(&[b'x', CONTROL_C]), Asked::End);
+        assert_eq!(meaning(b"c"), Asked::Nothing);
+        assert_eq!(meaning(b"\x1b[q"), Asked::Nothing, "a key with an escape sequence");
+    }
+
+    #[test]
+    fn a_terminal_that_is_gone_is_noticed_and_never_waited_for() {
+        let (reader, writer) = std::io::pipe().expect("a pipe");
+        let keys = Keys(reader.into());
+        assert_eq!(keys.asked(), Asked::Nothing);
+        drop(writer);
+        assert_eq!(keys.asked(), Asked::Gone);
     }
 }

@@ -29,9 +29,9 @@ pub fn run(arguments: &DiffArguments) -> Result<ExitCode, Error> {
     let [a, b] = [&arguments.a, &arguments.b].map(|path| open(path));
     let comparison = compare(&a?, &b?);
     if arguments.json {
-        print::out(&(serde_json::to_string_pretty(&comparison).expect("plain data") + "\n"));
+        print::out(&(serde_json::to_string_pretty(&comparison).expect("plain data") + "\n"))?;
     } else {
-        print::out(&as_text(&comparison));
+        print::out(&as_text(&comparison))?;
     }
     Ok(if comparison.equal { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

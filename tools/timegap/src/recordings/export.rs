@@ -63,11 +63,11 @@ pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
         let files: Vec<_> =
             files.iter().map(|(path, rows)| json!({"path": path, "rows": rows})).collect();
         let result = json!({"schema_version": 1, "files": files});
-        print::out(&(serde_json::to_string_pretty(&result).expect("plain data") + "\n"));
+        print::out(&(serde_json::to_string_pretty(&result).expect("plain data") + "\n"))?;
     } else {
         let rows = files.iter().map(|(_, rows)| rows).sum();
         let (tables, rows) = (count(files.len() as u64, "table"), count(rows, "row"));
-        print::out(&format!("{tables} with {rows} in {}\n", directory.display()));
+        print::out(&format!("{tables} with {rows} in {}\n", directory.display()))?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -27,9 +27,9 @@ pub fn run(arguments: &InfoArguments) -> Result<ExitCode, Error> {
     let tally = tally(&recording);
     if arguments.json {
         let text = serde_json::to_string_pretty(&as_json(&recording, &tally)).expect("plain data");
-        print::out(&(text + "\n"));
+        print::out(&(text + "\n"))?;
     } else {
-        print::out(&as_text(&recording, &tally));
+        print::out(&as_text(&recording, &tally))?;
     }
     Ok(ExitCode::SUCCESS)
 }

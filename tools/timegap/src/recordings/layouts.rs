@@ -42,9 +42,9 @@ a file, take `root` and `prefix` from live.json in the run's results, and open t
 /// Runs the command.
 pub fn run(arguments: &LayoutsArguments) -> Result<ExitCode, Error> {
     if arguments.python {
-        print::out(&schema::python_module());
+        print::out(&schema::python_module())?;
     } else if arguments.c {
-        print::out(&schema::c_header());
+        print::out(&schema::c_header())?;
     } else {
         let topics: serde_json::Map<_, _> = TOPICS
             .into_iter()
@@ -57,7 +57,7 @@ pub fn run(arguments: &LayoutsArguments) -> Result<ExitCode, Error> {
             "topics": topics,
             "structs": structs,
         });
-        print::out(&(serde_json::to_string_pretty(&layouts).expect("plain data") + "\n"));
+        print::out(&(serde_json::to_string_pretty(&layouts).expect("plain data") + "\n"))?;
     }
     Ok(ExitCode::SUCCESS)
 }

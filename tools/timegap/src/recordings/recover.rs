@@ -52,11 +52,11 @@ pub fn run(arguments: &RecoverArguments) -> Result<ExitCode, Error> {
             "duration_s": broken.end_ns() as f64 / 1e9,
             "damage": damage,
         });
-        print::out(&(serde_json::to_string_pretty(&result).expect("plain data") + "\n"));
+        print::out(&(serde_json::to_string_pretty(&result).expect("plain data") + "\n"))?;
         return Ok(ExitCode::SUCCESS);
     }
     if whole {
-        print::out(&format!("{} is whole: nothing to recover\n", path.display()));
+        print::out(&format!("{} is whole: nothing to recover\n", path.display()))?;
         return Ok(ExitCode::SUCCESS);
     }
     let mut text = format!(
@@ -67,7 +67,7 @@ pub fn run(arguments: &RecoverArguments) -> Result<ExitCode, Error> {
     );
     damage.iter().for_each(|damage| text.push_str(&format!("  broken         {damage}\n")));
     text.push_str(&format!("  results        {}\n", path.display()));
-    print::out(&text);
+    print::out(&text)?;
     Ok(ExitCode::SUCCESS)
 }
 

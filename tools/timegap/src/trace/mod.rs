@@ -83,7 +83,7 @@ pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Error> {
     }
     if arguments.json {
         let json = serde_json::to_string_pretty(&written).expect("plain data");
-        print::out(&(json + "\n"));
+        print::out(&(json + "\n"))?;
     } else {
         print::out(&format!(
             "{}: {} cycles, {} chains, {} deadlines missed, {} incidents, {:.2} MiB\n\
@@ -94,7 +94,7 @@ pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Error> {
             written.deadline_misses,
             written.incidents,
             written.bytes as f64 / f64::from(1 << 20),
-        ));
+        ))?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -1,6 +1,6 @@
 //! `timegap replay`: a recorded run's inputs into the controller again.
 //!
-//! The controller is the real process on real topics; a replayer stands for everybody else and sends
+//! The controller is the real process on real topics; a replayer stands for all other services and sends
 //! the recorded samples as they were. The controller is released as often as it was, at the recorded
 //! instants, and takes at each release the very samples that its recorded diagnostics name, also
 //! where it then kept silent. Each process of a controller that was restarted is replayed by itself.
@@ -76,9 +76,9 @@ pub fn run(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
         arguments.out.clone().unwrap_or_else(|| recording.path().with_file_name("replay.csv"));
     let written = write(&path, &rows);
     if arguments.json {
-        print::out(&(serde_json::to_string_pretty(&comparison).expect("plain data") + "\n"));
+        print::out(&(serde_json::to_string_pretty(&comparison).expect("plain data") + "\n"))?;
     } else {
-        print::out(&(as_text(&comparison) + &format!("  results        {}\n", path.display())));
+        print::out(&(as_text(&comparison) + &format!("  results        {}\n", path.display())))?;
     }
     written?;
     Ok(if changed || comparison.identical { ExitCode::SUCCESS } else { ExitCode::FAILURE })

@@ -1,0 +1,188 @@
+//! What a service has counted so far, in a page of shared memory that outlives it: a process that dies
+//! cannot report, and its messages were sent all the same.
+//!
+//! The service writes the page at the end of each cycle (some hundred stores, no system call), the
+//! launcher reads it when the process is gone without a report.
+
+use super::port::Tally;
+use super::words::SharedWords;
+use super::{Group, RuntimeError};
+use crate::report::{ReceivedTopic, SentTopic};
+use messages::e2e::Outcomes;
+use messages::{Service, TOPICS, Topic};
+use std::cell::RefCell;
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::atomic::Ordering;
+
+/// Words for the cycles and the skipped releases, before those of the topics.
+const HEAD: usize = 16;
+/// Words of a topic.
+const STRIDE: usize = 16;
+/// Bits of a topic's first word.
+const SENDS: u32 = 1;
+const RECEIVES: u32 = 2;
+
+const _: () = assert!(HEAD + TOPICS.len() * STRIDE <= super::words::WORDS);
+
+/// A port's counts, shared with the port.
+pub(super) type Counted = (Topic, Rc<RefCell<Tally>>);
+
+/// The page of one process.
+#[derive(Debug)]
+pub(super) struct Account(SharedWords);
+
+/// What a process had counted when it died. Counts wrap at 2³².
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LastAccount {
+    /// Cycles run.
+    pub cycles: u64,
+    /// Releases left out.
+    pub skipped: u64,
+    /// Topics published.
+    pub sent: Vec<SentTopic>,
+    /// Topics received.
+    pub received: Vec<ReceivedTopic>,
+}
+
+fn name(prefix: &str, service: Service, incarnation: u32) -> String {
+    format!("{prefix}{service}.{incarnation}.account")
+}
+
+impl Account {
+    /// Opens the page of a process.
+    pub(super) fn open(
+        group: &Group,
+        service: Service,
+        incarnation: u32,
+    ) -> Result<Self, RuntimeError> {
+        SharedWords::map(&name(&group.prefix, service, incarnation))
+            .map(Self)
+            .map_err(|e| RuntimeError::Setup(format!("the account in shared memory: {e}")))
+    }
+
+    /// Writes what was counted so far.
+    pub(super) fn write(&self, cycles: u64, skipped: u64, sent: &[Counted], received: &[Counted]) {
+        self.put(0, cycles);
+        self.put(1, skipped);
+        for (topic, tally) in sent {
+            let place = place(*topic);
+            self.0.word(place).fetch_or(SENDS, Ordering::Relaxed);
+            self.put(place + 1, tally.borrow().messages);
+        }
+        for (topic, tally) in received {
+            let (place, tally) = (place(*topic), tally.borrow());
+            self.0.word(place).fetch_or(RECEIVES, Ordering::Relaxed);
+            self.put(place + 2, tally.messages);
+            self.put(place + 3, tally.lost);
+            let outcomes = [
+                tally.e2e.ok,
+                tally.e2e.ok_some_lost,
+                tally.e2e.repeated,
+                tally.e2e.wrong_sequence,
+                tally.e2e.error,
+                tally.e2e.no_new_data,
+                tally.e2e.stranger,
+                tally.e2e.from_the_future,
+                tally.e2e.distrusted,
+            ];
+            for (index, count) in outcomes.into_iter().enumerate() {
+                self.put(place + 4 + index, count);
+            }
+        }
+    }
+
+    fn put(&self, index: usize, count: u64) {
+        self.0.word(index).store(count as u32, Ordering::Relaxed);
+    }
+
+    fn read(&self) -> LastAccount {
+        let count = |index: usize| u64::from(self.0.word(index).load(Ordering::Relaxed));
+        let with = |bit: u32| {
+            TOPICS.into_iter().filter(move |&topic| count(place(topic)) & u64::from(bit) != 0)
+        };
+        let sent = |topic: Topic| SentTopic {
+            topic: topic.name().into(),
+            sent: count(place(topic) + 1),
+            digest: None,
+        };
+        let received = |topic: Topic| {
+            let outcome = |index: usize| count(place(topic) + 4 + index);
+            ReceivedTopic {
+                topic: topic.name().into(),
+                received: count(place(topic) + 2),
+                lost: count(place(topic) + 3),
+                e2e: Outcomes {
+                    ok: outcome(0),
+                    ok_some_lost: outcome(1),
+                    repeated: outcome(2),
+                    wrong_sequence: outcome(3),
+                    error: outcome(4),
+                    no_new_data: outcome(5),
+                    stranger: outcome(6),
+                    from_the_future: outcome(7),
+                    distrusted: outcome(8),
+                },
+                digest: None,
+            }
+        };
+        LastAccount {
+            cycles: count(0),
+            skipped: count(1),
+            sent: with(SENDS).map(sent).collect(),
+            received: with(RECEIVES).map(received).collect(),
+        }
+    }
+}
+
+/// First word of a topic.
+fn place(topic: Topic) -> usize {
+    HEAD + topic as usize * STRIDE
+}
+
+/// What process `incarnation` of `service`, which is gone, had counted; `None` if it kept no account.
+/// The page is removed.
+#[must_use]
+pub fn take_account(group: &Group, service: Service, incarnation: u32) -> Option<LastAccount> {
+    let name = name(&group.prefix, service, incarnation);
+    let path = Path::new("/dev/shm").join(&name);
+    if !path.exists() {
+        return None;
+    }
+    let account = SharedWords::map(&name).ok().map(|words| Account(words).read());
+    // The run's clean-up takes what is left here.
+    let _ = std::fs::remove_file(path);
+    account
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Mode, Timetable};
+
+    #[test]
+    fn an_account_outlives_its_process_and_is_taken_once() {
+        let group = Group {
+            root: "/tmp".into(),
+            prefix: format!("timegap_account-{}_", std::process::id()),
+            mode: Mode::Realtime,
+            timetable: Timetable { step_ns: 1, strides: [1; Service::ALL.len()], last_step: 1 },
+            patience_ns: 1,
+            scenario: String::new(),
+        };
+        let tally = || {
+            let tally = Tally::new(Mode::Realtime);
+            tally.borrow_mut().messages = 7;
+            tally.borrow_mut().e2e.stranger = 3;
+            tally
+        };
+        let account = Account::open(&group, Service::Plant, 2).expect("shared memory");
+        account.write(5, 1, &[(Topic::Odometry, tally())], &[(Topic::Command, tally())]);
+        drop(account);
+        let last = take_account(&group, Service::Plant, 2).expect("it is there");
+        assert_eq!((last.cycles, last.skipped), (5, 1));
+        assert_eq!((last.sent.len(), last.sent[0].sent), (1, 7));
+        assert_eq!((last.received[0].received, last.received[0].e2e.stranger), (7, 3));
+        assert_eq!(take_account(&group, Service::Plant, 2), None);
+    }
+}

@@ -1,0 +1,263 @@
+//! The form of a scenario file as data: every key with its type, range, default and meaning, for editors
+//! (a JSON Schema) and for the reference of all keys.
+//!
+//! It is taken from the types that read the file: `trace` asks them through serde, `notes` finds their
+//! doc comments.
+
+mod notes;
+mod trace;
+
+use crate::Scenario;
+use std::collections::BTreeSet;
+use trace::{Form, Knowledge, Refusal, range, words};
+
+/// A value's type.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// `true` or `false`.
+    Boolean,
+    /// A number, in the unit that the key's name carries.
+    Number {
+        /// True for whole numbers.
+        is_whole: bool,
+        /// Smallest and largest, both allowed; none where any will do.
+        range: Option<(f64, f64)>,
+    },
+    /// A text.
+    Text {
+        /// The texts that are accepted; empty where others are, too.
+        words: Vec<String>,
+    },
+    /// A list of such values.
+    List(Box<Shape>),
+    /// A list of so many values, each of its own type.
+    Tuple(Vec<Shape>),
+    /// A table with these keys and no others.
+    Table(Vec<Key>),
+    /// One of these words; those with a shape are the only key of a table.
+    Choice(Vec<(String, Option<Shape>)>),
+    /// A table of another form: a control law checks it, or a translation fills it.
+    Free,
+}
+
+/// A key of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Key {
+    /// Name.
+    pub name: String,
+    /// Type of its value.
+    pub shape: Shape,
+    /// What a value is to be, in words; none where the type says it all.
+    pub expected: Option<String>,
+    /// True if it cannot be left out.
+    pub is_required: bool,
+    /// The value that holds when it is left out, as TOML; none where leaving it out means that there is
+    /// none.
+    pub default: Option<toml::Value>,
+    /// What it means.
+    pub meaning: String,
+}
+
+/// The keys of a scenario file.
+///
+/// # Panics
+/// If a type of this crate reads a form that `trace` does not know, which a test rules out.
+#[must_use]
+pub fn keys() -> Vec<Key> {
+    let known = trace::learn::<Scenario>();
+    let all: Vec<String> = known.nodes.keys().filter(|path| is_key(path)).cloned().collect();
+    let (known, required) = required(known, &all);
+    let defaults = defaults(&known, &all, &required);
+    let form = Forms { known: &known, required: &required, defaults: &defaults };
+    form.keys("", "")
+}
+
+/// True if the path ends with a key.
+fn is_key(path: &str) -> bool {
+    !path.is_empty() && !path.ends_with(']') && !path.ends_with('>')
+}
+
+/// The keys that cannot be left out.
+fn required(mut known: Knowledge, all: &[String]) -> (Knowledge, BTreeSet<String>) {
+    let mut required = BTreeSet::new();
+    for path in all.iter().filter(|path| !path.contains('<')) {
+        let (kept, read) = trace::read_without::<Scenario>(known, [path.clone()].into());
+        known = kept;
+        if let Err(Refusal(message)) = read {
+            let name = path.rsplit_once('.').map_or(path.as_str(), |(_, name)| name);
+            assert_eq!(message, format!("missing field `{name}`"), "{path}");
+            required.insert(path.clone());
+        }
+    }
+    (known, required)
+}
+
+/// A scenario with one element in each list, and nothing in it that can be left out.
+fn defaults(known: &Knowledge, all: &[String], required: &BTreeSet<String>) -> toml::Value {
+    let in_lists = || all.iter().filter(|path| path.contains("[].") && !path.contains('<'));
+    let leads_to_list = |path: &str| {
+        let [list, table] = [format!("{path}[]."), format!("{path}.")];
+        in_lists().any(|other| other.starts_with(&list) || other.starts_with(&table))
+    };
+    let left_out = all
+        .iter()
+        .filter(|path| !path.contains('<') && !required.contains(*path))
+        .filter(|path| !leads_to_list(path))
+        .cloned()
+        .collect();
+    let (_, read) = trace::read_without::<Scenario>(known.clone(), left_out);
+    let scenario = read.expect("what is required is there");
+    toml::Value::try_from(scenario).expect("every scenario has a form in TOML")
+}
+
+/// Turns what was learnt into keys.
+struct Forms<'a> {
+    known: &'a Knowledge,
+    required: &'a BTreeSet<String>,
+    defaults: &'a toml::Value,
+}
+
+impl Forms<'_> {
+    /// The keys of the table at `path`, below the top-level table `top`.
+    fn keys(&self, path: &str, top: &str) -> Vec<Key> {
+        let Some(Form::Table(name, keys)) = self.known.nodes.get(path).map(|node| &node.form)
+        else {
+            return Vec::new();
+        };
+        keys.iter()
+            .filter(|key| self.known.nodes.contains_key(&format!("{path}.{key}")))
+            .map(|key| {
+                let below = format!("{path}.{key}");
+                let top = if path.is_empty() { *key } else { top };
+                let node = &self.known.nodes[&below];
+                let is_value = matches!(node.form, Form::Number | Form::Whole | Form::Text);
+                Key {
+                    name: (*key).to_owned(),
+                    shape: self.shape(&below, top),
+                    // A bare name is a type of Rust's.
+                    expected: node.expected.clone().filter(|text| is_value && text.contains(' ')),
+                    is_required: self.required.contains(&below),
+                    default: self.default(&below),
+                    meaning: notes::of(if path.is_empty() { "" } else { top }, name, key)
+                        .unwrap_or_default(),
+                }
+            })
+            .collect()
+    }
+
+    fn shape(&self, path: &str, top: &str) -> Shape {
+        let node = &self.known.nodes[path];
+        let expected = node.expected.as_deref();
+        match node.form {
+            Form::Free => Shape::Free,
+            Form::Boolean => Shape::Boolean,
+            Form::Whole => Shape::Number { is_whole: true, range: expected.and_then(range) },
+            Form::Number => Shape::Number { is_whole: false, range: expected.and_then(range) },
+            Form::Text => Shape::Text { words: expected.map(words).unwrap_or_default() },
+            Form::List => Shape::List(Box::new(self.shape(&format!("{path}[]"), top))),
+            Form::Tuple(count) => {
+                Shape::Tuple((0..count).map(|i| self.shape(&format!("{path}[{i}]"), top)).collect())
+            }
+            Form::Table(..) => Shape::Table(self.keys(path, top)),
+            Form::Choice(variants) => {
+                let variant = |name: &&str| {
+                    let below = format!("{path}<{name}>");
+                    let shape = self.known.nodes.contains_key(&below);
+                    ((*name).to_owned(), shape.then(|| self.shape(&below, top)))
+                };
+                Shape::Choice(variants.iter().map(variant).collect())
+            }
+        }
+    }
+
+    /// The value that holds at `path` when nothing is said.
+    fn default(&self, path: &str) -> Option<toml::Value> {
+        if self.required.contains(path) || path.contains('<') {
+            return None;
+        }
+        let mut value = self.defaults;
+        for step in path.split('.').skip(1) {
+            let (key, is_list) = step.strip_suffix("[]").map_or((step, false), |key| (key, true));
+            value = value.get(key)?;
+            if is_list {
+                value = value.get(0)?;
+            }
+        }
+        // Tables and lists of tables say it key by key.
+        let is_plain = match value {
+            toml::Value::Table(_) => false,
+            toml::Value::Array(list) => !list.iter().any(toml::Value::is_table),
+            _ => true,
+        };
+        is_plain.then(|| value.clone())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn find<'a>(keys: &'a [Key], path: &str) -> &'a Key {
+        let (first, rest) = path.split_once('.').map_or((path, None), |(a, b)| (a, Some(b)));
+        let key = keys.iter().find(|key| key.name == first).unwrap_or_else(|| panic!("{first}"));
+        let mut shape = &key.shape;
+        if let Shape::List(element) = shape {
+            shape = element;
+        }
+        match (rest, shape) {
+            (None, _) => key,
+            (Some(rest), Shape::Table(keys)) => find(keys, rest),
+            (Some(rest), other) => panic!("{rest} below {other:?}"),
+        }
+    }
+
+    #[test]
+    fn ranges_defaults_and_meanings_come_from_the_types() {
+        let keys = keys();
+        let period = find(&keys, "plant.period_ms");
+        assert_eq!(period.shape, Shape::Number { is_whole: true, range: Some((1.0, 10_000.0)) });
+        assert_eq!(period.default, Some(toml::Value::Integer(10)));
+        assert!(find(&keys, "name").is_required && !period.is_required);
+        assert_eq!(find(&keys, "set_speed_mps").default, Some(toml::Value::Float(33.3)));
+        assert_eq!(find(&keys, "speed_limit_mps").default, None);
+        assert_eq!(find(&keys, "actors.length_m").default, Some(toml::Value::Float(4.5)));
+        assert!(find(&keys, "actors.gap_m").is_required);
+        assert_eq!(find(&keys, "runtime.scheduling").default, Some("fifo".into()));
+        let Shape::Choice(policies) = &find(&keys, "supervision.restart").shape else { panic!() };
+        assert_eq!(policies[1], ("on-failure".to_owned(), None));
+        let Shape::Choice(profiles) = &find(&keys, "actors.profile").shape else { panic!() };
+        let sine = profiles.iter().find(|(name, _)| name == "sine").expect("it is there");
+        let Some(Shape::Table(keys)) = &sine.1 else { panic!("{sine:?}") };
+        assert_eq!(keys.len(), 3);
+    }
+
+    fn check(keys: &[Key], path: &str, without: &mut Vec<String>) {
+        for key in keys {
+            let path = format!("{path}.{}", key.name);
+            if key.meaning.is_empty() {
+                without.push(path.clone());
+            }
+            below(&key.shape, &path, without);
+        }
+    }
+
+    fn below(shape: &Shape, path: &str, without: &mut Vec<String>) {
+        match shape {
+            Shape::Table(keys) => check(keys, path, without),
+            Shape::List(element) => below(element, path, without),
+            Shape::Choice(variants) => {
+                variants.iter().filter_map(|(_, shape)| shape.as_ref()).for_each(|shape| {
+                    below(shape, path, without);
+                });
+            }
+            _ => {}
+        }
+    }
+
+    #[test]
+    fn every_key_has_a_meaning() {
+        let mut without = Vec::new();
+        check(&keys(), "", &mut without);
+        assert_eq!(without, [] as [&str; 0], "a new source of keys belongs into `notes`");
+    }
+}

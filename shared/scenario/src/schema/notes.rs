@@ -1,0 +1,27 @@
+//! What the keys mean: the doc comments of the types that read them.
+
+/// The sources of this crate that declare keys, by the name of the top-level table that they are about.
+const SOURCES: &[(&str, &str)] = &[
+    ("", include_str!("../lib.rs")),
+    ("actors", include_str!("../actor.rs")),
+    ("aebs", include_str!("../aebs.rs")),
+    ("controller", include_str!("../controller.rs")),
+    ("events", include_str!("../event.rs")),
+    ("faults", include_str!("../faults.rs")),
+    ("perception", include_str!("../perception.rs")),
+    ("plant", include_str!("../plant.rs")),
+    ("referee", include_str!("../referee.rs")),
+    ("road", include_str!("../road.rs")),
+    ("runtime", include_str!("../runtime.rs")),
+    ("supervision", include_str!("../supervision.rs")),
+    ("v2x", include_str!("../v2x.rs")),
+];
+
+/// The comment on field `key` of struct `name`, or on a variant of an enum, which a key below the
+/// top-level table `table` reads; the table's own source comes first, since names repeat.
+pub(super) fn of(table: &str, name: &str, key: &str) -> Option<String> {
+    let own = SOURCES.iter().filter(|(about, _)| *about == table);
+    let others = SOURCES.iter().filter(|(about, _)| *about != table);
+    let field = key.replace('-', "_");
+    own.chain(others).find_map(|(_, source)| messages::notes::in_source(source, name, &field))
+}

@@ -1,0 +1,202 @@
+//! A service's whole life: what all its processes counted, as one report.
+//!
+//! A process that dies leaves its account in shared memory ([`runtime::take_account`]) and its messages
+//! on the topics, where the launcher heard them. Percentiles cannot be added: they are those of the last
+//! process, and their count says of how many samples.
+
+use super::drive::DriveLog;
+use controller::laws;
+use messages::rung::{Rung, RungLog};
+use messages::{Diagnostics, Service};
+use runtime::report::{
+    ControllerReport, Details, ModeChange, ReceivedTopic, SentTopic, ServiceReport,
+};
+use runtime::scheduling::Granted;
+use runtime::{Group, take_account};
+use scenario::Scenario;
+use std::collections::BTreeMap;
+
+/// What process `incarnation` of `service` left, which is gone without a report: no counts, if it kept no
+/// account.
+pub fn left_by(
+    group: &Group,
+    service: Service,
+    incarnation: u32,
+    scheduling: Granted,
+) -> ServiceReport {
+    let account = take_account(group, service, incarnation).unwrap_or_default();
+    ServiceReport {
+        service,
+        cycles: account.cycles,
+        skipped: account.skipped,
+        release_jitter_us: None,
+        sent: account.sent,
+        received: account.received,
+        allocations_in_loop: None,
+        peak_rss_kib: None,
+        scheduling,
+        befallen: Vec::new(),
+        details: Details::None,
+    }
+}
+
+/// One report of all processes of a service, in order; `None` without any.
+pub fn whole(reports: Vec<ServiceReport>) -> Option<ServiceReport> {
+    let mut reports = reports.into_iter().rev();
+    // What cannot be added is that of the last one.
+    let mut whole = reports.next()?;
+    for earlier in reports {
+        whole.cycles += earlier.cycles;
+        whole.skipped += earlier.skipped;
+        whole.peak_rss_kib = whole.peak_rss_kib.max(earlier.peak_rss_kib);
+        whole.befallen.extend(earlier.befallen);
+        for sent in earlier.sent {
+            add_sent(&mut whole.sent, sent);
+        }
+        for received in earlier.received {
+            add_received(&mut whole.received, received);
+        }
+    }
+    Some(whole)
+}
+
+fn add_sent(topics: &mut Vec<SentTopic>, earlier: SentTopic) {
+    match topics.iter_mut().find(|sent| sent.topic == earlier.topic) {
+        Some(sent) => sent.sent += earlier.sent,
+        None => topics.push(earlier),
+    }
+}
+
+fn add_received(topics: &mut Vec<ReceivedTopic>, earlier: ReceivedTopic) {
+    match topics.iter_mut().find(|received| received.topic == earlier.topic) {
+        Some(received) => {
+            received.received += earlier.received;
+            received.lost += earlier.lost;
+            received.e2e.add(&earlier.e2e);
+        }
+        None => topics.push(earlier),
+    }
+}
+
+/// What the controller's processes did in all, as the launcher heard it on `control/diagnostics` and
+/// `control/command`; `last` is the report of the last one, if it came to one.
+pub fn of_controller(
+    scenario: &Scenario,
+    log: &DriveLog,
+    last: Option<&ControllerReport>,
+) -> ControllerReport {
+    let (_, _, cycles) = log.heard();
+    let count =
+        |quality: u32| cycles.iter().filter(|cycle| cycle.quality == quality).count() as u64;
+    let deadline_us = f64::from(scenario.controller.deadline().value()) * 1e3;
+    ControllerReport {
+        deadline_us,
+        deadline_misses: log.late_commands() + left_out(cycles, log.controller_stride()),
+        solve_us: last.and_then(|last| last.solve_us),
+        relaxed: count(1),
+        backup: count(2),
+        planning: last.and_then(|last| last.planning),
+        mode_changes: mode_changes(scenario, cycles),
+        rungs: rungs(cycles).report(),
+    }
+}
+
+/// Releases between two cycles of one process that were left out.
+fn left_out(cycles: &[Diagnostics], stride: u64) -> u64 {
+    let pairs =
+        cycles.windows(2).filter(|pair| pair[0].header.incarnation == pair[1].header.incarnation);
+    pairs
+        .map(|pair| (pair[1].header.step / stride).saturating_sub(pair[0].header.step / stride + 1))
+        .sum()
+}
+
+fn mode_changes(scenario: &Scenario, cycles: &[Diagnostics]) -> Vec<ModeChange> {
+    let (modes, figures) = (laws::mode_names(scenario), laws::figure_names(scenario));
+    let reasons = laws::formulation(scenario).map_or(&[][..], |law| law.reasons);
+    let name = |names: &[&str], index: u32| {
+        names.get(index as usize).map_or_else(|| index.to_string(), ToString::to_string)
+    };
+    let changes = cycles.windows(2).filter(|pair| pair[0].mode != pair[1].mode);
+    changes
+        .map(|pair| ModeChange {
+            t_s: pair[1].header.acquisition_ns as f64 / 1e9,
+            from: name(modes, pair[0].mode),
+            to: name(modes, pair[1].mode),
+            reason: name(reasons, pair[1].mode_reason),
+            figures: figures
+                .iter()
+                .zip(pair[1].figures)
+                .filter(|(_, value)| value.is_finite())
+                .map(|(name, value)| ((*name).to_owned(), value))
+                .collect::<BTreeMap<_, _>>(),
+        })
+        .collect()
+}
+
+fn rungs(cycles: &[Diagnostics]) -> RungLog {
+    let mut log = RungLog::default();
+    for cycle in cycles {
+        if let Some(rung) = Rung::from_wire(cycle.rung) {
+            log.observe(cycle.header.acquisition_ns as f64 / 1e9, rung);
+        }
+    }
+    log
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bytemuck::Zeroable;
+
+    fn report(cycles: u64, odometry: u64) -> ServiceReport {
+        let topic = || "vehicle/odometry".to_owned();
+        ServiceReport {
+            service: Service::Controller,
+            cycles,
+            skipped: 1,
+            release_jitter_us: None,
+            sent: vec![SentTopic { topic: topic(), sent: odometry, digest: None }],
+            received: vec![ReceivedTopic {
+                topic: topic(),
+                received: odometry,
+                lost: 2,
+                e2e: messages::e2e::Outcomes { ok: odometry, ..Default::default() },
+                digest: None,
+            }],
+            allocations_in_loop: None,
+            peak_rss_kib: Some(cycles),
+            scheduling: Granted {
+                requested: "other".into(),
+                granted: "other".into(),
+                core: None,
+                memory_locked: false,
+                refused: Vec::new(),
+            },
+            befallen: Vec::new(),
+            details: Details::None,
+        }
+    }
+
+    #[test]
+    fn the_counts_of_all_processes_add_up() {
+        let whole = whole(vec![report(5, 50), report(7, 70), report(1, 10)]).expect("three");
+        assert_eq!((whole.cycles, whole.skipped, whole.peak_rss_kib), (13, 3, Some(7)));
+        assert_eq!(whole.sent[0].sent, 130);
+        assert_eq!((whole.received[0].received, whole.received[0].lost), (130, 6));
+        assert_eq!(whole.received[0].e2e.ok, 130);
+        assert!(super::whole(Vec::new()).is_none());
+    }
+
+    #[test]
+    fn releases_left_out_are_counted_within_a_process() {
+        let cycles: Vec<_> = [(0, 0), (10, 0), (40, 0), (95, 1), (100, 1)]
+            .map(|(step, incarnation)| {
+                let mut cycle = Diagnostics::zeroed();
+                cycle.header.step = step;
+                cycle.header.incarnation = incarnation;
+                cycle
+            })
+            .into();
+        assert_eq!(left_out(&cycles, 10), 2, "20 and 30; what lay between two processes is none's");
+    }
+}

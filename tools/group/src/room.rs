@@ -1,0 +1,95 @@
+//! What a run needs of the machine, asked for before anything is started: a refusal then is one line,
+//! and a process that runs into it later dies of it.
+
+use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+use std::io;
+use std::os::unix::fs::OpenOptionsExt;
+use std::path::Path;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// Where POSIX shared memory lives.
+pub(super) const SHARED_MEMORY: &str = "/dev/shm";
+/// Files that a process of a group has open at most. A controller of four services and a recorder was
+/// seen to have 86, the launcher 95.
+const OPEN_FILES: u64 = 128;
+
+/// Why the machine has no room for a run.
+#[derive(Debug, thiserror::Error)]
+pub enum RoomError {
+    /// There is no file system for shared memory.
+    #[error("{SHARED_MEMORY} is needed for shared memory: {0}")]
+    NoSharedMemory(io::Error),
+    /// Shared memory cannot be written.
+    #[error(
+        "{SHARED_MEMORY} cannot be written ({0}): messages go through it; mount it with \
+         `mount -t tmpfs -o size=64m tmpfs {SHARED_MEMORY}`"
+    )]
+    NotWritable(io::Error),
+    /// Shared memory is too small or too full.
+    #[error(
+        "{SHARED_MEMORY} has {free_kib} KiB free and a run may use {needed_kib} KiB: free some, or \
+         enlarge it with `mount -o remount,size=64m {SHARED_MEMORY}`"
+    )]
+    Full {
+        /// Free, KiB.
+        free_kib: u64,
+        /// Needed, KiB.
+        needed_kib: u64,
+    },
+    /// A process may open too few files.
+    #[error(
+        "a process may have {allowed} files open and one of a run needs up to {OPEN_FILES}: raise the \
+         limit with `ulimit -n {OPEN_FILES}`"
+    )]
+    OpenFiles {
+        /// Files that a process may have open.
+        allowed: u64,
+    },
+}
+
+/// Checks that shared memory can be written and has room for `needed` bytes (a page that cannot be had
+/// later would end the process that touches it), and that processes may open the files of a run.
+///
+/// # Errors
+/// What is missing, and how it is had.
+pub fn check_room(needed: u64) -> Result<(), RoomError> {
+    check_writable()?;
+    let (_, free) = shared_memory_room()?;
+    if free < needed {
+        let [free_kib, needed_kib] = [free, needed].map(|bytes| bytes.div_ceil(1024));
+        return Err(RoomError::Full { free_kib, needed_kib });
+    }
+    check_open_files()
+}
+
+/// Size of the file system of the shared memory and what is free of it, bytes.
+///
+/// # Errors
+/// [`RoomError::NoSharedMemory`].
+pub fn shared_memory_room() -> Result<(u64, u64), RoomError> {
+    let found = rustix::fs::statvfs(SHARED_MEMORY)
+        .map_err(|error| RoomError::NoSharedMemory(error.into()))?;
+    Ok((found.f_blocks * found.f_frsize, found.f_bavail * found.f_frsize))
+}
+
+/// Makes an object in shared memory and removes it.
+fn check_writable() -> Result<(), RoomError> {
+    static NUMBER: AtomicU32 = AtomicU32::new(0);
+    let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+    let name = format!("timegap-probe-{}-{number}", std::process::id());
+    let path = Path::new(SHARED_MEMORY).join(name);
+    let made = std::fs::OpenOptions::new().write(true).create_new(true).mode(0o600).open(&path);
+    made.and_then(|_| std::fs::remove_file(&path)).map_err(RoomError::NotWritable)
+}
+
+/// Raises the limit of open files as far as the machine allows, and checks that it is enough.
+fn check_open_files() -> Result<(), RoomError> {
+    let Rlimit { current, maximum } = getrlimit(Resource::Nofile);
+    // An unlimited number is absent here.
+    if current != maximum {
+        // What is refused stays as it was; whether that is enough is seen below.
+        let _ = setrlimit(Resource::Nofile, Rlimit { current: maximum, maximum });
+    }
+    let allowed = getrlimit(Resource::Nofile).current.unwrap_or(u64::MAX);
+    if allowed < OPEN_FILES { Err(RoomError::OpenFiles { allowed }) } else { Ok(()) }
+}

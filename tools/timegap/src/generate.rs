@@ -1,0 +1,67 @@
+//! `timegap generate`: what a package of the command brings along beside it, and what `docs` holds of
+//! it.
+
+use crate::cli::Cli;
+use crate::reference;
+use clap::{Args, CommandFactory, ValueEnum};
+use clap_complete::Shell;
+use group::Error;
+use report::print;
+use std::process::ExitCode;
+
+/// Arguments of `generate`.
+#[derive(Debug, Args)]
+pub struct GenerateArguments {
+    /// Completions for a shell, the man page, or a page of the documentation
+    #[arg(value_enum)]
+    pub what: Product,
+}
+
+/// What can be generated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Product {
+    /// Completions for bash.
+    Bash,
+    /// Completions for elvish.
+    Elvish,
+    /// Completions for fish.
+    Fish,
+    /// The man page, in troff.
+    Man,
+    /// Completions for PowerShell.
+    Powershell,
+    /// All messages, in Markdown.
+    ReferenceMessages,
+    /// All keys of a scenario, in Markdown.
+    ReferenceScenario,
+    /// Completions for zsh.
+    Zsh,
+}
+
+/// Runs the command.
+pub fn run(arguments: &GenerateArguments) -> Result<ExitCode, Error> {
+    let text = match arguments.what {
+        Product::Man => man(),
+        Product::ReferenceMessages => reference::messages_page(),
+        Product::ReferenceScenario => reference::scenario_page(),
+        Product::Bash => completions(Shell::Bash),
+        Product::Elvish => completions(Shell::Elvish),
+        Product::Fish => completions(Shell::Fish),
+        Product::Powershell => completions(Shell::PowerShell),
+        Product::Zsh => completions(Shell::Zsh),
+    };
+    print::out(&text)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn completions(shell: Shell) -> String {
+    let mut text = Vec::new();
+    clap_complete::generate(shell, &mut Cli::command(), "timegap", &mut text);
+    String::from_utf8(text).expect("our names are text")
+}
+
+fn man() -> String {
+    let mut text = Vec::new();
+    clap_mangen::Man::new(Cli::command()).render(&mut text).expect("memory takes all");
+    String::from_utf8(text).expect("our names are text")
+}

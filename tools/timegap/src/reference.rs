@@ -1,0 +1,234 @@
+//! The scenario file and the messages as data and as pages: `timegap list --schema`, and the references in
+//! `docs`, which a test compares with what stands here.
+
+use messages::{Element, LAYOUT_VERSION, Layout, Scalar, TOPICS, Topic};
+use recorder::schema as layouts;
+use scenario::schema::{self, Key, Shape};
+use serde_json::{Map, Value, json};
+use std::fmt::Write as _;
+
+/// A JSON Schema of the scenario file, for editors.
+pub fn json_schema() -> Value {
+    let mut root = table(&schema::keys());
+    root["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
+    root["title"] = json!("timegap scenario");
+    root
+}
+
+fn table(keys: &[Key]) -> Value {
+    let properties: Map<String, Value> =
+        keys.iter().map(|key| (key.name.clone(), property(key))).collect();
+    let required: Vec<&str> =
+        keys.iter().filter(|key| key.is_required).map(|key| key.name.as_str()).collect();
+    json!({
+        "type": "object",
+        "properties": properties,
+        "required": required,
+        "additionalProperties": false,
+    })
+}
+
+fn property(key: &Key) -> Value {
+    let mut value = of_shape(&key.shape);
+    let meaning = match &key.expected {
+        Some(expected) => format!("{} Expected: {expected}.", key.meaning),
+        None => key.meaning.clone(),
+    };
+    value["description"] = json!(meaning);
+    if let Some(default) = &key.default {
+        value["default"] = json!(default);
+    }
+    value
+}
+
+fn of_shape(shape: &Shape) -> Value {
+    match shape {
+        Shape::Boolean => json!({ "type": "boolean" }),
+        Shape::Number { is_whole, range } => {
+            let mut value = json!({ "type": if *is_whole { "integer" } else { "number" } });
+            if let Some((least, most)) = range {
+                value["minimum"] = json!(least);
+                value["maximum"] = json!(most);
+            }
+            value
+        }
+        Shape::Text { words } if words.is_empty() => json!({ "type": "string" }),
+        Shape::Text { words } => json!({ "enum": words }),
+        Shape::List(element) => json!({ "type": "array", "items": of_shape(element) }),
+        Shape::Tuple(elements) => {
+            let prefix: Vec<_> = elements.iter().map(of_shape).collect();
+            json!({ "type": "array", "prefixItems": prefix, "items": false })
+        }
+        Shape::Table(keys) => table(keys),
+        Shape::Choice(variants) => {
+            let words: Vec<_> = variants
+                .iter()
+                .filter(|(_, shape)| shape.is_none())
+                .map(|(name, _)| name)
+                .collect();
+            let tables = variants.iter().filter_map(|(name, shape)| {
+                let mut only = json!({ "type": "object", "additionalProperties": false });
+                only["properties"] = json!({ (name.as_str()): of_shape(shape.as_ref()?) });
+                only["required"] = json!([name]);
+                Some(only)
+            });
+            let mut forms = vec![json!({ "enum": words })];
+            forms.extend(tables);
+            if forms.len() == 1 { forms.remove(0) } else { json!({ "anyOf": forms }) }
+        }
+        Shape::Free => json!({ "type": "object" }),
+    }
+}
+
+/// `docs/reference-scenario.md`.
+pub fn scenario_page() -> String {
+    let mut page = String::from(
+        "# Scenario keys\n\nMade by `timegap generate reference-scenario` from the types that read the \
+         file; a test compares. Units are part of the names: `_m`, `_mps`, `_mps2`, `_s`, `_ms`. A key \
+         without a default is either required or absent. For editors: `timegap list --schema`.\n",
+    );
+    section(&mut page, "", &schema::keys());
+    page
+}
+
+/// One table for the keys of `path`, then those of the tables below it.
+fn section(page: &mut String, path: &str, keys: &[Key]) {
+    let heading = if path.is_empty() { "top level".to_owned() } else { format!("`{path}`") };
+    write!(
+        page,
+        "\n## {heading}\n\n| key | type | range | default | meaning |\n| --- | --- | --- | --- | --- |\n"
+    )
+    .expect("a string takes all");
+    for key in keys {
+        let default = match &key.default {
+            Some(value) => format!("`{value}`"),
+            None if key.is_required => "required".into(),
+            None => String::new(),
+        };
+        writeln!(
+            page,
+            "| `{}` | {} | {} | {default} | {} |",
+            key.name,
+            kind(&key.shape),
+            key.expected.as_deref().unwrap_or_default(),
+            key.meaning.replace('|', "\\|"),
+        )
+        .expect("a string takes all");
+    }
+    for key in keys {
+        let path = if path.is_empty() { key.name.clone() } else { format!("{path}.{}", key.name) };
+        below(page, &path, &key.shape);
+    }
+}
+
+fn below(page: &mut String, path: &str, shape: &Shape) {
+    match shape {
+        Shape::Table(keys) => section(page, path, keys),
+        Shape::List(element) => below(page, &format!("{path}[]"), element),
+        Shape::Choice(variants) => {
+            for (name, shape) in variants {
+                if let Some(shape) = shape {
+                    below(page, &format!("{path}.{name}"), shape);
+                }
+            }
+        }
+        _ => {}
+    }
+}
+
+/// A type in a few words.
+fn kind(shape: &Shape) -> String {
+    match shape {
+        Shape::Boolean => "boolean".into(),
+        Shape::Number { is_whole: true, .. } => "whole number".into(),
+        Shape::Number { is_whole: false, .. } => "number".into(),
+        Shape::Text { words } if words.is_empty() => "text".into(),
+        Shape::Text { words } => {
+            words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
+        }
+        Shape::List(element) => format!("list of {}", kind(element)),
+        Shape::Tuple(elements) => {
+            format!("[{}]", elements.iter().map(kind).collect::<Vec<_>>().join(", "))
+        }
+        Shape::Table(_) => "table".into(),
+        Shape::Choice(variants) => {
+            let names: Vec<_> = variants.iter().map(|(name, _)| format!("`{name}`")).collect();
+            names.join(", ")
+        }
+        Shape::Free => "table".into(),
+    }
+}
+
+/// `docs/reference-messages.md`.
+pub fn messages_page() -> String {
+    let mut page = format!(
+        "# Messages\n\nMade by `timegap generate reference-messages` from the structs themselves; a test \
+         compares. Layout version {LAYOUT_VERSION}; all fields are little-endian without padding. For \
+         Python and C: `timegap layouts`.\n\n| topic | message | bytes | sent by | read by |\n\
+         | --- | --- | --- | --- | --- |\n"
+    );
+    for topic in TOPICS {
+        let from = topic.source().map_or("every service", messages::Service::name);
+        writeln!(
+            page,
+            "| `{}` | [{name}](#{anchor}) | {} | {from} | {} |",
+            topic.name(),
+            topic.message_bytes(),
+            readers(topic),
+            name = topic.layout().name,
+            anchor = topic.layout().name.to_lowercase(),
+        )
+        .expect("a string takes all");
+    }
+    for layout in layouts::all() {
+        structure(&mut page, layout);
+    }
+    page
+}
+
+fn readers(topic: Topic) -> String {
+    let names: Vec<_> = topic.consumers().iter().map(|service| service.name()).collect();
+    if names.is_empty() { "recorder and launcher".into() } else { names.join(", ") }
+}
+
+fn structure(page: &mut String, layout: &Layout) {
+    write!(
+        page,
+        "\n## {}\n\n{} bytes.\n\n| offset | field | type | meaning |\n| --- | --- | --- | --- |\n",
+        layout.name, layout.bytes
+    )
+    .expect("a string takes all");
+    for field in layout.fields {
+        let element = match field.shape.element {
+            Element::Scalar(Scalar::U8) => "u8".to_owned(),
+            Element::Scalar(Scalar::U32) => "u32".to_owned(),
+            Element::Scalar(Scalar::U64) => "u64".to_owned(),
+            Element::Scalar(Scalar::I64) => "i64".to_owned(),
+            Element::Scalar(Scalar::F64) => "f64".to_owned(),
+            Element::Struct(inner) => format!("[{}](#{})", inner.name, inner.name.to_lowercase()),
+        };
+        let count = field.shape.len.map_or_else(String::new, |len| format!(" × {len}"));
+        let meaning = messages::notes::of_message(layout.name, field.name).unwrap_or_default();
+        writeln!(page, "| {} | `{}` | {element}{count} | {meaning} |", field.offset, field.name)
+            .expect("a string takes all");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_schema_knows_ranges_words_and_tables() {
+        let schema = json_schema();
+        let period = &schema["properties"]["plant"]["properties"]["period_ms"];
+        assert_eq!((&period["minimum"], &period["maximum"]), (&json!(1.0), &json!(10_000.0)));
+        assert_eq!(period["default"], 10);
+        let profile = &schema["properties"]["actors"]["items"]["properties"]["profile"];
+        assert!(
+            profile["anyOf"].as_array().is_some_and(|variants| variants.len() > 4),
+            "{profile}"
+        );
+        assert_eq!(schema["additionalProperties"], false);
+    }
+}
