@@ -2,7 +2,8 @@
 //!
 //! A law is plain code behind one trait ([`law::Law`]) and a descriptor ([`law::Descriptor`]) in the
 //! registry ([`laws::ALL`]). The loop samples the topics ([`sampling`]), asks the law and publishes:
-//! [`run`] with the law that the scenario names, [`run_law`] with one that you bring along.
+//! [`run`] with the law that the scenario names, [`run_law`] with one that you bring along, which
+//! [`serve`] makes a program.
 
 pub mod ladder;
 pub mod law;
@@ -13,4 +14,4 @@ pub mod sampling;
 mod service;
 pub mod settings;
 
-pub use service::{run, run_law};
+pub use service::{run, run_law, serve};

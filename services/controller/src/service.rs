@@ -50,6 +50,14 @@ pub fn run_law(mut runtime: Runtime, law: &'static Descriptor) -> Result<(), Run
     runtime.finish(Details::Controller(Box::new(report)))
 }
 
+/// A whole program that takes the controller's place with one law: `main` of `--service
+/// controller=PROGRAM`. Its arguments come from the launcher.
+#[must_use]
+pub fn serve(law: &'static Descriptor) -> std::process::ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    runtime::run_service(messages::Service::Controller, &arguments, |joined| run_law(joined, law))
+}
+
 fn setup(problem: scenario::Problem) -> RuntimeError {
     RuntimeError::Setup(format!("{}: {}", problem.path, problem.message))
 }

@@ -560,7 +560,7 @@ pub fn log_warnings() {
 pub fn run_service(
     service: Service,
     arguments: &[String],
-    run: fn(Runtime) -> Result<(), RuntimeError>,
+    run: impl FnOnce(Runtime) -> Result<(), RuntimeError>,
 ) -> ExitCode {
     let (root, incarnation) = match arguments {
         [root, incarnation] if incarnation.parse::<u32>().is_ok() => (root, incarnation),
