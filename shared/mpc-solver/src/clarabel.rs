@@ -157,6 +157,7 @@ impl Clarabel {
                 _ => Status::IterationLimit,
             },
             iterations: solution.iterations,
+            interior_iterations: solution.iterations,
             residuals: residuals(problem, &self.inputs, &self.states, &self.multipliers),
             objective: problem.objective(&self.inputs, &self.states),
         }
@@ -171,7 +172,13 @@ impl Clarabel {
         self.multipliers = Multipliers::new(n);
         let nan = Residuals { stationarity: f64::NAN, ..Residuals::default() };
         let status = Status::InvalidInput;
-        Report { status, iterations: 0, residuals: nan, objective: f64::NAN }
+        Report {
+            status,
+            iterations: 0,
+            interior_iterations: 0,
+            residuals: nan,
+            objective: f64::NAN,
+        }
     }
 }
 

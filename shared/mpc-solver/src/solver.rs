@@ -37,6 +37,8 @@ pub struct Report {
     pub status: Status,
     /// Iterations: factorisations of the whole horizon or of a part of it.
     pub iterations: u32,
+    /// Those of them that were iterations of an interior point; the others were rounds of an active set.
+    pub interior_iterations: u32,
     /// Scaled residuals of the optimality conditions at the returned point.
     pub residuals: Residuals,
     /// The objective at the returned point, the cost of the first state included.

@@ -175,6 +175,30 @@ impl LinearQuadratic {
         [first, second, closed * x[2] - self.b[2] * rest]
     }
 
+    /// `A'v + added − F'(B'v + slope)/δ`, the costate one stage earlier. As in [`Self::closed_step`], the last
+    /// component comes from the closed loop.
+    #[inline(always)]
+    pub(super) fn closed_costate<const LAST: bool>(
+        &self,
+        v: &[f64; 3],
+        gain: &Gain,
+        slope: f64,
+        added: &[f64; 3],
+    ) -> [f64; 3] {
+        let [a00, a01, a02, a11, a12, a22] = self.a;
+        let (f, last) = (&gain.feedback, self.b[2]);
+        let rest = if LAST { slope } else { slope + (self.b[0] * v[0] + self.b[1] * v[1]) };
+        // Everything but the last component of `v` first: it is the one that has just been computed.
+        let first = (a00 * v[0] + added[0]) - f[0] * rest;
+        let second = (a01 * v[0] + a11 * v[1] + added[1]) - f[1] * rest;
+        let third = (a02 * v[0] + a12 * v[1] + added[2]) - f[2] * rest;
+        [
+            first - (f[0] * last) * v[2],
+            second - (f[1] * last) * v[2],
+            third + (a22 - f[2] * last) * v[2],
+        ]
+    }
+
     /// `B'v`.
     #[inline(always)]
     pub(super) fn input_of<const LAST: bool>(&self, v: &[f64; 3]) -> f64 {
@@ -254,6 +278,7 @@ impl LinearQuadratic {
             (p, CostToGo { linear, dual: Columns::default() })
         };
         let [a00, a01, a02, a11, a12, a22] = self.a;
+        let columns = if TERMINAL { 0..4 } else { 3..4 };
         for k in (0..top).rev() {
             let pb = if LAST {
                 [self.b[2] * p[2], self.b[2] * p[4], self.b[2] * p[5]]
@@ -262,7 +287,7 @@ impl LinearQuadratic {
             };
             if DISTURBED && M::WITH_DISTURBANCE {
                 let carried = product(&p, &d[k]);
-                for j in 0..3 {
+                for j in columns.start..3 {
                     dual[j][3] -=
                         linear[0][j] * d[k][0] + linear[1][j] * d[k][1] + linear[2][j] * d[k][2];
                 }
@@ -282,7 +307,7 @@ impl LinearQuadratic {
             let mut next = self.q;
             let gradient = models.state_gradient(k);
             let mut next_linear = Columns::default();
-            for j in 0..4 {
+            for j in columns.clone() {
                 next_linear[0][j] = a00 * linear[0][j];
                 next_linear[1][j] = a01 * linear[0][j] + a11 * linear[1][j];
                 next_linear[2][j] = a02 * linear[0][j] + a12 * linear[1][j] + a22 * linear[2][j];
@@ -301,7 +326,7 @@ impl LinearQuadratic {
                 next[i] += apa[i];
             }
             let mut beta = [0.0; 4];
-            for j in 0..4 {
+            for j in columns.clone() {
                 beta[j] = self.input_of::<LAST>(&[linear[0][j], linear[1][j], linear[2][j]]);
             }
             let mut pull = beta;
@@ -314,7 +339,9 @@ impl LinearQuadratic {
                 p = next;
                 for i in 0..3 {
                     next_linear[i][3] += f[i] * u;
-                    dual[i][3] -= beta[i] * u;
+                    if TERMINAL {
+                        dual[i][3] -= beta[i] * u;
+                    }
                 }
             } else {
                 p = [

@@ -87,8 +87,9 @@ pub struct Riccati {
     states: Vec<[f64; 3]>,
     multipliers: Multipliers,
     horizon: usize,
-    /// Sweeps of the current solve.
+    /// Sweeps of the current solve, and those of them that were the interior point's.
     iterations: u32,
+    interior_iterations: u32,
     /// Whether the guess of the last solve can start the next one.
     is_settled: bool,
 }
@@ -105,6 +106,7 @@ impl Riccati {
             multipliers: Multipliers::new(max_horizon),
             horizon: 0,
             iterations: 0,
+            interior_iterations: 0,
             is_settled: false,
         }
     }
@@ -154,6 +156,7 @@ impl Riccati {
         self.multipliers.clear();
         for iteration in 1..=MAX_ITERATIONS {
             self.iterations += 1;
+            self.interior_iterations += 1;
             let Some(step) = self.interior.iterate(problem, lq) else { break };
             let residual = self.interior.remaining_residual();
             if finishes < MAX_FINISHES && step.is_fast() && residual < FINISH_RESIDUAL {
@@ -218,6 +221,11 @@ impl Riccati {
         residuals(problem, &self.inputs, &self.states, &self.multipliers)
     }
 
+    fn report(&self, status: Status, residuals: Residuals, objective: f64) -> Report {
+        let Self { iterations, interior_iterations, .. } = *self;
+        Report { status, iterations, interior_iterations, residuals, objective }
+    }
+
     /// The answer to a problem that cannot be computed with.
     fn refuse(&mut self, problem: &Problem) -> Report {
         self.horizon = problem.horizon.min(self.capacity);
@@ -226,15 +234,14 @@ impl Riccati {
         self.states.fill(problem.x0);
         self.multipliers.clear();
         let residuals = Residuals { stationarity: f64::NAN, ..Residuals::default() };
-        let (status, iterations) = (Status::InvalidInput, self.iterations);
-        Report { status, iterations, residuals, objective: f64::NAN }
+        self.report(Status::InvalidInput, residuals, f64::NAN)
     }
 }
 
 impl Solver for Riccati {
     fn solve(&mut self, problem: &Problem, start: Start) -> Report {
         let n = problem.horizon;
-        self.iterations = 0;
+        (self.iterations, self.interior_iterations) = (0, 0);
         if n > self.capacity || problem.check().is_err() {
             return self.refuse(problem);
         }
@@ -253,7 +260,7 @@ impl Solver for Riccati {
         if !is_finite || status == Status::Solved && !objective.is_finite() {
             return self.refuse(problem);
         }
-        Report { status, iterations: self.iterations, residuals, objective }
+        self.report(status, residuals, objective)
     }
 
     fn inputs(&self) -> &[f64] {

@@ -237,3 +237,65 @@ impl Complementarity {
         z
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two rows whose responses overlap, the second soft with penalty weight 1.
+    fn program(value: [f64; 2], curvature: f64) -> Complementarity {
+        let mut program = Complementarity { len: 2, ..Complementarity::default() };
+        program.response[0][..2].copy_from_slice(&[2.0, 1.0]);
+        program.response[1][..2].copy_from_slice(&[1.0, 3.0]);
+        program.scale[..2].copy_from_slice(&[2.0, 3.0]);
+        program.value[..2].copy_from_slice(&value);
+        program.weight[..2].copy_from_slice(&[f64::INFINITY, 1.0]);
+        program.curvature[1] = curvature;
+        program
+    }
+
+    /// Distance of the pairs from their graphs.
+    fn residual(program: &Complementarity, mu: &[f64; MAX_WORKING_ROWS]) -> f64 {
+        let mut worst: f64 = 0.0;
+        for c in 0..program.len {
+            let z = program.violation(c, mu);
+            let (weight, curvature) = (program.weight[c], program.curvature[c]);
+            let distance = if z > 1e-9 {
+                (mu[c] - weight - curvature * z).abs()
+            } else if z < -1e-9 {
+                mu[c].abs()
+            } else {
+                (-mu[c]).max(mu[c] - weight).max(0.0)
+            };
+            worst = worst.max(distance);
+        }
+        worst
+    }
+
+    #[test]
+    fn every_pair_ends_on_its_graph_from_any_start() {
+        for curvature in [0.0, 0.5, 40.0] {
+            for i in -6_i32..=6 {
+                for j in -6_i32..=6 {
+                    let program = program([0.7 * f64::from(i), 1.1 * f64::from(j)], curvature);
+                    for start in [[0.0, 0.0], [5.0, 0.5], [0.1, 9.0]] {
+                        let mut mu = [0.0; MAX_WORKING_ROWS];
+                        mu[..2].copy_from_slice(&start);
+                        program.solve(&mut mu).expect("two rows need few changes");
+                        let found = residual(&program, &mu);
+                        assert!(found < 1e-8, "{i} {j} {curvature} {start:?}: {mu:?} {found:e}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_row_that_cannot_be_influenced_keeps_no_multiplier() {
+        let mut program = program([1.0, 1.0], 0.0);
+        program.response = Default::default();
+        let mut mu = [3.0; MAX_WORKING_ROWS];
+        program.solve(&mut mu).expect("there is nothing to change");
+        assert_eq!(mu[..2], [0.0, 0.0]);
+    }
+}

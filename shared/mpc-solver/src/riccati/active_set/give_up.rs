@@ -1,10 +1,11 @@
 //! When an attempt is given up.
 //!
 //! The method has no safeguard: it settles within a few rounds or wanders. An attempt that wanders is known by these
-//! signs, each of them checked on the drives of the paper and on random problems (the counts are in the
-//! project's measurements):
+//! signs. Their limits were measured: every attempt on the paper's drives that settles stays clear of them (at most 32 of 100
+//! inputs change from the third round on, 22 stages violate a row, 49 inputs are free), and random problems that exceed
+//! them seldom settle:
 //!
-//! 1. More than 3/10 of the inputs change sides in one round, from the third on: the guess alternates between two
+//! 1. More than two fifths of the inputs change sides in one round, from the third on: the guess alternates between two
 //!    patterns.
 //! 2. The terminal equality is left with fewer than four free inputs, from the third round on, or with fewer than a
 //!    quarter of them free from the seventh on: near the time-optimal solution every round moves a switch by one
@@ -32,7 +33,7 @@ impl Progress {
     /// Whether a cold attempt shows that it wanders.
     pub(super) fn is_hopeless(&self) -> bool {
         let n = self.horizon;
-        let alternates = self.changed > 3 * n / 10;
+        let alternates = self.changed > 2 * n / 5;
         let is_bang_bang =
             self.has_terminal_equality && self.free < 4 || self.round >= 7 && self.free < n / 4;
         self.changed > 0 && self.round >= 3 && (alternates || is_bang_bang)

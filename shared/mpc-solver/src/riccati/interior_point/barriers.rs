@@ -157,6 +157,16 @@ impl Barriers {
         }
     }
 
+    /// Adds slope times `g` of each of them to `v`.
+    #[inline(always)]
+    pub(super) fn add_slopes(&self, problem: &Problem, k: usize, v: &mut [f64; 3]) {
+        self.each_state_function(problem, k, |g, _, slope| {
+            for i in 0..3 {
+                v[i] += slope * g[i];
+            }
+        });
+    }
+
     /// Writes the guess of the active set that the last step suggests.
     pub(super) fn suggest(&self, problem: &Problem, guess: &mut WorkingSet) {
         for (k, side) in guess.sides[..problem.horizon].iter_mut().enumerate() {

@@ -215,9 +215,10 @@ impl InteriorPoint {
         let (inputs, states) = (&mut self.predictor.inputs[..n], &mut self.predictor.states[..=n]);
         let mut x = [0.0; 3];
         for k in 0..n {
-            let u = -gains[k].input(gains[k].offset(&y), &x);
+            let offset = gains[k].offset(&y);
+            let u = -gains[k].input(offset, &x);
             inputs[k] = u;
-            x = lq.step::<LAST>(&x, u);
+            x = lq.closed_step::<LAST>(&x, &gains[k], offset, u);
             states[k + 1] = x;
         }
         self.barriers.expand_predictor(problem, &self.predictor.inputs, &self.predictor.states);
@@ -234,32 +235,25 @@ impl InteriorPoint {
     ) -> [f64; 3] {
         let n = problem.horizon;
         let barriers = &self.barriers;
-        let add_slopes = |k: usize, v: &mut [f64; 3]| {
-            barriers.each_state_function(problem, k, |g, _, slope| {
-                for i in 0..3 {
-                    v[i] += slope * g[i];
-                }
-            });
-        };
         let (gains, constants) = (&self.sweep.gains[..n], &mut self.constants[..n]);
         let slopes = &barriers.input.slope[..n];
         let mut v = [0.0; 3];
         let mut t = [0.0; 3];
-        add_slopes(n, &mut v);
+        barriers.add_slopes(problem, n, &mut v);
         for k in (0..n).rev() {
             let gain = &gains[k];
             let f = lq.input_of::<LAST>(&v) + slopes[k];
             constants[k] = f * gain.inverse;
-            let mut next = lq.transposed(&v);
+            let mut added = [0.0; 3];
             if k > 0 {
-                add_slopes(k, &mut next);
+                barriers.add_slopes(problem, k, &mut added);
             }
-            for i in 0..3 {
-                v[i] = next[i] - gain.feedback[i] * f;
-                if TERMINAL {
+            if TERMINAL {
+                for i in 0..3 {
                     t[i] -= gain.feedforward[i] * f;
                 }
             }
+            v = lq.closed_costate::<LAST>(&v, gain, slopes[k], &added);
         }
         let y = match problem.terminal {
             Terminal::Cost => [0.0; 3],
@@ -274,7 +268,7 @@ impl InteriorPoint {
             let offset = constants[k] + (f[0] * y[0] + f[1] * y[1] + f[2] * y[2]);
             let u = -gain.input(offset, &x);
             inputs[k] = first_inputs[k] + u;
-            x = lq.step::<LAST>(&x, u);
+            x = lq.closed_step::<LAST>(&x, gain, offset, u);
             for i in 0..3 {
                 states[k + 1][i] = first_states[k + 1][i] + x[i];
             }
