@@ -151,7 +151,7 @@ fn requirements(verdict: &Verdict) -> String {
 }
 
 /// Columns of the runs.
-const COLUMNS: [&str; 19] = [
+const COLUMNS: [&str; 20] = [
     "run",
     "scenario",
     "controller",
@@ -171,6 +171,7 @@ const COLUMNS: [&str; 19] = [
     "corrupted",
     "undetected",
     "leaks",
+    "parameters",
 ];
 
 /// One row per run, in their order; a figure that does not apply is empty.
@@ -200,6 +201,7 @@ pub fn csv(records: &[Record]) -> String {
             record.corrupted.to_string(),
             record.undetected.to_string(),
             record.leaks.len().to_string(),
+            record.parameters.join(" "),
         ]
     });
     table::csv(COLUMNS, rows)
