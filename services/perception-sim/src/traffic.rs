@@ -13,7 +13,7 @@
 
 use openscenario::world::State;
 use scenario::Scenario;
-use scenario::actor::{Actor, LateralMotion, MAX_ACTORS, Profile, SpeedPoint};
+use scenario::actor::{Actor, MAX_ACTORS, Profile, SpeedPoint};
 use scenario::event::VEHICLE_WIDTH_M;
 use scenario::plant::Integrator;
 use serde::{Deserialize, Serialize};
@@ -219,6 +219,7 @@ impl Mover {
                 .map_or(0.0, |piece| piece.acceleration_mps2.value()),
             Profile::Speeds(points) => (speed_in(points, start_s + step_s) - speed) / step_s,
             Profile::Csv(csv) => (speed_in(&csv.points, start_s + step_s) - speed) / step_s,
+            Profile::Cycle(cycle) => (speed_in(cycle.points(), start_s + step_s) - speed) / step_s,
         };
         let highest = self.actor.max_speed_mps.map_or(f64::INFINITY, |speed| speed.value());
         wanted.min((highest - speed) / step_s).max(-speed / step_s)
@@ -254,17 +255,14 @@ fn speed_in(points: &[SpeedPoint], time_s: f64) -> f64 {
     }
 }
 
-/// Lateral position, m, and speed, m/s: each motion is the fifth-order curve with rest at both ends.
+/// Lateral position, m, and speed, m/s: one motion after the other.
 fn lateral_at(actor: &Actor, time_s: f64) -> (f64, f64) {
-    let (mut lateral, mut speed) = (actor.lateral_offset_m.value(), 0.0);
-    for LateralMotion { time_s: start, to_m, duration_s } in &actor.lateral {
-        let s = ((time_s - start.value()) / duration_s.value()).clamp(0.0, 1.0);
-        let share = s * s * s * (10.0 + s * (6.0 * s - 15.0));
-        let slope = 30.0 * s * s * (1.0 - s) * (1.0 - s) / duration_s.value();
-        speed = slope * (to_m.value() - lateral) + (1.0 - share) * speed;
-        lateral += share * (to_m.value() - lateral);
-    }
-    (lateral, speed)
+    let start = (actor.lateral_offset_m.value(), 0.0);
+    actor.lateral.iter().fold(start, |(lateral_m, speed_mps), motion| {
+        let (share, share_per_s) = motion.progress(time_s);
+        let way_m = motion.to_m.value() - lateral_m;
+        (lateral_m + share * way_m, share_per_s * way_m + (1.0 - share) * speed_mps)
+    })
 }
 
 fn seconds(time_ns: u64) -> f64 {
@@ -413,6 +411,17 @@ mod tests {
         assert_eq!(lateral(30.0), 3.5);
         assert!(!at(&mut lead(profile), 3.0).in_ego_path());
         assert!(at(&mut lead(profile), 5.0).in_ego_path());
+    }
+
+    #[test]
+    fn a_cut_in_of_constant_speed_rises_evenly_and_ends_at_once() {
+        let profile = "initial_speed_mps = 10\nlateral_offset_m = -3.5\nlateral = [\
+            { time_s = 1, to_m = 0, duration_s = 4, rise_s = 1 }]";
+        let lateral = |time_s| at(&mut lead(profile), time_s).lateral_m;
+        assert_eq!(lateral(1.0), -3.5);
+        assert!((lateral(2.0) + 3.0).abs() < 1e-9, "{}", lateral(2.0));
+        assert!((lateral(3.5) + 1.5).abs() < 1e-9, "{}", lateral(3.5));
+        assert_eq!(lateral(5.0), 0.0);
     }
 
     proptest! {

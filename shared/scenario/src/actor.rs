@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use super::cycle::Cycle;
 use super::event::ActorEvent;
 use super::name::Name;
 use super::quantity::{
@@ -72,6 +73,8 @@ pub enum Profile {
     Csv(CsvFile),
     /// As the scenario's storyboard says: the n-th such actor is the n-th entity that it moves.
     Storyboard,
+    /// The speeds of a standard drive cycle.
+    Cycle(Cycle),
 }
 
 impl Profile {
@@ -80,7 +83,12 @@ impl Profile {
     pub fn points(&self) -> Option<&[SpeedPoint]> {
         match self {
             Self::Speeds(points) | Self::Csv(CsvFile { points, .. }) => Some(points),
-            _ => None,
+            Self::Cycle(cycle) => Some(cycle.points()),
+            Self::Constant
+            | Self::Steps(_)
+            | Self::Sine(_)
+            | Self::Piecewise(_)
+            | Self::Storyboard => None,
         }
     }
 }
@@ -135,7 +143,8 @@ pub struct CsvFile {
     pub points: Vec<SpeedPoint>,
 }
 
-/// A smooth change of the lateral position.
+/// A change of the lateral position: a fifth-order curve with rest at both ends, or one at constant
+/// lateral speed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LateralMotion {
@@ -145,6 +154,36 @@ pub struct LateralMotion {
     pub to_m: Lateral,
     /// Time that the motion takes, s.
     pub duration_s: Duration,
+    /// Time in which the lateral speed rises evenly, then to stay until the end, s; absent: the
+    /// fifth-order curve.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rise_s: Option<Time>,
+}
+
+impl LateralMotion {
+    /// The part of the way that is done at `time_s`, from 0 to 1, and how fast it grows, 1/s.
+    #[must_use]
+    pub fn progress(&self, time_s: f64) -> (f64, f64) {
+        let duration_s = self.duration_s.value();
+        let since_s = (time_s - self.time_s.value()).clamp(0.0, duration_s);
+        let moves = since_s > 0.0 && since_s < duration_s;
+        match self.rise_s.map(Time::value) {
+            None => {
+                let s = since_s / duration_s;
+                let share = s * s * s * (10.0 + s * (6.0 * s - 15.0));
+                (share, 30.0 * s * s * (1.0 - s) * (1.0 - s) / duration_s)
+            }
+            Some(rise_s) => {
+                let whole_s = duration_s - rise_s / 2.0;
+                let (done_s, speed) = if since_s < rise_s {
+                    (since_s * since_s / (2.0 * rise_s), since_s / rise_s)
+                } else {
+                    (since_s - rise_s / 2.0, 1.0)
+                };
+                (done_s / whole_s, if moves { speed / whole_s } else { 0.0 })
+            }
+        }
+    }
 }
 
 fn car_length() -> Length {

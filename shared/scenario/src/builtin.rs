@@ -33,6 +33,10 @@ builtins! {
     "stop-and-go": "a lead in congested traffic, down to standstill and off again";
     "cut-in": "a slower car cuts in close ahead and later out again before a slow lorry";
     "corridor": "three signals in sequence behind a lead";
+    "udds": "following a lead that drives UDDS: 23 minutes of urban traffic";
+    "hwfet": "following a lead that drives HWFET: 13 minutes of rural road";
+    "us06": "following a lead that drives US06: 10 minutes of hard accelerations and braking";
+    "wltc-3b": "following a lead that drives WLTC class 3b: 30 minutes, town to motorway";
     "six-mode": "six-mode paper: a lead that brakes, then a car that cuts in and stops";
     "quadratic-bounded-follow":
         "quadratic-bounded paper: a slower lead comes into range, then speeds up";

@@ -318,7 +318,7 @@ fn actors(actors: &[Actor]) -> Result<(), Problem> {
 fn profile(actor: &Actor, path: &str) -> Result<(), Problem> {
     let key = format!("{path}.profile");
     match &actor.profile {
-        Profile::Constant | Profile::Sine(_) | Profile::Storyboard => {}
+        Profile::Constant | Profile::Sine(_) | Profile::Storyboard | Profile::Cycle(_) => {}
         Profile::Steps(steps) => increasing(&format!("{key}.steps"), steps, |step| step.time_s)?,
         Profile::Piecewise(pieces) => {
             increasing(&format!("{key}.piecewise"), pieces, |piece| piece.time_s)?;
@@ -383,6 +383,14 @@ fn lateral(actor: &Actor, path: &str) -> Result<(), Problem> {
                 "this motion starts before the one before it ends",
                 format!("at least {free_from} s"),
             );
+        }
+        if motion.rise_s.is_some_and(|rise| rise.value() > motion.duration_s.value()) {
+            return Err(Problem::new(
+                format!("{path}.lateral.{i}.rise_s"),
+                "the lateral speed still rises when the motion is over",
+                format!("at most {} s", motion.duration_s.value()),
+            )
+            .against(&format!("{path}.lateral.{i}.duration_s")));
         }
         free_from = motion.time_s.value() + motion.duration_s.value();
     }

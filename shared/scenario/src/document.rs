@@ -162,12 +162,36 @@ impl<'a> Document<'a> {
 
     fn lay_over(&mut self, option: &'a Override, base: usize) -> Result<(), ScenarioError> {
         let mut value = option.value()?;
+        self.make_way_for_profile(option.path());
         shift(&mut value, base + option.value_start());
         set_in_table(self.root.get_mut(), option.path(), value, base).map_err(
             |(span, message, expected)| {
                 ScenarioError::in_option(option.option(), span, &message).expecting(expected)
             },
         )
+    }
+
+    /// An actor has one profile: one that an option sets replaces the file's, and a table of speeds
+    /// the initial speed with it.
+    fn make_way_for_profile(&mut self, path: &Path) {
+        let [(actors, _), (index, _), (key, _), (kind, _), ..] = path else { return };
+        if (actors.as_str(), key.as_str()) != ("actors", "profile") {
+            return;
+        }
+        let actors = self.root.get_mut().get_mut("actors").map(Spanned::get_mut);
+        let Some(DeValue::Array(actors)) = actors else { return };
+        let actor = index.parse().ok().and_then(|index: usize| actors.get_mut(index));
+        let Some(DeValue::Table(actor)) = actor.map(Spanned::get_mut) else { return };
+        let profile = actor.get_mut("profile").map(Spanned::get_mut);
+        if let Some(DeValue::Table(profile)) = profile {
+            let keys = std::mem::take(profile).into_iter();
+            for (key, value) in keys.filter(|(key, _)| key.get_ref() == kind) {
+                profile.insert(key, value);
+            }
+        }
+        if matches!(kind.as_str(), "cycle" | "speeds" | "csv") {
+            actor.remove("initial_speed_mps");
+        }
     }
 }
 

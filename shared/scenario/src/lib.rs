@@ -34,6 +34,7 @@ pub mod actor;
 pub mod aebs;
 pub mod builtin;
 pub mod controller;
+pub mod cycle;
 pub mod event;
 pub mod faults;
 pub mod name;

@@ -36,7 +36,9 @@ impl Overrides {
     }
 
     /// Adds the argument of a `--set`: `dotted.path=VALUE`, array elements by their index
-    /// (`actors.0.gap_m=30`). VALUE is a TOML value; a plain word needs no quotes.
+    /// (`actors.0.gap_m=30` or `actors[0].gap_m=30`). VALUE is a TOML value; a plain word needs no
+    /// quotes. A profile of an actor replaces the one that the file gives it, with its initial speed
+    /// where the new profile is a table of speeds.
     ///
     /// # Errors
     /// When the argument has no `=` or its path is not one. The value is read with the scenario.
@@ -57,12 +59,15 @@ impl Overrides {
         };
         let mut path = Vec::new();
         let mut at = start;
-        for segment in argument[..equals].split('.') {
+        for segment in argument[..equals].split(['.', '[']) {
             let span = at..at + segment.len();
             at = span.end + 1;
-            let name = segment.trim();
+            let opened = option[..span.start].ends_with('[');
+            let inner = segment.strip_suffix(']');
+            let name = inner.unwrap_or(segment).trim();
             let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-            if name.is_empty() || !name.chars().all(bare) || path.len() == MAX_SEGMENTS {
+            let is_key = !name.is_empty() && name.chars().all(bare);
+            if !is_key || opened != inner.is_some() || path.len() == MAX_SEGMENTS {
                 let message = format!("`{name}` cannot be a key of a scenario");
                 return Err(ScenarioError::in_option(&option, span, &message)
                     .expecting("names joined by dots, for example actors.0.gap_m"));

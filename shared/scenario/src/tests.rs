@@ -465,3 +465,30 @@ fn roads_that_cannot_be_are_refused() {
         assert!(shown.contains(expected), "{rest}\n{shown}");
     }
 }
+
+#[test]
+fn a_lead_drives_a_standard_cycle() {
+    let text = format!("{SHORT}[[actors]]\nname = \"a\"\ngap_m = 9\nprofile.cycle = \"us06\"\n");
+    let scenario = Scenario::parse("x.toml", &text).expect("the cycle is known");
+    let points = scenario.actors[0].profile.points().expect("a cycle is a table of speeds");
+    assert_eq!(points.len(), 601);
+}
+
+#[test]
+fn an_unknown_cycle_is_shown_with_a_suggestion() {
+    let shown = refusal("[[actors]]\nname = \"a\"\ngap_m = 9\nprofile.cycle = \"us6\"\n");
+    assert!(shown.contains("6:17: unknown value `us6`"), "{shown}");
+    assert!(shown.contains("`wltc-3b`") && shown.contains("did you mean `us06`?"), "{shown}");
+}
+
+#[test]
+fn an_option_replaces_an_actors_profile() {
+    let text = "schema_version = 1\nname = \"x\"\n[[actors]]\nname = \"a\"\ngap_m = 9\n\
+        initial_speed_mps = 3\nprofile.sine = { amplitude_mps2 = 1, period_s = 9 }\n";
+    let scenario = open(text, &["actors[0].profile.cycle=\"udds\""]).expect("one profile is left");
+    assert_eq!(scenario.actors[0].profile, actor::Profile::Cycle(cycle::Cycle::Udds));
+    let scenario = open(text, &["actors.0.profile.sine.period_s=4"]).expect("it changes one key");
+    assert_eq!(scenario.actors[0].initial_speed_mps.map(f64::from), Some(3.0));
+    let refused = open(text, &["actors[0.gap_m=4"]).expect_err("the bracket stays open");
+    assert!(refused.to_string().contains("cannot be a key"), "{refused}");
+}
