@@ -4,7 +4,7 @@ use crate::{Outcome, VEHICLE_LENGTH_M};
 
 /// The contact of the ego with a vehicle whose rear bumper is `gap_m` ahead of the ego's front bumper
 /// and whose side is `clearance_m` away from the ego's side (both negative in overlap) \[m\].
-pub(crate) fn contact(gap_m: f64, clearance_m: f64) -> Outcome {
+pub fn contact(gap_m: f64, clearance_m: f64) -> Outcome {
     let overlap = clearance_m < 0.0 && gap_m < 0.0 && gap_m > -2.0 * VEHICLE_LENGTH_M;
     if !overlap {
         Outcome::None

@@ -13,6 +13,9 @@ use crate::{
 /// Clearance at the instant of the case's distance \[m\]: both vehicles centred in lanes of 3.5 m.
 pub const CLEARANCE_M: f64 = 1.6;
 
+/// Speed of the ego up to which a case belongs to the low matrix \[km/h\].
+pub const LOW_UP_TO_KMH: u32 = 60;
+
 /// How fast the lateral speed rises \[m/s²\].
 pub const LATERAL_ACCELERATION_MPS2: f64 = 1.5;
 
@@ -81,7 +84,7 @@ impl Case {
 
 /// The cases up to 60 km/h, in the order of the tables: 15,930.
 pub fn low() -> impl Iterator<Item = Case> {
-    pairs((10..=60).step_by(10), 10).flat_map(|pair| grid(pair, (1..=59).step_by(1)))
+    pairs((10..=LOW_UP_TO_KMH).step_by(10), 10).flat_map(|pair| grid(pair, (1..=59).step_by(1)))
 }
 
 /// The cases from 70 to 130 km/h, in the order of the tables: 14,040.

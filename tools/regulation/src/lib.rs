@@ -36,6 +36,7 @@ pub mod table;
 mod tally;
 mod travel;
 
+pub use contact::contact;
 pub use models::{Driver, Model, Situation, UnknownModel, View};
 pub use outcome::{Outcome, Verdict};
 pub use per_model::PerModel;

@@ -3,6 +3,7 @@
 //!
 //! * [`Plot`]: curves over two axes, linear, logarithmic or by percentiles, with background bands,
 //!   reference levels, numbered marks and strips (a signal's phases at its stop line).
+//! * [`Cells`]: filled cells of a grid over two axes, with edges.
 //! * [`Bands`]: rows of labelled spans over one axis: modes over time, the parts of a chain.
 //!
 //! A picture is drawn once for each [`Width`], since text that is scaled down cannot be read; the
@@ -10,12 +11,14 @@
 
 mod axis;
 mod bands;
+mod cells;
 mod decimate;
 mod plot;
 mod svg;
 
 pub use axis::{Axis, number};
 pub use bands::{Bands, Row, Span};
+pub use cells::{Cells, Edges, FilledCell};
 pub use plot::{Curve, Plot, Strip};
 
 /// What a picture is drawn for.
