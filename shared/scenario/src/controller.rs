@@ -27,7 +27,7 @@ pub struct Controller {
     pub solver: Solver,
     /// Steps of the prediction.
     pub horizon: Steps,
-    /// Step of the prediction, ms; absent: the period.
+    /// Step of the prediction, ms; absent: the period, or 100 ms where that is shorter than 50 ms.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub prediction_step_ms: Option<PeriodMs>,
     /// Time headway t_h, s.
@@ -54,10 +54,11 @@ impl Controller {
         self.deadline_ms.unwrap_or(self.period_ms)
     }
 
-    /// Step of the prediction.
+    /// Step of the prediction: as set, else the period, or 100 ms where that is shorter than 50 ms.
     #[must_use]
     pub fn prediction_step(&self) -> PeriodMs {
-        self.prediction_step_ms.unwrap_or(self.period_ms)
+        let usual = if self.period_ms.value() < 50 { PeriodMs::of(100) } else { self.period_ms };
+        self.prediction_step_ms.unwrap_or(usual)
     }
 }
 

@@ -140,6 +140,11 @@ impl<'a> Document<'a> {
         }
     }
 
+    /// Whether the key was written, in the text or on the command line.
+    pub(super) fn has(&self, path: &str) -> bool {
+        self.locate(path).1
+    }
+
     /// The place of the key's value, or of the nearest table above it, and which of the two it is.
     fn locate(&self, path: &str) -> (Range<usize>, bool) {
         let mut span = self.root.span();

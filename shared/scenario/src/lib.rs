@@ -228,6 +228,7 @@ impl Scenario {
         }
         let (mut scenario, tables): (Self, _) = document.read()?;
         scenario.controller.tables = tables;
+        scenario.follow_a_fast_controller(|path| document.has(path));
         if let Some(directory) = directory {
             files::load(&mut scenario, &document, directory)?;
         }
@@ -246,6 +247,18 @@ impl Scenario {
     #[must_use]
     pub fn services(&self) -> &'static [Service] {
         if self.has_aebs() { &Service::ALL } else { &Service::WITHOUT_AEBS }
+    }
+
+    /// Periods that were not written follow a control period that is shorter than they are: the plant's
+    /// becomes equal, and a timer releases the controller instead of the slower radar.
+    fn follow_a_fast_controller(&mut self, is_written: impl Fn(&str) -> bool) {
+        let period_ms = self.controller.period_ms;
+        if period_ms < self.plant.period_ms && !is_written("plant.period_ms") {
+            self.plant.period_ms = period_ms;
+        }
+        if period_ms < self.perception.period_ms && !is_written("controller.release") {
+            self.controller.release = controller::Release::Timer;
+        }
     }
 
     /// The scenario as it took effect: parsing this text gives an equal scenario.

@@ -326,6 +326,17 @@ fn an_unknown_scenario_lists_the_known_ones() {
 }
 
 #[test]
+fn one_key_makes_the_controller_fast() {
+    let scenario = open(SHORT, &["controller.period_ms=1"]).expect("the rest follows");
+    assert_eq!(scenario.plant.period_ms.value(), 1);
+    assert_eq!(scenario.controller.release, controller::Release::Timer);
+    assert_eq!(scenario.controller.prediction_step().value(), 100);
+    // What is written stays, and is refused where it does not fit.
+    assert!(open(SHORT, &["controller.period_ms=1", "plant.period_ms=10"]).is_err());
+    assert!(open(SHORT, &["controller.period_ms=1", "controller.release=radar"]).is_err());
+}
+
+#[test]
 fn a_laws_table_keeps_its_places_also_on_the_command_line() {
     #[derive(Debug, Default, serde::Deserialize)]
     #[serde(deny_unknown_fields, default)]
