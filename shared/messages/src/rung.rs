@@ -5,6 +5,7 @@
 //! | [`Rung::Full`] | both | at the start | |
 //! | [`Rung::SignalsLost`] | controller | no valid `v2x/spat` for three of its periods | three releases in a row with a fresh one |
 //! | [`Rung::SolveFailed`] | controller | the law used its backup, or the cycle missed its deadline | three releases in a row in order |
+//! | [`Rung::OutsideEnvelope`] | controller | the state is outside the range that the law is made for: its fall-back drives | the law drives again |
 //! | [`Rung::LeadPredicted`] | controller | no valid `radar/tracks` for three of its periods and the radar's latency | two releases in a row with a fresh one |
 //! | [`Rung::LeadLost`] | controller | the same for 1 s longer, or at the start none yet for as long | five releases in a row with a fresh one |
 //! | [`Rung::Silent`] | controller | no valid `vehicle/odometry` for 0.1 s, or one that contradicts itself | two releases in a row with a fresh one |
@@ -44,11 +45,14 @@ pub enum Rung {
     Emergency = 8,
     /// There is no emergency brake; the controller's commands act as before.
     AebsLost = 9,
+    /// The state is outside the range that the law is made for: its fall-back commands. As far down as
+    /// `SolveFailed`; its number is the last because numbers in messages stay what they are.
+    OutsideEnvelope = 10,
 }
 
 impl Rung {
     /// All rungs, from the top.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Full,
         Self::SignalsLost,
         Self::SolveFailed,
@@ -59,6 +63,7 @@ impl Rung {
         Self::StopInLane,
         Self::Emergency,
         Self::AebsLost,
+        Self::OutsideEnvelope,
     ];
 
     /// Name in results.
@@ -75,6 +80,7 @@ impl Rung {
             Self::StopInLane => "stop-in-lane",
             Self::Emergency => "emergency",
             Self::AebsLost => "aebs-lost",
+            Self::OutsideEnvelope => "outside-envelope",
         }
     }
 
