@@ -172,6 +172,10 @@ impl Ladder {
         if self.solve.observe(solved, 3) && self.rung < Rung::SolveFailed {
             self.rung = Rung::SolveFailed;
         }
+        // Not before what asks for more than it: only the two mildest give way.
+        if output.quality == Quality::FallBack && self.rung <= Rung::SignalsLost {
+            self.rung = Rung::OutsideEnvelope;
+        }
         self.rung
     }
 

@@ -5,6 +5,7 @@
 //! [`run`] with the law that the scenario names, [`run_law`] with one that you bring along, which
 //! [`serve`] makes a program.
 
+pub mod following;
 pub mod ladder;
 pub mod law;
 pub mod laws;

@@ -304,6 +304,7 @@ impl Loop {
                 Quality::Full => 0,
                 Quality::Relaxed => 1,
                 Quality::Backup => 2,
+                Quality::FallBack => 3,
             },
             solver_iterations: self.output.solver_iterations,
             rung: rung as u32,
@@ -320,7 +321,7 @@ impl Loop {
         match self.output.quality {
             Quality::Full => {}
             Quality::Relaxed => self.relaxed += 1,
-            Quality::Backup => self.backup += 1,
+            Quality::Backup | Quality::FallBack => self.backup += 1,
         }
         let mode = self.output.mode;
         if let Some(before) = self.mode

@@ -155,6 +155,7 @@ impl RunPicture {
         let quality = |quality: u32| match quality {
             0 => "full".to_owned(),
             1 => "relaxed".to_owned(),
+            3 => "fall-back".to_owned(),
             _ => "backup".to_owned(),
         };
         Self {

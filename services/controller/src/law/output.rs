@@ -15,6 +15,8 @@ pub enum Quality {
     Relaxed,
     /// The law failed and its backup produced the command.
     Backup,
+    /// The state is outside the range that the law is made for; its fall-back produced the command.
+    FallBack,
 }
 
 /// A request to a truck's engine, in addition to the acceleration requests.

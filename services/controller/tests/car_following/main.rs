@@ -1,6 +1,7 @@
 //! Laws behind a lead, in a closed loop with radar noise, latency and a tracker: leads that brake
-//! hard, and drive cycles. No emergency brake helps.
+//! hard, and stop and go. No emergency brake helps.
 
 mod braking_leads;
+mod stop_and_go;
 mod tracker;
 mod world;

@@ -11,7 +11,7 @@ const RUNS: u64 = 1000;
 /// Reaction of the driver whose full braking says what physics allow, s.
 const REACTION: f64 = 0.3;
 /// Most mode changes in any minute of any run.
-const CHANGES_PER_MINUTE: usize = 30;
+const CHANGES_PER_MINUTE: usize = 40;
 
 fn uniform(rng: &mut Pcg32, low: f64, high: f64) -> f64 {
     low + (high - low) * f64::from(rng.next_u32()) / f64::from(u32::MAX)

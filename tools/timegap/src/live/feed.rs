@@ -179,7 +179,7 @@ impl LiveFeed {
             time_s: moment.time_ns as f64 / 1e9,
             points,
             mode: self.mode.map_or_else(String::new, |mode| self.mode_name(mode)),
-            quality: ["full", "relaxed", "backup"][self.quality.min(2) as usize],
+            quality: ["full", "relaxed", "backup", "fall-back"][self.quality.min(3) as usize],
             rung: self.rung.name(),
             answer_us: self.answers.percentiles_us(),
             events,

@@ -7,8 +7,6 @@
 
 pub mod config;
 mod descriptors;
-pub mod driver;
-pub mod kinematics;
 pub mod paper;
 mod plan;
 pub mod published;

@@ -37,9 +37,9 @@ use mpc_solver::{
 use scenario::controller::SpacingPolicy;
 
 use super::config::Config;
-use super::driver::{Driver, Obstacle};
 use super::plan::PlanMemory;
 use super::weights::Weights;
+use crate::following::driver::{Driver, Obstacle};
 use crate::law::{
     Figure, Formulation, Input, Law, MAX_PLAN, Output, Phase, Quality, SignalAhead, Target,
 };

@@ -21,7 +21,8 @@ pub struct RoadConfig {
     pub comfort_deceleration_mps2: f64,
     /// Deceleration that the reference driver aims at, m/s².
     pub reference_deceleration_mps2: f64,
-    /// Hardest deceleration of the lead that the safety filter reckons with, m/s².
+    /// Hardest deceleration of the lead that the safety filter reckons with, m/s²; the gap grows
+    /// beyond the time headway where that asks for more (above 28 m/s with the defaults).
     pub lead_deceleration_mps2: f64,
     /// Time constant with which the lead's acceleration is predicted to decay, s.
     pub lead_decay_s: f64,
@@ -50,7 +51,7 @@ impl Default for RoadConfig {
             acceleration_mps2: 2.0,
             comfort_deceleration_mps2: 3.0,
             reference_deceleration_mps2: 1.7,
-            lead_deceleration_mps2: 4.0,
+            lead_deceleration_mps2: 7.0,
             lead_decay_s: 1.5,
             pass_margin_s: 0.5,
             hysteresis: 0.2,

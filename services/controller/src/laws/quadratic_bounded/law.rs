@@ -2,7 +2,10 @@
 
 use super::certificate::{ClosedMatrix, ClosedState, extended};
 use super::design::Design;
+use super::envelope::{self, Envelope};
 use super::model::{State, StateMatrix};
+use crate::following::kinematics::Motion;
+use crate::following::safe_gap::LeadNow;
 use crate::law::{Figure, Formulation, Input, Law, Output, Quality};
 use crate::settings::{self, SettingError, within};
 use nalgebra::{SMatrix, SVector};
@@ -28,11 +31,22 @@ pub struct Settings {
     pub gap_error_limit_m: f64,
     /// Gap errors that would make V larger than this are taken for smaller ones.
     pub envelope_limit: f64,
+    /// Full braking of the fall-back, m/s² (positive).
+    pub fall_back_braking_mps2: f64,
+    /// Hardest deceleration of the lead that the fall-back reckons with, m/s² (positive).
+    pub lead_deceleration_mps2: f64,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { design: None, sensor_range_m: 150.0, gap_error_limit_m: 20.0, envelope_limit: 0.98 }
+        Self {
+            design: None,
+            sensor_range_m: 150.0,
+            gap_error_limit_m: 20.0,
+            envelope_limit: 0.98,
+            fall_back_braking_mps2: 6.0,
+            lead_deceleration_mps2: 9.0,
+        }
     }
 }
 
@@ -40,15 +54,23 @@ impl settings::Settings for Settings {
     fn check(&self) -> Result<(), SettingError> {
         within("sensor_range_m", self.sensor_range_m, 1.0, 1000.0)?;
         within("gap_error_limit_m", self.gap_error_limit_m, 0.0, 1000.0)?;
-        within("envelope_limit", self.envelope_limit, 0.01, 1.0)
+        within("envelope_limit", self.envelope_limit, 0.01, 1.0)?;
+        within("fall_back_braking_mps2", self.fall_back_braking_mps2, 1.0, 12.0)?;
+        within("lead_deceleration_mps2", self.lead_deceleration_mps2, 0.5, 12.0)
     }
 }
 
 /// The meaning of the numbers in the output.
 pub(super) static FORMULATION: Formulation = Formulation {
     name: "quadratic boundedness",
-    modes: &["cruise", "follow"],
-    reasons: &["none", "no target in range", "set speed demands less", "lead demands less"],
+    modes: &["cruise", "follow", "fall-back"],
+    reasons: &[
+        "none",
+        "no target in range",
+        "set speed demands less",
+        "lead demands less",
+        "outside the certified range",
+    ],
     figures: &[
         Figure::new("lyapunov", "1"),
         Figure::new("gap_error_m", "m"),
@@ -68,6 +90,8 @@ pub enum Mode {
     Cruise,
     /// The real one.
     Follow,
+    /// Neither: the fall-back drives.
+    FallBack,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -77,6 +101,7 @@ enum Reason {
     NoTarget,
     CruiseDemandsLess,
     LeadDemandsLess,
+    OutsideCertifiedRange,
 }
 
 /// What one lead asks for.
@@ -100,6 +125,7 @@ pub struct QuadraticBounded {
     /// u(k-1), m/s².
     request: f64,
     started: bool,
+    envelope: Envelope,
     /// Time until the next update is due, s.
     wait_s: f64,
     /// Quality and figures of the last update, for the releases that hold it.
@@ -122,6 +148,7 @@ impl QuadraticBounded {
             xc: State::zeros(),
             request: 0.0,
             started: false,
+            envelope: Envelope::default(),
             wait_s: 0.0,
             quality: Quality::Full,
             figures: [0.0; 8],
@@ -157,20 +184,35 @@ impl QuadraticBounded {
         let desired = p.desired_gap_m(speed);
         let cruise =
             self.cruise(State::new(0.0, set_speed - speed, acceleration, self.request), speed);
-        let follow =
-            target.filter(|t| t.0 <= self.settings.sensor_range_m).map(|(gap, relative)| {
-                self.follow(State::new(gap - desired, relative, acceleration, self.request), speed)
-            });
+        let followed = target.filter(|t| t.gap_m <= self.settings.sensor_range_m);
+        let follow = followed.map(|t| {
+            let error_m = t.gap_m - desired;
+            self.follow(State::new(error_m, t.relative_mps, acceleration, self.request), speed)
+        });
         let (mode, reason, chosen) = match follow {
             None => (Mode::Cruise, Reason::NoTarget, cruise),
             Some(f) if f.increment < cruise.increment => (Mode::Follow, Reason::LeadDemandsLess, f),
             Some(_) => (Mode::Cruise, Reason::CruiseDemandsLess, cruise),
         };
+        let state = envelope::State {
+            lyapunov: self.design.lyapunov(&chosen.z),
+            lyapunov_after_reset: {
+                let x = State::from_fn(|i, _| chosen.z[i]);
+                (x.transpose() * self.design.x_inverse() * x)[(0, 0)]
+            },
+            speed_mps: speed,
+            lead_mps: followed.map_or(f64::INFINITY, |t| speed + t.relative_mps),
+            lead_mps2: followed.map_or(0.0, |t| t.acceleration_mps2),
+        };
+        let p = self.design.parameters();
+        if self.envelope.is_left(p, &state, p.sample_time_s) {
+            self.fall_back(input, state.lyapunov);
+            return;
+        }
         if self.mode != Some(mode) {
             self.mode = Some(mode);
             self.reason = reason;
         }
-        let p = self.design.parameters();
         let bound = p.increment_bound_mps2;
         let request = (self.request + chosen.increment.clamp(-bound, bound))
             .clamp(-p.request_bound_mps2, p.request_bound_mps2);
@@ -180,7 +222,7 @@ impl QuadraticBounded {
 
         let v = self.design.lyapunov(&chosen.z);
         self.quality = if v > 1.0 || too_slow { Quality::Relaxed } else { Quality::Full };
-        let true_gap_error = target.map_or(0.0, |t| t.0 - desired);
+        let true_gap_error = target.map_or(0.0, |t| t.gap_m - desired);
         let rate = chosen.z[1] - p.gap_derivative_s(speed) * acceleration;
         self.figures = [
             v,
@@ -192,6 +234,37 @@ impl QuadraticBounded {
             cruise.increment,
             follow.map_or(0.0, |f| f.increment),
         ];
+    }
+
+    /// One sample of the fall-back.
+    fn fall_back(&mut self, input: &Checked, lyapunov: f64) {
+        let p = self.design.parameters();
+        let speed_mps = input.speed;
+        let braking_mps2 = self.settings.fall_back_braking_mps2;
+        let reckoned = self.settings.lead_deceleration_mps2;
+        let follower = envelope::follower(p, speed_mps, braking_mps2, reckoned);
+        let ego = Motion { position_m: 0.0, speed_mps, acceleration_mps2: input.acceleration };
+        let target = input.target.filter(|t| t.gap_m <= self.settings.sensor_range_m);
+        let lead = target.map(|t| LeadNow {
+            gap_m: t.gap_m,
+            speed_mps: (speed_mps + t.relative_mps).max(0.0),
+            acceleration_mps2: t.acceleration_mps2,
+        });
+        let request = follower.request(ego, lead.as_ref(), input.set_speed, p.sample_time_s);
+        let request = request.clamp(-braking_mps2, p.request_bound_mps2);
+        if self.mode != Some(Mode::FallBack) {
+            self.mode = Some(Mode::FallBack);
+            self.reason = Reason::OutsideCertifiedRange;
+        }
+        let increment = request - self.request;
+        self.request = request;
+        self.quality = Quality::FallBack;
+        let gap_error_m = target.map_or(0.0, |t| t.gap_m - p.desired_gap_m(speed_mps));
+        let speed_error_mps = target.map_or(0.0, |t| t.relative_mps);
+        let rate_mps = speed_error_mps - p.gap_derivative_s(speed_mps) * input.acceleration;
+        let shown = [lyapunov, gap_error_m, gap_error_m, speed_error_mps, rate_mps, increment];
+        self.figures = [0.0; 8];
+        self.figures[..6].copy_from_slice(&shown);
     }
 
     /// The virtual lead: no gap error, and a speed that keeps V within its limit.
@@ -274,9 +347,16 @@ fn interval<const N: usize>(
 struct Checked {
     speed: f64,
     acceleration: f64,
-    /// Gap, m, and relative speed, m/s.
-    target: Option<(f64, f64)>,
+    target: Option<Lead>,
     set_speed: f64,
+}
+
+/// What the law uses of the target.
+#[derive(Clone, Copy)]
+struct Lead {
+    gap_m: f64,
+    relative_mps: f64,
+    acceleration_mps2: f64,
 }
 
 impl Law for QuadraticBounded {
@@ -286,6 +366,7 @@ impl Law for QuadraticBounded {
         self.xc = State::zeros();
         self.request = 0.0;
         self.started = false;
+        self.envelope = Envelope::default();
         self.wait_s = 0.0;
         self.quality = Quality::Full;
         self.figures = [0.0; 8];
@@ -309,13 +390,13 @@ impl Law for QuadraticBounded {
         output.set_request(self.request);
         output.quality = self.quality;
         output.figures = self.figures;
-        output.mode = u32::from(self.mode == Some(Mode::Follow));
+        output.mode = self.mode.map_or(0, |mode| mode as u32);
         output.mode_reason = self.reason as u32;
     }
 
     fn request_bounds_mps2(&self) -> (f64, f64) {
         let bound = self.design.parameters().request_bound_mps2;
-        (-bound, bound)
+        (-bound.max(self.settings.fall_back_braking_mps2), bound)
     }
 }
 
@@ -330,12 +411,18 @@ fn check(input: &Input) -> Option<Checked> {
         && !input.set_speed_mps.is_nan()
         && !input.speed_limit_mps.is_nan()
         && input.target.is_none_or(|t| {
-            within(t.gap_m, -1e6, 1e6) && within(t.relative_speed_mps, -2.0 * FASTEST, FASTEST)
+            within(t.gap_m, -1e6, 1e6)
+                && within(t.relative_speed_mps, -2.0 * FASTEST, FASTEST)
+                && within(t.acceleration_mps2, -50.0, 50.0)
         });
     usable.then(|| Checked {
         speed: input.ego.speed_mps.max(0.0),
         acceleration: input.ego.acceleration_mps2,
-        target: input.target.map(|t| (t.gap_m, t.relative_speed_mps)),
+        target: input.target.map(|t| Lead {
+            gap_m: t.gap_m,
+            relative_mps: t.relative_speed_mps,
+            acceleration_mps2: t.acceleration_mps2,
+        }),
         set_speed,
     })
 }

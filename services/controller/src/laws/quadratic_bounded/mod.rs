@@ -37,8 +37,10 @@
 //! increments acts, and xc is reset to the value with the least V whenever the lead changes. Before
 //! the law the gap error is cut off above, at `gap_error_limit_m` and at the largest value with
 //! V <= `envelope_limit`; the virtual lead's Dv likewise, on both sides. Outside the ellipsoid
-//! (V > 1: a stopped car ahead at speed, say) the law still answers, within its bounds on u and Du,
-//! but nothing is proven; the output's quality is then [`Relaxed`](crate::law::Quality::Relaxed).
+//! (V > 1: a stopped car ahead at speed, say) and outside the speeds and the lead's accelerations that
+//! the design is made for, nothing is proven: the law says so and hands over to its fall-back, an
+//! explicit follower with brakes of its own (`envelope`); the output's quality is then
+//! [`FallBack`](crate::law::Quality::FallBack), the degradation level `outside-envelope`.
 //!
 //! The increments are computed every Ts, whatever the control period: shorter periods hold the
 //! request in between, a period that does not divide Ts delays single updates but keeps their mean
@@ -74,6 +76,7 @@
 mod certificate;
 mod content;
 mod design;
+mod envelope;
 mod error;
 mod law;
 mod model;

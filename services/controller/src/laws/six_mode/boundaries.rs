@@ -1,6 +1,10 @@
 //! The four distances that divide the plane of gap and relative speed.
 
-use super::parameters::Parameters;
+use super::parameters::{Parameters, Spacing};
+
+/// Closing speed per metre of gap beyond the one that is kept, 1/s, and its bounds, m/s.
+const CLOSING_PER_S: f64 = 0.1;
+const CLOSING_MPS: (f64, f64) = (-1.0, 3.0);
 
 /// Boundary distances at one instant, all in metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -11,7 +15,7 @@ pub struct Boundaries {
     pub warning_m: f64,
     /// R_b: below it the ego brakes fully, eqs (2), (3) and (4).
     pub braking_m: f64,
-    /// R_j: above it the ego accelerates to catch up, eq (6).
+    /// R_j: above it the ego accelerates to catch up behind a lead that runs away, eq (6).
     pub following_m: f64,
 }
 
@@ -34,16 +38,27 @@ impl Boundaries {
     /// (trap 1), R_j without its pole and its drop at small relative speeds (trap 4).
     #[must_use]
     pub fn robust(p: &Parameters, speed: f64, relative: f64) -> Self {
-        let desired_m = desired(speed);
+        let desired_m = match p.spacing {
+            Spacing::Paper => desired(speed),
+            Spacing::TimeGap => p.standstill_gap_m + p.time_gap_s * speed,
+        };
         let braking_m = braking(p, speed, relative).max(p.standstill_gap_m);
         let warning_m =
             (desired_m + closing_allowance(p, relative)).max(braking_m + p.least_band_m);
-        Self {
-            desired_m,
-            warning_m,
-            braking_m,
-            following_m: following(p, speed, relative.max(0.0)),
-        }
+        let following_m = match p.spacing {
+            Spacing::Paper => following(p, speed, relative.max(0.0)),
+            Spacing::TimeGap => warning_m + p.margin_m + p.opening_fade_m,
+        };
+        Self { desired_m, warning_m, braking_m, following_m }
+    }
+}
+
+impl Boundaries {
+    /// The closing speed at which the gap beyond R_w is used up, m/s; negative below it.
+    #[must_use]
+    pub(super) fn closing_mps(&self, p: &Parameters, gap_m: f64) -> f64 {
+        let (low, high) = CLOSING_MPS;
+        (CLOSING_PER_S * (gap_m - self.warning_m - p.margin_m)).clamp(low, high)
     }
 }
 

@@ -3,8 +3,10 @@
 use super::boundaries::Boundaries;
 use super::filter::TargetFilter;
 use super::modes::{self, Mode, Reason, Situation};
-use super::parameters::{Parameters, Variant};
+use super::parameters::{Parameters, Spacing, Variant};
 use super::requests;
+use crate::following::kinematics::Motion;
+use crate::following::soft_stop::{Room, soften};
 use crate::law::{Ego, Figure, Formulation, Input, Law, Output, Quality, Target};
 use crate::settings::{SettingError, Settings as _};
 
@@ -16,6 +18,8 @@ const BLIND_REQUEST: f64 = -1.0;
 const BLIND_PERIOD: f64 = 0.1;
 /// Largest distance shown among the figures, m: the literal R_j has a pole.
 const FARTHEST: f64 = 1e6;
+/// Lag of the vehicle's acceleration that the end of a stop reckons with, s.
+const LAG_S: f64 = 0.5;
 /// No road vehicle is faster, m/s; anything above is a broken input.
 const FASTEST: f64 = 150.0;
 
@@ -169,6 +173,26 @@ impl SixMode {
         }
     }
 
+    /// The demand with a soft end of a stop; the paper's spacing has none.
+    fn soften(&self, demand: f64, ego: &Ego, seen: Option<Situation>) -> f64 {
+        if self.parameters.spacing == Spacing::Paper || !self.robust() {
+            return demand;
+        }
+        let (speed_mps, acceleration_mps2) = (ego.speed_mps, ego.acceleration_mps2);
+        let motion = Motion { position_m: 0.0, speed_mps, acceleration_mps2 };
+        let room = seen.map_or(Room::FREE, |s| self.room(&s));
+        soften(demand, motion, LAG_S, room)
+    }
+
+    /// The way to where the target stands if it brakes as hard as the ego can.
+    fn room(&self, s: &Situation) -> Room {
+        let p = &self.parameters;
+        let target_mps = (s.speed_mps + s.relative_mps).max(0.0);
+        let stops_m = 0.5 * target_mps * target_mps / p.braking_mps2;
+        let spare_m = 0.25 * p.standstill_gap_m;
+        Room { wanted_m: s.gap_m + stops_m - 2.0 * spare_m, spare_m }
+    }
+
     /// Without usable input: towards comfortable braking, never releasing a brake that is on.
     fn blind(&mut self, output: &mut Output) {
         let rise = self.parameters.jerk_limit_mps3 * BLIND_PERIOD;
@@ -206,6 +230,7 @@ impl Law for SixMode {
             let decided = self.decide(cruise, seen);
             if let Some(demand) = decided {
                 let demand = self.mean(demand);
+                let demand = self.soften(demand, &input.ego, seen.map(|(s, _)| s));
                 self.request = self.limit(demand, input.period);
             }
             self.held_s += input.period;
@@ -231,7 +256,7 @@ impl Law for SixMode {
 
     fn request_bounds_mps2(&self) -> (f64, f64) {
         let least = requests::LEVELS[requests::LEVELS.len() - 1];
-        (least.min(-self.parameters.braking_mps2), requests::FULL_ACCELERATION)
+        (least.min(-self.parameters.braking_mps2), self.parameters.acceleration_mps2)
     }
 }
 
@@ -241,6 +266,7 @@ fn check(input: &Input) -> Option<Checked> {
     let set_speed = input.set_speed_mps.min(input.speed_limit_mps).max(0.0);
     let usable = within(input.period_s, 1e-4, 10.0)
         && within(input.ego.speed_mps, -1.0, FASTEST)
+        && within(input.ego.acceleration_mps2, -50.0, 50.0)
         && within(set_speed, 0.0, FASTEST)
         && !input.set_speed_mps.is_nan()
         && !input.speed_limit_mps.is_nan()

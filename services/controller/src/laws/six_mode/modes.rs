@@ -1,7 +1,7 @@
 //! The modes, and when the law changes between them.
 
 use super::boundaries::Boundaries;
-use super::parameters::Parameters;
+use super::parameters::{Parameters, Spacing};
 
 /// The paper's six modes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -119,7 +119,12 @@ pub(super) fn robust(
     if s.gap_m < b.warning_m + when(Mode::Decelerate, p.warning_hysteresis_m) {
         return (Mode::Decelerate, Reason::GapBelowWarning);
     }
-    let closing_limit = p.approach_threshold_mps + p.threshold_hysteresis_mps
+    // What steady driving regulates itself is no approach.
+    let regulated = match p.spacing {
+        Spacing::Paper => 0.0,
+        Spacing::TimeGap => b.closing_mps(p, s.gap_m).max(0.0),
+    };
+    let closing_limit = regulated + p.approach_threshold_mps + p.threshold_hysteresis_mps
         - when(Mode::Approach, 2.0 * p.threshold_hysteresis_mps);
     let opening_limit = p.sign_band_mps - when(Mode::Accelerate, 2.0 * p.sign_band_mps);
     let following = b.following_m - when(Mode::Accelerate, p.following_hysteresis_m);

@@ -15,6 +15,17 @@ pub enum Variant {
     Robust,
 }
 
+/// Where R_x and R_j lie; the literal variant has the paper's in any case.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Spacing {
+    /// The paper's fits: 4.5 s of time gap in R_x, no regulation of the gap between R_w and R_j.
+    Paper,
+    /// R_x is a time gap; above R_w the gap is regulated.
+    #[default]
+    TimeGap,
+}
+
 /// Parameters of the six-mode law; the default is the driving default.
 ///
 /// The second group acts in the robust variant only.
@@ -44,6 +55,14 @@ pub struct Parameters {
     /// k3: gain of the steady law, 1/s.
     pub steady_gain_per_s: f64,
 
+    /// Request of the accelerate mode and largest request of all, m/s² (the paper's is 1).
+    pub acceleration_mps2: f64,
+    /// Where R_x and R_j lie (trap 6).
+    pub spacing: Spacing,
+    /// Time gap in R_x under `spacing = "time-gap"`, s.
+    pub time_gap_s: f64,
+    /// Gap kept beyond R_w under `spacing = "time-gap"`, m.
+    pub margin_m: f64,
     /// Least width of the decelerate band, R_w - R_b, m (trap 1).
     pub least_band_m: f64,
     /// Hardest braking of the approach law, m/s² (positive; trap 3).
@@ -88,6 +107,10 @@ impl Default for Parameters {
             steady_band_mps: 0.15,
             cruise_gain_per_s: 1.0,
             steady_gain_per_s: 0.02,
+            acceleration_mps2: 1.8,
+            spacing: Spacing::TimeGap,
+            time_gap_s: 1.5,
+            margin_m: 4.0,
             least_band_m: 2.0,
             approach_limit_mps2: 1.0,
             approach_floor_m: 2.0,
@@ -97,7 +120,7 @@ impl Default for Parameters {
             braking_hysteresis_m: 3.0,
             warning_hysteresis_m: 1.0,
             threshold_hysteresis_mps: 0.15,
-            dwell_s: 0.5,
+            dwell_s: 0.8,
             filter_time_s: 0.3,
             range_hysteresis_m: 2.0,
             jerk_limit_mps3: 5.0,
@@ -110,7 +133,7 @@ impl Parameters {
     /// The literal variant of the paper with the driving default's values.
     #[must_use]
     pub fn literal() -> Self {
-        Self { variant: Variant::Literal, ..Self::default() }
+        Self { variant: Variant::Literal, acceleration_mps2: 1.0, ..Self::default() }
     }
 
     /// The values that reproduce the published run.
@@ -131,6 +154,8 @@ impl Parameters {
             dwell_s: 0.0,
             filter_time_s: 0.0,
             jerk_limit_mps3: 8.0,
+            acceleration_mps2: 1.0,
+            spacing: Spacing::Paper,
             ..Self::default()
         }
     }
@@ -151,6 +176,9 @@ impl Settings for Parameters {
         above("opening_fade_m", self.opening_fade_m, 0.0, 100.0)?;
         above("jerk_limit_mps3", self.jerk_limit_mps3, 0.0, 1000.0)?;
         above("emergency_jerk_limit_mps3", self.emergency_jerk_limit_mps3, 0.0, 1000.0)?;
+        within("acceleration_mps2", self.acceleration_mps2, 0.2, 5.0)?;
+        above("time_gap_s", self.time_gap_s, 0.0, 10.0)?;
+        within("margin_m", self.margin_m, 0.0, 50.0)?;
         within("reaction_time_s", self.reaction_time_s, 0.0, 10.0)?;
         within("steady_band_mps", self.steady_band_mps, 0.0, 20.0)?;
         within("steady_gain_per_s", self.steady_gain_per_s, 0.0, 10.0)?;
@@ -194,8 +222,10 @@ mod tests {
 
     #[test]
     fn unknown_keys_are_refused_and_missing_ones_default() {
-        let p: Parameters =
-            serde_json::from_str(r#"{"variant":"literal","braking_mps2":4.0}"#).expect("valid");
+        let p: Parameters = serde_json::from_str(
+            r#"{"variant":"literal","braking_mps2":4.0,"acceleration_mps2":1.0}"#,
+        )
+        .expect("valid");
         assert_eq!(p, Parameters { braking_mps2: 4.0, ..Parameters::literal() });
         let e = serde_json::from_str::<Parameters>(r#"{"braking":4.0}"#).expect_err("unknown key");
         assert!(e.to_string().contains("braking"), "{e}");

@@ -2,10 +2,8 @@
 
 use super::boundaries::Boundaries;
 use super::modes::{Mode, Situation};
-use super::parameters::{Parameters, Variant};
+use super::parameters::{Parameters, Spacing, Variant};
 
-/// Request of the accelerate mode and upper bound of every request.
-pub(super) const FULL_ACCELERATION: f64 = 1.0;
 /// The eight levels of the decelerate mode, from R_w down to R_b.
 pub(super) const LEVELS: [f64; 8] = [-0.5, -0.75, -1.25, -1.75, -2.25, -2.75, -3.25, -3.75];
 
@@ -23,11 +21,15 @@ const STEADY_OPENING: f64 = 0.4;
 pub(super) fn cruise(p: &Parameters, set_speed: f64, speed: f64) -> f64 {
     let error = set_speed - speed;
     if error > CRUISE_BAND {
-        FULL_ACCELERATION
+        p.acceleration_mps2
     } else {
-        (p.cruise_gain_per_s * error).clamp(CRUISE_BRAKING, FULL_ACCELERATION)
+        (p.cruise_gain_per_s * error).clamp(CRUISE_BRAKING, p.acceleration_mps2)
     }
 }
+
+/// Acceleration per deviation from the closing speed, 1/s, and its least value, m/s².
+const REGULATE_PER_S: f64 = 0.5;
+const REGULATE_LEAST_MPS2: f64 = -1.0;
 
 /// Request of a mode that has a target, before mean and limits.
 #[must_use]
@@ -37,7 +39,7 @@ pub(super) fn following(p: &Parameters, mode: Mode, s: &Situation, b: &Boundarie
         Mode::Steady => steady(p, s, b),
         Mode::Decelerate => LEVELS[level(s.gap_m, b)],
         Mode::Avoid => -p.braking_mps2,
-        Mode::Accelerate | Mode::Cruise => FULL_ACCELERATION,
+        Mode::Accelerate | Mode::Cruise => p.acceleration_mps2,
     }
 }
 
@@ -59,6 +61,10 @@ fn approach(p: &Parameters, s: &Situation, b: &Boundaries) -> f64 {
 /// with the ego's speed: otherwise steady and decelerate take turns for ever (trap 6).
 fn steady(p: &Parameters, s: &Situation, b: &Boundaries) -> f64 {
     let relative = s.relative_mps;
+    if p.variant == Variant::Robust && p.spacing == Spacing::TimeGap {
+        let wanted = REGULATE_PER_S * (relative + b.closing_mps(p, s.gap_m));
+        return wanted.clamp(REGULATE_LEAST_MPS2, p.acceleration_mps2);
+    }
     if relative.abs() < p.steady_band_mps {
         p.steady_gain_per_s * relative
     } else if relative < 0.0 {
@@ -86,7 +92,7 @@ mod tests {
 
     #[test]
     fn cruise_is_the_papers_equation_7() {
-        let p = Parameters::default();
+        let p = Parameters::published();
         assert_eq!(cruise(&p, 20.0, 19.0), 1.0);
         assert_eq!(cruise(&p, 20.0, 19.75), 0.25);
         assert_eq!(cruise(&p, 20.0, 20.5), -0.5);
@@ -114,7 +120,7 @@ mod tests {
 
     #[test]
     fn steady_follows_equations_9_and_10() {
-        let p = Parameters::default();
+        let p = Parameters { spacing: Spacing::Paper, ..Parameters::default() };
         let b = Boundaries { warning_m: 40.0, ..Boundaries::default() };
         let at = |p: &Parameters, gap_m, relative_mps| {
             steady(p, &Situation { gap_m, speed_mps: 10.0, relative_mps }, &b)

@@ -50,7 +50,7 @@ pub use law::Predictive;
 pub use paper_n2::PaperN2;
 pub use planners::create;
 pub use prices::Prices;
-pub use settings::{Keys, PlannerKind, Settings};
+pub use settings::{CarGap, Keys, PlannerKind, Settings};
 pub use speed_band::SpeedBand;
 
 use crate::law::{Descriptor, GapPolicy, Law, TargetSource};
@@ -75,8 +75,12 @@ pub static PREDICTIVE: Descriptor = Descriptor {
 
 /// The truck as the law believes it to be; on a car it drives as the heavier one would.
 fn build(scenario: &Scenario) -> Result<Box<dyn Law>, Problem> {
-    let Keys { planner, mean_speed } = read(&scenario.controller, TABLE.name)?;
-    let preset = Preset::named(scenario.plant.vehicle.as_str()).unwrap_or(Preset::Jh6At49T);
+    let Keys { planner, mean_speed, lead_deceleration_mps2 } =
+        read(&scenario.controller, TABLE.name)?;
+    let vehicle = scenario.plant.vehicle;
+    let preset = Preset::named(vehicle.as_str()).unwrap_or(Preset::Jh6At49T);
     let settings = Settings::new(&Truck::preset(preset), planner);
-    Ok(Box::new(Predictive::new(&Settings { mean_speed, ..settings })))
+    let lag_s = scenario.controller.model_time_constant_s.value();
+    let car = (!vehicle.is_truck()).then_some(CarGap { lag_s, lead_deceleration_mps2 });
+    Ok(Box::new(Predictive::new(&Settings { mean_speed, car, ..settings })))
 }

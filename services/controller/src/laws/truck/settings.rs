@@ -50,17 +50,21 @@ pub struct Keys {
     pub planner: PlannerKind,
     /// Mean speed to keep on a free road, relative to the set speed.
     pub mean_speed: f64,
+    /// Hardest deceleration of the vehicle ahead that is reckoned with on a car, m/s².
+    pub lead_deceleration_mps2: f64,
 }
 
 impl Default for Keys {
     fn default() -> Self {
-        Self { planner: PlannerKind::default(), mean_speed: 1.0 }
+        let planner = PlannerKind::default();
+        Self { planner, mean_speed: 1.0, lead_deceleration_mps2: 9.0 }
     }
 }
 
 impl settings::Settings for Keys {
     fn check(&self) -> Result<(), SettingError> {
-        within("mean_speed", self.mean_speed, 0.8, 1.2)
+        within("mean_speed", self.mean_speed, 0.8, 1.2)?;
+        within("lead_deceleration_mps2", self.lead_deceleration_mps2, 0.5, 12.0)
     }
 }
 
@@ -73,12 +77,23 @@ pub struct Settings {
     pub planner: PlannerKind,
     /// Mean speed to keep on a free road, relative to the set speed.
     pub mean_speed: f64,
+    /// Drives a car, by accelerations: kept at a safe gap and stopped softly.
+    pub car: Option<CarGap>,
+}
+
+/// How a car's gap is kept safe.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CarGap {
+    /// Lag of the car's acceleration behind the request, s.
+    pub lag_s: f64,
+    /// Hardest deceleration of the vehicle ahead that is reckoned with, m/s².
+    pub lead_deceleration_mps2: f64,
 }
 
 impl Settings {
     /// Settings for a truck whose mean speed shall be its set speed.
     #[must_use]
     pub fn new(truck: &Truck, planner: PlannerKind) -> Self {
-        Self { truck: *truck, planner, mean_speed: 1.0 }
+        Self { truck: *truck, planner, mean_speed: 1.0, car: None }
     }
 }

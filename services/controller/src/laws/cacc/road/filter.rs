@@ -4,31 +4,28 @@
 //! the vehicle surely reaches. The request is safe when the vehicle then stops
 //!
 //! * before each closed line, and
-//! * behind the lead at all times, even if the lead brakes from now on as hard as it is reckoned with.
+//! * behind the lead at all times: see [`safe_gap`](crate::following::safe_gap).
 //!
 //! From a safe state emergency braking is safe, so a safe request always exists, and the state
-//! stays safe: neither a line nor the lead is reached, whatever the law above wants. A state can be
-//! unsafe through no choice of ours (a vehicle cuts in, a light jumps). Behind a lead the request
-//! is then at least comfortable braking, harder as far as what the lead does now calls for it,
-//! instead of the worst that it might do. At a line that is to be passed, the request must leave
-//! the vehicle able to stop, or fast enough to cross before red at the speed it has.
+//! stays safe: neither a line nor the lead is reached, whatever the law above wants. At a line that is
+//! to be passed, the request must leave the vehicle able to stop, or fast enough to cross before red at
+//! the speed it has.
 
-use super::lead::LeadNow;
+use crate::following::kinematics::{Lag, LagStep, Motion};
+use crate::following::safe_gap::{LeadNow, SURE, SafeGap};
 use crate::laws::cacc::config::Config;
-use crate::laws::cacc::kinematics::{Lag, LagStep, Motion};
 
 /// Distance kept to a closed line, m.
 const LINE_MARGIN_M: f64 = 0.2;
-/// Share of the hardest request that the vehicle surely reaches.
-const SURE: f64 = 0.95;
 /// Halvings of the interval of requests: to a thousandth of a m/s².
 const HALVINGS: usize = 13;
 /// Step in which ego and lead are compared, s.
 const CHECK_S: f64 = 0.1;
 /// Shares of the hardest braking with which a crossing behind a slower lead is tried.
 const BRAKING_SHARES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
-/// Longest comparison, steps: well over the stop from 70 m/s.
-const CHECKS: usize = 250;
+/// Shortest time for which a request is taken to act, s: with less the filter would switch between
+/// its extremes.
+const SHORTEST_PERIOD_S: f64 = 0.05;
 
 /// How the filter treats a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,24 +56,21 @@ pub(super) struct Filter {
     check: LagStep,
     min_mps2: f64,
     max_mps2: f64,
-    comfort_mps2: f64,
-    min_gap_m: f64,
-    lead_deceleration_mps2: f64,
+    safe: SafeGap,
 }
 
 impl Filter {
     /// A filter for a control period of `period_s`.
     pub(super) fn new(config: &Config, period_s: f64) -> Self {
         let lag = Lag { tau_s: config.actuator_lag_s };
+        let period_s = period_s.max(SHORTEST_PERIOD_S);
         Self {
             lag,
             period: lag.discretise(period_s),
             check: lag.discretise(CHECK_S),
             min_mps2: config.min_request_mps2,
             max_mps2: config.max_request_mps2,
-            comfort_mps2: -config.road.comfort_deceleration_mps2,
-            min_gap_m: config.road.min_gap_m,
-            lead_deceleration_mps2: config.road.lead_deceleration_mps2,
+            safe: safe_gap(config, period_s),
         }
     }
 
@@ -96,16 +90,12 @@ impl Filter {
         }
         for gate in gates {
             if gate.rule == Rule::Stop {
-                u = self.lower(u, |u| self.stops_before(u, ego, gate.distance_m));
+                u = self.safe.lower(u, |u| self.stops_before(u, ego, gate.distance_m));
             }
         }
-        let Some(lead) = lead else { return u };
-        let worst = self.lead_deceleration_mps2.max(-lead.acceleration_mps2);
-        if self.stays_behind(self.min_mps2, ego, lead, worst) {
-            self.lower(u, |u| self.stays_behind(u, ego, lead, worst))
-        } else {
-            let now = (-lead.acceleration_mps2).max(0.0);
-            self.lower(u.min(self.comfort_mps2), |u| self.stays_behind(u, ego, lead, now))
+        match lead {
+            Some(lead) => self.safe.apply(u, ego, lead),
+            None => u,
         }
     }
 
@@ -142,25 +132,9 @@ impl Filter {
             .all(|gate| gate.rule != Rule::Stop || rest <= gate.distance_m - LINE_MARGIN_M);
         stops
             && lead.is_none_or(|lead| {
-                let now = (-lead.acceleration_mps2).max(0.0);
-                self.keeps_gap(ego, 0.0, |_| request, lead, now)
+                let now = lead.braking_mps2();
+                self.safe.margin_m(ego, 0.0, |_| request, lead, now) >= 0.0
             })
-    }
-
-    /// The largest request up to `u` that passes `test`; the smallest there is when none does.
-    fn lower(&self, u: f64, test: impl Fn(f64) -> bool) -> f64 {
-        if test(u) {
-            return u;
-        }
-        let (mut low, mut high) = (self.min_mps2, u);
-        if !test(low) {
-            return low;
-        }
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            if test(middle) { low = middle } else { high = middle }
-        }
-        low
     }
 
     fn pass(
@@ -177,7 +151,7 @@ impl Filter {
             return u;
         }
         if stops(self.min_mps2) {
-            return self.lower(u, stops);
+            return self.safe.lower(u, stops);
         }
         // Too late to stop. Room behind the lead is seen to after this.
         if crosses(u) {
@@ -222,17 +196,17 @@ impl Filter {
         let Some(lead) = lead else { return self.crosses(u, ego, distance_m, red_in_s) };
         let next = self.period.advance(Motion { position_m: 0.0, ..ego }, u);
         let hardest = SURE * self.min_mps2;
-        let now = (-lead.acceleration_mps2).max(0.0);
+        let now = lead.braking_mps2();
         let after = |at: f64| if at < distance_m { 0.0 } else { hardest };
         if self.crosses(u, ego, distance_m, red_in_s)
-            && self.keeps_gap(next, self.period.step_s, after, lead, now)
+            && self.safe.margin_m(next, self.period.step_s, after, lead, now) >= 0.0
         {
             return true;
         }
         BRAKING_SHARES.iter().any(|share| {
             let request = share * hardest;
             self.reaches(next, request, distance_m, red_in_s - self.period.step_s)
-                && self.keeps_gap(next, self.period.step_s, |_| request, lead, now)
+                && self.safe.margin_m(next, self.period.step_s, |_| request, lead, now) >= 0.0
         })
     }
 
@@ -248,49 +222,18 @@ impl Filter {
         }
         false
     }
-
-    /// Whether braking after one period of `u` keeps the gap while the lead brakes with
-    /// `deceleration` from now on.
-    fn stays_behind(&self, u: f64, ego: Motion, lead: &LeadNow, deceleration: f64) -> bool {
-        let next = self.period.advance(Motion { position_m: 0.0, ..ego }, u);
-        self.keeps_gap(next, self.period.step_s, |_| SURE * self.min_mps2, lead, deceleration)
-    }
-
-    /// Whether an ego in state `ego` after `time` keeps the gap with a request that depends on its
-    /// place.
-    fn keeps_gap(
-        &self,
-        mut ego: Motion,
-        mut time: f64,
-        request: impl Fn(f64) -> f64,
-        lead: &LeadNow,
-        deceleration: f64,
-    ) -> bool {
-        for _ in 0..CHECKS {
-            let gap = lead_position(lead, deceleration, time) - ego.position_m;
-            if gap < self.min_gap_m {
-                return false;
-            }
-            if ego.speed_mps <= 0.0 && ego.acceleration_mps2 <= 0.0 {
-                break;
-            }
-            // Opening from here on: a lead that does not brake is only ever approached less.
-            if deceleration == 0.0
-                && ego.speed_mps + 0.5 * ego.acceleration_mps2.max(0.0) <= lead.speed_mps
-            {
-                break;
-            }
-            ego = self.check.advance(ego, request(ego.position_m));
-            time += CHECK_S;
-        }
-        true
-    }
 }
 
-fn lead_position(lead: &LeadNow, deceleration: f64, time_s: f64) -> f64 {
-    let v = lead.speed_mps.max(0.0);
-    let moving = if deceleration > 0.0 { time_s.min(v / deceleration) } else { time_s };
-    lead.gap_m + v * moving - 0.5 * deceleration * moving * moving
+/// The gap that a configuration keeps safe.
+pub(super) fn safe_gap(config: &Config, period_s: f64) -> SafeGap {
+    let road = &config.road;
+    SafeGap::new(
+        Lag { tau_s: config.actuator_lag_s },
+        period_s,
+        (config.min_request_mps2, -road.comfort_deceleration_mps2),
+        road.min_gap_m,
+        road.lead_deceleration_mps2,
+    )
 }
 
 #[cfg(test)]
@@ -315,25 +258,6 @@ mod tests {
             assert_eq!(ego.speed_mps, 0.0);
             assert!(ego.position_m > 118.0 && ego.position_m < 120.0, "{}", ego.position_m);
         }
-    }
-
-    #[test]
-    fn whatever_is_asked_a_braking_lead_is_not_reached() {
-        let step = Lag { tau_s: 0.5 }.discretise(0.1);
-        let mut ego = Motion { position_m: 0.0, speed_mps: 20.0, acceleration_mps2: 0.0 };
-        let (mut x, mut v) = (40.0_f64, 20.0_f64);
-        let mut smallest = f64::INFINITY;
-        for k in 0..400 {
-            let a = if k < 100 || v <= 0.0 { 0.0 } else { -4.0 };
-            let lead = LeadNow { gap_m: x - ego.position_m, speed_mps: v, acceleration_mps2: a };
-            ego = step.advance(ego, filter().apply(4.9, ego, Some(&lead), &[]));
-            let next = (v + 0.1 * a).max(0.0);
-            x += 0.05 * (v + next);
-            v = next;
-            smallest = smallest.min(x - ego.position_m);
-        }
-        assert_eq!((ego.speed_mps, v), (0.0, 0.0));
-        assert!(smallest > 0.9 && smallest < 3.0, "{smallest}");
     }
 
     #[test]

@@ -4,15 +4,8 @@
 //! a_l(t) = a_l(0) exp(-t / tau_l),   v_l' = a_l,   v_l never negative
 //! ```
 
+use crate::following::safe_gap::LeadNow;
 use crate::law::MAX_PLAN;
-
-/// The lead now, in the ego's frame: position 0 is the ego's front bumper now.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct LeadNow {
-    pub(super) gap_m: f64,
-    pub(super) speed_mps: f64,
-    pub(super) acceleration_mps2: f64,
-}
 
 /// The lead's rear bumper over the horizon. Without a lead it is a point that rests at zero: the
 /// error coordinates only need some known motion to refer to.

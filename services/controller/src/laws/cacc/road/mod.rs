@@ -30,7 +30,7 @@
 //! | `T`, `tau` | [`Config::step_s`], [`Config::actuator_lag_s`] | s |
 //! | `t_h` | [`Config::time_headway_s`] | s |
 //! | `s0`, `gap_min` | [`RoadConfig::standstill_gap_m`](super::road_config::RoadConfig), `min_gap_m` | m |
-//! | `c`, `b` | [`super::kinematics::LagStep`] | s², s, 1 |
+//! | `c`, `b` | [`LagStep`](crate::following::kinematics::LagStep) | s², s, 1 |
 //! | `tau_l` | `RoadConfig::lead_decay_s` | s |
 //! | `q_e`, `q_v`, `q_a`, `q_j`, `r` | the weights of `RoadConfig` | see there |
 //! | margin | `RoadConfig::stop_margin_m` | m |
@@ -47,13 +47,14 @@ use mpc_solver::{ProblemError, Solver};
 
 use self::decision::{Choice, Reason, Situation, choose};
 use self::filter::{Filter, Gate, Rule};
-use self::lead::LeadNow;
 use self::planner::{Planner, Seen};
 use self::program::Deadline;
 use self::signals::{Line, SignalMemory};
 use super::config::Config;
-use super::kinematics::{Lag, Motion};
 use super::plan::PlanMemory;
+use crate::following::kinematics::{Lag, Motion};
+use crate::following::safe_gap::LeadNow;
+use crate::following::soft_stop::{Room, soften};
 use crate::law::{Figure, Formulation, Input, Law, MAX_SIGNALS, Output, Quality};
 
 /// Speed that stands for "no limit", m/s.
@@ -64,10 +65,10 @@ const MAX_PLAN_AGE_S: f64 = 0.5;
 const LAST_MARGIN_S: f64 = 0.1;
 /// Margin of a comfortable stop, m.
 const STOP_ROOM_M: f64 = 0.3;
-/// Below this speed and request the vehicle is held, m/s and m/s².
-const STANDSTILL: f64 = 0.1;
-/// Request that holds the vehicle, m/s².
-const HOLD_MPS2: f64 = -0.5;
+/// Below this speed a vehicle at a closed line waits, m/s.
+const STANDSTILL_MPS: f64 = 0.1;
+/// Room that a soft stop leaves to a closed line, m.
+const LINE_ROOM_M: f64 = 0.3;
 
 /// The meaning of the numbers in the output.
 pub static FORMULATION: Formulation = Formulation {
@@ -358,13 +359,21 @@ impl RoadLaw {
         let enough = filter.suffices(comfort, seen.ego, seen.lead.as_ref(), &gates[..count]);
         let tempered = if enough { wanted.max(comfort) } else { wanted };
         let mut safe = filter.apply(tempered, seen.ego, seen.lead.as_ref(), &gates[..count]);
-        let room_m = self.config.road.stop_margin_m + 1.0;
-        let waits = gates[..count]
-            .first()
-            .is_some_and(|gate| gate.rule == Rule::Stop && gate.distance_m < room_m);
-        if seen.ego.speed_mps < STANDSTILL && (waits || safe < STANDSTILL) {
-            safe = safe.min(HOLD_MPS2);
+        let stop = gates[..count].first().filter(|gate| gate.rule == Rule::Stop);
+        let line_m = stop.map_or(f64::INFINITY, |gate| gate.distance_m);
+        if line_m < self.config.road.stop_margin_m + 1.0 && seen.ego.speed_mps < STANDSTILL_MPS {
+            // It waits at the line.
+            safe = safe.min(0.0);
         }
+        let min_gap_m = self.config.road.min_gap_m;
+        let lead_m = seen.lead.map_or(f64::INFINITY, |lead| lead.room_m(min_gap_m));
+        let to_line_m = line_m - LINE_ROOM_M;
+        let room = if lead_m < to_line_m {
+            Room { wanted_m: lead_m, spare_m: 0.5 * min_gap_m }
+        } else {
+            Room { wanted_m: to_line_m, spare_m: 0.0 }
+        };
+        safe = soften(safe, seen.ego, self.config.actuator_lag_s, room);
         output.figures[2] = safe - wanted;
         if safe < wanted - 1e-9 {
             // The rest of the plan was made for another beginning: it must not undo the braking.

@@ -3,14 +3,16 @@
 use mpc_solver::{ProblemError, Solver, Start};
 
 use super::decision::Choice;
-use super::lead::{LeadNow, Prediction};
+use super::filter::safe_gap;
+use super::lead::Prediction;
 use super::program::{Deadline, Programs};
-use super::reference::{Gate, Reference, Scene};
+use super::reference::{Gate, Reference, SafeGapTable, Scene};
 use super::signals::Line;
+use crate::following::driver::Driver;
+use crate::following::kinematics::{Lag, LagStep, Motion};
+use crate::following::safe_gap::LeadNow;
 use crate::law::{Input, MAX_PLAN, MAX_SIGNALS};
 use crate::laws::cacc::config::Config;
-use crate::laws::cacc::driver::Driver;
-use crate::laws::cacc::kinematics::{Lag, LagStep, Motion};
 use crate::laws::cacc::paper::usable;
 
 /// The measured scene of one cycle.
@@ -30,6 +32,7 @@ pub(super) struct Planner {
     driver: Driver,
     pub(super) lag: LagStep,
     lead_decay: f64,
+    safe_gap: SafeGapTable,
     work: Box<Work>,
 }
 
@@ -76,6 +79,7 @@ impl Planner {
                 hardest_mps2: -config.min_request_mps2,
             },
             lag,
+            safe_gap: SafeGapTable::new(&safe_gap(config, config.step_s)),
             lead_decay: libm::exp(-config.step_s / road.lead_decay_s),
             work: Box::new(Work {
                 lead: Prediction::ABSENT,
@@ -112,6 +116,7 @@ impl Planner {
             stop_margin_m: self.config.road.stop_margin_m,
             pass_margin_s: self.config.road.pass_margin_s,
             origin_m: input.ego.position_m,
+            safe_gap: &self.safe_gap,
             lead,
             lines: &seen.lines[..seen.count],
         };

@@ -33,8 +33,8 @@ use mpc_solver::{Problem, ProblemError, Row, Softness};
 
 use super::lead::Prediction;
 use super::reference::Reference;
+use crate::following::kinematics::{LagStep, Motion};
 use crate::laws::cacc::config::Config;
-use crate::laws::cacc::kinematics::{LagStep, Motion};
 use crate::laws::cacc::road_config::RoadConfig;
 
 /// Price of a metre beyond the ceiling.

@@ -12,9 +12,10 @@
 
 use super::lead::Prediction;
 use super::signals::Line;
+use crate::following::driver::{Driver, Obstacle};
+use crate::following::kinematics::{LagStep, Motion};
+use crate::following::safe_gap::SafeGap;
 use crate::law::MAX_PLAN;
-use crate::laws::cacc::driver::{Driver, Obstacle};
-use crate::laws::cacc::kinematics::{LagStep, Motion};
 
 /// Headway that the driver keeps to a stop line, s.
 const LINE_HEADWAY_S: f64 = 1.0;
@@ -51,6 +52,7 @@ pub(super) struct Scene<'a> {
     pub(super) pass_margin_s: f64,
     /// Distance on the odometer of the roll-out's origin, m.
     pub(super) origin_m: f64,
+    pub(super) safe_gap: &'a SafeGapTable,
     pub(super) lead: &'a Prediction,
     pub(super) lines: &'a [Line],
 }
@@ -101,7 +103,36 @@ impl Reference {
     }
 }
 
+/// The gap that is safe behind a steady lead, over the speed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SafeGapTable {
+    /// At whole metres per second.
+    gap_m: [f64; SPEEDS],
+}
+
+/// Speeds of the table.
+const SPEEDS: usize = 72;
+/// Gap that is kept beyond the safe one, m: the noise of the radar.
+const SPARE_M: f64 = 1.0;
+
+impl SafeGapTable {
+    pub(super) fn new(safe: &SafeGap) -> Self {
+        Self { gap_m: std::array::from_fn(|v| SPARE_M + safe.steady_gap_m(v as f64)) }
+    }
+
+    fn at(&self, speed_mps: f64) -> f64 {
+        let place = speed_mps.clamp(0.0, (SPEEDS - 2) as f64);
+        let (low, share) = (place as usize, place.fract());
+        self.gap_m[low] + share * (self.gap_m[low + 1] - self.gap_m[low])
+    }
+}
+
 impl Scene<'_> {
+    /// The time headway, or what the safe gap asks for where that is more.
+    fn headway_at(&self, v: f64) -> f64 {
+        self.headway_s.max((self.safe_gap.at(v) - self.standstill_m) / v.max(1.0))
+    }
+
     /// The driver's request at stage `k` and the ceiling that closed lines put on the next
     /// position.
     fn request(&self, k: usize, here: Motion, nearest: Gate) -> (f64, f64) {
@@ -112,7 +143,7 @@ impl Scene<'_> {
                 gap_m: self.lead.position_m[k] - here.position_m,
                 speed_mps: self.lead.speed_mps[k],
                 acceleration_mps2: self.lead.acceleration_mps2[k],
-                headway_s: self.headway_s,
+                headway_s: self.headway_at(v),
                 standstill_m: self.standstill_m,
             };
             request = request.min(self.driver.follow_mps2(v, self.desired_mps, &lead));

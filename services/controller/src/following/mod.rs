@@ -1,0 +1,8 @@
+//! What the laws share when they follow a vehicle: the lag's exact motion, a comfortable driver, the safe
+//! gap, the soft end of a stop, and a follower made of these.
+
+pub mod driver;
+pub(crate) mod follower;
+pub mod kinematics;
+pub(crate) mod safe_gap;
+pub(crate) mod soft_stop;

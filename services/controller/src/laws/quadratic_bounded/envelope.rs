@@ -1,0 +1,138 @@
+//! Where the certificate holds, and what drives elsewhere.
+//!
+//! | the law drives while | it hands over when |
+//! |---|---|
+//! | V of the lead that it follows is at most 1 | V > 1.05 |
+//! | the speed is between those of the two rules, and the lead's not below | it is not |
+//! | the lead brakes within the design's bound | it brakes harder by 0.1 m/s² |
+//!
+//! The fall-back is the explicit follower of [`crate::following`], with the design's desired gap and
+//! brakes of its own: the certificate's bound on the request is one of comfort. The law takes over again
+//! when all of it has held for a second, with a margin, from a reset controller state.
+
+use super::model::Parameters;
+use crate::following::driver::Driver;
+use crate::following::follower::Follower;
+use crate::following::kinematics::Lag;
+
+/// V at which the law hands over.
+const LEAVES_AT_V: f64 = 1.05;
+/// V below which it may take over again.
+const RETURNS_AT_V: f64 = 0.9;
+/// Margin on the speeds before it takes over again, m/s.
+const SPEED_MARGIN_MPS: f64 = 0.5;
+/// Braking of the lead beyond the bound at which the law hands over, m/s²: the tracker's noise.
+const LEAD_MARGIN_MPS2: f64 = 0.1;
+/// Time for which all must hold before the law takes over again, s.
+const PROOF_S: f64 = 1.0;
+/// Comfortable acceleration and deceleration of the fall-back, m/s².
+const COMFORT_MPS2: (f64, f64) = (1.5, 2.0);
+/// Gap that the fall-back never gives up knowingly, m.
+const MIN_GAP_M: f64 = 2.0;
+
+/// What decides between law and fall-back.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct State {
+    /// V of the state that the law would act on.
+    pub(super) lyapunov: f64,
+    /// The same from a reset controller state.
+    pub(super) lyapunov_after_reset: f64,
+    /// Speed of the ego, m/s.
+    pub(super) speed_mps: f64,
+    /// Speed of the lead, m/s, infinite without one.
+    pub(super) lead_mps: f64,
+    /// Acceleration of the lead, m/s², 0 without one.
+    pub(super) lead_mps2: f64,
+}
+
+/// Which of the two drives.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Envelope {
+    outside: bool,
+    /// Time for which all has held since, s.
+    inside_s: f64,
+}
+
+impl Envelope {
+    /// Takes the state of one sample of `period_s`; true while the fall-back drives.
+    pub(super) fn is_left(&mut self, p: &Parameters, state: &State, period_s: f64) -> bool {
+        let (low, high) = (p.least_speed_mps, p.greatest_speed_mps);
+        let braking = -state.lead_mps2;
+        if !self.outside {
+            let holds = state.lyapunov <= LEAVES_AT_V
+                && (low..=high).contains(&state.speed_mps)
+                && state.lead_mps >= low
+                && braking <= p.lead_acceleration_mps2 + LEAD_MARGIN_MPS2;
+            *self = Self { outside: !holds, inside_s: 0.0 };
+            return self.outside;
+        }
+        let holds = state.lyapunov_after_reset <= RETURNS_AT_V
+            && (low + SPEED_MARGIN_MPS..=high - SPEED_MARGIN_MPS).contains(&state.speed_mps)
+            && state.lead_mps >= low + SPEED_MARGIN_MPS
+            && braking <= p.lead_acceleration_mps2;
+        self.inside_s = if holds { self.inside_s + period_s } else { 0.0 };
+        // Sums of periods are not exact.
+        self.outside = self.inside_s < PROOF_S - 1e-9;
+        self.outside
+    }
+}
+
+/// The fall-back of a design at a speed.
+pub(super) fn follower(
+    p: &Parameters,
+    speed_mps: f64,
+    braking_mps2: f64,
+    lead_deceleration_mps2: f64,
+) -> Follower {
+    Follower {
+        driver: Driver {
+            acceleration_mps2: COMFORT_MPS2.0,
+            deceleration_mps2: COMFORT_MPS2.1,
+            hardest_mps2: braking_mps2,
+        },
+        lag: Lag { tau_s: p.actuator_lag_s },
+        headway_s: p.gap_slope_s + p.gap_curvature_s2pm * speed_mps,
+        standstill_m: p.gap_constant_m,
+        min_gap_m: MIN_GAP_M,
+        lead_deceleration_mps2,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const INSIDE: State = State {
+        lyapunov: 0.5,
+        lyapunov_after_reset: 0.4,
+        speed_mps: 20.0,
+        lead_mps: 20.0,
+        lead_mps2: 0.0,
+    };
+
+    #[test]
+    fn each_condition_ends_the_laws_range_at_once() {
+        let p = Parameters::reference();
+        let outside = [
+            State { lyapunov: 1.1, ..INSIDE },
+            State { speed_mps: 4.9, ..INSIDE },
+            State { speed_mps: 36.1, ..INSIDE },
+            State { lead_mps: 4.9, ..INSIDE },
+            State { lead_mps2: -2.1, ..INSIDE },
+        ];
+        for state in outside {
+            let mut envelope = Envelope::default();
+            assert!(!envelope.is_left(&p, &INSIDE, 0.1));
+            assert!(envelope.is_left(&p, &state, 0.1), "{state:?}");
+        }
+    }
+
+    #[test]
+    fn the_law_returns_after_a_second_within_its_range() {
+        let p = Parameters::reference();
+        let mut envelope = Envelope::default();
+        assert!(envelope.is_left(&p, &State { lead_mps2: -6.0, ..INSIDE }, 0.1));
+        let returns = (1..50).find(|_| !envelope.is_left(&p, &INSIDE, 0.1));
+        assert_eq!(returns, Some(10));
+    }
+}
