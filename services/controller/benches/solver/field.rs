@@ -186,12 +186,19 @@ impl Condensed {
         problem.roll_out(&found.sol, &mut states);
         let mut multipliers = Multipliers::new(n);
         let row = &problem.rows()[0];
-        for i in 0..EQUALITIES {
-            multipliers.terminal[i] = found.lagr[i];
-        }
         multipliers.rows[0][row.from..=row.to].copy_from_slice(&found.lagr[EQUALITIES + 2 * n..]);
         report.iterations = u32::try_from(found.iter).unwrap_or(u32::MAX);
-        report.residuals = residuals(problem, &found.sol, &states, &multipliers);
+        // quadprog gives the size of an equality's multiplier, not its sign: the best of the eight choices counts.
+        for choice in 0..1 << EQUALITIES {
+            for i in 0..EQUALITIES {
+                let size = found.lagr[i].abs();
+                multipliers.terminal[i] = if choice >> i & 1 == 0 { size } else { -size };
+            }
+            let residuals = residuals(problem, &found.sol, &states, &multipliers);
+            if residuals.max() < report.residuals.max() {
+                report.residuals = residuals;
+            }
+        }
         if report.residuals.max() <= TOLERANCE {
             report.status = Status::Solved;
         }

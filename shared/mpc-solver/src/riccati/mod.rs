@@ -205,6 +205,9 @@ impl Riccati {
         if outcome == Outcome::GivenUp {
             return None;
         }
+        // The states of the attempt come from the closed loop: to rounding those that the inputs lead to, but hostile
+        // numbers magnify rounding.
+        problem.roll_out(&self.inputs, &mut self.states);
         let found = self.residuals(problem);
         self.is_settled = found.max() <= TOLERANCE;
         self.is_settled.then_some((Status::Solved, found))
