@@ -8,15 +8,17 @@ use super::picture::{Points, RunPicture};
 const ALIKE_MPS: f64 = 0.01;
 
 /// Speed, gap and acceleration of named runs over each other, with the vehicle ahead of the first.
-/// Later runs are drawn below and wider, so that runs that drive alike show as one curve in another.
+/// A run that drives as an earlier one does is drawn below it and wider, so that both show.
 pub fn overlay(runs: &[(&str, &RunPicture)]) -> String {
     let until_s = runs.iter().map(|(_, run)| run.duration_s).fold(0.0, f64::max);
     let curves = |series: fn(&RunPicture) -> &Points| -> Vec<Curve> {
-        let runs = runs.iter().enumerate();
-        runs.map(|(index, (name, run))| {
-            Curve::new(name, Tone::Series(index), series(run).clone()).covered_by(index)
-        })
-        .collect()
+        let numbered = runs.iter().enumerate();
+        numbered
+            .map(|(index, (name, run))| {
+                Curve::new(name, Tone::Series(index), series(run).clone())
+                    .covered_by(covers(runs, index))
+            })
+            .collect()
     };
     let mut speeds = curves(|run| &run.speed_mps);
     if let Some((name, run)) = runs.first() {
@@ -36,25 +38,36 @@ pub fn overlay(runs: &[(&str, &RunPicture)]) -> String {
     format!("<div class=\"grid\">\n{drawn}</div>\n{}", alike(runs))
 }
 
-/// A line for each run that drives as an earlier one does: its curves lie under the other's.
-fn alike(runs: &[(&str, &RunPicture)]) -> String {
-    let mut text = String::new();
-    for (index, (name, run)) in runs.iter().enumerate() {
-        let same = |(_, other): &&(&str, &RunPicture)| {
-            let pairs = run.speed_mps.iter().zip(&other.speed_mps);
-            run.speed_mps.len() == other.speed_mps.len()
-                && !run.speed_mps.is_empty()
-                && pairs.into_iter().all(|(a, b)| (a.1 - b.1).abs() <= ALIKE_MPS)
-        };
-        if let Some((other, _)) = runs[..index].iter().find(same) {
-            let (name, other) = (escape(name), escape(other));
-            text.push_str(&format!(
-                "<p class=\"quiet\">{name} drives as {other} does, within {ALIKE_MPS} m/s: its \
-                 curves are the wider ones below.</p>\n"
-            ));
-        }
+/// The first run that the one at `index` drives like, if it comes before it.
+fn twin<'a>(runs: &[(&'a str, &RunPicture)], index: usize) -> Option<&'a str> {
+    let (_, run) = runs[index];
+    let same = |(_, other): &&(&str, &RunPicture)| {
+        let mut pairs = run.speed_mps.iter().zip(&other.speed_mps);
+        run.speed_mps.len() == other.speed_mps.len()
+            && !run.speed_mps.is_empty()
+            && pairs.all(|(a, b)| (a.1 - b.1).abs() <= ALIKE_MPS)
+    };
+    runs[..index].iter().find(same).map(|(name, _)| *name)
+}
+
+/// How many earlier runs cover the curves of the one at `index`.
+fn covers(runs: &[(&str, &RunPicture)], index: usize) -> usize {
+    match twin(runs, index) {
+        Some(first) => 1 + (1..index).filter(|&earlier| twin(runs, earlier) == Some(first)).count(),
+        None => 0,
     }
-    text
+}
+
+/// A line for each run that drives as an earlier one does.
+fn alike(runs: &[(&str, &RunPicture)]) -> String {
+    let line = |(index, (name, _)): (usize, &(&str, &RunPicture))| {
+        let (name, other) = (escape(name), escape(twin(runs, index)?));
+        Some(format!(
+            "<p class=\"quiet\">{name} drives as {other} does, within {ALIKE_MPS} m/s: its curves are \
+             the wider ones below.</p>\n"
+        ))
+    };
+    runs.iter().enumerate().filter_map(line).collect()
 }
 
 #[cfg(test)]
