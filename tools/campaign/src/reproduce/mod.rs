@@ -23,7 +23,6 @@ use report::print;
 use row::{Row, Verdict};
 use runner::{Part, Runner, together};
 use serde::Serialize;
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// The papers, in the order of their names.
