@@ -84,6 +84,7 @@ pub struct BenchArguments {
     /// Factor by which a ratio to the floor must grow to be called worse
     #[arg(long, value_name = "F", default_value_t = 1.5, value_parser = factor)]
     pub factor: f64,
+    /// Where the results go, and in which form.
     #[command(flatten)]
     pub output: OutputOptions,
     /// Print the result as JSON, and nothing else, on standard output

@@ -115,9 +115,9 @@ pub struct Timing {
     pub planning: Option<PlanningReport>,
     /// Commands that the scenario's misses and jitter kept from the actuators.
     pub undelivered_commands: Option<u64>,
-    /// Control periods in which no command was at the plant in time, by the plant's own schedule, and
-    /// the periods that were judged.
+    /// Control periods in which no command was at the plant in time, by the plant's own schedule.
     pub missed_at_plant: Option<u64>,
+    /// Control periods that were judged for it.
     pub due_at_plant: Option<u64>,
     /// The worse of `deadline_misses` and `missed_at_plant`.
     pub worst_deadline_misses: Option<u64>,

@@ -68,6 +68,7 @@ pub struct CampaignArguments {
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
+    /// Where the results go, and in which form.
     #[command(flatten)]
     pub output: OutputOptions,
     /// Print the verdict as JSON, and nothing else, on standard output

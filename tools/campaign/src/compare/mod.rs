@@ -53,6 +53,7 @@ pub struct CompareArguments {
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
+    /// Where the results go, and in which form.
     #[command(flatten)]
     pub output: OutputOptions,
     /// Print the rows as JSON, and nothing else, on standard output

@@ -67,6 +67,7 @@ pub struct ReproduceArguments {
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
+    /// Where the results go, and in which form.
     #[command(flatten)]
     pub output: OutputOptions,
     /// Print the rows as JSON, and nothing else, on standard output

@@ -47,6 +47,7 @@ pub struct SweepArguments {
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
+    /// Where the results go, and in which form.
     #[command(flatten)]
     pub output: OutputOptions,
     /// Print the points as JSON, and nothing else, on standard output
