@@ -36,7 +36,8 @@ pub struct Chain {
 pub fn run(stage: &Stage, cell: &Cell, seconds: f64) -> Result<Chain, Error> {
     let begun = Instant::now();
     let scenario = group::open(SCENARIO, &options(stage, cell, seconds))?;
-    let group = GroupOptions { programs: Vec::new(), ready_timeout: READY_TIMEOUT_S };
+    let group =
+        GroupOptions { programs: Vec::new(), ready_timeout: READY_TIMEOUT_S, processes: true };
     let metronome = stage.metronome(cell.conditions, cell.period_us)?;
     let length_ns = Duration::from_secs_f64(seconds).as_nanos();
     // Between the start and the scheduled end the metronome counts what the group meets.

@@ -53,6 +53,9 @@ pub enum Error {
     /// The run's shared memory is not usable.
     #[error(transparent)]
     Runtime(#[from] RuntimeError),
+    /// A run in one process and the same run in a process group gave different bytes.
+    #[error("{0}")]
+    Different(String),
     /// Ctrl-C or SIGTERM before there was a result.
     #[error("interrupted")]
     Interrupted,
@@ -73,6 +76,7 @@ impl Error {
             | Self::Root(_)
             | Self::NotReady { .. }
             | Self::Runtime(_) => 3,
+            Self::Different(_) => 1,
             Self::Interrupted => 130,
         })
     }

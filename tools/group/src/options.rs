@@ -33,6 +33,9 @@ pub struct GroupOptions {
     /// Time in which all services must be ready, s
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = positive_seconds)]
     pub ready_timeout: f64,
+    /// Run every service as a process of its own, in lockstep too
+    #[arg(long)]
+    pub processes: bool,
 }
 
 /// Clock by name.

@@ -1,11 +1,16 @@
-//! Many runs through real process groups, several at a time.
+//! Many runs, several at a time.
 //!
-//! Each worker is a thread that launches one group after the other. An interrupt reaches every
-//! group that is up and keeps further ones from being launched; what finished before is kept.
+//! Each worker is a thread that does one run after the other: in lockstep by itself, with all services
+//! in its own thread; in realtime, or where processes are asked for, through a process group. A seeded
+//! sample of what ran in one process is repeated in process groups, and must give the same bytes. An
+//! interrupt reaches every run that goes on and keeps further ones from beginning; what finished before
+//! is kept.
 
 mod leftovers;
+mod sample;
 mod usage;
 
+pub use sample::ProcessesSample;
 pub use usage::Growth;
 
 use group::Error;
@@ -15,12 +20,13 @@ use group::{Drive, Ended};
 use indicatif::ProgressBar;
 use leftovers::leftovers;
 use report::summary::Summary;
-use runtime::Mode;
+use runtime::{Carrier, Mode};
 use scenario::Scenario;
+use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{Sender, channel};
+use std::sync::mpsc::{SyncSender, sync_channel};
 use std::time::{Duration, Instant};
 use usage::Sample;
 
@@ -48,6 +54,17 @@ pub struct Done {
     pub samples: Vec<Sample>,
 }
 
+impl Job {
+    /// What carries the run's messages.
+    fn carrier(&self, group: &GroupOptions) -> Carrier {
+        let needs_processes = group.processes
+            || self.mode == Mode::Realtime
+            || !group.programs.is_empty()
+            || self.sample_every.is_some();
+        if needs_processes { Carrier::SharedMemory } else { Carrier::Memory }
+    }
+}
+
 /// How many runs go on at once: so many as chosen, or as there are cores; in realtime one, since
 /// runs that share cores would measure each other.
 pub fn at_once(chosen: Option<NonZeroUsize>, mode: Mode) -> usize {
@@ -57,32 +74,49 @@ pub fn at_once(chosen: Option<NonZeroUsize>, mode: Mode) -> usize {
 
 /// Does the jobs, `at_once` at a time, in their order. `each` gets every run's index and result as
 /// it ends, in this thread; a run that could not be brought up is a result too. An error that `each`
-/// returns ends the batch.
+/// returns ends the batch. Says which runs were repeated in process groups.
 ///
 /// # Errors
-/// [`Error::Interrupted`] when a signal asked for the end, what keeps every run from starting, or what
-/// `each` returned; in each case when all groups are gone.
+/// [`Error::Interrupted`] when a signal asked for the end, what keeps every run from starting, what
+/// `each` returned, or [`Error::Different`] if a repeated run gave other bytes; in each case when all
+/// runs are over.
 pub fn run(
     jobs: &[Job],
     at_once: usize,
     group: &GroupOptions,
     bar: &ProgressBar,
     each: &mut dyn FnMut(usize, Result<Done, Error>) -> Result<(), Error>,
-) -> Result<(), Error> {
+) -> Result<ProcessesSample, Error> {
     let interrupt = Interrupt::watch()?;
     let stop = AtomicBool::new(false);
     let next = AtomicUsize::new(0);
+    let in_process = |index: &usize| jobs[*index].carrier(group) == Carrier::Memory;
+    let candidates: Vec<usize> = (0..jobs.len()).filter(in_process).collect();
+    let seed = jobs.first().map_or(0, |job| job.scenario.seed.value());
+    let chosen = sample::choose(seed, candidates.len());
+    let repeated: BTreeSet<usize> = chosen.into_iter().map(|index| candidates[index]).collect();
+    let mut sample = ProcessesSample::default();
+    let mut different = None;
     let mut end = Ok(());
     std::thread::scope(|scope| {
-        let (sender, results) = channel();
+        // Bounded: drives are large, and whoever takes them may be slower than the workers.
+        let (sender, results) = sync_channel(at_once);
         for _ in 0..at_once.min(jobs.len()) {
             let sender = sender.clone();
             let going_on = || !stop.load(Ordering::Relaxed) && !interrupt.came();
-            let next = &next;
-            scope.spawn(move || work(jobs, next, group, &going_on, &sender));
+            let (next, repeated) = (&next, &repeated);
+            let plan = Plan { jobs, group, repeated };
+            scope.spawn(move || work(&plan, next, &going_on, &sender));
         }
         drop(sender);
-        for (index, result) in results {
+        for Finished { index, result, repetition } in results {
+            if let Some(repetition) = repetition {
+                sample.runs += 1;
+                if let Err(why) = repetition {
+                    sample.different += 1;
+                    different.get_or_insert((index, why));
+                }
+            }
             let taken = match result {
                 // What befell this run alone is its result.
                 Ok(_) | Err(Error::NotReady { .. } | Error::Runtime(_)) => each(index, result),
@@ -97,41 +131,111 @@ pub fn run(
             }
         }
     });
-    if interrupt.came() { Err(Error::Interrupted) } else { end }
+    if interrupt.came() {
+        return Err(Error::Interrupted);
+    }
+    end?;
+    if sample.runs > 0 {
+        let sentence = sample.sentence(jobs.len());
+        bar.suspend(|| eprintln!("{sentence}"));
+    }
+    match different {
+        None => Ok(sample),
+        Some((index, why)) => {
+            let scenario = &jobs[index].scenario;
+            Err(Error::Different(format!(
+                "run {index} ({} with {}, seed {}) in a process group: {why}",
+                scenario.name.as_str(),
+                scenario.controller.name.as_str(),
+                scenario.seed.value(),
+            )))
+        }
+    }
+}
+
+/// What the workers do.
+struct Plan<'a> {
+    jobs: &'a [Job],
+    group: &'a GroupOptions,
+    /// Runs to be repeated in a process group.
+    repeated: &'a BTreeSet<usize>,
+}
+
+/// A run that ended.
+struct Finished {
+    index: usize,
+    result: Result<Done, Error>,
+    /// Of a run that was repeated: whether it gave the same bytes, or what is different.
+    repetition: Option<Result<(), String>>,
 }
 
 fn work(
-    jobs: &[Job],
+    plan: &Plan<'_>,
     next: &AtomicUsize,
-    group: &GroupOptions,
     going_on: &dyn Fn() -> bool,
-    results: &Sender<(usize, Result<Done, Error>)>,
+    finished: &SyncSender<Finished>,
 ) {
     while going_on() {
         let index = next.fetch_add(1, Ordering::Relaxed);
-        let Some(job) = jobs.get(index) else { return };
-        if results.send((index, drive(job, group))).is_err() {
+        let Some(job) = plan.jobs.get(index) else { return };
+        let result = drive(job, job.carrier(plan.group), plan.group, going_on);
+        let repetition = match &result {
+            Ok(done) if plan.repeated.contains(&index) => {
+                Some(repeat(job, &done.summary, plan.group, going_on))
+            }
+            _ => None,
+        };
+        if finished.send(Finished { index, result, repetition }).is_err() {
             return;
         }
     }
 }
 
-fn drive(job: &Job, group: &GroupOptions) -> Result<Done, Error> {
+/// Repeats a run in a process group: the same bytes, or what is different.
+fn repeat(
+    job: &Job,
+    in_process: &Summary,
+    group: &GroupOptions,
+    going_on: &dyn Fn() -> bool,
+) -> Result<(), String> {
+    match drive(job, Carrier::SharedMemory, group, going_on) {
+        Ok(again) => sample::difference(in_process, &again.summary).map_or(Ok(()), Err),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
+fn drive(
+    job: &Job,
+    carrier: Carrier,
+    group: &GroupOptions,
+    going_on: &dyn Fn() -> bool,
+) -> Result<Done, Error> {
     let begun = Instant::now();
     let mut samples: Vec<Sample> = Vec::new();
     let mut next = Duration::ZERO;
-    let outcome = group::drive(&job.scenario, job.mode, group, None, &mut |moment| {
-        let time = Duration::from_nanos(moment.time_ns.max(0).unsigned_abs());
-        if let Some(every) = job.sample_every.filter(|_| time >= next) {
-            samples.push(Sample::take());
-            next = time + every;
+    let outcome = match carrier {
+        Carrier::Memory => {
+            group::in_process::run_watched(&job.scenario, &|| !going_on(), &mut |_| {})?
         }
-    })?;
+        Carrier::SharedMemory => {
+            group::drive(&job.scenario, job.mode, group, None, &mut |moment| {
+                let time = Duration::from_nanos(moment.time_ns.max(0).unsigned_abs());
+                if let Some(every) = job.sample_every.filter(|_| time >= next) {
+                    samples.push(Sample::take());
+                    next = time + every;
+                }
+            })?
+        }
+    };
     if outcome.ended == Ended::Interrupted {
         return Err(Error::Interrupted);
     }
     let summary = Summary::new(&job.scenario, job.mode, &outcome, begun.elapsed());
-    let leftovers = leftovers(&outcome.root);
+    let leftovers = match carrier {
+        // A thread leaves nothing behind.
+        Carrier::Memory => Vec::new(),
+        Carrier::SharedMemory => leftovers(&outcome.root),
+    };
     Ok(Done { summary, drive: outcome.drive, leftovers, samples })
 }
 

@@ -1,5 +1,6 @@
-//! The journal of a campaign: one line of JSON per finished run, on the disk before the next one
-//! counts. A line that a crash cut off is dropped; its run is done again.
+//! The journal of a campaign: one line of JSON per finished run, handed to the system at once, so that
+//! it survives the end of this process, and brought to the disk a few times a second. A line that a
+//! crash cut off is dropped; its run is done again.
 
 use group::Error;
 use serde::Serialize;
@@ -7,15 +8,21 @@ use serde::de::DeserializeOwned;
 use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 /// Name of the journal in a campaign's directory.
 pub const FILE: &str = "runs.jsonl";
+
+/// Runs are short: waiting for the disk after each would take longer than they do. So much of them
+/// can be lost with the machine.
+const SYNC_PERIOD: Duration = Duration::from_millis(200);
 
 /// An open journal.
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
     file: File,
+    synced: Instant,
 }
 
 impl Journal {
@@ -26,15 +33,29 @@ impl Journal {
         let (records, length) = if path.exists() { read(&path)? } else { (Vec::new(), 0) };
         let file = OpenOptions::new().create(true).append(true).open(&path).map_err(error)?;
         file.set_len(length).map_err(error)?;
-        Ok((Self { path, file }, records))
+        Ok((Self { path, file, synced: Instant::now() }, records))
     }
 
-    /// Adds a record; it is on the disk when this returns.
+    /// Adds a record.
+    ///
+    /// # Errors
+    /// [`Error::Path`] if it cannot be written.
     pub fn add(&mut self, record: &impl Serialize) -> Result<(), Error> {
         let line = serde_json::to_string(record).expect("records are plain data") + "\n";
-        let written = self.file.write_all(line.as_bytes()).and_then(|()| self.file.sync_data());
+        let mut written = self.file.write_all(line.as_bytes());
+        if self.synced.elapsed() >= SYNC_PERIOD {
+            written = written.and_then(|()| self.file.sync_data());
+            self.synced = Instant::now();
+        }
         let path = || self.path.clone();
         written.map_err(|reason| Error::Path { action: "write", path: path(), reason })
+    }
+}
+
+impl Drop for Journal {
+    fn drop(&mut self) {
+        // What fails here was written, and is only less sure to survive the machine.
+        let _ = self.file.sync_data();
     }
 }
 

@@ -1,0 +1,94 @@
+//! Runs of a batch that are repeated in process groups, so that runs in one process need not be
+//! believed.
+
+use rand_core::Rng;
+use rand_pcg::Pcg32;
+use report::summary::Summary;
+use serde::Serialize;
+use std::collections::BTreeSet;
+
+/// One run in so many is repeated.
+const EVERY: usize = 200;
+/// At least so many are, as far as there are so many.
+const LEAST: usize = 3;
+/// Selects the random sequence that chooses.
+const STREAM: u64 = 0x5a3e;
+
+/// What came of the repeated runs.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct ProcessesSample {
+    /// Runs that were repeated.
+    pub runs: usize,
+    /// Those whose messages were not the same bytes.
+    pub different: usize,
+}
+
+impl ProcessesSample {
+    /// A sentence for people; empty if nothing was to be repeated.
+    #[must_use]
+    pub fn sentence(&self, all: usize) -> String {
+        match (self.runs, self.different) {
+            (0, _) => String::new(),
+            (runs, 0) => {
+                format!("{runs} of {all} runs were repeated in process groups: the same bytes")
+            }
+            (runs, different) => format!(
+                "{runs} of {all} runs were repeated in process groups: {different} gave other bytes"
+            ),
+        }
+    }
+}
+
+/// The runs to repeat, of `runs` in all.
+pub(super) fn choose(seed: u64, runs: usize) -> BTreeSet<usize> {
+    let wanted = runs.div_ceil(EVERY).max(LEAST).min(runs);
+    let mut random = Pcg32::new(seed, STREAM);
+    let mut chosen = BTreeSet::new();
+    // Floyd's algorithm: every subset is as likely as any other, up to the remainder's 2^-64 or so.
+    for last in runs - wanted..runs {
+        let index = usize::try_from(random.next_u64() % (last as u64 + 1)).expect("an index");
+        if !chosen.insert(index) {
+            chosen.insert(last);
+        }
+    }
+    chosen
+}
+
+/// Where two runs of the same scenario differ: the first topic, or the outcome.
+pub(super) fn difference(one: &Summary, other: &Summary) -> Option<String> {
+    let topics: BTreeSet<&String> = one.messages.keys().chain(other.messages.keys()).collect();
+    let digests = |summary: &Summary, topic: &String| {
+        summary.messages.get(topic).map(|counts| counts.digests.clone()).unwrap_or_default()
+    };
+    let topic = topics.into_iter().find(|topic| digests(one, topic) != digests(other, topic));
+    topic.map(|topic| format!("other bytes on {topic}")).or_else(|| {
+        (one.outcome != other.outcome)
+            .then(|| format!("{:?} in one process, {:?} in a group", one.outcome, other.outcome))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_in_two_hundred_and_at_least_three_are_chosen_by_the_seed() {
+        for (runs, wanted) in [(0, 0), (2, 2), (3, 3), (600, 3), (601, 4), (10_000, 50)] {
+            let chosen = choose(1, runs);
+            assert_eq!(chosen.len(), wanted, "of {runs}");
+            assert!(chosen.iter().all(|&index| index < runs));
+            assert_eq!(chosen, choose(1, runs));
+        }
+        assert_ne!(choose(1, 10_000), choose(2, 10_000));
+    }
+
+    #[test]
+    fn every_run_is_as_likely_to_be_chosen() {
+        let mut counts = [0; 20];
+        for seed in 0..4_000 {
+            choose(seed, 20).into_iter().for_each(|index| counts[index] += 1);
+        }
+        // 600 expected of each, standard deviation 22.6.
+        assert!(counts.iter().all(|count| (480..720).contains(count)), "{counts:?}");
+    }
+}
