@@ -54,7 +54,8 @@ pub struct ServiceReport {
     pub sent: Vec<SentTopic>,
     /// Topics received.
     pub received: Vec<ReceivedTopic>,
-    /// Allocations of the loop between the start and the last cycle, where somebody counts them.
+    /// Allocations of the loop's thread between the start and the last cycle, where they are counted.
+    /// Services that share a thread count each other's.
     pub allocations_in_loop: Option<u64>,
     /// Peak resident set of its process, KiB; none if it has no process of its own.
     pub peak_rss_kib: Option<u64>,

@@ -501,11 +501,7 @@ impl Runtime {
                 Err(error) => break Err(error),
             }
         };
-        if self.carrier() == Carrier::SharedMemory {
-            // Elsewhere the thread's allocations are those of all services.
-            let counted = allocations().zip(before);
-            self.allocations_in_loop = counted.map(|(after, before)| after - before);
-        }
+        self.allocations_in_loop = allocations().zip(before).map(|(after, before)| after - before);
         result
     }
 

@@ -108,10 +108,6 @@ impl Seat {
         let pause = self.pause.clone().expect("observers do not wait");
         Waiter::InProcess { pause, stalled: Rc::clone(&self.bus.stalled) }
     }
-
-    pub(crate) fn pause(&self) -> Option<&Pause> {
-        self.pause.as_ref()
-    }
 }
 
 #[derive(Debug)]

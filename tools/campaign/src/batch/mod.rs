@@ -10,7 +10,7 @@ mod leftovers;
 mod sample;
 mod usage;
 
-pub use sample::ProcessesSample;
+pub use sample::{ProcessesSample, choose};
 pub use usage::Growth;
 
 use group::Error;
@@ -52,6 +52,9 @@ pub struct Done {
     pub leftovers: Vec<String>,
     /// What its processes had, from time to time.
     pub samples: Vec<Sample>,
+    /// Of a run in one process that was repeated in a group: whether it gave the same bytes, or what
+    /// is different.
+    pub repetition: Option<Result<(), String>>,
 }
 
 impl Job {
@@ -87,16 +90,43 @@ pub fn run(
     bar: &ProgressBar,
     each: &mut dyn FnMut(usize, Result<Done, Error>) -> Result<(), Error>,
 ) -> Result<ProcessesSample, Error> {
-    let interrupt = Interrupt::watch()?;
-    let stop = AtomicBool::new(false);
-    let next = AtomicUsize::new(0);
     let in_process = |index: &usize| jobs[*index].carrier(group) == Carrier::Memory;
     let candidates: Vec<usize> = (0..jobs.len()).filter(in_process).collect();
     let seed = jobs.first().map_or(0, |job| job.scenario.seed.value());
     let chosen = sample::choose(seed, candidates.len());
-    let repeated: BTreeSet<usize> = chosen.into_iter().map(|index| candidates[index]).collect();
+    let repeated = chosen.into_iter().map(|index| candidates[index]).collect();
+    let sample = run_repeating(&repeated, jobs, at_once, group, bar, each)?;
+    match &sample.first_difference {
+        None => Ok(sample),
+        Some((index, why)) => {
+            let scenario = &jobs[*index].scenario;
+            Err(Error::Different(format!(
+                "run {index} ({} with {}, seed {}) in a process group: {why}",
+                scenario.name.as_str(),
+                scenario.controller.name.as_str(),
+                scenario.seed.value(),
+            )))
+        }
+    }
+}
+
+/// The same with the choice of the runs to be repeated; a repeated run that gave other bytes is in
+/// its result alone.
+///
+/// # Errors
+/// As [`run`], but for [`Error::Different`].
+pub fn run_repeating(
+    repeated: &BTreeSet<usize>,
+    jobs: &[Job],
+    at_once: usize,
+    group: &GroupOptions,
+    bar: &ProgressBar,
+    each: &mut dyn FnMut(usize, Result<Done, Error>) -> Result<(), Error>,
+) -> Result<ProcessesSample, Error> {
+    let interrupt = Interrupt::watch()?;
+    let stop = AtomicBool::new(false);
+    let next = AtomicUsize::new(0);
     let mut sample = ProcessesSample::default();
-    let mut different = None;
     let mut end = Ok(());
     std::thread::scope(|scope| {
         // Bounded: drives are large, and whoever takes them may be slower than the workers.
@@ -104,18 +134,13 @@ pub fn run(
         for _ in 0..at_once.min(jobs.len()) {
             let sender = sender.clone();
             let going_on = || !stop.load(Ordering::Relaxed) && !interrupt.came();
-            let (next, repeated) = (&next, &repeated);
-            let plan = Plan { jobs, group, repeated };
-            scope.spawn(move || work(&plan, next, &going_on, &sender));
+            let plan = Plan { jobs, group, repeated, next: &next };
+            scope.spawn(move || work(&plan, &going_on, &sender));
         }
         drop(sender);
-        for Finished { index, result, repetition } in results {
-            if let Some(repetition) = repetition {
-                sample.runs += 1;
-                if let Err(why) = repetition {
-                    sample.different += 1;
-                    different.get_or_insert((index, why));
-                }
+        for (index, result) in results {
+            if let Ok(done) = &result {
+                sample.count(index, done.repetition.as_ref());
             }
             let taken = match result {
                 // What befell this run alone is its result.
@@ -135,22 +160,22 @@ pub fn run(
         return Err(Error::Interrupted);
     }
     end?;
-    if sample.runs > 0 {
-        let sentence = sample.sentence(jobs.len());
-        bar.suspend(|| eprintln!("{sentence}"));
-    }
-    match different {
-        None => Ok(sample),
-        Some((index, why)) => {
-            let scenario = &jobs[index].scenario;
-            Err(Error::Different(format!(
-                "run {index} ({} with {}, seed {}) in a process group: {why}",
-                scenario.name.as_str(),
-                scenario.controller.name.as_str(),
-                scenario.seed.value(),
-            )))
-        }
-    }
+    sample.tell(jobs.len(), bar);
+    Ok(sample)
+}
+
+/// Does one lockstep run, and repeats it in a process group if `repeat` says so and it was none.
+///
+/// # Errors
+/// As [`run`].
+pub fn lockstep(
+    scenario: &Scenario,
+    group: &GroupOptions,
+    repeat: bool,
+    going_on: &dyn Fn() -> bool,
+) -> Result<Done, Error> {
+    let job = Job { scenario: scenario.clone(), mode: Mode::Lockstep, sample_every: None };
+    drive_and_repeat(&job, group, repeat, going_on)
 }
 
 /// What the workers do.
@@ -159,48 +184,50 @@ struct Plan<'a> {
     group: &'a GroupOptions,
     /// Runs to be repeated in a process group.
     repeated: &'a BTreeSet<usize>,
-}
-
-/// A run that ended.
-struct Finished {
-    index: usize,
-    result: Result<Done, Error>,
-    /// Of a run that was repeated: whether it gave the same bytes, or what is different.
-    repetition: Option<Result<(), String>>,
+    /// The next job.
+    next: &'a AtomicUsize,
 }
 
 fn work(
     plan: &Plan<'_>,
-    next: &AtomicUsize,
     going_on: &dyn Fn() -> bool,
-    finished: &SyncSender<Finished>,
+    results: &SyncSender<(usize, Result<Done, Error>)>,
 ) {
     while going_on() {
-        let index = next.fetch_add(1, Ordering::Relaxed);
+        let index = plan.next.fetch_add(1, Ordering::Relaxed);
         let Some(job) = plan.jobs.get(index) else { return };
-        let result = drive(job, job.carrier(plan.group), plan.group, going_on);
-        let repetition = match &result {
-            Ok(done) if plan.repeated.contains(&index) => {
-                Some(repeat(job, &done.summary, plan.group, going_on))
-            }
-            _ => None,
-        };
-        if finished.send(Finished { index, result, repetition }).is_err() {
+        let repeat = plan.repeated.contains(&index);
+        if results.send((index, drive_and_repeat(job, plan.group, repeat, going_on))).is_err() {
             return;
         }
     }
 }
 
+fn drive_and_repeat(
+    job: &Job,
+    group: &GroupOptions,
+    repeat: bool,
+    going_on: &dyn Fn() -> bool,
+) -> Result<Done, Error> {
+    let carrier = job.carrier(group);
+    let mut done = drive(job, carrier, group, going_on)?;
+    if repeat && carrier == Carrier::Memory {
+        done.repetition = Some(repetition(job, &done.summary, group, going_on)?);
+    }
+    Ok(done)
+}
+
 /// Repeats a run in a process group: the same bytes, or what is different.
-fn repeat(
+fn repetition(
     job: &Job,
     in_process: &Summary,
     group: &GroupOptions,
     going_on: &dyn Fn() -> bool,
-) -> Result<(), String> {
+) -> Result<Result<(), String>, Error> {
     match drive(job, Carrier::SharedMemory, group, going_on) {
-        Ok(again) => sample::difference(in_process, &again.summary).map_or(Ok(()), Err),
-        Err(error) => Err(error.to_string()),
+        Ok(again) => Ok(sample::difference(in_process, &again.summary).map_or(Ok(()), Err)),
+        Err(error @ (Error::NotReady { .. } | Error::Runtime(_))) => Ok(Err(error.to_string())),
+        Err(error) => Err(error),
     }
 }
 
@@ -236,17 +263,21 @@ fn drive(
         Carrier::Memory => Vec::new(),
         Carrier::SharedMemory => leftovers(&outcome.root),
     };
-    Ok(Done { summary, drive: outcome.drive, leftovers, samples })
+    Ok(Done { summary, drive: outcome.drive, leftovers, samples, repetition: None })
 }
 
 /// Notices the signals that ask for an end also between two groups, when no group listens.
-struct Interrupt {
+pub struct Interrupt {
     came: Arc<AtomicBool>,
     registered: Vec<signal_hook::SigId>,
 }
 
 impl Interrupt {
-    fn watch() -> Result<Self, Error> {
+    /// Begins to notice.
+    ///
+    /// # Errors
+    /// [`Error::Machine`] if the signals cannot be handled.
+    pub fn watch() -> Result<Self, Error> {
         let came = Arc::new(AtomicBool::new(false));
         let registered = group::end_signals()
             .into_iter()
@@ -256,7 +287,8 @@ impl Interrupt {
         Ok(Self { came, registered })
     }
 
-    fn came(&self) -> bool {
+    /// True once such a signal came.
+    pub fn came(&self) -> bool {
         self.came.load(Ordering::Relaxed)
     }
 }

@@ -1,6 +1,7 @@
 //! Runs of a batch that are repeated in process groups, so that runs in one process need not be
 //! believed.
 
+use indicatif::ProgressBar;
 use rand_core::Rng;
 use rand_pcg::Pcg32;
 use report::summary::Summary;
@@ -21,26 +22,40 @@ pub struct ProcessesSample {
     pub runs: usize,
     /// Those whose messages were not the same bytes.
     pub different: usize,
+    /// The first of them that was noticed: its index and what is different.
+    #[serde(skip)]
+    pub first_difference: Option<(usize, String)>,
 }
 
 impl ProcessesSample {
-    /// A sentence for people; empty if nothing was to be repeated.
-    #[must_use]
-    pub fn sentence(&self, all: usize) -> String {
-        match (self.runs, self.different) {
-            (0, _) => String::new(),
-            (runs, 0) => {
-                format!("{runs} of {all} runs were repeated in process groups: the same bytes")
-            }
-            (runs, different) => format!(
-                "{runs} of {all} runs were repeated in process groups: {different} gave other bytes"
-            ),
+    /// Counts what came of run `index`; nothing if it was not repeated.
+    pub fn count(&mut self, index: usize, repetition: Option<&Result<(), String>>) {
+        let Some(repetition) = repetition else { return };
+        self.runs += 1;
+        if let Err(why) = repetition {
+            self.different += 1;
+            self.first_difference.get_or_insert_with(|| (index, why.clone()));
+        }
+    }
+
+    /// Says on standard error that runs were repeated, of `all`, and what came of it.
+    pub fn tell(&self, all: usize, bar: &ProgressBar) {
+        let found = match self.different {
+            0 => "the same bytes".to_owned(),
+            different => format!("{different} gave other bytes"),
+        };
+        if self.runs > 0 {
+            let runs = self.runs;
+            bar.suspend(|| {
+                eprintln!("{runs} of {all} runs were repeated in process groups: {found}");
+            });
         }
     }
 }
 
 /// The runs to repeat, of `runs` in all.
-pub(super) fn choose(seed: u64, runs: usize) -> BTreeSet<usize> {
+#[must_use]
+pub fn choose(seed: u64, runs: usize) -> BTreeSet<usize> {
     let wanted = runs.div_ceil(EVERY).max(LEAST).min(runs);
     let mut random = Pcg32::new(seed, STREAM);
     let mut chosen = BTreeSet::new();

@@ -32,6 +32,7 @@ use record::Record;
 use runtime::Mode;
 use scenario::Scenario;
 use std::collections::BTreeSet;
+use std::collections::BTreeSet;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -40,6 +41,9 @@ use verdict::Verdict;
 
 /// The campaign as it took effect, in its directory.
 const FILE: &str = "campaign.toml";
+
+/// Chooses the runs that are repeated in process groups.
+const SAMPLE_SEED: u64 = 1;
 
 /// Arguments of `campaign`.
 #[derive(Debug, Args)]
@@ -107,12 +111,19 @@ fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     bar.set_position(records.len() as u64);
     bar.reset_eta();
     let at_once = batch::at_once(arguments.jobs, campaign.mode);
-    let end = batch::run(&jobs, at_once, &arguments.group, &bar, &mut |index, result| {
+    // Chosen of the whole campaign, so that shards and resumed parts repeat the same ones.
+    let sampled = batch::choose(SAMPLE_SEED, plan.runs.len());
+    let sampled: BTreeSet<usize> = sampled.into_iter().map(|k| plan.runs[k].run).collect();
+    let repeated =
+        (0..planned.len()).filter(|&index| sampled.contains(&planned[index].run)).collect();
+    let group = &arguments.group;
+    let mut each = |index: usize, result| {
         let record = Record::new(planned[index], &jobs[index].scenario, result);
         journal.add(&record)?;
         records.push(record);
         Ok(())
-    });
+    };
+    let end = batch::run_repeating(&repeated, &jobs, at_once, group, &bar, &mut each);
     bar.finish_and_clear();
     if end.is_err() {
         let (done, all, directory) = (records.len(), mine.len(), output.path().display());

@@ -56,6 +56,9 @@ pub struct Record {
     pub leaks: Vec<String>,
     /// Growth of memory and descriptors, where it was sampled.
     pub growth: Option<Growth>,
+    /// Of a run in one process that was repeated in a process group: whether it gave the same bytes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub same_in_processes: Option<bool>,
 }
 
 impl Record {
@@ -87,6 +90,7 @@ impl Record {
             undetected: 0,
             leaks: Vec::new(),
             growth: None,
+            same_in_processes: None,
         };
         match result {
             Ok(done) => blank.of(scenario, &done),
@@ -144,6 +148,7 @@ impl Record {
             undetected: corrupted.saturating_sub(refused),
             leaks: done.leftovers.clone(),
             growth: Growth::over(&done.samples),
+            same_in_processes: done.repetition.as_ref().map(Result::is_ok),
             ..self
         }
     }

@@ -4,6 +4,7 @@ use super::file::Campaign;
 use super::plan::Planned;
 use super::record::Record;
 use super::tally::{Figure, Tally, within};
+use crate::batch::ProcessesSample;
 use runtime::Mode;
 use serde::Serialize;
 
@@ -30,6 +31,8 @@ pub struct Verdict {
     pub faults: Vec<Part>,
     /// The runs to blame for a requirement that does not hold.
     pub failures: Vec<Failure>,
+    /// Runs in one process that were repeated in process groups.
+    pub processes_sample: ProcessesSample,
 }
 
 /// Something required and what was found.
@@ -79,10 +82,17 @@ impl Verdict {
         let requirements: Vec<_> =
             campaign.require.iter().map(|(key, limit)| judge(key, *limit, &all)).collect();
         let met = requirements.iter().all(|requirement| requirement.ok);
+        let mut processes_sample = ProcessesSample::default();
+        let repeated = records.iter().filter_map(|record| record.same_in_processes);
+        repeated.for_each(|same| {
+            processes_sample.runs += 1;
+            processes_sample.different += usize::from(!same);
+        });
+        let same = processes_sample.different == 0;
         let failures = failures(&requirements, campaign.mode, planned, &records);
         Self {
             schema_version: 1,
-            ok: met && records.len() == planned.len(),
+            ok: met && same && records.len() == planned.len(),
             campaign: campaign.name.as_str().into(),
             mode: campaign.mode,
             planned: planned.len(),
@@ -94,6 +104,7 @@ impl Verdict {
             controllers: parts(&records, |record| &record.controller),
             faults: parts(&records, |record| &record.fault),
             failures,
+            processes_sample,
         }
     }
 }
@@ -127,6 +138,9 @@ fn failures(
             Some(format!("{} {value}", figure.name))
         });
         let mut reasons: Vec<String> = reasons.collect();
+        if record.same_in_processes == Some(false) {
+            reasons.push("other bytes in a process group".into());
+        }
         if reasons.is_empty() {
             continue;
         }

@@ -3,7 +3,7 @@
 mod columns;
 mod page;
 
-use crate::batch::{self, Job};
+use crate::batch::{self, Job, ProcessesSample};
 use clap::Args;
 use group::Error;
 use group::{GroupOptions, ModeName, ScenarioOptions};
@@ -21,6 +21,7 @@ use std::process::ExitCode;
 struct Comparison {
     schema_version: u32,
     rows: Vec<Row>,
+    processes_sample: ProcessesSample,
 }
 
 #[derive(Debug, Serialize)]
@@ -85,25 +86,26 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
     let bar = report::progress::count_bar(jobs.len(), arguments.json);
     let at_once = batch::at_once(None, mode);
     let mut rows: Vec<_> = jobs.iter().map(|_| None).collect();
-    batch::run(&jobs, at_once, &arguments.group, &bar, &mut |index, result| {
-        let done = result?;
-        let picture = RunPicture::of_drive(&jobs[index].scenario, &done.drive);
-        let summary = done.summary;
-        rows[index] = Some(Row {
-            scenario: summary.scenario,
-            controller: summary.controller,
-            mode: summary.mode,
-            outcome: summary.outcome,
-            control: summary.control,
-            timing: summary.timing,
-            picture,
-        });
-        Ok(())
-    })?;
+    let processes_sample =
+        batch::run(&jobs, at_once, &arguments.group, &bar, &mut |index, result| {
+            let done = result?;
+            let picture = RunPicture::of_drive(&jobs[index].scenario, &done.drive);
+            let summary = done.summary;
+            rows[index] = Some(Row {
+                scenario: summary.scenario,
+                controller: summary.controller,
+                mode: summary.mode,
+                outcome: summary.outcome,
+                control: summary.control,
+                timing: summary.timing,
+                picture,
+            });
+            Ok(())
+        })?;
     let rows: Vec<_> = rows.into_iter().flatten().collect();
     bar.finish_and_clear();
     let whole = rows.iter().all(|row| row.outcome == Outcome::Completed);
-    let comparison = Comparison { schema_version: 1, rows };
+    let comparison = Comparison { schema_version: 1, rows, processes_sample };
     let json = serde_json::to_string_pretty(&comparison).expect("plain data");
     let written = output.write("compare.json", (json.clone() + "\n").as_bytes());
     let written =

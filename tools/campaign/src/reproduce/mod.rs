@@ -12,6 +12,7 @@ mod row;
 mod runner;
 mod six_mode;
 
+use crate::batch::ProcessesSample;
 use clap::{Args, ValueEnum};
 use group::Error;
 use group::GroupOptions;
@@ -34,6 +35,7 @@ struct Reproduction {
     schema_version: u32,
     ok: bool,
     papers: Vec<Paper>,
+    processes_sample: ProcessesSample,
 }
 
 #[derive(Debug, Serialize)]
@@ -124,16 +126,17 @@ pub fn run(arguments: &ReproduceArguments) -> Result<ExitCode, Error> {
     let output = OutputDirectory::create(&arguments.output, "reproduce")?;
     let papers = arguments.paper.map_or(PAPERS.to_vec(), |paper| vec![paper]);
     let runs = papers.iter().map(|paper| paper.runs()).sum();
-    let runner = Runner::new(&arguments.group, runs, arguments.json);
+    let runner = Runner::new(&arguments.group, runs, arguments.json)?;
     let parts = together(papers.iter().map(|paper| || paper.reproduce(&runner)));
-    runner.finish();
+    let sample = runner.finish();
     let mut done = Vec::new();
     for (name, part) in papers.iter().zip(parts) {
         let Part { rows, drives, pictures } = part?;
         done.push(Paper { paper: name.as_str(), rows, drives, pictures });
     }
+    let processes_sample = sample?;
     let ok = done.iter().flat_map(|paper| &paper.rows).all(|row| row.verdict() != Verdict::Outside);
-    let reproduction = Reproduction { schema_version: 1, ok, papers: done };
+    let reproduction = Reproduction { schema_version: 1, ok, papers: done, processes_sample };
     let json = serde_json::to_string_pretty(&reproduction).expect("plain data");
     let written = output.write("reproduce.json", (json.clone() + "\n").as_bytes());
     let written = written.and_then(|()| output.write(report::FILE, page(&reproduction).as_bytes()));

@@ -1,16 +1,17 @@
 //! Drives scenarios in lockstep, as many at a time as there are cores.
 
 use super::Gallery;
-use group::{Drive, Ended, Error, GroupOptions, GroupOutcome, ScenarioOptions};
+use crate::batch::{self, Interrupt, ProcessesSample};
+use group::{Drive, Error, GroupOptions, ScenarioOptions};
 use indicatif::ProgressBar;
 use report::RunPicture;
 use report::summary::Summary;
-use runtime::Mode;
+use runtime::report::Outcome;
 use scenario::Scenario;
+use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
-use std::time::Instant;
 
 /// A scenario that was driven in lockstep.
 pub struct Driven {
@@ -51,7 +52,17 @@ pub struct Runner<'a> {
     bar: ProgressBar,
     /// Set once a run failed or was interrupted: no further run is begun.
     stopped: AtomicBool,
+    interrupt: Interrupt,
+    /// Runs begun so far, of how many.
+    begun: AtomicUsize,
+    runs: usize,
+    /// Which of them are repeated in process groups, and what came of it.
+    repeated: BTreeSet<usize>,
+    sample: Mutex<ProcessesSample>,
 }
+
+/// Chooses the runs that are repeated in process groups.
+const SAMPLE_SEED: u64 = 1;
 
 /// What a paper's part of the reproduction gives.
 #[derive(Default)]
@@ -75,10 +86,20 @@ impl Part {
 
 impl<'a> Runner<'a> {
     /// A runner on all cores with a bar over `runs` runs.
-    pub fn new(group: &'a GroupOptions, runs: usize, quiet: bool) -> Self {
+    pub fn new(group: &'a GroupOptions, runs: usize, quiet: bool) -> Result<Self, Error> {
         let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
         let bar = report::progress::count_bar(runs, quiet);
-        Self { group, cores: Cores::new(cores), bar, stopped: AtomicBool::new(false) }
+        Ok(Self {
+            group,
+            cores: Cores::new(cores),
+            bar,
+            stopped: AtomicBool::new(false),
+            interrupt: Interrupt::watch()?,
+            begun: AtomicUsize::new(0),
+            runs,
+            repeated: batch::choose(SAMPLE_SEED, runs),
+            sample: Mutex::default(),
+        })
     }
 
     /// Drives a built-in scenario with these keys set, once a core is free.
@@ -89,17 +110,23 @@ impl<'a> Runner<'a> {
         };
         let scenario = group::open(name, &options)?;
         let driven = self.cores.occupy(|| {
-            if self.stopped.load(Ordering::Relaxed) {
+            let going_on = || !self.stopped.load(Ordering::Relaxed) && !self.interrupt.came();
+            if !going_on() {
                 return Err(Error::Interrupted);
             }
             self.bar.set_message(name.to_owned());
-            let begun = Instant::now();
-            let group = group::drive(&scenario, Mode::Lockstep, self.group, None, &mut |_| {})?;
-            orderly(&group)?;
-            let summary = Summary::new(&scenario, Mode::Lockstep, &group, begun.elapsed());
+            let index = self.begun.fetch_add(1, Ordering::Relaxed);
+            let repeat = self.repeated.contains(&index);
+            let done = batch::lockstep(&scenario, self.group, repeat, &going_on)?;
+            whole(&done.summary)?;
+            self.sample
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .count(index, done.repetition.as_ref());
             self.bar.inc(1);
             let figure_names = controller::laws::figure_names(&scenario);
-            Ok(Driven { scenario: scenario.clone(), drive: group.drive, summary, figure_names })
+            let (drive, summary) = (done.drive, done.summary);
+            Ok(Driven { scenario: scenario.clone(), drive, summary, figure_names })
         });
         if driven.is_err() {
             self.stopped.store(true, Ordering::Relaxed);
@@ -114,27 +141,33 @@ impl<'a> Runner<'a> {
         result
     }
 
-    /// Removes the bar.
-    pub fn finish(&self) {
+    /// Removes the bar and says what came of the runs that were repeated in process groups.
+    ///
+    /// # Errors
+    /// [`Error::Different`] if one of them gave other bytes.
+    pub fn finish(self) -> Result<ProcessesSample, Error> {
+        let sample = self.sample.into_inner().unwrap_or_else(PoisonError::into_inner);
+        sample.tell(self.runs, &self.bar);
         self.bar.finish_and_clear();
+        match &sample.first_difference {
+            None => Ok(sample),
+            Some((index, why)) => {
+                Err(Error::Different(format!("run {index} in a process group: {why}")))
+            }
+        }
     }
 }
 
 /// A run that did not reach its end has no figures.
-fn orderly(group: &GroupOutcome) -> Result<(), Error> {
-    match &group.ended {
-        Ended::Orderly => Ok(()),
-        Ended::Interrupted => Err(Error::Interrupted),
-        Ended::Broken { service, how } => Err(Error::NotReady {
-            service: *service,
-            what: format!("ended before its time: {how}"),
-            foreign: false,
-        }),
-        Ended::GivenUp { service, .. } => Err(Error::NotReady {
-            service: *service,
-            what: "ended too often".into(),
-            foreign: false,
-        }),
+fn whole(summary: &Summary) -> Result<(), Error> {
+    match (&summary.outcome, &summary.aborted_because) {
+        (Outcome::Aborted, why) => Err(Error::Machine(format!(
+            "{} with {}: {}",
+            summary.scenario,
+            summary.controller,
+            why.as_deref().unwrap_or("aborted"),
+        ))),
+        _ => Ok(()),
     }
 }
 

@@ -86,7 +86,8 @@ pub fn run(arguments: &SweepArguments) -> Result<ExitCode, Error> {
             controllers.push(name.to_owned());
         }
     }
-    let sweep = Sweep::new(&arguments.scenario, controllers, mode, &params, runs);
+    let mut sweep = Sweep::new(&arguments.scenario, controllers, mode, &params, runs);
+    sweep.processes_sample = end.as_ref().cloned().unwrap_or_default();
     let json = serde_json::to_string_pretty(&sweep).expect("plain data") + "\n";
     let written = output
         .write("sweep.csv", sweep.csv().as_bytes())

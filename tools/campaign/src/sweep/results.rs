@@ -2,6 +2,7 @@
 
 use super::figure::{self, ALL, Values};
 use super::param::Param;
+use crate::batch::ProcessesSample;
 use group::Error;
 use report::print;
 use report::summary::Summary;
@@ -24,6 +25,8 @@ pub struct Sweep {
     pub points: Vec<Point>,
     /// Every run, in the grid's order.
     pub runs: Vec<Run>,
+    /// Runs in one process that were repeated in process groups.
+    pub processes_sample: ProcessesSample,
 }
 
 /// A point of the grid, folded over its seeds.
@@ -102,6 +105,7 @@ impl Sweep {
             params: params.iter().map(|param| param.key.clone()).collect(),
             points: points.collect(),
             runs,
+            processes_sample: ProcessesSample::default(),
         }
     }
 
