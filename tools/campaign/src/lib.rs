@@ -3,5 +3,7 @@
 mod batch;
 pub mod campaign;
 pub mod compare;
+pub mod iso15622;
+pub mod r157;
 pub mod reproduce;
 pub mod sweep;

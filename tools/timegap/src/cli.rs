@@ -34,6 +34,10 @@ pub enum Command {
     Bench(bench::BenchArguments),
     /// Drive the same scenarios with several controllers and compare them
     Compare(campaign::compare::CompareArguments),
+    /// Drive UN R157's cut-in, following and cut-out matrices with its models and our controllers
+    R157(campaign::r157::R157Arguments),
+    /// Run ISO 15622's tests of adaptive cruise control and print their limits as rows
+    Iso15622(campaign::iso15622::Iso15622Arguments),
     /// Convert a recorded run to a trace for Perfetto
     Trace(TraceArguments),
     /// Drive many seeded runs with faults and give one verdict

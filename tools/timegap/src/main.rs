@@ -31,6 +31,8 @@ fn main() -> ExitCode {
         Command::Reproduce(arguments) => campaign::reproduce::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Compare(arguments) => campaign::compare::run(&arguments),
+        Command::R157(arguments) => campaign::r157::run(&arguments),
+        Command::Iso15622(arguments) => campaign::iso15622::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
         Command::Campaign(arguments) => campaign::campaign::run(&arguments),
         Command::Sweep(arguments) => campaign::sweep::run(&arguments),

@@ -6,10 +6,12 @@
 //! interrupt reaches every run that goes on and keeps further ones from beginning; what finished before
 //! is kept.
 
+mod in_memory;
 mod leftovers;
 mod sample;
 mod usage;
 
+pub use in_memory::run_in_memory;
 pub use sample::{ProcessesSample, choose};
 pub use usage::Growth;
 

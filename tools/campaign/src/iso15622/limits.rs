@@ -1,0 +1,104 @@
+//! The standard's limits over speed, and what a drive makes of them.
+
+use group::DriveStep;
+
+/// Speeds between which the limits fall linearly, m/s.
+const SLOW_MPS: f64 = 5.0;
+const FAST_MPS: f64 = 20.0;
+
+/// A limit that depends on the speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    /// At 5 m/s and below.
+    slow: f64,
+    /// At 20 m/s and above.
+    fast: f64,
+    /// Time over which the figure is averaged, s.
+    window_s: f64,
+}
+
+/// Deceleration, m/s², averaged over 2 s.
+pub const DECELERATION: Limit = Limit { slow: 5.0, fast: 3.5, window_s: 2.0 };
+/// Acceleration, m/s², averaged over 2 s.
+pub const ACCELERATION: Limit = Limit { slow: 4.0, fast: 2.0, window_s: 2.0 };
+/// Jerk while the deceleration builds up, m/s³, averaged over 1 s.
+pub const JERK: Limit = Limit { slow: 5.0, fast: 2.5, window_s: 1.0 };
+
+/// A mean over a window, with the limit at the speed in which the window begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Worst {
+    /// The mean.
+    pub mean: f64,
+    /// The limit.
+    pub limit: f64,
+}
+
+impl Limit {
+    /// At `speed_mps`.
+    pub fn at(self, speed_mps: f64) -> f64 {
+        let share = ((speed_mps - SLOW_MPS) / (FAST_MPS - SLOW_MPS)).clamp(0.0, 1.0);
+        self.slow + share * (self.fast - self.slow)
+    }
+
+    /// The window whose mean change of `quantity` per second comes nearest to its limit, or is farthest
+    /// beyond it; `None` of a drive shorter than a window.
+    pub fn worst(self, steps: &[DriveStep], quantity: impl Fn(&DriveStep) -> f64) -> Option<Worst> {
+        let mut ends = steps.iter();
+        let mut worst: Option<Worst> = None;
+        for begin in steps {
+            let until_s = begin.time_s + self.window_s - 1e-6;
+            let Some(end) = ends.as_slice().iter().find(|step| step.time_s >= until_s) else {
+                break;
+            };
+            while ends.as_slice().first().is_some_and(|step| step.time_s < end.time_s) {
+                ends.next();
+            }
+            let mean = (quantity(end) - quantity(begin)) / (end.time_s - begin.time_s);
+            let limit = self.at(begin.speed_mps);
+            if worst.is_none_or(|worst| mean - limit > worst.mean - worst.limit) {
+                worst = Some(Worst { mean, limit });
+            }
+        }
+        worst
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Braking with `deceleration_mps2` from 1 s to 4 s.
+    fn drive(deceleration_mps2: f64) -> Vec<DriveStep> {
+        (0..600)
+            .map(|step| {
+                let time_s = 0.01 * f64::from(step);
+                let braking_s = (time_s - 1.0).clamp(0.0, 3.0);
+                let brakes = (1.0..4.0).contains(&time_s);
+                DriveStep {
+                    time_s,
+                    speed_mps: 20.0 - deceleration_mps2 * braking_s,
+                    acceleration_mps2: if brakes { -deceleration_mps2 } else { 0.0 },
+                    ..DriveStep::default()
+                }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn limits_fall_between_5_and_20_metres_a_second() {
+        assert_eq!((DECELERATION.at(0.0), DECELERATION.at(30.0)), (5.0, 3.5));
+        assert!((DECELERATION.at(12.5) - 4.25).abs() < 1e-12);
+        assert!((JERK.at(12.5) - 3.75).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_worst_window_is_the_one_nearest_to_its_limit() {
+        let steps = drive(3.0);
+        let worst = DECELERATION.worst(&steps, |step| -step.speed_mps).expect("6 s hold windows");
+        assert!((worst.mean - 3.0).abs() < 1e-9, "{worst:?}");
+        assert!(worst.limit < 3.6, "{worst:?}");
+        let jerk = JERK.worst(&steps, |step| -step.acceleration_mps2).expect("6 s hold windows");
+        assert!((jerk.mean - 3.0).abs() < 1e-9 && (jerk.limit - 2.5).abs() < 1e-9, "{jerk:?}");
+        assert_eq!(DECELERATION.worst(&steps[..100], |step| -step.speed_mps), None);
+    }
+}

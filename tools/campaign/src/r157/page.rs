@@ -1,0 +1,148 @@
+//! The results as a page: tables, and the classic picture of the cut-ins.
+
+use regulation::picture::{Collision, Panel, panels};
+use regulation::{Model, Outcome, Verdict};
+use report::chart::{Axis, Cells, Edges, FilledCell, Stroke, Tone};
+use report::html::{Cell, Column, document, figure, section, table};
+
+use super::matrix::Case;
+use super::print;
+use super::results::{Figures, Judged, Results};
+use super::scene::Driver;
+
+/// Half a step of the lateral speeds, m/s.
+const HALF_LATERAL_MPS: f64 = 0.05;
+
+/// The page.
+pub fn page(results: &Results, judged: &[Judged]) -> String {
+    let verdict = if judged.iter().all(|judged| judged.laws.is_empty()) {
+        "The models alone".to_owned()
+    } else if results.ok {
+        "Every law with the emergency brake masters what the models master".to_owned()
+    } else {
+        "A law with the emergency brake misses a limit".to_owned()
+    };
+    let mut body = String::new();
+    for matrix in &results.matrices {
+        if matrix.parts.is_empty() {
+            body += &section(matrix.matrix, &figures(&matrix.all));
+        }
+        for (part, of_part) in matrix.parts.iter().rev() {
+            body += &section(&format!("{}, {part}", matrix.matrix), &figures(of_part));
+        }
+    }
+    for judged in judged {
+        body += &pictures(judged);
+    }
+    document("UN R157", "cut-in, following and cut-out", results.ok, &verdict, &body)
+}
+
+fn figures(figures: &Figures) -> String {
+    let head = [
+        ("driver", Column::Text),
+        ("collisions", Column::Number),
+        ("rear-end", Column::Number),
+        ("avoidable by both models", Column::Number),
+        ("impact, m/s", Column::MoreNumber),
+        ("model's impact, m/s", Column::MoreNumber),
+    ];
+    let dash = || Cell::Plain("–".into());
+    let mut rows = Vec::new();
+    for (model, collisions) in &figures.models {
+        rows.push(vec![
+            Cell::Plain((*model).to_owned()),
+            Cell::Plain(print::number(*collisions)),
+            Cell::Plain(print::number(figures.models_rear_end[model])),
+            dash(),
+            dash(),
+            dash(),
+        ]);
+    }
+    for law in &figures.laws {
+        let avoidable = print::share(law.avoidable.both, figures.mastered_by_both);
+        rows.push(vec![
+            Cell::Plain(print::driver(law)),
+            Cell::Plain(law.collisions.to_string()),
+            Cell::Plain(law.rear_end.to_string()),
+            match (law.aebs, figures.holds(law)) {
+                (false, _) => Cell::Plain(avoidable),
+                (true, true) => Cell::Good(avoidable),
+                (true, false) => Cell::Bad(avoidable),
+            },
+            Cell::Plain(print::speed(law.mean_impact_mps)),
+            Cell::Plain(print::speed(law.model_impact_mps)),
+        ]);
+    }
+    let sizes = format!(
+        "<p class=\"quiet\">{} cases, {} mastered by both models</p>",
+        figures.cases, figures.mastered_by_both
+    );
+    sizes + &table(&head, &rows)
+}
+
+/// A section with the collision cells of each driver of the cut-ins; of `regulation` without a law.
+fn pictures(judged: &Judged) -> String {
+    let cut_ins = || {
+        judged.cases.iter().filter_map(|case| match case {
+            Case::CutIn(case) => Some(*case),
+            Case::Following(_) | Case::CutOut(_) => None,
+        })
+    };
+    if cut_ins().next().is_none() {
+        return String::new();
+    }
+    let of = |heading: &str, outcomes: Vec<Outcome>| {
+        let mut outcomes = outcomes.into_iter();
+        let panels = panels(cut_ins(), |_| outcomes.next().expect("one for each case"));
+        section(heading, &panels.iter().map(|panel| figure(&picture(panel))).collect::<String>())
+    };
+    if judged.laws.is_empty() {
+        let outcome = |verdict: Option<Verdict>| verdict.map_or(Outcome::None, |v| v.outcome);
+        let outcomes = judged.models.iter().map(|models| outcome(models[Model::Regulation]));
+        return of("Collisions of regulation", outcomes.collect());
+    }
+    (judged.laws.iter())
+        .map(|(Driver { law, aebs }, verdicts)| {
+            let heading = format!(
+                "Collisions of {law}{}",
+                if *aebs { " with the emergency brake" } else { "" }
+            );
+            of(&heading, verdicts.iter().map(|verdict| verdict.outcome).collect())
+        })
+        .collect()
+}
+
+fn picture(panel: &Panel) -> Cells {
+    let half_m = match panel.distances_m.as_slice() {
+        [first, second, ..] => f64::from(second - first) / 2.0,
+        _ => 0.5,
+    };
+    let end = |values: &[u32]| values.last().copied().map_or(0.0, f64::from);
+    let cell = |collision: &Collision| {
+        let distance_m = f64::from(collision.distance_m);
+        let lateral_mps = f64::from(collision.lateral_tenths_mps) * 0.1;
+        FilledCell {
+            from: (distance_m - half_m, (lateral_mps - HALF_LATERAL_MPS).max(0.0)),
+            to: (distance_m + half_m, lateral_mps + HALF_LATERAL_MPS),
+            kind: usize::from(collision.outcome == Outcome::Side),
+        }
+    };
+    let edges = panel.edges.iter().zip(0..).map(|((model, pieces), index)| Edges {
+        label: model.name().to_owned(),
+        tone: Tone::Series(index),
+        stroke: Stroke::Solid,
+        pieces: pieces.clone(),
+    });
+    Cells {
+        title: format!("{} km/h behind {} km/h", panel.ego_kmh, panel.other_kmh),
+        x: Axis::linear("distance, m", 0.0, end(&panel.distances_m) + half_m),
+        y: Axis::linear(
+            "lateral speed, m/s",
+            -HALF_LATERAL_MPS,
+            end(&panel.lateral_tenths_mps) * 0.1 + HALF_LATERAL_MPS,
+        ),
+        kinds: vec![("rear-end".into(), Tone::Alarm), ("side".into(), Tone::Clear)],
+        cells: panel.collisions.iter().map(cell).collect(),
+        edges: edges.collect(),
+    }
+}
