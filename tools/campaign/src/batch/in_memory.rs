@@ -58,6 +58,12 @@ fn drive(scenario: &Scenario, ends: &dyn Fn() -> bool) -> Result<Drive, Error> {
     match outcome.ended {
         Ended::Orderly => Ok(outcome.drive),
         Ended::Interrupted => Err(Error::Interrupted),
-        Ended::Broken { service, how } => Err(Error::NotReady { service, what: how }),
+        Ended::Broken { service, how } => {
+            Err(Error::NotReady { service, what: how, foreign: false })
+        }
+        Ended::GivenUp { service, restarts } => {
+            let what = format!("was given up after {restarts} restarts");
+            Err(Error::NotReady { service, what, foreign: false })
+        }
     }
 }

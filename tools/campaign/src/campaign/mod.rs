@@ -32,7 +32,6 @@ use record::Record;
 use runtime::Mode;
 use scenario::Scenario;
 use std::collections::BTreeSet;
-use std::collections::BTreeSet;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

@@ -5,14 +5,13 @@ mod rows;
 mod scenes;
 
 use std::fmt::Write;
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
 use controller::laws;
 use group::Error;
 use report::html::{Cell, Column, document, section, table};
-use report::output::OutputDirectory;
+use report::output::{OutputDirectory, OutputOptions};
 use report::print;
 use rows::Row;
 use runtime::Mode;
@@ -30,9 +29,9 @@ pub struct Iso15622Arguments {
     /// Seed of the sensors' noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u32,
-    /// Directory for the results [default: runs/<time>-iso15622]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
+    /// Where the results go.
+    #[command(flatten)]
+    pub output: OutputOptions,
     /// Print the rows as JSON, and nothing else, on standard output
     #[arg(long)]
     pub json: bool,
@@ -61,7 +60,7 @@ pub fn run(arguments: &Iso15622Arguments) -> Result<ExitCode, Error> {
         .iter()
         .map(|(law, test)| test.scenario(law, arguments.seed))
         .collect::<Result<Vec<_>, Error>>()?;
-    let output = OutputDirectory::create(arguments.out.as_deref(), "iso15622")?;
+    let output = OutputDirectory::create(&arguments.output, "iso15622")?;
     let bar = report::progress::count_bar(scenarios.len(), arguments.json);
     let mut sheets = vec![Vec::new(); scenarios.len()];
     let at_once = batch::at_once(None, Mode::Lockstep);
@@ -78,11 +77,11 @@ pub fn run(arguments: &Iso15622Arguments) -> Result<ExitCode, Error> {
     let written = output.write("iso15622.json", json.as_bytes());
     let written = written.and_then(|()| output.write(report::FILE, page(&results).as_bytes()));
     if arguments.json {
-        print::out(&json);
+        print::out(&json)?;
     } else {
-        print::out(&text(&results.rows));
-        print::out(&format!("results: {}\n", output.path().display()));
-        print::out(&format!("report:  {}\n", output.path().join(report::FILE).display()));
+        print::out(&text(&results.rows))?;
+        print::out(&format!("results: {}\n", output.path().display()))?;
+        print::out(&format!("report:  {}\n", output.path().join(report::FILE).display()))?;
     }
     written?;
     Ok(if ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })

@@ -17,7 +17,7 @@ use group::Error;
 use indicatif::ProgressBar;
 use matrix::{Case, Matrix};
 use regulation::{Verdict, table};
-use report::output::OutputDirectory;
+use report::output::{OutputDirectory, OutputOptions};
 use results::{Judged, MatrixResult, Results};
 use runtime::Mode;
 use scene::Driver;
@@ -48,9 +48,9 @@ pub struct R157Arguments {
     /// Write the models' outcomes of the cut-ins as a table
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
-    /// Directory for the results [default: runs/<time>-r157]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
+    /// Where the results go.
+    #[command(flatten)]
+    pub output: OutputOptions,
     /// Print the results as JSON, and nothing else, on standard output
     #[arg(long)]
     pub json: bool,
@@ -74,7 +74,7 @@ pub fn run(arguments: &R157Arguments) -> Result<ExitCode, Error> {
     if let Some(path) = &arguments.csv {
         write_table(path, &judged)?;
     }
-    let output = OutputDirectory::create(arguments.out.as_deref(), "r157")?;
+    let output = OutputDirectory::create(&arguments.output, "r157")?;
     let runs: usize = judged.iter().map(|judged| judged.cases.len() * drivers.len()).sum();
     let bar = report::progress::count_bar(runs, arguments.json);
     for judged in &mut judged {
@@ -92,11 +92,11 @@ pub fn run(arguments: &R157Arguments) -> Result<ExitCode, Error> {
     let written =
         written.and_then(|()| output.write(report::FILE, page::page(&results, &judged).as_bytes()));
     if arguments.json {
-        report::print::out(&json);
+        report::print::out(&json)?;
     } else {
-        report::print::out(&print::text(&results));
-        report::print::out(&format!("results: {}\n", output.path().display()));
-        report::print::out(&format!("report:  {}\n", output.path().join(report::FILE).display()));
+        report::print::out(&print::text(&results))?;
+        report::print::out(&format!("results: {}\n", output.path().display()))?;
+        report::print::out(&format!("report:  {}\n", output.path().join(report::FILE).display()))?;
     }
     written?;
     Ok(if ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
