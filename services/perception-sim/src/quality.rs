@@ -306,6 +306,7 @@ mod tests {
             rear_position_m: gap_m,
             lateral_m,
             length_m: 4.5,
+            touches_within_m: 1.8,
             ..Vehicle::default()
         }
     }
