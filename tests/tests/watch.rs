@@ -1,10 +1,53 @@
-//! A run without the terminal that it was started in.
+//! A run in a terminal, and without the terminal that it was started in.
 
 use rustix::process::{Pid, Signal, kill_process};
+use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+use std::fs::File;
+use std::os::fd::OwnedFd;
 use std::process::{Command, Stdio};
 use system_tests::{Corner, text, wait_for};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
+
+/// A terminal of our own: the end that a terminal emulator has, and the end that a program has.
+fn terminal() -> (OwnedFd, File) {
+    let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC)
+        .expect("a pseudo-terminal");
+    grantpt(&master).expect("ours");
+    unlockpt(&master).expect("ours");
+    let name = ptsname(&master, Vec::new()).expect("it has a name");
+    let path = name.to_str().expect("an ASCII path");
+    let slave = File::options().read(true).write(true).open(path).expect("ours");
+    (master, slave)
+}
+
+/// The terminal is not the run's controlling one, so that no SIGHUP comes to its help.
+#[test]
+fn a_watched_run_ends_with_its_terminal() {
+    let corner = Corner::new(PROGRAM);
+    let (master, slave) = terminal();
+    let end = || Stdio::from(slave.try_clone().expect("a descriptor"));
+    let mut run = corner
+        .command(&["run", "following", "--duration", "600", "--out", "out", "--watch"])
+        .stdin(end())
+        .stderr(end())
+        .spawn()
+        .expect("it starts");
+    drop(slave);
+    assert!(wait_for(|| corner.path().join("out/live.json").exists()), "never drove");
+    drop(master);
+    let mut status = None;
+    let ended = wait_for(|| {
+        status = run.try_wait().expect("our own child");
+        status.is_some()
+    });
+    if !ended {
+        run.kill().expect("our own child");
+        run.wait().expect("our own child");
+    }
+    assert_eq!(status.and_then(|status| status.code()), Some(130), "as after Ctrl-C");
+    corner.expect_nothing_left(&[]);
+}
 
 /// `nohup` starts programs with SIGHUP ignored.
 #[test]

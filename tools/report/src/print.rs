@@ -25,6 +25,11 @@ pub fn out(text: &str) -> Result<(), Error> {
     }
 }
 
+/// Writes a line on standard error. One that is gone, with its terminal, is not an error.
+pub fn note(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
 /// The run in ten seconds' reading.
 pub fn summary(summary: &Summary) -> String {
     let mut text = String::new();

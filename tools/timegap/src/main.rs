@@ -16,6 +16,7 @@ mod trace;
 
 use cli::{Cli, Command};
 use group::Error;
+use report::print::note;
 use runtime::log_warnings;
 use std::process::ExitCode;
 
@@ -52,12 +53,12 @@ fn main() -> ExitCode {
     result.unwrap_or_else(|error| {
         match &error {
             // It brings its own heading, with the place.
-            Error::Scenario(error) => eprintln!("{error}"),
-            Error::OpenScenario(error) => eprintln!("{error}"),
-            error => eprintln!("error: {error}"),
+            Error::Scenario(error) => note(&error.to_string()),
+            Error::OpenScenario(error) => note(&error.to_string()),
+            error => note(&format!("error: {error}")),
         }
         if std::env::var_os("TIMEGAP_LOG").is_some() {
-            eprintln!("{error:?}");
+            note(&format!("{error:?}"));
         }
         error.exit_code()
     })

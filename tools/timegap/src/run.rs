@@ -112,7 +112,7 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
         output.write(report::FILE, page.as_bytes())
     });
     for (service, line) in &group.wrote {
-        eprintln!("{service}: {line}");
+        print::note(&format!("{service}: {line}"));
     }
     if arguments.json {
         print::out(&(json + "\n"))?;

@@ -60,7 +60,7 @@ impl Live {
                 let (sender, updates) = sync_channel(BACKLOG);
                 views.push(sender);
                 let server = Server::start(&title, port, updates)?;
-                eprintln!("live at {}", server.url());
+                report::print::note(&format!("live at {}", server.url()));
                 Some(server)
             }
         };
