@@ -4,6 +4,19 @@ use system_tests::Corner;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 
+#[test]
+fn references_are_of_this_code() {
+    let corner = Corner::new(PROGRAM);
+    for page in ["reference-scenario", "reference-messages"] {
+        let output = corner.run(&["generate", page]);
+        assert!(output.status.success());
+        let made = String::from_utf8(output.stdout).expect("text");
+        let path = format!("{}/../docs/{page}.md", env!("CARGO_MANIFEST_DIR"));
+        let kept = std::fs::read_to_string(&path).unwrap_or_default();
+        assert!(made == kept, "{path} is old: timegap generate {page} > docs/{page}.md");
+    }
+}
+
 /// The table of all ends stands beside the code and in the documentation.
 #[test]
 fn the_table_of_exits_is_that_of_the_code() {
