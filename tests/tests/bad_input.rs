@@ -151,7 +151,7 @@ fn unknown_commands_and_faults_without_meaning() {
     refused(&["inject", "nowhere", "kill", "controller", "--for", "2"], 2, &["for"]);
     refused_scenario(
         "[[faults]]\nkind = \"kill\"\nservice = \"plant\"\nat_s = 1\nfor_s = 2\n",
-        &["mine.toml:8:1", "^", "for_s"],
+        &["mine.toml:8:9", "^", "for_s"],
     );
 }
 
@@ -174,7 +174,7 @@ fn a_service_that_never_becomes_ready() {
     std::fs::set_permissions(&program, executable).expect("our own file");
     let service = format!("v2x-sim={}", program.display());
     let arguments = ["run", "--service", &service, "--ready-timeout", "0.5"];
-    refused_in(&corner, &arguments, 3, &["v2x-sim", "not ready within 0.5 s"]);
+    refused_in(&corner, &arguments, 2, &["v2x-sim", "not ready within 0.5 s"]);
 }
 
 fn a_foreign_base_directory() {
