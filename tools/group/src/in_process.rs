@@ -6,7 +6,7 @@
 use super::drive::DriveLog;
 use super::exits::Exit;
 use super::faults::Faults;
-use super::supervisor::{Ended, GroupOutcome, Moment};
+use super::supervisor::{Ended, GroupOutcome, Moment, for_services};
 use crate::Error;
 use messages::Service;
 use runtime::report::ServiceReport;
@@ -49,8 +49,9 @@ pub fn run_watched(
     let begun = Instant::now();
     let mut run = InProcess::new(scenario);
     let mut log = DriveLog::in_process(&run)?;
+    let told = for_services(scenario);
     for &service in scenario.services() {
-        run.start(service, scenario, entry(service))?;
+        run.start(service, &told, entry(service))?;
     }
     let mut course = Course::default();
     run.take_turns(&mut |service, said| course.hear(service, said));

@@ -118,7 +118,7 @@ pub struct Moment<'a> {
 
 /// The scenario as the services read it: with the gap that the law aims at, so that the referee can
 /// measure against it without knowing any law.
-fn for_services(scenario: &Scenario) -> Scenario {
+pub(super) fn for_services(scenario: &Scenario) -> Scenario {
     let mut scenario = scenario.clone();
     scenario.referee.desired_gap = controller::laws::desired_gap(&scenario);
     scenario
