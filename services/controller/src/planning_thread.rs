@@ -6,14 +6,14 @@
 
 use crate::law::{Law, Plan, PlanRequest};
 use runtime::report::PlanningReport;
-use runtime::{Beside, Release, Runtime, RuntimeError};
+use runtime::{BackgroundWorker, Release, Runtime, RuntimeError};
 
 /// Control cycles from the question to the plan's effect.
 pub(crate) const DELAY_CYCLES: i64 = 2;
 
 /// The loop's side of the planning thread.
 pub(crate) struct PlanningThread {
-    beside: Beside<PlanRequest, Plan>,
+    worker: BackgroundWorker<PlanRequest, Plan>,
     /// A request that the thread could not take.
     unsent: Option<PlanRequest>,
 }
@@ -33,13 +33,13 @@ impl PlanningThread {
             planner.plan(request, &mut plan);
             plan
         };
-        let beside = Beside::start(runtime, "planner", DELAY_CYCLES * period_ns, work)?;
-        Ok(Some(Self { beside, unsent: None }))
+        let worker = BackgroundWorker::start(runtime, "planner", DELAY_CYCLES * period_ns, work)?;
+        Ok(Some(Self { worker, unsent: None }))
     }
 
     /// Before a step: hands over the plan that takes effect now.
     pub(crate) fn before_step(&mut self, law: &mut dyn Law, release: &Release) {
-        if let Some(plan) = self.beside.answer(release)
+        if let Some(plan) = self.worker.answer(release)
             && let Some(planning) = law.planning()
         {
             planning.accept(&plan);
@@ -48,17 +48,17 @@ impl PlanningThread {
 
     /// After a step: asks for the plan that the law wants.
     pub(crate) fn after_step(&mut self, law: &mut dyn Law, release: &Release) {
-        if self.beside.is_busy() {
+        if self.worker.is_busy() {
             return;
         }
         let wanted = || law.planning().and_then(|planning| planning.request());
         if let Some(request) = self.unsent.take().or_else(wanted) {
-            self.unsent = self.beside.ask(release, request).err();
+            self.unsent = self.worker.ask(release, request).err();
         }
     }
 
     /// How the planning kept up.
     pub(crate) fn report(&self) -> PlanningReport {
-        self.beside.report()
+        self.worker.report()
     }
 }

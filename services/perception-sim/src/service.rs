@@ -10,7 +10,7 @@ use messages::{
     Track, TrackedTarget, VehicleTruth, VehicleTruthItem,
 };
 use runtime::report::Details;
-use runtime::{Cycle, Keeper, Mode, Overrun, Publisher, Runtime, RuntimeError};
+use runtime::{Checkpoint, Cycle, Mode, Overrun, Publisher, Runtime, RuntimeError};
 use scenario::perception::RadarModel;
 
 /// Runs traffic and radar in their group, to the end of the run.
@@ -28,12 +28,12 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         output.port = Some(runtime.publisher::<RadarDetections>()?);
     }
     let start = Ego { speed_mps: scenario.plant.initial_speed_mps.value(), ..Ego::default() };
-    let mut keeper = match runtime.clock().mode() {
-        Mode::Realtime => Some(runtime.keeper::<Kept>()?),
+    let mut checkpoint = match runtime.clock().mode() {
+        Mode::Realtime => Some(runtime.checkpoint::<Kept>()?),
         Mode::Lockstep => None,
     };
     if runtime.is_restarted()
-        && let Some(kept) = keeper.as_mut().and_then(Keeper::restore)
+        && let Some(kept) = checkpoint.as_mut().and_then(Checkpoint::restore)
     {
         perception.traffic().go_on_from(&kept);
     }
@@ -44,8 +44,8 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         let ego = odometry.newest().map_or(start, |odometry| ego_at(odometry, release.time_s));
         let time_ns = release.scheduled_ns.unsigned_abs();
         let list = *perception.step(time_ns, &ego, &mut output.message.detections);
-        if let Some(keeper) = &mut keeper {
-            keeper.keep(&perception.traffic().kept())?;
+        if let Some(checkpoint) = &mut checkpoint {
+            checkpoint.save(&perception.traffic().kept())?;
         }
 
         // The referee's copy first: the plant may be waiting for it.

@@ -16,7 +16,7 @@ use messages::{
 };
 use runtime::report::{ControlFigures, Details, Hops, Outcome, PlantReport};
 use runtime::{
-    Cycle, Group, Keeper, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber,
+    Checkpoint, Cycle, Group, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber,
 };
 use scenario::Scenario;
 use scenario::v2x::Phase;
@@ -61,7 +61,7 @@ struct Plant {
     accepted_ns: Option<i64>,
     longest_gap_ns: i64,
     /// In realtime, what a restarted plant goes on from.
-    keeper: Option<Keeper<Kept>>,
+    checkpoint: Option<Checkpoint<Kept>>,
 }
 
 /// What outlives the plant's process: the vehicle does not vanish with it, nor what the referee saw, nor
@@ -104,7 +104,7 @@ struct Counted {
 /// times of its chains died with it.
 #[must_use]
 pub fn last_known(group: &Group) -> Option<PlantReport> {
-    let kept: Kept = Keeper::last(group, messages::Service::Plant)?;
+    let kept: Kept = Checkpoint::last(group, messages::Service::Plant)?;
     let outcome = match kept.referee.violation() {
         Some(Violation::Collision { .. }) => Outcome::Collision,
         Some(Violation::RedLight { .. }) => Outcome::RedLight,
@@ -153,8 +153,8 @@ impl Plant {
             rungs: RungLog::default(),
             accepted_ns: None,
             longest_gap_ns: 0,
-            keeper: match runtime.clock().mode() {
-                Mode::Realtime => Some(runtime.keeper()?),
+            checkpoint: match runtime.clock().mode() {
+                Mode::Realtime => Some(runtime.checkpoint()?),
                 Mode::Lockstep => None,
             },
         })
@@ -162,7 +162,7 @@ impl Plant {
 
     /// Goes on from where the process before this one was.
     fn go_on(&mut self, runtime: &mut Runtime) {
-        let Some(kept) = self.keeper.as_mut().and_then(Keeper::restore) else { return };
+        let Some(kept) = self.checkpoint.as_mut().and_then(Checkpoint::restore) else { return };
         runtime.resume_after(kept.step);
         self.ego.go_on_from(kept.ego);
         self.referee = kept.referee;
@@ -220,8 +220,8 @@ impl Plant {
     }
 
     fn keep(&mut self, step: u64) -> Result<(), RuntimeError> {
-        let Some(keeper) = &mut self.keeper else { return Ok(()) };
-        keeper.keep(&Keeping {
+        let Some(checkpoint) = &mut self.checkpoint else { return Ok(()) };
+        checkpoint.save(&Keeping {
             step,
             ego: self.ego.kept(),
             gateway: self.gateway.kept(),

@@ -57,7 +57,7 @@ pub use vehicle::{Odometry, Powertrain};
 
 /// Declares `$type` to be the message of `$topic`, after checking its layout at compile time.
 macro_rules! message {
-    ($type:ty, $topic:expr) => {
+    ($type:ty, $topic:expr $(, $($hook:tt)+)?) => {
         impl crate::Message for $type {
             const TOPIC: crate::Topic = $topic;
 
@@ -68,6 +68,8 @@ macro_rules! message {
             fn header_mut(&mut self) -> &mut crate::Header {
                 &mut self.header
             }
+
+            $($($hook)+)?
         }
 
         const _: () = {

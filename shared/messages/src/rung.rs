@@ -33,7 +33,7 @@ pub enum Rung {
     SolveFailed = 2,
     /// The target is predicted from its last state.
     LeadPredicted = 3,
-    /// Nobody knows what is ahead: comfortable braking, the driver is asked to take over.
+    /// What is ahead is unknown: comfortable braking, the driver is asked to take over.
     LeadLost = 4,
     /// No command: the ego's own motion is not known.
     Silent = 5,

@@ -20,6 +20,12 @@ pub trait Message: Pod + ZeroCopySend + Debug + PartialEq + Laid {
 
     /// The common header, to be stamped.
     fn header_mut(&mut self) -> &mut Header;
+
+    /// Where the ego is, m, and how fast, m/s, of a message that says so: conditions of faults refer to
+    /// it.
+    fn ego(&self) -> Option<(f64, f64)> {
+        None
+    }
 }
 
 /// Every topic of the group.

@@ -21,7 +21,13 @@ pub struct Odometry {
     pub request_mps2: f64,
 }
 
-message!(Odometry, Topic::Odometry);
+message!(
+    Odometry,
+    Topic::Odometry,
+    fn ego(&self) -> Option<(f64, f64)> {
+        Some((self.position_m, self.speed_mps))
+    }
+);
 layout!(Odometry { header, position_m, speed_mps, acceleration_mps2, request_mps2 });
 
 impl Odometry {

@@ -82,7 +82,7 @@ impl Account {
                 tally.e2e.wrong_sequence,
                 tally.e2e.error,
                 tally.e2e.no_new_data,
-                tally.e2e.stranger,
+                tally.e2e.unknown_sender,
                 tally.e2e.from_the_future,
                 tally.e2e.distrusted,
             ];
@@ -119,7 +119,7 @@ impl Account {
                     wrong_sequence: outcome(3),
                     error: outcome(4),
                     no_new_data: outcome(5),
-                    stranger: outcome(6),
+                    unknown_sender: outcome(6),
                     from_the_future: outcome(7),
                     distrusted: outcome(8),
                 },
@@ -173,7 +173,7 @@ mod tests {
         let tally = || {
             let tally = Tally::new(Mode::Realtime);
             tally.borrow_mut().messages = 7;
-            tally.borrow_mut().e2e.stranger = 3;
+            tally.borrow_mut().e2e.unknown_sender = 3;
             tally
         };
         let account = Account::open(&group, Service::Plant, 2).expect("shared memory");
@@ -182,7 +182,7 @@ mod tests {
         let last = take_account(&group, Service::Plant, 2).expect("it is there");
         assert_eq!((last.cycles, last.skipped), (5, 1));
         assert_eq!((last.sent.len(), last.sent[0].sent), (1, 7));
-        assert_eq!((last.received[0].received, last.received[0].e2e.stranger), (7, 3));
+        assert_eq!((last.received[0].received, last.received[0].e2e.unknown_sender), (7, 3));
         assert_eq!(take_account(&group, Service::Plant, 2), None);
     }
 }

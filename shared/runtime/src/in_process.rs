@@ -64,7 +64,7 @@ impl InProcess {
         self.group.timetable
     }
 
-    /// A listener. Whoever takes turns with the services must let it listen, or they wait for it.
+    /// A listener. It must be drained between turns, or the services wait for it.
     #[must_use]
     pub fn observer(&self) -> Observer {
         Observer::at(Seat::new(Rc::clone(&self.bus), 0, None))

@@ -11,9 +11,9 @@
 //! * **realtime**: [`Runtime::next_release`] sleeps until the absolute instant of the next release
 //!   and [`Runtime::update`] takes what is there;
 //! * **lockstep**: `next_release` returns at once and `update` waits for the samples that are due
-//!   in the step. The plant's odometry paces everybody, since everybody waits for it, directly or
-//!   through somebody else; no coordinator is needed. Publishers wait when an observer lags, so that
-//!   nobody loses a message, and all stamps are simulated time: same scenario, same seed, same
+//!   in the step. The plant's odometry paces all services, since all wait for it, directly or through
+//!   others; no coordinator is needed. Publishers wait when an observer lags, so that no message is
+//!   lost, and all stamps are simulated time: same scenario, same seed, same
 //!   bytes.
 //!
 //! In lockstep a run can also do without processes: [`InProcess`] lets all services of a run take turns
@@ -23,8 +23,9 @@
 //! crate wraps.
 
 mod account;
-mod beside;
+mod background;
 mod carried;
+mod checkpoint;
 mod clock;
 mod coroutine;
 mod error;
@@ -32,7 +33,6 @@ mod faults;
 mod group;
 pub mod histogram_log;
 mod in_process;
-mod keeper;
 mod link;
 mod members;
 mod observer;
@@ -55,14 +55,14 @@ mod waking;
 mod words;
 
 pub use account::{LastAccount, take_account};
-pub use beside::Beside;
+pub use background::BackgroundWorker;
 pub use carried::Carried;
+pub use checkpoint::Checkpoint;
 pub use clock::{Clock, Mode, monotonic_ns, sleep_until};
 pub use error::RuntimeError;
-pub use faults::{Befallen, Injected, concerned};
+pub use faults::{FaultStatistics, Injected, concerned};
 pub use group::Group;
 pub use in_process::{Entry, InProcess};
-pub use keeper::Keeper;
 pub(crate) use link::End;
 pub use link::{FromService, PEER_JOINED, StartOrder, ToService};
 pub use members::enroll;

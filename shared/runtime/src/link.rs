@@ -40,7 +40,7 @@ pub enum ToService {
 }
 
 /// The signal that makes a service look at its peers again: one has joined. Ignored by default, so
-/// that it harms nobody who does not expect it.
+/// that a program which does not expect it is not harmed.
 pub const PEER_JOINED: i32 = signal_hook::consts::SIGURG;
 
 /// What a service says to the launcher.
@@ -90,7 +90,7 @@ pub(super) struct Link {
     way: Way,
     pub(super) end: End,
     pub(super) inbox: Inbox,
-    /// Somebody joined the group.
+    /// A process joined the group.
     pub(super) joined: Arc<AtomicBool>,
     /// The vehicle is to be brought to a stop.
     pub(super) safe_stop: Arc<AtomicBool>,

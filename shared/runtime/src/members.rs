@@ -51,8 +51,8 @@ impl Members {
     }
 
     /// True if process `pid` is restart `incarnation` of service `source`. Reads the list anew, for
-    /// it grows; whoever asks remembers the answer.
-    pub(super) fn vouch(&self, source: u32, incarnation: u32, pid: u32) -> bool {
+    /// it grows; callers remember the answer.
+    pub(super) fn is_member(&self, source: u32, incarnation: u32, pid: u32) -> bool {
         let path = match self {
             Self::Listed(path) => path,
             Self::InProcess => return incarnation == 0 && source == pid,
@@ -93,17 +93,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_who_was_entered_is_vouched_for() {
+    fn only_processes_on_the_list_are_members() {
         let root = std::env::temp_dir().join(format!("timegap-members-{}", std::process::id()));
         std::fs::create_dir_all(&root).expect("the temporary directory is writable");
         let members = Members::of(&root);
-        assert!(!members.vouch(4, 0, 17), "no list yet");
+        assert!(!members.is_member(4, 0, 17), "no list yet");
         for k in 0..400 {
             enroll(&root, Service::Controller, k, 1000 + k).expect("ours");
         }
-        assert!(members.vouch(4, 0, 1000) && members.vouch(4, 399, 1399));
-        assert!(!members.vouch(4, 1, 1000) && !members.vouch(1, 0, 1000));
-        assert!(!members.vouch(4, 400, 1400));
+        assert!(members.is_member(4, 0, 1000) && members.is_member(4, 399, 1399));
+        assert!(!members.is_member(4, 1, 1000) && !members.is_member(1, 0, 1000));
+        assert!(!members.is_member(4, 400, 1400));
         std::fs::remove_dir_all(&root).expect("ours");
     }
 }

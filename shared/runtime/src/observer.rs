@@ -1,4 +1,4 @@
-//! Somebody who only listens: the launcher, a recorder.
+//! A listener that takes no part in the run: the launcher.
 
 use super::faults::Faults;
 use super::members::Members;

@@ -1,4 +1,4 @@
-//! Somebody who sends again what was sent before: the replayer.
+//! A sender of recorded messages: the replayer.
 
 use super::link::End;
 use super::transport::{Sender, SharedMemory, Transport};

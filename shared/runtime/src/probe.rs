@@ -2,36 +2,21 @@
 //!
 //! Typed messages go through the services' own [`Publisher`] and [`Subscriber`]. Payloads of any size
 //! go through the same node, the same iceoryx2 variant and the same wake-up; they are loaned and
-//! sent where they lie, so that nobody copies them. iceoryx2's own event service is here for
+//! sent where they lie, without a copy. iceoryx2's own event service is here for
 //! comparison.
 
-use super::faults::{Faults, Lies};
+use super::faults::{Faults, SenderFaults};
 use super::members::Members;
 use super::port::Tally;
-use super::transport::{Ipc, SharedMemory, Transport};
+use super::transport::{Ipc, PAYLOAD_TOPIC, Payload, SharedMemory, Stamp, Transport};
 use super::waking::{Waiter, Waker};
 use super::{Carried, Clock, End, Group, Publisher, RuntimeError, Subscriber, monotonic_ns};
 use iceoryx2::port::{listener::Listener, notifier::Notifier};
-use iceoryx2::prelude::ZeroCopySend;
+use messages::Message;
 use messages::Service;
-use messages::{Message, Topic};
 use std::mem::MaybeUninit;
 use std::rc::Rc;
 use std::time::Duration;
-
-/// Topic whose name and wake-up word the probe's payloads use.
-pub(crate) const TOPIC: Topic = Topic::RadarTracks;
-
-/// When a payload was sent, `CLOCK_MONOTONIC` ns.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, ZeroCopySend)]
-#[type_name("timegap_msgs/msg/Stamp")]
-pub(crate) struct Stamp {
-    sent_ns: i64,
-}
-
-/// Payload bytes: nobody reads them, so that they need not be written.
-pub(crate) type Payload = [MaybeUninit<u8>];
 
 /// A member of a group that is no service.
 #[derive(Debug)]
@@ -70,7 +55,7 @@ impl Probe {
             source,
             incarnation: 0,
             faults: Rc::new(Faults::none()),
-            lies: Lies::new(),
+            sender_faults: SenderFaults::new(),
             tally: Tally::new(self.group.mode),
         })
     }
@@ -118,8 +103,8 @@ impl Probe {
         let port = (self.node().payload_topic()?.publisher_builder())
             .initial_max_slice_len(bytes)
             .create()
-            .map_err(|e| RuntimeError::Topic { topic: TOPIC, reason: format!("{e:?}") })?;
-        Ok(PayloadSender { port, waker: self.transport.waker(TOPIC), bytes })
+            .map_err(|e| RuntimeError::Topic { topic: PAYLOAD_TOPIC, reason: format!("{e:?}") })?;
+        Ok(PayloadSender { port, waker: self.transport.waker(PAYLOAD_TOPIC), bytes })
     }
 
     /// The receiving end for payloads.
@@ -129,8 +114,8 @@ impl Probe {
     pub fn payload_receiver(&self) -> Result<PayloadReceiver, RuntimeError> {
         let port = (self.node().payload_topic()?.subscriber_builder())
             .create()
-            .map_err(|e| RuntimeError::Topic { topic: TOPIC, reason: format!("{e:?}") })?;
-        Ok(PayloadReceiver { port, waiter: self.transport.waiter(TOPIC) })
+            .map_err(|e| RuntimeError::Topic { topic: PAYLOAD_TOPIC, reason: format!("{e:?}") })?;
+        Ok(PayloadReceiver { port, waiter: self.transport.waiter(PAYLOAD_TOPIC) })
     }
 
     /// The waking end of iceoryx2's own event service.
@@ -140,7 +125,7 @@ impl Probe {
     pub fn event_sender(&self) -> Result<EventSender, RuntimeError> {
         let port = (self.node().event()?.notifier_builder())
             .create()
-            .map_err(|e| RuntimeError::Topic { topic: TOPIC, reason: format!("{e:?}") })?;
+            .map_err(|e| RuntimeError::Topic { topic: PAYLOAD_TOPIC, reason: format!("{e:?}") })?;
         Ok(EventSender(port))
     }
 
@@ -151,7 +136,7 @@ impl Probe {
     pub fn event_receiver(&self) -> Result<EventReceiver, RuntimeError> {
         let port = (self.node().event()?.listener_builder())
             .create()
-            .map_err(|e| RuntimeError::Topic { topic: TOPIC, reason: format!("{e:?}") })?;
+            .map_err(|e| RuntimeError::Topic { topic: PAYLOAD_TOPIC, reason: format!("{e:?}") })?;
         Ok(EventReceiver(port))
     }
 }
@@ -171,7 +156,7 @@ impl PayloadSender {
     /// [`RuntimeError::Send`].
     #[expect(unsafe_code, reason = "iceoryx2 asks for it even where there is nothing to write")]
     pub fn send(&self) -> Result<(), RuntimeError> {
-        let error = |reason| RuntimeError::Send { topic: TOPIC, reason };
+        let error = |reason| RuntimeError::Send { topic: PAYLOAD_TOPIC, reason };
         let sent_ns = monotonic_ns();
         let sample = self.port.loan_slice_uninit(self.bytes);
         let mut sample = sample.map_err(|e| error(format!("{e:?}")))?;
@@ -205,13 +190,13 @@ impl PayloadReceiver {
         if self.take(&mut each)? {
             return Ok(());
         }
-        let error = |reason: String| RuntimeError::Receive { topic: TOPIC, reason };
+        let error = |reason: String| RuntimeError::Receive { topic: PAYLOAD_TOPIC, reason };
         self.waiter.wait(ticket, timeout).map_err(|e| error(e.to_string()))?;
         self.take(&mut each).map(|_| ())
     }
 
     fn take(&self, each: &mut impl FnMut(i64, usize)) -> Result<bool, RuntimeError> {
-        let error = |reason: String| RuntimeError::Receive { topic: TOPIC, reason };
+        let error = |reason: String| RuntimeError::Receive { topic: PAYLOAD_TOPIC, reason };
         let mut found = false;
         while let Some(sample) = self.port.receive().map_err(|e| error(format!("{e:?}")))? {
             found = true;
@@ -231,7 +216,7 @@ impl EventSender {
     /// # Errors
     /// [`RuntimeError::Send`].
     pub fn wake(&self) -> Result<(), RuntimeError> {
-        let error = |reason| RuntimeError::Send { topic: TOPIC, reason };
+        let error = |reason| RuntimeError::Send { topic: PAYLOAD_TOPIC, reason };
         self.0.notify().map(|_| ()).map_err(|e| error(format!("{e:?}")))
     }
 }
@@ -246,7 +231,7 @@ impl EventReceiver {
     /// # Errors
     /// [`RuntimeError::Receive`].
     pub fn wait(&self, timeout: Duration) -> Result<(), RuntimeError> {
-        let error = |reason| RuntimeError::Receive { topic: TOPIC, reason };
+        let error = |reason| RuntimeError::Receive { topic: PAYLOAD_TOPIC, reason };
         self.0.timed_wait(|_| {}, timeout).map(|_| ()).map_err(|e| error(format!("{e:?}")))
     }
 }

@@ -5,7 +5,7 @@
 pub enum Overrun {
     /// Runs every missed cycle, late: for the plant, whose integration knows no gaps.
     CatchUp,
-    /// Leaves them out and counts them: for everybody who samples the present.
+    /// Leaves them out and counts them: for services that sample the present.
     Skip,
 }
 

@@ -4,7 +4,7 @@ mod chains;
 
 pub use chains::{HopTimes, Hops, WorstChain};
 
-use crate::Befallen;
+use crate::FaultStatistics;
 use crate::scheduling::Granted;
 use crate::statistics::{Latencies, Percentiles};
 use messages::Service;
@@ -62,7 +62,7 @@ pub struct ServiceReport {
     /// What the kernel granted.
     pub scheduling: Granted,
     /// What faults did to the service's messages.
-    pub befallen: Vec<Befallen>,
+    pub fault_statistics: Vec<FaultStatistics>,
     /// What only this service can tell.
     pub details: Details,
 }

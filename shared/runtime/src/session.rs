@@ -1,8 +1,8 @@
 //! One service's life in the group.
 
 use super::account::Account;
-use super::faults::{Faults, Lies};
-use super::keeper::{Keeper, state_path};
+use super::checkpoint::{Checkpoint, state_path};
+use super::faults::{Faults, SenderFaults};
 use super::link::Link;
 use super::members::Members;
 use super::port::Tally;
@@ -16,7 +16,7 @@ use super::{
 use crate::report::{Details, ServiceReport};
 use crate::statistics::Latencies;
 use messages::Service;
-use messages::{Header, Heartbeat, Message, Odometry, Origins, ServiceState, Topic};
+use messages::{Header, Heartbeat, Message, Origins, ServiceState, Topic};
 use scenario::Scenario;
 use serde::de::DeserializeOwned;
 use std::cell::RefCell;
@@ -179,7 +179,7 @@ impl Runtime {
             source: self.service,
             incarnation: self.incarnation,
             faults: Rc::clone(&self.faults),
-            lies: Lies::new(),
+            sender_faults: SenderFaults::new(),
             tally,
         })
     }
@@ -228,8 +228,8 @@ impl Runtime {
     ///
     /// # Errors
     /// [`RuntimeError::Setup`] if shared memory has no room for it.
-    pub fn keeper<T: DeserializeOwned>(&self) -> Result<Keeper<T>, RuntimeError> {
-        Keeper::open(&state_path(&self.group.prefix, self.service))
+    pub fn checkpoint<T: DeserializeOwned>(&self) -> Result<Checkpoint<T>, RuntimeError> {
+        Checkpoint::open(&state_path(&self.group.prefix, self.service))
     }
 
     /// Goes on with the step after `step`, whatever time it is.
@@ -265,7 +265,7 @@ impl Runtime {
         self.link.say(FromService::Ready(granted))?;
         let order = self.link.wait_for_start()?;
         self.clock.start(order.start_ns);
-        // Everybody's ports exist now.
+        // All services' ports exist now.
         self.connect()?;
         if self.is_restarted() {
             self.catch_up();
@@ -291,7 +291,7 @@ impl Runtime {
             u64::try_from(self.clock.now_ns() / self.group.timetable.step_ns).unwrap_or(0);
     }
 
-    /// Connects to whoever joined since the last time, and takes in new faults.
+    /// Connects to processes that joined since the last time, and takes in new faults.
     fn look_around(&self) {
         if self.link.joined.swap(false, Ordering::Relaxed) {
             // A peer that died again at once; the next message tries anew.
@@ -419,12 +419,10 @@ impl Runtime {
         if let Some(source) = source {
             topic.note_silence(now_ns, self.group.timetable.period_ns(source));
         }
-        if T::TOPIC == Topic::Odometry
-            && self.faults.in_use()
-            && let Some(odometry) = topic.newest()
+        if self.faults.in_use()
+            && let Some((position_m, speed_mps)) = topic.newest().and_then(Message::ego)
         {
-            let odometry: &Odometry = bytemuck::from_bytes(bytemuck::bytes_of(odometry));
-            self.faults.ego_at(odometry.position_m, odometry.speed_mps, now_ns);
+            self.faults.ego_at(position_m, speed_mps, now_ns);
         }
         Ok(())
     }
@@ -458,8 +456,8 @@ impl Runtime {
         self.link.say(FromService::Ended(self.step))
     }
 
-    /// Reports to the launcher and keeps all ports open until it has heard everybody, so that
-    /// nobody's last message is lost with its sender.
+    /// Reports to the launcher and keeps all ports open until it has heard all services, so that
+    /// no last message is lost with its sender.
     ///
     /// # Errors
     /// [`RuntimeError::Link`].
@@ -476,7 +474,7 @@ impl Runtime {
                 .collect(),
             peak_rss_kib: (self.carrier() == Carrier::SharedMemory).then(peak_rss_kib),
             scheduling: self.granted.expect("`begin` comes before `finish`"),
-            befallen: self.faults.befallen(),
+            fault_statistics: self.faults.statistics(),
             details,
         };
         self.link.say(FromService::Report(Box::new(report)))?;

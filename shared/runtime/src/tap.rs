@@ -1,4 +1,4 @@
-//! A tap on the topics: every message as it was sent, unchecked, for whoever records it.
+//! A tap on the topics: every message as it was sent, unchecked, for recorders.
 
 use super::transport::{Receiver, Seat, SharedMemory, Transport};
 use super::{Carried, Group, RuntimeError};

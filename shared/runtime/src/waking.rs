@@ -1,6 +1,6 @@
 //! How a process that waits for a topic is woken: a futex beside iceoryx2.
 //!
-//! Each topic has a word in shared memory that counts its notifications. Whoever waits reads the
+//! Each topic has a word in shared memory that counts its notifications. A process that waits reads the
 //! word *before* it looks for a sample, and sleeps only as long as the word has not moved since:
 //!
 //! ```text
@@ -28,20 +28,20 @@ use std::time::Duration;
 
 /// The words of a run, one for each topic.
 #[derive(Clone, Debug)]
-pub(super) struct Bells(Rc<SharedWords>);
+pub(super) struct WakeWords(Rc<SharedWords>);
 
-impl Bells {
+impl WakeWords {
     /// Maps the words of the run whose shared memory has this prefix.
     pub(super) fn map(prefix: &str) -> io::Result<Self> {
-        SharedWords::map(&format!("{prefix}wake")).map(|words| Self(Rc::new(words)))
+        SharedWords::map(&format!("{prefix}wake")).map(|page| Self(Rc::new(page)))
     }
 
     pub(super) fn waker(&self, topic: Topic) -> Waker {
-        Waker::Futex { bells: self.clone(), topic }
+        Waker::Futex { words: self.clone(), topic }
     }
 
     pub(super) fn waiter(&self, topic: Topic) -> Waiter {
-        Waiter::Futex { bells: self.clone(), topic }
+        Waiter::Futex { words: self.clone(), topic }
     }
 
     fn word(&self, topic: Topic) -> &AtomicU32 {
@@ -56,7 +56,7 @@ pub(super) enum Waker {
     /// In other processes.
     Futex {
         /// The run's words.
-        bells: Bells,
+        words: WakeWords,
         /// The topic.
         topic: Topic,
     },
@@ -65,10 +65,10 @@ pub(super) enum Waker {
 }
 
 impl Waker {
-    /// Wakes everybody. To be called after the sample was sent.
+    /// Wakes all who wait. To be called after the sample was sent.
     pub(super) fn wake(&self) {
-        let Self::Futex { bells, topic } = self else { return };
-        let word = bells.word(*topic);
+        let Self::Futex { words, topic } = self else { return };
+        let word = words.word(*topic);
         word.fetch_add(1, Ordering::Release);
         futex::wake(word, futex::Flags::empty(), i32::MAX.unsigned_abs())
             .expect("waking fails only for addresses that are none");
@@ -85,7 +85,7 @@ pub(super) enum Waiter {
     /// By sleeping.
     Futex {
         /// The run's words.
-        bells: Bells,
+        words: WakeWords,
         /// The topic.
         topic: Topic,
     },
@@ -102,23 +102,23 @@ impl Waiter {
     /// To be taken before looking for a sample.
     pub(super) fn ticket(&self) -> Ticket {
         match self {
-            Self::Futex { bells, topic } => Ticket(bells.word(*topic).load(Ordering::Acquire)),
+            Self::Futex { words, topic } => Ticket(words.word(*topic).load(Ordering::Acquire)),
             Self::InProcess { .. } => Ticket(0),
         }
     }
 
-    /// Waits until somebody woke the topic's waiters since `ticket` was taken, at most for
+    /// Waits until a sender woke the topic's waiters since `ticket` was taken, at most for
     /// `timeout`; a signal ends the wait early, and so does another service's wait in this thread.
     pub(super) fn wait(&self, ticket: Ticket, timeout: Duration) -> io::Result<()> {
-        let (bells, topic) = match self {
-            Self::Futex { bells, topic } => (bells, *topic),
+        let (words, topic) = match self {
+            Self::Futex { words, topic } => (words, *topic),
             Self::InProcess { pause, .. } => {
                 pause.wait();
                 return Ok(());
             }
         };
         let timeout = timeout.try_into().map_err(|_| io::ErrorKind::InvalidInput)?;
-        match futex::wait(bells.word(topic), futex::Flags::empty(), ticket.0, Some(&timeout)) {
+        match futex::wait(words.word(topic), futex::Flags::empty(), ticket.0, Some(&timeout)) {
             Ok(()) | Err(Errno::AGAIN | Errno::TIMEDOUT | Errno::INTR) => Ok(()),
             Err(error) => Err(error.into()),
         }
@@ -154,7 +154,7 @@ mod tests {
     #[test]
     fn a_wake_up_between_look_and_wait_is_not_lost() {
         let page = Page::new("between");
-        let (ours, theirs) = (Bells::map(&page.0), Bells::map(&page.0));
+        let (ours, theirs) = (WakeWords::map(&page.0), WakeWords::map(&page.0));
         let waiter = ours.expect("shared memory").waiter(Topic::Command);
         let theirs = theirs.expect("the same again");
         let ticket = waiter.ticket();
@@ -165,12 +165,12 @@ mod tests {
     }
 
     #[test]
-    fn another_topic_wakes_nobody_and_the_timeout_ends_the_wait() {
+    fn another_topic_wakes_no_waiter_and_the_timeout_ends_the_wait() {
         let page = Page::new("another");
-        let bells = Bells::map(&page.0).expect("shared memory");
-        let waiter = bells.waiter(Topic::Command);
+        let words = WakeWords::map(&page.0).expect("shared memory");
+        let waiter = words.waiter(Topic::Command);
         let ticket = waiter.ticket();
-        bells.waker(Topic::Odometry).wake();
+        words.waker(Topic::Odometry).wake();
         let begun = Instant::now();
         waiter.wait(ticket, Duration::from_millis(5)).expect("a valid wait");
         assert!(begun.elapsed() >= Duration::from_millis(4));
@@ -184,8 +184,8 @@ mod tests {
         static COUNT: AtomicU64 = AtomicU64::new(0);
         let page = Page::new("many");
         let play = |prefix: &str, wake: Topic, wait: Topic, mine: u64| {
-            let bells = Bells::map(prefix).expect("shared memory");
-            let (waker, waiter) = (bells.waker(wake), bells.waiter(wait));
+            let words = WakeWords::map(prefix).expect("shared memory");
+            let (waker, waiter) = (words.waker(wake), words.waiter(wait));
             let mut timeouts = 0;
             loop {
                 let ticket = waiter.ticket();

@@ -25,13 +25,13 @@ pub struct Fault {
     /// How long it lasts, s; absent: to the end of the run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub for_s: Option<Duration>,
-    /// The service that it befalls.
+    /// The service that it acts on.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub service: Option<Service>,
-    /// The topic whose messages it befalls.
+    /// The topic whose messages it acts on.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub topic: Option<TopicName>,
-    /// Part of the messages that it befalls.
+    /// Part of the messages that it acts on.
     #[serde(default = "always")]
     pub probability: Probability,
     /// `delay`: by how much, ms.
@@ -143,14 +143,14 @@ impl Kind {
 
     /// True if it acts on messages between their sender and a receiver.
     #[must_use]
-    pub const fn is_of_the_wire(self) -> bool {
+    pub const fn is_of_channels(self) -> bool {
         matches!(self, Self::Delay | Self::Drop | Self::Duplicate | Self::Reorder | Self::Corrupt)
     }
 
-    /// True if it makes a sender lie.
+    /// True if it acts on messages in their sender.
     #[must_use]
-    pub const fn is_a_lie(self) -> bool {
-        !self.is_of_processes() && !self.is_of_the_wire()
+    pub const fn is_of_senders(self) -> bool {
+        !self.is_of_processes() && !self.is_of_channels()
     }
 }
 

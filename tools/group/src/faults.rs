@@ -249,7 +249,7 @@ impl Faults {
     }
 
     /// Adds what the ports counted.
-    pub fn befallen(&mut self, counts: impl Iterator<Item = runtime::Befallen>) {
+    pub fn count_messages(&mut self, counts: impl Iterator<Item = runtime::FaultStatistics>) {
         for count in counts {
             for record in self.records.iter_mut().filter(|record| record.number == count.fault) {
                 record.messages = Some(record.messages.unwrap_or(0) + count.messages);
@@ -348,8 +348,8 @@ mod tests {
             "[[faults]]\nkind = \"drop\"\ntopic = \"v2x/spat\"\nwhen = { speed_below_mps = 1 }\n\
              [[faults]]\nkind = \"drop\"\ntopic = \"v2x/spat\"\nat_s = 2",
         );
-        let count = runtime::Befallen { fault: 1, begun_ns: 2_000_000_000, messages: 7 };
-        faults.befallen([count, count].into_iter());
+        let count = runtime::FaultStatistics { fault: 1, begun_ns: 2_000_000_000, messages: 7 };
+        faults.count_messages([count, count].into_iter());
         let kept: Vec<_> = faults.records.iter().map(|r| (r.number, r.messages)).collect();
         assert_eq!(kept, [(1, Some(14))]);
     }

@@ -84,8 +84,9 @@ pub fn run_watched(
         }
     }
     let ran_for = started.elapsed();
-    let messages = course.reports.values().flat_map(|report| report.befallen.iter().copied());
-    faults.befallen(messages);
+    let messages =
+        course.reports.values().flat_map(|report| report.fault_statistics.iter().copied());
+    faults.count_messages(messages);
     let services = scenario.services().iter();
     let exits = services.clone().map(|&service| (service, course.exit_of(service)));
     let exits = exits.collect();

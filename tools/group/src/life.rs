@@ -35,7 +35,7 @@ pub fn left_by(
         allocations_in_loop: None,
         peak_rss_kib: None,
         scheduling,
-        befallen: Vec::new(),
+        fault_statistics: Vec::new(),
         details: Details::None,
     }
 }
@@ -49,7 +49,7 @@ pub fn whole(reports: Vec<ServiceReport>) -> Option<ServiceReport> {
         whole.cycles += earlier.cycles;
         whole.skipped += earlier.skipped;
         whole.peak_rss_kib = whole.peak_rss_kib.max(earlier.peak_rss_kib);
-        whole.befallen.extend(earlier.befallen);
+        whole.fault_statistics.extend(earlier.fault_statistics);
         for sent in earlier.sent {
             add_sent(&mut whole.sent, sent);
         }
@@ -172,7 +172,7 @@ mod tests {
                 memory_locked: false,
                 refused: Vec::new(),
             },
-            befallen: Vec::new(),
+            fault_statistics: Vec::new(),
             details: Details::None,
         }
     }

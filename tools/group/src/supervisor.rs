@@ -307,8 +307,9 @@ impl Supervisor<'_> {
         drop(priority);
         let ran_ns = (monotonic_ns() - self.start_ns).max(0);
         let reports = self.reports(&log);
-        let befallen = reports.values().flat_map(|report| report.befallen.iter().copied());
-        self.faults.befallen(befallen);
+        let statistics =
+            reports.values().flat_map(|report| report.fault_statistics.iter().copied());
+        self.faults.count_messages(statistics);
         Ok(GroupOutcome {
             carrier: Carrier::SharedMemory,
             root: self.root.path().to_owned(),

@@ -326,14 +326,14 @@ fn faults(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
         line("degraded", rungs.join(", "));
     }
     let refused: u64 = summary.messages.values().filter_map(|topic| topic.e2e_errors).sum();
-    let unknown: u64 = summary.messages.values().map(|topic| topic.e2e.stranger).sum();
+    let unknown: u64 = summary.messages.values().map(|topic| topic.e2e.unknown_sender).sum();
     if refused > unknown {
         let refused = refused - unknown;
         line("refused", format!("{refused} messages, by the end-to-end check"));
     }
     for (topic, counts) in &summary.messages {
-        if counts.e2e.stranger > 0 {
-            let count = counts.e2e.stranger;
+        if counts.e2e.unknown_sender > 0 {
+            let count = counts.e2e.unknown_sender;
             line("refused", format!("{count} messages of an unknown sender on {topic}"));
         }
     }

@@ -203,7 +203,7 @@ fn messages(summary: &Summary) -> String {
                 count(counts.received),
                 count(counts.lost),
                 count(counts.e2e_errors),
-                counts.e2e.stranger.to_string(),
+                counts.e2e.unknown_sender.to_string(),
             ]
         })
         .collect();

@@ -32,8 +32,9 @@ pub struct Outcomes {
     pub error: u64,
     /// Nothing came although it was due.
     pub no_new_data: u64,
-    /// Sent by somebody who is no member of the group.
-    pub stranger: u64,
+    /// Sent by a process that is no member of the group. In results it keeps its first name.
+    #[serde(rename = "stranger")]
+    pub unknown_sender: u64,
     /// Stamped later than it could have been.
     pub from_the_future: u64,
     /// Intact, but not used since its channel is not trusted for now.
@@ -47,7 +48,7 @@ impl Outcomes {
         self.repeated
             + self.wrong_sequence
             + self.error
-            + self.stranger
+            + self.unknown_sender
             + self.from_the_future
             + self.distrusted
     }
@@ -72,7 +73,7 @@ impl Outcomes {
         self.wrong_sequence += other.wrong_sequence;
         self.error += other.error;
         self.no_new_data += other.no_new_data;
-        self.stranger += other.stranger;
+        self.unknown_sender += other.unknown_sender;
         self.from_the_future += other.from_the_future;
         self.distrusted += other.distrusted;
     }

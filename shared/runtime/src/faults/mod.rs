@@ -1,20 +1,20 @@
-//! Faults of messages: what the wire does to them and what their senders make up.
+//! Faults of messages: on the channel and in the sender.
 //!
-//! Faults come from the scenario or, during the run, from the launcher. Whether a fault befalls a
+//! Faults come from the scenario or, during the run, from the launcher. Whether a fault acts on a
 //! message is decided by the run's seed, the fault and the message's own number alone, so that it is
 //! the same for every receiver, on either clock.
 //!
-//! * [`Wire`] disturbs messages between their arrival and a receiver's end-to-end check: `delay`,
+//! * [`ChannelFaults`] disturbs messages between their arrival and a receiver's end-to-end check: `delay`,
 //!   `drop`, `duplicate`, `reorder`, `corrupt`;
-//! * [`Lies`] falsifies messages before they are protected: `freeze`, `bias`, `stale`, `clock-step`.
+//! * [`SenderFaults`] falsifies messages before they are protected: `freeze`, `bias`, `stale`, `clock-step`.
 //!
 //! Without faults a port asks one flag per message.
 
-mod lies;
-mod wire;
+mod channel;
+mod sender;
 
-pub(super) use lies::Lies;
-pub(super) use wire::Wire;
+pub(super) use channel::ChannelFaults;
+pub(super) use sender::SenderFaults;
 
 use messages::Service;
 use messages::Topic;
@@ -37,9 +37,9 @@ pub struct Injected {
     pub fault: Fault,
 }
 
-/// How many messages of a service's ports a fault befell.
+/// How many messages of a service's ports a fault acted on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Befallen {
+pub struct FaultStatistics {
     /// The fault's number in the run.
     pub fault: u32,
     /// When it began, ns of run time.
@@ -86,17 +86,17 @@ pub(super) struct Faults {
     pub(super) inbox: Inbox,
 }
 
-/// One fault at the moment it befalls a message.
-pub(super) struct Strike<'a> {
+/// One fault at the moment it acts on a message.
+pub(super) struct Activation<'a> {
     pub(super) fault: &'a Fault,
     /// 64 random bits, those of this fault and this message.
-    pub(super) luck: u64,
+    pub(super) random: u64,
 }
 
-impl Strike<'_> {
+impl Activation<'_> {
     /// Another 64 random bits.
-    pub(super) fn more_luck(&self, k: u64) -> u64 {
-        xxh3_64_with_seed(&k.to_le_bytes(), self.luck)
+    pub(super) fn draw(&self, k: u64) -> u64 {
+        xxh3_64_with_seed(&k.to_le_bytes(), self.random)
     }
 }
 
@@ -155,15 +155,15 @@ impl Faults {
         }
     }
 
-    /// Calls `each` with every fault among `which` that befalls message `sequence` of `source` on
+    /// Calls `each` with every fault among `which` that acts on message `sequence` of `source` on
     /// `topic` at `now_ns`.
-    pub(super) fn strike(
+    pub(super) fn activate(
         &self,
         which: impl Fn(&Fault) -> bool,
         topic: Topic,
         (source, incarnation, sequence): (u32, u32, u64),
         now_ns: i64,
-        mut each: impl FnMut(&Strike<'_>),
+        mut each: impl FnMut(&Activation<'_>),
     ) {
         for entry in self.entries.borrow_mut().iter_mut() {
             let Some(begun_ns) = entry.begun_ns else { continue };
@@ -182,23 +182,23 @@ impl Faults {
             message[8..12].copy_from_slice(&source.to_le_bytes());
             message[12..16].copy_from_slice(&incarnation.to_le_bytes());
             message[16..24].copy_from_slice(&sequence.to_le_bytes());
-            let strike =
-                Strike { fault: &entry.fault, luck: xxh3_64_with_seed(&message, self.seed) };
-            if unit(strike.more_luck(0)) < entry.fault.probability.value() {
-                each(&strike);
+            let activation =
+                Activation { fault: &entry.fault, random: xxh3_64_with_seed(&message, self.seed) };
+            if unit(activation.draw(0)) < entry.fault.probability.value() {
+                each(&activation);
                 entry.messages += 1;
             }
         }
     }
 
     /// What they did.
-    pub(super) fn befallen(&self) -> Vec<Befallen> {
+    pub(super) fn statistics(&self) -> Vec<FaultStatistics> {
         let entries = self.entries.borrow();
         let begun = entries.iter().filter(|entry| entry.messages > 0);
         begun
             .filter_map(|entry| {
                 let (fault, messages) = (entry.number, entry.messages);
-                entry.begun_ns.map(|begun_ns| Befallen { fault, begun_ns, messages })
+                entry.begun_ns.map(|begun_ns| FaultStatistics { fault, begun_ns, messages })
             })
             .collect()
     }
@@ -213,7 +213,7 @@ pub(super) fn unit(bits: u64) -> f64 {
 #[must_use]
 pub fn concerned(fault: &Fault) -> Vec<Service> {
     match (fault.topic, fault.service) {
-        (Some(name), _) if fault.kind.is_a_lie() => name.0.source().into_iter().collect(),
+        (Some(name), _) if fault.kind.is_of_senders() => name.0.source().into_iter().collect(),
         (Some(name), _) => name.0.consumers().to_vec(),
         (None, Some(service)) => vec![service],
         (None, None) => Vec::new(),

@@ -24,7 +24,7 @@ fn message(sequence: u64) -> RadarTracks {
 /// Sequence numbers in the order of their hand-over, one arrival every 50 ms from 0 on.
 fn through(text: &str, messages: u64) -> Vec<(i64, u64)> {
     let faults = faults(text);
-    let mut wire = Wire::new();
+    let mut wire = ChannelFaults::new();
     let mut out = Vec::new();
     for k in 0..messages {
         let now_ns = i64::try_from(k).expect("small") * 50_000_000;
@@ -58,7 +58,7 @@ fn the_wire_does_what_it_is_told() {
 fn every_corruption_is_detected() {
     let faults = faults("[[faults]]\nkind = \"corrupt\"\ntopic = \"radar/tracks\"\nbits = 2");
     let (mut channel, mut outcomes) = (Channel::default(), Outcomes::default());
-    let mut wire = Wire::new();
+    let mut wire = ChannelFaults::new();
     for k in 1..=20_000 {
         wire.take(&message(k), &faults, 0);
         let corrupted = wire.hand_over(0).expect("due at once");
@@ -82,7 +82,7 @@ fn a_condition_begins_the_fault_once_it_holds() {
     let text = "[[faults]]\nkind = \"drop\"\ntopic = \"radar/tracks\"\nfor_s = 1\n\
                 when = { position_above_m = 50, speed_below_mps = 10 }";
     let faults = faults(text);
-    let mut wire = Wire::new();
+    let mut wire = ChannelFaults::new();
     faults.ego_at(60.0, 11.0, 0);
     wire.take(&message(1), &faults, 0);
     assert!(wire.hand_over(0).is_some());
@@ -92,19 +92,23 @@ fn a_condition_begins_the_fault_once_it_holds() {
     assert!(wire.hand_over(2).is_none(), "begun at 1, though the condition holds no more");
     wire.take(&message(3), &faults, 1_000_000_001);
     assert!(wire.hand_over(1_000_000_001).is_some(), "over");
-    assert_eq!(faults.befallen(), [Befallen { fault: 0, begun_ns: 1, messages: 1 }]);
+    assert_eq!(faults.statistics(), [FaultStatistics { fault: 0, begun_ns: 1, messages: 1 }]);
 }
 
 #[test]
 fn lies_are_told_before_the_protection() {
     let tell = |text: &str, k: u64| {
         let faults = faults(text);
-        let mut lies = Lies::new();
+        let mut sender_faults = SenderFaults::new();
         let mut last = RadarTracks::zeroed();
         for sequence in 1..=k {
             last = message(sequence);
             last.header.acquisition_ns = 10_000_000_000;
-            lies.tell(&mut last, &faults, i64::try_from(sequence).expect("small") * 1_000_000_000);
+            sender_faults.apply(
+                &mut last,
+                &faults,
+                i64::try_from(sequence).expect("small") * 1_000_000_000,
+            );
         }
         last
     };

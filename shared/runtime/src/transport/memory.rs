@@ -3,7 +3,7 @@
 //! Each receiver of a topic has a queue; a sender puts a copy of its message into every one of them.
 //! A sender whose receiver lags waits for its next turn, as it would wait for room in shared memory.
 
-use super::{Connect, Input, Receiver, Sender, SenderId, buffer, buffer_of};
+use super::ends::{Connect, Input, Receiver, Sender, SenderId, buffer, buffer_of};
 use crate::Timetable;
 use crate::coroutine::Pause;
 use crate::link::End;

@@ -1,9 +1,9 @@
 //! iceoryx2 as timegap uses it: one private node per process and one way to open each topic.
 
-use super::{Connect, Input, Receiver, Sender, SenderId, buffer, buffer_of};
+use super::ends::{Connect, Input, Receiver, Sender, SenderId, buffer, buffer_of};
+use super::payload::{PAYLOAD_TOPIC, Payload, Stamp};
 use crate::link::End;
-use crate::probe::{self, Payload, Stamp};
-use crate::waking::{Bells, Waiter, Waker};
+use crate::waking::{Waiter, WakeWords, Waker};
 use crate::{Group, Mode, RuntimeError, Timetable};
 use iceoryx2::config::Config;
 use iceoryx2::port::BackpressureAction;
@@ -65,7 +65,7 @@ impl<T: Message> Receiver<T> for iceoryx2::port::subscriber::Subscriber<Ipc, T, 
 #[derive(Debug)]
 pub struct SharedMemory {
     node: Node<Ipc>,
-    bells: Bells,
+    wake_words: WakeWords,
     mode: Mode,
     buffer: usize,
 }
@@ -87,8 +87,9 @@ impl SharedMemory {
             .create::<Ipc>()
             .map_err(|e| error(format!("{e:?}")))?;
         keep_to_this_user(&group.prefix).map_err(|e| error(format!("shared memory: {e}")))?;
-        let bells = Bells::map(&group.prefix).map_err(|e| error(format!("wake words: {e}")))?;
-        Ok(Self { node, bells, mode: group.mode, buffer: buffer(&group.timetable) })
+        let wake_words =
+            WakeWords::map(&group.prefix).map_err(|e| error(format!("wake words: {e}")))?;
+        Ok(Self { node, wake_words, mode: group.mode, buffer: buffer(&group.timetable) })
     }
 
     /// Removes what dead processes left on the topics.
@@ -166,7 +167,7 @@ impl SharedMemory {
             .subscriber_max_buffer_size(8)
             .history_size(0)
             .open_or_create()
-            .map_err(|e| RuntimeError::Topic { topic: probe::TOPIC, reason: format!("{e:?}") })
+            .map_err(|e| RuntimeError::Topic { topic: PAYLOAD_TOPIC, reason: format!("{e:?}") })
     }
 
     /// iceoryx2's own event service, which no topic uses.
@@ -175,15 +176,15 @@ impl SharedMemory {
             .service_builder(&"bench/event".try_into().expect("a valid service name"))
             .event()
             .open_or_create()
-            .map_err(|e| RuntimeError::Topic { topic: probe::TOPIC, reason: format!("{e:?}") })
+            .map_err(|e| RuntimeError::Topic { topic: PAYLOAD_TOPIC, reason: format!("{e:?}") })
     }
 
     pub(super) fn waker(&self, topic: Topic) -> Waker {
-        self.bells.waker(topic)
+        self.wake_words.waker(topic)
     }
 
     pub(super) fn waiter(&self, topic: Topic) -> Waiter {
-        self.bells.waiter(topic)
+        self.wake_words.waiter(topic)
     }
 }
 

@@ -16,7 +16,7 @@ use std::time::Duration;
 
 /// A thread that answers questions of type `Q` with `A`.
 #[derive(Debug)]
-pub struct Beside<Q, A> {
+pub struct BackgroundWorker<Q, A> {
     worker: Worker<Q, A>,
     mode: Mode,
     delay_ns: i64,
@@ -54,7 +54,7 @@ struct Shared<Q, A> {
     closed: AtomicBool,
 }
 
-impl<Q: Send + 'static, A: Send + 'static> Beside<Q, A> {
+impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
     /// Starts the thread `name`, which does `work`. Call it before [`Runtime::begin`]: the thread
     /// must not inherit the loop's place on a core. Answers take effect `delay_ns` after the question.
     ///
@@ -228,7 +228,7 @@ impl<Q, A> Shared<Q, A> {
     }
 }
 
-impl<Q, A> Drop for Beside<Q, A> {
+impl<Q, A> Drop for BackgroundWorker<Q, A> {
     fn drop(&mut self) {
         let Worker::Thread { shared, thread } = &mut self.worker else { return };
         // Under the lock, so that a thread about to wait sees it.
@@ -266,23 +266,23 @@ mod tests {
             std::thread::sleep(Duration::from_millis(5));
             2 * x
         };
-        let thread = Beside::start_in(Mode::Lockstep, "double", DELAY_NS, slow);
-        for mut beside in [thread.expect("a thread"), Beside::inline(DELAY_NS, slow)] {
-            check_effect(&mut beside);
+        let thread = BackgroundWorker::start_in(Mode::Lockstep, "double", DELAY_NS, slow);
+        for mut worker in [thread.expect("a thread"), BackgroundWorker::inline(DELAY_NS, slow)] {
+            check_effect(&mut worker);
         }
     }
 
-    fn check_effect(beside: &mut Beside<u32, u32>) {
+    fn check_effect(worker: &mut BackgroundWorker<u32, u32>) {
         let mut heard = Vec::new();
         for cycle in 0..6 {
             let release = release(100 * cycle);
-            heard.push(beside.answer(&release));
+            heard.push(worker.answer(&release));
             if !beside.is_busy() {
-                beside.ask(&release, cycle as u32).expect("none is open");
+                worker.ask(&release, cycle as u32).expect("none is open");
             }
         }
         assert_eq!(heard, [None, None, Some(0), None, Some(4), None]);
-        let report = beside.report();
+        let report = worker.report();
         assert_eq!((report.asked, report.late), (3, 0));
         assert_eq!(report.plan_us.map(|took| took.count), Some(2));
     }
@@ -290,31 +290,32 @@ mod tests {
     #[test]
     fn in_realtime_a_late_answer_is_counted_once_and_taken_when_it_comes() {
         let (go, wait) = channel::<()>();
-        let mut beside = Beside::start_in(Mode::Realtime, "slow", DELAY_NS, move |x: &u32| {
-            let _ = wait.recv();
-            *x
-        })
-        .expect("a thread");
+        let mut worker =
+            BackgroundWorker::start_in(Mode::Realtime, "slow", DELAY_NS, move |x: &u32| {
+                let _ = wait.recv();
+                *x
+            })
+            .expect("a thread");
         // The thread may just be looking for a question.
-        while beside.ask(&release(0), 7).is_err() {}
-        assert_eq!(beside.ask(&release(0), 8), Err(8), "one question at a time");
-        assert_eq!([100, 200, 300].map(|ns| beside.answer(&release(ns))), [None; 3]);
-        assert_eq!(beside.report().late, 1);
+        while worker.ask(&release(0), 7).is_err() {}
+        assert_eq!(worker.ask(&release(0), 8), Err(8), "one question at a time");
+        assert_eq!([100, 200, 300].map(|ns| worker.answer(&release(ns))), [None; 3]);
+        assert_eq!(worker.report().late, 1);
         go.send(()).expect("the thread waits");
         let answer = loop {
-            if let Some(answer) = beside.answer(&release(400)) {
+            if let Some(answer) = worker.answer(&release(400)) {
                 break answer;
             }
         };
-        assert_eq!((answer, beside.report().late), (7, 1));
+        assert_eq!((answer, worker.report().late), (7, 1));
     }
 
     #[test]
     fn a_thread_that_died_is_not_waited_for() {
-        let mut beside =
-            Beside::start_in(Mode::Lockstep, "dies", DELAY_NS, |x: &u32| 1 / (*x - *x))
+        let mut worker =
+            BackgroundWorker::start_in(Mode::Lockstep, "dies", DELAY_NS, |x: &u32| 1 / (*x - *x))
                 .expect("a thread");
-        beside.ask(&release(0), 7).expect("none is open");
-        assert_eq!(beside.answer(&release(200)), None);
+        worker.ask(&release(0), 7).expect("none is open");
+        assert_eq!(worker.answer(&release(200)), None);
     }
 }

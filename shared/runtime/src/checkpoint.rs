@@ -25,21 +25,21 @@ pub(super) fn state_path(prefix: &str, service: Service) -> PathBuf {
 
 /// Keeps states of type `T`.
 #[derive(Debug)]
-pub struct Keeper<T> {
+pub struct Checkpoint<T> {
     file: File,
-    kept: u64,
+    saved: u64,
     slot: Box<[u8; SLOT]>,
     state: std::marker::PhantomData<T>,
 }
 
-impl<T: DeserializeOwned> Keeper<T> {
+impl<T: DeserializeOwned> Checkpoint<T> {
     /// Opens the file at `path`, or makes it.
     pub(super) fn open(path: &Path) -> Result<Self, RuntimeError> {
         let error = |e: std::io::Error| RuntimeError::Setup(format!("{}: {e}", path.display()));
         let file = open_own(path).map_err(error)?;
         // All pages are there before the loop needs them.
         file.set_len(2 * SLOT as u64).map_err(error)?;
-        Ok(Self { file, kept: 0, slot: Box::new([0; SLOT]), state: std::marker::PhantomData })
+        Ok(Self { file, saved: 0, slot: Box::new([0; SLOT]), state: std::marker::PhantomData })
     }
 
     /// The newest state that `service`, which is gone, kept in its run; `None` if it kept none.
@@ -65,7 +65,7 @@ impl<T: DeserializeOwned> Keeper<T> {
             };
             let (number, length, checksum) = (word(0), word(8), word(16));
             let Ok(length) = usize::try_from(length) else { continue };
-            if number <= self.kept || length > SLOT - HEAD {
+            if number <= self.saved || length > SLOT - HEAD {
                 continue;
             }
             let state = &self.slot[HEAD..HEAD + length];
@@ -73,7 +73,7 @@ impl<T: DeserializeOwned> Keeper<T> {
                 continue;
             }
             if let Ok(state) = postcard::from_bytes(state) {
-                self.kept = number;
+                self.saved = number;
                 newest = Some(state);
             }
         }
@@ -84,17 +84,17 @@ impl<T: DeserializeOwned> Keeper<T> {
     ///
     /// # Errors
     /// [`RuntimeError::Setup`] if it does not fit, or the file cannot be written.
-    pub fn keep(&mut self, state: &impl Serialize) -> Result<(), RuntimeError> {
+    pub fn save(&mut self, state: &impl Serialize) -> Result<(), RuntimeError> {
         let error = |e: String| RuntimeError::Setup(format!("the kept state: {e}"));
         let used = postcard::to_slice(state, &mut self.slot[HEAD..])
             .map_err(|e| error(e.to_string()))?
             .len();
-        self.kept += 1;
+        self.saved += 1;
         let checksum = xxh3_64(&self.slot[HEAD..HEAD + used]);
-        self.slot[..8].copy_from_slice(&self.kept.to_le_bytes());
+        self.slot[..8].copy_from_slice(&self.saved.to_le_bytes());
         self.slot[8..16].copy_from_slice(&(used as u64).to_le_bytes());
         self.slot[16..24].copy_from_slice(&checksum.to_le_bytes());
-        let place = (self.kept % 2) * SLOT as u64;
+        let place = (self.saved % 2) * SLOT as u64;
         self.file.write_all_at(&self.slot[..HEAD + used], place).map_err(|e| error(e.to_string()))
     }
 }
@@ -105,16 +105,16 @@ mod tests {
 
     #[test]
     fn the_newest_whole_state_is_restored() {
-        let path = std::env::temp_dir().join(format!("timegap-keeper-{}", std::process::id()));
-        let open = || Keeper::<(u64, Option<f64>)>::open(&path).expect("writable");
+        let path = std::env::temp_dir().join(format!("timegap-checkpoint-{}", std::process::id()));
+        let open = || Checkpoint::<(u64, Option<f64>)>::open(&path).expect("writable");
         assert_eq!(open().restore(), None);
-        let mut keeper = open();
+        let mut checkpoint = open();
         for k in 0..5 {
-            keeper.keep(&(k, Some(0.1))).expect("it fits");
+            checkpoint.save(&(k, Some(0.1))).expect("it fits");
         }
         let mut restored = open();
         assert_eq!(restored.restore(), Some((4, Some(0.1))));
-        restored.keep(&(5_u64, None::<f64>)).expect("it fits");
+        restored.save(&(5_u64, None::<f64>)).expect("it fits");
         assert_eq!(open().restore(), Some((5, None)));
         // The newest slot is the one that a dying process was writing.
         let file = File::options().write(true).open(&path).expect("ours");

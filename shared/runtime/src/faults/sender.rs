@@ -1,4 +1,4 @@
-//! What a sender makes up: its messages are intact and their content is not true.
+//! Sender faults: messages that are intact and whose content is false.
 
 use super::Faults;
 use messages::{Header, Message, Odometry, RadarTracks, Spat};
@@ -6,30 +6,30 @@ use scenario::faults::{BiasedField, Fault, Kind};
 
 /// Falsifies the messages of one publisher.
 #[derive(Debug)]
-pub(crate) struct Lies<T> {
-    /// The last message that was true.
-    true_one: Option<T>,
+pub(crate) struct SenderFaults<T> {
+    /// The last message that no freeze replaced.
+    last_intact: Option<T>,
 }
 
-impl<T: Message> Lies<T> {
+impl<T: Message> SenderFaults<T> {
     pub(crate) fn new() -> Self {
-        Self { true_one: None }
+        Self { last_intact: None }
     }
 
     /// Falsifies `message`, stamped but not yet protected, as the faults want it.
-    pub(crate) fn tell(&mut self, message: &mut T, faults: &Faults, now_ns: i64) {
+    pub(crate) fn apply(&mut self, message: &mut T, faults: &Faults, now_ns: i64) {
         let header = message.header();
         let identity = (header.source, header.incarnation, header.sequence);
-        let told = *message;
+        let intact = *message;
         let mut frozen = false;
-        let is_a_lie = |fault: &Fault| fault.kind.is_a_lie();
-        faults.strike(is_a_lie, T::TOPIC, identity, now_ns, |strike| {
-            let amount = strike.fault.amount.map_or(0.0, |amount| amount.value());
+        let is_of_senders = |fault: &Fault| fault.kind.is_of_senders();
+        faults.activate(is_of_senders, T::TOPIC, identity, now_ns, |activation| {
+            let amount = activation.fault.amount.map_or(0.0, |amount| amount.value());
             let shift_ns = (amount * 1e9) as i64;
-            match (strike.fault.kind, strike.fault.field) {
+            match (activation.fault.kind, activation.fault.field) {
                 (Kind::Freeze, _) => {
                     frozen = true;
-                    if let Some(last) = &self.true_one {
+                    if let Some(last) = &self.last_intact {
                         let content = size_of::<Header>()..;
                         bytemuck::bytes_of_mut(message)[content.clone()]
                             .copy_from_slice(&bytemuck::bytes_of(last)[content]);
@@ -45,7 +45,7 @@ impl<T: Message> Lies<T> {
             }
         });
         if !frozen {
-            self.true_one = Some(told);
+            self.last_intact = Some(intact);
         }
     }
 }

@@ -1,132 +1,17 @@
-//! Typed ends of a topic, with stamps, counts and digests.
+//! The receiving end of a topic.
 
-use super::faults::{Faults, Lies, Wire};
-use super::link::End;
-use super::members::Members;
-use super::transport::{Receiver, Sender, SenderId};
-use super::waking::{Ticket, Waiter, Waker};
-use super::{Clock, Mode, RuntimeError, Timetable};
-use crate::report::{ReceivedTopic, SentTopic};
-use messages::e2e::{Channel, Outcomes, profile7};
-use messages::{Message, Odometry, Topic};
-use messages::{Origin, Service};
+use super::tally::Tally;
+use crate::faults::{ChannelFaults, Faults};
+use crate::link::End;
+use crate::members::Members;
+use crate::transport::{Receiver, SenderId};
+use crate::waking::{Ticket, Waiter};
+use crate::{Clock, RuntimeError};
+use messages::e2e::Channel;
+use messages::{Message, Origin, Service};
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
-use xxhash_rust::xxh3::Xxh3Default;
-
-/// A consumer that lags this many steps behind is woken even if no sample is due.
-const DRAIN_STEPS: u64 = 16;
-
-/// Counts of a port, shared with the runtime that reports them.
-#[derive(Default)]
-pub(super) struct Tally {
-    pub(super) messages: u64,
-    pub(super) lost: u64,
-    pub(super) e2e: Outcomes,
-    digest: Option<Box<Xxh3Default>>,
-}
-
-impl std::fmt::Debug for Tally {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Tally")
-            .field("messages", &self.messages)
-            .field("lost", &self.lost)
-            .finish_non_exhaustive()
-    }
-}
-
-impl Tally {
-    pub(super) fn new(mode: Mode) -> Rc<RefCell<Self>> {
-        let digest = (mode == Mode::Lockstep).then(Box::default);
-        Rc::new(RefCell::new(Self { digest, ..Self::default() }))
-    }
-
-    fn count<T: Message>(&mut self, message: &T) {
-        self.messages += 1;
-        if let Some(digest) = &mut self.digest {
-            digest.update(bytemuck::bytes_of(message));
-        }
-    }
-
-    fn digest(&self) -> Option<String> {
-        self.digest.as_ref().map(|digest| format!("{:016x}", digest.digest()))
-    }
-
-    pub(super) fn sent(&self, topic: Topic) -> SentTopic {
-        SentTopic { topic: topic.name().into(), sent: self.messages, digest: self.digest() }
-    }
-
-    pub(super) fn received(&self, topic: Topic) -> ReceivedTopic {
-        ReceivedTopic {
-            topic: topic.name().into(),
-            received: self.messages,
-            lost: self.lost,
-            e2e: self.e2e,
-            digest: self.digest(),
-        }
-    }
-}
-
-/// The sending end of `T`'s topic.
-#[derive(Debug)]
-pub struct Publisher<T: Message> {
-    pub(super) port: Rc<dyn Sender<T>>,
-    pub(super) waker: Option<Waker>,
-    pub(super) clock: Rc<Clock>,
-    pub(super) timetable: Timetable,
-    pub(super) source: Service,
-    pub(super) incarnation: u32,
-    pub(super) faults: Rc<Faults>,
-    pub(super) lies: Lies<T>,
-    pub(super) tally: Rc<RefCell<Tally>>,
-}
-
-impl<T: Message> Publisher<T> {
-    /// Completes the header of `message` (sequence, source, publish stamp, protection) and sends it.
-    /// Allocates nothing.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Send`] if the transport refuses it.
-    pub fn send(&mut self, message: T) -> Result<(), RuntimeError> {
-        self.send_stamped(message).map(|_| ())
-    }
-
-    /// As [`Self::send`]; returns the publish stamp, ns of run time.
-    ///
-    /// # Errors
-    /// As [`Self::send`].
-    pub fn send_stamped(&mut self, mut message: T) -> Result<i64, RuntimeError> {
-        let error = |reason: String| RuntimeError::Send { topic: T::TOPIC, reason };
-        let source = self.source.to_wire();
-        let sequence = self.tally.borrow().messages + 1;
-        let now_ns = self.clock.now_ns();
-        let header = message.header_mut();
-        header.sequence = sequence;
-        header.incarnation = self.incarnation;
-        header.source = source;
-        header.publish_ns = now_ns;
-        let step = header.step;
-        if self.faults.in_use() {
-            if T::TOPIC == Topic::Odometry {
-                let odometry: &Odometry = bytemuck::from_bytes(bytemuck::bytes_of(&message));
-                self.faults.ego_at(odometry.position_m, odometry.speed_mps, now_ns);
-            }
-            self.lies.tell(&mut message, &self.faults, now_ns);
-        }
-        // The counter is the sequence number's low half: it wraps.
-        let data_id = T::TOPIC.data_id(source);
-        profile7::protect(bytemuck::bytes_of_mut(&mut message), data_id, sequence as u32);
-        self.port.send(&message).map_err(error)?;
-        self.tally.borrow_mut().count(&message);
-        if let Some(waker) = &self.waker
-            && (self.timetable.is_awaited(T::TOPIC, step) || step.is_multiple_of(DRAIN_STEPS))
-        {
-            waker.wake();
-        }
-        Ok(now_ns)
-    }
-}
 
 /// Senders that a port remembers; a group restarts its services less often than that in any while.
 const REMEMBERED_SENDERS: usize = 16;
@@ -156,14 +41,14 @@ pub struct Subscriber<T: Message> {
     /// None for an observer, who has no part in the run's time.
     clock: Option<Rc<Clock>>,
     faults: Rc<Faults>,
-    wire: Option<Box<Wire<T>>>,
+    channel_faults: Option<Box<ChannelFaults<T>>>,
     /// Run time of the last message used, or of the last silence counted since, ns.
     heard_ns: i64,
-    pub(super) tally: Rc<RefCell<Tally>>,
+    pub(crate) tally: Rc<RefCell<Tally>>,
 }
 
 impl<T: Message> Subscriber<T> {
-    pub(super) fn new(
+    pub(crate) fn new(
         port: Rc<dyn Receiver<T>>,
         waiter: Option<Waiter>,
         members: Rc<Members>,
@@ -184,7 +69,7 @@ impl<T: Message> Subscriber<T> {
             next_sender: 0,
             clock,
             faults,
-            wire: None,
+            channel_faults: None,
             heard_ns: 0,
             tally,
         }
@@ -203,7 +88,7 @@ impl<T: Message> Subscriber<T> {
     }
 
     /// Takes all samples up to `step`, calling `each` on every one that may be used, in order.
-    pub(super) fn drain(
+    pub(crate) fn drain(
         &mut self,
         step: u64,
         mut each: impl FnMut(&T),
@@ -224,18 +109,19 @@ impl<T: Message> Subscriber<T> {
             self.arrived_step = self.arrived_step.max(Some(sample.header().step));
             if self.faults.in_use() {
                 let now_ns = self.now_ns();
-                let wire = self.wire.get_or_insert_with(|| Box::new(Wire::new()));
-                wire.take(&sample, &self.faults, now_ns);
+                let faults =
+                    self.channel_faults.get_or_insert_with(|| Box::new(ChannelFaults::new()));
+                faults.take(&sample, &self.faults, now_ns);
             } else {
                 self.check(&sample, &mut each);
             }
         }
-        if let Some(mut wire) = self.wire.take() {
+        if let Some(mut faults) = self.channel_faults.take() {
             let now_ns = self.now_ns();
-            while let Some(sample) = wire.hand_over(now_ns) {
+            while let Some(sample) = faults.hand_over(now_ns) {
                 self.check(&sample, &mut each);
             }
-            self.wire = Some(wire);
+            self.channel_faults = Some(faults);
         }
         Ok(())
     }
@@ -271,7 +157,7 @@ impl<T: Message> Subscriber<T> {
 
     /// Counts a silence of more than a period of the topic's source as the standard's "no new data",
     /// once in a period.
-    pub(super) fn note_silence(&mut self, now_ns: i64, period_ns: i64) {
+    pub(crate) fn note_silence(&mut self, now_ns: i64, period_ns: i64) {
         if now_ns - self.heard_ns > (SILENCE * period_ns as f64) as i64
             && let Some(source) = T::TOPIC.source()
         {
@@ -288,7 +174,7 @@ impl<T: Message> Subscriber<T> {
             };
             let header = sample.header();
             if !self.knows(sender, header.source, header.incarnation) {
-                self.tally.borrow_mut().e2e.stranger += 1;
+                self.tally.borrow_mut().e2e.unknown_sender += 1;
                 continue;
             }
             let mut tally = self.tally.borrow_mut();
@@ -310,19 +196,19 @@ impl<T: Message> Subscriber<T> {
             return *belongs;
         }
         let allowed = T::TOPIC.source().is_none_or(|service| service.to_wire() == source);
-        let belongs = allowed && self.members.vouch(source, incarnation, sender.pid());
+        let belongs = allowed && self.members.is_member(source, incarnation, sender.pid());
         self.senders[self.next_sender] = Some((sender, belongs));
         self.next_sender = (self.next_sender + 1) % REMEMBERED_SENDERS;
         belongs
     }
 
     /// True if the newest sample is of step `due` or later.
-    pub(super) fn reaches(&self, due: u64) -> bool {
+    pub(crate) fn reaches(&self, due: u64) -> bool {
         self.newest.as_ref().is_some_and(|sample| sample.header().step >= due)
     }
 
     /// Waits until the sample of step `due` arrived.
-    pub(super) fn await_step(
+    pub(crate) fn await_step(
         &mut self,
         due: u64,
         step: u64,
@@ -350,7 +236,7 @@ impl<T: Message> Subscriber<T> {
 
     /// Waits for the very sample that `origin` names, and takes nothing else; keeps the newest one
     /// if it is that.
-    pub(super) fn await_sample(
+    pub(crate) fn await_sample(
         &mut self,
         origin: Origin,
         step: u64,
@@ -382,18 +268,18 @@ impl<T: Message> Subscriber<T> {
     }
 
     /// To be taken before a look at the topic that may end in a wait.
-    pub(super) fn ticket(&self) -> Ticket {
+    pub(crate) fn ticket(&self) -> Ticket {
         self.waiter().ticket()
     }
 
     /// Waits for a sample sent since `ticket` was taken, at most for `timeout`.
-    pub(super) fn wait(&self, ticket: Ticket, timeout: Duration) -> Result<(), RuntimeError> {
+    pub(crate) fn wait(&self, ticket: Ticket, timeout: Duration) -> Result<(), RuntimeError> {
         self.waiter()
             .wait(ticket, timeout)
             .map_err(|e| RuntimeError::Receive { topic: T::TOPIC, reason: e.to_string() })
     }
 
     fn waiter(&self) -> &Waiter {
-        self.waiter.as_ref().expect("whoever waits subscribed with a waiter")
+        self.waiter.as_ref().expect("a port that waits was opened with a waiter")
     }
 }

@@ -1,0 +1,88 @@
+//! What happens to messages on their way: between their arrival and a receiver's check.
+
+use super::{Faults, unit};
+use messages::Message;
+use scenario::faults::{Fault, Kind};
+use std::collections::VecDeque;
+
+/// Messages that can be on their way at once; the oldest is lost beyond it.
+const CAPACITY: usize = 256;
+/// Bits that `corrupt` flips when the fault does not say how many.
+const BITS: u16 = 1;
+
+/// The disturbed channel between a topic and one receiver.
+#[derive(Debug)]
+pub(crate) struct ChannelFaults<T> {
+    /// Messages and when they are handed over, ns of run time.
+    pending: VecDeque<(i64, T)>,
+    /// A message that lets its successor pass.
+    overtaken: Option<T>,
+}
+
+impl<T: Message> ChannelFaults<T> {
+    pub(crate) fn new() -> Self {
+        Self { pending: VecDeque::with_capacity(CAPACITY), overtaken: None }
+    }
+
+    /// Takes a message that arrived at `now_ns`.
+    pub(crate) fn take(&mut self, message: &T, faults: &Faults, now_ns: i64) {
+        let header = message.header();
+        let identity = (header.source, header.incarnation, header.sequence);
+        let (intact, mut message) = (*message, *message);
+        let mut due_ns = now_ns;
+        let (mut copies, mut reordered) = (1, false);
+        let of_channels = |fault: &Fault| fault.kind.is_of_channels();
+        faults.activate(of_channels, T::TOPIC, identity, now_ns, |activation| {
+            match activation.fault.kind {
+                Kind::Drop => copies = 0,
+                Kind::Duplicate => copies += u32::from(copies > 0),
+                Kind::Reorder => reordered = true,
+                Kind::Delay => {
+                    let delay = activation.fault.delay_ms.map_or(0, |delay| delay.nanoseconds());
+                    let jitter =
+                        activation.fault.jitter_ms.map_or(0, |jitter| jitter.nanoseconds());
+                    let jitter = (jitter as f64 * unit(activation.draw(1))) as u64;
+                    due_ns = due_ns.saturating_add_unsigned(delay + jitter);
+                }
+                Kind::Corrupt => {
+                    let bytes = bytemuck::bytes_of_mut(&mut message);
+                    for k in 0..activation.fault.bits.map_or(BITS, |bits| bits.value()) {
+                        let bit = activation.draw(2 + u64::from(k)) % (8 * bytes.len() as u64);
+                        let bit = usize::try_from(bit).expect("messages are short");
+                        bytes[bit / 8] ^= 1 << (bit % 8);
+                    }
+                    // Flips can meet in one bit and undo each other: then nothing would be corrupt.
+                    if bytes == bytemuck::bytes_of(&intact) {
+                        bytes[0] ^= 1;
+                    }
+                }
+                _ => {}
+            }
+        });
+        if reordered && copies > 0 && self.overtaken.is_none() {
+            self.overtaken = Some(message);
+            return;
+        }
+        for _ in 0..copies {
+            self.send(due_ns, message);
+        }
+        if let Some(overtaken) = self.overtaken.take_if(|_| copies > 0) {
+            self.send(due_ns, overtaken);
+        }
+    }
+
+    /// The next message that is due at `now_ns`.
+    pub(crate) fn hand_over(&mut self, now_ns: i64) -> Option<T> {
+        let due = self.pending.front().is_some_and(|(due_ns, _)| *due_ns <= now_ns);
+        due.then(|| self.pending.pop_front()).flatten().map(|(_, message)| message)
+    }
+
+    /// Keeps the messages in the order in which they are due.
+    fn send(&mut self, due_ns: i64, message: T) {
+        if self.pending.len() == CAPACITY {
+            self.pending.pop_front();
+        }
+        let place = self.pending.partition_point(|(due, _)| *due <= due_ns);
+        self.pending.insert(place, (due_ns, message));
+    }
+}

@@ -1,0 +1,9 @@
+//! Typed ends of a topic, with stamps, counts and digests.
+
+mod publisher;
+mod subscriber;
+mod tally;
+
+pub use publisher::Publisher;
+pub use subscriber::Subscriber;
+pub(super) use tally::Tally;
