@@ -277,7 +277,7 @@ mod tests {
         for cycle in 0..6 {
             let release = release(100 * cycle);
             heard.push(worker.answer(&release));
-            if !beside.is_busy() {
+            if !worker.is_busy() {
                 worker.ask(&release, cycle as u32).expect("none is open");
             }
         }

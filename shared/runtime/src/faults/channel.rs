@@ -1,6 +1,6 @@
 //! What happens to messages on their way: between their arrival and a receiver's check.
 
-use super::{Faults, unit};
+use super::activation::{Faults, unit};
 use messages::Message;
 use scenario::faults::{Fault, Kind};
 use std::collections::VecDeque;

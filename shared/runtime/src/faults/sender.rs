@@ -1,6 +1,6 @@
 //! Sender faults: messages that are intact and whose content is false.
 
-use super::Faults;
+use super::activation::Faults;
 use messages::{Header, Message, Odometry, RadarTracks, Spat};
 use scenario::faults::{BiasedField, Fault, Kind};
 

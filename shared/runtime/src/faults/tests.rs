@@ -1,7 +1,8 @@
 use super::*;
 use bytemuck::Zeroable;
 use messages::e2e::{Channel, Outcomes, profile7};
-use messages::{Message, RadarTracks};
+use messages::{Message, RadarTracks, Service};
+use scenario::Scenario;
 
 const SOURCE: u32 = Service::PerceptionSim.to_wire();
 
@@ -24,12 +25,12 @@ fn message(sequence: u64) -> RadarTracks {
 /// Sequence numbers in the order of their hand-over, one arrival every 50 ms from 0 on.
 fn through(text: &str, messages: u64) -> Vec<(i64, u64)> {
     let faults = faults(text);
-    let mut wire = ChannelFaults::new();
+    let mut channel = ChannelFaults::new();
     let mut out = Vec::new();
     for k in 0..messages {
         let now_ns = i64::try_from(k).expect("small") * 50_000_000;
-        wire.take(&message(k + 1), &faults, now_ns);
-        while let Some(message) = wire.hand_over(now_ns) {
+        channel.take(&message(k + 1), &faults, now_ns);
+        while let Some(message) = channel.hand_over(now_ns) {
             out.push((now_ns / 1_000_000, message.header.sequence));
         }
     }
@@ -57,12 +58,12 @@ fn the_wire_does_what_it_is_told() {
 #[test]
 fn every_corruption_is_detected() {
     let faults = faults("[[faults]]\nkind = \"corrupt\"\ntopic = \"radar/tracks\"\nbits = 2");
-    let (mut channel, mut outcomes) = (Channel::default(), Outcomes::default());
-    let mut wire = ChannelFaults::new();
+    let (mut check, mut outcomes) = (Channel::default(), Outcomes::default());
+    let mut channel = ChannelFaults::new();
     for k in 1..=20_000 {
-        wire.take(&message(k), &faults, 0);
-        let corrupted = wire.hand_over(0).expect("due at once");
-        assert!(!channel.accept(bytemuck::bytes_of(&corrupted), 9, 0, &mut outcomes));
+        channel.take(&message(k), &faults, 0);
+        let corrupted = channel.hand_over(0).expect("due at once");
+        assert!(!check.accept(bytemuck::bytes_of(&corrupted), 9, 0, &mut outcomes));
     }
     assert_eq!(outcomes.error, 20_000);
 }
@@ -82,21 +83,21 @@ fn a_condition_begins_the_fault_once_it_holds() {
     let text = "[[faults]]\nkind = \"drop\"\ntopic = \"radar/tracks\"\nfor_s = 1\n\
                 when = { position_above_m = 50, speed_below_mps = 10 }";
     let faults = faults(text);
-    let mut wire = ChannelFaults::new();
+    let mut channel = ChannelFaults::new();
     faults.ego_at(60.0, 11.0, 0);
-    wire.take(&message(1), &faults, 0);
-    assert!(wire.hand_over(0).is_some());
+    channel.take(&message(1), &faults, 0);
+    assert!(channel.hand_over(0).is_some());
     faults.ego_at(60.0, 9.0, 1);
     faults.ego_at(60.0, 12.0, 2);
-    wire.take(&message(2), &faults, 2);
-    assert!(wire.hand_over(2).is_none(), "begun at 1, though the condition holds no more");
-    wire.take(&message(3), &faults, 1_000_000_001);
-    assert!(wire.hand_over(1_000_000_001).is_some(), "over");
+    channel.take(&message(2), &faults, 2);
+    assert!(channel.hand_over(2).is_none(), "begun at 1, though the condition holds no more");
+    channel.take(&message(3), &faults, 1_000_000_001);
+    assert!(channel.hand_over(1_000_000_001).is_some(), "over");
     assert_eq!(faults.statistics(), [FaultStatistics { fault: 0, begun_ns: 1, messages: 1 }]);
 }
 
 #[test]
-fn lies_are_told_before_the_protection() {
+fn sender_faults_come_before_the_protection() {
     let tell = |text: &str, k: u64| {
         let faults = faults(text);
         let mut sender_faults = SenderFaults::new();

@@ -1,0 +1,205 @@
+//! Which fault acts on which message, and how often it did.
+
+use messages::Service;
+use messages::Topic;
+use scenario::Scenario;
+use scenario::faults::Fault;
+use serde::{Deserialize, Serialize};
+use std::cell::{Cell, RefCell};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use xxhash_rust::xxh3::xxh3_64_with_seed;
+
+/// A fault that the launcher sends into a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Injected {
+    /// Its number in the run.
+    pub number: u32,
+    /// When it begins, ns of run time.
+    pub begin_ns: i64,
+    /// The fault.
+    pub fault: Fault,
+}
+
+/// How many messages of a service's ports a fault acted on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FaultStatistics {
+    /// The fault's number in the run.
+    pub fault: u32,
+    /// When it began, ns of run time.
+    pub begun_ns: i64,
+    /// Messages.
+    pub messages: u64,
+}
+
+/// Where the launcher's faults arrive, from the link's thread.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Inbox(Arc<(AtomicBool, Mutex<Vec<Injected>>)>);
+
+impl Inbox {
+    pub(crate) fn put(&self, injected: Injected) {
+        if let Ok(mut list) = self.0.1.lock() {
+            list.push(injected);
+            self.0.0.store(true, Ordering::Release);
+        }
+    }
+
+    fn take(&self) -> Vec<Injected> {
+        if !self.0.0.swap(false, Ordering::AcqRel) {
+            return Vec::new();
+        }
+        self.0.1.lock().map(|mut list| std::mem::take(&mut *list)).unwrap_or_default()
+    }
+}
+
+/// A fault and what became of it.
+#[derive(Clone, Debug)]
+struct Entry {
+    number: u32,
+    fault: Fault,
+    begun_ns: Option<i64>,
+    messages: u64,
+}
+
+/// The faults of a run, as one service's ports see them.
+#[derive(Debug)]
+pub(crate) struct Faults {
+    seed: u64,
+    entries: RefCell<Vec<Entry>>,
+    in_use: Cell<bool>,
+    pub(crate) inbox: Inbox,
+}
+
+/// One fault at the moment it acts on a message.
+pub(crate) struct Activation<'a> {
+    pub(crate) fault: &'a Fault,
+    /// 64 random bits, those of this fault and this message.
+    pub(crate) random: u64,
+}
+
+impl Activation<'_> {
+    /// Another 64 random bits.
+    pub(crate) fn draw(&self, k: u64) -> u64 {
+        xxh3_64_with_seed(&k.to_le_bytes(), self.random)
+    }
+}
+
+impl Faults {
+    pub(crate) fn none() -> Self {
+        Self {
+            seed: 0,
+            entries: RefCell::default(),
+            in_use: Cell::new(false),
+            inbox: Inbox::default(),
+        }
+    }
+
+    /// Those of the scenario that act on messages.
+    pub(crate) fn of(scenario: &Scenario, inbox: Inbox) -> Self {
+        let entry = |(number, fault): (usize, &Fault)| Entry {
+            number: u32::try_from(number).expect("faults are few"),
+            fault: fault.clone(),
+            begun_ns: match (fault.at_s, fault.when) {
+                (Some(at), _) => Some(i64::try_from(at.nanoseconds()).unwrap_or(i64::MAX)),
+                (None, Some(_)) => None,
+                (None, None) => Some(0),
+            },
+            messages: 0,
+        };
+        let entries: Vec<Entry> = (scenario.faults.iter().enumerate())
+            .filter(|(_, fault)| !fault.kind.is_of_processes())
+            .map(entry)
+            .collect();
+        let in_use = Cell::new(!entries.is_empty());
+        Self { seed: scenario.seed.value(), entries: RefCell::new(entries), in_use, inbox }
+    }
+
+    /// True if there may be any.
+    pub(crate) fn in_use(&self) -> bool {
+        self.in_use.get()
+    }
+
+    /// Takes in what the launcher sent.
+    pub(crate) fn refresh(&self) {
+        for Injected { number, begin_ns, fault } in self.inbox.take() {
+            let begun_ns = Some(begin_ns);
+            self.entries.borrow_mut().push(Entry { number, fault, begun_ns, messages: 0 });
+            self.in_use.set(true);
+        }
+    }
+
+    /// Lets the ego's motion fulfil conditions.
+    pub(crate) fn ego_at(&self, position_m: f64, speed_mps: f64, now_ns: i64) {
+        for entry in self.entries.borrow_mut().iter_mut() {
+            if let (None, Some(condition)) = (entry.begun_ns, &entry.fault.when)
+                && condition.holds(position_m, speed_mps)
+            {
+                entry.begun_ns = Some(now_ns);
+            }
+        }
+    }
+
+    /// Calls `each` with every fault among `which` that acts on message `sequence` of `source` on
+    /// `topic` at `now_ns`.
+    pub(crate) fn activate(
+        &self,
+        which: impl Fn(&Fault) -> bool,
+        topic: Topic,
+        (source, incarnation, sequence): (u32, u32, u64),
+        now_ns: i64,
+        mut each: impl FnMut(&Activation<'_>),
+    ) {
+        for entry in self.entries.borrow_mut().iter_mut() {
+            let Some(begun_ns) = entry.begun_ns else { continue };
+            let aimed = match (entry.fault.topic, entry.fault.service) {
+                (Some(name), _) => name.0 == topic,
+                (None, Some(service)) => service.to_wire() == source,
+                (None, None) => false,
+            };
+            let active = (begun_ns..entry.fault.end_ns(begun_ns)).contains(&now_ns);
+            if !aimed || !active || !which(&entry.fault) {
+                continue;
+            }
+            let mut message = [0; 28];
+            message[..4].copy_from_slice(&entry.number.to_le_bytes());
+            message[4..8].copy_from_slice(&(topic as u32).to_le_bytes());
+            message[8..12].copy_from_slice(&source.to_le_bytes());
+            message[12..16].copy_from_slice(&incarnation.to_le_bytes());
+            message[16..24].copy_from_slice(&sequence.to_le_bytes());
+            let activation =
+                Activation { fault: &entry.fault, random: xxh3_64_with_seed(&message, self.seed) };
+            if unit(activation.draw(0)) < entry.fault.probability.value() {
+                each(&activation);
+                entry.messages += 1;
+            }
+        }
+    }
+
+    /// What they did.
+    pub(crate) fn statistics(&self) -> Vec<FaultStatistics> {
+        let entries = self.entries.borrow();
+        let begun = entries.iter().filter(|entry| entry.messages > 0);
+        begun
+            .filter_map(|entry| {
+                let (fault, messages) = (entry.number, entry.messages);
+                entry.begun_ns.map(|begun_ns| FaultStatistics { fault, begun_ns, messages })
+            })
+            .collect()
+    }
+}
+
+/// Uniform in 0..1.
+pub(crate) fn unit(bits: u64) -> f64 {
+    (bits >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// The services that a fault concerns; the launcher need not tell the others.
+#[must_use]
+pub fn concerned(fault: &Fault) -> Vec<Service> {
+    match (fault.topic, fault.service) {
+        (Some(name), _) if fault.kind.is_of_senders() => name.0.source().into_iter().collect(),
+        (Some(name), _) => name.0.consumers().to_vec(),
+        (None, Some(service)) => vec![service],
+        (None, None) => Vec::new(),
+    }
+}
