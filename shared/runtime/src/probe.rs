@@ -14,7 +14,6 @@ use super::{Carried, Clock, End, Group, Publisher, RuntimeError, Subscriber, mon
 use iceoryx2::port::{listener::Listener, notifier::Notifier};
 use messages::Message;
 use messages::Service;
-use std::mem::MaybeUninit;
 use std::rc::Rc;
 use std::time::Duration;
 
