@@ -112,7 +112,7 @@ fn a_broken_requirement_comes_with_the_command_that_repeats_it() {
     let output = Command::new("sh")
         .args(["-c", &format!("{} --json", repeat.replace("timegap run", "\"$0\" run")), PROGRAM])
         .current_dir(corner.path())
-        .env("TMPDIR", corner.path())
+        .env("XDG_RUNTIME_DIR", corner.path())
         .output()
         .expect("a shell");
     let again: Value = serde_json::from_slice(&output.stdout).expect("a summary");

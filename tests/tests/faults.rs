@@ -27,7 +27,8 @@ fn fault(kind: &str, at_s: f64, more: &str) -> String {
 
 /// Runs the scenario; its exit status and summary.
 fn run(corner: &Corner, mode: &str) -> (Option<i32>, Value) {
-    let arguments = ["run", "faulty.toml", "--mode", mode, "--out", "out", "--no-record", "--json"];
+    let arguments =
+        ["run", "faulty.toml", "--mode", mode, "--out", "out", "--force", "--no-record", "--json"];
     let output = corner.run(&arguments);
     let summary =
         serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {}", text(&output)));
@@ -49,7 +50,7 @@ fn every_service_is_killed_once_and_the_drive_goes_on() {
     let corner = corner(4.0, &faults.collect::<String>());
     let (status, summary) = run(&corner, "realtime");
     assert_eq!((status, &summary["outcome"]), (Some(0), &"completed".into()), "{summary}");
-    assert_eq!(restarts(&summary), [1, 1, 1, 1]);
+    assert_eq!(restarts(&summary), [1, 1, 1, 1, 0]);
     let faults = summary["faults"].as_array().expect("a list");
     assert_eq!(faults.len(), 4, "{faults:?}");
     for fault in faults {
@@ -75,7 +76,7 @@ fn a_stopped_service_is_replaced_and_a_short_stop_is_not() {
     let corner = corner(3.0, &faults);
     let (status, summary) = run(&corner, "realtime");
     assert_eq!(status, Some(0), "{summary}");
-    // In the order of the data's way: plant, perception-sim, v2x-sim, controller.
+    // In the order of the data's way: plant, perception-sim, v2x-sim, controller, aebs.
     assert_eq!(restarts(&summary)[1], 1, "{summary}");
     assert_eq!(restarts(&summary)[2], 0, "{summary}");
     let hung = &summary["faults"].as_array().expect("a list")[1];
@@ -88,7 +89,7 @@ fn a_busy_machine_is_endured_and_let_go_again() {
     let faults = fault("hog", 0.3, "core = 0\nfor_s = 1") + &fault("memory", 0.5, "megabytes = 64");
     let corner = corner(2.0, &faults);
     let (status, summary) = run(&corner, "realtime");
-    assert_eq!((status, restarts(&summary)), (Some(0), vec![0; 4]), "{summary}");
+    assert_eq!((status, restarts(&summary)), (Some(0), vec![0; 5]), "{summary}");
     assert_eq!(summary["faults"].as_array().map(Vec::len), Some(2), "{summary}");
     for service in summary["services"].as_array().expect("a list") {
         let heartbeats = service["heartbeats"]["count"].as_u64();
@@ -104,7 +105,7 @@ fn a_service_that_dies_too_often_leads_to_a_stop_in_lane() {
     let corner = corner(30.0, &(budget.to_owned() + &storm));
     let (status, summary) = run(&corner, "realtime");
     assert_eq!((status, &summary["outcome"]), (Some(1), &"safe_stop".into()), "{summary}");
-    assert_eq!(restarts(&summary), [0, 0, 0, 3]);
+    assert_eq!(restarts(&summary), [0, 0, 0, 3, 0]);
     assert!(summary["duration_s"].as_f64() < Some(25.0), "it ended when the vehicle stood");
     let stopping = summary["rungs"]["plant"]["time_s"]["stop-in-lane"].as_f64();
     assert!(stopping > Some(2.0), "{}", summary["rungs"]);
@@ -167,7 +168,7 @@ fn faults_come_into_a_run_that_goes_on() {
     }
     let output = running.wait_with_output().expect("it ends");
     let summary: Value = serde_json::from_slice(&output.stdout).expect("a summary");
-    assert_eq!(restarts(&summary), [0, 0, 0, 1], "{summary}");
+    assert_eq!(restarts(&summary), [0, 0, 0, 1, 0], "{summary}");
     let kinds: Vec<_> = (summary["faults"].as_array().expect("a list").iter())
         .map(|fault| fault["kind"].as_str().expect("a name").to_owned())
         .collect();

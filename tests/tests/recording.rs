@@ -185,7 +185,8 @@ fn a_full_disk_ends_the_recording_and_not_the_run() {
     std::os::unix::fs::symlink("/dev/full", corner.path().join("out/recording.mcap"))
         .expect("writable");
     for mode in ["lockstep", "realtime"] {
-        let arguments = ["run", "cacc-a", "--mode", mode, "--duration", "2", "--out", "out"];
+        let arguments =
+            ["run", "cacc-a", "--mode", mode, "--duration", "2", "--out", "out", "--force"];
         let summary = corner.json(&arguments);
         let recording = &summary["recording"];
         let why = recording["failed"].as_str().expect("a reason");

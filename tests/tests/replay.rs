@@ -25,7 +25,8 @@ fn a_lockstep_run_repeats_to_the_byte() {
         [("cut-in", "acc-mpc"), ("cacc-a", "cacc-mpc"), ("cut-in", "quadratic-bounded")]
     {
         let law = ["--controller", controller];
-        let run = ["run", scenario, "--mode", "lockstep", "--duration", "8", "--out", "out"];
+        let run =
+            ["run", scenario, "--mode", "lockstep", "--duration", "8", "--out", "out", "--force"];
         let summary = corner.json(&[&run[..], &law[..]].concat());
         let cycles = summary["timing"]["cycles"].as_u64().expect("a count");
         let replayed = expect_identical(&corner, cycles);

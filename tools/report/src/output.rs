@@ -68,7 +68,7 @@ impl OutputDirectory {
     pub fn create(options: &OutputOptions, name: &str) -> Result<Self, Error> {
         let Some(path) = &options.out else { return Self::create_new(name) };
         let output = Self::take(path)?;
-        let found: Vec<_> = RESULTS.into_iter().filter(|name| path.join(name).exists()).collect();
+        let found: Vec<_> = RESULTS.into_iter().filter(|name| is_ours(&path.join(name))).collect();
         match found.first() {
             None => {}
             Some(_) if options.force => {
@@ -194,9 +194,9 @@ impl Drop for OutputDirectory {
         if self.is_used.get() {
             return;
         }
-        for name in RESULTS {
-            // Whether it goes or not, there is nobody left to hear of it.
-            let _ = remove(&self.path.join(name));
+        for path in RESULTS.map(|name| self.path.join(name)).iter().filter(|path| is_ours(path)) {
+            // What cannot be removed stays; the command has failed anyway.
+            let _ = remove(path);
         }
         for directory in &self.made {
             // One that holds something else stays.
@@ -207,6 +207,11 @@ impl Drop for OutputDirectory {
 
 fn error(path: &Path) -> impl Fn(std::io::Error) -> Error + Copy + '_ {
     move |reason| Error::Path { action: "write results to", path: path.to_owned(), reason }
+}
+
+/// True if there is a file or a directory: links and devices are the user's.
+fn is_ours(path: &Path) -> bool {
+    std::fs::symlink_metadata(path).is_ok_and(|found| found.is_file() || found.is_dir())
 }
 
 /// Removes a file or a directory, if it is there.
