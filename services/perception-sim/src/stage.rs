@@ -186,7 +186,8 @@ mod tests {
             let steps = drive(CUT_IN, ego_mps, 40.0);
             assert_eq!(steps[0].1.rear_position_m, 60.0);
             let begins = steps.iter().find(|(_, car)| car.lateral_m > -3.49).expect("it cuts in");
-            assert!((begins.0 - 30.0).abs() < 0.5, "{}", begins.0);
+            // The first centimetre of a lane change takes some 0.06 s, at up to 14 m/s of closing speed.
+            assert!((begins.0 - 30.0).abs() < 1.0, "{}", begins.0);
             let slowest = steps.iter().map(|(_, car)| car.speed_mps).fold(f64::INFINITY, f64::min);
             assert!((slowest - 16.0).abs() < 1e-9);
             let in_path = steps.iter().position(|(_, car)| car.in_ego_path()).expect("it is ahead");

@@ -4,6 +4,7 @@
 const SOURCES: &[&str] = &[
     include_str!("brake.rs"),
     include_str!("control.rs"),
+    include_str!("e2e/profile7.rs"),
     include_str!("header.rs"),
     include_str!("health.rs"),
     include_str!("perception.rs"),
@@ -20,12 +21,22 @@ pub fn of_message(name: &str, field: &str) -> Option<String> {
 /// The comment on field `field` of `pub struct name` in the text of a source file, in one line.
 #[must_use]
 pub fn in_source(source: &str, name: &str, field: &str) -> Option<String> {
+    in_block(source, &format!("pub struct {name} {{"), "pub ", field)
+}
+
+/// The comment on field `field` of the enum variant `name` in the text of a source file, in one line.
+#[must_use]
+pub fn in_variant(source: &str, name: &str, field: &str) -> Option<String> {
+    in_block(source, &format!("{name} {{"), "", field)
+}
+
+/// The comment on the line `PREFIX FIELD:` behind the line `head`, up to the end of that block.
+fn in_block(source: &str, head: &str, prefix: &str, field: &str) -> Option<String> {
     let mut lines = source.lines();
-    let head = format!("pub struct {name} {{");
     lines.find(|line| line.trim() == head)?;
     let mut comment = String::new();
     for line in lines.map(str::trim) {
-        if line == "}" {
+        if line.starts_with('}') {
             return None;
         }
         if let Some(text) = line.strip_prefix("///") {
@@ -33,7 +44,9 @@ pub fn in_source(source: &str, name: &str, field: &str) -> Option<String> {
                 comment.push(' ');
             }
             comment.push_str(text.trim());
-        } else if let Some(rest) = line.strip_prefix("pub ") {
+        } else if !line.starts_with("#[")
+            && let Some(rest) = line.strip_prefix(prefix)
+        {
             if rest.split_once(':').is_some_and(|(known, _)| known == field) {
                 return Some(comment);
             }

@@ -200,6 +200,6 @@ mod tests {
             assert_eq!(Rung::from_wire(number), Some(rung));
             assert_eq!(rung as u32, number);
         }
-        assert_eq!(Rung::from_wire(10), None);
+        assert_eq!(Rung::from_wire(Rung::ALL.len() as u32), None);
     }
 }

@@ -109,7 +109,7 @@ mod tests {
         let open = || Checkpoint::<(u64, Option<f64>)>::open(&path).expect("writable");
         assert_eq!(open().restore(), None);
         let mut checkpoint = open();
-        for k in 0..5 {
+        for k in 0..5_u64 {
             checkpoint.save(&(k, Some(0.1))).expect("it fits");
         }
         let mut restored = open();

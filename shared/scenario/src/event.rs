@@ -409,7 +409,7 @@ lateral = { to_m = 3.5, duration_s = 3, shape = \"cubic\" }
             ("gap_below_m = 30", "gap_under_m = 30", 9, "gap_below_m"),
             ("gap_below_m = 30", "gap_below_m = -1", 9, "a distance from 0"),
             ("speed = { to_mps = 10, rate_mps2 = 2 }", "", 7, "`speed`, `lateral` or both"),
-            ("completed = \"a\"", "completed = \"b\"", 12, "one of a"),
+            ("completed = \"a\"", "completed = \"b\"", 12, "expected a"),
             ("name = \"a\"", "name = \"a\"\nto = \"van\"", 9, "the name of another actor"),
             ("delay_s = 2", "to = \"car\"", 13, "no `to`"),
             (

@@ -14,6 +14,7 @@ const SOURCES: &[(&str, &str)] = &[
     ("road", include_str!("../road.rs")),
     ("runtime", include_str!("../runtime.rs")),
     ("supervision", include_str!("../supervision.rs")),
+    ("v2x", include_str!("../preview.rs")),
     ("v2x", include_str!("../v2x.rs")),
 ];
 
@@ -23,5 +24,19 @@ pub(super) fn of(table: &str, name: &str, key: &str) -> Option<String> {
     let own = SOURCES.iter().filter(|(about, _)| *about == table);
     let others = SOURCES.iter().filter(|(about, _)| *about != table);
     let field = key.replace('-', "_");
-    own.chain(others).find_map(|(_, source)| messages::notes::in_source(source, name, &field))
+    let variant = pascal(name);
+    own.chain(others).find_map(|(_, source)| {
+        messages::notes::in_source(source, name, &field)
+            .or_else(|| messages::notes::in_variant(source, &variant, &field))
+    })
+}
+
+/// The name of a variant from its name in a file: `wave-length` is `WaveLength`.
+fn pascal(name: &str) -> String {
+    let words = name.split('-').map(|word| {
+        let mut letters = word.chars();
+        let first = letters.next().map(|letter| letter.to_ascii_uppercase());
+        first.into_iter().chain(letters).collect::<String>()
+    });
+    words.collect()
 }
