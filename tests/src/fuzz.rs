@@ -80,7 +80,7 @@ pub fn link(bytes: &[u8]) {
     }
 }
 
-/// The end-to-end check: what it accepts is what somebody protected.
+/// The end-to-end check: what it accepts was protected.
 pub fn end_to_end(bytes: &[u8]) {
     let (mut channel, mut outcomes) = (Channel::default(), Outcomes::default());
     if channel.accept(bytes, 7, 0, &mut outcomes) {

@@ -102,7 +102,7 @@ fn a_tampered_design() {
 }
 
 fn output_directories() {
-    // Below a file no directory can be made, whoever asks.
+    // Below a file no directory can be made, not even by root.
     refused(&["run", "--out", "/dev/null/results"], 2, &["/dev/null/results", "cannot"]);
     refused(&["run", "--out", "/proc/results"], 2, &["/proc/results", "cannot"]);
 }

@@ -65,7 +65,7 @@ fn a_service_that_is_told_to_end_from_outside_is_replaced_and_its_past_counts() 
     assert_eq!(faults.len(), 4, "{faults:?}");
     for fault in faults {
         assert_eq!(fault["kind"], "died");
-        assert!(fault["detected_after_us"].is_null(), "nobody measured its instant: {fault}");
+        assert!(fault["detected_after_us"].is_null(), "its instant was not measured: {fault}");
         assert!(fault["recovered_after_us"].is_f64(), "{fault}");
     }
     // 600 steps, 60 control cycles: what the dead did is not forgotten.

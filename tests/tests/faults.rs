@@ -130,13 +130,13 @@ fn message_faults_repeat_byte_by_byte_and_no_corruption_passes() {
         assert_eq!(counts["e2e"], second.1["messages"][topic]["e2e"], "{topic}");
     }
     let faults = first.1["faults"].as_array().expect("a list");
-    let befallen = |kind: &str| {
+    let disturbed = |kind: &str| {
         let fault = faults.iter().find(|fault| fault["kind"] == kind).expect("it was asked for");
         fault["messages"].as_u64().expect("counted")
     };
-    assert_eq!(first.1["messages"]["radar/tracks"]["e2e"]["error"], befallen("corrupt"));
-    assert_eq!(first.1["messages"]["vehicle/odometry"]["e2e"]["repeated"], befallen("duplicate"));
-    assert!(befallen("corrupt") > 0 && befallen("drop") > 40);
+    assert_eq!(first.1["messages"]["radar/tracks"]["e2e"]["error"], disturbed("corrupt"));
+    assert_eq!(first.1["messages"]["vehicle/odometry"]["e2e"]["repeated"], disturbed("duplicate"));
+    assert!(disturbed("corrupt") > 0 && disturbed("drop") > 40);
     let future = &first.1["messages"]["v2x/spat"]["e2e"]["from_the_future"];
     assert!(future.as_u64() > Some(5), "{future}");
     // Two and a half seconds without radar: predicted, then braked for, then trusted again.
@@ -211,10 +211,10 @@ fn a_stranger_on_the_command_topic_is_not_heard_and_is_reported() {
     let output = running.wait_with_output().expect("it ends");
     let summary: Value = serde_json::from_slice(&output.stdout).expect("a summary");
     assert_eq!(summary["outcome"], "completed", "{summary}");
-    let strangers = summary["messages"]["control/command"]["e2e"]["stranger"].as_u64();
-    assert!(strangers > Some(0), "{}", summary["messages"]["control/command"]);
+    let unknown = summary["messages"]["control/command"]["e2e"]["stranger"].as_u64();
+    assert!(unknown > Some(0), "{}", summary["messages"]["control/command"]);
     let braking = summary["control"]["min_accel_mps2"].as_f64().expect("it drove");
-    assert!(braking > -1.0, "nobody braked: {braking}");
+    assert!(braking > -1.0, "the vehicle did not brake: {braking}");
 }
 
 fn impersonate(group: &Group) {

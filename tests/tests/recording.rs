@@ -136,7 +136,7 @@ fn the_run_outlives_its_recorder() {
             recording["failed"].as_str().is_some_and(|why| why.contains("SIGKILL")),
             "{recording}"
         );
-        assert_eq!(recording["lost"], Value::Null, "nobody was left to count");
+        assert_eq!(recording["lost"], Value::Null, "no process was left to count");
         readable_and_recoverable(&corner);
         corner.expect_nothing_left(&roots);
     }
@@ -150,9 +150,9 @@ fn a_recording_outlives_its_run() {
     let output = corner.run(&["recover", "out"]);
     assert_eq!(output.status.code(), Some(2), "{}", text(&output));
     assert!(text(&output).contains("still being recorded"), "{}", text(&output));
-    let everybody = corner.processes();
+    let processes = corner.processes();
     kill(i32::try_from(child.id()).expect("fits"));
-    for (pid, name) in everybody {
+    for (pid, name) in processes {
         if name != "timegap-janitor" {
             // Some went by themselves when the launcher did.
             let _ = kill_process(Pid::from_raw(pid).expect("a process id"), Signal::KILL);

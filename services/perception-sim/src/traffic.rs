@@ -121,7 +121,7 @@ impl Traffic {
         self.stage.as_ref().is_some_and(Stage::is_over)
     }
 
-    /// Where everybody is, for a process that goes on in this one's place: vehicles do not vanish with
+    /// Where all vehicles are, for a process that goes on in this one's place: they do not vanish with
     /// who simulates them.
     #[must_use]
     pub fn kept(&self) -> Kept {

@@ -14,7 +14,7 @@
 //!
 //! Three waits are designed: a modelled latency of the radar, the controller's wait for a release of
 //! its own timer, and the command's for the plant's next release (and the scenario's extra delay).
-//! They end at *scheduled* instants, so that whoever comes late does not pass for a design. What is
+//! They end at *scheduled* instants, so that lateness does not pass for a design. What is
 //! left without them, the *net* reaction time, is what the deployment costs.
 
 use crate::worst::Worst;
@@ -336,7 +336,7 @@ mod tests {
 
     #[test]
     fn a_busy_controller_queues_by_accident_and_a_timer_by_design() {
-        // Idle 40 after the sample was published: nobody designed that.
+        // Idle 40 after the sample was published: no design asks for it.
         let busy = command(radar(1, 100, 130), 100, 170, 174, 190);
         let parts = Parts::of(&(&busy).into(), &at(200, 200, 200));
         assert_eq!((parts.controller_queue_ns, parts.radar_transport_ns), (40, 4));

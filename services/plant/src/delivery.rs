@@ -151,7 +151,7 @@ mod tests {
     fn jitter_is_bounded_spread_and_seeded() {
         let keys = "extra_delay_ms = 20\nextra_jitter_ms = 50";
         let (arrivals, undelivered) = drive(delivery(keys), 6000);
-        assert_eq!(undelivered, 0, "a jitter shorter than the period overtakes nobody");
+        assert_eq!(undelivered, 0, "a jitter shorter than the period overtakes no command");
         let mut counts = [0; 6];
         for (sequence, now_ns) in &arrivals {
             let delay_ns = now_ns - *sequence as i64 * 10 * PERIOD_NS;

@@ -167,7 +167,7 @@ impl Disk {
 
     fn put(&self, batch: Batch, log_time_ns: Option<i64>) {
         self.queued.fetch_add(batch.size(), Ordering::Relaxed);
-        // After a failure, which `end` tells, messages are let go: nobody must wait for them.
+        // After a failure, which `end` tells, messages are let go: no sender must wait for them.
         let _ = self.work.send(Work::Messages(batch, log_time_ns));
     }
 

@@ -12,6 +12,15 @@
 //! * [`world::World`] moves a script: a pure function of its state, the time and what its caller moves.
 //! * [`variation`] gives the combinations of a parameter value distribution.
 
+#![allow(
+    clippy::result_large_err,
+    reason = "an error ends the reading of a file; its size costs nothing"
+)]
+#![allow(
+    clippy::neg_cmp_op_on_partial_ord,
+    reason = "what is no number fails a check that is written so"
+)]
+
 pub mod error;
 pub mod expression;
 pub mod library;

@@ -26,6 +26,11 @@
 //! Positions along the road count from the ego's front bumper at the start of the run, lateral
 //! positions from the centre of its lane, left positive; times from the start of the run.
 
+#![allow(
+    clippy::result_large_err,
+    reason = "an error ends the reading of a file; its size costs nothing"
+)]
+
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};

@@ -1,11 +1,11 @@
 //! `[runtime]`: where and how the services run.
 //!
 //! **Priorities** under `SCHED_FIFO` are by rate, the shortest period highest, and among equal rates by
-//! the order of the chain, so that whoever hands something over finishes before the next begins: 82
+//! the order of the chain, so that a sender finishes before its receiver begins: 82
 //! plant, 81 perception, 80 emergency brake and V2X, 79 controller.
 //!
 //! **Cores.** All services share one core unless told otherwise: the last that the process may use,
-//! which leaves the first, where most machines take their interrupts, to everybody else. The services
+//! which leaves the first, where most machines take their interrupts, to all other processes. The services
 //! of a chain work one after the other, so that a second core gives them no more time; but handing over
 //! to one that sleeps costs an interrupt between processors and a core's way out of idleness, where
 //! handing over on the same core costs a context switch. Reaction time without its designed waits, p50

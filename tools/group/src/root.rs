@@ -193,16 +193,24 @@ fn sweep(base: &Path) {
         let root = entry.path();
         let dead = match open_lock(&root) {
             Ok(lock) => flock(&lock, FlockOperation::NonBlockingLockExclusive).is_ok(),
-            Err(_) => entry
-                .metadata()
-                .and_then(|metadata| metadata.modified())
-                .is_ok_and(|modified| modified.elapsed().is_ok_and(|age| age > GRACE)),
+            Err(_) => {
+                let modified = entry.metadata().and_then(|metadata| metadata.modified());
+                owner_is_gone(&root)
+                    || modified.is_ok_and(|time| time.elapsed().is_ok_and(|age| age > GRACE))
+            }
         };
         if dead {
             tracing::debug!("removing what a dead run left at {}", root.display());
             wipe(&root);
         }
     }
+}
+
+/// True if the process whose id the root's name begins with does not exist.
+fn owner_is_gone(root: &Path) -> bool {
+    let name = root.file_name().map(|name| name.to_string_lossy().into_owned());
+    let pid = name.and_then(|name| u32::from_str_radix(name.split('-').next()?, 16).ok());
+    pid.is_some_and(|pid| !Path::new("/proc").join(pid.to_string()).exists())
 }
 
 #[cfg(test)]

@@ -37,7 +37,7 @@ impl Scene {
         scene
     }
 
-    /// The scene `back_ns` earlier, if until then everybody had kept the present speed.
+    /// The scene `back_ns` earlier, if until then all had kept the present speed.
     #[must_use]
     pub fn earlier(&self, back_ns: i64) -> Self {
         let back_s = back_ns as f64 * 1e-9;

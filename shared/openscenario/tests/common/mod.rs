@@ -1,4 +1,9 @@
 //! Small scenarios in memory.
+
+#![allow(
+    clippy::result_large_err,
+    reason = "an error ends the reading of a file; its size costs nothing"
+)]
 #![allow(dead_code)]
 
 use std::collections::BTreeMap;

@@ -131,7 +131,7 @@ pub fn run_repeating(
     let mut sample = ProcessesSample::default();
     let mut end = Ok(());
     std::thread::scope(|scope| {
-        // Bounded: drives are large, and whoever takes them may be slower than the workers.
+        // Bounded: drives are large, and their receiver may be slower than the workers.
         let (sender, results) = sync_channel(at_once);
         for _ in 0..at_once.min(jobs.len()) {
             let sender = sender.clone();
@@ -145,7 +145,7 @@ pub fn run_repeating(
                 sample.count(index, done.repetition.as_ref());
             }
             let taken = match result {
-                // What befell this run alone is its result.
+                // A failure of this run alone is its result.
                 Ok(_) | Err(Error::NotReady { .. } | Error::Runtime(_)) => each(index, result),
                 Err(error) => Err(error),
             };
