@@ -116,12 +116,16 @@ fn the_loops_allocate_nothing_of_their_own() {
                 controller,
             ]);
             let sent = |topic: &str| summary["messages"][topic]["sent"].as_u64().expect("counted");
-            let beats = sent("health/heartbeat") / 4;
+            let beats = sent("health/heartbeat") / 5;
             for (service, own) in [
                 ("plant", sent("vehicle/odometry")),
-                ("perception-sim", sent("radar/tracks") + sent("truth/vehicles")),
+                (
+                    "perception-sim",
+                    sent("radar/tracks") + sent("radar/detections") + sent("truth/vehicles"),
+                ),
                 ("v2x-sim", sent("v2x/spat") + sent("v2x/map") + sent("truth/signals")),
                 ("controller", sent("control/command") + sent("control/diagnostics")),
+                ("aebs", sent("safety/brake")),
             ] {
                 let services = summary["services"].as_array().expect("services");
                 let found = services.iter().find(|found| found["name"] == service);

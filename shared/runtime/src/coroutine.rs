@@ -19,11 +19,14 @@ thread_local! {
     static STACKS: RefCell<Vec<DefaultStack>> = const { RefCell::new(Vec::new()) };
 }
 
+/// The yielder of the task that runs.
+type Slot = Rc<Cell<Option<NonNull<Yielder<(), ()>>>>>;
+
 /// What lets the code of a task wait for its next turn.
 ///
 /// It holds the yielder exactly while its task runs: a wait at any other time is a panic.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Pause(Rc<Cell<Option<NonNull<Yielder<(), ()>>>>>);
+pub(crate) struct Pause(Slot);
 
 impl Pause {
     /// Lets the other tasks have their turns.

@@ -114,7 +114,14 @@ fn tracks(timeline: &Timeline, frame: &Frame) -> Vec<TrackDescriptor> {
         },
         child(INCIDENTS, "faults".into()),
     ];
-    for service in [Service::PerceptionSim, Service::V2xSim, Service::Controller, Service::Plant] {
+    let in_order = [
+        Service::PerceptionSim,
+        Service::V2xSim,
+        Service::Controller,
+        Service::Aebs,
+        Service::Plant,
+    ];
+    for service in in_order {
         let granted = frame.granted.get(&service).map_or("", String::as_str);
         let name = format!("{service} {granted}").trim_end().to_owned();
         tracks.push(child(service_track(service), name));
