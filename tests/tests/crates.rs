@@ -23,7 +23,7 @@ fn layer(name: &str, path: &str) -> usize {
         Some(folder) => path.contains(&format!("/{folder}/")),
         None => *entry == name,
     };
-    let found = LAYERS.iter().position(|layer| layer.iter().any(|entry| of(entry)));
+    let found = LAYERS.iter().position(|layer| layer.iter().any(&of));
     // A library that only services and tools use stands with the lowest ones.
     found.or(path.contains("/shared/").then_some(0)).unwrap_or(LAYERS.len())
 }

@@ -4,6 +4,9 @@
 //! and [`quality`] compares these with the traffic. [`perception`] is one step of all. All of it is
 //! plain code: functions of state, seed and time; only the service has a clock and ports.
 
+#![allow(clippy::needless_range_loop, reason = "indices of matrices, as in the equations")]
+#![allow(clippy::large_enum_variant, reason = "one of each exists in a process")]
+
 pub mod perception;
 pub mod quality;
 pub mod radar;

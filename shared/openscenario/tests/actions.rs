@@ -1,5 +1,7 @@
 //! Each action does what its shape and dimension say.
 
+#![allow(clippy::approx_constant, reason = "a number as files have it")]
+
 mod common;
 
 use common::*;

@@ -1,5 +1,10 @@
 //! What is outside the subset, or makes no sense, is refused with its place.
 
+#![allow(
+    clippy::result_large_err,
+    reason = "an error ends the reading of a file; its size costs nothing"
+)]
+
 mod common;
 
 use common::*;

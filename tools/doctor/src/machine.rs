@@ -3,7 +3,6 @@
 use super::cgroup::{self, Limit, Limits};
 use super::processor::IdleState;
 use super::storage::Room;
-use group;
 use group::Error;
 use runtime::scheduling::{self, Granted, Policy, Request};
 use std::path::{Path, PathBuf};

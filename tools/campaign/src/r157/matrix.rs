@@ -5,6 +5,9 @@ use rand_core::Rng;
 use rand_pcg::Pcg64;
 use regulation::{PerModel, Verdict, cut_in, cut_out, following};
 
+/// True for the cases of a part.
+type IsOfPart = fn(&Case) -> bool;
+
 /// A matrix of the regulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
 pub enum Matrix {
@@ -36,7 +39,7 @@ impl Matrix {
     }
 
     /// The parts that tables keep apart, with what tells a case of each.
-    pub fn parts(self) -> &'static [(&'static str, fn(&Case) -> bool)] {
+    pub fn parts(self) -> &'static [(&'static str, IsOfPart)] {
         match self {
             Self::CutIn => &[
                 ("low", |case| case.ego_kmh() <= cut_in::LOW_UP_TO_KMH),

@@ -29,11 +29,13 @@ const ROAD_M: f64 = 60e3;
 /// Set speed of the trip, m/s.
 const SET_SPEED_MPS: f64 = 75.0 / 3.6;
 
+/// One part of the reproduction.
+type Reproduce = fn(&Runner<'_>) -> Result<Part, Error>;
+
 /// Drives the scenarios, computes the plans over the whole route, and compares.
 pub fn reproduce(runner: &Runner<'_>) -> Result<Part, Error> {
     let mut part = Part::default();
-    let parts: [fn(&Runner<'_>) -> Result<Part, Error>; 2] =
-        [savings::reproduce, following::reproduce];
+    let parts: [Reproduce; 2] = [savings::reproduce, following::reproduce];
     for result in together(parts.map(|reproduce| move || reproduce(runner))) {
         part.extend(result?);
     }
