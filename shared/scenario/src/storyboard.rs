@@ -1,6 +1,6 @@
 //! `[storyboard]`: what an OpenSCENARIO file says, carried in the scenario.
 //!
-//! [`translate`] makes a scenario of such a file. The ego is this program's own: its place, its speed and
+//! `translate` makes a scenario of such a file. The ego is this program's own: its place, its speed and
 //! its extent come from the file, its control from `[controller]`. Every other entity is an actor with
 //! the profile `storyboard`. The storyboard itself is carried as it was resolved (parameters, catalogs
 //! and road included), so that a service which is handed the scenario's text needs no other file.

@@ -40,7 +40,7 @@ const RESULTS: [&str; 19] = [
 /// Where the results go.
 #[derive(Clone, Debug, Default, Args)]
 pub struct OutputOptions {
-    /// Directory for the results [default: runs/<time>-<name>]
+    /// Directory for the results; by default below `runs`, named after time and subject
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Replace the results that the directory holds
