@@ -52,7 +52,8 @@ fn a_realtime_run_is_measured_whole() {
     for service in summary["services"].as_array().expect("services") {
         assert_eq!(service["exit"], "ok", "{service}");
         let rss = service["peak_rss_kib"].as_u64().expect("read");
-        assert!(rss < 16 * 1024, "{service}");
+        // With the radar's detections, 48 KiB each, in flight.
+        assert!(rss < 32 * 1024, "{service}");
         let scheduling = &service["scheduling"];
         // Whatever was granted is what the kernel said, and what was refused is named.
         let granted = scheduling["granted"].as_str().expect("read back");

@@ -166,8 +166,8 @@ impl Runtime {
         self.sent.push((T::TOPIC, Rc::clone(&tally)));
         let awaited = match self.group.mode {
             Mode::Lockstep => !T::TOPIC.consumers().is_empty(),
-            // The radar alone can release a service.
-            Mode::Realtime => T::TOPIC == Topic::RadarTracks,
+            // The radar alone can release services.
+            Mode::Realtime => matches!(T::TOPIC, Topic::RadarTracks | Topic::RadarDetections),
         };
         let port = T::sender(&self.transport, self.link.end.clone())?;
         self.ports.push((T::TOPIC, Rc::clone(&port) as Rc<dyn Connect>));
