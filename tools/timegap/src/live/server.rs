@@ -188,7 +188,9 @@ fn admit(hub: &Arc<Mutex<Hub>>, stream: TcpStream, served: &Served) -> bool {
     let thread = std::thread::Builder::new().name("browser".into());
     let thread = thread.spawn(move || {
         // A browser that went away is no error.
-        let _ = answer(&hub, stream, &served);
+        let _ = answer(&hub, &stream, &served);
+        // The other handle on it, by which a slow browser is let go, would keep it open.
+        let _ = stream.shutdown(Shutdown::Both);
     });
     let Ok(thread) = thread else { return false };
     shared.threads.push((thread, handle));
@@ -214,9 +216,9 @@ fn request(mut stream: &TcpStream) -> std::io::Result<String> {
 }
 
 /// Answers one request.
-fn answer(hub: &Mutex<Hub>, stream: TcpStream, served: &Served) -> std::io::Result<()> {
+fn answer(hub: &Mutex<Hub>, stream: &TcpStream, served: &Served) -> std::io::Result<()> {
     stream.set_write_timeout(Some(PATIENCE))?;
-    let request = request(&stream)?;
+    let request = request(stream)?;
     let mut lines = request.lines();
     let first = lines.next().unwrap_or_default();
     let host = lines
@@ -225,14 +227,14 @@ fn answer(hub: &Mutex<Hub>, stream: TcpStream, served: &Served) -> std::io::Resu
     let host = host.map(|host| host.rsplit_once(':').map_or(host, |(host, _)| host));
     let local = host.is_some_and(|host| matches!(host, "127.0.0.1" | "localhost"));
     let Some(path) = first.strip_prefix("GET ").and_then(|rest| rest.split(' ').next()) else {
-        return respond(&stream, "405 Method Not Allowed", "text/plain", "only GET is answered\n");
+        return respond(stream, "405 Method Not Allowed", "text/plain", "only GET is answered\n");
     };
     let below = path.strip_prefix('/').and_then(|path| path.strip_prefix(&*served.token));
     match below {
-        Some("/") if local => respond(&stream, "200 OK", "text/html; charset=utf-8", &served.page),
-        Some("/events") if local => stream_events(hub, &stream),
+        Some("/") if local => respond(stream, "200 OK", "text/html; charset=utf-8", &served.page),
+        Some("/events") if local => stream_events(hub, stream),
         _ => respond(
-            &stream,
+            stream,
             "403 Forbidden",
             "text/plain",
             "open the whole address that the run printed\n",
