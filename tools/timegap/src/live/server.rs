@@ -262,7 +262,10 @@ fn stream_events(hub: &Mutex<Hub>, mut stream: &TcpStream) -> std::io::Result<()
             // There is room for all of the past.
             let _ = sender.try_send(Arc::clone(message));
         }
-        if !hub.over {
+        if hub.over {
+            // What is left in the channel is the end of the stream.
+            drop(sender);
+        } else {
             hub.clients.push(sender);
         }
     }
