@@ -303,7 +303,7 @@ mod tests {
             "speed, m/s  ego  ahead",
             "gap, m",
             "acceleration, m/s²",
-            "mode  follow",
+            "mode   follow",
             "level  lead-predicted",
             "command full",
             "3.250 s  kill controller",
@@ -330,9 +330,9 @@ mod tests {
         history.newest.answer_us = Some(answers);
         for width in [60, 80] {
             let text = picture(width, 40, &history);
-            for part in ["p50 123.46 ms", "p99 123.46 ms", "max 123.46 ms", "level  lead-predicted"]
-            {
-                assert!(text.contains(part), "{part} at {width} columns\n{text}");
+            let shown = report::print::duration(p);
+            for part in ["p50", "p99", "max"].map(|name| format!("{name} {shown}")) {
+                assert!(text.contains(&part), "{part} at {width} columns\n{text}");
             }
         }
     }
