@@ -217,9 +217,9 @@ fn state(history: &History) -> Vec<Line<'static>> {
         Line::raw(format!("mode   {}", newest.mode)),
         Line::raw(format!("level  {}", newest.rung)),
         Line::raw(format!("command {}", newest.quality)),
-        Line::raw(answer("radar to command p50", |p| p.p50)),
-        Line::raw(answer("                 p99", |p| p.p99)),
-        Line::raw(answer("                 max", |p| p.max) + &format!(" (n = {count})")),
+        Line::raw(answer("radar-command p50", |p| p.p50)),
+        Line::raw(answer("              p99", |p| p.p99)),
+        Line::raw(answer("              max", |p| p.max) + &format!(" (n = {count})")),
     ]
 }
 
