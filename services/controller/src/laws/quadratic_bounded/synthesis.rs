@@ -75,7 +75,7 @@ impl Options {
         ];
         let weights = self.weights.map(|w| ("weights", w, 1e-6, 1e6));
         match ranges.into_iter().chain(weights).find(|(_, v, l, m)| !(*l..=*m).contains(v)) {
-            Some((key, value, least, most)) => Err(SettingError { key, value, least, most }),
+            Some((key, value, least, most)) => Err(SettingError::OutOfRange { key, value, least, most }),
             None => Ok(()),
         }
     }
@@ -166,7 +166,7 @@ impl std::error::Error for SynthesisError {}
 /// A bad parameter, or what each alpha failed with.
 pub fn synthesize(request: &DesignRequest) -> Result<Synthesis, SynthesisError> {
     request.parameters.check().map_err(SynthesisError::Parameter)?;
-    request.search.check().map_err(SynthesisError::Parameter)?;
+    request.search.validate().map_err(SynthesisError::Parameter)?;
     let mut trials = Vec::new();
     for alpha in request.search.grid() {
         let problem = Problem::new(&request.parameters, &request.search, alpha);
