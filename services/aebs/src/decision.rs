@@ -2,10 +2,10 @@
 //!
 //! | state | entered | left |
 //! |---|---|---|
-//! | [`State::Monitoring`] | at the start | |
-//! | [`State::Warning`] | braking that begins `warning_s` from now would leave less than the margin | no such threat |
-//! | [`State::Braking`] | braking that begins one cycle from now would leave less than the margin | the ego is slower than the threat and clear of it, or stands |
-//! | [`State::Holding`] | the ego stands after braking | after [`HOLD_S`] |
+//! | [`BrakeState::Monitoring`] | at the start | |
+//! | [`BrakeState::Warning`] | braking that begins `warning_s` from now would leave less than the margin | no such threat |
+//! | [`BrakeState::Braking`] | braking that begins one cycle from now would leave less than the margin | the ego is slower than the threat and clear of it, or stands |
+//! | [`BrakeState::Holding`] | the ego stands after braking | after [`HOLD_S`] |
 //!
 //! Both need a collision course: with its present acceleration the ego would touch. Cruise control and
 //! driver brake long before the last point, so that their braking keeps this system silent. Source of
@@ -14,6 +14,7 @@
 use crate::objects::Object;
 use crate::path::Path;
 use crate::prediction::{Authority, Ego, Threat};
+use messages::BrakeState;
 
 /// After a stop the brakes are held for this time, s.
 const HOLD_S: f64 = 1.0;
@@ -41,25 +42,11 @@ pub struct Settings {
     pub warning_s: f64,
 }
 
-/// What the system does.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum State {
-    /// No threat.
-    #[default]
-    Monitoring,
-    /// The driver is warned.
-    Warning,
-    /// It brakes.
-    Braking,
-    /// The ego stands; the brakes are held.
-    Holding,
-}
-
 /// What is asked of the brakes, and why.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Demand {
     /// State.
-    pub state: State,
+    pub state: BrakeState,
     /// Deceleration, m/s², 0 unless it brakes or holds.
     pub deceleration_mps2: f64,
     /// The threat behind it: gap, m, relative speed, m/s, and lateral offset, m.
@@ -70,8 +57,8 @@ pub struct Demand {
 #[derive(Clone, Debug)]
 pub struct Decision {
     settings: Settings,
-    state: State,
-    /// Time in [`State::Holding`], or without a threat while braking, s.
+    state: BrakeState,
+    /// Time in [`BrakeState::Holding`], or without a threat while braking, s.
     waited_s: f64,
 }
 
@@ -90,7 +77,7 @@ impl Decision {
     /// No threat yet.
     #[must_use]
     pub fn new(settings: Settings) -> Self {
-        Self { settings, state: State::Monitoring, waited_s: 0.0 }
+        Self { settings, state: BrakeState::Monitoring, waited_s: 0.0 }
     }
 
     /// Takes the objects as they are now, once in each period.
@@ -110,24 +97,26 @@ impl Decision {
         let waited_s = self.waited_s + self.settings.period_s;
         let before = self.state;
         self.state = match before {
-            State::Braking if ego.speed_mps <= STANDSTILL_MPS => State::Holding,
-            State::Braking if brakes => State::Braking,
-            State::Braking if worst.is_none() && waited_s < UNSEEN_S => State::Braking,
-            State::Braking if worst.is_some() && !clear => State::Braking,
-            State::Holding if waited_s < HOLD_S => State::Holding,
-            _ if brakes => State::Braking,
-            _ if warns => State::Warning,
-            _ => State::Monitoring,
+            BrakeState::Braking if ego.speed_mps <= STANDSTILL_MPS => BrakeState::Holding,
+            BrakeState::Braking if brakes => BrakeState::Braking,
+            BrakeState::Braking if worst.is_none() && waited_s < UNSEEN_S => BrakeState::Braking,
+            BrakeState::Braking if worst.is_some() && !clear => BrakeState::Braking,
+            BrakeState::Holding if waited_s < HOLD_S => BrakeState::Holding,
+            _ if brakes => BrakeState::Braking,
+            _ if warns => BrakeState::Warning,
+            _ => BrakeState::Monitoring,
         };
         let waits =
-            self.state == before && !brakes && worst.is_none_or(|_| before == State::Holding);
+            self.state == before && !brakes && worst.is_none_or(|_| before == BrakeState::Holding);
         self.waited_s = if waits { waited_s } else { 0.0 };
-        let active = matches!(self.state, State::Braking | State::Holding);
+        let active = matches!(self.state, BrakeState::Braking | BrakeState::Holding);
         let full = self.settings.authority.deceleration_mps2;
         Demand {
             state: self.state,
             deceleration_mps2: if active { full } else { 0.0 },
-            threat: worst.filter(|_| self.state != State::Monitoring).map(|worst| worst.threat),
+            threat: worst
+                .filter(|_| self.state != BrakeState::Monitoring)
+                .map(|worst| worst.threat),
         }
     }
 
@@ -180,7 +169,7 @@ mod tests {
 
     /// Drives at `speed` towards something of `other` m/s at `gap`; returns the states with the times
     /// at which they were entered and the last gap.
-    fn drive(speed: f64, other: f64, gap: f64) -> (Vec<(f64, State)>, f64) {
+    fn drive(speed: f64, other: f64, gap: f64) -> (Vec<(f64, BrakeState)>, f64) {
         let mut decision = Decision::new(settings());
         let (mut v, mut a, mut d, mut asked_s) = (speed, 0.0_f64, gap, 0.0);
         let mut states = Vec::new();
@@ -190,7 +179,7 @@ mod tests {
                 let object = Object::at(d, other, 0.0, 0.0, 0.95);
                 let ego = Ego { speed_mps: v, acceleration_mps2: a };
                 let demand = decision.step(&ego, [object]);
-                if states.last().is_none_or(|last: &(f64, State)| last.1 != demand.state) {
+                if states.last().is_none_or(|last: &(f64, BrakeState)| last.1 != demand.state) {
                     states.push((t, demand.state));
                 }
                 asked_s = if demand.deceleration_mps2 > 0.0 { asked_s + 0.05 } else { 0.0 };
@@ -206,8 +195,9 @@ mod tests {
     #[test]
     fn it_warns_then_brakes_then_holds_short_of_what_stands() {
         let (states, gap) = drive(20.0, 0.0, 100.0);
-        let order: Vec<State> = states.iter().map(|(_, state)| *state).collect();
-        let expected = [State::Monitoring, State::Warning, State::Braking, State::Holding];
+        let order: Vec<BrakeState> = states.iter().map(|(_, state)| *state).collect();
+        let expected =
+            [BrakeState::Monitoring, BrakeState::Warning, BrakeState::Braking, BrakeState::Holding];
         assert_eq!(order[..4], expected, "{states:?}");
         assert!(states[2].0 - states[1].0 >= 0.75, "{states:?}");
         assert!((0.0..2.0).contains(&gap), "it stops at {gap} m");
@@ -216,8 +206,8 @@ mod tests {
     #[test]
     fn it_lets_go_once_the_other_is_faster() {
         let (states, gap) = drive(30.0, 15.0, 80.0);
-        assert!(states.iter().any(|(_, state)| *state == State::Braking), "{states:?}");
-        assert_eq!(states.last().map(|last| last.1), Some(State::Monitoring), "{states:?}");
+        assert!(states.iter().any(|(_, state)| *state == BrakeState::Braking), "{states:?}");
+        assert_eq!(states.last().map(|last| last.1), Some(BrakeState::Monitoring), "{states:?}");
         assert!(gap > 0.0);
     }
 
@@ -228,7 +218,7 @@ mod tests {
         let ego = Ego { speed_mps: 20.0, acceleration_mps2: -5.2 };
         let object = Object::at(40.0, 0.0, 0.0, 0.0, 0.95);
         let demand = decision.step(&ego, [object]);
-        assert_eq!(demand.state, State::Monitoring);
+        assert_eq!(demand.state, BrakeState::Monitoring);
     }
 
     #[test]
@@ -238,7 +228,7 @@ mod tests {
             let ego = Ego { speed_mps: 0.8, acceleration_mps2: -0.5 };
             let object = Object::at(gap, 0.0, 0.0, 0.0, 0.95);
             let demand = decision.step(&ego, [object]);
-            assert_eq!(demand.state, State::Monitoring, "{gap} m");
+            assert_eq!(demand.state, BrakeState::Monitoring, "{gap} m");
         }
     }
 }

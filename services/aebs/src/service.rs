@@ -1,6 +1,6 @@
 //! The emergency brake's loop: released by the radar's detections, or by its timer when they are late.
 
-use crate::decision::{Decision, Demand, Settings, State};
+use crate::decision::{Decision, Demand, Settings};
 use crate::objects::Objects;
 use crate::path::Path;
 use crate::prediction::{Authority, Ego};
@@ -141,7 +141,7 @@ impl Aebs {
                 .map_or(-1, |scan| runtime.clock().scheduled_ns(scan.header.step)),
             idle_ns: release.idle_ns,
             start_ns: release.start_ns,
-            state: demand.map_or(BrakeState::Blind, |demand| on_the_wire(demand.state)) as u32,
+            state: demand.map_or(BrakeState::Blind, |demand| demand.state) as u32,
             objects: u32::try_from(self.objects.confirmed().count()).unwrap_or(u32::MAX),
             deceleration_mps2: demand_or_none.deceleration_mps2,
             gap_m,
@@ -157,14 +157,5 @@ impl Aebs {
             deadline_misses: self.deadline_misses + skipped,
             decide_us: self.decide.percentiles_us(),
         }
-    }
-}
-
-fn on_the_wire(state: State) -> BrakeState {
-    match state {
-        State::Monitoring => BrakeState::Monitoring,
-        State::Warning => BrakeState::Warning,
-        State::Braking => BrakeState::Braking,
-        State::Holding => BrakeState::Holding,
     }
 }

@@ -6,12 +6,10 @@
 //! interrupt reaches every run that goes on and keeps further ones from beginning; what finished before
 //! is kept.
 
-mod in_memory;
 mod leftovers;
 mod sample;
 mod usage;
 
-pub use in_memory::run_in_memory;
 pub use sample::{ProcessesSample, choose};
 pub use usage::Growth;
 
@@ -22,6 +20,7 @@ use group::{Drive, Ended};
 use indicatif::ProgressBar;
 use leftovers::leftovers;
 use report::summary::Summary;
+use runtime::report::Outcome;
 use runtime::{Carrier, Mode};
 use scenario::Scenario;
 use std::collections::BTreeSet;
@@ -60,6 +59,11 @@ pub struct Done {
 }
 
 impl Job {
+    /// A lockstep run.
+    pub fn lockstep(scenario: Scenario) -> Self {
+        Self { scenario, mode: Mode::Lockstep, sample_every: None }
+    }
+
     /// What carries the run's messages.
     fn carrier(&self, group: &GroupOptions) -> Carrier {
         let needs_processes = group.processes
@@ -98,22 +102,16 @@ pub fn run(
     let chosen = sample::choose(seed, candidates.len());
     let repeated = chosen.into_iter().map(|index| candidates[index]).collect();
     let sample = run_repeating(&repeated, jobs, at_once, group, bar, each)?;
-    match &sample.first_difference {
-        None => Ok(sample),
-        Some((index, why)) => {
-            let scenario = &jobs[*index].scenario;
-            Err(Error::Different(format!(
-                "run {index} ({} with {}, seed {}) in a process group: {why}",
-                scenario.name.as_str(),
-                scenario.controller.name.as_str(),
-                scenario.seed.value(),
-            )))
-        }
-    }
+    sample.tell(jobs.len(), bar);
+    sample.agreed(|index| {
+        let scenario = &jobs[index].scenario;
+        let (name, law) = (scenario.name.as_str(), scenario.controller.name.as_str());
+        format!(" ({name} with {law}, seed {})", scenario.seed.value())
+    })
 }
 
-/// The same with the choice of the runs to be repeated; a repeated run that gave other bytes is in
-/// its result alone.
+/// The same with the choice of the runs to be repeated, and without a word on them; a repeated run
+/// that gave other bytes is in its result alone.
 ///
 /// # Errors
 /// As [`run`], but for [`Error::Different`].
@@ -161,9 +159,23 @@ pub fn run_repeating(
     if interrupt.came() {
         return Err(Error::Interrupted);
     }
-    end?;
-    sample.tell(jobs.len(), bar);
-    Ok(sample)
+    end.map(|()| sample)
+}
+
+/// A run that did not reach its end has no figures.
+///
+/// # Errors
+/// [`Error::Machine`] that says why the run was aborted.
+pub fn whole(summary: &Summary) -> Result<(), Error> {
+    match (&summary.outcome, &summary.aborted_because) {
+        (Outcome::Aborted, why) => Err(Error::Machine(format!(
+            "{} with {}: {}",
+            summary.scenario,
+            summary.controller,
+            why.as_deref().unwrap_or("aborted"),
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// Does one lockstep run, and repeats it in a process group if `repeat` says so and it was none.
@@ -176,7 +188,7 @@ pub fn lockstep(
     repeat: bool,
     going_on: &dyn Fn() -> bool,
 ) -> Result<Done, Error> {
-    let job = Job { scenario: scenario.clone(), mode: Mode::Lockstep, sample_every: None };
+    let job = Job::lockstep(scenario.clone());
     drive_and_repeat(&job, group, repeat, going_on)
 }
 

@@ -1,6 +1,7 @@
 //! Runs of a batch that are repeated in process groups, so that runs in one process need not be
 //! believed.
 
+use group::Error;
 use indicatif::ProgressBar;
 use rand_core::Rng;
 use rand_pcg::Pcg32;
@@ -35,6 +36,28 @@ impl ProcessesSample {
         if let Err(why) = repetition {
             self.different += 1;
             self.first_difference.get_or_insert_with(|| (index, why.clone()));
+        }
+    }
+
+    /// Adds what came of other runs, whose indices begin at `first`.
+    pub fn add(&mut self, other: Self, first: usize) {
+        self.runs += other.runs;
+        self.different += other.different;
+        let difference = other.first_difference.map(|(index, why)| (first + index, why));
+        self.first_difference = self.first_difference.take().or(difference);
+    }
+
+    /// The sample, if every repeated run gave the same bytes; `describe` says more of a run.
+    ///
+    /// # Errors
+    /// [`Error::Different`] if one of them gave other bytes.
+    pub fn agreed(self, describe: impl Fn(usize) -> String) -> Result<Self, Error> {
+        match &self.first_difference {
+            None => Ok(self),
+            Some((index, why)) => Err(Error::Different(format!(
+                "run {index}{} in a process group: {why}",
+                describe(*index)
+            ))),
         }
     }
 

@@ -123,6 +123,9 @@ fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
         Ok(())
     };
     let end = batch::run_repeating(&repeated, &jobs, at_once, group, &bar, &mut each);
+    if let Ok(sample) = &end {
+        sample.tell(jobs.len(), &bar);
+    }
     bar.finish_and_clear();
     if end.is_err() {
         let (done, all, directory) = (records.len(), mine.len(), output.path().display());

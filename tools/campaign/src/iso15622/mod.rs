@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use controller::laws;
-use group::Error;
+use group::{Error, GroupOptions};
 use report::html::{Cell, Column, document, section, table};
 use report::output::{OutputDirectory, OutputOptions};
 use report::print;
@@ -18,7 +18,7 @@ use runtime::Mode;
 use scenes::Test;
 use serde::Serialize;
 
-use crate::batch;
+use crate::batch::{self, Job, ProcessesSample};
 
 /// Arguments of `iso15622`.
 #[derive(Debug, Args)]
@@ -29,6 +29,9 @@ pub struct Iso15622Arguments {
     /// Seed of the sensors' noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u32,
+    /// How each run's processes are started.
+    #[command(flatten)]
+    pub group: GroupOptions,
     /// Where the results go.
     #[command(flatten)]
     pub output: OutputOptions,
@@ -42,6 +45,7 @@ struct Results {
     schema_version: u32,
     ok: bool,
     rows: Vec<Row>,
+    processes_sample: ProcessesSample,
 }
 
 /// Runs the command.
@@ -56,23 +60,26 @@ pub fn run(arguments: &Iso15622Arguments) -> Result<ExitCode, Error> {
     };
     let tests: Vec<(&String, Test)> =
         laws.iter().flat_map(|law| Test::ALL.map(|test| (law, test))).collect();
-    let scenarios = tests
+    let jobs = tests
         .iter()
-        .map(|(law, test)| test.scenario(law, arguments.seed))
+        .map(|(law, test)| test.scenario(law, arguments.seed).map(Job::lockstep))
         .collect::<Result<Vec<_>, Error>>()?;
     let output = OutputDirectory::create(&arguments.output, "iso15622")?;
-    let bar = report::progress::count_bar(scenarios.len(), arguments.json);
-    let mut sheets = vec![Vec::new(); scenarios.len()];
+    let bar = report::progress::count_bar(jobs.len(), arguments.json);
+    let mut sheets = vec![Vec::new(); jobs.len()];
     let at_once = batch::at_once(None, Mode::Lockstep);
-    batch::run_in_memory(&scenarios, at_once, &bar, &mut |index, drive| {
+    let sample = batch::run(&jobs, at_once, &arguments.group, &bar, &mut |index, result| {
+        let done = result?;
+        batch::whole(&done.summary)?;
         let (law, test) = tests[index];
-        sheets[index] = rows::rows(test, law, &drive);
+        sheets[index] = rows::rows(test, law, &done.drive);
         Ok(())
-    })?;
+    });
     bar.finish_and_clear();
+    let processes_sample = sample?;
     let rows: Vec<Row> = sheets.into_iter().flatten().collect();
     let ok = rows.iter().all(|row| row.ok);
-    let results = Results { schema_version: 1, ok, rows };
+    let results = Results { schema_version: 1, ok, rows, processes_sample };
     let json = serde_json::to_string_pretty(&results).expect("plain data") + "\n";
     let written = output.write("iso15622.json", json.as_bytes());
     let written = written.and_then(|()| output.write(report::FILE, page(&results).as_bytes()));

@@ -7,13 +7,14 @@ mod print;
 mod results;
 mod scene;
 
+use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use controller::laws;
-use group::Error;
+use group::{Error, GroupOptions};
 use indicatif::ProgressBar;
 use matrix::{Case, Matrix};
 use regulation::{Verdict, table};
@@ -22,7 +23,7 @@ use results::{Judged, MatrixResult, Results};
 use runtime::Mode;
 use scene::Driver;
 
-use crate::batch;
+use crate::batch::{self, Job, ProcessesSample};
 
 /// Cases that are made scenarios, and run, at a time.
 const CHUNK: usize = 512;
@@ -48,6 +49,9 @@ pub struct R157Arguments {
     /// Write the models' outcomes of the cut-ins as a table
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
+    /// How each run's processes are started.
+    #[command(flatten)]
+    pub group: GroupOptions,
     /// Where the results go.
     #[command(flatten)]
     pub output: OutputOptions,
@@ -77,16 +81,18 @@ pub fn run(arguments: &R157Arguments) -> Result<ExitCode, Error> {
     let output = OutputDirectory::create(&arguments.output, "r157")?;
     let runs: usize = judged.iter().map(|judged| judged.cases.len() * drivers.len()).sum();
     let bar = report::progress::count_bar(runs, arguments.json);
+    let mut batches = Batches::new(arguments, &bar, runs);
     for judged in &mut judged {
         for driver in &drivers {
-            let verdicts = drive(&judged.cases, driver, arguments, &bar)?;
+            let verdicts = batches.drive(&judged.cases, driver)?;
             judged.laws.push((driver.clone(), verdicts));
         }
     }
+    let processes_sample = batches.finish(runs)?;
     bar.finish_and_clear();
     let matrices: Vec<MatrixResult> = judged.iter().map(Judged::result).collect();
     let ok = matrices.iter().all(MatrixResult::holds);
-    let results = Results { schema_version: 1, ok, matrices };
+    let results = Results { schema_version: 1, ok, matrices, processes_sample };
     let json = serde_json::to_string_pretty(&results).expect("plain data") + "\n";
     let written = output.write("r157.json", json.as_bytes());
     let written =
@@ -136,28 +142,63 @@ fn cases(matrix: Matrix, arguments: &R157Arguments) -> Vec<Case> {
     }
 }
 
-/// Drives the cases one by one.
-fn drive(
-    cases: &[Case],
-    driver: &Driver,
-    arguments: &R157Arguments,
-    bar: &ProgressBar,
-) -> Result<Vec<Verdict>, Error> {
-    let at_once = batch::at_once(None, Mode::Lockstep);
-    let mut verdicts = Vec::with_capacity(cases.len());
-    for chunk in cases.chunks(CHUNK) {
-        let scenarios = chunk
-            .iter()
-            .map(|case| scene::scenario(case, driver, u64::from(arguments.seed)))
-            .collect::<Result<Vec<_>, Error>>()?;
-        let begin = verdicts.len();
-        verdicts.resize(begin + scenarios.len(), Verdict::NONE);
-        batch::run_in_memory(&scenarios, at_once, bar, &mut |index, drive| {
-            verdicts[begin + index] = judge::verdict(&drive);
-            Ok(())
-        })?;
+/// All runs of the command, a part at a time: so many scenarios would not fit in memory at once.
+struct Batches<'a> {
+    arguments: &'a R157Arguments,
+    bar: &'a ProgressBar,
+    /// The runs to be repeated in process groups, of all.
+    repeated: BTreeSet<usize>,
+    sample: ProcessesSample,
+    /// Runs before the next one.
+    done: usize,
+}
+
+impl<'a> Batches<'a> {
+    fn new(arguments: &'a R157Arguments, bar: &'a ProgressBar, runs: usize) -> Self {
+        let repeated = batch::choose(arguments.seed.into(), runs);
+        Self { arguments, bar, repeated, sample: ProcessesSample::default(), done: 0 }
     }
-    Ok(verdicts)
+
+    /// Drives the cases one by one.
+    fn drive(&mut self, cases: &[Case], driver: &Driver) -> Result<Vec<Verdict>, Error> {
+        let at_once = batch::at_once(None, Mode::Lockstep);
+        let group = &self.arguments.group;
+        let mut verdicts = Vec::with_capacity(cases.len());
+        for chunk in cases.chunks(CHUNK) {
+            let scenario = |case| scene::scenario(case, driver, self.arguments.seed.into());
+            let jobs = chunk
+                .iter()
+                .map(|case| scenario(case).map(Job::lockstep))
+                .collect::<Result<Vec<_>, Error>>()?;
+            let first = self.done;
+            let repeated = (0..jobs.len()).filter(|k| self.repeated.contains(&(first + k)));
+            let mut found = vec![Verdict::NONE; jobs.len()];
+            let mut each = |index: usize, result: Result<batch::Done, Error>| {
+                let done = result?;
+                batch::whole(&done.summary)?;
+                found[index] = judge::verdict(&done.drive);
+                Ok(())
+            };
+            let sample = batch::run_repeating(
+                &repeated.collect(),
+                &jobs,
+                at_once,
+                group,
+                self.bar,
+                &mut each,
+            )?;
+            self.sample.add(sample, first);
+            self.done += jobs.len();
+            verdicts.extend(found);
+        }
+        Ok(verdicts)
+    }
+
+    /// Says what came of the runs that were repeated in process groups.
+    fn finish(self, runs: usize) -> Result<ProcessesSample, Error> {
+        self.sample.tell(runs, self.bar);
+        self.sample.agreed(|_| String::new())
+    }
 }
 
 fn write_table(path: &std::path::Path, judged: &[Judged]) -> Result<(), Error> {

@@ -1,5 +1,6 @@
 //! What is counted and kept of the cases.
 
+use crate::batch::ProcessesSample;
 use std::collections::BTreeMap;
 
 use regulation::{Model, Outcome, PerModel, Tally, Verdict, is_mastered_by_both};
@@ -20,6 +21,8 @@ pub struct Results {
     pub ok: bool,
     /// The matrices.
     pub matrices: Vec<MatrixResult>,
+    /// The runs that were repeated in process groups.
+    pub processes_sample: ProcessesSample,
 }
 
 /// A matrix, or a part of it.

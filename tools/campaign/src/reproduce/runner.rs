@@ -6,7 +6,6 @@ use group::{Drive, Error, GroupOptions, ScenarioOptions};
 use indicatif::ProgressBar;
 use report::RunPicture;
 use report::summary::Summary;
-use runtime::report::Outcome;
 use scenario::Scenario;
 use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
@@ -118,7 +117,7 @@ impl<'a> Runner<'a> {
             let index = self.begun.fetch_add(1, Ordering::Relaxed);
             let repeat = self.repeated.contains(&index);
             let done = batch::lockstep(&scenario, self.group, repeat, &going_on)?;
-            whole(&done.summary)?;
+            batch::whole(&done.summary)?;
             self.sample
                 .lock()
                 .unwrap_or_else(PoisonError::into_inner)
@@ -149,25 +148,7 @@ impl<'a> Runner<'a> {
         let sample = self.sample.into_inner().unwrap_or_else(PoisonError::into_inner);
         sample.tell(self.runs, &self.bar);
         self.bar.finish_and_clear();
-        match &sample.first_difference {
-            None => Ok(sample),
-            Some((index, why)) => {
-                Err(Error::Different(format!("run {index} in a process group: {why}")))
-            }
-        }
-    }
-}
-
-/// A run that did not reach its end has no figures.
-fn whole(summary: &Summary) -> Result<(), Error> {
-    match (&summary.outcome, &summary.aborted_because) {
-        (Outcome::Aborted, why) => Err(Error::Machine(format!(
-            "{} with {}: {}",
-            summary.scenario,
-            summary.controller,
-            why.as_deref().unwrap_or("aborted"),
-        ))),
-        _ => Ok(()),
+        sample.agreed(|_| String::new())
     }
 }
 

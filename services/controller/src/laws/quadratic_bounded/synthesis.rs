@@ -75,7 +75,9 @@ impl Options {
         ];
         let weights = self.weights.map(|w| ("weights", w, 1e-6, 1e6));
         match ranges.into_iter().chain(weights).find(|(_, v, l, m)| !(*l..=*m).contains(v)) {
-            Some((key, value, least, most)) => Err(SettingError::OutOfRange { key, value, least, most }),
+            Some((key, value, least, most)) => {
+                Err(SettingError::OutOfRange { key, value, least, most })
+            }
             None => Ok(()),
         }
     }
