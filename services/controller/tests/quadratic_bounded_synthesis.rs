@@ -187,12 +187,12 @@ fn a_certified_design_that_brakes_harder_in_the_cut_in() {
     let most = Published::of(&design(&candidate(5.0, 8.0, (10.0, 10.0), 0.015)), &defaults);
     most.print("hardest within the ellipsoid");
     assert!(!most.holds() && most.lyapunov <= 1.0 && (most.hardest + 1.32).abs() < 0.02);
-    // Harder still by hiding the whole gap error from the shipped design: out of the ellipsoid,
-    // and the gap stays 68 m too large.
+    // Hiding the whole gap error from the shipped design leads out of the ellipsoid, where the law's
+    // fall-back drives: braking of the certified rules is no longer what is seen.
     let hidden = Settings { gap_error_limit_m: 0.0, ..defaults };
     let hidden = Published::of(&Design::shipped(), &hidden);
     hidden.print("shipped, gap error hidden");
-    assert!(hidden.lyapunov > 5.0 && hidden.hardest < -2.0 && hidden.least_gap_error > 60.0);
+    assert!(hidden.lyapunov > 5.0 && !hidden.holds());
 }
 
 /// The search itself, 480 designs in about two minutes:
