@@ -1,7 +1,10 @@
 //! However a run ends, nothing of it is left: no process, no shared memory, no socket, no file.
 
 use rustix::process::{Pid, Signal, kill_process};
+use signal_hook::consts::SIGHUP;
 use std::process::{Child, Output};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 use system_tests::{Corner, text, wait_for};
 
@@ -44,6 +47,9 @@ fn completion() {
 
 #[test]
 fn interrupt_and_termination() {
+    // Under `nohup` the tests ignore SIGHUP, and so would the run: what is handled here is not inherited.
+    let handled = Arc::new(AtomicBool::new(false));
+    signal_hook::flag::register(SIGHUP, handled).expect("SIGHUP can be handled");
     for (kind, from) in [(Signal::INT, 130), (Signal::TERM, 130), (Signal::HUP, 130)] {
         let corner = Corner::new(PROGRAM);
         let child = started(&corner);
