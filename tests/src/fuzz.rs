@@ -76,7 +76,8 @@ pub fn link(bytes: &[u8]) {
     let _ = serde_json::from_slice::<ToService>(bytes);
     let _ = serde_json::from_slice::<Group>(bytes);
     if let Ok(fault) = serde_json::from_slice::<Fault>(bytes) {
-        let _ = fault.check("fault");
+        let text = serde_json::to_string(&fault).expect("plain data");
+        assert_eq!(serde_json::from_str::<Fault>(&text).expect("it was written"), fault);
     }
 }
 

@@ -151,7 +151,7 @@ fn unknown_commands_and_faults_without_meaning() {
     refused(&["inject", "nowhere", "kill", "controller", "--for", "2"], 2, &["for"]);
     refused_scenario(
         "[[faults]]\nkind = \"kill\"\nservice = \"plant\"\nat_s = 1\nfor_s = 2\n",
-        &["mine.toml:8:9", "^", "for_s"],
+        &["mine.toml:8:1", "^", "for_s"],
     );
 }
 

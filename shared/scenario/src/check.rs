@@ -4,10 +4,9 @@ use super::Scenario;
 use super::actor::{Actor, MAX_ACTORS, MAX_PROFILE_POINTS, Profile, SpeedPoint};
 use super::aebs::LEAST_DECELERATION_MPS2;
 use super::controller::Release;
-use super::document::Problem;
-use super::faults::{Fault, MAX_FAULTS};
 use super::perception::{MAX_LATENCY_SCANS, Perception, Radar, RadarModel};
 use super::plant::Integrator;
+use super::problem::Problem;
 use super::quantity::{Acceleration, Time};
 use super::v2x::{MAX_PROGRAM_PHASES, MAX_SIGNALS, Signal};
 
@@ -22,15 +21,7 @@ pub(super) fn all(scenario: &Scenario) -> Result<(), Problem> {
     controller(scenario)?;
     actors(&scenario.actors)?;
     super::storyboard::check(scenario)?;
-    super::event::check(&scenario.actors)?;
-    faults(&scenario.faults)
-}
-
-fn faults(faults: &[Fault]) -> Result<(), Problem> {
-    if faults.len() > MAX_FAULTS {
-        return fail("faults", format!("{} faults", faults.len()), format!("at most {MAX_FAULTS}"));
-    }
-    faults.iter().enumerate().try_for_each(|(i, fault)| fault.check(&format!("faults.{i}")))
+    super::event::check(&scenario.actors)
 }
 
 fn fail<T>(

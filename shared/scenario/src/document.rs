@@ -11,60 +11,11 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::error::ScenarioError;
-use super::law_tables::LawTables;
 use super::overrides::{Override, Overrides};
+use super::problem::Problem;
 
 /// Longest text of a scenario, bytes.
 pub const MAX_TEXT_BYTES: usize = 1 << 20;
-
-/// What is wrong with a value that is readable by itself: it contradicts another key, or
-/// the law that it is for refuses it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Problem {
-    /// Dotted path of the offending key, array elements by their index: `actors.0.gap_m`.
-    pub path: String,
-    /// What is wrong.
-    pub message: String,
-    /// What would have been right.
-    pub expected: String,
-    /// The key that `path` contradicts; shown instead when only that one was written, or was set on
-    /// the command line.
-    pub against: Option<String>,
-    /// Position in the document, where it is known more closely than by `path`.
-    place: Option<Range<usize>>,
-}
-
-impl Problem {
-    /// A problem at `path`.
-    pub fn new(
-        path: impl Into<String>,
-        message: impl Into<String>,
-        expected: impl Into<String>,
-    ) -> Self {
-        let (path, message, expected) = (path.into(), message.into(), expected.into());
-        Self { path, message, expected, against: None, place: None }
-    }
-
-    /// A problem at `path` from one sentence, "what is wrong, expected what".
-    pub fn said(path: impl Into<String>, sentence: &str) -> Self {
-        let (message, expected) = sentence.split_once(", expected ").unwrap_or((sentence, ""));
-        Self::new(path, message, expected)
-    }
-
-    /// The same at a position of the document.
-    #[must_use]
-    pub(super) fn at(mut self, place: Range<usize>) -> Self {
-        self.place = Some(place);
-        self
-    }
-
-    /// Names the key that this one contradicts.
-    #[must_use]
-    pub fn against(mut self, path: &str) -> Self {
-        self.against = Some(path.to_owned());
-        self
-    }
-}
 
 /// A parsed document with its overrides.
 pub(super) struct Document<'a> {
@@ -100,12 +51,15 @@ impl<'a> Document<'a> {
         Ok(document)
     }
 
-    /// Reads the document into a type; the tables that belong to the laws come apart.
-    pub(super) fn read<T: DeserializeOwned>(&self) -> Result<(T, LawTables), ScenarioError> {
+    /// Reads the document into a type; what `take` takes out of it comes apart.
+    pub(super) fn read<T: DeserializeOwned, A>(
+        &self,
+        take: impl FnOnce(&mut DeTable<'_>) -> A,
+    ) -> Result<(T, A), ScenarioError> {
         let mut root = self.root.clone();
-        let tables = LawTables::take_from(root.get_mut());
+        let apart = take(root.get_mut());
         T::deserialize(toml::Deserializer::from(root))
-            .map(|value| (value, tables))
+            .map(|value| (value, apart))
             .map_err(|error| self.error(error.span().unwrap_or(0..0), error.message()))
     }
 
@@ -116,7 +70,7 @@ impl<'a> Document<'a> {
 
     /// The error for a problem, at its key's value or at the nearest table above it that exists.
     pub(super) fn problem(&self, problem: &Problem) -> ScenarioError {
-        if let Some(place) = &problem.place {
+        if let Some(place) = problem.place() {
             let error = self.error(place.clone(), &problem.message);
             return error.expecting(problem.expected.as_str());
         }

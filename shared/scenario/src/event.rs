@@ -36,8 +36,8 @@ use serde::{Deserialize, Serialize};
 
 use super::Scenario;
 use super::actor::{Actor, Profile};
-use super::document::Problem;
 use super::name::Name;
+use super::problem::Problem;
 use super::quantity::{AccelerationMagnitude, Distance, Duration, Lateral, Speed, Time};
 
 /// Most events of an actor.

@@ -6,8 +6,9 @@ use std::path::Path;
 
 use super::Scenario;
 use super::actor::{MAX_PROFILE_POINTS, Profile, SpeedPoint};
-use super::document::{Document, MAX_TEXT_BYTES, Problem};
+use super::document::{Document, MAX_TEXT_BYTES};
 use super::error::ScenarioError;
+use super::problem::Problem;
 use super::quantity::{Speed, Time};
 use super::road;
 use super::table::Table;

@@ -9,8 +9,8 @@ use serde::de::DeserializeOwned;
 use serde::{Serialize, Serializer};
 use toml::de::{DeTable, DeValue};
 
-use super::document::Problem;
 use super::placed::Placed;
+use super::problem::Problem;
 
 /// Tables of `[controller]` that have a type in this crate.
 const TYPED: [&str; 1] = ["weights"];

@@ -60,15 +60,18 @@ mod document;
 mod error;
 mod files;
 pub mod grade;
+mod keys;
 mod law_tables;
 mod overrides;
 mod placed;
+mod problem;
 mod table;
 
-pub use document::{MAX_TEXT_BYTES, Problem};
+pub use document::MAX_TEXT_BYTES;
 pub use error::ScenarioError;
 pub use law_tables::LawTables;
 pub use overrides::Overrides;
+pub use problem::Problem;
 
 use actor::Actor;
 use aebs::Aebs;
@@ -144,7 +147,7 @@ pub struct Scenario {
     #[serde(default)]
     pub actors: Vec<Actor>,
     /// What goes wrong.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip_deserializing, skip_serializing_if = "Vec::is_empty")]
     pub faults: Vec<Fault>,
     /// The storyboard that moves the actors with the profile `storyboard`; comes from an OpenSCENARIO
     /// file.
@@ -231,8 +234,11 @@ impl Scenario {
                 format!("{SCHEMA_VERSION}"),
             )));
         }
-        let (mut scenario, tables): (Self, _) = document.read()?;
+        let (mut scenario, (tables, faults)): (Self, _) =
+            document.read(|root| (LawTables::take_from(root), faults::take_from(root)))?;
         scenario.controller.tables = tables;
+        scenario.faults =
+            faults::written(faults.as_ref()).map_err(|problem| document.problem(&problem))?;
         scenario.follow_a_fast_controller(|path| document.has(path));
         if let Some(directory) = directory {
             files::load(&mut scenario, &document, directory)?;

@@ -33,7 +33,7 @@ impl PartialEq for Placed {
 impl Placed {
     /// An empty table without a place.
     pub(super) fn empty() -> Self {
-        Self { key: None, place: 0..0, content: Content::Table(Vec::new()) }
+        Self::unplaced(toml::Value::Table(toml::Table::new()))
     }
 
     /// A value of a document.
@@ -52,6 +52,20 @@ impl Placed {
         Self { key: None, place: value.span(), content }
     }
 
+    /// A value that stands in no document.
+    pub(super) fn unplaced(value: toml::Value) -> Self {
+        let content = match value {
+            toml::Value::Table(table) => Content::Table(
+                table.into_iter().map(|(name, value)| (name, Self::unplaced(value))).collect(),
+            ),
+            toml::Value::Array(array) => {
+                Content::Array(array.into_iter().map(Self::unplaced).collect())
+            }
+            scalar => Content::Scalar(scalar),
+        };
+        Self { key: None, place: 0..0, content }
+    }
+
     /// The same with the place of the key that holds it.
     pub(super) fn with_key(mut self, key: Range<usize>) -> Self {
         self.key = Some(key);
@@ -66,6 +80,22 @@ impl Placed {
     /// Where its key stands.
     pub(super) fn key_place(&self) -> Option<Range<usize>> {
         self.key.clone()
+    }
+
+    /// The elements, if it is a list.
+    pub(super) fn elements(&self) -> Option<&[Self]> {
+        match &self.content {
+            Content::Array(array) => Some(array),
+            Content::Scalar(_) | Content::Table(_) => None,
+        }
+    }
+
+    /// The keys with their values, if it is a table.
+    pub(super) fn entries(&self) -> Option<&[(String, Self)]> {
+        match &self.content {
+            Content::Table(table) => Some(table),
+            Content::Scalar(_) | Content::Array(_) => None,
+        }
     }
 
     /// The value alone.

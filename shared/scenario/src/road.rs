@@ -13,8 +13,8 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::document::Problem;
 use super::error::ScenarioError;
+use super::problem::Problem;
 use super::quantity::{
     Distance, GradeMagnitude, GradePercent, Height, Length, Reach, RoadLength, Seed,
 };

@@ -15,8 +15,8 @@ use openscenario::{Assignment, Disk, ReadError, World, WorldError, read};
 use serde::{Deserialize, Serialize};
 
 use super::actor::{MAX_ACTORS, Profile};
-use super::document::Problem;
 use super::error::ScenarioError;
+use super::problem::Problem;
 use super::{SCHEMA_VERSION, Scenario};
 
 /// How long a run lasts whose storyboard has no end in time, s.

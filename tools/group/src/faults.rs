@@ -3,11 +3,8 @@
 use super::disturbance::Disturbance;
 use messages::Service;
 use scenario::Scenario;
-use scenario::faults::{Fault, Kind};
+use scenario::faults::{Effect, Fault, ProcessFault, Target};
 use serde::Serialize;
-
-/// Kills of a `restart-storm` that does not say how many.
-const STORM: u16 = 3;
 
 /// One thing that went wrong, asked for or not.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -40,6 +37,7 @@ pub struct FaultRecord {
 struct Planned {
     number: u32,
     fault: Fault,
+    process_fault: ProcessFault,
     /// When it begins, ns of run time; unknown while it waits for its condition.
     begin_ns: Option<i64>,
     /// Kills left of a storm.
@@ -80,11 +78,7 @@ impl Faults {
     pub fn of(scenario: &Scenario) -> Self {
         let mut faults = Self { planned: Vec::new(), records: Vec::new(), next_number: 0 };
         for fault in &scenario.faults {
-            let begin_ns = match (fault.at_s, fault.when) {
-                (None, Some(_)) => None,
-                (at, _) => Some(at.map_or(0, |at| nanoseconds(at.nanoseconds()))),
-            };
-            faults.plan(fault.clone(), begin_ns);
+            faults.plan(fault.clone(), fault.begin.known_ns());
         }
         faults
     }
@@ -93,19 +87,31 @@ impl Faults {
     pub fn plan(&mut self, fault: Fault, begin_ns: Option<i64>) -> u32 {
         let number = self.next_number;
         self.next_number += 1;
-        if fault.kind.is_of_processes() {
-            let left = match fault.kind {
-                Kind::RestartStorm => fault.times.map_or(STORM, |times| times.value()),
-                _ => 1,
-            };
-            let planned =
-                Planned { number, fault, begin_ns, left, killed: None, running: None, done: false };
-            self.planned.push(planned);
-        } else {
-            self.records.push(FaultRecord {
+        match &fault.effect {
+            Effect::Process(process_fault) => {
+                let process_fault = process_fault.clone();
+                let left = match process_fault {
+                    ProcessFault::RestartStorm { times, .. } => times.value(),
+                    ProcessFault::Kill { .. }
+                    | ProcessFault::Stop { .. }
+                    | ProcessFault::Hog { .. }
+                    | ProcessFault::Memory { .. } => 1,
+                };
+                self.planned.push(Planned {
+                    number,
+                    fault,
+                    process_fault,
+                    begin_ns,
+                    left,
+                    killed: None,
+                    running: None,
+                    done: false,
+                });
+            }
+            Effect::Channel(_) | Effect::Sender(_) => self.records.push(FaultRecord {
                 t_s: begin_ns.map_or(f64::NAN, |begin| begin as f64 / 1e9),
                 ..record(&fault, number)
-            });
+            }),
         }
         number
     }
@@ -120,38 +126,38 @@ impl Faults {
     ) -> Vec<(usize, Act)> {
         let mut acts = Vec::new();
         for (index, planned) in self.planned.iter_mut().enumerate() {
-            if let (None, Some(condition), Some((position, speed))) =
-                (planned.begin_ns, &planned.fault.when, ego)
-                && condition.holds(position, speed)
+            if let (None, Some((position_m, speed_mps))) = (planned.begin_ns, ego)
+                && planned.fault.begin.is_met(position_m, speed_mps)
             {
                 planned.begin_ns = Some(now_ns);
             }
-            let service = planned.fault.service;
             if let Some((until_ns, disturbance)) = &mut planned.running
                 && now_ns >= *until_ns
             {
                 // Hogs end with their handle.
                 disturbance.take();
                 planned.running = None;
-                if let (Kind::Stop, Some(service)) = (planned.fault.kind, service) {
+                if let ProcessFault::Stop { service, .. } = planned.process_fault {
                     acts.push((index, Act::Continue(service)));
                 }
             }
             if planned.done || planned.begin_ns.is_none_or(|begin| now_ns < begin) {
                 continue;
             }
-            let act = match (planned.fault.kind, service) {
-                (Kind::Kill | Kind::RestartStorm, Some(service)) => match up(service) {
-                    Some(incarnation) if planned.killed != Some(incarnation) => {
-                        planned.killed = Some(incarnation);
-                        Act::Kill(service)
+            let act = match planned.process_fault {
+                ProcessFault::Kill { service } | ProcessFault::RestartStorm { service, .. } => {
+                    match up(service) {
+                        Some(incarnation) if planned.killed != Some(incarnation) => {
+                            planned.killed = Some(incarnation);
+                            Act::Kill(service)
+                        }
+                        Some(_) | None => continue,
                     }
-                    _ => continue,
-                },
-                (Kind::Stop, Some(service)) if up(service).is_some() => Act::Stop(service),
-                (Kind::Hog, _) => Act::Hog(planned.fault.core.map(|core| core.value())),
-                (Kind::Memory, _) => Act::Memory(planned.fault.megabytes.map_or(1, |m| m.value())),
-                _ => continue,
+                }
+                ProcessFault::Stop { service, .. } if up(service).is_none() => continue,
+                ProcessFault::Stop { service, .. } => Act::Stop(service),
+                ProcessFault::Hog { core, .. } => Act::Hog(core.map(|core| core.value())),
+                ProcessFault::Memory { megabytes, .. } => Act::Memory(megabytes.value()),
             };
             planned.left -= 1;
             planned.done = planned.left == 0;
@@ -180,8 +186,11 @@ impl Faults {
     /// Notes that the act on fault `index` was done at `now_ns`; `disturbance` is what runs for it.
     pub fn done(&mut self, index: usize, now_ns: i64, disturbance: Option<Disturbance>) {
         let planned = &mut self.planned[index];
-        if matches!(planned.fault.kind, Kind::Stop | Kind::Hog | Kind::Memory) {
-            planned.running = Some((planned.fault.end_ns(now_ns), disturbance));
+        match planned.process_fault {
+            ProcessFault::Stop { .. } | ProcessFault::Hog { .. } | ProcessFault::Memory { .. } => {
+                planned.running = Some((planned.fault.effect.end_ns(now_ns), disturbance));
+            }
+            ProcessFault::Kill { .. } | ProcessFault::RestartStorm { .. } => {}
         }
         let record =
             FaultRecord { t_s: now_ns as f64 / 1e9, ..record(&planned.fault, planned.number) };
@@ -191,7 +200,7 @@ impl Faults {
     /// Ends what runs for a fault of `service` that was replaced meanwhile.
     pub fn replaced(&mut self, service: Service) {
         for planned in &mut self.planned {
-            if planned.fault.service == Some(service) {
+            if planned.fault.effect.target() == Target::Service(service) {
                 planned.running = None;
             }
         }
@@ -263,21 +272,22 @@ impl Faults {
 }
 
 fn record(fault: &Fault, number: u32) -> FaultRecord {
+    let (service, topic) = match fault.effect.target() {
+        Target::Service(service) => (Some(service), None),
+        Target::Topic(topic) => (None, Some(topic.name())),
+        Target::Machine => (None, None),
+    };
     FaultRecord {
         t_s: f64::NAN,
-        kind: fault.kind.name().into(),
-        service: fault.service,
-        topic: fault.topic.map(|name| name.0.name()),
-        messages: (!fault.kind.is_of_processes()).then_some(0),
+        kind: fault.effect.kind().name().into(),
+        service,
+        topic,
+        messages: fault.effect.extent().map(|_| 0),
         detected_after_us: None,
         recovered_after_us: None,
         number,
         awaits: None,
     }
-}
-
-fn nanoseconds(value: u64) -> i64 {
-    i64::try_from(value).unwrap_or(i64::MAX)
 }
 
 #[cfg(test)]

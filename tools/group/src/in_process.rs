@@ -148,11 +148,11 @@ impl Course {
 
 fn refuse_faults_of_processes(scenario: &Scenario) -> Result<(), Error> {
     let mut faults = scenario.faults.iter().enumerate();
-    match faults.find(|(_, fault)| fault.kind.is_of_processes()) {
+    match faults.find(|(_, fault)| fault.effect.of_processes().is_some()) {
         Some((index, fault)) => Err(Error::Usage(format!(
             "faults.{index}: `{}` acts on a process, and here all services share one: leave out \
              --in-process and run with --mode realtime",
-            fault.kind.name()
+            fault.effect.kind()
         ))),
         None => Ok(()),
     }

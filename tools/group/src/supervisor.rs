@@ -182,12 +182,12 @@ pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Grou
 /// In simulated time all services wait for each other: a process fault shows nothing.
 fn refuse_faults_of_processes(launch: &Launch) -> Result<(), Error> {
     let faults = launch.scenario.faults.iter().enumerate();
-    let mut of_processes = faults.filter(|(_, fault)| fault.kind.is_of_processes());
+    let mut of_processes = faults.filter(|(_, fault)| fault.effect.of_processes().is_some());
     match of_processes.next() {
         Some((i, fault)) if launch.mode == Mode::Lockstep => Err(Error::Usage(format!(
             "faults.{i}: `{}` acts on a process and needs --mode realtime; in lockstep, where all \
              services wait for each other, silence a topic with `drop` instead",
-            fault.kind.name()
+            fault.effect.kind()
         ))),
         _ => Ok(()),
     }

@@ -346,10 +346,8 @@ impl Supervisor<'_> {
     fn inject(&mut self, fault: Fault, log: &DriveLog, now_ns: i64) -> Answer {
         let lockstep = self.launch.mode == Mode::Lockstep;
         let refused = |message: String| Answer { ok: false, message };
-        if let Err(problem) = fault.check("fault") {
-            return refused(problem.message);
-        }
-        if fault.kind.is_of_processes() && lockstep {
+        let is_of_processes = fault.effect.of_processes().is_some();
+        if is_of_processes && lockstep {
             return refused("the run is in lockstep: faults of processes need realtime".into());
         }
         let begin_ns = if lockstep {
@@ -357,11 +355,10 @@ impl Supervisor<'_> {
         } else {
             now_ns
         };
-        let delay_ns = fault.at_s.map_or(0, |at| at.nanoseconds());
-        let begin_ns = begin_ns.saturating_add_unsigned(delay_ns);
+        let begin_ns = begin_ns.saturating_add(fault.begin.known_ns().unwrap_or(0));
         let number = self.faults.plan(fault.clone(), Some(begin_ns));
-        let message = format!("{} at {:.3} s", fault.kind.name(), begin_ns as f64 / 1e9);
-        if !fault.kind.is_of_processes() {
+        let message = format!("{} at {:.3} s", fault.effect.kind(), begin_ns as f64 / 1e9);
+        if !is_of_processes {
             let concerned = concerned(&fault);
             let injected = Injected { number, begin_ns, fault };
             for service in concerned {

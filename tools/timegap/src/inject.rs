@@ -7,10 +7,10 @@ use messages::Service;
 use messages::Topic;
 use report::print;
 use runtime::Group;
-use scenario::faults::{BiasedField, Fault, Kind, TopicName};
-use scenario::quantity::{Core, Count, DelayMs, Duration, Megabytes, Probability, Shift};
+use scenario::faults::{self, Fault, Kind};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use toml::Value;
 
 /// Arguments of `inject`.
 #[derive(Debug, Args)]
@@ -29,9 +29,9 @@ pub struct InjectArguments {
     /// When it begins from now, s
     #[arg(long = "in", value_name = "SECONDS")]
     pub after: Option<f64>,
-    /// Probability with which it acts on a message
-    #[arg(long, default_value_t = 1.0)]
-    pub probability: f64,
+    /// Probability with which it acts on a message [default: 1]
+    #[arg(long)]
+    pub probability: Option<f64>,
     /// `delay`: by how much, ms
     #[arg(long, value_name = "MS")]
     pub delay_ms: Option<i64>,
@@ -70,7 +70,6 @@ const EXAMPLES: &str = "Examples:
 /// Runs the command.
 pub fn run(arguments: &InjectArguments) -> Result<ExitCode, Error> {
     let fault = fault(arguments)?;
-    fault.check("fault").map_err(|problem| Error::Usage(problem.message))?;
     let root = root(&arguments.run)?;
     let answer = control::inject(&root, &fault)
         .map_err(|e| Error::Usage(format!("{} is not going on: {e}", arguments.run.display())))?;
@@ -103,53 +102,46 @@ fn root(results: &Path) -> Result<PathBuf, Error> {
     Ok(group.root)
 }
 
+/// The fault that the options describe: they are the keys of a fault in a file by other names.
 fn fault(arguments: &InjectArguments) -> Result<Fault, Error> {
-    let usage = Error::Usage;
-    let mut fault = Fault::new(arguments.kind);
-    if let Some(target) = &arguments.target {
-        match (target.parse::<Service>(), Topic::by_name(target)) {
-            (Ok(service), _) => fault.service = Some(service),
-            (_, Some(_)) => {
-                fault.topic = Some(TopicName::try_from(target.clone()).map_err(usage)?);
-            }
-            (Err(e), None) => return Err(usage(format!("{e}, or a topic such as radar/tracks"))),
-        }
+    let target = match &arguments.target {
+        None => None,
+        Some(target) => Some((key_of(target)?, Value::from(target.as_str()))),
+    };
+    let number = |value: Option<f64>| value.map(Value::Float);
+    let whole = |value: Option<i64>| value.map(Value::Integer);
+    let options = [
+        ("kind", Some(arguments.kind.name().into())),
+        ("for_s", number(arguments.length)),
+        ("at_s", number(arguments.after)),
+        ("probability", number(arguments.probability)),
+        ("delay_ms", whole(arguments.delay_ms)),
+        ("jitter_ms", whole(arguments.jitter_ms)),
+        ("bits", whole(arguments.bits)),
+        ("field", arguments.field.as_deref().map(Value::from)),
+        ("amount", number(arguments.amount)),
+        ("core", whole(arguments.core)),
+        ("megabytes", whole(arguments.megabytes)),
+        ("times", whole(arguments.times)),
+    ];
+    let given = options.into_iter().filter_map(|(key, value)| Some((key, value?))).chain(target);
+    faults::read(given.map(|(key, value)| (key.to_owned(), value)).collect()).map_err(|problem| {
+        let option = match problem.path.strip_prefix("fault.") {
+            None => String::new(),
+            Some("service" | "topic") => "the target: ".to_owned(),
+            Some("for_s") => "--for: ".to_owned(),
+            Some("at_s") => "--in: ".to_owned(),
+            Some(key) => format!("--{}: ", key.replace('_', "-")),
+        };
+        Error::Usage(format!("{option}{}, expected {}", problem.message, problem.expected))
+    })
+}
+
+/// The key that a target belongs to.
+fn key_of(target: &str) -> Result<&'static str, Error> {
+    match (target.parse::<Service>(), Topic::by_name(target)) {
+        (Ok(_), _) => Ok("service"),
+        (Err(_), Some(_)) => Ok("topic"),
+        (Err(e), None) => Err(Error::Usage(format!("{e}, or a topic such as radar/tracks"))),
     }
-    let quantity = |option: &str, e: String| usage(format!("--{option}: {e}"));
-    if let Some(length) = arguments.length {
-        fault.for_s = Some(Duration::try_from(length).map_err(|e| quantity("for", e))?);
-    }
-    if let Some(after) = arguments.after {
-        let after = scenario::quantity::Time::try_from(after);
-        fault.at_s = Some(after.map_err(|e| quantity("in", e))?);
-    }
-    fault.probability =
-        Probability::try_from(arguments.probability).map_err(|e| quantity("probability", e))?;
-    if let Some(ms) = arguments.delay_ms {
-        fault.delay_ms = Some(DelayMs::try_from(ms).map_err(|e| quantity("delay-ms", e))?);
-    }
-    if let Some(ms) = arguments.jitter_ms {
-        fault.jitter_ms = Some(DelayMs::try_from(ms).map_err(|e| quantity("jitter-ms", e))?);
-    }
-    if let Some(bits) = arguments.bits {
-        fault.bits = Some(Count::try_from(bits).map_err(|e| quantity("bits", e))?);
-    }
-    if let Some(field) = &arguments.field {
-        let field: Result<BiasedField, _> = serde_json::from_value(field.as_str().into());
-        let expected = "expected gap_m, relative_speed_mps, speed_mps or end_s";
-        fault.field = Some(field.map_err(|_| quantity("field", expected.into()))?);
-    }
-    if let Some(amount) = arguments.amount {
-        fault.amount = Some(Shift::try_from(amount).map_err(|e| quantity("amount", e))?);
-    }
-    if let Some(core) = arguments.core {
-        fault.core = Some(Core::try_from(core).map_err(|e| quantity("core", e))?);
-    }
-    if let Some(mib) = arguments.megabytes {
-        fault.megabytes = Some(Megabytes::try_from(mib).map_err(|e| quantity("megabytes", e))?);
-    }
-    if let Some(times) = arguments.times {
-        fault.times = Some(Count::try_from(times).map_err(|e| quantity("times", e))?);
-    }
-    Ok(fault)
 }

@@ -76,6 +76,16 @@ fn of_shape(shape: &Shape) -> Value {
             forms.extend(tables);
             if forms.len() == 1 { forms.remove(0) } else { json!({ "anyOf": forms }) }
         }
+        Shape::Kinds(kinds) => {
+            let of_kind = |(name, keys): &(String, Vec<Key>)| {
+                let mut value = table(keys);
+                value["properties"]["kind"] = json!({ "const": name });
+                let required = value["required"].as_array_mut().expect("it was made a list");
+                required.insert(0, json!("kind"));
+                value
+            };
+            json!({ "oneOf": kinds.iter().map(of_kind).collect::<Vec<_>>() })
+        }
         Shape::Free => json!({ "type": "object" }),
     }
 }
@@ -132,8 +142,41 @@ fn below(page: &mut String, path: &str, shape: &Shape) {
                 }
             }
         }
+        Shape::Kinds(kinds) => {
+            section(page, path, &together(kinds));
+        }
         _ => {}
     }
+}
+
+/// The keys of all kinds as one table's; the meaning of one that not every kind has names its kinds.
+fn together(kinds: &[(String, Vec<Key>)]) -> Vec<Key> {
+    let mut all: Vec<(Key, Vec<&str>)> = Vec::new();
+    for (kind, keys) in kinds {
+        for key in keys {
+            match all.iter_mut().find(|(known, _)| known == key) {
+                Some((_, of)) => of.push(kind),
+                None => all.push((key.clone(), vec![kind])),
+            }
+        }
+    }
+    let words = kinds.iter().map(|(kind, _)| kind.clone()).collect();
+    let kind = Key {
+        name: "kind".into(),
+        shape: Shape::Text { words },
+        expected: None,
+        is_required: true,
+        default: None,
+        meaning: "What happens.".into(),
+    };
+    let of_some = |(key, of): (Key, Vec<&str>)| {
+        let meaning = match of.len() == kinds.len() {
+            true => key.meaning,
+            false => format!("`{}`: {}", of.join("`, `"), key.meaning),
+        };
+        Key { meaning, ..key }
+    };
+    std::iter::once(kind).chain(all.into_iter().map(of_some)).collect()
 }
 
 /// A type in a few words.
@@ -150,7 +193,7 @@ fn kind(shape: &Shape) -> String {
         Shape::Tuple(elements) => {
             format!("[{}]", elements.iter().map(kind).collect::<Vec<_>>().join(", "))
         }
-        Shape::Table(_) => "table".into(),
+        Shape::Table(_) | Shape::Kinds(_) => "table".into(),
         Shape::Choice(variants) => {
             let names: Vec<_> = variants.iter().map(|(name, _)| format!("`{name}`")).collect();
             names.join(", ")
@@ -228,6 +271,13 @@ mod tests {
         assert!(
             profile["anyOf"].as_array().is_some_and(|variants| variants.len() > 4),
             "{profile}"
+        );
+        let faults = &schema["properties"]["faults"]["items"]["oneOf"];
+        let kill = faults.as_array().and_then(|kinds| kinds.first()).expect("kinds of faults");
+        assert_eq!(kill["properties"]["kind"]["const"], "kill");
+        assert_eq!(
+            (&kill["required"], &kill["properties"]["for_s"]),
+            (&json!(["kind", "service"]), &json!(null))
         );
         assert_eq!(schema["additionalProperties"], false);
     }

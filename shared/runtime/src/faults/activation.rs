@@ -3,7 +3,7 @@
 use messages::Service;
 use messages::Topic;
 use scenario::Scenario;
-use scenario::faults::Fault;
+use scenario::faults::{Effect, Fault, Target};
 use serde::{Deserialize, Serialize};
 use std::cell::{Cell, RefCell};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -71,13 +71,12 @@ pub(crate) struct Faults {
 }
 
 /// One fault at the moment it acts on a message.
-pub(crate) struct Activation<'a> {
-    pub(crate) fault: &'a Fault,
+pub(crate) struct Activation {
     /// 64 random bits, those of this fault and this message.
     pub(crate) random: u64,
 }
 
-impl Activation<'_> {
+impl Activation {
     /// Another 64 random bits.
     pub(crate) fn draw(&self, k: u64) -> u64 {
         xxh3_64_with_seed(&k.to_le_bytes(), self.random)
@@ -99,15 +98,11 @@ impl Faults {
         let entry = |(number, fault): (usize, &Fault)| Entry {
             number: u32::try_from(number).expect("faults are few"),
             fault: fault.clone(),
-            begun_ns: match (fault.at_s, fault.when) {
-                (Some(at), _) => Some(i64::try_from(at.nanoseconds()).unwrap_or(i64::MAX)),
-                (None, Some(_)) => None,
-                (None, None) => Some(0),
-            },
+            begun_ns: fault.begin.known_ns(),
             messages: 0,
         };
         let entries: Vec<Entry> = (scenario.faults.iter().enumerate())
-            .filter(|(_, fault)| !fault.kind.is_of_processes())
+            .filter(|(_, fault)| fault.effect.extent().is_some())
             .map(entry)
             .collect();
         let in_use = Cell::new(!entries.is_empty());
@@ -131,33 +126,35 @@ impl Faults {
     /// Lets the ego's motion fulfil conditions.
     pub(crate) fn ego_at(&self, position_m: f64, speed_mps: f64, now_ns: i64) {
         for entry in self.entries.borrow_mut().iter_mut() {
-            if let (None, Some(condition)) = (entry.begun_ns, &entry.fault.when)
-                && condition.holds(position_m, speed_mps)
-            {
+            if entry.begun_ns.is_none() && entry.fault.begin.is_met(position_m, speed_mps) {
                 entry.begun_ns = Some(now_ns);
             }
         }
     }
 
-    /// Calls `each` with every fault among `which` that acts on message `sequence` of `source` on
-    /// `topic` at `now_ns`.
-    pub(crate) fn activate(
+    /// Calls `each` with every fault that `which` picks and that acts on message `sequence` of `source`
+    /// on `topic` at `now_ns`.
+    pub(crate) fn activate<F>(
         &self,
-        which: impl Fn(&Fault) -> bool,
+        which: impl Fn(&Effect) -> Option<&F>,
         topic: Topic,
         (source, incarnation, sequence): (u32, u32, u64),
         now_ns: i64,
-        mut each: impl FnMut(&Activation<'_>),
+        mut each: impl FnMut(&F, &Activation),
     ) {
         for entry in self.entries.borrow_mut().iter_mut() {
-            let Some(begun_ns) = entry.begun_ns else { continue };
-            let aimed = match (entry.fault.topic, entry.fault.service) {
-                (Some(name), _) => name.0 == topic,
-                (None, Some(service)) => service.to_wire() == source,
-                (None, None) => false,
+            let effect = &entry.fault.effect;
+            let (Some(begun_ns), Some(fault), Some(extent)) =
+                (entry.begun_ns, which(effect), effect.extent())
+            else {
+                continue;
             };
-            let active = (begun_ns..entry.fault.end_ns(begun_ns)).contains(&now_ns);
-            if !aimed || !active || !which(&entry.fault) {
+            let aimed = match effect.target() {
+                Target::Topic(disturbed) => disturbed == topic,
+                Target::Service(service) => service.to_wire() == source,
+                Target::Machine => false,
+            };
+            if !aimed || !(begun_ns..effect.end_ns(begun_ns)).contains(&now_ns) {
                 continue;
             }
             let mut message = [0; 28];
@@ -166,10 +163,9 @@ impl Faults {
             message[8..12].copy_from_slice(&source.to_le_bytes());
             message[12..16].copy_from_slice(&incarnation.to_le_bytes());
             message[16..24].copy_from_slice(&sequence.to_le_bytes());
-            let activation =
-                Activation { fault: &entry.fault, random: xxh3_64_with_seed(&message, self.seed) };
-            if unit(activation.draw(0)) < entry.fault.probability.value() {
-                each(&activation);
+            let activation = Activation { random: xxh3_64_with_seed(&message, self.seed) };
+            if unit(activation.draw(0)) < extent.probability.value() {
+                each(fault, &activation);
                 entry.messages += 1;
             }
         }
@@ -196,10 +192,10 @@ pub(crate) fn unit(bits: u64) -> f64 {
 /// The services that a fault concerns; the launcher need not tell the others.
 #[must_use]
 pub fn concerned(fault: &Fault) -> Vec<Service> {
-    match (fault.topic, fault.service) {
-        (Some(name), _) if fault.kind.is_of_senders() => name.0.source().into_iter().collect(),
-        (Some(name), _) => name.0.consumers().to_vec(),
-        (None, Some(service)) => vec![service],
-        (None, None) => Vec::new(),
+    match fault.effect.target() {
+        Target::Topic(topic) if fault.effect.of_channels().is_some() => topic.consumers().to_vec(),
+        Target::Topic(topic) => topic.source().into_iter().collect(),
+        Target::Service(service) => vec![service],
+        Target::Machine => Vec::new(),
     }
 }

@@ -2,13 +2,11 @@
 
 use super::activation::{Faults, unit};
 use messages::Message;
-use scenario::faults::{Fault, Kind};
+use scenario::faults::{Disturbance, Effect};
 use std::collections::VecDeque;
 
 /// Messages that can be on their way at once; the oldest is lost beyond it.
 const CAPACITY: usize = 256;
-/// Bits that `corrupt` flips when the fault does not say how many.
-const BITS: u16 = 1;
 
 /// The disturbed channel between a topic and one receiver.
 #[derive(Debug)]
@@ -31,22 +29,18 @@ impl<T: Message> ChannelFaults<T> {
         let (intact, mut message) = (*message, *message);
         let mut due_ns = now_ns;
         let (mut copies, mut reordered) = (1, false);
-        let of_channels = |fault: &Fault| fault.kind.is_of_channels();
-        faults.activate(of_channels, T::TOPIC, identity, now_ns, |activation| {
-            match activation.fault.kind {
-                Kind::Drop => copies = 0,
-                Kind::Duplicate => copies += u32::from(copies > 0),
-                Kind::Reorder => reordered = true,
-                Kind::Delay => {
-                    let delay = activation.fault.delay_ms.map_or(0, |delay| delay.nanoseconds());
-                    let jitter =
-                        activation.fault.jitter_ms.map_or(0, |jitter| jitter.nanoseconds());
-                    let jitter = (jitter as f64 * unit(activation.draw(1))) as u64;
-                    due_ns = due_ns.saturating_add_unsigned(delay + jitter);
+        faults.activate(Effect::of_channels, T::TOPIC, identity, now_ns, |fault, activation| {
+            match fault.disturbance {
+                Disturbance::Drop => copies = 0,
+                Disturbance::Duplicate => copies += u32::from(copies > 0),
+                Disturbance::Reorder => reordered = true,
+                Disturbance::Delay { delay_ms, jitter_ms } => {
+                    let jitter = jitter_ms.nanoseconds() as f64 * unit(activation.draw(1));
+                    due_ns = due_ns.saturating_add_unsigned(delay_ms.nanoseconds() + jitter as u64);
                 }
-                Kind::Corrupt => {
+                Disturbance::Corrupt { bits } => {
                     let bytes = bytemuck::bytes_of_mut(&mut message);
-                    for k in 0..activation.fault.bits.map_or(BITS, |bits| bits.value()) {
+                    for k in 0..bits.value() {
                         let bit = activation.draw(2 + u64::from(k)) % (8 * bytes.len() as u64);
                         let bit = usize::try_from(bit).expect("messages are short");
                         bytes[bit / 8] ^= 1 << (bit % 8);
@@ -56,7 +50,6 @@ impl<T: Message> ChannelFaults<T> {
                         bytes[0] ^= 1;
                     }
                 }
-                _ => {}
             }
         });
         if reordered && copies > 0 && self.overtaken.is_none() {

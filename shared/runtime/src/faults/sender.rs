@@ -2,7 +2,8 @@
 
 use super::activation::Faults;
 use messages::{Header, Message, Odometry, RadarTracks, Spat};
-use scenario::faults::{BiasedField, Fault, Kind};
+use scenario::faults::{BiasedField, Effect, Falsification};
+use scenario::quantity::Shift;
 
 /// Falsifies the messages of one publisher.
 #[derive(Debug)]
@@ -22,12 +23,9 @@ impl<T: Message> SenderFaults<T> {
         let identity = (header.source, header.incarnation, header.sequence);
         let intact = *message;
         let mut frozen = false;
-        let is_of_senders = |fault: &Fault| fault.kind.is_of_senders();
-        faults.activate(is_of_senders, T::TOPIC, identity, now_ns, |activation| {
-            let amount = activation.fault.amount.map_or(0.0, |amount| amount.value());
-            let shift_ns = (amount * 1e9) as i64;
-            match (activation.fault.kind, activation.fault.field) {
-                (Kind::Freeze, _) => {
+        faults.activate(Effect::of_senders, T::TOPIC, identity, now_ns, |fault, _| {
+            match fault.falsification {
+                Falsification::Freeze { .. } => {
                     frozen = true;
                     if let Some(last) = &self.last_intact {
                         let content = size_of::<Header>()..;
@@ -35,19 +33,25 @@ impl<T: Message> SenderFaults<T> {
                             .copy_from_slice(&bytemuck::bytes_of(last)[content]);
                     }
                 }
-                (Kind::Bias, Some(field)) => bias(message, field, amount),
-                (Kind::Stale, _) => message.header_mut().acquisition_ns -= shift_ns,
-                (Kind::ClockStep, _) => {
-                    message.header_mut().acquisition_ns += shift_ns;
-                    message.header_mut().publish_ns += shift_ns;
+                Falsification::Bias { field, amount } => bias(message, field, amount.value()),
+                Falsification::Stale { amount, .. } => {
+                    message.header_mut().acquisition_ns -= nanoseconds(amount);
                 }
-                _ => {}
+                Falsification::ClockStep { amount, .. } => {
+                    message.header_mut().acquisition_ns += nanoseconds(amount);
+                    message.header_mut().publish_ns += nanoseconds(amount);
+                }
             }
         });
         if !frozen {
             self.last_intact = Some(intact);
         }
     }
+}
+
+/// A shift in seconds as nanoseconds.
+fn nanoseconds(shift_s: Shift) -> i64 {
+    (shift_s.value() * 1e9) as i64
 }
 
 fn bias<T: Message>(message: &mut T, field: BiasedField, amount: f64) {

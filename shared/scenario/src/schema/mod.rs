@@ -4,10 +4,13 @@
 //! It is taken from the types that read the file: `trace` asks them through serde, `notes` finds their
 //! doc comments.
 
+mod asked;
 mod notes;
 mod trace;
 
 use crate::Scenario;
+use crate::faults::{Kind, keys_of};
+use asked::Asked;
 use std::collections::BTreeSet;
 use trace::{Form, Knowledge, Refusal, range, words};
 
@@ -36,6 +39,8 @@ pub enum Shape {
     Table(Vec<Key>),
     /// One of these words; those with a shape are the only key of a table.
     Choice(Vec<(String, Option<Shape>)>),
+    /// A table with the key `kind`, a word on which its other keys depend.
+    Kinds(Vec<(String, Vec<Key>)>),
     /// A table of another form: a control law checks it, or a translation fills it.
     Free,
 }
@@ -64,12 +69,32 @@ pub struct Key {
 /// If a type of this crate reads a form that `trace` does not know, which a test rules out.
 #[must_use]
 pub fn keys() -> Vec<Key> {
-    let known = trace::learn::<Scenario>();
+    let (known, _): (_, Scenario) = trace::learn();
     let all: Vec<String> = known.nodes.keys().filter(|path| is_key(path)).cloned().collect();
     let (known, required) = required(known, &all);
     let defaults = defaults(&known, &all, &required);
     let form = Forms { known: &known, required: &required, defaults: &defaults };
-    form.keys("", "")
+    let mut keys = form.keys("", "");
+    let after_actors = keys.iter().position(|key| key.name == "actors").map_or(0, |i| i + 1);
+    keys.insert(after_actors, faults());
+    keys
+}
+
+/// The list of faults, which is read key by key.
+fn faults() -> Key {
+    let kinds = Kind::ALL.map(|kind| {
+        let mut asked = Asked::of("faults", kind.name());
+        keys_of(kind, &mut asked).expect("what was asked for is right");
+        (kind.name().to_owned(), asked.keys)
+    });
+    Key {
+        name: "faults".to_owned(),
+        shape: Shape::List(Box::new(Shape::Kinds(kinds.into()))),
+        expected: None,
+        is_required: false,
+        default: None,
+        meaning: notes::of("", "Scenario", "faults").unwrap_or_default(),
+    }
 }
 
 /// True if the path ends with a key.
@@ -231,6 +256,20 @@ mod tests {
         assert_eq!(keys.len(), 3);
     }
 
+    #[test]
+    fn each_kind_of_fault_has_its_own_keys() {
+        let keys = keys();
+        let Shape::List(fault) = &find(&keys, "faults").shape else { panic!("a list") };
+        let Shape::Kinds(kinds) = &**fault else { panic!("{fault:?}") };
+        let of = |kind: &str| &kinds.iter().find(|(name, _)| name == kind).expect(kind).1;
+        let names: Vec<_> = of("delay").iter().map(|key| key.name.as_str()).collect();
+        let all = ["delay_ms", "jitter_ms", "topic", "probability", "for_s", "at_s", "when"];
+        assert_eq!(names, all);
+        assert!(find(of("delay"), "topic").is_required && !find(of("kill"), "at_s").is_required);
+        assert_eq!(find(of("corrupt"), "bits").default, Some(toml::Value::Integer(1)));
+        assert!(find(of("hog"), "when.speed_below_mps").meaning.contains("slower"));
+    }
+
     fn check(keys: &[Key], path: &str, without: &mut Vec<String>) {
         for key in keys {
             let path = format!("{path}.{}", key.name);
@@ -250,6 +289,7 @@ mod tests {
                     below(shape, path, without);
                 });
             }
+            Shape::Kinds(kinds) => kinds.iter().for_each(|(_, keys)| check(keys, path, without)),
             _ => {}
         }
     }

@@ -7,7 +7,7 @@ const SOURCES: &[(&str, &str)] = &[
     ("aebs", include_str!("../aebs.rs")),
     ("controller", include_str!("../controller.rs")),
     ("events", include_str!("../event.rs")),
-    ("faults", include_str!("../faults.rs")),
+    ("faults", include_str!("../faults/mod.rs")),
     ("perception", include_str!("../perception.rs")),
     ("plant", include_str!("../plant.rs")),
     ("referee", include_str!("../referee.rs")),
@@ -29,6 +29,20 @@ pub(super) fn of(table: &str, name: &str, key: &str) -> Option<String> {
         messages::notes::in_source(source, name, &field)
             .or_else(|| messages::notes::in_variant(source, &variant, &field))
     })
+}
+
+/// The comment on key `key` of a table that is read key by key: on a field of the variant of that
+/// kind, or else on one of the types that all kinds share, which come first or last in the source.
+pub(super) fn of_kind(table: &str, kind: &str, key: &str) -> Option<String> {
+    let (_, source) = SOURCES.iter().find(|(about, _)| *about == table)?;
+    let shared = || {
+        let all = source.lines().map(str::trim).filter_map(|line| line.strip_suffix(" {"));
+        all.filter_map(|head| match head.strip_prefix("pub struct ") {
+            Some(name) => messages::notes::in_source(source, name, key),
+            None => messages::notes::in_variant(source, head, key),
+        })
+    };
+    messages::notes::in_variant(source, &pascal(kind), key).or_else(|| shared().next())
 }
 
 /// The name of a variant from its name in a file: `wave-length` is `WaveLength`.

@@ -99,18 +99,18 @@ struct Tracer<'a> {
     known: &'a RefCell<Knowledge>,
 }
 
-/// Learns the form of `T`.
+/// Learns the form of `T`, with one value of it.
 ///
 /// # Panics
 /// If the type refuses everything that is offered: it has a form that this module does not know.
-pub(super) fn learn<T: serde::de::DeserializeOwned>() -> Knowledge {
+pub(super) fn learn<T: serde::de::DeserializeOwned>() -> (Knowledge, T) {
     let known = RefCell::new(Knowledge::default());
     for _ in 0..MAX_RUNS {
         known.borrow_mut().chosen.clear();
         let read = T::deserialize(Tracer { path: String::new(), known: &known });
         let mut knowledge = known.borrow_mut();
         match read {
-            Ok(_) => {
+            Ok(value) => {
                 let chosen = std::mem::take(&mut knowledge.chosen);
                 let mut is_new = false;
                 for (path, variant) in chosen {
@@ -118,7 +118,7 @@ pub(super) fn learn<T: serde::de::DeserializeOwned>() -> Knowledge {
                     is_new |= node.explored.insert(variant);
                 }
                 if !is_new {
-                    return knowledge.clone();
+                    return (knowledge.clone(), value);
                 }
             }
             Err(Refusal(message)) => {

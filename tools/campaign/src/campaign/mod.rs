@@ -254,11 +254,11 @@ fn job(campaign: &Campaign, planned: &Planned) -> Result<Job, Error> {
 
 /// In simulated time nothing is to be seen of a process fault.
 fn refuse_faults_of_processes(scenario: &Scenario) -> Result<(), Error> {
-    match scenario.faults.iter().find(|fault| fault.kind.is_of_processes()) {
+    match scenario.faults.iter().find(|fault| fault.effect.of_processes().is_some()) {
         None => Ok(()),
         Some(fault) => Err(Error::Usage(format!(
             "a fault of kind `{}` acts on processes, expected mode = \"realtime\" in the campaign",
-            fault.kind.name()
+            fault.effect.kind()
         ))),
     }
 }

@@ -1,0 +1,57 @@
+//! What is wrong with a scenario, before its place in a text is looked up.
+
+use std::ops::Range;
+
+/// What is wrong with a value that is readable by itself: it contradicts another key, or
+/// the law that it is for refuses it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Problem {
+    /// Dotted path of the offending key, array elements by their index: `actors.0.gap_m`.
+    pub path: String,
+    /// What is wrong.
+    pub message: String,
+    /// What would have been right.
+    pub expected: String,
+    /// The key that `path` contradicts; shown instead when only that one was written, or was set on
+    /// the command line.
+    pub against: Option<String>,
+    /// Position in the document, where it is known more closely than by `path`.
+    place: Option<Range<usize>>,
+}
+
+impl Problem {
+    /// A problem at `path`.
+    pub fn new(
+        path: impl Into<String>,
+        message: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> Self {
+        let (path, message, expected) = (path.into(), message.into(), expected.into());
+        Self { path, message, expected, against: None, place: None }
+    }
+
+    /// A problem at `path` from one sentence, "what is wrong, expected what".
+    pub fn said(path: impl Into<String>, sentence: &str) -> Self {
+        let (message, expected) = sentence.split_once(", expected ").unwrap_or((sentence, ""));
+        Self::new(path, message, expected)
+    }
+
+    /// The same at a position of the document.
+    #[must_use]
+    pub(super) fn at(mut self, place: Range<usize>) -> Self {
+        self.place = Some(place);
+        self
+    }
+
+    /// Position in the document, where it is known more closely than by the path.
+    pub(super) fn place(&self) -> Option<&Range<usize>> {
+        self.place.as_ref()
+    }
+
+    /// Names the key that this one contradicts.
+    #[must_use]
+    pub fn against(mut self, path: &str) -> Self {
+        self.against = Some(path.to_owned());
+        self
+    }
+}
