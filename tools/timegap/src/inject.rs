@@ -14,7 +14,7 @@ use toml::Value;
 
 /// Arguments of `inject`.
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = EXAMPLES, allow_negative_numbers = true)]
 pub struct InjectArguments {
     /// Results directory of the run
     pub run: PathBuf,
@@ -127,7 +127,7 @@ fn fault(arguments: &InjectArguments) -> Result<Fault, Error> {
     let given = options.into_iter().filter_map(|(key, value)| Some((key, value?))).chain(target);
     faults::read(given.map(|(key, value)| (key.to_owned(), value)).collect()).map_err(|problem| {
         let option = match problem.path.strip_prefix("fault.") {
-            None => String::new(),
+            None => return Error::Usage(problem.message),
             Some("service" | "topic") => "the target: ".to_owned(),
             Some("for_s") => "--for: ".to_owned(),
             Some("at_s") => "--in: ".to_owned(),
