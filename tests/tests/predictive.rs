@@ -77,7 +77,7 @@ fn a_map_of_another_road_is_given_up() {
     );
 }
 
-/// One allocation for each message sent, inside iceoryx2; the planning makes none in the loop.
+/// Neither the planning nor the messages make one in the loop, but for a first block of the pool.
 #[test]
 fn planning_costs_the_loop_no_allocation() {
     let corner = Corner::new(PROGRAM);
@@ -88,12 +88,8 @@ fn planning_costs_the_loop_no_allocation() {
         assert!(planning["asked"].as_u64() > Some(0), "{planning}");
         let services = summary["services"].as_array().expect("a list");
         let controller = services.iter().find(|service| service["name"] == "controller");
-        let sent = |topic: &str| summary["messages"][topic]["sent"].as_u64().expect("counted");
-        // The controller's period is that of its heartbeat.
-        let beats = summary["timing"]["cycles"].as_u64().expect("counted");
-        let own = sent("control/command") + sent("control/diagnostics") + beats;
         let allocations = &controller.expect("it ran")["allocations_in_loop"];
-        assert_eq!(allocations.as_u64(), Some(own), "{mode}");
+        assert!(allocations.as_u64() <= Some(1), "{mode}: {allocations}");
     }
 }
 

@@ -99,10 +99,12 @@ fn the_timer_releases_as_well_as_the_radar() {
     assert_eq!(drive("timer"), drive("radar"));
 }
 
-/// iceoryx2 0.10 makes one small allocation for every message that is sent (the reference count of
-/// the loaned sample). The loops themselves make none, so that the counts are equal.
+/// Neither the loops nor what they send messages by: iceoryx2's reference counts come from a pool, which
+/// has what it needs after the first message of each port.
 #[test]
-fn the_loops_allocate_nothing_of_their_own() {
+fn the_loops_allocate_nothing() {
+    /// Blocks of the pool that a loop may be the first to need.
+    const FIRST: u64 = 1;
     let corner = Corner::new(PROGRAM);
     for mode in ["realtime", "lockstep"] {
         for controller in ["acc-mpc", "cacc-mpc", "six-mode", "quadratic-bounded"] {
@@ -116,26 +118,9 @@ fn the_loops_allocate_nothing_of_their_own() {
                 "--controller",
                 controller,
             ]);
-            let sent = |topic: &str| summary["messages"][topic]["sent"].as_u64().expect("counted");
-            let beats = sent("health/heartbeat") / 5;
-            for (service, own) in [
-                ("plant", sent("vehicle/odometry")),
-                (
-                    "perception-sim",
-                    sent("radar/tracks") + sent("radar/detections") + sent("truth/vehicles"),
-                ),
-                ("v2x-sim", sent("v2x/spat") + sent("v2x/map") + sent("truth/signals")),
-                ("controller", sent("control/command") + sent("control/diagnostics")),
-                ("aebs", sent("safety/brake")),
-            ] {
-                let services = summary["services"].as_array().expect("services");
-                let found = services.iter().find(|found| found["name"] == service);
-                let allocations = &found.expect("every service is listed")["allocations_in_loop"];
-                assert_eq!(
-                    allocations.as_u64(),
-                    Some(own + beats),
-                    "{mode} {controller} {service}"
-                );
+            for service in summary["services"].as_array().expect("services") {
+                let allocations = service["allocations_in_loop"].as_u64().expect("counted");
+                assert!(allocations <= FIRST, "{mode} {controller} {service}: {allocations}");
             }
         }
     }

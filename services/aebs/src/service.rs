@@ -98,8 +98,9 @@ impl Aebs {
         let begun = monotonic_ns();
         let demand = self.demand(&release);
         self.decide.record_ns(monotonic_ns() - begun);
-        let message = self.message(runtime, &release, demand.as_ref());
-        let published_ns = self.brake.send_stamped(message)?;
+        let mut message = self.brake.loan()?;
+        self.write(&mut message, runtime, &release, demand.as_ref());
+        let published_ns = self.brake.send(message)?;
         self.deadline_misses += u64::from(published_ns - release.scheduled_ns > self.deadline_ns);
         let state = if demand.is_some() { ServiceState::Running } else { ServiceState::Degraded };
         runtime.end_cycle(state)?;
@@ -126,7 +127,13 @@ impl Aebs {
         Some(self.decision.step(&ego, now))
     }
 
-    fn message(&self, runtime: &Runtime, release: &Release, demand: Option<&Demand>) -> Brake {
+    fn write(
+        &self,
+        message: &mut Brake,
+        runtime: &Runtime,
+        release: &Release,
+        demand: Option<&Demand>,
+    ) {
         let origins = Origins {
             odometry: self.odometry.origin(),
             radar: self.detections.origin(),
@@ -135,19 +142,17 @@ impl Aebs {
         let newest = self.detections.newest();
         let demand_or_none = demand.copied().unwrap_or_default();
         let (gap_m, relative_speed_mps, lateral_m) = demand_or_none.threat.unwrap_or_default();
-        Brake {
-            header: Header::new(release.step, release.scheduled_ns, origins),
-            radar_release_ns: newest
-                .map_or(-1, |scan| runtime.clock().scheduled_ns(scan.header.step)),
-            idle_ns: release.idle_ns,
-            start_ns: release.start_ns,
-            state: demand.map_or(BrakeState::Blind, |demand| demand.state) as u32,
-            objects: u32::try_from(self.objects.confirmed().count()).unwrap_or(u32::MAX),
-            deceleration_mps2: demand_or_none.deceleration_mps2,
-            gap_m,
-            relative_speed_mps,
-            lateral_m,
-        }
+        message.header = Header::new(release.step, release.scheduled_ns, origins);
+        message.radar_release_ns =
+            newest.map_or(-1, |scan| runtime.clock().scheduled_ns(scan.header.step));
+        message.idle_ns = release.idle_ns;
+        message.start_ns = release.start_ns;
+        message.state = demand.map_or(BrakeState::Blind, |demand| demand.state) as u32;
+        message.objects = u32::try_from(self.objects.confirmed().count()).unwrap_or(u32::MAX);
+        message.deceleration_mps2 = demand_or_none.deceleration_mps2;
+        message.gap_m = gap_m;
+        message.relative_speed_mps = relative_speed_mps;
+        message.lateral_m = lateral_m;
     }
 
     fn report(&self, skipped: u64) -> AebsReport {

@@ -228,13 +228,15 @@ impl Loop {
         let radar_release_ns =
             self.radar.newest().map_or(-1, |radar| runtime.clock().scheduled_ns(radar.header.step));
         let used = runtime.usage().since(&before);
-        let command = self.command_of(header, &release, radar_release_ns, &used);
+        let mut command = self.command.loan()?;
+        self.write_command(&mut command, header, &release, radar_release_ns, &used);
         // By the command's own stamp, so that a recording tells it again.
-        let in_time =
-            self.command.send_stamped(command)? - release.scheduled_ns <= self.deadline_ns;
+        let in_time = self.command.send(command)? - release.scheduled_ns <= self.deadline_ns;
         self.deadline_misses += u64::from(!in_time);
         let rung = self.ladder.settle(&self.output, in_time);
-        self.diagnostics.send(self.diagnostics_of(header, &release, rung))?;
+        let mut diagnostics = self.diagnostics.loan()?;
+        self.write_diagnostics(&mut diagnostics, header, &release, rung);
+        self.diagnostics.send(diagnostics)?;
         if admission == Admission::Law
             && let Some(planning) = &mut self.planning
         {
@@ -258,63 +260,64 @@ impl Loop {
         }
     }
 
-    fn command_of(
+    fn write_command(
         &self,
+        message: &mut Command,
         header: Header,
         release: &Release,
         radar_release_ns: i64,
         used: &Usage,
-    ) -> Command {
+    ) {
         let plan_len = self.output.plan_len.min(MAX_PLAN);
-        let mut plan_mps2 = [0.0; PLAN_LEN];
-        plan_mps2[..plan_len].copy_from_slice(&self.output.plan_mps2[..plan_len]);
-        Command {
-            header,
-            radar_release_ns,
-            idle_ns: release.idle_ns,
-            start_ns: release.start_ns,
-            voluntary_switches: used.voluntary_switches,
-            involuntary_switches: used.involuntary_switches,
-            minor_faults: used.minor_faults,
-            major_faults: used.major_faults,
-            solver_iterations: self.output.solver_iterations,
-            mode: self.output.mode,
-            plan_period_ns: self.plan_period_ns,
-            plan_len: plan_len as u64,
-            plan_mps2,
-            has_torque: self.output.torque.is_some().into(),
-            gear: self.output.torque.and_then(|t| t.gear).map_or(0, |gear| gear as u32 + 1),
-            engine_torque_nm: self.output.torque.map_or(0.0, |t| t.engine_torque_nm),
-            service_brake_n: self.output.torque.map_or(0.0, |t| t.service_brake_n),
+        message.header = header;
+        message.radar_release_ns = radar_release_ns;
+        message.idle_ns = release.idle_ns;
+        message.start_ns = release.start_ns;
+        message.voluntary_switches = used.voluntary_switches;
+        message.involuntary_switches = used.involuntary_switches;
+        message.minor_faults = used.minor_faults;
+        message.major_faults = used.major_faults;
+        message.solver_iterations = self.output.solver_iterations;
+        message.mode = self.output.mode;
+        message.plan_period_ns = self.plan_period_ns;
+        message.plan_len = plan_len as u64;
+        message.plan_mps2[..plan_len].copy_from_slice(&self.output.plan_mps2[..plan_len]);
+        if let Some(torque) = self.output.torque {
+            message.has_torque = 1;
+            message.gear = torque.gear.map_or(0, |gear| gear as u32 + 1);
+            message.engine_torque_nm = torque.engine_torque_nm;
+            message.service_brake_n = torque.service_brake_n;
         }
     }
 
-    fn diagnostics_of(&self, header: Header, release: &Release, rung: Rung) -> Diagnostics {
+    fn write_diagnostics(
+        &self,
+        message: &mut Diagnostics,
+        header: Header,
+        release: &Release,
+        rung: Rung,
+    ) {
         let age = |acquisition_ns: Option<i64>| {
             acquisition_ns.map_or(-1, |acquired| release.start_ns - acquired)
         };
-        let mut figures = [0.0; FIGURES];
-        figures.copy_from_slice(&self.output.figures);
-        Diagnostics {
-            header,
-            start_ns: release.start_ns,
-            mode: self.output.mode,
-            mode_reason: self.output.mode_reason,
-            quality: match self.output.quality {
-                Quality::Full => 0,
-                Quality::Relaxed => 1,
-                Quality::Backup => 2,
-                Quality::FallBack => 3,
-            },
-            solver_iterations: self.output.solver_iterations,
-            rung: rung as u32,
-            takeover: u32::from(rung == Rung::LeadLost),
-            request_mps2: self.output.request_mps2(),
-            odometry_age_ns: age(acquired(&self.odometry)),
-            radar_age_ns: age(acquired(&self.radar)),
-            spat_age_ns: age(acquired(&self.spat)),
-            figures,
-        }
+        message.header = header;
+        message.start_ns = release.start_ns;
+        message.mode = self.output.mode;
+        message.mode_reason = self.output.mode_reason;
+        message.quality = match self.output.quality {
+            Quality::Full => 0,
+            Quality::Relaxed => 1,
+            Quality::Backup => 2,
+            Quality::FallBack => 3,
+        };
+        message.solver_iterations = self.output.solver_iterations;
+        message.rung = rung as u32;
+        message.takeover = u32::from(rung == Rung::LeadLost);
+        message.request_mps2 = self.output.request_mps2();
+        message.odometry_age_ns = age(acquired(&self.odometry));
+        message.radar_age_ns = age(acquired(&self.radar));
+        message.spat_age_ns = age(acquired(&self.spat));
+        message.figures.copy_from_slice(&self.output.figures);
     }
 
     fn account(&mut self, time_s: f64) {

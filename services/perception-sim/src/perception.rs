@@ -4,6 +4,7 @@
 //! those from which the tracker knows the traffic already, are those of the time before, in which
 //! every vehicle kept the speed of the start.
 
+use bytemuck::Zeroable;
 use messages::{Detection, MAX_DETECTIONS};
 use runtime::report::PerceptionReport;
 use scenario::Scenario;
@@ -120,6 +121,10 @@ impl Perception {
             } else {
                 self.process(&scene, detections);
             }
+        }
+        // Unused entries of the first message are 0.
+        if settling > 0 {
+            detections.fill(Detection::zeroed());
         }
     }
 

@@ -6,11 +6,11 @@ use crate::tracking::TrackList;
 use crate::traffic::{Kept, Vehicle};
 use bytemuck::Zeroable;
 use messages::{
-    Detection, Header, MAX_TRACKS, Odometry, Origins, RadarDetections, RadarTracks, ServiceState,
-    Track, TrackedTarget, VehicleTruth, VehicleTruthItem,
+    Detection, Header, MAX_DETECTIONS, MAX_TRACKS, Odometry, Origins, RadarDetections, RadarTracks,
+    ServiceState, Track, TrackedTarget, VehicleTruth, VehicleTruthItem,
 };
 use runtime::report::Details;
-use runtime::{Checkpoint, Cycle, Mode, Overrun, Publisher, Runtime, RuntimeError};
+use runtime::{Checkpoint, Cycle, Loan, Mode, Overrun, Publisher, Runtime, RuntimeError};
 use scenario::perception::RadarModel;
 
 /// Runs traffic and radar in their group, to the end of the run.
@@ -23,10 +23,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     let mut odometry = runtime.subscriber::<Odometry>()?;
     let mut tracks = runtime.publisher::<RadarTracks>()?;
     let mut truth = runtime.publisher::<VehicleTruth>()?;
-    let mut output = DetectionOutput::new();
-    if scenario.perception.model() == RadarModel::Detections {
-        output.port = Some(runtime.publisher::<RadarDetections>()?);
-    }
+    let mut output = DetectionOutput::open(&mut runtime, scenario.perception.model())?;
     let start = Ego { speed_mps: scenario.plant.initial_speed_mps.value(), ..Ego::default() };
     let mut checkpoint = match runtime.clock().mode() {
         Mode::Realtime => Some(runtime.checkpoint::<Kept>()?),
@@ -43,7 +40,8 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         runtime.update(&mut odometry)?;
         let ego = odometry.newest().map_or(start, |odometry| ego_at(odometry, release.time_s));
         let time_ns = release.scheduled_ns.unsigned_abs();
-        let list = *perception.step(time_ns, &ego, &mut output.message.detections);
+        let mut detections = output.loan()?;
+        let list = *perception.step(time_ns, &ego, output.room(detections.as_mut()));
         if let Some(checkpoint) = &mut checkpoint {
             checkpoint.save(&perception.traffic().kept())?;
         }
@@ -52,10 +50,12 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         let origins = Origins { odometry: odometry.origin(), ..Origins::NONE };
         let header = Header::new(release.step, release.scheduled_ns, origins);
         let ended = perception.traffic().is_over();
-        truth.send(truth_on_the_wire(header, perception.vehicles(), ended))?;
+        truth.send_with(|message| write_truth(message, header, perception.vehicles(), ended))?;
         let acquired = Header { acquisition_ns: list.acquisition_ns, ..header };
-        output.send(acquired, &perception)?;
-        tracks.send(tracks_on_the_wire(acquired, &list))?;
+        if let Some(detections) = detections {
+            output.send(detections, acquired, &perception)?;
+        }
+        tracks.send_with(|message| write_tracks(message, acquired, &list))?;
 
         let seen = odometry.newest().is_some();
         runtime.end_cycle(if seen { ServiceState::Running } else { ServiceState::Degraded })?;
@@ -66,30 +66,55 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
 
 /// Where the radar writes its detections, and what sends them.
 struct DetectionOutput {
-    message: Box<RadarDetections>,
-    /// Entries that the last scan has written.
-    written: usize,
     port: Option<Publisher<RadarDetections>>,
+    /// Room for a model that has none.
+    unused: Box<[Detection; MAX_DETECTIONS]>,
 }
 
 impl DetectionOutput {
-    fn new() -> Self {
-        Self { message: Box::new(RadarDetections::zeroed()), written: 0, port: None }
+    fn open(runtime: &mut Runtime, model: RadarModel) -> Result<Self, RuntimeError> {
+        let port = match model {
+            RadarModel::Detections => Some(runtime.publisher()?),
+            RadarModel::ObjectList | RadarModel::Ideal => None,
+        };
+        Ok(Self { port, unused: Box::new([Detection::zeroed(); MAX_DETECTIONS]) })
     }
 
-    /// Sends what the radar has written, if its model has detections.
-    fn send(&mut self, header: Header, perception: &Perception) -> Result<(), RuntimeError> {
+    /// The next message, if the radar's model has detections; it holds an earlier one.
+    fn loan(&self) -> Result<Option<Loan<RadarDetections>>, RuntimeError> {
+        self.port.as_ref().map(Publisher::loan_used).transpose()
+    }
+
+    /// Where the radar writes.
+    fn room<'a>(
+        &'a mut self,
+        message: Option<&'a mut Loan<RadarDetections>>,
+    ) -> &'a mut [Detection; MAX_DETECTIONS] {
+        match message {
+            Some(message) => &mut message.detections,
+            None => &mut self.unused,
+        }
+    }
+
+    /// Sends what the radar has written into `message`.
+    fn send(
+        &mut self,
+        mut message: Loan<RadarDetections>,
+        header: Header,
+        perception: &Perception,
+    ) -> Result<(), RuntimeError> {
         let Some(port) = &mut self.port else { return Ok(()) };
         let received = perception.received();
-        if let Some(stale) = self.message.detections.get_mut(received.count..self.written) {
-            stale.fill(Detection::zeroed());
+        // Of the earlier message; behind its valid entries it had zeros as well.
+        let before = message.detections().len();
+        if let Some(left_over) = message.detections.get_mut(received.count..before) {
+            left_over.fill(Detection::zeroed());
         }
-        self.written = received.count;
-        self.message.header = header;
-        self.message.ego_speed_mps = perception.scanned().ego.speed_mps;
-        self.message.left_out = received.left_out;
-        self.message.count = received.count as u64;
-        port.send(*self.message)
+        message.header = header;
+        message.ego_speed_mps = perception.scanned().ego.speed_mps;
+        message.left_out = received.left_out;
+        message.count = received.count as u64;
+        port.send(message).map(|_| ())
     }
 }
 
@@ -99,8 +124,9 @@ fn ego_at(odometry: &Odometry, time_s: f64) -> Ego {
     Ego { position_m, speed_mps, acceleration_mps2: odometry.acceleration_mps2 }
 }
 
-fn truth_on_the_wire(header: Header, vehicles: &[Vehicle], ended: bool) -> VehicleTruth {
-    let mut message = VehicleTruth { header, ended: ended.into(), ..VehicleTruth::zeroed() };
+fn write_truth(message: &mut VehicleTruth, header: Header, vehicles: &[Vehicle], ended: bool) {
+    message.header = header;
+    message.ended = ended.into();
     let present = vehicles.iter().filter(|vehicle| vehicle.present).take(MAX_TRACKS);
     for (item, vehicle) in message.vehicles.iter_mut().zip(present) {
         *item = VehicleTruthItem {
@@ -112,11 +138,10 @@ fn truth_on_the_wire(header: Header, vehicles: &[Vehicle], ended: bool) -> Vehic
         };
         message.count += 1;
     }
-    message
 }
 
-fn tracks_on_the_wire(header: Header, list: &TrackList) -> RadarTracks {
-    let mut message = RadarTracks { header, ..RadarTracks::zeroed() };
+fn write_tracks(message: &mut RadarTracks, header: Header, list: &TrackList) {
+    message.header = header;
     for (index, (wire, track)) in
         message.tracks.iter_mut().zip(&list.tracks[..list.count]).enumerate()
     {
@@ -138,5 +163,4 @@ fn tracks_on_the_wire(header: Header, list: &TrackList) -> RadarTracks {
             acceleration_mps2: target.acceleration_mps2,
         };
     }
-    message
 }

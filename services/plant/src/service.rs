@@ -256,26 +256,28 @@ impl Plant {
         if let (Some(publisher), Some(truck)) = (&mut self.powertrain, self.ego.truck()) {
             let powertrain = truck.powertrain();
             self.gateway.engine_gives(powertrain.engine_torque_nm);
-            publisher.send(Powertrain {
-                header,
-                gear: powertrain.gear as u32 + 1,
-                shifts: powertrain.shifts,
-                since_shift_s: powertrain.since_shift_s,
-                engine_speed_rpm: powertrain.engine_speed_rpm,
-                engine_torque_nm: powertrain.engine_torque_nm,
-                service_brake_n: powertrain.service_brake_n,
-                fuel_gps: powertrain.fuel_gps,
-                fuel_g: powertrain.fuel_g,
-                specific_force_mps2: powertrain.specific_force_mps2,
+            publisher.send_with(|message: &mut Powertrain| {
+                message.header = header;
+                message.gear = powertrain.gear as u32 + 1;
+                message.shifts = powertrain.shifts;
+                message.since_shift_s = powertrain.since_shift_s;
+                message.engine_speed_rpm = powertrain.engine_speed_rpm;
+                message.engine_torque_nm = powertrain.engine_torque_nm;
+                message.service_brake_n = powertrain.service_brake_n;
+                message.fuel_gps = powertrain.fuel_gps;
+                message.fuel_g = powertrain.fuel_g;
+                message.specific_force_mps2 = powertrain.specific_force_mps2;
             })?;
         }
-        self.odometry.send(Odometry {
-            header,
-            position_m: state.position_m,
-            speed_mps: state.speed_mps,
-            acceleration_mps2: state.acceleration_mps2,
-            request_mps2: self.request_mps2,
-        })
+        let request_mps2 = self.request_mps2;
+        self.odometry.send_with(|message: &mut Odometry| {
+            message.header = header;
+            message.position_m = state.position_m;
+            message.speed_mps = state.speed_mps;
+            message.acceleration_mps2 = state.acceleration_mps2;
+            message.request_mps2 = request_mps2;
+        })?;
+        Ok(())
     }
 
     /// What the referee makes of the state at the release.

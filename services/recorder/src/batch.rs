@@ -69,9 +69,8 @@ trait Hear {
 impl<T: Message> Hear for Tapped<T> {
     fn hear(&self, into: &mut Batch) -> Result<(), RuntimeError> {
         for _ in 0..TURN {
-            match self.take()? {
-                Some(message) => into.push(&message),
-                None => break,
+            if !self.take(|message| into.push(message))? {
+                break;
             }
         }
         Ok(())

@@ -3,9 +3,7 @@
 use crate::Recording;
 use crate::link::{orders, say, text};
 use crate::takes::{Samples, inputs};
-use messages::{
-    Diagnostics, Map, Message, Odometry, Origin, Powertrain, Preview, RadarTracks, Spat, Topic,
-};
+use messages::{Diagnostics, Map, Odometry, Origin, Powertrain, Preview, RadarTracks, Spat, Topic};
 use runtime::{Group, Played, Player, RuntimeError, Tap, Tapped, log_warnings};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -104,7 +102,7 @@ fn play(root: &Path, file: &Path, incarnation: u32) -> Result<(), String> {
 /// Takes the diagnostics that arrived, one for each cycle, and counts them.
 fn taken(answers: &Tapped<Diagnostics>) -> Result<usize, String> {
     let mut count = 0;
-    while answers.take().map_err(text)?.is_some() {
+    while answers.take(|_| {}).map_err(text)? {
         count += 1;
     }
     Ok(count)
@@ -136,16 +134,13 @@ impl Ports {
     }
 
     fn send(&self, topic: Topic, message: &[u8]) -> Result<(), RuntimeError> {
-        fn send<T: Message>(port: &Played<T>, message: &[u8]) -> Result<(), RuntimeError> {
-            port.send(&bytemuck::pod_read_unaligned(message))
-        }
         match topic {
-            Topic::RadarTracks => send(&self.radar, message),
-            Topic::Odometry => send(&self.odometry, message),
-            Topic::Spat => send(&self.spat, message),
-            Topic::Map => send(&self.map, message),
-            Topic::Powertrain => send(&self.powertrain, message),
-            Topic::Preview => send(&self.preview, message),
+            Topic::RadarTracks => self.radar.send(message),
+            Topic::Odometry => self.odometry.send(message),
+            Topic::Spat => self.spat.send(message),
+            Topic::Map => self.map.send(message),
+            Topic::Powertrain => self.powertrain.send(message),
+            Topic::Preview => self.preview.send(message),
             _ => unreachable!("`inputs` names no other"),
         }
     }

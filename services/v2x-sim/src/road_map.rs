@@ -15,9 +15,7 @@ pub const CELL_M: f64 = 50.0;
 pub struct Ahead {
     /// Where the first cell begins, m.
     pub first_cell_m: f64,
-    /// Mean grades of the cells; `count` are valid.
-    pub grades: [f64; MAX_PREVIEW_CELLS],
-    /// Valid entries of `grades`.
+    /// Cells whose grades are known.
     pub count: usize,
 }
 
@@ -47,11 +45,9 @@ impl RoadMap {
         })
     }
 
-    /// The road from the ego's cell on.
-    #[must_use]
-    pub fn ahead(&self, ego_m: f64) -> Ahead {
+    /// The road from the ego's cell on. Writes the mean grades of the cells that are known.
+    pub fn ahead(&self, ego_m: f64, grades: &mut [f64; MAX_PREVIEW_CELLS]) -> Ahead {
         let first = (ego_m / CELL_M).floor();
-        let mut grades = [0.0; MAX_PREVIEW_CELLS];
         let mut count = 0;
         for (index, grade) in grades.iter_mut().enumerate() {
             let cell = first + index as f64;
@@ -61,7 +57,7 @@ impl RoadMap {
             *grade = self.grade(cell);
             count += 1;
         }
-        Ahead { first_cell_m: first * CELL_M, grades, count }
+        Ahead { first_cell_m: first * CELL_M, count }
     }
 
     fn grade(&self, cell: f64) -> f64 {
@@ -84,6 +80,16 @@ fn error(seed: u64, cell: f64) -> f64 {
 mod tests {
     use super::*;
 
+    fn ahead(map: &RoadMap, ego_m: f64) -> (Ahead, [f64; MAX_PREVIEW_CELLS]) {
+        let mut grades = [0.0; MAX_PREVIEW_CELLS];
+        let ahead = map.ahead(ego_m, &mut grades);
+        (ahead, grades)
+    }
+
+    fn grades(map: &RoadMap, ego_m: f64) -> [f64; MAX_PREVIEW_CELLS] {
+        ahead(map, ego_m).1
+    }
+
     fn map(keys: &str) -> RoadMap {
         let text = format!(
             "schema_version = 1\nname = \"hills\"\nplant.vehicle = \"jh6-49t\"\n\
@@ -96,26 +102,26 @@ mod tests {
     fn two_kilometres_ahead_are_known_from_anywhere_in_a_cell() {
         let map = map("");
         for ego_m in [0.0, 49.9, 1234.5] {
-            let ahead = map.ahead(ego_m);
+            let (ahead, grades) = ahead(&map, ego_m);
             assert!(ahead.first_cell_m <= ego_m && ego_m < ahead.first_cell_m + CELL_M);
             assert!(ahead.first_cell_m + ahead.count as f64 * CELL_M >= ego_m + 2000.0);
             let middle_m = ahead.first_cell_m + 10.5 * CELL_M;
-            assert!((ahead.grades[10] - map.road.grade(middle_m)).abs() < 1e-12);
+            assert!((grades[10] - map.road.grade(middle_m)).abs() < 1e-12);
         }
     }
 
     #[test]
     fn a_map_ends_in_whole_cells() {
         let map = map("v2x.preview.ends_at_m = 1020");
-        assert_eq!([0.0, 960.0, 1010.0, 5000.0].map(|x| map.ahead(x).count), [20, 1, 0, 0]);
+        assert_eq!([0.0, 960.0, 1010.0, 5000.0].map(|x| ahead(&map, x).0.count), [20, 1, 0, 0]);
     }
 
     #[test]
     fn a_shift_moves_and_noise_stays_where_it_is() {
         let (exact, shifted) = (map(""), map("v2x.preview.shift_m = 100"));
-        assert_eq!(exact.ahead(1000.0).grades[..40], shifted.ahead(1100.0).grades[..40]);
+        assert_eq!(grades(&exact, 1000.0)[..40], grades(&shifted, 1100.0)[..40]);
         let noisy = map("v2x.preview.noise_percent = 0.25");
-        assert_eq!(noisy.ahead(1000.0).grades[2..40], noisy.ahead(1100.0).grades[..38]);
+        assert_eq!(grades(&noisy, 1000.0)[2..40], grades(&noisy, 1100.0)[..38]);
         let errors: Vec<f64> = (0..1000)
             .map(|cell| noisy.grade(f64::from(cell)) - exact.grade(f64::from(cell)))
             .collect();

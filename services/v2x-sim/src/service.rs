@@ -2,7 +2,6 @@
 
 use crate::road_map::{CELL_M, RoadMap};
 use crate::roadside_unit::{Event, Lane, Movement, RoadsideUnit, Signals};
-use bytemuck::Zeroable;
 use messages::{
     self, Header, Interval, Map, Odometry, Origins, PhaseState, Preview, ServiceState, Signal,
     SignalTruth, Spat,
@@ -34,11 +33,21 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         let time_ns = release.scheduled_ns.unsigned_abs();
 
         // The referee's copy first: the plant may be waiting for it.
-        let (lanes, signals, count) = wire(&unit.truth(time_ns, ego_m));
-        truth.send(SignalTruth { header, count, lanes, signals })?;
-        let (lanes, signals, count) = wire(&unit.received(time_ns, ego_m));
-        map.send(Map { header, count, lanes })?;
-        spat.send(Spat { header, count, signals })?;
+        let shown = unit.truth(time_ns, ego_m);
+        truth.send_with(|message| {
+            message.header = header;
+            message.count = write_lanes(&shown, &mut message.lanes);
+            write_signals(&shown, &mut message.signals);
+        })?;
+        let received = unit.received(time_ns, ego_m);
+        map.send_with(|message| {
+            message.header = header;
+            message.count = write_lanes(&received, &mut message.lanes);
+        })?;
+        spat.send_with(|message| {
+            message.header = header;
+            message.count = write_signals(&received, &mut message.signals);
+        })?;
         if let Some(preview) = &mut preview {
             preview.send(header, ego_m)?;
         }
@@ -68,33 +77,29 @@ impl Previews {
     }
 
     fn send(&mut self, header: Header, ego_m: f64) -> Result<(), RuntimeError> {
-        let ahead = self.map.ahead(ego_m);
-        self.publisher.send(Preview {
-            header,
-            count: ahead.count as u64,
-            first_cell_m: ahead.first_cell_m,
-            cell_m: CELL_M,
-            speed_limit_mps: self.speed_limit_mps,
-            grades: ahead.grades,
-        })
+        let (map, speed_limit_mps) = (&self.map, self.speed_limit_mps);
+        self.publisher.send_with(|message: &mut Preview| {
+            message.header = header;
+            let ahead = map.ahead(ego_m, &mut message.grades);
+            message.count = ahead.count as u64;
+            message.first_cell_m = ahead.first_cell_m;
+            message.cell_m = CELL_M;
+            message.speed_limit_mps = speed_limit_mps;
+        })?;
+        Ok(())
     }
 }
 
-type WireLanes = [messages::Lane; messages::MAX_LANES];
-type WireSignals = [Signal; messages::MAX_SIGNALS];
+/// Writes the lanes of what the roadside unit tells; returns how many.
+fn write_lanes(told: &Signals, lanes: &mut [messages::Lane]) -> u64 {
+    let told = told.iter().zip(lanes);
+    told.map(|((lane, _), place)| *place = lane_on_the_wire(lane)).count() as u64
+}
 
-fn wire(told: &Signals) -> (WireLanes, WireSignals, u64) {
-    let mut lanes = WireLanes::zeroed();
-    let mut signals = WireSignals::zeroed();
-    let mut count = 0;
-    for ((lane, movement), (wire_lane, wire_signal)) in
-        told.iter().zip(lanes.iter_mut().zip(&mut signals))
-    {
-        *wire_lane = lane_on_the_wire(lane);
-        *wire_signal = signal_on_the_wire(movement);
-        count += 1;
-    }
-    (lanes, signals, count)
+/// Writes the signals of what the roadside unit tells into zeros; returns how many.
+fn write_signals(told: &Signals, signals: &mut [Signal]) -> u64 {
+    let told = told.iter().zip(signals);
+    told.map(|((_, movement), place)| write_signal(movement, place)).count() as u64
 }
 
 fn lane_on_the_wire(lane: &Lane) -> messages::Lane {
@@ -105,18 +110,14 @@ fn lane_on_the_wire(lane: &Lane) -> messages::Lane {
     }
 }
 
-fn signal_on_the_wire(movement: &Movement) -> Signal {
-    let mut signal = Signal {
-        intersection_id: movement.intersection_id.into(),
-        signal_group: movement.signal_group.into(),
-        count: movement.count as u64,
-        ..Signal::zeroed()
-    };
+fn write_signal(movement: &Movement, signal: &mut Signal) {
+    signal.intersection_id = movement.intersection_id.into();
+    signal.signal_group = movement.signal_group.into();
+    signal.count = movement.count as u64;
     let events = &movement.events[..movement.count];
     for (interval, event) in signal.intervals.iter_mut().zip(events) {
         *interval = interval_on_the_wire(event);
     }
-    signal
 }
 
 fn interval_on_the_wire(event: &Event) -> Interval {

@@ -1,6 +1,7 @@
-//! What the end-to-end protection costs a message: `cargo bench -p shared`.
+//! What the end-to-end protection costs a message, and the copy that a reader makes of a small one before
+//! it checks it: `cargo bench -p messages`.
 //!
-//! Each figure is the median of many batches of protecting, or checking, one message of a topic.
+//! Each figure is the median of many batches of protecting, checking or copying one message of a topic.
 
 use messages::TOPICS;
 use messages::e2e::{Channel, Outcomes, profile7};
@@ -25,7 +26,8 @@ fn median_ns(mut work: impl FnMut(u32)) -> f64 {
 }
 
 fn main() {
-    println!("{:<22} {:>6} {:>12} {:>12}", "topic", "bytes", "protect, ns", "check, ns");
+    let head = ["topic", "bytes", "protect, ns", "check, ns", "copy, ns"];
+    println!("{:<22} {:>6} {:>12} {:>12} {:>12}", head[0], head[1], head[2], head[3], head[4]);
     for topic in TOPICS {
         let mut message = vec![0x5a; topic.message_bytes()];
         let protect = median_ns(|counter| {
@@ -35,7 +37,10 @@ fn main() {
         let check = median_ns(|_| {
             black_box(channel.accept(black_box(&message), 7, 0, &mut outcomes));
         });
-        println!("{:<22} {:>6} {protect:>12.0} {check:>12.0}", topic.name(), message.len());
+        let mut room = vec![0; message.len()];
+        let copy = median_ns(|_| black_box(&mut room).copy_from_slice(black_box(&message)));
+        let (name, bytes) = (topic.name(), message.len());
+        println!("{name:<22} {bytes:>6} {protect:>12.0} {check:>12.0} {copy:>12.0}");
     }
     println!("medians of {BATCHES} batches of {BATCH} messages each");
 }

@@ -19,8 +19,12 @@
 //! In lockstep a run can also do without processes: [`InProcess`] lets all services of a run take turns
 //! in one thread, with the same ports over the memory of one process. No service knows.
 //!
-//! `unsafe` is allowed in `coroutine`, `scheduling`, `spawn`, `usage` and `words` alone, for system calls that no
-//! crate wraps.
+//! Messages are written where they will be read: a publisher loans memory in shared memory
+//! ([`Publisher::loan`]), protects the message there and hands it over. Readers borrow what is larger than
+//! [`COPIED_BYTES`] and copy what is not before they check it.
+//!
+//! `unsafe` is allowed in `coroutine`, `scheduling`, `spawn`, `usage` and `words`, for system calls that no
+//! crate wraps, and in `transport` (`pooled`, and where loaned bytes become a message) and `probe`.
 
 mod account;
 mod background;
@@ -69,14 +73,14 @@ pub use members::enroll;
 pub use observer::{Observed, Observer};
 pub use player::{Played, Player};
 pub use port::{Publisher, Subscriber};
-pub use probe::{EventReceiver, EventSender, PayloadReceiver, PayloadSender, Probe};
+pub use probe::{Contents, EventReceiver, EventSender, PayloadReceiver, PayloadSender, Probe};
 pub use release::{Overrun, Release};
 pub use schedule::{Schedule, ScheduledRelease};
 pub use session::{Cycle, Runtime, count_allocations_by, log_warnings, run_service};
 pub use spawn::inherit_only;
 pub use tap::{Tap, Tapped};
 pub use timetable::Timetable;
-pub use transport::{Carrier, shared_memory_bytes};
+pub use transport::{COPIED_BYTES, Carrier, Loan, shared_memory_bytes};
 pub(crate) use transport::{Receiver, Sender, Transport};
 pub use usage::Usage;
 pub use words::SharedWords;

@@ -34,19 +34,25 @@ impl Player {
 
 /// The sending end of `T`'s topic for messages that are complete.
 #[derive(Debug)]
-pub struct Played<T> {
+pub struct Played<T: Message> {
     port: Rc<dyn Sender<T>>,
     waker: Waker,
 }
 
 impl<T: Message> Played<T> {
-    /// Sends `message` as it is and wakes who waits for it.
+    /// Sends the message whose bytes these are as it is, and wakes who waits for it.
     ///
     /// # Errors
-    /// [`RuntimeError::Send`].
-    pub fn send(&self, message: &T) -> Result<(), RuntimeError> {
-        let sent = self.port.send(message);
-        sent.map_err(|reason| RuntimeError::Send { topic: T::TOPIC, reason })?;
+    /// [`RuntimeError::Send`], also for as many bytes as no message of the type has.
+    pub fn send(&self, bytes: &[u8]) -> Result<(), RuntimeError> {
+        let error = |reason: String| RuntimeError::Send { topic: T::TOPIC, reason };
+        let mut message = self.port.loan().map_err(error)?;
+        let place = bytemuck::bytes_of_mut(&mut *message);
+        if place.len() != bytes.len() {
+            return Err(error(format!("{} bytes are no such message", bytes.len())));
+        }
+        place.copy_from_slice(bytes);
+        self.port.send(message).map_err(error)?;
         self.waker.wake();
         Ok(())
     }

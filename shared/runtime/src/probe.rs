@@ -1,9 +1,9 @@
 //! The ends of a topic without a service around them: what `timegap bench` measures.
 //!
-//! Typed messages go through the services' own [`Publisher`] and [`Subscriber`]. Payloads of any size
-//! go through the same node, the same iceoryx2 variant and the same wake-up; they are loaned and
-//! sent where they lie, without a copy. iceoryx2's own event service is here for
-//! comparison.
+//! Typed messages go through the services' own [`Publisher`] and [`Subscriber`]. Payloads of any size take the
+//! same steps through the same node, iceoryx2 variant and wake-up: loaned, sent where they are, borrowed by
+//! the reader. They are bare, or written, protected and checked in place as a large message is.
+//! iceoryx2's own event service is here for comparison.
 
 use super::faults::{Faults, SenderFaults};
 use super::members::Members;
@@ -12,8 +12,8 @@ use super::transport::{Ipc, PAYLOAD_TOPIC, Payload, SharedMemory, Stamp, Transpo
 use super::waking::{Waiter, Waker};
 use super::{Carried, Clock, End, Group, Publisher, RuntimeError, Subscriber, monotonic_ns};
 use iceoryx2::port::{listener::Listener, notifier::Notifier};
-use messages::Message;
-use messages::Service;
+use messages::e2e::profile7;
+use messages::{Message, Service};
 use std::rc::Rc;
 use std::time::Duration;
 
@@ -98,23 +98,33 @@ impl Probe {
     ///
     /// # Errors
     /// [`RuntimeError::Topic`].
-    pub fn payload_sender(&self, bytes: usize) -> Result<PayloadSender, RuntimeError> {
-        let port = (self.node().payload_topic()?.publisher_builder())
+    pub fn payload_sender(
+        &self,
+        bytes: usize,
+        contents: Contents,
+    ) -> Result<PayloadSender, RuntimeError> {
+        let port = (self.node().payload_topic(bytes)?.publisher_builder())
             .initial_max_slice_len(bytes)
             .create()
             .map_err(|e| RuntimeError::Topic { topic: PAYLOAD_TOPIC, reason: format!("{e:?}") })?;
-        Ok(PayloadSender { port, waker: self.transport.waker(PAYLOAD_TOPIC), bytes })
+        let waker = self.transport.waker(PAYLOAD_TOPIC);
+        Ok(PayloadSender { port, waker, bytes, contents, sent: 0 })
     }
 
-    /// The receiving end for payloads.
+    /// The receiving end for payloads of `bytes`.
     ///
     /// # Errors
     /// [`RuntimeError::Topic`].
-    pub fn payload_receiver(&self) -> Result<PayloadReceiver, RuntimeError> {
-        let port = (self.node().payload_topic()?.subscriber_builder())
+    pub fn payload_receiver(
+        &self,
+        bytes: usize,
+        contents: Contents,
+    ) -> Result<PayloadReceiver, RuntimeError> {
+        let port = (self.node().payload_topic(bytes)?.subscriber_builder())
             .create()
             .map_err(|e| RuntimeError::Topic { topic: PAYLOAD_TOPIC, reason: format!("{e:?}") })?;
-        Ok(PayloadReceiver { port, waiter: self.transport.waiter(PAYLOAD_TOPIC) })
+        let waiter = self.transport.waiter(PAYLOAD_TOPIC);
+        Ok(PayloadReceiver { port, waiter, contents })
     }
 
     /// The waking end of iceoryx2's own event service.
@@ -140,12 +150,26 @@ impl Probe {
     }
 }
 
+/// Data ID of protected payloads.
+const PAYLOAD_DATA_ID: u32 = PAYLOAD_TOPIC.data_id(Service::PerceptionSim.to_wire());
+
+/// What is done with the bytes of a payload.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Contents {
+    /// Nothing: they are handed over.
+    Bare,
+    /// The sender writes and protects them, the reader checks them, all in place.
+    Protected,
+}
+
 /// Sends payloads.
 #[derive(Debug)]
 pub struct PayloadSender {
     port: iceoryx2::port::publisher::Publisher<Ipc, Payload, Stamp>,
     waker: Waker,
     bytes: usize,
+    contents: Contents,
+    sent: u32,
 }
 
 impl PayloadSender {
@@ -153,15 +177,22 @@ impl PayloadSender {
     ///
     /// # Errors
     /// [`RuntimeError::Send`].
-    #[expect(unsafe_code, reason = "iceoryx2 asks for it even where there is nothing to write")]
-    pub fn send(&self) -> Result<(), RuntimeError> {
+    #[expect(unsafe_code, reason = "a payload is not written to please the type")]
+    pub fn send(&mut self) -> Result<(), RuntimeError> {
         let error = |reason| RuntimeError::Send { topic: PAYLOAD_TOPIC, reason };
         let sent_ns = monotonic_ns();
         let sample = self.port.loan_slice_uninit(self.bytes);
         let mut sample = sample.map_err(|e| error(format!("{e:?}")))?;
         sample.user_header_mut().sent_ns = sent_ns;
-        // SAFETY: the payload's elements are `MaybeUninit`, which need no initialisation.
-        let sample = unsafe { sample.assume_init() };
+        // SAFETY: the payload is a part of a file in memory, mapped by this process: it holds zeros or an
+        // earlier payload.
+        let mut sample = unsafe { sample.assume_init() };
+        self.sent = self.sent.wrapping_add(1);
+        if self.contents == Contents::Protected {
+            let bytes = sample.payload_mut();
+            bytes.fill(self.sent as u8);
+            profile7::protect(bytes, PAYLOAD_DATA_ID, self.sent);
+        }
         sample.send().map_err(|e| error(format!("{e:?}")))?;
         self.waker.wake();
         Ok(())
@@ -173,18 +204,16 @@ impl PayloadSender {
 pub struct PayloadReceiver {
     port: iceoryx2::port::subscriber::Subscriber<Ipc, Payload, Stamp>,
     waiter: Waiter,
+    contents: Contents,
 }
 
 impl PayloadReceiver {
-    /// Waits for payloads, at most for `timeout`; hands each one's stamp and length to `each`.
+    /// Waits for payloads, at most for `timeout`; hands the stamp of each one to `each`, after its check
+    /// if it is protected.
     ///
     /// # Errors
-    /// [`RuntimeError::Receive`].
-    pub fn next(
-        &self,
-        timeout: Duration,
-        mut each: impl FnMut(i64, usize),
-    ) -> Result<(), RuntimeError> {
+    /// [`RuntimeError::Receive`], also of a payload that does not pass its check.
+    pub fn next(&self, timeout: Duration, mut each: impl FnMut(i64)) -> Result<(), RuntimeError> {
         let ticket = self.waiter.ticket();
         if self.take(&mut each)? {
             return Ok(());
@@ -194,12 +223,16 @@ impl PayloadReceiver {
         self.take(&mut each).map(|_| ())
     }
 
-    fn take(&self, each: &mut impl FnMut(i64, usize)) -> Result<bool, RuntimeError> {
+    fn take(&self, each: &mut impl FnMut(i64)) -> Result<bool, RuntimeError> {
         let error = |reason: String| RuntimeError::Receive { topic: PAYLOAD_TOPIC, reason };
         let mut found = false;
         while let Some(sample) = self.port.receive().map_err(|e| error(format!("{e:?}")))? {
             found = true;
-            each(sample.user_header().sent_ns, sample.payload().len());
+            if self.contents == Contents::Protected {
+                let checked = profile7::check(sample.payload(), PAYLOAD_DATA_ID);
+                checked.map_err(|corrupted| error(format!("a payload's {corrupted:?}")))?;
+            }
+            each(sample.user_header().sent_ns);
         }
         Ok(found)
     }

@@ -439,7 +439,11 @@ impl Runtime {
         // Due once in every heartbeat period, or in every cycle if the service's own is longer.
         if scheduled_ns % HEARTBEAT_NS < period_ns {
             let header = Header::new(self.step, scheduled_ns, Origins::NONE);
-            heartbeat.send(Heartbeat { header, cycles, state: state as u64 })?;
+            heartbeat.send_with(|message| {
+                message.header = header;
+                message.cycles = cycles;
+                message.state = state as u64;
+            })?;
         }
         if let Some(account) = &self.account {
             account.write(cycles, self.skipped, &self.sent, &self.received);

@@ -1,8 +1,9 @@
 //! A tap on the topics: every message as it was sent, unchecked, for recorders.
 
-use super::transport::{Receiver, Seat, SharedMemory, Transport};
+use super::transport::{Held, Receiver, Seat, SharedMemory, Transport};
 use super::{Carried, Group, RuntimeError};
 use messages::Message;
+use std::cell::RefCell;
 use std::rc::Rc;
 
 /// A process that taps a running group.
@@ -30,22 +31,33 @@ impl Tap {
     /// # Errors
     /// [`RuntimeError::Topic`].
     pub fn on<T: Carried>(&self) -> Result<Tapped<T>, RuntimeError> {
-        Ok(Tapped(T::receiver(&self.transport)?))
+        let port = T::receiver(&self.transport)?;
+        Ok(Tapped { port, held: RefCell::new(Held::new()) })
     }
 }
 
 /// What a tap hears on one topic.
 #[derive(Debug)]
-pub struct Tapped<T>(Rc<dyn Receiver<T>>);
+pub struct Tapped<T: Message> {
+    port: Rc<dyn Receiver<T>>,
+    held: RefCell<Held<T>>,
+}
 
 impl<T: Message> Tapped<T> {
-    /// The oldest message that was not yet taken.
+    /// Hands the oldest message that was not yet taken to `each`; false if there is none.
     ///
     /// # Errors
     /// [`RuntimeError::Receive`].
-    pub fn take(&self) -> Result<Option<T>, RuntimeError> {
-        let taken = self.0.receive();
+    pub fn take(&self, each: impl FnOnce(&T)) -> Result<bool, RuntimeError> {
+        let mut held = self.held.borrow_mut();
+        let taken = self.port.receive(&mut held);
         let taken = taken.map_err(|reason| RuntimeError::Receive { topic: T::TOPIC, reason })?;
-        Ok(taken.map(|(message, _)| message))
+        if taken.is_some()
+            && let Some(message) = held.get()
+        {
+            each(message);
+        }
+        held.clear();
+        Ok(taken.is_some())
     }
 }

@@ -74,6 +74,15 @@ fn refusals_of_single_values() {
         ("set_speed_mps = \"fast\"", "3:17: invalid type: string \"fast\""),
         ("[plant]\nperiod_ms = 99999999999", "4:13: 99999999999 is out of range"),
         ("[perception.radar]\ndropout_probability = 1.1", "4:23: 1.1 is out of range"),
+        ("[perception.radar]\nrange_sigma_m = -0.1", "4:17: -0.1 is out of range"),
+        ("[perception.radar]\nfield_of_view_deg = 0", "4:21: 0 is out of range"),
+        ("[perception.radar.detections]\ncar_rcs_dbsm = 61", "4:16: 61 is out of range"),
+        ("[perception.radar.detections]\nazimuth_floor_deg = 101", "4:21: 101 is out of range"),
+        (
+            "[perception.radar.detections]\nfalse_alarms_per_scan = 2001",
+            "4:25: 2001 is out of range",
+        ),
+        ("[perception.radar.detections]\nswerling = 2", "4:12: 2 is out of range"),
         ("[controller]\nname = \"cac mpc\"", "4:8: not a name"),
         ("[controller]\nweights = { q1 = -1 }", "4:18: -1 is out of range"),
         (

@@ -4,8 +4,8 @@
 //!
 //! 1. the machine's floor: lateness of absolute sleeps as cyclictest has it, and the time for one
 //!    process to wake another by futex, by eventfd and by iceoryx2's event service;
-//! 2. the transport: publish, wake and read through the services' own ports, and loaned payloads of
-//!    64 B to 1 MiB;
+//! 2. the transport: publish, wake and read through the services' own ports, and payloads of 64 B to
+//!    4 MiB, loaned and borrowed, bare or protected;
 //! 3. the chain of the four services, with its reaction time and hops;
 //! 4. deadline misses of the controller with the 100-step problem in its loop at periods from 100 ms
 //!    to 1 ms, beside those of a process that only sleeps, on the same core in the same seconds.
@@ -254,21 +254,21 @@ impl<'a> Bench<'a> {
         let count = (self.seconds * 1e6 / f64::from(cell.period_us)).ceil() as u64;
         let outcome = self.stage.wake(mechanism, cell.conditions, cell.period_us, count)?;
         let us = self.figure(cell, &table::mechanism(mechanism), &outcome);
-        let lost = us.map(|_| outcome.misses);
         match mechanism {
             Mechanism::Futex => self.floor(cell, FloorMeasure::Futex, us),
             Mechanism::Eventfd => self.floor(cell, FloorMeasure::Eventfd, us),
             Mechanism::Iceoryx2Event => self.floor(cell, FloorMeasure::Iceoryx2Event, us),
-            Mechanism::Message => {
-                self.transport(cell, Topic::RadarTracks.message_bytes(), Passing::Copied, lost, us);
+            Mechanism::Message | Mechanism::UnixDatagram | Mechanism::Tcp => {
+                let bytes = Topic::RadarTracks.message_bytes();
+                self.transport(cell, bytes, Passing::Message, &outcome, us);
             }
             Mechanism::Detections => {
                 let bytes = Topic::RadarDetections.message_bytes();
-                self.transport(cell, bytes, Passing::Copied, lost, us);
+                self.transport(cell, bytes, Passing::Message, &outcome, us);
             }
-            Mechanism::Payload(bytes) => self.transport(cell, bytes, Passing::Loaned, lost, us),
-            Mechanism::UnixDatagram | Mechanism::Tcp => {
-                self.transport(cell, Topic::RadarTracks.message_bytes(), Passing::Copied, lost, us);
+            Mechanism::Payload(bytes) => self.transport(cell, bytes, Passing::Bare, &outcome, us),
+            Mechanism::ProtectedPayload(bytes) => {
+                self.transport(cell, bytes, Passing::Protected, &outcome, us);
             }
         }
         Ok(())
@@ -279,11 +279,14 @@ impl<'a> Bench<'a> {
         cell: &Cell,
         bytes: usize,
         passing: Passing,
-        lost: Option<u64>,
+        outcome: &peer::Outcome,
         us: Option<Percentiles>,
     ) {
         let Cell { conditions, period_us, .. } = *cell;
-        let row = TransportRow { conditions, period_us, bytes, passing, lost, us };
+        let lost = us.map(|_| outcome.misses);
+        let copied_bytes =
+            (outcome.cycles > 0).then(|| outcome.copied_bytes as f64 / outcome.cycles as f64);
+        let row = TransportRow { conditions, period_us, bytes, passing, copied_bytes, lost, us };
         self.report.transport_us.push(row);
     }
 

@@ -4,7 +4,7 @@
 //! ours and a block of the floor in an order drawn by lot. Both processes derive that order from the
 //! same seed, so that nothing has to be said between blocks but "ready" and "done".
 
-use super::plan::{Conditions, Mechanism};
+use super::plan::{Conditions, FLAT_FROM, LARGEST, Mechanism};
 use super::statistics::Pair;
 use rand_core::Rng;
 use rand_pcg::Pcg64;
@@ -28,6 +28,8 @@ pub enum Comparison {
     Message,
     /// The radar's detections with its tracks, both through the services' own ports.
     Detections,
+    /// The largest payload with one of 4 KiB, both loaned and borrowed.
+    Payload,
     /// iceoryx2's own event service, which hands over nothing, with a message.
     Iceoryx2Event,
     /// The same message over a unix datagram socket with one through the services' ports.
@@ -38,10 +40,11 @@ pub enum Comparison {
 
 impl Comparison {
     /// All, in the order of the results.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::FloorItself,
         Self::Message,
         Self::Detections,
+        Self::Payload,
         Self::Iceoryx2Event,
         Self::UnixDatagram,
         Self::Tcp,
@@ -58,6 +61,7 @@ impl Comparison {
             Self::FloorItself => "futex over itself",
             Self::Message => "message over futex",
             Self::Detections => "radar detections over radar tracks",
+            Self::Payload => "hand-over of 4 MiB over 4 KiB",
             Self::Iceoryx2Event => "iceoryx2 event over message",
             Self::UnixDatagram => "unix datagram over message",
             Self::Tcp => "TCP on loopback over message",
@@ -70,6 +74,7 @@ impl Comparison {
             Self::FloorItself => [Mechanism::Futex, Mechanism::Futex],
             Self::Message => [Mechanism::Message, Mechanism::Futex],
             Self::Detections => [Mechanism::Detections, Mechanism::Message],
+            Self::Payload => [Mechanism::Payload(LARGEST), Mechanism::Payload(FLAT_FROM)],
             Self::Iceoryx2Event => [Mechanism::Iceoryx2Event, Mechanism::Message],
             Self::UnixDatagram => [Mechanism::UnixDatagram, Mechanism::Message],
             Self::Tcp => [Mechanism::Tcp, Mechanism::Message],

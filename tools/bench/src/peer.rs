@@ -90,6 +90,15 @@ pub struct Outcome {
     pub cycles: u64,
     /// Releases that were over when the process came to them.
     pub misses: u64,
+    /// Bytes that were copied between the sender's writing and the reader's reading.
+    pub copied_bytes: u64,
+}
+
+impl Outcome {
+    /// Of a process that measures nothing itself.
+    fn of_cycles(granted: Granted, cycles: u64) -> Self {
+        Self { granted, latencies: Latencies::default(), cycles, misses: 0, copied_bytes: 0 }
+    }
 }
 
 /// Does a job on the stage at `root` and prints its outcome.
@@ -144,7 +153,7 @@ fn metronome_job(job: &Job) -> Result<Outcome, Error> {
         }
         let state = state.load(Ordering::Relaxed);
         if state == metronome::STOP {
-            return Ok(Outcome { granted, latencies, cycles, misses });
+            return Ok(Outcome { granted, latencies, cycles, misses, copied_bytes: 0 });
         }
         let now = monotonic_ns();
         let mut over = 0;
@@ -179,7 +188,7 @@ fn source(job: &Job, root: &Path, mechanism: Mechanism, count: u64) -> Result<Ou
     let done = u32::try_from(count + 1).unwrap_or(u32::MAX);
     page.word(words::DONE).store(done, Ordering::Release);
     source.wake_for_the_end(mechanism)?;
-    Ok(Outcome { granted, latencies: Latencies::default(), cycles: count, misses: 0 })
+    Ok(Outcome::of_cycles(granted, count))
 }
 
 /// The instant of the next wake-up. A source that was late leaves out what it missed: it is the way to
@@ -211,7 +220,7 @@ fn paired_source(job: &Job, root: &Path, blocks: Blocks) -> Result<Outcome, Erro
         page.word(words::BLOCK_DONE).store(number, Ordering::Release);
         source.wake_for_the_end(by)?;
     }
-    Ok(Outcome { granted, latencies: Latencies::default(), cycles, misses: 0 })
+    Ok(Outcome::of_cycles(granted, cycles))
 }
 
 fn paired_sink(job: &Job, root: &Path, blocks: Blocks) -> Result<Outcome, Error> {
@@ -250,7 +259,7 @@ fn paired_sink(job: &Job, root: &Path, blocks: Blocks) -> Result<Outcome, Error>
     let path = root.join(BLOCKS_FILE);
     let text = serde_json::to_string(&all).expect("plain data");
     std::fs::write(&path, text).map_err(|reason| Error::Path { action: "write", path, reason })?;
-    Ok(Outcome { granted, latencies: Latencies::default(), cycles, misses })
+    Ok(Outcome { misses, ..Outcome::of_cycles(granted, cycles) })
 }
 
 fn sink(job: &Job, root: &Path, mechanism: Mechanism) -> Result<Outcome, Error> {
@@ -274,7 +283,8 @@ fn sink(job: &Job, root: &Path, mechanism: Mechanism) -> Result<Outcome, Error> 
         let last = cycles + 1 >= u64::from(done) || (was_done && cycles == before);
         if done != 0 && last {
             let misses = u64::from(done - 1).saturating_sub(cycles);
-            return Ok(Outcome { granted, latencies, cycles, misses });
+            let copied_bytes = sink.copied_bytes();
+            return Ok(Outcome { granted, latencies, cycles, misses, copied_bytes });
         }
     }
 }

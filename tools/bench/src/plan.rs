@@ -75,8 +75,10 @@ pub enum Mechanism {
     Message,
     /// The largest message through the services' own ports: the radar's detections.
     Detections,
-    /// A loaned payload of so many bytes.
+    /// A payload of so many bytes, loaned and borrowed.
     Payload(usize),
+    /// The same, written, protected and checked where it is.
+    ProtectedPayload(usize),
     /// The radar's tracks over a unix datagram socket.
     UnixDatagram,
     /// The same over TCP on the loopback device.
@@ -104,12 +106,20 @@ pub struct Cell {
 
 /// Periods of the controller, µs.
 pub const CONTROLLER_PERIODS_US: [u32; 7] = [100_000, 50_000, 20_000, 10_000, 5_000, 2_000, 1_000];
-/// Sizes of the loaned payloads, bytes.
-pub const PAYLOAD_BYTES: [usize; 5] = [64, 1 << 10, 1 << 14, 1 << 17, 1 << 20];
-/// Period of the wake-up measurements, µs; and the longer one, at which caches are cold.
+/// Sizes of the payloads, bytes; those from [`FLAT_FROM`] on take the same time.
+pub const PAYLOAD_BYTES: [usize; 8] =
+    [64, 1 << 10, FLAT_FROM, 1 << 14, 1 << 16, 1 << 18, 1 << 20, LARGEST];
+/// Sizes of the payloads of a quick run, bytes.
+const QUICK_PAYLOAD_BYTES: [usize; 3] = [64, FLAT_FROM, LARGEST];
+/// Size from which on a hand-over takes the same time, bytes: what is larger is not copied.
+pub const FLAT_FROM: usize = 4 << 10;
+/// Size of the largest payload, bytes.
+pub const LARGEST: usize = 4 << 20;
+/// Period of the wake-up measurements, µs.
 const WAKE_PERIOD_US: u32 = 1_000;
 /// Period of a quick run's comparisons, µs.
-const QUICK_WAKE_PERIOD_US: u32 = 400;
+const QUICK_WAKE_PERIOD_US: u32 = 330;
+/// The longer period of the wake-up measurements, at which caches are cold, µs.
 pub const COLD_PERIOD_US: u32 = 10_000;
 
 impl Cell {
@@ -201,18 +211,20 @@ pub fn cells(quick: bool, cores: usize, reference: Scheduling) -> Vec<Cell> {
             add(Measure::Sleep, WAKE_PERIOD_US);
             add(Measure::Wake(Mechanism::Eventfd), WAKE_PERIOD_US);
             add(Measure::Wake(Mechanism::Iceoryx2Event), WAKE_PERIOD_US);
-            for bytes in PAYLOAD_BYTES {
+            let sizes = if quick { &QUICK_PAYLOAD_BYTES[..] } else { &PAYLOAD_BYTES };
+            for &bytes in sizes {
                 add(Measure::Wake(Mechanism::Payload(bytes)), WAKE_PERIOD_US);
+                if !quick {
+                    add(Measure::Wake(Mechanism::ProtectedPayload(bytes)), WAKE_PERIOD_US);
+                }
             }
             add(Measure::Wake(Mechanism::Futex), COLD_PERIOD_US);
         }
         add(Measure::Wake(Mechanism::Futex), WAKE_PERIOD_US);
         add(Measure::Wake(Mechanism::Message), WAKE_PERIOD_US);
         for period_us in CONTROLLER_PERIODS_US {
-            let telling = matches!(period_us, 1_000 | COLD_PERIOD_US);
-            // The default placement's table is whole even in a quick run.
-            let whole = best && conditions.placement == Placement::SameCore;
-            if !quick || whole || telling {
+            let telling = matches!(period_us, 1_000 | COLD_PERIOD_US | 100_000);
+            if !quick || telling {
                 cells.push(Cell { measure: Measure::Chain, conditions, period_us });
             }
         }
@@ -242,8 +254,8 @@ mod tests {
     #[test]
     fn the_full_matrix_has_every_cell_once() {
         let cells = cells(false, 2, Scheduling::Fifo);
-        // Sleep, five kinds of waking, five payloads less one each, the cold futex; seven periods.
-        assert_eq!(cells.len(), 2 * 2 * 3 * (1 + 4 + PAYLOAD_BYTES.len() + 1 + 7));
+        // Sleep, four kinds of waking, the cold futex; payloads bare and protected; seven periods.
+        assert_eq!(cells.len(), 2 * 2 * 3 * (1 + 4 + 1 + 2 * PAYLOAD_BYTES.len() + 7));
         for (k, cell) in cells.iter().enumerate() {
             assert!(!cells[..k].contains(cell), "{cell:?} twice");
         }

@@ -114,14 +114,16 @@ pub struct FloorRow {
     pub us: Option<Percentiles>,
 }
 
-/// How a message's bytes get to the reader.
+/// What is handed over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Passing {
-    /// Written into shared memory and read out of it, as services do.
-    Copied,
-    /// Left where it lies.
-    Loaned,
+    /// A message of the services, protected and checked.
+    Message,
+    /// Bytes that neither end touches.
+    Bare,
+    /// Bytes that are written, protected and checked where they are.
+    Protected,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -131,6 +133,9 @@ pub struct TransportRow {
     pub period_us: u32,
     pub bytes: usize,
     pub passing: Passing,
+    /// Bytes that were copied for each one, between the sender's writing and the reader's reading.
+    #[serde(default)]
+    pub copied_bytes: Option<f64>,
     /// Sent and never received.
     pub lost: Option<u64>,
     pub us: Option<Percentiles>,

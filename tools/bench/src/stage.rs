@@ -27,7 +27,7 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// Time between two looks at a process that will end by itself.
 const LOOK: Duration = Duration::from_millis(2);
 /// Shared memory for the largest payloads, bytes.
-const ROOM: u64 = 32 << 20;
+const ROOM: u64 = 64 << 20;
 
 /// A process of the benchmark; killed with its handle.
 #[derive(Debug)]

@@ -20,6 +20,7 @@ pub fn mechanism(mechanism: Mechanism) -> String {
         Mechanism::UnixDatagram => "unix-datagram".into(),
         Mechanism::Tcp => "tcp".into(),
         Mechanism::Payload(bytes) => format!("payload-{bytes}"),
+        Mechanism::ProtectedPayload(bytes) => format!("protected-payload-{bytes}"),
     }
 }
 
@@ -76,19 +77,22 @@ fn floor(report: &Report, text: &mut String) {
 }
 
 fn transport(report: &Report, text: &mut String) {
-    let mut table = figures("publish, wake, read, µs", &["p50", "p99", "max", "n", "over futex"]);
+    let columns = ["copied, B", "p50", "p99", "max", "n", "over futex"];
+    let mut table = figures("publish, wake, read, µs", &columns);
     for row in &report.transport_us {
         let passing = match row.passing {
-            Passing::Copied => "message",
-            Passing::Loaned => "loaned",
+            Passing::Message => "message",
+            Passing::Bare => "bare",
+            Passing::Protected => "protected",
         };
         let what = format!("{passing} {} B, {}", row.bytes, in_words(&row.conditions));
+        let copied = row.copied_bytes.map_or_else(|| "-".into(), |bytes| format!("{bytes:.0}"));
         let ratio = row.us.zip(report.futex(row.conditions, row.period_us));
         let ratio = ratio.map_or_else(
             || "-".into(),
             |(us, futex)| format!("{:.2}, p99 {:.2}", us.p50 / futex.p50, us.p99 / futex.p99),
         );
-        table.row(std::iter::once(what).chain(percentiles(row.us)).chain([ratio]));
+        table.row([what, copied].into_iter().chain(percentiles(row.us)).chain([ratio]));
     }
     add(text, &table);
 }

@@ -10,9 +10,9 @@ use super::sockets::Socket;
 use bytemuck::Zeroable;
 use group::Error;
 use messages::Service;
-use messages::{Header, Origins, RadarDetections, RadarTracks};
+use messages::{Header, MAX_DETECTIONS, Origins, RadarDetections, RadarTracks};
 use runtime::{
-    EventReceiver, EventSender, Group, PayloadReceiver, PayloadSender, Probe, Publisher,
+    Contents, EventReceiver, EventSender, Group, PayloadReceiver, PayloadSender, Probe, Publisher,
     SharedWords, Subscriber, enroll, monotonic_ns,
 };
 use rustix::thread::futex;
@@ -37,7 +37,7 @@ enum SourceWay {
     Eventfd,
     Event(Box<EventSender>),
     Message(Box<Publisher<RadarTracks>>),
-    Detections(Box<Publisher<RadarDetections>>, Box<RadarDetections>),
+    Detections(Box<Publisher<RadarDetections>>),
     Payload(PayloadSender),
     Socket(Socket),
 }
@@ -95,11 +95,14 @@ impl<'a> Source<'a> {
                 }
                 Mechanism::Detections => {
                     member()?;
-                    let port = needed().publisher(Service::PerceptionSim)?;
-                    let message: Box<RadarDetections> = Box::new(RadarDetections::zeroed());
-                    SourceWay::Detections(Box::new(port), message)
+                    SourceWay::Detections(Box::new(needed().publisher(Service::PerceptionSim)?))
                 }
-                Mechanism::Payload(bytes) => SourceWay::Payload(needed().payload_sender(bytes)?),
+                Mechanism::Payload(bytes) => {
+                    SourceWay::Payload(needed().payload_sender(bytes, Contents::Bare)?)
+                }
+                Mechanism::ProtectedPayload(bytes) => {
+                    SourceWay::Payload(needed().payload_sender(bytes, Contents::Protected)?)
+                }
                 Mechanism::UnixDatagram => SourceWay::Socket(Socket::datagram_source(root)?),
                 Mechanism::Tcp => SourceWay::Socket(Socket::tcp_source(root)?),
             };
@@ -113,11 +116,14 @@ impl<'a> Source<'a> {
         let header = Header::new(self.sent.into(), monotonic_ns(), Origins::NONE);
         match self.ways.iter_mut().find(|(mechanism, _)| *mechanism == by) {
             Some((_, SourceWay::Message(port))) => {
-                port.send(RadarTracks { header, ..RadarTracks::zeroed() })?;
+                port.send_with(|message| message.header = header)?;
             }
-            Some((_, SourceWay::Detections(port, message))) => {
+            Some((_, SourceWay::Detections(port))) => {
+                // As the radar does: what an earlier scan has written is there, and valid.
+                let mut message = port.loan_used()?;
                 message.header = header;
-                port.send(**message)?;
+                message.count = MAX_DETECTIONS as u64;
+                port.send(message)?;
             }
             Some((_, SourceWay::Payload(port))) => port.send()?,
             Some((_, SourceWay::Socket(socket))) => {
@@ -156,7 +162,7 @@ impl<'a> Source<'a> {
             Some((
                 _,
                 SourceWay::Message(_)
-                | SourceWay::Detections(..)
+                | SourceWay::Detections(_)
                 | SourceWay::Payload(_)
                 | SourceWay::Socket(_),
             ))
@@ -202,13 +208,33 @@ impl<'a> Sink<'a> {
                 Mechanism::Iceoryx2Event => SinkWay::Event(Box::new(needed().event_receiver()?)),
                 Mechanism::Message => SinkWay::Message(Box::new(needed().subscriber()?)),
                 Mechanism::Detections => SinkWay::Detections(Box::new(needed().subscriber()?)),
-                Mechanism::Payload(_) => SinkWay::Payload(needed().payload_receiver()?),
+                Mechanism::Payload(bytes) => {
+                    SinkWay::Payload(needed().payload_receiver(bytes, Contents::Bare)?)
+                }
+                Mechanism::ProtectedPayload(bytes) => {
+                    SinkWay::Payload(needed().payload_receiver(bytes, Contents::Protected)?)
+                }
                 Mechanism::UnixDatagram => SinkWay::Socket(Socket::datagram_sink(root)?),
                 Mechanism::Tcp => SinkWay::Socket(Socket::tcp_sink(root)?),
             };
             ways.push((mechanism, way));
         }
         Ok(Self { page, seen: 0, ways, probe })
+    }
+
+    /// Bytes that were copied so far to take messages out of shared memory.
+    pub fn copied_bytes(&self) -> u64 {
+        let copied = self.ways.iter().map(|(_, way)| match way {
+            SinkWay::Message(port) => port.copied_bytes(),
+            SinkWay::Detections(port) => port.copied_bytes(),
+            // Borrowed, or no message.
+            SinkWay::Payload(_)
+            | SinkWay::Futex
+            | SinkWay::Eventfd
+            | SinkWay::Event(_)
+            | SinkWay::Socket(_) => 0,
+        });
+        copied.sum()
     }
 
     /// Waits once, and hands the stamp of each new wake-up to `each`.
@@ -225,7 +251,7 @@ impl<'a> Sink<'a> {
                 return Ok(());
             }
             Some((_, SinkWay::Payload(port))) => {
-                port.next(LOOK, |sent_ns, _| each(sent_ns))?;
+                port.next(LOOK, each)?;
                 return Ok(());
             }
             Some((_, SinkWay::Socket(socket))) => {

@@ -197,12 +197,9 @@ struct Ear {
 
 impl Ear {
     fn listen(&mut self) -> Result<(), Error> {
-        while let Some(command) = self.commands.take()? {
-            self.heard.commands.push(command);
-        }
-        while let Some(diagnostics) = self.diagnostics.take()? {
-            self.heard.diagnostics.push(diagnostics);
-        }
+        let Self { commands, diagnostics, heard } = self;
+        while commands.take(|command| heard.commands.push(*command))? {}
+        while diagnostics.take(|diagnostics| heard.diagnostics.push(*diagnostics))? {}
         Ok(())
     }
 }

@@ -18,6 +18,7 @@ pub fn page(scenario: &Scenario, summary: &Summary, run: &RunPicture) -> String 
         tiles(&figures(summary)),
         faults(run),
         section("The drive", &pictures(run)),
+        tracking(summary),
         section("Timing", &times(summary, run)),
         section("Messages", &messages(summary)),
         section("Processes and scheduling", &machine(summary)),
@@ -33,6 +34,43 @@ pub fn page(scenario: &Scenario, summary: &Summary, run: &RunPicture) -> String 
     ];
     let about: Vec<_> = about.into_iter().filter(|part| !part.is_empty()).collect();
     document(&summary.scenario, &about.join(" · "), good, &verdict, &body)
+}
+
+/// How well the radar's tracks matched the traffic; nothing of a radar that does not err.
+fn tracking(summary: &Summary) -> String {
+    let Some(found) = summary.perception.filter(|found| found.gospa_m > 0.0) else {
+        return String::new();
+    };
+    let m = |value: f64| format!("{} m", super::chart::number(value, 2));
+    let s = |value: f64| format!("{} s", super::chart::number(value, 2));
+    let mut rows = vec![
+        vec!["GOSPA (c = 10 m, p = 2), root mean square".to_owned(), m(found.gospa_m)],
+        vec!["of it: distance of tracks from their vehicles".into(), m(found.localisation_m)],
+        vec!["of it: vehicles without a track".into(), m(found.missed_m)],
+        vec!["of it: tracks without a vehicle".into(), m(found.false_m)],
+        vec!["false targets".into(), found.false_targets.to_string()],
+        vec!["time with a false target".into(), s(found.false_target_s)],
+    ];
+    if let (Some(mean_s), Some(worst_s)) = (found.cut_in_mean_s, found.cut_in_worst_s) {
+        rows.push(vec!["cut-ins confirmed".into(), found.cut_ins.to_string()]);
+        rows.push(vec!["a cut-in confirmed after its overlap, mean".into(), s(mean_s)]);
+        rows.push(vec!["the same, longest".into(), s(worst_s)]);
+    }
+    if found.cut_ins_unconfirmed > 0 {
+        rows.push(vec!["cut-ins not confirmed".into(), found.cut_ins_unconfirmed.to_string()]);
+    }
+    if let Some(detections) = found.detections {
+        rows.push(vec!["detections".into(), detections.to_string()]);
+    }
+    let left_out = found.detections_left_out.unwrap_or(0) + found.tracks_left_out;
+    if left_out > 0 {
+        let what = "detections and tracks for which there was no room in their messages";
+        rows.push(vec![what.into(), left_out.to_string()]);
+    }
+    let scans = format!("of {} scans", found.scans);
+    let head =
+        [("radar and tracker against ground truth", Column::Text), (&*scans, Column::Number)];
+    section("Radar", &table(&head, &rows))
 }
 
 /// Whether the requirement was met, and what came out in words.

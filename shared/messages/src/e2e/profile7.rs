@@ -6,13 +6,15 @@
 //! | 8..12 | length of the message, bytes |
 //! | 12..16 | counter |
 //! | 16..20 | data ID |
+//!
+//! The CRC is computed by carry-less multiplications where the processor has them and from tables where it
+//! has not: a CRC is exact, so that its bits do not depend on the way.
 
 use crate::layout;
 use bytemuck::{Pod, Zeroable};
-use crc::{CRC_64_XZ, Crc, Table};
+use crc_fast::{CrcAlgorithm, checksum};
 use iceoryx2::prelude::ZeroCopySend;
 
-const CRC: Crc<u64, Table<16>> = Crc::<u64, Table<16>>::new(&CRC_64_XZ);
 const _: () = assert!(size_of::<Protection>() == 24);
 
 /// The protection of a message, first in its header; filled in by the port that sends it.
@@ -45,6 +47,11 @@ pub enum Corrupted {
     DataId,
 }
 
+/// CRC-64/XZ of `bytes`.
+fn crc(bytes: &[u8]) -> u64 {
+    checksum(CrcAlgorithm::Crc64Xz, bytes)
+}
+
 /// Fills in the protection at the start of `message`.
 ///
 /// # Panics
@@ -54,7 +61,7 @@ pub fn protect(message: &mut [u8], data_id: u32, counter: u32) {
     message[8..12].copy_from_slice(&length.to_be_bytes());
     message[12..16].copy_from_slice(&counter.to_be_bytes());
     message[16..20].copy_from_slice(&data_id.to_be_bytes());
-    let crc = CRC.checksum(&message[8..]);
+    let crc = crc(&message[8..]);
     message[..8].copy_from_slice(&crc.to_be_bytes());
 }
 
@@ -69,7 +76,7 @@ pub fn check(message: &[u8], data_id: u32) -> Result<u32, Corrupted> {
     let word = |at: usize| {
         u32::from_be_bytes([message[at], message[at + 1], message[at + 2], message[at + 3]])
     };
-    if message[..8] != CRC.checksum(&message[8..]).to_be_bytes() {
+    if message[..8] != crc(&message[8..]).to_be_bytes() {
         return Err(Corrupted::Crc);
     }
     if word(8) as usize != message.len() {
@@ -100,6 +107,17 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn the_fast_crc_is_that_of_the_tables(
+            message in prop::collection::vec(any::<u8>(), 0..9000), from in 0_usize..64,
+        ) {
+            use crc::{CRC_64_XZ, Crc};
+            let tables = Crc::<u64>::new(&CRC_64_XZ);
+            // At any alignment.
+            let bytes = &message[from.min(message.len())..];
+            prop_assert_eq!(crc(bytes), tables.checksum(bytes));
+        }
+
         #[test]
         fn what_was_protected_is_intact(
             mut message in prop::collection::vec(any::<u8>(), 24..2000),

@@ -9,7 +9,7 @@ use scenario::quantity::Shift;
 #[derive(Debug)]
 pub(crate) struct SenderFaults<T> {
     /// The last message that no freeze replaced.
-    last_intact: Option<T>,
+    last_intact: Option<Box<T>>,
 }
 
 impl<T: Message> SenderFaults<T> {
@@ -30,7 +30,7 @@ impl<T: Message> SenderFaults<T> {
                     if let Some(last) = &self.last_intact {
                         let content = size_of::<Header>()..;
                         bytemuck::bytes_of_mut(message)[content.clone()]
-                            .copy_from_slice(&bytemuck::bytes_of(last)[content]);
+                            .copy_from_slice(&bytemuck::bytes_of(&**last)[content]);
                     }
                 }
                 Falsification::Bias { field, amount } => bias(message, field, amount.value()),
@@ -44,7 +44,10 @@ impl<T: Message> SenderFaults<T> {
             }
         });
         if !frozen {
-            self.last_intact = Some(intact);
+            match &mut self.last_intact {
+                Some(last) => **last = intact,
+                None => self.last_intact = Some(Box::new(intact)),
+            }
         }
     }
 }

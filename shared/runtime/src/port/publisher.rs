@@ -1,8 +1,14 @@
 //! The sending end of a topic.
+//!
+//! A message is written where its readers will read it, and protected there:
+//!
+//! ```text
+//! loan ─► the service writes ─► send: header, sender faults, protection ─► handed over
+//! ```
 
 use super::tally::Tally;
 use crate::faults::{Faults, SenderFaults};
-use crate::transport::Sender;
+use crate::transport::{Loan, Sender};
 use crate::waking::Waker;
 use crate::{Clock, RuntimeError, Timetable};
 use messages::e2e::profile7;
@@ -28,21 +34,42 @@ pub struct Publisher<T: Message> {
 }
 
 impl<T: Message> Publisher<T> {
-    /// Completes the header of `message` (sequence, source, publish stamp, protection) and sends it.
-    /// Allocates nothing.
+    /// Memory for the next message, all zeros, where its readers will read it.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Send`] if the transport has none.
+    pub fn loan(&self) -> Result<Loan<T>, RuntimeError> {
+        let mut message = self.loan_used()?;
+        bytemuck::write_zeroes(&mut *message);
+        Ok(message)
+    }
+
+    /// As [`Self::loan`], with an earlier message of this port in it, or zeros: for messages so large
+    /// that only the parts that differ are to be written.
+    ///
+    /// # Errors
+    /// As [`Self::loan`].
+    pub fn loan_used(&self) -> Result<Loan<T>, RuntimeError> {
+        self.port.loan().map_err(|reason| RuntimeError::Send { topic: T::TOPIC, reason })
+    }
+
+    /// Loans, lets `write` fill the zeros and sends.
+    ///
+    /// # Errors
+    /// As [`Self::loan`] and [`Self::send`].
+    pub fn send_with(&mut self, write: impl FnOnce(&mut T)) -> Result<i64, RuntimeError> {
+        let mut message = self.loan()?;
+        write(&mut message);
+        self.send(message)
+    }
+
+    /// Completes the header of `message` (sequence, source, publish stamp, protection), which was loaned
+    /// here, where it is, and hands it over. Returns the publish stamp, ns of run time. Neither copies
+    /// nor allocates.
     ///
     /// # Errors
     /// [`RuntimeError::Send`] if the transport refuses it.
-    pub fn send(&mut self, message: T) -> Result<(), RuntimeError> {
-        self.send_stamped(message).map(|_| ())
-    }
-
-    /// As [`Self::send`]; returns the publish stamp, ns of run time.
-    ///
-    /// # Errors
-    /// As [`Self::send`].
-    pub fn send_stamped(&mut self, mut message: T) -> Result<i64, RuntimeError> {
-        let error = |reason: String| RuntimeError::Send { topic: T::TOPIC, reason };
+    pub fn send(&mut self, mut message: Loan<T>) -> Result<i64, RuntimeError> {
         let source = self.source.to_wire();
         let sequence = self.tally.borrow().messages + 1;
         let now_ns = self.clock.now_ns();
@@ -56,13 +83,14 @@ impl<T: Message> Publisher<T> {
             if let Some((position_m, speed_mps)) = message.ego() {
                 self.faults.ego_at(position_m, speed_mps, now_ns);
             }
-            self.sender_faults.apply(&mut message, &self.faults, now_ns);
+            self.sender_faults.apply(&mut *message, &self.faults, now_ns);
         }
         // The counter is the sequence number's low half: it wraps.
         let data_id = T::TOPIC.data_id(source);
-        profile7::protect(bytemuck::bytes_of_mut(&mut message), data_id, sequence as u32);
-        self.port.send(&message).map_err(error)?;
-        self.tally.borrow_mut().count(&message);
+        profile7::protect(bytemuck::bytes_of_mut(&mut *message), data_id, sequence as u32);
+        self.tally.borrow_mut().count(&*message);
+        let sent = self.port.send(message);
+        sent.map_err(|reason| RuntimeError::Send { topic: T::TOPIC, reason })?;
         if let Some(waker) = &self.waker
             && (self.timetable.is_awaited(T::TOPIC, step) || step.is_multiple_of(DRAIN_STEPS))
         {

@@ -4,11 +4,11 @@ use super::tally::Tally;
 use crate::faults::{ChannelFaults, Faults};
 use crate::link::End;
 use crate::members::Members;
-use crate::transport::{Receiver, SenderId};
+use crate::transport::{Held, Receiver, SenderId};
 use crate::waking::{Ticket, Waiter};
 use crate::{Clock, RuntimeError};
 use messages::e2e::Channel;
-use messages::{Message, Origin, Service};
+use messages::{Header, Message, Origin, Service};
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
@@ -27,8 +27,11 @@ const SILENCE: f64 = 1.5;
 pub struct Subscriber<T: Message> {
     port: Rc<dyn Receiver<T>>,
     waiter: Option<Waiter>,
-    newest: Option<T>,
-    ahead: Option<T>,
+    newest: Held<T>,
+    /// A sample of a later step than the reader's.
+    ahead: Held<T>,
+    /// The sample that is looked at.
+    incoming: Held<T>,
     /// Newest step of which a message arrived, whatever the check made of it.
     arrived_step: Option<u64>,
     /// Incarnation and sequence number of the last message of each source.
@@ -59,8 +62,9 @@ impl<T: Message> Subscriber<T> {
         Self {
             port,
             waiter,
-            newest: None,
-            ahead: None,
+            newest: Held::new(),
+            ahead: Held::new(),
+            incoming: Held::new(),
             arrived_step: None,
             last: [(0, 0); Service::ALL.len() + 1],
             channels: Default::default(),
@@ -75,16 +79,22 @@ impl<T: Message> Subscriber<T> {
         }
     }
 
-    /// The newest sample of the last update.
+    /// The newest sample of the last update. A large one is borrowed from its sender.
     #[must_use]
     pub fn newest(&self) -> Option<&T> {
-        self.newest.as_ref()
+        self.newest.get()
+    }
+
+    /// Bytes that were copied so far to take samples.
+    #[must_use]
+    pub fn copied_bytes(&self) -> u64 {
+        self.tally.borrow().copied_bytes
     }
 
     /// Stamps of the newest sample, for the header of what is computed from it.
     #[must_use]
     pub fn origin(&self) -> Origin {
-        self.newest.as_ref().map_or(Origin::NONE, |sample| Origin::of(sample.header()))
+        self.newest().map_or(Origin::NONE, |sample| Origin::of(sample.header()))
     }
 
     /// Takes all samples up to `step`, calling `each` on every one that may be used, in order.
@@ -94,32 +104,34 @@ impl<T: Message> Subscriber<T> {
         mut each: impl FnMut(&T),
     ) -> Result<(), RuntimeError> {
         loop {
-            let sample = match self.ahead.take() {
-                Some(sample) => sample,
-                None => match self.receive()? {
-                    Some(sample) => sample,
-                    None => break,
-                },
-            };
-            // A wrong step is caught by the check; the wait for it is not to last for ever.
-            if sample.header().step > step {
-                self.ahead = Some(sample);
+            if self.ahead.get().is_some() {
+                self.incoming.clear();
+                std::mem::swap(&mut self.incoming, &mut self.ahead);
+            } else if !self.receive()? {
                 break;
             }
-            self.arrived_step = self.arrived_step.max(Some(sample.header().step));
+            let Some(sample) = self.incoming.get() else { break };
+            // A wrong step is caught by the check; the wait for it is not to last for ever.
+            let of_step = sample.header().step;
+            if of_step > step {
+                std::mem::swap(&mut self.incoming, &mut self.ahead);
+                break;
+            }
+            self.arrived_step = self.arrived_step.max(Some(of_step));
             if self.faults.in_use() {
                 let now_ns = self.now_ns();
                 let faults =
                     self.channel_faults.get_or_insert_with(|| Box::new(ChannelFaults::new()));
-                faults.take(&sample, &self.faults, now_ns);
+                faults.take(sample, &self.faults, now_ns);
             } else {
-                self.check(&sample, &mut each);
+                self.check(&mut each);
             }
         }
         if let Some(mut faults) = self.channel_faults.take() {
             let now_ns = self.now_ns();
             while let Some(sample) = faults.hand_over(now_ns) {
-                self.check(&sample, &mut each);
+                self.incoming.copy(&sample);
+                self.check(&mut each);
             }
             self.channel_faults = Some(faults);
         }
@@ -131,7 +143,8 @@ impl<T: Message> Subscriber<T> {
     }
 
     /// Keeps the sample if it passes the end-to-end check.
-    fn check(&mut self, sample: &T, each: &mut impl FnMut(&T)) {
+    fn check(&mut self, each: &mut impl FnMut(&T)) {
+        let Some(sample) = self.incoming.get() else { return };
         let header = sample.header();
         let source = T::TOPIC.source().map_or(header.source, Service::to_wire);
         let tally = &mut self.tally.borrow_mut();
@@ -152,7 +165,8 @@ impl<T: Message> Subscriber<T> {
             self.heard_ns = now_ns;
         }
         each(sample);
-        self.newest = Some(*sample);
+        std::mem::swap(&mut self.newest, &mut self.incoming);
+        self.incoming.clear();
     }
 
     /// Counts a silence of more than a period of the topic's source as the standard's "no new data",
@@ -166,27 +180,33 @@ impl<T: Message> Subscriber<T> {
         }
     }
 
-    fn receive(&mut self) -> Result<Option<T>, RuntimeError> {
+    /// Takes the next sample of a member of the group; false if there is none.
+    fn receive(&mut self) -> Result<bool, RuntimeError> {
         loop {
+            self.incoming.clear();
             let error = |reason| RuntimeError::Receive { topic: T::TOPIC, reason };
-            let Some((sample, sender)) = self.port.receive().map_err(error)? else {
-                return Ok(None);
+            let Some(arrival) = self.port.receive(&mut self.incoming).map_err(error)? else {
+                return Ok(false);
             };
-            let header = sample.header();
-            if !self.knows(sender, header.source, header.incarnation) {
+            let Some(sample) = self.incoming.get() else { return Ok(false) };
+            let &Header { source, incarnation, sequence, .. } = sample.header();
+            if !self.knows(arrival.sender, source, incarnation) {
                 self.tally.borrow_mut().e2e.unknown_sender += 1;
                 continue;
             }
             let mut tally = self.tally.borrow_mut();
-            if let Some(last) = self.last.get_mut(header.source as usize) {
+            if let Some(last) = self.last.get_mut(source as usize) {
                 // A new incarnation counts from 1 again; the first sample of a late joiner is no loss.
-                if last.0 == header.incarnation && last.1 > 0 {
-                    tally.lost += header.sequence.saturating_sub(last.1 + 1);
+                if last.0 == incarnation && last.1 > 0 {
+                    tally.lost += sequence.saturating_sub(last.1 + 1);
                 }
-                *last = (header.incarnation, header.sequence);
+                *last = (incarnation, sequence);
             }
-            tally.count(&sample);
-            return Ok(Some(sample));
+            tally.copied_bytes += arrival.copied_bytes as u64;
+            if let Some(sample) = self.incoming.get() {
+                tally.count(sample);
+            }
+            return Ok(true);
         }
     }
 
@@ -204,7 +224,7 @@ impl<T: Message> Subscriber<T> {
 
     /// True if the newest sample is of step `due` or later.
     pub(crate) fn reaches(&self, due: u64) -> bool {
-        self.newest.as_ref().is_some_and(|sample| sample.header().step >= due)
+        self.newest().is_some_and(|sample| sample.header().step >= due)
     }
 
     /// Waits until the sample of step `due` arrived.
@@ -250,9 +270,11 @@ impl<T: Message> Subscriber<T> {
         loop {
             let ticket = self.ticket();
             let error = |reason| RuntimeError::Receive { topic: T::TOPIC, reason };
-            while let Some((sample, _)) = self.port.receive().map_err(error)? {
-                if Origin::of(sample.header()) == origin {
-                    self.newest = Some(sample);
+            while self.port.receive(&mut self.incoming).map_err(error)?.is_some() {
+                let named = |sample: &T| Origin::of(sample.header()) == origin;
+                if self.incoming.get().is_some_and(named) {
+                    std::mem::swap(&mut self.newest, &mut self.incoming);
+                    self.incoming.clear();
                     return Ok(());
                 }
             }

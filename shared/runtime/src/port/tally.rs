@@ -13,6 +13,8 @@ use xxhash_rust::xxh3::Xxh3Default;
 pub(crate) struct Tally {
     pub(crate) messages: u64,
     pub(crate) lost: u64,
+    /// Bytes that were copied to take the messages.
+    pub(crate) copied_bytes: u64,
     pub(crate) e2e: Outcomes,
     digest: Option<Box<Xxh3Default>>,
 }

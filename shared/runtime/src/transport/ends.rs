@@ -1,7 +1,9 @@
 //! What all carriers offer: ends of topics that connect, send and receive.
 
+use super::held::Held;
+use super::loan::Loan;
 use crate::Timetable;
-use messages::Topic;
+use messages::{Message, Topic};
 use std::fmt::Debug;
 
 /// Messages that a subscriber can lag behind: twice what the plant publishes between two releases
@@ -29,9 +31,13 @@ pub trait Connect: Debug {
 }
 
 /// Sends messages of one type.
-pub trait Sender<T>: Connect {
-    /// Hands a copy of `message` to all subscribers.
-    fn send(&self, message: &T) -> Result<(), String>;
+pub trait Sender<T: Message>: Connect {
+    /// Memory for a message where its readers will read it. It holds zeros or an earlier message of this
+    /// port.
+    fn loan(&self) -> Result<Loan<T>, String>;
+
+    /// Hands a message that was loaned here to all subscribers.
+    fn send(&self, message: Loan<T>) -> Result<(), String>;
 }
 
 /// A sending port, unique on this host.
@@ -57,8 +63,17 @@ pub trait Input: Debug {
     fn has_input(&self) -> bool;
 }
 
+/// A message that was taken from a topic.
+#[derive(Clone, Copy, Debug)]
+pub struct Arrival {
+    /// The port that sent it.
+    pub(crate) sender: SenderId,
+    /// Bytes that were copied to take it.
+    pub(crate) copied_bytes: usize,
+}
+
 /// Receives messages of one type.
-pub trait Receiver<T>: Connect + Input {
-    /// The oldest message not yet taken, and the port that sent it.
-    fn receive(&self) -> Result<Option<(T, SenderId)>, String>;
+pub trait Receiver<T: Message>: Connect + Input {
+    /// Takes the oldest message not yet taken into `held`.
+    fn receive(&self, held: &mut Held<T>) -> Result<Option<Arrival>, String>;
 }

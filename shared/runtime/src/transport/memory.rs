@@ -1,9 +1,12 @@
 //! Topics in the memory of one process, whose only thread all members of the run share.
 //!
-//! Each receiver of a topic has a queue; a sender puts a copy of its message into every one of them.
-//! A sender whose receiver lags waits for its next turn, as it would wait for room in shared memory.
+//! Each receiver of a topic has a queue; a sender puts a handle of its message into every one of them, and
+//! writes the next message into one that no receiver has any more. A sender whose receiver lags waits for
+//! its next turn, as it would wait for room in shared memory.
 
-use super::ends::{Connect, Input, Receiver, Sender, SenderId, buffer, buffer_of};
+use super::ends::{Arrival, Connect, Input, Receiver, Sender, SenderId, buffer, buffer_of};
+use super::held::Held;
+use super::loan::{Loan, Place};
 use crate::Timetable;
 use crate::coroutine::Pause;
 use crate::link::End;
@@ -14,8 +17,8 @@ use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::rc::{Rc, Weak};
 
-/// Room that a queue has from the start, bytes; few fall back by more than a slow service's period.
-const ROOM_BYTES: usize = 16 << 10;
+/// Messages for which a queue has room from the start; few fall back by more than a slow service's period.
+const ROOM: usize = 32;
 
 /// The topics of a run.
 #[derive(Debug)]
@@ -66,7 +69,7 @@ impl Bus {
 #[derive(Debug)]
 struct Queues<T>(RefCell<Vec<Weak<Queue<T>>>>);
 
-type Queue<T> = RefCell<VecDeque<(T, SenderId)>>;
+type Queue<T> = RefCell<VecDeque<(Rc<T>, SenderId)>>;
 
 /// A member's place at the bus.
 #[derive(Clone, Debug)]
@@ -88,6 +91,7 @@ impl Seat {
         self.bus.ports.set(number);
         Rc::new(MemorySender {
             queues: self.bus.queues::<T>(),
+            pool: RefCell::default(),
             id: SenderId::in_process(self.member, number),
             limit: buffer_of(T::TOPIC, self.bus.limit),
             moved: Rc::clone(&self.bus.moved),
@@ -98,8 +102,8 @@ impl Seat {
     }
 
     pub(super) fn subscriber<T: Message>(&self) -> Rc<dyn Receiver<T>> {
-        let room = (ROOM_BYTES / size_of::<T>()).min(self.bus.limit);
-        let queue = Rc::new(Queue::<T>::new(VecDeque::with_capacity(room)));
+        let queue = VecDeque::with_capacity(ROOM.min(self.bus.limit));
+        let queue = Rc::new(Queue::<T>::new(queue));
         self.bus.queues::<T>().0.borrow_mut().push(Rc::downgrade(&queue));
         Rc::new(MemoryReceiver { queue, moved: Rc::clone(&self.bus.moved) })
     }
@@ -113,6 +117,8 @@ impl Seat {
 #[derive(Debug)]
 struct MemorySender<T> {
     queues: Rc<Queues<T>>,
+    /// Messages that were sent: what no receiver has any more is written again.
+    pool: RefCell<Vec<Rc<T>>>,
     id: SenderId,
     limit: usize,
     moved: Rc<Cell<u64>>,
@@ -123,7 +129,7 @@ struct MemorySender<T> {
 
 impl<T: Message> MemorySender<T> {
     /// Puts `message` into `queue`, waiting for room.
-    fn put(&self, queue: &Queue<T>, message: &T) -> Result<(), String> {
+    fn put(&self, queue: &Queue<T>, message: &Rc<T>) -> Result<(), String> {
         while queue.borrow().len() >= self.limit {
             if self.end.is_now() {
                 return Ok(());
@@ -136,7 +142,7 @@ impl<T: Message> MemorySender<T> {
                 None => return Err("a receiver's queue is full".into()),
             }
         }
-        queue.borrow_mut().push_back((*message, self.id));
+        queue.borrow_mut().push_back((Rc::clone(message), self.id));
         self.moved.set(self.moved.get() + 1);
         Ok(())
     }
@@ -149,18 +155,33 @@ impl<T: Message> Connect for MemorySender<T> {
 }
 
 impl<T: Message> Sender<T> for MemorySender<T> {
-    fn send(&self, message: &T) -> Result<(), String> {
+    fn loan(&self) -> Result<Loan<T>, String> {
+        let mut pool = self.pool.borrow_mut();
+        let unused = pool.iter().position(|message| Rc::strong_count(message) == 1);
+        let message = match unused {
+            Some(index) => pool.swap_remove(index),
+            None => Rc::new(T::zeroed()),
+        };
+        Ok(Loan(Place::Memory(message)))
+    }
+
+    fn send(&self, message: Loan<T>) -> Result<(), String> {
+        let Place::Memory(message) = message.0 else {
+            return Err("a message in shared memory".into());
+        };
         // One look at a time: others may have their turn in between.
         let mut index = 0;
         loop {
             let next = self.queues.0.borrow().get(index).map(Weak::upgrade);
             match next {
-                Some(Some(queue)) => self.put(&queue, message)?,
+                Some(Some(queue)) => self.put(&queue, &message)?,
                 Some(None) => {}
-                None => return Ok(()),
+                None => break,
             }
             index += 1;
         }
+        self.pool.borrow_mut().push(message);
+        Ok(())
     }
 }
 
@@ -183,28 +204,27 @@ impl<T: Message> Input for MemoryReceiver<T> {
 }
 
 impl<T: Message> Receiver<T> for MemoryReceiver<T> {
-    fn receive(&self) -> Result<Option<(T, SenderId)>, String> {
-        let message = self.queue.borrow_mut().pop_front();
-        self.moved.set(self.moved.get() + u64::from(message.is_some()));
-        Ok(message)
+    fn receive(&self, held: &mut Held<T>) -> Result<Option<Arrival>, String> {
+        let Some((message, sender)) = self.queue.borrow_mut().pop_front() else { return Ok(None) };
+        self.moved.set(self.moved.get() + 1);
+        Ok(Some(Arrival { sender, copied_bytes: held.take_shared(message) }))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bytemuck::Zeroable;
-    use messages::{Command, Odometry};
+    use messages::{Command, Odometry, RadarDetections};
 
     fn bus() -> Rc<Bus> {
         let strides = [1, 5, 10, 10, 5];
         Rc::new(Bus::new(&Timetable { step_ns: 10_000_000, strides, last_step: 100 }))
     }
 
-    fn odometry(sequence: u64) -> Odometry {
-        let mut message = Odometry::zeroed();
+    fn send(sender: &dyn Sender<Odometry>, sequence: u64) -> Result<(), String> {
+        let mut message = sender.loan()?;
         message.header.sequence = sequence;
-        message
+        sender.send(message)
     }
 
     #[test]
@@ -214,12 +234,15 @@ mod tests {
         let sender = plant.publisher::<Odometry>(End::default());
         let (one, two) = (other.subscriber::<Odometry>(), plant.subscriber::<Odometry>());
         let commands = other.subscriber::<Command>();
-        sender.send(&odometry(1)).expect("room");
-        sender.send(&odometry(2)).expect("room");
+        send(&*sender, 1).expect("room");
+        send(&*sender, 2).expect("room");
         for receiver in [one, two] {
+            let mut held = Held::new();
             for sequence in 1..=2 {
-                let (message, from) = receiver.receive().expect("memory").expect("a message");
-                assert_eq!((message.header.sequence, from.pid()), (sequence, 1));
+                let arrival = receiver.receive(&mut held).expect("memory").expect("a message");
+                let message = held.get().expect("taken");
+                assert_eq!((message.header.sequence, arrival.sender.pid()), (sequence, 1));
+                assert_eq!(arrival.copied_bytes, size_of::<Odometry>());
             }
             assert!(!receiver.has_input());
         }
@@ -231,9 +254,32 @@ mod tests {
         let seat = Seat::new(bus(), 1, None);
         let sender = seat.publisher::<Odometry>(End::default());
         let receiver = seat.subscriber::<Odometry>();
-        let full = (1..).find(|&k| sender.send(&odometry(k)).is_err());
+        let full = (1..).find(|&k| send(&*sender, k).is_err());
         assert_eq!(full, Some(51), "as many as in shared memory");
         drop(receiver);
-        sender.send(&odometry(52)).expect("no receiver is left");
+        send(&*sender, 52).expect("no receiver is left");
+    }
+
+    #[test]
+    fn a_large_message_is_borrowed_and_not_written_again_before_its_readers_gave_it_back() {
+        let seat = Seat::new(bus(), 1, None);
+        let sender = seat.publisher::<RadarDetections>(End::default());
+        let receiver = seat.subscriber::<RadarDetections>();
+        let mut held = Held::new();
+        let mut addresses = Vec::new();
+        for count in 1..=6 {
+            let mut message = sender.loan().expect("memory");
+            message.count = count;
+            addresses.push(std::ptr::from_ref::<RadarDetections>(&message));
+            sender.send(message).expect("room");
+            let before = held.get().map(|held: &RadarDetections| held.count);
+            assert_eq!(before, (count > 1).then(|| count - 1), "what is held stays");
+            let arrival = receiver.receive(&mut held).expect("memory").expect("a message");
+            assert_eq!(arrival.copied_bytes, 0);
+            assert_eq!(held.get().map(std::ptr::from_ref), addresses.last().copied());
+        }
+        addresses.sort_unstable();
+        addresses.dedup();
+        assert_eq!(addresses.len(), 2, "written in turn");
     }
 }

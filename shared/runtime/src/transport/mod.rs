@@ -1,11 +1,16 @@
 //! What carries messages from ports to ports: shared memory between processes, or the memory of one.
 
 mod ends;
+mod held;
+mod loan;
 mod memory;
 mod payload;
+mod pooled;
 mod shared_memory;
 
 pub use ends::{Connect, Input, Receiver, Sender, SenderId};
+pub use held::{COPIED_BYTES, Held};
+pub use loan::Loan;
 pub(super) use memory::{Bus, Seat};
 pub(super) use payload::{PAYLOAD_TOPIC, Payload, Stamp};
 pub use shared_memory::shared_memory_bytes;

@@ -1,6 +1,8 @@
 //! iceoryx2 as timegap uses it: one private node per process and one way to open each topic.
 
-use super::ends::{Connect, Input, Receiver, Sender, SenderId, buffer, buffer_of};
+use super::ends::{Arrival, Connect, Input, Receiver, Sender, SenderId, buffer, buffer_of};
+use super::held::Held;
+use super::loan::{Loan, Place};
 use super::payload::{PAYLOAD_TOPIC, Payload, Stamp};
 use crate::link::End;
 use crate::waking::{Waiter, WakeWords, Waker};
@@ -18,7 +20,14 @@ use std::os::unix::fs::PermissionsExt;
 use std::rc::Rc;
 
 /// The iceoryx2 variant of all topics.
-pub(crate) type Ipc = ipc::Service;
+pub(crate) use super::pooled::PooledIpc as Ipc;
+
+/// Messages that a receiver borrows at most: the newest one, one of a later step, one that is checked.
+const HELD: usize = 3;
+/// Messages that a port writes at the same time.
+const LOANED: usize = 2;
+/// Last messages kept for receivers that come late.
+const HISTORY: usize = 1;
 
 /// Processes on one topic: the group, each restarted beside its dead self, and observers.
 const MAX_PEERS: usize = 10;
@@ -29,7 +38,8 @@ const MAX_PEERS: usize = 10;
 pub fn shared_memory_bytes(timetable: &Timetable) -> u64 {
     /// Management segments of all nodes, services and connections, generously.
     const MANAGEMENT: usize = 1 << 20;
-    let messages = |topic| MAX_PEERS * (buffer_of(topic, buffer(timetable)) + 2) + 2;
+    let each = |topic| buffer_of(topic, buffer(timetable)) + HELD;
+    let messages = |topic| MAX_PEERS * each(topic) + HISTORY + LOANED;
     let publishers = |topic: Topic| topic.source().map_or(Service::ALL.len(), |_| 1);
     let bytes = |topic: Topic| publishers(topic) * messages(topic) * topic.message_bytes();
     let payload: usize = TOPICS.into_iter().map(bytes).sum();
@@ -37,8 +47,19 @@ pub fn shared_memory_bytes(timetable: &Timetable) -> u64 {
 }
 
 impl<T: Message> Sender<T> for iceoryx2::port::publisher::Publisher<Ipc, T, ()> {
-    fn send(&self, message: &T) -> Result<(), String> {
-        self.send_copy(*message).map(|_| ()).map_err(|e| format!("{e:?}"))
+    #[expect(unsafe_code, reason = "a message is not written twice to please the type")]
+    fn loan(&self) -> Result<Loan<T>, String> {
+        let sample = self.loan_uninit().map_err(|e| format!("{e:?}"))?;
+        // SAFETY: the payload is a part of a file in memory, mapped by this process: it holds zeros or an
+        // earlier message, and any bytes are a `T`, which is `Pod`.
+        Ok(Loan(Place::SharedMemory(unsafe { sample.assume_init() })))
+    }
+
+    fn send(&self, message: Loan<T>) -> Result<(), String> {
+        match message.0 {
+            Place::SharedMemory(sample) => sample.send().map(|_| ()).map_err(|e| format!("{e:?}")),
+            Place::Memory(_) => Err("a message that is not in shared memory".into()),
+        }
     }
 }
 
@@ -55,9 +76,12 @@ impl<T: Message> Input for iceoryx2::port::subscriber::Subscriber<Ipc, T, ()> {
 }
 
 impl<T: Message> Receiver<T> for iceoryx2::port::subscriber::Subscriber<Ipc, T, ()> {
-    fn receive(&self) -> Result<Option<(T, SenderId)>, String> {
-        let sample = Self::receive(self).map_err(|e| format!("{e:?}"))?;
-        Ok(sample.map(|sample| (*sample.payload(), SenderId(sample.origin().value()))))
+    fn receive(&self, held: &mut Held<T>) -> Result<Option<Arrival>, String> {
+        let Some(sample) = Self::receive(self).map_err(|e| format!("{e:?}"))? else {
+            return Ok(None);
+        };
+        let sender = SenderId(sample.origin().value());
+        Ok(Some(Arrival { sender, copied_bytes: held.take_sample(sample) }))
     }
 }
 
@@ -117,8 +141,9 @@ impl SharedMemory {
             .max_subscribers(MAX_PEERS)
             .max_nodes(2 * MAX_PEERS)
             .subscriber_max_buffer_size(buffer_of(T::TOPIC, self.buffer))
+            .subscriber_max_borrowed_samples(HELD)
             // What a restarted receiver begins with.
-            .history_size(1)
+            .history_size(HISTORY)
             .enable_safe_overflow(self.mode == Mode::Realtime)
             .open_or_create_with_attributes(&attributes)
             .map_err(|e| error(format!("{e:?}")))
@@ -131,6 +156,7 @@ impl SharedMemory {
         let port = self
             .topic::<T>()?
             .publisher_builder()
+            .max_loaned_samples(LOANED)
             .set_backpressure_handler(move |_| {
                 if end.is_now() {
                     return BackpressureAction::DiscardData;
@@ -154,17 +180,21 @@ impl SharedMemory {
         Ok(Rc::new(port))
     }
 
-    /// The service of a probe's payloads, beside the one of its topic.
+    /// The service of a probe's payloads of so many bytes, beside the one of its topic.
     pub(crate) fn payload_topic(
         &self,
+        bytes: usize,
     ) -> Result<publish_subscribe::PortFactory<Ipc, Payload, Stamp>, RuntimeError> {
+        let name = format!("bench/payload/{bytes}");
         self.node
-            .service_builder(&"bench/payload".try_into().expect("a valid service name"))
+            .service_builder(&name.as_str().try_into().expect("a valid service name"))
             .publish_subscribe::<Payload>()
             .user_header::<Stamp>()
             .max_publishers(1)
             .max_subscribers(1)
-            .subscriber_max_buffer_size(8)
+            // A sink that lags by more than this has lost the wake-ups anyway.
+            .subscriber_max_buffer_size(2)
+            .subscriber_max_borrowed_samples(1)
             .history_size(0)
             .open_or_create()
             .map_err(|e| RuntimeError::Topic { topic: PAYLOAD_TOPIC, reason: format!("{e:?}") })

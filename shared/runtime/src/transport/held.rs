@@ -1,0 +1,82 @@
+//! A message after it arrived: a small one copied, a large one where its sender wrote it.
+//!
+//! A message of up to [`COPIED_BYTES`] is copied before it is checked, so that a faulty sender cannot
+//! write into it after the check. A larger one is borrowed: copying the radar's detections would cost
+//! more than carrying them.
+
+use super::shared_memory::Ipc;
+use iceoryx2::sample::Sample;
+use messages::Message;
+use std::rc::Rc;
+
+/// Largest message that is copied when it arrives, bytes.
+pub const COPIED_BYTES: usize = 4 << 10;
+
+/// True if messages of type `T` are copied when they arrive.
+pub(super) const fn is_copied<T>() -> bool {
+    size_of::<T>() <= COPIED_BYTES
+}
+
+/// Room for one received message.
+#[derive(Debug)]
+pub struct Held<T: Message> {
+    /// Room for a copy, from the start where messages of this type are copied.
+    copy: Option<Box<T>>,
+    state: State<T>,
+}
+
+#[derive(Debug)]
+enum State<T: Message> {
+    Empty,
+    Copied,
+    Sample(Sample<Ipc, T, ()>),
+    Memory(Rc<T>),
+}
+
+impl<T: Message> Held<T> {
+    /// Room without a message.
+    pub(crate) fn new() -> Self {
+        Self { copy: is_copied::<T>().then(|| Box::new(T::zeroed())), state: State::Empty }
+    }
+
+    /// The message.
+    pub(crate) fn get(&self) -> Option<&T> {
+        match &self.state {
+            State::Empty => None,
+            State::Copied => self.copy.as_deref(),
+            State::Sample(sample) => Some(sample.payload()),
+            State::Memory(message) => Some(message),
+        }
+    }
+
+    /// Keeps a copy of `message`.
+    pub(crate) fn copy(&mut self, message: &T) {
+        **self.copy.get_or_insert_with(|| Box::new(T::zeroed())) = *message;
+        self.state = State::Copied;
+    }
+
+    /// Keeps what arrived through shared memory; returns the bytes that were copied for it.
+    pub(super) fn take_sample(&mut self, sample: Sample<Ipc, T, ()>) -> usize {
+        if is_copied::<T>() {
+            self.copy(sample.payload());
+            return size_of::<T>();
+        }
+        self.state = State::Sample(sample);
+        0
+    }
+
+    /// Keeps what arrived in the memory of the process; returns the bytes that were copied for it.
+    pub(super) fn take_shared(&mut self, message: Rc<T>) -> usize {
+        if is_copied::<T>() {
+            self.copy(&message);
+            return size_of::<T>();
+        }
+        self.state = State::Memory(message);
+        0
+    }
+
+    /// Gives the message back to its sender.
+    pub(crate) fn clear(&mut self) {
+        self.state = State::Empty;
+    }
+}
