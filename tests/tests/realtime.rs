@@ -103,8 +103,8 @@ fn the_timer_releases_as_well_as_the_radar() {
 /// has what it needs after the first message of each port.
 #[test]
 fn the_loops_allocate_nothing() {
-    /// Blocks of the pool that a loop may be the first to need.
-    const FIRST: u64 = 1;
+    /// Blocks of the pool that a loop may be the first to need: one for each message it writes at a time.
+    const FIRST: u64 = 2;
     let corner = Corner::new(PROGRAM);
     for mode in ["realtime", "lockstep"] {
         for controller in ["acc-mpc", "cacc-mpc", "six-mode", "quadratic-bounded"] {
