@@ -243,7 +243,7 @@ fn initial_speed(actor: &Actor, time_s: f64) -> f64 {
 /// Speed of a table at a time: linear between the points, constant before the first and after the
 /// last.
 fn speed_in(points: &[SpeedPoint], time_s: f64) -> f64 {
-    let after = points.partition_point(|point| point.0.value() <= time_s);
+    let after = first_after(points, time_s);
     let before = after.checked_sub(1).map(|i| &points[i]);
     match (before, points.get(after)) {
         (Some(a), Some(b)) => {
@@ -253,6 +253,22 @@ fn speed_in(points: &[SpeedPoint], time_s: f64) -> f64 {
         (Some(point), None) | (None, Some(point)) => point.1.value(),
         (None, None) => 0.0,
     }
+}
+
+/// Index of the first point after a time. Recorded tables have even steps: there the place is known
+/// without a search.
+fn first_after(points: &[SpeedPoint], time_s: f64) -> usize {
+    let is_before = |index: usize| points.get(index).is_some_and(|point| point.0.value() <= time_s);
+    if let [first, second, ..] = points {
+        let step_s = second.0.value() - first.0.value();
+        let guess = ((time_s - first.0.value()) / step_s).max(0.0) as usize;
+        for index in guess.saturating_sub(1)..guess.saturating_add(2).min(points.len()) {
+            if is_before(index) && !is_before(index + 1) {
+                return index + 1;
+            }
+        }
+    }
+    points.partition_point(|point| point.0.value() <= time_s)
 }
 
 /// Lateral position, m, and speed, m/s: one motion after the other.

@@ -4,6 +4,8 @@ mod batch;
 pub mod campaign;
 pub mod compare;
 pub mod iso15622;
+pub mod parts;
 pub mod r157;
 pub mod reproduce;
+pub mod string;
 pub mod sweep;

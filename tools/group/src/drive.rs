@@ -11,6 +11,10 @@ use runtime::{Group, InProcess, Mode, Observed, Observer, RuntimeError, Timetabl
 /// Messages of a topic that room is made for from the start.
 const MOST_ROOM: u64 = 100_000;
 
+/// Steps of a realtime run that are kept in full: ten minutes at the usual period of the plant. Of a
+/// longer run fewer and fewer steps are kept, evenly, so that the launcher does not grow with it.
+const MOST_STEPS: usize = 60_000;
+
 /// Everything that was heard.
 #[derive(Clone, Debug, Default)]
 pub struct Drive {
@@ -91,6 +95,10 @@ pub struct DriveLog {
     cycles: Vec<Diagnostics>,
     /// In realtime the supervisor takes the signs of life.
     supervised: bool,
+    /// Every so many steps are kept: in lockstep all.
+    keeps: u64,
+    /// Steps between two that have a sample of every topic.
+    whole_stride: u64,
     signs: Vec<Sign>,
     /// The newest incarnation heard of each service.
     incarnations: [u32; Service::ALL.len()],
@@ -130,9 +138,12 @@ impl DriveLog {
         // Room for the whole run, as far as it is not too long a one to be sure of.
         let room = |service| {
             let messages = timetable.last_step / timetable.stride(service) + 1;
-            usize::try_from(messages.min(MOST_ROOM)).expect("a small number")
+            let most = if mode == Mode::Realtime { MOST_STEPS as u64 + 1_000 } else { MOST_ROOM };
+            usize::try_from(messages.min(most)).expect("a small number")
         };
-        Ok(Self {
+        let (perception, controller) =
+            (timetable.stride(Service::PerceptionSim), timetable.stride(Service::Controller));
+        let mut this = Self {
             odometry: observer.listen()?,
             powertrain: observer.listen()?,
             truth: observer.listen()?,
@@ -154,14 +165,37 @@ impl DriveLog {
             controller_stride: timetable.stride(Service::Controller),
             cycles: Vec::with_capacity(room(Service::Controller)),
             supervised: mode == Mode::Realtime,
+            keeps: 1,
+            whole_stride: least_common_multiple(perception, controller),
             signs: Vec::new(),
             incarnations: [0; Service::ALL.len()],
             first_messages: Vec::new(),
-        })
+        };
+        if this.supervised {
+            touch(&mut this.odometries);
+            touch(&mut this.truths);
+        }
+        Ok(this)
+    }
+
+    /// Thins out what was heard of a realtime run when it has come to its bound.
+    fn bound(&mut self) {
+        if !self.supervised || self.odometries.len() < MOST_STEPS {
+            return;
+        }
+        self.keeps = if self.keeps == 1 { self.whole_stride.max(2) } else { 2 * self.keeps };
+        let keeps = self.keeps;
+        self.odometries.retain(|message| message.header.step.is_multiple_of(keeps));
+        self.truths.retain(|message| message.header.step.is_multiple_of(keeps));
+        self.powertrains.retain(|(step, _)| step.is_multiple_of(keeps));
+        self.requests.retain(|(step, _)| step.is_multiple_of(keeps));
     }
 
     /// Takes what arrived.
     pub fn drain(&mut self) -> Result<(), RuntimeError> {
+        self.bound();
+        let keeps = self.keeps;
+        let is_kept = |header: &Header| header.step.is_multiple_of(keeps);
         let (incarnations, first) = (&mut self.incarnations, &mut self.first_messages);
         let mut note = |service: Service, header: &Header| {
             let newest = &mut incarnations[service.index()];
@@ -172,6 +206,10 @@ impl DriveLog {
         };
         self.odometry.drain(|m| {
             note(Service::Plant, &m.header);
+            // The newest is needed as it is; it takes the place of one that is not to be kept.
+            if self.odometries.last().is_some_and(|last| !is_kept(&last.header)) {
+                self.odometries.pop();
+            }
             self.odometries.push(*m);
         })?;
         self.powertrain.drain(|m| {
@@ -181,14 +219,21 @@ impl DriveLog {
                 service_brake_n: m.service_brake_n,
                 fuel_g: m.fuel_g,
             };
-            self.powertrains.push((m.header.step, step));
+            if is_kept(&m.header) {
+                self.powertrains.push((m.header.step, step));
+            }
         })?;
-        self.truth.drain(|m| self.truths.push(*m))?;
+        self.truth.drain(|m| {
+            if self.truths.last().is_some_and(|last| !is_kept(&last.header)) {
+                self.truths.pop();
+            }
+            self.truths.push(*m);
+        })?;
         self.command.drain(|m| {
             note(Service::Controller, &m.header);
             let late = m.header.publish_ns - m.header.acquisition_ns > self.deadline_ns;
             self.late_commands += u64::from(late);
-            if m.plan_len > 0 {
+            if m.plan_len > 0 && is_kept(&m.header) {
                 self.requests.push((m.header.step, m.plan_mps2[0]));
             }
         })?;
@@ -232,7 +277,8 @@ impl DriveLog {
         self.observer.remove_dead();
     }
 
-    /// Everything heard so far: motion of the ego, the other vehicles, control cycles.
+    /// What was heard so far: motion of the ego, the other vehicles, control cycles. Of a long realtime
+    /// run the first two are thinned out, so that a place in them does not stay the same step's.
     pub fn heard(&self) -> (&[Odometry], &[VehicleTruth], &[Diagnostics]) {
         (&self.odometries, &self.truths, &self.cycles)
     }
@@ -316,6 +362,21 @@ impl DriveLog {
     }
 }
 
+/// Writes to all the room that was made, so that the pages are there from the start.
+fn touch<T: Copy + bytemuck::Zeroable>(room: &mut Vec<T>) {
+    room.resize(room.capacity(), T::zeroed());
+    std::hint::black_box(room.as_mut_slice());
+    room.clear();
+}
+
+fn least_common_multiple(a: u64, b: u64) -> u64 {
+    let (mut divisor, mut rest) = (a, b);
+    while rest > 0 {
+        (divisor, rest) = (rest, divisor % rest);
+    }
+    a / divisor * b
+}
+
 /// The item of `step` from a sequence in order of steps; earlier ones are passed over.
 fn take_step<'a, T>(
     items: &mut std::iter::Peekable<std::slice::Iter<'a, T>>,
@@ -329,6 +390,13 @@ fn take_step<'a, T>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn kept_steps_have_a_sample_of_every_topic() {
+        assert_eq!(least_common_multiple(5, 10), 10);
+        assert_eq!(least_common_multiple(4, 6), 12);
+        assert_eq!(least_common_multiple(1, 1), 1);
+    }
 
     #[test]
     fn items_are_joined_by_step() {

@@ -1,14 +1,14 @@
 //! Time gaps of a drive: the time in which the ego reaches the place where the vehicle ahead is.
 
 use group::DriveStep;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Slowest speed at which a time gap is defined here, m/s: below it the quotient of gap and speed
 /// grows without saying anything about following.
 const SLOWEST_MPS: f64 = 1.0;
 
 /// Time gaps while a vehicle was ahead, s; null without one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Following {
     /// Shortest time gap, s.
     pub min_time_gap_s: Option<f64>,

@@ -15,21 +15,25 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// What commands write into their directory; a name without a dot is a directory.
-const RESULTS: [&str; 19] = [
+const RESULTS: [&str; 23] = [
     "bench.json",
     "campaign.csv",
     "campaign.json",
     "campaign.toml",
     "compare.json",
     "csv",
+    "gains.csv",
     "histograms.hlog",
     "runs.jsonl",
     "live.json",
+    "part.json",
     "recording.mcap",
     "replay.csv",
     "report.html",
     "reproduce.json",
     "scenario.toml",
+    "string.csv",
+    "string.json",
     "summary.json",
     "sweep.csv",
     "sweep.json",

@@ -68,7 +68,7 @@ pub struct Summary {
 }
 
 /// Figures of the drive.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Control {
     /// What the referee measured on ground truth.
     #[serde(flatten)]
@@ -81,7 +81,7 @@ pub struct Control {
 }
 
 /// Latencies, jitter and deadlines. Durations are in µs; a figure without samples is null.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Timing {
     /// Cycles of the controller.
     pub cycles: Option<u64>,

@@ -42,6 +42,8 @@ pub enum Command {
     Trace(TraceArguments),
     /// Drive many seeded runs with faults and give one verdict
     Campaign(campaign::campaign::CampaignArguments),
+    /// Drive a string of cars, each behind the true motion of the one before, and print the gains
+    String(campaign::string::StringArguments),
     /// Drive a scenario for all values of a key and print a figure of each
     Sweep(campaign::sweep::SweepArguments),
     /// Show what a recording holds

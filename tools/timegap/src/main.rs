@@ -36,6 +36,7 @@ fn main() -> ExitCode {
         Command::Iso15622(arguments) => campaign::iso15622::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
         Command::Campaign(arguments) => campaign::campaign::run(&arguments),
+        Command::String(arguments) => campaign::string::run(&arguments),
         Command::Sweep(arguments) => campaign::sweep::run(&arguments),
         Command::Info(arguments) => recordings::info::run(&arguments),
         Command::Recover(arguments) => recordings::recover::run(&arguments),

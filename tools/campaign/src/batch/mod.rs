@@ -32,7 +32,7 @@ use std::time::{Duration, Instant};
 use usage::Sample;
 
 /// A run to be done.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Job {
     /// What happens in it.
     pub scenario: Scenario,
@@ -123,6 +123,35 @@ pub fn run_repeating(
     bar: &ProgressBar,
     each: &mut dyn FnMut(usize, Result<Done, Error>) -> Result<(), Error>,
 ) -> Result<ProcessesSample, Error> {
+    let source = Source { runs: jobs.len(), make: &|index| Ok(jobs[index].clone()) };
+    let mut each = |index, _: &Job, result| each(index, result);
+    run_made(repeated, &source, at_once, group, bar, &mut each)
+}
+
+/// Runs that are made when their turn comes: the scenarios of all of them at once would not fit in
+/// memory.
+pub struct Source<'a> {
+    /// How many.
+    pub runs: usize,
+    /// Makes one by its index, in the thread that will do it.
+    pub make: &'a (dyn Fn(usize) -> Result<Job, Error> + Sync),
+}
+
+/// What is told of a run that ended: its index, the run, what came of it.
+pub type Each<'a> = dyn FnMut(usize, &Job, Result<Done, Error>) -> Result<(), Error> + 'a;
+
+/// The same of runs that are made when their turn comes.
+///
+/// # Errors
+/// As [`run_repeating`], or what `make` returns.
+pub fn run_made(
+    repeated: &BTreeSet<usize>,
+    source: &Source<'_>,
+    at_once: usize,
+    group: &GroupOptions,
+    bar: &ProgressBar,
+    each: &mut Each<'_>,
+) -> Result<ProcessesSample, Error> {
     let interrupt = Interrupt::watch()?;
     let stop = AtomicBool::new(false);
     let next = AtomicUsize::new(0);
@@ -131,21 +160,24 @@ pub fn run_repeating(
     std::thread::scope(|scope| {
         // Bounded: drives are large, and their receiver may be slower than the workers.
         let (sender, results) = sync_channel(at_once);
-        for _ in 0..at_once.min(jobs.len()) {
+        for _ in 0..at_once.min(source.runs) {
             let sender = sender.clone();
             let going_on = || !stop.load(Ordering::Relaxed) && !interrupt.came();
-            let plan = Plan { jobs, group, repeated, next: &next };
+            let plan = Plan { source, group, repeated, next: &next };
             scope.spawn(move || work(&plan, &going_on, &sender));
         }
         drop(sender);
-        for (index, result) in results {
+        for (index, job, result) in results {
             if let Ok(done) = &result {
                 sample.count(index, done.repetition.as_ref());
             }
-            let taken = match result {
+            let taken = match (job, result) {
                 // A failure of this run alone is its result.
-                Ok(_) | Err(Error::NotReady { .. } | Error::Runtime(_)) => each(index, result),
-                Err(error) => Err(error),
+                (Some(job), result @ (Ok(_) | Err(Error::NotReady { .. } | Error::Runtime(_)))) => {
+                    each(index, &job, result)
+                }
+                (_, Err(error)) => Err(error),
+                (None, Ok(_)) => unreachable!("only a run that was made has an end"),
             };
             match taken {
                 Ok(()) => bar.inc(1),
@@ -194,7 +226,7 @@ pub fn lockstep(
 
 /// What the workers do.
 struct Plan<'a> {
-    jobs: &'a [Job],
+    source: &'a Source<'a>,
     group: &'a GroupOptions,
     /// Runs to be repeated in a process group.
     repeated: &'a BTreeSet<usize>,
@@ -205,13 +237,22 @@ struct Plan<'a> {
 fn work(
     plan: &Plan<'_>,
     going_on: &dyn Fn() -> bool,
-    results: &SyncSender<(usize, Result<Done, Error>)>,
+    results: &SyncSender<(usize, Option<Job>, Result<Done, Error>)>,
 ) {
     while going_on() {
         let index = plan.next.fetch_add(1, Ordering::Relaxed);
-        let Some(job) = plan.jobs.get(index) else { return };
+        if index >= plan.source.runs {
+            return;
+        }
         let repeat = plan.repeated.contains(&index);
-        if results.send((index, drive_and_repeat(job, plan.group, repeat, going_on))).is_err() {
+        let ended = match (plan.source.make)(index) {
+            Ok(job) => {
+                let result = drive_and_repeat(&job, plan.group, repeat, going_on);
+                (index, Some(job), result)
+            }
+            Err(error) => (index, None, Err(error)),
+        };
+        if results.send(ended).is_err() {
             return;
         }
     }

@@ -4,6 +4,9 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 
+/// The name of the process that starts the services, among theirs.
+const LAUNCHER: &str = "launcher";
+
 /// What one process has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Usage {
@@ -45,7 +48,7 @@ pub struct Growth {
 }
 
 impl Sample {
-    /// The services that this process started, and their shared memory.
+    /// The services that this process started, this process itself, and their shared memory.
     pub fn take() -> Self {
         let own = std::process::id().to_string();
         let mut sample = Self::default();
@@ -53,6 +56,11 @@ impl Sample {
             if let Some((name, usage)) = service(&entry.path(), &own) {
                 sample.services.insert(name, usage);
             }
+        }
+        if !sample.services.is_empty()
+            && let Some(usage) = usage(Path::new("/proc/self"))
+        {
+            sample.services.insert(LAUNCHER.into(), usage);
         }
         let prefix = format!("timegap_{:x}-", std::process::id());
         for entry in std::fs::read_dir("/dev/shm").into_iter().flatten().flatten() {
@@ -83,9 +91,16 @@ fn service(path: &Path, parent: &str) -> Option<(String, Usage)> {
     }
     let line = std::fs::read(path.join("cmdline")).ok()?;
     let name = String::from_utf8_lossy(line.split(|byte| *byte == 0).next()?).into_owned();
-    let memory_kib = field("VmRSS:")?.parse().ok()?;
+    name.starts_with("timegap-").then_some((name, usage(path)?))
+}
+
+/// What the process at `path` has.
+fn usage(path: &Path) -> Option<Usage> {
+    let status = std::fs::read_to_string(path.join("status")).ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+    let memory_kib = line.split_whitespace().next()?.parse().ok()?;
     let descriptors = std::fs::read_dir(path.join("fd")).ok()?.count() as u64;
-    name.starts_with("timegap-").then_some((name, Usage { memory_kib, descriptors }))
+    Some(Usage { memory_kib, descriptors })
 }
 
 impl Growth {

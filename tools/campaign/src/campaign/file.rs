@@ -24,6 +24,7 @@
 //! ```
 
 use super::tally::FIGURES;
+use crate::parts::Shard;
 use group::Error;
 use runtime::Mode;
 use scenario::name::{Line, Name};
@@ -82,55 +83,6 @@ pub struct Campaign {
     /// What must hold: `max_` or `min_` and the name of a figure.
     #[serde(default)]
     pub require: BTreeMap<String, f64>,
-}
-
-/// A part of a campaign's runs: those whose number leaves `index - 1` when divided by `count`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
-pub struct Shard {
-    /// Number of the shard, from 1.
-    pub index: u32,
-    /// Number of shards.
-    pub count: u32,
-}
-
-impl Shard {
-    /// True if the run of this number is in the shard.
-    pub fn holds(self, run: usize) -> bool {
-        run % self.count as usize == (self.index - 1) as usize
-    }
-}
-
-/// A shard that is not one of `I/N`.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("`{0}` is no shard, expected I/N with I from 1 to N")]
-pub struct ShardError(String);
-
-impl std::str::FromStr for Shard {
-    type Err = ShardError;
-
-    fn from_str(text: &str) -> Result<Self, ShardError> {
-        let parts = text.split_once('/').and_then(|(index, count)| {
-            Some(Self { index: index.parse().ok()?, count: count.parse().ok()? })
-        });
-        parts
-            .filter(|shard| (1..=shard.count).contains(&shard.index))
-            .ok_or_else(|| ShardError(text.to_owned()))
-    }
-}
-
-impl TryFrom<String> for Shard {
-    type Error = ShardError;
-
-    fn try_from(text: String) -> Result<Self, ShardError> {
-        text.parse()
-    }
-}
-
-impl From<Shard> for String {
-    fn from(shard: Shard) -> Self {
-        format!("{}/{}", shard.index, shard.count)
-    }
 }
 
 fn lockstep() -> Mode {
@@ -296,18 +248,6 @@ mod tests {
         ] {
             let said = refusal(text);
             assert!(words.iter().all(|word| said.contains(word)), "{text}\n{said}");
-        }
-    }
-
-    #[test]
-    fn shards_part_the_runs() {
-        let shards: Vec<Shard> =
-            ["1/3", "2/3", "3/3"].iter().map(|text| text.parse().expect("a shard")).collect();
-        for run in 0..20 {
-            assert_eq!(shards.iter().filter(|shard| shard.holds(run)).count(), 1);
-        }
-        for text in ["0/3", "4/3", "1", "a/b", "1/0", "-1/3"] {
-            assert!(text.parse::<Shard>().is_err(), "{text}");
         }
     }
 }

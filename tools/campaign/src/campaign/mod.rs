@@ -8,7 +8,6 @@
 //! resumed, or done in shards and merged, comes to the same one.
 
 mod file;
-mod journal;
 mod page;
 mod plan;
 mod print;
@@ -18,16 +17,17 @@ mod tally;
 mod variation;
 mod verdict;
 
-use crate::batch::{self, Job};
+use crate::batch::{self, Job, Source};
+use crate::parts::journal::{self, Journal};
+use crate::parts::{self, Shard, ShardChoice};
 use group::Error;
 use group::{GroupOptions, ScenarioOptions};
 use report::output::{OutputDirectory, OutputOptions};
 
 use clap::Args;
 pub use file::BUILTIN;
-use file::{Campaign, Shard};
-use journal::Journal;
-use plan::Planned;
+use file::Campaign;
+use plan::{Plan, Planned};
 use record::Record;
 use runtime::Mode;
 use scenario::Scenario;
@@ -40,6 +40,9 @@ use verdict::Verdict;
 
 /// The campaign as it took effect, in its directory.
 const FILE: &str = "campaign.toml";
+
+/// Most scenarios that are read before anything runs.
+const MAX_CHECKED: usize = 1_000;
 
 /// Chooses the runs that are repeated in process groups.
 const SAMPLE_SEED: u64 = 1;
@@ -56,9 +59,10 @@ pub struct CampaignArguments {
     /// Runs of every combination, instead of what the file says
     #[arg(long, value_name = "N")]
     pub seeds: Option<NonZeroU32>,
-    /// Do only part I of N of the runs; `--merge` puts the parts together
-    #[arg(long, value_name = "I/N")]
-    pub shard: Option<Shard>,
+    /// Do only part I of N of the runs, or the part that the array job's environment names (`auto`,
+    /// or `auto/N` where that does not tell the number); `--merge` puts the parts together
+    #[arg(long, value_name = "I/N|auto")]
+    pub shard: Option<ShardChoice>,
     /// Go on with the campaign in this directory; begin it there if there is none
     #[arg(long, value_name = "DIR", conflicts_with = "out")]
     pub resume: Option<PathBuf>,
@@ -88,105 +92,164 @@ pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
 fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     let campaign = open(arguments)?;
     let plan = plan::plan(&campaign)?;
-    let mine = shard(&campaign, &plan.runs);
-    // Everything is read before anything runs.
-    let mut jobs = Vec::with_capacity(mine.len());
-    for planned in &mine {
-        jobs.push(job(&campaign, planned)?);
-    }
-    note(&plan, &jobs);
+    check(&campaign, &plan)?;
     let output = match &arguments.resume {
         Some(directory) => OutputDirectory::resume(directory)?,
         None => OutputDirectory::create(&arguments.output, campaign.name.as_str())?,
     };
     output.write(FILE, campaign.to_toml().as_bytes())?;
     let (mut journal, mut records) = Journal::open::<Record>(output.path())?;
-    let (planned, jobs): (Vec<_>, Vec<_>) = (mine.iter().copied().zip(jobs))
-        .filter(|(planned, _)| records.iter().all(|record| record.run != planned.run))
-        .unzip();
+    let mine = || plan.numbers().filter(|run| campaign.shard.is_none_or(|shard| shard.holds(*run)));
+    let mut kept = BTreeSet::new();
+    check_journal(&output.path().join(journal::FILE), &campaign, &plan, &records, &mut kept)?;
+    let all = mine().count();
+    let left: Vec<usize> = mine().filter(|run| !kept.contains(run)).collect();
 
-    let bar = report::progress::count_bar(mine.len(), arguments.json);
+    let bar = report::progress::count_bar(all, arguments.json);
     bar.set_message(campaign.name.as_str().to_owned());
     bar.set_position(records.len() as u64);
     bar.reset_eta();
     let at_once = batch::at_once(arguments.jobs, campaign.mode);
     // Chosen of the whole campaign, so that shards and resumed parts repeat the same ones.
-    let sampled = batch::choose(SAMPLE_SEED, plan.runs.len());
-    let sampled: BTreeSet<usize> = sampled.into_iter().map(|k| plan.runs[k].run).collect();
-    let repeated =
-        (0..planned.len()).filter(|&index| sampled.contains(&planned[index].run)).collect();
+    let sampled = batch::choose(SAMPLE_SEED, plan.len());
+    let sampled: BTreeSet<usize> = sampled.into_iter().map(|place| plan.number(place)).collect();
+    let repeated = (0..left.len()).filter(|&index| sampled.contains(&left[index])).collect();
     let group = &arguments.group;
-    let mut each = |index: usize, result| {
-        let record = Record::new(planned[index], &jobs[index].scenario, result);
+    let source = Source { runs: left.len(), make: &|index| job(&campaign, &plan.get(left[index])) };
+    let mut each = |index: usize, job: &Job, result| {
+        let record = Record::new(&plan.get(left[index]), &job.scenario, result);
         journal.add(&record)?;
-        records.push(record);
+        records.push(journal::as_read_back(&record));
         Ok(())
     };
-    let end = batch::run_repeating(&repeated, &jobs, at_once, group, &bar, &mut each);
+    let end = batch::run_made(&repeated, &source, at_once, group, &bar, &mut each);
     if let Ok(sample) = &end {
-        sample.tell(jobs.len(), &bar);
+        sample.tell(left.len(), &bar);
     }
     bar.finish_and_clear();
     if end.is_err() {
-        let (done, all, directory) = (records.len(), mine.len(), output.path().display());
+        let (done, directory) = (records.len(), output.path().display());
         eprintln!("{done} of {all} runs are kept: timegap campaign --resume {directory} goes on");
     }
     end?;
-    conclude(arguments, &campaign, (&mine, plan.left_out), records, &output)
+    conclude(arguments, &campaign, (&plan, all), records, &output)
 }
 
-/// Says what a person should know of how OpenSCENARIO files are run.
-fn note(plan: &plan::Plan, jobs: &[Job]) {
-    let storyboards = jobs.iter().filter_map(|job| job.scenario.storyboard.as_ref());
-    let notices: BTreeSet<&String> =
-        storyboards.flat_map(|storyboard| &storyboard.notices).collect();
+/// Reads scenarios before anything runs: all of a small campaign, some from everywhere of a large one.
+fn check(campaign: &Campaign, plan: &Plan) -> Result<(), Error> {
+    let mut notices: BTreeSet<String> = BTreeSet::new();
+    let stride = plan.len().div_ceil(MAX_CHECKED).max(1);
+    for place in (0..plan.len()).step_by(stride) {
+        let job = job(campaign, &plan.get(plan.number(place)))?;
+        // What a person should know of how OpenSCENARIO files are run.
+        notices.extend(job.scenario.storyboard.into_iter().flat_map(|story| story.notices));
+    }
     for notice in notices {
         eprintln!("note: {notice}");
     }
-    if plan.left_out > 0 {
-        let count = plan.left_out;
+    if plan.left_out() > 0 {
+        let count = plan.left_out();
         eprintln!("note: {count} combinations break a constraint of the scenario and are left out");
     }
+    Ok(())
+}
+
+/// Checks that the records are of runs of this part, each once, and adds their numbers to `known`.
+fn check_journal(
+    journal: &Path,
+    campaign: &Campaign,
+    plan: &Plan,
+    records: &[Record],
+    known: &mut BTreeSet<usize>,
+) -> Result<(), Error> {
+    let planned: BTreeSet<usize> = match campaign.sample {
+        Some(_) => plan.numbers().collect(),
+        None => BTreeSet::new(),
+    };
+    for record in records {
+        let run = record.run;
+        let refuse =
+            |what: &str| Err(Error::Usage(format!("{}: run {run} {what}", journal.display())));
+        let in_plan =
+            if campaign.sample.is_some() { planned.contains(&run) } else { run < plan.len() };
+        if !in_plan || campaign.shard.is_some_and(|shard| !shard.holds(run)) {
+            return refuse("does not belong to this part of the campaign");
+        }
+        if !known.insert(run) {
+            return refuse("is there twice, or in a directory before this one as well");
+        }
+    }
+    Ok(())
 }
 
 /// Puts shards together.
 fn merge(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
-    let mut whole: Option<Campaign> = None;
+    let mut whole: Option<(Campaign, Plan)> = None;
     let mut records: Vec<Record> = Vec::new();
+    let mut known = BTreeSet::new();
+    let mut held: Vec<(Option<Shard>, &Path)> = Vec::new();
     for directory in &arguments.merge {
-        let part = Campaign { shard: None, ..Campaign::read(&directory.join(FILE))? };
-        if whole.as_ref().is_some_and(|whole| *whole != part) {
+        let part = Campaign::read(&directory.join(FILE))?;
+        let shard = part.shard;
+        let shown = directory.display();
+        let other =
+            |(whole, _): &(Campaign, Plan)| *whole != Campaign { shard: None, ..part.clone() };
+        let count = |shard: Option<Shard>| shard.map(|shard| shard.count);
+        if whole.as_ref().is_some_and(other)
+            || held.first().is_some_and(|(first, _)| count(*first) != count(shard))
+        {
             let what = "is part of another campaign than the directories before it";
-            return Err(Error::Usage(format!("{} {what}", directory.display())));
+            return Err(Error::Usage(format!("{shown} {what}")));
         }
-        whole = Some(part);
-        for record in journal::read::<Record>(&directory.join(journal::FILE))?.0 {
-            if records.iter().any(|known| known.run == record.run) {
-                let (directory, run) = (directory.display(), record.run);
-                let what = format!("{directory}: run {run} is in a directory before it as well");
-                return Err(Error::Usage(what));
-            }
-            records.push(record);
+        if let Some((_, before)) = held.iter().find(|(held, _)| *held == shard) {
+            let before = before.display();
+            return Err(Error::Usage(format!("{shown} holds the same part as {before}")));
         }
+        if whole.is_none() {
+            let campaign = Campaign { shard: None, ..part.clone() };
+            let plan = plan::plan(&campaign)?;
+            whole = Some((campaign, plan));
+        }
+        let (_, plan) = whole.as_ref().expect("it was just made");
+        let journal = directory.join(journal::FILE);
+        let mine = journal::read::<Record>(&journal)?.0;
+        check_journal(&journal, &part, plan, &mine, &mut known)?;
+        records.extend(mine);
+        held.push((shard, directory));
     }
-    let campaign = whole.expect("clap asks for at least one directory");
-    let plan = plan::plan(&campaign)?;
+    let (campaign, plan) = whole.expect("clap asks for at least one directory");
+    let first = &arguments.merge[0];
+    let planned: BTreeSet<usize> = plan.numbers().collect();
+    let highest = planned.last().map_or(0, |last| last + 1);
+    // What is not planned is nothing to be done.
+    let done = |run: usize| known.contains(&run) || !planned.contains(&run);
+    let command = |shard: Shard, directory: Option<&Path>| match directory {
+        Some(directory) => format!("timegap campaign --resume {}", directory.display()),
+        None => {
+            let Shard { index, count } = shard;
+            let file = first.join(FILE);
+            format!(
+                "timegap campaign {} --shard {index}/{count} --resume shard-{index}-of-{count}",
+                file.display()
+            )
+        }
+    };
+    parts::name_incomplete(&parts::incomplete(&held, highest, &done, &command));
     let output = OutputDirectory::create(&arguments.output, campaign.name.as_str())?;
-    let all = plan.runs.iter().collect::<Vec<_>>();
-    conclude(arguments, &campaign, (&all, plan.left_out), records, &output)
+    conclude(arguments, &campaign, (&plan, plan.len()), records, &output)
 }
 
 /// Judges, writes and prints.
 fn conclude(
     arguments: &CampaignArguments,
     campaign: &Campaign,
-    (planned, left_out): (&[&Planned], usize),
+    (plan, planned): (&Plan, usize),
     records: Vec<Record>,
     output: &OutputDirectory,
 ) -> Result<ExitCode, Error> {
     let csv = print::csv(&records);
     let times = page::Times::of(&records);
-    let verdict = Verdict { left_out, ..Verdict::new(campaign, planned, records) };
+    let verdict = Verdict::new(campaign, plan, planned, records);
     let json = serde_json::to_string_pretty(&verdict).expect("plain data") + "\n";
     let written = output
         .write("campaign.csv", csv.as_bytes())
@@ -219,7 +282,8 @@ fn open(arguments: &CampaignArguments) -> Result<Campaign, Error> {
         }
     };
     asked.seeds = arguments.seeds.unwrap_or(asked.seeds);
-    asked.shard = arguments.shard.or(asked.shard);
+    let shard = arguments.shard.map(ShardChoice::resolve).transpose()?;
+    asked.shard = shard.or(asked.shard);
     asked.sample = arguments.sample.or(asked.sample);
     match begun {
         Some(begun) if begun != asked => Err(Error::Usage(format!(
@@ -228,12 +292,6 @@ fn open(arguments: &CampaignArguments) -> Result<Campaign, Error> {
         ))),
         _ => Ok(asked),
     }
-}
-
-/// The runs of the campaign's shard.
-fn shard<'a>(campaign: &Campaign, plan: &'a [Planned]) -> Vec<&'a Planned> {
-    let held = |run: &&Planned| campaign.shard.is_none_or(|shard| shard.holds(run.run));
-    plan.iter().filter(held).collect()
 }
 
 /// A planned run, checked.

@@ -29,13 +29,17 @@ pub struct Planned {
     pub parameters: Vec<String>,
 }
 
-/// The runs of a campaign.
-#[derive(Clone, Debug, PartialEq)]
+/// The runs of a campaign, each made when it is asked for: all of them at once would not fit in memory.
+#[derive(Debug)]
 pub struct Plan {
-    /// The runs, by their numbers.
-    pub runs: Vec<Planned>,
-    /// Combinations of a variation that break a constraint of its scenario.
-    pub left_out: usize,
+    campaign: Campaign,
+    controllers: Vec<Option<String>>,
+    faults: Vec<Option<Template>>,
+    variants: Option<Variants>,
+    /// Runs of the whole campaign.
+    all: usize,
+    /// The numbers of the runs that were drawn, in order; none: all are done.
+    drawn: Option<Vec<usize>>,
 }
 
 impl Planned {
@@ -70,31 +74,6 @@ fn quoted(word: &str) -> String {
 /// combinations, so that a part of the campaign says something about each.
 pub fn plan(campaign: &Campaign) -> Result<Plan, Error> {
     let variants = campaign.variation.as_deref().map(Variants::open).transpose()?;
-    let left_out = variants.as_ref().map_or(0, |variants| variants.left_out);
-    let parameters = variants.map_or_else(|| vec![Vec::new()], |variants| variants.parameters);
-    let mut runs = whole(campaign, &parameters)?;
-    if let Some(sample) = campaign.sample {
-        thin(&mut runs, sample.get(), campaign.first_seed);
-    }
-    Ok(Plan { runs, left_out })
-}
-
-/// Keeps `count` of the runs, drawn by a seed, in their order.
-fn thin(runs: &mut Vec<Planned>, count: usize, seed: u32) {
-    let mut random = Pcg64::seed_from_u64(seed.into());
-    let mut left = runs.len();
-    let mut wanted = count.min(left);
-    // Knuth's algorithm S: each run is kept with the chance that makes the number come out.
-    runs.retain(|_| {
-        let uniform = (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
-        let keep = uniform * (left as f64) < wanted as f64;
-        left -= 1;
-        wanted -= usize::from(keep);
-        keep
-    });
-}
-
-fn whole(campaign: &Campaign, parameters: &[Vec<String>]) -> Result<Vec<Planned>, Error> {
     let own = vec![None];
     let named: Vec<_> = campaign.controllers.iter().cloned().map(Some).collect();
     let controllers = if named.is_empty() { own } else { named };
@@ -102,41 +81,86 @@ fn whole(campaign: &Campaign, parameters: &[Vec<String>]) -> Result<Vec<Planned>
     let faults: Vec<_> =
         if faults.is_empty() { vec![None] } else { faults.into_iter().map(Some).collect() };
     let seeds = campaign.seeds.get();
-    let combinations =
-        campaign.scenarios.len() * parameters.len() * controllers.len() * faults.len();
-    if combinations.checked_mul(seeds as usize).is_none_or(|runs| runs > MAX_RUNS) {
+    let values = variants.as_ref().map_or(1, Variants::len);
+    let combinations = campaign.scenarios.len() * values * controllers.len() * faults.len();
+    let all = combinations.checked_mul(seeds as usize).filter(|runs| *runs <= MAX_RUNS);
+    let Some(all) = all else {
         return Err(Error::Usage(format!(
             "{combinations} combinations with {seeds} seeds each are more than {MAX_RUNS} runs"
         )));
+    };
+    let drawn = campaign.sample.map(|sample| draw(all, sample.get(), campaign.first_seed));
+    Ok(Plan { campaign: campaign.clone(), controllers, faults, variants, all, drawn })
+}
+
+impl Plan {
+    /// Runs that are to be done.
+    pub fn len(&self) -> usize {
+        self.drawn.as_ref().map_or(self.all, Vec::len)
     }
-    let mut runs = Vec::with_capacity(combinations * seeds as usize);
-    for seed in (0..seeds).map(|number| campaign.first_seed.saturating_add(number)) {
-        let each = |scenario| parameters.iter().map(move |values| (scenario, values));
-        for (place, (scenario, values)) in campaign.scenarios.iter().flat_map(each).enumerate() {
-            for controller in &controllers {
-                for (which, fault) in faults.iter().enumerate() {
-                    let mut keys = campaign.set.clone();
-                    // Controllers meet the same faults; scenarios do not.
-                    let stream = (place * faults.len() + which) as u128;
-                    let drawn = fault.as_ref().map(|fault| fault.draw(seed, stream));
-                    keys.extend(drawn.map(|drawn| format!("faults=[{}]", drawn.join(", "))));
-                    runs.push(Planned {
-                        run: runs.len(),
-                        scenario: scenario.clone(),
-                        controller: controller.clone(),
-                        fault: fault.as_ref().map_or("none", |fault| &fault.label).into(),
-                        seed,
-                        keys,
-                        parameters: values.clone(),
-                    });
-                }
-            }
+
+    /// Combinations of a variation that break a constraint of its scenario.
+    pub fn left_out(&self) -> usize {
+        self.variants.as_ref().map_or(0, |variants| variants.left_out)
+    }
+
+    /// The number of the run at a place among those that are to be done.
+    pub fn number(&self, place: usize) -> usize {
+        self.drawn.as_ref().map_or(place, |drawn| drawn[place])
+    }
+
+    /// The numbers of the runs that are to be done, in order.
+    pub fn numbers(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.len()).map(|place| self.number(place))
+    }
+
+    /// The run of a number below that of all runs.
+    pub fn get(&self, run: usize) -> Planned {
+        let Self { campaign, controllers, faults, variants, .. } = self;
+        // The last counts fastest.
+        let (rest, which) = (run / faults.len(), run % faults.len());
+        let (rest, controller) = (rest / controllers.len(), rest % controllers.len());
+        let values = variants.as_ref().map_or(1, Variants::len);
+        let places = campaign.scenarios.len() * values;
+        let (number, place) = (rest / places, rest % places);
+        let number = u32::try_from(number).expect("fewer runs than u32 has numbers");
+        let seed = campaign.first_seed.saturating_add(number);
+        let fault = &faults[which];
+        let mut keys = campaign.set.clone();
+        // Controllers meet the same faults; scenarios do not.
+        let stream = (place * faults.len() + which) as u128;
+        let drawn = fault.as_ref().map(|fault| fault.draw(seed, stream));
+        keys.extend(drawn.map(|drawn| format!("faults=[{}]", drawn.join(", "))));
+        Planned {
+            run,
+            scenario: campaign.scenarios[place / values].clone(),
+            controller: controllers[controller].clone(),
+            fault: fault.as_ref().map_or("none", |fault| &fault.label).into(),
+            seed,
+            keys,
+            parameters: variants.as_ref().map_or_else(Vec::new, |all| all.get(place % values)),
         }
     }
-    Ok(runs)
+}
+
+/// `count` of the numbers below `all`, drawn by a seed, in their order.
+fn draw(all: usize, count: usize, seed: u32) -> Vec<usize> {
+    let mut random = Pcg64::seed_from_u64(seed.into());
+    let mut left = all;
+    let mut wanted = count.min(left);
+    // Knuth's algorithm S: each run is kept with the chance that makes the number come out.
+    let mut keep = |_: &usize| {
+        let uniform = (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+        let keep = uniform * (left as f64) < wanted as f64;
+        left -= 1;
+        wanted -= usize::from(keep);
+        keep
+    };
+    (0..all).filter(|run| keep(run)).collect()
 }
 
 /// A fault of which some values are drawn for each run.
+#[derive(Debug)]
 struct Template {
     label: String,
     count: usize,
@@ -215,6 +239,11 @@ mod tests {
         toml::from_str(&format!("{head}{lines}")).expect("a campaign")
     }
 
+    fn runs(lines: &str) -> Vec<Planned> {
+        let plan = plan(&campaign(lines)).expect("a plan");
+        plan.numbers().map(|run| plan.get(run)).collect()
+    }
+
     const FAULTS: &str = "seeds = 50\ncontrollers = [\"acc-mpc\", \"six-mode\"]
 [[faults]]
 kind = \"kill\"
@@ -229,7 +258,7 @@ bits = [1, 3]
 
     #[test]
     fn every_combination_has_every_seed() {
-        let runs = plan(&campaign(FAULTS)).expect("a plan").runs;
+        let runs = runs(FAULTS);
         assert_eq!(runs.len(), 2 * 2 * 2 * 50);
         assert!(runs.iter().enumerate().all(|(number, run)| run.run == number));
         let one = runs.iter().filter(|run| {
@@ -243,8 +272,8 @@ bits = [1, 3]
 
     #[test]
     fn draws_stay_in_their_ranges_and_repeat() {
-        let runs = plan(&campaign(FAULTS)).expect("a plan").runs;
-        assert_eq!(runs, plan(&campaign(FAULTS)).expect("a plan").runs);
+        let runs = runs(FAULTS);
+        assert_eq!(runs, self::runs(FAULTS));
         let faults = |run: &Planned| {
             let table: Table = toml::from_str(run.keys.last().expect("faults")).expect("TOML");
             table["faults"].as_array().expect("a list").clone()
@@ -274,7 +303,7 @@ bits = [1, 3]
 
     #[test]
     fn without_faults_and_controllers_there_is_one_run_per_scenario_and_seed() {
-        let runs = plan(&campaign("set = [\"duration_s=2\"]")).expect("a plan").runs;
+        let runs = runs("set = [\"duration_s=2\"]");
         assert_eq!(runs.len(), 2);
         assert_eq!(runs[0].keys, ["duration_s=2"]);
         assert_eq!(
@@ -287,7 +316,7 @@ bits = [1, 3]
     fn the_repeating_command_survives_a_shell() {
         assert_eq!(quoted("it's {a}"), r"'it'\''s {a}'");
         assert_eq!(quoted(""), "''");
-        let runs = plan(&campaign(FAULTS)).expect("a plan").runs;
+        let runs = runs(FAULTS);
         let said = runs[0].repeat("realtime");
         assert!(said.contains("--set 'faults=[{ "), "{said}");
     }

@@ -20,10 +20,11 @@ pub struct Variants {
     pub scenario: String,
     /// What the variation file says of itself.
     pub description: String,
-    /// For each run its values, as for `--param`.
-    pub parameters: Vec<Vec<String>>,
     /// Combinations that break a constraint of the scenario.
     pub left_out: usize,
+    variation: Variation,
+    /// The places of the others.
+    admitted: Vec<usize>,
 }
 
 impl Variants {
@@ -31,24 +32,34 @@ impl Variants {
     pub fn open(path: &Path) -> Result<Self, Error> {
         let variation = Variation::open(path, &Disk).map_err(refuse)?;
         let template = read::Template::open(&variation.scenario, &Disk).map_err(refuse)?;
-        let mut parameters = Vec::new();
+        let mut admitted = Vec::new();
         for index in 0..variation.len() {
-            let values = variation.get(index);
-            if template.admits(&values).map_err(refuse)? {
-                let written = values.iter().map(|value| format!("{}={}", value.name, value.value));
-                parameters.push(written.collect());
+            if template.admits(&variation.get(index)).map_err(refuse)? {
+                admitted.push(index);
             }
         }
         let scenario = normal(&variation.scenario).to_string_lossy().into_owned();
-        let left_out = variation.len() - parameters.len();
-        if parameters.is_empty() {
+        let left_out = variation.len() - admitted.len();
+        if admitted.is_empty() {
             return Err(Error::Usage(format!(
                 "error: {}: all {left_out} combinations break a constraint of {scenario}, \
                  expected one that does not",
                 path.display()
             )));
         }
-        Ok(Self { scenario, description: variation.description, parameters, left_out })
+        let description = variation.description.clone();
+        Ok(Self { scenario, description, left_out, variation, admitted })
+    }
+
+    /// Combinations that are runs; never 0.
+    pub fn len(&self) -> usize {
+        self.admitted.len()
+    }
+
+    /// The values of a run, as for `--param`.
+    pub fn get(&self, run: usize) -> Vec<String> {
+        let values = self.variation.get(self.admitted[run]);
+        values.iter().map(|value| format!("{}={}", value.name, value.value)).collect()
     }
 }
 
@@ -136,10 +147,11 @@ mod tests {
         let campaign = campaign(&files.0.join("v.xosc")).expect("a variation");
         assert_eq!(campaign.description.as_str(), "two by three");
         let planned = plan(&campaign).expect("a plan");
-        assert_eq!(planned.left_out, 2);
-        let values: Vec<String> = planned.runs.iter().map(|run| run.parameters.join(" ")).collect();
+        assert_eq!(planned.left_out(), 2);
+        let runs: Vec<_> = planned.numbers().map(|run| planned.get(run)).collect();
+        let values: Vec<String> = runs.iter().map(|run| run.parameters.join(" ")).collect();
         assert_eq!(values, ["v=10 m=car", "v=10 m=bus", "v=20 m=car", "v=20 m=bus"]);
-        let said = planned.runs[1].repeat("lockstep");
+        let said = runs[1].repeat("lockstep");
         assert!(
             said.ends_with("sub/a.xosc --mode lockstep --seed 1 --param v=10 --param m=bus"),
             "{said}"
@@ -152,11 +164,12 @@ mod tests {
         let mut campaign = campaign(&files.0.join("v.xosc")).expect("a variation");
         campaign.sample = std::num::NonZeroUsize::new(3);
         let planned = plan(&campaign).expect("a plan");
-        assert_eq!(planned.runs.len(), 3);
-        assert!(planned.runs.windows(2).all(|pair| pair[0].run < pair[1].run));
-        assert_eq!(planned.runs, plan(&campaign).expect("a plan").runs);
+        let numbers: Vec<_> = planned.numbers().collect();
+        assert_eq!(numbers.len(), 3);
+        assert!(numbers.is_sorted());
+        assert_eq!(numbers, plan(&campaign).expect("a plan").numbers().collect::<Vec<_>>());
         campaign.sample = std::num::NonZeroUsize::new(9);
-        assert_eq!(plan(&campaign).expect("a plan").runs.len(), 4);
+        assert_eq!(plan(&campaign).expect("a plan").len(), 4);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Whether a campaign's runs are what it requires.
 
 use super::file::Campaign;
-use super::plan::Planned;
+use super::plan::Plan;
 use super::record::Record;
 use super::tally::{Figure, Tally, within};
 use crate::batch::ProcessesSample;
@@ -75,8 +75,8 @@ pub struct Failure {
 }
 
 impl Verdict {
-    /// Judges the records, in any order, of the planned runs.
-    pub fn new(campaign: &Campaign, planned: &[&Planned], mut records: Vec<Record>) -> Self {
+    /// Judges the records, in any order, of the `planned` runs that were to be done of the plan.
+    pub fn new(campaign: &Campaign, plan: &Plan, planned: usize, mut records: Vec<Record>) -> Self {
         records.sort_by_key(|record| record.run);
         let all = Tally::of(records.iter());
         let requirements: Vec<_> =
@@ -89,14 +89,14 @@ impl Verdict {
             processes_sample.different += usize::from(!same);
         });
         let same = processes_sample.different == 0;
-        let failures = failures(&requirements, campaign.mode, planned, &records);
+        let failures = failures(&requirements, campaign.mode, plan, &records);
         Self {
             schema_version: 1,
-            ok: met && same && records.len() == planned.len(),
+            ok: met && same && records.len() == planned,
             campaign: campaign.name.as_str().into(),
             mode: campaign.mode,
-            planned: planned.len(),
-            left_out: 0,
+            planned,
+            left_out: plan.left_out(),
             all,
             requirements,
             combinations: combinations(&records),
@@ -126,7 +126,7 @@ fn judge(key: &str, limit: f64, all: &Tally) -> Requirement {
 fn failures(
     requirements: &[Requirement],
     mode: Mode,
-    planned: &[&Planned],
+    plan: &Plan,
     records: &[Record],
 ) -> Vec<Failure> {
     let broken: Vec<_> = requirements.iter().filter(|requirement| !requirement.ok).collect();
@@ -146,12 +146,8 @@ fn failures(
         }
         reasons.extend(record.aborted_because.clone());
         reasons.extend(record.leaks.iter().chain(&record.degraded).cloned());
-        let repeat = planned.iter().find(|planned| planned.run == record.run);
-        failures.push(Failure {
-            run: record.run,
-            why: reasons.join("; "),
-            repeat: repeat.map_or_else(String::new, |planned| planned.repeat(mode.name())),
-        });
+        let repeat = plan.get(record.run).repeat(mode.name());
+        failures.push(Failure { run: record.run, why: reasons.join("; "), repeat });
     }
     failures
 }
@@ -191,7 +187,7 @@ fn distinct<K: PartialEq>(records: &[Record], key: impl Fn(&Record) -> K) -> Vec
 
 #[cfg(test)]
 mod tests {
-    use super::super::plan;
+    use super::super::plan::{self, Planned};
     use super::*;
     use runtime::report::Outcome;
 
@@ -216,14 +212,15 @@ mod tests {
 
     fn verdict(require: &str, outcomes: [Outcome; 4]) -> Verdict {
         let campaign = campaign(require);
-        let plan = plan::plan(&campaign).expect("a plan").runs;
-        let records = plan.iter().zip(outcomes).enumerate();
+        let plan = plan::plan(&campaign).expect("a plan");
+        let records = plan.numbers().map(|run| plan.get(run)).zip(outcomes).enumerate();
         let records = records.map(|(number, (planned, outcome))| {
-            record(planned, outcome, 10.0 - number as f64, &[1e3 * (number + 1) as f64])
+            record(&planned, outcome, 10.0 - number as f64, &[1e3 * (number + 1) as f64])
         });
         // The order in which runs end does not matter.
-        let records: Vec<_> = records.rev().collect();
-        Verdict::new(&campaign, &plan.iter().collect::<Vec<_>>(), records)
+        let mut records: Vec<_> = records.collect();
+        records.reverse();
+        Verdict::new(&campaign, &plan, plan.len(), records)
     }
 
     const WHOLE: [Outcome; 4] = [Outcome::Completed; 4];
@@ -272,9 +269,9 @@ mod tests {
     #[test]
     fn missing_runs_make_no_whole_campaign() {
         let campaign = campaign("max_collisions = 0");
-        let plan = plan::plan(&campaign).expect("a plan").runs;
-        let records = vec![record(&plan[0], Outcome::Completed, 1.0, &[])];
-        let verdict = Verdict::new(&campaign, &plan.iter().collect::<Vec<_>>(), records);
+        let plan = plan::plan(&campaign).expect("a plan");
+        let records = vec![record(&plan.get(0), Outcome::Completed, 1.0, &[])];
+        let verdict = Verdict::new(&campaign, &plan, plan.len(), records);
         assert!(!verdict.ok && verdict.failures.is_empty());
         assert_eq!((verdict.all.runs, verdict.planned), (1, 4));
     }

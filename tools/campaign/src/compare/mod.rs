@@ -3,7 +3,8 @@
 mod columns;
 mod page;
 
-use crate::batch::{self, Job, ProcessesSample};
+use crate::batch::{self, Job, ProcessesSample, Source};
+use crate::parts::{Merged, Part, PartOptions, Study, name_incomplete};
 use clap::Args;
 use group::Error;
 use group::{GroupOptions, ModeName, ScenarioOptions};
@@ -14,7 +15,9 @@ use report::summary::{Control, Timing};
 use report::table::{Align, TextTable};
 
 use runtime::report::Outcome;
-use serde::Serialize;
+use scenario::Scenario;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::process::ExitCode;
 
 #[derive(Debug, Serialize)]
@@ -24,11 +27,11 @@ struct Comparison {
     processes_sample: ProcessesSample,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, Deserialize)]
 struct Row {
     scenario: String,
     controller: String,
-    mode: &'static str,
+    mode: String,
     outcome: Outcome,
     control: Control,
     timing: Timing,
@@ -40,7 +43,7 @@ struct Row {
 #[derive(Debug, Args)]
 pub struct CompareArguments {
     /// Names of built-in scenarios, or TOML files
-    #[arg(required = true)]
+    #[arg(required_unless_present = "merge")]
     pub scenarios: Vec<String>,
     /// Controllers, by commas [default: all]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
@@ -51,6 +54,9 @@ pub struct CompareArguments {
     /// Change any key of every scenario, by its dotted path; may be given again
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
+    /// A part of the comparison, or parts put together.
+    #[command(flatten)]
+    pub parts: PartOptions,
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
@@ -64,14 +70,17 @@ pub struct CompareArguments {
 
 /// Runs the command.
 pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
+    if arguments.parts.merge.is_empty() { drive(arguments) } else { merge(arguments) }
+}
+
+/// The runs: each scenario with each controller, read before anything runs.
+fn scenarios(arguments: &CompareArguments) -> Result<Vec<Scenario>, Error> {
     let controllers = if arguments.controllers.is_empty() {
         controller::laws::ALL.iter().map(|law| law.name.to_owned()).collect()
     } else {
         arguments.controllers.clone()
     };
-    // Everything is read before anything runs.
-    let mode = arguments.mode.into();
-    let mut jobs = Vec::new();
+    let mut scenarios = Vec::new();
     for name in &arguments.scenarios {
         for controller in &controllers {
             let options = ScenarioOptions {
@@ -79,31 +88,83 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
                 set: arguments.set.clone(),
                 ..ScenarioOptions::default()
             };
-            jobs.push(Job { scenario: group::open(name, &options)?, mode, sample_every: None });
+            scenarios.push(group::open(name, &options)?);
         }
     }
-    let output = OutputDirectory::create(&arguments.output, "compare")?;
-    let bar = report::progress::count_bar(jobs.len(), arguments.json);
+    Ok(scenarios)
+}
+
+/// Does the runs that are left of this part.
+fn drive(arguments: &CompareArguments) -> Result<ExitCode, Error> {
+    let scenarios = scenarios(arguments)?;
+    let mode = arguments.mode.into();
+    let study = Study::of_this_command(scenarios.len(), &scenarios[0]);
+    let (mut part, output) = Part::<Row>::open(&arguments.parts, &arguments.output, study)?;
+    let left = part.left();
+    let bar = report::progress::count_bar(part.runs(), arguments.json);
+    bar.set_position((part.runs() - left.len()) as u64);
+    let repeated = part.repeated(&left, scenarios[0].seed.value());
     let at_once = batch::at_once(None, mode);
-    let mut rows: Vec<_> = jobs.iter().map(|_| None).collect();
-    let processes_sample =
-        batch::run(&jobs, at_once, &arguments.group, &bar, &mut |index, result| {
-            let done = result?;
-            let picture = RunPicture::of_drive(&jobs[index].scenario, &done.drive);
-            let summary = done.summary;
-            rows[index] = Some(Row {
-                scenario: summary.scenario,
-                controller: summary.controller,
-                mode: summary.mode,
-                outcome: summary.outcome,
-                control: summary.control,
-                timing: summary.timing,
-                picture,
-            });
-            Ok(())
-        })?;
-    let rows: Vec<_> = rows.into_iter().flatten().collect();
+    let make = |index: usize| {
+        Ok(Job { scenario: scenarios[left[index]].clone(), mode, sample_every: None })
+    };
+    let source = Source { runs: left.len(), make: &make };
+    let mut pictures: BTreeMap<usize, RunPicture> = BTreeMap::new();
+    let mut each = |index: usize, job: &Job, result: Result<batch::Done, Error>| {
+        let done = result?;
+        pictures.insert(left[index], RunPicture::of_drive(&job.scenario, &done.drive));
+        let summary = done.summary;
+        let row = Row {
+            scenario: summary.scenario,
+            controller: summary.controller,
+            mode: summary.mode.to_owned(),
+            outcome: summary.outcome,
+            control: summary.control,
+            timing: summary.timing,
+            picture: RunPicture::default(),
+        };
+        part.keep(left[index], row, done.repetition.as_ref())
+    };
+    let end = batch::run_made(&repeated, &source, at_once, &arguments.group, &bar, &mut each);
+    if let Ok(sample) = &end {
+        sample.tell(left.len(), &bar);
+    }
     bar.finish_and_clear();
+    if end.is_err() {
+        part.say_how_to_go_on(&output);
+    }
+    end?;
+    let (mut rows, sample) = part.into_results();
+    for (run, picture) in pictures {
+        rows[run].as_mut().expect("it was driven").picture = picture;
+    }
+    let sample = sample.agreed(|run| {
+        let Scenario { name, controller, .. } = &scenarios[run];
+        format!(" ({} with {})", name.as_str(), controller.name.as_str())
+    })?;
+    conclude(arguments, rows, sample, &output)
+}
+
+/// Puts parts together. A page has no pictures then: parts keep figures.
+fn merge(arguments: &CompareArguments) -> Result<ExitCode, Error> {
+    let merged = Merged::<Row>::read("compare", &arguments.parts.merge)?;
+    let scenarios = scenarios(&merged.study.arguments()?)?;
+    merged.check(scenarios.len(), &scenarios[0])?;
+    name_incomplete(&merged.incomplete);
+    let output = OutputDirectory::create(&arguments.output, "compare")?;
+    let whole = merged.incomplete.is_empty();
+    let code = conclude(arguments, merged.results, merged.sample, &output)?;
+    Ok(if whole { code } else { ExitCode::FAILURE })
+}
+
+/// Writes and prints.
+fn conclude(
+    arguments: &CompareArguments,
+    rows: Vec<Option<Row>>,
+    processes_sample: ProcessesSample,
+    output: &OutputDirectory,
+) -> Result<ExitCode, Error> {
+    let rows: Vec<_> = rows.into_iter().flatten().collect();
     let whole = rows.iter().all(|row| row.outcome == Outcome::Completed);
     let comparison = Comparison { schema_version: 1, rows, processes_sample };
     let json = serde_json::to_string_pretty(&comparison).expect("plain data");
@@ -132,7 +193,7 @@ fn table(rows: &[Row]) -> String {
             let words = [row.controller.clone(), print::outcome_word(row.outcome).to_owned()];
             table.row(words.into_iter().chain(columns.iter().map(|column| column.cell(row))));
         }
-        let (scenario, mode) = (&rows[0].scenario, rows[0].mode);
+        let (scenario, mode) = (&rows[0].scenario, &rows[0].mode);
         format!("{scenario} ({mode})\n{}", table.text())
     });
     blocks.collect()
@@ -155,7 +216,7 @@ mod tests {
         Row {
             scenario: "following".into(),
             controller: controller.into(),
-            mode: "lockstep",
+            mode: "lockstep".into(),
             outcome: Outcome::Completed,
             control: Control { figures, following, mode_changes: None },
             timing: Timing::default(),

@@ -11,7 +11,7 @@ pub fn page(rows: &[Row]) -> String {
     let completed = rows.iter().filter(|row| row.outcome == Outcome::Completed).count();
     let verdict = format!("{completed} of {} runs without a collision or a red light", rows.len());
     let scenarios: String = rows.chunk_by(|a, b| a.scenario == b.scenario).map(scenario).collect();
-    let about = rows.first().map_or("", |row| row.mode);
+    let about = rows.first().map_or("", |row| row.mode.as_str());
     document("Comparison of controllers", about, completed == rows.len(), &verdict, &scenarios)
 }
 
@@ -36,6 +36,9 @@ fn scenario(rows: &[Row]) -> String {
         })
         .collect();
     let runs: Vec<_> = rows.iter().map(|row| (row.controller.as_str(), &row.picture)).collect();
+    // Parts of a comparison keep figures alone.
+    let is_drawn = rows.iter().all(|row| !row.picture.position_m.is_empty());
+    let drives = if is_drawn { overlay(&runs) } else { String::new() };
     let name = rows.first().map_or("", |row| row.scenario.as_str());
-    section(name, &format!("{}<div class=\"gap\"></div>{}", table(&head, &cells), overlay(&runs)))
+    section(name, &format!("{}<div class=\"gap\"></div>{drives}", table(&head, &cells)))
 }

@@ -7,7 +7,6 @@ mod print;
 mod results;
 mod scene;
 
-use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -15,18 +14,18 @@ use std::process::ExitCode;
 use clap::{Args, ValueEnum};
 use controller::laws;
 use group::{Error, GroupOptions};
-use indicatif::ProgressBar;
 use matrix::{Case, Matrix};
-use regulation::{Verdict, table};
+use regulation::{Outcome, Verdict, table};
 use report::output::{OutputDirectory, OutputOptions};
 use results::{Judged, MatrixResult, Results};
 use runtime::Mode;
+use scenario::Scenario;
 use scene::Driver;
 
-use crate::batch::{self, Job, ProcessesSample};
+use serde::{Deserialize, Serialize};
 
-/// Cases that are made scenarios, and run, at a time.
-const CHUNK: usize = 512;
+use crate::batch::{self, Job, ProcessesSample, Source};
+use crate::parts::{Merged, Part, PartOptions, Study, name_incomplete};
 
 /// Arguments of `r157`.
 #[derive(Debug, Args)]
@@ -49,6 +48,9 @@ pub struct R157Arguments {
     /// Write the models' outcomes of the cut-ins as a table
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
+    /// A part of the runs, or parts put together.
+    #[command(flatten)]
+    pub parts: PartOptions,
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
@@ -66,30 +68,156 @@ pub struct R157Arguments {
 /// [`Error::Usage`] for an unknown controller or a table without cut-ins, else what keeps the runs from
 /// starting.
 pub fn run(arguments: &R157Arguments) -> Result<ExitCode, Error> {
-    let drivers = drivers(arguments)?;
-    let mut matrices = arguments.matrix.clone();
-    if matrices.is_empty() {
-        matrices = Matrix::value_variants().to_vec();
+    if arguments.parts.merge.is_empty() { drive(arguments) } else { merge(arguments) }
+}
+
+/// What is driven: every case of every matrix by every driver, in this order.
+struct Plan {
+    seed: u64,
+    drivers: Vec<Driver>,
+    matrices: Vec<(Matrix, Vec<Case>)>,
+}
+
+impl Plan {
+    fn of(arguments: &R157Arguments) -> Result<Self, Error> {
+        let drivers = drivers(arguments)?;
+        let mut matrices = arguments.matrix.clone();
+        if matrices.is_empty() {
+            matrices = Matrix::value_variants().to_vec();
+        }
+        matrices.sort_unstable();
+        matrices.dedup();
+        let matrices = matrices.into_iter().map(|matrix| (matrix, cases(matrix, arguments)));
+        Ok(Self { seed: arguments.seed.into(), drivers, matrices: matrices.collect() })
     }
-    matrices.sort_unstable();
-    matrices.dedup();
-    let mut judged: Vec<Judged> =
-        matrices.into_iter().map(|matrix| Judged::new(matrix, cases(matrix, arguments))).collect();
+
+    fn runs(&self) -> usize {
+        self.matrices.iter().map(|(_, cases)| cases.len() * self.drivers.len()).sum()
+    }
+
+    fn scenario(&self, run: usize) -> Result<Scenario, Error> {
+        let mut before = 0;
+        for (_, cases) in &self.matrices {
+            let place = run - before;
+            if place < cases.len() * self.drivers.len() {
+                let (driver, case) = (place / cases.len(), place % cases.len());
+                return scene::scenario(&cases[case], &self.drivers[driver], self.seed);
+            }
+            before += cases.len() * self.drivers.len();
+        }
+        unreachable!("the runs are numbered up to their count")
+    }
+
+    /// The models' verdicts and those of all runs; none if one is missing.
+    fn judged(&self, kept: Vec<Option<Kept>>) -> Option<Vec<Judged>> {
+        let mut verdicts = kept.into_iter();
+        let mut all = Vec::new();
+        for (matrix, cases) in &self.matrices {
+            let mut judged = Judged::new(*matrix, cases.clone());
+            for driver in &self.drivers {
+                let of_driver = verdicts.by_ref().take(cases.len());
+                let of_driver =
+                    of_driver.map(|kept| kept.map(Kept::verdict)).collect::<Option<_>>();
+                judged.laws.push((driver.clone(), of_driver?));
+            }
+            all.push(judged);
+        }
+        Some(all)
+    }
+}
+
+/// A verdict in the journal of a part.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Kept {
+    outcome: u8,
+    impact_mps: f64,
+}
+
+impl Kept {
+    fn of(verdict: Verdict) -> Self {
+        Self { outcome: verdict.outcome.digit(), impact_mps: verdict.impact_speed_mps }
+    }
+
+    fn verdict(self) -> Verdict {
+        let outcome = Outcome::from_digit(self.outcome).unwrap_or(Outcome::None);
+        Verdict { outcome, impact_speed_mps: self.impact_mps }
+    }
+}
+
+/// Does the runs that are left of this part.
+fn drive(arguments: &R157Arguments) -> Result<ExitCode, Error> {
+    let plan = Plan::of(arguments)?;
     if let Some(path) = &arguments.csv {
-        write_table(path, &judged)?;
+        write_table(path, &plan.matrices)?;
+    }
+    let runs = plan.runs();
+    let study = Study::of_this_command(runs, &first_scenario(arguments)?);
+    let (mut part, output) = Part::<Kept>::open(&arguments.parts, &arguments.output, study)?;
+    let left = part.left();
+    let bar = report::progress::count_bar(part.runs(), arguments.json);
+    bar.set_position((part.runs() - left.len()) as u64);
+    let repeated = part.repeated(&left, plan.seed);
+    let at_once = batch::at_once(None, Mode::Lockstep);
+    let make = |index: usize| plan.scenario(left[index]).map(Job::lockstep);
+    let source = Source { runs: left.len(), make: &make };
+    let mut each = |index: usize, _: &Job, result: Result<batch::Done, Error>| {
+        let done = result?;
+        batch::whole(&done.summary)?;
+        let kept = Kept::of(judge::verdict(&done.drive));
+        part.keep(left[index], kept, done.repetition.as_ref())
+    };
+    let end = batch::run_made(&repeated, &source, at_once, &arguments.group, &bar, &mut each);
+    if let Ok(sample) = &end {
+        sample.tell(left.len(), &bar);
+    }
+    bar.finish_and_clear();
+    if end.is_err() {
+        part.say_how_to_go_on(&output);
+    }
+    end?;
+    let (shard, done) = (part.shard(), part.runs());
+    let (kept, sample) = part.into_results();
+    let sample = sample.agreed(|_| String::new())?;
+    if let Some(shard) = shard {
+        let (name, directory) = (String::from(shard), output.path().display());
+        eprintln!(
+            "shard {name}: {done} runs in {directory}; timegap r157 --merge puts all together"
+        );
+        return Ok(ExitCode::SUCCESS);
+    }
+    conclude(arguments, &plan, kept, sample, &output)
+}
+
+/// Puts parts together; without all of them a matrix has no figures.
+fn merge(arguments: &R157Arguments) -> Result<ExitCode, Error> {
+    let merged = Merged::<Kept>::read("r157", &arguments.parts.merge)?;
+    let of_parts: R157Arguments = merged.study.arguments()?;
+    let plan = Plan::of(&of_parts)?;
+    merged.check(plan.runs(), &first_scenario(&of_parts)?)?;
+    name_incomplete(&merged.incomplete);
+    if !merged.incomplete.is_empty() {
+        return Ok(ExitCode::FAILURE);
     }
     let output = OutputDirectory::create(&arguments.output, "r157")?;
-    let runs: usize = judged.iter().map(|judged| judged.cases.len() * drivers.len()).sum();
-    let bar = report::progress::count_bar(runs, arguments.json);
-    let mut batches = Batches::new(arguments, &bar, runs);
-    for judged in &mut judged {
-        for driver in &drivers {
-            let verdicts = batches.drive(&judged.cases, driver)?;
-            judged.laws.push((driver.clone(), verdicts));
-        }
-    }
-    let processes_sample = batches.finish(runs)?;
-    bar.finish_and_clear();
+    conclude(arguments, &plan, merged.results, merged.sample, &output)
+}
+
+/// A scenario that tells one version of the models and laws from another.
+fn first_scenario(arguments: &R157Arguments) -> Result<Scenario, Error> {
+    let law = laws::ALL[0].name.to_owned();
+    let driver = Driver { law, aebs: false };
+    scene::scenario(&Matrix::Following.cases()[0], &driver, arguments.seed.into())
+}
+
+/// Judges, writes and prints.
+fn conclude(
+    arguments: &R157Arguments,
+    plan: &Plan,
+    kept: Vec<Option<Kept>>,
+    processes_sample: ProcessesSample,
+    output: &OutputDirectory,
+) -> Result<ExitCode, Error> {
+    let judged = plan.judged(kept).expect("every run has its verdict");
     let matrices: Vec<MatrixResult> = judged.iter().map(Judged::result).collect();
     let ok = matrices.iter().all(MatrixResult::holds);
     let results = Results { schema_version: 1, ok, matrices, processes_sample };
@@ -142,69 +270,10 @@ fn cases(matrix: Matrix, arguments: &R157Arguments) -> Vec<Case> {
     }
 }
 
-/// All runs of the command, a part at a time: so many scenarios would not fit in memory at once.
-struct Batches<'a> {
-    arguments: &'a R157Arguments,
-    bar: &'a ProgressBar,
-    /// The runs to be repeated in process groups, of all.
-    repeated: BTreeSet<usize>,
-    sample: ProcessesSample,
-    /// Runs before the next one.
-    done: usize,
-}
-
-impl<'a> Batches<'a> {
-    fn new(arguments: &'a R157Arguments, bar: &'a ProgressBar, runs: usize) -> Self {
-        let repeated = batch::choose(arguments.seed.into(), runs);
-        Self { arguments, bar, repeated, sample: ProcessesSample::default(), done: 0 }
-    }
-
-    /// Drives the cases one by one.
-    fn drive(&mut self, cases: &[Case], driver: &Driver) -> Result<Vec<Verdict>, Error> {
-        let at_once = batch::at_once(None, Mode::Lockstep);
-        let group = &self.arguments.group;
-        let mut verdicts = Vec::with_capacity(cases.len());
-        for chunk in cases.chunks(CHUNK) {
-            let scenario = |case| scene::scenario(case, driver, self.arguments.seed.into());
-            let jobs = chunk
-                .iter()
-                .map(|case| scenario(case).map(Job::lockstep))
-                .collect::<Result<Vec<_>, Error>>()?;
-            let first = self.done;
-            let repeated = (0..jobs.len()).filter(|k| self.repeated.contains(&(first + k)));
-            let mut found = vec![Verdict::NONE; jobs.len()];
-            let mut each = |index: usize, result: Result<batch::Done, Error>| {
-                let done = result?;
-                batch::whole(&done.summary)?;
-                found[index] = judge::verdict(&done.drive);
-                Ok(())
-            };
-            let sample = batch::run_repeating(
-                &repeated.collect(),
-                &jobs,
-                at_once,
-                group,
-                self.bar,
-                &mut each,
-            )?;
-            self.sample.add(sample, first);
-            self.done += jobs.len();
-            verdicts.extend(found);
-        }
-        Ok(verdicts)
-    }
-
-    /// Says what came of the runs that were repeated in process groups.
-    fn finish(self, runs: usize) -> Result<ProcessesSample, Error> {
-        self.sample.tell(runs, self.bar);
-        self.sample.agreed(|_| String::new())
-    }
-}
-
-fn write_table(path: &std::path::Path, judged: &[Judged]) -> Result<(), Error> {
-    let cut_ins: Vec<_> = judged
+fn write_table(path: &std::path::Path, matrices: &[(Matrix, Vec<Case>)]) -> Result<(), Error> {
+    let cut_ins: Vec<_> = matrices
         .iter()
-        .flat_map(|judged| &judged.cases)
+        .flat_map(|(_, cases)| cases)
         .filter_map(|case| match case {
             Case::CutIn(case) => Some(*case),
             Case::Following(_) | Case::CutOut(_) => None,

@@ -1,15 +1,16 @@
 //! `timegap sweep`: what a key of the scenario does to the drive.
 //!
-//! Every point of the grid is a run of its own through real processes. In lockstep delays, jitter
-//! and misses are emulated exactly, so that the same sweep gives the same bytes.
+//! Every point of the grid is a run of its own. In lockstep delays, jitter and misses are emulated
+//! exactly, so that the same sweep gives the same bytes, in one go or in parts.
 
 mod figure;
 mod page;
-mod param;
+pub(crate) mod param;
 mod results;
 mod words;
 
-use crate::batch::{self, Job};
+use crate::batch::{self, Job, ProcessesSample, Source};
+use crate::parts::{Merged, Part, PartOptions, Study, name_incomplete};
 use clap::Args;
 use group::Error;
 use group::{GroupOptions, ModeName, ScenarioOptions};
@@ -18,6 +19,7 @@ use report::output::{OutputDirectory, OutputOptions};
 use report::print;
 use results::{Run, Sweep};
 use runtime::report::Outcome;
+use scenario::Scenario;
 use std::num::NonZeroUsize;
 use std::process::ExitCode;
 
@@ -28,9 +30,10 @@ const MAX_RUNS: usize = 100_000;
 #[derive(Debug, Args)]
 pub struct SweepArguments {
     /// Name of a built-in scenario (see `timegap list`), or a TOML file
-    pub scenario: String,
+    #[arg(required_unless_present = "merge")]
+    pub scenario: Option<String>,
     /// A key and its values: `KEY=A..B/STEP` or `KEY=a,b,c`; given again: their grid
-    #[arg(long = "param", value_name = "KEY=VALUES", required = true)]
+    #[arg(long = "param", value_name = "KEY=VALUES", required_unless_present = "merge")]
     pub params: Vec<String>,
     /// Seeds, by commas or as A..B; every point is run with each
     #[arg(long, value_name = "SEEDS", conflicts_with = "seed")]
@@ -44,6 +47,9 @@ pub struct SweepArguments {
     /// Runs at once [default: one per core; 1 in realtime]
     #[arg(long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,
+    /// A part of the sweep, or parts put together.
+    #[command(flatten)]
+    pub parts: PartOptions,
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
@@ -57,43 +63,116 @@ pub struct SweepArguments {
 
 /// Runs the command.
 pub fn run(arguments: &SweepArguments) -> Result<ExitCode, Error> {
-    let (params, points) = points(arguments)?;
-    // Everything is read before anything runs.
-    let mode = arguments.mode.into();
-    let mut jobs = Vec::new();
-    for keys in &points {
-        let options = &arguments.scenario_options;
-        let scenario = group::open_with(&arguments.scenario, options, "--param", keys)?;
-        jobs.push(Job { scenario, mode, sample_every: None });
-    }
-    let output = OutputDirectory::create(&arguments.output, "sweep")?;
-    let bar = report::progress::count_bar(jobs.len(), arguments.json);
-    bar.set_message(format!("sweep {}", jobs[0].scenario.name.as_str()));
-    let mut runs: Vec<Option<Run>> = vec![None; jobs.len()];
-    let at_once = batch::at_once(arguments.jobs, mode);
-    let end = batch::run(&jobs, at_once, &arguments.group, &bar, &mut |index, result| {
-        let seed = jobs[index].scenario.seed.value();
-        runs[index] = Some(Run::new(&points[index], seed, result.map(|done| done.summary)));
-        Ok(())
-    });
-    bar.finish_and_clear();
+    if arguments.parts.merge.is_empty() { drive(arguments) } else { merge(arguments) }
+}
 
-    let runs = runs.into_iter().flatten().collect();
-    let mut controllers: Vec<String> = Vec::new();
-    for job in &jobs {
-        let name = job.scenario.controller.name.as_str();
-        if !controllers.iter().any(|known| known == name) {
-            controllers.push(name.to_owned());
+/// What is swept.
+struct Plan {
+    scenario: String,
+    params: Vec<Param>,
+    /// The keys of each run.
+    points: Vec<Vec<String>>,
+    /// Controllers of the runs, each once.
+    controllers: Vec<String>,
+    /// The first run's scenario.
+    first: Scenario,
+}
+
+impl Plan {
+    /// Everything is read before anything runs; the scenarios are made again when their turn comes.
+    fn of(arguments: &SweepArguments) -> Result<Self, Error> {
+        let (params, points) = points(arguments)?;
+        let mut controllers: Vec<String> = Vec::new();
+        let mut first = None;
+        for keys in &points {
+            let scenario = open(arguments, keys)?;
+            let name = scenario.controller.name.as_str();
+            if !controllers.iter().any(|known| known == name) {
+                controllers.push(name.to_owned());
+            }
+            first.get_or_insert(scenario);
         }
+        let first = first.expect("a grid has a point");
+        let scenario = arguments.scenario.clone().unwrap_or_default();
+        Ok(Self { scenario, params, points, controllers, first })
     }
-    let mut sweep = Sweep::new(&arguments.scenario, controllers, mode, &params, runs);
-    sweep.processes_sample = end.as_ref().cloned().unwrap_or_default();
+}
+
+fn open(arguments: &SweepArguments, keys: &[String]) -> Result<Scenario, Error> {
+    let name = arguments.scenario.as_deref().unwrap_or_default();
+    group::open_with(name, &arguments.scenario_options, "--param", keys)
+}
+
+/// Does the runs that are left of this part.
+fn drive(arguments: &SweepArguments) -> Result<ExitCode, Error> {
+    let plan = Plan::of(arguments)?;
+    let mode = arguments.mode.into();
+    let study = Study::of_this_command(plan.points.len(), &plan.first);
+    let (mut part, output) = Part::<Run>::open(&arguments.parts, &arguments.output, study)?;
+    let left = part.left();
+    let bar = report::progress::count_bar(part.runs(), arguments.json);
+    bar.set_message(format!("sweep {}", plan.first.name.as_str()));
+    bar.set_position((part.runs() - left.len()) as u64);
+    let repeated = part.repeated(&left, plan.first.seed.value());
+    let at_once = batch::at_once(arguments.jobs, mode);
+    let make = |index: usize| {
+        let scenario = open(arguments, &plan.points[left[index]])?;
+        Ok(Job { scenario, mode, sample_every: None })
+    };
+    let source = Source { runs: left.len(), make: &make };
+    let mut each = |index: usize, job: &Job, result: Result<batch::Done, Error>| {
+        let run = left[index];
+        let repetition = result.as_ref().ok().and_then(|done| done.repetition.clone());
+        let seed = job.scenario.seed.value();
+        let kept = Run::new(&plan.points[run], seed, result.map(|done| done.summary));
+        part.keep(run, kept, repetition.as_ref())
+    };
+    let end = batch::run_made(&repeated, &source, at_once, &arguments.group, &bar, &mut each);
+    if let Ok(sample) = &end {
+        sample.tell(left.len(), &bar);
+    }
+    bar.finish_and_clear();
+    if end.is_err() {
+        part.say_how_to_go_on(&output);
+    }
+    let (runs, sample) = part.into_results();
+    let agreed =
+        end.and_then(|_| sample.clone().agreed(|run| format!(" ({})", plan.points[run].join(" "))));
+    conclude(arguments, arguments, &plan, (runs, sample), &output, agreed.map(|_| ()))
+}
+
+/// Puts parts together.
+fn merge(arguments: &SweepArguments) -> Result<ExitCode, Error> {
+    let merged = Merged::<Run>::read("sweep", &arguments.parts.merge)?;
+    let of_parts: SweepArguments = merged.study.arguments()?;
+    let plan = Plan::of(&of_parts)?;
+    merged.check(plan.points.len(), &plan.first)?;
+    name_incomplete(&merged.incomplete);
+    let output = OutputDirectory::create(&arguments.output, "sweep")?;
+    let whole = merged.incomplete.is_empty();
+    let results = (merged.results, merged.sample);
+    let code = conclude(arguments, &of_parts, &plan, results, &output, Ok(()))?;
+    Ok(if whole { code } else { ExitCode::FAILURE })
+}
+
+/// Writes and prints. What an interrupt left undone is missing; what was done is kept.
+fn conclude(
+    arguments: &SweepArguments,
+    of_runs: &SweepArguments,
+    plan: &Plan,
+    (runs, sample): (Vec<Option<Run>>, ProcessesSample),
+    output: &OutputDirectory,
+    end: Result<(), Error>,
+) -> Result<ExitCode, Error> {
+    let runs = runs.into_iter().flatten().collect();
+    let mode = of_runs.mode.into();
+    let mut sweep = Sweep::new(&plan.scenario, plan.controllers.clone(), mode, &plan.params, runs);
+    sweep.processes_sample = if end.is_ok() { sample } else { ProcessesSample::default() };
     let json = serde_json::to_string_pretty(&sweep).expect("plain data") + "\n";
     let written = output
         .write("sweep.csv", sweep.csv().as_bytes())
         .and_then(|()| output.write("sweep.json", json.as_bytes()))
         .and_then(|()| output.write(report::FILE, page::page(&sweep).as_bytes()));
-    // What an interrupt left undone is missing; what was done is kept.
     if end.is_ok() && arguments.json {
         print::out(&json)?;
     } else if !arguments.json {

@@ -9,7 +9,9 @@ use report::summary::Summary;
 use report::table::{self, Align, NONE, TextTable};
 use runtime::Mode;
 use runtime::report::Outcome;
+use serde::de::{Deserialize, Deserializer};
 use serde::ser::{Serialize, SerializeMap, Serializer};
+use std::collections::BTreeMap;
 
 /// The whole sweep.
 #[derive(Debug, serde::Serialize)]
@@ -40,7 +42,7 @@ pub struct Point {
 }
 
 /// One run.
-#[derive(Clone, Debug, serde::Serialize)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Run {
     values: Vec<String>,
     seed: u64,
@@ -61,6 +63,14 @@ impl Serialize for Figures {
             map.serialize_entry(figure.name, &value)?;
         }
         map.end()
+    }
+}
+
+impl<'de> Deserialize<'de> for Figures {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let named = BTreeMap::<String, Option<f64>>::deserialize(deserializer)?;
+        let value = |index: usize| named.get(ALL[index].name).copied().flatten();
+        Ok(Self(std::array::from_fn(value)))
     }
 }
 

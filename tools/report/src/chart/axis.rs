@@ -97,6 +97,12 @@ impl Axis {
         Self { label: label.into(), scale, format: Format::DurationUs }
     }
 
+    /// Frequencies from `low` to `high`, both above 0, by their logarithm.
+    pub fn frequencies(unit: &str, low: f64, high: f64) -> Self {
+        let scale = Scale::Log { low, high: high.max(low * 1.1) };
+        Self { label: format!("frequency, {unit}"), scale, format: Format::Number }
+    }
+
     /// Shares of a distribution of `count` samples.
     pub fn percentiles(label: &str, count: u64) -> Self {
         let nines = (2.0 * count.max(1) as f64).log10().ceil().clamp(2.0, 6.0) as u32;

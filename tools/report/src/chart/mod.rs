@@ -5,6 +5,7 @@
 //!   reference levels, numbered marks and strips (a signal's phases at its stop line).
 //! * [`Cells`]: filled cells of a grid over two axes, with edges.
 //! * [`Bands`]: rows of labelled spans over one axis: modes over time, the parts of a chain.
+//! * [`Ribbons`]: rows coloured by a value along one axis: speeds of many vehicles over time.
 //!
 //! A picture is drawn once for each [`Width`], since text that is scaled down cannot be read; the
 //! style sheet shows the one that fits. Legends are text of the page and wrap like it.
@@ -14,12 +15,14 @@ mod bands;
 mod cells;
 mod decimate;
 mod plot;
+mod ribbons;
 mod svg;
 
 pub use axis::{Axis, number};
 pub use bands::{Bands, Row, Span};
 pub use cells::{Cells, Edges, FilledCell};
 pub use plot::{Curve, Plot, Strip};
+pub use ribbons::{Ribbon, Ribbons, SHADES};
 
 /// What a picture is drawn for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,6 +69,8 @@ pub enum Tone {
     Stop,
     /// A fault.
     Alarm,
+    /// A step of the scale from low to high, the same in light and dark.
+    Shade(usize),
 }
 
 impl Tone {
@@ -77,6 +82,7 @@ impl Tone {
             Self::Clear => "clear",
             Self::Stop => "stop",
             Self::Alarm => "alarm",
+            Self::Shade(step) => ["q0", "q1", "q2", "q3", "q4", "q5", "q6", "q7"][step % SHADES],
         }
     }
 }

@@ -30,12 +30,15 @@ pub struct Curve {
     /// Number of curves that may cover this one: it is drawn that much wider, so that it still
     /// shows on both sides of them.
     pub covered_by: usize,
+    /// One of so many that a thin line shows more.
+    pub is_thin: bool,
 }
 
 impl Curve {
     /// A solid curve.
     pub fn new(name: &str, tone: Tone, points: Vec<(f64, f64)>) -> Self {
-        Self { name: name.into(), points, tone, stroke: Stroke::Solid, steps: false, covered_by: 0 }
+        let (stroke, name) = (Stroke::Solid, name.into());
+        Self { name, points, tone, stroke, steps: false, covered_by: 0, is_thin: false }
     }
 
     /// The same with another stroke.
@@ -46,6 +49,11 @@ impl Curve {
     /// The same below so many others that may have the same points.
     pub fn covered_by(self, others: usize) -> Self {
         Self { covered_by: others, ..self }
+    }
+
+    /// The same as one of many.
+    pub fn thin(self) -> Self {
+        Self { is_thin: true, ..self }
     }
 
     /// The same as a staircase.
@@ -128,7 +136,12 @@ impl Picture for Plot {
             tone: curve.tone,
             stroke: Some(curve.stroke),
         });
-        let keys: Vec<_> = curves.chain(self.more_keys.iter().cloned()).collect();
+        let mut keys: Vec<Key> = Vec::new();
+        for key in curves.chain(self.more_keys.iter().cloned()) {
+            if !keys.contains(&key) {
+                keys.push(key);
+            }
+        }
         // The title has said it.
         if matches!(keys.as_slice(), [key] if key.label == self.title) { Vec::new() } else { keys }
     }
@@ -156,7 +169,9 @@ impl Picture for Plot {
                 points.iter().map(|(x, y)| (area.x(self.x.share(*x)), area.y(self.y.share(*y))));
             let wider = ["", " wide-1", " wide-2", " wide-3", " wide-4"];
             let wider = wider[curve.covered_by.min(wider.len() - 1)];
-            let class = format!("line {} {}{wider}", curve.tone.class(), curve.stroke.class());
+            let thin = if curve.is_thin { " thin" } else { "" };
+            let (tone, stroke) = (curve.tone.class(), curve.stroke.class());
+            let class = format!("line {tone} {stroke}{wider}{thin}");
             svg.curve(&class, &decimate(places));
         }
         badges(&mut svg, &self.marks, |x| area.x(self.x.share(x)), 10.0);

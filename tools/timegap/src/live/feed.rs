@@ -78,8 +78,8 @@ pub struct LiveFeed {
     modes: &'static [&'static str],
     views: Vec<SyncSender<Update>>,
     due: Instant,
-    odometries: usize,
-    truths: usize,
+    step: Option<u64>,
+    truth_step: Option<u64>,
     cycles: usize,
     faults: usize,
     answers: Latencies,
@@ -96,8 +96,8 @@ impl LiveFeed {
             modes,
             views,
             due: Instant::now(),
-            odometries: 0,
-            truths: 0,
+            step: None,
+            truth_step: None,
             cycles: 0,
             faults: 0,
             answers: Latencies::default(),
@@ -145,10 +145,15 @@ impl LiveFeed {
             (self.mode, self.quality) = (Some(cycle.mode), cycle.quality);
             self.rung = Rung::from_wire(cycle.rung).unwrap_or(self.rung);
         }
-        let mut truths = truths[self.truths..].iter().peekable();
+        let after = |step: u64| self.step.is_some_and(|last| step <= last);
+        let first = odometries.partition_point(|message| after(message.header.step));
+        let first_truth = truths.partition_point(|message| {
+            self.truth_step.is_some_and(|last| message.header.step <= last)
+        });
+        let mut truths = truths[first_truth..].iter().peekable();
         let mut requests = cycles[self.cycles..].iter().peekable();
         let mut points = Vec::new();
-        for odometry in &odometries[self.odometries..] {
+        for odometry in &odometries[first..] {
             let step = odometry.header.step;
             while let Some(cycle) = requests.next_if(|cycle| cycle.header.step <= step) {
                 self.last.request_mps2 = Some(cycle.request_mps2);
@@ -156,7 +161,7 @@ impl LiveFeed {
             // Where a gap is fresh: in between it would be a staircase.
             let mut fresh = step.is_multiple_of(STEPS);
             while let Some(truth) = truths.next_if(|truth| truth.header.step <= step) {
-                self.truths += 1;
+                self.truth_step = Some(truth.header.step);
                 fresh = true;
                 let ahead = truth.nearest_ahead(odometry.position_m);
                 self.last.gap_m = ahead.map(|(gap_m, _)| gap_m);
@@ -171,7 +176,7 @@ impl LiveFeed {
         }
         let stride = points.len().div_ceil(MAX_POINTS).max(1);
         let points = points.into_iter().step_by(stride).collect();
-        self.odometries = odometries.len();
+        self.step = odometries.last().map(|message| message.header.step).or(self.step);
         self.cycles = cycles.len();
         let events = moment.faults[self.faults..].iter().map(event).collect();
         self.faults = moment.faults.len();

@@ -1,4 +1,4 @@
-//! The journal of a campaign: one line of JSON per finished run, handed to the system at once, so that
+//! The journal of a study: one line of JSON per finished run, handed to the system at once, so that
 //! it survives the end of this process, and brought to the disk a few times a second. A line that a
 //! crash cut off is dropped; its run is done again.
 
@@ -10,7 +10,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Name of the journal in a campaign's directory.
+/// Name of the journal in a directory of results.
 pub const FILE: &str = "runs.jsonl";
 
 /// Runs are short: waiting for the disk after each would take longer than they do. So much of them
@@ -57,6 +57,13 @@ impl Drop for Journal {
         // What fails here was written, and is only less sure to survive the machine.
         let _ = self.file.sync_data();
     }
+}
+
+/// A record as its journal gives it back. A number may differ in its last digit from the one that was
+/// written: what is kept of a run is this, so that a study gives the same bytes in any number of parts.
+pub fn as_read_back<T: Serialize + DeserializeOwned>(record: &T) -> T {
+    let line = serde_json::to_string(record).expect("records are plain data");
+    serde_json::from_str(&line).expect("what was written can be read")
 }
 
 /// The records of a journal, and the length of its whole lines, bytes.

@@ -1,0 +1,420 @@
+//! Studies in parts: what array jobs do, what a merge says of what is missing, and what survives.
+
+use rustix::process::{Pid, Signal, kill_process};
+use std::process::{Child, Command, ExitCode, Stdio};
+use system_tests::cases::{self, Needed, case, needing};
+use system_tests::{Corner, text, wait_for};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
+
+/// 2 scenarios, 2 faults, 40 seeds: 160 runs.
+const CAMPAIGN: &str = r#"schema_version = 1
+name = "small"
+scenarios = ["cacc-a", "cut-in"]
+controllers = ["acc-mpc"]
+seeds = 40
+set = ["duration_s=8"]
+
+[[faults]]
+kind = "drop"
+topic = ["radar/tracks", "control/command"]
+at_s = [0.5, 1.5]
+for_s = 1.0
+
+[[faults]]
+kind = "corrupt"
+topic = "radar/tracks"
+probability = [0.1, 1.0]
+bits = [1, 64]
+
+[require]
+max_aborted = 0
+max_undetected_corruptions = 0
+"#;
+
+const SWEEP: [&str; 8] = [
+    "sweep",
+    "cut-in",
+    "--duration",
+    "5",
+    "--param",
+    "runtime.extra_delay_ms=0..200/100",
+    "--seeds",
+    "1..3",
+];
+
+fn succeed(corner: &Corner, arguments: &[&str]) -> String {
+    let output = corner.run(arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", text(&output));
+    text(&output)
+}
+
+fn file(corner: &Corner, path: &str) -> String {
+    std::fs::read_to_string(corner.path().join(path)).unwrap_or_else(|e| panic!("{path}: {e}"))
+}
+
+fn refused(corner: &Corner, arguments: &[&str], words: &[&str]) {
+    let output = corner.run(arguments);
+    let said = text(&output);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+    assert!(words.iter().all(|word| said.contains(word)), "{arguments:?}: {said}");
+}
+
+fn a_sweep_in_parts_gives_the_bytes_of_one_machine() {
+    let corner = Corner::new(PROGRAM);
+    succeed(&corner, &[&SWEEP[..], &["--out", "whole"]].concat());
+    for (index, out) in [("1", "a"), ("3", "c")] {
+        let shard = format!("{index}/3");
+        succeed(&corner, &[&SWEEP[..], &["--shard", &shard, "--out", out]].concat());
+    }
+    // Part 2 is begun by the command that the merge names.
+    let output = corner.run(&["sweep", "--merge", "c", "a", "--out", "incomplete"]);
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output));
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(said.contains("shard 2/3 is missing, 3 runs"), "{said}");
+    let command = said.lines().find_map(|line| line.trim().strip_prefix("timegap "));
+    let words: Vec<&str> = command.expect("a command").split(' ').collect();
+    succeed(&corner, &words);
+    let part = words.last().expect("a directory");
+    succeed(&corner, &["sweep", "--merge", part, "c", "a", "--out", "merged"]);
+    for name in ["sweep.json", "sweep.csv", "report.html"] {
+        let (whole, merged) = (format!("whole/{name}"), format!("merged/{name}"));
+        assert_eq!(file(&corner, &whole), file(&corner, &merged), "{name}");
+    }
+    refused(&corner, &["sweep", "--merge", "a", "a", "--out", "x"], &["the same part as"]);
+    let other = [&SWEEP[..6], &["--seeds", "1..4", "--shard", "2/3", "--out", "other"]].concat();
+    succeed(&corner, &other);
+    refused(&corner, &["sweep", "--merge", "a", "other", "--out", "x"], &["another sweep"]);
+    refused(&corner, &["compare", "--merge", "a", "--out", "x"], &["no part of a compare"]);
+    corner.expect_nothing_left(&[]);
+}
+
+fn a_comparison_and_a_matrix_in_parts_give_the_figures_of_one_machine() {
+    let corner = Corner::new(PROGRAM);
+    let compare = ["compare", "cut-in", "cacc-a", "--controllers", "acc-mpc,six-mode"];
+    let matrix =
+        ["r157", "--matrix", "following,cut-out", "--controllers", "acc-mpc", "--sample", "3"];
+    for (name, study) in [("compare", &compare[..]), ("r157", &matrix[..])] {
+        let whole = format!("{name}-whole");
+        corner.run(&[study, &["--out", &whole]].concat());
+        let parts = ["1/2", "2/2"].map(|shard| format!("{name}-{}", &shard[..1]));
+        for (shard, part) in ["1/2", "2/2"].iter().zip(&parts) {
+            let output = corner.run(&[study, &["--shard", shard, "--out", part]].concat());
+            assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));
+        }
+        let merged = format!("{name}-merged");
+        let output = corner.run(&[name, "--merge", &parts[0], &parts[1], "--out", &merged]);
+        assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));
+        let json = |directory: &str| {
+            let text = file(&corner, &format!("{directory}/{name}.json"));
+            let mut json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+            for row in json["rows"].as_array_mut().into_iter().flatten() {
+                // Time on the wall.
+                row["timing"] = serde_json::Value::Null;
+            }
+            json
+        };
+        assert_eq!(json(&whole), json(&merged), "{name}");
+    }
+}
+
+fn outside_an_array_job_auto_is_refused() {
+    let corner = Corner::new(PROGRAM);
+    std::fs::write(corner.path().join("small.toml"), CAMPAIGN).expect("our own directory");
+    for study in [&SWEEP[..], &["campaign", "small.toml"]] {
+        let words = ["no array job", "SLURM_ARRAY_TASK_ID", "expected --shard I/N"];
+        refused(&corner, &[study, &["--shard", "auto", "--out", "x"]].concat(), &words);
+    }
+    assert!(!corner.path().join("x").exists(), "nothing was begun");
+    // Task 2 of 1 to 8 by hand.
+    let arguments = ["campaign", "small.toml", "--seeds", "4", "--shard", "auto", "--out", "two"];
+    let mut command = corner.command(&arguments);
+    for (name, value) in [("ID", "2"), ("MIN", "1"), ("MAX", "8"), ("COUNT", "8")] {
+        command.env(format!("SLURM_ARRAY_TASK_{name}"), value);
+    }
+    let output = command.output().expect("it starts");
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));
+    assert!(file(&corner, "two/campaign.toml").contains("shard = \"2/8\""));
+    assert_eq!(file(&corner, "two/runs.jsonl").lines().count(), 2);
+}
+
+fn journals_that_do_not_fit_are_refused() {
+    let corner = Corner::new(PROGRAM);
+    std::fs::write(corner.path().join("small.toml"), CAMPAIGN).expect("our own directory");
+    for shard in ["1/2", "2/2"] {
+        let out = &shard[..1];
+        let own = ["campaign", "small.toml", "--seeds", "1", "--shard", shard, "--out", out];
+        let output = corner.run(&own);
+        assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));
+    }
+    let merge = ["campaign", "--merge", "1", "2", "--out", "x"];
+    let journal = corner.path().join("2/runs.jsonl");
+    let good = std::fs::read_to_string(&journal).expect("a journal");
+    let first = good.lines().next().expect("a run").to_owned() + "\n";
+    for (bad, words) in [
+        (format!("{good}{first}"), "is there twice"),
+        (good.replacen("\"run\":1", "\"run\":0", 1), "does not belong to this part"),
+        (good.replacen("\"run\":1", "\"run\":999", 1), "does not belong to this part"),
+        (format!("{{}}\n{good}"), "runs.jsonl:1"),
+        (format!("\u{1}\u{2}\n{good}"), "expected the record of a run"),
+    ] {
+        std::fs::write(&journal, bad).expect("our own file");
+        refused(&corner, &merge, &[words]);
+    }
+    std::fs::write(&journal, b"\xff\xfe\n").expect("our own file");
+    refused(&corner, &merge, &["runs.jsonl"]);
+    // A torn line is a run that is missing, and is named.
+    std::fs::write(&journal, &good[..good.len() - 5]).expect("our own file");
+    let output = corner.run(&merge);
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output));
+    let words = ["shard 2/2 in 2 is not finished, 1 runs", "timegap campaign --resume 2"];
+    assert!(words.iter().all(|word| text(&output).contains(word)), "{}", text(&output));
+}
+
+fn a_killed_part_goes_on_with_what_it_kept() {
+    let corner = Corner::new(PROGRAM);
+    std::fs::write(corner.path().join("small.toml"), CAMPAIGN).expect("our own directory");
+    let own = ["campaign", "small.toml", "--seeds", "10", "--jobs", "1"];
+    let mut child = corner.start(&[&own[..], &["--resume", "killed"]].concat());
+    let lines = || {
+        let journal = corner.path().join("killed/runs.jsonl");
+        std::fs::read_to_string(journal).unwrap_or_default().lines().count()
+    };
+    assert!(wait_for(|| lines() >= 2), "nothing ran");
+    child.kill().expect("our own child");
+    child.wait().expect("our own child");
+    let kept = lines();
+    assert!((2..40).contains(&kept), "{kept} runs were kept");
+    let output = corner.run(&["campaign", "--resume", "killed"]);
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));
+    let output = corner.run(&[&own[..], &["--out", "whole"]].concat());
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));
+    assert_eq!(file(&corner, "killed/campaign.json"), file(&corner, "whole/campaign.json"));
+    corner.expect_nothing_left(&[]);
+}
+
+/// A full disk: an error, and what was kept goes on when there is room again.
+fn a_journal_survives_a_full_disk() {
+    let corner = Corner::new(PROGRAM);
+    std::fs::write(corner.path().join("small.toml"), CAMPAIGN).expect("our own directory");
+    std::fs::create_dir(corner.path().join("disk")).expect("our own directory");
+    let script = "mount -t tmpfs -o size=16k none disk && {
+        \"$0\" campaign small.toml --seeds 10 --resume disk/out; echo \"first: $?\"
+        mount -o remount,size=4m disk
+        \"$0\" campaign --resume disk/out --json > json; echo \"second: $?\"; }";
+    let output = Command::new("unshare")
+        .args(["--user", "--map-root-user", "--mount", "sh", "-c", script, PROGRAM])
+        .current_dir(corner.path())
+        .env("XDG_RUNTIME_DIR", corner.path())
+        .output()
+        .expect("it starts");
+    let said = text(&output);
+    assert!(said.contains("first: 2") && said.contains("No space left"), "{said}");
+    assert!(said.contains("--resume disk/out goes on"), "{said}");
+    let json: serde_json::Value = serde_json::from_str(&file(&corner, "json")).expect("a verdict");
+    assert_eq!((&json["runs"], &json["planned"]), (&40.into(), &40.into()), "{said}");
+}
+
+/// The daemons of a Slurm of our own.
+struct Slurm {
+    daemons: Vec<Child>,
+    configuration: String,
+}
+
+impl Drop for Slurm {
+    fn drop(&mut self) {
+        for daemon in self.daemons.iter_mut().rev() {
+            // Asked first: a node that is killed leaves its steps behind.
+            let pid = i32::try_from(daemon.id()).ok().and_then(Pid::from_raw);
+            let _ = pid.map(|pid| kill_process(pid, Signal::TERM));
+            let gone = wait_for(|| matches!(daemon.try_wait(), Ok(Some(_)) | Err(_)));
+            if !gone {
+                let _ = daemon.kill();
+                let _ = daemon.wait();
+            }
+        }
+    }
+}
+
+impl Slurm {
+    /// One node, its controller and munge, with all their files in a corner.
+    fn start(corner: &Corner) -> Self {
+        let base = corner.path().join("slurm");
+        for directory in ["", "state", "spool"] {
+            std::fs::create_dir_all(base.join(directory)).expect("our own directory");
+        }
+        let private = std::os::unix::fs::PermissionsExt::from_mode(0o700);
+        std::fs::set_permissions(&base, private).expect("our own directory");
+        let mut key = vec![0; 128];
+        let mut random = std::fs::File::open("/dev/urandom").expect("it is there");
+        std::io::Read::read_exact(&mut random, &mut key).expect("it has no end");
+        std::fs::write(base.join("key"), key).expect("our own directory");
+        let private = std::os::unix::fs::PermissionsExt::from_mode(0o600);
+        std::fs::set_permissions(base.join("key"), private).expect("our own file");
+        let free_port = || {
+            let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
+            listener.local_addr().expect("it is bound").port()
+        };
+        let (controller, node) = (free_port(), free_port());
+        let host = std::fs::read_to_string("/proc/sys/kernel/hostname").expect("a name");
+        let (host, at) = (host.trim(), base.display());
+        let user = Command::new("id").arg("-un").output().expect("id");
+        let user = String::from_utf8_lossy(&user.stdout).trim().to_owned();
+        let text = format!(
+            "ClusterName=own\nSlurmctldHost={host}(127.0.0.1)\nSlurmUser={user}\nSlurmdUser={user}\n\
+             AuthType=auth/munge\nAuthInfo=socket={at}/munge.socket\nCredType=cred/munge\n\
+             SlurmctldPort={controller}\nSlurmdPort={node}\nStateSaveLocation={at}/state\n\
+             SlurmdSpoolDir={at}/spool\nSlurmctldPidFile={at}/controller.pid\n\
+             SlurmdPidFile={at}/node.pid\nSlurmctldLogFile={at}/controller.log\n\
+             SlurmdLogFile={at}/node.log\nProctrackType=proctrack/linuxproc\nTaskPlugin=task/none\n\
+             SelectType=select/cons_tres\nSelectTypeParameters=CR_CPU\nReturnToService=2\n\
+             SchedulerParameters=sched_interval=1\nMpiDefault=none\nSwitchType=switch/none\n\
+             AccountingStorageType=accounting_storage/none\nJobAcctGatherType=jobacct_gather/none\n\
+             NodeName={host} NodeAddr=127.0.0.1 CPUs=2 State=UNKNOWN\n\
+             PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP\n"
+        );
+        let configuration = base.join("slurm.conf");
+        std::fs::write(&configuration, text).expect("our own directory");
+        let configuration = configuration.to_string_lossy().into_owned();
+        let mut slurm = Self { daemons: Vec::new(), configuration };
+        let own = |name: &str| format!("--{name}={at}/munge.{name}");
+        let key = format!("--key-file={at}/key");
+        let files = ["socket", "pid-file", "log-file", "seed-file"].map(own);
+        let munge = [&["--foreground".to_owned(), "--force".to_owned(), key], &files[..]].concat();
+        slurm.daemon("munged", &munge);
+        assert!(wait_for(|| base.join("munge.socket").exists()), "no munge");
+        let of = |word: &str| vec![word.to_owned(), "-f".to_owned(), slurm.configuration.clone()];
+        let (controller, node) = (of("-D"), [of("-D"), vec!["-N".into(), host.into()]].concat());
+        slurm.daemon("slurmctld", &controller);
+        slurm.daemon("slurmd", &node);
+        let idle = || slurm.command("sinfo", &["-h", "-o", "%t"]).contains("idle");
+        assert!(wait_for(idle), "no node: {}", slurm.log(corner));
+        slurm
+    }
+
+    fn daemon(&mut self, name: &str, arguments: &[String]) {
+        let path = "/usr/local/sbin:/usr/sbin:/sbin:".to_owned();
+        let path = path + &std::env::var("PATH").unwrap_or_default();
+        let mut command = Command::new("env");
+        command.arg(format!("PATH={path}")).arg(name).args(arguments);
+        command.env("SLURM_CONF", &self.configuration);
+        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        self.daemons.push(command.spawn().expect("it was looked for"));
+    }
+
+    /// What a client prints.
+    fn command(&self, name: &str, arguments: &[&str]) -> String {
+        let mut command = Command::new(name);
+        let output = command.args(arguments).env("SLURM_CONF", &self.configuration).output();
+        text(&output.expect("it was looked for"))
+    }
+
+    fn log(&self, corner: &Corner) -> String {
+        let read = |name| std::fs::read_to_string(corner.path().join("slurm").join(name));
+        ["controller.log", "node.log"].map(|name| read(name).unwrap_or_default()).concat()
+    }
+}
+
+fn slurm() -> Needed {
+    for name in ["munged", "slurmctld", "slurmd"] {
+        let found = ["/usr/sbin", "/usr/local/sbin", "/usr/bin"]
+            .iter()
+            .any(|directory| std::path::Path::new(directory).join(name).is_file());
+        if !found {
+            return Err(format!("no {name} (Debian: munge, slurmctld, slurmd, slurm-client)"));
+        }
+    }
+    if !rustix::process::geteuid().is_root() {
+        return Err("slurmd asks for root".into());
+    }
+    cases::program("sbatch")
+}
+
+fn an_array_of_eight_with_a_killed_task_gives_the_bytes_of_one_machine() {
+    let corner = Corner::new(PROGRAM);
+    std::fs::write(corner.path().join("small.toml"), CAMPAIGN).expect("our own directory");
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/slurm/campaign.sbatch");
+    let slurm = Slurm::start(&corner);
+    let (at, program) = (format!("--chdir={}", corner.path().display()), PROGRAM);
+    let export = format!(
+        "--export=ALL,TIMEGAP={program},CAMPAIGN=small.toml,XDG_RUNTIME_DIR={}",
+        corner.path().display()
+    );
+    let said = slurm.command("sbatch", &["--parsable", &at, &export, script]);
+    let job = said.split_whitespace().next().expect("a number").to_owned();
+    assert!(job.parse::<u32>().is_ok(), "{said}");
+
+    // The fifth task is killed when it has kept a run.
+    let journal = corner.path().join("shards/5/runs.jsonl");
+    let kept = || std::fs::read_to_string(&journal).unwrap_or_default().lines().count();
+    let mut victim = None;
+    let found = wait_for(|| {
+        victim = process_with("shards/5");
+        victim.is_some() && kept() >= 1
+    });
+    assert!(found, "no task 5: {}\n{}", slurm.command("squeue", &[]), slurm.log(&corner));
+    kill_process(victim.expect("it was found"), Signal::KILL).expect("our own task");
+    let task = format!("{job}_5");
+    let state = || slurm.command("scontrol", &["-o", "show", "job", &task]);
+    assert!(wait_for(|| state().contains("JobState=FAILED")), "{}", state());
+    assert!((1..20).contains(&kept()), "{} runs were kept", kept());
+    slurm.command("scontrol", &["requeue", &task]);
+    // A requeued job waits for its node to be cleaned up: not here.
+    slurm.command("scontrol", &["update", &format!("JobId={task}"), "StartTime=now"]);
+    let done = || slurm.command("squeue", &["-h", "-j", &job]).trim().is_empty();
+    assert!(wait_for(|| done() && kept() == 20), "{}\n{}", state(), slurm.log(&corner));
+
+    let shards: Vec<String> = (1..=8).map(|task| format!("shards/{task}")).collect();
+    let shards: Vec<&str> = shards.iter().map(String::as_str).collect();
+    let output =
+        corner.run(&[&["campaign", "--merge"], &shards[..], &["--out", "merged"]].concat());
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));
+    let output = corner.run(&["campaign", "small.toml", "--out", "whole"]);
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));
+    for name in ["campaign.json", "campaign.csv"] {
+        let (whole, merged) = (format!("whole/{name}"), format!("merged/{name}"));
+        assert_eq!(file(&corner, &whole), file(&corner, &merged), "{name}");
+    }
+}
+
+/// The process of a campaign whose command line names a directory.
+fn process_with(directory: &str) -> Option<Pid> {
+    for entry in std::fs::read_dir("/proc").ok()?.flatten() {
+        let Some(pid) = entry.file_name().to_str().and_then(|name| name.parse().ok()) else {
+            continue;
+        };
+        let line = std::fs::read(entry.path().join("cmdline")).unwrap_or_default();
+        let line = String::from_utf8_lossy(&line).into_owned();
+        let mut words = line.split('\0');
+        if words.next() == Some(PROGRAM) && words.any(|word| word == directory) {
+            return Pid::from_raw(pid);
+        }
+    }
+    None
+}
+
+fn main() -> ExitCode {
+    cases::run(&[
+        case(
+            "a_sweep_in_parts_gives_the_bytes_of_one_machine",
+            a_sweep_in_parts_gives_the_bytes_of_one_machine,
+        ),
+        case(
+            "a_comparison_and_a_matrix_in_parts_give_the_figures_of_one_machine",
+            a_comparison_and_a_matrix_in_parts_give_the_figures_of_one_machine,
+        ),
+        case("outside_an_array_job_auto_is_refused", outside_an_array_job_auto_is_refused),
+        case("journals_that_do_not_fit_are_refused", journals_that_do_not_fit_are_refused),
+        case("a_killed_part_goes_on_with_what_it_kept", a_killed_part_goes_on_with_what_it_kept),
+        needing(
+            cases::mount_namespace,
+            "a_journal_survives_a_full_disk",
+            a_journal_survives_a_full_disk,
+        ),
+        needing(
+            slurm,
+            "an_array_of_eight_with_a_killed_task_gives_the_bytes_of_one_machine",
+            an_array_of_eight_with_a_killed_task_gives_the_bytes_of_one_machine,
+        ),
+    ])
+}

@@ -1,0 +1,237 @@
+//! Parts put together, and what is missing of them.
+
+use std::path::{Path, PathBuf};
+
+use group::Error;
+use serde::de::DeserializeOwned;
+
+use super::words::quoted;
+use super::{FILE, Line, Shard, Study, journal, read_file};
+use crate::batch::ProcessesSample;
+
+/// Parts put together.
+pub struct Merged<T> {
+    /// What they are parts of.
+    pub study: Study,
+    /// What every finished run gave, by its number.
+    pub results: Vec<Option<T>>,
+    /// Runs that were repeated in process groups.
+    pub sample: ProcessesSample,
+    /// Parts that are missing or unfinished.
+    pub incomplete: Vec<Incomplete>,
+}
+
+/// A part that is missing or not finished.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Incomplete {
+    /// Which.
+    pub shard: Shard,
+    /// Runs of it that are missing.
+    pub runs: usize,
+    /// Where what there is of it is; none: there is nothing.
+    pub directory: Option<PathBuf>,
+    /// The command that completes it.
+    pub command: String,
+}
+
+impl<T: DeserializeOwned> Merged<T> {
+    /// Reads the parts of one study of the command `name`.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for parts of different studies, a part that is there twice, or a journal that
+    /// is none.
+    pub fn read(name: &str, directories: &[PathBuf]) -> Result<Self, Error> {
+        let mut study: Option<Study> = None;
+        let mut parts: Vec<(Option<Shard>, &Path)> = Vec::new();
+        let mut results: Vec<Option<T>> = Vec::new();
+        let mut sample = ProcessesSample::default();
+        for directory in directories {
+            let shown = directory.display();
+            let part = read_file(&directory.join(FILE))?;
+            if part.study.words.first().is_none_or(|word| word != name) {
+                return Err(Error::Usage(format!("{shown} holds no part of a {name}")));
+            }
+            let other_count =
+                |known: &Option<Shard>| known.map(|k| k.count) != part.shard.map(|p| p.count);
+            if study.as_ref().is_some_and(|study| *study != part.study)
+                || parts.iter().any(|(known, _)| other_count(known))
+            {
+                return Err(Error::Usage(format!(
+                    "{shown} is part of another {name} than the directories before it"
+                )));
+            }
+            if let Some((_, before)) = parts.iter().find(|(known, _)| *known == part.shard) {
+                let before = before.display();
+                return Err(Error::Usage(format!("{shown} holds the same part as {before}")));
+            }
+            results.resize_with(part.study.runs, || None);
+            let journal = directory.join(journal::FILE);
+            for line in journal::read::<Line<T>>(&journal)?.0 {
+                let Line { run, same_in_processes, result } = line;
+                let journal = journal.display();
+                match results.get_mut(run) {
+                    Some(slot @ None) if part.shard.is_none_or(|shard| shard.holds(run)) => {
+                        *slot = Some(result);
+                    }
+                    Some(Some(_)) => {
+                        return Err(Error::Usage(format!("{journal}: run {run} is there twice")));
+                    }
+                    _ => {
+                        let what = "does not belong to this part";
+                        return Err(Error::Usage(format!("{journal}: run {run} {what}")));
+                    }
+                }
+                let other = || Err("other bytes in a process group".to_owned());
+                let repetition = same_in_processes.map(|same| if same { Ok(()) } else { other() });
+                sample.count(run, repetition.as_ref());
+            }
+            parts.push((part.shard, directory));
+            study = Some(part.study);
+        }
+        let study = study.expect("clap asks for at least one directory");
+        let done = |run: usize| results[run].is_some();
+        let incomplete = incomplete(&parts, study.runs, &done, &|shard, directory| {
+            let own = directory.map(|path| path.to_string_lossy().into_owned());
+            let own = own.unwrap_or_else(|| format!("part-{}-of-{}", shard.index, shard.count));
+            let more = ["--shard".into(), String::from(shard), "--resume".into(), own];
+            format!("timegap {}", quoted(&[study.words.as_slice(), &more].concat()))
+        });
+        Ok(Self { study, results, sample, incomplete })
+    }
+}
+
+impl<T> Merged<T> {
+    /// Checks that the command still means what its parts did.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if a file has changed since.
+    pub fn check(&self, runs: usize, first: &scenario::Scenario) -> Result<(), Error> {
+        let now = Study::of(self.study.words.clone(), runs, first);
+        if now == self.study {
+            return Ok(());
+        }
+        let words = quoted(&self.study.words);
+        Err(Error::Usage(format!(
+            "timegap {words}: the scenario is another one now than when the parts were done"
+        )))
+    }
+}
+
+/// The parts that miss runs, in their order.
+pub fn incomplete(
+    parts: &[(Option<Shard>, &Path)],
+    runs: usize,
+    done: &dyn Fn(usize) -> bool,
+    command: &dyn Fn(Shard, Option<&Path>) -> String,
+) -> Vec<Incomplete> {
+    let count = parts.first().and_then(|part| part.0).map_or(1, |shard| shard.count);
+    let all = (1..=count).map(|index| Shard { index, count });
+    all.filter_map(|shard| {
+        let left = (0..runs).filter(|run| shard.holds(*run) && !done(*run)).count();
+        let own = |part: &&(Option<Shard>, &Path)| part.0.is_none_or(|known| known == shard);
+        let directory = parts.iter().find(own).map(|part| part.1);
+        (left > 0).then(|| Incomplete {
+            shard,
+            runs: left,
+            directory: directory.map(Path::to_owned),
+            command: command(shard, directory),
+        })
+    })
+    .collect()
+}
+
+/// Names the incomplete parts on standard error, each with the command that completes it.
+pub fn name_incomplete(incomplete: &[Incomplete]) {
+    for Incomplete { shard, runs, directory, command } in incomplete {
+        let name = String::from(*shard);
+        match directory {
+            Some(directory) => {
+                let directory = directory.display();
+                eprintln!("shard {name} in {directory} is not finished, {runs} runs are missing:");
+            }
+            None => eprintln!("shard {name} is missing, {runs} runs:"),
+        }
+        eprintln!("  {command}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn missing_and_unfinished_parts_come_with_their_commands() {
+        let shard = |index| Shard { index, count: 3 };
+        let parts = [(Some(shard(1)), Path::new("a")), (Some(shard(3)), Path::new("c"))];
+        // Shard 1 has runs 0, 3, 6; shard 3 has runs 2, 5.
+        let done = |run: usize| [0, 3, 6, 2].contains(&run);
+        let command = |shard: Shard, directory: Option<&Path>| {
+            format!(
+                "{} {}",
+                shard.index,
+                directory.map_or("new".into(), |d| d.display().to_string())
+            )
+        };
+        let found = incomplete(&parts, 8, &done, &command);
+        let commands: Vec<_> = found.iter().map(|part| part.command.as_str()).collect();
+        assert_eq!(commands, ["2 new", "3 c"]);
+        assert_eq!(found.iter().map(|part| part.runs).collect::<Vec<_>>(), [3, 1]);
+    }
+
+    #[test]
+    fn parts_that_do_not_belong_together_are_refused() {
+        let base = std::env::temp_dir().join(format!("merge-{}", std::process::id()));
+        let write = |name: &str, words: &[&str], shard: &str, lines: &str| {
+            let directory = base.join(name);
+            std::fs::create_dir_all(&directory).expect("writable");
+            let part = serde_json::json!({
+                "study": {"schema_version": 1, "words": words, "runs": 4, "scenario": "0"},
+                "shard": shard,
+            });
+            std::fs::write(directory.join(FILE), part.to_string()).expect("writable");
+            std::fs::write(directory.join(journal::FILE), lines).expect("writable");
+            directory
+        };
+        let one = write("one", &["sweep", "a"], "1/2", "{\"run\":0,\"result\":7}\n");
+        let two = write(
+            "two",
+            &["sweep", "a"],
+            "2/2",
+            "{\"run\":1,\"result\":8}\n{\"run\":3,\"result\":9}\n{\"run\":",
+        );
+        let merged =
+            Merged::<u32>::read("sweep", &[two.clone(), one.clone()]).expect("parts of one");
+        assert_eq!(merged.results, [Some(7), Some(8), None, Some(9)]);
+        let [left] = merged.incomplete.as_slice() else { panic!("{:?}", merged.incomplete) };
+        assert!(left.command.starts_with("timegap sweep a --shard 1/2 --resume "), "{left:?}");
+        for (directory, words) in [
+            (write("other", &["sweep", "b"], "2/2", ""), "part of another sweep"),
+            (write("counts", &["sweep", "a"], "2/3", ""), "part of another sweep"),
+            (write("again", &["sweep", "a"], "1/2", ""), "the same part as"),
+            (write("alien", &["compare", "a"], "2/2", ""), "no part of a sweep"),
+            (write("torn", &["sweep", "a"], "2/2", "{\"run\":1}\n"), "runs.jsonl:1"),
+            (
+                write(
+                    "twice",
+                    &["sweep", "a"],
+                    "2/2",
+                    "{\"run\":1,\"result\":8}\n{\"run\":1,\"result\":8}\n",
+                ),
+                "is there twice",
+            ),
+            (
+                write("wrong", &["sweep", "a"], "2/2", "{\"run\":2,\"result\":8}\n"),
+                "does not belong",
+            ),
+            (
+                write("far", &["sweep", "a"], "2/2", "{\"run\":99,\"result\":8}\n"),
+                "does not belong",
+            ),
+        ] {
+            let refused = Merged::<u32>::read("sweep", &[one.clone(), directory]);
+            let said = refused.err().expect(words).to_string();
+            assert!(said.contains(words), "{said}");
+        }
+        std::fs::remove_dir_all(&base).expect("ours");
+    }
+}

@@ -1,0 +1,57 @@
+//! The words of a command line that say what is studied.
+
+use std::ffi::OsString;
+
+/// Options that say where and how a study runs, and take a value.
+const WITH_VALUE: [&str; 4] = ["--shard", "--resume", "--out", "--jobs"];
+/// The same without a value.
+const ALONE: [&str; 3] = ["--json", "--force", "--processes"];
+
+/// The words without the options that say where and how.
+pub fn of_study(arguments: impl Iterator<Item = OsString>) -> Vec<String> {
+    let mut words = Vec::new();
+    let mut arguments = arguments.map(|word| word.to_string_lossy().into_owned());
+    while let Some(word) = arguments.next() {
+        let name = word.split_once('=').map_or(word.as_str(), |(name, _)| name);
+        if WITH_VALUE.contains(&name) {
+            // Its value is the next word unless it is in this one.
+            if name == word {
+                arguments.next();
+            }
+        } else if !ALONE.contains(&word.as_str()) {
+            words.push(word);
+        }
+    }
+    words
+}
+
+/// The words as a shell reads them.
+pub fn quoted(words: &[String]) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:".contains(c);
+    let quote = |word: &String| {
+        if !word.is_empty() && word.chars().all(plain) {
+            word.clone()
+        } else {
+            format!("'{}'", word.replace('\'', r"'\''"))
+        }
+    };
+    words.iter().map(quote).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn where_and_how_a_study_runs_is_no_part_of_it() {
+        let line = "sweep cacc-a --param a=1,2 --shard 1/3 --out x --json --jobs=2 --seeds 1..3";
+        let words = of_study(line.split(' ').map(OsString::from));
+        assert_eq!(words.join(" "), "sweep cacc-a --param a=1,2 --seeds 1..3");
+    }
+
+    #[test]
+    fn words_survive_a_shell() {
+        let words = ["a=1..2/0.1", "it's", ""].map(String::from);
+        assert_eq!(quoted(&words), r"a=1..2/0.1 'it'\''s' ''");
+    }
+}
