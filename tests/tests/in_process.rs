@@ -1,6 +1,8 @@
 //! Lockstep runs whose services take turns in one process: the same bytes as a group of processes.
 
 use group::in_process;
+use rand_core::Rng;
+use rand_pcg::Pcg64;
 use report::summary::Summary;
 use runtime::Mode;
 use scenario::{Overrides, Scenario};
@@ -105,6 +107,63 @@ fn faults_of_messages_do_the_same_in_one_process_and_in_a_group() {
         let file = file.to_str().expect("plain letters").to_owned();
         same_in_both(&file, &["--duration", "8", "--seed", &(mix + 11).to_string()]);
     }
+}
+
+/// A mix of one to four faults of messages over all topics, by its number.
+fn random_mix(number: u64) -> String {
+    let mut random = Pcg64::new(number.into(), 0x313);
+    let mut draw = |below: u64| (random.next_u64() >> 11) % below;
+    let topics = [
+        "vehicle/odometry",
+        "radar/tracks",
+        "v2x/spat",
+        "v2x/map",
+        "control/command",
+        "truth/vehicles",
+    ];
+    let mut toml = String::new();
+    for _ in 0..1 + draw(4) {
+        let topic = topics[draw(topics.len() as u64) as usize];
+        let share = 0.05 + 0.9 * draw(100) as f64 / 100.0;
+        let kind = match draw(6) {
+            0 => format!("kind = \"drop\"\nprobability = {share}"),
+            1 => format!("kind = \"delay\"\ndelay_ms = {}\njitter_ms = {}", draw(200), draw(120)),
+            2 => format!("kind = \"reorder\"\nprobability = {share}"),
+            3 => format!("kind = \"corrupt\"\nprobability = {share}\nbits = {}", 1 + draw(64)),
+            4 => "kind = \"freeze\"".to_owned(),
+            _ => format!("kind = \"duplicate\"\nprobability = {share}"),
+        };
+        let (at_s, for_s) = (draw(60) as f64 / 10.0, 0.2 + draw(40) as f64 / 10.0);
+        toml += &format!(
+            "\n[[faults]]\n{kind}\ntopic = \"{topic}\"\nat_s = {at_s:.1}\nfor_s = {for_s:.1}\n"
+        );
+    }
+    toml
+}
+
+fn random_mixes_do_the_same(mixes: std::ops::Range<u64>) {
+    let corner = Corner::new(PROGRAM);
+    let laws = ["acc-mpc", "cacc-mpc", "six-mode", "quadratic-bounded"];
+    for mix in mixes {
+        let scenario = ["cut-in", "cacc-a", "following", "stop-and-go"][(mix % 4) as usize];
+        let law = laws[(mix / 4 % 4) as usize];
+        let file = corner.path().join("mix.toml");
+        std::fs::write(&file, builtin(scenario).to_toml() + &random_mix(mix)).expect("ours");
+        let file = file.to_str().expect("plain letters").to_owned();
+        let seed = mix.to_string();
+        same_in_both(&file, &["--duration", "8", "--controller", law, "--seed", &seed]);
+    }
+}
+
+#[test]
+fn a_sample_of_random_fault_mixes_does_the_same_in_one_process_and_in_a_group() {
+    random_mixes_do_the_same(0..8);
+}
+
+#[test]
+#[ignore = "an hour on a busy machine: run it with --ignored"]
+fn a_thousand_random_fault_mixes_do_the_same_in_one_process_and_in_a_group() {
+    random_mixes_do_the_same(0..1_000);
 }
 
 #[test]

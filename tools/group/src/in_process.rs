@@ -151,7 +151,7 @@ fn refuse_faults_of_processes(scenario: &Scenario) -> Result<(), Error> {
     match faults.find(|(_, fault)| fault.effect.of_processes().is_some()) {
         Some((index, fault)) => Err(Error::Usage(format!(
             "faults.{index}: `{}` acts on a process, and here all services share one: leave out \
-             --in-process and run with --mode realtime",
+             --in-process and run with --mode realtime, or leave out the fault: --set faults=[]",
             fault.effect.kind()
         ))),
         None => Ok(()),

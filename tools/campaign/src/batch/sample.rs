@@ -7,6 +7,7 @@ use rand_core::Rng;
 use rand_pcg::Pcg32;
 use report::summary::Summary;
 use serde::Serialize;
+use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 
 /// One run in so many is repeated.
@@ -92,17 +93,38 @@ pub fn choose(seed: u64, runs: usize) -> BTreeSet<usize> {
     chosen
 }
 
-/// Where two runs of the same scenario differ: the first topic, or the outcome.
+/// Where two runs of the same scenario differ: the first topic, the outcome, or a figure of the drive.
 pub(super) fn difference(one: &Summary, other: &Summary) -> Option<String> {
     let topics: BTreeSet<&String> = one.messages.keys().chain(other.messages.keys()).collect();
     let digests = |summary: &Summary, topic: &String| {
         summary.messages.get(topic).map(|counts| counts.digests.clone()).unwrap_or_default()
     };
     let topic = topics.into_iter().find(|topic| digests(one, topic) != digests(other, topic));
-    topic.map(|topic| format!("other bytes on {topic}")).or_else(|| {
-        (one.outcome != other.outcome)
-            .then(|| format!("{:?} in one process, {:?} in a group", one.outcome, other.outcome))
-    })
+    topic
+        .map(|topic| format!("other bytes on {topic}"))
+        .or_else(|| {
+            (one.outcome != other.outcome).then(|| {
+                format!("{:?} in one process, {:?} in a group", one.outcome, other.outcome)
+            })
+        })
+        .or_else(|| figure_that_differs(&control(one), &control(other)))
+}
+
+fn control(summary: &Summary) -> Map<String, Value> {
+    match serde_json::to_value(&summary.control) {
+        Ok(Value::Object(figures)) => figures,
+        other => unreachable!("the figures are an object of plain data: {other:?}"),
+    }
+}
+
+/// The first figure of the drive that is not the same number, with both.
+fn figure_that_differs(one: &Map<String, Value>, other: &Map<String, Value>) -> Option<String> {
+    let names: BTreeSet<&String> = one.keys().chain(other.keys()).collect();
+    let name = names.into_iter().find(|name| one.get(*name) != other.get(*name))?;
+    let shown = |figures: &Map<String, Value>| {
+        figures.get(name).map_or_else(|| "missing".to_owned(), Value::to_string)
+    };
+    Some(format!("control.{name} is {} in one process, {} in a group", shown(one), shown(other)))
 }
 
 #[cfg(test)]
@@ -118,6 +140,17 @@ mod tests {
             assert_eq!(chosen, choose(1, runs));
         }
         assert_ne!(choose(1, 10_000), choose(2, 10_000));
+    }
+
+    #[test]
+    fn a_figure_that_differs_is_named_with_both_values() {
+        let figures = |gap: f64| match serde_json::json!({"min_gap_m": gap, "min_ttc_s": null}) {
+            Value::Object(figures) => figures,
+            other => panic!("{other}"),
+        };
+        assert_eq!(figure_that_differs(&figures(2.5), &figures(2.5)), None);
+        let said = figure_that_differs(&figures(2.5), &figures(2.75)).expect("another gap");
+        assert_eq!(said, "control.min_gap_m is 2.5 in one process, 2.75 in a group");
     }
 
     #[test]
