@@ -1,5 +1,6 @@
 //! The drive as the launcher hears it on the topics, sample by sample.
 
+use crate::cycles::CycleHistory;
 use messages::Service;
 use messages::{
     Brake, Command, Diagnostics, Header, Heartbeat, Odometry, Powertrain, RadarTracks,
@@ -91,8 +92,8 @@ pub struct DriveLog {
     /// Deadline of a control cycle, and commands that were published later than that, ns.
     deadline_ns: i64,
     late_commands: u64,
-    controller_stride: u64,
     cycles: Vec<Diagnostics>,
+    history: CycleHistory,
     /// In realtime the supervisor takes the signs of life.
     supervised: bool,
     /// Every so many steps are kept: in lockstep all.
@@ -162,8 +163,8 @@ impl DriveLog {
             requests: Vec::with_capacity(room(Service::Controller)),
             deadline_ns,
             late_commands: 0,
-            controller_stride: timetable.stride(Service::Controller),
             cycles: Vec::with_capacity(room(Service::Controller)),
+            history: CycleHistory::new(controller),
             supervised: mode == Mode::Realtime,
             keeps: 1,
             whole_stride: least_common_multiple(perception, controller),
@@ -174,6 +175,7 @@ impl DriveLog {
         if this.supervised {
             touch(&mut this.odometries);
             touch(&mut this.truths);
+            touch(&mut this.cycles);
         }
         Ok(this)
     }
@@ -189,6 +191,7 @@ impl DriveLog {
         self.truths.retain(|message| message.header.step.is_multiple_of(keeps));
         self.powertrains.retain(|(step, _)| step.is_multiple_of(keeps));
         self.requests.retain(|(step, _)| step.is_multiple_of(keeps));
+        self.cycles.retain(|message| message.header.step.is_multiple_of(keeps));
     }
 
     /// Takes what arrived.
@@ -237,7 +240,13 @@ impl DriveLog {
                 self.requests.push((m.header.step, m.plan_mps2[0]));
             }
         })?;
-        self.diagnostics.drain(|m| self.cycles.push(*m))?;
+        self.diagnostics.drain(|m| {
+            self.history.observe(m);
+            if self.cycles.last().is_some_and(|last| !is_kept(&last.header)) {
+                self.cycles.pop();
+            }
+            self.cycles.push(*m);
+        })?;
         self.brake.drain(|m| note(Service::Aebs, &m.header))?;
         if let Some((radar, spat)) = &mut self.sensors {
             radar.drain(|m| note(Service::PerceptionSim, &m.header))?;
@@ -278,7 +287,7 @@ impl DriveLog {
     }
 
     /// What was heard so far: motion of the ego, the other vehicles, control cycles. Of a long realtime
-    /// run the first two are thinned out, so that a place in them does not stay the same step's.
+    /// run they are thinned out, so that a place in them does not stay the same step's.
     pub fn heard(&self) -> (&[Odometry], &[VehicleTruth], &[Diagnostics]) {
         (&self.odometries, &self.truths, &self.cycles)
     }
@@ -309,9 +318,9 @@ impl DriveLog {
         self.late_commands
     }
 
-    /// Steps between two releases of the controller.
-    pub fn controller_stride(&self) -> u64 {
-        self.controller_stride
+    /// What the controller's cycles amount to.
+    pub fn history(&self) -> &CycleHistory {
+        &self.history
     }
 
     /// Newest step that the vehicle was heard of.

@@ -17,6 +17,7 @@
 
 mod attendant;
 pub mod control;
+mod cycles;
 mod disturbance;
 mod drive;
 mod error;

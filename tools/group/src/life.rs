@@ -4,10 +4,10 @@
 //! on the topics, where the launcher heard them. Percentiles cannot be added: they are those of the last
 //! process, and their count says of how many samples.
 
+use super::cycles::CycleHistory;
 use super::drive::DriveLog;
 use controller::laws;
-use messages::rung::{Rung, RungLog};
-use messages::{Diagnostics, Service};
+use messages::Service;
 use runtime::report::{
     ControllerReport, Details, ModeChange, ReceivedTopic, SentTopic, ServiceReport,
 };
@@ -85,47 +85,36 @@ pub fn of_controller(
     log: &DriveLog,
     last: Option<&ControllerReport>,
 ) -> ControllerReport {
-    let (_, _, cycles) = log.heard();
-    let count =
-        |quality: u32| cycles.iter().filter(|cycle| cycle.quality == quality).count() as u64;
+    let history = log.history();
     let deadline_us = f64::from(scenario.controller.deadline().value()) * 1e3;
     ControllerReport {
         deadline_us,
-        deadline_misses: log.late_commands() + left_out(cycles, log.controller_stride()),
+        deadline_misses: log.late_commands() + history.left_out,
         solve_us: last.and_then(|last| last.solve_us),
-        relaxed: count(1),
-        backup: count(2),
+        relaxed: history.of_quality(1),
+        backup: history.of_quality(2),
         planning: last.and_then(|last| last.planning),
-        mode_changes: mode_changes(scenario, cycles),
-        rungs: rungs(cycles).report(),
+        mode_changes: mode_changes(scenario, history),
+        rungs: history.rungs.report(),
     }
 }
 
-/// Releases between two cycles of one process that were left out.
-fn left_out(cycles: &[Diagnostics], stride: u64) -> u64 {
-    let pairs =
-        cycles.windows(2).filter(|pair| pair[0].header.incarnation == pair[1].header.incarnation);
-    pairs
-        .map(|pair| (pair[1].header.step / stride).saturating_sub(pair[0].header.step / stride + 1))
-        .sum()
-}
-
-fn mode_changes(scenario: &Scenario, cycles: &[Diagnostics]) -> Vec<ModeChange> {
+fn mode_changes(scenario: &Scenario, history: &CycleHistory) -> Vec<ModeChange> {
     let (modes, figures) = (laws::mode_names(scenario), laws::figure_names(scenario));
     let reasons = laws::formulation(scenario).map_or(&[][..], |law| law.reasons);
     let name = |names: &[&str], index: u32| {
         names.get(index as usize).map_or_else(|| index.to_string(), ToString::to_string)
     };
-    let changes = cycles.windows(2).filter(|pair| pair[0].mode != pair[1].mode);
+    let changes = history.changes.iter();
     changes
-        .map(|pair| ModeChange {
-            t_s: pair[1].header.acquisition_ns as f64 / 1e9,
-            from: name(modes, pair[0].mode),
-            to: name(modes, pair[1].mode),
-            reason: name(reasons, pair[1].mode_reason),
+        .map(|(before, cycle)| ModeChange {
+            t_s: cycle.header.acquisition_ns as f64 / 1e9,
+            from: name(modes, *before),
+            to: name(modes, cycle.mode),
+            reason: name(reasons, cycle.mode_reason),
             figures: figures
                 .iter()
-                .zip(pair[1].figures)
+                .zip(cycle.figures)
                 .filter(|(_, value)| value.is_finite())
                 .map(|(name, value)| ((*name).to_owned(), value))
                 .collect::<BTreeMap<_, _>>(),
@@ -133,20 +122,9 @@ fn mode_changes(scenario: &Scenario, cycles: &[Diagnostics]) -> Vec<ModeChange> 
         .collect()
 }
 
-fn rungs(cycles: &[Diagnostics]) -> RungLog {
-    let mut log = RungLog::default();
-    for cycle in cycles {
-        if let Some(rung) = Rung::from_wire(cycle.rung) {
-            log.observe(cycle.header.acquisition_ns as f64 / 1e9, rung);
-        }
-    }
-    log
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bytemuck::Zeroable;
 
     fn report(cycles: u64, odometry: u64) -> ServiceReport {
         let topic = || "vehicle/odometry".to_owned();
@@ -185,18 +163,5 @@ mod tests {
         assert_eq!((whole.received[0].received, whole.received[0].lost), (130, 6));
         assert_eq!(whole.received[0].e2e.ok, 130);
         assert!(super::whole(Vec::new()).is_none());
-    }
-
-    #[test]
-    fn releases_left_out_are_counted_within_a_process() {
-        let cycles: Vec<_> = [(0, 0), (10, 0), (40, 0), (95, 1), (100, 1)]
-            .map(|(step, incarnation)| {
-                let mut cycle = Diagnostics::zeroed();
-                cycle.header.step = step;
-                cycle.header.incarnation = incarnation;
-                cycle
-            })
-            .into();
-        assert_eq!(left_out(&cycles, 10), 2, "20 and 30; what lay between two processes is none's");
     }
 }

@@ -226,7 +226,7 @@ fn complete(whole: &mut ServiceReport, group: &Group, scenario: &Scenario, log: 
             };
             let report = life::of_controller(scenario, log, last);
             // A program of the user's keeps no account; its cycles were heard.
-            whole.cycles = whole.cycles.max(log.heard().2.len() as u64);
+            whole.cycles = whole.cycles.max(log.history().count);
             whole.details = Details::Controller(Box::new(report));
         }
         (Service::Plant, Details::None) => {

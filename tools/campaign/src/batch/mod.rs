@@ -224,6 +224,20 @@ pub fn lockstep(
     drive_and_repeat(&job, group, repeat, going_on)
 }
 
+/// Repeats a lockstep run that was done in one process in a process group: the same bytes and figures,
+/// or what is different.
+///
+/// # Errors
+/// As [`run`].
+pub fn repeat(
+    scenario: &Scenario,
+    summary: &Summary,
+    group: &GroupOptions,
+    going_on: &dyn Fn() -> bool,
+) -> Result<Result<(), String>, Error> {
+    repetition(&Job::lockstep(scenario.clone()), summary, group, going_on)
+}
+
 /// What the workers do.
 struct Plan<'a> {
     source: &'a Source<'a>,

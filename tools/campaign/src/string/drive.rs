@@ -7,8 +7,9 @@ use std::sync::mpsc::{SyncSender, sync_channel};
 
 use group::{Error, GroupOptions};
 use indicatif::ProgressBar;
-use runtime::Mode;
 use runtime::report::{ControlFigures, Outcome};
+use runtime::{Carrier, Mode};
+use scenario::Scenario;
 
 use super::measure::{Measured, measure};
 use super::motion::Motion;
@@ -39,7 +40,7 @@ pub struct Driven {
 }
 
 impl Driven {
-    fn of(plan: &Plan, place: Place, scenario: &scenario::Scenario, done: &Done) -> Self {
+    fn of(plan: &Plan, place: Place, scenario: &Scenario, done: &Done) -> Self {
         let steps = &done.drive.steps;
         let trace = match plan.wave {
             Some(_) => Vec::new(),
@@ -77,8 +78,13 @@ pub struct Drives<'a> {
     begun: usize,
 }
 
-/// A car's result: string, car, what it did and what its repetition gave.
-type Result1 = Result<(usize, Driven, Option<Result<(), String>>), Error>;
+/// What the workers tell.
+enum Told {
+    /// The next car of the string of this index.
+    Car(usize, Box<Driven>),
+    /// What the repetition of the run of this number gave.
+    Repetition(usize, Result<(), String>),
+}
 
 impl<'a> Drives<'a> {
     /// Of `runs` runs in all, `jobs` strings at a time.
@@ -124,18 +130,32 @@ impl<'a> Drives<'a> {
         let mut end = Ok(());
         let (group, repeated) = (self.group, &self.repeated);
         let (sample, bar) = (&mut self.sample, self.bar);
+        let going_on = &|| !stop.load(Ordering::Relaxed) && !interrupt.came();
         std::thread::scope(|scope| {
-            let (sender, results) = sync_channel::<Result1>(self.at_once);
+            let (sender, results) = sync_channel::<Result<Told, Error>>(self.at_once);
             for _ in 0..self.at_once.min(plans.len()) {
                 let (sender, firsts, next) = (sender.clone(), &firsts, &next);
-                let going_on = || !stop.load(Ordering::Relaxed) && !interrupt.came();
                 scope.spawn(move || {
                     while going_on() {
                         let index = next.fetch_add(1, Ordering::Relaxed);
                         let Some(plan) = plans.get(index) else { return };
-                        let repeat = |car: usize| repeated.contains(&(firsts[index] + car));
+                        // Beside the string: the next car does not wait for it.
+                        let repeat = |car: usize, scenario: &Scenario, done: &Done| {
+                            let number = firsts[index] + car;
+                            if !repeated.contains(&number)
+                                || done.summary.carrier != Carrier::Memory
+                            {
+                                return;
+                            }
+                            let (scenario, summary) = (scenario.clone(), done.summary.clone());
+                            let sender = sender.clone();
+                            scope.spawn(move || {
+                                let found = batch::repeat(&scenario, &summary, group, going_on);
+                                let _ = sender.send(found.map(|r| Told::Repetition(number, r)));
+                            });
+                        };
                         let string = One { index, plan, group, repeat: &repeat };
-                        if let Err(error) = string.drive(&going_on, &sender) {
+                        if let Err(error) = string.drive(going_on, &sender) {
                             // The receiver is there until all senders are gone.
                             let _ = sender.send(Err(error));
                         }
@@ -145,11 +165,11 @@ impl<'a> Drives<'a> {
             drop(sender);
             for result in results {
                 match result {
-                    Ok((string, car, repetition)) => {
-                        sample.count(firsts[string] + car.place.index, repetition.as_ref());
-                        driven[string].push(car);
+                    Ok(Told::Car(string, car)) => {
+                        driven[string].push(*car);
                         bar.inc(1);
                     }
+                    Ok(Told::Repetition(number, found)) => sample.count(number, Some(&found)),
                     Err(error) => {
                         stop.store(true, Ordering::Relaxed);
                         end = std::mem::replace(&mut end, Ok(())).and(Err(error));
@@ -175,25 +195,25 @@ struct One<'a> {
     index: usize,
     plan: &'a Plan,
     group: &'a GroupOptions,
-    /// Whether a car's run is repeated in a process group.
-    repeat: &'a dyn Fn(usize) -> bool,
+    /// Repeats a car's run in a process group, if it is chosen for that.
+    repeat: &'a dyn Fn(usize, &Scenario, &Done),
 }
 
 impl One<'_> {
     fn drive(
         &self,
         going_on: &dyn Fn() -> bool,
-        results: &SyncSender<Result1>,
+        results: &SyncSender<Result<Told, Error>>,
     ) -> Result<(), Error> {
         let mut place = Place::default();
         let mut scenario = self.plan.first();
         loop {
-            let repeat = (self.repeat)(place.index);
-            let done = batch::lockstep(&scenario, self.group, repeat, going_on)?;
+            let done = batch::lockstep(&scenario, self.group, false, going_on)?;
             batch::whole(&done.summary)?;
+            (self.repeat)(place.index, &scenario, &done);
             let motion = Motion::of(&scenario, &done.drive, done.summary.outcome);
             let car = Driven::of(self.plan, place, &scenario, &done);
-            if results.send(Ok((self.index, car, done.repetition))).is_err()
+            if results.send(Ok(Told::Car(self.index, Box::new(car)))).is_err()
                 || place.index + 1 == self.plan.vehicles
             {
                 return Ok(());

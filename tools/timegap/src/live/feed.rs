@@ -80,7 +80,7 @@ pub struct LiveFeed {
     due: Instant,
     step: Option<u64>,
     truth_step: Option<u64>,
-    cycles: usize,
+    cycle_step: Option<u64>,
     faults: usize,
     answers: Latencies,
     last: Point,
@@ -98,7 +98,7 @@ impl LiveFeed {
             due: Instant::now(),
             step: None,
             truth_step: None,
-            cycles: 0,
+            cycle_step: None,
             faults: 0,
             answers: Latencies::default(),
             last: Point::default(),
@@ -140,7 +140,10 @@ impl LiveFeed {
 
     fn frame(&mut self, moment: &Moment<'_>) -> Frame {
         let (odometries, truths, cycles) = moment.drive.heard();
-        for cycle in &cycles[self.cycles..] {
+        let first_cycle = cycles.partition_point(|message| {
+            self.cycle_step.is_some_and(|last| message.header.step <= last)
+        });
+        for cycle in &cycles[first_cycle..] {
             self.answers_of(cycle);
             (self.mode, self.quality) = (Some(cycle.mode), cycle.quality);
             self.rung = Rung::from_wire(cycle.rung).unwrap_or(self.rung);
@@ -151,7 +154,7 @@ impl LiveFeed {
             self.truth_step.is_some_and(|last| message.header.step <= last)
         });
         let mut truths = truths[first_truth..].iter().peekable();
-        let mut requests = cycles[self.cycles..].iter().peekable();
+        let mut requests = cycles[first_cycle..].iter().peekable();
         let mut points = Vec::new();
         for odometry in &odometries[first..] {
             let step = odometry.header.step;
@@ -177,7 +180,7 @@ impl LiveFeed {
         let stride = points.len().div_ceil(MAX_POINTS).max(1);
         let points = points.into_iter().step_by(stride).collect();
         self.step = odometries.last().map(|message| message.header.step).or(self.step);
-        self.cycles = cycles.len();
+        self.cycle_step = cycles.last().map(|message| message.header.step).or(self.cycle_step);
         let events = moment.faults[self.faults..].iter().map(event).collect();
         self.faults = moment.faults.len();
         Frame {
