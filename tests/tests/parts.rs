@@ -13,7 +13,7 @@ name = "small"
 scenarios = ["cacc-a", "cut-in"]
 controllers = ["acc-mpc"]
 seeds = 40
-set = ["duration_s=8"]
+set = ["duration_s=20"]
 
 [[faults]]
 kind = "drop"

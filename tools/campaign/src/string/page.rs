@@ -22,7 +22,9 @@ pub fn page(results: &Results, cars: &[Driven]) -> String {
     let until_s = cars.iter().flat_map(|car| &car.trace).map(|point| point[0]).fold(1.0, f64::max);
     let motion = figure(&time_space(cars, until_s)) + &figure(&ribbons(cars, until_s));
     body += &section("Motion", &grid(&motion));
-    body += &section("Amplification along the string", &grid(&figure(&along(results))));
+    if cars.len() > 1 {
+        body += &section("Amplification along the string", &grid(&figure(&along(results))));
+    }
     if !results.frequencies.is_empty() {
         body += &section("Behind a sine", &grid(&figure(&gain_curve(results))));
     }
@@ -31,7 +33,7 @@ pub fn page(results: &Results, cars: &[Driven]) -> String {
     }
     body += &section("Cars", &vehicles(results));
     document(
-        &format!("String of {} cars: {}", results.vehicles.len(), results.scenario),
+        &format!("String of {}: {}", print::cars(results.vehicles.len()), results.scenario),
         &results.controllers.join(", "),
         results.string_stable && results.all_completed(),
         &verdict(results),

@@ -19,9 +19,9 @@ pub fn text(results: &Results) -> String {
         writeln!(text, "{words}").expect("a string takes all");
     };
     let laws = results.controllers.join(", ");
-    let count = results.vehicles.len();
+    let count = cars(results.vehicles.len());
     let (scenario, duration_s) = (&results.scenario, results.duration_s);
-    line(&mut text, format_args!("{scenario} ({laws}): {count} cars, {duration_s} s"));
+    line(&mut text, format_args!("{scenario} ({laws}): {count}, {duration_s} s"));
     text += &vehicles(&results.vehicles);
     if !results.frequencies.is_empty() {
         let head = ["frequency, Hz", "gain", "head to tail"];
@@ -57,11 +57,17 @@ pub fn verdict(results: &Results) -> String {
     let collisions = results.vehicles.iter().filter(|vehicle| is_collision(vehicle)).count();
     let collisions = match collisions {
         0 => String::new(),
-        1 => ", 1 car collided".to_owned(),
-        count => format!(", {count} cars collided"),
+        count => format!(", {} collided", cars(count)),
     };
-    let head_to_tail = gain(results.head_to_tail_gain);
-    format!("{stable}{peak}; head-to-tail gain {head_to_tail}{collisions}")
+    let head_to_tail = results
+        .head_to_tail_gain
+        .map_or_else(String::new, |gain| format!(", head-to-tail gain {gain:.3}"));
+    format!("{stable}{peak}{head_to_tail}{collisions}")
+}
+
+/// So many cars.
+pub fn cars(count: usize) -> String {
+    if count == 1 { "1 car".to_owned() } else { format!("{count} cars") }
 }
 
 fn is_collision(vehicle: &Vehicle) -> bool {
