@@ -113,14 +113,7 @@ fn faults_of_messages_do_the_same_in_one_process_and_in_a_group() {
 fn random_mix(number: u64) -> String {
     let mut random = Pcg64::new(number.into(), 0x313);
     let mut draw = |below: u64| (random.next_u64() >> 11) % below;
-    let topics = [
-        "vehicle/odometry",
-        "radar/tracks",
-        "v2x/spat",
-        "v2x/map",
-        "control/command",
-        "truth/vehicles",
-    ];
+    let topics = ["vehicle/odometry", "radar/tracks", "v2x/spat", "v2x/map", "control/command"];
     let mut toml = String::new();
     for _ in 0..1 + draw(4) {
         let topic = topics[draw(topics.len() as u64) as usize];
