@@ -2,7 +2,7 @@
 //! floor under the same conditions.
 
 use super::goals::{Goal, Verdict};
-use super::results::{ChainRow, DeadlineRow, PairedRow, Report};
+use super::results::{ChainRow, DeadlineRow, PairedRow, Passing, Report, TransportRow};
 use super::table::{interval, ratio};
 use crate::in_words;
 use report::chart::{Axis, Bands, Mark, Plot, Row, Span, Stroke, Tone, number};
@@ -54,6 +54,7 @@ pub fn page(report: &Report, histograms: &[(String, Latencies)]) -> String {
         section("Goals", &(goals(report) + &gap() + &intervals(report))),
         section("Comparisons in alternating blocks", &comparisons(report, histograms)),
         section("Waking", &pictures(histograms, "Waking", &WAYS)),
+        section("Publish, wake, read", &hand_overs(&report.transport_us)),
         section(
             "The chain",
             &(chains(&report.chain) + &gap() + &pictures(histograms, "Chain", &CHAIN)),
@@ -204,6 +205,41 @@ fn picture(
         .collect();
     let conditions = conditions.replace(':', ", ").replace('_', " ").replace("us", " µs");
     distributions(&format!("{title}: {conditions}"), &drawn)
+}
+
+/// Bytes copied and time for each size.
+fn hand_overs(rows: &[TransportRow]) -> String {
+    let us = |p: Option<Percentiles>, of: fn(&Percentiles) -> f64| {
+        p.map_or_else(|| "–".to_owned(), |p| duration(of(&p)))
+    };
+    let cells: Vec<_> = (rows.iter())
+        .map(|row| {
+            let what = match row.passing {
+                Passing::Message => "message of the services",
+                Passing::Bare => "bytes that neither end touches",
+                Passing::Protected => "written, protected and checked in place",
+            };
+            vec![
+                in_words(&row.conditions).replace('_', " "),
+                what.to_owned(),
+                row.bytes.to_string(),
+                row.copied_bytes.map_or_else(|| "–".into(), |bytes| number(bytes, 0)),
+                us(row.us, |p| p.p50),
+                us(row.us, |p| p.p99),
+                row.us.map_or_else(|| "–".into(), |p| p.count.to_string()),
+            ]
+        })
+        .collect();
+    let head = [
+        ("conditions", Column::MoreText),
+        ("what", Column::Text),
+        ("bytes", Column::Number),
+        ("copied", Column::Number),
+        ("p50", Column::Number),
+        ("p99", Column::MoreNumber),
+        ("samples", Column::MoreNumber),
+    ];
+    table(&head, &cells)
 }
 
 fn chains(rows: &[ChainRow]) -> String {

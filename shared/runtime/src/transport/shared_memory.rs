@@ -193,7 +193,7 @@ impl SharedMemory {
             .max_publishers(1)
             .max_subscribers(1)
             // A sink that lags by more than this has lost the wake-ups anyway.
-            .subscriber_max_buffer_size(2)
+            .subscriber_max_buffer_size(4)
             .subscriber_max_borrowed_samples(1)
             .history_size(0)
             .open_or_create()
