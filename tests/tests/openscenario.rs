@@ -56,6 +56,44 @@ fn a_cut_in_happens_at_its_gap_and_ends_the_run() {
     assert!(corner.roots().is_empty());
 }
 
+/// The same in TOML: an actor beside the ego cuts in when the ego has come to 30 m.
+#[test]
+fn an_actor_of_a_toml_scenario_cuts_in_at_30_m() {
+    const SCENE: &str = r#"
+schema_version = 1
+name = "cut-in-at-30"
+duration_s = 20
+set_speed_mps = 25
+[plant]
+initial_speed_mps = 25
+[[actors]]
+name = "car"
+gap_m = 80
+initial_speed_mps = 20
+lateral_offset_m = -3.5
+[[actors.events]]
+name = "cut-in"
+when = { gap_below_m = 30 }
+lateral = { to_m = 0, duration_s = 1, shape = "linear" }
+[[actors.events]]
+when = { completed = "cut-in" }
+delay_s = 3
+speed = { to_mps = 15, rate_mps2 = 2 }
+"#;
+    let corner = Corner::new(PROGRAM);
+    std::fs::write(corner.path().join("mine.toml"), SCENE).expect("our own directory");
+    let summary = lockstep(&corner, "mine.toml", &["--out", "a"]);
+    assert_eq!(summary["outcome"], "completed", "{summary}");
+    let table = std::fs::read_to_string(corner.path().join("a/trajectory.csv")).expect("written");
+    let rows = system_tests::csv(&table, &["time_s", "gap_m", "lead_speed_mps"]);
+    let first = rows.iter().find(|row| !row[1].is_nan()).expect("it is in the lane at last");
+    // Half of the second of the cut-in has gone, at a closing speed of 5 m/s.
+    assert!((24.0..30.0).contains(&first[1]), "in the lane at {} m, {} s", first[1], first[0]);
+    assert!((9.5..12.0).contains(&first[0]), "80 - 5 t = 30 at 10 s: {}", first[0]);
+    let last = rows.last().expect("rows");
+    assert!((last[2] - 15.0).abs() < 0.1, "the second event: {} m/s", last[2]);
+}
+
 #[test]
 fn parameters_change_what_happens() {
     let corner = corner();

@@ -38,7 +38,9 @@ use super::Scenario;
 use super::actor::{Actor, Profile};
 use super::name::Name;
 use super::problem::Problem;
-use super::quantity::{AccelerationMagnitude, Distance, Duration, Lateral, Speed, Time};
+use super::quantity::{
+    AccelerationMagnitude, Distance, Duration, Lateral, Speed, SpeedDifference, Time,
+};
 
 /// Most events of an actor.
 const MAX_EVENTS: usize = 100;
@@ -80,8 +82,16 @@ pub enum When {
     GapAboveM(Distance),
     /// The time headway of the one behind is shorter, s.
     HeadwayBelowS(Time),
+    /// The time headway of the one behind is longer, s.
+    HeadwayAboveS(Time),
     /// The time to collision is shorter, s.
     TtcBelowS(Time),
+    /// The time to collision is longer, or they do not come closer, s.
+    TtcAboveS(Time),
+    /// The actor's speed minus the other's is lower, m/s.
+    RelativeSpeedBelowMps(SpeedDifference),
+    /// The actor's speed minus the other's is higher, m/s.
+    RelativeSpeedAboveMps(SpeedDifference),
     /// The actor's own speed is lower, m/s.
     SpeedBelowMps(Speed),
     /// The actor's own speed is higher, m/s.
@@ -90,6 +100,10 @@ pub enum When {
     EgoSpeedBelowMps(Speed),
     /// The ego's speed is higher, m/s.
     EgoSpeedAboveMps(Speed),
+    /// The actor has gone so far since the start, m.
+    TraveledM(Distance),
+    /// The actor has stood for so long, s.
+    StandsForS(Time),
     /// An event of this actor with this name has ended.
     Completed(Name),
 }
@@ -254,6 +268,24 @@ fn condition(scenario: &Scenario, own: usize, event: &ActorEvent) -> Condition {
             let (to, value) = (measured(own), time.value());
             of(vec![other], EntityTest::TimeToCollision { to, rule: Rule::LessThan, value })
         }
+        When::HeadwayAboveS(time) => {
+            let (to, value) = (measured(own), time.value());
+            of(vec![other], EntityTest::Headway { to, rule: Rule::GreaterThan, value })
+        }
+        When::TtcAboveS(time) => {
+            let (to, value) = (measured(own), time.value());
+            of(vec![other], EntityTest::TimeToCollision { to, rule: Rule::GreaterThan, value })
+        }
+        When::RelativeSpeedBelowMps(speed) => {
+            let (entity, rule, value) = (other, Rule::LessThan, speed.value());
+            of(vec![own], EntityTest::RelativeSpeed { entity, rule, value })
+        }
+        When::RelativeSpeedAboveMps(speed) => {
+            let (entity, rule, value) = (other, Rule::GreaterThan, speed.value());
+            of(vec![own], EntityTest::RelativeSpeed { entity, rule, value })
+        }
+        When::TraveledM(distance) => of(vec![own], EntityTest::TraveledDistance(distance.value())),
+        When::StandsForS(time) => of(vec![own], EntityTest::StandStill(time.value())),
         When::SpeedBelowMps(speed) => {
             of(vec![own], EntityTest::Speed { rule: Rule::LessThan, value: speed.value() })
         }
@@ -331,7 +363,14 @@ fn one(actors: &[Actor], i: usize, k: usize, event: &ActorEvent) -> Result<(), P
     if let Some(other) = &event.to {
         let measures = matches!(
             event.when,
-            When::GapBelowM(_) | When::GapAboveM(_) | When::HeadwayBelowS(_) | When::TtcBelowS(_)
+            When::GapBelowM(_)
+                | When::GapAboveM(_)
+                | When::HeadwayBelowS(_)
+                | When::HeadwayAboveS(_)
+                | When::TtcBelowS(_)
+                | When::TtcAboveS(_)
+                | When::RelativeSpeedBelowMps(_)
+                | When::RelativeSpeedAboveMps(_)
         );
         if !measures {
             let message = "this trigger measures nothing to another actor";
@@ -401,6 +440,33 @@ lateral = { to_m = 3.5, duration_s = 3, shape = \"cubic\" }
         let again = Scenario::parse("again.toml", &scenario.to_toml()).expect("it was written");
         assert_eq!(again, scenario);
         assert_eq!(read("initial_speed_mps = 20\n").expect("it is right").script(), None);
+    }
+
+    #[test]
+    fn every_trigger_is_read_and_makes_a_script() {
+        for when in [
+            "time_s = 1",
+            "gap_below_m = 30",
+            "gap_above_m = 30",
+            "headway_below_s = 1",
+            "headway_above_s = 3",
+            "ttc_below_s = 2",
+            "ttc_above_s = 9",
+            "relative_speed_below_mps = -3.5",
+            "relative_speed_above_mps = 3.5",
+            "speed_below_mps = 3",
+            "speed_above_mps = 30",
+            "ego_speed_below_mps = 3",
+            "ego_speed_above_mps = 30",
+            "traveled_m = 200",
+            "stands_for_s = 2",
+        ] {
+            let scenario = read(&EVENTS.replacen("gap_below_m = 30", when, 1)).expect(when);
+            let script = scenario.script().expect("there are events");
+            assert!(openscenario::World::new(script).is_ok(), "{when}");
+        }
+        let shown = read(&EVENTS.replacen("gap_below_m = 30", "relative_speed_below_mps = nan", 1));
+        assert!(shown.expect_err("no number").contains("x.toml:9:"));
     }
 
     #[test]

@@ -61,6 +61,8 @@ quantity! {
     AccelerationMagnitude, 0.01, 30.0, "an acceleration from 0.01 to 30 m/s², without a sign";
     /// A rate of change of acceleration, m/s³, not zero.
     JerkMagnitude, 0.1, 1000.0, "a rate from 0.1 to 1000 m/s³, without a sign";
+    /// A difference of two speeds, m/s.
+    SpeedDifference, -200.0, 200.0, "a difference of speeds from -200 to 200 m/s";
     /// A distance along the road, m.
     Distance, 0.0, 1e6, "a distance from 0 to 1e6 m";
     /// A length of something that exists, m.
