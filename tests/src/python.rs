@@ -14,19 +14,31 @@ const PACKAGES: [&str; 6] = [
     "rosbags==0.11.9",
 ];
 
+/// Packages that run a notebook.
+const NOTEBOOK_PACKAGES: [&str; 2] = ["ipykernel==6.29.5", "nbclient==0.10.2"];
+
+/// The interpreter of a virtual environment below `directory` that runs notebooks, made at the first call.
+///
+/// # Errors
+/// The reason where there is no Python, no pip or no network.
+pub fn notebook_interpreter(directory: &Path) -> Result<PathBuf, String> {
+    static FOUND: OnceLock<Result<PathBuf, String>> = OnceLock::new();
+    FOUND.get_or_init(|| prepare(&directory.join("notebook-venv"), &NOTEBOOK_PACKAGES)).clone()
+}
+
 /// The interpreter of a virtual environment below `directory`, made at the first call.
 ///
 /// # Errors
 /// The reason where there is no Python, no pip or no network.
 pub fn interpreter(directory: &Path) -> Result<PathBuf, String> {
     static FOUND: OnceLock<Result<PathBuf, String>> = OnceLock::new();
-    FOUND.get_or_init(|| prepare(&directory.join("interop-venv"))).clone()
+    FOUND.get_or_init(|| prepare(&directory.join("interop-venv"), &PACKAGES)).clone()
 }
 
-fn prepare(venv: &Path) -> Result<PathBuf, String> {
+fn prepare(venv: &Path, packages: &[&str]) -> Result<PathBuf, String> {
     let python = venv.join("bin/python");
     let marker = venv.join("installed");
-    let wanted = PACKAGES.join("\n");
+    let wanted = packages.join("\n");
     if std::fs::read_to_string(&marker).is_ok_and(|installed| installed == wanted) {
         return Ok(python);
     }
@@ -41,7 +53,7 @@ fn prepare(venv: &Path) -> Result<PathBuf, String> {
     };
     run(Command::new("python3").args(["-m", "venv"]).arg(venv), "python3 -m venv")?;
     let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
-    run(Command::new(&python).args(pip).args(PACKAGES), "pip install")?;
+    run(Command::new(&python).args(pip).args(packages), "pip install")?;
     std::fs::write(&marker, wanted).map_err(|e| e.to_string())?;
     Ok(python)
 }

@@ -15,9 +15,11 @@ use messages::{
 use runtime::report::{ControllerReport, Details, ModeChange};
 use runtime::statistics::Latencies;
 use runtime::{
-    Cycle, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber, Usage, monotonic_ns,
+    Cycle, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber, Usage,
+    monotonic_ns,
 };
 use scenario::{Scenario, controller};
+use std::time::Duration;
 
 /// Mode changes that are kept. Further changes are dropped.
 const MAX_MODE_CHANGES: usize = 4096;
@@ -45,6 +47,11 @@ pub fn run_law(mut runtime: Runtime, law: &'static Descriptor) -> Result<(), Run
     let scenario = runtime.scenario();
     let mut controller = Loop::open(&mut runtime, &scenario, law)?;
     runtime.begin(&scenario)?;
+    if runtime.clock().mode() == Mode::Realtime
+        && let Some(hosted) = controller.law.hosted()
+    {
+        hosted.begin_realtime(&scenario);
+    }
     runtime.run_cycles(|runtime| controller.cycle(runtime))?;
     let report = controller.report(runtime.skipped());
     runtime.finish(Details::Controller(Box::new(report)))
@@ -80,6 +87,7 @@ struct TruckTopics {
 
 struct Loop {
     law: Box<dyn Law>,
+    descriptor: &'static Descriptor,
     formulation: &'static Formulation,
     planning: Option<PlanningThread>,
     setting: Setting,
@@ -119,12 +127,16 @@ impl Loop {
         let period_ns = i64::from(scenario.controller.period_ms.value()) * 1_000_000;
         let release = scenario.controller.release;
         let mut output = Output::default();
-        // Brings its code and data into memory before the loop; then forgets it.
-        law.step(&Input { period_s: 0.1, ..Input::default() }, &mut output);
+        match law.hosted() {
+            Some(hosted) => hosted.start().map_err(|e| RuntimeError::Program(e.to_string()))?,
+            // Brings its code and data into memory before the loop; then forgets it.
+            None => law.step(&Input { period_s: 0.1, ..Input::default() }, &mut output),
+        }
         law.reset();
         let planning = PlanningThread::start(runtime, law.as_mut(), period_ns)?;
         Ok(Self {
             law,
+            descriptor,
             formulation: (descriptor.formulation)(&scenario.controller),
             planning,
             setting: Setting::of(scenario, descriptor.target == TargetSource::Measured),
@@ -213,7 +225,7 @@ impl Loop {
                     planning.before_step(self.law.as_mut(), &release);
                 }
                 let begun = monotonic_ns();
-                self.law.step(&input, &mut self.output);
+                self.step(runtime, &release, &input)?;
                 self.solve.record_ns(monotonic_ns() - begun);
             }
             Admission::Brake => self.ladder.brake(self.setting.period_s, &mut self.output),
@@ -247,6 +259,29 @@ impl Loop {
         let state = if rung == Rung::Full { ServiceState::Running } else { ServiceState::Degraded };
         runtime.end_cycle(state)?;
         Ok(Cycle::Next)
+    }
+
+    /// Asks the law.
+    fn step(
+        &mut self,
+        runtime: &Runtime,
+        release: &Release,
+        input: &Input,
+    ) -> Result<(), RuntimeError> {
+        let Some(hosted) = self.law.hosted() else {
+            self.law.step(input, &mut self.output);
+            return Ok(());
+        };
+        let left = match runtime.clock().mode() {
+            Mode::Lockstep => None,
+            Mode::Realtime => {
+                let left_ns = release.scheduled_ns + self.deadline_ns - runtime.clock().now_ns();
+                Some(Duration::from_nanos(left_ns.max(0).unsigned_abs()))
+            }
+        };
+        hosted
+            .step_within(left, input, &mut self.output)
+            .map_err(|error| RuntimeError::Program(error.to_string()))
     }
 
     fn ages(&self, time_s: f64) -> Ages {
@@ -342,7 +377,7 @@ impl Loop {
         self.mode = Some(mode);
     }
 
-    fn report(&self, skipped: u64) -> ControllerReport {
+    fn report(&mut self, skipped: u64) -> ControllerReport {
         let name = |names: &[&str], index: u32| {
             names.get(index as usize).map_or_else(|| index.to_string(), ToString::to_string)
         };
@@ -366,6 +401,8 @@ impl Loop {
             relaxed: self.relaxed,
             backup: self.backup,
             planning: self.planning.as_ref().map(PlanningThread::report),
+            law: self.descriptor.name.to_owned(),
+            program: self.law.hosted().map(|hosted| hosted.report()),
             mode_changes: self.mode_changes.iter().map(change).collect(),
             rungs: self.rungs.report(),
         }

@@ -2,6 +2,7 @@
 //! streams, as with every process of the group.
 
 use crate::Tally;
+use runtime::Program;
 use runtime::scheduling::Granted;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -28,6 +29,9 @@ pub struct Start {
     pub start_ns: i64,
     /// What the kernel granted to each service, by its name.
     pub scheduling: BTreeMap<String, Granted>,
+    /// The programs of the user's that take part, by the service that they are or compute for.
+    #[serde(default)]
+    pub programs: BTreeMap<String, Program>,
 }
 
 /// What the recorder says to the launcher.

@@ -1,7 +1,7 @@
 //! What a recording says of its run beside the messages.
 
 use messages::LAYOUT_VERSION;
-use runtime::{Mode, scheduling::Granted};
+use runtime::{Mode, Program, scheduling::Granted};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -34,6 +34,8 @@ pub struct Metadata {
     pub host: Host,
     /// What the kernel granted to each service, by its name.
     pub scheduling: BTreeMap<String, Granted>,
+    /// The programs of the user's that took part, by the service that they were or computed for.
+    pub programs: BTreeMap<String, Program>,
 }
 
 /// The machine that a run was recorded on.
@@ -80,7 +82,14 @@ impl Metadata {
             started_unix_ns,
             host: Host::this(),
             scheduling,
+            programs: BTreeMap::new(),
         }
+    }
+
+    /// The same with the programs of the user's that take part.
+    #[must_use]
+    pub fn with_programs(self, programs: BTreeMap<String, Program>) -> Self {
+        Self { programs, ..self }
     }
 
     /// As a record of the file.
@@ -104,6 +113,10 @@ impl Metadata {
             let json = serde_json::to_string(granted).expect("plain data");
             map.insert(format!("{SCHEDULING}{service}"), json);
         }
+        for (service, program) in &self.programs {
+            let json = serde_json::to_string(program).expect("plain data");
+            map.insert(format!("{PROGRAM}{service}"), json);
+        }
         mcap::records::Metadata { name: RUN.into(), metadata: map }
     }
 
@@ -113,6 +126,10 @@ impl Metadata {
         let text = |key: &str| map.get(key).cloned();
         let scheduling = map.iter().filter_map(|(key, value)| {
             let service = key.strip_prefix(SCHEDULING)?;
+            Some((service.to_owned(), serde_json::from_str(value).ok()?))
+        });
+        let programs = map.iter().filter_map(|(key, value)| {
+            let service = key.strip_prefix(PROGRAM)?;
             Some((service.to_owned(), serde_json::from_str(value).ok()?))
         });
         (record.name == RUN).then_some(())?;
@@ -133,11 +150,13 @@ impl Metadata {
                 cpus: text("cpus")?.parse().ok()?,
             },
             scheduling: scheduling.collect(),
+            programs: programs.collect(),
         })
     }
 }
 
 const SCHEDULING: &str = "scheduling.";
+const PROGRAM: &str = "program.";
 
 /// What the recorder counted, known when a recording ends.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -133,6 +133,7 @@ fn metadata(scenario: &Scenario, mode: Mode, start: &Start) -> Metadata {
     let now_ns = i64::try_from(since_1970.as_nanos()).unwrap_or(0);
     let started_unix_ns = now_ns - (monotonic_ns() - start.start_ns);
     Metadata::new(scenario, mode, started_unix_ns, start.scheduling.clone())
+        .with_programs(start.programs.clone())
 }
 
 /// What is to be written.

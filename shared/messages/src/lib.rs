@@ -29,6 +29,7 @@ mod control;
 pub mod e2e;
 mod header;
 mod health;
+mod law;
 mod layout;
 pub mod notes;
 mod perception;
@@ -42,6 +43,10 @@ pub use brake::{Brake, BrakeState};
 pub use control::{Command, Diagnostics, FIGURES, PLAN_LEN};
 pub use header::{Header, Origin, Origins};
 pub use health::{Heartbeat, ServiceState};
+pub use law::{
+    LAW_CELLS, LAW_FIGURES, LAW_INTERVALS, LAW_MODES, LAW_PLAN, LAW_RECORDS, LAW_SIGNALS,
+    LawAnswer, LawInput, LawInterval, LawSignal,
+};
 pub use layout::{Element, Field, Laid, Layout, Place, Scalar, Shape, Value};
 pub use perception::{
     Detection, MAX_DETECTIONS, MAX_TRACKS, RadarDetections, RadarTracks, Track, TrackedTarget,

@@ -7,6 +7,7 @@ const SOURCES: &[&str] = &[
     include_str!("e2e/profile7.rs"),
     include_str!("header.rs"),
     include_str!("health.rs"),
+    include_str!("law.rs"),
     include_str!("perception.rs"),
     include_str!("v2x.rs"),
     include_str!("vehicle.rs"),

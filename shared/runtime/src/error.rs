@@ -67,6 +67,9 @@ pub enum RuntimeError {
     /// The link to the launcher broke or carried nonsense.
     #[error("link to the launcher: {0}")]
     Link(String),
+    /// A foreign program that computes for the service failed.
+    #[error("{0}")]
+    Program(String),
     /// The service's own set-up failed.
     #[error("{0}")]
     Setup(String),

@@ -12,9 +12,9 @@
 //!   and [`Runtime::update`] takes what is there;
 //! * **lockstep**: `next_release` returns at once and `update` waits for the samples that are due
 //!   in the step. The plant's odometry paces all services, since all wait for it, directly or through
-//!   others; no coordinator is needed. Publishers wait when an observer lags, so that no message is
-//!   lost, and all stamps are simulated time: same scenario, same seed, same
-//!   bytes.
+//!   others; no coordinator is needed. Publishers wait when a process of the group lags, so that no
+//!   message is lost, and all stamps are simulated time: same scenario, same seed, same bytes. A process
+//!   that joined by itself is not waited for.
 //!
 //! In lockstep a run can also do without processes: [`InProcess`] lets all services of a run take turns
 //! in one thread, with the same ports over the memory of one process. No service knows.
@@ -44,6 +44,7 @@ mod own_file;
 mod player;
 mod port;
 mod probe;
+mod program;
 mod release;
 pub mod report;
 mod schedule;
@@ -69,15 +70,16 @@ pub use group::Group;
 pub use in_process::{Entry, InProcess};
 pub(crate) use link::End;
 pub use link::{FromService, PEER_JOINED, StartOrder, ToService};
-pub use members::enroll;
+pub use members::{enroll, enroll_listener};
 pub use observer::{Observed, Observer};
 pub use player::{Played, Player};
 pub use port::{Publisher, Subscriber};
 pub use probe::{Contents, EventReceiver, EventSender, PayloadReceiver, PayloadSender, Probe};
+pub use program::{Program, ProgramError, executable};
 pub use release::{Overrun, Release};
 pub use schedule::{Schedule, ScheduledRelease};
 pub use session::{Cycle, Runtime, count_allocations_by, log_warnings, run_service};
-pub use spawn::inherit_only;
+pub use spawn::{die_with_this_thread, inherit_only};
 pub use tap::{Tap, Tapped};
 pub use timetable::Timetable;
 pub use transport::{COPIED_BYTES, Carrier, Loan, shared_memory_bytes};

@@ -1,7 +1,10 @@
-//! Who belongs to the group: which process is which restart of which service.
+//! Who belongs to the group: which process is which restart of which service, and which processes only
+//! listen.
 //!
-//! The launcher writes down every process that it starts; a consumer looks a sender up when it first
-//! hears it. A process of the same user that opens a topic by itself is none of them.
+//! The launcher writes down every process that it starts, and itself. A consumer looks a sender up when
+//! it first hears it; in lockstep a sender looks a listener up before it waits for it. A process of the
+//! same user that opens a topic by itself is none of them: its messages are not used, and a sender does
+//! not wait for it.
 
 use super::RuntimeError;
 use messages::Service;
@@ -12,7 +15,9 @@ use std::path::{Path, PathBuf};
 
 /// Name of the list in the run's root.
 const FILE: &str = "members";
-/// A line is a service as a number, an incarnation and a process id.
+/// A line is a service as a number, an incarnation and a process id, or [`LISTENER`] and a process id.
+const LISTENER: &str = "listener";
+/// Longest list that is read, bytes.
 const LONGEST_LIST: usize = 64 * 1024;
 
 /// Enters process `pid` as restart `incarnation` of `service` of the run at `root`.
@@ -25,8 +30,19 @@ pub fn enroll(
     incarnation: u32,
     pid: u32,
 ) -> Result<(), RuntimeError> {
+    append(root, &format!("{} {incarnation} {pid}\n", service.to_wire()))
+}
+
+/// Enters process `pid` as one that listens to the run at `root`: in lockstep senders wait for it.
+///
+/// # Errors
+/// [`RuntimeError::GroupFile`] if the list cannot be written.
+pub fn enroll_listener(root: &Path, pid: u32) -> Result<(), RuntimeError> {
+    append(root, &format!("{LISTENER} {pid}\n"))
+}
+
+fn append(root: &Path, line: &str) -> Result<(), RuntimeError> {
     let path = root.join(FILE);
-    let line = format!("{} {incarnation} {pid}\n", service.to_wire());
     OpenOptions::new()
         .create(true)
         .append(true)
@@ -53,39 +69,63 @@ impl Members {
     /// True if process `pid` is restart `incarnation` of service `source`. Reads the list anew, for
     /// it grows; callers remember the answer.
     pub(super) fn is_member(&self, source: u32, incarnation: u32, pid: u32) -> bool {
-        let path = match self {
-            Self::Listed(path) => path,
-            Self::InProcess => return incarnation == 0 && source == pid,
-        };
-        let mut text = [0; 4096];
-        let mut read = 0;
-        let Ok(mut file) = std::fs::File::open(path) else { return false };
-        let mut rest = ([0; 64], 0);
-        while let Ok(count @ 1..) = file.read(&mut text) {
-            for &byte in &text[..count] {
-                if byte == b'\n' {
-                    if parse(&rest.0[..rest.1]) == Some([source, incarnation, pid]) {
-                        return true;
-                    }
-                    rest.1 = 0;
-                } else if rest.1 < rest.0.len() {
-                    rest.0[rest.1] = byte;
-                    rest.1 += 1;
-                }
+        match self {
+            Self::Listed(path) => {
+                find(path, |line| service(line) == Some([source, incarnation, pid]))
             }
-            read += count;
-            if read > LONGEST_LIST {
-                break;
-            }
+            Self::InProcess => incarnation == 0 && source == pid,
         }
-        false
+    }
+
+    /// True if process `pid` is any service of the group, or one of its listeners.
+    pub(super) fn is_in_group(&self, pid: u32) -> bool {
+        match self {
+            Self::Listed(path) => find(path, |line| {
+                service(line).is_some_and(|[_, _, known]| known == pid)
+                    || listener(line) == Some(pid)
+            }),
+            Self::InProcess => true,
+        }
     }
 }
 
-fn parse(line: &[u8]) -> Option<[u32; 3]> {
+/// True if `is_it` says so of a line of the list. Allocates nothing.
+fn find(path: &Path, is_it: impl Fn(&[u8]) -> bool) -> bool {
+    let mut text = [0; 4096];
+    let mut read = 0;
+    let Ok(mut file) = std::fs::File::open(path) else { return false };
+    let mut rest = ([0; 64], 0);
+    while let Ok(count @ 1..) = file.read(&mut text) {
+        for &byte in &text[..count] {
+            if byte == b'\n' {
+                if is_it(&rest.0[..rest.1]) {
+                    return true;
+                }
+                rest.1 = 0;
+            } else if rest.1 < rest.0.len() {
+                rest.0[rest.1] = byte;
+                rest.1 += 1;
+            }
+        }
+        read += count;
+        if read > LONGEST_LIST {
+            break;
+        }
+    }
+    false
+}
+
+/// Service, incarnation and process id.
+fn service(line: &[u8]) -> Option<[u32; 3]> {
     let mut numbers = std::str::from_utf8(line).ok()?.split(' ').map(str::parse);
     let mut next = || numbers.next()?.ok();
     Some([next()?, next()?, next()?])
+}
+
+/// Process id of a listener.
+fn listener(line: &[u8]) -> Option<u32> {
+    let pid = std::str::from_utf8(line).ok()?.strip_prefix(LISTENER)?;
+    pid.strip_prefix(' ')?.parse().ok()
 }
 
 #[cfg(test)]
@@ -104,6 +144,10 @@ mod tests {
         assert!(members.is_member(4, 0, 1000) && members.is_member(4, 399, 1399));
         assert!(!members.is_member(4, 1, 1000) && !members.is_member(1, 0, 1000));
         assert!(!members.is_member(4, 400, 1400));
+        enroll_listener(&root, 77).expect("ours");
+        assert!(members.is_in_group(77) && members.is_in_group(1399));
+        assert!(!members.is_in_group(78) && !members.is_in_group(7));
+        assert!((0..8).all(|source| !members.is_member(source, 0, 77)), "it sends nothing");
         std::fs::remove_dir_all(&root).expect("ours");
     }
 }

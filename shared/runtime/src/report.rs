@@ -133,11 +133,39 @@ pub struct ControllerReport {
     pub backup: u64,
     /// Planning beside the loop, of laws that do.
     pub planning: Option<PlanningReport>,
+    /// Name of the law that drove; empty where only the launcher tells.
+    #[serde(default)]
+    pub law: String,
+    /// How the program of a foreign law fared.
+    #[serde(default)]
+    pub program: Option<ProgramReport>,
     /// Changes of the law's mode.
     pub mode_changes: Vec<ModeChange>,
     /// The controller's way on the degradation ladder.
     pub rungs: Rungs,
 }
+
+/// How the program of a foreign law fared, as its host counted.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ProgramReport {
+    /// Times that it was started.
+    pub starts: u64,
+    /// Questions that it answered in time.
+    pub answers: u64,
+    /// Releases at which its answer was not there in time: the law's backup drove.
+    pub late: u64,
+    /// Answers that no vehicle could follow: the law's backup drove.
+    pub refused: u64,
+    /// Releases at which there was no program to ask: the law's backup drove.
+    pub absent: u64,
+    /// What it did wrong, as far as [`MAX_FAILURES`] of them.
+    pub failures: Vec<String>,
+    /// It failed too often and was not started again.
+    pub given_up: bool,
+}
+
+/// Failures of a program that are kept.
+pub const MAX_FAILURES: usize = 8;
 
 /// How the planning beside a control loop kept up with it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -8,6 +8,7 @@
 
 use messages::Service;
 use rustix::mm::{MlockAllFlags, mlockall};
+use rustix::process::Pid;
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity, set_current_timer_slack};
 use scenario::Scenario;
 use scenario::runtime::Scheduling;
@@ -123,6 +124,27 @@ pub fn apply(request: &Request) -> Granted {
     }
 }
 
+/// Lends process `pid`, which computes for a service, a share of the services' scheduling: their core, and
+/// a priority below them all, so that it delays none of them whatever it does. What the machine does not
+/// grant is not lent.
+pub fn lend_to(pid: u32, scenario: &Scenario, service: Service) {
+    let Ok(raw) = i32::try_from(pid) else { return };
+    let request = Request::of(scenario, service);
+    if let Some(core) = request.core.filter(|&core| core < CpuSet::MAX_CPU) {
+        let mut set = CpuSet::new();
+        set.set(core);
+        let _ = sched_setaffinity(Pid::from_raw(raw), &set);
+    }
+    let priorities = Service::ALL.map(|service| match Request::of(scenario, service).policy {
+        Policy::Fifo(priority) => priority,
+        Policy::Other => 0,
+    });
+    let below = priorities.into_iter().min().unwrap_or(0).saturating_sub(1);
+    if below > 0 {
+        let _ = set_policy_of(raw, libc::SCHED_FIFO, below);
+    }
+}
+
 /// What the calling thread has without asking.
 pub(super) fn in_force() -> Granted {
     let policy = policy_in_force().to_string();
@@ -194,9 +216,14 @@ fn set_fifo(priority: u8) -> std::io::Result<()> {
 }
 
 fn set_policy(policy: libc::c_int, priority: u8) -> std::io::Result<()> {
+    set_policy_of(0, policy, priority)
+}
+
+/// The same for the process `pid`; 0 is the calling thread.
+fn set_policy_of(pid: i32, policy: libc::c_int, priority: u8) -> std::io::Result<()> {
     let param = libc::sched_param { sched_priority: i32::from(priority) };
-    // SAFETY: `param` lives through the call, which only reads it; 0 is the calling thread.
-    match unsafe { libc::sched_setscheduler(0, policy, &raw const param) } {
+    // SAFETY: `param` lives through the call, which only reads it.
+    match unsafe { libc::sched_setscheduler(pid, policy, &raw const param) } {
         0 => Ok(()),
         _ => Err(std::io::Error::last_os_error()),
     }

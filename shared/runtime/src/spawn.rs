@@ -1,8 +1,9 @@
-//! Starting a process of the group so that it inherits nothing by accident.
+//! Starting a process so that it inherits nothing by accident, and does not outlive its parent.
 
 #![allow(unsafe_code, reason = "code between fork and exec is unsafe by its nature")]
 
 use rustix::io::{FdFlags, fcntl_setfd};
+use rustix::process::{Signal, getppid, set_parent_process_death_signal};
 use std::os::fd::{AsRawFd, BorrowedFd};
 use std::os::unix::process::CommandExt;
 use std::process::Command;
@@ -24,6 +25,23 @@ pub fn inherit_only(command: &mut Command, keep: Option<BorrowedFd<'_>>) {
                 fcntl_setfd(BorrowedFd::borrow_raw(keep), FdFlags::empty())?;
             }
             Ok(())
+        });
+    }
+}
+
+/// Makes the kernel kill the process of `command` when the thread that starts it ends, whatever ends it.
+pub fn die_with_this_thread(command: &mut Command) {
+    let parent = rustix::process::getpid();
+    // SAFETY: the closure runs between fork and exec and makes two async-signal-safe system calls.
+    unsafe {
+        command.pre_exec(move || {
+            set_parent_process_death_signal(Some(Signal::KILL))?;
+            if getppid() == Some(parent) {
+                Ok(())
+            } else {
+                // It died before the order could reach the kernel.
+                Err(std::io::Error::from_raw_os_error(libc::ECHILD))
+            }
         });
     }
 }

@@ -1,5 +1,7 @@
 //! `[controller]`: which law drives, how often, and its parameters.
 
+use std::path::{Path, PathBuf};
+
 use serde::{Deserialize, Serialize};
 
 use super::law_tables::LawTables;
@@ -16,6 +18,13 @@ pub struct Controller {
     pub name: Name,
     /// Period of the control loop, ms.
     pub period_ms: PeriodMs,
+    /// The program that the law `external` hosts: its name on the PATH or its path, then its arguments.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub command: Vec<String>,
+    /// Where that program runs; absent: in the scenario file's directory if a file of the command is
+    /// there, else in the current one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub directory: Option<PathBuf>,
     /// What starts a cycle.
     pub release: Release,
     /// Time from the scheduled release by which a cycle must have finished, ms; absent: the period.
@@ -60,6 +69,26 @@ impl Controller {
         let usual = if self.period_ms.value() < 50 { PeriodMs::of(100) } else { self.period_ms };
         self.prediction_step_ms.unwrap_or(usual)
     }
+
+    /// Settles where the program of a foreign law runs; `own` is the scenario file's directory.
+    pub(super) fn place_command(&mut self, own: Option<&Path>) {
+        if self.command.is_empty() {
+            return;
+        }
+        let here = std::env::current_dir().unwrap_or_default();
+        let own = own.map(|own| here.join(own));
+        let is_file = |directory: &Path| {
+            let named = self.command.iter().enumerate().filter(|(place, word)| {
+                !word.starts_with('-') && (*place > 0 || word.contains('/'))
+            });
+            named.into_iter().any(|(_, word)| directory.join(word).is_file())
+        };
+        self.directory = Some(match (&self.directory, own) {
+            (Some(chosen), own) => own.unwrap_or(here).join(chosen),
+            (None, Some(own)) if is_file(&own) || !is_file(&here) => own,
+            (None, _) => here,
+        });
+    }
 }
 
 impl Default for Controller {
@@ -67,6 +96,8 @@ impl Default for Controller {
         Self {
             name: Name::of("cacc-mpc"),
             period_ms: PeriodMs::of(100),
+            command: Vec::new(),
+            directory: None,
             release: Release::Radar,
             deadline_ms: None,
             spacing_policy: SpacingPolicy::ConstantTimeHeadway,
@@ -147,5 +178,35 @@ impl Default for Weights {
             light_weight: Weight::of(275_773.0),
             light_threshold_m: Length::of(108.5),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_program_runs_where_its_files_are() {
+        let own = std::env::temp_dir().join(format!("timegap-place-{}", std::process::id()));
+        std::fs::create_dir_all(&own).expect("the temporary directory is writable");
+        std::fs::write(own.join("law.py"), "").expect("ours");
+        let here = std::env::current_dir().expect("it is somewhere");
+        let place = |command: &[&str], directory: Option<&str>, own: Option<&Path>| {
+            let mut controller = Controller {
+                command: command.iter().map(ToString::to_string).collect(),
+                directory: directory.map(PathBuf::from),
+                ..Controller::default()
+            };
+            controller.place_command(own);
+            controller.directory
+        };
+        assert_eq!(place(&[], None, Some(&own)), None);
+        assert_eq!(place(&["python3", "law.py"], None, Some(&own)), Some(own.clone()));
+        // A test of a package runs in its directory.
+        assert_eq!(place(&["python3", "Cargo.toml"], None, Some(&own)), Some(here.clone()));
+        assert_eq!(place(&["python3", "no-such.py"], None, Some(&own)), Some(own.clone()));
+        assert_eq!(place(&["python3", "law.py"], None, None), Some(here));
+        assert_eq!(place(&["python3"], Some("below"), Some(&own)), Some(own.join("below")));
+        std::fs::remove_dir_all(&own).expect("ours");
     }
 }

@@ -240,6 +240,7 @@ impl Scenario {
         scenario.faults =
             faults::written(faults.as_ref()).map_err(|problem| document.problem(&problem))?;
         scenario.follow_a_fast_controller(|path| document.has(path));
+        scenario.controller.place_command(directory);
         if let Some(directory) = directory {
             files::load(&mut scenario, &document, directory)?;
         }

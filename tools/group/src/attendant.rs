@@ -3,7 +3,7 @@
 use super::processes::this_program;
 use super::root::RunRoot;
 use crate::Error;
-use runtime::inherit_only;
+use runtime::{enroll_listener, inherit_only};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::ffi::OsStr;
@@ -41,6 +41,7 @@ impl Attendant {
         inherit_only(&mut command, Some(root.lock()));
         let error = |e| Error::Machine(format!("cannot start the {name}: {e}"));
         let mut child = command.spawn().map_err(error)?;
+        enroll_listener(root.path(), child.id())?;
         let input = child.stdin.take();
         let out = child.stdout.take().expect("piped");
         let (sender, lines) = channel();

@@ -6,6 +6,7 @@
 use super::drive::DriveLog;
 use super::exits::Exit;
 use super::faults::Faults;
+use super::programs::{is_foreign, programs};
 use super::supervisor::{Ended, GroupOutcome, Moment, for_services};
 use crate::Error;
 use messages::Service;
@@ -46,6 +47,7 @@ pub fn run_watched(
     watch: &mut dyn FnMut(&Moment<'_>),
 ) -> Result<GroupOutcome, Error> {
     refuse_faults_of_processes(scenario)?;
+    let programs = programs(&BTreeMap::new(), scenario)?;
     let begun = Instant::now();
     let mut run = InProcess::new(scenario);
     let mut log = DriveLog::in_process(&run)?;
@@ -58,7 +60,8 @@ pub fn run_watched(
     if let Some((service, how)) = course.failed.take() {
         run.abort();
         let what = format!("failed: {how}");
-        return Err(Error::NotReady { service, what, foreign: false });
+        let foreign = is_foreign(&programs, service);
+        return Err(Error::NotReady { service, what, foreign });
     }
     let ready_after = begun.elapsed();
     run.begin();
@@ -109,6 +112,7 @@ pub fn run_watched(
         ran_for: ran_for.max(Duration::from_nanos(1)),
         recording: None,
         wrote,
+        programs,
     })
 }
 

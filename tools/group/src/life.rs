@@ -94,6 +94,8 @@ pub fn of_controller(
         relaxed: history.of_quality(1),
         backup: history.of_quality(2),
         planning: last.and_then(|last| last.planning),
+        law: last.map(|last| last.law.clone()).unwrap_or_default(),
+        program: last.and_then(|last| last.program.clone()),
         mode_changes: mode_changes(scenario, history),
         rungs: history.rungs.report(),
     }

@@ -289,11 +289,6 @@ impl Member {
     pub fn heard_ns(&self) -> i64 {
         self.silence.heard_ns
     }
-
-    /// True if the service runs a program of the user's.
-    pub fn is_foreign(&self) -> bool {
-        self.program.is_some()
-    }
 }
 
 /// Wait before a restart that follows `row` others.

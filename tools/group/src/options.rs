@@ -56,7 +56,11 @@ impl From<ModeName> for runtime::Mode {
     }
 }
 
-fn service_program(argument: &str) -> Result<(Service, PathBuf), String> {
+/// A service and the program in its place: `NAME=PROGRAM`.
+///
+/// # Errors
+/// What was expected.
+pub fn service_program(argument: &str) -> Result<(Service, PathBuf), String> {
     let (name, program) = argument.split_once('=').ok_or("expected NAME=PROGRAM")?;
     Ok((name.parse()?, PathBuf::from(program)))
 }

@@ -4,7 +4,9 @@
 use super::attendant::Attendant;
 use super::exits::Exit;
 use super::root::RunRoot;
+use messages::Service;
 use recorder::{FromRecorder, Recording, Start, ToRecorder};
+use runtime::Program;
 use runtime::scheduling::Granted;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -59,10 +61,19 @@ impl RecorderProcess {
         }
     }
 
-    /// Tells it the common start and what the services were granted.
-    pub fn begin(&mut self, start_ns: i64, scheduling: BTreeMap<String, Granted>) {
+    /// Tells it the common start, what the services were granted, and which programs are the user's.
+    pub fn begin(
+        &mut self,
+        start_ns: i64,
+        scheduling: BTreeMap<String, Granted>,
+        programs: &BTreeMap<Service, Program>,
+    ) {
         if let Some(process) = &mut self.process {
-            process.say(&ToRecorder::Start(Start { start_ns, scheduling }));
+            let programs = programs.iter();
+            let programs =
+                programs.map(|(service, program)| (service.name().into(), program.clone()));
+            let programs = programs.collect();
+            process.say(&ToRecorder::Start(Start { start_ns, scheduling, programs }));
         }
     }
 

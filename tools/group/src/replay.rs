@@ -7,16 +7,17 @@ use super::processes::{Janitor, Process};
 use super::room::check_room;
 use super::root::RunRoot;
 use crate::Error;
+use controller::laws;
 use messages::Service;
 use messages::{Command, Diagnostics};
 use recorder::{FromReplayer, Take, ToReplayer};
 use runtime::{
     FromService, Group, Mode, Schedule, StartOrder, Tap, Tapped, Timetable, ToService,
-    monotonic_ns, shared_memory_bytes,
+    enroll_listener, monotonic_ns, shared_memory_bytes,
 };
 use scenario::Scenario;
 use std::ffi::OsStr;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
 
@@ -36,8 +37,8 @@ pub struct Replayed {
     pub diagnostics: Vec<Diagnostics>,
 }
 
-/// Gives the controller of `scenario` the releases and inputs of `take`, which `file` holds.
-/// `progress` is told how many cycles were run.
+/// Gives the controller of `scenario`, or `program` in its place, the releases and inputs of `take`, which
+/// `file` holds. `progress` is told how many cycles were run.
 ///
 /// # Errors
 /// If the group does not come up or the controller does not reach the end.
@@ -45,8 +46,10 @@ pub fn replay(
     scenario: &Scenario,
     take: &Take,
     file: &Path,
+    program: Option<&PathBuf>,
     progress: &mut dyn FnMut(u64),
 ) -> Result<Replayed, Error> {
+    let foreign = program.is_some() || laws::program(scenario).is_ok_and(|law| law.is_some());
     let timetable = Timetable::of(scenario);
     check_room(shared_memory_bytes(&timetable))?;
     let root = RunRoot::create()?;
@@ -64,9 +67,10 @@ pub fn replay(
     };
     let result = group
         .write()
+        .and_then(|()| enroll_listener(root.path(), std::process::id()))
         .and_then(|()| Schedule::write(root.path(), Service::Controller, &take.releases))
         .map_err(Error::from)
-        .and_then(|()| Cast::enter(&root, &mut janitor, take, file, sender))
+        .and_then(|()| Cast::enter(&root, &mut janitor, take, file, (program, foreign), sender))
         .and_then(|mut cast| {
             let replayed = cast.play(&group, take, &events, progress);
             cast.leave();
@@ -81,6 +85,8 @@ pub fn replay(
 /// The two processes.
 struct Cast {
     controller: Process,
+    /// What it does is up to a program of the user's.
+    foreign: bool,
     replayer: Attendant,
 }
 
@@ -90,16 +96,17 @@ impl Cast {
         janitor: &mut Janitor,
         take: &Take,
         file: &Path,
+        (program, foreign): (Option<&PathBuf>, bool),
         events: Sender<Event>,
     ) -> Result<Self, Error> {
         let who = (Service::Controller, take.incarnation);
-        let mut controller = Process::spawn(who, None, root, 0, events)?;
+        let mut controller = Process::spawn(who, program, root, 0, events)?;
         let group = controller.pid();
         janitor.watch(group);
         let incarnation = take.incarnation.to_string();
         let arguments = [file.as_os_str(), OsStr::new(&incarnation)];
         match Attendant::spawn("replayer", &arguments, root, group) {
-            Ok(replayer) => Ok(Self { controller, replayer }),
+            Ok(replayer) => Ok(Self { controller, foreign, replayer }),
             Err(error) => {
                 controller.end(EXIT_GRACE);
                 Err(error)
@@ -128,10 +135,12 @@ impl Cast {
             progress(ear.heard.diagnostics.len() as u64);
             match event {
                 Ok(Event::Said(_, FromService::Report(_))) => break,
-                Ok(Event::Said(_, FromService::Failed(how))) => return Err(broken(how)),
+                Ok(Event::Said(_, FromService::Failed(how))) => {
+                    return Err(broken(how, self.foreign));
+                }
                 Ok(Event::Gone(_)) => {
                     let (status, _) = self.controller.end(EXIT_GRACE);
-                    return Err(broken(Exit::of(status).to_string()));
+                    return Err(broken(Exit::of(status).to_string(), self.foreign));
                 }
                 Ok(Event::Signal) => return Err(Error::Interrupted),
                 Ok(Event::Wrote(_, line)) => eprintln!("controller: {line}"),
@@ -150,7 +159,9 @@ impl Cast {
         let heard = ear.heard;
         match heard.diagnostics.len() == take.diagnostics.len() {
             true => Ok(heard),
-            false => Err(broken(format!("it ran {} cycles", heard.diagnostics.len()))),
+            false => {
+                Err(broken(format!("it ran {} cycles", heard.diagnostics.len()), self.foreign))
+            }
         }
     }
 
@@ -158,15 +169,17 @@ impl Cast {
         loop {
             match events.recv_timeout(READY) {
                 Ok(Event::Said(_, FromService::Ready(_))) => break,
-                Ok(Event::Said(_, FromService::Failed(how))) => return Err(broken(how)),
+                Ok(Event::Said(_, FromService::Failed(how))) => {
+                    return Err(broken(how, self.foreign));
+                }
                 Ok(Event::Gone(_)) => {
                     let (status, _) = self.controller.end(EXIT_GRACE);
-                    return Err(broken(Exit::of(status).to_string()));
+                    return Err(broken(Exit::of(status).to_string(), self.foreign));
                 }
                 Ok(Event::Signal) => return Err(Error::Interrupted),
                 Ok(Event::Wrote(_, line)) => eprintln!("controller: {line}"),
                 Ok(_) => {}
-                Err(_) => return Err(broken("it did not get ready".into())),
+                Err(_) => return Err(broken("it did not get ready".into(), self.foreign)),
             }
         }
         match self.replayer.hear(READY) {
@@ -183,9 +196,9 @@ impl Cast {
     }
 }
 
-fn broken(what: String) -> Error {
+fn broken(what: String, foreign: bool) -> Error {
     let what = format!("broke the replay: {what}");
-    Error::NotReady { service: Service::Controller, what, foreign: false }
+    Error::NotReady { service: Service::Controller, what, foreign }
 }
 
 /// Hears the controller.

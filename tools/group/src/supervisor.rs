@@ -6,23 +6,27 @@ use super::events::{Event, follow_signals};
 use super::exits::Exit;
 use super::faults::{FaultRecord, Faults};
 use super::life;
+use super::live_file::LiveFile;
 use super::member::{Heartbeats, Member, Phase};
 use super::processes::Janitor;
+use super::programs::{is_foreign, programs};
 use super::recording::{RecorderProcess, RecordingSummary};
 use super::room::check_room;
 use super::root::RunRoot;
 use crate::Error;
+use controller::law::Formulation;
+use controller::laws;
 use messages::Service;
 use runtime::report::{Details, Outcome, PlantReport, ServiceReport};
 use runtime::scheduling::{Granted, Priority};
 use runtime::{
-    Carrier, FromService, Group, Injected, Mode, StartOrder, Timetable, ToService, monotonic_ns,
-    shared_memory_bytes,
+    Carrier, FromService, Group, Injected, Mode, Program, StartOrder, Timetable, ToService,
+    enroll_listener, monotonic_ns, shared_memory_bytes,
 };
 use scenario::Scenario;
 use scenario::runtime::Scheduling;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
 
@@ -103,6 +107,19 @@ pub struct GroupOutcome {
     pub recording: Option<RecordingSummary>,
     /// Lines that services wrote beside their messages: warnings, panics.
     pub wrote: Vec<(Service, String)>,
+    /// The programs of the user's that took part, by the service that they are or compute for.
+    pub programs: BTreeMap<Service, Program>,
+}
+
+impl GroupOutcome {
+    /// What the numbers in the diagnostics stand for; none where a program in the controller's place sends
+    /// numbers of its own.
+    #[must_use]
+    pub fn formulation(&self, scenario: &Scenario) -> Option<&'static Formulation> {
+        let hosted = laws::program(scenario).is_ok_and(|program| program.is_some());
+        let replaced = self.programs.contains_key(&Service::Controller) && !hosted;
+        laws::formulation(scenario).filter(|_| !replaced)
+    }
 }
 
 /// A run at a moment, for its views.
@@ -120,7 +137,7 @@ pub struct Moment<'a> {
 /// measure against it without knowing any law.
 pub(super) fn for_services(scenario: &Scenario) -> Scenario {
     let mut scenario = scenario.clone();
-    scenario.referee.desired_gap = controller::laws::desired_gap(&scenario);
+    scenario.referee.desired_gap = laws::desired_gap(&scenario);
     scenario
 }
 
@@ -131,6 +148,7 @@ pub(super) fn for_services(scenario: &Scenario) -> Scenario {
 /// If the group does not become ready; nothing of it is left then either.
 pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<GroupOutcome, Error> {
     refuse_faults_of_processes(&launch)?;
+    let programs = programs(&launch.programs, &launch.scenario)?;
     let timetable = Timetable::of(&launch.scenario);
     check_room(shared_memory_bytes(&timetable))?;
     let root = RunRoot::create()?;
@@ -162,6 +180,7 @@ pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Grou
         recording: None,
         granted: BTreeMap::new(),
         wrote: Vec::new(),
+        programs,
     };
     let outcome = supervisor.run(watch);
     let mut exits = BTreeMap::new();
@@ -190,29 +209,6 @@ fn refuse_faults_of_processes(launch: &Launch) -> Result<(), Error> {
             fault.effect.kind()
         ))),
         _ => Ok(()),
-    }
-}
-
-/// A copy of the group file where the user looks for it, for as long as this lives.
-struct LiveFile<'a>(&'a Path);
-
-impl<'a> LiveFile<'a> {
-    fn write(path: &'a Path, group: &Group) -> Self {
-        let text = serde_json::to_string_pretty(group).expect("a group is plain data");
-        // Written aside and renamed: a reader finds all of it or none.
-        let half = path.with_extension("json.new");
-        if let Err(error) = std::fs::write(&half, text).and_then(|()| std::fs::rename(&half, path))
-        {
-            tracing::warn!("cannot write {}: {error}", path.display());
-        }
-        Self(path)
-    }
-}
-
-impl Drop for LiveFile<'_> {
-    fn drop(&mut self) {
-        // It may never have been written.
-        let _ = std::fs::remove_file(self.0);
     }
 }
 
@@ -258,6 +254,7 @@ pub(super) struct Supervisor<'a> {
     pub(super) recording: Option<RecorderProcess>,
     granted: BTreeMap<String, Granted>,
     pub(super) wrote: Vec<(Service, String)>,
+    programs: BTreeMap<Service, Program>,
 }
 
 impl Supervisor<'_> {
@@ -278,6 +275,7 @@ impl Supervisor<'_> {
         self.recording = (self.launch.recording.as_deref())
             .map(|path| RecorderProcess::spawn(path, self.root, self.leader()));
         let deadline_ms = self.launch.scenario.controller.deadline().value();
+        enroll_listener(self.root.path(), std::process::id())?;
         let mut log = DriveLog::listen(&self.group, i64::from(deadline_ms) * 1_000_000)?;
         self.wait_until_ready(spawned)?;
         let ready_after = spawned.elapsed();
@@ -292,14 +290,16 @@ impl Supervisor<'_> {
             i64::try_from(self.launch.start_delay.as_nanos()).expect("start delays are short");
         self.start_ns = monotonic_ns() + delay;
         if let Some(recording) = &mut self.recording {
-            recording.begin(self.start_ns, self.granted.clone());
+            recording.begin(self.start_ns, self.granted.clone(), &self.programs);
         }
         self.order_all(&ToService::Start(StartOrder { start_ns: self.start_ns }));
         for member in &mut self.members {
             member.begin(0);
         }
         let live_file = self.launch.live_file.as_deref();
-        let _live = live_file.map(|path| LiveFile::write(path, &self.group));
+        let scenario = &self.launch.scenario;
+        let _live =
+            live_file.map(|path| LiveFile::write(path, &self.group, scenario, self.start_ns));
         let fifo = self.launch.scenario.runtime.scheduling == Scheduling::Fifo;
         let priority =
             (self.launch.mode == Mode::Realtime && fifo).then(|| Priority::raise(PRIORITY));
@@ -327,6 +327,7 @@ impl Supervisor<'_> {
             ran_for: Duration::from_nanos(ran_ns.unsigned_abs()),
             recording: self.recording.take().map(RecorderProcess::finish),
             wrote: std::mem::take(&mut self.wrote),
+            programs: self.programs.clone(),
         })
     }
 
@@ -396,7 +397,7 @@ impl Supervisor<'_> {
     }
 
     fn not_ready(&mut self, service: Service, what: String) -> Error {
-        let foreign = self.member(service).is_foreign();
+        let foreign = is_foreign(&self.programs, service);
         Error::NotReady { service, what, foreign }
     }
 

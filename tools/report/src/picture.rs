@@ -111,7 +111,8 @@ pub struct FaultMark {
 impl RunPicture {
     /// From what the launcher heard of a run.
     pub fn of(scenario: &Scenario, group: &GroupOutcome) -> Self {
-        let mut run = Self::of_drive(scenario, &group.drive);
+        let modes = group.formulation(scenario).map_or(&[][..], |law| law.modes);
+        let mut run = Self::of_modes(scenario, &group.drive, modes);
         run.faults = group.faults.iter().map(fault).collect();
         run.faults.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
         for report in group.reports.values() {
@@ -135,6 +136,10 @@ impl RunPicture {
 
     /// From the drive alone.
     pub fn of_drive(scenario: &Scenario, drive: &Drive) -> Self {
+        Self::of_modes(scenario, drive, laws::mode_names(scenario))
+    }
+
+    fn of_modes(scenario: &Scenario, drive: &Drive, modes: &[&str]) -> Self {
         let steps = &drive.steps;
         let duration_s = steps.last().map_or(0.0, |step| step.time_s);
         let series = |value: fn(&DriveStep) -> Option<f64>| -> Points {
@@ -148,7 +153,6 @@ impl RunPicture {
             let told = steps.iter().filter(|step| heard.contains(&step.step));
             told.map(|step| (step.time_s, value(step).unwrap_or(f64::NAN))).collect()
         };
-        let modes = laws::mode_names(scenario);
         let mode = |mode: u32| {
             modes.get(mode as usize).map_or_else(|| format!("mode {mode}"), ToString::to_string)
         };

@@ -4,7 +4,7 @@ use crate::chart::number;
 use crate::summary::{Summary, Timing};
 use group::{Error, RecordingSummary};
 use messages::rung::Rung;
-use runtime::report::{Outcome, WorstChain};
+use runtime::report::{Outcome, ProgramReport, WorstChain};
 use runtime::statistics::Percentiles;
 use std::fmt::Write as _;
 use std::io::{ErrorKind, Write as _};
@@ -37,6 +37,7 @@ pub fn summary(summary: &Summary) -> String {
         writeln!(text, "  {label:<14} {value}").expect("a string takes all");
     };
     line("outcome", outcome(summary));
+    program(summary, &mut line);
     drive(summary, &mut line);
     emergency_brake(summary, &mut line);
     radar(summary, &mut line);
@@ -49,8 +50,46 @@ pub fn summary(summary: &Summary) -> String {
     }
     format!(
         "{} · {} · {} · seed {}\n{text}",
-        summary.scenario, summary.controller, summary.mode, summary.seed
+        summary.scenario,
+        summary.driver(),
+        summary.mode,
+        summary.seed
     )
+}
+
+/// The programs of the user's, and how that of a foreign law fared.
+fn program(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
+    for service in &summary.services {
+        let Some(program) = &service.program else { continue };
+        let fared = match (&summary.timing.law_program, service.name) {
+            (Some(report), "controller") => format!(", {}", fared(report)),
+            _ => String::new(),
+        };
+        let (name, command) = (service.name, &program.command);
+        line("program", format!("{name}: {command} (sha256 {}...){fared}", program.short_digest()));
+    }
+    for failure in summary.timing.law_program.iter().flat_map(|report| &report.failures) {
+        line("", failure.clone());
+    }
+}
+
+/// How a foreign law's program fared, in a line.
+pub fn fared(report: &ProgramReport) -> String {
+    let mut parts = vec![format!("{} answers", report.answers)];
+    for (count, what) in
+        [(report.late, "late"), (report.refused, "refused"), (report.absent, "without a program")]
+    {
+        if count > 0 {
+            parts.push(format!("{count} {what}"));
+        }
+    }
+    if report.starts > 1 {
+        parts.push(format!("started {} times", report.starts));
+    }
+    if report.given_up {
+        parts.push("GIVEN UP: the backup drove on".into());
+    }
+    parts.join(", ")
 }
 
 /// How a run ended, in a line.

@@ -27,7 +27,7 @@ pub fn page(scenario: &Scenario, summary: &Summary, run: &RunPicture) -> String 
     .concat();
     let (good, verdict) = verdict(summary);
     let about = [
-        summary.controller.clone(),
+        summary.driver(),
         summary.mode.to_owned(),
         format!("seed {}", summary.seed),
         scenario.description.as_str().to_owned(),

@@ -7,11 +7,11 @@ use messages::e2e::Outcomes;
 use messages::rung::Rungs;
 use runtime::report::{
     ControlFigures, ControllerReport, Details, Hops, ModeChange, Outcome, PerceptionReport,
-    PlanningReport, PlantReport, ReceivedTopic, ServiceReport, WorstChain,
+    PlanningReport, PlantReport, ProgramReport, ReceivedTopic, ServiceReport, WorstChain,
 };
 use runtime::scheduling::Granted;
 use runtime::statistics::{Latencies, Percentiles};
-use runtime::{Carrier, Mode};
+use runtime::{Carrier, Mode, Program};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -113,6 +113,8 @@ pub struct Timing {
     pub backup_cycles: Option<u64>,
     /// Planning beside the control loop, of laws that do.
     pub planning: Option<PlanningReport>,
+    /// How the program of a foreign law fared; null for the others.
+    pub law_program: Option<ProgramReport>,
     /// Commands that the scenario's misses and jitter kept from the actuators.
     pub undelivered_commands: Option<u64>,
     /// Control periods in which no command was at the plant in time, by the plant's own schedule.
@@ -210,6 +212,8 @@ pub struct ServiceSummary {
     pub allocations_in_loop: Option<u64>,
     /// Scheduling asked for and granted; null without a report.
     pub scheduling: Option<Granted>,
+    /// The program of the user's that was the service, or computed for it; null where it was timegap's own.
+    pub program: Option<Program>,
 }
 
 /// The machine that ran the processes.
@@ -255,7 +259,7 @@ impl Summary {
         Self {
             schema_version: 1,
             scenario: scenario.name.as_str().into(),
-            controller: scenario.controller.name.as_str().into(),
+            controller: law_that_drove(scenario, group, controller),
             mode: mode.name(),
             carrier: group.carrier,
             seed: scenario.seed.value(),
@@ -287,6 +291,7 @@ impl Summary {
                 relaxed_cycles: controller.map(|controller| controller.relaxed),
                 backup_cycles: controller.map(|controller| controller.backup),
                 planning: controller.and_then(|controller| controller.planning),
+                law_program: controller.and_then(|controller| controller.program.clone()),
                 undelivered_commands: plant.map(|plant| plant.undelivered_commands),
                 missed_at_plant: plant.map(|plant| plant.commands_missed),
                 due_at_plant: plant.map(|plant| plant.commands_due),
@@ -315,10 +320,45 @@ impl Summary {
                     allocations_in_loop: report(service)
                         .and_then(|report| report.allocations_in_loop),
                     scheduling: report(service).map(|report| report.scheduling.clone()),
+                    program: group.programs.get(&service).cloned(),
                 })
                 .collect(),
             host: Host::this(),
         }
+    }
+}
+
+/// Name of the law that drove: as its process says, else by the program in the controller's place, else the
+/// scenario's.
+fn law_that_drove(
+    scenario: &Scenario,
+    group: &GroupOutcome,
+    controller: Option<&ControllerReport>,
+) -> String {
+    let told = controller.map(|controller| controller.law.clone()).filter(|law| !law.is_empty());
+    let in_its_place = || {
+        let hosted = controller::laws::program(scenario).is_ok_and(|program| program.is_some());
+        let program = group.programs.get(&Service::Controller).filter(|_| !hosted);
+        program.map(|program| program.name.clone())
+    };
+    told.or_else(in_its_place).unwrap_or_else(|| scenario.controller.name.as_str().to_owned())
+}
+
+impl Summary {
+    /// The law that drove, with the command of a program of the user's.
+    #[must_use]
+    pub fn driver(&self) -> String {
+        match self.program() {
+            Some(program) => format!("{} ({})", self.controller, program.command),
+            None => self.controller.clone(),
+        }
+    }
+
+    /// The program of the user's that drove.
+    #[must_use]
+    pub fn program(&self) -> Option<&Program> {
+        let name = Service::Controller.name();
+        self.services.iter().find(|service| service.name == name)?.program.as_ref()
     }
 }
 

@@ -2,11 +2,13 @@
 
 use crate::live::{Live, LiveOptions};
 use clap::Args;
+use controller::law::Formulation;
 use controller::laws;
 use group::{
     Ended, Error, GroupOptions, GroupOutcome, Keep, ModeName, Moment, ScenarioOptions, drive, open,
 };
 use indicatif::{ProgressBar, ProgressStyle};
+use messages::Service;
 use report::output::{OutputDirectory, OutputOptions};
 use report::summary::{self, Summary};
 use report::{RunPicture, print, trajectory};
@@ -67,7 +69,7 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     let output = OutputDirectory::create(&arguments.output, scenario.name.as_str())?;
     output.write_input("scenario.toml", scenario.to_toml().as_bytes())?;
 
-    let mut live = Live::open(&arguments.live, &scenario)?;
+    let mut live = Live::open(&arguments.live, &scenario, &driver(&scenario, arguments))?;
     let bar = progress_bar(&scenario, arguments.json || arguments.live.watch);
     let mut watch = |moment: &Moment<'_>| {
         bar.set_position(moment.time_ns.unsigned_abs() / 1_000_000);
@@ -98,7 +100,7 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     let group = result?;
     let summary = summary.expect("a run that succeeded has one");
     let json = serde_json::to_string_pretty(&summary).expect("a summary is plain data");
-    let figures = laws::figure_names(&scenario);
+    let figures = group.formulation(&scenario).map_or_else(Vec::new, Formulation::figure_names);
     let written = output.write("summary.json", (json.clone() + "\n").as_bytes()).and_then(|()| {
         output.write("trajectory.csv", trajectory::csv(&group.drive, &figures).as_bytes())
     });
@@ -124,6 +126,19 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     // Print first, then fail on a full disk.
     written?;
     Ok(exit_code(&group.ended, summary.outcome))
+}
+
+/// Who is to drive: the program in the controller's place, the program that the law hosts, or the law.
+fn driver(scenario: &Scenario, arguments: &RunArguments) -> String {
+    let mut programs = arguments.group.programs.iter();
+    if let Some((_, program)) = programs.find(|(service, _)| *service == Service::Controller) {
+        return program.display().to_string();
+    }
+    let law = scenario.controller.name.as_str();
+    match laws::program(scenario) {
+        Ok(Some(program)) => format!("{law} ({})", program.command),
+        Ok(None) | Err(_) => law.to_owned(),
+    }
 }
 
 /// Runs all services in this process, until a signal asks for the end.

@@ -6,12 +6,14 @@
 //! Frame: x forward along the lane, origin at the ego's start. All quantities in SI units.
 
 mod descriptor;
+mod hosted;
 mod input;
 mod output;
 mod planning;
 mod preview;
 
 pub use descriptor::{Descriptor, Figure, Formulation, GapPolicy, TargetSource};
+pub use hosted::{Hosted, HostedError};
 pub use input::{
     Ego, Input, MAX_PHASES, MAX_SIGNALS, Phase, PhaseInterval, Powertrain, SignalAhead, Target,
 };
@@ -73,6 +75,11 @@ pub trait Law {
 
     /// Smallest and largest request the law ever returns, m/s².
     fn request_bounds_mps2(&self) -> (f64, f64);
+
+    /// The foreign program that computes for the law, if one does.
+    fn hosted(&mut self) -> Option<&mut dyn Hosted> {
+        None
+    }
 
     /// The law's background planning, if it has any.
     fn planning(&mut self) -> Option<&mut dyn Planning> {

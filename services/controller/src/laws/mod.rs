@@ -1,6 +1,7 @@
 //! The laws: each is a folder here and a line in [`ALL`].
 
 pub mod cacc;
+pub mod external;
 pub mod quadratic_bounded;
 pub mod six_mode;
 pub mod truck;
@@ -10,12 +11,13 @@ use scenario::referee::DesiredGap;
 use scenario::{Problem, Scenario};
 
 /// Every law, in the order of `timegap list`.
-pub static ALL: [&Descriptor; 5] = [
+pub static ALL: [&Descriptor; 6] = [
     &cacc::ACC_MPC,
     &cacc::CACC_MPC,
     &six_mode::SIX_MODE,
     &quadratic_bounded::QUADRATIC_BOUNDED,
     &truck::PREDICTIVE,
+    &external::EXTERNAL,
 ];
 
 /// The law of that name.
@@ -42,6 +44,17 @@ pub fn of(scenario: &Scenario) -> Result<&'static Descriptor, Problem> {
 /// Names the key that the law refuses.
 pub fn build(scenario: &Scenario) -> Result<Box<dyn Law>, Problem> {
     (of(scenario)?.build)(scenario)
+}
+
+/// The program of the user's that the scenario's law hosts, if it hosts one.
+///
+/// # Errors
+/// Names the key when there is no such program.
+pub fn program(scenario: &Scenario) -> Result<Option<runtime::Program>, Problem> {
+    match std::ptr::eq(of(scenario)?, &external::EXTERNAL) {
+        true => external::program(scenario).map(Some),
+        false => Ok(None),
+    }
 }
 
 /// Checks the law's name, the tables of all laws, and that the scenario's law accepts its settings.

@@ -1,7 +1,7 @@
 //! C: a header whose structs are the messages' bytes, with assertions that say so.
 
 use super::all;
-use messages::{Element, Field, LAYOUT_VERSION, Scalar, TOPICS};
+use messages::{Element, Field, LAYOUT_VERSION, Layout, Scalar, TOPICS};
 use std::fmt::Write;
 
 /// A C11 header with a struct per message and each topic's name.
@@ -19,25 +19,29 @@ pub fn header() -> String {
         writeln!(out, "#define TIMEGAP_TOPIC_{constant} \"{name}\"").expect("a string takes all");
     }
     for layout in all() {
-        let name = layout.name;
-        let fields: String = layout.fields.iter().map(member).collect();
-        writeln!(
-            out,
-            "\n/* \"{}\" */\ntypedef struct Timegap{name} {{\n{fields}}} Timegap{name};\n\
-             static_assert(sizeof(Timegap{name}) == {}, \"size of {name}\");",
-            layout.type_name, layout.bytes
-        )
-        .expect("a string takes all");
-        for field in layout.fields {
-            writeln!(
-                out,
-                "static_assert(offsetof(Timegap{name}, {}) == {}, \"{name}.{0}\");",
-                field.name, field.offset
-            )
-            .expect("a string takes all");
-        }
+        out.push_str(&structure(layout));
     }
     out.push_str("\n#endif\n");
+    text
+}
+
+/// One struct, and assertions that it has the message's bytes.
+pub(super) fn structure(layout: &Layout) -> String {
+    let name = layout.name;
+    let fields: String = layout.fields.iter().map(member).collect();
+    let mut text = format!(
+        "\n/* \"{}\" */\ntypedef struct Timegap{name} {{\n{fields}}} Timegap{name};\n\
+         static_assert(sizeof(Timegap{name}) == {}, \"size of {name}\");\n",
+        layout.type_name, layout.bytes
+    );
+    for field in layout.fields {
+        writeln!(
+            text,
+            "static_assert(offsetof(Timegap{name}, {}) == {}, \"{name}.{0}\");",
+            field.name, field.offset
+        )
+        .expect("a string takes all");
+    }
     text
 }
 

@@ -1,10 +1,12 @@
 //! The layouts of all messages in the languages of those who read them.
 
 mod c;
+mod law;
 mod python;
 mod ros2;
 
 pub use c::header as c_header;
+pub use law::{all as law_records, c_header as law_c_header, python_module as law_python_module};
 pub use python::module as python_module;
 pub use ros2::definition as ros2_definition;
 

@@ -1,7 +1,7 @@
 //! Python: `ctypes` structures that the `iceoryx2` package can subscribe to.
 
 use super::all;
-use messages::{Element, Field, LAYOUT_VERSION, Scalar, TOPICS};
+use messages::{Element, Field, LAYOUT_VERSION, Layout, Scalar, TOPICS};
 use std::fmt::Write;
 
 /// A Python module with a `ctypes.Structure` per struct and the type of each topic.
@@ -14,18 +14,7 @@ pub fn module() -> String {
     );
     let out = &mut text;
     for layout in all() {
-        let fields: String = layout
-            .fields
-            .iter()
-            .map(|field| format!("        (\"{}\", {}),\n", field.name, type_of(field)))
-            .collect();
-        write!(
-            out,
-            "\n\nclass {}(ctypes.Structure):\n    _fields_ = [\n{fields}    ]\n\n    @staticmethod\n    \
-             def type_name() -> str:\n        return \"{}\"\n\n\nassert ctypes.sizeof({0}) == {}\n",
-            layout.name, layout.type_name, layout.bytes
-        )
-        .expect("a string takes all");
+        out.push_str(&class(layout));
     }
     out.push_str("\nTOPICS = {\n");
     for topic in TOPICS {
@@ -34,6 +23,20 @@ pub fn module() -> String {
     }
     out.push_str("}\n");
     text
+}
+
+/// The class of one struct.
+pub(super) fn class(layout: &Layout) -> String {
+    let fields: String = layout
+        .fields
+        .iter()
+        .map(|field| format!("        (\"{}\", {}),\n", field.name, type_of(field)))
+        .collect();
+    format!(
+        "\n\nclass {}(ctypes.Structure):\n    _fields_ = [\n{fields}    ]\n\n    @staticmethod\n    \
+         def type_name() -> str:\n        return \"{}\"\n\n\nassert ctypes.sizeof({0}) == {}\n",
+        layout.name, layout.type_name, layout.bytes
+    )
 }
 
 fn type_of(field: &Field) -> String {

@@ -5,6 +5,7 @@ use super::held::Held;
 use super::loan::{Loan, Place};
 use super::payload::{PAYLOAD_TOPIC, Payload, Stamp};
 use crate::link::End;
+use crate::members::Members;
 use crate::waking::{Waiter, WakeWords, Waker};
 use crate::{Group, Mode, RuntimeError, Timetable};
 use iceoryx2::config::Config;
@@ -17,7 +18,9 @@ use messages::Service;
 use messages::{LAYOUT_VERSION, Message, TOPICS, Topic};
 use std::fmt::Debug;
 use std::os::unix::fs::PermissionsExt;
+use std::path::PathBuf;
 use std::rc::Rc;
+use std::sync::Mutex;
 
 /// The iceoryx2 variant of all topics.
 pub(crate) use super::pooled::PooledIpc as Ipc;
@@ -92,6 +95,7 @@ pub struct SharedMemory {
     wake_words: WakeWords,
     mode: Mode,
     buffer: usize,
+    root: PathBuf,
 }
 
 impl SharedMemory {
@@ -113,7 +117,13 @@ impl SharedMemory {
         keep_to_this_user(&group.prefix).map_err(|e| error(format!("shared memory: {e}")))?;
         let wake_words =
             WakeWords::map(&group.prefix).map_err(|e| error(format!("wake words: {e}")))?;
-        Ok(Self { node, wake_words, mode: group.mode, buffer: buffer(&group.timetable) })
+        Ok(Self {
+            node,
+            wake_words,
+            mode: group.mode,
+            buffer: buffer(&group.timetable),
+            root: group.root.clone(),
+        })
     }
 
     /// Removes what dead processes left on the topics.
@@ -153,12 +163,13 @@ impl SharedMemory {
         &self,
         end: End,
     ) -> Result<Rc<dyn Sender<T>>, RuntimeError> {
+        let group = Listeners::of(&self.root);
         let port = self
             .topic::<T>()?
             .publisher_builder()
             .max_loaned_samples(LOANED)
-            .set_backpressure_handler(move |_| {
-                if end.is_now() {
+            .set_backpressure_handler(move |full| {
+                if end.is_now() || !group.waits_for(full.receiver_port_id) {
                     return BackpressureAction::DiscardData;
                 }
                 std::thread::sleep(std::time::Duration::from_micros(20));
@@ -215,6 +226,37 @@ impl SharedMemory {
 
     pub(super) fn waiter(&self, topic: Topic) -> Waiter {
         self.wake_words.waiter(topic)
+    }
+}
+
+/// Receiving ports with a full buffer, and whether their process belongs to the group.
+///
+/// In lockstep a message of the group is lost for none of its processes: the sender waits for room. A
+/// process that joined by itself gets what it has room for, so that none can hold up the run.
+struct Listeners {
+    members: Members,
+    /// What was looked up so far, newest last; few ports ever have a full buffer.
+    known: Mutex<[Option<(u128, bool)>; REMEMBERED_LISTENERS]>,
+}
+
+/// Receiving ports that a sender remembers.
+const REMEMBERED_LISTENERS: usize = 2 * MAX_PEERS;
+
+impl Listeners {
+    fn of(root: &std::path::Path) -> Self {
+        Self { members: Members::of(root), known: Mutex::new([None; REMEMBERED_LISTENERS]) }
+    }
+
+    /// True if the process of receiving port `port` belongs to the group.
+    fn waits_for(&self, port: u128) -> bool {
+        let mut known = self.known.lock().expect("no holder panics");
+        if let Some((_, belongs)) = known.iter().flatten().find(|(id, _)| *id == port) {
+            return *belongs;
+        }
+        let belongs = self.members.is_in_group(SenderId(port).pid());
+        known.rotate_left(1);
+        known[REMEMBERED_LISTENERS - 1] = Some((port, belongs));
+        belongs
     }
 }
 

@@ -49,9 +49,9 @@ pub struct Live {
 }
 
 impl Live {
-    /// Opens the views that were asked for.
-    pub fn open(options: &LiveOptions, scenario: &Scenario) -> Result<Self, Error> {
-        let title = format!("{} · {}", scenario.name.as_str(), scenario.controller.name.as_str());
+    /// Opens the views that were asked for; `driver` is the law or program that drives.
+    pub fn open(options: &LiveOptions, scenario: &Scenario, driver: &str) -> Result<Self, Error> {
+        let title = format!("{} · {driver}", scenario.name.as_str());
         let mut views = Vec::new();
         // The server first: it may say where it is before the terminal is taken.
         let server = match options.serve {

@@ -72,6 +72,7 @@ fn as_json(recording: &Recording, tally: &Tally) -> Value {
         "mode": metadata.mode.name(),
         "seed": metadata.seed,
         "program": metadata.program,
+        "programs": metadata.programs,
         "layout_version": metadata.layout_version,
         "started_unix_ns": metadata.started_unix_ns,
         "host": {
@@ -103,6 +104,10 @@ fn as_text(recording: &Recording, tally: &Tally) -> String {
     for (service, granted) in &metadata.scheduling {
         let core = granted.core.map_or_else(|| "any core".into(), |core| format!("core {core}"));
         line(service, format!("{}, {core}", granted.granted));
+    }
+    for (service, program) in &metadata.programs {
+        let (command, digest) = (&program.command, program.short_digest());
+        line("program", format!("{service}: {command} (sha256 {digest}...)"));
     }
     for (service, processes) in &tally.incarnations {
         if *processes > 1 {

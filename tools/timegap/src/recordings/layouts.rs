@@ -2,7 +2,7 @@
 
 use clap::Args;
 use group::Error;
-use messages::{Element, Field, LAYOUT_VERSION, Layout, Scalar, TOPICS};
+use messages::{Element, Field, LAYOUT_VERSION, Layout, Scalar, TOPICS, notes};
 use recorder::schema;
 use report::print;
 use serde_json::{Value, json};
@@ -10,9 +10,19 @@ use std::process::ExitCode;
 
 /// Arguments of `layouts`.
 #[derive(Debug, Args)]
-#[group(required = true, multiple = false)]
 #[command(after_long_help = SUBSCRIBE)]
 pub struct LayoutsArguments {
+    #[command(flatten)]
+    pub language: Language,
+    /// What a law of your own is asked and answers, in the place of the messages (see docs/tutorial.md)
+    #[arg(long)]
+    pub law: bool,
+}
+
+/// In which language.
+#[derive(Debug, Args)]
+#[group(required = true, multiple = false)]
+pub struct Language {
     /// A Python module of ctypes structures
     #[arg(long)]
     pub python: bool,
@@ -41,25 +51,44 @@ a file, take `root` and `prefix` from live.json in the run's results, and open t
 
 /// Runs the command.
 pub fn run(arguments: &LayoutsArguments) -> Result<ExitCode, Error> {
-    if arguments.python {
-        print::out(&schema::python_module())?;
-    } else if arguments.c {
-        print::out(&schema::c_header())?;
-    } else {
-        let topics: serde_json::Map<_, _> = TOPICS
-            .into_iter()
-            .map(|topic| (topic.name().to_owned(), json!(topic.layout().name)))
-            .collect();
-        let structs: Vec<_> = schema::all().into_iter().map(as_json).collect();
-        let layouts = json!({
-            "schema_version": 1,
-            "layout_version": LAYOUT_VERSION,
-            "topics": topics,
-            "structs": structs,
-        });
-        print::out(&(serde_json::to_string_pretty(&layouts).expect("plain data") + "\n"))?;
-    }
+    let text = match (&arguments.language, arguments.law) {
+        (Language { python: true, .. }, false) => schema::python_module(),
+        (Language { python: true, .. }, true) => schema::law_python_module(),
+        (Language { c: true, .. }, false) => schema::c_header(),
+        (Language { c: true, .. }, true) => schema::law_c_header(),
+        (_, false) => pretty(&messages_as_json()),
+        (_, true) => pretty(&law_as_json()),
+    };
+    print::out(&text)?;
     Ok(ExitCode::SUCCESS)
+}
+
+fn pretty(value: &Value) -> String {
+    serde_json::to_string_pretty(value).expect("plain data") + "\n"
+}
+
+fn law_as_json() -> Value {
+    json!({
+        "schema_version": 1,
+        "layout_version": LAYOUT_VERSION,
+        "question": "LawInput",
+        "answer": "LawAnswer",
+        "structs": schema::law_records().into_iter().map(as_json).collect::<Vec<_>>(),
+    })
+}
+
+fn messages_as_json() -> Value {
+    let topics: serde_json::Map<_, _> = TOPICS
+        .into_iter()
+        .map(|topic| (topic.name().to_owned(), json!(topic.layout().name)))
+        .collect();
+    let structs: Vec<_> = schema::all().into_iter().map(as_json).collect();
+    json!({
+        "schema_version": 1,
+        "layout_version": LAYOUT_VERSION,
+        "topics": topics,
+        "structs": structs,
+    })
 }
 
 fn as_json(layout: &Layout) -> Value {
@@ -77,6 +106,7 @@ fn as_json(layout: &Layout) -> Value {
             "offset": field.offset,
             "type": element,
             "length": field.shape.len,
+            "meaning": notes::of_message(layout.name, field.name),
         })
     };
     json!({

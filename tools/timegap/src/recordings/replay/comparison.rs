@@ -1,9 +1,10 @@
 //! Recorded against replayed, message by message.
 
+use super::Programs;
 use group::Replayed;
 use messages::{Command, Message, Place};
 use recorder::{Recording, Take};
-use runtime::Mode;
+use runtime::{Mode, Program};
 use scenario::Scenario;
 use serde::Serialize;
 
@@ -50,6 +51,9 @@ pub(super) struct Comparison {
     pub(super) scenario: String,
     pub(super) recorded_controller: String,
     pub(super) replayed_controller: String,
+    /// The programs of the user's that drove; null where timegap's own controller did.
+    pub(super) recorded_program: Option<Program>,
+    pub(super) replayed_program: Option<Program>,
     /// The recorded run's clock.
     pub(super) mode: &'static str,
     /// True if the scenario was changed for the replay.
@@ -88,13 +92,24 @@ pub(super) struct Difference {
 }
 
 impl Comparison {
-    pub(super) fn new(recording: &Recording, scenario: &Scenario, changed: bool) -> Self {
+    pub(super) fn new(
+        recording: &Recording,
+        scenario: &Scenario,
+        changed: bool,
+        programs: Programs,
+    ) -> Self {
         let metadata = recording.metadata();
+        let driver = |law: &str, program: &Option<Program>| match program {
+            Some(program) => program.name.clone(),
+            None => law.to_owned(),
+        };
         Self {
             schema_version: 1,
             scenario: metadata.scenario_name.clone(),
-            recorded_controller: metadata.controller.clone(),
-            replayed_controller: scenario.controller.name.as_str().into(),
+            recorded_controller: driver(&metadata.controller, &programs.recorded),
+            replayed_controller: driver(scenario.controller.name.as_str(), &programs.replayed),
+            recorded_program: programs.recorded,
+            replayed_program: programs.replayed,
             mode: metadata.mode.name(),
             changed,
             not_compared: match metadata.mode {

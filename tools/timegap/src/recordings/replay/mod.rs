@@ -19,10 +19,12 @@ use clap::Args;
 use comparison::{Comparison, Row, by_step};
 use controller::laws;
 use group::Error;
-use group::replay;
+use group::{replay, service_program};
+use messages::Service;
 use recorder::Recording;
 use report::print;
 use report::progress::count_bar;
+use runtime::Program;
 use scenario::{Overrides, Scenario};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -36,6 +38,9 @@ pub struct ReplayArguments {
     /// Give the inputs to another control law (see `timegap list`) and compare its commands
     #[arg(long, value_name = "NAME")]
     pub controller: Option<String>,
+    /// Give the inputs to PROGRAM in the controller's place, as `run --service controller=PROGRAM` does
+    #[arg(long, value_name = "controller=PROGRAM", value_parser = service_program)]
+    pub service: Option<(Service, PathBuf)>,
     /// Change any key of the recorded scenario, by its dotted path; may be given again
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
@@ -51,6 +56,7 @@ pub struct ReplayArguments {
 pub fn run(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
     let recording = open(&arguments.run)?;
     let (scenario, changed) = scenario(&recording, arguments)?;
+    let programs = programs(&recording, &scenario, arguments)?;
     let takes = recording.takes();
     let cycles: usize = takes.iter().map(|take| take.releases.len()).sum();
     if cycles == 0 {
@@ -60,9 +66,10 @@ pub fn run(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
     let bar = count_bar(cycles, arguments.json);
     let mut done = 0;
     let mut rows = Vec::new();
-    let mut comparison = Comparison::new(&recording, &scenario, changed);
+    let mut comparison = Comparison::new(&recording, &scenario, changed, programs);
+    let program = arguments.service.as_ref().map(|(_, program)| program);
     for take in &takes {
-        let replayed = replay(&scenario, take, recording.path(), &mut |cycles| {
+        let replayed = replay(&scenario, take, recording.path(), program, &mut |cycles| {
             bar.set_position(done + cycles);
         })?;
         done += take.releases.len() as u64;
@@ -100,6 +107,53 @@ fn scenario(recording: &Recording, arguments: &ReplayArguments) -> Result<(Scena
         .map_err(|e| usage(&e))?;
     let changed = scenario != recorded;
     Ok((scenario, changed))
+}
+
+/// The program of the user's that drove in the recording, and the one that drives now.
+#[derive(Debug, Default)]
+pub(super) struct Programs {
+    recorded: Option<Program>,
+    replayed: Option<Program>,
+}
+
+/// Finds out who drove and who will.
+fn programs(
+    recording: &Recording,
+    scenario: &Scenario,
+    arguments: &ReplayArguments,
+) -> Result<Programs, Error> {
+    let recorded = recording.metadata().programs.get(Service::Controller.name()).cloned();
+    let hosted = laws::program(scenario).map_err(|e| Error::Usage(e.message))?;
+    let replayed = match &arguments.service {
+        Some((Service::Controller, path)) => {
+            let here = std::env::current_dir().unwrap_or_default();
+            Some(group::of_service(Service::Controller, path, &here)?)
+        }
+        Some((other, _)) => {
+            return Err(Error::Usage(format!(
+                "--service {other}: a replay has the controller alone, expected controller=PROGRAM"
+            )));
+        }
+        None => hosted,
+    };
+    if let (Some(program), None, None) = (&recorded, &replayed, &arguments.controller) {
+        return Err(Error::Usage(format!(
+            "{} was driven by the program `{}` (sha256 {}), expected --service \
+             controller=PROGRAM, or --controller NAME to compare it with another law",
+            recording.path().display(),
+            program.command,
+            program.sha256
+        )));
+    }
+    if let (Some(then), Some(now)) = (&recorded, &replayed)
+        && then.sha256 != now.sha256
+    {
+        let (file, now, then) = (now.file.display(), now.short_digest(), then.short_digest());
+        print::note(&format!(
+            "note: {file} has sha256 {now}..., the recorded program had {then}..."
+        ));
+    }
+    Ok(Programs { recorded, replayed })
 }
 
 fn write(path: &Path, rows: &[Row]) -> Result<(), Error> {

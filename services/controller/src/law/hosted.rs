@@ -1,0 +1,40 @@
+//! A law that a foreign program computes: what the control loop asks of its host.
+
+use super::{Input, Output};
+use runtime::report::ProgramReport;
+use scenario::Scenario;
+use std::time::Duration;
+use thiserror::Error;
+
+/// Why a foreign law cannot go on. The sentence names the program and what was expected of it.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{0}")]
+pub struct HostedError(pub(crate) String);
+
+/// The host of a foreign law's program.
+pub trait Hosted {
+    /// Starts the program and waits for its first answer.
+    ///
+    /// # Errors
+    /// What the program did instead of answering.
+    fn start(&mut self) -> Result<(), HostedError>;
+
+    /// The run begins in real time: the program gets a share of the services' scheduling.
+    fn begin_realtime(&mut self, scenario: &Scenario);
+
+    /// One step of the law. `left` is the wall time in which it must be done: what has not been answered
+    /// by then is answered by the law's backup. None: in simulated time, in which the answer is waited
+    /// for.
+    ///
+    /// # Errors
+    /// In simulated time, when no answer comes, or a wrong one: its repetition would be another run.
+    fn step_within(
+        &mut self,
+        left: Option<Duration>,
+        input: &Input,
+        output: &mut Output,
+    ) -> Result<(), HostedError>;
+
+    /// How the program fared.
+    fn report(&self) -> ProgramReport;
+}

@@ -1,0 +1,433 @@
+//! The thread that starts a law's program, proves it, replaces it and ends it.
+//!
+//! It is not real-time: the control loop never waits for a process to start or to go. The kernel kills
+//! the program when this thread ends, whatever ends it; the program and what it started form a process
+//! group of their own, which is killed as a whole.
+
+use super::channel::{Channel, ChannelError};
+use super::record::question;
+use crate::law::{HostedError, Input};
+use runtime::report::MAX_FAILURES;
+use runtime::scheduling::lend_to;
+use runtime::{die_with_this_thread, inherit_only};
+use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
+use scenario::Scenario;
+use scenario::supervision::Supervision;
+use std::collections::VecDeque;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::os::unix::process::CommandExt;
+use std::path::PathBuf;
+use std::process::{Child, ChildStderr, Command, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// Time that a program gets to go when its input ends.
+const GRACE: Duration = Duration::from_millis(500);
+/// Lines of a program's standard error that are handed on, each time that it is started.
+const KEPT_LINES: usize = 50;
+/// Longest line that is handed on, bytes.
+const LONGEST_LINE: u64 = 400;
+/// Last lines that an error shows.
+const LAST_WORDS: usize = 3;
+
+/// What to host.
+#[derive(Clone, Debug)]
+pub(super) struct Plan {
+    pub(super) command: Vec<String>,
+    pub(super) directory: PathBuf,
+    /// Time for the first answer.
+    pub(super) patience: Duration,
+    /// How often the program may be started again.
+    pub(super) supervision: Supervision,
+}
+
+impl Plan {
+    /// The program in a sentence.
+    pub(super) fn subject(&self) -> String {
+        format!("the law `{}`", self.command.join(" ").escape_debug())
+    }
+}
+
+/// What the control loop asks for.
+#[derive(Debug)]
+enum Order {
+    /// Say what the program did, and end it.
+    Explain(ChannelError),
+    /// Replace the program, for what it did.
+    Replace(ChannelError),
+    /// Lend the programs a share of the services' scheduling.
+    Lend(Box<Scenario>),
+}
+
+/// What the thread answers.
+#[derive(Debug)]
+pub(super) enum News {
+    /// A program that gave its first answer.
+    Ready(Box<Channel>),
+    /// There will be none any more.
+    Ended(HostedError),
+}
+
+/// What the programs did so far.
+#[derive(Debug, Default)]
+pub(super) struct Life {
+    pub(super) starts: u64,
+    pub(super) failures: Vec<String>,
+    pub(super) given_up: bool,
+}
+
+/// The control loop's side of the thread.
+#[derive(Debug)]
+pub(super) struct Host {
+    orders: Option<Sender<Order>>,
+    pub(super) news: Receiver<News>,
+    pub(super) life: Arc<Mutex<Life>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Host {
+    /// Starts the thread, which starts the program.
+    pub(super) fn start(plan: Plan) -> Result<Self, HostedError> {
+        let (orders, inbox) = channel();
+        let (outbox, news) = channel();
+        let life = Arc::new(Mutex::new(Life::default()));
+        let subject = plan.subject();
+        let own = Thread { plan, orders: inbox, news: outbox, life: Arc::clone(&life), lent: None };
+        let thread = std::thread::Builder::new()
+            .name("law-host".into())
+            .spawn(move || own.run())
+            .map_err(|e| HostedError(format!("{subject} cannot be hosted: {e}")))?;
+        Ok(Self { orders: Some(orders), news, life, thread: Some(thread) })
+    }
+
+    /// Asks for what the program did, in a sentence, and ends it; the answer comes as news.
+    pub(super) fn explain(&self, error: ChannelError) {
+        self.order(Order::Explain(error));
+    }
+
+    /// Asks for another program.
+    pub(super) fn replace(&self, error: ChannelError) {
+        self.order(Order::Replace(error));
+    }
+
+    /// Lends the programs a share of the services' scheduling.
+    pub(super) fn lend(&self, scenario: &Scenario) {
+        self.order(Order::Lend(Box::new(scenario.clone())));
+    }
+
+    fn order(&self, order: Order) {
+        if let Some(orders) = &self.orders {
+            // The thread may have given up.
+            let _ = orders.send(order);
+        }
+    }
+}
+
+impl Drop for Host {
+    fn drop(&mut self) {
+        // The end of the orders is the order to end; the program's input must be closed before.
+        self.orders = None;
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// The thread.
+struct Thread {
+    plan: Plan,
+    orders: Receiver<Order>,
+    news: Sender<News>,
+    life: Arc<Mutex<Life>>,
+    lent: Option<Box<Scenario>>,
+}
+
+impl Thread {
+    fn run(mut self) {
+        let mut restarts = Restarts::default();
+        let mut first = true;
+        loop {
+            match self.begin() {
+                Ok((process, channel)) => {
+                    if self.news.send(News::Ready(Box::new(channel))).is_err() {
+                        return process.end(GRACE);
+                    }
+                    if !self.attend(process) {
+                        return;
+                    }
+                }
+                Err(why) if first => return self.give_up(why),
+                Err(why) => self.note(why),
+            }
+            first = false;
+            let Some(wait) = restarts.next(&self.plan.supervision) else {
+                let subject = self.plan.subject();
+                return self
+                    .give_up(format!("{subject} failed too often and is not started again"));
+            };
+            if !self.pause(wait) {
+                return;
+            }
+        }
+    }
+
+    /// Looks after a program until it is to be replaced; false when there is nothing more to do.
+    fn attend(&mut self, mut process: Process) -> bool {
+        loop {
+            match self.orders.recv() {
+                Ok(Order::Lend(scenario)) => {
+                    lend_to(process.pid(), &scenario, messages::Service::Controller);
+                    self.lent = Some(scenario);
+                }
+                Ok(Order::Replace(error)) => {
+                    let why = self.why(&error, &mut process);
+                    self.note(why);
+                    process.end(Duration::ZERO);
+                    return true;
+                }
+                Ok(Order::Explain(error)) => {
+                    let why = self.why(&error, &mut process);
+                    process.end(Duration::ZERO);
+                    self.give_up(why);
+                    return false;
+                }
+                Err(_) => {
+                    process.end(GRACE);
+                    return false;
+                }
+            }
+        }
+    }
+
+    /// Waits before the next start; false if there is to be none.
+    fn pause(&mut self, wait: Duration) -> bool {
+        let until = Instant::now() + wait;
+        loop {
+            match self.orders.recv_timeout(until.saturating_duration_since(Instant::now())) {
+                Ok(Order::Lend(scenario)) => self.lent = Some(scenario),
+                Ok(Order::Replace(_) | Order::Explain(_)) => {}
+                Err(RecvTimeoutError::Timeout) => return true,
+                Err(RecvTimeoutError::Disconnected) => return false,
+            }
+        }
+    }
+
+    /// Starts a program and hears its first answer.
+    fn begin(&mut self) -> Result<(Process, Channel), String> {
+        let subject = self.plan.subject();
+        let (mut process, mut channel) = Process::start(&self.plan)
+            .map_err(|why| format!("{subject} cannot be started: {why}"))?;
+        self.life.lock().expect("no holder panics").starts += 1;
+        let deadline = Instant::now() + self.plan.patience;
+        let probe = question(&Input { period_s: 0.1, ..Input::default() }, 1, true);
+        let answered = channel.ask(&probe).and_then(|()| channel.answer(deadline));
+        match answered {
+            Ok(Some(answer)) if answer.request_mps2.is_finite() => {
+                if let Some(scenario) = &self.lent {
+                    lend_to(process.pid(), scenario, messages::Service::Controller);
+                }
+                Ok((process, channel))
+            }
+            Ok(Some(answer)) => {
+                process.end(Duration::ZERO);
+                let request = answer.request_mps2;
+                Err(format!(
+                    "{subject} gave a wrong first answer: request_mps2 = {request}, expected a finite \
+                     number"
+                ))
+            }
+            other => {
+                let patience = self.plan.patience;
+                let error = other.err().unwrap_or(ChannelError::Silent { patience });
+                let why = self.why(&error, &mut process);
+                process.end(Duration::ZERO);
+                Err(format!("{why} (it had not answered once)"))
+            }
+        }
+    }
+
+    /// What a program did, in a sentence.
+    fn why(&self, error: &ChannelError, process: &mut Process) -> String {
+        let what = match error {
+            ChannelError::Closed => process.how_it_ended(),
+            other => other.to_string(),
+        };
+        let words = process.last_words();
+        let words = if words.is_empty() { words } else { format!("; it said: {words}") };
+        format!("{} {what}{words}", self.plan.subject())
+    }
+
+    fn note(&self, why: String) {
+        let mut life = self.life.lock().expect("no holder panics");
+        if life.failures.len() < MAX_FAILURES {
+            life.failures.push(why);
+        }
+    }
+
+    fn give_up(&self, why: String) {
+        self.note(why.clone());
+        self.life.lock().expect("no holder panics").given_up = true;
+        // The loop may be gone.
+        let _ = self.news.send(News::Ended(HostedError(why)));
+    }
+}
+
+/// A program that runs.
+struct Process {
+    child: Child,
+    words: Arc<Mutex<VecDeque<String>>>,
+    /// It was waited for: its ids may be another's by now.
+    is_reaped: bool,
+}
+
+impl Process {
+    fn start(plan: &Plan) -> Result<(Self, Channel), String> {
+        let (name, arguments) = plan.command.split_first().ok_or("it has no name")?;
+        let mut command = match name.contains('/') {
+            true => Command::new(plan.directory.join(name)),
+            false => Command::new(name),
+        };
+        command
+            .args(arguments)
+            .current_dir(&plan.directory)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .process_group(0);
+        inherit_only(&mut command, None);
+        die_with_this_thread(&mut command);
+        let child = command.spawn().map_err(|e| e.to_string())?;
+        let mut process = Self { child, words: Arc::default(), is_reaped: false };
+        match process.open() {
+            Ok(channel) => Ok((process, channel)),
+            Err(why) => {
+                process.end(Duration::ZERO);
+                Err(why)
+            }
+        }
+    }
+
+    /// Takes its pipes: the channel, and a thread that hears its words.
+    fn open(&mut self) -> Result<Channel, String> {
+        let questions = self.child.stdin.take().ok_or("no pipe")?;
+        let answers = self.child.stdout.take().ok_or("no pipe")?;
+        let errors = self.child.stderr.take().ok_or("no pipe")?;
+        let words = Arc::clone(&self.words);
+        std::thread::Builder::new()
+            .name("law-words".into())
+            .stack_size(128 << 10)
+            .spawn(move || hear(errors, &words))
+            .map_err(|e| e.to_string())?;
+        Channel::new(questions.into(), answers.into()).map_err(|e| e.to_string())
+    }
+
+    fn pid(&self) -> u32 {
+        self.child.id()
+    }
+
+    fn group(&self) -> Pid {
+        Pid::from_child(&self.child)
+    }
+
+    /// Waits until it is gone or `grace` is over; it stays to be waited for. True if it is gone.
+    fn is_gone_within(&self, grace: Duration) -> bool {
+        let deadline = Instant::now() + grace;
+        let options = WaitIdOptions::EXITED | WaitIdOptions::NOWAIT | WaitIdOptions::NOHANG;
+        loop {
+            match waitid(WaitId::Pid(self.group()), options) {
+                Ok(None) if Instant::now() < deadline => {
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+                Ok(None) => return false,
+                Ok(Some(_)) | Err(_) => return true,
+            }
+        }
+    }
+
+    /// How it ended; it is killed if it lives on.
+    fn how_it_ended(&mut self) -> String {
+        if !self.is_gone_within(GRACE) {
+            return "closed its standard output, which is for answers".into();
+        }
+        // What it started must not live on. It is not waited for yet: the group is its own.
+        let _ = kill_process_group(self.group(), Signal::KILL);
+        self.is_reaped = true;
+        match self.child.wait() {
+            Ok(status) => format!("ended ({status}), expected an answer to each question"),
+            Err(error) => format!("ended ({error})"),
+        }
+    }
+
+    /// Its last lines on standard error.
+    fn last_words(&self) -> String {
+        // The thread that hears them may be a moment behind the program's end.
+        std::thread::sleep(Duration::from_millis(20));
+        let words = self.words.lock().expect("no holder panics");
+        words.iter().map(String::as_str).collect::<Vec<_>>().join(" / ")
+    }
+
+    /// Ends it and what it started, after `grace`.
+    fn end(mut self, grace: Duration) {
+        if self.is_reaped {
+            return;
+        }
+        self.is_gone_within(grace);
+        // Also where it is gone: what it started must not live on. Not waited for yet: the group is its own.
+        let _ = kill_process_group(self.group(), Signal::KILL);
+        let _ = self.child.wait();
+    }
+}
+
+/// Hands the first lines of a program's standard error on, and keeps the last ones.
+fn hear(errors: ChildStderr, words: &Mutex<VecDeque<String>>) {
+    let mut reader = BufReader::new(errors);
+    let (mut line, mut lines) = (Vec::new(), 0);
+    loop {
+        line.clear();
+        match (&mut reader).take(LONGEST_LINE).read_until(b'\n', &mut line) {
+            Ok(0) | Err(_) => return,
+            Ok(_) => {}
+        }
+        let text = String::from_utf8_lossy(&line);
+        let text: String = text.trim_end().chars().filter(|c| !c.is_control()).collect();
+        if text.is_empty() {
+            continue;
+        }
+        lines += 1;
+        if lines <= KEPT_LINES {
+            // A standard error that is gone hears nothing.
+            let _ = writeln!(std::io::stderr(), "law: {text}");
+        }
+        let mut words = words.lock().expect("no holder panics");
+        words.push_back(text);
+        if words.len() > LAST_WORDS {
+            words.pop_front();
+        }
+    }
+}
+
+/// The starts within the supervisor's window.
+#[derive(Debug, Default)]
+struct Restarts(VecDeque<Instant>);
+
+impl Restarts {
+    /// The wait before the next start; none if the budget is used up.
+    fn next(&mut self, policy: &Supervision) -> Option<Duration> {
+        let now = Instant::now();
+        let window = Duration::from_nanos(policy.window_s.nanoseconds());
+        while self.0.front().is_some_and(|then| now.duration_since(*then) > window) {
+            self.0.pop_front();
+        }
+        let row = self.0.len();
+        if row >= usize::from(policy.budget.value()) {
+            return None;
+        }
+        self.0.push_back(now);
+        let doublings = u32::try_from(row).unwrap_or(u32::MAX).saturating_sub(1).min(30);
+        let wait_ms = u64::from(policy.backoff_ms.value()).saturating_mul(1 << doublings);
+        let wait_ms = wait_ms.min(policy.max_backoff_ms.value().into());
+        Some(if row == 0 { Duration::ZERO } else { Duration::from_millis(wait_ms) })
+    }
+}

@@ -1,0 +1,259 @@
+//! The law: a question and an answer at each release, and the backup where there is no answer.
+
+use super::channel::{Channel, ChannelError};
+use super::host::{Host, News, Plan};
+use super::record::{Refused, accept, question};
+use crate::law::{Hosted, HostedError, Input, Law, Output, Quality};
+use messages::LAW_MODES;
+use runtime::report::ProgramReport;
+use scenario::Scenario;
+use std::time::{Duration, Instant};
+
+/// Part of the time to the deadline that is left to the backup and to the command's way.
+const RESERVE: f64 = 0.1;
+/// Mode of the backup, behind the program's own.
+const BACKUP: u32 = LAW_MODES as u32;
+
+/// Smallest and largest request.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Bounds {
+    pub(super) least_mps2: f64,
+    pub(super) most_mps2: f64,
+}
+
+impl Bounds {
+    pub(super) fn bring_in(self, request_mps2: f64) -> f64 {
+        request_mps2.max(self.least_mps2).min(self.most_mps2)
+    }
+}
+
+/// Why the mode is what it is: the formulation's reasons.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Reason {
+    Answered,
+    Late,
+    NoProgram,
+    Refused,
+}
+
+/// A law that a program of the user's computes.
+pub struct External {
+    plan: Plan,
+    /// In real time, how long a program may owe an answer.
+    silence: Duration,
+    bounds: Bounds,
+    backup: Box<dyn Law>,
+    /// The backup drove at the last release.
+    on_backup: bool,
+    // The channel before the host: a program goes when its input ends.
+    channel: Option<Box<Channel>>,
+    host: Option<Host>,
+    /// The program is to forget its history.
+    forget: bool,
+    counts: ProgramReport,
+    /// What was wrong with the first answer that was refused.
+    refusal: Option<String>,
+}
+
+impl External {
+    pub(super) fn new(plan: Plan, silence: Duration, bounds: Bounds, backup: Box<dyn Law>) -> Self {
+        Self {
+            plan,
+            silence,
+            bounds,
+            backup,
+            on_backup: false,
+            channel: None,
+            host: None,
+            forget: true,
+            counts: ProgramReport::default(),
+            refusal: None,
+        }
+    }
+
+    /// Takes the next program, if the host has one; waits for it if `patience` is given.
+    fn look_for_program(&mut self, patience: Option<Duration>) -> Result<(), HostedError> {
+        let Some(host) = &self.host else { return Ok(()) };
+        let news = match patience {
+            Some(patience) => host.news.recv_timeout(patience).ok(),
+            None => host.news.try_recv().ok(),
+        };
+        match news {
+            Some(News::Ready(channel)) => {
+                (self.channel, self.forget) = (Some(channel), true);
+                Ok(())
+            }
+            Some(News::Ended(why)) => Err(why),
+            None => Ok(()),
+        }
+    }
+
+    /// What the program did, in a sentence; ends it.
+    fn explain(&mut self, error: ChannelError) -> HostedError {
+        self.channel = None;
+        let text = error.to_string();
+        if let Some(host) = &self.host {
+            host.explain(error);
+            while let Ok(news) = host.news.recv() {
+                if let News::Ended(why) = news {
+                    return why;
+                }
+            }
+        }
+        HostedError(text)
+    }
+
+    fn drive_by_backup(&mut self, reason: Reason, input: &Input, output: &mut Output) {
+        match reason {
+            Reason::Late => self.counts.late += 1,
+            Reason::NoProgram => self.counts.absent += 1,
+            Reason::Refused => self.counts.refused += 1,
+            Reason::Answered => {}
+        }
+        if !self.on_backup {
+            self.backup.reset();
+        }
+        self.on_backup = true;
+        self.backup.step(input, output);
+        for request in &mut output.plan_mps2[..output.plan_len] {
+            *request = self.bounds.bring_in(*request);
+        }
+        // Its own modes and figures would be taken for the program's.
+        *output = Output {
+            plan_mps2: output.plan_mps2,
+            plan_len: output.plan_len,
+            mode: BACKUP,
+            mode_reason: reason as u32,
+            quality: Quality::Backup,
+            solver_iterations: output.solver_iterations,
+            ..Output::default()
+        };
+    }
+
+    /// Asks and hears, until `deadline`.
+    fn ask(&mut self, input: &Input, deadline: Instant) -> Result<Heard, ChannelError> {
+        let Some(channel) = &mut self.channel else { return Ok(Heard::NoProgram) };
+        // An answer to an earlier question comes too late to be used.
+        if channel.unanswered_since().is_some() && channel.answer(Instant::now())?.is_none() {
+            let owed =
+                channel.unanswered_since().is_some_and(|since| since.elapsed() > self.silence);
+            return match owed {
+                true => Err(ChannelError::Silent { patience: self.silence }),
+                false => Ok(Heard::Late),
+            };
+        }
+        channel.ask(&question(input, channel.next_number(), self.forget))?;
+        self.forget = false;
+        Ok(match channel.answer(deadline)? {
+            Some(answer) => Heard::Answer(Box::new(answer)),
+            None => Heard::Late,
+        })
+    }
+}
+
+/// What came of a question.
+enum Heard {
+    Answer(Box<messages::LawAnswer>),
+    Late,
+    NoProgram,
+}
+
+impl Hosted for External {
+    fn start(&mut self) -> Result<(), HostedError> {
+        if self.host.is_none() {
+            self.host = Some(Host::start(self.plan.clone())?);
+            // The host's own watchdog is shorter.
+            self.look_for_program(Some(2 * self.plan.patience + Duration::from_secs(5)))?;
+        }
+        match self.channel {
+            Some(_) => Ok(()),
+            None => Err(HostedError("the host of the law does not answer".into())),
+        }
+    }
+
+    fn begin_realtime(&mut self, scenario: &Scenario) {
+        if let Some(host) = &self.host {
+            host.lend(scenario);
+        }
+    }
+
+    fn step_within(
+        &mut self,
+        left: Option<Duration>,
+        input: &Input,
+        output: &mut Output,
+    ) -> Result<(), HostedError> {
+        if self.channel.is_none() && left.is_some() {
+            // A host that has given up has said so in its report.
+            let _ = self.look_for_program(None);
+        }
+        let patience = left.map_or(self.plan.patience, |left| left.mul_f64(1.0 - RESERVE));
+        let heard = match self.ask(input, Instant::now() + patience) {
+            Ok(heard) => heard,
+            Err(error) if left.is_none() => return Err(self.explain(error)),
+            Err(error) => {
+                // Its input ends with the channel.
+                self.channel = None;
+                if let Some(host) = &self.host {
+                    host.replace(error);
+                }
+                Heard::NoProgram
+            }
+        };
+        match heard {
+            Heard::Answer(answer) => match accept(&answer, self.bounds, output) {
+                Ok(()) => {
+                    self.counts.answers += 1;
+                    (self.on_backup, output.mode_reason) = (false, Reason::Answered as u32);
+                }
+                Err(Refused(what)) => {
+                    self.refusal.get_or_insert(what);
+                    self.drive_by_backup(Reason::Refused, input, output);
+                }
+            },
+            Heard::Late if left.is_none() => {
+                return Err(self.explain(ChannelError::Silent { patience }));
+            }
+            Heard::Late => self.drive_by_backup(Reason::Late, input, output),
+            Heard::NoProgram => self.drive_by_backup(Reason::NoProgram, input, output),
+        }
+        Ok(())
+    }
+
+    fn report(&self) -> ProgramReport {
+        let mut report = self.counts.clone();
+        if let Some(host) = &self.host {
+            let life = host.life.lock().expect("no holder panics");
+            report.starts = life.starts;
+            report.failures.clone_from(&life.failures);
+            report.given_up = life.given_up;
+        }
+        if let Some(what) = &self.refusal {
+            report.failures.insert(0, format!("{} answered {what}", self.plan.subject()));
+        }
+        report
+    }
+}
+
+impl Law for External {
+    fn reset(&mut self) {
+        self.forget = true;
+        self.on_backup = false;
+    }
+
+    /// As in simulated time; the backup drives where the program fails.
+    fn step(&mut self, input: &Input, output: &mut Output) {
+        let started = self.host.is_some() || self.start().is_ok();
+        if !started || self.step_within(None, input, output).is_err() {
+            self.drive_by_backup(Reason::NoProgram, input, output);
+        }
+    }
+
+    fn request_bounds_mps2(&self) -> (f64, f64) {
+        (self.bounds.least_mps2, self.bounds.most_mps2)
+    }
+
+    fn hosted(&mut self) -> Option<&mut dyn Hosted> {
+        Some(self)
+    }
+}

@@ -1,0 +1,154 @@
+//! A program of the user's that takes part in a run: its command, and the digest of what it runs.
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::fs::File;
+use std::io::Read;
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+
+/// A program that is none of timegap's own.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Program {
+    /// Name of the file that was written for the purpose, without its directory and its ending.
+    pub name: String,
+    /// Its command, as a shell would take it.
+    pub command: String,
+    /// The file whose bytes the digest is of: the script that an interpreter runs, or the program.
+    pub file: PathBuf,
+    /// SHA-256 of that file, in hexadecimal digits.
+    pub sha256: String,
+}
+
+/// Why a command names no program.
+#[derive(Debug, thiserror::Error)]
+pub enum ProgramError {
+    /// There are no words.
+    #[error("no program, expected its name and its arguments, a text each")]
+    Empty,
+    /// No such file.
+    #[error("there is no program `{0}`, expected the path of a program or its name on the PATH")]
+    Missing(String),
+    /// A file that cannot be run.
+    #[error("`{0}` is not an executable file, expected one, or an interpreter before it")]
+    NotExecutable(String),
+    /// A file that cannot be read.
+    #[error("cannot read {}: {reason}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        reason: std::io::Error,
+    },
+}
+
+impl Program {
+    /// The program of `command`, whose relative paths start at `directory`.
+    ///
+    /// # Errors
+    /// [`ProgramError`] where there is none.
+    pub fn of(command: &[String], directory: &Path) -> Result<Self, ProgramError> {
+        let executable = executable(command, directory)?;
+        let file = script(command, directory).unwrap_or(executable);
+        let stem = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+        Ok(Self {
+            name: stem.unwrap_or_default(),
+            command: command.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" "),
+            sha256: digest(&file)?,
+            file,
+        })
+    }
+
+    /// The first digits of the digest, for a line that is short.
+    #[must_use]
+    pub fn short_digest(&self) -> &str {
+        self.sha256.get(..12).unwrap_or(&self.sha256)
+    }
+}
+
+/// The file that runs when `command` is started in `directory`.
+///
+/// # Errors
+/// [`ProgramError`] where there is none.
+pub fn executable(command: &[String], directory: &Path) -> Result<PathBuf, ProgramError> {
+    let name = command.first().filter(|name| !name.is_empty()).ok_or(ProgramError::Empty)?;
+    let is_executable = |path: &Path| {
+        path.metadata().is_ok_and(|file| file.is_file() && file.permissions().mode() & 0o111 != 0)
+    };
+    if name.contains('/') {
+        let path = directory.join(name);
+        return match path.metadata() {
+            Err(_) => Err(ProgramError::Missing(name.clone())),
+            Ok(_) if is_executable(&path) => Ok(path),
+            Ok(_) => Err(ProgramError::NotExecutable(name.clone())),
+        };
+    }
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let found = std::env::split_paths(&path).map(|place| place.join(name));
+    found
+        .into_iter()
+        .find(|path| is_executable(path))
+        .ok_or_else(|| ProgramError::Missing(name.clone()))
+}
+
+/// The first argument that is a file: what an interpreter runs.
+fn script(command: &[String], directory: &Path) -> Option<PathBuf> {
+    let arguments = command.iter().skip(1).filter(|word| !word.starts_with('-'));
+    arguments.map(|word| directory.join(word)).find(|path| path.is_file())
+}
+
+/// SHA-256 of a file.
+fn digest(path: &Path) -> Result<String, ProgramError> {
+    let error = |reason| ProgramError::Unreadable { path: path.to_owned(), reason };
+    let mut file = File::open(path).map_err(error)?;
+    let (mut hash, mut part) = (Sha256::new(), vec![0; 64 << 10]);
+    loop {
+        match file.read(&mut part).map_err(error)? {
+            0 => break,
+            count => hash.update(&part[..count]),
+        }
+    }
+    Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+}
+
+/// A word as a shell would take it.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=+:,@%".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', "'\\''"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(line: &str) -> Vec<String> {
+        line.split(' ').map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn the_script_counts_and_else_the_program() {
+        let here = std::env::temp_dir().join(format!("timegap-program-{}", std::process::id()));
+        std::fs::create_dir_all(&here).expect("the temporary directory is writable");
+        std::fs::write(here.join("law.py"), "abc").expect("ours");
+        let program = Program::of(&words("sh -u law.py 2"), &here).expect("sh is everywhere");
+        assert_eq!((program.name.as_str(), program.command.as_str()), ("law", "sh -u law.py 2"));
+        let abc = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+        assert_eq!(program.sha256, abc);
+        let shell = Program::of(&["sh".into(), "-c".into(), "echo 'a b'".into()], &here);
+        let shell = shell.expect("sh is everywhere");
+        assert_eq!((shell.name.as_str(), shell.sha256.len()), ("sh", 64));
+        assert_eq!(shell.command, "sh -c 'echo '\\''a b'\\'''");
+        let refused = |line: &str| {
+            let error = Program::of(&words(line), &here).expect_err("it is none");
+            error.to_string()
+        };
+        assert!(refused("./law.py").contains("not an executable file"));
+        assert!(refused("./no-such").contains("no program `./no-such`"));
+        assert!(refused("no-such-program-anywhere").contains("PATH"));
+        assert!(refused("").contains("expected its name"));
+        std::fs::remove_dir_all(&here).expect("ours");
+    }
+}

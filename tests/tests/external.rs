@@ -1,0 +1,427 @@
+//! A law in any language: the examples as they are, and programs that misbehave in every way. Each has one
+//! clear outcome, and nothing is left behind.
+
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, ExitCode};
+use system_tests::cases::{self, case, needing};
+use system_tests::{Corner, python, text, wait_for};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
+const ODD_LAW: &str = env!("CARGO_BIN_EXE_odd-law");
+const MY_CONTROLLER: &str = env!("CARGO_BIN_EXE_my-controller");
+const EXAMPLES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples");
+
+/// The options of a run by the program of these words.
+fn by(words: &[&str]) -> Vec<String> {
+    let words = serde_json::to_string(words).expect("texts");
+    ["--controller", "external", "--set"]
+        .map(str::to_owned)
+        .into_iter()
+        .chain([format!("controller.command={words}")])
+        .collect()
+}
+
+/// `timegap run following` by that program, with more options.
+fn run_by<'a>(law: &'a [String], more: &[&'a str]) -> Vec<&'a str> {
+    let law: Vec<&str> = law.iter().map(String::as_str).collect();
+    [&["run", "following"], more, &law].concat()
+}
+
+const LOCKSTEP: [&str; 4] = ["--mode", "lockstep", "--duration", "6"];
+
+fn controller(summary: &Value) -> Value {
+    let services = summary["services"].as_array().expect("a list");
+    let found = services.iter().find(|service| service["name"] == "controller");
+    found.expect("it took part").clone()
+}
+
+/// Processes whose command line has `word`.
+fn alive(word: &str) -> Vec<i32> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir("/proc").into_iter().flatten().flatten() {
+        let Some(pid) = entry.file_name().to_str().and_then(|name| name.parse().ok()) else {
+            continue;
+        };
+        let line = std::fs::read(entry.path().join("cmdline")).unwrap_or_default();
+        let mut words = line.split(|byte| *byte == 0);
+        if pid != std::process::id() as i32 && words.any(|part| part == word.as_bytes()) {
+            found.push(pid);
+        }
+    }
+    found
+}
+
+/// A copy of the odd law under a name of this test's own, so that its processes are told from others'.
+fn odd_law(corner: &Corner) -> String {
+    let path = corner.path().join("odd-law");
+    std::fs::copy(ODD_LAW, &path).expect("our own directory");
+    path.to_string_lossy().into_owned()
+}
+
+fn gone(law: &str) {
+    assert!(wait_for(|| alive(law).is_empty()), "orphans: {:?}", alive(law));
+}
+
+/// The same program gives the same bytes in a group, again, and in one process; who drove is told right.
+fn the_same_bytes_by_pipe_in_a_group_and_in_one_process() {
+    let corner = Corner::new(PROGRAM);
+    let law = odd_law(&corner);
+    let command = by(&[&law, "follow"]);
+    let run = |more: &[&str]| corner.json(&run_by(&command, &[&LOCKSTEP[..], more].concat()));
+    let (one, two) = (run(&["--out", "one"]), run(&["--no-record"]));
+    let inside = run(&["--in-process"]);
+    for other in [&two, &inside] {
+        for topic in ["control/command", "control/diagnostics", "vehicle/odometry"] {
+            let digests = |summary: &Value| summary["messages"][topic]["digests"].clone();
+            assert_eq!(digests(&one), digests(other), "{topic}");
+        }
+    }
+    assert_eq!((&one["outcome"], &one["controller"]), (&"completed".into(), &"external".into()));
+    let program = &controller(&one)["program"];
+    assert_eq!(program["command"], format!("{law} follow"));
+    let sum = Command::new("sha256sum").arg(&law).output().expect("coreutils");
+    let sum = String::from_utf8_lossy(&sum.stdout).into_owned();
+    assert_eq!(program["sha256"].as_str(), sum.split_whitespace().next());
+    assert_eq!(controller(&inside)["program"], *program);
+    assert_eq!(one["timing"]["law_program"]["starts"], 1);
+    let info = corner.json(&["info", "one"]);
+    assert_eq!(info["programs"]["controller"], *program);
+    let page = std::fs::read_to_string(corner.path().join("one/report.html")).expect("written");
+    assert!(page.contains("external (") && page.contains("odd-law follow"), "the page says who");
+    // The program runs again, and answers the same.
+    let replayed = corner.json(&["replay", "one"]);
+    assert_eq!(replayed["identical"], true, "{replayed}");
+    assert_eq!(replayed["replayed_program"]["sha256"], program["sha256"]);
+    gone(&law);
+    corner.expect_nothing_left(&[]);
+}
+
+/// A first answer that is wrong, or none, keeps the run from beginning: one error, status 2.
+fn what_is_no_law_is_refused() {
+    let corner = Corner::new(PROGRAM);
+    let law = odd_law(&corner);
+    for in_process in [false, true] {
+        for (manner, words) in [
+            ("garbage", ["hello, world", "expected"]),
+            ("flood", ["yyyy", "expected"]),
+            ("exit", ["exit status: 3", "I leave at once"]),
+            ("die", ["exit status: 7", "I die at question 1"]),
+            ("nan", ["request_mps2 = NaN", "expected a finite number"]),
+            ("sleep", ["no answer within 0.5 s", "odd-law sleep"]),
+        ] {
+            let command = by(&[&law, manner]);
+            let patience = ["--set", "controller.external.patience_s=0.5"];
+            let inside: &[&str] = if in_process { &["--in-process"] } else { &[] };
+            let output = corner.run(&run_by(
+                &command,
+                &[&LOCKSTEP[..], &patience, inside, &["--out", "o"]].concat(),
+            ));
+            let said = text(&output);
+            assert_eq!(output.status.code(), Some(2), "{manner}: {said}");
+            for word in words {
+                assert!(said.contains(word), "{manner} should say `{word}`: {said}");
+            }
+            assert_eq!(said.lines().filter(|l| l.starts_with("error")).count(), 1, "{said}");
+            assert!(!corner.path().join("o").exists(), "nothing of a run that never was");
+            gone(&law);
+            corner.expect_nothing_left(&[]);
+        }
+    }
+}
+
+/// A command that names no program is shown at its key.
+fn a_command_that_is_none() {
+    let corner = Corner::new(PROGRAM);
+    let scenario = |line: &str| {
+        let file = format!(
+            "schema_version = 1\nname = \"mine\"\n[controller]\nname = \"external\"\n{line}"
+        );
+        std::fs::write(corner.path().join("mine.toml"), file).expect("our own directory");
+        let output = corner.run(&["run", "mine.toml"]);
+        assert_eq!(output.status.code(), Some(2), "{}", text(&output));
+        text(&output)
+    };
+    assert!(scenario("").contains("mine.toml:3"), "the table where the key is missing");
+    let said = scenario("command = [\"./no-such-law\"]\n");
+    assert!(said.contains("mine.toml:5:11") && said.contains("./no-such-law"), "{said}");
+    let said = scenario("command = \"python3 law.py\"\n");
+    assert!(said.contains("mine.toml:5:11"), "{said}");
+    let said = scenario("command = [\"sh\"]\nexternal = { patience = 3 }\n");
+    assert!(said.contains("mine.toml:6:14") && said.contains("patience_s"), "{said}");
+    corner.expect_nothing_left(&[]);
+}
+
+/// In simulated time a law that fails during the run ends it: its repetition would be another run.
+fn in_simulated_time_a_failure_ends_the_run() {
+    let corner = Corner::new(PROGRAM);
+    let law = odd_law(&corner);
+    for (manner, word) in [
+        ("die", "I die at question 20"),
+        ("garbage", "hello, world"),
+        ("flood", "yyyy"),
+        ("twice", "expected"),
+        ("sleep", "no answer within 0.5 s"),
+    ] {
+        let command = by(&[&law, manner, "20"]);
+        let patience = ["--set", "controller.external.patience_s=0.5"];
+        for inside in [&[][..], &["--in-process"]] {
+            let more = [&LOCKSTEP[..], &patience, inside, &["--json", "--no-record"]].concat();
+            let output = corner.run(&run_by(&command, &more));
+            assert_eq!(output.status.code(), Some(1), "{manner}: {}", text(&output));
+            let summary: Value = serde_json::from_slice(&output.stdout).expect("a summary");
+            let why = summary["aborted_because"].as_str().unwrap_or_default();
+            assert!(why.contains(word) && why.contains("odd-law"), "{manner}: {why}");
+            gone(&law);
+            corner.expect_nothing_left(&[]);
+        }
+    }
+}
+
+/// An answer that no vehicle can follow is one for the backup, in both clocks.
+fn an_answer_that_is_no_number_is_refused_in_its_cycle() {
+    let corner = Corner::new(PROGRAM);
+    let law = odd_law(&corner);
+    let command = by(&[&law, "nan", "20"]);
+    let summary = corner.json(&run_by(&command, &[&LOCKSTEP[..], &["--no-record"]].concat()));
+    assert_eq!(summary["outcome"], "completed");
+    assert!(summary["timing"]["law_program"]["refused"].as_u64() > Some(10), "{summary}");
+    assert!(summary["timing"]["backup_cycles"].as_u64() > Some(10), "{summary}");
+    let failure = summary["timing"]["law_program"]["failures"][0].as_str().unwrap_or_default();
+    assert!(failure.contains("request_mps2 = NaN"), "{failure}");
+}
+
+/// In real time the backup drives while the law is late, and a law that fails is replaced.
+fn in_real_time_the_backup_drives_and_the_law_is_replaced() {
+    let corner = Corner::new(PROGRAM);
+    let law = odd_law(&corner);
+    for (manner, late, replaced) in [
+        ("slow", true, false),
+        ("sleep", true, true),
+        ("die", false, true),
+        ("garbage", false, true),
+        ("flood", false, true),
+    ] {
+        let command = by(&[&law, manner, "10"]);
+        let more = ["--duration", "5", "--no-record"];
+        let summary = corner.json(&run_by(&command, &more));
+        assert_eq!(summary["outcome"], "completed", "{manner}: {summary}");
+        let program = &summary["timing"]["law_program"];
+        let count = |key: &str| program[key].as_u64().unwrap_or_default();
+        assert!(count("answers") > 0, "{manner}: {program}");
+        assert!(!late || count("late") > 0, "{manner}: {program}");
+        assert_eq!(count("starts") > 1, replaced, "{manner}: {program}");
+        let failures = program["failures"].as_array().expect("a list");
+        assert_eq!(!failures.is_empty(), replaced, "{manner}: {program}");
+        assert_eq!(controller(&summary)["restarts"], 0, "{manner}: the service itself went on");
+        gone(&law);
+    }
+    corner.expect_nothing_left(&[]);
+}
+
+/// However the controller goes, its law goes with it.
+fn no_orphan_when_the_controller_or_all_of_it_is_killed() {
+    let corner = Corner::new(PROGRAM);
+    let law = odd_law(&corner);
+    let command = by(&[&law, "linger"]);
+    let more = ["--duration", "600", "--out", "out", "--no-record"];
+    let child = corner.start(&run_by(&command, &more));
+    assert!(wait_for(|| corner.path().join("out/live.json").exists()), "never drove");
+    let roots = corner.roots();
+    let own = || -> Vec<i32> {
+        let services = corner.processes();
+        alive(&law).into_iter().filter(|pid| services.iter().all(|(p, _)| p != pid)).collect()
+    };
+    let launcher = i32::try_from(child.id()).expect("fits");
+    let laws = || own().into_iter().filter(|pid| *pid != launcher).collect::<Vec<_>>();
+    let before = laws();
+    assert_eq!(before.len(), 1, "one law");
+    let kill = |pid: i32| {
+        let pid = Pid::from_raw(pid).expect("a process id");
+        kill_process(pid, Signal::KILL).expect("our own process");
+    };
+    kill(corner.wait_for_process("timegap-controller"));
+    assert!(wait_for(|| laws().len() == 1 && laws() != before), "another one: {:?}", laws());
+    // The launcher dies: the services see it, and nothing stays.
+    kill(launcher);
+    let _ = child.wait_with_output();
+    gone(&law);
+    corner.expect_nothing_left(&roots);
+}
+
+/// A controller of one's own process is told by its name, and replayed by its program alone.
+fn a_controller_program_is_told_and_replayed() {
+    let corner = Corner::new(PROGRAM);
+    let service = format!("controller={MY_CONTROLLER}");
+    let run = ["run", "following", "--mode", "lockstep", "--duration", "4", "--out", "out"];
+    let summary = corner.json(&[&run[..], &["--service", &service]].concat());
+    assert_eq!(summary["controller"], "two-seconds", "{summary}");
+    assert_eq!(controller(&summary)["program"]["command"], MY_CONTROLLER);
+    let refused = corner.run(&["replay", "out"]);
+    assert_eq!(refused.status.code(), Some(2), "{}", text(&refused));
+    assert!(text(&refused).contains("--service controller=PROGRAM"), "{}", text(&refused));
+    let replayed = corner.json(&["replay", "out", "--service", &service]);
+    assert_eq!(replayed["identical"], true, "{replayed}");
+    let other = corner.run(&["replay", "out", "--service", "plant=/bin/true"]);
+    assert_eq!(other.status.code(), Some(2), "{}", text(&other));
+    corner.expect_nothing_left(&[]);
+}
+
+/// Batches and comparisons drive it, at 1 kHz too.
+fn it_compares_and_sweeps_and_runs_at_one_kilohertz() {
+    let corner = Corner::new(PROGRAM);
+    let law = odd_law(&corner);
+    let key = format!("controller.command=[\"{law}\"]");
+    let short = ["--set", "duration_s=4", "--set", &key];
+    let compared =
+        [&["compare", "following", "--controllers", "acc-mpc,external"], &short[..]].concat();
+    let rows = corner.json(&compared);
+    assert_eq!(rows["rows"].as_array().map(Vec::len), Some(2), "{rows}");
+    let sweep = ["sweep", "following", "--controller", "external", "--param"];
+    let swept = corner.json(&[&sweep[..], &["set_speed_mps=20..24/2"], &short].concat());
+    assert!(swept["ok"] != false, "{swept}");
+    let command = by(&[&law]);
+    let fast = ["--mode", "lockstep", "--duration", "2", "--set", "controller.period_ms=1"];
+    let summary = corner.json(&run_by(&command, &[&fast[..], &["--no-record"]].concat()));
+    assert_eq!(summary["outcome"], "completed", "{summary}");
+    assert!(summary["timing"]["law_program"]["answers"].as_u64() > Some(1500), "{summary}");
+    gone(&law);
+}
+
+fn the_python_example_drives() {
+    let corner = Corner::new(PROGRAM);
+    std::fs::copy(Path::new(EXAMPLES).join("my_law.py"), corner.path().join("my_law.py"))
+        .expect("our own directory");
+    let code = std::fs::read_to_string(corner.path().join("my_law.py")).expect("text");
+    assert!(code.lines().count() <= 20, "a law is fifteen lines and a head");
+    let command = by(&["python3", "my_law.py"]);
+    let summary = corner.json(&run_by(&command, &[&LOCKSTEP[..], &["--no-record"]].concat()));
+    assert_eq!(summary["outcome"], "completed", "{summary}");
+    let program = &controller(&summary)["program"];
+    assert_eq!(
+        (&program["command"], &program["name"]),
+        (&"python3 my_law.py".into(), &"my_law".into())
+    );
+    // The module that `layouts` prints makes the same law in three lines.
+    let module = corner.run(&["layouts", "--law", "--python"]);
+    std::fs::write(corner.path().join("timegap_law.py"), module.stdout).expect("ours");
+    let short = "import timegap_law\n\ndef law(q):\n    v = q.speed_mps\n    print('for people')\n    \
+                 free = 0.4 * (min(q.set_speed_mps, q.speed_limit_mps) - v)\n    \
+                 follow = 0.2 * (q.gap_m - 5.0 - 2.0 * v) + 0.7 * q.relative_speed_mps\n    \
+                 return max(-4.0, min(2.0, min(free, follow) if q.has_target else free))\n\n\
+                 timegap_law.drive(law)\n";
+    std::fs::write(corner.path().join("short.py"), short).expect("ours");
+    let command = by(&["python3", "short.py"]);
+    let again = corner.json(&run_by(&command, &[&LOCKSTEP[..], &["--no-record"]].concat()));
+    let digest = |summary: &Value| summary["messages"]["vehicle/odometry"]["digests"].clone();
+    assert_eq!(digest(&again), digest(&summary), "the same law, the same drive");
+    // An error of Python's is shown.
+    std::fs::write(corner.path().join("wrong.py"), "import no_such_module\n").expect("ours");
+    let output = corner.run(&run_by(&by(&["python3", "wrong.py"]), &LOCKSTEP));
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output));
+    assert!(text(&output).contains("No module named 'no_such_module'"), "{}", text(&output));
+}
+
+fn the_c_example_drives() {
+    let corner = Corner::new(PROGRAM);
+    let header = corner.run(&["layouts", "--law", "--c"]);
+    std::fs::write(corner.path().join("timegap_law.h"), header.stdout).expect("ours");
+    let compiled = Command::new("cc")
+        .args([
+            "-std=c11",
+            "-Wall",
+            "-Wextra",
+            "-Werror",
+            "-pedantic",
+            "-I.",
+            "-O2",
+            "-o",
+            "my_law",
+        ])
+        .arg(Path::new(EXAMPLES).join("my_law.c"))
+        .arg("-lm")
+        .current_dir(corner.path())
+        .output()
+        .expect("looked for before");
+    assert!(compiled.status.success(), "{}", text(&compiled));
+    let command = by(&["./my_law"]);
+    let summary = corner.json(&run_by(&command, &[&LOCKSTEP[..], &["--no-record"]].concat()));
+    assert_eq!(summary["outcome"], "completed", "{summary}");
+    let odd = by(&[ODD_LAW]);
+    let same = corner.json(&run_by(&odd, &[&LOCKSTEP[..], &["--no-record"]].concat()));
+    let digest = |summary: &Value| summary["messages"]["vehicle/odometry"]["digests"].clone();
+    assert_eq!(digest(&summary), digest(&same), "C and Rust say the same");
+}
+
+fn the_notebook_runs_as_it_is() {
+    const EXECUTE: &str = "import sys, nbformat, nbclient\n\
+        notebook = nbformat.read(sys.argv[1], 4)\n\
+        nbformat.validate(notebook)\n\
+        nbclient.NotebookClient(notebook, timeout=300).execute()\n\
+        print(*[o.text for c in notebook.cells for o in c.get('outputs', []) if 'text' in o])\n";
+    let python = notebook_interpreter().expect("looked for before");
+    let corner = Corner::new(PROGRAM);
+    let output = Command::new(python)
+        .args(["-c", EXECUTE])
+        .arg(Path::new(EXAMPLES).join("my_law.ipynb"))
+        .env("TIMEGAP", PROGRAM)
+        .env("TMPDIR", corner.path())
+        .env("XDG_RUNTIME_DIR", corner.path())
+        .current_dir(corner.path())
+        .output()
+        .expect("it starts");
+    assert!(output.status.success(), "{}", text(&output));
+    assert!(text(&output).contains("external completed"), "{}", text(&output));
+}
+
+fn notebook_interpreter() -> Result<std::path::PathBuf, String> {
+    python::notebook_interpreter(Path::new(env!("CARGO_TARGET_TMPDIR")))
+}
+
+fn notebooks() -> cases::Needed {
+    notebook_interpreter().map(|_| ())
+}
+
+fn python3() -> cases::Needed {
+    cases::program("python3")
+}
+
+fn c_compiler() -> cases::Needed {
+    cases::program("cc")
+}
+
+fn main() -> ExitCode {
+    cases::run(&[
+        case(
+            "the_same_bytes_by_pipe_in_a_group_and_in_one_process",
+            the_same_bytes_by_pipe_in_a_group_and_in_one_process,
+        ),
+        case("what_is_no_law_is_refused", what_is_no_law_is_refused),
+        case("a_command_that_is_none", a_command_that_is_none),
+        case("in_simulated_time_a_failure_ends_the_run", in_simulated_time_a_failure_ends_the_run),
+        case(
+            "an_answer_that_is_no_number_is_refused_in_its_cycle",
+            an_answer_that_is_no_number_is_refused_in_its_cycle,
+        ),
+        case(
+            "in_real_time_the_backup_drives_and_the_law_is_replaced",
+            in_real_time_the_backup_drives_and_the_law_is_replaced,
+        ),
+        case(
+            "no_orphan_when_the_controller_or_all_of_it_is_killed",
+            no_orphan_when_the_controller_or_all_of_it_is_killed,
+        ),
+        case(
+            "a_controller_program_is_told_and_replayed",
+            a_controller_program_is_told_and_replayed,
+        ),
+        case(
+            "it_compares_and_sweeps_and_runs_at_one_kilohertz",
+            it_compares_and_sweeps_and_runs_at_one_kilohertz,
+        ),
+        needing(python3, "the_python_example_drives", the_python_example_drives),
+        needing(notebooks, "the_notebook_runs_as_it_is", the_notebook_runs_as_it_is),
+        needing(c_compiler, "the_c_example_drives", the_c_example_drives),
+    ])
+}
