@@ -33,7 +33,8 @@ fn every_car_follows_the_true_motion_of_the_one_before() {
     let page = file(&corner, "a/report.html");
     assert!(page.contains("Positions of all cars") && page.contains("ribbon"), "no pictures");
     assert!(!page.contains("NaN"));
-    corner.json(&[&own[..], &["--out", "b"]].concat());
+    let again = corner.json(&[&own[..], &["--out", "b"]].concat());
+    assert_eq!(string, again);
     assert_eq!(file(&corner, "a/string.json"), file(&corner, "b/string.json"));
     corner.expect_nothing_left(&[]);
 }

@@ -67,7 +67,7 @@ fn main() {
         timegap(&["campaign", "messages", "--sample", &runs, "--jobs", jobs]).1
     };
     let [short, long] = PARTS;
-    let mut each = |jobs: &str| {
+    let each = |jobs: &str| {
         let mut times: Vec<f64> = (0..3)
             .map(|_| (part(jobs, long) - part(jobs, short)) / (long - short) as f64)
             .collect();
