@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | [`BrakeState::Monitoring`] | at the start | |
 //! | [`BrakeState::Warning`] | braking that begins `warning_s` from now would leave less than the margin | no such threat |
-//! | [`BrakeState::Braking`] | braking that begins one cycle from now would leave less than the margin | the ego is slower than the threat and clear of it, or stands |
+//! | [`BrakeState::Braking`] | braking that begins one cycle from now would leave less than the margin | the ego is slower than the threat and clear of it, would pass it where braking makes the contact, or stands |
 //! | [`BrakeState::Holding`] | the ego stands after braking | after [`HOLD_S`] |
 //!
 //! Both need a collision course: with its present acceleration the ego would touch. Cruise control and
@@ -24,6 +24,9 @@ const UNSEEN_S: f64 = 0.3;
 const CLEAR_M: f64 = 0.5;
 /// Below this speed the ego stands, m/s.
 const STANDSTILL_MPS: f64 = 0.05;
+/// An object that is not yet in the way counts as coming in when it does so with its lateral motion less by
+/// this many standard deviations: to brake for what would have come in behind makes a contact.
+const CAUTION_SIGMAS: f64 = 0.8;
 /// A wait that never ends, s: longer than any prediction.
 const NEVER_S: f64 = 1e3;
 
@@ -40,6 +43,8 @@ pub struct Settings {
     pub margin_m: f64,
     /// Time by which the warning comes before the braking, where there is time, s.
     pub warning_s: f64,
+    /// Length of the ego, m.
+    pub ego_length_m: f64,
 }
 
 /// What is asked of the brakes, and why.
@@ -122,26 +127,34 @@ impl Decision {
 
     /// `None` for what is not in the ego's way.
     fn assess(&self, ego: &Ego, object: &Object) -> Option<Assessment> {
-        let Settings { authority, path, period_s, margin_m, warning_s } = &self.settings;
-        let overlap = path.overlap(object)?;
+        let Settings { authority, path, period_s, margin_m, warning_s, ego_length_m } =
+            &self.settings;
+        let overlap = path.overlap(object, 0.0)?;
         let threat = Threat {
             gap_m: object.distance_m,
             speed_mps: object.speed_mps,
             acceleration_mps2: object.acceleration_mps2,
+            passed_m: ego_length_m + object.length_m,
             overlap,
+        };
+        let gap_m = |ego: &Ego, threat: &Threat, wait_s: f64| {
+            authority.smallest_gap_m(ego, threat, wait_s, *margin_m)
         };
         let coasting = Ego { acceleration_mps2: ego.acceleration_mps2.max(0.0), ..*ego };
         let steady = Threat { acceleration_mps2: object.acceleration_mps2.min(0.0), ..threat };
-        let unbraked_m = authority.smallest_gap_m(ego, &threat, NEVER_S);
-        let left_m = authority.smallest_gap_m(ego, &threat, *period_s);
-        let warned_m = authority.smallest_gap_m(ego, &threat, *period_s + *warning_s);
-        let collides = unbraked_m < 0.0;
+        let left_m = gap_m(ego, &threat, *period_s);
+        let collides = path
+            .overlap(object, CAUTION_SIGMAS)
+            .is_some_and(|overlap| gap_m(ego, &Threat { overlap, ..threat }, NEVER_S) < 0.0);
+        // Braking does not avoid it, and without braking it is passed before it is in the way.
+        let passes = left_m < 0.0 && gap_m(&coasting, &steady, NEVER_S) == f64::INFINITY;
+        let is_behind = object.speed_mps >= ego.speed_mps
+            && gap_m(&coasting, &steady, NEVER_S) > *margin_m + CLEAR_M;
         Some(Assessment {
             left_m,
-            warns: collides && warned_m < *margin_m,
+            warns: collides && gap_m(ego, &threat, *period_s + *warning_s) < *margin_m,
             brakes: collides && left_m < *margin_m,
-            clear: authority.smallest_gap_m(&coasting, &steady, NEVER_S) > *margin_m + CLEAR_M
-                && object.speed_mps >= ego.speed_mps,
+            clear: passes || is_behind,
             threat: (
                 object.distance_m,
                 object.speed_mps - ego.speed_mps,
@@ -160,10 +173,11 @@ mod tests {
     fn settings() -> Settings {
         Settings {
             authority: Authority { dead_time_s: 0.1, jerk_mps3: 12.65, deceleration_mps2: 8.3385 },
-            path: Path { half_width_m: 0.95, horizon_s: 1.2, least_lateral_mps: 0.2 },
+            path: Path { half_width_m: 0.95, horizon_s: 3.0, least_lateral_mps: 0.1 },
             period_s: PERIOD_S,
             margin_m: 0.6,
             warning_s: 0.8,
+            ego_length_m: 4.5,
         }
     }
 
@@ -230,5 +244,21 @@ mod tests {
             let demand = decision.step(&ego, [object]);
             assert_eq!(demand.state, BrakeState::Monitoring, "{gap} m");
         }
+    }
+
+    #[test]
+    fn what_is_passed_before_it_comes_in_is_left_alone() {
+        let brakes = |gap_m: f64, lateral_mps: f64| {
+            let mut decision = Decision::new(settings());
+            let ego = Ego { speed_mps: 20.0, acceleration_mps2: 0.0 };
+            let object = Object::at(gap_m, 5.0, 3.4, -lateral_mps, 0.95);
+            decision.step(&ego, [object]).state == BrakeState::Braking
+        };
+        // 5 + 8.8 m at 15 m/s take 0.92 s, the 1.5 m to the ego's side 1.5 s or 0.8 s.
+        assert!(!brakes(5.0, 1.0));
+        assert!(brakes(5.0, 1.9));
+        // 18 m at 15 m/s: it is in the way when the ego is there, and this is the last point.
+        assert!(brakes(18.0, 1.0));
+        assert!(!brakes(40.0, 1.0), "later will do");
     }
 }

@@ -1,7 +1,7 @@
 //! The advanced emergency braking system (UN R152): warns, and brakes at the last point.
 //!
 //! It reads `radar/detections` and `vehicle/odometry` and nothing else, with a tracking of its own
-//! ([`objects`], fixed-gain filters; the controller's perception uses other code and other methods) and
+//! ([`objects`]; the controller's perception uses other code and other methods) and
 //! a decision of its own:
 //!
 //! ```text
@@ -14,10 +14,10 @@
 //! Everything but `service` is plain code: state and time are arguments.
 
 pub mod decision;
-mod filter;
+pub mod filter;
 pub mod objects;
 pub mod path;
 pub mod prediction;
 mod service;
 
-pub use service::run;
+pub use service::{objects, run, settings};

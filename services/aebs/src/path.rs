@@ -2,6 +2,12 @@
 
 use crate::objects::Object;
 
+/// What moves outward does so by less than is estimated, by this many standard deviations.
+const LEAVING_SIGMAS: f64 = 2.0;
+
+/// Something leaves once its middle is this far off the ego's axis, m.
+const LEAVING_OFFSET_M: f64 = 0.8;
+
 /// The ego's swept path and how far ahead lateral motion is believed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Path {
@@ -23,31 +29,32 @@ pub struct Overlap {
 }
 
 impl Path {
-    /// When `object` is in the way, if it is or will be.
+    /// When `object` is in the way, if it is or will be, with its lateral motion as it is estimated
+    /// (`sigmas` = 0) or less inward by so many standard deviations. What comes in stays.
     #[must_use]
-    pub fn overlap(&self, object: &Object) -> Option<Overlap> {
+    pub fn overlap(&self, object: &Object, sigmas: f64) -> Option<Overlap> {
         let reach_m = self.half_width_m + object.half_width_m;
-        let offset_m = object.lateral.position_m;
-        let away_mps = object.lateral.rate_mps * offset_m.signum();
-        let moves =
-            object.lateral.rate_mps.abs() > self.least_lateral_mps && object.lateral_is_known();
-        if offset_m.abs() < reach_m {
-            let out_s = if !moves {
-                f64::INFINITY
-            } else if away_mps > 0.0 {
-                (reach_m - offset_m.abs()) / away_mps
-            } else {
-                // Through the middle and out on the other side.
-                (reach_m + offset_m.abs()) / -away_mps
-            };
+        let lateral = &object.lateral;
+        let side = lateral.position_m.signum();
+        let inward_mps = -lateral.rate_mps * side;
+        let known = object.lateral_is_known();
+        let offset_m = lateral.position_m.abs();
+        if offset_m < reach_m {
+            // The end of a lane change is followed late, and what has come in stays.
+            let outward_mps = -inward_mps - LEAVING_SIGMAS * lateral.rate_sigma_mps();
+            let far = offset_m > LEAVING_OFFSET_M;
+            let leaves = known && far && outward_mps > self.least_lateral_mps;
+            let out_s = if leaves { (reach_m - offset_m) / outward_mps } else { f64::INFINITY };
             return Some(Overlap { in_s: 0.0, out_s });
         }
-        if !moves || away_mps >= 0.0 {
+        if !known || inward_mps <= self.least_lateral_mps {
             return None;
         }
-        let in_s = (offset_m.abs() - reach_m) / -away_mps;
-        let out_s = (offset_m.abs() + reach_m) / -away_mps;
-        (in_s <= self.horizon_s).then_some(Overlap { in_s, out_s })
+        let inward_mps = inward_mps - sigmas * lateral.rate_sigma_mps();
+        let offset_m = offset_m + sigmas * lateral.position_sigma_m();
+        let in_s = (offset_m - reach_m) / inward_mps;
+        (inward_mps > 0.0 && in_s <= self.horizon_s)
+            .then_some(Overlap { in_s, out_s: f64::INFINITY })
     }
 }
 
@@ -63,19 +70,27 @@ mod tests {
 
     #[test]
     fn beside_ahead_and_coming_in() {
-        assert_eq!(PATH.overlap(&object(3.5, 0.0)), None, "beside");
-        assert_eq!(PATH.overlap(&object(3.5, 1.0)), None, "going away");
-        let ahead = PATH.overlap(&object(0.3, 0.0)).expect("in the way");
+        let overlap = |offset_m, rate_mps| PATH.overlap(&object(offset_m, rate_mps), 0.0);
+        assert_eq!(overlap(3.5, 0.0), None, "beside");
+        assert_eq!(overlap(3.5, 1.0), None, "going away");
+        let ahead = overlap(0.3, 0.0).expect("in the way");
         assert_eq!((ahead.in_s, ahead.out_s), (0.0, f64::INFINITY));
-        let coming = PATH.overlap(&object(2.9, -1.0)).expect("soon in the way");
-        assert!((coming.in_s - 1.0).abs() < 1e-12 && (coming.out_s - 4.8).abs() < 1e-12);
-        assert_eq!(PATH.overlap(&object(3.5, -1.0)), None, "later than is believed");
-        let mirrored = PATH.overlap(&object(-2.9, 1.0)).expect("soon in the way");
-        assert_eq!(mirrored, coming);
+        let leaving = overlap(0.9, 1.0).expect("in the way");
+        assert!(leaving.in_s == 0.0 && (leaving.out_s - 1.0).abs() < 1e-12);
+        let coming = overlap(2.9, -1.0).expect("soon in the way");
+        assert!((coming.in_s - 1.0).abs() < 1e-12 && coming.out_s == f64::INFINITY);
+        assert_eq!(overlap(3.5, -1.0), None, "later than is believed");
+        assert_eq!(overlap(-2.9, 1.0), Some(coming), "mirrored");
     }
 
     #[test]
     fn a_lateral_speed_within_its_noise_says_nothing() {
-        assert_eq!(PATH.overlap(&object(2.0, -0.1)), None);
+        assert_eq!(PATH.overlap(&object(2.0, -0.1), 0.0), None);
+        // What is vague comes later, or not at all.
+        let mut vague = object(2.9, -1.1);
+        vague.lateral = crate::filter::Lateral::first(2.9, 0.1);
+        vague.lateral.rate_mps = -1.1;
+        assert!(PATH.overlap(&vague, 0.0).is_some());
+        assert_eq!(PATH.overlap(&vague, 1.0), None);
     }
 }

@@ -13,7 +13,7 @@ use scenario::Scenario;
 /// Half of the ego's width, m.
 const HALF_WIDTH_M: f64 = 0.95;
 /// Lateral speed below which nothing is concluded from it, m/s.
-const LEAST_LATERAL_MPS: f64 = 0.25;
+const LEAST_LATERAL_MPS: f64 = 0.1;
 /// Periods by which detections may be late before the timer releases a cycle.
 const FALLBACK: f64 = 0.5;
 /// Periods of the radar after which its detections are of no use.
@@ -52,7 +52,14 @@ pub fn settings(scenario: &Scenario) -> Settings {
         period_s: 1e-3 * f64::from(scenario.perception.period_ms.value()),
         margin_m: keys.margin_m.value(),
         warning_s: keys.warning_s.value(),
+        ego_length_m: scenario.plant.length_m.value(),
     }
+}
+
+/// The objects that a scenario's radar sees, none yet.
+#[must_use]
+pub fn objects(scenario: &Scenario) -> Objects {
+    Objects::new(0.5 * scenario.perception.radar.field_of_view_deg.value().to_radians())
 }
 
 struct Aebs {
@@ -77,7 +84,7 @@ impl Aebs {
             odometry: runtime.subscriber()?,
             detections: runtime.releasing_subscriber()?,
             brake: runtime.publisher()?,
-            objects: Objects::default(),
+            objects: objects(scenario),
             decision: Decision::new(settings(scenario)),
             deadline_ns: i64::from(scenario.aebs.deadline_ms.value()) * 1_000_000,
             period_ns,

@@ -38,9 +38,9 @@ impl Default for Aebs {
             dead_time_ms: DelayMs::of(100),
             jerk_mps3: JerkMagnitude::of(12.65),
             deceleration_mps2: AccelerationMagnitude::of(8.34),
-            margin_m: Distance::of(0.6),
+            margin_m: Distance::of(0.8),
             warning_s: Time::of(0.8),
-            lateral_horizon_s: Time::of(1.2),
+            lateral_horizon_s: Time::of(3.0),
             deadline_ms: DelayMs::of(50),
         }
     }

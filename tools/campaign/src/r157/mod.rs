@@ -1,11 +1,11 @@
 //! `timegap r157`: UN R157's matrices, by its performance models and by our control laws.
 
 mod judge;
-mod matrix;
+pub mod matrix;
 mod page;
 mod print;
 mod results;
-mod scene;
+pub mod scene;
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;

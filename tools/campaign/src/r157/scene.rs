@@ -58,6 +58,7 @@ fn text(case: &Case, driver: &Driver, seed: u64) -> String {
         "schema_version = 1\nname = \"r157\"\nduration_s = {duration_s}\nseed = {seed}\n\
          set_speed_mps = {speed_mps}\n\
          [plant]\ninitial_speed_mps = {speed_mps}\n\
+         length_m = {VEHICLE_LENGTH_M}\n\
          powertrain = {{ mass_kg = 1600, max_power_kw = 110 }}\n\
          [aebs]\nenabled = {aebs}\n\
          [controller]\nname = \"{law}\"\n{actors}"
