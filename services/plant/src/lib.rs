@@ -13,6 +13,7 @@ mod service;
 pub mod timeliness;
 pub mod truck;
 mod truth;
+pub mod wheel_energy;
 mod worst;
 
 pub use service::{last_known, run};

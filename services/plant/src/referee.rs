@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::ahead::Ahead;
 use crate::longitudinal::State;
+use crate::wheel_energy::WheelEnergy;
 
 /// Most signals watched at a time.
 pub const MAX_SIGNALS: usize = 16;
@@ -22,6 +23,9 @@ pub const MAX_SIGNALS: usize = 16;
 /// Slowest closing speed for which a time to collision is counted, m/s: below it the quotient says
 /// nothing but that the gap is constant.
 const MIN_CLOSING_MPS: f64 = 0.01;
+
+/// Above this speed the ego drives: what is slower between two stands makes them one, m/s.
+const DRIVES_MPS: f64 = 0.5;
 
 /// A signal as it truly is.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -83,6 +87,9 @@ pub struct Referee {
     red_lights: u32,
     gap_error: MeanSquare,
     jerk: MeanSquare,
+    wheel_energy: Option<WheelEnergy>,
+    /// The ego has driven since its last stand.
+    drives: bool,
     figures: ControlFigures,
 }
 
@@ -107,7 +114,9 @@ impl Referee {
             red_lights: 0,
             gap_error: MeanSquare::default(),
             jerk: MeanSquare::default(),
-            figures: ControlFigures::default(),
+            wheel_energy: WheelEnergy::of(&scenario.plant),
+            drives: false,
+            figures: ControlFigures { stops: Some(0), ..ControlFigures::default() },
         }
     }
 
@@ -165,6 +174,15 @@ impl Referee {
         let figures = &mut self.figures;
         figures.min_accel_mps2 = smaller(figures.min_accel_mps2, acceleration);
         figures.max_accel_mps2 = larger(figures.max_accel_mps2, acceleration);
+        if let (Some(energy), Some(last)) = (&mut self.wheel_energy, &self.last) {
+            energy.add(&last.ego, &sample.ego);
+            figures.wheel_energy_kwh_per_100km = energy.kwh_per_100km();
+        }
+        let stands = sample.ego.speed_mps <= 0.0;
+        if stands && self.drives {
+            figures.stops = figures.stops.map(|stops| stops + 1);
+        }
+        self.drives = !stands && (self.drives || sample.ego.speed_mps > DRIVES_MPS);
         // A rigid vehicle comes to a stand with a step of its acceleration. Over one period that is no
         // jerk of the drive: it would grow without bound as the period shrinks.
         let comes_to_stand =

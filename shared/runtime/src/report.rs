@@ -334,6 +334,10 @@ pub struct ControlFigures {
     pub stop_line_crossing_s: Option<f64>,
     /// Distance past the first stop line when its light first changed, m; negative before it.
     pub past_stop_line_at_switch_m: Option<f64>,
+    /// Times that the ego came to a stand.
+    pub stops: Option<u64>,
+    /// Energy that driving took at the wheels, without what braking gives back, kWh/100 km; cars only.
+    pub wheel_energy_kwh_per_100km: Option<f64>,
     /// Fuel, L/100 km; trucks only, as what follows.
     pub fuel_l_per_100km: Option<f64>,
     /// Shifts of the gearbox.

@@ -29,9 +29,7 @@ use perception_sim::radar::detections::DetectionRadar;
 use perception_sim::radar::scene::{Ego, Scene};
 use perception_sim::traffic::{Traffic, Vehicle};
 use plant::brake::BrakePath;
-use regulation::{
-    Model, VEHICLE_LENGTH_M, VEHICLE_WIDTH_M, Verdict, contact, is_mastered_by_both,
-};
+use regulation::{Model, VEHICLE_LENGTH_M, VEHICLE_WIDTH_M, Verdict, contact, is_mastered_by_both};
 use scenario::Scenario;
 
 /// Period of the ego's motion, s and ns.

@@ -3,6 +3,7 @@
 mod batch;
 pub mod campaign;
 pub mod compare;
+pub mod everyday;
 pub mod iso15622;
 pub mod parts;
 pub mod r157;

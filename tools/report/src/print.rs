@@ -160,6 +160,14 @@ fn drive(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
         let (low, high) = (number(low, 2), number(high, 2));
         line("acceleration", format!("{low} to {high} m/s²{jerk}"));
     }
+    if let Some(energy) = control.wheel_energy_kwh_per_100km {
+        let stops = match control.stops {
+            Some(1) => ", 1 stop".to_owned(),
+            Some(stops) => format!(", {stops} stops"),
+            None => String::new(),
+        };
+        line("energy", format!("{} kWh/100 km at the wheels{stops}", number(energy, 2)));
+    }
     if let Some(fuel) = control.fuel_l_per_100km {
         let shifts = control
             .gear_shifts

@@ -16,7 +16,7 @@ pub struct Column {
 }
 
 /// All columns after controller and outcome, in their order.
-static ALL: [Column; 13] = [
+static ALL: [Column; 15] = [
     first("min gap, m", |row| figure(row.control.figures.min_gap_m.map(|gap| gap.max(0.0)), 1)),
     first("min time gap, s", |row| figure(row.control.following.min_time_gap_s, 2)),
     first("median time gap, s", |row| figure(row.control.following.median_time_gap_s, 2)),
@@ -31,6 +31,10 @@ static ALL: [Column; 13] = [
     more("jerk rms, m/s³", |row| figure(row.control.figures.rms_jerk_mps3, 2)),
     more("max jerk, m/s³", |row| figure(row.control.figures.max_abs_jerk_mps3, 1)),
     more("fuel, L/100 km", |row| figure(row.control.figures.fuel_l_per_100km, 2)),
+    more("wheels, kWh/100 km", |row| {
+        figure(row.control.figures.wheel_energy_kwh_per_100km, 2)
+    }),
+    more("stops", |row| row.control.figures.stops.map(|stops| stops.to_string())),
     more("law p50", |row| row.timing.solve_us.map(|p| print::duration(p.p50))),
     more("law p99", |row| row.timing.solve_us.map(|p| print::duration(p.p99))),
     more("deadlines missed", |row| row.timing.deadline_misses.map(|misses| misses.to_string())),

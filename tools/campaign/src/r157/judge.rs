@@ -5,7 +5,7 @@ use messages::VehicleTruth;
 use regulation::{VEHICLE_WIDTH_M, Verdict, contact};
 
 /// How the drive ended: the first contact of the ego with any other vehicle. Between two samples of
-/// the others they keep their speed and lateral position.
+/// the others they keep their speed, and move evenly from one lateral position to the next.
 pub fn verdict(drive: &Drive) -> Verdict {
     let mut truths = drive.vehicles.iter().peekable();
     let mut seen: Option<&VehicleTruth> = None;
@@ -16,9 +16,15 @@ pub fn verdict(drive: &Drive) -> Verdict {
         let Some(seen) = seen else { continue };
         let since_s = step.time_s - seen.header.acquisition_ns as f64 * 1e-9;
         let count = usize::try_from(seen.count).map_or(0, |count| count.min(seen.vehicles.len()));
-        for vehicle in &seen.vehicles[..count] {
+        let next = truths.peek().filter(|next| next.count == seen.count);
+        for (index, vehicle) in seen.vehicles[..count].iter().enumerate() {
             let rear_m = vehicle.rear_position_m + vehicle.speed_mps * since_s;
-            let clearance_m = vehicle.lateral_m.abs() - VEHICLE_WIDTH_M;
+            let lateral_m = next.map_or(vehicle.lateral_m, |next| {
+                let ns = next.header.acquisition_ns - seen.header.acquisition_ns;
+                let share = (since_s / (ns as f64 * 1e-9)).clamp(0.0, 1.0);
+                vehicle.lateral_m + share * (next.vehicles[index].lateral_m - vehicle.lateral_m)
+            });
+            let clearance_m = lateral_m.abs() - VEHICLE_WIDTH_M;
             let outcome = contact(rear_m - step.position_m, clearance_m);
             if outcome.is_collision() {
                 return Verdict { outcome, impact_speed_mps: step.speed_mps - vehicle.speed_mps };

@@ -50,6 +50,9 @@ pub struct Figures {
     pub mastered_by_both: u32,
     /// The control laws.
     pub laws: Vec<LawResult>,
+    /// A law with the emergency brake may not collide at all.
+    #[serde(skip)]
+    pub allows_none: bool,
 }
 
 /// A law over some cases.
@@ -134,6 +137,7 @@ impl Judged {
             laws: (self.laws.iter())
                 .map(|(driver, verdicts)| self.law(driver, verdicts, &chosen))
                 .collect(),
+            allows_none: self.matrix == Matrix::Following,
         }
     }
 
@@ -183,7 +187,8 @@ impl MatrixResult {
 
 impl Figures {
     /// Whether `law` holds its limits: in cut-ins (where `regulation` speaks) by the shares of what the
-    /// models master and of `regulation`'s collisions, elsewhere without any avoidable collision.
+    /// models master and of `regulation`'s collisions, in following without any collision, in cut-outs
+    /// without an avoidable one.
     pub fn holds(&self, law: &LawResult) -> bool {
         if !law.aebs {
             return true;
@@ -193,6 +198,7 @@ impl Figures {
                 let most = AVOIDABLE_SHARE * f64::from(self.mastered_by_both);
                 f64::from(law.avoidable.both) <= most && 3 * law.collisions <= regulation
             }
+            None if self.allows_none => law.collisions == 0,
             None => law.avoidable.both == 0,
         }
     }

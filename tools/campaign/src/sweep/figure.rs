@@ -34,7 +34,7 @@ const TIME_GAP: &str = "time gap, s";
 const JERK: &str = "jerk, m/s³";
 
 /// All figures, in the order of the columns. None of them depends on the wall clock in lockstep.
-pub const ALL: [Figure; 13] = [
+pub const ALL: [Figure; 15] = [
     figure("rms_gap_error_m", "gap error rms, m", GAP_ERROR, "rms", Fold::Mean, |summary| {
         summary.control.figures.rms_gap_error_m
     }),
@@ -74,6 +74,17 @@ pub const ALL: [Figure; 13] = [
     ),
     figure("fuel_l_per_100km", "L/100 km", "fuel, L/100 km", "fuel", Fold::Mean, |summary| {
         summary.control.figures.fuel_l_per_100km
+    }),
+    figure(
+        "wheel_energy_kwh_per_100km",
+        "kWh/100 km",
+        "energy at the wheels, kWh/100 km",
+        "energy",
+        Fold::Mean,
+        |s| s.control.figures.wheel_energy_kwh_per_100km,
+    ),
+    figure("stops", "stops", "stops", "stops", Fold::Mean, |summary| {
+        summary.control.figures.stops.map(|stops| stops as f64)
     }),
     figure("data_age_p50_ms", "data age, ms", "median data age, ms", "median", Fold::Mean, |s| {
         s.timing.data_age_us.map(|age| age.p50 / 1e3)
