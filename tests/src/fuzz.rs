@@ -66,7 +66,9 @@ pub fn design(bytes: &[u8]) {
 /// Recordings.
 pub fn recording(bytes: &[u8]) {
     if let Ok(recording) = Recording::of_bytes("fuzz.mcap".into(), bytes) {
-        assert!(recording.records().count() <= bytes.len());
+        let survey = recording.survey();
+        assert!(survey.tally.messages() <= (64 << 20) * (1 + bytes.len() as u64));
+        let _ = (recording.statistics(), recording.takes());
     }
 }
 

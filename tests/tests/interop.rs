@@ -74,6 +74,8 @@ fn keyed(lines: &str) -> Lines {
     let (sequence, source) = (at("header.sequence"), at("header.source"));
     lines
         .lines()
+        // Beside ours there are topics for viewers.
+        .filter(|line| TOPICS.iter().any(|topic| line.starts_with(&format!("{} ", topic.name()))))
         .map(|line| {
             let mut words = line.split(' ').map(str::to_owned);
             let topic = words.next().expect("a topic");
@@ -85,20 +87,21 @@ fn keyed(lines: &str) -> Lines {
 
 fn compare(recording: &Recording, theirs: &Lines, library: &str) {
     use messages::Value;
-    assert_eq!(theirs.len(), recording.records().len(), "{library}: as many messages");
+    assert_eq!(theirs.len(), recording.records().count(), "{library}: as many messages");
     for record in recording.records() {
         let places = record.topic.layout().scalars();
         let value = |path: &str| {
             let place = places.iter().find(|place| place.path == path).expect("of the header");
-            place.read(record.bytes).to_string()
+            place.read(record.bytes()).to_string()
         };
         let key =
             (record.topic.name().to_owned(), value("header.source"), value("header.sequence"));
         let words = theirs.get(&key).expect("every message is there");
         assert_eq!(words.len(), places.len() + 1, "{library}: {key:?}");
-        assert_eq!(words[0], record.log_time_ns.to_string(), "{library}: {key:?}");
+        let log_time_ns = recording.metadata().epoch_ns + record.log_time_ns;
+        assert_eq!(words[0], log_time_ns.to_string(), "{library}: {key:?}");
         for (place, word) in places.iter().zip(&words[1..]) {
-            let same = match place.read(record.bytes) {
+            let same = match place.read(record.bytes()) {
                 Value::Float(ours) => {
                     let theirs: f64 = word.parse().expect("a number");
                     theirs.to_bits() == ours.to_bits() || theirs.is_nan() && ours.is_nan()
@@ -162,7 +165,7 @@ fn a_python_process_hears_a_running_group() {
     let recorded: Vec<String> = recording
         .records()
         .filter(|record| record.topic == Topic::Odometry)
-        .map(|record| record.bytes.iter().map(|byte| format!("{byte:02x}")).collect())
+        .map(|record| record.bytes().iter().map(|byte| format!("{byte:02x}")).collect())
         .collect();
     for heard in String::from_utf8_lossy(&output.stdout).lines() {
         assert!(recorded.iter().any(|message| message == heard), "{heard}");
@@ -212,7 +215,7 @@ fn another_implementation_of_the_end_to_end_protection_agrees() {
     let hex = |bytes: &[u8]| bytes.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
     let messages: Vec<String> = (recording.records())
         .map(|record| {
-            format!("{} {}", record.topic.data_id(record.header().source), hex(record.bytes))
+            format!("{} {}", record.topic.data_id(record.header().source), hex(record.bytes()))
         })
         .collect();
     let file = corner.path().join("messages");
@@ -227,8 +230,87 @@ fn another_implementation_of_the_end_to_end_protection_agrees() {
     }
 }
 
+/// The directory of results opens as a rosbag2, with the types of the package alone.
+fn a_run_is_a_rosbag2_in_the_order_of_time() {
+    let python = interpreter().expect("looked for before");
+    let corner = Corner::new(PROGRAM);
+    printed(&corner, &["layouts", "--msg", "ros"]);
+    for (scenario, mode) in [("corridor", "lockstep"), ("cut-in", "realtime")] {
+        let arguments = ["run", scenario, "--mode", mode, "--duration", "3", "--out", scenario];
+        printed(&corner, &arguments);
+        let script = Path::new(SCRIPTS).join("rosbag.py");
+        let counts = succeeded(
+            Command::new(&python)
+                .arg(script)
+                .args([scenario, "ros/timegap_msgs"])
+                .current_dir(corner.path()),
+        );
+        for topic in ["/tf", "/scene/markers", "/scene/outlines", "vehicle/odometry"] {
+            assert!(counts.lines().any(|line| line.starts_with(topic)), "{topic}: {counts}");
+        }
+    }
+}
+
+/// What the format's own library writes is read: the same messages, however they are packed.
+fn recordings_of_another_writer_are_the_same() {
+    let python = interpreter().expect("looked for before");
+    let corner = Corner::new(PROGRAM);
+    printed(&corner, &["run", "corridor", "--mode", "lockstep", "--duration", "2", "--out", "out"]);
+    let script = Path::new(SCRIPTS).join("rewrite.py");
+    let file = corner.path().join("out/recording.mcap");
+    succeeded(Command::new(&python).arg(script).arg(&file).arg(corner.path()));
+    let ours = corner.json(&["info", "out"]);
+    for name in ["zstd", "lz4", "plain", "unchunked", "bare", "reversed"] {
+        let other = format!("{name}.mcap");
+        assert_eq!(corner.json(&["diff", "out", &other])["equal"], true, "{name}");
+        let info = corner.json(&["info", &other]);
+        assert_eq!((&info["messages"], &info["topics"]), (&ours["messages"], &ours["topics"]));
+    }
+    let whole = std::fs::read(corner.path().join("zstd.mcap")).expect("just written");
+    std::fs::write(corner.path().join("cut.mcap"), &whole[..whole.len() / 2]).expect("writable");
+    let cut = corner.run(&["export", "cut.mcap", "--csv", "--out", "csv"]);
+    // Its metadata was behind the messages.
+    assert_eq!(cut.status.code(), Some(2), "{}", text(&cut));
+}
+
+/// The layout for Foxglove names topics and fields that a recording has.
+fn the_shipped_layout_shows_what_is_there() {
+    let layout = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/foxglove-layout.json");
+    let layout: Value =
+        serde_json::from_slice(&std::fs::read(layout).expect("shipped")).expect("JSON");
+    let panels = layout["configById"].as_object().expect("panels");
+    let mut paths = 0;
+    for path in panels.values().flat_map(|panel| panel["paths"].as_array().into_iter().flatten()) {
+        let (topic, field) =
+            path["value"].as_str().and_then(|v| v.split_once('.')).expect("a path");
+        let topic = Topic::by_name(topic).expect("a topic of ours");
+        assert!(topic.layout().scalars().iter().any(|place| place.path == field), "{field}");
+        paths += 1;
+    }
+    assert!(paths > 5, "{paths}");
+}
+
+fn always() -> Needed {
+    Ok(())
+}
+
 fn main() -> ExitCode {
     cases::run(&[
+        needing(
+            pypi,
+            "a_run_is_a_rosbag2_in_the_order_of_time",
+            a_run_is_a_rosbag2_in_the_order_of_time,
+        ),
+        needing(
+            pypi,
+            "recordings_of_another_writer_are_the_same",
+            recordings_of_another_writer_are_the_same,
+        ),
+        needing(
+            always,
+            "the_shipped_layout_shows_what_is_there",
+            the_shipped_layout_shows_what_is_there,
+        ),
         needing(pypi, "other_readers_see_the_same_values", other_readers_see_the_same_values),
         needing(pypi, "the_pandas_example_runs_as_printed", the_pandas_example_runs_as_printed),
         needing(

@@ -46,6 +46,10 @@ fn lockstep_recordings_lose_nothing_and_repeat() {
     };
     let recorded = run("a", "7");
     assert_eq!(recorded, run("b", "7"));
+    let bytes = |run: &str| {
+        std::fs::read(corner.path().join(run).join(recorder::FILE)).expect("just recorded")
+    };
+    assert!(bytes("a") == bytes("b"), "the same run gives the same file");
     run("c", "8");
     let unrecorded = corner.json(&[
         "run",
@@ -92,8 +96,8 @@ fn at_one_kilohertz_every_message_is_recorded_or_counted() {
     assert_eq!(messages + lost, sent(&summary), "{recording}");
     assert!(messages > 3000, "{recording}");
     let read = Recording::open(&corner.path().join("out")).expect("a recording");
-    assert_eq!(read.records().len() as u64, messages);
-    assert_eq!(read.count().lost(), lost);
+    assert_eq!(read.records().count() as u64, messages);
+    assert_eq!(read.survey().tally.lost(), lost);
 }
 
 #[test]
@@ -193,6 +197,60 @@ fn a_full_disk_ends_the_recording_and_not_the_run() {
         assert!(why.contains("No space left"), "{why}");
         assert_eq!(recording["messages"], 0);
         assert_eq!(recording["lost"].as_u64(), Some(sent(&summary)));
+    }
+}
+
+#[test]
+fn a_damaged_recording_is_used_as_far_as_it_goes_and_said() {
+    let corner = Corner::new(PROGRAM);
+    let run = ["run", "cut-in", "--mode", "lockstep", "--duration", "4", "--out", "out"];
+    assert_eq!(corner.json(&run)["recording"]["failed"], Value::Null);
+    let file = corner.path().join("out/recording.mcap");
+    let whole = std::fs::read(&file).expect("just recorded");
+    let cut = &whole[..whole.len() * 2 / 3];
+    std::fs::write(&file, cut).expect("ours");
+    for command in [&["export", "out", "--csv"][..], &["replay", "out"]] {
+        let output = corner.run(command);
+        assert_eq!(output.status.code(), Some(1), "{}", text(&output));
+        assert!(text(&output).contains("never ended"), "{}", text(&output));
+    }
+    assert_eq!(corner.json(&["info", "out"])["ended"], false);
+    // Without one message nothing is written over anything.
+    let first = &whole[..9000.min(whole.len())];
+    std::fs::write(&file, first).expect("ours");
+    let output = corner.run(&["recover", "out"]);
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output));
+    assert_eq!(std::fs::read(&file).expect("still there"), first);
+    let left = std::fs::read_dir(corner.path().join("out")).expect("a directory").flatten();
+    let names: Vec<_> = left.map(|entry| entry.file_name()).collect();
+    assert!(names.iter().all(|name| !name.to_string_lossy().ends_with(".part")), "{names:?}");
+}
+
+/// Lengths that nothing stands behind are refused in an address space that has no room for them.
+#[test]
+fn lengths_of_gigabytes_need_no_memory() {
+    let corner = Corner::new(PROGRAM);
+    let magic = b"\x89MCAP0\r\n";
+    let text_of_4_gib = [&4_u32.to_le_bytes()[..], b"name", &u32::MAX.to_le_bytes()].concat();
+    let record = |length: u64, body: &[u8]| [b"\x0C", &length.to_le_bytes()[..], body].concat();
+    let files = [
+        record(1 << 32, b"few"),
+        record(u64::MAX, b"few"),
+        record(text_of_4_gib.len() as u64, &text_of_4_gib),
+    ];
+    for body in files {
+        let file = [&magic[..], &body].concat();
+        std::fs::write(corner.path().join("huge.mcap"), file).expect("writable");
+        for command in ["info", "recover", "replay", "trace", "export --csv"] {
+            let line = format!("ulimit -v 524288; exec {PROGRAM} {command} huge.mcap");
+            let output = std::process::Command::new("sh")
+                .args(["-c", &line])
+                .current_dir(corner.path())
+                .output()
+                .expect("a shell");
+            assert_eq!(output.status.code(), Some(2), "{command}: {}", text(&output));
+            assert!(text(&output).contains("which run"), "{command}: {}", text(&output));
+        }
     }
 }
 

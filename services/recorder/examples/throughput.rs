@@ -2,7 +2,7 @@
 //! many messages (default 1000000) of each of three topics and prints ns and bytes per message.
 
 use messages::{Command, Message, Odometry, Spat};
-use recorder::{Metadata, Tally, Writer};
+use recorder::{LawNames, Metadata, Tally, Writer};
 use runtime::Mode;
 use scenario::{Overrides, Scenario};
 use std::error::Error;
@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 fn measure<T: Message>(messages: u64) -> Result<(), Box<dyn Error>> {
     let scenario = Scenario::open("cacc-a", &Overrides::new(), &|_| Ok(()))?;
-    let metadata = Metadata::new(&scenario, Mode::Realtime, 0, [].into());
+    let metadata = Metadata::new(&scenario, Mode::Realtime, 0, [].into(), LawNames::default());
     let path = std::env::temp_dir().join(format!("timegap-throughput-{}", std::process::id()));
     let mut writer = Writer::begin(File::create(&path)?, &metadata)?;
     let mut message = T::zeroed();

@@ -19,39 +19,27 @@ pub(crate) struct Batch {
 #[derive(Clone, Copy, Debug)]
 struct Entry {
     topic: Topic,
-    publish_ns: i64,
-    /// Newest publish time of the topic's messages up to this one.
-    order_ns: i64,
     offset: usize,
 }
 
 impl Batch {
     fn push<T: Message>(&mut self, message: &T) {
-        let publish_ns = message.header().publish_ns;
-        // Whatever a faulty clock stamps, a topic's messages keep the order of their arrival.
-        let before = self.entries.last().filter(|entry| entry.topic == T::TOPIC);
-        let order_ns = before.map_or(publish_ns, |before| before.order_ns.max(publish_ns));
         let offset = self.bytes.len();
-        self.entries.push(Entry { topic: T::TOPIC, publish_ns, order_ns, offset });
+        self.entries.push(Entry { topic: T::TOPIC, offset });
         self.bytes.extend_from_slice(bytemuck::bytes_of(message));
     }
 
-    /// Brings the messages in the order of their publication.
-    pub(crate) fn sort(&mut self) {
-        self.entries.sort_by_key(|entry| entry.order_ns);
-    }
-
-    /// Each message with its topic and publish time.
-    pub(crate) fn messages(&self) -> impl Iterator<Item = (Topic, i64, &[u8])> {
+    /// Each message with its topic, those of one sender on one topic in their order.
+    pub(crate) fn messages(&self) -> impl Iterator<Item = (Topic, &[u8])> {
         self.entries.iter().map(|entry| {
             let end = entry.offset + entry.topic.message_bytes();
-            (entry.topic, entry.publish_ns, &self.bytes[entry.offset..end])
+            (entry.topic, &self.bytes[entry.offset..end])
         })
     }
 
-    /// Memory in use, bytes.
-    pub(crate) fn size(&self) -> usize {
-        self.bytes.len()
+    /// True if nothing was there.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.entries.is_empty()
     }
 }
 
@@ -99,13 +87,12 @@ impl Taps {
         Ok(Self { topics, _tap: tap })
     }
 
-    /// Takes what is there, in the order of publication.
+    /// Takes what is there.
     pub(crate) fn take(&self) -> Result<Batch, RuntimeError> {
         let mut batch = Batch::default();
         for topic in &self.topics {
             topic.hear(&mut batch)?;
         }
-        batch.sort();
         Ok(batch)
     }
 }

@@ -1,5 +1,6 @@
 //! What can be wrong with a recording.
 
+use messages::Topic;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -45,7 +46,7 @@ pub enum Damage {
         /// Bytes behind the last whole record.
         bytes: u64,
     },
-    /// A chunk in the middle is damaged and was left out.
+    /// A chunk, or another record, is damaged and was left out.
     Chunk {
         /// Where it is in the file.
         offset: u64,
@@ -53,6 +54,26 @@ pub enum Damage {
         bytes: u64,
         /// What is wrong with it.
         reason: String,
+    },
+    /// A part of the file is too far from the order of log times to be merged, and was left out.
+    Disorder {
+        /// Where it begins.
+        offset: u64,
+        /// Its length, bytes.
+        bytes: u64,
+    },
+    /// Messages of a topic are no little-endian CDR of the topic's type, and were left out.
+    Payload {
+        /// The topic.
+        topic: Topic,
+        /// How many.
+        messages: u64,
+    },
+    /// Behind its first messages the file says that a topic has another layout; its messages were left
+    /// out.
+    Layout {
+        /// The topic.
+        topic: String,
     },
 }
 
@@ -66,6 +87,18 @@ impl fmt::Display for Damage {
             Self::Chunk { offset, bytes, reason } => {
                 write!(f, "{bytes} bytes from byte {offset} on are damaged ({reason})")
             }
+            Self::Disorder { offset, bytes } => write!(
+                f,
+                "{bytes} bytes from byte {offset} on are too far out of the order of log times"
+            ),
+            Self::Payload { topic, messages } => {
+                let topic = topic.name();
+                write!(
+                    f,
+                    "{messages} of the messages on `{topic}` are not as its type lays them out"
+                )
+            }
+            Self::Layout { topic } => write!(f, "`{topic}` changes its type in the middle"),
         }
     }
 }

@@ -7,33 +7,46 @@
 //!
 //! * [`run`]: the process that records a run while it goes on
 //! * [`Writer`]: crash-safe, what was flushed survives any end of the process
-//! * [`Recording`]: a file in memory, read as far as it goes, with what is missing said
+//! * [`Recording`]: a file, read as a stream as far as it goes, with what is missing said
 //! * [`recover`]: the readable part of a broken file as a whole one
 //! * [`replay`]: the process that sends recorded inputs to a controller again
 //! * [`schema`]: the layouts as ROS 2, Python and C definitions
+//!
+//! Log times are publication times on the wall's clock (in lockstep, simulated time from
+//! [`SIMULATED_START_NS`] on), and a file is in their order. Beside our messages it holds the road in
+//! standard ROS 2 types, for viewers; readers here pass over them.
 
+pub mod bag;
 mod batch;
 mod counter;
 mod damage;
+mod definitions;
+mod format;
 mod link;
 mod metadata;
+mod outline;
 mod reader;
+mod records;
 mod recover;
 mod replayer;
-mod scan;
+mod scene;
 pub mod schema;
+mod sequencer;
 mod service;
+mod source;
 mod takes;
+mod unpack;
 mod writer;
 
 pub use damage::{Damage, ReadError};
 pub use link::{FromRecorder, Report, Start, ToRecorder};
-pub use metadata::{Host, Metadata, Tally, TopicTally};
-pub use reader::{Record, Recording, Timed};
+pub use metadata::{FigureName, Host, LawNames, Metadata, SIMULATED_START_NS, Tally, TopicTally};
+pub use reader::{Record, Recording, Survey, Timed, TopicSummary};
+pub use records::Records;
 pub use recover::{Recovered, recover};
 pub use replayer::{FromReplayer, ToReplayer, replay};
 pub use service::run;
-pub use takes::Take;
+pub use takes::{Cycle, Take};
 pub use writer::Writer;
 
 /// Name of the recording in a run's directory of results.

@@ -1,7 +1,7 @@
 //! What the launcher and the recorder say to each other: JSON lines on the recorder's standard
 //! streams, as with every process of the group.
 
-use crate::Tally;
+use crate::{LawNames, Tally};
 use runtime::Program;
 use runtime::scheduling::Granted;
 use serde::de::DeserializeOwned;
@@ -32,6 +32,8 @@ pub struct Start {
     /// The programs of the user's that take part, by the service that they are or compute for.
     #[serde(default)]
     pub programs: BTreeMap<String, Program>,
+    /// What the law's numbers mean.
+    pub law: LawNames,
 }
 
 /// What the recorder says to the launcher.

@@ -1,6 +1,7 @@
 //! What a recording says of its run beside the messages.
 
 use messages::LAYOUT_VERSION;
+use messages::names::ENUMERATIONS;
 use runtime::{Mode, Program, scheduling::Granted};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
@@ -28,14 +29,42 @@ pub struct Metadata {
     pub seed: u64,
     /// The run's clock.
     pub mode: Mode,
-    /// Run time 0 in ns since 1970, to place the run in the calendar.
+    /// Run time 0 in ns since 1970, to place the run in the calendar; [`SIMULATED_START_NS`] in
+    /// lockstep, so that the same run gives the same file.
     pub started_unix_ns: i64,
-    /// The machine.
-    pub host: Host,
+    /// The log time of run time 0, ns: the same, but for files of before, whose log times are run time.
+    pub epoch_ns: i64,
+    /// The machine; none in lockstep, where it changes nothing.
+    pub host: Option<Host>,
+    /// What the numbers of the law mean; empty where that is not known.
+    pub law: LawNames,
     /// What the kernel granted to each service, by its name.
     pub scheduling: BTreeMap<String, Granted>,
     /// The programs of the user's that took part, by the service that they were or computed for.
     pub programs: BTreeMap<String, Program>,
+}
+
+/// Run time 0 of a run in simulated time, ns since 1970: the beginning of 2026, UTC.
+pub const SIMULATED_START_NS: i64 = 1_767_225_600_000_000_000;
+
+/// What the numbers mean that a law puts into `control/diagnostics`, by their place.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LawNames {
+    /// Modes.
+    pub modes: Vec<String>,
+    /// Reasons for a change of mode.
+    pub reasons: Vec<String>,
+    /// Figures.
+    pub figures: Vec<FigureName>,
+}
+
+/// A figure of a law.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FigureName {
+    /// Name.
+    pub name: String,
+    /// Unit.
+    pub unit: String,
 }
 
 /// The machine that a run was recorded on.
@@ -63,14 +92,21 @@ impl Host {
 }
 
 impl Metadata {
-    /// The metadata of a run of `scenario` on this machine.
+    /// The metadata of a run of `scenario` on this machine, with run time 0 at `started_unix_ns` and the
+    /// grants `scheduling`. In lockstep both are left out, and the machine: the same run is to give
+    /// the same file.
     #[must_use]
     pub fn new(
         scenario: &Scenario,
         mode: Mode,
         started_unix_ns: i64,
         scheduling: BTreeMap<String, Granted>,
+        law: LawNames,
     ) -> Self {
+        let (started_unix_ns, host, scheduling) = match mode {
+            Mode::Realtime => (started_unix_ns, Some(Host::this()), scheduling),
+            Mode::Lockstep => (SIMULATED_START_NS, None, BTreeMap::new()),
+        };
         Self {
             program: concat!("timegap ", env!("CARGO_PKG_VERSION")).into(),
             layout_version: LAYOUT_VERSION.into(),
@@ -80,7 +116,9 @@ impl Metadata {
             seed: scenario.seed.value(),
             mode,
             started_unix_ns,
-            host: Host::this(),
+            epoch_ns: started_unix_ns,
+            host,
+            law,
             scheduling,
             programs: BTreeMap::new(),
         }
@@ -103,12 +141,24 @@ impl Metadata {
             ("seed", self.seed.to_string()),
             ("mode", self.mode.name().into()),
             ("started_unix_ns", self.started_unix_ns.to_string()),
-            ("host", self.host.name.clone()),
-            ("kernel", self.host.kernel.clone()),
-            ("cpus", self.host.cpus.to_string()),
+            (EPOCH, self.epoch_ns.to_string()),
+            (LAW, serde_json::to_string(&self.law).expect("plain data")),
         ]
         .map(|(key, value)| (key.to_owned(), value))
         .into();
+        if let Some(host) = &self.host {
+            let host = [
+                ("host", host.name.clone()),
+                ("kernel", host.kernel.clone()),
+                ("cpus", host.cpus.to_string()),
+            ];
+            map.extend(host.map(|(key, value)| (key.to_owned(), value)));
+        }
+        for enumeration in &ENUMERATIONS {
+            let names: BTreeMap<_, _> = enumeration.values.iter().copied().collect();
+            let json = serde_json::to_string(&names).expect("plain data");
+            map.insert(format!("{NAMES}{}", enumeration.name), json);
+        }
         for (service, granted) in &self.scheduling {
             let json = serde_json::to_string(granted).expect("plain data");
             map.insert(format!("{SCHEDULING}{service}"), json);
@@ -121,8 +171,7 @@ impl Metadata {
     }
 
     /// From a record of the file; `None` if it is another's, or not whole.
-    pub(crate) fn of_record(record: &mcap::records::Metadata) -> Option<Self> {
-        let map = &record.metadata;
+    pub(crate) fn of_record(name: &str, map: &BTreeMap<String, String>) -> Option<Self> {
         let text = |key: &str| map.get(key).cloned();
         let scheduling = map.iter().filter_map(|(key, value)| {
             let service = key.strip_prefix(SCHEDULING)?;
@@ -132,7 +181,14 @@ impl Metadata {
             let service = key.strip_prefix(PROGRAM)?;
             Some((service.to_owned(), serde_json::from_str(value).ok()?))
         });
-        (record.name == RUN).then_some(())?;
+        (name == RUN).then_some(())?;
+        let host = || {
+            Some(Host {
+                name: text("host")?,
+                kernel: text("kernel")?,
+                cpus: text("cpus")?.parse().ok()?,
+            })
+        };
         Some(Self {
             program: text("program")?,
             layout_version: text("layout_version")?,
@@ -144,11 +200,9 @@ impl Metadata {
                 .into_iter()
                 .find(|mode| text("mode").as_deref() == Some(mode.name()))?,
             started_unix_ns: text("started_unix_ns")?.parse().ok()?,
-            host: Host {
-                name: text("host")?,
-                kernel: text("kernel")?,
-                cpus: text("cpus")?.parse().ok()?,
-            },
+            epoch_ns: text(EPOCH).map_or(Some(0), |ns| ns.parse().ok())?,
+            host: host(),
+            law: text(LAW).and_then(|law| serde_json::from_str(&law).ok()).unwrap_or_default(),
             scheduling: scheduling.collect(),
             programs: programs.collect(),
         })
@@ -157,6 +211,9 @@ impl Metadata {
 
 const SCHEDULING: &str = "scheduling.";
 const PROGRAM: &str = "program.";
+const EPOCH: &str = "epoch_ns";
+const LAW: &str = "law";
+const NAMES: &str = "names.";
 
 /// What the recorder counted, known when a recording ends.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -201,10 +258,10 @@ impl Tally {
         mcap::records::Metadata { name: END.into(), metadata: map }
     }
 
-    pub(crate) fn of_record(record: &mcap::records::Metadata) -> Option<Self> {
-        (record.name == END).then_some(())?;
+    pub(crate) fn of_record(name: &str, map: &BTreeMap<String, String>) -> Option<Self> {
+        (name == END).then_some(())?;
         let mut tally = Self::default();
-        for (key, value) in &record.metadata {
+        for (key, value) in map {
             let (name, what) = key.rsplit_once('.')?;
             let value: u64 = value.parse().ok()?;
             match what {

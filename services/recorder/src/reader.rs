@@ -1,61 +1,105 @@
-//! Reading a recording, also one that was cut off.
+//! Reading a recording, also one that was cut off or that another program wrote.
 
 use crate::counter::Counter;
-use crate::scan::{Entry, Scan};
-use crate::{Damage, FILE, Metadata, ReadError, Tally};
-use messages::{Header, Message, Topic};
+use crate::definitions::Definitions;
+use crate::format::{MAGIC, Statistics};
+use crate::outline::{Outline, Segment};
+use crate::records::Records;
+use crate::source::{Source, Window};
+use crate::{Damage, FILE, Metadata, ReadError, Tally, TopicTally};
+use messages::{Header, Message, TOPICS, Topic};
+use std::fs::File;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-/// One recorded message.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Record<'a> {
+/// One recorded message. It keeps its chunk of the file in memory: copy what must live long.
+#[derive(Clone, Debug)]
+pub struct Record {
     /// The topic.
     pub topic: Topic,
-    /// When the recorder took it, ns of run time; in lockstep, when it was published.
+    /// When it was published, ns of run time, as far as its sender's clock can be believed: this is
+    /// the order of the file.
     pub log_time_ns: i64,
-    /// When its sender published it, ns of run time.
+    /// When its sender says that it published it, ns of run time.
     pub publish_time_ns: i64,
-    /// The bytes of the topic's struct.
-    pub bytes: &'a [u8],
+    pub(crate) chunk: Arc<Vec<u8>>,
+    pub(crate) range: Range<usize>,
 }
 
-impl Record<'_> {
+impl Record {
+    /// The bytes of the topic's struct.
+    #[must_use]
+    pub fn bytes(&self) -> &[u8] {
+        &self.chunk[self.range.clone()]
+    }
+
     /// The header that every message starts with.
     #[must_use]
     pub fn header(&self) -> Header {
-        bytemuck::pod_read_unaligned(&self.bytes[..size_of::<Header>()])
+        bytemuck::pod_read_unaligned(&self.bytes()[..size_of::<Header>()])
     }
 
     /// The message, if `T` is the topic's type.
     #[must_use]
     pub fn message<T: Message>(&self) -> Option<T> {
-        (self.topic == T::TOPIC).then(|| bytemuck::pod_read_unaligned(self.bytes))
+        (self.topic == T::TOPIC).then(|| bytemuck::pod_read_unaligned(self.bytes()))
     }
 }
 
-/// A message with the time at which it was recorded.
+impl PartialEq for Record {
+    fn eq(&self, other: &Self) -> bool {
+        let times = |record: &Self| (record.topic, record.log_time_ns, record.publish_time_ns);
+        times(self) == times(other) && self.bytes() == other.bytes()
+    }
+}
+
+/// A message with the time under which it was recorded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timed<T> {
-    /// When the recorder took it, ns of run time; in lockstep, when it was published.
+    /// As of [`Record::log_time_ns`].
     pub log_time_ns: i64,
     /// The message.
     pub message: T,
 }
 
-/// A recording in memory.
+/// What is in a recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Survey {
+    /// Messages by topic, and those that are missing.
+    pub tally: Tally,
+    /// Latest log time of any message, ns of run time.
+    pub end_ns: i64,
+    /// What cannot be read.
+    pub damage: Vec<Damage>,
+}
+
+/// A topic in a file's summary, one of ours or another.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TopicSummary {
+    /// Name.
+    pub name: String,
+    /// Name of its type.
+    pub type_name: String,
+    /// Messages in the file.
+    pub messages: u64,
+}
+
+/// A recording: what it says of itself, and a way to its messages.
 #[derive(Clone, Debug)]
 pub struct Recording {
     path: PathBuf,
-    file_bytes: u64,
+    source: Source,
     metadata: Metadata,
     tally: Option<Tally>,
+    statistics: Option<Statistics>,
+    definitions: Definitions,
+    segments: Vec<Segment>,
     damage: Vec<Damage>,
-    entries: Vec<Entry>,
-    payload: Vec<u8>,
 }
 
 impl Recording {
-    /// Reads the recording at `path`, a file or a run's directory of results, as far as it goes.
+    /// Opens the recording at `path`, a file or a run's directory of results.
     ///
     /// # Errors
     /// If there is no file, or it is no recording, or one with other messages. A file that ends too
@@ -66,33 +110,69 @@ impl Recording {
             let reason = "it is no regular file".into();
             return Err(ReadError::Foreign { path, reason });
         }
-        let file = std::fs::read(&path)
-            .map_err(|reason| ReadError::File { path: path.clone(), reason })?;
-        Self::of_bytes(path, &file)
+        let failed = |reason| ReadError::File { path: path.clone(), reason };
+        let source = File::open(&path).and_then(Source::of_file).map_err(failed)?;
+        Self::of_source(path, source)
     }
 
-    /// Reads a recording whose file, known as `path`, has these contents.
+    /// Opens a recording whose file, known as `path`, has these contents.
     ///
     /// # Errors
     /// As [`Recording::open`].
     pub fn of_bytes(path: PathBuf, file: &[u8]) -> Result<Self, ReadError> {
+        Self::of_source(path, Source::of_bytes(file))
+    }
+
+    fn of_source(path: PathBuf, source: Source) -> Result<Self, ReadError> {
         let foreign =
             |reason: &str| ReadError::Foreign { path: path.clone(), reason: reason.into() };
-        let body = file.strip_prefix(mcap::MAGIC).ok_or_else(|| foreign("it is no MCAP file"))?;
-        let scan = Scan::of(body);
-        let metadata = scan.metadata.ok_or_else(|| foreign("it does not say of which run"))?;
-        if let Some(topic) = scan.other_layout {
-            return Err(ReadError::Layout { path, program: metadata.program, topic });
+        let failed = |reason| ReadError::File { path: path.clone(), reason };
+        match source.length() {
+            0 => return Err(foreign("it is empty")),
+            length if length < MAGIC.len() as u64 => return Err(foreign("it is no MCAP file")),
+            _ => {}
         }
-        Ok(Self {
+        if Window::new(&source).bytes(0, MAGIC.len()).map_err(failed)? != MAGIC {
+            return Err(foreign("it is no MCAP file"));
+        }
+        let outline = Outline::of(&source).map_err(failed)?;
+        let metadata = outline.metadata.ok_or_else(|| foreign("it does not say of which run"))?;
+        let mut recording = Self {
             path,
-            file_bytes: file.len() as u64,
+            source,
             metadata,
-            tally: scan.tally,
-            damage: scan.damage,
-            entries: scan.entries,
-            payload: scan.payload,
-        })
+            tally: outline.tally,
+            statistics: outline.statistics,
+            definitions: outline.definitions,
+            segments: outline.segments,
+            damage: outline.damage,
+        };
+        if recording.definitions.is_empty() || !outline.has_summary && recording.segments.len() > 1
+        {
+            recording.find_definitions();
+        }
+        match recording.definitions.other_layout() {
+            Some(topic) => {
+                let topic = topic.to_owned();
+                let Self { path, metadata, .. } = recording;
+                Err(ReadError::Layout { path, program: metadata.program, topic })
+            }
+            None => Ok(recording),
+        }
+    }
+
+    /// Looks for the topics in the chunks, where no summary repeats them: up to the first message, or in
+    /// all of a file that is not in order.
+    fn find_definitions(&mut self) {
+        let in_order = self.segments.len() < 2;
+        let mut records = self.records();
+        while records.next().is_some() && !in_order {}
+        self.definitions = records.into_definitions();
+    }
+
+    fn reader(&self, topics: &[Topic], segments: &[Segment]) -> Records {
+        let epoch_ns = self.metadata.epoch_ns;
+        Records::new(&self.source, epoch_ns, &self.definitions, segments, topics)
     }
 
     /// The file.
@@ -104,7 +184,7 @@ impl Recording {
     /// Its size, bytes.
     #[must_use]
     pub fn file_bytes(&self) -> u64 {
-        self.file_bytes
+        self.source.length()
     }
 
     /// What is known of the run.
@@ -119,43 +199,88 @@ impl Recording {
         self.tally.as_ref()
     }
 
-    /// What could not be read; empty for a whole recording.
+    /// What is wrong with the file's outline; what is wrong inside its chunks shows when the messages
+    /// are read ([`Records::damage`]).
     #[must_use]
     pub fn damage(&self) -> &[Damage] {
         &self.damage
     }
 
-    /// All messages in the order in which they were recorded: that of each sender on each topic,
-    /// and nearly that of time between topics.
-    pub fn records(&self) -> impl ExactSizeIterator<Item = Record<'_>> + Clone {
-        self.entries.iter().map(|entry| Record {
-            topic: entry.topic,
-            log_time_ns: entry.log_time_ns,
-            publish_time_ns: entry.publish_time_ns,
-            bytes: &self.payload[entry.offset..entry.offset + entry.topic.message_bytes()],
-        })
+    /// All messages, in the order of their log times.
+    #[must_use]
+    pub fn records(&self) -> Records {
+        self.records_of(&TOPICS)
+    }
+
+    /// All messages of `topics`, in the order of their log times.
+    #[must_use]
+    pub fn records_of(&self, topics: &[Topic]) -> Records {
+        self.reader(topics, &self.segments)
     }
 
     /// All messages of `T`'s topic.
-    pub fn messages<T: Message>(&self) -> impl Iterator<Item = Timed<T>> + '_ {
-        self.records().filter_map(|record| {
+    pub fn messages<T: Message>(&self) -> impl Iterator<Item = Timed<T>> + use<T> {
+        self.records_of(&[T::TOPIC]).filter_map(|record| {
             let message = record.message()?;
             Some(Timed { log_time_ns: record.log_time_ns, message })
         })
     }
 
-    /// Messages in the file and gaps in their sequence numbers, counted anew: for a file whose
-    /// recorder did not live to say.
+    /// What the file's own statistics say, without reading any message; `None` for a file that was never
+    /// ended, or that keeps none.
     #[must_use]
-    pub fn count(&self) -> Tally {
-        let mut counter = Counter::default();
-        self.records().for_each(|record| counter.count(record.topic, record.bytes));
-        counter.tally()
+    pub fn statistics(&self) -> Option<Survey> {
+        let (tally, statistics) = (self.tally.as_ref()?, self.statistics.as_ref()?);
+        let counts = self.definitions.counts(&statistics.channels)?;
+        let topics = counts.into_iter().map(|(topic, messages)| {
+            let counted = tally.topics.get(topic.name()).copied().unwrap_or_default();
+            // Others may have taken messages out of the file since.
+            let lost = (counted.messages + counted.lost).saturating_sub(messages);
+            (topic.name().to_owned(), TopicTally { messages, lost })
+        });
+        let end_ns = match statistics.messages {
+            0 => 0,
+            _ => i64::try_from(statistics.end).unwrap_or(i64::MAX) - self.metadata.epoch_ns,
+        };
+        Some(Survey {
+            tally: Tally { topics: topics.collect(), incarnations: tally.incarnations.clone() },
+            end_ns,
+            damage: self.damage.clone(),
+        })
     }
 
-    /// Newest publish time of any message, ns of run time.
+    /// All topics that the file's own statistics know, those for viewers among them; none in a file
+    /// without.
     #[must_use]
-    pub fn end_ns(&self) -> i64 {
-        self.entries.iter().map(|entry| entry.publish_time_ns).max().unwrap_or(0)
+    pub fn topics(&self) -> Vec<TopicSummary> {
+        let Some(statistics) = &self.statistics else { return Vec::new() };
+        let listed = self.definitions.listed();
+        listed
+            .map(|(channel, name, type_name)| TopicSummary {
+                name: name.to_owned(),
+                type_name: type_name.to_owned(),
+                messages: statistics.channels.get(&channel).copied().unwrap_or(0),
+            })
+            .collect()
+    }
+
+    /// Earliest and latest log time by the file's own statistics, ns since 1970; zeros in a file without.
+    #[must_use]
+    pub fn log_times_ns(&self) -> [u64; 2] {
+        self.statistics.as_ref().map_or([0; 2], |s| [s.start, s.end.max(s.start)])
+    }
+
+    /// Reads every message: what is there, gaps in the sequence numbers, and what cannot be read.
+    #[must_use]
+    pub fn survey(&self) -> Survey {
+        let mut counter = Counter::default();
+        let mut end_ns = 0;
+        let mut records = self.records();
+        for record in records.by_ref() {
+            counter.count(record.topic, record.bytes());
+            end_ns = end_ns.max(record.log_time_ns);
+        }
+        let damage = [&self.damage[..], records.damage()].concat();
+        Survey { tally: counter.tally(), end_ns, damage }
     }
 }

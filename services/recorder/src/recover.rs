@@ -1,7 +1,7 @@
 //! Making a broken recording whole.
 
 use crate::counter::Counter;
-use crate::{Damage, Recording, Tally, Writer};
+use crate::{Damage, Metadata, Recording, Tally, Writer};
 use mcap::McapError;
 use std::io::{Seek, Write};
 
@@ -10,6 +10,8 @@ use std::io::{Seek, Write};
 pub struct Recovered {
     /// What is in the new file, and what is missing between its first and last messages.
     pub tally: Tally,
+    /// Latest log time of any message, ns of run time.
+    pub end_ns: i64,
     /// What could not be read of the old one.
     pub damage: Vec<Damage>,
 }
@@ -19,13 +21,20 @@ pub struct Recovered {
 /// # Errors
 /// If `file` cannot be written.
 pub fn recover<W: Write + Seek>(recording: &Recording, file: W) -> Result<Recovered, McapError> {
-    let mut writer = Writer::begin(file, recording.metadata())?;
+    let metadata = recording.metadata();
+    // A recording of before is written with the log times of today.
+    let metadata = Metadata { epoch_ns: metadata.started_unix_ns, ..metadata.clone() };
+    let mut writer = Writer::begin(file, &metadata)?;
     let mut counter = Counter::default();
-    for record in recording.records() {
-        writer.message(record.topic, record.log_time_ns, record.bytes)?;
-        counter.count(record.topic, record.bytes);
+    let mut end_ns = 0;
+    let mut records = recording.records();
+    for record in records.by_ref() {
+        writer.message(record.topic, record.log_time_ns, record.bytes())?;
+        counter.count(record.topic, record.bytes());
+        end_ns = end_ns.max(record.log_time_ns);
     }
     let tally = counter.tally();
     writer.finish(&tally)?;
-    Ok(Recovered { tally, damage: recording.damage().to_vec() })
+    let damage = [recording.damage(), records.damage()].concat();
+    Ok(Recovered { tally, end_ns, damage })
 }

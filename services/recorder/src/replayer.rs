@@ -2,7 +2,7 @@
 
 use crate::Recording;
 use crate::link::{orders, say, text};
-use crate::takes::{Samples, inputs};
+use crate::takes::{INPUTS, Take, inputs};
 use messages::{Diagnostics, Map, Odometry, Origin, Powertrain, Preview, RadarTracks, Spat, Topic};
 use runtime::{Group, Played, Player, RuntimeError, Tap, Tapped, log_warnings};
 use serde::{Deserialize, Serialize};
@@ -33,22 +33,17 @@ pub enum FromReplayer {
     Failed(String),
 }
 
-/// Becomes the replayer of a run. `arguments` are the run's root, the recording and which restart of
-/// the controller to serve.
+/// Becomes the replayer of a run. `arguments` are the run's root, the recording, which restart of the
+/// controller to serve and for how many cycles.
 #[must_use]
 pub fn replay(arguments: &[String]) -> ExitCode {
-    let (root, file, incarnation) = match arguments {
-        [root, file, incarnation] if incarnation.parse::<u32>().is_ok() => {
-            (root, file, incarnation)
-        }
-        _ => {
-            eprintln!("the replayer is a service of timegap: start it with `timegap replay`");
-            return ExitCode::from(2);
-        }
-    };
-    let incarnation = incarnation.parse().expect("checked above");
+    let [root, file, numbers @ ..] = arguments else { return refuse() };
+    let numbers: Vec<u64> = numbers.iter().map_while(|number| number.parse().ok()).collect();
+    let [incarnation, cycles] = numbers[..] else { return refuse() };
+    let Ok(incarnation) = u32::try_from(incarnation) else { return refuse() };
     log_warnings();
-    match play(Path::new(root), Path::new(file), incarnation) {
+    let take = Take { incarnation, cycles, ..Take::default() };
+    match play(Path::new(root), Path::new(file), &take) {
         Ok(()) => ExitCode::SUCCESS,
         Err(reason) => {
             say(&FromReplayer::Failed(reason));
@@ -57,13 +52,14 @@ pub fn replay(arguments: &[String]) -> ExitCode {
     }
 }
 
-fn play(root: &Path, file: &Path, incarnation: u32) -> Result<(), String> {
+fn refuse() -> ExitCode {
+    eprintln!("the replayer is a service of timegap: start it with `timegap replay`");
+    ExitCode::from(2)
+}
+
+fn play(root: &Path, file: &Path, take: &Take) -> Result<(), String> {
     let group = Group::read(root).map_err(text)?;
     let recording = Recording::open(file).map_err(text)?;
-    let takes = recording.takes();
-    let take = takes.iter().find(|take| take.incarnation == incarnation);
-    let releases = take.map_or(&[][..], |take| &take.releases);
-    let samples = Samples::of(&recording);
     let ports = Player::join(&group, "replayer").and_then(Ports::open).map_err(text)?;
     let tap = Tap::join(&group, "replayer-tap").map_err(text)?;
     let answers = tap.on::<Diagnostics>().map_err(text)?;
@@ -72,19 +68,21 @@ fn play(root: &Path, file: &Path, incarnation: u32) -> Result<(), String> {
     if input.recv().is_err() {
         return Ok(());
     }
-    let mut last = [Origin::NONE; 6];
+    let mut last = [Origin::NONE; INPUTS.len()];
     let mut answered = 0;
-    for (sent, release) in releases.iter().enumerate() {
+    for (sent, cycle) in recording.cycles(take).enumerate() {
         while sent >= answered + AHEAD {
             answered += taken(&answers)?;
             if sent >= answered + AHEAD {
                 std::thread::sleep(POLL);
             }
         }
-        for ((topic, origin), last) in inputs(&release.inputs).into_iter().zip(&mut last) {
-            if origin.is_some() && origin != *last {
-                let sample = samples.find(topic, origin).expect("`takes` found every input");
-                ports.send(topic, sample.bytes).map_err(text)?;
+        let used = inputs(&cycle.diagnostics.header.origins).into_iter().zip(&mut last);
+        for ((topic, sample), (origin, last)) in INPUTS.into_iter().zip(&cycle.samples).zip(used) {
+            if let Some(sample) = sample
+                && origin != *last
+            {
+                ports.send(topic, sample).map_err(text)?;
                 *last = origin;
             }
         }
@@ -141,7 +139,7 @@ impl Ports {
             Topic::Map => self.map.send(message),
             Topic::Powertrain => self.powertrain.send(message),
             Topic::Preview => self.preview.send(message),
-            _ => unreachable!("`inputs` names no other"),
+            _ => unreachable!("`INPUTS` has no other"),
         }
     }
 }

@@ -4,9 +4,11 @@
 //! short buffers of the topics. When that memory is full as well, the topics' own rules hold: in
 //! lockstep the senders wait, in realtime the oldest messages are lost, and counted.
 
-use crate::batch::{Batch, Taps};
+use crate::bag;
+use crate::batch::Taps;
 use crate::counter::Counter;
 use crate::link::{FromRecorder, Report, Start, ToRecorder, orders, say, text};
+use crate::sequencer::{Placed, Sequencer};
 use crate::{Metadata, Recording, Tally, TopicTally, Writer};
 use runtime::{Group, Mode, Tap, log_warnings, monotonic_ns};
 use scenario::Scenario;
@@ -25,7 +27,7 @@ const LOCKSTEP_POLL: Duration = Duration::from_millis(1);
 const REALTIME_POLL: i64 = 2;
 /// Most bytes that wait for the disk.
 const MOST_QUEUED: usize = 64 << 20;
-/// Longest that a message waits before it is handed to the system.
+/// Longest that a message waits before it is handed to the system; in lockstep, simulated time.
 const FLUSH_PERIOD: Duration = Duration::from_secs(1);
 
 /// Becomes the recorder of a run. `arguments` are the run's root and the file to write.
@@ -52,15 +54,21 @@ fn record(root: &Path, path: &Path) -> Result<Report, String> {
     let group = Group::read(root).map_err(text)?;
     let scenario = Scenario::parse("scenario", &group.scenario).map_err(text)?;
     let taps = Tap::join(&group, "recorder").and_then(Taps::open).map_err(text)?;
+    bag::remove_beside(path);
     let file = File::create(path).map_err(|e| format!("{}: {e}", path.display()))?;
     let orders = orders()?;
     let start = begin(&taps, &orders)?;
+    let sequencer =
+        Sequencer::new(group.mode, scenario.services().iter().map(|service| service.to_wire()));
     let metadata = metadata(&scenario, group.mode, &start);
     let disk = Disk::begin(file, metadata)?;
-    let tally = follow(&group, &taps, &orders, &start, &disk)?;
-    let failed = disk.end(&tally);
+    let tally = follow(&group, &taps, &orders, &start, &disk, sequencer)?;
+    let mut failed = disk.end(&tally);
     let bytes = std::fs::metadata(path).map_or(0, |file| file.len());
     let tally = if failed.is_some() { kept(path, &tally) } else { tally };
+    if failed.is_none() {
+        failed = bag::write_beside(path).err().map(text);
+    }
     Ok(Report { tally, bytes, failed })
 }
 
@@ -85,6 +93,7 @@ fn follow(
     orders: &Receiver<ToRecorder>,
     start: &Start,
     disk: &Disk,
+    mut sequencer: Sequencer,
 ) -> Result<Tally, String> {
     let poll = match group.mode {
         Mode::Lockstep => LOCKSTEP_POLL,
@@ -95,20 +104,19 @@ fn follow(
     let mut counter = Counter::default();
     let mut finishing = false;
     loop {
-        let mut taken = 0;
+        let mut nothing = true;
         if disk.has_room() {
             let batch = taps.take().map_err(text)?;
-            taken = batch.size();
-            for (topic, _, bytes) in batch.messages() {
+            let now_ns = monotonic_ns() - start.start_ns;
+            nothing = batch.is_empty();
+            for (topic, bytes) in batch.messages() {
                 counter.count(topic, bytes);
+                sequencer.add(topic, bytes, now_ns);
             }
-            let log_time_ns = match group.mode {
-                Mode::Lockstep => None,
-                Mode::Realtime => Some(monotonic_ns() - start.start_ns),
-            };
-            disk.put(batch, log_time_ns);
+            disk.put(sequencer.ready(now_ns));
         }
-        if finishing && taken == 0 && disk.has_room() {
+        if finishing && nothing && disk.has_room() {
+            disk.put(sequencer.rest());
             return Ok(counter.tally());
         }
         match orders.recv_timeout(poll) {
@@ -120,7 +128,8 @@ fn follow(
 
 /// The tally of a file whose end could not be written: what is in it, and that the rest is lost.
 fn kept(path: &Path, sent: &Tally) -> Tally {
-    let in_file = Recording::open(path).map_or_else(|_| Tally::default(), |file| file.count());
+    let in_file =
+        Recording::open(path).map_or_else(|_| Tally::default(), |file| file.survey().tally);
     let topics = sent.topics.iter().map(|(name, sent)| {
         let messages = in_file.topics.get(name).map_or(0, |topic| topic.messages);
         (name.clone(), TopicTally { messages, lost: sent.messages + sent.lost - messages })
@@ -132,13 +141,14 @@ fn metadata(scenario: &Scenario, mode: Mode, start: &Start) -> Metadata {
     let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
     let now_ns = i64::try_from(since_1970.as_nanos()).unwrap_or(0);
     let started_unix_ns = now_ns - (monotonic_ns() - start.start_ns);
-    Metadata::new(scenario, mode, started_unix_ns, start.scheduling.clone())
+    let (scheduling, law) = (start.scheduling.clone(), start.law.clone());
+    Metadata::new(scenario, mode, started_unix_ns, scheduling, law)
         .with_programs(start.programs.clone())
 }
 
 /// What is to be written.
 enum Work {
-    Messages(Batch, Option<i64>),
+    Messages(Vec<Placed>),
     End(Tally),
 }
 
@@ -166,10 +176,10 @@ impl Disk {
         self.thread.is_finished() || self.queued.load(Ordering::Relaxed) < MOST_QUEUED
     }
 
-    fn put(&self, batch: Batch, log_time_ns: Option<i64>) {
-        self.queued.fetch_add(batch.size(), Ordering::Relaxed);
+    fn put(&self, messages: Vec<Placed>) {
+        self.queued.fetch_add(size(&messages), Ordering::Relaxed);
         // After a failure, which `end` tells, messages are let go: no sender must wait for them.
-        let _ = self.work.send(Work::Messages(batch, log_time_ns));
+        let _ = self.work.send(Work::Messages(messages));
     }
 
     /// Writes the rest and the end; says what went wrong.
@@ -185,6 +195,11 @@ impl Disk {
     }
 }
 
+/// Memory that `messages` use, bytes.
+fn size(messages: &[Placed]) -> usize {
+    messages.iter().map(|message| message.bytes.len()).sum()
+}
+
 fn write(
     file: File,
     metadata: &Metadata,
@@ -195,11 +210,11 @@ fn write(
     let mut flushed = Instant::now();
     loop {
         match queue.recv_timeout(FLUSH_PERIOD.saturating_sub(flushed.elapsed())) {
-            Ok(Work::Messages(batch, log_time_ns)) => {
-                for (topic, publish_ns, bytes) in batch.messages() {
-                    writer.message(topic, log_time_ns.unwrap_or(publish_ns), bytes)?;
+            Ok(Work::Messages(messages)) => {
+                for message in &messages {
+                    writer.message(message.topic, message.log_time_ns, &message.bytes)?;
                 }
-                queued.fetch_sub(batch.size(), Ordering::Relaxed);
+                queued.fetch_sub(size(&messages), Ordering::Relaxed);
             }
             Ok(Work::End(tally)) => return writer.finish(&tally),
             Err(RecvTimeoutError::Timeout) => {}
@@ -207,7 +222,10 @@ fn write(
             Err(RecvTimeoutError::Disconnected) => return writer.flush(),
         }
         if flushed.elapsed() >= FLUSH_PERIOD {
-            writer.flush()?;
+            // In lockstep the file itself says where it is flushed: its bytes repeat.
+            if metadata.mode == Mode::Realtime {
+                writer.flush()?;
+            }
             flushed = Instant::now();
         }
     }

@@ -1,111 +1,238 @@
-//! What a recording says of its controller: each cycle with its inputs and its outputs.
+//! What a recording says of its controller: each cycle with its inputs and its outputs, in one pass over
+//! the file and in bounded memory.
 
-use crate::{Record, Recording, Timed};
+use crate::{Record, Recording, Records};
 use messages::rung::Rung;
 use messages::{Command, Diagnostics, Origin, Origins, Topic};
 use runtime::ScheduledRelease;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
 
-/// Everything that one process of the controller did, as far as it can be replayed.
-#[derive(Clone, Debug, Default)]
+/// Most bytes of one topic's samples that are kept for cycles to come: at 1 kHz, seconds.
+const WINDOW_BYTES: usize = 8 << 20;
+/// Most cycles that wait for a message that is recorded behind them, as after a fault of a clock.
+const MOST_WAITING: usize = 1024;
+
+/// What one process of the controller did, as far as it can be replayed.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Take {
     /// Which restart of the controller it was.
     pub incarnation: u32,
-    /// Its releases, with the samples that each used.
-    pub releases: Vec<ScheduledRelease>,
-    /// The diagnostics of each release.
-    pub diagnostics: Vec<Diagnostics>,
-    /// The commands; none in a release in which the controller kept silent.
-    pub commands: Vec<Command>,
+    /// Its cycles.
+    pub cycles: u64,
+    /// Commands among them: none in a cycle in which the controller kept silent.
+    pub commands: u64,
     /// Why it ends before the process did, if it does.
     pub cut_short: Option<String>,
 }
 
-/// Samples by what the controller calls them.
-pub(crate) struct Samples<'a>(HashMap<(Topic, Origin), Record<'a>>);
-
-impl<'a> Samples<'a> {
-    pub(crate) fn of(recording: &'a Recording) -> Self {
-        let inputs = inputs(&Origins::NONE).map(|(topic, _)| topic);
-        let records = recording.records().filter(|record| inputs.contains(&record.topic));
-        Self(records.map(|record| ((record.topic, Origin::of(&record.header())), record)).collect())
-    }
-
-    /// The sample of `topic` that `origin` names.
-    pub(crate) fn find(&self, topic: Topic, origin: Origin) -> Option<&Record<'a>> {
-        self.0.get(&(topic, origin))
-    }
+/// One cycle of the controller.
+#[derive(Clone, Debug)]
+pub struct Cycle {
+    /// What it said of itself.
+    pub diagnostics: Diagnostics,
+    /// Its command.
+    pub command: Option<Command>,
+    /// The samples that it used, by the topics of [`INPUTS`]; none where it used none, or where it was not
+    /// recorded.
+    pub samples: [Option<Arc<[u8]>>; INPUTS.len()],
 }
 
-/// A release's inputs by topic, in the order in which the controller takes them.
-pub(crate) fn inputs(origins: &Origins) -> [(Topic, Origin); 6] {
-    [
-        (Topic::RadarTracks, origins.radar),
-        (Topic::Odometry, origins.odometry),
-        (Topic::Spat, origins.spat),
-        (Topic::Map, origins.map),
-        (Topic::Powertrain, origins.powertrain),
-        (Topic::Preview, origins.preview),
-    ]
+/// The controller's inputs, in the order in which it takes them.
+pub const INPUTS: [Topic; 6] = [
+    Topic::RadarTracks,
+    Topic::Odometry,
+    Topic::Spat,
+    Topic::Map,
+    Topic::Powertrain,
+    Topic::Preview,
+];
+
+/// The samples that a message was computed from, by the topics of [`INPUTS`].
+#[must_use]
+pub fn inputs(origins: &Origins) -> [Origin; INPUTS.len()] {
+    let o = origins;
+    [o.radar, o.odometry, o.spat, o.map, o.powertrain, o.preview]
+}
+
+impl Cycle {
+    /// The release, to be scheduled again.
+    #[must_use]
+    pub fn release(&self) -> ScheduledRelease {
+        let start_ns = self.diagnostics.start_ns;
+        ScheduledRelease {
+            step: self.diagnostics.header.step,
+            start_ns,
+            publish_ns: self.command.as_ref().map_or(start_ns, |command| command.header.publish_ns),
+            inputs: self.diagnostics.header.origins,
+        }
+    }
+
+    /// Why it cannot be replayed as cycle `number` of its process, counted from 1.
+    fn gap(&self, number: u64) -> Option<String> {
+        let cycle = &self.diagnostics;
+        if cycle.header.sequence != number {
+            return Some(format!("the diagnostics of its cycle {number} were not recorded"));
+        }
+        if self.command.is_none() && cycle.rung != Rung::Silent as u32 {
+            return Some(format!("the command of its cycle {number} was not recorded"));
+        }
+        let origins = inputs(&cycle.header.origins);
+        let mut used = INPUTS.into_iter().zip(origins).zip(&self.samples);
+        let ((topic, origin), _) =
+            used.find(|((_, origin), sample)| origin.is_some() && sample.is_none())?;
+        let (sample, topic) = (origin.sequence, topic.name());
+        Some(format!(
+            "message {sample} of `{topic}`, which its cycle {number} used, was not recorded"
+        ))
+    }
 }
 
 impl Recording {
     /// What each process of the controller did, in their order.
     #[must_use]
     pub fn takes(&self) -> Vec<Take> {
-        let samples = Samples::of(self);
-        let commands: HashMap<(u32, u64), Command> = self
-            .messages()
-            .map(|timed: Timed<Command>| timed.message)
-            .map(|command| ((command.header.incarnation, command.header.step), command))
-            .collect();
         let mut takes: BTreeMap<u32, Take> = BTreeMap::new();
-        for Timed { message: cycle, .. } in self.messages::<Diagnostics>() {
-            let incarnation = cycle.header.incarnation;
+        for cycle in Cycles::of(self.records_of(&RECORDED)) {
+            let incarnation = cycle.diagnostics.header.incarnation;
             let take =
                 takes.entry(incarnation).or_insert_with(|| Take { incarnation, ..Take::default() });
             if take.cut_short.is_none() {
-                let command = commands.get(&(incarnation, cycle.header.step));
-                take.cut_short = take.add(cycle, command, &samples).err();
+                take.cut_short = cycle.gap(take.cycles + 1);
+                if take.cut_short.is_none() {
+                    take.cycles += 1;
+                    take.commands += u64::from(cycle.command.is_some());
+                }
             }
         }
         takes.into_values().collect()
     }
+
+    /// The cycles of `take`, in their order.
+    pub fn cycles(&self, take: &Take) -> impl Iterator<Item = Cycle> + use<> {
+        let (incarnation, count) = (take.incarnation, take.cycles);
+        Cycles::of(self.records_of(&RECORDED))
+            .filter(move |cycle| cycle.diagnostics.header.incarnation == incarnation)
+            .take(usize::try_from(count).unwrap_or(usize::MAX))
+    }
 }
 
-impl Take {
-    /// Adds the next cycle, or says why it cannot be replayed.
-    fn add(
-        &mut self,
-        cycle: Diagnostics,
-        command: Option<&Command>,
-        samples: &Samples<'_>,
-    ) -> Result<(), String> {
-        let number = self.diagnostics.len() as u64 + 1;
-        if cycle.header.sequence != number {
-            return Err(format!("the diagnostics of its cycle {number} were not recorded"));
+/// What a cycle is put together from.
+const RECORDED: [Topic; INPUTS.len() + 2] = [
+    INPUTS[0],
+    INPUTS[1],
+    INPUTS[2],
+    INPUTS[3],
+    INPUTS[4],
+    INPUTS[5],
+    Topic::Command,
+    Topic::Diagnostics,
+];
+
+/// The cycles of all processes of the controller, in the order of their diagnostics.
+struct Cycles {
+    records: Records,
+    samples: [Window; INPUTS.len()],
+    commands: VecDeque<Command>,
+    waiting: VecDeque<Diagnostics>,
+    is_at_end: bool,
+}
+
+impl Cycles {
+    fn of(records: Records) -> Self {
+        Self {
+            records,
+            samples: Default::default(),
+            commands: VecDeque::new(),
+            waiting: VecDeque::new(),
+            is_at_end: false,
         }
-        if command.is_none() && cycle.rung != Rung::Silent as u32 {
-            return Err(format!("the command of its cycle {number} was not recorded"));
+    }
+
+    fn take_in(&mut self, record: &Record) {
+        if let Some(index) = INPUTS.iter().position(|topic| *topic == record.topic) {
+            self.samples[index].push(Origin::of(&record.header()), record.bytes());
+        } else if let Some(command) = record.message() {
+            self.commands.push_back(command);
+            if self.commands.len() > 2 * MOST_WAITING {
+                self.commands.pop_front();
+            }
+        } else if let Some(diagnostics) = record.message() {
+            self.waiting.push_back(diagnostics);
         }
-        let inputs = inputs(&cycle.header.origins);
-        let missing = inputs
-            .into_iter()
-            .find(|&(topic, origin)| origin.is_some() && samples.find(topic, origin).is_none());
-        if let Some((topic, origin)) = missing {
-            let (sample, topic) = (origin.sequence, topic.name());
-            return Err(format!(
-                "message {sample} of `{topic}`, which its cycle {number} used, was not recorded"
-            ));
+    }
+
+    /// The cycle that waits longest, as far as it was recorded up to here, and whether that is all.
+    fn first(&mut self) -> Option<(Cycle, bool)> {
+        let diagnostics = *self.waiting.front()?;
+        let key = (diagnostics.header.incarnation, diagnostics.header.step);
+        let of_cycle =
+            |command: &&Command| (command.header.incarnation, command.header.step) == key;
+        let command = self.commands.iter().rev().find(of_cycle).copied();
+        let origins = inputs(&diagnostics.header.origins);
+        let mut is_whole = command.is_some() || diagnostics.rung == Rung::Silent as u32;
+        let mut samples = [const { None }; INPUTS.len()];
+        for ((window, origin), sample) in self.samples.iter_mut().zip(origins).zip(&mut samples) {
+            *sample = window.find(origin);
+            is_whole &= sample.is_some() || !origin.is_some();
         }
-        self.releases.push(ScheduledRelease {
-            step: cycle.header.step,
-            start_ns: cycle.start_ns,
-            publish_ns: command.map_or(cycle.start_ns, |command| command.header.publish_ns),
-            inputs: cycle.header.origins,
-        });
-        self.diagnostics.push(cycle);
-        self.commands.extend(command);
-        Ok(())
+        Some((Cycle { diagnostics, command, samples }, is_whole))
+    }
+}
+
+impl Iterator for Cycles {
+    type Item = Cycle;
+
+    fn next(&mut self) -> Option<Cycle> {
+        loop {
+            // Only the first of those that wait is looked at: a gap is found once, not at each message.
+            let is_due = self.is_at_end || self.waiting.len() > MOST_WAITING;
+            if let Some((cycle, is_whole)) = self.first()
+                && (is_whole || is_due)
+            {
+                self.waiting.pop_front();
+                return Some(cycle);
+            }
+            if self.is_at_end {
+                return None;
+            }
+            match self.records.next() {
+                Some(record) => self.take_in(&record),
+                None => self.is_at_end = true,
+            }
+        }
+    }
+}
+
+/// The newest samples of a topic, and the one that was used last, however old.
+#[derive(Default)]
+struct Window {
+    samples: VecDeque<(Origin, Arc<[u8]>)>,
+    bytes: usize,
+    used: Option<(Origin, Arc<[u8]>)>,
+}
+
+impl Window {
+    fn push(&mut self, origin: Origin, bytes: &[u8]) {
+        self.samples.push_back((origin, bytes.into()));
+        self.bytes += bytes.len();
+        while self.bytes > WINDOW_BYTES
+            && let Some((_, oldest)) = self.samples.pop_front()
+        {
+            self.bytes -= oldest.len();
+        }
+    }
+
+    fn find(&mut self, origin: Origin) -> Option<Arc<[u8]>> {
+        if !origin.is_some() {
+            return None;
+        }
+        let is_it = |sample: &&(Origin, Arc<[u8]>)| sample.0 == origin;
+        let found = self.used.as_ref().filter(is_it);
+        let found = found.or_else(|| self.samples.iter().rev().find(is_it)).cloned();
+        if found.is_some() {
+            self.used.clone_from(&found);
+        }
+        found.map(|(_, bytes)| bytes)
     }
 }

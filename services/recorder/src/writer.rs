@@ -1,10 +1,12 @@
 //! Writing a recording.
 
-use crate::schema::ros2_definition;
+use crate::scene::{self, Scene};
+use crate::schema::ros2_definition_of;
 use crate::{Metadata, Tally};
 use mcap::records::MessageHeader;
 use mcap::{Compression, McapError, WriteOptions};
 use messages::{Header, TOPICS, Topic};
+use runtime::Mode;
 use std::collections::BTreeMap;
 use std::io::{BufWriter, Seek, Write};
 
@@ -12,13 +14,20 @@ use std::io::{BufWriter, Seek, Write};
 pub(crate) const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
 
 /// Uncompressed size of a chunk, the unit in which a file grows.
-const CHUNK_BYTES: u64 = 64 * 1024;
+const CHUNK_BYTES: u64 = 256 * 1024;
+/// Simulated time after which a lockstep recording is flushed, ns.
+const FLUSH_PERIOD_NS: i64 = 1_000_000_000;
 
 /// Writes messages to an MCAP file. What was flushed survives the process.
 pub struct Writer<W: Write + Seek> {
     inner: mcap::Writer<BufWriter<W>>,
     channels: BTreeMap<Topic, u16>,
     payload: Vec<u8>,
+    epoch_ns: i64,
+    /// When the file is flushed next, ns of run time; only in lockstep.
+    flush_ns: Option<i64>,
+    scene: Scene,
+    scene_channels: [u16; scene::TOPICS.len()],
 }
 
 impl<W: Write + Seek> std::fmt::Debug for Writer<W> {
@@ -28,7 +37,8 @@ impl<W: Write + Seek> std::fmt::Debug for Writer<W> {
 }
 
 impl<W: Write + Seek> Writer<W> {
-    /// Begins a recording: schemas, channels and `metadata`.
+    /// Begins a recording: schemas, channels and `metadata`. Beside the messages it will hold the road
+    /// as viewers draw it ([`scene`]).
     ///
     /// # Errors
     /// If `file` cannot be written.
@@ -45,17 +55,31 @@ impl<W: Write + Seek> Writer<W> {
         let mut channels = BTreeMap::new();
         for topic in TOPICS {
             let layout = topic.layout();
-            let definition = ros2_definition(layout);
+            let definition = ros2_definition_of(layout, &metadata.law);
             let schema = inner.add_schema(layout.type_name, "ros2msg", definition.as_bytes())?;
             let channel = inner.add_channel(schema, topic.name(), "cdr", &BTreeMap::new())?;
             channels.insert(topic, channel);
         }
+        let mut scene_channels = [0; scene::TOPICS.len()];
+        for (topic, channel) in scene::TOPICS.iter().zip(&mut scene_channels) {
+            let definition = topic.definition.as_bytes();
+            let schema = inner.add_schema(topic.type_name, "ros2msg", definition)?;
+            *channel = inner.add_channel(schema, topic.name, "cdr", &BTreeMap::new())?;
+        }
         inner.flush()?;
-        Ok(Self { inner, channels, payload: Vec::new() })
+        Ok(Self {
+            inner,
+            channels,
+            payload: Vec::new(),
+            epoch_ns: metadata.epoch_ns,
+            flush_ns: (metadata.mode == Mode::Lockstep).then_some(FLUSH_PERIOD_NS),
+            scene: Scene::of(metadata),
+            scene_channels,
+        })
     }
 
-    /// Adds a message: the bytes of `topic`'s struct, and when the recorder took it, ns of run
-    /// time.
+    /// Adds a message: the bytes of `topic`'s struct, and its place in time, ns of run time, which must
+    /// not go back.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -77,10 +101,33 @@ impl<W: Write + Seek> Writer<W> {
             channel_id: self.channels[&topic],
             // The format's field is narrower than ours; the payload holds the whole number.
             sequence: head.sequence as u32,
-            log_time: u64::try_from(log_time_ns).unwrap_or(0),
-            publish_time: u64::try_from(head.publish_ns).unwrap_or(0),
+            log_time: self.unix_ns(log_time_ns),
+            publish_time: self.unix_ns(head.publish_ns),
         };
-        self.inner.write_to_known_channel(&header, &self.payload)
+        if let Some(flush_ns) = self.flush_ns
+            && log_time_ns >= flush_ns
+        {
+            self.inner.flush()?;
+            self.flush_ns = Some((log_time_ns / FLUSH_PERIOD_NS + 1) * FLUSH_PERIOD_NS);
+        }
+        self.inner.write_to_known_channel(&header, &self.payload)?;
+        let log_time = header.log_time;
+        self.scene.hear(topic, log_time_ns, message);
+        for drawn in self.scene.drawn() {
+            let header = MessageHeader {
+                channel_id: self.scene_channels[drawn.topic],
+                sequence: drawn.sequence,
+                log_time,
+                publish_time: log_time,
+            };
+            self.inner.write_to_known_channel(&header, &drawn.payload)?;
+        }
+        Ok(())
+    }
+
+    /// An instant of run time as the file's time, ns since 1970.
+    fn unix_ns(&self, run_ns: i64) -> u64 {
+        u64::try_from(self.epoch_ns.saturating_add(run_ns)).unwrap_or(0)
     }
 
     /// Hands everything so far to the system.

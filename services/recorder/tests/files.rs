@@ -1,7 +1,7 @@
 //! What is written is read, and a broken file is read as far as it goes.
 
 use messages::{Command, Heartbeat, Message, Odometry};
-use recorder::{Damage, Metadata, ReadError, Recording, Tally, Writer, recover};
+use recorder::{Damage, LawNames, Metadata, ReadError, Recording, Tally, Writer, recover};
 use runtime::Mode;
 use scenario::{Overrides, Scenario};
 use std::io::Cursor;
@@ -16,7 +16,8 @@ fn metadata() -> Metadata {
     )
     .expect("a grant");
     let scheduling = [("controller".to_owned(), granted)].into();
-    Metadata::new(&scenario, Mode::Realtime, 1_700_000_000_000_000_000, scheduling)
+    let law = LawNames { modes: vec!["one".into()], ..LawNames::default() };
+    Metadata::new(&scenario, Mode::Realtime, 1_700_000_000_000_000_000, scheduling, law)
 }
 
 fn stamped<T: Message>(sequence: u64) -> T {
@@ -79,7 +80,7 @@ fn what_was_written_is_read() {
     let recording = read(&file(true)).expect("a recording");
     assert_eq!(*recording.metadata(), metadata());
     assert_eq!((recording.damage(), recording.tally()), (&[][..], Some(&Tally::default())));
-    assert_eq!(recording.records().len() as u64, 2 * MESSAGES);
+    assert_eq!(recording.records().count() as u64, 2 * MESSAGES);
     for (timed, sequence) in recording.messages::<Odometry>().zip(1..) {
         assert_eq!(timed.log_time_ns, sequence * 1_000_000 + 500);
         assert_eq!(timed.message.header.sequence, sequence as u64);
@@ -88,13 +89,15 @@ fn what_was_written_is_read() {
     let last = recording.messages::<Command>().last().expect("commands");
     assert_eq!(last.message.plan_mps2[127], -(MESSAGES as f64));
     assert_eq!(recording.messages::<Heartbeat>().count(), 0);
-    assert_eq!(recording.end_ns(), MESSAGES as i64 * 1_000_000);
+    let survey = recording.survey();
+    assert_eq!(survey.end_ns, MESSAGES as i64 * 1_000_000 + 500);
+    assert_eq!((survey.tally.messages(), survey.damage.len()), (2 * MESSAGES, 0));
 }
 
 #[test]
 fn a_file_that_was_never_ended_keeps_what_was_flushed() {
     let recording = read(&file(false)).expect("a prefix");
-    assert_eq!(recording.records().len() as u64, 2 * MESSAGES);
+    assert_eq!(recording.records().count() as u64, 2 * MESSAGES);
     assert_eq!(recording.damage(), [Damage::CutOff { bytes: 0 }]);
     assert_eq!(recording.tally(), None);
 }
@@ -102,12 +105,12 @@ fn a_file_that_was_never_ended_keeps_what_was_flushed() {
 #[test]
 fn every_prefix_is_read_as_far_as_it_goes() {
     let whole = file(true);
-    let all: Vec<_> = read(&whole).expect("whole").records().map(|r| r.bytes.to_vec()).collect();
+    let all: Vec<_> = read(&whole).expect("whole").records().map(|r| r.bytes().to_vec()).collect();
     let mut before = 0;
-    for length in (0..whole.len()).step_by(97) {
+    for length in (0..whole.len()).step_by(1009) {
         match read(&whole[..length]) {
             Ok(prefix) => {
-                let found: Vec<_> = prefix.records().map(|r| r.bytes.to_vec()).collect();
+                let found: Vec<_> = prefix.records().map(|r| r.bytes().to_vec()).collect();
                 assert!(all.starts_with(&found), "{length} bytes: not a prefix");
                 assert!(found.len() >= before, "{length} bytes: fewer than from fewer bytes");
                 before = found.len();
@@ -126,11 +129,10 @@ fn a_damaged_chunk_is_left_out_and_said() {
     let middle = middle_of_second_chunk(&file);
     file[middle] ^= 0x40;
     let recording = read(&file).expect("the rest");
-    assert!(recording.records().len() < whole.records().len());
-    assert!(recording.records().len() > 0);
-    let [Damage::Chunk { offset, bytes, .. }] = recording.damage() else {
-        panic!("{:?}", recording.damage())
-    };
+    assert!(recording.records().count() < whole.records().count());
+    assert!(recording.records().count() > 0);
+    let damage = recording.survey().damage;
+    let [Damage::Chunk { offset, bytes, .. }] = &damage[..] else { panic!("{damage:?}") };
     assert!((*offset..offset + bytes).contains(&(middle as u64)));
 }
 
@@ -143,12 +145,16 @@ fn a_recovered_file_is_whole_and_counts_what_is_missing() {
     let again = read(recovered.get_ref()).expect("whole");
     assert!(again.damage().is_empty());
     assert_eq!(again.tally(), Some(&result.tally));
-    assert_eq!(result.tally.messages(), broken.records().len() as u64);
+    assert_eq!(result.tally.messages(), broken.records().count() as u64);
     assert_eq!((result.tally.lost(), result.damage.len()), (0, 1));
     assert!(broken.records().eq(again.records()));
+    // The file's own statistics say the same, without a look at any message.
+    let statistics = again.statistics().expect("it was ended");
+    assert_eq!(statistics, again.survey());
     let summary = mcap::Summary::read(recovered.get_ref()).expect("readable").expect("there");
     let counted = summary.stats.expect("written").message_count;
-    assert_eq!(counted, result.tally.messages());
+    let topics: u64 = again.topics().iter().map(|topic| topic.messages).sum();
+    assert_eq!(counted, topics, "with those for viewers");
 }
 
 #[test]

@@ -3,22 +3,22 @@
 use bytemuck::Zeroable;
 use messages::rung::Rung;
 use messages::{Command, Diagnostics, Odometry, Origin, Topic};
-use recorder::{Metadata, Recording, Take, Tally, Writer};
+use recorder::{LawNames, Metadata, Recording, Take, Tally, Writer};
 use runtime::Mode;
 use scenario::{Overrides, Scenario};
 use std::io::Cursor;
 use std::path::PathBuf;
 
-/// Takes of a recording in which cycle `k` uses odometry `k`, without the messages that `lost` names
+/// A recording in which cycle `k` uses odometry `k`, without the messages that `lost` names
 /// by topic and number. Cycle 2 is a silent one.
-fn takes(cycles: &[(u32, u64)], lost: &[(Topic, u64)]) -> Vec<Take> {
+fn recording(cycles: &[(u32, u64)], lost: &[(Topic, u64)]) -> Recording {
     let scenario = Scenario::open("cacc-a", &Overrides::new(), &|_| Ok(())).expect("built in");
-    let metadata = Metadata::new(&scenario, Mode::Realtime, 0, [].into());
+    let metadata = Metadata::new(&scenario, Mode::Realtime, 0, [].into(), LawNames::default());
     let mut file = Vec::new();
     let mut writer = Writer::begin(Cursor::new(&mut file), &metadata).expect("memory");
     let mut write = |topic, number, bytes: &[u8]| {
         if !lost.contains(&(topic, number)) {
-            writer.message(topic, 0, bytes).expect("memory");
+            writer.message(topic, 10 * number as i64, bytes).expect("memory");
         }
     };
     for (&(incarnation, sequence), k) in cycles.iter().zip(1..) {
@@ -43,23 +43,28 @@ fn takes(cycles: &[(u32, u64)], lost: &[(Topic, u64)]) -> Vec<Take> {
         write(Topic::Diagnostics, k, bytemuck::bytes_of(&cycle));
     }
     writer.finish(&Tally::default()).expect("memory");
-    Recording::of_bytes(PathBuf::from("test.mcap"), &file).expect("a recording").takes()
+    Recording::of_bytes(PathBuf::from("test.mcap"), &file).expect("a recording")
 }
 
 const RESTARTED: [(u32, u64); 5] = [(0, 1), (0, 2), (0, 3), (1, 1), (1, 2)];
 
-fn lengths(takes: &[Take]) -> Vec<(usize, usize)> {
-    takes.iter().map(|take| (take.releases.len(), take.commands.len())).collect()
+fn lengths(takes: &[Take]) -> Vec<(u64, u64)> {
+    takes.iter().map(|take| (take.cycles, take.commands)).collect()
 }
 
 #[test]
 fn every_process_of_the_controller_is_a_take() {
-    let takes = takes(&RESTARTED, &[]);
+    let recording = recording(&RESTARTED, &[]);
+    let takes = recording.takes();
     assert_eq!(lengths(&takes), [(3, 2), (2, 2)], "one cycle is silent");
-    let release = takes[1].releases[0];
+    let cycles: Vec<_> = recording.cycles(&takes[1]).collect();
+    assert_eq!(cycles.len(), 2);
+    assert!(cycles[0].samples[1].is_some(), "the odometry that it used");
+    let release = cycles[0].release();
     assert_eq!((release.step, release.start_ns, release.publish_ns), (40, 43, 47));
     assert_eq!(release.inputs.odometry.sequence, 4);
-    assert_eq!(takes[0].releases[1].publish_ns, takes[0].releases[1].start_ns);
+    let silent = recording.cycles(&takes[0]).nth(1).expect("cycle 2").release();
+    assert_eq!(silent.publish_ns, silent.start_ns);
     assert!(takes.iter().all(|take| take.cut_short.is_none()));
 }
 
@@ -78,7 +83,7 @@ fn what_was_lost_ends_its_take_alone() {
             "message 5 of `vehicle/odometry`, which its cycle 2 used, was not recorded",
         ),
     ] {
-        let takes = takes(&RESTARTED, &[lost]);
+        let takes = recording(&RESTARTED, &[lost]).takes();
         assert_eq!(lengths(&takes), expected, "{lost:?}");
         let said: Vec<_> = takes.iter().filter_map(|take| take.cut_short.as_deref()).collect();
         assert_eq!(said, [why]);

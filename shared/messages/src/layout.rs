@@ -171,7 +171,8 @@ impl Layout {
             if field.shape.element == Element::Scalar(Scalar::U8) {
                 let bytes = field.shape.len.unwrap_or(1);
                 let offset = base + field.offset;
-                into.push(Place { path: name, offset, bytes, scalar: Scalar::U8 });
+                let (layout, field) = (self.name, field.name);
+                into.push(Place { path: name, layout, field, offset, bytes, scalar: Scalar::U8 });
                 continue;
             }
             for index in 0..field.shape.len.unwrap_or(1) {
@@ -181,9 +182,14 @@ impl Layout {
                 };
                 let offset = base + field.offset + index * field.shape.element.bytes();
                 match field.shape.element {
-                    Element::Scalar(scalar) => {
-                        into.push(Place { path, offset, bytes: scalar.bytes(), scalar });
-                    }
+                    Element::Scalar(scalar) => into.push(Place {
+                        path,
+                        layout: self.name,
+                        field: field.name,
+                        offset,
+                        bytes: scalar.bytes(),
+                        scalar,
+                    }),
                     Element::Struct(layout) => layout.collect(&format!("{path}."), offset, into),
                 }
             }
@@ -196,6 +202,10 @@ impl Layout {
 pub struct Place {
     /// Dotted path from the message.
     pub path: String,
+    /// Struct that declares the field.
+    pub layout: &'static str,
+    /// The field.
+    pub field: &'static str,
     /// Distance from the start of the message, bytes.
     pub offset: usize,
     /// Its size, bytes.

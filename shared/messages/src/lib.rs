@@ -31,6 +31,7 @@ mod header;
 mod health;
 mod law;
 mod layout;
+pub mod names;
 pub mod notes;
 mod perception;
 pub mod rung;

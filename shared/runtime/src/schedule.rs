@@ -9,6 +9,8 @@ use super::RuntimeError;
 use bytemuck::{Pod, Zeroable};
 use messages::Service;
 use messages::{Origin, Origins, Topic};
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
 /// One recorded release.
@@ -28,8 +30,8 @@ pub struct ScheduledRelease {
 /// The releases of one process, in order.
 #[derive(Debug)]
 pub struct Schedule {
-    releases: Vec<ScheduledRelease>,
-    next: usize,
+    file: BufReader<File>,
+    present: Option<ScheduledRelease>,
 }
 
 impl Schedule {
@@ -40,37 +42,44 @@ impl Schedule {
     pub fn write(
         root: &Path,
         service: Service,
-        releases: &[ScheduledRelease],
+        releases: impl Iterator<Item = ScheduledRelease>,
     ) -> Result<(), RuntimeError> {
         let path = file(root, service);
-        std::fs::write(&path, bytemuck::cast_slice(releases))
-            .map_err(|e| RuntimeError::GroupFile { path, reason: e.to_string() })
+        let write = || {
+            let mut file = BufWriter::new(File::create(&path)?);
+            for release in releases {
+                file.write_all(bytemuck::bytes_of(&release))?;
+            }
+            file.flush()
+        };
+        write().map_err(|e: io::Error| RuntimeError::GroupFile {
+            path: path.clone(),
+            reason: e.to_string(),
+        })
     }
 
-    /// Reads the schedule of `service`, if the run has one.
+    /// Opens the schedule of `service`, if the run has one.
     pub(super) fn read(root: &Path, service: Service) -> Result<Option<Self>, RuntimeError> {
         let path = file(root, service);
-        let bytes = match std::fs::read(&path) {
-            Ok(bytes) => bytes,
-            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-            Err(e) => return Err(RuntimeError::GroupFile { path, reason: e.to_string() }),
-        };
-        let releases = bytes.chunks_exact(size_of::<ScheduledRelease>());
-        let releases = releases.map(bytemuck::pod_read_unaligned).collect();
-        Ok(Some(Self { releases, next: 0 }))
+        match File::open(&path) {
+            Ok(file) => Ok(Some(Self { file: BufReader::new(file), present: None })),
+            Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(e) => Err(RuntimeError::GroupFile { path, reason: e.to_string() }),
+        }
     }
 
     /// Goes on to the next release; `None` after the last.
     pub(super) fn advance(&mut self) -> Option<ScheduledRelease> {
-        let release = self.releases.get(self.next).copied()?;
-        self.next += 1;
-        Some(release)
+        let mut release = ScheduledRelease::zeroed();
+        let next = self.file.read_exact(bytemuck::bytes_of_mut(&mut release)).ok();
+        let next = next.map(|()| release);
+        self.present = next.or(self.present);
+        next
     }
 
     /// The sample of `topic` that the present release used.
     pub(super) fn input(&self, topic: Topic) -> Origin {
-        let present = self.next.checked_sub(1).and_then(|index| self.releases.get(index));
-        let Some(release) = present else { return Origin::NONE };
+        let Some(release) = &self.present else { return Origin::NONE };
         match topic {
             Topic::Odometry => release.inputs.odometry,
             Topic::RadarTracks => release.inputs.radar,

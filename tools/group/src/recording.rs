@@ -5,9 +5,10 @@ use super::attendant::Attendant;
 use super::exits::Exit;
 use super::root::RunRoot;
 use messages::Service;
-use recorder::{FromRecorder, Recording, Start, ToRecorder};
+use recorder::{FigureName, FromRecorder, LawNames, Recording, Start, ToRecorder};
 use runtime::Program;
 use runtime::scheduling::Granted;
+use scenario::Scenario;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -29,6 +30,24 @@ pub struct RecordingSummary {
     pub bytes: u64,
     /// Why it ends before the run's end, if it does.
     pub failed: Option<String>,
+}
+
+/// What the numbers of the scenario's law mean.
+#[must_use]
+pub fn law_names(scenario: &Scenario) -> LawNames {
+    let Some(formulation) = controller::laws::formulation(scenario) else {
+        return LawNames::default();
+    };
+    let names = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
+    let figure = |figure: &controller::law::Figure| FigureName {
+        name: figure.name.to_owned(),
+        unit: figure.unit.to_owned(),
+    };
+    LawNames {
+        modes: names(formulation.modes),
+        reasons: names(formulation.reasons),
+        figures: formulation.figures.iter().map(figure).collect(),
+    }
 }
 
 /// The recorder of one run.
@@ -61,19 +80,21 @@ impl RecorderProcess {
         }
     }
 
-    /// Tells it the common start, what the services were granted, and which programs are the user's.
+    /// Tells it the common start, what the services were granted, which programs are the user's, and
+    /// what the law's numbers mean.
     pub fn begin(
         &mut self,
         start_ns: i64,
         scheduling: BTreeMap<String, Granted>,
         programs: &BTreeMap<Service, Program>,
+        law: LawNames,
     ) {
         if let Some(process) = &mut self.process {
             let programs = programs.iter();
             let programs =
                 programs.map(|(service, program)| (service.name().into(), program.clone()));
             let programs = programs.collect();
-            process.say(&ToRecorder::Start(Start { start_ns, scheduling, programs }));
+            process.say(&ToRecorder::Start(Start { start_ns, scheduling, programs, law }));
         }
     }
 
@@ -110,7 +131,8 @@ impl RecorderProcess {
             process.end(PATIENCE);
         }
         let messages = tally.as_ref().map(recorder::Tally::messages);
-        let in_file = || Recording::open(&self.path).map_or(0, |file| file.records().len() as u64);
+        let in_file =
+            || Recording::open(&self.path).map_or(0, |file| file.records().count() as u64);
         RecordingSummary {
             messages: messages.unwrap_or_else(in_file),
             lost: tally.as_ref().map(recorder::Tally::lost),

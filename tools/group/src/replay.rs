@@ -10,7 +10,7 @@ use crate::Error;
 use controller::laws;
 use messages::Service;
 use messages::{Command, Diagnostics};
-use recorder::{FromReplayer, Take, ToReplayer};
+use recorder::{FromReplayer, Recording, Take, ToReplayer};
 use runtime::{
     FromService, Group, Mode, Schedule, StartOrder, Tap, Tapped, Timetable, ToService,
     enroll_listener, monotonic_ns, shared_memory_bytes,
@@ -28,27 +28,27 @@ const EXIT_GRACE: Duration = Duration::from_secs(2);
 /// Time between two looks at the topics, whose senders wait for room.
 const POLL: Duration = Duration::from_millis(1);
 
-/// What the controller said.
-#[derive(Debug, Default)]
-pub struct Replayed {
-    /// Its commands.
-    pub commands: Vec<Command>,
-    /// Its diagnostics.
-    pub diagnostics: Vec<Diagnostics>,
+/// What the controller says in a replay.
+#[derive(Debug)]
+pub enum Replayed<'a> {
+    /// A command.
+    Command(&'a Command),
+    /// The diagnostics of a cycle.
+    Diagnostics(&'a Diagnostics),
 }
 
-/// Gives the controller of `scenario`, or `program` in its place, the releases and inputs of `take`, which
-/// `file` holds. `progress` is told how many cycles were run.
+/// Gives the controller of `scenario`, or `program` in its place, the releases and inputs of `take` in
+/// `recording`. `heard` is told everything that it says.
 ///
 /// # Errors
 /// If the group does not come up or the controller does not reach the end.
 pub fn replay(
     scenario: &Scenario,
+    recording: &Recording,
     take: &Take,
-    file: &Path,
     program: Option<&PathBuf>,
-    progress: &mut dyn FnMut(u64),
-) -> Result<Replayed, Error> {
+    heard: &mut dyn FnMut(Replayed<'_>),
+) -> Result<(), Error> {
     let foreign = program.is_some() || laws::program(scenario).is_ok_and(|law| law.is_some());
     let timetable = Timetable::of(scenario);
     check_room(shared_memory_bytes(&timetable))?;
@@ -68,11 +68,17 @@ pub fn replay(
     let result = group
         .write()
         .and_then(|()| enroll_listener(root.path(), std::process::id()))
-        .and_then(|()| Schedule::write(root.path(), Service::Controller, &take.releases))
+        .and_then(|()| {
+            let releases = recording.cycles(take).map(|cycle| cycle.release());
+            Schedule::write(root.path(), Service::Controller, releases)
+        })
         .map_err(Error::from)
-        .and_then(|()| Cast::enter(&root, &mut janitor, take, file, (program, foreign), sender))
+        .and_then(|()| {
+            let file = recording.path();
+            Cast::enter(&root, &mut janitor, take, file, (program, foreign), sender)
+        })
         .and_then(|mut cast| {
-            let replayed = cast.play(&group, take, &events, progress);
+            let replayed = cast.play(&group, take, &events, heard);
             cast.leave();
             replayed
         });
@@ -103,8 +109,8 @@ impl Cast {
         let mut controller = Process::spawn(who, program, root, 0, events)?;
         let group = controller.pid();
         janitor.watch(group);
-        let incarnation = take.incarnation.to_string();
-        let arguments = [file.as_os_str(), OsStr::new(&incarnation)];
+        let numbers = [take.incarnation.to_string(), take.cycles.to_string()];
+        let arguments = [file.as_os_str(), OsStr::new(&numbers[0]), OsStr::new(&numbers[1])];
         match Attendant::spawn("replayer", &arguments, root, group) {
             Ok(replayer) => Ok(Self { controller, foreign, replayer }),
             Err(error) => {
@@ -119,11 +125,10 @@ impl Cast {
         group: &Group,
         take: &Take,
         events: &Receiver<Event>,
-        progress: &mut dyn FnMut(u64),
-    ) -> Result<Replayed, Error> {
+        heard: &mut dyn FnMut(Replayed<'_>),
+    ) -> Result<(), Error> {
         let tap = Tap::join(group, "launcher")?;
-        let mut ear =
-            Ear { commands: tap.on()?, diagnostics: tap.on()?, heard: Replayed::default() };
+        let mut ear = Ear { commands: tap.on()?, diagnostics: tap.on()?, cycles: 0, heard };
         self.wait_until_ready(events)?;
         // A receiver that has not looked is not connected.
         ear.listen()?;
@@ -132,7 +137,6 @@ impl Cast {
         loop {
             let event = events.recv_timeout(POLL);
             ear.listen()?;
-            progress(ear.heard.diagnostics.len() as u64);
             match event {
                 Ok(Event::Said(_, FromService::Report(_))) => break,
                 Ok(Event::Said(_, FromService::Failed(how))) => {
@@ -156,12 +160,9 @@ impl Cast {
             }
         }
         ear.listen()?;
-        let heard = ear.heard;
-        match heard.diagnostics.len() == take.diagnostics.len() {
-            true => Ok(heard),
-            false => {
-                Err(broken(format!("it ran {} cycles", heard.diagnostics.len()), self.foreign))
-            }
+        match ear.cycles == take.cycles {
+            true => Ok(()),
+            false => Err(broken(format!("it ran {} cycles", ear.cycles), self.foreign)),
         }
     }
 
@@ -202,17 +203,21 @@ fn broken(what: String, foreign: bool) -> Error {
 }
 
 /// Hears the controller.
-struct Ear {
+struct Ear<'a> {
     commands: Tapped<Command>,
     diagnostics: Tapped<Diagnostics>,
-    heard: Replayed,
+    cycles: u64,
+    heard: &'a mut dyn FnMut(Replayed<'_>),
 }
 
-impl Ear {
+impl Ear<'_> {
     fn listen(&mut self) -> Result<(), Error> {
-        let Self { commands, diagnostics, heard } = self;
-        while commands.take(|command| heard.commands.push(*command))? {}
-        while diagnostics.take(|diagnostics| heard.diagnostics.push(*diagnostics))? {}
+        let Self { commands, diagnostics, cycles, heard } = self;
+        while commands.take(|command| heard(Replayed::Command(command)))? {}
+        while diagnostics.take(|diagnostics| {
+            *cycles += 1;
+            heard(Replayed::Diagnostics(diagnostics));
+        })? {}
         Ok(())
     }
 }

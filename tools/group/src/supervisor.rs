@@ -10,7 +10,7 @@ use super::live_file::LiveFile;
 use super::member::{Heartbeats, Member, Phase};
 use super::processes::Janitor;
 use super::programs::{is_foreign, programs};
-use super::recording::{RecorderProcess, RecordingSummary};
+use super::recording::{RecorderProcess, RecordingSummary, law_names};
 use super::room::check_room;
 use super::root::RunRoot;
 use crate::Error;
@@ -290,7 +290,8 @@ impl Supervisor<'_> {
             i64::try_from(self.launch.start_delay.as_nanos()).expect("start delays are short");
         self.start_ns = monotonic_ns() + delay;
         if let Some(recording) = &mut self.recording {
-            recording.begin(self.start_ns, self.granted.clone(), &self.programs);
+            let law = law_names(&self.launch.scenario);
+            recording.begin(self.start_ns, self.granted.clone(), &self.programs, law);
         }
         self.order_all(&ToService::Start(StartOrder { start_ns: self.start_ns }));
         for member in &mut self.members {

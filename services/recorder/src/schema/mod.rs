@@ -9,6 +9,8 @@ pub use c::header as c_header;
 pub use law::{all as law_records, c_header as law_c_header, python_module as law_python_module};
 pub use python::module as python_module;
 pub use ros2::definition as ros2_definition;
+pub use ros2::package as ros2_package;
+pub(crate) use ros2::{definition_of as ros2_definition_of, fingerprint};
 
 use messages::{Element, Layout, TOPICS};
 

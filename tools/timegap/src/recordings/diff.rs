@@ -1,6 +1,6 @@
 //! `timegap diff`: where two recordings part.
 
-use super::open;
+use super::{open, tell};
 use clap::Args;
 use group::Error;
 use messages::Service;
@@ -8,7 +8,7 @@ use messages::Topic;
 use recorder::{Record, Recording};
 use report::print;
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -26,13 +26,14 @@ pub struct DiffArguments {
 
 /// Runs the command.
 pub fn run(arguments: &DiffArguments) -> Result<ExitCode, Error> {
-    let [a, b] = [&arguments.a, &arguments.b].map(|path| open(path));
-    let comparison = compare(&a?, &b?);
+    let (a, b) = (open(&arguments.a)?, open(&arguments.b)?);
+    let comparison = compare(&a, &b);
     if arguments.json {
         print::out(&(serde_json::to_string_pretty(&comparison).expect("plain data") + "\n"))?;
     } else {
         print::out(&as_text(&comparison))?;
     }
+    [&a, &b].into_iter().for_each(|recording| tell(recording, recording.damage()));
     Ok(if comparison.equal { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
@@ -42,7 +43,7 @@ struct Comparison {
     schema_version: u32,
     equal: bool,
     /// Messages compared.
-    messages: usize,
+    messages: u64,
     /// The first divergence in time.
     first: Option<Divergence>,
     /// How many senders' messages on a topic diverge.
@@ -55,7 +56,7 @@ struct Divergence {
     topic: &'static str,
     source: String,
     /// Which of the sender's messages on the topic, counted from 0.
-    index: usize,
+    index: u64,
     /// When the message was published, ns of run time.
     publish_ns: i64,
     /// The field, by its dotted path; none if one recording has no such message.
@@ -66,48 +67,109 @@ struct Divergence {
     b: Option<String>,
 }
 
-/// The messages of each sender on each topic. Senders run beside each other: only the order of each
-/// one's own messages means something.
-fn streams(recording: &Recording) -> BTreeMap<(Topic, u32), Vec<Record<'_>>> {
-    let mut streams: BTreeMap<_, Vec<_>> = BTreeMap::new();
-    for record in recording.records() {
-        streams.entry((record.topic, record.header().source)).or_default().push(record);
+/// One sender's messages on one topic. Senders run beside each other: only the order of each one's own
+/// messages means something.
+type Key = (Topic, u32);
+
+/// How far the two recordings' messages of one stream were compared.
+#[derive(Default)]
+struct Stream {
+    /// Messages of each recording.
+    counts: [u64; 2],
+    /// Fingerprints of messages that one recording is ahead with, and which one.
+    ahead: VecDeque<u64>,
+    ahead_side: usize,
+    /// The first message that differs.
+    diverges_at: Option<u64>,
+}
+
+impl Stream {
+    /// Takes the next message of recording `side`.
+    fn add(&mut self, side: usize, bytes: &[u8]) {
+        let index = self.counts[side];
+        self.counts[side] += 1;
+        if self.diverges_at.is_some() {
+            return;
+        }
+        let print = xxhash_rust::xxh3::xxh3_64(bytes);
+        if self.ahead.is_empty() || self.ahead_side == side {
+            self.ahead_side = side;
+            self.ahead.push_back(print);
+        } else if self.ahead.pop_front() != Some(print) {
+            self.diverges_at = Some(index);
+            self.ahead = VecDeque::new();
+        }
     }
-    streams
+
+    /// The first message that differs, or that only one recording has.
+    fn divergence(&self) -> Option<u64> {
+        let [a, b] = self.counts;
+        self.diverges_at.or((a != b).then_some(a.min(b)))
+    }
 }
 
 fn compare(a: &Recording, b: &Recording) -> Comparison {
-    let [a, b] = [a, b].map(streams);
-    let keys: std::collections::BTreeSet<_> = a.keys().chain(b.keys()).copied().collect();
-    let mut divergences = Vec::new();
-    let mut messages = 0;
-    for key in keys {
-        let [a, b] = [&a, &b].map(|streams| streams.get(&key).map_or(&[][..], Vec::as_slice));
-        messages += a.len().max(b.len());
-        divergences.extend(divergence(key, a, b));
-    }
-    let first = divergences.iter().min_by_key(|d| d.publish_ns).cloned();
+    let streams = streams(a, b);
+    let messages = streams.values().map(|stream| stream.counts[0].max(stream.counts[1])).sum();
+    let diverging: BTreeMap<Key, u64> =
+        streams.iter().filter_map(|(key, stream)| Some((*key, stream.divergence()?))).collect();
+    // A second look, at these messages alone.
+    let [a, b] = [a, b].map(|recording| messages_at(recording, &diverging));
+    let found = diverging
+        .iter()
+        .filter_map(|(key, index)| divergence(*key, *index, [a.get(key), b.get(key)]));
+    let first = found.min_by_key(|divergence| divergence.publish_ns);
     Comparison {
         schema_version: 1,
         equal: first.is_none(),
         messages,
         first,
-        diverging_streams: divergences.len(),
+        diverging_streams: diverging.len(),
     }
 }
 
+/// Goes through both recordings side by side, as far in time in the one as in the other.
+fn streams(a: &Recording, b: &Recording) -> BTreeMap<Key, Stream> {
+    let mut streams: BTreeMap<Key, Stream> = BTreeMap::new();
+    let mut sides = [a, b].map(|recording| recording.records().peekable());
+    loop {
+        let times = sides.each_mut().map(|side| side.peek().map(|record| record.log_time_ns));
+        let side = match times {
+            [None, None] => break,
+            [Some(_), None] => 0,
+            [None, Some(_)] => 1,
+            [Some(a), Some(b)] => usize::from(b < a),
+        };
+        let record = sides[side].next().expect("just seen");
+        let stream = streams.entry((record.topic, record.header().source)).or_default();
+        stream.add(side, record.bytes());
+    }
+    streams
+}
+
+/// The message of each stream that has the number `wanted`.
+fn messages_at(recording: &Recording, wanted: &BTreeMap<Key, u64>) -> BTreeMap<Key, Record> {
+    let mut found = BTreeMap::new();
+    if wanted.is_empty() {
+        return found;
+    }
+    let mut counts: BTreeMap<Key, u64> = BTreeMap::new();
+    for record in recording.records() {
+        let key = (record.topic, record.header().source);
+        let count = counts.entry(key).or_default();
+        if wanted.get(&key) == Some(count) {
+            found.insert(key, record);
+        }
+        *count += 1;
+    }
+    found
+}
+
 fn divergence(
-    (topic, source): (Topic, u32),
-    a: &[Record<'_>],
-    b: &[Record<'_>],
+    (topic, source): Key,
+    index: u64,
+    [a, b]: [Option<&Record>; 2],
 ) -> Option<Divergence> {
-    let common = a.iter().zip(b).position(|(a, b)| a.bytes != b.bytes);
-    let index = match common {
-        Some(index) => index,
-        None if a.len() == b.len() => return None,
-        None => a.len().min(b.len()),
-    };
-    let [a, b] = [a.get(index), b.get(index)];
     let publish_ns = [a, b].into_iter().flatten().map(|record| record.publish_time_ns).min()?;
     let source = Service::ALL.into_iter().find(|service| service.to_wire() == source);
     let mut found = Divergence {
@@ -123,15 +185,15 @@ fn divergence(
         let places = topic.layout().scalars();
         let differs = |place: &&messages::Place| {
             let range = place.offset..place.offset + place.bytes;
-            a.bytes[range.clone()] != b.bytes[range]
+            a.bytes()[range.clone()] != b.bytes()[range]
         };
         // The checksum differs whenever something else does.
         let told = |place: &&messages::Place| !place.path.starts_with("header.protection");
         let place = places.iter().filter(differs).find(told);
         if let Some(place) = place.or_else(|| places.iter().find(differs)) {
             found.field = Some(place.path.clone());
-            found.a = Some(place.read(a.bytes).to_string());
-            found.b = Some(place.read(b.bytes).to_string());
+            found.a = Some(place.read(a.bytes()).to_string());
+            found.b = Some(place.read(b.bytes()).to_string());
         }
     }
     Some(found)

@@ -1,10 +1,11 @@
 //! `timegap export`: a recording as tables.
 
-use super::{count, open};
+use super::{count, open, tell};
 use clap::Args;
 use group::Error;
+use messages::names::{self, Enumeration};
 use messages::{Place, TOPICS, Topic, Value};
-use recorder::Recording;
+use recorder::{LawNames, Record};
 use report::print;
 use serde_json::json;
 use std::fs::File;
@@ -30,8 +31,10 @@ pub struct ExportArguments {
 }
 
 const PANDAS: &str = "\
-The first column, `log_time_ns`, is when the recorder took the message; the others are the message's \
-own, by their dotted path. Nested arrays count from 0: `tracks.0.range_m`. In Python:
+The first column, `log_time_ns`, is when the message was published, ns of run time; the others are the \
+message's own, by their dotted path. Nested arrays count from 0: `tracks.0.range_m`. Behind a number \
+that has a name stands the name: `rung` and `rung.name`; figures of the law have theirs in place of \
+their number. A damaged recording is exported as far as it goes: said, and status 1. In Python:
 
     import pandas as pd
     odometry = pd.read_csv(\"runs/mine/csv/vehicle_odometry.csv\")
@@ -49,16 +52,17 @@ pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
         path: directory.clone(),
         reason,
     })?;
-    let mut files = Vec::new();
-    for topic in TOPICS {
-        let path = directory.join(format!("{}.csv", topic.name().replace('/', "_")));
-        let rows = write(&recording, topic, &path).map_err(|reason| Error::Path {
-            action: "write",
-            path: path.clone(),
-            reason,
-        })?;
-        files.push((path, rows));
+    let mut tables = TOPICS
+        .into_iter()
+        .map(|topic| Table::begin(topic, &directory, &recording.metadata().law))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut records = recording.records();
+    for record in records.by_ref() {
+        let table = tables.iter_mut().find(|table| table.topic == record.topic);
+        table.expect("every topic has one").add(&record)?;
     }
+    let damage = [recording.damage(), records.damage()].concat();
+    let files = tables.into_iter().map(Table::finish).collect::<Result<Vec<_>, _>>()?;
     if arguments.json {
         let files: Vec<_> =
             files.iter().map(|(path, rows)| json!({"path": path, "rows": rows})).collect();
@@ -69,32 +73,116 @@ pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
         let (tables, rows) = (count(files.len() as u64, "table"), count(rows, "row"));
         print::out(&format!("{tables} with {rows} in {}\n", directory.display()))?;
     }
-    Ok(ExitCode::SUCCESS)
+    tell(&recording, &damage);
+    Ok(if damage.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// Writes a topic's table; returns its rows.
-fn write(recording: &Recording, topic: Topic, path: &Path) -> std::io::Result<u64> {
-    let places = topic.layout().scalars();
-    let mut file = BufWriter::new(File::create(path)?);
-    file.write_all(head(&places).as_bytes())?;
-    let mut rows = 0;
-    for record in recording.records().filter(|record| record.topic == topic) {
+/// A topic's table while it is written.
+struct Table {
+    topic: Topic,
+    path: PathBuf,
+    file: BufWriter<File>,
+    columns: Vec<Column>,
+    rows: u64,
+}
+
+/// A value of the messages and the names of its numbers.
+struct Column {
+    place: Place,
+    names: Option<Names>,
+}
+
+/// Names of numbers: the same in every run, or the law's.
+enum Names {
+    Fixed(&'static Enumeration),
+    OfLaw(Vec<String>),
+}
+
+impl Table {
+    fn begin(topic: Topic, directory: &Path, law: &LawNames) -> Result<Self, Error> {
+        let path = directory.join(format!("{}.csv", topic.name().replace('/', "_")));
+        let columns: Vec<_> =
+            topic.layout().scalars().into_iter().map(|place| Column::new(place, law)).collect();
+        let mut head = String::from("log_time_ns");
+        for column in &columns {
+            column.head(law, &mut head);
+        }
+        let begin = || {
+            let mut file = BufWriter::new(File::create(&path)?);
+            writeln!(file, "{head}")?;
+            Ok(file)
+        };
+        let file = begin().map_err(write_error(&path))?;
+        Ok(Self { topic, path, file, columns, rows: 0 })
+    }
+
+    fn add(&mut self, record: &Record) -> Result<(), Error> {
+        self.rows += 1;
+        self.row(record).map_err(write_error(&self.path))
+    }
+
+    fn row(&mut self, record: &Record) -> std::io::Result<()> {
+        let file = &mut self.file;
         write!(file, "{}", record.log_time_ns)?;
-        for place in &places {
-            match place.read(record.bytes) {
+        for column in &self.columns {
+            let value = column.place.read(record.bytes());
+            match value {
                 // What every reader of CSV takes for a number that is none.
                 Value::Float(value) if value.is_nan() => file.write_all(b",nan")?,
                 value => write!(file, ",{value}")?,
             }
+            if let (Some(names), Value::Unsigned(number)) = (&column.names, value) {
+                write!(file, ",{}", names.of(number))?;
+            }
         }
-        file.write_all(b"\n")?;
-        rows += 1;
+        file.write_all(b"\n")
     }
-    file.flush()?;
-    Ok(rows)
+
+    fn finish(mut self) -> Result<(PathBuf, u64), Error> {
+        self.file.flush().map_err(write_error(&self.path))?;
+        Ok((self.path, self.rows))
+    }
 }
 
-fn head(places: &[Place]) -> String {
-    let names = places.iter().map(|place| format!(",{}", place.path));
-    format!("log_time_ns{}\n", names.collect::<String>())
+fn write_error(path: &Path) -> impl FnOnce(std::io::Error) -> Error {
+    let path = path.to_owned();
+    move |reason| Error::Path { action: "write", path, reason }
+}
+
+impl Column {
+    fn new(place: Place, law: &LawNames) -> Self {
+        let of_law = |names: &[String]| (!names.is_empty()).then(|| Names::OfLaw(names.to_vec()));
+        let names = match (place.layout, place.field) {
+            ("Diagnostics" | "Command", "mode") => of_law(&law.modes),
+            ("Diagnostics", "mode_reason") => of_law(&law.reasons),
+            (layout, field) => names::of_field(layout, field).map(Names::Fixed),
+        };
+        Self { place, names }
+    }
+
+    fn head(&self, law: &LawNames, into: &mut String) {
+        let path = &self.place.path;
+        let figure = path
+            .strip_prefix("figures.")
+            .and_then(|index| law.figures.get(index.parse::<usize>().ok()?));
+        match figure {
+            Some(figure) => into.push_str(&format!(",figures.{}", figure.name)),
+            None => into.push_str(&format!(",{path}")),
+        }
+        if self.names.is_some() {
+            into.push_str(&format!(",{path}.name"));
+        }
+    }
+}
+
+impl Names {
+    fn of(&self, number: u64) -> &str {
+        let name = match self {
+            Self::Fixed(enumeration) => enumeration.value(number),
+            Self::OfLaw(names) => {
+                usize::try_from(number).ok().and_then(|at| names.get(at)).map(String::as_str)
+            }
+        };
+        name.unwrap_or_default()
+    }
 }

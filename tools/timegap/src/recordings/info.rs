@@ -1,11 +1,12 @@
 //! `timegap info`: what a recording holds.
 
-use super::{count, open, tally};
+use super::{count, open};
 use clap::Args;
 use group::Error;
 use messages::TOPICS;
-use recorder::{Recording, Tally};
+use recorder::{Recording, Survey};
 use report::print;
+use runtime::Mode;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -16,6 +17,9 @@ use std::process::ExitCode;
 pub struct InfoArguments {
     /// A run's directory of results, or a recording
     pub run: PathBuf,
+    /// Read every message and check every chunk, in place of the file's own statistics
+    #[arg(long)]
+    pub verify: bool,
     /// Print it as JSON, and nothing else, on standard output
     #[arg(long)]
     pub json: bool,
@@ -24,24 +28,25 @@ pub struct InfoArguments {
 /// Runs the command.
 pub fn run(arguments: &InfoArguments) -> Result<ExitCode, Error> {
     let recording = open(&arguments.run)?;
-    let tally = tally(&recording);
+    let statistics = if arguments.verify { None } else { recording.statistics() };
+    let survey = statistics.unwrap_or_else(|| recording.survey());
     if arguments.json {
-        let text = serde_json::to_string_pretty(&as_json(&recording, &tally)).expect("plain data");
+        let text = serde_json::to_string_pretty(&as_json(&recording, &survey)).expect("plain data");
         print::out(&(text + "\n"))?;
     } else {
-        print::out(&as_text(&recording, &tally))?;
+        print::out(&as_text(&recording, &survey))?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
 /// Messages per second of a topic over the recording's length.
-fn rate_hz(messages: u64, recording: &Recording) -> Option<f64> {
-    let length_s = recording.end_ns() as f64 / 1e9;
+fn rate_hz(messages: u64, survey: &Survey) -> Option<f64> {
+    let length_s = survey.end_ns as f64 / 1e9;
     (length_s > 0.0).then(|| messages as f64 / length_s)
 }
 
-fn as_json(recording: &Recording, tally: &Tally) -> Value {
-    let metadata = recording.metadata();
+fn as_json(recording: &Recording, survey: &Survey) -> Value {
+    let (metadata, tally) = (recording.metadata(), &survey.tally);
     let topics: serde_json::Map<_, _> = TOPICS
         .into_iter()
         .map(|topic| {
@@ -51,7 +56,7 @@ fn as_json(recording: &Recording, tally: &Tally) -> Value {
                 "bytes": topic.message_bytes(),
                 "messages": counts.messages,
                 "lost": counts.lost,
-                "rate_hz": rate_hz(counts.messages, recording),
+                "rate_hz": rate_hz(counts.messages, survey),
             });
             (topic.name().to_owned(), value)
         })
@@ -61,8 +66,8 @@ fn as_json(recording: &Recording, tally: &Tally) -> Value {
         "path": recording.path(),
         "bytes": recording.file_bytes(),
         "ended": recording.tally().is_some(),
-        "damage": recording.damage().iter().map(ToString::to_string).collect::<Vec<_>>(),
-        "duration_s": recording.end_ns() as f64 / 1e9,
+        "damage": survey.damage.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "duration_s": survey.end_ns as f64 / 1e9,
         "messages": tally.messages(),
         "lost": tally.lost(),
         "topics": topics,
@@ -75,17 +80,16 @@ fn as_json(recording: &Recording, tally: &Tally) -> Value {
         "programs": metadata.programs,
         "layout_version": metadata.layout_version,
         "started_unix_ns": metadata.started_unix_ns,
-        "host": {
-            "name": metadata.host.name,
-            "kernel": metadata.host.kernel,
-            "cpus": metadata.host.cpus,
-        },
+        "host": metadata.host.as_ref().map(|host| {
+            json!({ "name": host.name, "kernel": host.kernel, "cpus": host.cpus })
+        }),
+        "law": metadata.law,
         "scheduling": metadata.scheduling,
     })
 }
 
-fn as_text(recording: &Recording, tally: &Tally) -> String {
-    let metadata = recording.metadata();
+fn as_text(recording: &Recording, survey: &Survey) -> String {
+    let (metadata, tally) = (recording.metadata(), &survey.tally);
     let mut text = format!(
         "{} · {} · {} · seed {}\n",
         metadata.scenario_name,
@@ -96,11 +100,14 @@ fn as_text(recording: &Recording, tally: &Tally) -> String {
     let mut line = |label: &str, value: String| {
         writeln!(text, "  {label:<14} {value}").expect("a string takes all");
     };
-    let started = jiff::Timestamp::from_nanosecond(metadata.started_unix_ns.into())
+    let at = jiff::Timestamp::from_nanosecond(metadata.started_unix_ns.into())
         .map_or_else(|_| "at a time unknown".into(), |time| time.strftime("%F %T UTC").to_string());
-    let host = &metadata.host;
+    let started = if metadata.mode == Mode::Lockstep { "in simulated time".into() } else { at };
     line("recorded", format!("{started} by {}", metadata.program));
-    line("on", format!("{}, Linux {}, {}", host.name, host.kernel, count(host.cpus as u64, "cpu")));
+    if let Some(host) = &metadata.host {
+        let cpus = count(host.cpus as u64, "cpu");
+        line("on", format!("{}, Linux {}, {cpus}", host.name, host.kernel));
+    }
     for (service, granted) in &metadata.scheduling {
         let core = granted.core.map_or_else(|| "any core".into(), |core| format!("core {core}"));
         line(service, format!("{}, {core}", granted.granted));
@@ -120,19 +127,19 @@ fn as_text(recording: &Recording, tally: &Tally) -> String {
         "length",
         format!(
             "{:.2} s, {messages} messages, {} lost, {:.2} MiB ({per_message:.0} bytes a message)",
-            recording.end_ns() as f64 / 1e9,
+            survey.end_ns as f64 / 1e9,
             tally.lost(),
             recording.file_bytes() as f64 / f64::from(1 << 20),
         ),
     );
-    for damage in recording.damage() {
+    for damage in &survey.damage {
         line("INCOMPLETE", format!("{damage}: `timegap recover` makes it whole"));
     }
     writeln!(text, "\n  {:<22} {:>9} {:>8} {:>6}  type", "topic", "messages", "Hz", "lost")
         .expect("a string takes all");
     for topic in TOPICS {
         let counts = tally.topics.get(topic.name()).copied().unwrap_or_default();
-        let rate = rate_hz(counts.messages, recording)
+        let rate = rate_hz(counts.messages, survey)
             .map_or_else(|| "-".into(), |rate| format!("{rate:.1}"));
         let (name, type_name) = (topic.name(), topic.layout().type_name);
         writeln!(

@@ -1,11 +1,15 @@
 //! `timegap layouts`: the messages in the languages of those who read them.
 
 use clap::Args;
+use controller::law::Descriptor;
+use controller::laws;
 use group::Error;
+use messages::names::{self, ENUMERATIONS};
 use messages::{Element, Field, LAYOUT_VERSION, Layout, Scalar, TOPICS, notes};
 use recorder::schema;
 use report::print;
 use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Arguments of `layouts`.
@@ -29,9 +33,12 @@ pub struct Language {
     /// A C11 header
     #[arg(long)]
     pub c: bool,
-    /// The layouts as data: JSON
+    /// The layouts as data, with units, meanings and the names of numbers: JSON
     #[arg(long)]
     pub json: bool,
+    /// A ROS 2 package of .msg files, `timegap_msgs`, written below this directory
+    #[arg(long, value_name = "DIR")]
+    pub msg: Option<PathBuf>,
 }
 
 const SUBSCRIBE: &str = "\
@@ -51,6 +58,14 @@ a file, take `root` and `prefix` from live.json in the run's results, and open t
 
 /// Runs the command.
 pub fn run(arguments: &LayoutsArguments) -> Result<ExitCode, Error> {
+    if let Some(directory) = &arguments.language.msg {
+        let package = directory.join("timegap_msgs");
+        for (name, text) in schema::ros2_package() {
+            write(&package.join(name), &text)?;
+        }
+        print::out(&format!("{}\n", package.display()))?;
+        return Ok(ExitCode::SUCCESS);
+    }
     let text = match (&arguments.language, arguments.law) {
         (Language { python: true, .. }, false) => schema::python_module(),
         (Language { python: true, .. }, true) => schema::law_python_module(),
@@ -83,12 +98,49 @@ fn messages_as_json() -> Value {
         .map(|topic| (topic.name().to_owned(), json!(topic.layout().name)))
         .collect();
     let structs: Vec<_> = schema::all().into_iter().map(as_json).collect();
+    let enumerations: serde_json::Map<_, _> = ENUMERATIONS
+        .iter()
+        .map(|enumeration| {
+            let values = enumeration.values.iter();
+            let values: serde_json::Map<_, _> =
+                values.map(|(number, name)| (number.to_string(), json!(name))).collect();
+            (enumeration.name.to_owned(), values.into())
+        })
+        .collect();
+    let laws: Vec<_> = laws::ALL.into_iter().flat_map(law).collect();
     json!({
         "schema_version": 1,
         "layout_version": LAYOUT_VERSION,
         "topics": topics,
         "structs": structs,
+        "names": enumerations,
+        "laws": laws,
     })
+}
+
+fn write(path: &Path, text: &str) -> Result<(), Error> {
+    let error = |reason| Error::Path { action: "write", path: path.to_owned(), reason };
+    std::fs::create_dir_all(path.parent().expect("it has a name in a folder")).map_err(error)?;
+    std::fs::write(path, text).map_err(error)
+}
+
+/// What the numbers of a law mean, for each of its formulations.
+fn law(law: &Descriptor) -> Vec<Value> {
+    let formulations = law.formulations.iter();
+    formulations
+        .map(|formulation| {
+            let figures = formulation.figures.iter();
+            let figures: Vec<_> =
+                figures.map(|figure| json!({ "name": figure.name, "unit": figure.unit })).collect();
+            json!({
+                "law": law.name,
+                "formulation": formulation.name,
+                "modes": formulation.modes,
+                "reasons": formulation.reasons,
+                "figures": figures,
+            })
+        })
+        .collect()
 }
 
 fn as_json(layout: &Layout) -> Value {
@@ -106,7 +158,9 @@ fn as_json(layout: &Layout) -> Value {
             "offset": field.offset,
             "type": element,
             "length": field.shape.len,
+            "unit": names::unit_of(field.name),
             "meaning": notes::of_message(layout.name, field.name),
+            "names": names::of_field(layout.name, field.name).map(|names| names.name),
         })
     };
     json!({

@@ -8,7 +8,7 @@ pub mod recover;
 pub mod replay;
 
 use group::Error;
-use recorder::{Recording, Tally};
+use recorder::{Damage, Recording};
 use std::path::Path;
 
 /// Opens the recording of a run's directory, or a file.
@@ -16,9 +16,12 @@ fn open(path: &Path) -> Result<Recording, Error> {
     Recording::open(path).map_err(|error| Error::Usage(error.to_string()))
 }
 
-/// What the recorder counted; counted anew where it did not live to say.
-fn tally(recording: &Recording) -> Tally {
-    recording.tally().cloned().unwrap_or_else(|| recording.count())
+/// Says on standard error what of a recording could not be read. The exit status of a command whose result is
+/// not whole then is 1.
+fn tell(recording: &Recording, damage: &[Damage]) {
+    for damage in damage {
+        eprintln!("{}: {damage}", recording.path().display());
+    }
 }
 
 /// `n things`, or `1 thing`.

@@ -4,7 +4,7 @@ use super::{count, open};
 use clap::Args;
 use group::Error;
 use group::is_alive;
-use recorder::Recording;
+use recorder::{Recording, Recovered};
 use report::print;
 use runtime::Group;
 use serde_json::json;
@@ -35,10 +35,17 @@ pub fn run(arguments: &RecoverArguments) -> Result<ExitCode, Error> {
             "{path} is still being recorded: wait for its run's end"
         )));
     }
-    let damage: Vec<_> = broken.damage().iter().map(ToString::to_string).collect();
+    let survey = broken.survey();
+    let is_asked_for = arguments.out.is_some() || !survey.damage.is_empty();
+    if survey.tally.messages() == 0 && is_asked_for {
+        let path = broken.path().display();
+        super::tell(&broken, &survey.damage);
+        return Err(Error::Usage(format!("{path} holds no whole message: nothing to recover")));
+    }
+    let damage: Vec<_> = survey.damage.iter().map(ToString::to_string).collect();
     let whole = damage.is_empty() && arguments.out.is_none();
     let (path, tally) = if whole {
-        (broken.path().to_owned(), super::tally(&broken))
+        (broken.path().to_owned(), survey.tally)
     } else {
         rewrite(&broken, arguments.out.as_deref())?
     };
@@ -49,7 +56,7 @@ pub fn run(arguments: &RecoverArguments) -> Result<ExitCode, Error> {
             "recovered": !whole,
             "messages": tally.messages(),
             "lost_between": tally.lost(),
-            "duration_s": broken.end_ns() as f64 / 1e9,
+            "duration_s": survey.end_ns as f64 / 1e9,
             "damage": damage,
         });
         print::out(&(serde_json::to_string_pretty(&result).expect("plain data") + "\n"))?;
@@ -62,7 +69,7 @@ pub fn run(arguments: &RecoverArguments) -> Result<ExitCode, Error> {
     let mut text = format!(
         "recovered {} up to {:.2} s, {} lost between them\n",
         count(tally.messages(), "message"),
-        broken.end_ns() as f64 / 1e9,
+        survey.end_ns as f64 / 1e9,
         tally.lost()
     );
     damage.iter().for_each(|damage| text.push_str(&format!("  broken         {damage}\n")));
@@ -85,16 +92,25 @@ fn rewrite(broken: &Recording, out: Option<&Path>) -> Result<(PathBuf, recorder:
         move |reason| Error::Path { action, path, reason }
     };
     let part = with_suffix(place, "part");
-    let file = File::create(&part).map_err(error("write", &part))?;
-    let recovered = recorder::recover(broken, &file)
-        .map_err(|e| error("write", &part)(std::io::Error::other(e)))?;
-    file.sync_all().map_err(error("write", &part))?;
+    let written = write(broken, &part).inspect_err(|_| {
+        // A part of a file is of no use.
+        let _ = std::fs::remove_file(&part);
+    });
+    let recovered = written.map_err(error("write", &part))?;
     if out.is_none() {
         let kept = with_suffix(place, "broken");
         std::fs::rename(place, &kept).map_err(error("rename", place))?;
     }
     std::fs::rename(&part, place).map_err(error("rename", &part))?;
+    recorder::bag::write_beside(place).map_err(|e| Error::Usage(e.to_string()))?;
     Ok((place.to_owned(), recovered.tally))
+}
+
+fn write(broken: &Recording, part: &Path) -> std::io::Result<Recovered> {
+    let file = File::create(part)?;
+    let recovered = recorder::recover(broken, &file).map_err(std::io::Error::other)?;
+    file.sync_all()?;
+    Ok(recovered)
 }
 
 fn with_suffix(path: &Path, suffix: &str) -> PathBuf {

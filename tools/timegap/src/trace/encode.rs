@@ -4,10 +4,11 @@ use super::proto::{
     Clock, ClockSnapshot, CounterDescriptor, DebugAnnotation, EXPLICIT, EventType, RUN_TIME_CLOCK,
     STATE_CLEARED, Trace, TracePacket, TrackDescriptor, TrackEvent, WALL_CLOCK,
 };
-use super::timeline::{Cycle, Timeline};
+use super::timeline::{self, Cycle, Timeline};
 use messages::Service;
 use prost::Message;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Track that all others belong to.
 const RUN: u64 = 1;
@@ -31,24 +32,32 @@ pub struct Frame {
     pub deadline_ns: i64,
 }
 
-/// The trace's bytes.
-pub fn encode(timeline: &Timeline, frame: &Frame) -> Vec<u8> {
+/// What a trace begins with: clocks and tracks.
+pub fn begin(frame: &Frame) -> Vec<u8> {
     let mut packets = vec![first_packet(frame)];
     packets.extend(
-        tracks(timeline, frame)
+        tracks(frame)
             .into_iter()
             .map(|track| TracePacket { track_descriptor: Some(track), ..packet() }),
     );
-    let mut events = cycles(timeline, frame);
-    events.extend(publications(timeline));
-    events.extend(timeline.incidents.iter().map(|incident| {
+    Trace { packet: packets }.encode_to_vec()
+}
+
+/// What of `timeline` begins in `within`, ns of run time. A trace is what [`begin`] returns and any number of
+/// these, one behind the other.
+pub fn events(timeline: &Timeline, frame: &Frame, within: &Range<i64>) -> Vec<u8> {
+    let mut events = cycles(timeline, frame, within);
+    events.extend(publications(timeline).into_iter().filter(|event| within.contains(&event.0)));
+    let incidents = timeline.incidents.iter().filter(|incident| within.contains(&incident.at_ns));
+    events.extend(incidents.map(|incident| {
         let track = incident.service.map_or(INCIDENTS, service_track);
         let category =
             if incident.what == "deadline missed" { "deadline-miss" } else { "incident" };
         (incident.at_ns, event(EventType::Instant, track, category, &incident.what))
     }));
     for (index, counter) in timeline.counters.iter().enumerate() {
-        events.extend(counter.samples.iter().map(|(at_ns, value)| {
+        let samples = counter.samples.iter().filter(|(at_ns, _)| within.contains(at_ns));
+        events.extend(samples.map(|(at_ns, value)| {
             let track_event = TrackEvent {
                 r#type: Some(EventType::Counter as i32),
                 track_uuid: Some(COUNTERS + index as u64),
@@ -60,12 +69,12 @@ pub fn encode(timeline: &Timeline, frame: &Frame) -> Vec<u8> {
     }
     // Stable: what begins and ends at one instant on one track keeps its order.
     events.sort_by_key(|event| event.0);
-    packets.extend(events.into_iter().map(|(at_ns, track_event)| TracePacket {
+    let packets = events.into_iter().map(|(at_ns, track_event)| TracePacket {
         timestamp: Some(at_ns.max(0).unsigned_abs()),
         track_event: Some(track_event),
         ..packet()
-    }));
-    Trace { packet: packets }.encode_to_vec()
+    });
+    Trace { packet: packets.collect() }.encode_to_vec()
 }
 
 fn packet() -> TracePacket {
@@ -93,7 +102,7 @@ fn service_track(service: Service) -> u64 {
 }
 
 /// The run, and below it: incidents, services in the order of the data's way, figures.
-fn tracks(timeline: &Timeline, frame: &Frame) -> Vec<TrackDescriptor> {
+fn tracks(frame: &Frame) -> Vec<TrackDescriptor> {
     let mut rank = 0;
     let mut child = |uuid: u64, name: String| {
         rank += 1;
@@ -126,9 +135,9 @@ fn tracks(timeline: &Timeline, frame: &Frame) -> Vec<TrackDescriptor> {
         let name = format!("{service} {granted}").trim_end().to_owned();
         tracks.push(child(service_track(service), name));
     }
-    for (index, counter) in timeline.counters.iter().enumerate() {
-        let track = child(COUNTERS + index as u64, counter.name.into());
-        let unit = CounterDescriptor { unit_name: Some(counter.unit.into()) };
+    for (index, (name, unit)) in timeline::COUNTERS.into_iter().enumerate() {
+        let track = child(COUNTERS + index as u64, name.into());
+        let unit = CounterDescriptor { unit_name: Some(unit.into()) };
         tracks.push(TrackDescriptor { counter: Some(unit), ..track });
     }
     tracks
@@ -157,13 +166,13 @@ fn end(track: u64) -> TrackEvent {
 
 /// A slice for every cycle, with its wait for the start inside where it is known, and the arrows of
 /// the chains as far as they pass through controller and plant.
-fn cycles(timeline: &Timeline, frame: &Frame) -> Vec<Event> {
+fn cycles(timeline: &Timeline, frame: &Frame, within: &Range<i64>) -> Vec<Event> {
     let mut leaving: BTreeMap<usize, Vec<u64>> = BTreeMap::new();
     let mut arriving: BTreeMap<usize, Vec<u64>> = BTreeMap::new();
-    for (flow, chain) in (1..).zip(&timeline.chains) {
-        leaving.entry(chain.control).or_default().push(flow);
+    for chain in &timeline.chains {
+        leaving.entry(chain.control).or_default().push(chain.flow);
         if let Some(cycle) = chain.plant {
-            arriving.entry(cycle).or_default().push(flow);
+            arriving.entry(cycle).or_default().push(chain.flow);
         }
     }
     let mut events = Vec::new();
@@ -175,6 +184,9 @@ fn cycles(timeline: &Timeline, frame: &Frame) -> Vec<Event> {
         let begin_ns = cycle.release_ns.max(free_ns.unwrap_or(i64::MIN));
         let finish_ns = cycle.finish_ns.max(begin_ns);
         last = Some((cycle.service, finish_ns));
+        if !within.contains(&cycle.release_ns) {
+            continue;
+        }
         let missed = cycle.missed(frame.deadline_ns);
         let category = if missed { "cycle,deadline-miss" } else { "cycle" };
         let mut begin = event(EventType::SliceBegin, track, category, "cycle");
@@ -217,9 +229,9 @@ fn annotations(cycle: &Cycle) -> Vec<DebugAnnotation> {
 /// The publication of each radar message that a command was computed from, where its arrows begin.
 fn publications(timeline: &Timeline) -> Vec<Event> {
     let mut flows: BTreeMap<(usize, i64), Vec<u64>> = BTreeMap::new();
-    for (flow, chain) in (1..).zip(&timeline.chains) {
+    for chain in &timeline.chains {
         if let Some(radar) = chain.radar {
-            flows.entry((radar, chain.radar_publish_ns)).or_default().push(flow);
+            flows.entry((radar, chain.radar_publish_ns)).or_default().push(chain.flow);
         }
     }
     let publication = |((radar, at_ns), flow_ids): ((usize, i64), Vec<u64>)| {
@@ -241,7 +253,8 @@ mod tests {
 
     fn decoded(timeline: &Timeline) -> Vec<TracePacket> {
         let frame = Frame { deadline_ns: 100, ..Frame::default() };
-        Trace::decode(encode(timeline, &frame).as_slice()).expect("what was encoded").packet
+        let bytes = [begin(&frame), events(timeline, &frame, &(i64::MIN..i64::MAX))].concat();
+        Trace::decode(bytes.as_slice()).expect("what was encoded").packet
     }
 
     /// Depth of every track after each event; never below zero, zero at the end.
@@ -276,6 +289,7 @@ mod tests {
                 control,
             ],
             chains: vec![Chain {
+                flow: 1,
                 radar: Some(2),
                 radar_publish_ns: 25,
                 control: 3,

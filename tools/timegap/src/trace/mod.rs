@@ -12,16 +12,20 @@ mod proto;
 mod timeline;
 
 use clap::Args;
-use encode::{Frame, encode};
+use encode::{Frame, begin, events};
 use group::Error;
 use messages::Service;
-use recorder::Recording;
+use recorder::{Damage, Record, Recording};
 use report::print;
 use scenario::Scenario;
 use serde::Serialize;
+use std::collections::VecDeque;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use timeline::{Incident, Timeline};
+use timeline::{Cycle, Incident, Timeline};
 
 /// Arguments of `trace`.
 #[derive(Debug, Args)]
@@ -52,33 +56,19 @@ struct Written {
 pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Error> {
     let recording =
         Recording::open(&arguments.run).map_err(|error| Error::Usage(error.to_string()))?;
-    let metadata = recording.metadata();
-    let scenario = Scenario::parse("the recording's scenario", &metadata.scenario)
+    let text = &recording.metadata().scenario;
+    let scenario = Scenario::parse("the recording's scenario", text)
         .map_err(|error| Error::Usage(error.to_string()))?;
-    let mut timeline = Timeline::of(&recording, &scenario);
-    timeline.incidents.extend(faults(recording.path()));
-    let frame = frame(&recording, &scenario);
-    let bytes = encode(&timeline, &frame);
     let file = match &arguments.out {
         Some(file) => file.clone(),
         None => recording.path().with_file_name("trace.pftrace"),
     };
-    std::fs::write(&file, &bytes).map_err(|reason| Error::Path {
+    let (written, damage) = write(&recording, &scenario, &file).map_err(|reason| Error::Path {
         action: "write",
         path: file.clone(),
         reason,
     })?;
-    let misses = timeline.cycles.iter().filter(|cycle| cycle.missed(frame.deadline_ns)).count();
-    let written = Written {
-        schema_version: 1,
-        bytes: bytes.len(),
-        cycles: timeline.cycles.len(),
-        chains: timeline.chains.len(),
-        deadline_misses: misses,
-        incidents: timeline.incidents.len(),
-        file,
-    };
-    for damage in recording.damage() {
+    for damage in recording.damage().iter().chain(&damage) {
         eprintln!("{}: {damage}", recording.path().display());
     }
     if arguments.json {
@@ -97,6 +87,85 @@ pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Error> {
         ))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Length of the parts in which a recording is gone through, ns of run time.
+const PART_NS: i64 = 2_000_000_000;
+/// What of the parts before and behind it a part is seen with: longer than a chain, ns.
+const MARGIN_NS: i64 = 1_000_000_000;
+
+/// Writes the trace part by part: what is in memory does not grow with the recording.
+fn write(
+    recording: &Recording,
+    scenario: &Scenario,
+    path: &Path,
+) -> io::Result<(Written, Vec<Damage>)> {
+    let frame = frame(recording, scenario);
+    let mut file = BufWriter::new(File::create(path)?);
+    let start = begin(&frame);
+    file.write_all(&start)?;
+    let mut written = Written {
+        schema_version: 1,
+        file: path.to_owned(),
+        bytes: start.len(),
+        cycles: 0,
+        chains: 0,
+        deadline_misses: 0,
+        incidents: 0,
+    };
+    let mut faults = faults(recording.path());
+    let mut records = recording.records();
+    let mut held: VecDeque<Record> = VecDeque::new();
+    let mut next = records.next();
+    let mut carried = Vec::new();
+    let mut from_ns = i64::MIN;
+    while let Some(first) = held
+        .iter()
+        .map(|r| r.log_time_ns)
+        .find(|ns| *ns >= from_ns)
+        .or(next.as_ref().map(|record| record.log_time_ns))
+    {
+        // A part begins where there is something, and the first with everything.
+        let begin_ns = first.div_euclid(PART_NS).saturating_mul(PART_NS).max(from_ns);
+        let end_ns = begin_ns.saturating_add(PART_NS);
+        while let Some(record) = next.take_if(|r| r.log_time_ns < end_ns.saturating_add(MARGIN_NS))
+        {
+            held.push_back(record);
+            next = records.next();
+        }
+        let mut timeline = Timeline::of(held.make_contiguous(), &carried, scenario);
+        timeline.incidents.append(&mut faults.clone());
+        let is_last = next.is_none() && held.back().is_none_or(|last| last.log_time_ns < end_ns);
+        let within = from_ns..if is_last { i64::MAX } else { end_ns };
+        let bytes = events(&timeline, &frame, &within);
+        file.write_all(&bytes)?;
+        written.bytes += bytes.len();
+        written.count(&timeline, &frame, &within);
+        faults.retain(|fault| !within.contains(&fault.at_ns));
+        let keep_ns = end_ns.saturating_sub(MARGIN_NS);
+        carried = timeline.last_before(keep_ns);
+        while held.front().is_some_and(|record| record.log_time_ns < keep_ns) {
+            held.pop_front();
+        }
+        from_ns = within.end;
+    }
+    file.flush()?;
+    Ok((written, records.damage().to_vec()))
+}
+
+impl Written {
+    /// Counts what of `timeline` begins in `within`.
+    fn count(&mut self, timeline: &Timeline, frame: &Frame, within: &Range<i64>) {
+        let is_here = |cycle: &Cycle| within.contains(&cycle.release_ns);
+        let cycles = timeline.cycles.iter().filter(|cycle| is_here(cycle));
+        self.deadline_misses +=
+            cycles.clone().filter(|cycle| cycle.missed(frame.deadline_ns)).count();
+        self.cycles += cycles.count();
+        let chains = timeline.chains.iter();
+        self.chains += chains.filter(|chain| is_here(&timeline.cycles[chain.control])).count();
+        let incidents = timeline.incidents.iter();
+        self.incidents += incidents.filter(|incident| within.contains(&incident.at_ns)).count();
+    }
 }
 
 fn frame(recording: &Recording, scenario: &Scenario) -> Frame {

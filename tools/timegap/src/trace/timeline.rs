@@ -1,8 +1,7 @@
 //! The times in a recording: the services' cycles, the chains through them, incidents.
 
-use messages::Service;
-use messages::{Command, Header, Odometry, RadarTracks, VehicleTruth};
-use recorder::{Record, Recording};
+use messages::{Command, Header, Message, Odometry, RadarTracks, Service, VehicleTruth};
+use recorder::Record;
 use runtime::Timetable;
 use scenario::Scenario;
 use std::collections::BTreeMap;
@@ -16,7 +15,7 @@ pub struct Timeline {
     pub chains: Vec<Chain>,
     /// Misses, faults and restarts.
     pub incidents: Vec<Incident>,
-    /// Figures of the drive: name, unit, samples.
+    /// Figures of the drive.
     pub counters: Vec<Counter>,
 }
 
@@ -41,6 +40,8 @@ pub struct Cycle {
 /// recorded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Chain {
+    /// Its number, the same in whichever part of the recording it is met.
+    pub flow: u64,
     /// The radar's cycle.
     pub radar: Option<usize>,
     /// When the radar's message was published.
@@ -62,45 +63,55 @@ pub struct Incident {
     pub what: String,
 }
 
-/// A figure over time.
+/// A figure over time, that of the same place in [`COUNTERS`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Counter {
-    /// What it is.
-    pub name: &'static str,
-    /// Its unit.
-    pub unit: &'static str,
     /// (ns of run time, value)
     pub samples: Vec<(i64, f64)>,
 }
 
 impl Timeline {
-    /// Of a recording and the scenario that was recorded.
-    pub fn of(recording: &Recording, scenario: &Scenario) -> Self {
+    /// Of a part of a recording of `scenario`; `carried` are the latest cycles of before.
+    pub fn of(records: &[Record], carried: &[Cycle], scenario: &Scenario) -> Self {
         let table = Timetable::of(scenario);
         let deadline_ns = i64::from(scenario.controller.deadline().value()) * 1_000_000;
-        let cycles = cycles(recording.records());
-        let chains = chains(recording, &cycles);
+        let cycles = cycles(records, carried);
+        let chains = chains(records, &cycles);
         let mut incidents = misses(&cycles, deadline_ns);
         incidents.extend(left_out(&cycles, &table));
         incidents.extend(restarts(&cycles));
         incidents.sort_by_key(|incident| incident.at_ns);
-        Self { cycles, chains, incidents, counters: counters(recording) }
+        Self { cycles, chains, incidents, counters: counters(records) }
+    }
+
+    /// The last cycle of each service that was released before `at_ns`.
+    pub fn last_before(&self, at_ns: i64) -> Vec<Cycle> {
+        let before = self.cycles.iter().filter(|cycle| cycle.release_ns < at_ns);
+        let last: BTreeMap<_, _> = before.map(|cycle| (cycle.service, cycle)).collect();
+        last.into_values().cloned().collect()
     }
 }
 
+/// The messages of `T`'s topic.
+fn messages<T: Message>(records: &[Record]) -> impl Iterator<Item = T> + '_ {
+    records.iter().filter_map(Record::message)
+}
+
 /// The header of a record and, for a command, the start of its cycle.
-fn stamps(record: &Record<'_>) -> (Header, Option<i64>) {
+fn stamps(record: &Record) -> (Header, Option<i64>) {
     let command = record.message::<Command>();
     (record.header(), command.map(|command| command.start_ns))
 }
 
 /// The cycles behind all messages: those of one service, incarnation and step come from one.
-fn cycles<'a>(records: impl Iterator<Item = Record<'a>>) -> Vec<Cycle> {
-    let mut cycles: BTreeMap<(usize, u32, u64), Cycle> = BTreeMap::new();
+fn cycles(records: &[Record], carried: &[Cycle]) -> Vec<Cycle> {
+    let key = |cycle: &Cycle| (cycle.service.index(), cycle.incarnation, cycle.step);
+    let mut cycles: BTreeMap<(usize, u32, u64), Cycle> =
+        carried.iter().map(|cycle| (key(cycle), cycle.clone())).collect();
     for record in records {
         // A heartbeat is not part of a cycle.
         let Some(service) = record.topic.source() else { continue };
-        let (header, start_ns) = stamps(&record);
+        let (header, start_ns) = stamps(record);
         let key = (service.index(), header.incarnation, header.step);
         let cycle = cycles.entry(key).or_insert(Cycle {
             service,
@@ -119,7 +130,7 @@ fn cycles<'a>(records: impl Iterator<Item = Record<'a>>) -> Vec<Cycle> {
 }
 
 /// The chain of every command that was computed from a radar sample.
-fn chains(recording: &Recording, cycles: &[Cycle]) -> Vec<Chain> {
+fn chains(records: &[Record], cycles: &[Cycle]) -> Vec<Chain> {
     let index: BTreeMap<(usize, u32, u64), usize> = (cycles.iter().enumerate())
         .map(|(at, cycle)| ((cycle.service.index(), cycle.incarnation, cycle.step), at))
         .collect();
@@ -127,19 +138,18 @@ fn chains(recording: &Recording, cycles: &[Cycle]) -> Vec<Chain> {
         index.get(&(service.index(), header.incarnation, header.step)).copied()
     };
     // A sample is known by when it was published: numbers begin anew after a restart.
-    let radars: BTreeMap<i64, Option<usize>> = recording
-        .messages::<RadarTracks>()
-        .map(|radar| radar.message.header)
+    let radars: BTreeMap<i64, Option<usize>> = messages::<RadarTracks>(records)
+        .map(|radar| radar.header)
         .map(|header| (header.publish_ns, cycle_of(Service::PerceptionSim, &header)))
         .collect();
-    let acted = first_actuations(recording, cycle_of);
-    recording
-        .messages::<Command>()
-        .filter(|command| command.message.header.origins.radar.is_some())
+    let acted = first_actuations(records, cycle_of);
+    messages::<Command>(records)
+        .filter(|command| command.header.origins.radar.is_some())
         .filter_map(|command| {
-            let header = command.message.header;
+            let header = command.header;
             let radar_ns = header.origins.radar.publish_ns;
             Some(Chain {
+                flow: u64::from(header.incarnation) << 40 | (header.step + 1),
                 radar: radars.get(&radar_ns).copied().flatten(),
                 radar_publish_ns: radar_ns,
                 control: cycle_of(Service::Controller, &header)?,
@@ -152,13 +162,13 @@ fn chains(recording: &Recording, cycles: &[Cycle]) -> Vec<Chain> {
 /// The plant's cycle in which each radar sample, by its publication, first reached the actuators:
 /// the one before the odometry that first names it.
 fn first_actuations(
-    recording: &Recording,
+    records: &[Record],
     cycle_of: impl Fn(Service, &Header) -> Option<usize>,
 ) -> BTreeMap<i64, usize> {
     let mut acted = BTreeMap::new();
     let mut before: Option<Header> = None;
-    for odometry in recording.messages::<Odometry>() {
-        let header = odometry.message.header;
+    for odometry in messages::<Odometry>(records) {
+        let header = odometry.header;
         if let Some(before) = &before
             && header.origins.radar.is_some()
             && let Some(cycle) = cycle_of(Service::Plant, before)
@@ -224,24 +234,25 @@ fn restarts(cycles: &[Cycle]) -> Vec<Incident> {
         .collect()
 }
 
-fn counters(recording: &Recording) -> Vec<Counter> {
+fn counters(records: &[Record]) -> Vec<Counter> {
     let odometry = |value: fn(&Odometry) -> f64| -> Vec<(i64, f64)> {
-        let samples = recording.messages::<Odometry>();
-        samples.map(|o| (o.message.header.acquisition_ns, value(&o.message))).collect()
+        let samples = messages::<Odometry>(records);
+        samples.map(|odometry| (odometry.header.acquisition_ns, value(&odometry))).collect()
     };
-    let mut ego_m = recording.messages::<Odometry>().peekable();
+    let mut ego_m = messages::<Odometry>(records).peekable();
     let mut position_m = None;
     let mut gaps = Vec::new();
-    for truth in recording.messages::<VehicleTruth>().map(|truth| truth.message) {
-        while let Some(ego) = ego_m.next_if(|o| o.message.header.step <= truth.header.step) {
-            position_m = Some(ego.message.position_m);
+    for truth in messages::<VehicleTruth>(records) {
+        while let Some(ego) = ego_m.next_if(|o| o.header.step <= truth.header.step) {
+            position_m = Some(ego.position_m);
         }
         let gap = position_m.and_then(|ego_m| truth.nearest_ahead(ego_m));
         gaps.extend(gap.map(|(gap_m, _)| (truth.header.acquisition_ns, gap_m)));
     }
-    vec![
-        Counter { name: "speed", unit: "m/s", samples: odometry(|o| o.speed_mps) },
-        Counter { name: "request", unit: "m/s²", samples: odometry(|o| o.request_mps2) },
-        Counter { name: "gap", unit: "m", samples: gaps },
-    ]
+    let samples: [Vec<(i64, f64)>; COUNTERS.len()] =
+        [odometry(|o| o.speed_mps), odometry(|o| o.request_mps2), gaps];
+    samples.into_iter().map(|samples| Counter { samples }).collect()
 }
+
+/// Names and units of the drive's figures.
+pub const COUNTERS: [(&str, &str); 3] = [("speed", "m/s"), ("request", "m/s²"), ("gap", "m")];

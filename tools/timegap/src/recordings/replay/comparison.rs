@@ -1,12 +1,13 @@
 //! Recorded against replayed, message by message.
 
-use super::Programs;
+use super::{Programs, Table};
 use group::Replayed;
-use messages::{Command, Message, Place};
-use recorder::{Recording, Take};
+use messages::{Command, Diagnostics, Message, Place};
+use recorder::{Cycle, Recording, Take};
 use runtime::{Mode, Program};
 use scenario::Scenario;
 use serde::Serialize;
+use std::collections::VecDeque;
 
 /// Fields that say how the machine fared when a command was computed.
 const MACHINE: [&str; 7] = [
@@ -77,6 +78,11 @@ pub(super) struct Comparison {
     pub(super) rms_request_difference_mps2: f64,
     /// When the largest was, s of run time.
     pub(super) max_request_difference_at_s: f64,
+    /// Pairs of requests, and the sum of their squared differences.
+    #[serde(skip)]
+    rows: u64,
+    #[serde(skip)]
+    squares: f64,
 }
 
 /// The first difference.
@@ -126,75 +132,125 @@ impl Comparison {
             max_request_difference_mps2: 0.0,
             rms_request_difference_mps2: 0.0,
             max_request_difference_at_s: 0.0,
+            rows: 0,
+            squares: 0.0,
         }
     }
 
-    pub(super) fn add(&mut self, take: &Take, replayed: &Replayed) {
-        self.cycles += take.releases.len() as u64;
-        self.commands += take.commands.len().max(replayed.commands.len()) as u64;
-        self.identical_commands += self.compare(by_step(&take.commands, &replayed.commands));
-        self.identical_diagnostics +=
-            self.compare(by_step(&take.diagnostics, &replayed.diagnostics));
-        self.cut_short.extend(take.cut_short.clone());
+    /// True if every compared byte of the pair is the same; keeps the first other one.
+    fn is_same<T: Message>(&mut self, places: &[Place], recorded: &T, replayed: &T) -> bool {
+        let [a, b] = [recorded, replayed].map(bytemuck::bytes_of);
+        let differs = |place: &&Place| {
+            let range = place.offset..place.offset + place.bytes;
+            a[range.clone()] != b[range]
+        };
+        let header = recorded.header();
+        // The checksum differs whenever something else does.
+        let telling = places
+            .iter()
+            .find(|place| differs(place) && !place.path.starts_with("header.protection"));
+        let Some(place) = telling.or_else(|| places.iter().find(differs)) else { return true };
+        self.first_difference.get_or_insert_with(|| Difference {
+            topic: T::TOPIC.name(),
+            incarnation: header.incarnation,
+            sequence: header.sequence,
+            step: header.step,
+            field: place.path.clone(),
+            recorded: place.read(a).to_string(),
+            replayed: place.read(b).to_string(),
+        });
+        false
     }
 
-    /// Counts the pairs in which every compared byte is the same; keeps the first other one.
-    fn compare<'a, T: Message>(&mut self, pairs: impl Iterator<Item = (&'a T, &'a T)>) -> u64 {
+    /// The values of `T` that are compared.
+    fn places<T: Message>(&self) -> Vec<Place> {
         let mut places = T::LAYOUT.scalars();
         places.retain(|place| !self.not_compared.iter().any(|field| place.path.starts_with(field)));
-        let mut identical = 0;
-        for (recorded, replayed) in pairs {
-            let [a, b] = [recorded, replayed].map(bytemuck::bytes_of);
-            let differs = |place: &&Place| {
-                let range = place.offset..place.offset + place.bytes;
-                a[range.clone()] != b[range]
-            };
-            let header = recorded.header();
-            // The checksum differs whenever something else does.
-            let telling = places
-                .iter()
-                .find(|place| differs(place) && !place.path.starts_with("header.protection"));
-            match telling.or_else(|| places.iter().find(differs)) {
-                None => identical += 1,
-                Some(place) if self.first_difference.is_none() => {
-                    self.first_difference = Some(Difference {
-                        topic: T::TOPIC.name(),
-                        incarnation: header.incarnation,
-                        sequence: header.sequence,
-                        step: header.step,
-                        field: place.path.clone(),
-                        recorded: place.read(a).to_string(),
-                        replayed: place.read(b).to_string(),
-                    });
-                }
-                Some(_) => {}
-            }
-        }
-        identical
+        places
     }
 
-    pub(super) fn finish(&mut self, rows: &[Row]) {
+    fn note(&mut self, row: &Row) {
+        let difference_mps2 = row.difference_mps2();
+        self.rows += 1;
+        self.squares += difference_mps2 * difference_mps2;
+        if self.rows == 1 || difference_mps2.abs() > self.max_request_difference_mps2 {
+            self.max_request_difference_mps2 = difference_mps2.abs();
+            self.max_request_difference_at_s = row.time_s;
+        }
+    }
+
+    pub(super) fn finish(&mut self) {
         self.identical =
             self.identical_commands == self.commands && self.identical_diagnostics == self.cycles;
-        let squares: f64 = rows.iter().map(|row| row.difference_mps2().powi(2)).sum();
-        self.rms_request_difference_mps2 = (squares / rows.len().max(1) as f64).sqrt();
-        let size = |row: &&Row| row.difference_mps2().abs();
-        if let Some(worst) = rows.iter().max_by(|a, b| size(a).total_cmp(&size(b))) {
-            self.max_request_difference_mps2 = size(&worst);
-            self.max_request_difference_at_s = worst.time_s;
-        }
+        self.rms_request_difference_mps2 = (self.squares / self.rows.max(1) as f64).sqrt();
     }
 }
 
-/// Pairs of messages of the same cycle.
-pub(super) fn by_step<'a, T: Message>(
-    a: &'a [T],
-    b: &'a [T],
-) -> impl Iterator<Item = (&'a T, &'a T)> {
-    let step = |message: &T| message.header().step;
-    a.iter().filter_map(move |a| {
-        // One process sends in the order of its steps.
-        let index = b.binary_search_by_key(&step(a), step).ok()?;
-        Some((a, &b[index]))
-    })
+/// What was recorded beside what is replayed, while it is.
+pub(super) struct Pairs<'a, R: Iterator<Item = Cycle>> {
+    /// Recorded cycles whose diagnostics were not replayed yet.
+    recorded: R,
+    waiting: VecDeque<Cycle>,
+    commands: u64,
+    comparison: &'a mut Comparison,
+    table: &'a mut Table,
+    places: [Vec<Place>; 2],
 }
+
+impl<'a, R: Iterator<Item = Cycle>> Pairs<'a, R> {
+    pub(super) fn new(recorded: R, comparison: &'a mut Comparison, table: &'a mut Table) -> Self {
+        let places = [comparison.places::<Command>(), comparison.places::<Diagnostics>()];
+        Self { recorded, waiting: VecDeque::new(), commands: 0, comparison, table, places }
+    }
+
+    /// Compares what the controller said with what it said then; returns the cycles up to here.
+    pub(super) fn add(&mut self, said: Replayed<'_>) -> u64 {
+        match said {
+            Replayed::Command(replayed) => {
+                self.commands += 1;
+                let cycle = self.find(replayed.header.step);
+                if let Some(recorded) = cycle.and_then(|cycle| cycle.command) {
+                    let is_same = self.comparison.is_same(&self.places[0], &recorded, replayed);
+                    self.comparison.identical_commands += u64::from(is_same);
+                    let row = Row::new(&recorded, replayed);
+                    self.comparison.note(&row);
+                    self.table.add(&row);
+                }
+            }
+            Replayed::Diagnostics(replayed) => {
+                self.comparison.cycles += 1;
+                let step = replayed.header.step;
+                if let Some(recorded) = self.find(step).map(|cycle| cycle.diagnostics) {
+                    let is_same = self.comparison.is_same(&self.places[1], &recorded, replayed);
+                    self.comparison.identical_diagnostics += u64::from(is_same);
+                }
+                // A listener takes commands before diagnostics: up to a buffer of cycles later.
+                while self.waiting.len() > MOST_WAITING {
+                    self.waiting.pop_front();
+                }
+            }
+        }
+        self.comparison.cycles
+    }
+
+    /// The recorded cycle of `step`.
+    fn find(&mut self, step: u64) -> Option<&Cycle> {
+        while self.waiting.back().is_none_or(|cycle| cycle.diagnostics.header.step < step) {
+            self.waiting.push_back(self.recorded.next()?);
+        }
+        // One process goes on in the order of its steps.
+        let steps = self.waiting.make_contiguous();
+        let index =
+            steps.binary_search_by_key(&step, |cycle| cycle.diagnostics.header.step).ok()?;
+        self.waiting.get(index)
+    }
+
+    /// Counts what was to be replayed.
+    pub(super) fn finish(self, take: &Take) {
+        self.comparison.commands += take.commands.max(self.commands);
+        self.comparison.cut_short.extend(take.cut_short.clone());
+    }
+}
+
+/// Recorded cycles that are kept after their diagnostics were replayed.
+const MOST_WAITING: usize = 256;

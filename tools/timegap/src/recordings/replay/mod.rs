@@ -14,9 +14,9 @@
 
 mod comparison;
 
-use super::{count, open};
+use super::{count, open, tell};
 use clap::Args;
-use comparison::{Comparison, Row, by_step};
+use comparison::{Comparison, Pairs, Row};
 use controller::laws;
 use group::Error;
 use group::{replay, service_program};
@@ -26,8 +26,10 @@ use report::print;
 use report::progress::count_bar;
 use runtime::Program;
 use scenario::{Overrides, Scenario};
-use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Arguments of `replay`.
@@ -58,37 +60,38 @@ pub fn run(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
     let (scenario, changed) = scenario(&recording, arguments)?;
     let programs = programs(&recording, &scenario, arguments)?;
     let takes = recording.takes();
-    let cycles: usize = takes.iter().map(|take| take.releases.len()).sum();
+    let cycles: u64 = takes.iter().map(|take| take.cycles).sum();
     if cycles == 0 {
         let path = recording.path().display();
+        tell(&recording, recording.damage());
         return Err(Error::Usage(format!("{path} holds no control cycle that could be replayed")));
     }
-    let bar = count_bar(cycles, arguments.json);
-    let mut done = 0;
-    let mut rows = Vec::new();
-    let mut comparison = Comparison::new(&recording, &scenario, changed, programs);
-    let program = arguments.service.as_ref().map(|(_, program)| program);
-    for take in &takes {
-        let replayed = replay(&scenario, take, recording.path(), program, &mut |cycles| {
-            bar.set_position(done + cycles);
-        })?;
-        done += take.releases.len() as u64;
-        comparison.add(take, &replayed);
-        rows.extend(by_step(&take.commands, &replayed.commands).map(|(a, b)| Row::new(a, b)));
-    }
-    bar.finish_and_clear();
-    comparison.finish(&rows);
-
     let path =
         arguments.out.clone().unwrap_or_else(|| recording.path().with_file_name("replay.csv"));
-    let written = write(&path, &rows);
+    let bar = count_bar(usize::try_from(cycles).unwrap_or(usize::MAX), arguments.json);
+    let program = arguments.service.as_ref().map(|(_, program)| program);
+    let mut table = Table::begin(path);
+    let mut comparison = Comparison::new(&recording, &scenario, changed, programs);
+    for take in &takes {
+        let mut pairs = Pairs::new(recording.cycles(take), &mut comparison, &mut table);
+        replay(&scenario, &recording, take, program, &mut |said| {
+            bar.set_position(pairs.add(said));
+        })?;
+        pairs.finish(take);
+    }
+    bar.finish_and_clear();
+    comparison.finish();
+    let (path, written) = table.finish();
     if arguments.json {
         print::out(&(serde_json::to_string_pretty(&comparison).expect("plain data") + "\n"))?;
     } else {
         print::out(&(as_text(&comparison) + &format!("  results        {}\n", path.display())))?;
     }
+    let damage = recording.survey().damage;
+    tell(&recording, &damage);
     written?;
-    Ok(if changed || comparison.identical { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    let is_right = (changed || comparison.identical) && damage.is_empty();
+    Ok(if is_right { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 /// The recorded scenario, and whether something of it was changed.
@@ -156,13 +159,30 @@ fn programs(
     Ok(Programs { recorded, replayed })
 }
 
-fn write(path: &Path, rows: &[Row]) -> Result<(), Error> {
-    let mut text = String::from(
-        "incarnation,step,time_s,recorded_request_mps2,replayed_request_mps2,difference_mps2\n",
-    );
-    for row in rows {
-        writeln!(
-            text,
+/// Both controllers' requests, a row for each cycle.
+struct Table {
+    path: PathBuf,
+    file: Result<BufWriter<File>, std::io::Error>,
+}
+
+impl Table {
+    fn begin(path: PathBuf) -> Self {
+        let begin = || {
+            let mut file = BufWriter::new(File::create(&path)?);
+            file.write_all(
+                b"incarnation,step,time_s,recorded_request_mps2,replayed_request_mps2,difference_mps2\n",
+            )?;
+            Ok(file)
+        };
+        let file = begin();
+        Self { path, file }
+    }
+
+    /// Adds a row. What goes wrong is kept for the end: the comparison is printed first.
+    fn add(&mut self, row: &Row) {
+        let Ok(file) = &mut self.file else { return };
+        let written = writeln!(
+            file,
             "{},{},{},{},{},{}",
             row.incarnation,
             row.step,
@@ -170,14 +190,18 @@ fn write(path: &Path, rows: &[Row]) -> Result<(), Error> {
             row.recorded_mps2,
             row.replayed_mps2,
             row.difference_mps2()
-        )
-        .expect("a string takes all");
+        );
+        if let Err(error) = written {
+            self.file = Err(error);
+        }
     }
-    std::fs::write(path, text).map_err(|reason| Error::Path {
-        action: "write",
-        path: path.to_owned(),
-        reason,
-    })
+
+    fn finish(self) -> (PathBuf, Result<(), Error>) {
+        let written = self.file.and_then(|mut file| file.flush());
+        let path = self.path.clone();
+        let error = |reason| Error::Path { action: "write", path, reason };
+        (self.path, written.map_err(error))
+    }
 }
 
 fn as_text(comparison: &Comparison) -> String {

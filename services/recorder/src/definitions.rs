@@ -1,0 +1,79 @@
+//! Which channels of a file carry our messages.
+
+use crate::format::{Channel, Schema};
+use crate::schema;
+use messages::{TOPICS, Topic};
+use std::collections::BTreeMap;
+
+/// Longest name that is kept, bytes.
+const LONGEST_NAME: usize = 256;
+
+/// Schemas and channels seen so far.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Definitions {
+    /// Fingerprints of the types.
+    schemas: BTreeMap<u16, u64>,
+    /// Names of the types, and by channel name and type of the topic, ours and others.
+    types: BTreeMap<u16, String>,
+    listed: BTreeMap<u16, (String, u16)>,
+    channels: BTreeMap<u16, Topic>,
+    other_layout: Option<String>,
+}
+
+impl Definitions {
+    pub(crate) fn schema(&mut self, schema: &Schema<'_>) {
+        let text = String::from_utf8_lossy(schema.definition);
+        self.schemas.insert(schema.id, schema::fingerprint(&text));
+        if schema.name.len() <= LONGEST_NAME {
+            self.types.insert(schema.id, schema.name.to_owned());
+        }
+    }
+
+    pub(crate) fn channel(&mut self, channel: &Channel<'_>) {
+        if channel.topic.len() <= LONGEST_NAME {
+            self.listed.insert(channel.id, (channel.topic.to_owned(), channel.schema));
+        }
+        // A topic that others added to the file is theirs.
+        let Some(topic) = Topic::by_name(channel.topic) else { return };
+        if self.schemas.get(&channel.schema) == Some(&ours(topic)) {
+            self.channels.insert(channel.id, topic);
+        } else {
+            self.other_layout.get_or_insert_with(|| channel.topic.to_owned());
+        }
+    }
+
+    /// The topic of a channel.
+    pub(crate) fn topic(&self, channel: u16) -> Option<Topic> {
+        self.channels.get(&channel).copied()
+    }
+
+    /// A topic of ours whose messages have another layout than this program's.
+    pub(crate) fn other_layout(&self) -> Option<&str> {
+        self.other_layout.as_deref()
+    }
+
+    /// True before the first topic of ours.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.channels.is_empty() && self.other_layout.is_none()
+    }
+
+    /// Channel, name of the topic and name of its type, of every channel.
+    pub(crate) fn listed(&self) -> impl Iterator<Item = (u16, &str, &str)> {
+        self.listed.iter().map(|(channel, (topic, schema))| {
+            (*channel, topic.as_str(), self.types.get(schema).map_or("", String::as_str))
+        })
+    }
+
+    /// Messages by topic from their number by channel; `None` if a topic has no channel.
+    pub(crate) fn counts(&self, channels: &BTreeMap<u16, u64>) -> Option<BTreeMap<Topic, u64>> {
+        let mut counts = BTreeMap::new();
+        for (channel, topic) in &self.channels {
+            *counts.entry(*topic).or_default() += channels.get(channel).copied().unwrap_or(0);
+        }
+        (counts.len() == TOPICS.len()).then_some(counts)
+    }
+}
+
+fn ours(topic: Topic) -> u64 {
+    schema::fingerprint(&schema::ros2_definition(topic.layout()))
+}

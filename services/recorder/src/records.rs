@@ -1,0 +1,295 @@
+//! The messages of a file, one after another in the order of their log times, in bounded memory.
+//!
+//! A file of ours is in that order, and one chunk at a time is in memory. Files of other writers need
+//! not be: their parts in order ([`Segment`]) are merged, with one chunk of each part that overlaps.
+
+use crate::definitions::Definitions;
+use crate::format::{self, HEAD, Malformed, opcode};
+use crate::outline::Segment;
+use crate::source::{Source, Spot, Window};
+use crate::unpack::{LONGEST_CHUNK, unpack};
+use crate::writer::ENCAPSULATION;
+use crate::{Damage, Record};
+use messages::Topic;
+use std::collections::VecDeque;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Bytes of messages outside chunks that are taken at once.
+const RUN_BYTES: usize = 1 << 20;
+/// Most bytes of chunks that are in memory to be merged.
+const MOST_MERGED: usize = 96 << 20;
+/// Most parts of the file that are merged.
+const MOST_PARTS: usize = 256;
+
+/// The messages of a recording, in the order of their log times.
+#[derive(Debug)]
+pub struct Records {
+    source: Source,
+    epoch_ns: i64,
+    topics: Vec<Topic>,
+    definitions: Definitions,
+    /// Parts of the file that were not begun, earliest first.
+    waiting: VecDeque<Segment>,
+    open: Vec<Part>,
+    damage: Vec<Damage>,
+}
+
+/// A part of the file that is being read.
+#[derive(Debug)]
+struct Part {
+    window: Window,
+    at: u64,
+    to: u64,
+    bytes: Arc<Vec<u8>>,
+    entries: VecDeque<Entry>,
+}
+
+/// A message in a part's bytes.
+#[derive(Clone, Debug)]
+struct Entry {
+    topic: Topic,
+    log_time: u64,
+    publish_time: u64,
+    range: Range<usize>,
+}
+
+impl Records {
+    pub(crate) fn new(
+        source: &Source,
+        epoch_ns: i64,
+        definitions: &Definitions,
+        segments: &[Segment],
+        topics: &[Topic],
+    ) -> Self {
+        let mut waiting: VecDeque<_> = segments.iter().copied().collect();
+        waiting.make_contiguous().sort_by_key(|segment| segment.first);
+        Self {
+            source: source.clone(),
+            epoch_ns,
+            topics: topics.to_vec(),
+            definitions: definitions.clone(),
+            waiting,
+            open: Vec::new(),
+            damage: Vec::new(),
+        }
+    }
+
+    /// What could not be read up to here.
+    #[must_use]
+    pub fn damage(&self) -> &[Damage] {
+        &self.damage
+    }
+
+    /// The definitions that were met up to here.
+    pub(crate) fn into_definitions(self) -> Definitions {
+        self.definitions
+    }
+
+    /// Opens the parts of the file whose messages may be next.
+    fn open_parts(&mut self) {
+        loop {
+            let now = self.open.iter().filter_map(Part::log_time).min();
+            let is_due = |segment: &Segment| now.is_none_or(|now| segment.first <= now);
+            let Some(segment) = self.waiting.front().copied().filter(is_due) else { return };
+            self.waiting.pop_front();
+            let held: usize = self.open.iter().map(|part| part.bytes.len()).sum();
+            if held > MOST_MERGED || self.open.len() >= MOST_PARTS {
+                self.damage.push(Damage::Disorder {
+                    offset: segment.from,
+                    bytes: segment.to - segment.from,
+                });
+                continue;
+            }
+            let mut part = Part {
+                window: Window::new(&self.source),
+                at: segment.from,
+                to: segment.to,
+                bytes: Arc::default(),
+                entries: VecDeque::new(),
+            };
+            self.fill(&mut part);
+            if !part.entries.is_empty() {
+                self.open.push(part);
+            }
+        }
+    }
+
+    /// Reads on in `part` until it has messages or is at its end.
+    fn fill(&mut self, part: &mut Part) {
+        while part.entries.is_empty() && part.at < part.to {
+            let spot = match part.window.spot(part.at) {
+                Ok(Some(spot)) => spot,
+                Ok(None) => return part.at = part.to,
+                // The file is shorter than when it was opened.
+                Err(error) => {
+                    let (offset, bytes) = (part.at, part.to - part.at);
+                    let reason = error.to_string();
+                    self.damage.push(Damage::Chunk { offset, bytes, reason });
+                    return part.at = part.to;
+                }
+            };
+            let read = match spot.opcode {
+                opcode::CHUNK => self.chunk(part, spot),
+                opcode::MESSAGE => self.run_of_messages(part, spot),
+                _ => Ok(spot.end()),
+            };
+            part.at = read.unwrap_or_else(|reason| {
+                let (offset, bytes) = (spot.at, HEAD as u64 + spot.length);
+                self.damage.push(Damage::Chunk { offset, bytes, reason });
+                spot.end()
+            });
+        }
+    }
+
+    /// Takes a chunk apart; returns where the next record begins.
+    fn chunk(&mut self, part: &mut Part, spot: Spot) -> Result<u64, String> {
+        let length = usize::try_from(spot.length).ok().filter(|_| spot.length <= LONGEST_CHUNK);
+        let length = length.ok_or("it is longer than a chunk may be")?;
+        let body = part.window.bytes(spot.body(), length).map_err(|error| error.to_string())?;
+        let chunk = format::chunk(body).map_err(|_| "its lengths do not fit")?;
+        let records = unpack(&chunk).map_err(|error| error.to_string())?;
+        let whole = self.records(&records, &mut part.entries);
+        part.bytes = Arc::new(records);
+        whole.map_err(|_| "a record in it is not whole")?;
+        Ok(spot.end())
+    }
+
+    /// Takes the messages outside chunks from `first` on.
+    fn run_of_messages(&mut self, part: &mut Part, first: Spot) -> Result<u64, String> {
+        let mut bytes = Vec::new();
+        let mut spot = first;
+        loop {
+            let length = usize::try_from(spot.length).ok().filter(|length| *length <= RUN_BYTES);
+            if let Some(length) = length {
+                let read = part.window.bytes(spot.at, HEAD + length);
+                bytes.extend_from_slice(read.map_err(|error| error.to_string())?);
+            }
+            let end = spot.end();
+            let next = if end < part.to { part.window.spot(end) } else { Ok(None) };
+            match next {
+                Ok(Some(next)) if next.opcode == opcode::MESSAGE && bytes.len() < RUN_BYTES => {
+                    spot = next;
+                }
+                _ => break,
+            }
+        }
+        let whole = self.records(&bytes, &mut part.entries);
+        part.bytes = Arc::new(bytes);
+        whole.map_err(|_| "a message in it is not whole")?;
+        Ok(spot.end())
+    }
+
+    /// Takes the records in `bytes`: definitions, and messages into `entries`.
+    fn records(&mut self, bytes: &[u8], entries: &mut VecDeque<Entry>) -> Result<(), Malformed> {
+        let mut at = 0;
+        let mut ordered = true;
+        let mut result = Ok(());
+        while at < bytes.len() {
+            let Some((opcode, body)) = record(&bytes[at..]) else {
+                result = Err(Malformed);
+                break;
+            };
+            let begin = at + HEAD;
+            at = begin + body.len();
+            match opcode {
+                opcode::SCHEMA => self.definitions.schema(&format::schema(body)?),
+                opcode::CHANNEL => {
+                    let known = self.definitions.other_layout().is_some();
+                    self.definitions.channel(&format::channel(body)?);
+                    if let Some(topic) = self.definitions.other_layout().filter(|_| !known) {
+                        self.damage.push(Damage::Layout { topic: topic.to_owned() });
+                    }
+                }
+                opcode::MESSAGE => {
+                    let (head, payload) = format::message(body)?;
+                    let Some(topic) = self.definitions.topic(head.channel) else { continue };
+                    if !self.topics.contains(&topic) {
+                        continue;
+                    }
+                    if !is_ours(topic, payload) {
+                        self.count_unreadable(topic);
+                        continue;
+                    }
+                    let start = at - topic.message_bytes();
+                    let (log_time, publish_time) = (head.log_time, head.publish_time);
+                    ordered &= entries.back().is_none_or(|last| last.log_time <= log_time);
+                    entries.push_back(Entry { topic, log_time, publish_time, range: start..at });
+                }
+                _ => {}
+            }
+        }
+        if !ordered {
+            // Stable: messages of one instant keep the file's order.
+            entries.make_contiguous().sort_by_key(|entry| entry.log_time);
+        }
+        result
+    }
+
+    fn count_unreadable(&mut self, topic: Topic) {
+        for damage in &mut self.damage {
+            if let Damage::Payload { topic: known, messages } = damage
+                && *known == topic
+            {
+                *messages += 1;
+                return;
+            }
+        }
+        self.damage.push(Damage::Payload { topic, messages: 1 });
+    }
+}
+
+impl Part {
+    fn log_time(&self) -> Option<u64> {
+        self.entries.front().map(|entry| entry.log_time)
+    }
+}
+
+impl Iterator for Records {
+    type Item = Record;
+
+    fn next(&mut self) -> Option<Record> {
+        if !self.waiting.is_empty() || self.open.is_empty() {
+            self.open_parts();
+        }
+        let parts = self.open.iter().enumerate();
+        // The first of equals: the one that begins earlier.
+        let (index, _) = parts.min_by_key(|(_, part)| part.log_time())?;
+        let part = &mut self.open[index];
+        let entry = part.entries.pop_front().expect("an open part has messages");
+        let bytes = Arc::clone(&part.bytes);
+        if part.entries.is_empty() {
+            let mut part = self.open.remove(index);
+            part.bytes = Arc::default();
+            self.fill(&mut part);
+            if !part.entries.is_empty() {
+                self.open.insert(index, part);
+            }
+        }
+        Some(Record {
+            topic: entry.topic,
+            log_time_ns: run_time(entry.log_time, self.epoch_ns),
+            publish_time_ns: run_time(entry.publish_time, self.epoch_ns),
+            chunk: bytes,
+            range: entry.range,
+        })
+    }
+}
+
+/// Opcode and body of the record at the start of `bytes`, if all of it is there.
+fn record(bytes: &[u8]) -> Option<(u8, &[u8])> {
+    let (opcode, length) = format::head(bytes).ok()?;
+    let length = usize::try_from(length).ok()?;
+    Some((opcode, bytes[HEAD..].get(..length)?))
+}
+
+/// True if `payload` is a message of `topic` as we lay it out.
+fn is_ours(topic: Topic, payload: &[u8]) -> bool {
+    let body = payload.strip_prefix(&ENCAPSULATION);
+    body.is_some_and(|body| body.len() == topic.message_bytes())
+}
+
+/// A file's time as run time, ns.
+fn run_time(ns: u64, epoch_ns: i64) -> i64 {
+    i64::try_from(i128::from(ns) - i128::from(epoch_ns)).unwrap_or(i64::MAX)
+}

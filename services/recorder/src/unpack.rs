@@ -1,0 +1,70 @@
+//! Taking a chunk out of its compression, within bounds.
+
+use crate::format::Chunk;
+use std::io::Read;
+
+/// Longest chunk that is read, bytes unpacked and packed.
+pub(crate) const LONGEST_CHUNK: u64 = 64 << 20;
+
+/// Why a chunk cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum UnpackError {
+    /// It would need more memory than a reader gives.
+    #[error("it unpacks to {0} bytes; a chunk may have {LONGEST_CHUNK}")]
+    TooLong(u64),
+    /// It is longer than it says.
+    #[error("it is longer than the {0} bytes that it says")]
+    Longer(u64),
+    /// It is shorter than it says.
+    #[error("it has {0} bytes of the {1} that it says")]
+    Shorter(u64, u64),
+    /// Its compression is none that is known.
+    #[error("its compression `{0}` is none of `lz4`, `zstd` and none")]
+    Compression(String),
+    /// Its compression is damaged.
+    #[error("its {0} data is damaged: {1}")]
+    Damaged(&'static str, String),
+    /// Its checksum is another one.
+    #[error("its checksum is wrong")]
+    Checksum,
+}
+
+/// The records in `chunk`.
+pub(crate) fn unpack(chunk: &Chunk<'_>) -> Result<Vec<u8>, UnpackError> {
+    if chunk.unpacked > LONGEST_CHUNK {
+        return Err(UnpackError::TooLong(chunk.unpacked));
+    }
+    let records = match chunk.compression {
+        "" => bounded("plain", Ok::<_, std::io::Error>(chunk.packed), chunk.unpacked),
+        "lz4" => bounded("lz4", lz4::Decoder::new(chunk.packed), chunk.unpacked),
+        "zstd" => {
+            let decoder = ruzstd::decoding::StreamingDecoder::new(chunk.packed);
+            bounded("zstd", decoder, chunk.unpacked)
+        }
+        other => Err(UnpackError::Compression(other.chars().take(20).collect())),
+    }?;
+    if chunk.checksum != 0 && crc32fast::hash(&records) != chunk.checksum {
+        return Err(UnpackError::Checksum);
+    }
+    Ok(records)
+}
+
+/// Reads `length` bytes, and makes sure that there are no more.
+fn bounded<R: Read, E: std::fmt::Display>(
+    name: &'static str,
+    reader: Result<R, E>,
+    length: u64,
+) -> Result<Vec<u8>, UnpackError> {
+    let reader = reader.map_err(|error| UnpackError::Damaged(name, error.to_string()))?;
+    let capacity = usize::try_from(length).map_err(|_| UnpackError::TooLong(length))?;
+    let mut records = Vec::with_capacity(capacity);
+    reader
+        .take(length + 1)
+        .read_to_end(&mut records)
+        .map_err(|error| UnpackError::Damaged(name, error.to_string()))?;
+    match records.len() as u64 {
+        longer if longer > length => Err(UnpackError::Longer(length)),
+        shorter if shorter < length => Err(UnpackError::Shorter(shorter, length)),
+        _ => Ok(records),
+    }
+}
