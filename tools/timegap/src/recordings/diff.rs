@@ -5,7 +5,7 @@ use clap::Args;
 use group::Error;
 use messages::Service;
 use messages::Topic;
-use recorder::{Record, Recording};
+use recorder::{Damage, Record, Recording};
 use report::print;
 use serde::Serialize;
 use std::collections::{BTreeMap, VecDeque};
@@ -33,7 +33,6 @@ pub fn run(arguments: &DiffArguments) -> Result<ExitCode, Error> {
     } else {
         print::out(&as_text(&comparison))?;
     }
-    [&a, &b].into_iter().for_each(|recording| tell(recording, recording.damage()));
     Ok(if comparison.equal { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
@@ -109,7 +108,11 @@ impl Stream {
 }
 
 fn compare(a: &Recording, b: &Recording) -> Comparison {
-    let streams = streams(a, b);
+    let (streams, damage) = streams(a, b);
+    for (recording, damage) in [a, b].into_iter().zip(&damage) {
+        tell(recording, recording.damage());
+        tell(recording, damage);
+    }
     let messages = streams.values().map(|stream| stream.counts[0].max(stream.counts[1])).sum();
     let diverging: BTreeMap<Key, u64> =
         streams.iter().filter_map(|(key, stream)| Some((*key, stream.divergence()?))).collect();
@@ -128,23 +131,25 @@ fn compare(a: &Recording, b: &Recording) -> Comparison {
     }
 }
 
-/// Goes through both recordings side by side, as far in time in the one as in the other.
-fn streams(a: &Recording, b: &Recording) -> BTreeMap<Key, Stream> {
+/// Goes through both recordings side by side, as far in time in the one as in the other; returns also what
+/// of each could not be read.
+fn streams(a: &Recording, b: &Recording) -> (BTreeMap<Key, Stream>, [Vec<Damage>; 2]) {
     let mut streams: BTreeMap<Key, Stream> = BTreeMap::new();
-    let mut sides = [a, b].map(|recording| recording.records().peekable());
+    let mut sides = [a, b].map(Recording::records);
+    let mut next = sides.each_mut().map(Iterator::next);
     loop {
-        let times = sides.each_mut().map(|side| side.peek().map(|record| record.log_time_ns));
-        let side = match times {
+        let side = match &next {
             [None, None] => break,
             [Some(_), None] => 0,
             [None, Some(_)] => 1,
-            [Some(a), Some(b)] => usize::from(b < a),
+            [Some(a), Some(b)] => usize::from(b.log_time_ns < a.log_time_ns),
         };
-        let record = sides[side].next().expect("just seen");
+        let following = sides[side].next();
+        let record = std::mem::replace(&mut next[side], following).expect("just seen");
         let stream = streams.entry((record.topic, record.header().source)).or_default();
         stream.add(side, record.bytes());
     }
-    streams
+    (streams, sides.map(|side| side.damage().to_vec()))
 }
 
 /// The message of each stream that has the number `wanted`.
