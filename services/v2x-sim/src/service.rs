@@ -92,14 +92,22 @@ impl Previews {
 
 /// Writes the lanes of what the roadside unit tells; returns how many.
 fn write_lanes(told: &Signals, lanes: &mut [messages::Lane]) -> u64 {
-    let told = told.iter().zip(lanes);
-    told.map(|((lane, _), place)| *place = lane_on_the_wire(lane)).count() as u64
+    let mut count = 0;
+    for ((lane, _), place) in told.iter().zip(lanes) {
+        *place = lane_on_the_wire(lane);
+        count += 1;
+    }
+    count
 }
 
 /// Writes the signals of what the roadside unit tells into zeros; returns how many.
 fn write_signals(told: &Signals, signals: &mut [Signal]) -> u64 {
-    let told = told.iter().zip(signals);
-    told.map(|((_, movement), place)| write_signal(movement, place)).count() as u64
+    let mut count = 0;
+    for ((_, movement), place) in told.iter().zip(signals) {
+        write_signal(movement, place);
+        count += 1;
+    }
+    count
 }
 
 fn lane_on_the_wire(lane: &Lane) -> messages::Lane {

@@ -83,7 +83,7 @@ impl<T: Message> Publisher<T> {
             if let Some((position_m, speed_mps)) = message.ego() {
                 self.faults.ego_at(position_m, speed_mps, now_ns);
             }
-            self.sender_faults.apply(&mut *message, &self.faults, now_ns);
+            self.sender_faults.apply(&mut message, &self.faults, now_ns);
         }
         // The counter is the sequence number's low half: it wraps.
         let data_id = T::TOPIC.data_id(source);
