@@ -90,5 +90,5 @@ pub fn program(name: &str) -> Needed {
 /// # Errors
 /// The reason where there is no Python, no pip or no network.
 pub fn python(directory: &Path) -> Needed {
-    crate::python::interpreter(directory).map(|_| ())
+    crate::python::interpreter(directory).map(|_| ()).map_err(|why| why.0)
 }

@@ -14,6 +14,10 @@ const PACKAGES: [&str; 6] = [
     "rosbags==0.11.9",
 ];
 
+/// Why there is no interpreter with the packages: no Python, no pip or no network.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NoInterpreter(pub String);
+
 /// Packages that run a notebook.
 const NOTEBOOK_PACKAGES: [&str; 2] = ["ipykernel==6.29.5", "nbclient==0.10.2"];
 
@@ -21,8 +25,8 @@ const NOTEBOOK_PACKAGES: [&str; 2] = ["ipykernel==6.29.5", "nbclient==0.10.2"];
 ///
 /// # Errors
 /// The reason where there is no Python, no pip or no network.
-pub fn notebook_interpreter(directory: &Path) -> Result<PathBuf, String> {
-    static FOUND: OnceLock<Result<PathBuf, String>> = OnceLock::new();
+pub fn notebook_interpreter(directory: &Path) -> Result<PathBuf, NoInterpreter> {
+    static FOUND: OnceLock<Result<PathBuf, NoInterpreter>> = OnceLock::new();
     FOUND.get_or_init(|| prepare(&directory.join("notebook-venv"), &NOTEBOOK_PACKAGES)).clone()
 }
 
@@ -30,12 +34,12 @@ pub fn notebook_interpreter(directory: &Path) -> Result<PathBuf, String> {
 ///
 /// # Errors
 /// The reason where there is no Python, no pip or no network.
-pub fn interpreter(directory: &Path) -> Result<PathBuf, String> {
-    static FOUND: OnceLock<Result<PathBuf, String>> = OnceLock::new();
+pub fn interpreter(directory: &Path) -> Result<PathBuf, NoInterpreter> {
+    static FOUND: OnceLock<Result<PathBuf, NoInterpreter>> = OnceLock::new();
     FOUND.get_or_init(|| prepare(&directory.join("interop-venv"), &PACKAGES)).clone()
 }
 
-fn prepare(venv: &Path, packages: &[&str]) -> Result<PathBuf, String> {
+fn prepare(venv: &Path, packages: &[&str]) -> Result<PathBuf, NoInterpreter> {
     let python = venv.join("bin/python");
     let marker = venv.join("installed");
     let wanted = packages.join("\n");
@@ -48,12 +52,12 @@ fn prepare(venv: &Path, packages: &[&str]) -> Result<PathBuf, String> {
     };
     let run = |command: &mut Command, what: &str| match command.output() {
         Ok(output) if output.status.success() => Ok(()),
-        Ok(output) => Err(format!("{what}: {}", failed(output))),
-        Err(error) => Err(format!("{what}: {error}")),
+        Ok(output) => Err(NoInterpreter(format!("{what}: {}", failed(output)))),
+        Err(error) => Err(NoInterpreter(format!("{what}: {error}"))),
     };
     run(Command::new("python3").args(["-m", "venv"]).arg(venv), "python3 -m venv")?;
     let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
     run(Command::new(&python).args(pip).args(packages), "pip install")?;
-    std::fs::write(&marker, wanted).map_err(|e| e.to_string())?;
+    std::fs::write(&marker, wanted).map_err(|e| NoInterpreter(e.to_string()))?;
     Ok(python)
 }

@@ -13,12 +13,12 @@ use system_tests::{Corner, python, text, wait_for};
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 const SCRIPTS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/python");
 
-fn interpreter() -> Result<PathBuf, String> {
+fn interpreter() -> Result<PathBuf, python::NoInterpreter> {
     python::interpreter(Path::new(env!("CARGO_TARGET_TMPDIR")))
 }
 
 fn pypi() -> Needed {
-    interpreter().map(|_| ())
+    interpreter().map(|_| ()).map_err(|why| why.0)
 }
 
 fn c_compiler() -> Needed {

@@ -13,7 +13,7 @@ use messages::{Detection, MAX_DETECTIONS};
 use perception_sim::perception::Perception;
 use perception_sim::radar::scene::Ego;
 use perception_sim::random::Random;
-use perception_sim::traffic::Vehicle;
+use perception_sim::vehicle::Vehicle;
 use runtime::report::PerceptionReport;
 use scenario::{Overrides, Scenario};
 

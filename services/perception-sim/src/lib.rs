@@ -15,5 +15,6 @@ mod service;
 mod stage;
 pub mod tracking;
 pub mod traffic;
+pub mod vehicle;
 
 pub use service::run;

@@ -19,7 +19,8 @@ use crate::tracking::TrackList;
 use crate::tracking::detection_tracker::DetectionTracker;
 use crate::tracking::exact_tracker::ExactTracker;
 use crate::tracking::object_tracker::ObjectTracker;
-use crate::traffic::{Traffic, Vehicle};
+use crate::traffic::Traffic;
+use crate::vehicle::Vehicle;
 
 /// Scans held back at most, and the newest one.
 const HELD: usize = MAX_LATENCY_SCANS as usize + 1;

@@ -26,7 +26,7 @@ use scenario::Scenario;
 use crate::radar::object_list::View;
 use crate::radar::scene::Scene;
 use crate::tracking::TrackList;
-use crate::traffic::Vehicle;
+use crate::vehicle::Vehicle;
 
 /// Distance c beyond which a track is of no vehicle, m.
 const CUTOFF_M: f64 = 10.0;

@@ -3,7 +3,8 @@
 use crate::perception::Perception;
 use crate::radar::scene::Ego;
 use crate::tracking::TrackList;
-use crate::traffic::{Kept, Vehicle};
+use crate::traffic::Kept;
+use crate::vehicle::Vehicle;
 use bytemuck::Zeroable;
 use messages::{
     Detection, Header, MAX_DETECTIONS, MAX_TRACKS, Odometry, Origins, RadarDetections, RadarTracks,

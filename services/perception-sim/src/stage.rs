@@ -10,7 +10,7 @@ use scenario::Scenario;
 use scenario::actor::Profile;
 
 use crate::radar::scene::Ego;
-use crate::traffic::Vehicle;
+use crate::vehicle::Vehicle;
 
 /// A world with its place on the simulation's axis.
 #[derive(Clone, Debug)]

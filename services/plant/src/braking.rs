@@ -1,7 +1,8 @@
 //! The plant's end of `safety/brake`: what acts, and the account of it.
 
 use crate::brake::BrakePath;
-use crate::chains::{Actuated, Chains};
+use crate::chains::Chains;
+use crate::parts::Actuated;
 use messages::{Brake, BrakeState};
 use runtime::report::BrakeFigures;
 use runtime::{Release, Runtime, RuntimeError, Subscriber};

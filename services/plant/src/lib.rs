@@ -8,6 +8,7 @@ pub mod delivery;
 pub mod ego;
 pub mod gateway;
 pub mod longitudinal;
+mod parts;
 pub mod referee;
 mod service;
 pub mod timeliness;

@@ -1,10 +1,11 @@
 //! The plant's loop: publish the motion, take the newest command, move on.
 
 use crate::braking::{self, Braking};
-use crate::chains::{Actuated, Chains};
+use crate::chains::Chains;
 use crate::delivery::{Arrival, Delivery};
 use crate::ego::{self, Ego};
 use crate::gateway::{self, Actuation, EngineRequest, Gateway, Source};
+use crate::parts::Actuated;
 use crate::referee::{MAX_SIGNALS, Referee, SignalTruth, Violation};
 use crate::timeliness::Timeliness;
 use crate::truck::Truck;

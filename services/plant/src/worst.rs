@@ -1,6 +1,6 @@
 //! The chains with the longest reaction times, kept whole.
 
-use crate::chains::Parts;
+use crate::parts::Parts;
 use messages::{Command, Header, Origin};
 use runtime::report::{HopTimes, WorstChain};
 

@@ -53,7 +53,7 @@ pub use perception::{
     Detection, MAX_DETECTIONS, MAX_TRACKS, RadarDetections, RadarTracks, Track, TrackedTarget,
     VehicleTruth, VehicleTruthItem,
 };
-pub use service::Service;
+pub use service::{Service, UnknownService};
 pub use topic::{LAYOUT_VERSION, Message, TOPICS, Topic};
 pub use v2x::{
     Interval, Lane, MAX_INTERVALS, MAX_LANES, MAX_PREVIEW_CELLS, MAX_SIGNALS, Map, PhaseState,

@@ -58,13 +58,19 @@ impl std::fmt::Display for Service {
     }
 }
 
-impl std::str::FromStr for Service {
-    type Err = String;
+/// A name of no service.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "unknown service `{0}`, expected one of {names}",
+    names = Service::ALL.map(Service::name).join(", ")
+)]
+pub struct UnknownService(String);
 
-    fn from_str(name: &str) -> Result<Self, String> {
-        Self::ALL.into_iter().find(|service| service.name() == name).ok_or_else(|| {
-            let names = Self::ALL.map(Self::name).join(", ");
-            format!("unknown service `{name}`, expected one of {names}")
-        })
+impl std::str::FromStr for Service {
+    type Err = UnknownService;
+
+    fn from_str(name: &str) -> Result<Self, UnknownService> {
+        let found = Self::ALL.into_iter().find(|service| service.name() == name);
+        found.ok_or_else(|| UnknownService(name.to_owned()))
     }
 }

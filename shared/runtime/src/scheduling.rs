@@ -187,13 +187,24 @@ pub fn become_ordinary() {
 ///
 /// # Errors
 /// Why the machine refuses it.
-pub fn pin_to(core: usize) -> Result<(), String> {
+pub fn pin_to(core: usize) -> Result<(), PinError> {
     if core >= CpuSet::MAX_CPU {
-        return Err("no such core".into());
+        return Err(PinError::NoSuchCore(core));
     }
     let mut set = CpuSet::new();
     set.set(core);
-    sched_setaffinity(None, &set).map_err(|e| e.to_string())
+    sched_setaffinity(None, &set).map_err(|e| PinError::Refused(e.into()))
+}
+
+/// Why a thread cannot be pinned to a core.
+#[derive(Debug, thiserror::Error)]
+pub enum PinError {
+    /// No system has so many cores.
+    #[error("there is no core {0}")]
+    NoSuchCore(usize),
+    /// The system refuses it.
+    #[error(transparent)]
+    Refused(std::io::Error),
 }
 
 /// Cores that this thread may run on.

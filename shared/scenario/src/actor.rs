@@ -10,6 +10,7 @@ use super::name::Name;
 use super::quantity::{
     Acceleration, AccelerationMagnitude, Distance, Duration, Lateral, Length, Speed, Time,
 };
+use super::speeds::SpeedPoint;
 
 /// Most actors of a scenario: as many as one message carries.
 pub const MAX_ACTORS: usize = messages::MAX_TRACKS;
@@ -127,10 +128,6 @@ pub struct AccelerationPiece {
     /// Acceleration during the piece, m/s².
     pub acceleration_mps2: Acceleration,
 }
-
-/// A point of a speed table: `[time_s, speed_mps]`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SpeedPoint(pub Time, pub Speed);
 
 /// A file with a speed table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,13 +1,14 @@
 //! Checks across keys: each value by itself is in its range already.
 
 use super::Scenario;
-use super::actor::{Actor, MAX_ACTORS, MAX_PROFILE_POINTS, Profile, SpeedPoint};
+use super::actor::{Actor, MAX_ACTORS, MAX_PROFILE_POINTS, Profile};
 use super::aebs::LEAST_DECELERATION_MPS2;
 use super::controller::Release;
 use super::perception::{MAX_LATENCY_SCANS, Perception, Radar, RadarModel};
 use super::plant::Integrator;
 use super::problem::Problem;
 use super::quantity::{Acceleration, Time};
+use super::speeds::SpeedPoint;
 use super::v2x::{MAX_PROGRAM_PHASES, MAX_SIGNALS, Signal};
 
 /// Runs every check; the first problem ends it.
@@ -21,7 +22,7 @@ pub(super) fn all(scenario: &Scenario) -> Result<(), Problem> {
     controller(scenario)?;
     actors(&scenario.actors)?;
     super::storyboard::check(scenario)?;
-    super::event::check(&scenario.actors)
+    super::event_script::check(&scenario.actors)
 }
 
 fn fail<T>(

@@ -4,8 +4,8 @@ use std::sync::OnceLock;
 
 use serde::{Deserialize, Serialize};
 
-use super::actor::SpeedPoint;
 use super::quantity::{Speed, Time};
+use super::speeds::SpeedPoint;
 
 /// A standard drive cycle: speed over time, one point each second.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

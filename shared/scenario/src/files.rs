@@ -5,12 +5,13 @@ use std::io::Read;
 use std::path::Path;
 
 use super::Scenario;
-use super::actor::{MAX_PROFILE_POINTS, Profile, SpeedPoint};
+use super::actor::{MAX_PROFILE_POINTS, Profile};
 use super::document::{Document, MAX_TEXT_BYTES};
 use super::error::ScenarioError;
 use super::problem::Problem;
 use super::quantity::{Speed, Time};
 use super::road;
+use super::speeds::SpeedPoint;
 use super::table::Table;
 
 /// Reads a text file of at most [`MAX_TEXT_BYTES`].

@@ -51,6 +51,7 @@ pub mod referee;
 pub mod road;
 pub mod runtime;
 pub mod schema;
+pub mod speeds;
 pub mod storyboard;
 pub mod supervision;
 pub mod v2x;
@@ -58,6 +59,7 @@ pub mod v2x;
 mod check;
 mod document;
 mod error;
+mod event_script;
 mod files;
 pub mod grade;
 mod keys;
@@ -285,7 +287,10 @@ impl Scenario {
 ///
 /// # Errors
 /// When the text is no such table; shows the line.
-pub fn read_speed_table(source: &str, text: &str) -> Result<Vec<actor::SpeedPoint>, ScenarioError> {
+pub fn read_speed_table(
+    source: &str,
+    text: &str,
+) -> Result<Vec<speeds::SpeedPoint>, ScenarioError> {
     files::parse_csv(source, text)
 }
 

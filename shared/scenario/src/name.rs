@@ -37,27 +37,37 @@ impl Line {
     }
 }
 
-impl TryFrom<String> for Name {
-    type Error = String;
+/// Not a name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("not a name, expected 1 to 64 letters, digits, `-` or `_`")]
+pub struct NotAName;
 
-    fn try_from(name: String) -> Result<Self, String> {
+/// Not a line of text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("not a line of text, expected at most 500 characters in one line")]
+pub struct NotALine;
+
+impl TryFrom<String> for Name {
+    type Error = NotAName;
+
+    fn try_from(name: String) -> Result<Self, NotAName> {
         let good = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
         if (1..=64).contains(&name.len()) && name.chars().all(good) {
             Ok(Self(name))
         } else {
-            Err("not a name, expected 1 to 64 letters, digits, `-` or `_`".to_owned())
+            Err(NotAName)
         }
     }
 }
 
 impl TryFrom<String> for Line {
-    type Error = String;
+    type Error = NotALine;
 
-    fn try_from(line: String) -> Result<Self, String> {
+    fn try_from(line: String) -> Result<Self, NotALine> {
         if line.chars().count() <= 500 && !line.chars().any(char::is_control) {
             Ok(Self(line))
         } else {
-            Err("not a line of text, expected at most 500 characters in one line".to_owned())
+            Err(NotALine)
         }
     }
 }

@@ -5,6 +5,16 @@
 
 use serde::{Deserialize, Serialize};
 
+/// A number outside the range of its quantity.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("{value} is out of range, expected {expected}")]
+pub struct OutOfRange<T> {
+    /// The number.
+    pub value: T,
+    /// The range in words.
+    pub expected: &'static str,
+}
+
 /// Declares newtypes over `f64` that are always finite and inside their range.
 macro_rules! quantity {
     ($($(#[$doc:meta])* $name:ident, $min:expr, $max:expr, $expected:literal;)+) => {$(
@@ -33,14 +43,11 @@ macro_rules! quantity {
         }
 
         impl TryFrom<f64> for $name {
-            type Error = String;
+            type Error = OutOfRange<f64>;
 
-            fn try_from(value: f64) -> Result<Self, String> {
-                if ($min..=$max).contains(&value) {
-                    Ok(Self(value))
-                } else {
-                    Err(format!("{value} is out of range, expected {}", $expected))
-                }
+            fn try_from(value: f64) -> Result<Self, OutOfRange<f64>> {
+                let is_inside = ($min..=$max).contains(&value);
+                is_inside.then_some(Self(value)).ok_or(OutOfRange { value, expected: $expected })
             }
         }
 
@@ -153,14 +160,12 @@ macro_rules! whole {
         }
 
         impl TryFrom<i64> for $name {
-            type Error = String;
+            type Error = OutOfRange<i64>;
 
-            fn try_from(value: i64) -> Result<Self, String> {
-                if ($min..=$max).contains(&value) {
-                    Ok(Self(value as $repr))
-                } else {
-                    Err(format!("{value} is out of range, expected {}", $expected))
-                }
+            fn try_from(value: i64) -> Result<Self, OutOfRange<i64>> {
+                let is_inside = ($min..=$max).contains(&value);
+                let refused = OutOfRange { value, expected: $expected };
+                is_inside.then_some(Self(value as $repr)).ok_or(refused)
             }
         }
 
@@ -257,7 +262,7 @@ mod tests {
     #[test]
     fn a_refusal_names_the_value_and_what_was_expected() {
         let refusal = Mass::try_from(0.0).expect_err("zero mass is not physical");
-        assert_eq!(refusal, "0 is out of range, expected a mass from 100 to 100000 kg");
+        assert_eq!(refusal.to_string(), "0 is out of range, expected a mass from 100 to 100000 kg");
     }
 
     #[test]

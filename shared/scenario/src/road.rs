@@ -19,7 +19,9 @@ use super::quantity::{
     Distance, GradeMagnitude, GradePercent, Height, Length, Reach, RoadLength, Seed,
 };
 use super::table::Table;
-use crate::grade::{Alignment, BuiltinRoad, Fault, GradeProfile, MAX_POINTS, Point, generate};
+use crate::grade::{
+    Alignment, BuiltinRoad, GradeProfile, MAX_POINTS, Point, ProfileError, generate,
+};
 
 /// The road. Beyond its ends it is level.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -116,9 +118,9 @@ impl Road {
             .points
             .iter()
             .map(|point| Point { distance_m: point.0.value(), height_m: point.1.value() });
-        GradeProfile::new(points.collect()).map_err(|fault| {
-            let path = format!("road.points.{}", fault.index);
-            Problem::new(path, fault.message, fault.expected)
+        GradeProfile::new(points.collect()).map_err(|error| {
+            let path = format!("road.points.{}", error.index());
+            Problem::new(path, error.to_string(), error.expected())
         })
     }
 }
@@ -185,13 +187,22 @@ pub(super) fn parse_csv(source: &str, text: &str) -> Result<GradeProfile, Scenar
             let before = points.last().copied().unwrap_or(Point { distance_m, height_m: 0.0 });
             let height_m = before.height_m + slope * (distance_m - before.distance_m);
             slope = table.number::<GradePercent>(row, value)?.value() / 100.0;
-            Height::try_from(height_m).map_err(|message| table.fault(row, value, &message))?.value()
+            Height::try_from(height_m)
+                .map_err(|error| table.fault(row, value, &error.to_string()))?
+                .value()
         };
         points.push(Point { distance_m, height_m });
     }
-    GradeProfile::new(points).map_err(|Fault { index, message, expected }| {
-        let column = if message.contains("grade") { value } else { distance };
-        table.fault(index, column, &message).expecting(expected)
+    GradeProfile::new(points).map_err(|error| {
+        let column = match error {
+            ProfileError::TooSteep { .. } => value,
+            ProfileError::OnePoint
+            | ProfileError::TooManyPoints(_)
+            | ProfileError::NotANumber { .. }
+            | ProfileError::OutOfOrder { .. }
+            | ProfileError::Gap { .. } => distance,
+        };
+        table.fault(error.index(), column, &error.to_string()).expecting(error.expected())
     })
 }
 

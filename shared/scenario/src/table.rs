@@ -1,6 +1,7 @@
 //! Tables of numbers in CSV, with the place of every field for errors.
 
 use super::error::ScenarioError;
+use super::quantity::OutOfRange;
 use std::ops::Range;
 
 type Field<'a> = (Range<usize>, &'a str);
@@ -54,7 +55,7 @@ impl<'a> Table<'a> {
     }
 
     /// The number in a field.
-    pub(super) fn number<T: TryFrom<f64, Error = String>>(
+    pub(super) fn number<T: TryFrom<f64, Error = OutOfRange<f64>>>(
         &self,
         row: usize,
         column: usize,
@@ -70,7 +71,7 @@ impl<'a> Table<'a> {
             self.refusal(span.clone(), &format!("`{field}` is not a number"))
                 .expecting(format!("`{name}`"))
         })?;
-        T::try_from(value).map_err(|message| self.refusal(span.clone(), &message))
+        T::try_from(value).map_err(|error| self.refusal(span.clone(), &error.to_string()))
     }
 
     /// An error at a field.

@@ -94,8 +94,8 @@ pub fn compare(then: &Report, now: &Report, factor: f64) -> Vec<Change> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::plan::{Conditions, Load, Placement, Scheduling};
     use super::super::results::{DeadlineRow, Floor, FloorMeasure, FloorRow, Passing};
+    use super::super::setup::{Conditions, Load, Placement, Scheduling};
     use super::*;
     use report::summary::Host;
 

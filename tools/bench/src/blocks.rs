@@ -3,8 +3,9 @@
 use super::chain::{self, Chain};
 use super::goals::{self, Goal};
 use super::paired::Comparison;
-use super::plan::{self, CHAIN_WAKES, Cell, ChainBlocks, Conditions, Measure, Mechanism};
+use super::plan::{self, CHAIN_WAKES, Cell, ChainBlocks, Measure};
 use super::results::PairedRow;
+use super::setup::{Conditions, Mechanism};
 use super::statistics::Events;
 use super::{Bench, in_words, millis};
 use group::Error;

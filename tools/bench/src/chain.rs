@@ -1,7 +1,8 @@
 //! The four services with the 100-step problem in their loop, and a metronome beside them.
 
-use super::peer::Outcome;
-use super::plan::{Cell, Scheduling};
+use super::outcome::Outcome;
+use super::plan::Cell;
+use super::setup::Scheduling;
 use super::stage::Stage;
 use group::Ended;
 use group::Error;

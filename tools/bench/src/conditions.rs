@@ -1,6 +1,6 @@
 //! What keeps this machine from being the one that the goals are meant for.
 
-use super::plan::Scheduling;
+use super::setup::Scheduling;
 
 /// The caveats that belong into every verdict: fewer than two cores, a processor quota, time-sharing.
 pub fn caveats(cores: usize, reference: Scheduling, quota: Option<f64>) -> Vec<String> {

@@ -1,7 +1,7 @@
 //! What timegap promises in terms of the machine's own floor, judged in the same run.
 
 use super::paired::{Compared, Comparison};
-use super::plan::Placement;
+use super::setup::Placement;
 use super::statistics::{self, Estimate, Events};
 use serde::Serialize;
 
@@ -119,7 +119,7 @@ pub fn of_misses(placement: Placement, ours: Events, floor: Events) -> Option<Go
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::{Conditions, Load, Scheduling};
+    use crate::setup::{Conditions, Load, Scheduling};
     use crate::statistics::Pair;
 
     fn verdict(low: f64, high: f64) -> Verdict {

@@ -22,24 +22,28 @@ mod chain;
 mod conditions;
 mod goals;
 mod load;
+mod outcome;
 mod page;
 mod paired;
 mod peer;
 mod plan;
 mod results;
+mod setup;
 mod sockets;
 mod stage;
 mod statistics;
 mod table;
 mod wake;
+mod words;
 
 pub use peer::run as run_peer;
 
 use self::baseline::Change;
 use self::goals::Verdict;
-use self::plan::{Cell, Conditions, Measure, Mechanism};
+use self::plan::{Cell, Measure};
 use self::results::TransportRow;
 use self::results::{ChainRow, DeadlineRow, Floor, FloorMeasure, FloorRow, Passing, Report};
+use self::setup::{Conditions, Mechanism};
 use self::stage::Stage;
 use clap::Args;
 use group::Error;
@@ -297,7 +301,12 @@ impl<'a> Bench<'a> {
     }
 
     /// The percentiles of an outcome, unless the kernel did not grant what the cell asks.
-    fn figure(&mut self, cell: &Cell, name: &str, outcome: &peer::Outcome) -> Option<Percentiles> {
+    fn figure(
+        &mut self,
+        cell: &Cell,
+        name: &str,
+        outcome: &outcome::Outcome,
+    ) -> Option<Percentiles> {
         let granted = &outcome.granted;
         self.refused.extend(granted.refused.iter().cloned());
         if granted.granted != granted.requested {

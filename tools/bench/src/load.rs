@@ -1,7 +1,7 @@
 //! Processes that keep a core busy.
 
-use super::peer::Outcome;
-use super::plan::Load;
+use super::outcome::Outcome;
+use super::setup::Load;
 use group::Error;
 use std::hint::black_box;
 

@@ -4,7 +4,7 @@
 //! ours and a block of the floor in an order drawn by lot. Both processes derive that order from the
 //! same seed, so that nothing has to be said between blocks but "ready" and "done".
 
-use super::plan::{Conditions, FLAT_FROM, LARGEST, Mechanism};
+use super::setup::{Conditions, FLAT_FROM, LARGEST, Mechanism};
 use super::statistics::Pair;
 use rand_core::Rng;
 use rand_pcg::Pcg64;

@@ -1,9 +1,11 @@
 //! The processes that a benchmark measures: this program again, with one job.
 
 use super::load;
+use super::outcome::Outcome;
 use super::paired::{Blocks, UNCOUNTED};
-use super::plan::{Load, Mechanism};
+use super::setup::{Load, Mechanism};
 use super::wake::{Sink, Source};
+use super::words;
 use group::Error;
 use runtime::scheduling::{Granted, Policy, Request, apply};
 use runtime::statistics::Latencies;
@@ -13,26 +15,6 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
-
-/// Places in the page of words that the processes of a measurement share.
-pub mod words {
-    /// Wake-ups so far; the futex.
-    pub const COUNT: usize = 0;
-    /// 1 once the sink waits.
-    pub const READY: usize = 16;
-    /// Number of the block that the sink waits for, from 1.
-    pub const BLOCK_READY: usize = 24;
-    /// Wake-ups in all, plus 1, once the source has done them.
-    pub const DONE: usize = 32;
-    /// Number of the block that the source has ended, from 1.
-    pub const BLOCK_DONE: usize = 40;
-    /// State of the metronome, [`super::metronome`].
-    pub const METRONOME: usize = 48;
-    /// First word of the ring of stamps, two words each.
-    pub const STAMPS: usize = 64;
-    /// Stamps in the ring.
-    pub const RING: usize = 256;
-}
 
 /// States of the metronome.
 pub mod metronome {
@@ -80,26 +62,6 @@ pub struct Job {
 
 /// File below the stage's root that holds the samples of all blocks.
 pub const BLOCKS_FILE: &str = "bench-blocks.json";
-
-/// Outcome of a job.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Outcome {
-    pub granted: Granted,
-    pub latencies: Latencies,
-    /// Scheduled releases or wake-ups.
-    pub cycles: u64,
-    /// Releases that were over when the process came to them.
-    pub misses: u64,
-    /// Bytes that were copied between the sender's writing and the reader's reading.
-    pub copied_bytes: u64,
-}
-
-impl Outcome {
-    /// Of a process that measures nothing itself.
-    fn of_cycles(granted: Granted, cycles: u64) -> Self {
-        Self { granted, latencies: Latencies::default(), cycles, misses: 0, copied_bytes: 0 }
-    }
-}
 
 /// Does a job on the stage at `root` and prints its outcome.
 pub fn run(root: &Path, job: &str) -> Result<ExitCode, Error> {

@@ -1,89 +1,8 @@
 //! What is measured, under which conditions, in which order.
 
 use super::paired::{Comparison, PAIRS, UNCOUNTED, WAKES};
-use serde::{Deserialize, Serialize};
+use super::setup::{Conditions, FLAT_FROM, LARGEST, Load, Mechanism, Placement, Scheduling};
 use std::time::Duration;
-
-/// Scheduling of what is measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Scheduling {
-    /// `SCHED_FIFO`, priorities as in a group.
-    Fifo,
-    /// The time-sharing default.
-    Other,
-}
-
-/// Cores of what is measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Placement {
-    /// All on the last usable core.
-    SameCore,
-    /// The source on the first usable core, the sink (in a group: the controller) on the last.
-    TwoCores,
-}
-
-/// What else the machine does meanwhile.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Load {
-    /// Nothing of ours.
-    Idle,
-    /// A process that computes on every core.
-    Cpu,
-    /// A process that copies memory on every core.
-    Memory,
-}
-
-macro_rules! names {
-    ($($type:ident { $($variant:ident: $name:literal),+ })+) => {$(
-        impl $type {
-            /// Name in tables, results and tags.
-            pub const fn name(self) -> &'static str {
-                match self { $(Self::$variant => $name),+ }
-            }
-        }
-    )+};
-}
-
-names! {
-    Scheduling { Fifo: "fifo", Other: "other" }
-    Placement { SameCore: "same_core", TwoCores: "two_cores" }
-    Load { Idle: "idle", Cpu: "cpu", Memory: "memory" }
-}
-
-/// Conditions of a measurement.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Conditions {
-    pub placement: Placement,
-    pub scheduling: Scheduling,
-    pub load: Load,
-}
-
-/// How one process wakes another, and what it hands over.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Mechanism {
-    /// A word in shared memory, and nothing more: the floor.
-    Futex,
-    /// A counter in the kernel.
-    Eventfd,
-    /// iceoryx2's event service.
-    Iceoryx2Event,
-    /// A message through the services' own ports: the radar's tracks.
-    Message,
-    /// The largest message through the services' own ports: the radar's detections.
-    Detections,
-    /// A payload of so many bytes, loaned and borrowed.
-    Payload(usize),
-    /// The same, written, protected and checked where it is.
-    ProtectedPayload(usize),
-    /// The radar's tracks over a unix datagram socket.
-    UnixDatagram,
-    /// The same over TCP on the loopback device.
-    Tcp,
-}
 
 /// One thing to measure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,10 +30,6 @@ pub const PAYLOAD_BYTES: [usize; 8] =
     [64, 1 << 10, FLAT_FROM, 1 << 14, 1 << 16, 1 << 18, 1 << 20, LARGEST];
 /// Sizes of the payloads of a quick run, bytes.
 const QUICK_PAYLOAD_BYTES: [usize; 3] = [64, FLAT_FROM, LARGEST];
-/// Size from which on a hand-over takes the same time, bytes: what is larger is not copied.
-pub const FLAT_FROM: usize = 4 << 10;
-/// Size of the largest payload, bytes.
-pub const LARGEST: usize = 4 << 20;
 /// Period of the wake-up measurements, µs.
 const WAKE_PERIOD_US: u32 = 1_000;
 /// Period of a quick run's comparisons, µs.

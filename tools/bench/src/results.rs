@@ -2,7 +2,7 @@
 
 use super::goals::Goal;
 use super::paired::{Compared, Comparison};
-use super::plan::{Conditions, Load, Placement, Scheduling};
+use super::setup::{Conditions, Load, Placement, Scheduling};
 use super::statistics;
 use report::summary::Host;
 use runtime::report::Hops;

@@ -1,9 +1,11 @@
 //! Where measurements take place: a run's root of their own, with the processes on it.
 
+use super::outcome::Outcome;
 use super::paired::{Blocks, Compared, Comparison, PAIRS, WAKES};
-use super::peer::{self, BLOCKS_FILE, Job, Outcome, Task, metronome, words};
-use super::plan::{Conditions, Load, Mechanism, Placement, Scheduling};
+use super::peer::{self, BLOCKS_FILE, Job, Task, metronome};
+use super::setup::{Conditions, Load, Mechanism, Placement, Scheduling};
 use super::sockets::Socket;
+use super::words;
 use group::Error;
 use group::{Janitor, RunRoot, check_room, this_program};
 use runtime::scheduling::usable_cores;

@@ -2,8 +2,9 @@
 
 use super::baseline::Change;
 use super::goals::Verdict;
-use super::plan::{Cell, Measure, Mechanism};
+use super::plan::{Cell, Measure};
 use super::results::{FloorMeasure, Passing, Report};
+use super::setup::Mechanism;
 use crate::in_words;
 use report::table::TextTable;
 use runtime::statistics::Percentiles;

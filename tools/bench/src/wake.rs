@@ -4,9 +4,9 @@
 //! is charged for each wake-up that it came late to. An end may hold several ways open and use one
 //! after the other; ways of the same mechanism are one.
 
-use super::peer::words::{COUNT, RING, STAMPS};
-use super::plan::Mechanism;
+use super::setup::Mechanism;
 use super::sockets::Socket;
+use super::words::{COUNT, RING, STAMPS};
 use bytemuck::Zeroable;
 use group::Error;
 use messages::Service;

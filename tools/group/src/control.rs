@@ -1,8 +1,9 @@
 //! The way into a run that goes on: a socket in the run's root, one JSON line each way.
 
+pub use super::events::Answer;
+
 use super::events::Event;
 use scenario::faults::Fault;
-use serde::{Deserialize, Serialize};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
@@ -15,15 +16,6 @@ const SOCKET: &str = "control";
 const LONGEST: u64 = 64 * 1024;
 /// A client that says nothing for so long is not listened to any more.
 const PATIENCE: Duration = Duration::from_secs(1);
-
-/// What the launcher answers.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Answer {
-    /// Whether the fault was accepted.
-    pub ok: bool,
-    /// What it is, or why not.
-    pub message: String,
-}
 
 /// Accepts faults until the run's root is gone.
 pub fn listen(root: &Path, events: Sender<Event>) -> std::io::Result<()> {

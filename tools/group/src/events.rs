@@ -4,10 +4,10 @@
 //! in all, of which [`KEPT_LINES`] lines are handed on. A service that says more than that is broken
 //! ([`Event::Flooded`]), whatever it says.
 
-use super::control::Answer;
 use messages::Service;
 use runtime::FromService;
 use scenario::faults::Fault;
+use serde::{Deserialize, Serialize};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Handle;
 use std::io::{BufRead, BufReader, Read};
@@ -22,6 +22,15 @@ const CHATTER: u64 = 256 << 10;
 const KEPT_LINES: usize = 50;
 /// Characters of such a line that are handed on.
 const KEPT_CHARACTERS: usize = 400;
+
+/// What the launcher answers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Answer {
+    /// Whether the fault was accepted.
+    pub ok: bool,
+    /// What it is, or why not.
+    pub message: String,
+}
 
 /// Something that happened.
 #[derive(Debug)]

@@ -1,7 +1,7 @@
 //! Options that several commands share.
 
 use clap::{Args, ValueEnum};
-use messages::Service;
+use messages::{Service, UnknownService};
 use std::path::PathBuf;
 
 /// What a scenario can be changed by.
@@ -62,7 +62,8 @@ impl From<ModeName> for runtime::Mode {
 /// What was expected.
 pub fn service_program(argument: &str) -> Result<(Service, PathBuf), String> {
     let (name, program) = argument.split_once('=').ok_or("expected NAME=PROGRAM")?;
-    Ok((name.parse()?, PathBuf::from(program)))
+    let service = name.parse().map_err(|e: UnknownService| e.to_string())?;
+    Ok((service, PathBuf::from(program)))
 }
 
 fn positive_seconds(argument: &str) -> Result<f64, String> {

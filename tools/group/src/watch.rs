@@ -1,10 +1,9 @@
 //! A run under way: what happened, what is due, which service is silent. [`super::exits`] has the
 //! table of what becomes of a process that ends.
 
-use super::control::Answer;
 use super::disturbance::Disturbance;
 use super::drive::DriveLog;
-use super::events::Event;
+use super::events::{Answer, Event};
 use super::exits::Exit;
 use super::faults::Act;
 use super::member::{Phase, Verdict};

@@ -1,9 +1,8 @@
 //! `timegap generate`: what a package of the command brings along beside it, and what `docs` holds of
 //! it.
 
-use crate::cli::Cli;
 use crate::reference;
-use clap::{Args, CommandFactory, ValueEnum};
+use clap::{Args, Command, ValueEnum};
 use clap_complete::Shell;
 use group::Error;
 use report::print;
@@ -38,30 +37,30 @@ pub enum Product {
     Zsh,
 }
 
-/// Runs the command.
-pub fn run(arguments: &GenerateArguments) -> Result<ExitCode, Error> {
+/// Runs the command; `program` is the whole command line.
+pub fn run(arguments: &GenerateArguments, program: Command) -> Result<ExitCode, Error> {
     let text = match arguments.what {
-        Product::Man => man(),
+        Product::Man => man(program),
         Product::ReferenceMessages => reference::messages_page(),
         Product::ReferenceScenario => reference::scenario_page(),
-        Product::Bash => completions(Shell::Bash),
-        Product::Elvish => completions(Shell::Elvish),
-        Product::Fish => completions(Shell::Fish),
-        Product::Powershell => completions(Shell::PowerShell),
-        Product::Zsh => completions(Shell::Zsh),
+        Product::Bash => completions(Shell::Bash, program),
+        Product::Elvish => completions(Shell::Elvish, program),
+        Product::Fish => completions(Shell::Fish, program),
+        Product::Powershell => completions(Shell::PowerShell, program),
+        Product::Zsh => completions(Shell::Zsh, program),
     };
     print::out(&text)?;
     Ok(ExitCode::SUCCESS)
 }
 
-fn completions(shell: Shell) -> String {
+fn completions(shell: Shell, mut program: Command) -> String {
     let mut text = Vec::new();
-    clap_complete::generate(shell, &mut Cli::command(), "timegap", &mut text);
+    clap_complete::generate(shell, &mut program, "timegap", &mut text);
     String::from_utf8(text).expect("our names are text")
 }
 
-fn man() -> String {
+fn man(program: Command) -> String {
     let mut text = Vec::new();
-    clap_mangen::Man::new(Cli::command()).render(&mut text).expect("memory takes all");
+    clap_mangen::Man::new(program).render(&mut text).expect("memory takes all");
     String::from_utf8(text).expect("our names are text")
 }

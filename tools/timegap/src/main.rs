@@ -14,6 +14,7 @@ mod service;
 mod synthesize;
 mod trace;
 
+use clap::CommandFactory;
 use cli::{Cli, Command};
 use group::Error;
 use report::print::note;
@@ -48,7 +49,7 @@ fn main() -> ExitCode {
         Command::Doctor(arguments) => doctor::run(&arguments),
         Command::Inject(arguments) => inject::run(&arguments),
         Command::List(arguments) => list::run(&arguments),
-        Command::Generate(arguments) => generate::run(&arguments),
+        Command::Generate(arguments) => generate::run(&arguments, Cli::command()),
         Command::Service(arguments) => service::run(&arguments),
     };
     result.unwrap_or_else(|error| {

@@ -31,7 +31,6 @@ pub enum DesignName {
 /// Runs the command.
 #[cfg(feature = "synthesize")]
 pub fn run(arguments: &SynthesizeArguments) -> Result<ExitCode, Error> {
-    use crate::cli::DesignName;
     use controller::laws::quadratic_bounded::synthesis::{
         DesignRequest, SynthesisError, synthesize,
     };

@@ -20,7 +20,7 @@ use super::echo::{Antenna, Echo, Fluctuation};
 use super::receiver::Echoes;
 use super::scene::{Ego, Scene};
 use crate::random::{Random, fixed, hash};
-use crate::traffic::Vehicle;
+use crate::vehicle::Vehicle;
 use scenario::event::VEHICLE_WIDTH_M;
 
 /// Share of the mean cross section in the middle of the rear.

@@ -14,7 +14,7 @@ use scenario::perception::Radar;
 
 use super::scene::{Ego, Scene};
 use crate::random::Random;
-use crate::traffic::Vehicle;
+use crate::vehicle::Vehicle;
 
 /// One measurement of one vehicle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

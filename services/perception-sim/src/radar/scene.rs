@@ -2,7 +2,7 @@
 
 use messages::MAX_TRACKS;
 
-use crate::traffic::Vehicle;
+use crate::vehicle::Vehicle;
 
 /// The ego as the radar's platform.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

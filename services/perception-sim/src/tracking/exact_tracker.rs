@@ -8,7 +8,7 @@ use super::list::{Track, TrackList};
 use super::path::{Across, Membership, PathLimits};
 use crate::radar::object_list::{Measurement, View};
 use crate::radar::scene::Scene;
-use crate::traffic::Vehicle;
+use crate::vehicle::Vehicle;
 
 /// The tracker.
 #[derive(Clone, Debug)]

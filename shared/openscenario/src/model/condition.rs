@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::Category;
+use super::element::{ElementKind, ElementState};
 use super::position::Position;
-use super::storyboard::{ElementKind, ElementState};
 use crate::expression::Value;
 use crate::parameter::Rule;
 

@@ -5,6 +5,7 @@
 
 pub mod action;
 pub mod condition;
+pub mod element;
 pub mod position;
 pub mod storyboard;
 

@@ -6,7 +6,7 @@ use crate::model::Category;
 use crate::model::condition::{
     Along, CollisionWith, Condition, Edge, EntityTest, Measured, Target, Test, Trigger,
 };
-use crate::model::storyboard::{ElementKind, ElementState};
+use crate::model::element::{ElementKind, ElementState};
 use crate::node::Node;
 use crate::parameter::Rule;
 

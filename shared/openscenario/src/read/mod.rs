@@ -12,7 +12,7 @@ use std::path::Path;
 
 use crate::error::{Place, ReadError};
 use crate::library::{Library, Source};
-use crate::model::storyboard::ElementKind;
+use crate::model::element::ElementKind;
 use crate::model::{Entity, Named, Script};
 use crate::node::Node;
 use crate::parameter::{Assignment, Scope};

@@ -10,8 +10,9 @@ use crate::model::condition::{
 };
 use crate::model::position::From;
 use crate::world::geometry::distance;
-use crate::world::motion::{Motion, seconds};
+use crate::world::motion::seconds;
 use crate::world::start::index;
+use crate::world::state::Motion;
 use crate::world::{World, WorldError};
 
 /// What a condition remembers between steps.

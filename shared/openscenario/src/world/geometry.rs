@@ -2,7 +2,7 @@
 
 use crate::model::Body;
 use crate::model::condition::Along;
-use crate::world::motion::Motion;
+use crate::world::state::Motion;
 
 /// The rectangle along the road's axes around a body.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,6 +10,7 @@ mod geometry;
 mod motion;
 mod plan;
 mod start;
+mod state;
 mod storyboard;
 
 use std::sync::Arc;
@@ -21,10 +22,10 @@ use crate::model::action::{Action, SpeedTarget};
 use crate::model::{Drive, Script};
 use condition::ConditionMemory;
 pub use geometry::Extent;
-pub use motion::Motion;
 use motion::Mover;
 pub use plan::NotFound;
 use plan::Plan;
+pub use state::Motion;
 use storyboard::Progress;
 
 /// A script whose beginning makes no sense.

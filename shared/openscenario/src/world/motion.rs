@@ -6,41 +6,16 @@ use crate::model::Drive;
 use crate::model::action::{Distance, Gap, Shape, Side};
 use crate::world::World;
 use crate::world::geometry::Extent;
-use crate::world::start::MAX_SPEED_MPS;
+use crate::world::state::Motion;
 
+/// No target speed is higher, m/s: a factor that is applied again and again stays finite.
+pub(super) const MAX_SPEED_MPS: f64 = 1e4;
 /// How near a distance must be to count as reached, m.
 const REACHED_M: f64 = 0.05;
 /// How near a speed must be to count as reached, m/s.
 const REACHED_MPS: f64 = 0.05;
 /// How fast an error of distance is driven off when it is small, 1/s.
 const APPROACH_PER_S: f64 = 0.5;
-
-/// Where an entity is and how it moves.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Motion {
-    /// It is on the road; nothing else here means anything otherwise.
-    pub present: bool,
-    /// Origin along the reference line, m.
-    pub s_m: f64,
-    /// Origin across it, positive to the left, m.
-    pub t_m: f64,
-    /// Heading from the reference line, rad.
-    pub heading_rad: f64,
-    /// Speed along the heading, m/s.
-    pub speed_mps: f64,
-    /// Speed across the road from a lateral action, m/s.
-    pub lateral_mps: f64,
-    /// Acceleration along the heading, m/s².
-    pub acceleration_mps2: f64,
-}
-
-impl Motion {
-    /// 1 for an entity that faces along the road, -1 for one that faces against it.
-    #[must_use]
-    pub fn direction(&self) -> f64 {
-        if libm::cos(self.heading_rad) < 0.0 { -1.0 } else { 1.0 }
-    }
-}
 
 /// An entity and what moves it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

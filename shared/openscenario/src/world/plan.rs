@@ -2,7 +2,7 @@
 
 use crate::model::Script;
 use crate::model::condition::{Test, Trigger};
-use crate::model::storyboard::ElementKind;
+use crate::model::element::ElementKind;
 use crate::world::WorldError;
 
 /// A name that no part of the storyboard has, or several.

@@ -5,14 +5,14 @@ use std::sync::Arc;
 use crate::model::action::{
     Action, Change, Dimension, LaneTarget, OffsetTarget, Shape, SpeedTarget, Trajectory, Transition,
 };
+use crate::model::element::ElementState;
 use crate::model::position::{From, Heading, Position};
-use crate::model::storyboard::ElementState;
 use crate::model::{MAX_ENTITIES, Script};
-use crate::world::motion::{Course, LateralShape, Motion, Pace, Path, SpeedShape, Steer, seconds};
+use crate::world::motion::{
+    Course, LateralShape, MAX_SPEED_MPS, Pace, Path, SpeedShape, Steer, seconds,
+};
+use crate::world::state::Motion;
 use crate::world::{World, WorldError};
-
-/// No target speed is higher, m/s: a factor that is applied again and again stays finite.
-pub(super) const MAX_SPEED_MPS: f64 = 1e4;
 
 /// A transition that takes no time.
 pub(super) fn is_immediate(transition: &Transition) -> bool {

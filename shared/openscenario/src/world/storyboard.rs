@@ -11,7 +11,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::model::Script;
 use crate::model::condition::Trigger;
-use crate::model::storyboard::{Act, ElementKind, ElementState, Event, ManeuverGroup, Priority};
+use crate::model::element::{ElementKind, ElementState};
+use crate::model::storyboard::{Act, Event, ManeuverGroup, Priority};
 use crate::world::World;
 use crate::world::plan::At;
 

@@ -9,4 +9,4 @@ mod profile;
 
 pub use builtin::{BuiltinRoad, HILLS_60KM};
 pub use generator::{Alignment, generate};
-pub use profile::{Fault, GradeProfile, MAX_GRADE, MAX_POINTS, MAX_SPACING_M, Point};
+pub use profile::{GradeProfile, MAX_GRADE, MAX_POINTS, MAX_SPACING_M, Point, ProfileError};

@@ -18,14 +18,72 @@ pub struct Point {
 }
 
 /// Why points are no profile.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Fault {
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum ProfileError {
+    /// A road has two ends.
+    #[error("a road of one point")]
+    OnePoint,
+    /// More than [`MAX_POINTS`].
+    #[error("a road of {0} points")]
+    TooManyPoints(usize),
+    /// A distance or a height is NaN or infinite.
+    #[error("not a number")]
+    NotANumber {
+        /// Index of the point.
+        index: usize,
+    },
+    /// A distance is not beyond the one before.
+    #[error("distances must increase")]
+    OutOfOrder {
+        /// Index of the point.
+        index: usize,
+        /// Distance of the point before, m.
+        before_m: f64,
+    },
+    /// The point is too far from the one before.
+    #[error("a gap of {spacing_m:.0} m in the road")]
+    Gap {
+        /// Index of the point.
+        index: usize,
+        /// Distance from the point before, m.
+        spacing_m: f64,
+    },
+    /// The way to the point is too steep.
+    #[error("a grade of {:.1} %", 100.0 * grade)]
+    TooSteep {
+        /// Index of the point.
+        index: usize,
+        /// Grade from the point before.
+        grade: f64,
+    },
+}
+
+impl ProfileError {
     /// Index of the offending point.
-    pub index: usize,
-    /// What is wrong.
-    pub message: String,
+    #[must_use]
+    pub const fn index(&self) -> usize {
+        match *self {
+            Self::OnePoint => 0,
+            Self::TooManyPoints(_) => MAX_POINTS,
+            Self::NotANumber { index }
+            | Self::OutOfOrder { index, .. }
+            | Self::Gap { index, .. }
+            | Self::TooSteep { index, .. } => index,
+        }
+    }
+
     /// What would have been right.
-    pub expected: String,
+    #[must_use]
+    pub fn expected(&self) -> String {
+        match self {
+            Self::OnePoint => "at least two points".into(),
+            Self::TooManyPoints(_) => format!("at most {MAX_POINTS}"),
+            Self::NotANumber { .. } => "distance and height in m".into(),
+            Self::OutOfOrder { before_m, .. } => format!("a distance of more than {before_m} m"),
+            Self::Gap { .. } => format!("points at most {MAX_SPACING_M:.0} m apart"),
+            Self::TooSteep { .. } => format!("at most {:.0} % up or down", 100.0 * MAX_GRADE),
+        }
+    }
 }
 
 /// Height and grade over distance. Beyond its ends the road is level.
@@ -44,35 +102,28 @@ impl GradeProfile {
     /// # Errors
     /// The first point that is not a number, out of order, after a gap, at the end of an absurd
     /// grade, or alone.
-    pub fn new(points: Vec<Point>) -> Result<Self, Fault> {
-        let fault = |index, message: String, expected: String| Fault { index, message, expected };
+    pub fn new(points: Vec<Point>) -> Result<Self, ProfileError> {
         if points.len() == 1 {
-            return Err(fault(0, "a road of one point".into(), "at least two points".into()));
+            return Err(ProfileError::OnePoint);
         }
         if points.len() > MAX_POINTS {
-            let message = format!("a road of {} points", points.len());
-            return Err(fault(MAX_POINTS, message, format!("at most {MAX_POINTS}")));
+            return Err(ProfileError::TooManyPoints(points.len()));
         }
         for (index, point) in points.iter().enumerate() {
             if !(point.distance_m.is_finite() && point.height_m.is_finite()) {
-                return Err(fault(index, "not a number".into(), "distance and height in m".into()));
+                return Err(ProfileError::NotANumber { index });
             }
             let Some(before) = index.checked_sub(1).map(|before| points[before]) else { continue };
             let spacing_m = point.distance_m - before.distance_m;
             if spacing_m <= 0.0 {
-                let expected = format!("a distance of more than {} m", before.distance_m);
-                return Err(fault(index, "distances must increase".into(), expected));
+                return Err(ProfileError::OutOfOrder { index, before_m: before.distance_m });
             }
             if spacing_m > MAX_SPACING_M {
-                let message = format!("a gap of {spacing_m:.0} m in the road");
-                let expected = format!("points at most {MAX_SPACING_M:.0} m apart");
-                return Err(fault(index, message, expected));
+                return Err(ProfileError::Gap { index, spacing_m });
             }
             let grade = (point.height_m - before.height_m) / spacing_m;
             if grade.abs() > MAX_GRADE {
-                let message = format!("a grade of {:.1} %", 100.0 * grade);
-                let expected = format!("at most {:.0} % up or down", 100.0 * MAX_GRADE);
-                return Err(fault(index, message, expected));
+                return Err(ProfileError::TooSteep { index, grade });
             }
         }
         Ok(Self { points })

@@ -10,7 +10,7 @@ mod leftovers;
 mod sample;
 mod usage;
 
-pub use sample::{ProcessesSample, choose};
+pub use sample::{ProcessesSample, Repetition, choose};
 pub use usage::Growth;
 
 use group::Error;
@@ -55,7 +55,7 @@ pub struct Done {
     pub samples: Vec<Sample>,
     /// Of a run in one process that was repeated in a group: whether it gave the same bytes, or what
     /// is different.
-    pub repetition: Option<Result<(), String>>,
+    pub repetition: Option<Repetition>,
 }
 
 impl Job {
@@ -292,10 +292,15 @@ fn repetition(
     in_process: &Summary,
     group: &GroupOptions,
     going_on: &dyn Fn() -> bool,
-) -> Result<Result<(), String>, Error> {
+) -> Result<Repetition, Error> {
     match drive(job, Carrier::SharedMemory, group, going_on) {
-        Ok(again) => Ok(sample::difference(in_process, &again.summary).map_or(Ok(()), Err)),
-        Err(error @ (Error::NotReady { .. } | Error::Runtime(_))) => Ok(Err(error.to_string())),
+        Ok(again) => Ok({
+            sample::difference(in_process, &again.summary)
+                .map_or(Repetition::Same, Repetition::Different)
+        }),
+        Err(error @ (Error::NotReady { .. } | Error::Runtime(_))) => {
+            Ok(Repetition::Different(error.to_string()))
+        }
         Err(error) => Err(error),
     }
 }

@@ -17,6 +17,15 @@ const LEAST: usize = 3;
 /// Selects the random sequence that chooses.
 const STREAM: u64 = 0x5a3e;
 
+/// What came of repeating a run in a process group.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Repetition {
+    /// The same bytes.
+    Same,
+    /// What is different.
+    Different(String),
+}
+
 /// What came of the repeated runs.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct ProcessesSample {
@@ -31,10 +40,10 @@ pub struct ProcessesSample {
 
 impl ProcessesSample {
     /// Counts what came of run `index`; nothing if it was not repeated.
-    pub fn count(&mut self, index: usize, repetition: Option<&Result<(), String>>) {
+    pub fn count(&mut self, index: usize, repetition: Option<&Repetition>) {
         let Some(repetition) = repetition else { return };
         self.runs += 1;
-        if let Err(why) = repetition {
+        if let Repetition::Different(why) = repetition {
             self.different += 1;
             self.first_difference.get_or_insert_with(|| (index, why.clone()));
         }

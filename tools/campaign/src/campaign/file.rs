@@ -24,6 +24,7 @@
 //! ```
 
 use super::tally::FIGURES;
+use super::variation::Variants;
 use crate::parts::Shard;
 use group::Error;
 use runtime::Mode;
@@ -33,6 +34,8 @@ use std::collections::BTreeMap;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::{Path, PathBuf};
 
+/// Longest description that is taken from a variation file, characters.
+const MAX_LINE: usize = 500;
 /// Longest campaign file, bytes.
 const MAX_BYTES: u64 = 1 << 20;
 
@@ -140,7 +143,7 @@ impl Campaign {
             return Err(Error::Usage(format!("{argument}: {what}, expected a path or {names}")));
         }
         if group::is_openscenario(argument) {
-            return super::variation::campaign(path);
+            return of_variation(path);
         }
         let mut campaign = Self::read(path)?;
         let directory = path.parent().unwrap_or(path);
@@ -161,7 +164,7 @@ impl Campaign {
         }
         if let Some(variation) = &mut campaign.variation {
             *variation = absolute(variation)?;
-            campaign.scenarios = super::variation::campaign(variation)?.scenarios;
+            campaign.scenarios = of_variation(variation)?.scenarios;
         }
         Ok(campaign)
     }
@@ -210,6 +213,39 @@ impl Campaign {
     pub fn to_toml(&self) -> String {
         toml::to_string(self).expect("every value of a campaign has a form in TOML")
     }
+}
+
+/// The campaign that runs a variation file.
+pub(super) fn of_variation(path: &Path) -> Result<Campaign, Error> {
+    let file = std::fs::canonicalize(path).map_err(|reason| Error::Path {
+        action: "read",
+        path: path.to_owned(),
+        reason,
+    })?;
+    let variants = Variants::open(&file)?;
+    let good = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' };
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let name: String = stem.chars().map(good).take(64).collect();
+    let printable = variants.description.chars().filter(|c| !c.is_control());
+    let required = ["max_avoidable_collisions", "max_aborted"].map(|key| (key.to_owned(), 0.0));
+    Ok(Campaign {
+        schema_version: 1,
+        name: Name::try_from(name).map_err(|e| Error::Usage(e.to_string()))?,
+        description: Line::try_from(printable.take(MAX_LINE).collect::<String>())
+            .map_err(|e| Error::Usage(e.to_string()))?,
+        mode: Mode::Lockstep,
+        scenarios: vec![variants.scenario],
+        variation: Some(file),
+        sample: None,
+        controllers: Vec::new(),
+        seeds: NonZeroU32::MIN,
+        first_seed: 1,
+        set: Vec::new(),
+        sample_every_s: None,
+        shard: None,
+        faults: Vec::new(),
+        require: BTreeMap::from(required),
+    })
 }
 
 #[cfg(test)]

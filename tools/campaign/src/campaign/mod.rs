@@ -10,6 +10,7 @@
 mod file;
 mod page;
 mod plan;
+mod planned;
 mod print;
 mod record;
 mod reference;
@@ -27,7 +28,8 @@ use report::output::{OutputDirectory, OutputOptions};
 use clap::Args;
 pub use file::BUILTIN;
 use file::Campaign;
-use plan::{Plan, Planned};
+use plan::Plan;
+use planned::Planned;
 use record::Record;
 use runtime::Mode;
 use scenario::Scenario;

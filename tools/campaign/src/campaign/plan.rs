@@ -1,6 +1,7 @@
 //! From a campaign to its runs: the matrix, and what is drawn for each run.
 
 use super::file::Campaign;
+use super::planned::Planned;
 use super::variation::Variants;
 use group::Error;
 use rand_core::{Rng, SeedableRng};
@@ -9,25 +10,6 @@ use toml::{Table, Value};
 
 /// Most runs of a campaign.
 const MAX_RUNS: usize = 1_000_000;
-
-/// A run of a campaign.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Planned {
-    /// Its number, from 0.
-    pub run: usize,
-    /// Scenario as the campaign names it.
-    pub scenario: String,
-    /// Controller, if the campaign names one.
-    pub controller: Option<String>,
-    /// What goes wrong, in a word.
-    pub fault: String,
-    /// Seed.
-    pub seed: u32,
-    /// Keys set, as for `--set`.
-    pub keys: Vec<String>,
-    /// Parameters of an OpenSCENARIO file, as for `--param`.
-    pub parameters: Vec<String>,
-}
 
 /// The runs of a campaign, each made when it is asked for: all of them at once would not fit in memory.
 #[derive(Debug)]

@@ -1,8 +1,8 @@
 //! What a campaign keeps of a run.
 
-use super::plan::Planned;
+use super::planned::Planned;
 use super::reference::{Braking, avoids_contact};
-use crate::batch::{Done, Growth};
+use crate::batch::{Done, Growth, Repetition};
 use group::Error;
 use messages::rung::{Rung, RungChange};
 use runtime::report::Outcome;
@@ -148,7 +148,10 @@ impl Record {
             undetected: corrupted.saturating_sub(refused),
             leaks: done.leftovers.clone(),
             growth: Growth::over(&done.samples),
-            same_in_processes: done.repetition.as_ref().map(Result::is_ok),
+            same_in_processes: done
+                .repetition
+                .as_ref()
+                .map(|repetition| *repetition == Repetition::Same),
             ..self
         }
     }

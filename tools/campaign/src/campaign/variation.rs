@@ -1,17 +1,9 @@
-//! Parameter variation files of OpenSCENARIO as campaigns.
+//! Parameter variation files of OpenSCENARIO.
 
-use super::file::Campaign;
 use group::Error;
 use openscenario::variation::Variation;
 use openscenario::{Disk, ReadError, read};
-use runtime::Mode;
-use scenario::name::{Line, Name};
-use std::collections::BTreeMap;
-use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
-
-/// Longest description, characters.
-const MAX_LINE: usize = 500;
 
 /// The values that a variation file gives to its scenario's parameters.
 #[derive(Debug)]
@@ -63,39 +55,6 @@ impl Variants {
     }
 }
 
-/// The campaign that runs a variation file.
-pub fn campaign(path: &Path) -> Result<Campaign, Error> {
-    let file = std::fs::canonicalize(path).map_err(|reason| Error::Path {
-        action: "read",
-        path: path.to_owned(),
-        reason,
-    })?;
-    let variants = Variants::open(&file)?;
-    let good = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' };
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let name: String = stem.chars().map(good).take(64).collect();
-    let printable = variants.description.chars().filter(|c| !c.is_control());
-    let required = ["max_avoidable_collisions", "max_aborted"].map(|key| (key.to_owned(), 0.0));
-    Ok(Campaign {
-        schema_version: 1,
-        name: Name::try_from(name).map_err(Error::Usage)?,
-        description: Line::try_from(printable.take(MAX_LINE).collect::<String>())
-            .map_err(Error::Usage)?,
-        mode: Mode::Lockstep,
-        scenarios: vec![variants.scenario],
-        variation: Some(file),
-        sample: None,
-        controllers: Vec::new(),
-        seeds: NonZeroU32::MIN,
-        first_seed: 1,
-        set: Vec::new(),
-        sample_every_s: None,
-        shard: None,
-        faults: Vec::new(),
-        require: BTreeMap::from(required),
-    })
-}
-
 /// A path without `.` in it.
 fn normal(path: &Path) -> PathBuf {
     path.components().filter(|part| *part != std::path::Component::CurDir).collect()
@@ -107,6 +66,7 @@ fn refuse(error: ReadError) -> Error {
 
 #[cfg(test)]
 mod tests {
+    use super::super::file::of_variation;
     use super::super::plan::plan;
     use super::*;
 
@@ -144,7 +104,7 @@ mod tests {
     #[test]
     fn every_combination_that_keeps_the_constraints_is_a_run() {
         let files = Files::new("variation", VARIATION);
-        let campaign = campaign(&files.0.join("v.xosc")).expect("a variation");
+        let campaign = of_variation(&files.0.join("v.xosc")).expect("a variation");
         assert_eq!(campaign.description.as_str(), "two by three");
         let planned = plan(&campaign).expect("a plan");
         assert_eq!(planned.left_out(), 2);
@@ -161,7 +121,7 @@ mod tests {
     #[test]
     fn a_sample_is_spread_and_repeats() {
         let files = Files::new("sample", VARIATION);
-        let mut campaign = campaign(&files.0.join("v.xosc")).expect("a variation");
+        let mut campaign = of_variation(&files.0.join("v.xosc")).expect("a variation");
         campaign.sample = std::num::NonZeroUsize::new(3);
         let planned = plan(&campaign).expect("a plan");
         let numbers: Vec<_> = planned.numbers().collect();
@@ -175,7 +135,8 @@ mod tests {
     #[test]
     fn a_variation_that_fits_nothing_is_refused() {
         let files = Files::new("unfit", &VARIATION.replace("\"v\"", "\"w\""));
-        let said = campaign(&files.0.join("v.xosc")).expect_err("no such parameter").to_string();
+        let said =
+            of_variation(&files.0.join("v.xosc")).expect_err("no such parameter").to_string();
         assert!(said.contains("parameter w=10") && said.contains("does not declare it"), "{said}");
     }
 }

@@ -4,7 +4,7 @@
 //! the time to collision is then at most 2 s; otherwise no reaction is needed. For 0.75 s the pedal is
 //! released (0.4 m/s²), then the deceleration grows by 12.65 m/s³ to 0.774 g.
 
-use super::driver::Braking;
+use super::braking::Braking;
 use super::{Situation, View};
 use crate::GRAVITY_MPS2;
 

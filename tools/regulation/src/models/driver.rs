@@ -1,17 +1,9 @@
 //! A model with its memory: from what is seen to the ego's next speed.
 
+use super::braking::Braking;
 use super::{Model, Situation, View, careful_driver, fuzzy, regulation, rss};
 use crate::STEP_S;
 use crate::contact::is_ahead;
-
-/// What a model asks for once its reaction time is over.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Braking {
-    /// Deceleration \[m/s²\], positive.
-    pub deceleration_mps2: f64,
-    /// How fast the deceleration may grow \[m/s³\].
-    pub growth_mps3: f64,
-}
 
 /// A model that drives the ego: the speed it asks for, step by step.
 #[derive(Clone, Debug)]

@@ -13,8 +13,8 @@
 //! arrives before the ego has passed it.
 
 use super::View;
+use super::braking::Braking;
 use super::careful_driver::FULL_BRAKING;
-use super::driver::Braking;
 use crate::VEHICLE_LENGTH_M;
 
 const REACTION_S: f64 = 0.75;

@@ -1,5 +1,6 @@
 //! The four models, and the driver that each of them makes.
 
+mod braking;
 mod careful_driver;
 mod driver;
 mod fuzzy;

@@ -6,7 +6,7 @@
 //! magnitude.
 
 use super::View;
-use super::driver::Braking;
+use super::braking::Braking;
 
 /// 0.35 s in whole steps.
 pub(super) const REACTION_STEPS: u32 = 4;

@@ -9,8 +9,8 @@
 //! ```
 
 use super::View;
+use super::braking::Braking;
 use super::careful_driver::FULL_BRAKING;
-use super::driver::Braking;
 
 const RESPONSE_S: f64 = 0.75;
 const ACCELERATION_MPS2: f64 = 3.0;

@@ -1,0 +1,9 @@
+//! Tables of speeds over time.
+
+use serde::{Deserialize, Serialize};
+
+use super::quantity::{Speed, Time};
+
+/// A point of a speed table: `[time_s, speed_mps]`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SpeedPoint(pub Time, pub Speed);

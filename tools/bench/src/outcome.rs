@@ -1,0 +1,25 @@
+//! What a job measured.
+
+use runtime::scheduling::Granted;
+use runtime::statistics::Latencies;
+use serde::{Deserialize, Serialize};
+
+/// Outcome of a job.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Outcome {
+    pub granted: Granted,
+    pub latencies: Latencies,
+    /// Scheduled releases or wake-ups.
+    pub cycles: u64,
+    /// Releases that were over when the process came to them.
+    pub misses: u64,
+    /// Bytes that were copied between the sender's writing and the reader's reading.
+    pub copied_bytes: u64,
+}
+
+impl Outcome {
+    /// Of a process that measures nothing itself.
+    pub fn of_cycles(granted: Granted, cycles: u64) -> Self {
+        Self { granted, latencies: Latencies::default(), cycles, misses: 0, copied_bytes: 0 }
+    }
+}

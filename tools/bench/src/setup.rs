@@ -1,0 +1,89 @@
+//! What wakes what in a measurement, and under which conditions.
+
+use serde::{Deserialize, Serialize};
+
+/// Scheduling of what is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scheduling {
+    /// `SCHED_FIFO`, priorities as in a group.
+    Fifo,
+    /// The time-sharing default.
+    Other,
+}
+
+/// Cores of what is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Placement {
+    /// All on the last usable core.
+    SameCore,
+    /// The source on the first usable core, the sink (in a group: the controller) on the last.
+    TwoCores,
+}
+
+/// What else the machine does meanwhile.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Load {
+    /// Nothing of ours.
+    Idle,
+    /// A process that computes on every core.
+    Cpu,
+    /// A process that copies memory on every core.
+    Memory,
+}
+
+macro_rules! names {
+    ($($type:ident { $($variant:ident: $name:literal),+ })+) => {$(
+        impl $type {
+            /// Name in tables, results and tags.
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name),+ }
+            }
+        }
+    )+};
+}
+
+names! {
+    Scheduling { Fifo: "fifo", Other: "other" }
+    Placement { SameCore: "same_core", TwoCores: "two_cores" }
+    Load { Idle: "idle", Cpu: "cpu", Memory: "memory" }
+}
+
+/// Conditions of a measurement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Conditions {
+    pub placement: Placement,
+    pub scheduling: Scheduling,
+    pub load: Load,
+}
+
+/// How one process wakes another, and what it hands over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Mechanism {
+    /// A word in shared memory, and nothing more: the floor.
+    Futex,
+    /// A counter in the kernel.
+    Eventfd,
+    /// iceoryx2's event service.
+    Iceoryx2Event,
+    /// A message through the services' own ports: the radar's tracks.
+    Message,
+    /// The largest message through the services' own ports: the radar's detections.
+    Detections,
+    /// A payload of so many bytes, loaned and borrowed.
+    Payload(usize),
+    /// The same, written, protected and checked where it is.
+    ProtectedPayload(usize),
+    /// The radar's tracks over a unix datagram socket.
+    UnixDatagram,
+    /// The same over TCP on the loopback device.
+    Tcp,
+}
+
+/// Size from which on a hand-over takes the same time, bytes: what is larger is not copied.
+pub const FLAT_FROM: usize = 4 << 10;
+/// Size of the largest payload, bytes.
+pub const LARGEST: usize = 4 << 20;
