@@ -2,14 +2,14 @@
 //!
 //! In each cycle [`Ladder::look`] takes the ages of the newest *valid* samples and says how far signal
 //! timing may be believed, [`Ladder::admit`] settles what else the law may be told, and after the step
-//! [`Ladder::settle`] names the rung. The table of entries and ways back is at [`messages::rung`].
+//! [`Ladder::settle`] names the level. The table of entries and ways back is at [`messages::level`].
 //!
 //! Under no fault is a law told of a target or a light by a sample that is
-//! older than the rung's bound; and no rung is without a way back to full function.
+//! older than the level's bound; and no level is without a way back to full function.
 
 use crate::law::{Ego, Input, MAX_PLAN, Output, Quality, Target};
 use crate::sampling::SignalTrust;
-use messages::rung::Rung;
+use messages::level::Level;
 use scenario::Scenario;
 use scenario::perception::RadarModel;
 
@@ -87,7 +87,7 @@ pub struct Ladder {
     /// Time of the last release with a fresh radar sample, or of the first release, s.
     remembered_s: Option<f64>,
     last_request_mps2: f64,
-    rung: Rung,
+    level: Level,
 }
 
 impl Ladder {
@@ -114,7 +114,7 @@ impl Ladder {
             last_target: None,
             remembered_s: None,
             last_request_mps2: 0.0,
-            rung: Rung::Full,
+            level: Level::Full,
         }
     }
 
@@ -133,12 +133,12 @@ impl Ladder {
         let predicted = self.radar.observe(radar, 2);
         let signals_lost = self.signals.observe(spat, 3);
         self.radar_is_fresh = radar;
-        self.rung = match (silent, lost, predicted, signals_lost) {
-            (true, ..) => Rung::Silent,
-            (_, true, ..) => Rung::LeadLost,
-            (_, _, true, _) => Rung::LeadPredicted,
-            (.., true) => Rung::SignalsLost,
-            _ => Rung::Full,
+        self.level = match (silent, lost, predicted, signals_lost) {
+            (true, ..) => Level::Silent,
+            (_, true, ..) => Level::LeadLost,
+            (_, _, true, _) => Level::LeadPredicted,
+            (.., true) => Level::SignalsLost,
+            _ => Level::Full,
         };
         match ages.spat_s {
             _ if spat => SignalTrust::Announced,
@@ -149,7 +149,7 @@ impl Ladder {
 
     /// Settles what else the law may be told.
     pub fn admit(&mut self, input: &mut Input) -> Admission {
-        if self.rung == Rung::Silent {
+        if self.level == Level::Silent {
             return Admission::Silence;
         }
         let bound_s = self.stale_radar_s + PREDICT_S;
@@ -158,31 +158,31 @@ impl Ladder {
         } else if self.remembered_s.is_some_and(|then_s| input.time_s - then_s > bound_s) {
             // Radar came while the ego's motion was not known: it was of no use then.
             self.found = Recovery { failed: true, good: 0 };
-            self.rung = Rung::LeadLost;
+            self.level = Level::LeadLost;
         } else {
             input.target = self.predicted(&input.ego, input.time_s);
         }
-        if self.rung == Rung::LeadLost { Admission::Brake } else { Admission::Law }
+        if self.level == Level::LeadLost { Admission::Brake } else { Admission::Law }
     }
 
-    /// Takes what the law made of it and whether the last cycle was in time; returns the rung.
-    pub fn settle(&mut self, output: &Output, in_time: bool) -> Rung {
+    /// Takes what the law made of it and whether the last cycle was in time; returns the level.
+    pub fn settle(&mut self, output: &Output, in_time: bool) -> Level {
         self.last_request_mps2 = output.request_mps2();
         let solved = in_time && output.quality != Quality::Backup;
-        if self.solve.observe(solved, 3) && self.rung < Rung::SolveFailed {
-            self.rung = Rung::SolveFailed;
+        if self.solve.observe(solved, 3) && self.level < Level::SolveFailed {
+            self.level = Level::SolveFailed;
         }
         // Not before what asks for more than it: only the two mildest give way.
-        if output.quality == Quality::FallBack && self.rung <= Rung::SignalsLost {
-            self.rung = Rung::OutsideEnvelope;
+        if output.quality == Quality::FallBack && self.level <= Level::SignalsLost {
+            self.level = Level::OutsideEnvelope;
         }
-        self.rung
+        self.level
     }
 
-    /// The rung without a command.
+    /// The level without a command.
     #[must_use]
-    pub fn rung(&self) -> Rung {
-        self.rung
+    pub fn level(&self) -> Level {
+        self.level
     }
 
     /// Comfortable braking to standstill, in place of the law.

@@ -7,7 +7,7 @@ use crate::law::{
 use crate::planning_thread::PlanningThread;
 use crate::plausibility::Motion;
 use crate::sampling::{Samples, Setting, input};
-use messages::rung::{Rung, RungLog};
+use messages::level::{Level, LevelLog};
 use messages::{
     Command, Diagnostics, FIGURES, Header, Map, Message, Odometry, Origin, Origins, PLAN_LEN,
     Powertrain, Preview, RadarTracks, ServiceState, Spat,
@@ -106,7 +106,7 @@ struct Loop {
     output: Output,
     ladder: Ladder,
     motion: Motion,
-    rungs: RungLog,
+    levels: LevelLog,
     /// The last command came from the ladder, not from the law.
     braked: bool,
     solve: Latencies,
@@ -162,7 +162,7 @@ impl Loop {
             output,
             ladder: Ladder::new(scenario),
             motion: Motion::default(),
-            rungs: RungLog::default(),
+            levels: LevelLog::default(),
             braked: false,
             solve: Latencies::default(),
             deadline_misses: 0,
@@ -245,9 +245,9 @@ impl Loop {
         // By the command's own stamp, so that a recording tells it again.
         let in_time = self.command.send(command)? - release.scheduled_ns <= self.deadline_ns;
         self.deadline_misses += u64::from(!in_time);
-        let rung = self.ladder.settle(&self.output, in_time);
+        let level = self.ladder.settle(&self.output, in_time);
         let mut diagnostics = self.diagnostics.loan()?;
-        self.write_diagnostics(&mut diagnostics, header, &release, rung);
+        self.write_diagnostics(&mut diagnostics, header, &release, level);
         self.diagnostics.send(diagnostics)?;
         if admission == Admission::Law
             && let Some(planning) = &mut self.planning
@@ -255,8 +255,9 @@ impl Loop {
             planning.after_step(self.law.as_mut(), &release);
         }
         self.account(release.time_s);
-        self.rungs.observe(release.time_s, rung);
-        let state = if rung == Rung::Full { ServiceState::Running } else { ServiceState::Degraded };
+        self.levels.observe(release.time_s, level);
+        let state =
+            if rung == Level::Full { ServiceState::Running } else { ServiceState::Degraded };
         runtime.end_cycle(state)?;
         Ok(Cycle::Next)
     }
@@ -330,7 +331,7 @@ impl Loop {
         message: &mut Diagnostics,
         header: Header,
         release: &Release,
-        rung: Rung,
+        level: Level,
     ) {
         let age = |acquisition_ns: Option<i64>| {
             acquisition_ns.map_or(-1, |acquired| release.start_ns - acquired)
@@ -346,8 +347,8 @@ impl Loop {
             Quality::FallBack => 3,
         };
         message.solver_iterations = self.output.solver_iterations;
-        message.rung = rung as u32;
-        message.takeover = u32::from(rung == Rung::LeadLost);
+        message.rung = level as u32;
+        message.takeover = u32::from(level == Level::LeadLost);
         message.request_mps2 = self.output.request_mps2();
         message.odometry_age_ns = age(acquired(&self.odometry));
         message.radar_age_ns = age(acquired(&self.radar));
@@ -404,7 +405,7 @@ impl Loop {
             law: self.descriptor.name.to_owned(),
             program: self.law.hosted().map(|hosted| hosted.report()),
             mode_changes: self.mode_changes.iter().map(change).collect(),
-            rungs: self.rungs.report(),
+            rungs: self.levels.report(),
         }
     }
 }

@@ -4,7 +4,7 @@
 //! commands keep coming, each plan's first request acts. When none comes, the gateway goes down a
 //! short ladder, and back up with the next valid command:
 //!
-//! | rung | entered | request |
+//! | level | entered | request |
 //! |---|---|---|
 //! | [`Source::Command`] | a valid command | the plan's first request |
 //! | [`Source::Plan`] | its control step is over | the plan's later requests; past its end, the last one for one step, then that one as far as it brakes |
@@ -15,7 +15,7 @@
 //! path of its own to the wheels ([`crate::brake`]); the vehicle gets the harder of the two.
 //!
 //! A command to a truck may carry an engine torque beside its plan. It acts in place of the plan's
-//! first request, bounded in range and rate itself; the rungs below know the plan alone.
+//! first request, bounded in range and rate itself; the levels below know the plan alone.
 
 use scenario::plant::{Fallback, Gateway as Bounds, Plant};
 use serde::{Deserialize, Serialize};

@@ -10,7 +10,7 @@ use crate::referee::{MAX_SIGNALS, Referee, SignalTruth, Violation};
 use crate::timeliness::Timeliness;
 use crate::truck::Truck;
 use crate::truth;
-use messages::rung::{Rung, RungLog};
+use messages::level::{Level, LevelLog};
 use messages::{
     self, BrakeState, Command, Header, Odometry, Origins, PLAN_LEN, Powertrain, ServiceState,
     VehicleTruth,
@@ -57,7 +57,7 @@ struct Plant {
     request_mps2: f64,
     time_s: f64,
     stopped_for_want_of_commands: bool,
-    rungs: RungLog,
+    levels: LevelLog,
     /// Run time at which the last command was accepted, and the longest time between two, ns.
     accepted_ns: Option<i64>,
     longest_gap_ns: i64,
@@ -76,7 +76,7 @@ struct Kept {
     request_mps2: f64,
     braking: Option<braking::Kept>,
     counted: Counted,
-    rungs: RungLog,
+    levels: LevelLog,
 }
 
 /// The same by reference, field by field: to write it allocates nothing.
@@ -89,7 +89,7 @@ struct Keeping<'a> {
     request_mps2: f64,
     braking: Option<braking::Kept>,
     counted: Counted,
-    rungs: &'a RungLog,
+    levels: &'a LevelLog,
 }
 
 /// Counts that go on over all processes of the plant.
@@ -116,7 +116,7 @@ pub fn last_known(group: &Group) -> Option<PlantReport> {
         outcome,
         duration_s: counted.time_s,
         control: kept.referee.figures().clone(),
-        rungs: kept.rungs.report(),
+        rungs: kept.levels.report(),
         max_command_gap_us: (counted.longest_gap_ns > 0)
             .then_some(counted.longest_gap_ns as f64 / 1e3),
         undelivered_commands: counted.undelivered,
@@ -151,7 +151,7 @@ impl Plant {
             request_mps2: scenario.plant.initial_acceleration_mps2.value(),
             time_s: 0.0,
             stopped_for_want_of_commands: false,
-            rungs: RungLog::default(),
+            levels: LevelLog::default(),
             accepted_ns: None,
             longest_gap_ns: 0,
             checkpoint: match runtime.clock().mode() {
@@ -172,7 +172,7 @@ impl Plant {
         if let (Some(braking), Some(kept)) = (&mut self.braking, kept.braking) {
             braking.go_on_from(kept);
         }
-        self.rungs = kept.rungs;
+        self.levels = kept.levels;
         self.time_s = kept.counted.time_s;
         self.timeliness = kept.counted.timeliness;
         self.longest_gap_ns = kept.counted.longest_gap_ns;
@@ -202,7 +202,7 @@ impl Plant {
             .and_then(|braking| braking.act(&release, now_ns, acceleration_mps2));
         self.ego.step(&actuation, ceiling);
         self.keep(release.step)?;
-        self.rungs.observe(release.time_s, self.rung(&release, actuation.source));
+        self.levels.observe(release.time_s, self.level(&release, actuation.source));
         if runtime.is_to_stop() {
             self.gateway.stop();
         }
@@ -235,18 +235,18 @@ impl Plant {
                 longest_gap_ns: self.longest_gap_ns,
                 undelivered: self.delivery.undelivered(),
             },
-            rungs: &self.rungs,
+            levels: &self.levels,
         })
     }
 
-    fn rung(&self, release: &Release, source: Source) -> Rung {
+    fn level(&self, release: &Release, source: Source) -> Level {
         let commanded = self.gateway.is_commanded(release.scheduled_ns.unsigned_abs());
         match (self.braking.as_ref().map(Braking::state), source) {
-            (Some(BrakeState::Braking | BrakeState::Holding), _) => Rung::Emergency,
-            (_, Source::StopInLane) => Rung::StopInLane,
-            (_, Source::Plan) if !commanded => Rung::PlanFollowed,
-            (Some(BrakeState::Blind), _) => Rung::AebsLost,
-            (_, Source::None | Source::Command | Source::Plan) => Rung::Full,
+            (Some(BrakeState::Braking | BrakeState::Holding), _) => Level::Emergency,
+            (_, Source::StopInLane) => Level::StopInLane,
+            (_, Source::Plan) if !commanded => Level::PlanFollowed,
+            (Some(BrakeState::Blind), _) => Level::AebsLost,
+            (_, Source::None | Source::Command | Source::Plan) => Level::Full,
         }
     }
 
@@ -359,7 +359,7 @@ impl Plant {
             outcome,
             duration_s: self.time_s,
             control,
-            rungs: self.rungs.report(),
+            rungs: self.levels.report(),
             max_command_gap_us: (self.longest_gap_ns > 0)
                 .then_some(self.longest_gap_ns as f64 / 1e3),
             reaction_time_us: self.chains.reaction_us(),

@@ -2,7 +2,7 @@
 //! the file and in bounded memory.
 
 use crate::{Record, Recording, Records};
-use messages::rung::Rung;
+use messages::level::Level;
 use messages::{Command, Diagnostics, Origin, Origins, Topic};
 use runtime::ScheduledRelease;
 use std::collections::{BTreeMap, VecDeque};
@@ -74,7 +74,7 @@ impl Cycle {
         if cycle.header.sequence != number {
             return Some(format!("the diagnostics of its cycle {number} were not recorded"));
         }
-        if self.command.is_none() && cycle.rung != Rung::Silent as u32 {
+        if self.command.is_none() && cycle.rung != Level::Silent as u32 {
             return Some(format!("the command of its cycle {number} was not recorded"));
         }
         let origins = inputs(&cycle.header.origins);
@@ -170,7 +170,7 @@ impl Cycles {
             |command: &&Command| (command.header.incarnation, command.header.step) == key;
         let command = self.commands.iter().rev().find(of_cycle).copied();
         let origins = inputs(&diagnostics.header.origins);
-        let mut is_whole = command.is_some() || diagnostics.rung == Rung::Silent as u32;
+        let mut is_whole = command.is_some() || diagnostics.rung == Level::Silent as u32;
         let mut samples = [const { None }; INPUTS.len()];
         for ((window, origin), sample) in self.samples.iter_mut().zip(origins).zip(&mut samples) {
             *sample = window.find(origin);

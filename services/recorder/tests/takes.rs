@@ -1,7 +1,7 @@
 //! What can be replayed: every cycle up to the first whose command or inputs are not there.
 
 use bytemuck::Zeroable;
-use messages::rung::Rung;
+use messages::level::Level;
 use messages::{Command, Diagnostics, Odometry, Origin, Topic};
 use recorder::{LawNames, Metadata, Recording, Take, Tally, Writer};
 use runtime::Mode;
@@ -33,7 +33,7 @@ fn recording(cycles: &[(u32, u64)], lost: &[(Topic, u64)]) -> Recording {
         cycle.header.origins.odometry = Origin::of(&odometry.header);
         cycle.start_ns = odometry.header.publish_ns + 3;
         if k == 2 {
-            cycle.rung = Rung::Silent as u32;
+            cycle.rung = Level::Silent as u32;
         } else {
             let mut command = Command::zeroed();
             command.header = cycle.header;

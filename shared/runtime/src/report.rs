@@ -9,7 +9,7 @@ use crate::scheduling::Granted;
 use crate::statistics::{Latencies, Percentiles};
 use messages::Service;
 use messages::e2e::Outcomes;
-use messages::rung::Rungs;
+use messages::level::Levels;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -142,7 +142,7 @@ pub struct ControllerReport {
     /// Changes of the law's mode.
     pub mode_changes: Vec<ModeChange>,
     /// The controller's way on the degradation ladder.
-    pub rungs: Rungs,
+    pub rungs: Levels,
 }
 
 /// How the program of a foreign law fared, as its host counted.
@@ -229,7 +229,7 @@ pub struct PlantReport {
     /// Figures of the drive.
     pub control: ControlFigures,
     /// The plant's way on the degradation ladder.
-    pub rungs: Rungs,
+    pub rungs: Levels,
     /// Longest time between two commands that the gateway accepted, µs.
     pub max_command_gap_us: Option<f64>,
     /// Radar acquisition to the first actuation that uses it.
@@ -270,7 +270,7 @@ impl PlantReport {
             outcome,
             duration_s: 0.0,
             control: ControlFigures::default(),
-            rungs: Rungs::default(),
+            rungs: Levels::default(),
             max_command_gap_us: None,
             reaction_time_us: None,
             data_age_us: None,

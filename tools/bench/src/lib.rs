@@ -283,7 +283,7 @@ impl<'a> Bench<'a> {
         cell: &Cell,
         bytes: usize,
         passing: Passing,
-        outcome: &peer::Outcome,
+        outcome: &outcome::Outcome,
         us: Option<Percentiles>,
     ) {
         let Cell { conditions, period_us, .. } = *cell;

@@ -2,7 +2,7 @@
 //! takes no more memory than one of a minute.
 
 use messages::Diagnostics;
-use messages::rung::{Rung, RungLog};
+use messages::level::{Level, LevelLog};
 
 /// Most changes of the mode that are kept; further ones are dropped.
 const MAX_CHANGES: usize = 10_000;
@@ -21,7 +21,7 @@ pub struct CycleHistory {
     /// Mode before a change, and the first cycle after it.
     pub changes: Vec<(u32, Diagnostics)>,
     /// Levels of degradation.
-    pub rungs: RungLog,
+    pub levels: LevelLog,
     last: Option<Diagnostics>,
 }
 
@@ -37,8 +37,8 @@ impl CycleHistory {
         if let Some(count) = self.quality.get_mut(cycle.quality as usize) {
             *count += 1;
         }
-        if let Some(rung) = Rung::from_wire(cycle.rung) {
-            self.rungs.observe(cycle.header.acquisition_ns as f64 / 1e9, rung);
+        if let Some(level) = Level::from_wire(cycle.rung) {
+            self.levels.observe(cycle.header.acquisition_ns as f64 / 1e9, level);
         }
         if let Some(last) = &self.last {
             if last.header.incarnation == cycle.header.incarnation {

@@ -97,7 +97,7 @@ pub fn of_controller(
         law: last.map(|last| last.law.clone()).unwrap_or_default(),
         program: last.and_then(|last| last.program.clone()),
         mode_changes: mode_changes(scenario, history),
-        rungs: history.rungs.report(),
+        rungs: history.levels.report(),
     }
 }
 

@@ -157,13 +157,13 @@ const fn phase_tone(phase: Phase) -> Tone {
     }
 }
 
-/// Modes of the law, quality of its commands and rungs of the ladder; rows that say nothing are left
+/// Modes of the law, quality of its commands and levels of the ladder; rows that say nothing are left
 /// out.
 pub fn modes(run: &RunPicture) -> Option<Bands> {
     let mut tones = Tones::default();
     let mut rows = Vec::new();
     let rungs = run.rungs.iter();
-    let rungs = rungs.map(|(who, rungs)| (format!("rung of the {who}"), rungs, Some("full")));
+    let rungs = rungs.map(|(who, rungs)| (format!("level of the {who}"), rungs, Some("full")));
     let law = [
         ("mode of the law".to_owned(), &run.modes, None),
         ("quality of the commands".to_owned(), &run.quality, Some("full")),
@@ -287,7 +287,7 @@ mod tests {
     fn rows_that_say_nothing_are_left_out() {
         let bands = modes(&synthetic()).expect("modes");
         let names: Vec<_> = bands.rows.iter().map(|row| row.name.as_str()).collect();
-        assert_eq!(names, ["mode of the law", "rung of the controller"]);
+        assert_eq!(names, ["mode of the law", "level of the controller"]);
         assert!(modes(&RunPicture::default()).is_none());
         assert!(gap(&RunPicture::default()).is_none());
     }

@@ -4,7 +4,7 @@ use controller::laws;
 use group::{Drive, DriveStep, FaultRecord, GroupOutcome};
 use messages::Service;
 use messages::VehicleTruth;
-use messages::rung::{Rung, Rungs};
+use messages::level::{Level, Levels};
 use runtime::report::{Details, WorstChain};
 use runtime::statistics::QuantileCurve;
 use scenario::Scenario;
@@ -54,7 +54,7 @@ pub struct RunPicture {
     pub modes: Vec<Phased>,
     /// Quality of the commands.
     pub quality: Vec<Phased>,
-    /// Rungs of the degradation ladder, by service.
+    /// Levels of the degradation ladder, by service.
     pub rungs: BTreeMap<&'static str, Vec<Phased>>,
     /// Faults, in order of time.
     pub faults: Vec<FaultMark>,
@@ -123,10 +123,10 @@ impl RunPicture {
                     let whole = whole.map(|(name, h)| (name.clone(), h.quantile_curve()));
                     run.latencies = whole.collect();
                     run.worst_chains.clone_from(&plant.worst_chains);
-                    run.rungs.insert(name, rungs(&plant.rungs, run.duration_s));
+                    run.rungs.insert(name, phases_of(&plant.rungs, run.duration_s));
                 }
                 Details::Controller(controller) => {
-                    run.rungs.insert(name, rungs(&controller.rungs, run.duration_s));
+                    run.rungs.insert(name, phases_of(&controller.rungs, run.duration_s));
                 }
                 Details::Aebs(_) | Details::Perception(_) | Details::None => {}
             }
@@ -193,11 +193,11 @@ impl RunPicture {
     }
 }
 
-/// The rungs that a service was on; a service that reported was on one all the time.
-fn rungs(rungs: &Rungs, until_s: f64) -> Vec<Phased> {
-    let first = rungs.changes.first().map_or(Rung::Full, |change| change.from);
-    let changes = rungs.changes.iter().map(|change| (change.t_s, change.to));
-    phases([(0.0, first)].into_iter().chain(changes), until_s, |rung| rung.name().to_owned())
+/// The levels that a service was on; a service that reported was on one all the time.
+fn phases_of(levels: &Levels, until_s: f64) -> Vec<Phased> {
+    let first = levels.changes.first().map_or(Level::Full, |change| change.from);
+    let changes = levels.changes.iter().map(|change| (change.t_s, change.to));
+    phases([(0.0, first)].into_iter().chain(changes), until_s, |level| level.name().to_owned())
 }
 
 /// A fault in words.

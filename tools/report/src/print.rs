@@ -3,7 +3,7 @@
 use crate::chart::number;
 use crate::summary::{Summary, Timing};
 use group::{Error, RecordingSummary};
-use messages::rung::Rung;
+use messages::level::Level;
 use runtime::report::{Outcome, ProgramReport, WorstChain};
 use runtime::statistics::Percentiles;
 use std::fmt::Write as _;
@@ -366,7 +366,7 @@ fn faults(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     }
     let rungs: Vec<String> = (summary.rungs.iter())
         .flat_map(|(who, rungs)| rungs.time_s.iter().map(move |(rung, time_s)| (who, rung, time_s)))
-        .filter(|(_, rung, _)| rung.as_str() != Rung::Full.name())
+        .filter(|(_, rung, _)| rung.as_str() != Level::Full.name())
         .map(|(who, rung, time_s)| format!("{who} {rung} {time_s:.2} s"))
         .collect();
     if !rungs.is_empty() {

@@ -4,7 +4,7 @@ use crate::following::Following;
 use group::{Drive, Ended, FaultRecord, GroupOutcome, Heartbeats, RecordingSummary};
 use messages::Service;
 use messages::e2e::Outcomes;
-use messages::rung::Rungs;
+use messages::level::Levels;
 use runtime::report::{
     ControlFigures, ControllerReport, Details, Hops, ModeChange, Outcome, PerceptionReport,
     PlanningReport, PlantReport, ProgramReport, ReceivedTopic, ServiceReport, WorstChain,
@@ -60,7 +60,7 @@ pub struct Summary {
     /// Faults in order of time, with what became of each.
     pub faults: Vec<FaultRecord>,
     /// The ways of controller and plant on the degradation ladder.
-    pub rungs: BTreeMap<&'static str, Rungs>,
+    pub rungs: BTreeMap<&'static str, Levels>,
     /// The processes of the group.
     pub services: Vec<ServiceSummary>,
     /// The machine.

@@ -53,8 +53,8 @@ impl Drive {
         (admission, trust, input, ages)
     }
 
-    fn rung(&self) -> Rung {
-        self.ladder.rung()
+    fn level(&self) -> Level {
+        self.ladder.level()
     }
 }
 
@@ -64,18 +64,18 @@ const ALL: [bool; 3] = [true; 3];
 fn a_blind_radar_is_predicted_then_braked_for_and_trusted_again_after_five_samples() {
     let mut drive = Drive::new();
     drive.release(ALL);
-    let mut rungs = Vec::new();
+    let mut levels = Vec::new();
     for _ in 0..20 {
         drive.release([true, false, true]);
-        rungs.push(drive.rung());
+        levels.push(drive.level());
     }
-    assert_eq!(rungs[0], Rung::Full, "one sample late is no loss");
-    assert_eq!(rungs[3], Rung::LeadPredicted);
-    assert_eq!(rungs[19], Rung::LeadLost);
+    assert_eq!(levels[0], Level::Full, "one sample late is no loss");
+    assert_eq!(levels[3], Level::LeadPredicted);
+    assert_eq!(levels[19], Level::LeadLost);
     let back: Vec<Admission> = (0..6).map(|_| drive.release(ALL).0).collect();
     let expected = [[Admission::Brake; 4].as_slice(), &[Admission::Law; 2]].concat();
     assert_eq!(back, expected);
-    assert_eq!(drive.rung(), Rung::Full);
+    assert_eq!(drive.level(), Level::Full);
 }
 
 #[test]
@@ -102,7 +102,7 @@ fn signal_timing_is_believed_as_far_as_it_is_proven_and_then_not_at_all() {
     assert_eq!(trust[1], SignalTrust::Announced);
     assert_eq!(trust[10], SignalTrust::Proven);
     assert_eq!(trust[60], SignalTrust::None);
-    assert_eq!(drive.rung(), Rung::SignalsLost);
+    assert_eq!(drive.level(), Level::SignalsLost);
 }
 
 #[test]
@@ -156,6 +156,6 @@ proptest! {
         for _ in 0..5 {
             drive.release(ALL);
         }
-        prop_assert_eq!(drive.rung(), Rung::Full);
+        prop_assert_eq!(drive.level(), Level::Full);
     }
 }

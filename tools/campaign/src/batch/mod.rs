@@ -234,7 +234,7 @@ pub fn repeat(
     summary: &Summary,
     group: &GroupOptions,
     going_on: &dyn Fn() -> bool,
-) -> Result<Result<(), String>, Error> {
+) -> Result<Repetition, Error> {
     repetition(&Job::lockstep(scenario.clone()), summary, group, going_on)
 }
 

@@ -26,6 +26,13 @@ pub enum Repetition {
     Different(String),
 }
 
+impl Repetition {
+    /// What is known of one that is read back: whether the bytes were the same.
+    pub fn of_same(same: bool) -> Self {
+        if same { Self::Same } else { Self::Different("other bytes in a process group".to_owned()) }
+    }
+}
+
 /// What came of the repeated runs.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct ProcessesSample {

@@ -94,7 +94,7 @@ fn totals(verdict: &Verdict) -> String {
     }
     if !all.rungs_s.is_empty() {
         let share = |(rung, time_s): (&String, &f64)| format!("{rung} {time_s:.1} s");
-        line("rungs", all.rungs_s.iter().map(share).collect::<Vec<_>>().join(", "));
+        line("levels", all.rungs_s.iter().map(share).collect::<Vec<_>>().join(", "));
     }
     let corrupted = match (all.corrupted, all.undetected_corruptions) {
         (0, _) => String::new(),

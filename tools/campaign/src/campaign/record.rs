@@ -4,7 +4,7 @@ use super::planned::Planned;
 use super::reference::{Braking, avoids_contact};
 use crate::batch::{Done, Growth, Repetition};
 use group::Error;
-use messages::rung::{Rung, RungChange};
+use messages::level::{Level, LevelChange};
 use runtime::report::Outcome;
 use scenario::Scenario;
 use scenario::faults::Kind;
@@ -40,9 +40,9 @@ pub struct Record {
     pub recovery_us: Vec<f64>,
     /// Process faults of a run that reached its end without a recovery.
     pub unrecovered: u64,
-    /// Time of each service on each rung of the ladder, s.
+    /// Time of each service on each level of the ladder, s.
     pub rungs_s: BTreeMap<String, f64>,
-    /// Services that were not on the first rung at the end of a completed run.
+    /// Services that were not on the first level at the end of a completed run.
     pub degraded: Vec<String>,
     /// Longest time that the plant was without the command that was due, ms.
     pub command_overdue_ms: Option<f64>,
@@ -136,7 +136,7 @@ impl Record {
             degraded: match summary.outcome {
                 Outcome::Completed => (summary.rungs.iter())
                     .filter_map(|(service, rungs)| Some((service, rungs.changes.last()?.to)))
-                    .filter(|(_, last)| *last != Rung::Full)
+                    .filter(|(_, last)| *last != Level::Full)
                     .map(|(service, last)| format!("{service} ended on {}", last.name()))
                     .collect(),
                 _ => Vec::new(),
@@ -157,14 +157,14 @@ impl Record {
     }
 }
 
-/// Longest time off the first rung, from its leaving until its next entering, ms.
-fn overdue_ms(changes: &[RungChange]) -> f64 {
+/// Longest time off the first level, from its leaving until its next entering, ms.
+fn overdue_ms(changes: &[LevelChange]) -> f64 {
     let mut left_s = None;
     let mut longest_s: f64 = 0.0;
     for change in changes {
-        if change.from == Rung::Full {
+        if change.from == Level::Full {
             left_s = Some(change.t_s);
-        } else if change.to == Rung::Full
+        } else if change.to == Level::Full
             && let Some(left_s) = left_s.take()
         {
             longest_s = longest_s.max(change.t_s - left_s);
@@ -179,14 +179,14 @@ mod tests {
 
     #[test]
     fn the_longest_time_off_the_first_rung_counts_from_end_to_end() {
-        let change = |t_s, from, to| RungChange { t_s, from, to };
+        let change = |t_s, from, to| LevelChange { t_s, from, to };
         let changes = [
-            change(1.0, Rung::Full, Rung::PlanFollowed),
-            change(1.25, Rung::PlanFollowed, Rung::Full),
-            change(2.0, Rung::Full, Rung::PlanFollowed),
-            change(2.25, Rung::PlanFollowed, Rung::StopInLane),
-            change(2.5, Rung::StopInLane, Rung::Full),
-            change(9.0, Rung::Full, Rung::PlanFollowed),
+            change(1.0, Level::Full, Level::PlanFollowed),
+            change(1.25, Level::PlanFollowed, Level::Full),
+            change(2.0, Level::Full, Level::PlanFollowed),
+            change(2.25, Level::PlanFollowed, Level::StopInLane),
+            change(2.5, Level::StopInLane, Level::Full),
+            change(9.0, Level::Full, Level::PlanFollowed),
         ];
         assert_eq!(overdue_ms(&changes), 500.0);
         assert_eq!(overdue_ms(&[]), 0.0);

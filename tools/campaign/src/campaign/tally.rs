@@ -19,7 +19,7 @@ pub struct Tally {
     pub aborted: u64,
     pub kills: u64,
     pub unrecovered: u64,
-    /// Services that ended a completed run below the first rung.
+    /// Services that ended a completed run below the first level.
     pub degraded: u64,
     pub leaks: u64,
     pub messages_lost: u64,
@@ -32,7 +32,7 @@ pub struct Tally {
     pub recovery_us: Option<Percentiles>,
     /// Longest time that the plant was without the command that was due, ms.
     pub command_overdue_ms: Option<f64>,
-    /// Time of each service on each rung of the ladder in all runs, s.
+    /// Time of each service on each level of the ladder in all runs, s.
     pub rungs_s: BTreeMap<String, f64>,
     /// Largest sums over a run's services, and largest growth within a run, where it was sampled.
     pub all_memory_kib: Option<f64>,

@@ -187,7 +187,8 @@ fn distinct<K: PartialEq>(records: &[Record], key: impl Fn(&Record) -> K) -> Vec
 
 #[cfg(test)]
 mod tests {
-    use super::super::plan::{self, Planned};
+    use super::super::plan;
+    use super::super::planned::Planned;
     use super::*;
     use runtime::report::Outcome;
 

@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 
 use super::words::quoted;
 use super::{FILE, Line, Shard, Study, journal, read_file};
-use crate::batch::ProcessesSample;
+use crate::batch::{ProcessesSample, Repetition};
 
 /// Parts put together.
 pub struct Merged<T> {
@@ -81,8 +81,7 @@ impl<T: DeserializeOwned> Merged<T> {
                         return Err(Error::Usage(format!("{journal}: run {run} {what}")));
                     }
                 }
-                let other = || Err("other bytes in a process group".to_owned());
-                let repetition = same_in_processes.map(|same| if same { Ok(()) } else { other() });
+                let repetition = same_in_processes.map(Repetition::of_same);
                 sample.count(run, repetition.as_ref());
             }
             parts.push((part.shard, directory));

@@ -26,7 +26,7 @@ use report::output::{OutputDirectory, OutputOptions};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use crate::batch::ProcessesSample;
+use crate::batch::{ProcessesSample, Repetition};
 use journal::Journal;
 
 /// What a part is a part of.
@@ -176,9 +176,7 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
         let what = match self.results.get_mut(run) {
             Some(slot @ None) if self.shard.is_none_or(|shard| shard.holds(run)) => {
                 *slot = Some(result);
-                let repetition = same_in_processes.map(|same| {
-                    if same { Ok(()) } else { Err("other bytes in a process group".to_owned()) }
-                });
+                let repetition = same_in_processes.map(Repetition::of_same);
                 self.sample.count(run, repetition.as_ref());
                 return Ok(());
             }
@@ -219,9 +217,9 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
         &mut self,
         run: usize,
         result: T,
-        repetition: Option<&Result<(), String>>,
+        repetition: Option<&Repetition>,
     ) -> Result<(), Error> {
-        let same_in_processes = repetition.map(Result::is_ok);
+        let same_in_processes = repetition.map(|repetition| *repetition == Repetition::Same);
         let line = Line { run, same_in_processes, result };
         if let Some(journal) = &mut self.journal {
             journal.add(&line)?;

@@ -14,7 +14,7 @@ use scenario::Scenario;
 use super::measure::{Measured, measure};
 use super::motion::Motion;
 use super::scene::{Place, Plan};
-use crate::batch::{self, Done, Interrupt, ProcessesSample};
+use crate::batch::{self, Done, Interrupt, ProcessesSample, Repetition};
 
 /// Points of a trace, for the pictures.
 const TRACE_POINTS: usize = 400;
@@ -83,7 +83,7 @@ enum Told {
     /// The next car of the string of this index.
     Car(usize, Box<Driven>),
     /// What the repetition of the run of this number gave.
-    Repetition(usize, Result<(), String>),
+    Repetition(usize, Repetition),
 }
 
 impl<'a> Drives<'a> {

@@ -2,7 +2,7 @@
 
 use group::{FaultRecord, Moment};
 use messages::Diagnostics;
-use messages::rung::Rung;
+use messages::level::Level;
 use runtime::statistics::{Latencies, Percentiles};
 use serde::Serialize;
 use std::sync::Arc;
@@ -86,7 +86,7 @@ pub struct LiveFeed {
     last: Point,
     mode: Option<u32>,
     quality: u32,
-    rung: Rung,
+    level: Level,
 }
 
 impl LiveFeed {
@@ -104,7 +104,7 @@ impl LiveFeed {
             last: Point::default(),
             mode: None,
             quality: 0,
-            rung: Rung::Full,
+            level: Level::Full,
         }
     }
 
@@ -146,7 +146,7 @@ impl LiveFeed {
         for cycle in &cycles[first_cycle..] {
             self.answers_of(cycle);
             (self.mode, self.quality) = (Some(cycle.mode), cycle.quality);
-            self.rung = Rung::from_wire(cycle.rung).unwrap_or(self.rung);
+            self.level = Level::from_wire(cycle.rung).unwrap_or(self.level);
         }
         let after = |step: u64| self.step.is_some_and(|last| step <= last);
         let first = odometries.partition_point(|message| after(message.header.step));
@@ -188,7 +188,7 @@ impl LiveFeed {
             points,
             mode: self.mode.map_or_else(String::new, |mode| self.mode_name(mode)),
             quality: ["full", "relaxed", "backup", "fall-back"][self.quality.min(3) as usize],
-            rung: self.rung.name(),
+            rung: self.level.name(),
             answer_us: self.answers.percentiles_us(),
             events,
         }

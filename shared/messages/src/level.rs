@@ -1,29 +1,29 @@
 //! The degradation ladder: how far down a service is, and the record of its ways down and up.
 //!
-//! | rung | who | entered | left |
+//! | level | who | entered | left |
 //! |---|---|---|---|
-//! | [`Rung::Full`] | both | at the start | |
-//! | [`Rung::SignalsLost`] | controller | no valid `v2x/spat` for three of its periods | three releases in a row with a fresh one |
-//! | [`Rung::SolveFailed`] | controller | the law used its backup, or the cycle missed its deadline | three releases in a row in order |
-//! | [`Rung::OutsideEnvelope`] | controller | the state is outside the range that the law is made for: its fall-back drives | the law drives again |
-//! | [`Rung::LeadPredicted`] | controller | no valid `radar/tracks` for three of its periods and the radar's latency | two releases in a row with a fresh one |
-//! | [`Rung::LeadLost`] | controller | the same for 1 s longer, or at the start none yet for as long | five releases in a row with a fresh one |
-//! | [`Rung::Silent`] | controller | no valid `vehicle/odometry` for 0.1 s, or one that contradicts itself | two releases in a row with a fresh one |
-//! | [`Rung::PlanFollowed`] | plant | a control period passed without a new valid command | a valid command |
-//! | [`Rung::StopInLane`] | plant | the plan was followed for `plant.fallback.follow_plan_s`, or the launcher asked for it | a valid command; never, if the launcher asked |
-//! | [`Rung::Emergency`] | plant | the emergency brake brakes, or holds the brakes | it has let go |
-//! | [`Rung::AebsLost`] | plant | no valid `safety/brake` for three of its periods, or one that says that it sees nothing | a valid one that sees |
+//! | [`Level::Full`] | both | at the start | |
+//! | [`Level::SignalsLost`] | controller | no valid `v2x/spat` for three of its periods | three releases in a row with a fresh one |
+//! | [`Level::SolveFailed`] | controller | the law used its backup, or the cycle missed its deadline | three releases in a row in order |
+//! | [`Level::OutsideEnvelope`] | controller | the state is outside the range that the law is made for: its fall-back drives | the law drives again |
+//! | [`Level::LeadPredicted`] | controller | no valid `radar/tracks` for three of its periods and the radar's latency | two releases in a row with a fresh one |
+//! | [`Level::LeadLost`] | controller | the same for 1 s longer, or at the start none yet for as long | five releases in a row with a fresh one |
+//! | [`Level::Silent`] | controller | no valid `vehicle/odometry` for 0.1 s, or one that contradicts itself | two releases in a row with a fresh one |
+//! | [`Level::PlanFollowed`] | plant | a control period passed without a new valid command | a valid command |
+//! | [`Level::StopInLane`] | plant | the plan was followed for `plant.fallback.follow_plan_s`, or the launcher asked for it | a valid command; never, if the launcher asked |
+//! | [`Level::Emergency`] | plant | the emergency brake brakes, or holds the brakes | it has let go |
+//! | [`Level::AebsLost`] | plant | no valid `safety/brake` for three of its periods, or one that says that it sees nothing | a valid one that sees |
 //!
-//! Each service is on one rung at a time: the lowest one (furthest down this table) that applies, but
+//! Each service is on one level at a time: the lowest one (furthest down this table) that applies, but
 //! for the loss of the emergency brake, which shows only where nothing else does.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A rung of the ladder, by its number in messages.
+/// A level of the ladder, by its number in messages.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Rung {
+pub enum Level {
     /// Everything there, nothing late.
     #[default]
     Full = 0,
@@ -50,8 +50,8 @@ pub enum Rung {
     OutsideEnvelope = 10,
 }
 
-impl Rung {
-    /// All rungs, from the top.
+impl Level {
+    /// All levels, from the top.
     pub const ALL: [Self; 11] = [
         Self::Full,
         Self::SignalsLost,
@@ -84,87 +84,87 @@ impl Rung {
         }
     }
 
-    /// The rung with this number in a message.
+    /// The level with this number in a message.
     #[must_use]
     pub fn from_wire(number: u32) -> Option<Self> {
         Self::ALL.get(number as usize).copied()
     }
 }
 
-/// Changes that are kept; the time on each rung is counted on.
+/// Changes that are kept; the time on each level is counted on.
 const MAX_CHANGES: usize = 1024;
 
-/// A way from one rung to another.
+/// A way from one level to another.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RungChange {
+pub struct LevelChange {
     /// Run time, s.
     pub t_s: f64,
-    /// Rung left.
-    pub from: Rung,
-    /// Rung entered.
-    pub to: Rung,
+    /// Level left.
+    pub from: Level,
+    /// Level entered.
+    pub to: Level,
 }
 
 /// What a service tells of its ladder.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Rungs {
-    /// Time on each rung that was entered, s.
+pub struct Levels {
+    /// Time on each level that was entered, s.
     pub time_s: BTreeMap<String, f64>,
     /// All changes, in order.
-    pub changes: Vec<RungChange>,
+    pub changes: Vec<LevelChange>,
 }
 
 /// Follows a service on its ladder; allocates nothing once made.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct RungLog {
-    now: Rung,
+pub struct LevelLog {
+    now: Level,
     last_s: f64,
-    time_s: [f64; Rung::ALL.len()],
-    changes: Vec<RungChange>,
+    time_s: [f64; Level::ALL.len()],
+    changes: Vec<LevelChange>,
 }
 
-impl Default for RungLog {
+impl Default for LevelLog {
     fn default() -> Self {
         Self {
-            now: Rung::Full,
+            now: Level::Full,
             last_s: 0.0,
-            time_s: [0.0; Rung::ALL.len()],
+            time_s: [0.0; Level::ALL.len()],
             changes: Vec::with_capacity(MAX_CHANGES),
         }
     }
 }
 
-impl RungLog {
-    /// Begins at `time_s` on `rung`, for a service that joins late.
-    pub fn begin(&mut self, time_s: f64, rung: Rung) {
-        (self.last_s, self.now) = (time_s, rung);
+impl LevelLog {
+    /// Begins at `time_s` on `level`, for a service that joins late.
+    pub fn begin(&mut self, time_s: f64, level: Level) {
+        (self.last_s, self.now) = (time_s, level);
     }
 
-    /// Notes the rung at `time_s`.
-    pub fn observe(&mut self, time_s: f64, rung: Rung) {
+    /// Notes the level at `time_s`.
+    pub fn observe(&mut self, time_s: f64, level: Level) {
         self.time_s[self.now as usize] += (time_s - self.last_s).max(0.0);
         self.last_s = time_s;
-        if rung != self.now {
+        if level != self.now {
             if self.changes.len() < MAX_CHANGES {
-                self.changes.push(RungChange { t_s: time_s, from: self.now, to: rung });
+                self.changes.push(LevelChange { t_s: time_s, from: self.now, to: level });
             }
-            self.now = rung;
+            self.now = level;
         }
     }
 
-    /// The rung.
+    /// The level.
     #[must_use]
-    pub fn now(&self) -> Rung {
+    pub fn now(&self) -> Level {
         self.now
     }
 
     /// The account.
     #[must_use]
-    pub fn report(&self) -> Rungs {
-        let entered = Rung::ALL.iter().filter(|&&rung| self.time_s[rung as usize] > 0.0);
-        Rungs {
+    pub fn report(&self) -> Levels {
+        let entered = Level::ALL.iter().filter(|&&level| self.time_s[level as usize] > 0.0);
+        Levels {
             time_s: entered
-                .map(|&rung| (rung.name().to_owned(), self.time_s[rung as usize]))
+                .map(|&level| (level.name().to_owned(), self.time_s[level as usize]))
                 .collect(),
             changes: self.changes.clone(),
         }
@@ -177,11 +177,11 @@ mod tests {
 
     #[test]
     fn time_is_charged_to_the_rung_that_was_left() {
-        let mut log = RungLog::default();
-        for (time_s, rung) in
-            [(1.0, Rung::Full), (2.0, Rung::LeadLost), (2.5, Rung::LeadLost), (4.0, Rung::Full)]
+        let mut log = LevelLog::default();
+        for (time_s, level) in
+            [(1.0, Level::Full), (2.0, Level::LeadLost), (2.5, Level::LeadLost), (4.0, Level::Full)]
         {
-            log.observe(time_s, rung);
+            log.observe(time_s, level);
         }
         let report = log.report();
         assert_eq!(report.time_s["full"], 2.0);
@@ -189,17 +189,17 @@ mod tests {
         assert_eq!(report.changes.len(), 2);
         assert_eq!(
             report.changes[1],
-            RungChange { t_s: 4.0, from: Rung::LeadLost, to: Rung::Full }
+            LevelChange { t_s: 4.0, from: Level::LeadLost, to: Level::Full }
         );
     }
 
     #[test]
     fn numbers_and_names_are_one_to_one() {
-        for (number, rung) in Rung::ALL.into_iter().enumerate() {
+        for (number, level) in Level::ALL.into_iter().enumerate() {
             let number = u32::try_from(number).expect("few");
-            assert_eq!(Rung::from_wire(number), Some(rung));
-            assert_eq!(rung as u32, number);
+            assert_eq!(Level::from_wire(number), Some(level));
+            assert_eq!(level as u32, number);
         }
-        assert_eq!(Rung::from_wire(Rung::ALL.len() as u32), None);
+        assert_eq!(Level::from_wire(Level::ALL.len() as u32), None);
     }
 }
