@@ -16,7 +16,8 @@ const LAYERS: [&[&str]; 6] = [
 ];
 
 /// Crates that stand in one layer and depend on each other in this order.
-const WITHIN: [(&str, &str); 2] = [("report", "group"), ("campaign", "regulation")];
+const WITHIN: [(&str, &str); 3] =
+    [("report", "group"), ("campaign", "regulation"), ("openscenario", "random")];
 
 fn layer(name: &str, path: &str) -> usize {
     let of = |entry: &&str| match entry.strip_suffix('/') {

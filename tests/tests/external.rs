@@ -375,12 +375,12 @@ fn the_notebook_runs_as_it_is() {
     assert!(text(&output).contains("external completed"), "{}", text(&output));
 }
 
-fn notebook_interpreter() -> Result<std::path::PathBuf, String> {
+fn notebook_interpreter() -> Result<std::path::PathBuf, python::NoInterpreter> {
     python::notebook_interpreter(Path::new(env!("CARGO_TARGET_TMPDIR")))
 }
 
 fn notebooks() -> cases::Needed {
-    notebook_interpreter().map(|_| ())
+    notebook_interpreter().map(|_| ()).map_err(|why| why.0)
 }
 
 fn python3() -> cases::Needed {

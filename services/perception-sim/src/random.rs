@@ -3,7 +3,7 @@
 //! Not `rand_distr`: its normal and Poisson deviates call `num_traits`, whose `exp` and `ln` become the
 //! system's as soon as any crate of the program enables its feature `std`.
 
-use rand_core::{Rng, SeedableRng};
+use rand_core::SeedableRng;
 use rand_pcg::Pcg64;
 
 /// The golden ratio's odd multiple, which keeps neighbouring seeds and streams apart.
@@ -34,7 +34,7 @@ impl Random {
 
     /// Uniform in [0, 1), with 53 bits.
     pub fn uniform(&mut self) -> f64 {
-        unit(self.generator.next_u64())
+        random::uniform(&mut self.generator)
     }
 
     /// Uniform in [`from`, `to`).
@@ -44,10 +44,7 @@ impl Random {
 
     /// Two independent standard normal deviates (Box and Muller 1958).
     pub fn normal_pair(&mut self) -> (f64, f64) {
-        let radius = (-2.0 * libm::log(1.0 - self.uniform())).sqrt();
-        let angle = 2.0 * std::f64::consts::PI * self.uniform();
-        let (sine, cosine) = libm::sincos(angle);
-        (radius * cosine, radius * sine)
+        random::normal_pair(&mut self.generator)
     }
 
     /// A standard normal deviate.
@@ -81,7 +78,7 @@ impl Random {
 /// to be the same in every scan.
 #[must_use]
 pub fn fixed(seed: u64, index: u64) -> f64 {
-    unit(hash(seed, index))
+    random::unit(hash(seed, index))
 }
 
 /// Mixes two numbers (the finaliser of SplitMix64, Steele, Lea and Flood 2014).
@@ -93,13 +90,10 @@ pub fn hash(seed: u64, index: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-fn unit(bits: u64) -> f64 {
-    (bits >> 11) as f64 / (1u64 << 53) as f64
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand_core::Rng;
 
     const N: u32 = 100_000;
 

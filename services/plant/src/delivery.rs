@@ -7,7 +7,7 @@
 //! numbers of the random stream, so that the jitter does not depend on the misses, nor they on it.
 
 use messages::Command;
-use rand_core::{Rng, SeedableRng};
+use rand_core::SeedableRng;
 use rand_pcg::Pcg64;
 use scenario::Scenario;
 use std::collections::VecDeque;
@@ -72,7 +72,7 @@ impl Delivery {
             return;
         }
         self.taken = Some(identity);
-        let [miss, jitter] = [(); 2].map(|()| uniform(&mut self.random));
+        let [miss, jitter] = [(); 2].map(|()| random::uniform(&mut self.random));
         if miss < self.miss_probability {
             self.undelivered += 1;
             return;
@@ -96,11 +96,6 @@ impl Delivery {
     pub fn undelivered(&self) -> u64 {
         self.undelivered
     }
-}
-
-/// Uniform in [0, 1), with 53 bits.
-fn uniform(random: &mut Pcg64) -> f64 {
-    (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The map of the road ahead, with the faults that a scenario gives it.
 
 use messages::MAX_PREVIEW_CELLS;
-use rand_core::{Rng, SeedableRng};
+use rand_core::SeedableRng;
 use rand_pcg::Pcg64;
 use scenario::Problem;
 use scenario::Scenario;
@@ -70,10 +70,8 @@ impl RoadMap {
 /// A standard normal number for each cell, the same whenever it is asked for (Box and Muller 1958).
 fn error(seed: u64, cell: f64) -> f64 {
     let stream = (cell as i64).unsigned_abs().wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    let mut random = Pcg64::seed_from_u64(seed.wrapping_add(stream));
-    let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
-    let radius = libm::sqrt(-2.0 * libm::log(1.0 - uniform()));
-    radius * libm::cos(std::f64::consts::TAU * uniform())
+    let mut generator = Pcg64::seed_from_u64(seed.wrapping_add(stream));
+    random::normal(&mut generator)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! `live.json`: what another program needs to join a run that goes on, and to understand what it hears.
 
 use controller::laws;
-use messages::rung::Rung;
+use messages::level::Level;
 use messages::{Element, LAYOUT_VERSION, Layout, Scalar, TOPICS, notes};
 use runtime::{Group, monotonic_ns};
 use scenario::Scenario;
@@ -117,7 +117,7 @@ fn names(scenario: &Scenario) -> Value {
     let figures = law.map_or(&[][..], |law| law.figures);
     let figures: Vec<_> =
         figures.iter().map(|figure| json!({ "name": figure.name, "unit": figure.unit })).collect();
-    let levels: Map<_, _> = (Rung::ALL.into_iter())
+    let levels: Map<_, _> = (Level::ALL.into_iter())
         .map(|level| ((level as u32).to_string(), json!(level.name())))
         .collect();
     json!({

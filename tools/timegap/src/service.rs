@@ -44,6 +44,9 @@ pub fn run(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
     if arguments.name == "replayer" {
         return Ok(recorder::replay(&arguments.arguments));
     }
-    let service: Service = arguments.name.parse().map_err(Error::Usage)?;
+    let service: Service = arguments
+        .name
+        .parse()
+        .map_err(|e: messages::UnknownService| Error::Usage(e.to_string()))?;
     Ok(run_service(service, &arguments.arguments, group::entry(service)))
 }

@@ -1,6 +1,6 @@
 //! Draws from a probability distribution.
 
-use rand_core::{Rng, SeedableRng};
+use rand_core::SeedableRng;
 use rand_pcg::Pcg64;
 
 use super::range;
@@ -143,13 +143,12 @@ impl Draws {
 
     /// Uniform in [0, 1), 53 bits.
     fn unit(&mut self) -> f64 {
-        (self.generator.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+        random::uniform(&mut self.generator)
     }
 
     /// Standard normal, by Box and Muller.
     fn normal(&mut self) -> f64 {
-        let (a, b) = (1.0 - self.unit(), self.unit());
-        libm::sqrt(-2.0 * libm::log(a)) * libm::cos(2.0 * std::f64::consts::PI * b)
+        random::normal(&mut self.generator)
     }
 
     /// Poisson, by Knuth's product of uniform draws.

@@ -164,7 +164,7 @@ impl Faults {
             message[12..16].copy_from_slice(&incarnation.to_le_bytes());
             message[16..24].copy_from_slice(&sequence.to_le_bytes());
             let activation = Activation { random: xxh3_64_with_seed(&message, self.seed) };
-            if unit(activation.draw(0)) < extent.probability.value() {
+            if random::unit(activation.draw(0)) < extent.probability.value() {
                 each(fault, &activation);
                 entry.messages += 1;
             }
@@ -182,11 +182,6 @@ impl Faults {
             })
             .collect()
     }
-}
-
-/// Uniform in 0..1.
-pub(crate) fn unit(bits: u64) -> f64 {
-    (bits >> 11) as f64 / (1_u64 << 53) as f64
 }
 
 /// The services that a fault concerns; the launcher need not tell the others.

@@ -1,6 +1,6 @@
 //! What happens to messages on their way: between their arrival and a receiver's check.
 
-use super::activation::{Faults, unit};
+use super::activation::Faults;
 use messages::Message;
 use scenario::faults::{Disturbance, Effect};
 use std::collections::VecDeque;
@@ -35,7 +35,7 @@ impl<T: Message> ChannelFaults<T> {
                 Disturbance::Duplicate => copies += u32::from(copies > 0),
                 Disturbance::Reorder => reordered = true,
                 Disturbance::Delay { delay_ms, jitter_ms } => {
-                    let jitter = jitter_ms.nanoseconds() as f64 * unit(activation.draw(1));
+                    let jitter = jitter_ms.nanoseconds() as f64 * random::unit(activation.draw(1));
                     due_ns = due_ns.saturating_add_unsigned(delay_ms.nanoseconds() + jitter as u64);
                 }
                 Disturbance::Corrupt { bits } => {

@@ -6,7 +6,7 @@
 //! the curvature is bounded.
 
 use super::profile::{GradeProfile, Point};
-use rand_core::{Rng, SeedableRng};
+use rand_core::SeedableRng;
 use rand_pcg::Pcg64;
 
 /// Distance between two points of a generated road, m.
@@ -57,8 +57,8 @@ fn tangents(alignment: &Alignment, count: usize, random: &mut Pcg64) -> Vec<f64>
     let [shortest, longest] = alignment.tangent_m;
     let mut grades = Vec::with_capacity(count);
     while grades.len() < count {
-        let length_m = shortest + (longest - shortest) * uniform(random);
-        let grade = alignment.grade_sigma * gaussian(random);
+        let length_m = shortest + (longest - shortest) * random::uniform(random);
+        let grade = alignment.grade_sigma * random::normal(random);
         let grade = grade.clamp(-alignment.max_grade, alignment.max_grade);
         let steps = ((length_m / FINE_M).round() as usize).clamp(1, count - grades.len());
         grades.extend(std::iter::repeat_n(grade, steps));
@@ -84,16 +84,6 @@ fn close(grades: &mut [f64], max_grade: f64) {
     for grade in grades {
         *grade = (*grade - mean) * scale;
     }
-}
-
-fn uniform(random: &mut Pcg64) -> f64 {
-    (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
-}
-
-/// A standard normal number (Box and Muller 1958).
-fn gaussian(random: &mut Pcg64) -> f64 {
-    let radius = libm::sqrt(-2.0 * libm::log(1.0 - uniform(random)));
-    radius * libm::cos(std::f64::consts::TAU * uniform(random))
 }
 
 #[cfg(test)]

@@ -220,7 +220,7 @@ mod tests {
         ];
         for (list, index, message) in cases {
             let fault = GradeProfile::new(points(list)).expect_err("no road");
-            assert_eq!((fault.index, fault.message.as_str()), (index, message));
+            assert_eq!((fault.index(), fault.to_string().as_str()), (index, message));
         }
     }
 }

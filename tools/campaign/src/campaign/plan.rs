@@ -132,7 +132,7 @@ fn draw(all: usize, count: usize, seed: u32) -> Vec<usize> {
     let mut wanted = count.min(left);
     // Knuth's algorithm S: each run is kept with the chance that makes the number come out.
     let mut keep = |_: &usize| {
-        let uniform = (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+        let uniform = random::uniform(&mut random);
         let keep = uniform * (left as f64) < wanted as f64;
         left -= 1;
         wanted -= usize::from(keep);
@@ -202,7 +202,7 @@ fn range(values: &[Value]) -> Option<(f64, f64)> {
 /// A value, one of a list of words, or a number between two: whole if both are, else to three digits.
 fn drawn(value: &Value, random: &mut Pcg64) -> Value {
     let Value::Array(values) = value else { return value.clone() };
-    let uniform = (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+    let uniform = random::uniform(random);
     match range(values) {
         Some((from, to)) if values.iter().all(Value::is_integer) => {
             Value::Integer((from + uniform * (to - from + 1.0)).floor() as i64)

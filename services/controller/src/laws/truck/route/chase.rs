@@ -3,7 +3,6 @@
 use super::road::Road;
 use super::trip::{CONTROL_PERIOD_S, Driver, SUBSTEPS, Seen};
 use crate::law::Target;
-use rand_core::Rng;
 use rand_pcg::Pcg64;
 use truck_model::{Motion, Truck};
 
@@ -179,7 +178,6 @@ pub fn chase(
 
 /// Box and Muller.
 fn normal(rng: &mut Pcg64) -> f64 {
-    let mut uniform = || ((rng.next_u64() >> 11) as f64 + 0.5) / (1_u64 << 53) as f64;
-    let (u, angle) = (uniform(), uniform());
-    (-2.0 * libm::log(u)).sqrt() * libm::cos(2.0 * core::f64::consts::PI * angle)
+    let (u, angle) = (random::open_uniform(rng), random::open_uniform(rng));
+    random::box_muller(u, angle)
 }

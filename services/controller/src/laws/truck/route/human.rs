@@ -2,7 +2,6 @@
 
 use super::{CONTROL_PERIOD_S, Driver, Seen};
 use crate::laws::truck::limiter;
-use rand_core::Rng;
 use rand_pcg::Pcg64;
 use truck_model::{Demand, Truck};
 
@@ -93,13 +92,13 @@ impl Random {
     }
 
     fn uniform(&mut self) -> f64 {
-        ((self.0.next_u64() >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+        random::open_uniform(&mut self.0)
     }
 
     /// Box and Muller.
     fn normal(&mut self) -> f64 {
         let (u, angle) = (self.uniform(), self.uniform());
-        (-2.0 * libm::log(u)).sqrt() * libm::cos(2.0 * core::f64::consts::PI * angle)
+        random::box_muller(u, angle)
     }
 
     fn exponential(&mut self) -> f64 {
