@@ -104,3 +104,32 @@ pub struct Input {
     /// Legal limit on this road, m/s (infinite when unknown).
     pub speed_limit_mps: f64,
 }
+
+/// No road vehicle is faster, m/s; anything above is a broken input.
+const FASTEST_MPS: f64 = 150.0;
+/// No sensor sees farther, m.
+const FARTHEST_M: f64 = 1e6;
+
+impl Input {
+    /// The speed to drive without a target, m/s: the set speed within the limit.
+    #[must_use]
+    pub fn wanted_speed_mps(&self) -> f64 {
+        self.set_speed_mps.min(self.speed_limit_mps).max(0.0)
+    }
+
+    /// Period, speeds, acceleration and gap are numbers that a road vehicle can have.
+    #[must_use]
+    pub fn is_plausible(&self) -> bool {
+        let within = |v: f64, low: f64, high: f64| (low..=high).contains(&v);
+        within(self.period_s, 1e-4, 10.0)
+            && within(self.ego.speed_mps, -1.0, FASTEST_MPS)
+            && within(self.ego.acceleration_mps2, -50.0, 50.0)
+            && within(self.wanted_speed_mps(), 0.0, FASTEST_MPS)
+            && !self.set_speed_mps.is_nan()
+            && !self.speed_limit_mps.is_nan()
+            && self.target.is_none_or(|target| {
+                within(target.gap_m, -FARTHEST_M, FARTHEST_M)
+                    && within(target.relative_speed_mps, -2.0 * FASTEST_MPS, FASTEST_MPS)
+            })
+    }
+}

@@ -13,8 +13,6 @@ use serde::{Deserialize, Serialize};
 
 /// Request towards which a law without usable input moves, m/s².
 const BLIND_REQUEST: f64 = -1.0;
-/// No road vehicle is faster, m/s; anything above is a broken input.
-const FASTEST: f64 = 150.0;
 /// Share of the sample time by which a release may come early and still be due.
 const EARLY: f64 = 1e-6;
 
@@ -402,20 +400,8 @@ impl Law for QuadraticBounded {
 
 /// The input, if every value the law uses is one that a vehicle can have.
 fn check(input: &Input) -> Option<Checked> {
-    let within = |v: f64, low: f64, high: f64| (low..=high).contains(&v);
-    let set_speed = input.set_speed_mps.min(input.speed_limit_mps).max(0.0);
-    let usable = within(input.period_s, 1e-4, 10.0)
-        && within(input.ego.speed_mps, -1.0, FASTEST)
-        && within(input.ego.acceleration_mps2, -50.0, 50.0)
-        && within(set_speed, 0.0, FASTEST)
-        && !input.set_speed_mps.is_nan()
-        && !input.speed_limit_mps.is_nan()
-        && input.target.is_none_or(|t| {
-            within(t.gap_m, -1e6, 1e6)
-                && within(t.relative_speed_mps, -2.0 * FASTEST, FASTEST)
-                && within(t.acceleration_mps2, -50.0, 50.0)
-        });
-    usable.then(|| Checked {
+    let knows_the_lead = input.target.is_none_or(|t| (-50.0..=50.0).contains(&t.acceleration_mps2));
+    (input.is_plausible() && knows_the_lead).then(|| Checked {
         speed: input.ego.speed_mps.max(0.0),
         acceleration: input.ego.acceleration_mps2,
         target: input.target.map(|t| Lead {
@@ -423,7 +409,7 @@ fn check(input: &Input) -> Option<Checked> {
             relative_mps: t.relative_speed_mps,
             acceleration_mps2: t.acceleration_mps2,
         }),
-        set_speed,
+        set_speed: input.wanted_speed_mps(),
     })
 }
 

@@ -20,8 +20,6 @@ const BLIND_PERIOD: f64 = 0.1;
 const FARTHEST: f64 = 1e6;
 /// Lag of the vehicle's acceleration that the end of a stop reckons with, s.
 const LAG_S: f64 = 0.5;
-/// No road vehicle is faster, m/s; anything above is a broken input.
-const FASTEST: f64 = 150.0;
 
 /// The meaning of the numbers in the output.
 pub(super) static FORMULATION: Formulation = Formulation {
@@ -262,22 +260,10 @@ impl Law for SixMode {
 
 /// The input, if every value the law uses is one that a vehicle can have.
 fn check(input: &Input) -> Option<Checked> {
-    let within = |v: f64, low: f64, high: f64| (low..=high).contains(&v);
-    let set_speed = input.set_speed_mps.min(input.speed_limit_mps).max(0.0);
-    let usable = within(input.period_s, 1e-4, 10.0)
-        && within(input.ego.speed_mps, -1.0, FASTEST)
-        && within(input.ego.acceleration_mps2, -50.0, 50.0)
-        && within(set_speed, 0.0, FASTEST)
-        && !input.set_speed_mps.is_nan()
-        && !input.speed_limit_mps.is_nan()
-        && input.target.is_none_or(|t| {
-            within(t.gap_m, -FARTHEST, FARTHEST)
-                && within(t.relative_speed_mps, -2.0 * FASTEST, FASTEST)
-        });
-    usable.then(|| Checked {
+    input.is_plausible().then(|| Checked {
         ego: Ego { speed_mps: input.ego.speed_mps.max(0.0), ..input.ego },
         target: input.target,
-        set_speed,
+        set_speed: input.wanted_speed_mps(),
         period: input.period_s,
     })
 }
