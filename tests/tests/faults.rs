@@ -198,7 +198,7 @@ fn process_faults_in_lockstep_and_senseless_ones_are_refused_before_anything_run
 /// A process of the same user opens `control/command` with the right type and the right names in the
 /// header, and asks for full braking.
 #[test]
-fn a_stranger_on_the_command_topic_is_not_heard_and_is_reported() {
+fn an_unknown_sender_on_the_command_topic_is_not_heard_and_is_reported() {
     let corner = corner(3.0, "");
     let arguments =
         ["run", "faulty.toml", "--mode", "realtime", "--out", "out", "--no-record", "--json"];

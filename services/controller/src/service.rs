@@ -257,7 +257,7 @@ impl Loop {
         self.account(release.time_s);
         self.levels.observe(release.time_s, level);
         let state =
-            if rung == Level::Full { ServiceState::Running } else { ServiceState::Degraded };
+            if level == Level::Full { ServiceState::Running } else { ServiceState::Degraded };
         runtime.end_cycle(state)?;
         Ok(Cycle::Next)
     }

@@ -3,7 +3,7 @@
 use crate::perception::Perception;
 use crate::radar::scene::Ego;
 use crate::tracking::TrackList;
-use crate::traffic::Kept;
+use crate::traffic::Snapshot;
 use crate::vehicle::Vehicle;
 use bytemuck::Zeroable;
 use messages::{
@@ -27,13 +27,13 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     let mut output = DetectionOutput::open(&mut runtime, scenario.perception.model())?;
     let start = Ego { speed_mps: scenario.plant.initial_speed_mps.value(), ..Ego::default() };
     let mut checkpoint = match runtime.clock().mode() {
-        Mode::Realtime => Some(runtime.checkpoint::<Kept>()?),
+        Mode::Realtime => Some(runtime.checkpoint::<Snapshot>()?),
         Mode::Lockstep => None,
     };
     if runtime.is_restarted()
         && let Some(kept) = checkpoint.as_mut().and_then(Checkpoint::restore)
     {
-        perception.traffic().go_on_from(&kept);
+        perception.traffic().restore(&kept);
     }
     runtime.begin(&scenario)?;
     runtime.run_cycles(|runtime| {
@@ -44,7 +44,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         let mut detections = output.loan()?;
         let list = *perception.step(time_ns, &ego, output.room(detections.as_mut()));
         if let Some(checkpoint) = &mut checkpoint {
-            checkpoint.save(&perception.traffic().kept())?;
+            checkpoint.save(&perception.traffic().snapshot())?;
         }
 
         // The referee's copy first: the plant may be waiting for it.

@@ -220,7 +220,7 @@ mod tests {
             whole.advance(time_ns, &ego);
         }
         let mut next = Traffic::new(&scenario);
-        next.go_on_from(&whole.kept());
+        next.restore(&whole.snapshot());
         for k in 700..1500 {
             let (time_ns, ego) = at(k);
             whole.advance(time_ns, &ego);

@@ -36,7 +36,7 @@ pub struct Traffic {
 
 /// Where all vehicles are, as it outlives a process.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Kept([Option<Base>; MAX_ACTORS], Option<State>);
+pub struct Snapshot([Option<Base>; MAX_ACTORS], Option<State>);
 
 /// A vehicle and what moves it.
 #[derive(Clone, Debug)]
@@ -97,8 +97,8 @@ impl Traffic {
     /// Where all vehicles are, for a process that goes on in this one's place: they do not vanish with
     /// who simulates them.
     #[must_use]
-    pub fn kept(&self) -> Kept {
-        let mut kept = Kept::default();
+    pub fn snapshot(&self) -> Snapshot {
+        let mut kept = Snapshot::default();
         for (place, mover) in kept.0.iter_mut().zip(&self.movers) {
             *place = mover.base;
         }
@@ -107,7 +107,7 @@ impl Traffic {
     }
 
     /// Goes on from what another process kept.
-    pub fn go_on_from(&mut self, kept: &Kept) {
+    pub fn restore(&mut self, kept: &Snapshot) {
         for (mover, base) in self.movers.iter_mut().zip(kept.0) {
             mover.base = base;
         }

@@ -14,7 +14,7 @@ const LOST_PERIODS: i64 = 3;
 
 /// What outlives the plant's process.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Kept {
+pub(crate) struct Snapshot {
     path: BrakePath,
     pub(crate) figures: BrakeFigures,
 }
@@ -109,12 +109,12 @@ impl Braking {
     }
 
     /// What is to outlive this process.
-    pub(crate) fn kept(&self) -> Kept {
-        Kept { path: self.path, figures: self.figures.clone() }
+    pub(crate) fn snapshot(&self) -> Snapshot {
+        Snapshot { path: self.path, figures: self.figures.clone() }
     }
 
     /// Goes on from what another process kept.
-    pub(crate) fn go_on_from(&mut self, kept: Kept) {
+    pub(crate) fn restore(&mut self, kept: Snapshot) {
         (self.path, self.figures) = (kept.path, kept.figures);
     }
 }

@@ -61,7 +61,7 @@ impl Delivery {
     }
 
     /// Goes on counting from what was counted before this process.
-    pub fn go_on_from(&mut self, undelivered: u64) {
+    pub fn restore(&mut self, undelivered: u64) {
         self.undelivered = undelivered;
     }
 

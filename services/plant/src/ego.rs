@@ -17,11 +17,11 @@ pub enum Ego {
 
 /// What of the ego outlives the plant's process.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub enum Kept {
+pub enum Snapshot {
     /// All of a car.
     Car(longitudinal::Vehicle),
     /// What moves of a truck.
-    Truck(truck::Kept),
+    Truck(truck::Snapshot),
 }
 
 impl Ego {
@@ -37,20 +37,20 @@ impl Ego {
     }
 
     /// Goes on from what another process kept; what was kept of another kind of ego is passed over.
-    pub fn go_on_from(&mut self, kept: Kept) {
+    pub fn restore(&mut self, kept: Snapshot) {
         match (self, kept) {
-            (Self::Car(car), Kept::Car(kept)) => *car = kept,
-            (Self::Truck(truck), Kept::Truck(kept)) => truck.go_on_from(&kept),
+            (Self::Car(car), Snapshot::Car(kept)) => *car = kept,
+            (Self::Truck(truck), Snapshot::Truck(kept)) => truck.restore(&kept),
             _ => {}
         }
     }
 
     /// What is to outlive this process.
     #[must_use]
-    pub fn kept(&self) -> Kept {
+    pub fn snapshot(&self) -> Snapshot {
         match self {
-            Self::Car(car) => Kept::Car(car.clone()),
-            Self::Truck(truck) => Kept::Truck(truck.kept()),
+            Self::Car(car) => Snapshot::Car(car.clone()),
+            Self::Truck(truck) => Snapshot::Truck(truck.snapshot()),
         }
     }
 

@@ -97,7 +97,7 @@ pub struct Gateway {
 
 /// What of the gateway outlives its process; the plan comes again with the last command.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Kept {
+pub struct Snapshot {
     last_request_mps2: f64,
     stopping: bool,
 }
@@ -125,13 +125,13 @@ impl Gateway {
 
     /// What is to outlive this process.
     #[must_use]
-    pub fn kept(&self) -> Kept {
+    pub fn snapshot(&self) -> Snapshot {
         let Self { last_request_mps2, stopping, .. } = *self;
-        Kept { last_request_mps2, stopping }
+        Snapshot { last_request_mps2, stopping }
     }
 
     /// Goes on from what another process kept.
-    pub fn go_on_from(&mut self, kept: &Kept) {
+    pub fn restore(&mut self, kept: &Snapshot) {
         (self.last_request_mps2, self.stopping) = (kept.last_request_mps2, kept.stopping);
     }
 

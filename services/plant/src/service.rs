@@ -62,19 +62,19 @@ struct Plant {
     accepted_ns: Option<i64>,
     longest_gap_ns: i64,
     /// In realtime, what a restarted plant goes on from.
-    checkpoint: Option<Checkpoint<Kept>>,
+    checkpoint: Option<Checkpoint<Snapshot>>,
 }
 
 /// What outlives the plant's process: the vehicle does not vanish with it, nor what the referee saw, nor
 /// what was counted.
 #[derive(Deserialize)]
-struct Kept {
+struct Snapshot {
     step: u64,
-    ego: ego::Kept,
-    gateway: gateway::Kept,
+    ego: ego::Snapshot,
+    gateway: gateway::Snapshot,
     referee: Referee,
     request_mps2: f64,
-    braking: Option<braking::Kept>,
+    braking: Option<braking::Snapshot>,
     counted: Counted,
     levels: LevelLog,
 }
@@ -83,11 +83,11 @@ struct Kept {
 #[derive(Serialize)]
 struct Keeping<'a> {
     step: u64,
-    ego: ego::Kept,
-    gateway: gateway::Kept,
+    ego: ego::Snapshot,
+    gateway: gateway::Snapshot,
     referee: &'a Referee,
     request_mps2: f64,
-    braking: Option<braking::Kept>,
+    braking: Option<braking::Snapshot>,
     counted: Counted,
     levels: &'a LevelLog,
 }
@@ -105,7 +105,7 @@ struct Counted {
 /// times of its chains died with it.
 #[must_use]
 pub fn last_known(group: &Group) -> Option<PlantReport> {
-    let kept: Kept = Checkpoint::last(group, messages::Service::Plant)?;
+    let kept: Snapshot = Checkpoint::last(group, messages::Service::Plant)?;
     let outcome = match kept.referee.violation() {
         Some(Violation::Collision { .. }) => Outcome::Collision,
         Some(Violation::RedLight { .. }) => Outcome::RedLight,
@@ -165,18 +165,18 @@ impl Plant {
     fn go_on(&mut self, runtime: &mut Runtime) {
         let Some(kept) = self.checkpoint.as_mut().and_then(Checkpoint::restore) else { return };
         runtime.resume_after(kept.step);
-        self.ego.go_on_from(kept.ego);
+        self.ego.restore(kept.ego);
         self.referee = kept.referee;
-        self.gateway.go_on_from(&kept.gateway);
+        self.gateway.restore(&kept.gateway);
         self.request_mps2 = kept.request_mps2;
         if let (Some(braking), Some(kept)) = (&mut self.braking, kept.braking) {
-            braking.go_on_from(kept);
+            braking.restore(kept);
         }
         self.levels = kept.levels;
         self.time_s = kept.counted.time_s;
         self.timeliness = kept.counted.timeliness;
         self.longest_gap_ns = kept.counted.longest_gap_ns;
-        self.delivery.go_on_from(kept.counted.undelivered);
+        self.delivery.restore(kept.counted.undelivered);
     }
 
     fn cycle(&mut self, runtime: &mut Runtime) -> Result<Cycle, RuntimeError> {
@@ -224,11 +224,11 @@ impl Plant {
         let Some(checkpoint) = &mut self.checkpoint else { return Ok(()) };
         checkpoint.save(&Keeping {
             step,
-            ego: self.ego.kept(),
-            gateway: self.gateway.kept(),
+            ego: self.ego.snapshot(),
+            gateway: self.gateway.snapshot(),
             referee: &self.referee,
             request_mps2: self.request_mps2,
-            braking: self.braking.as_ref().map(Braking::kept),
+            braking: self.braking.as_ref().map(Braking::snapshot),
             counted: Counted {
                 time_s: self.time_s,
                 timeliness: self.timeliness,

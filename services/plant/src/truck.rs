@@ -50,7 +50,7 @@ pub struct Powertrain {
 
 /// What of a truck outlives the plant's process.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Kept {
+pub struct Snapshot {
     motion: Motion,
     brake_n: f64,
     braked_s: f64,
@@ -88,14 +88,14 @@ impl Truck {
     }
 
     /// Goes on from what another process kept.
-    pub fn go_on_from(&mut self, kept: &Kept) {
+    pub fn restore(&mut self, kept: &Snapshot) {
         (self.motion, self.brake_n, self.braked_s) = (kept.motion, kept.brake_n, kept.braked_s);
     }
 
     /// What is to outlive this process.
     #[must_use]
-    pub fn kept(&self) -> Kept {
-        Kept { motion: self.motion, brake_n: self.brake_n, braked_s: self.braked_s }
+    pub fn snapshot(&self) -> Snapshot {
+        Snapshot { motion: self.motion, brake_n: self.brake_n, braked_s: self.braked_s }
     }
 
     /// Moves on by one period of the plant, with the emergency brake's ceiling on the acceleration,

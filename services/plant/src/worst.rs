@@ -9,7 +9,7 @@ const KEPT: usize = 10;
 
 /// What is kept of a chain: the command without its plan, which is most of it.
 #[derive(Clone, Copy, Debug)]
-struct Kept {
+struct KeptChain {
     header: Header,
     start_ns: i64,
     switches: [u32; 2],
@@ -26,7 +26,7 @@ struct Kept {
 #[derive(Debug)]
 pub struct Worst {
     deadline_ns: i64,
-    chains: [Option<Kept>; KEPT],
+    chains: [Option<KeptChain>; KEPT],
 }
 
 impl Worst {
@@ -39,10 +39,11 @@ impl Worst {
     /// Keeps the chain that ended with `command` at `now_ns` if it is among the longest.
     pub fn offer(&mut self, command: &Command, parts: &Parts, now_ns: i64) {
         let sum_ns = parts.sum_ns();
-        let shorter = |kept: &Option<Kept>| kept.is_none_or(|kept| kept.parts.sum_ns() < sum_ns);
+        let shorter =
+            |kept: &Option<KeptChain>| kept.is_none_or(|kept| kept.parts.sum_ns() < sum_ns);
         let Some(place) = self.chains.iter().position(shorter) else { return };
         self.chains[place..].rotate_right(1);
-        self.chains[place] = Some(Kept {
+        self.chains[place] = Some(KeptChain {
             header: command.header,
             start_ns: command.start_ns,
             switches: [command.voluntary_switches, command.involuntary_switches],
@@ -61,7 +62,7 @@ impl Worst {
         self.chains.iter().flatten().map(|kept| self.describe(kept)).collect()
     }
 
-    fn describe(&self, kept: &Kept) -> WorstChain {
+    fn describe(&self, kept: &KeptChain) -> WorstChain {
         let us = |ns: i64| ns as f64 / 1e3;
         let age =
             |origin: Origin| origin.is_some().then(|| us(kept.start_ns - origin.acquisition_ns));
