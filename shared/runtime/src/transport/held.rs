@@ -4,7 +4,7 @@
 //! write into it after the check. A larger one is borrowed: copying the radar's detections would cost
 //! more than carrying them.
 
-use super::shared_memory::Ipc;
+use super::pooled::PooledIpc as Ipc;
 use iceoryx2::sample::Sample;
 use messages::Message;
 use std::rc::Rc;

@@ -1,6 +1,6 @@
 //! A message while it is written, where its readers will read it.
 
-use super::shared_memory::Ipc;
+use super::pooled::PooledIpc as Ipc;
 use iceoryx2::sample_mut::SampleMut;
 use messages::Message;
 use std::ops::{Deref, DerefMut};
