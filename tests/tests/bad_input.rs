@@ -213,6 +213,21 @@ fn full_shared_memory() {
     }
 }
 
+/// A /dev/shm that cannot be written: one sentence that names it.
+fn read_only_shared_memory() {
+    let corner = Corner::new(PROGRAM);
+    let script = "mount -t tmpfs -o ro none /dev/shm && exec \"$0\" run cacc-a --mode lockstep";
+    let output = Command::new("unshare")
+        .args(["--user", "--map-root-user", "--mount", "sh", "-c", script, PROGRAM])
+        .current_dir(corner.path())
+        .output()
+        .expect("it started before");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(3), "{}", text(&output));
+    assert!(said.contains("/dev/shm cannot be written") && said.lines().count() == 1, "{said}");
+    assert!(!corner.path().join("runs").exists(), "nothing is left of a run that never was");
+}
+
 /// A full disk: what was measured is told, then the failure, and no half file is left.
 fn full_disk() {
     let corner = Corner::new(PROGRAM);
@@ -250,6 +265,7 @@ fn main() -> ExitCode {
         case("a_full_standard_output", a_full_standard_output),
         case("a_foreign_base_directory", a_foreign_base_directory),
         needing(cases::mount_namespace, "full_shared_memory", full_shared_memory),
+        needing(cases::mount_namespace, "read_only_shared_memory", read_only_shared_memory),
         needing(cases::mount_namespace, "full_disk", full_disk),
     ])
 }
