@@ -3,8 +3,9 @@
 use group::{Drive, DriveStep};
 use runtime::report::Outcome;
 use scenario::Scenario;
-use scenario::actor::{MAX_PROFILE_POINTS, SpeedPoint};
+use scenario::actor::MAX_PROFILE_POINTS;
 use scenario::quantity::{Speed, Time};
+use scenario::speeds::SpeedPoint;
 
 /// Points that a motion may have beside those of a stop after a collision.
 const MAX_POINTS: usize = MAX_PROFILE_POINTS - 1_000;

@@ -6,7 +6,7 @@ use scenario::Scenario;
 use scenario::actor::{Actor, Profile, Sine};
 use scenario::name::Name;
 use scenario::quantity::{
-    Acceleration, Distance, Duration, Height, Lateral, Length, Seed, Speed, Time,
+    Acceleration, Distance, Duration, Height, Lateral, Length, OutOfRange, Seed, Speed, Time,
 };
 use scenario::road::{Road, RoadPoint};
 
@@ -92,14 +92,14 @@ impl Plan {
         let wave = Wave::of(self, hz)?;
         let laws = self.laws.iter().map(|scenario| {
             let mut scenario = scenario.clone();
-            let speed_mps = |mps| Speed::try_from(mps).map_err(Error::Usage);
+            let speed_mps = |mps| Speed::try_from(mps).map_err(outside);
             scenario.plant.initial_speed_mps = speed_mps(wave.first_speed_mps())?;
             scenario.plant.initial_acceleration_mps2 = Acceleration::of(0.0);
-            let distance_m = Distance::try_from(first_gap(&scenario)).map_err(Error::Usage)?;
+            let distance_m = Distance::try_from(first_gap(&scenario)).map_err(outside)?;
             let sine = Sine {
                 amplitude_mps2: Acceleration::try_from(wave.acceleration_mps2())
-                    .map_err(Error::Usage)?,
-                period_s: Duration::try_from(1.0 / hz).map_err(Error::Usage)?,
+                    .map_err(outside)?,
+                period_s: Duration::try_from(1.0 / hz).map_err(outside)?,
                 start_s: Time::of(0.0),
             };
             scenario.actors = vec![Actor {
@@ -107,7 +107,7 @@ impl Plan {
                 profile: Profile::Sine(sine),
                 ..actor("wave", distance_m, scenario.plant.length_m)
             }];
-            scenario.duration_s = Duration::try_from(wave.duration_s()).map_err(Error::Usage)?;
+            scenario.duration_s = Duration::try_from(wave.duration_s()).map_err(outside)?;
             scenario.storyboard = None;
             scenario.v2x.signals.clear();
             Ok(scenario)
@@ -145,6 +145,11 @@ fn first_gap(scenario: &Scenario) -> f64 {
     desired.or_else(own).unwrap_or(FIRST_TIME_GAP_S * speed_mps + FIRST_DISTANCE_M)
 }
 
+/// A figure that no scenario takes.
+fn outside(error: OutOfRange<f64>) -> Error {
+    Error::Usage(error.to_string())
+}
+
 /// The road of a car that begins `behind_m` farther back; before its first point it is level.
 fn moved(road: &Road, behind_m: f64) -> Result<Road, Error> {
     let profile = road.profile().map_err(|problem| Error::Usage(problem.message.clone()))?;
@@ -152,7 +157,7 @@ fn moved(road: &Road, behind_m: f64) -> Result<Road, Error> {
         let distance_m = Distance::try_from(point.distance_m + behind_m)?;
         Ok(RoadPoint(distance_m, Height::try_from(point.height_m)?))
     });
-    let points = points.collect::<Result<Vec<_>, String>>().map_err(Error::Usage)?;
+    let points = points.collect::<Result<Vec<_>, OutOfRange<f64>>>().map_err(outside)?;
     Ok(Road { points, ..Road::default() })
 }
 
