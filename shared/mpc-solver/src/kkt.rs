@@ -21,6 +21,8 @@
 //! the terminal equality, at least 1. For `v_k` that scale is at least the largest `B'λ` from stage `k` on, since
 //! that is what has to cancel in it.
 
+use multiversion::multiversion;
+
 use crate::limits::MAX_ROWS;
 use crate::problem::{Problem, Softness, Terminal, dot};
 
@@ -84,6 +86,16 @@ pub fn residuals(
     states: &[[f64; 3]],
     multipliers: &Multipliers,
 ) -> Residuals {
+    residuals_of(problem, inputs, states, multipliers)
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn residuals_of(
+    problem: &Problem,
+    inputs: &[f64],
+    states: &[[f64; 3]],
+    multipliers: &Multipliers,
+) -> Residuals {
     let n = problem.horizon;
     let scale = dual_scale(problem, multipliers);
     let mut out = Residuals::default();
@@ -126,6 +138,10 @@ pub fn residuals(
             if (row.from..=row.to).contains(&k) && problem.limits[j][k] < f64::INFINITY {
                 let (h, mu) = (problem.limits[j][k], multipliers.rows[j][k]);
                 let z = dot(&row.gradient, x) - h;
+                // A limit that is kept without a multiplier is on its graph, and adds nothing.
+                if mu == 0.0 && z <= 0.0 {
+                    continue;
+                }
                 worst(&mut out.complementarity, 0.0 * (z + mu));
                 worst(
                     &mut out.complementarity,

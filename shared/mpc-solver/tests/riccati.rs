@@ -121,12 +121,6 @@ fn solves_random_feasible_problems() {
 }
 
 #[test]
-#[ignore = "about fifteen seconds; `cargo test --release -p mpc-solver -- --ignored`"]
-fn solves_a_hundred_thousand_random_feasible_problems() {
-    solve_random(1_000_000..1_100_000);
-}
-
-#[test]
 fn same_input_same_bits_whatever_came_before() {
     let mut problem = cacc(100);
     let mut used = Riccati::new(150);
@@ -243,4 +237,50 @@ fn a_state_that_no_input_can_keep_is_infeasible_hard_and_solved_soft() {
     let report = solver.solve(&soft, Start::Cold);
     assert_solved(&solver, &soft, &report, "soft");
     assert_eq!(solver.inputs()[0], -4.9);
+}
+
+/// Cold and warm answers to the whole table, bit by bit. The loops over the stages exist twice, for any x86-64 and for
+/// AVX2; the sum below comes from a build without the second version, so that on a machine with AVX2 this
+/// compares the two.
+#[test]
+fn the_answers_have_the_same_bits_with_wide_registers_and_without() {
+    let mut problem = cacc(100);
+    let mut solver = Riccati::new(100);
+    let mut sum: u64 = 0xcbf2_9ce4_8422_2325;
+    let mut add = |x: f64| sum = (sum ^ x.to_bits()).wrapping_mul(0x0100_0000_01b3);
+    for instance in instances() {
+        instance.apply(&mut problem);
+        for start in [Start::Cold, Start::Shifted(1)] {
+            let report = solver.solve(&problem, start);
+            add(report.objective);
+            add(f64::from(report.iterations));
+            solver.inputs().iter().copied().for_each(&mut add);
+        }
+    }
+    assert_eq!(sum, 0xfc03_3240_7ed3_9221, "{sum:#x}");
+}
+
+/// `cargo test --release -p mpc-solver --test riccati -- --ignored --nocapture 100_000`: about a minute.
+#[test]
+#[ignore = "takes a minute"]
+fn solves_100_000_random_feasible_problems_of_each_class() {
+    const EACH: u64 = 100_000;
+    let mut solver = Riccati::new(150);
+    let mut counts = [0; 4];
+    let mut most_iterations = [0; 4];
+    let mut seed = 1_000_000;
+    while counts.iter().any(|count| *count < EACH) {
+        let problem = random::problem(&mut Draw::new(seed));
+        let report = solver.solve(&problem, Start::Cold);
+        assert_solved(&solver, &problem, &report, &format!("seed {seed}"));
+        let rows = problem.rows().iter().zip(&solver.multipliers().rows);
+        let acts = rows.into_iter().any(|(row, mu)| (row.from..=row.to).any(|k| mu[k] > 1e-7));
+        let class = usize::from(acts) * 2 + usize::from(!problem.light_stages().is_empty());
+        counts[class] += 1;
+        most_iterations[class] = report.iterations.max(most_iterations[class]);
+        seed += 1;
+    }
+    println!(
+        "no row acts, no light; light; rows; rows and light: {counts:?}, at most {most_iterations:?} iterations"
+    );
 }

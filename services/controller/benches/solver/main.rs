@@ -9,7 +9,7 @@
 //!   active at the solution.
 //! * *Random problems*, feasible by construction, in four classes: with or without a row that acts, with or without
 //!   the light. Their number is `TIMEGAP_BENCH_SEEDS` (of which about four in ten have 100 steps), 10,000 unless given.
-//! * *The field* ([`field`]): clarabel on all drives, a dense dual active-set solver on those that are quadratic programs.
+//! * *The field* ([`field`]): clarabel on all drives.
 //! * *Horizon*: time per stage up to N = 1000.
 
 #[path = "../../../../shared/mpc-solver/tests/common/mod.rs"]

@@ -14,6 +14,8 @@ use crate::problem::{LightCost, Softness};
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LightCurve {
     weight: f64,
+    /// `1/w`.
+    per_weight: f64,
     threshold: f64,
     /// `λ`; infinite for a hard light.
     penalty: f64,
@@ -59,6 +61,7 @@ impl LightCurve {
         let stiffness = if d_th < f64::INFINITY { 1e5 * w / (d_th * d_th * d_th) } else { 0.0 };
         Self {
             weight: w,
+            per_weight: 1.0 / w,
             threshold: d_th,
             penalty,
             knee: (w / penalty).sqrt().min(d_th),
@@ -104,25 +107,30 @@ impl LightCurve {
     }
 
     /// On the hyperbola, or below its knee, at a margin.
+    #[inline(always)]
     pub(super) fn hyperbola_at(&self, margin: f64) -> LightTangent {
         if margin <= self.knee {
             return self.straight();
         }
-        let alpha = self.weight / (margin * margin);
-        LightTangent { region: Region::Hyperbola, margin, alpha, slope: 2.0 * alpha / margin }
+        let per_margin = 1.0 / margin;
+        let alpha = self.weight * (per_margin * per_margin);
+        let slope = 2.0 * alpha * per_margin;
+        LightTangent { region: Region::Hyperbola, margin, alpha, slope }
     }
 
+    #[inline(always)]
     fn hyperbola_with(&self, alpha: f64) -> LightTangent {
         if alpha >= self.penalty {
             return self.straight();
         }
         let margin = (self.weight / alpha).sqrt();
-        LightTangent { region: Region::Hyperbola, margin, alpha, slope: 2.0 * alpha / margin }
+        let slope = 2.0 * alpha * (margin * alpha) * self.per_weight;
+        LightTangent { region: Region::Hyperbola, margin, alpha, slope }
     }
 
     /// Takes the point of `tangent` at `margin` back to the curve: the new tangent, the multiplier of the
     /// point, and how far it was from the curve, relative (1 or more when it changes to another part).
-    #[inline]
+    #[inline(always)]
     pub(super) fn project(&self, tangent: &LightTangent, margin: f64) -> (LightTangent, f64, f64) {
         let alpha = tangent.alpha - tangent.slope * (margin - tangent.margin);
         let d_th = self.threshold;
@@ -143,7 +151,8 @@ impl LightCurve {
         let distance = if next.region != tangent.region {
             1.0
         } else if next.region == Region::Hyperbola {
-            (next.alpha - alpha).abs().max(next.slope * (margin - next.margin).abs()) / next.alpha
+            let per_alpha = next.margin * next.margin * self.per_weight;
+            (next.alpha - alpha).abs().max(next.slope * (margin - next.margin).abs()) * per_alpha
         } else if next.region == Region::Edge {
             (margin - d_th).abs() / d_th
         } else {

@@ -28,11 +28,14 @@
 //! The sweep cannot fail: `r > 0` and the models are convex, so that `δ ≥ r > 0` in exact arithmetic. Numbers
 //! beyond the range of `f64` show in the trajectory, which its callers check.
 
+use multiversion::multiversion;
+
+use super::lanes::{Lanes, Row};
 use super::matrix::{Factors, Symmetric, add_rank_one, product};
 use crate::problem::{Problem, Terminal};
 
 /// The constant part of a problem, unpacked for the recursion.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LinearQuadratic {
     a: Symmetric,
     b: [f64; 3],
@@ -43,7 +46,9 @@ pub(super) struct LinearQuadratic {
     /// Whether the input acts on the last state only.
     pub(super) is_last_only: bool,
     /// Whether any `d_k` is not zero.
-    has_disturbance: bool,
+    pub(super) has_disturbance: bool,
+    /// Whether any linear cost or `d_k` is not zero.
+    pub(super) has_linear_terms: bool,
 }
 
 /// Model of a stage's input, besides its curvature `r` and the cost of state times input.
@@ -71,9 +76,6 @@ pub(super) trait StageModels {
     fn state_functions(&self, k: usize, add: impl FnMut(&[f64; 3], f64, f64));
 }
 
-/// Three states by four columns: `Ψ`, and `p` as the last.
-type Columns = [[f64; 4]; 3];
-
 /// The minimising input of a stage: `u = −(feedback·x + constant + terminal·y)`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Gain {
@@ -88,10 +90,28 @@ pub(super) struct Gain {
 /// The linear and dual parts of the cost-to-go at some stage.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct CostToGo {
-    /// `Ψ | p`.
-    linear: Columns,
-    /// `W | −t`, row by row.
-    dual: Columns,
+    /// `Ψ | p`, row by row.
+    linear: [Lanes; 3],
+    /// `W`.
+    dual: Dual,
+    /// `t`, in the first three.
+    reached: Lanes,
+}
+
+/// A sum of `β'β/δ`: its diagonal, and the entries 01, 12, 02; the last lanes mean nothing.
+#[derive(Clone, Copy, Debug, Default)]
+struct Dual {
+    diagonal: Lanes,
+    beside: Lanes,
+}
+
+impl Dual {
+    /// Adds `β'γ`, which is symmetric.
+    #[inline(always)]
+    fn add(&mut self, beta: Lanes, gamma: Lanes) {
+        self.diagonal = self.diagonal + beta * gamma;
+        self.beside = self.beside + beta.rotated() * gamma;
+    }
 }
 
 /// `W y = miss`: the terminal equality after a sweep.
@@ -124,10 +144,24 @@ impl Sweep {
             costs: vec![CostToGo::default(); stored],
         }
     }
+
+    /// Takes over another sweep's gains and costs-to-go for `horizon` stages.
+    pub(super) fn copy_from(&mut self, other: &Self, horizon: usize) {
+        let stored = horizon / STRIDE + 1;
+        self.gains[..horizon].copy_from_slice(&other.gains[..horizon]);
+        self.hessians[..stored].copy_from_slice(&other.hessians[..stored]);
+        self.costs[..stored].copy_from_slice(&other.costs[..stored]);
+    }
 }
 
 impl LinearQuadratic {
     pub(super) fn new(problem: &Problem) -> Self {
+        let n = problem.horizon;
+        let has_disturbance = problem.d[..n].iter().any(|d| *d != [0.0; 3]);
+        let has_linear_terms = has_disturbance
+            || problem.p_lin != [0.0; 3]
+            || problem.r_lin[..n].iter().any(|slope| *slope != 0.0)
+            || problem.q_lin[..n].iter().any(|slope| *slope != [0.0; 3]);
         let upper = |m: &[[f64; 3]; 3]| [m[0][0], m[0][1], m[0][2], m[1][1], m[1][2], m[2][2]];
         Self {
             a: upper(&problem.a),
@@ -137,7 +171,8 @@ impl LinearQuadratic {
             r: problem.r,
             p: upper(&problem.p),
             is_last_only: problem.b[0] == 0.0 && problem.b[1] == 0.0,
-            has_disturbance: problem.d[..problem.horizon].iter().any(|d| *d != [0.0; 3]),
+            has_disturbance,
+            has_linear_terms,
         }
     }
 
@@ -239,140 +274,135 @@ impl LinearQuadratic {
         let terminal = matches!(problem.terminal, Terminal::Equality(_));
         match (self.is_last_only, M::WITH_DISTURBANCE && self.has_disturbance, terminal) {
             (true, false, false) => {
-                self.backward::<true, false, false, M>(problem, models, sweep, last)
+                backward::<true, false, f64, M>(self, problem, models, sweep, last)
             }
             (true, false, true) => {
-                self.backward::<true, false, true, M>(problem, models, sweep, last)
+                backward::<true, false, Lanes, M>(self, problem, models, sweep, last)
             }
             (true, true, false) => {
-                self.backward::<true, true, false, M>(problem, models, sweep, last)
+                backward::<true, true, f64, M>(self, problem, models, sweep, last)
             }
             (true, true, true) => {
-                self.backward::<true, true, true, M>(problem, models, sweep, last)
+                backward::<true, true, Lanes, M>(self, problem, models, sweep, last)
             }
-            (false, _, _) => self.backward::<false, true, true, M>(problem, models, sweep, last),
+            (false, _, _) => backward::<false, true, Lanes, M>(self, problem, models, sweep, last),
         }
     }
+}
 
-    fn backward<const LAST: bool, const DISTURBED: bool, const TERMINAL: bool, M: StageModels>(
-        &self,
-        problem: &Problem,
-        models: &M,
-        sweep: &mut Sweep,
-        last: usize,
-    ) -> CostToGo {
-        let n = problem.horizon;
-        let d = &problem.d[..n];
-        let gains = &mut sweep.gains[..n];
-        let (top, from) = resume(n, last);
-        let (mut p, CostToGo { mut linear, mut dual }) = if top < n {
-            (sweep.hessians[from], sweep.costs[from])
+/// See [`LinearQuadratic::factor`].
+#[multiversion(targets("x86_64+avx2"))]
+fn backward<const LAST: bool, const DISTURBED: bool, R: Row, M: StageModels>(
+    lq: &LinearQuadratic,
+    problem: &Problem,
+    models: &M,
+    sweep: &mut Sweep,
+    last: usize,
+) -> CostToGo {
+    let n = problem.horizon;
+    let d = &problem.d[..n];
+    let gains = &mut sweep.gains[..n];
+    let (top, from) = resume(n, last);
+    let (mut p, start) = if top < n {
+        (sweep.hessians[from], sweep.costs[from])
+    } else {
+        let mut gradient = models.state_gradient(n);
+        let mut p = lq.p;
+        models.state_functions(n, |g, curvature, slope| {
+            add_rank_one(&mut p, g, curvature);
+            add_slope(&mut gradient, g, slope);
+        });
+        let [g0, g1, g2] = gradient;
+        let linear = [[1.0, 0.0, 0.0, g0], [0.0, 1.0, 0.0, g1], [0.0, 0.0, 1.0, g2]];
+        (p, CostToGo { linear: linear.map(Lanes), ..CostToGo::default() })
+    };
+    let CostToGo { linear, mut dual, mut reached } = start;
+    let mut linear = linear.map(R::of);
+    let [a00, a01, a02, a11, a12, a22] = lq.a.map(R::splat);
+    for k in (0..top).rev() {
+        let pb = if LAST {
+            [lq.b[2] * p[2], lq.b[2] * p[4], lq.b[2] * p[5]]
         } else {
-            let v = models.state_gradient(n);
-            let mut linear = [[1.0, 0.0, 0.0, v[0]], [0.0, 1.0, 0.0, v[1]], [0.0, 0.0, 1.0, v[2]]];
-            let mut p = self.p;
-            models.state_functions(n, |g, curvature, slope| {
-                add_rank_one(&mut p, g, curvature);
-                add_slope(&mut linear, g, slope);
-            });
-            (p, CostToGo { linear, dual: Columns::default() })
+            product(&p, &lq.b)
         };
-        let [a00, a01, a02, a11, a12, a22] = self.a;
-        let columns = if TERMINAL { 0..4 } else { 3..4 };
-        for k in (0..top).rev() {
-            let pb = if LAST {
-                [self.b[2] * p[2], self.b[2] * p[4], self.b[2] * p[5]]
-            } else {
-                product(&p, &self.b)
-            };
-            if DISTURBED && M::WITH_DISTURBANCE {
-                let carried = product(&p, &d[k]);
-                for j in columns.start..3 {
-                    dual[j][3] -=
-                        linear[0][j] * d[k][0] + linear[1][j] * d[k][1] + linear[2][j] * d[k][2];
-                }
-                for i in 0..3 {
-                    linear[i][3] += carried[i];
-                }
+        if DISTURBED && M::WITH_DISTURBANCE {
+            let [l0, l1, l2] = linear;
+            let [d0, d1, d2] = d[k];
+            if R::HAS_TERMINAL {
+                let moved = l0 * R::splat(d0) + l1 * R::splat(d1) + l2 * R::splat(d2);
+                reached = reached + moved.lanes();
             }
-            let model = models.input(k);
-            let (extra, slope) = match model {
-                InputModel::Free(extra, slope) => (extra, slope),
-                InputModel::Held(_, slope) => (0.0, slope),
-            };
-            let inverse = 1.0 / (self.r + extra + self.input_of::<LAST>(&pb));
-            // What follows does not wait for the division: it is the longest link of the chain.
-            let fa = self.transposed(&pb);
-            let f = [fa[0] + self.s[0], fa[1] + self.s[1], fa[2] + self.s[2]];
-            let mut next = self.q;
-            let gradient = models.state_gradient(k);
-            let mut next_linear = Columns::default();
-            for j in columns.clone() {
-                next_linear[0][j] = a00 * linear[0][j];
-                next_linear[1][j] = a01 * linear[0][j] + a11 * linear[1][j];
-                next_linear[2][j] = a02 * linear[0][j] + a12 * linear[1][j] + a22 * linear[2][j];
-            }
+            let carried = product(&p, &d[k]);
             for i in 0..3 {
-                next_linear[i][3] += gradient[i];
-            }
-            if k > 0 {
-                models.state_functions(k, |g, curvature, slope| {
-                    add_rank_one(&mut next, g, curvature);
-                    add_slope(&mut next_linear, g, slope);
-                });
-            }
-            let apa = self.congruence(&p);
-            for i in 0..6 {
-                next[i] += apa[i];
-            }
-            let mut beta = [0.0; 4];
-            for j in columns.clone() {
-                beta[j] = self.input_of::<LAST>(&[linear[0][j], linear[1][j], linear[2][j]]);
-            }
-            let mut pull = beta;
-            pull[3] += slope;
-            let gain = &mut gains[k];
-            gain.feedback = [f[0] * inverse, f[1] * inverse, f[2] * inverse];
-            gain.inverse = inverse;
-            gain.feedforward = pull.map(|b| b * inverse);
-            if let InputModel::Held(u, _) = model {
-                p = next;
-                for i in 0..3 {
-                    next_linear[i][3] += f[i] * u;
-                    if TERMINAL {
-                        dual[i][3] -= beta[i] * u;
-                    }
-                }
-            } else {
-                p = [
-                    next[0] - (f[0] * f[0]) * inverse,
-                    next[1] - (f[0] * f[1]) * inverse,
-                    next[2] - (f[0] * f[2]) * inverse,
-                    next[3] - (f[1] * f[1]) * inverse,
-                    next[4] - (f[1] * f[2]) * inverse,
-                    next[5] - (f[2] * f[2]) * inverse,
-                ];
-                if TERMINAL {
-                    for i in 0..3 {
-                        for j in 0..4 {
-                            next_linear[i][j] -= gain.feedback[i] * pull[j];
-                            dual[i][j] += beta[i] * gain.feedforward[j];
-                        }
-                    }
-                } else {
-                    for i in 0..3 {
-                        next_linear[i][3] -= gain.feedback[i] * pull[3];
-                    }
-                }
-            }
-            linear = next_linear;
-            if k % STRIDE == 0 {
-                sweep.hessians[k / STRIDE] = p;
-                sweep.costs[k / STRIDE] = CostToGo { linear, dual };
+                linear[i] = linear[i] + R::linear(carried[i]);
             }
         }
-        CostToGo { linear, dual }
+        let model = models.input(k);
+        let (extra, slope) = match model {
+            InputModel::Free(extra, slope) => (extra, slope),
+            InputModel::Held(_, slope) => (0.0, slope),
+        };
+        let inverse = 1.0 / (lq.r + extra + lq.input_of::<LAST>(&pb));
+        // What follows does not wait for the division: it is the longest link of the chain.
+        let fa = lq.transposed(&pb);
+        let f = [fa[0] + lq.s[0], fa[1] + lq.s[1], fa[2] + lq.s[2]];
+        let mut next = lq.q;
+        let mut gradient = models.state_gradient(k);
+        if k > 0 {
+            models.state_functions(k, |g, curvature, slope| {
+                add_rank_one(&mut next, g, curvature);
+                add_slope(&mut gradient, g, slope);
+            });
+        }
+        let apa = lq.congruence(&p);
+        for i in 0..6 {
+            next[i] += apa[i];
+        }
+        let [l0, l1, l2] = linear;
+        let mut beta = l2 * R::splat(lq.b[2]);
+        if !LAST {
+            beta = beta + (l0 * R::splat(lq.b[0]) + l1 * R::splat(lq.b[1]));
+        }
+        let pull = beta + R::linear(slope);
+        let feedforward = pull * R::splat(inverse);
+        linear = [a00 * l0, a01 * l0 + a11 * l1, a02 * l0 + a12 * l1 + a22 * l2];
+        let feedback = [f[0] * inverse, f[1] * inverse, f[2] * inverse];
+        gains[k] = Gain { feedback, inverse, feedforward: feedforward.lanes().0 };
+        if let InputModel::Held(u, _) = model {
+            p = next;
+            for i in 0..3 {
+                gradient[i] += f[i] * u;
+            }
+            if R::HAS_TERMINAL {
+                reached = reached + (beta * R::splat(u)).lanes();
+            }
+        } else {
+            p = [
+                next[0] - f[0] * feedback[0],
+                next[1] - f[0] * feedback[1],
+                next[2] - f[0] * feedback[2],
+                next[3] - f[1] * feedback[1],
+                next[4] - f[1] * feedback[2],
+                next[5] - f[2] * feedback[2],
+            ];
+            for i in 0..3 {
+                linear[i] = linear[i] - R::splat(feedback[i]) * pull;
+            }
+            if R::HAS_TERMINAL {
+                dual.add(beta.lanes(), feedforward.lanes());
+                let constant = R::splat(feedforward.lanes().0[3]);
+                reached = reached - (beta * constant).lanes();
+            }
+        }
+        for i in 0..3 {
+            linear[i] = linear[i] + R::linear(gradient[i]);
+        }
+        if k % STRIDE == 0 {
+            sweep.hessians[k / STRIDE] = p;
+            sweep.costs[k / STRIDE] = CostToGo { linear: linear.map(R::lanes), dual, reached };
+        }
     }
+    CostToGo { linear: linear.map(R::lanes), dual, reached }
 }
 
 /// Where a sweep that keeps everything above stage `last` begins: the stage, and its stored entry.
@@ -386,8 +416,8 @@ impl CostToGo {
     pub(super) fn terminal_system(&self, problem: &Problem, x_f: &[f64; 3]) -> TerminalSystem {
         let (x, psi) = (&problem.x0, &self.linear);
         let miss = std::array::from_fn(|j| {
-            let reached = psi[0][j] * x[0] + psi[1][j] * x[1] + psi[2][j] * x[2];
-            reached - self.dual[j][3] - x_f[j]
+            let free = psi[0].0[j] * x[0] + psi[1].0[j] * x[1] + psi[2].0[j] * x[2];
+            free + self.reached.0[j] - x_f[j]
         });
         TerminalSystem { factors: self.factors(), miss }
     }
@@ -398,14 +428,15 @@ impl CostToGo {
         x_n: &[f64; 3],
         x_f: &[f64; 3],
     ) -> TerminalSystem {
-        let miss = std::array::from_fn(|j| x_n[j] - self.dual[j][3] - x_f[j]);
+        let miss = std::array::from_fn(|j| x_n[j] + self.reached.0[j] - x_f[j]);
         TerminalSystem { factors: self.factors(), miss }
     }
 
     /// `W` factored.
     pub(super) fn factors(&self) -> Factors {
-        let w = &self.dual;
-        Factors::new(&[w[0][0], w[0][1], w[0][2], w[1][1], w[1][2], w[2][2]])
+        let [w00, w11, w22, _] = self.dual.diagonal.0;
+        let [w01, w12, w02, _] = self.dual.beside.0;
+        Factors::new(&[w00, w01, w02, w11, w12, w22])
     }
 }
 
@@ -431,10 +462,10 @@ impl Gain {
     }
 }
 
-/// Adds `slope · g` to the last column.
+/// Adds `slope · g`.
 #[inline(always)]
-fn add_slope(linear: &mut Columns, g: &[f64; 3], slope: f64) {
+fn add_slope(v: &mut [f64; 3], g: &[f64; 3], slope: f64) {
     for i in 0..3 {
-        linear[i][3] += slope * g[i];
+        v[i] += slope * g[i];
     }
 }

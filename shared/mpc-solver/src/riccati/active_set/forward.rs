@@ -6,6 +6,8 @@
 //!
 //! The side that an input is clamped to is its side in the next guess.
 
+use multiversion::multiversion;
+
 use super::complementarity::MAX_WORKING_ROWS;
 use super::response::RowResponse;
 use super::rows::WorkingRow;
@@ -34,52 +36,58 @@ pub(super) struct Trajectory<'a> {
 impl Policy<'_> {
     /// Fills the trajectory.
     pub(super) fn simulate(&self, problem: &Problem, trajectory: &mut Trajectory) {
-        if self.lq.is_last_only {
-            self.sweep_forward::<true>(problem, trajectory);
-        } else {
-            self.sweep_forward::<false>(problem, trajectory);
+        match (self.lq.is_last_only, self.lq.has_disturbance) {
+            (true, false) => sweep_forward::<true, false>(self, problem, trajectory),
+            (true, true) => sweep_forward::<true, true>(self, problem, trajectory),
+            (false, _) => sweep_forward::<false, true>(self, problem, trajectory),
         }
     }
+}
 
-    fn sweep_forward<const LAST: bool>(&self, problem: &Problem, trajectory: &mut Trajectory) {
-        let n = problem.horizon;
-        let (gains, d) = (&self.sweep.gains[..n], &problem.d[..n]);
-        let (inputs, states) = (&mut trajectory.inputs[..n], &mut trajectory.states[..=n]);
-        let (sides, unclamped) = (&mut trajectory.sides[..n], &mut trajectory.unclamped[..n]);
-        let mut mu = [0.0; MAX_WORKING_ROWS];
-        for (slot, row) in mu.iter_mut().zip(self.rows) {
-            *slot = row.multiplier;
-        }
-        let (lo, hi) = (problem.u_min, problem.u_max);
-        let mut x = problem.x0;
-        states[0] = x;
-        for k in 0..n {
-            let gain = &gains[k];
-            let mut offset = gain.offset(&self.terminal);
-            if k < self.response.reach {
-                let f = &self.response.offsets[k];
-                let mut sums = [0.0; MAX_WORKING_ROWS / 2];
-                for c in 0..MAX_WORKING_ROWS / 2 {
-                    let other = c + MAX_WORKING_ROWS / 2;
-                    sums[c] = f[c] * mu[c] + f[other] * mu[other];
-                }
-                offset += (sums[0] + sums[1]) + (sums[2] + sums[3]);
+#[multiversion(targets("x86_64+avx2"))]
+fn sweep_forward<const LAST: bool, const DISTURBED: bool>(
+    policy: &Policy,
+    problem: &Problem,
+    trajectory: &mut Trajectory,
+) {
+    let n = problem.horizon;
+    let (lq, y) = (policy.lq, &policy.terminal);
+    let (gains, d) = (&policy.sweep.gains[..n], &problem.d[..n]);
+    let (inputs, states) = (&mut trajectory.inputs[..n], &mut trajectory.states[..=n]);
+    let (sides, unclamped) = (&mut trajectory.sides[..n], &mut trajectory.unclamped[..n]);
+    let mut mu = [0.0; MAX_WORKING_ROWS];
+    for (slot, row) in mu.iter_mut().zip(policy.rows) {
+        *slot = row.multiplier;
+    }
+    let (lo, hi) = (problem.u_min, problem.u_max);
+    let mut x = problem.x0;
+    states[0] = x;
+    for k in 0..n {
+        let gain = &gains[k];
+        let mut offset = gain.offset(y);
+        if k < policy.response.reach {
+            let f = &policy.response.offsets[k];
+            let mut sums = [0.0; MAX_WORKING_ROWS / 2];
+            for c in 0..MAX_WORKING_ROWS / 2 {
+                let other = c + MAX_WORKING_ROWS / 2;
+                sums[c] = f[c] * mu[c] + f[other] * mu[other];
             }
-            let v = -gain.input(offset, &x);
-            // Branches rather than a minimum and a maximum: the sides come in long runs, and a predicted
-            // branch does not wait for `v`.
-            let (next, u, side) = if v > hi {
-                (self.lq.step::<LAST>(&x, hi), hi, Side::Upper)
-            } else if v < lo {
-                (self.lq.step::<LAST>(&x, lo), lo, Side::Lower)
-            } else {
-                (self.lq.closed_step::<LAST>(&x, gain, offset, v), v, Side::Free)
-            };
-            unclamped[k] = v;
-            sides[k] = side;
-            inputs[k] = u;
-            x = [next[0] + d[k][0], next[1] + d[k][1], next[2] + d[k][2]];
-            states[k + 1] = x;
+            offset += (sums[0] + sums[1]) + (sums[2] + sums[3]);
         }
+        let v = -gain.input(offset, &x);
+        // Branches rather than a minimum and a maximum: the sides come in long runs, and a predicted
+        // branch does not wait for `v`.
+        let (next, u, side) = if v > hi {
+            (lq.step::<LAST>(&x, hi), hi, Side::Upper)
+        } else if v < lo {
+            (lq.step::<LAST>(&x, lo), lo, Side::Lower)
+        } else {
+            (lq.closed_step::<LAST>(&x, gain, offset, v), v, Side::Free)
+        };
+        unclamped[k] = v;
+        sides[k] = side;
+        inputs[k] = u;
+        x = if DISTURBED { std::array::from_fn(|i| next[i] + d[k][i]) } else { next };
+        states[k + 1] = x;
     }
 }

@@ -1,9 +1,10 @@
 //! When an attempt is given up.
 //!
-//! The method has no safeguard: it settles within a few rounds or wanders. An attempt that wanders is known by these
-//! signs. Their limits were measured: every attempt on the paper's drives that settles stays clear of them (at most 32 of 100
-//! inputs change from the third round on, 22 stages violate a row, 49 inputs are free), and random problems that exceed
-//! them seldom settle:
+//! The method has no safeguard: it settles within a few rounds, or it wanders until the rounds run out. An attempt that
+//! wanders is known by the signs below, and what follows it is the interior point (cold) or the cold attempt (warm).
+//! Their limits were measured: every attempt on the paper's drives that settles stays clear of them (at most 32 of
+//! 100 inputs change from the third round on, at most 22 stages violate a row, at least 49 inputs are free), and random
+//! problems that exceed them seldom settle:
 //!
 //! 1. More than two fifths of the inputs change sides in one round, from the third on: the guess alternates between two
 //!    patterns.

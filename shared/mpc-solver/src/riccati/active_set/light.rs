@@ -1,5 +1,7 @@
 //! The light in the active-set method: its curve is replaced by tangents, which the rounds renew.
 
+use multiversion::multiversion;
+
 use crate::problem::{LightStage, Problem, dot};
 use crate::riccati::light_curve::{LightCurve, LightTangent};
 
@@ -20,6 +22,7 @@ pub(super) fn place(
 
 /// New tangents where the last step has led, and the multipliers there; returns the largest distance from
 /// the curve, relative.
+#[multiversion(targets("x86_64+avx2"))]
 pub(super) fn project(
     problem: &Problem,
     curve: &LightCurve,

@@ -3,7 +3,8 @@
 //! A round of the method takes a guess and solves the linear-quadratic problem that it makes:
 //!
 //! 1. *Backward sweep* ([`super::lqr`]) with the inputs of the guess held and the light's curve replaced by its
-//!    tangents.
+//!    tangents, from the last stage at which the guess has changed; in the first round from the last at which it differs
+//!    from free inputs ([`first_sweep`]).
 //! 2. *Row response* ([`response`]): how the trajectory answers to the multipliers of the working rows.
 //! 3. *Complementarity* ([`dual`], [`complementarity`]): these multipliers, exactly, and that of the terminal equality.
 //! 4. *Forward sweep* ([`forward`]), in which every input is clamped to its bounds.
@@ -24,6 +25,7 @@
 
 mod complementarity;
 mod dual;
+mod first_sweep;
 mod forward;
 mod give_up;
 mod light;
@@ -37,6 +39,7 @@ use super::row_curve::RowTangent;
 use super::working_set::{Side, WorkingSet};
 use crate::kkt::Multipliers;
 use crate::problem::{LightStage, Problem, Terminal, dot};
+use first_sweep::FirstSweep;
 use forward::{Policy, Trajectory};
 use give_up::Progress;
 use response::RowResponse;
@@ -45,7 +48,7 @@ use rows::{Update, WorkingRows};
 /// Rounds of an attempt from nothing.
 const MAX_ROUNDS: u32 = 18;
 /// Relative distance from the light's curve that counts as none.
-const ON_CURVE: f64 = 2e-10;
+const ON_CURVE: f64 = 2e-9;
 
 /// Where the method ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,6 +80,7 @@ pub(super) struct Point<'a> {
 pub(super) struct ActiveSet {
     pub(super) guess: WorkingSet,
     rows: WorkingRows,
+    first_sweep: FirstSweep,
     sweep: Sweep,
     response: RowResponse,
     next_sides: Vec<Side>,
@@ -92,6 +96,7 @@ impl ActiveSet {
         Self {
             guess: WorkingSet::new(max_horizon),
             rows: WorkingRows::new(),
+            first_sweep: FirstSweep::new(max_horizon),
             sweep: Sweep::new(max_horizon),
             response: RowResponse::new(max_horizon),
             next_sides: vec![Side::Free; max_horizon],
@@ -143,7 +148,7 @@ impl ActiveSet {
         // The last stage at which the guess differs from that of the sweep before.
         let mut last_changed = n;
         for round in 1..=max_rounds {
-            if !self.minimise(problem, lq, has_light, last_changed, point) {
+            if !self.minimise(problem, lq, round == 1, has_light, last_changed, point) {
                 return (Outcome::GivenUp, round);
             }
             if is_cold && round <= 2 {
@@ -187,6 +192,7 @@ impl ActiveSet {
         &mut self,
         problem: &Problem,
         lq: &LinearQuadratic,
+        is_first: bool,
         has_light: bool,
         last_changed: usize,
         point: &mut Point,
@@ -198,7 +204,12 @@ impl ActiveSet {
             stages: if has_light { problem.light_stages() } else { &[] },
             rows: &self.guess.rows[..self.guess.row_count(problem)],
         };
-        let cost_to_go = lq.factor(problem, &models, &mut self.sweep, last_changed);
+        let cost_to_go = if is_first {
+            let last = models.last_modelled(problem.horizon);
+            self.first_sweep.fill(problem, lq, &models, last, &mut self.sweep)
+        } else {
+            lq.factor(problem, &models, &mut self.sweep, last_changed)
+        };
         let sides = &self.guess.sides;
         self.response.compute(problem, lq, &self.sweep, sides, self.rows.members());
         let rows = self.rows.members_mut();
@@ -221,12 +232,14 @@ impl ActiveSet {
 
     fn progress(&self, problem: &Problem, round: u32) -> Progress {
         let n = problem.horizon;
-        let sides = self.guess.sides[..n].iter().zip(&self.next_sides[..n]);
+        let (before, after) = (&self.guess.sides[..n], &self.next_sides[..n]);
+        let changed = |(a, b): (&Side, &Side)| u32::from(*a as i8 != *b as i8);
+        let free = |side: &Side| u32::from(*side as i8 == Side::Free as i8);
         Progress {
             round,
             horizon: n,
-            changed: sides.filter(|(before, after)| before != after).count(),
-            free: self.next_sides[..n].iter().filter(|side| **side == Side::Free).count(),
+            changed: before.iter().zip(after).map(changed).sum::<u32>() as usize,
+            free: after.iter().map(free).sum::<u32>() as usize,
             has_terminal_equality: matches!(problem.terminal, Terminal::Equality(_)),
         }
     }
@@ -300,6 +313,17 @@ struct Models<'a> {
     tangents: &'a [LightTangent],
     stages: &'a [LightStage],
     rows: &'a [Vec<RowTangent>],
+}
+
+impl Models<'_> {
+    /// The last stage at which an input is held or a tangent placed; `n` where rows are in by their tangents.
+    fn last_modelled(&self, n: usize) -> usize {
+        if !self.rows.is_empty() {
+            return n;
+        }
+        let held = self.sides[..n].iter().rposition(|side| *side as i8 != Side::Free as i8);
+        held.map_or(0, |k| k + 1).max(self.stages.len()).min(n)
+    }
 }
 
 impl StageModels for Models<'_> {

@@ -10,6 +10,8 @@
 //! and shifts the free inputs by `−μ f/δ`. What its left-hand side becomes follows on the way: `G_{cd} = Σ f_c f_d/δ`
 //! for its answer to the rows, `T_c = Σ β f_c/δ` for that to the terminal equality, both over the free inputs.
 
+use multiversion::multiversion;
+
 use super::complementarity::MAX_WORKING_ROWS;
 use super::rows::WorkingRow;
 use crate::problem::{Problem, dot};
@@ -53,85 +55,86 @@ impl RowResponse {
     ) {
         match (lq.is_last_only, rows.len()) {
             (_, 0) => self.reach = 0,
-            (true, 0..=4) => self.columns::<4, true>(problem, lq, sweep, sides, rows),
-            (true, _) => self.columns::<8, true>(problem, lq, sweep, sides, rows),
-            (false, _) => self.columns::<8, false>(problem, lq, sweep, sides, rows),
+            (true, 0..=4) => columns::<4, true>(self, problem, lq, sweep, sides, rows),
+            (true, _) => columns::<8, true>(self, problem, lq, sweep, sides, rows),
+            (false, _) => columns::<8, false>(self, problem, lq, sweep, sides, rows),
         }
     }
+}
 
-    fn columns<const L: usize, const LAST: bool>(
-        &mut self,
-        problem: &Problem,
-        lq: &LinearQuadratic,
-        sweep: &Sweep,
-        sides: &[Side],
-        rows: &[WorkingRow],
-    ) {
-        let top = rows.iter().fold(0, |top, row| row.stage.max(top));
-        self.reach = top;
-        let (offsets, gains) = (&mut self.offsets[..top], &sweep.gains[..top]);
-        let (sides, d) = (&sides[..top], &problem.d[..top]);
-        let mut v = [[0.0; L]; 3];
-        let mut gram = [[0.0; L]; L];
-        let mut terminal = [[0.0; L]; 3];
-        let mut t = [0.0; L];
-        for k in (0..top).rev() {
-            for (c, row) in rows.iter().enumerate() {
-                if row.stage == k + 1 {
-                    let g = &problem.rows[row.row].gradient;
-                    for i in 0..3 {
-                        v[i][c] = g[i];
-                    }
-                }
-            }
-            let gain = &gains[k];
-            let mut f = [0.0; L];
-            for c in 0..L {
-                f[c] = lq.input_of::<LAST>(&[v[0][c], v[1][c], v[2][c]]);
-                t[c] += v[0][c] * d[k][0] + v[1][c] * d[k][1] + v[2][c] * d[k][2];
-            }
-            let mut next = [[0.0; L]; 3];
-            for c in 0..L {
-                let w = lq.transposed(&[v[0][c], v[1][c], v[2][c]]);
-                for i in 0..3 {
-                    next[i][c] = w[i];
-                }
-            }
-            let offset = f.map(|f| f * gain.inverse);
-            offsets[k][..L].copy_from_slice(&offset);
-            match sides[k] {
-                Side::Free => {
-                    for c in 0..L {
-                        t[c] -= f[c] * gain.feedforward[3];
-                        for i in 0..3 {
-                            next[i][c] -= gain.feedback[i] * f[c];
-                            terminal[i][c] += gain.feedforward[i] * f[c];
-                        }
-                    }
-                    for e in 0..L {
-                        for c in 0..L {
-                            gram[e][c] += offset[e] * f[c];
-                        }
-                    }
-                }
-                side => {
-                    let held = if side == Side::Upper { problem.u_max } else { problem.u_min };
-                    for c in 0..L {
-                        t[c] += f[c] * held;
-                    }
-                }
-            }
-            v = next;
-        }
-        for c in 0..L {
-            for i in 0..3 {
-                self.terminal[i][c] = terminal[i][c];
-            }
-            self.gram[c][..L].copy_from_slice(&gram[c]);
-        }
+#[multiversion(targets("x86_64+avx2"))]
+fn columns<const L: usize, const LAST: bool>(
+    response: &mut RowResponse,
+    problem: &Problem,
+    lq: &LinearQuadratic,
+    sweep: &Sweep,
+    sides: &[Side],
+    rows: &[WorkingRow],
+) {
+    let top = rows.iter().fold(0, |top, row| row.stage.max(top));
+    response.reach = top;
+    let (offsets, gains) = (&mut response.offsets[..top], &sweep.gains[..top]);
+    let (sides, d) = (&sides[..top], &problem.d[..top]);
+    let mut v = [[0.0; L]; 3];
+    let mut gram = [[0.0; L]; L];
+    let mut terminal = [[0.0; L]; 3];
+    let mut t = [0.0; L];
+    for k in (0..top).rev() {
         for (c, row) in rows.iter().enumerate() {
-            let h = problem.limits[row.row][row.stage];
-            self.value[c] = dot(&[v[0][c], v[1][c], v[2][c]], &problem.x0) + (t[c] - h);
+            if row.stage == k + 1 {
+                let g = &problem.rows[row.row].gradient;
+                for i in 0..3 {
+                    v[i][c] = g[i];
+                }
+            }
         }
+        let gain = &gains[k];
+        let mut f = [0.0; L];
+        for c in 0..L {
+            f[c] = lq.input_of::<LAST>(&[v[0][c], v[1][c], v[2][c]]);
+            t[c] += v[0][c] * d[k][0] + v[1][c] * d[k][1] + v[2][c] * d[k][2];
+        }
+        let mut next = [[0.0; L]; 3];
+        for c in 0..L {
+            let w = lq.transposed(&[v[0][c], v[1][c], v[2][c]]);
+            for i in 0..3 {
+                next[i][c] = w[i];
+            }
+        }
+        let offset = f.map(|f| f * gain.inverse);
+        offsets[k][..L].copy_from_slice(&offset);
+        match sides[k] {
+            Side::Free => {
+                for c in 0..L {
+                    t[c] -= f[c] * gain.feedforward[3];
+                    for i in 0..3 {
+                        next[i][c] -= gain.feedback[i] * f[c];
+                        terminal[i][c] += gain.feedforward[i] * f[c];
+                    }
+                }
+                for e in 0..L {
+                    for c in 0..L {
+                        gram[e][c] += offset[e] * f[c];
+                    }
+                }
+            }
+            side => {
+                let held = if side == Side::Upper { problem.u_max } else { problem.u_min };
+                for c in 0..L {
+                    t[c] += f[c] * held;
+                }
+            }
+        }
+        v = next;
+    }
+    for c in 0..L {
+        for i in 0..3 {
+            response.terminal[i][c] = terminal[i][c];
+        }
+        response.gram[c][..L].copy_from_slice(&gram[c]);
+    }
+    for (c, row) in rows.iter().enumerate() {
+        let h = problem.limits[row.row][row.stage];
+        response.value[c] = dot(&[v[0][c], v[1][c], v[2][c]], &problem.x0) + (t[c] - h);
     }
 }

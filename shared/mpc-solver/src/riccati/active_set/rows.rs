@@ -9,6 +9,8 @@ use super::complementarity::MAX_WORKING_ROWS;
 use crate::limits::MAX_ROWS;
 use crate::problem::{Problem, dot};
 
+/// Members whose response costs as much as that of one, see [`super::response`].
+const LANES: usize = 4;
 /// Violation that counts as none, relative to the limit or 1.
 const TOLERANCE: f64 = 1e-10;
 
@@ -85,24 +87,59 @@ impl WorkingRows {
         let mut violated = 0;
         let mut update = Update::Complete;
         for (j, row) in problem.rows.iter().enumerate() {
-            let mut worst: Option<(usize, f64)> = None;
-            for k in row.from..=row.to {
-                let h = problem.limits[j][k];
-                let z = dot(&row.gradient, &states[k]) - h;
+            if row.from > row.to {
+                continue;
+            }
+            let limits = &problem.limits[j][row.from..=row.to];
+            let stages = (row.from..).zip(&states[row.from..=row.to]).zip(limits);
+            // The worst of the present run, if its violation is positive.
+            let mut worst = (0, 0.0);
+            for ((k, x), h) in stages {
+                let z = dot(&row.gradient, x) - h;
                 if z > 0.0 && z > TOLERANCE * h.abs().max(1.0) {
                     violated += 1;
-                    if worst.is_none_or(|(_, most)| z > most) {
-                        worst = Some((k, z));
+                    if z > worst.1 {
+                        worst = (k, z);
                     }
-                } else if let Some((stage, _)) = worst.take() {
-                    update = self.enter(j, stage, update);
+                } else if worst.1 > 0.0 {
+                    update = self.enter(j, worst.0, update);
+                    worst = (0, 0.0);
                 }
             }
-            if let Some((stage, _)) = worst {
-                update = self.enter(j, stage, update);
+            if worst.1 > 0.0 {
+                update = self.enter(j, worst.0, update);
             }
         }
-        if violated > most_violated { Update::TooMany } else { update }
+        if violated > most_violated {
+            return Update::TooMany;
+        }
+        self.add_neighbours(problem, states);
+        update
+    }
+
+    /// Fills the lanes that would idle with the neighbours of the members, those nearest to their limits first: where
+    /// a row acts at two stages, or at the one beside the worst, the next round then knows it.
+    fn add_neighbours(&mut self, problem: &Problem, states: &[[f64; 3]]) {
+        let count = self.members.len();
+        while self.members.len() < LANES {
+            let mut nearest: Option<(usize, usize, f64)> = None;
+            for member in &self.members[..count] {
+                let row = &problem.rows[member.row];
+                for stage in [member.stage - 1, member.stage + 1] {
+                    let is_member =
+                        self.members.iter().any(|m| (m.row, m.stage) == (member.row, stage));
+                    if is_member || stage < row.from || stage > row.to {
+                        continue;
+                    }
+                    let z = dot(&row.gradient, &states[stage]) - problem.limits[member.row][stage];
+                    if nearest.is_none_or(|(_, _, most)| z > most) {
+                        nearest = Some((member.row, stage, z));
+                    }
+                }
+            }
+            let Some((row, stage, _)) = nearest else { break };
+            self.members.push(WorkingRow { row, stage, multiplier: 0.0 });
+        }
     }
 
     /// Adds a row at a stage unless it is there; returns the state of the update after it.

@@ -4,13 +4,20 @@
 //! passes from one bound to the other through at least one stage between them. A forward sweep from a
 //! wrong multiplier may nevertheless end with neighbours at opposite bounds; held there, the terminal equality
 //! loses its last free input and its multiplier explodes. So one of the two is set free: the other one if
-//! exactly one was free before (the switch then moves by one stage), else the one that exceeds its
-//! bound by less.
+//! exactly one was free before (the switch then moves), else the one that exceeds its bound by less.
+//!
+//! A switch moves by one stage, and further by half as many as it would take to make up for what the free input was
+//! asked for beyond its bound: each stage that changes from one bound to the other gives the range between them.
 //!
 //! Ahead of a row that acts the costate jumps, and neighbours at opposite bounds can be right. Should they be right
 //! elsewhere, the sweep that finds the sides unchanged settles before this rule is asked.
 
 use crate::riccati::working_set::Side;
+
+/// Most stages beyond the first that a switch moves at once.
+const MOST_STAGES: f64 = 8.0;
+/// Part of the stages that would take over the excess: not all, because the rest of the trajectory takes over some.
+const SHARE: f64 = 0.5;
 
 /// Frees one of each pair of neighbours at opposite bounds, from stage `from` on.
 ///
@@ -23,18 +30,35 @@ pub(super) fn free_switches(
     (u_min, u_max): (f64, f64),
 ) {
     let excess = |k: usize| (unclamped[k] - u_max).max(u_min - unclamped[k]);
-    for k in from.max(1)..sides.len() {
-        let is_switch = sides[k - 1] as i8 * sides[k] as i8 == -1;
-        if !is_switch {
+    let stages = |k: usize| {
+        let taken_over = excess(k) / (u_max - u_min);
+        (SHARE * taken_over).clamp(0.0, MOST_STAGES) as usize
+    };
+    let mut k = from.max(1);
+    while k < sides.len() {
+        let (left, right) = (sides[k - 1], sides[k]);
+        if left as i8 * right as i8 != -1 {
+            k += 1;
             continue;
         }
         let freed = match (before[k - 1] == Side::Free, before[k] == Side::Free) {
-            (true, false) => k,
-            (false, true) => k - 1,
+            (true, false) => {
+                let run = sides[k..].iter().take_while(|side| **side == right).count();
+                let moved = stages(k - 1).min(run - 1);
+                sides[k..k + moved].fill(left);
+                k + moved
+            }
+            (false, true) => {
+                let run = sides[from..k].iter().rev().take_while(|side| **side == left).count();
+                let moved = stages(k).min(run - 1);
+                sides[k - moved..k].fill(right);
+                k - 1 - moved
+            }
             _ if excess(k - 1) < excess(k) => k - 1,
             _ => k,
         };
         sides[freed] = Side::Free;
+        k = k.max(freed) + 1;
     }
 }
 
@@ -45,7 +69,7 @@ mod tests {
 
     #[test]
     fn the_switch_moves_by_one_stage_or_frees_the_smaller_excess() {
-        let unclamped = [9.0, 7.0, -2.0, -9.0];
+        let unclamped = [1.9, 1.7, -1.2, -1.9];
         let mut sides = [Upper, Upper, Lower, Lower];
         free_switches(&mut sides, &[Upper, Free, Lower, Lower], &unclamped, 0, (-1.0, 1.0));
         assert_eq!(sides, [Upper, Upper, Free, Lower]);
@@ -59,5 +83,21 @@ mod tests {
         let mut sides = [Upper, Upper, Lower, Lower];
         free_switches(&mut sides, &[Free; 4], &unclamped, 3, (-1.0, 1.0));
         assert_eq!(sides, [Upper, Upper, Lower, Lower]);
+    }
+
+    #[test]
+    fn a_large_excess_moves_the_switch_by_several_stages_within_its_runs() {
+        // Four ranges beyond the bound, half of which are taken over.
+        let unclamped = [1.5, 9.0, -2.0, -2.0, -2.0, -2.0];
+        let mut sides = [Upper, Upper, Lower, Lower, Lower, Lower];
+        let before = [Upper, Free, Lower, Lower, Lower, Lower];
+        free_switches(&mut sides, &before, &unclamped, 0, (-1.0, 1.0));
+        assert_eq!(sides, [Upper, Upper, Upper, Upper, Free, Lower]);
+        // To the left not beyond the last stage at which a row acts.
+        let unclamped = [2.0, 2.0, 2.0, -1e9, -2.0];
+        let mut sides = [Upper, Upper, Upper, Lower, Lower];
+        let before = [Upper, Upper, Upper, Free, Lower];
+        free_switches(&mut sides, &before, &unclamped, 1, (-1.0, 1.0));
+        assert_eq!(sides, [Upper, Free, Lower, Lower, Lower]);
     }
 }

@@ -1,0 +1,67 @@
+//! The first round's sweep, kept from solve to solve.
+//!
+//! Cold, the first round has all inputs free and no light; warm, it often has so from some stage on. Where the problem
+//! has no linear terms, the sweep down to that stage depends on the matrices alone: it is the unconstrained regulator's,
+//! and a controller that solves the same program cycle after cycle with other states and another light need not
+//! compute it again. What is kept is exactly what would be computed, so that an answer does not depend on the
+//! solves before it.
+
+use crate::problem::{Problem, Terminal};
+use crate::riccati::lqr::{CostToGo, InputModel, LinearQuadratic, StageModels, Sweep};
+
+/// The sweep, and the matrices that it was made from.
+#[derive(Clone, Debug)]
+pub(super) struct FirstSweep {
+    made_from: Option<(LinearQuadratic, usize, bool)>,
+    sweep: Sweep,
+    cost_to_go: CostToGo,
+}
+
+impl FirstSweep {
+    pub(super) fn new(max_horizon: usize) -> Self {
+        Self { made_from: None, sweep: Sweep::new(max_horizon), cost_to_go: CostToGo::default() }
+    }
+
+    /// Fills `sweep` for an attempt's first round, in which inputs are held and tangents placed up to stage `last` only.
+    pub(super) fn fill<M: StageModels>(
+        &mut self,
+        problem: &Problem,
+        lq: &LinearQuadratic,
+        models: &M,
+        last: usize,
+        sweep: &mut Sweep,
+    ) -> CostToGo {
+        let n = problem.horizon;
+        if lq.has_linear_terms || last == n {
+            return lq.factor(problem, models, sweep, n);
+        }
+        let is_fixed = matches!(problem.terminal, Terminal::Equality(_));
+        let made_from = Some((*lq, n, is_fixed));
+        if self.made_from != made_from {
+            self.cost_to_go = lq.factor(problem, &Unconstrained(problem), &mut self.sweep, n);
+            self.made_from = made_from;
+        }
+        sweep.copy_from(&self.sweep, n);
+        if last == 0 { self.cost_to_go } else { lq.factor(problem, models, sweep, last) }
+    }
+}
+
+/// Free inputs, no light, no rows.
+struct Unconstrained<'a>(&'a Problem);
+
+impl StageModels for Unconstrained<'_> {
+    const WITH_DISTURBANCE: bool = true;
+
+    #[inline(always)]
+    fn input(&self, k: usize) -> InputModel {
+        InputModel::Free(0.0, self.0.r_lin[k])
+    }
+
+    #[inline(always)]
+    fn state_gradient(&self, k: usize) -> [f64; 3] {
+        if k < self.0.horizon { self.0.q_lin[k] } else { self.0.p_lin }
+    }
+
+    #[inline(always)]
+    fn state_functions(&self, _: usize, _: impl FnMut(&[f64; 3], f64, f64)) {}
+}
