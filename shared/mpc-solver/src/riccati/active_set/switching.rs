@@ -34,7 +34,8 @@ pub(super) fn free_switches(
         let taken_over = excess(k) / (u_max - u_min);
         (SHARE * taken_over).clamp(0.0, MOST_STAGES) as usize
     };
-    let mut k = from.max(1);
+    let first = from.max(1);
+    let mut k = first;
     while k < sides.len() {
         let (left, right) = (sides[k - 1], sides[k]);
         if left as i8 * right as i8 != -1 {
@@ -49,7 +50,8 @@ pub(super) fn free_switches(
                 k + moved
             }
             (false, true) => {
-                let run = sides[from..k].iter().rev().take_while(|side| **side == left).count();
+                let run =
+                    sides[first - 1..k].iter().rev().take_while(|side| **side == left).count();
                 let moved = stages(k).min(run - 1);
                 sides[k - moved..k].fill(right);
                 k - 1 - moved
@@ -93,11 +95,11 @@ mod tests {
         let before = [Upper, Free, Lower, Lower, Lower, Lower];
         free_switches(&mut sides, &before, &unclamped, 0, (-1.0, 1.0));
         assert_eq!(sides, [Upper, Upper, Upper, Upper, Free, Lower]);
-        // To the left not beyond the last stage at which a row acts.
+        // To the left at most into the last stage at which a row acts.
         let unclamped = [2.0, 2.0, 2.0, -1e9, -2.0];
         let mut sides = [Upper, Upper, Upper, Lower, Lower];
         let before = [Upper, Upper, Upper, Free, Lower];
-        free_switches(&mut sides, &before, &unclamped, 1, (-1.0, 1.0));
+        free_switches(&mut sides, &before, &unclamped, 2, (-1.0, 1.0));
         assert_eq!(sides, [Upper, Free, Lower, Lower, Lower]);
     }
 }
