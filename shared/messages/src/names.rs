@@ -1,6 +1,6 @@
 //! What numbers in messages mean, and the units of fields: for schemas, tables and layouts.
 
-use crate::rung::Rung;
+use crate::level::Level;
 use crate::{BrakeState, PhaseState, Service, ServiceState};
 
 /// The names of a field's numbers.
@@ -48,7 +48,7 @@ pub static ENUMERATIONS: [Enumeration; 6] = [
     Enumeration {
         name: "rung",
         fields: &[("Diagnostics", "rung")],
-        values: named!(Rung, Rung::ALL.len()),
+        values: named!(Level, Level::ALL.len()),
     },
     Enumeration {
         name: "quality",
@@ -152,7 +152,7 @@ mod tests {
     #[test]
     fn numbers_have_the_names_of_results() {
         let rung = of_field("Diagnostics", "rung").expect("named");
-        assert_eq!(rung.value(1), Some(Rung::SignalsLost.name()));
+        assert_eq!(rung.value(1), Some(Level::SignalsLost.name()));
         assert_eq!(rung.value(99), None);
         assert_eq!(of_field("Header", "source").and_then(|s| s.value(4)), Some("controller"));
         assert_eq!((unit_of("speed_mps"), unit_of("sequence")), (Some("m/s"), None));
