@@ -90,9 +90,9 @@ pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Error> {
 }
 
 /// Length of the parts in which a recording is gone through, ns of run time.
-const PART_NS: i64 = 2_000_000_000;
+const PART_NS: i64 = 1_000_000_000;
 /// What of the parts before and behind it a part is seen with: longer than a chain, ns.
-const MARGIN_NS: i64 = 1_000_000_000;
+const MARGIN_NS: i64 = 500_000_000;
 
 /// Writes the trace part by part: what is in memory does not grow with the recording.
 fn write(
