@@ -71,7 +71,8 @@ impl WorkingSet {
         };
         self.sides.copy_within(steps..middle, 0);
         self.sides[middle - steps..middle].fill(Side::Free);
-        self.light.copy_within(steps..n, 0);
+        let lit = (problem.light_len + steps).min(n);
+        self.light.copy_within(steps.min(lit)..lit, 0);
         if self.has_row_tangents {
             for (tangents, row) in self.rows.iter_mut().zip(&problem.rows) {
                 tangents.copy_within(steps..=n, 0);
@@ -90,6 +91,10 @@ impl WorkingSet {
 
 /// The middle of the longest run of free inputs; the end if there is none.
 fn middle_of_longest_free_run(sides: &[Side]) -> usize {
+    // The common case without a branch for each stage.
+    if sides.iter().fold(0, |held, side| held | *side as i8) == 0 {
+        return sides.len() - sides.len() / 2;
+    }
     let (mut longest, mut middle, mut run) = (0, sides.len(), 0);
     for (k, side) in sides.iter().enumerate() {
         run = if *side == Side::Free { run + 1 } else { 0 };
