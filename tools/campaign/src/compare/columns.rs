@@ -31,9 +31,7 @@ static ALL: [Column; 15] = [
     more("jerk rms, m/s³", |row| figure(row.control.figures.rms_jerk_mps3, 2)),
     more("max jerk, m/s³", |row| figure(row.control.figures.max_abs_jerk_mps3, 1)),
     more("fuel, L/100 km", |row| figure(row.control.figures.fuel_l_per_100km, 2)),
-    more("wheels, kWh/100 km", |row| {
-        figure(row.control.figures.wheel_energy_kwh_per_100km, 2)
-    }),
+    more("wheels, kWh/100 km", |row| figure(row.control.figures.wheel_energy_kwh_per_100km, 2)),
     more("stops", |row| row.control.figures.stops.map(|stops| stops.to_string())),
     more("law p50", |row| row.timing.solve_us.map(|p| print::duration(p.p50))),
     more("law p99", |row| row.timing.solve_us.map(|p| print::duration(p.p99))),
