@@ -116,7 +116,7 @@ impl Referee {
             jerk: MeanSquare::default(),
             wheel_energy: WheelEnergy::of(&scenario.plant),
             drives: false,
-            figures: ControlFigures { stops: Some(0), ..ControlFigures::default() },
+            figures: ControlFigures::default(),
         }
     }
 
@@ -179,9 +179,7 @@ impl Referee {
             figures.wheel_energy_kwh_per_100km = energy.kwh_per_100km();
         }
         let stands = sample.ego.speed_mps <= 0.0;
-        if stands && self.drives {
-            figures.stops = figures.stops.map(|stops| stops + 1);
-        }
+        figures.stops = Some(figures.stops.unwrap_or(0) + u64::from(stands && self.drives));
         self.drives = !stands && (self.drives || sample.ego.speed_mps > DRIVES_MPS);
         // A rigid vehicle comes to a stand with a step of its acceleration. Over one period that is no
         // jerk of the drive: it would grow without bound as the period shrinks.
