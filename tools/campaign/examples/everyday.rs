@@ -39,7 +39,7 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let mut names = arguments.laws.clone();
     if names.is_empty() {
-        names = laws::ALL.iter().map(|law| law.name.to_owned()).collect();
+        names = laws::own().map(|law| law.name.to_owned()).collect();
     }
     let mut ok = true;
     for &kind in &arguments.kinds {

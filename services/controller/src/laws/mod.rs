@@ -20,6 +20,11 @@ pub static ALL: [&Descriptor; 6] = [
     &external::EXTERNAL,
 ];
 
+/// The laws that need no program of the user's.
+pub fn own() -> impl Iterator<Item = &'static Descriptor> {
+    ALL.into_iter().filter(|law| !std::ptr::eq(*law, &external::EXTERNAL))
+}
+
 /// The law of that name.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static Descriptor> {

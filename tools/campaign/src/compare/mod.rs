@@ -76,7 +76,7 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
 /// The runs: each scenario with each controller, read before anything runs.
 fn scenarios(arguments: &CompareArguments) -> Result<Vec<Scenario>, Error> {
     let controllers = if arguments.controllers.is_empty() {
-        controller::laws::ALL.iter().map(|law| law.name.to_owned()).collect()
+        controller::laws::own().map(|law| law.name.to_owned()).collect()
     } else {
         arguments.controllers.clone()
     };

@@ -54,7 +54,7 @@ struct Results {
 /// [`Error::Usage`] for an unknown controller, else what keeps the runs from starting.
 pub fn run(arguments: &Iso15622Arguments) -> Result<ExitCode, Error> {
     let laws: Vec<String> = if arguments.controllers.is_empty() {
-        laws::ALL.iter().map(|law| law.name.to_owned()).collect()
+        laws::own().map(|law| law.name.to_owned()).collect()
     } else {
         arguments.controllers.clone()
     };

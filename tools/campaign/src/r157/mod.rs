@@ -242,7 +242,7 @@ fn drivers(arguments: &R157Arguments) -> Result<Vec<Driver>, Error> {
         return Ok(Vec::new());
     }
     let laws: Vec<String> = if arguments.controllers.is_empty() {
-        laws::ALL.iter().map(|law| law.name.to_owned()).collect()
+        laws::own().map(|law| law.name.to_owned()).collect()
     } else {
         arguments.controllers.clone()
     };
