@@ -30,7 +30,7 @@ def scalars(value):
         yield "0x" + value.tobytes().hex()
     elif hasattr(value, "tolist"):
         yield from scalars(value.tolist())
-    elif isinstance(value, (int, float)):
+    elif isinstance(value, (int, float, str)):
         yield repr(value)
     elif isinstance(value, (list, tuple)):
         for element in value:

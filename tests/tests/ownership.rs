@@ -44,6 +44,7 @@ fn results_are_never_mixed() {
     let output = corner.run(&[&lockstep, ["--out", "out", "--force"].as_slice()].concat());
     assert!(output.status.success(), "{}", text(&output));
     let expected = [
+        "metadata.yaml",
         "notes.txt",
         "recording.mcap",
         "report.html",
