@@ -36,7 +36,8 @@ def scalars(value):
         for element in value:
             yield from scalars(element)
     elif dataclasses.is_dataclass(value):
-        fields = (field for field in dataclasses.fields(value) if field.name != "__msgtype__")
+        # Constants, and the type's name, belong to the class.
+        fields = (field for field in dataclasses.fields(value) if "ClassVar" not in str(field.type))
         for field in fields:
             yield from scalars(getattr(value, field.name))
     else:
