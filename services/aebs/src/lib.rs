@@ -1,7 +1,7 @@
 //! The advanced emergency braking system (UN R152): warns, and brakes at the last point.
 //!
 //! It reads `radar/detections` and `vehicle/odometry` and nothing else, with a tracking of its own
-//! ([`objects`]; the controller's perception uses other code and other methods) and
+//! ([`mod@objects`]; the controller's perception uses other code and other methods) and
 //! a decision of its own:
 //!
 //! ```text
