@@ -238,8 +238,8 @@ impl Drop for Slurm {
 }
 
 impl Slurm {
-    /// One node, its controller and munge, with all their files in a corner.
-    fn start(corner: &Corner) -> Self {
+    /// One node, its controller and munge, with all their files in a corner; or why they do not start.
+    fn start(corner: &Corner) -> Result<Self, String> {
         let base = corner.path().join("slurm");
         for directory in ["", "state", "spool"] {
             std::fs::create_dir_all(base.join(directory)).expect("our own directory");
@@ -283,14 +283,19 @@ impl Slurm {
         let files = ["socket", "pid-file", "log-file", "seed-file"].map(own);
         let munge = [&["--foreground".to_owned(), "--force".to_owned(), key], &files[..]].concat();
         slurm.daemon("munged", &munge);
-        assert!(wait_for(|| base.join("munge.socket").exists()), "no munge");
+        if !wait_for(|| base.join("munge.socket").exists()) {
+            return Err("munge does not start".into());
+        }
         let of = |word: &str| vec![word.to_owned(), "-f".to_owned(), slurm.configuration.clone()];
         let (controller, node) = (of("-D"), [of("-D"), vec!["-N".into(), host.into()]].concat());
         slurm.daemon("slurmctld", &controller);
         slurm.daemon("slurmd", &node);
         let idle = || slurm.command("sinfo", &["-h", "-o", "%t"]).contains("idle");
-        assert!(wait_for(idle), "no node: {}", slurm.log(corner));
-        slurm
+        if !wait_for(idle) {
+            let log = slurm.log(corner);
+            return Err(format!("its node does not start: {}", log.lines().last().unwrap_or("")));
+        }
+        Ok(slurm)
     }
 
     fn daemon(&mut self, name: &str, arguments: &[String]) {
@@ -328,14 +333,16 @@ fn slurm() -> Needed {
     if !rustix::process::geteuid().is_root() {
         return Err("slurmd asks for root".into());
     }
-    cases::program("sbatch")
+    cases::program("sbatch")?;
+    // Installed is not enough: a container may forbid what the daemons need.
+    Slurm::start(&Corner::new(PROGRAM)).map(|_| ())
 }
 
 fn an_array_of_eight_with_a_killed_task_gives_the_bytes_of_one_machine() {
     let corner = Corner::new(PROGRAM);
     std::fs::write(corner.path().join("small.toml"), CAMPAIGN).expect("our own directory");
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/slurm/campaign.sbatch");
-    let slurm = Slurm::start(&corner);
+    let slurm = Slurm::start(&corner).expect("it has started before");
     let (at, program) = (format!("--chdir={}", corner.path().display()), PROGRAM);
     let export = format!(
         "--export=ALL,TIMEGAP={program},CAMPAIGN=small.toml,XDG_RUNTIME_DIR={}",
