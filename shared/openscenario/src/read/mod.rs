@@ -47,12 +47,15 @@ pub fn scenario(
     let root = &document.root;
     if root.child("Storyboard").is_none() || root.child("Entities").is_none() {
         let found = match root.child("ParameterValueDistribution").or(root.child("Catalog")) {
-            Some(other) => format!("this file holds a `{}`", other.name),
-            None => "this file holds no scenario".to_owned(),
+            Some(other) if other.name == "Catalog" => "this file holds a `Catalog`",
+            Some(_) => {
+                "this file holds a `ParameterValueDistribution`, which `timegap campaign` runs"
+            }
+            None => "this file holds no scenario",
         };
         return Err(ReadError::Meaning {
             place: Place { file: document.file.clone(), line: root.line },
-            reason: found,
+            reason: found.to_owned(),
             expected: "`Entities` and `Storyboard`".to_owned(),
         });
     }
