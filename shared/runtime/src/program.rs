@@ -30,7 +30,9 @@ pub enum ProgramError {
     #[error("there is no program `{0}`, expected the path of a program or its name on the PATH")]
     Missing(String),
     /// A file that cannot be run.
-    #[error("`{0}` is not an executable file, expected one, or an interpreter before it")]
+    #[error(
+        "`{0}` is not an executable file, expected one (a script needs a `#!` line and the permission to execute)"
+    )]
     NotExecutable(String),
     /// A file that cannot be read.
     #[error("cannot read {}: {reason}", path.display())]
