@@ -38,6 +38,7 @@ use serde::{Deserialize, Serialize};
 pub mod actor;
 pub mod aebs;
 pub mod builtin;
+pub mod carrier;
 pub mod controller;
 pub mod cycle;
 pub mod event;

@@ -1,0 +1,324 @@
+//! A capture, pcap or pcapng, as a carrier: each frame is due when as much run time has passed as there is
+//! between the first frame and it.
+//!
+//! Two kinds of link are read: Ethernet, of which frames with the EtherType of GeoNetworking are taken
+//! (0x8947, also behind a VLAN tag) and others passed over; and `USER0` to `USER15`, whose packets are
+//! frames as they are.
+
+use crate::clock::ClockDifference;
+use crate::frame::{Frame, MAX_FRAME};
+use pcap_parser::pcapng::Block;
+use pcap_parser::{Linktype, PcapBlockOwned, PcapError, create_reader};
+use std::fs::File;
+use std::io;
+use std::path::Path;
+
+/// Most bytes of a capture: it is held in memory.
+const MAX_BYTES: u64 = 256 << 20;
+/// Most bytes of one block of it.
+const MAX_BLOCK: usize = 1 << 20;
+const ETHERTYPE_GEONETWORKING: u16 = 0x8947;
+const ETHERTYPE_VLAN: u16 = 0x8100;
+const FIRST_USER: i32 = 147;
+const LAST_USER: i32 = 162;
+
+/// Why a capture cannot be played.
+#[derive(Debug, thiserror::Error)]
+pub enum CaptureError {
+    /// The file cannot be read.
+    #[error("{0}")]
+    Read(#[source] io::Error),
+    /// The file is larger than what is held in memory.
+    #[error("{bytes} bytes are too many, expected at most {max}", max = MAX_BYTES)]
+    TooLarge {
+        /// Its size.
+        bytes: u64,
+    },
+    /// The file is neither pcap nor pcapng.
+    #[error("is no capture, expected pcap or pcapng")]
+    NoCapture,
+    /// The packets are those of another link.
+    #[error(
+        "packet {packet}: its link type is {link_type}, expected 1 (Ethernet) or 147 to 162 (USER, the \
+         packet is the frame)"
+    )]
+    LinkType {
+        /// Which packet, from 1.
+        packet: u64,
+        /// Number of the link type.
+        link_type: i32,
+    },
+    /// A block cannot be read.
+    #[error("cannot be read behind packet {packets}: {reason}")]
+    Block {
+        /// Packets that were read before.
+        packets: u64,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// No packet is a frame.
+    #[error(
+        "none of {packets} packets is a GeoNetworking frame (EtherType 0x8947, at most {max} bytes)",
+        max = MAX_FRAME
+    )]
+    NoFrames {
+        /// How many packets there are.
+        packets: u64,
+    },
+}
+
+/// A capture that is played.
+#[derive(Clone, Debug)]
+pub struct Capture {
+    frames: Vec<Captured>,
+    bytes: Vec<u8>,
+    played: usize,
+    passed_over: u64,
+    is_truncated: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Captured {
+    stamp_ns: i64,
+    from: usize,
+    length: usize,
+}
+
+/// How reading goes on.
+enum Next {
+    Consume(usize),
+    Refill,
+    Truncated,
+    End,
+}
+
+/// An interface of a capture: its link type and what its stamps mean.
+#[derive(Clone, Copy, Debug)]
+struct Interface {
+    link: Linktype,
+    per_second: u64,
+    offset_s: i64,
+}
+
+impl Capture {
+    /// Reads a capture. One that is cut off in a packet ends before it ([`Capture::is_truncated`]).
+    ///
+    /// # Errors
+    /// [`CaptureError`].
+    pub fn open(path: &Path) -> Result<Self, CaptureError> {
+        let file = File::open(path).map_err(CaptureError::Read)?;
+        let about = file.metadata().map_err(CaptureError::Read)?;
+        if about.is_dir() {
+            return Err(CaptureError::Read(io::ErrorKind::IsADirectory.into()));
+        }
+        if about.len() > MAX_BYTES {
+            return Err(CaptureError::TooLarge { bytes: about.len() });
+        }
+        // A pipe has no size; it is read no farther either.
+        Self::read(io::Read::take(file, MAX_BYTES))
+    }
+
+    fn read(source: impl io::Read + Send) -> Result<Self, CaptureError> {
+        let mut reader = create_reader(MAX_BLOCK, source).map_err(|_| CaptureError::NoCapture)?;
+        let mut this = Self {
+            frames: Vec::new(),
+            bytes: Vec::new(),
+            played: 0,
+            passed_over: 0,
+            is_truncated: false,
+        };
+        let mut interfaces: Vec<Interface> = Vec::new();
+        let mut packets = 0;
+        loop {
+            let next = match reader.next() {
+                Ok((length, block)) => {
+                    this.block(block, &mut interfaces, &mut packets)?;
+                    Next::Consume(length)
+                }
+                Err(PcapError::Eof) => Next::End,
+                Err(PcapError::UnexpectedEof) => Next::Truncated,
+                Err(PcapError::Incomplete(_)) => Next::Refill,
+                Err(PcapError::NomError(_, kind) | PcapError::OwnedNomError(_, kind)) => {
+                    let reason = format!("a malformed block ({kind:?})");
+                    return Err(CaptureError::Block { packets, reason });
+                }
+                Err(PcapError::BufferTooSmall) => {
+                    let reason = format!("a block of more than {MAX_BLOCK} bytes");
+                    return Err(CaptureError::Block { packets, reason });
+                }
+                Err(other) => {
+                    let reason = other.to_string();
+                    return Err(CaptureError::Block { packets, reason });
+                }
+            };
+            match next {
+                Next::Consume(length) => reader.consume(length),
+                Next::Refill if !reader.reader_exhausted() => {
+                    let refilled = reader.refill();
+                    refilled.map_err(|_| CaptureError::Read(io::ErrorKind::Other.into()))?;
+                }
+                Next::Refill | Next::Truncated => {
+                    this.is_truncated = true;
+                    break;
+                }
+                Next::End => break,
+            }
+        }
+        if this.frames.is_empty() {
+            return Err(CaptureError::NoFrames { packets });
+        }
+        // Of several interfaces the packets need not be in order.
+        this.frames.sort_by_key(|frame| frame.stamp_ns);
+        Ok(this)
+    }
+
+    fn block(
+        &mut self,
+        block: PcapBlockOwned<'_>,
+        interfaces: &mut Vec<Interface>,
+        packets: &mut u64,
+    ) -> Result<(), CaptureError> {
+        match block {
+            PcapBlockOwned::LegacyHeader(header) => {
+                let per_second =
+                    if header.is_nanosecond_precision() { 1_000_000_000 } else { 1_000_000 };
+                interfaces.push(Interface { link: header.network, per_second, offset_s: 0 });
+                Ok(())
+            }
+            PcapBlockOwned::Legacy(packet) => {
+                *packets += 1;
+                let Some(interface) = interfaces.first() else { return Ok(()) };
+                let stamp_ns = i64::from(packet.ts_sec) * 1_000_000_000
+                    + i64::from(packet.ts_usec)
+                        * (1_000_000_000 / interface.per_second).cast_signed();
+                let whole = packet.caplen == packet.origlen;
+                self.packet(interface.link, stamp_ns, packet.data, whole, *packets)
+            }
+            PcapBlockOwned::NG(Block::SectionHeader(_)) => {
+                interfaces.clear();
+                Ok(())
+            }
+            PcapBlockOwned::NG(Block::InterfaceDescription(interface)) => {
+                let per_second = interface.ts_resolution().filter(|per_second| *per_second > 0);
+                let reason = "an interface with a resolution of stamps that is not known";
+                interfaces.push(Interface {
+                    link: interface.linktype,
+                    per_second: per_second.ok_or_else(|| CaptureError::Block {
+                        packets: *packets,
+                        reason: reason.to_owned(),
+                    })?,
+                    offset_s: interface.ts_offset(),
+                });
+                Ok(())
+            }
+            PcapBlockOwned::NG(Block::EnhancedPacket(packet)) => {
+                *packets += 1;
+                let interface = usize::try_from(packet.if_id).ok().and_then(|i| interfaces.get(i));
+                let Some(interface) = interface else {
+                    let reason = "a packet of an interface that is not described".to_owned();
+                    return Err(CaptureError::Block { packets: *packets, reason });
+                };
+                let stamp_ns = interface.stamp_ns(packet.ts_high, packet.ts_low);
+                let length = usize::try_from(packet.caplen).unwrap_or(usize::MAX);
+                let whole = packet.caplen == packet.origlen;
+                let data = packet.data.get(..length).unwrap_or(packet.data);
+                self.packet(interface.link, stamp_ns, data, whole, *packets)
+            }
+            // Packets without a stamp, statistics, comments.
+            PcapBlockOwned::NG(_) => Ok(()),
+        }
+    }
+
+    fn packet(
+        &mut self,
+        link: Linktype,
+        stamp_ns: i64,
+        data: &[u8],
+        whole: bool,
+        packet: u64,
+    ) -> Result<(), CaptureError> {
+        let frame = match link.0 {
+            1 => geonetworking(data),
+            FIRST_USER..=LAST_USER => Some(data),
+            link_type => return Err(CaptureError::LinkType { packet, link_type }),
+        };
+        match frame {
+            Some(frame) if whole && (1..=MAX_FRAME).contains(&frame.len()) => {
+                let from = self.bytes.len();
+                self.bytes.extend_from_slice(frame);
+                self.frames.push(Captured { stamp_ns, from, length: frame.len() });
+            }
+            _ => self.passed_over += 1,
+        }
+        Ok(())
+    }
+
+    /// The next frame that is due by run time `now_ns`, ns.
+    pub fn receive(&mut self, now_ns: i64) -> Option<Frame> {
+        let next = *self.frames.get(self.played)?;
+        if next.stamp_ns > self.wall_clock_ns(now_ns) {
+            return None;
+        }
+        self.played += 1;
+        let bytes = &self.bytes[next.from..next.from + next.length];
+        let frame = Frame::new(bytes, next.stamp_ns).expect("a longer one was passed over");
+        let clock = Some(ClockDifference { offset_ns: 0, uncertainty_ns: 0 });
+        Some(Frame { sent_ns: Some(next.stamp_ns), clock, ..frame })
+    }
+
+    /// The capture's clock at run time `now_ns`, ns since the Unix epoch.
+    #[must_use]
+    pub fn wall_clock_ns(&self, now_ns: i64) -> i64 {
+        self.frames.first().map_or(0, |first| first.stamp_ns).saturating_add(now_ns)
+    }
+
+    /// Frames that are in it.
+    #[must_use]
+    pub fn frames(&self) -> usize {
+        self.frames.len()
+    }
+
+    /// Time from its first frame to its last, ns.
+    #[must_use]
+    pub fn duration_ns(&self) -> i64 {
+        let ends = self.frames.first().zip(self.frames.last());
+        ends.map_or(0, |(first, last)| last.stamp_ns - first.stamp_ns)
+    }
+
+    /// Packets that are no frames: another EtherType, too long, or not captured as a whole.
+    #[must_use]
+    pub fn passed_over(&self) -> u64 {
+        self.passed_over
+    }
+
+    /// Frames that were received so far.
+    #[must_use]
+    pub fn played(&self) -> u64 {
+        self.played as u64
+    }
+
+    /// Whether the file ends in the middle of a packet.
+    #[must_use]
+    pub fn is_truncated(&self) -> bool {
+        self.is_truncated
+    }
+}
+
+impl Interface {
+    fn stamp_ns(&self, high: u32, low: u32) -> i64 {
+        let ticks = u128::from(high) << 32 | u128::from(low);
+        let ns = ticks * 1_000_000_000 / u128::from(self.per_second);
+        let offset_ns = self.offset_s.saturating_mul(1_000_000_000);
+        i64::try_from(ns).unwrap_or(i64::MAX).saturating_add(offset_ns)
+    }
+}
+
+/// The GeoNetworking packet in an Ethernet frame, if it holds one.
+fn geonetworking(ethernet: &[u8]) -> Option<&[u8]> {
+    let word = |at: usize| Some(u16::from_be_bytes([*ethernet.get(at)?, *ethernet.get(at + 1)?]));
+    let mut at = 12;
+    if word(at)? == ETHERTYPE_VLAN {
+        at += 4;
+    }
+    (word(at)? == ETHERTYPE_GEONETWORKING).then(|| &ethernet[at + 2..])
+}

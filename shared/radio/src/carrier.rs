@@ -1,0 +1,220 @@
+//! A carrier: opened from its address, with a sending and a receiving side that never wait.
+
+use crate::capture::Capture;
+use crate::counts::{Counts, RadioReport};
+use crate::endpoint::{Endpoint, Outlet};
+use crate::envelope::{Content, MAX_PACKET};
+use crate::error::{OpenError, SendError};
+use crate::frame::{Frame, MAX_FRAME};
+use crate::listener::{Identity, Listener, Shared};
+use crate::{udp, wall_clock_ns};
+use scenario::carrier::CarrierAddress;
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::sync::{Arc, PoisonError};
+use std::thread::JoinHandle;
+
+/// Frames that wait for the loop, at most: more than a second of what 25 roadside units send.
+const QUEUE: usize = 512;
+
+/// Which end of the carrier this is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// The roadside unit: tells its start and answers questions about its clock.
+    Roadside {
+        /// Its wall clock at run time 0, ns since the Unix epoch.
+        start_ns: i64,
+    },
+    /// A vehicle: asks roadside units for their clocks.
+    Vehicle,
+}
+
+/// An open carrier.
+#[derive(Debug)]
+pub struct Carrier {
+    address: CarrierAddress,
+    kind: Kind,
+}
+
+#[derive(Debug)]
+enum Kind {
+    Live(Live),
+    Capture(Capture),
+}
+
+struct Live {
+    identity: Identity,
+    outlet: Box<dyn Outlet>,
+    sequence: u64,
+    room: Box<[u8; MAX_PACKET]>,
+    frames: Receiver<Frame>,
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Carrier {
+    /// Opens a carrier. Call it before the thread is given real-time priority, which the receive thread
+    /// would inherit.
+    ///
+    /// # Errors
+    /// [`OpenError`].
+    pub fn open(address: &CarrierAddress, role: Role) -> Result<Self, OpenError> {
+        let start_ns = match role {
+            Role::Roadside { start_ns } => Some(start_ns),
+            Role::Vehicle => None,
+        };
+        let kind = match address {
+            CarrierAddress::Udp { address, interface } => {
+                let opened = udp::open(*address, interface.as_deref(), start_ns.is_some())?;
+                let (endpoint, outlet) = opened;
+                Kind::Live(Live::start(start_ns, Arc::default(), endpoint, outlet)?)
+            }
+            CarrierAddress::Zenoh { configuration } => {
+                Kind::Live(open_zenoh(configuration.as_deref(), start_ns)?)
+            }
+            CarrierAddress::Capture { .. } if start_ns.is_some() => {
+                return Err(OpenError::CaptureIsNoTarget);
+            }
+            CarrierAddress::Capture { file } => {
+                let capture = Capture::open(file);
+                let fail = |source| OpenError::Capture { path: file.clone(), source };
+                Kind::Capture(capture.map_err(fail)?)
+            }
+        };
+        Ok(Self { address: address.clone(), kind })
+    }
+
+    /// Sends a frame, stamped with this host's wall clock. It does not wait.
+    ///
+    /// # Errors
+    /// [`SendError`]; the frame is counted as not sent.
+    pub fn send(&mut self, frame: &[u8]) -> Result<(), SendError> {
+        match &mut self.kind {
+            Kind::Live(live) => live.send(frame),
+            Kind::Capture(_) => Err(SendError::Capture),
+        }
+    }
+
+    /// The next frame that is there; of a capture: that is due by run time `now_ns`, ns. It does not wait.
+    pub fn receive(&mut self, now_ns: i64) -> Option<Frame> {
+        match &mut self.kind {
+            Kind::Live(live) => live.frames.try_recv().ok(),
+            Kind::Capture(capture) => capture.receive(now_ns),
+        }
+    }
+
+    /// The wall clock of the frames at run time `now_ns`, ns since the Unix epoch: this host's, or that of
+    /// the capture, whose first frame is at run time 0.
+    #[must_use]
+    pub fn wall_clock_ns(&self, now_ns: i64) -> i64 {
+        match &self.kind {
+            Kind::Live(_) => wall_clock_ns(),
+            Kind::Capture(capture) => capture.wall_clock_ns(now_ns),
+        }
+    }
+
+    /// What came of the frames so far.
+    #[must_use]
+    pub fn report(&self) -> RadioReport {
+        let carrier = self.address.to_string();
+        match &self.kind {
+            Kind::Live(live) => {
+                let stations = &live.shared.stations;
+                let stations = stations.lock().unwrap_or_else(PoisonError::into_inner);
+                live.shared.counts.report(carrier, stations.report(wall_clock_ns()))
+            }
+            Kind::Capture(capture) => {
+                let received = capture.played();
+                let malformed = capture.passed_over();
+                RadioReport { carrier, received, malformed, ..RadioReport::default() }
+            }
+        }
+    }
+
+    /// The capture that is played, if it is one.
+    #[must_use]
+    pub fn capture(&self) -> Option<&Capture> {
+        match &self.kind {
+            Kind::Live(_) => None,
+            Kind::Capture(capture) => Some(capture),
+        }
+    }
+}
+
+#[cfg(feature = "zenoh")]
+fn open_zenoh(
+    configuration: Option<&std::path::Path>,
+    start_ns: Option<i64>,
+) -> Result<Live, OpenError> {
+    let shared: Arc<Shared> = Arc::default();
+    let (endpoint, outlet) = crate::zenoh::open(configuration, &shared)?;
+    Live::start(start_ns, shared, endpoint, outlet)
+}
+
+#[cfg(not(feature = "zenoh"))]
+fn open_zenoh(
+    _configuration: Option<&std::path::Path>,
+    _start_ns: Option<i64>,
+) -> Result<Live, OpenError> {
+    Err(OpenError::WithoutZenoh)
+}
+
+impl Live {
+    fn start(
+        start_ns: Option<i64>,
+        shared: Arc<Shared>,
+        endpoint: impl Endpoint + 'static,
+        outlet: impl Outlet + 'static,
+    ) -> Result<Self, OpenError> {
+        let identity = Identity::draw(start_ns);
+        let (queue, frames) = sync_channel(QUEUE);
+        let listener =
+            Listener { endpoint: Box::new(endpoint), identity, queue, shared: Arc::clone(&shared) };
+        let thread = std::thread::Builder::new()
+            .name("radio".into())
+            .spawn(move || listener.run())
+            .map_err(OpenError::SetUp)?;
+        Ok(Self {
+            identity,
+            outlet: Box::new(outlet),
+            sequence: 0,
+            room: Box::new([0; MAX_PACKET]),
+            frames,
+            shared,
+            thread: Some(thread),
+        })
+    }
+
+    fn send(&mut self, frame: &[u8]) -> Result<(), SendError> {
+        let counts = &self.shared.counts;
+        if frame.is_empty() || frame.len() > MAX_FRAME {
+            Counts::count(&counts.not_sent);
+            return Err(SendError::TooLong(frame.len()));
+        }
+        let envelope = self.identity.envelope(self.sequence + 1);
+        let length = envelope.write(Content::Frame(frame), &mut self.room);
+        let sent = self.outlet.send(&self.room[..length]);
+        // The number of a frame that was not sent is the next one's: it is not lost on the way.
+        self.sequence += u64::from(sent.is_ok());
+        Counts::count(if sent.is_ok() { &counts.sent } else { &counts.not_sent });
+        sent
+    }
+}
+
+impl Drop for Live {
+    fn drop(&mut self) {
+        self.outlet.close();
+        if let Some(thread) = self.thread.take() {
+            // A thread that panicked has said so.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl std::fmt::Debug for Live {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Live")
+            .field("identity", &self.identity)
+            .field("sequence", &self.sequence)
+            .finish_non_exhaustive()
+    }
+}

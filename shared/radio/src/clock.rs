@@ -1,0 +1,200 @@
+//! How far another host's wall clock is from this one, from questions and answers.
+//!
+//! The asking host notes t1 when it asks and t4 when the answer is there, by its own clock; the other
+//! host notes t2 when it hears the question and t3 when it answers, by its own (RFC 5905, section 8):
+//!
+//! ```text
+//! offset = ((t2 - t1) + (t3 - t4)) / 2      round trip = (t4 - t1) - (t3 - t2)
+//! ```
+//!
+//! Whatever the two ways took, the true offset is within half a round trip of the estimate. So the
+//! question with the shortest round trip is the best one; an older one is worth less, because clocks
+//! drift apart: by at most [`DRIFT_PPM`], twice the 50 parts per million of a usual crystal.
+
+use serde::{Deserialize, Serialize};
+
+/// Most by which two hosts' clocks drift apart, parts per million.
+const DRIFT_PPM: i64 = 100;
+/// Questions that are remembered.
+const REMEMBERED: usize = 32;
+
+/// A question that was answered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Exchange {
+    /// t1, by the own clock, ns.
+    pub(crate) asked_ns: i64,
+    /// t2, by the other clock, ns.
+    pub(crate) heard_ns: i64,
+    /// t3, by the other clock, ns.
+    pub(crate) answered_ns: i64,
+    /// t4, by the own clock, ns.
+    pub(crate) returned_ns: i64,
+}
+
+/// The difference of two clocks at an instant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ClockDifference {
+    /// The other clock minus the own one, ns.
+    pub offset_ns: i64,
+    /// The true difference is at most this far from `offset_ns`, ns.
+    pub uncertainty_ns: i64,
+}
+
+/// What a comparison of clocks came to, for results.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ClockComparison {
+    /// The other clock minus the own one, us.
+    pub offset_us: f64,
+    /// The true difference is at most this far from `offset_us`, us.
+    pub uncertainty_us: f64,
+    /// Shortest round trip of a question and its answer, us.
+    pub shortest_round_trip_us: f64,
+    /// Questions that were answered.
+    pub answers: u64,
+}
+
+/// The exchanges with one host.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Comparison {
+    last: Vec<Exchange>,
+    next: usize,
+    answers: u64,
+}
+
+impl Exchange {
+    fn offset_ns(&self) -> i64 {
+        // Differences first: the sums of two wall clocks would be too large to add.
+        let there = self.heard_ns.wrapping_sub(self.asked_ns);
+        let back = self.answered_ns.wrapping_sub(self.returned_ns);
+        there / 2 + back / 2 + (there % 2 + back % 2) / 2
+    }
+
+    fn round_trip_ns(&self) -> i64 {
+        let whole = self.returned_ns.wrapping_sub(self.asked_ns);
+        whole.saturating_sub(self.answered_ns.wrapping_sub(self.heard_ns))
+    }
+
+    /// At `now_ns` by the own clock.
+    fn difference(&self, now_ns: i64) -> ClockDifference {
+        let age_ns = now_ns.saturating_sub(self.returned_ns).max(0);
+        let drift_ns = age_ns / 1_000_000 * DRIFT_PPM;
+        // Half of an odd number of nanoseconds is rounded up.
+        let uncertainty_ns = (self.round_trip_ns() / 2).saturating_add(1 + drift_ns);
+        ClockDifference { offset_ns: self.offset_ns(), uncertainty_ns }
+    }
+}
+
+impl Comparison {
+    /// Takes an exchange; false if its stamps cannot be true.
+    pub(crate) fn take(&mut self, exchange: Exchange) -> bool {
+        let is_ordered = exchange.returned_ns >= exchange.asked_ns
+            && exchange.answered_ns >= exchange.heard_ns
+            && exchange.round_trip_ns() >= 0;
+        if !is_ordered {
+            return false;
+        }
+        self.answers += 1;
+        if self.last.len() < REMEMBERED {
+            self.last.push(exchange);
+        } else {
+            self.last[self.next] = exchange;
+        }
+        self.next = (self.next + 1) % REMEMBERED;
+        true
+    }
+
+    /// The difference at `now_ns` by the own clock; `None` before the first answer.
+    pub(crate) fn difference(&self, now_ns: i64) -> Option<ClockDifference> {
+        let all = self.last.iter().map(|exchange| exchange.difference(now_ns));
+        all.min_by_key(|difference| difference.uncertainty_ns)
+    }
+
+    /// For results, at `now_ns` by the own clock.
+    pub(crate) fn report(&self, now_ns: i64) -> Option<ClockComparison> {
+        let difference = self.difference(now_ns)?;
+        let shortest = self.last.iter().map(Exchange::round_trip_ns).min()?;
+        Some(ClockComparison {
+            offset_us: difference.offset_ns as f64 / 1e3,
+            uncertainty_us: difference.uncertainty_ns as f64 / 1e3,
+            shortest_round_trip_us: shortest as f64 / 1e3,
+            answers: self.answers,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const SECOND: i64 = 1_000_000_000;
+
+    /// An exchange over ways of `there` and `back` with a clock that is `offset` ahead.
+    fn exchange(asked_ns: i64, there: i64, stay: i64, back: i64, offset: i64) -> Exchange {
+        Exchange {
+            asked_ns,
+            heard_ns: asked_ns + there + offset,
+            answered_ns: asked_ns + there + stay + offset,
+            returned_ns: asked_ns + there + stay + back,
+        }
+    }
+
+    #[test]
+    fn equal_ways_give_the_exact_offset() {
+        let mut clock = Comparison::default();
+        assert_eq!(clock.difference(0), None);
+        assert!(clock.take(exchange(5 * SECOND, 2_000_000, 300, 2_000_000, -7_000_000)));
+        let now_ns = 5 * SECOND + 4_000_300;
+        let difference = clock.difference(now_ns).expect("one answer");
+        assert_eq!(
+            difference,
+            ClockDifference { offset_ns: -7_000_000, uncertainty_ns: 2_000_001 }
+        );
+    }
+
+    #[test]
+    fn the_shortest_round_trip_counts_until_drift_has_eaten_its_lead() {
+        let mut clock = Comparison::default();
+        assert!(clock.take(exchange(0, 1_000_000, 0, 1_000_000, 500)));
+        assert!(clock.take(exchange(20 * SECOND, 9_000_000, 0, 1_000_000, 500)));
+        let offset = |now_ns| clock.difference(now_ns).expect("answers").offset_ns;
+        assert_eq!(offset(20 * SECOND + 10_000_000), 500, "1 ms and 2 ms of drift beat 5 ms");
+        let mut fresh = clock.clone();
+        assert!(fresh.take(exchange(60 * SECOND, 3_000_000, 0, 1_000_000, 500)));
+        let difference = fresh.difference(60 * SECOND + 4_000_000).expect("answers");
+        assert_eq!(difference.offset_ns, 1_000_500, "2 ms beat 1 ms and 6 ms of drift");
+    }
+
+    #[test]
+    fn stamps_that_cannot_be_true_are_refused() {
+        let mut clock = Comparison::default();
+        let mut wrong = exchange(SECOND, 1000, 0, 1000, 0);
+        wrong.returned_ns = SECOND - 1;
+        assert!(!clock.take(wrong));
+        let slow = Exchange { answered_ns: i64::MAX, heard_ns: i64::MIN, ..wrong };
+        assert!(!clock.take(slow));
+        assert!(!clock.take(exchange(SECOND, 1000, 5000, -2000, 0)));
+        assert_eq!(clock.report(2 * SECOND), None);
+    }
+
+    proptest! {
+        #[test]
+        fn the_truth_is_within_the_uncertainty(
+            ways in prop::collection::vec((0..50_000_000i64, 0..1_000_000i64, 0..50_000_000i64), 1..80),
+            offset in -3600 * SECOND..3600 * SECOND, ppm in -100..=100i64,
+        ) {
+            let mut clock = Comparison::default();
+            let start_ns = 1_800_000_000 * SECOND;
+            for (k, (there, stay, back)) in (0..).zip(ways) {
+                let asked_ns = start_ns + k * SECOND;
+                // The other clock drifts.
+                let offset_now = offset + k * ppm * 1000;
+                prop_assert!(clock.take(exchange(asked_ns, there, stay, back, offset_now)));
+                let now_ns = asked_ns + there + stay + back;
+                let found = clock.difference(now_ns).expect("there were answers");
+                let error = (found.offset_ns - offset_now).abs();
+                prop_assert!(error <= found.uncertainty_ns, "{error} {found:?}");
+            }
+        }
+    }
+}

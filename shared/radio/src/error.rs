@@ -1,0 +1,94 @@
+//! What can go wrong when a carrier is opened or used.
+
+use crate::capture::CaptureError;
+use std::io;
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+/// Why a carrier cannot be opened.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// No socket can be had at the address.
+    #[error("cannot listen on {address}: {source}")]
+    Bind {
+        /// The address.
+        address: SocketAddr,
+        /// What the kernel said.
+        source: io::Error,
+    },
+    /// The group cannot be joined.
+    #[error(
+        "cannot join the multicast group {address}: {source}; name the interface, as in \
+         udp://{address}?interface=eth0"
+    )]
+    Join {
+        /// The group.
+        address: SocketAddr,
+        /// What the kernel said.
+        source: io::Error,
+    },
+    /// There is no such interface.
+    #[error("no network interface `{name}`: {source}")]
+    Interface {
+        /// Its name.
+        name: String,
+        /// What the kernel said.
+        source: io::Error,
+    },
+    /// A socket or a thread cannot be set up.
+    #[error("cannot set up the carrier: {0}")]
+    SetUp(#[source] io::Error),
+    /// The capture cannot be played.
+    #[error("{}: {source}", path.display())]
+    Capture {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        source: CaptureError,
+    },
+    /// A capture holds what was sent, and nothing can be added.
+    #[error("a capture cannot be sent to: use udp:// or zenoh")]
+    CaptureIsNoTarget,
+    /// This program was built without zenoh.
+    #[error(
+        "this program was built without zenoh: build it with `--features zenoh`, or use udp://"
+    )]
+    WithoutZenoh,
+    /// zenoh's configuration cannot be read.
+    #[error("zenoh's configuration {}: {reason}", path.display())]
+    ZenohConfiguration {
+        /// The file.
+        path: PathBuf,
+        /// zenoh's words.
+        reason: String,
+    },
+    /// zenoh cannot open a session.
+    #[error(
+        "zenoh opens no session: {reason}; is the router there, and do the certificates belong \
+         together?"
+    )]
+    ZenohSession {
+        /// zenoh's words.
+        reason: String,
+    },
+}
+
+/// Why a frame was not sent. It is counted too.
+#[derive(Debug, thiserror::Error)]
+pub enum SendError {
+    /// The frame is too long.
+    #[error("a frame of {0} bytes, expected at most {max}", max = crate::MAX_FRAME)]
+    TooLong(usize),
+    /// No station has been heard to which it could be sent.
+    #[error("no station has been heard to which it could be sent")]
+    NoTarget,
+    /// The queue to the network is full.
+    #[error("the queue to the network is full")]
+    Full,
+    /// The kernel refused it.
+    #[error("the kernel did not take the frame: {0}")]
+    Kernel(#[source] io::Error),
+    /// A capture is not sent to.
+    #[error("a capture cannot be sent to")]
+    Capture,
+}

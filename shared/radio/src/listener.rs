@@ -1,0 +1,142 @@
+//! The receive thread: packets to frames, questions to answers.
+
+use crate::clock::Exchange;
+use crate::counts::Counts;
+use crate::endpoint::{Endpoint, Heard, Origin, Purpose};
+use crate::envelope::{Content, Envelope, MAX_PACKET, Packet};
+use crate::frame::Frame;
+use crate::stations::Stations;
+use crate::wall_clock_ns;
+use std::sync::atomic::AtomicU64;
+use std::sync::mpsc::SyncSender;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+/// Longest wait for a packet: the wall clock may be set back, and a question would be due in a year.
+const LONGEST_WAIT: Duration = Duration::from_secs(1);
+
+/// Who this end of the carrier is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Identity {
+    /// Its number.
+    pub(crate) sender: u64,
+    /// The wall clock at its run time 0: a roadside unit has one, and answers questions.
+    pub(crate) start_ns: Option<i64>,
+}
+
+/// What the thread shares with the carrier's owner.
+#[derive(Debug, Default)]
+pub(crate) struct Shared {
+    pub(crate) counts: Counts,
+    pub(crate) stations: Mutex<Stations>,
+}
+
+pub(crate) struct Listener {
+    pub(crate) endpoint: Box<dyn Endpoint>,
+    pub(crate) identity: Identity,
+    pub(crate) queue: SyncSender<Frame>,
+    pub(crate) shared: Arc<Shared>,
+}
+
+impl Identity {
+    /// A new one; the number is drawn from the standard library's random hash keys.
+    pub(crate) fn draw(start_ns: Option<i64>) -> Self {
+        use std::hash::{BuildHasher, Hasher};
+        let state = std::collections::hash_map::RandomState::new();
+        let mut hasher = state.build_hasher();
+        hasher.write_u32(std::process::id());
+        Self { sender: hasher.finish(), start_ns }
+    }
+
+    pub(crate) fn envelope(&self, sequence: u64) -> Envelope {
+        let Self { sender, start_ns } = *self;
+        Envelope { sender, sequence, sent_ns: wall_clock_ns(), start_ns }
+    }
+}
+
+impl Listener {
+    /// Listens until the carrier is closed.
+    pub(crate) fn run(mut self) {
+        let mut buffer = vec![0; 65_536];
+        loop {
+            let wait = if self.identity.start_ns.is_none() { self.ask() } else { LONGEST_WAIT };
+            match self.endpoint.hear(wait, &mut buffer) {
+                Heard::Packet(length, origin) => self.take(&buffer[..length], origin),
+                Heard::Nothing => {}
+                Heard::Closed => return,
+            }
+        }
+    }
+
+    /// Asks those whose turn it is; returns the time until the next turn.
+    fn ask(&mut self) -> Duration {
+        loop {
+            let now_ns = wall_clock_ns();
+            let mut stations = self.shared.stations.lock().unwrap_or_else(PoisonError::into_inner);
+            let Some(origin) = stations.next_question(now_ns) else {
+                let until = stations.until_question_ns(now_ns).map(Duration::from_nanos);
+                return until.unwrap_or(LONGEST_WAIT).min(LONGEST_WAIT);
+            };
+            drop(stations);
+            self.tell(origin, Purpose::Question, Content::Question);
+        }
+    }
+
+    fn tell(&mut self, to: Origin, purpose: Purpose, content: Content<'_>) {
+        let mut room = [0; MAX_PACKET];
+        let length = self.identity.envelope(0).write(content, &mut room);
+        self.endpoint.tell(to, purpose, &room[..length]);
+    }
+
+    fn take(&mut self, packet: &[u8], origin: Origin) {
+        let now_ns = wall_clock_ns();
+        let counts = &self.shared.counts;
+        match Packet::read(packet) {
+            Packet::Malformed => Counts::count(&counts.malformed),
+            Packet::Bare(bytes) => {
+                Counts::count(&counts.received);
+                self.hand_over(Frame::new(bytes, now_ns));
+            }
+            Packet::Ours(envelope, _) if envelope.sender == self.identity.sender => {}
+            Packet::Ours(envelope, Content::Frame(bytes)) => {
+                let mut stations =
+                    self.shared.stations.lock().unwrap_or_else(PoisonError::into_inner);
+                let Some(clock) = stations.frame(&envelope, origin, now_ns) else { return };
+                drop(stations);
+                Counts::count(&counts.received);
+                self.hand_over(Frame::new(bytes, now_ns).map(|frame| Frame {
+                    sender: Some(envelope.sender),
+                    sent_ns: Some(envelope.sent_ns),
+                    start_ns: envelope.start_ns,
+                    clock,
+                    ..frame
+                }));
+            }
+            Packet::Ours(envelope, Content::Question) => {
+                if self.identity.start_ns.is_some() {
+                    let (to, asked_ns) = (envelope.sender, envelope.sent_ns);
+                    let answer = Content::Answer { to, asked_ns, heard_ns: now_ns };
+                    self.tell(origin, Purpose::Answer, answer);
+                }
+            }
+            Packet::Ours(envelope, Content::Answer { to, asked_ns, heard_ns }) => {
+                if to == self.identity.sender {
+                    let answered_ns = envelope.sent_ns;
+                    let exchange =
+                        Exchange { asked_ns, heard_ns, answered_ns, returned_ns: now_ns };
+                    let mut stations =
+                        self.shared.stations.lock().unwrap_or_else(PoisonError::into_inner);
+                    stations.answer(envelope.sender, exchange);
+                }
+            }
+        }
+    }
+
+    fn hand_over(&self, frame: Option<Frame>) {
+        let dropped: &AtomicU64 = &self.shared.counts.dropped;
+        // A closed queue is a carrier that is being closed.
+        if frame.is_none_or(|frame| self.queue.try_send(frame).is_err()) {
+            Counts::count(dropped);
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! Who was heard: each sender's numbers and clock.
+
+use crate::clock::{ClockDifference, Comparison, Exchange};
+use crate::counts::StationReport;
+use crate::endpoint::Origin;
+use crate::envelope::Envelope;
+use crate::sequence::Numbers;
+
+/// Most senders that are told apart; of more, the one silent for longest is forgotten.
+const MOST: usize = 64;
+/// Questions at the first hearing, for a good estimate soon.
+const FIRST_QUESTIONS: u64 = 8;
+/// Time between the first questions, ns.
+const FIRST_PERIOD_NS: i64 = 50_000_000;
+/// Time between later questions, ns.
+const PERIOD_NS: i64 = 1_000_000_000;
+
+/// All senders that were heard.
+#[derive(Debug, Default)]
+pub(crate) struct Stations(Vec<Station>);
+
+#[derive(Debug)]
+struct Station {
+    sender: u64,
+    origin: Origin,
+    heard_ns: i64,
+    numbers: Numbers,
+    clock: Comparison,
+    /// A roadside unit is asked for its clock.
+    is_roadside: bool,
+    asked: u64,
+    ask_at_ns: i64,
+}
+
+impl Stations {
+    /// Takes a frame's envelope. `None`: the frame was heard before; else the sender's clock now.
+    pub(crate) fn frame(
+        &mut self,
+        envelope: &Envelope,
+        origin: Origin,
+        now_ns: i64,
+    ) -> Option<Option<ClockDifference>> {
+        let station = self.station(envelope, origin, now_ns);
+        station.heard_ns = now_ns;
+        station.origin = origin;
+        let is_new = station.numbers.take(envelope.sequence);
+        is_new.then(|| station.clock.difference(now_ns))
+    }
+
+    fn station(&mut self, envelope: &Envelope, origin: Origin, now_ns: i64) -> &mut Station {
+        let known = self.0.iter().position(|station| station.sender == envelope.sender);
+        let place = known.unwrap_or_else(|| {
+            if self.0.len() == MOST {
+                let silent = self.0.iter().enumerate().min_by_key(|(_, station)| station.heard_ns);
+                let (oldest, _) = silent.expect("the list is full");
+                self.0.swap_remove(oldest);
+            }
+            self.0.push(Station {
+                sender: envelope.sender,
+                origin,
+                heard_ns: now_ns,
+                numbers: Numbers::default(),
+                clock: Comparison::default(),
+                is_roadside: envelope.start_ns.is_some(),
+                asked: 0,
+                ask_at_ns: now_ns,
+            });
+            self.0.len() - 1
+        });
+        &mut self.0[place]
+    }
+
+    /// Takes an answer to a question of ours.
+    pub(crate) fn answer(&mut self, sender: u64, exchange: Exchange) {
+        if let Some(station) = self.0.iter_mut().find(|station| station.sender == sender) {
+            // An answer whose stamps cannot be true says nothing.
+            let _ = station.clock.take(exchange);
+        }
+    }
+
+    /// Where the next question is to go, if one is due.
+    pub(crate) fn next_question(&mut self, now_ns: i64) -> Option<Origin> {
+        let due = |station: &&mut Station| station.is_roadside && station.ask_at_ns <= now_ns;
+        let station = self.0.iter_mut().find(due)?;
+        station.asked += 1;
+        let first = station.asked < FIRST_QUESTIONS;
+        station.ask_at_ns = now_ns + if first { FIRST_PERIOD_NS } else { PERIOD_NS };
+        Some(station.origin)
+    }
+
+    /// Time until the next question is due, ns; `None`: none is to be asked.
+    pub(crate) fn until_question_ns(&self, now_ns: i64) -> Option<u64> {
+        let roadside = self.0.iter().filter(|station| station.is_roadside);
+        let due = roadside.map(|station| station.ask_at_ns).min()?;
+        Some(u64::try_from(due - now_ns).unwrap_or(0))
+    }
+
+    pub(crate) fn report(&self, now_ns: i64) -> Vec<StationReport> {
+        let reports = self.0.iter().map(|station| StationReport {
+            sender: format!("{:016x}", station.sender),
+            received: station.numbers.received(),
+            lost: station.numbers.lost(),
+            duplicates: station.numbers.duplicates(),
+            reordered: station.numbers.reordered(),
+            clock: station.clock.report(now_ns),
+        });
+        reports.collect()
+    }
+}

@@ -1,0 +1,175 @@
+//! zenoh: frames under `timegap/radio/frames`, questions and answers beside them.
+//!
+//! How the session finds others, over which links and with which certificates, is zenoh's own
+//! configuration. A frame that zenoh cannot take at once is dropped. zenoh's calls may wait for a lock, so
+//! that a thread makes them.
+
+use crate::counts::Counts;
+use crate::endpoint::{Endpoint, Heard, Origin, Outlet, Purpose};
+use crate::envelope::MAX_PACKET;
+use crate::error::{OpenError, SendError};
+use crate::listener::Shared;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::time::Duration;
+use zenoh::pubsub::{Publisher, Subscriber};
+use zenoh::qos::{CongestionControl, Priority};
+use zenoh::sample::Locality;
+use zenoh::{Config, Session, Wait};
+
+const FRAMES: &str = "timegap/radio/frames";
+const QUESTIONS: &str = "timegap/radio/questions";
+const ANSWERS: &str = "timegap/radio/answers";
+
+/// Packets between zenoh's threads and ours, each way.
+const QUEUE: usize = 256;
+
+/// Longest time for a session to be opened; zenoh's own patience has no bound with some links.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Opens a session and both ends.
+pub(crate) fn open(
+    configuration: Option<&Path>,
+    shared: &Arc<Shared>,
+) -> Result<(ZenohEndpoint, ZenohOutlet), OpenError> {
+    let config = match configuration {
+        None => Config::default(),
+        Some(path) => Config::from_file(path).map_err(|reason| OpenError::ZenohConfiguration {
+            path: path.to_owned(),
+            reason: reason.to_string(),
+        })?,
+    };
+    let session = open_session(config)?;
+    let fail = |reason: zenoh::Error| OpenError::ZenohSession { reason: reason.to_string() };
+    let publisher = |key: &'static str| {
+        (session.declare_publisher(key))
+            .congestion_control(CongestionControl::Drop)
+            .priority(Priority::RealTime)
+            .express(true)
+            .allowed_destination(Locality::Remote)
+            .wait()
+            .map_err(fail)
+    };
+    let (frames, questions, answers) =
+        (publisher(FRAMES)?, publisher(QUESTIONS)?, publisher(ANSWERS)?);
+    let (arrivals, heard) = sync_channel(QUEUE);
+    let subscriber = |key: &'static str| {
+        let (arrivals, shared) = (arrivals.clone(), Arc::clone(shared));
+        (session.declare_subscriber(key))
+            .callback(move |sample| {
+                let bytes = sample.payload().to_bytes();
+                if bytes.len() > MAX_PACKET {
+                    Counts::count(&shared.counts.malformed);
+                } else if arrivals.try_send(Arrival::Packet(bytes.into_owned())).is_err() {
+                    Counts::count(&shared.counts.dropped);
+                }
+            })
+            .allowed_origin(Locality::Remote)
+            .wait()
+            .map_err(fail)
+    };
+    let subscribers = [subscriber(FRAMES)?, subscriber(QUESTIONS)?, subscriber(ANSWERS)?];
+    let (queue, departures) = sync_channel::<Vec<u8>>(QUEUE);
+    let counts = Arc::clone(shared);
+    std::thread::Builder::new()
+        .name("radio-send".into())
+        .spawn(move || send_all(&departures, &frames, &counts))
+        .map_err(OpenError::SetUp)?;
+    let endpoint = ZenohEndpoint { heard, questions, answers, session, _subscribers: subscribers };
+    Ok((endpoint, ZenohOutlet { queue, arrivals }))
+}
+
+/// Opens a session in a thread of its own, which is left behind if it takes too long.
+fn open_session(config: Config) -> Result<Session, OpenError> {
+    let (done, opened) = sync_channel(1);
+    std::thread::Builder::new()
+        .name("radio-open".into())
+        .spawn(move || {
+            // Whoever waited may have gone.
+            let _ = done.send(zenoh::open(config).wait());
+        })
+        .map_err(OpenError::SetUp)?;
+    match opened.recv_timeout(PATIENCE) {
+        Ok(session) => {
+            session.map_err(|reason| OpenError::ZenohSession { reason: reason.to_string() })
+        }
+        Err(_) => {
+            let seconds = PATIENCE.as_secs();
+            let reason = format!("none was open after {seconds} s");
+            Err(OpenError::ZenohSession { reason })
+        }
+    }
+}
+
+fn send_all(departures: &Receiver<Vec<u8>>, publisher: &Publisher<'_>, shared: &Shared) {
+    while let Ok(packet) = departures.recv() {
+        if publisher.put(packet).wait().is_err() {
+            Counts::count(&shared.counts.not_sent);
+        }
+    }
+}
+
+/// What comes to the receive thread.
+#[derive(Debug)]
+enum Arrival {
+    Packet(Vec<u8>),
+    Close,
+}
+
+/// The receiving end.
+pub(crate) struct ZenohEndpoint {
+    heard: Receiver<Arrival>,
+    questions: Publisher<'static>,
+    answers: Publisher<'static>,
+    session: Session,
+    _subscribers: [Subscriber<()>; 3],
+}
+
+impl Endpoint for ZenohEndpoint {
+    fn hear(&mut self, timeout: Duration, buffer: &mut [u8]) -> Heard {
+        match self.heard.recv_timeout(timeout) {
+            Ok(Arrival::Packet(packet)) => {
+                buffer[..packet.len()].copy_from_slice(&packet);
+                Heard::Packet(packet.len(), Origin::Zenoh)
+            }
+            Ok(Arrival::Close) | Err(RecvTimeoutError::Disconnected) => Heard::Closed,
+            Err(RecvTimeoutError::Timeout) => Heard::Nothing,
+        }
+    }
+
+    fn tell(&mut self, to: Origin, purpose: Purpose, packet: &[u8]) {
+        let publisher = match (to, purpose) {
+            (Origin::Socket(_), _) => return,
+            (Origin::Zenoh, Purpose::Question) => &self.questions,
+            (Origin::Zenoh, Purpose::Answer) => &self.answers,
+        };
+        // What is lost is asked again.
+        let _ = publisher.put(packet).wait();
+    }
+}
+
+impl Drop for ZenohEndpoint {
+    fn drop(&mut self) {
+        // A router that is gone cannot be told.
+        let _ = self.session.close().wait();
+    }
+}
+
+/// The sending end.
+#[derive(Debug)]
+pub(crate) struct ZenohOutlet {
+    queue: SyncSender<Vec<u8>>,
+    arrivals: SyncSender<Arrival>,
+}
+
+impl Outlet for ZenohOutlet {
+    fn send(&mut self, packet: &[u8]) -> Result<(), SendError> {
+        self.queue.try_send(packet.to_vec()).map_err(|_| SendError::Full)
+    }
+
+    fn close(&mut self) {
+        // The receive thread empties the queue, so that there is room at last.
+        let _ = self.arrivals.send(Arrival::Close);
+    }
+}
