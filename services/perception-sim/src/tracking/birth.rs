@@ -3,9 +3,11 @@
 //! Standing targets: a track begins with a standing echo only in the ego's lane
 //! ([`STANDING_HALF_WIDTH_M`]), where a standing object is an obstacle, and needs twice the scans to be
 //! confirmed. What stands elsewhere is taken for the roadside. A vehicle that has been tracked while it
-//! moved stays a track when it stops. Nothing begins beyond the road's edge ([`super::road_edge`]).
+//! moved stays a track when it stops. Nothing begins beyond the road's edge ([`super::road_edge`]) nor
+//! three lanes off ([`super::mirror`]).
 
 use super::association::{Outline, Point};
+use super::mirror;
 use super::road_edge::RoadEdge;
 use super::track::Sighting;
 
@@ -40,6 +42,7 @@ pub fn find(
         let stands_aside = !moves(point) && point.y_m.abs() > STANDING_HALF_WIDTH_M;
         if point.owner.is_none()
             && (stands_aside
+                || mirror::is_too_far(point)
                 || edge.is_beyond(point.y_m)
                 || outlines.iter().any(|outline| outline.covers(point)))
         {
@@ -127,7 +130,8 @@ mod tests {
     fn nothing_begins_beyond_the_edge() {
         let mut edge = RoadEdge::default();
         edge.observe(8.0);
-        assert_eq!(begun(&[point(60.0, 16.0, -2.0)], &edge), 0);
-        assert_eq!(begun(&[point(60.0, -16.0, -2.0)], &edge), 1);
+        assert_eq!(begun(&[point(60.0, 10.0, -2.0)], &edge), 0);
+        assert_eq!(begun(&[point(60.0, -10.0, -2.0)], &edge), 1);
+        assert_eq!(begun(&[point(60.0, -16.0, -2.0)], &edge), 0, "more than three lanes off");
     }
 }

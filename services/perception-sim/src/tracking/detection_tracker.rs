@@ -2,7 +2,7 @@
 //!
 //! In each scan: move all tracks on; give every detection to a track ([`super::association`]); let each
 //! track take in what it got ([`super::track`]); begin tracks with what is left ([`super::birth`]);
-//! confirm, end and unite tracks. It allocates nothing after its making.
+//! unite tracks of one vehicle, end mirror images ([`super::mirror`]), confirm and end tracks. It allocates nothing after its making.
 
 use messages::Detection;
 use scenario::Scenario;
@@ -12,6 +12,7 @@ use super::association::{Outline, Point, associate};
 use super::birth;
 use super::list::{Track, TrackList};
 use super::longitudinal::{Kind, Maneuver, Model};
+use super::mirror;
 use super::path::PathLimits;
 use super::road_edge::RoadEdge;
 use super::track::{DetectedTrack, FieldOfView, Life, Sighting};
@@ -93,6 +94,7 @@ impl DetectionTracker {
         self.update(dt_s, ego.acceleration_mps2);
         self.begin();
         self.unite();
+        self.end_images();
         self.confirm(dt_s);
         self.list(time_ns, detections)
     }
@@ -155,6 +157,20 @@ impl DetectionTracker {
                     self.tracks[older].take_over(&newer);
                 }
                 None => newer += 1,
+            }
+        }
+    }
+
+    /// Ends what could be the mirror image of another track before it is confirmed.
+    fn end_images(&mut self) {
+        let mut place = 0;
+        while place < self.tracks.len() {
+            let track = &self.tracks[place];
+            let mut others = self.tracks.iter();
+            if track.id == 0 && others.any(|other| mirror::is_image(track, other)) {
+                self.tracks.remove(place);
+            } else {
+                place += 1;
             }
         }
     }

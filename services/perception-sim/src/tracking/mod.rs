@@ -1,8 +1,8 @@
 //! From the radar's measurements to tracks.
 //!
 //! [`kalman`] and [`interacting`] are the filters, [`longitudinal`] and [`lateral`] what they know of
-//! vehicles, [`path`] which of these are in the ego's way. [`association`], [`birth`] and [`track`] are
-//! the parts of [`detection_tracker`], which works on detections; [`object_tracker`] works on
+//! vehicles, [`path`] which of these are in the ego's way. [`association`], [`birth`], [`mirror`]
+//! and [`track`] are the parts of [`detection_tracker`], which works on detections; [`object_tracker`] works on
 //! measurements whose vehicle is known. Both hand out a [`TrackList`].
 
 pub mod association;
@@ -14,6 +14,7 @@ pub mod kalman;
 pub mod lateral;
 pub mod list;
 pub mod longitudinal;
+pub mod mirror;
 pub mod object_tracker;
 pub mod path;
 pub mod road_edge;
