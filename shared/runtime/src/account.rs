@@ -123,7 +123,6 @@ impl Account {
                     from_the_future: outcome(7),
                     distrusted: outcome(8),
                 },
-                digest: None,
             }
         };
         LastAccount {
@@ -171,7 +170,7 @@ mod tests {
             scenario: String::new(),
         };
         let tally = || {
-            let tally = Tally::new(Mode::Realtime);
+            let tally = Tally::of_receiver();
             tally.borrow_mut().messages = 7;
             tally.borrow_mut().e2e.unknown_sender = 3;
             tally

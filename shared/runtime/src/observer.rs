@@ -13,7 +13,6 @@ use std::rc::Rc;
 #[derive(Debug)]
 pub struct Observer {
     transport: Transport,
-    mode: super::Mode,
     members: Rc<Members>,
 }
 
@@ -25,13 +24,13 @@ impl Observer {
     pub fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
         let members = Rc::new(Members::of(&group.root));
         let transport = Transport::SharedMemory(SharedMemory::join(group, name)?);
-        Ok(Self { transport, mode: group.mode, members })
+        Ok(Self { transport, members })
     }
 
     /// A listener in the process of a run.
     pub(super) fn at(seat: Seat) -> Self {
         let transport = Transport::Memory(seat);
-        Self { transport, mode: super::Mode::Lockstep, members: Rc::new(Members::InProcess) }
+        Self { transport, members: Rc::new(Members::InProcess) }
     }
 
     /// Removes what dead processes left on the topics, so that no sender waits for them.
@@ -46,7 +45,7 @@ impl Observer {
     pub fn listen<T: Carried>(&self) -> Result<Observed<T>, RuntimeError> {
         let port = T::receiver(&self.transport)?;
         let (members, faults) = (Rc::clone(&self.members), Rc::new(Faults::none()));
-        Ok(Observed(Subscriber::new(port, None, members, None, faults, Tally::new(self.mode))))
+        Ok(Observed(Subscriber::new(port, None, members, None, faults, Tally::of_receiver())))
     }
 }
 

@@ -35,8 +35,6 @@ pub struct ReceivedTopic {
     pub lost: u64,
     /// Outcomes of the end-to-end check.
     pub e2e: Outcomes,
-    /// XXH3 over the bytes of all messages in order, in lockstep.
-    pub digest: Option<String>,
 }
 
 /// The account of one service's life.

@@ -162,7 +162,7 @@ impl Runtime {
     /// # Errors
     /// [`RuntimeError::Topic`].
     pub fn publisher<T: Carried>(&mut self) -> Result<Publisher<T>, RuntimeError> {
-        let tally = Tally::new(self.group.mode);
+        let tally = Tally::of_sender(self.group.mode);
         self.sent.push((T::TOPIC, Rc::clone(&tally)));
         let awaited = match self.group.mode {
             Mode::Lockstep => !T::TOPIC.consumers().is_empty(),
@@ -201,7 +201,7 @@ impl Runtime {
     }
 
     fn subscribe<T: Carried>(&mut self, waits: bool) -> Result<Subscriber<T>, RuntimeError> {
-        let tally = Tally::new(self.group.mode);
+        let tally = Tally::of_receiver();
         self.received.push((T::TOPIC, Rc::clone(&tally)));
         let waiter = waits.then(|| self.transport.waiter(T::TOPIC));
         let port = T::receiver(&self.transport)?;

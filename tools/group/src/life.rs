@@ -141,7 +141,6 @@ mod tests {
                 received: odometry,
                 lost: 2,
                 e2e: messages::e2e::Outcomes { ok: odometry, ..Default::default() },
-                digest: None,
             }],
             allocations_in_loop: None,
             peak_rss_kib: Some(cycles),

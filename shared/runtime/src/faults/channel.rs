@@ -22,11 +22,12 @@ impl<T: Message> ChannelFaults<T> {
         Self { pending: VecDeque::with_capacity(CAPACITY), overtaken: None }
     }
 
-    /// Takes a message that arrived at `now_ns`.
-    pub(crate) fn take(&mut self, message: &T, faults: &Faults, now_ns: i64) {
+    /// Takes a message that arrived at `now_ns`. True if no fault acts on it and none is before it: then it
+    /// is the receiver's at once, and no copy of it was made.
+    pub(crate) fn take(&mut self, message: &T, faults: &Faults, now_ns: i64) -> bool {
         let header = message.header();
         let identity = (header.source, header.incarnation, header.sequence);
-        let (intact, mut message) = (*message, *message);
+        let mut changed: Option<T> = None;
         let mut due_ns = now_ns;
         let (mut copies, mut reordered) = (1, false);
         faults.activate(Effect::of_channels, T::TOPIC, identity, now_ns, |fault, activation| {
@@ -39,22 +40,27 @@ impl<T: Message> ChannelFaults<T> {
                     due_ns = due_ns.saturating_add_unsigned(delay_ms.nanoseconds() + jitter as u64);
                 }
                 Disturbance::Corrupt { bits } => {
-                    let bytes = bytemuck::bytes_of_mut(&mut message);
+                    let bytes = bytemuck::bytes_of_mut(changed.get_or_insert(*message));
                     for k in 0..bits.value() {
                         let bit = activation.draw(2 + u64::from(k)) % (8 * bytes.len() as u64);
                         let bit = usize::try_from(bit).expect("messages are short");
                         bytes[bit / 8] ^= 1 << (bit % 8);
                     }
                     // Flips can meet in one bit and undo each other: then nothing would be corrupt.
-                    if bytes == bytemuck::bytes_of(&intact) {
+                    if bytes == bytemuck::bytes_of(message) {
                         bytes[0] ^= 1;
                     }
                 }
             }
         });
+        let undisturbed = changed.is_none() && !reordered && copies == 1 && due_ns == now_ns;
+        if undisturbed && self.pending.is_empty() && self.overtaken.is_none() {
+            return true;
+        }
+        let message = changed.unwrap_or(*message);
         if reordered && copies > 0 && self.overtaken.is_none() {
             self.overtaken = Some(message);
-            return;
+            return false;
         }
         for _ in 0..copies {
             self.send(due_ns, message);
@@ -62,6 +68,7 @@ impl<T: Message> ChannelFaults<T> {
         if let Some(overtaken) = self.overtaken.take_if(|_| copies > 0) {
             self.send(due_ns, overtaken);
         }
+        false
     }
 
     /// The next message that is due at `now_ns`.

@@ -88,7 +88,7 @@ impl<T: Message> Publisher<T> {
         // The counter is the sequence number's low half: it wraps.
         let data_id = T::TOPIC.data_id(source);
         profile7::protect(bytemuck::bytes_of_mut(&mut *message), data_id, sequence as u32);
-        self.tally.borrow_mut().count(&*message);
+        self.tally.borrow_mut().count_sent(&*message);
         let sent = self.port.send(message);
         sent.map_err(|reason| RuntimeError::Send { topic: T::TOPIC, reason })?;
         if let Some(waker) = &self.waker

@@ -122,7 +122,9 @@ impl<T: Message> Subscriber<T> {
                 let now_ns = self.now_ns();
                 let faults =
                     self.channel_faults.get_or_insert_with(|| Box::new(ChannelFaults::new()));
-                faults.take(sample, &self.faults, now_ns);
+                if faults.take(sample, &self.faults, now_ns) {
+                    self.check(&mut each);
+                }
             } else {
                 self.check(&mut each);
             }
@@ -203,9 +205,7 @@ impl<T: Message> Subscriber<T> {
                 *last = (incarnation, sequence);
             }
             tally.copied_bytes += arrival.copied_bytes as u64;
-            if let Some(sample) = self.incoming.get() {
-                tally.count(sample);
-            }
+            tally.messages += 1;
             return Ok(true);
         }
     }
