@@ -4,7 +4,7 @@ use super::{count, open, tell};
 use clap::Args;
 use group::Error;
 use messages::names::{self, Enumeration};
-use messages::{Place, TOPICS, Topic, Value};
+use messages::{Element, Place, TOPICS, Topic, Value};
 use recorder::{LawNames, Record};
 use report::print;
 use serde_json::json;
@@ -32,7 +32,9 @@ pub struct ExportArguments {
 
 const PANDAS: &str = "\
 The first column, `log_time_ns`, is when the message was published, ns of run time; the others are the \
-message's own, by their dotted path. Nested arrays count from 0: `tracks.0.range_m`. Behind a number \
+message's own, by their dotted path. Nested arrays count from 0: `tracks.0.range_m`; the radar's \
+detections, up to 1,024 in a message, have a table of their own with a row for each, \
+`radar_detections.detections.csv`. Behind a number \
 that has a name stands the name: `rung` and `rung.name`; figures of the law have theirs in place of \
 their number. A damaged recording is exported as far as it goes: said, and status 1. In Python:
 
@@ -63,6 +65,7 @@ pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
     }
     let damage = [recording.damage(), records.damage()].concat();
     let files = tables.into_iter().map(Table::finish).collect::<Result<Vec<_>, _>>()?;
+    let files = files.concat();
     if arguments.json {
         let files: Vec<_> =
             files.iter().map(|(path, rows)| json!({"path": path, "rows": rows})).collect();
@@ -84,6 +87,7 @@ struct Table {
     file: BufWriter<File>,
     columns: Vec<Column>,
     rows: u64,
+    lists: Vec<List>,
 }
 
 /// A value of the messages and the names of its numbers.
@@ -101,8 +105,10 @@ enum Names {
 impl Table {
     fn begin(topic: Topic, directory: &Path, law: &LawNames) -> Result<Self, Error> {
         let path = directory.join(format!("{}.csv", topic.name().replace('/', "_")));
-        let columns: Vec<_> =
-            topic.layout().scalars().into_iter().map(|place| Column::new(place, law)).collect();
+        let lists = List::of(topic, &path)?;
+        let in_a_list = |place: &Place| lists.iter().any(|list| list.holds(place));
+        let places = topic.layout().scalars().into_iter().filter(|place| !in_a_list(place));
+        let columns: Vec<_> = places.map(|place| Column::new(place, law)).collect();
         let mut head = String::from("log_time_ns");
         for column in &columns {
             column.head(law, &mut head);
@@ -113,12 +119,13 @@ impl Table {
             Ok(file)
         };
         let file = begin().map_err(write_error(&path))?;
-        Ok(Self { topic, path, file, columns, rows: 0 })
+        Ok(Self { topic, path, file, columns, rows: 0, lists })
     }
 
     fn add(&mut self, record: &Record) -> Result<(), Error> {
         self.rows += 1;
-        self.row(record).map_err(write_error(&self.path))
+        self.row(record).map_err(write_error(&self.path))?;
+        self.lists.iter_mut().try_for_each(|list| list.add(record))
     }
 
     fn row(&mut self, record: &Record) -> std::io::Result<()> {
@@ -126,16 +133,105 @@ impl Table {
         write!(file, "{}", record.log_time_ns)?;
         for column in &self.columns {
             let value = column.place.read(record.bytes());
-            match value {
-                // What every reader of CSV takes for a number that is none.
-                Value::Float(value) if value.is_nan() => file.write_all(b",nan")?,
-                value => write!(file, ",{value}")?,
-            }
+            cell(file, value)?;
             if let (Some(names), Value::Unsigned(number)) = (&column.names, value) {
                 write!(file, ",{}", names.of(number))?;
             }
         }
         file.write_all(b"\n")
+    }
+
+    fn finish(mut self) -> Result<Vec<(PathBuf, u64)>, Error> {
+        self.file.flush().map_err(write_error(&self.path))?;
+        let mut files = vec![(self.path, self.rows)];
+        for list in self.lists {
+            files.push(list.finish()?);
+        }
+        Ok(files)
+    }
+}
+
+/// A value in its cell.
+fn cell(file: &mut BufWriter<File>, value: Value) -> std::io::Result<()> {
+    match value {
+        // What every reader of CSV takes for a number that is none.
+        Value::Float(value) if value.is_nan() => file.write_all(b",nan"),
+        value => write!(file, ",{value}"),
+    }
+}
+
+/// An array that is too long for columns: a table of its own, with a row for each valid entry.
+struct List {
+    path: PathBuf,
+    file: BufWriter<File>,
+    /// Valid entries.
+    count: Place,
+    sequence: Place,
+    /// Scalars of an entry, from its first byte.
+    columns: Vec<Place>,
+    /// Where the entries are in the message, bytes.
+    first: usize,
+    each: usize,
+    len: usize,
+    rows: u64,
+}
+
+/// Longest array that is written as columns.
+const MOST_IN_COLUMNS: usize = 128;
+
+impl List {
+    /// The lists of a topic's messages.
+    fn of(topic: Topic, table: &Path) -> Result<Vec<Self>, Error> {
+        let layout = topic.layout();
+        let scalar = |path: &str| layout.scalars().into_iter().find(|place| place.path == path);
+        let mut lists = Vec::new();
+        for field in layout.fields {
+            let (Element::Struct(entry), Some(len)) = (field.shape.element, field.shape.len) else {
+                continue;
+            };
+            let (Some(count), Some(sequence)) = (scalar("count"), scalar("header.sequence")) else {
+                continue;
+            };
+            if len <= MOST_IN_COLUMNS {
+                continue;
+            }
+            let path = table.with_extension(format!("{}.csv", field.name));
+            let columns = entry.scalars();
+            let begin = || {
+                let mut file = BufWriter::new(File::create(&path)?);
+                write!(file, "log_time_ns,header.sequence,index")?;
+                columns.iter().try_for_each(|column| write!(file, ",{}", column.path))?;
+                file.write_all(b"\n").map(|()| file)
+            };
+            let file = begin().map_err(write_error(&path))?;
+            let (first, each) = (field.offset, entry.bytes);
+            lists.push(Self { path, file, count, sequence, columns, first, each, len, rows: 0 });
+        }
+        Ok(lists)
+    }
+
+    fn holds(&self, place: &Place) -> bool {
+        (self.first..self.first + self.each * self.len).contains(&place.offset)
+    }
+
+    fn add(&mut self, record: &Record) -> Result<(), Error> {
+        self.entries(record).map_err(write_error(&self.path))
+    }
+
+    fn entries(&mut self, record: &Record) -> std::io::Result<()> {
+        let Value::Unsigned(count) = self.count.read(record.bytes()) else { return Ok(()) };
+        let count = usize::try_from(count).map_or(self.len, |count| count.min(self.len));
+        let sequence = self.sequence.read(record.bytes());
+        let entries = record.bytes()[self.first..].chunks_exact(self.each).take(count);
+        for (index, entry) in entries.enumerate() {
+            self.rows += 1;
+            write!(self.file, "{},{sequence},{index}", record.log_time_ns)?;
+            for column in &self.columns {
+                cell(&mut self.file, column.read(entry))?;
+            }
+            self.file.write_all(b"\n")?;
+        }
+        Ok(())
     }
 
     fn finish(mut self) -> Result<(PathBuf, u64), Error> {
