@@ -82,7 +82,7 @@ pub use session::{Cycle, Runtime, count_allocations_by, log_warnings, run_servic
 pub use spawn::{die_with_this_thread, inherit_only};
 pub use tap::{Tap, Tapped};
 pub use timetable::Timetable;
-pub use transport::{COPIED_BYTES, Carrier, Loan, shared_memory_bytes};
+pub use transport::{COPIED_BYTES, Carrier, Loan, domain, shared_memory_bytes};
 pub(crate) use transport::{Receiver, Sender, Transport};
 pub use usage::Usage;
 pub use words::SharedWords;

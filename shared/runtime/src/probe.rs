@@ -55,7 +55,7 @@ impl Probe {
             incarnation: 0,
             faults: Rc::new(Faults::none()),
             sender_faults: SenderFaults::new(),
-            tally: Tally::new(self.group.mode),
+            tally: Tally::of_sender(self.group.mode),
         })
     }
 
@@ -67,7 +67,7 @@ impl Probe {
         let waiter = Some(self.transport.waiter(T::TOPIC));
         let port = T::receiver(&self.transport)?;
         let members = Rc::new(Members::of(&self.group.root));
-        let (faults, tally) = (Rc::new(Faults::none()), Tally::new(self.group.mode));
+        let (faults, tally) = (Rc::new(Faults::none()), Tally::of_receiver());
         Ok(Subscriber::new(port, waiter, members, None, faults, tally))
     }
 

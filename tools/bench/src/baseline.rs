@@ -147,6 +147,7 @@ mod tests {
                 floor_misses_per_million: Some(200.0),
             }],
             paired: Vec::new(),
+            not_compared: Vec::new(),
             goals: Vec::new(),
             caveats: Vec::new(),
         }

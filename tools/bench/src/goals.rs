@@ -80,7 +80,10 @@ fn limits(comparison: Comparison, placement: Placement) -> Option<(f64, Option<f
         (Comparison::Message, Placement::TwoCores) => (1.15, Some(1.5)),
         (Comparison::Detections, _) => (1.2, None),
         (Comparison::Payload, _) => (1.1, None),
-        (Comparison::Iceoryx2Event | Comparison::UnixDatagram | Comparison::Tcp, _) => return None,
+        (peer, _) => {
+            debug_assert!(peer.is_peer());
+            return None;
+        }
     })
 }
 

@@ -22,6 +22,7 @@ mod chain;
 mod conditions;
 mod goals;
 mod load;
+mod middleware;
 mod outcome;
 mod page;
 mod paired;
@@ -29,7 +30,6 @@ mod peer;
 mod plan;
 mod results;
 mod setup;
-mod sockets;
 mod stage;
 mod statistics;
 mod table;
@@ -73,7 +73,8 @@ pub struct BenchArguments {
     /// Only an idle machine under the best scheduling it grants, in at most a minute; judges no p99
     #[arg(long)]
     pub quick: bool,
-    /// Also compare with what one would take instead: iceoryx2's events, unix datagrams, TCP
+    /// Also compare with what one would take instead: iceoryx2's own services, unix datagrams, TCP; built
+    /// with the feature "peers" also zenoh, and CycloneDDS where its library was found
     #[arg(long)]
     pub peers: bool,
     /// Length of each measurement, s [default: 2, quick: 0.4]
@@ -127,6 +128,9 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
     let seconds = arguments.seconds.unwrap_or(if arguments.quick { QUICK_S } else { FULL_S });
     let mut bench = Bench::new(&stage, arguments.quick, seconds);
     bench.report.caveats = conditions::caveats(cores, reference, conditions::quota());
+    if arguments.peers {
+        bench.report.not_compared = plan::not_compared();
+    }
     let whole: Duration = (cells.iter().map(|cell| cell.estimate(seconds)))
         .chain(compared.iter().map(|(_, _, period_us)| plan::comparison_estimate(*period_us)))
         .chain(chains.iter().map(plan::ChainBlocks::estimate))
@@ -230,6 +234,7 @@ impl<'a> Bench<'a> {
             chain: Vec::new(),
             deadlines: Vec::new(),
             paired: Vec::new(),
+            not_compared: Vec::new(),
             goals: Vec::new(),
             caveats: Vec::new(),
         };
@@ -262,7 +267,12 @@ impl<'a> Bench<'a> {
             Mechanism::Futex => self.floor(cell, FloorMeasure::Futex, us),
             Mechanism::Eventfd => self.floor(cell, FloorMeasure::Eventfd, us),
             Mechanism::Iceoryx2Event => self.floor(cell, FloorMeasure::Iceoryx2Event, us),
-            Mechanism::Message | Mechanism::UnixDatagram | Mechanism::Tcp => {
+            Mechanism::Message
+            | Mechanism::Iceoryx2PubSub
+            | Mechanism::UnixDatagram
+            | Mechanism::Tcp
+            | Mechanism::Zenoh
+            | Mechanism::CycloneDds => {
                 let bytes = Topic::RadarTracks.message_bytes();
                 self.transport(cell, bytes, Passing::Message, &outcome, us);
             }

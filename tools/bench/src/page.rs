@@ -49,10 +49,17 @@ pub fn page(report: &Report, histograms: &[(String, Latencies)]) -> String {
             format!("<p class=\"bad\">not granted: {}</p>\n", report::chart::escape(refused))
         })
         .collect();
+    let not_compared: String = (report.not_compared.iter())
+        .map(|missing| format!("<p>not compared: {}</p>\n", report::chart::escape(missing)))
+        .collect();
     let body = [
         refused,
+        not_compared,
         section("Goals", &(goals(report) + &gap() + &intervals(report))),
-        section("Comparisons in alternating blocks", &comparisons(report, histograms)),
+        section(
+            "Comparisons in alternating blocks",
+            &(peers(report) + &comparisons(report, histograms)),
+        ),
         section("Waking", &pictures(histograms, "Waking", &WAYS)),
         section("Publish, wake, read", &hand_overs(&report.transport_us)),
         section(
@@ -133,6 +140,37 @@ fn intervals(report: &Report) -> String {
         title: "95 % intervals over their limits".into(),
         x: Axis::linear("ratio over its limit", 0.0, WIDEST),
         rows: report.goals.iter().map(row).collect(),
+        marks: vec![Mark { x: 1.0, number: 1 }],
+    };
+    format!("<div class=\"grid\">\n{}</div>\n", figure(&bands))
+}
+
+/// The intervals of what one would take instead, over a message through the services' ports.
+fn peers(report: &Report) -> String {
+    let peers = report.paired.iter().filter(|row| row.comparison.is_peer());
+    let peers: Vec<_> = peers.filter_map(|row| Some((row, row.ci95?))).collect();
+    let widest = peers.iter().map(|(_, [_, high])| high.ceil()).fold(WIDEST, f64::max);
+    let row = |(row, [low, high]): &(&PairedRow, [f64; 2])| {
+        let name = row.comparison.name().split(" over ").next().unwrap_or_default();
+        let conditions = in_words(&row.conditions).replace('_', " ");
+        let interval = interval([Some(*low), Some(*high)]);
+        let (label, tone) = match () {
+            () if *low > 1.0 => ("slower than ours", Tone::Go),
+            () if *high < 1.0 => ("faster than ours", Tone::Stop),
+            () => ("no difference", Tone::Clear),
+        };
+        Row {
+            name: format!("{name}, {conditions}: {interval}"),
+            spans: vec![Span { from: *low, to: *high, label: label.into(), tone }],
+        }
+    };
+    if peers.is_empty() {
+        return String::new();
+    }
+    let bands = Bands {
+        title: "p50 over that of a message through the services' ports, 95 % intervals".into(),
+        x: Axis::linear("ratio", 0.0, widest),
+        rows: peers.iter().map(row).collect(),
         marks: vec![Mark { x: 1.0, number: 1 }],
     };
     format!("<div class=\"grid\">\n{}</div>\n", figure(&bands))

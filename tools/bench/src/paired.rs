@@ -32,27 +32,45 @@ pub enum Comparison {
     Payload,
     /// iceoryx2's own event service, which hands over nothing, with a message.
     Iceoryx2Event,
-    /// The same message over a unix datagram socket with one through the services' ports.
+    /// The same message by iceoryx2's own publish-subscribe and event services with one through the
+    /// services' ports.
+    Iceoryx2PubSub,
+    /// The same over a unix datagram socket.
     UnixDatagram,
     /// The same over TCP on the loopback device.
     Tcp,
+    /// The same over zenoh with shared memory.
+    Zenoh,
+    /// The same over CycloneDDS.
+    CycloneDds,
 }
 
 impl Comparison {
     /// All, in the order of the results.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 10] = [
         Self::FloorItself,
         Self::Message,
         Self::Detections,
         Self::Payload,
         Self::Iceoryx2Event,
+        Self::Iceoryx2PubSub,
         Self::UnixDatagram,
         Self::Tcp,
+        Self::Zenoh,
+        Self::CycloneDds,
     ];
 
     /// Whether it is with what a user would take instead: shown, and no goal.
     pub const fn is_peer(self) -> bool {
-        matches!(self, Self::Iceoryx2Event | Self::UnixDatagram | Self::Tcp)
+        match self {
+            Self::FloorItself | Self::Message | Self::Detections | Self::Payload => false,
+            Self::Iceoryx2Event
+            | Self::Iceoryx2PubSub
+            | Self::UnixDatagram
+            | Self::Tcp
+            | Self::Zenoh
+            | Self::CycloneDds => true,
+        }
     }
 
     /// What is compared with what.
@@ -63,8 +81,11 @@ impl Comparison {
             Self::Detections => "radar detections over radar tracks",
             Self::Payload => "hand-over of 4 MiB over 4 KiB",
             Self::Iceoryx2Event => "iceoryx2 event over message",
+            Self::Iceoryx2PubSub => "iceoryx2 pub/sub over message",
             Self::UnixDatagram => "unix datagram over message",
             Self::Tcp => "TCP on loopback over message",
+            Self::Zenoh => "zenoh over message",
+            Self::CycloneDds => "CycloneDDS over message",
         }
     }
 
@@ -76,8 +97,11 @@ impl Comparison {
             Self::Detections => [Mechanism::Detections, Mechanism::Message],
             Self::Payload => [Mechanism::Payload(LARGEST), Mechanism::Payload(FLAT_FROM)],
             Self::Iceoryx2Event => [Mechanism::Iceoryx2Event, Mechanism::Message],
+            Self::Iceoryx2PubSub => [Mechanism::Iceoryx2PubSub, Mechanism::Message],
             Self::UnixDatagram => [Mechanism::UnixDatagram, Mechanism::Message],
             Self::Tcp => [Mechanism::Tcp, Mechanism::Message],
+            Self::Zenoh => [Mechanism::Zenoh, Mechanism::Message],
+            Self::CycloneDds => [Mechanism::CycloneDds, Mechanism::Message],
         }
     }
 }

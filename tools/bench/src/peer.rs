@@ -162,8 +162,9 @@ fn following(last: i64, period_ns: i64) -> i64 {
 
 fn paired_source(job: &Job, root: &Path, blocks: Blocks) -> Result<Outcome, Error> {
     let page = page(&job.page)?;
-    let mut source = Source::open(&blocks.arms, root, &page)?;
+    // First, so that the threads of a library that is compared run as this one does.
     let granted = schedule(job);
+    let mut source = Source::open(&blocks.arms, root, &page)?;
     let mut cycles = 0;
     for (number, arm) in (1_u32..).zip(blocks.order()) {
         let by = blocks.arms[arm];
@@ -187,8 +188,8 @@ fn paired_source(job: &Job, root: &Path, blocks: Blocks) -> Result<Outcome, Erro
 
 fn paired_sink(job: &Job, root: &Path, blocks: Blocks) -> Result<Outcome, Error> {
     let page = page(&job.page)?;
-    let mut sink = Sink::open(&blocks.arms, root, &page)?;
     let granted = schedule(job);
+    let mut sink = Sink::open(&blocks.arms, root, &page)?;
     let due = UNCOUNTED + blocks.wakes;
     let (mut all, mut cycles, mut misses) = (Vec::new(), 0, 0);
     for (number, arm) in (1_u32..).zip(blocks.order()) {

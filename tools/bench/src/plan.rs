@@ -1,5 +1,6 @@
 //! What is measured, under which conditions, in which order.
 
+use super::middleware::missing;
 use super::paired::{Comparison, PAIRS, UNCOUNTED, WAKES};
 use super::setup::{Conditions, FLAT_FROM, LARGEST, Load, Mechanism, Placement, Scheduling};
 use std::time::Duration;
@@ -56,7 +57,10 @@ pub fn comparisons(
     cores: usize,
     reference: Scheduling,
 ) -> Vec<(Comparison, Conditions, u32)> {
-    let asked = move |comparison: &Comparison| peers || !comparison.is_peer();
+    let asked = move |comparison: &Comparison| match comparison.arms() {
+        [ours, _] if comparison.is_peer() => peers && missing(ours).is_none(),
+        _ => true,
+    };
     let period_us = if quick { QUICK_WAKE_PERIOD_US } else { WAKE_PERIOD_US };
     let best = move |conditions: &Conditions| {
         conditions.load == Load::Idle && conditions.scheduling == reference
@@ -66,6 +70,16 @@ pub fn comparisons(
         all.map(move |comparison| (comparison, conditions, period_us))
     };
     conditions(cores).filter(best).flat_map(of).collect()
+}
+
+/// Peers that this build cannot compare with, each with the reason.
+pub fn not_compared() -> Vec<String> {
+    let peers = Comparison::ALL.into_iter().filter(|comparison| comparison.is_peer());
+    let reason = |comparison: Comparison| {
+        let (name, _) = comparison.name().split_once(" over ")?;
+        missing(comparison.arms()[0]).map(|why| format!("{name}: {why}"))
+    };
+    peers.filter_map(reason).collect()
 }
 
 /// Time that a comparison takes.

@@ -26,6 +26,9 @@ pub struct Report {
     /// Comparisons in alternating blocks, which the goals are judged by.
     #[serde(skip_deserializing)]
     pub paired: Vec<PairedRow>,
+    /// Peers that this build has not, each with the reason.
+    #[serde(default)]
+    pub not_compared: Vec<String>,
     /// What is promised, with its interval and verdict.
     #[serde(skip_deserializing)]
     pub goals: Vec<Goal>,

@@ -77,10 +77,23 @@ pub enum Mechanism {
     Payload(usize),
     /// The same, written, protected and checked where it is.
     ProtectedPayload(usize),
-    /// The radar's tracks over a unix datagram socket.
+    /// The radar's tracks by iceoryx2's own publish-subscribe and event services.
+    Iceoryx2PubSub,
+    /// The same over a unix datagram socket.
     UnixDatagram,
     /// The same over TCP on the loopback device.
     Tcp,
+    /// The same over zenoh with shared memory.
+    Zenoh,
+    /// The same over CycloneDDS.
+    CycloneDds,
+}
+
+impl Mechanism {
+    /// Those that hand over the radar's tracks without the services' ports.
+    #[cfg(test)]
+    pub const PEERS: [Self; 5] =
+        [Self::Iceoryx2PubSub, Self::UnixDatagram, Self::Tcp, Self::Zenoh, Self::CycloneDds];
 }
 
 /// Size from which on a hand-over takes the same time, bytes: what is larger is not copied.

@@ -1,10 +1,10 @@
 //! Where measurements take place: a run's root of their own, with the processes on it.
 
+use super::middleware;
 use super::outcome::Outcome;
 use super::paired::{Blocks, Compared, Comparison, PAIRS, WAKES};
 use super::peer::{self, BLOCKS_FILE, Job, Task, metronome};
 use super::setup::{Conditions, Load, Mechanism, Placement, Scheduling};
-use super::sockets::Socket;
 use super::words;
 use group::Error;
 use group::{Janitor, RunRoot, check_room, this_program};
@@ -196,7 +196,7 @@ impl Stage {
             return Ok(None);
         }
         let root = self.root.as_ref().expect("there until the end").path();
-        Socket::forget(root);
+        middleware::forget(root);
         let path = root.join(BLOCKS_FILE);
         let text = std::fs::read_to_string(&path).map_err(|reason| Error::Path {
             action: "read",

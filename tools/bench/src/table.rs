@@ -18,8 +18,11 @@ pub fn mechanism(mechanism: Mechanism) -> String {
         Mechanism::Iceoryx2Event => "iceoryx2-event".into(),
         Mechanism::Message => "message".into(),
         Mechanism::Detections => "detections".into(),
+        Mechanism::Iceoryx2PubSub => "iceoryx2-pub-sub".into(),
         Mechanism::UnixDatagram => "unix-datagram".into(),
         Mechanism::Tcp => "tcp".into(),
+        Mechanism::Zenoh => "zenoh".into(),
+        Mechanism::CycloneDds => "cyclonedds".into(),
         Mechanism::Payload(bytes) => format!("payload-{bytes}"),
         Mechanism::ProtectedPayload(bytes) => format!("protected-payload-{bytes}"),
     }
@@ -51,6 +54,9 @@ pub fn report(report: &Report) -> String {
     );
     for refused in &report.refused {
         line(&mut text, &format!("not granted: {refused}"));
+    }
+    for missing in &report.not_compared {
+        line(&mut text, &format!("not compared: {missing}"));
     }
     floor(report, &mut text);
     transport(report, &mut text);

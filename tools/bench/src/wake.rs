@@ -4,8 +4,8 @@
 //! is charged for each wake-up that it came late to. An end may hold several ways open and use one
 //! after the other; ways of the same mechanism are one.
 
+use super::middleware::{self, Receiving, Sending};
 use super::setup::Mechanism;
-use super::sockets::Socket;
 use super::words::{COUNT, RING, STAMPS};
 use bytemuck::Zeroable;
 use group::Error;
@@ -39,7 +39,7 @@ enum SourceWay {
     Message(Box<Publisher<RadarTracks>>),
     Detections(Box<Publisher<RadarDetections>>),
     Payload(PayloadSender),
-    Socket(Socket),
+    Peer(Box<dyn Sending>),
 }
 
 fn join(root: &Path, name: &str) -> Result<Probe, Error> {
@@ -57,13 +57,19 @@ fn distinct(mechanisms: &[Mechanism]) -> Vec<Mechanism> {
     distinct
 }
 
-/// The probe that mechanisms with ports need.
+/// The probe that mechanisms with ports of ours need.
 fn probe(mechanisms: &[Mechanism], root: &Path, name: &str) -> Result<Option<Probe>, Error> {
-    let bare = |mechanism: &Mechanism| {
-        use Mechanism::{Eventfd, Futex, Tcp, UnixDatagram};
-        matches!(mechanism, Futex | Eventfd | UnixDatagram | Tcp)
+    let ours = |mechanism: &Mechanism| {
+        use Mechanism::{Detections, Iceoryx2Event, Message, Payload, ProtectedPayload};
+        matches!(mechanism, Iceoryx2Event | Message | Detections | Payload(_) | ProtectedPayload(_))
     };
-    if mechanisms.iter().all(bare) { Ok(None) } else { join(root, name).map(Some) }
+    if mechanisms.iter().any(ours) { join(root, name).map(Some) } else { Ok(None) }
+}
+
+/// A mechanism that this build has not was asked for.
+fn missing(mechanism: Mechanism) -> Error {
+    let why = middleware::missing(mechanism).unwrap_or("unknown");
+    Error::Usage(format!("{mechanism:?} cannot be measured: {why}"))
 }
 
 /// Words of the stamp of a wake-up.
@@ -103,8 +109,13 @@ impl<'a> Source<'a> {
                 Mechanism::ProtectedPayload(bytes) => {
                     SourceWay::Payload(needed().payload_sender(bytes, Contents::Protected)?)
                 }
-                Mechanism::UnixDatagram => SourceWay::Socket(Socket::datagram_source(root)?),
-                Mechanism::Tcp => SourceWay::Socket(Socket::tcp_source(root)?),
+                Mechanism::Iceoryx2PubSub
+                | Mechanism::UnixDatagram
+                | Mechanism::Tcp
+                | Mechanism::Zenoh
+                | Mechanism::CycloneDds => SourceWay::Peer(
+                    middleware::source(mechanism, root)?.ok_or_else(|| missing(mechanism))?,
+                ),
             };
             ways.push((mechanism, way));
         }
@@ -126,8 +137,8 @@ impl<'a> Source<'a> {
                 port.send(message)?;
             }
             Some((_, SourceWay::Payload(port))) => port.send()?,
-            Some((_, SourceWay::Socket(socket))) => {
-                socket.send(&RadarTracks { header, ..RadarTracks::zeroed() })?;
+            Some((_, SourceWay::Peer(peer))) => {
+                peer.send(&RadarTracks { header, ..RadarTracks::zeroed() })?;
             }
             Some((_, SourceWay::Futex | SourceWay::Eventfd | SourceWay::Event(_))) => {
                 let now = monotonic_ns().cast_unsigned();
@@ -164,7 +175,7 @@ impl<'a> Source<'a> {
                 SourceWay::Message(_)
                 | SourceWay::Detections(_)
                 | SourceWay::Payload(_)
-                | SourceWay::Socket(_),
+                | SourceWay::Peer(_),
             ))
             | None => {}
         }
@@ -188,7 +199,7 @@ enum SinkWay {
     Message(Box<Subscriber<RadarTracks>>),
     Detections(Box<Subscriber<RadarDetections>>),
     Payload(PayloadReceiver),
-    Socket(Socket),
+    Peer(Box<dyn Receiving>),
 }
 
 impl<'a> Sink<'a> {
@@ -214,8 +225,13 @@ impl<'a> Sink<'a> {
                 Mechanism::ProtectedPayload(bytes) => {
                     SinkWay::Payload(needed().payload_receiver(bytes, Contents::Protected)?)
                 }
-                Mechanism::UnixDatagram => SinkWay::Socket(Socket::datagram_sink(root)?),
-                Mechanism::Tcp => SinkWay::Socket(Socket::tcp_sink(root)?),
+                Mechanism::Iceoryx2PubSub
+                | Mechanism::UnixDatagram
+                | Mechanism::Tcp
+                | Mechanism::Zenoh
+                | Mechanism::CycloneDds => SinkWay::Peer(
+                    middleware::sink(mechanism, root)?.ok_or_else(|| missing(mechanism))?,
+                ),
             };
             ways.push((mechanism, way));
         }
@@ -232,7 +248,7 @@ impl<'a> Sink<'a> {
             | SinkWay::Futex
             | SinkWay::Eventfd
             | SinkWay::Event(_)
-            | SinkWay::Socket(_) => 0,
+            | SinkWay::Peer(_) => 0,
         });
         copied.sum()
     }
@@ -254,8 +270,8 @@ impl<'a> Sink<'a> {
                 port.next(LOOK, each)?;
                 return Ok(());
             }
-            Some((_, SinkWay::Socket(socket))) => {
-                each(socket.receive()?);
+            Some((_, SinkWay::Peer(peer))) => {
+                peer.receive(LOOK, &mut each)?;
                 return Ok(());
             }
             Some((_, SinkWay::Futex)) => {

@@ -13,8 +13,8 @@ pub use held::{COPIED_BYTES, Held};
 pub use loan::Loan;
 pub(super) use memory::{Bus, Seat};
 pub(super) use payload::{PAYLOAD_TOPIC, Payload, Stamp};
-pub use shared_memory::shared_memory_bytes;
 pub(super) use shared_memory::{Ipc, SharedMemory};
+pub use shared_memory::{domain, shared_memory_bytes};
 
 use super::RuntimeError;
 use super::link::End;

@@ -105,7 +105,7 @@ impl SharedMemory {
     /// [`RuntimeError::Node`] if the root is not usable or shared memory is not to be had.
     pub(crate) fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
         let error = |reason: String| RuntimeError::Node { root: group.root.clone(), reason };
-        let config = domain(group).map_err(error)?;
+        let config = domain(group)?;
         let name = NodeName::new(name).map_err(|e| error(format!("{e:?}")))?;
         let node = NodeBuilder::new()
             .name(&name)
@@ -261,16 +261,21 @@ impl Listeners {
 }
 
 /// iceoryx2's configuration for the run's private domain.
-fn domain(group: &Group) -> Result<Config, String> {
+///
+/// # Errors
+/// [`RuntimeError::Node`] if the root's path or the prefix is none for iceoryx2.
+pub fn domain(group: &Group) -> Result<Config, RuntimeError> {
+    let error = |reason: String| RuntimeError::Node { root: group.root.clone(), reason };
     let mut config = Config::default();
-    let root = group.root.to_str().ok_or("the path is not UTF-8")?;
+    let root = group.root.to_str().ok_or_else(|| error("the path is not UTF-8".into()))?;
     config.global.prefix =
-        FileName::new(group.prefix.as_bytes()).map_err(|e| format!("prefix: {e:?}"))?;
+        FileName::new(group.prefix.as_bytes()).map_err(|e| error(format!("prefix: {e:?}")))?;
     // The launcher cleans up after each death; a service that starts has no time for it.
     config.global.node.cleanup_dead_nodes_on_creation = false;
     config.global.node.cleanup_dead_nodes_on_destruction = false;
     config.global.service.cleanup_dead_nodes_on_open = false;
-    config.global.set_root_path(&Path::new(root.as_bytes()).map_err(|e| format!("path: {e:?}"))?);
+    let root = Path::new(root.as_bytes()).map_err(|e| error(format!("path: {e:?}")))?;
+    config.global.set_root_path(&root);
     Ok(config)
 }
 

@@ -1,17 +1,16 @@
-//! What a user would take instead of shared memory: the same message over sockets.
+//! The same message over sockets.
 
+use super::{Receiving, Sending, patiently};
 use group::Error;
 use messages::RadarTracks;
 use std::io::{Read, Write};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::os::unix::net::UnixDatagram;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Bytes of the message.
 const BYTES: usize = size_of::<RadarTracks>();
-/// Time after which the other end is given up.
-const PATIENCE: Duration = Duration::from_secs(30);
 
 /// One end of a connection that loses nothing: it waits where there is no room, or nothing to read.
 #[derive(Debug)]
@@ -34,14 +33,11 @@ fn port_path(root: &Path) -> PathBuf {
     root.join("bench.port")
 }
 
-/// Tries until it works or [`PATIENCE`] is over.
-fn patiently<T>(mut attempt: impl FnMut() -> std::io::Result<T>) -> std::io::Result<T> {
-    let begun = Instant::now();
-    loop {
-        match attempt() {
-            Err(_) if begun.elapsed() < PATIENCE => std::thread::sleep(Duration::from_millis(1)),
-            result => return result,
-        }
+/// Removes the names of both ends, so that the next comparison finds none.
+pub fn forget(root: &Path) {
+    for path in [datagram_path(root), port_path(root)] {
+        // Absent unless a comparison used it.
+        let _ = std::fs::remove_file(path);
     }
 }
 
@@ -86,17 +82,10 @@ impl Socket {
         };
         patiently(connect).map(Self::Tcp).map_err(failed("tcp"))
     }
+}
 
-    /// Removes the names of both ends, so that the next comparison finds none.
-    pub fn forget(root: &Path) {
-        for path in [datagram_path(root), port_path(root)] {
-            // Absent unless a comparison used it.
-            let _ = std::fs::remove_file(path);
-        }
-    }
-
-    /// Sends one message.
-    pub fn send(&mut self, message: &RadarTracks) -> Result<(), Error> {
+impl Sending for Socket {
+    fn send(&mut self, message: &RadarTracks) -> Result<(), Error> {
         let bytes = bytemuck::bytes_of(message);
         match self {
             Self::Datagram(socket) => socket.send(bytes).map(|_| ()),
@@ -104,9 +93,11 @@ impl Socket {
         }
         .map_err(failed("cannot send"))
     }
+}
 
-    /// Waits for one message; its acquisition stamp, ns.
-    pub fn receive(&mut self) -> Result<i64, Error> {
+impl Receiving for Socket {
+    /// Waits for one message, for as long as it takes: none is lost.
+    fn receive(&mut self, _: Duration, each: &mut dyn FnMut(i64)) -> Result<(), Error> {
         let mut bytes = [0_u8; BYTES];
         match self {
             Self::Datagram(socket) => socket.recv(&mut bytes).map(|_| ()),
@@ -114,6 +105,7 @@ impl Socket {
         }
         .map_err(failed("cannot receive"))?;
         let message: RadarTracks = bytemuck::pod_read_unaligned(&bytes);
-        Ok(message.header.acquisition_ns)
+        each(message.header.acquisition_ns);
+        Ok(())
     }
 }

@@ -1,0 +1,157 @@
+//! What a user would take instead of the services' ports: the same message handed over by other means.
+//!
+//! Each end is opened under the scheduling that is measured, so that a library's own threads inherit it.
+
+mod pub_sub;
+mod sockets;
+
+#[cfg(cyclonedds)]
+mod cyclonedds;
+#[cfg(feature = "peers")]
+mod zenoh;
+
+use super::setup::Mechanism;
+use group::Error;
+use messages::RadarTracks;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Time after which the other end is given up.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// A sending end.
+pub trait Sending {
+    /// Sends one message and wakes who waits for it.
+    fn send(&mut self, message: &RadarTracks) -> Result<(), Error>;
+}
+
+/// A receiving end.
+pub trait Receiving {
+    /// Waits for messages, about so long; hands the acquisition stamp of each, ns, to `each`.
+    fn receive(&mut self, timeout: Duration, each: &mut dyn FnMut(i64)) -> Result<(), Error>;
+}
+
+/// Why this build cannot use `mechanism`; none where it can.
+pub fn missing(mechanism: Mechanism) -> Option<&'static str> {
+    const FEATURE: &str = "built without the feature \"peers\"";
+    match mechanism {
+        Mechanism::Zenoh if cfg!(not(feature = "peers")) => Some(FEATURE),
+        Mechanism::CycloneDds if cfg!(not(feature = "peers")) => Some(FEATURE),
+        Mechanism::CycloneDds if cfg!(not(cyclonedds)) => {
+            Some("its library was not found when this was built (Debian: cyclonedds-dev)")
+        }
+        _ => None,
+    }
+}
+
+/// The sending end of a mechanism of other origin, once its receiver is there; none of our own
+/// mechanisms and of those that [`missing`] names.
+pub fn source(mechanism: Mechanism, root: &Path) -> Result<Option<Box<dyn Sending>>, Error> {
+    Ok(Some(match mechanism {
+        Mechanism::Iceoryx2PubSub => Box::new(pub_sub::Source::open(root)?),
+        Mechanism::UnixDatagram => Box::new(sockets::Socket::datagram_source(root)?),
+        Mechanism::Tcp => Box::new(sockets::Socket::tcp_source(root)?),
+        #[cfg(feature = "peers")]
+        Mechanism::Zenoh => Box::new(zenoh::Source::open(root)?),
+        #[cfg(cyclonedds)]
+        Mechanism::CycloneDds => Box::new(cyclonedds::Writer::open()?),
+        _ => return Ok(None),
+    }))
+}
+
+/// The receiving end, as [`source`].
+pub fn sink(mechanism: Mechanism, root: &Path) -> Result<Option<Box<dyn Receiving>>, Error> {
+    Ok(Some(match mechanism {
+        Mechanism::Iceoryx2PubSub => Box::new(pub_sub::Sink::open(root)?),
+        Mechanism::UnixDatagram => Box::new(sockets::Socket::datagram_sink(root)?),
+        Mechanism::Tcp => Box::new(sockets::Socket::tcp_sink(root)?),
+        #[cfg(feature = "peers")]
+        Mechanism::Zenoh => Box::new(zenoh::Sink::open(root)?),
+        #[cfg(cyclonedds)]
+        Mechanism::CycloneDds => Box::new(cyclonedds::Reader::open()?),
+        _ => return Ok(None),
+    }))
+}
+
+/// Removes the names of both ends, so that the next comparison finds none, and what ended processes left
+/// in shared memory.
+pub fn forget(root: &Path) {
+    sockets::forget(root);
+    #[cfg(feature = "peers")]
+    zenoh::forget();
+}
+
+/// Tries until it works or [`PATIENCE`] is over.
+fn patiently<T>(mut attempt: impl FnMut() -> std::io::Result<T>) -> std::io::Result<T> {
+    let begun = Instant::now();
+    loop {
+        match attempt() {
+            Err(_) if begun.elapsed() < PATIENCE => std::thread::sleep(Duration::from_millis(1)),
+            result => return result,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bytemuck::Zeroable;
+    use group::RunRoot;
+    use runtime::{Group, Mode, Timetable};
+
+    /// Every mechanism of other origin that this build has delivers each message once and in order.
+    #[test]
+    fn every_peer_delivers_each_message_once_and_in_order() {
+        const COUNT: i64 = 20;
+        let root = RunRoot::create().expect("room in memory");
+        let group = Group {
+            root: root.path().to_owned(),
+            prefix: root.prefix().to_owned(),
+            mode: Mode::Realtime,
+            timetable: Timetable {
+                step_ns: 1_000_000,
+                strides: [1; messages::Service::ALL.len()],
+                last_step: u64::MAX,
+            },
+            patience_ns: 10_000_000_000,
+            scenario: String::new(),
+        };
+        group.write().expect("our own root");
+        let path = root.path();
+        let known = Mechanism::PEERS.into_iter().filter(|peer| missing(*peer).is_none());
+        let mut compared = 0;
+        for mechanism in known {
+            std::thread::scope(|scope| {
+                let sender = scope.spawn(move || {
+                    let mut source = source(mechanism, path).expect("a source").expect("a peer");
+                    let mut message = RadarTracks::zeroed();
+                    for number in 1..=COUNT {
+                        message.header.acquisition_ns = number;
+                        source.send(&message).expect("sent");
+                        // iceoryx2's own default keeps the newest two.
+                        std::thread::sleep(Duration::from_millis(5));
+                    }
+                });
+                let mut sink = sink(mechanism, path).expect("a sink").expect("a peer");
+                let mut stamps = Vec::new();
+                let begun = Instant::now();
+                while stamps.last() != Some(&COUNT) {
+                    assert!(begun.elapsed() < 2 * PATIENCE, "{mechanism:?}: {stamps:?}");
+                    sink.receive(Duration::from_millis(50), &mut |ns| stamps.push(ns))
+                        .unwrap_or_else(|e| panic!("{mechanism:?}: {e}"));
+                }
+                sender.join().expect("no panic");
+                let first = stamps[0];
+                assert_eq!(stamps, (first..=COUNT).collect::<Vec<_>>(), "{mechanism:?}");
+            });
+            compared += 1;
+        }
+        root.remove();
+        let expected = match (cfg!(feature = "peers"), cfg!(cyclonedds)) {
+            (false, _) => 3,
+            (true, false) => 4,
+            (true, true) => 5,
+        };
+        assert_eq!(compared, expected);
+    }
+}
