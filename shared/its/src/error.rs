@@ -1,0 +1,64 @@
+//! What can be wrong with a frame.
+
+/// Why bytes are not a frame that this crate reads.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum DecodeError {
+    /// Longer than any frame.
+    #[error("{0} bytes, expected at most {max}", max = crate::MAX_FRAME_BYTES)]
+    TooLong(usize),
+    /// It ends inside a header, or before the end of the payload that a header announces.
+    #[error("{found} bytes where {expected} were announced")]
+    Truncated {
+        /// Bytes that must be there.
+        expected: usize,
+        /// Bytes that are there.
+        found: usize,
+    },
+    /// Another version of GeoNetworking.
+    #[error("GeoNetworking version {0}, expected 1")]
+    Version(u8),
+    /// A signed packet (IEEE 1609.2, ETSI TS 103 097): signatures are not checked here.
+    #[error("a signed packet, which is not read")]
+    Secured,
+    /// No single-hop broadcast with BTP-B.
+    #[error("header type {header_type:#04x} with next header {next_header}, expected 0x50 with 2")]
+    OtherHeader {
+        /// Header type and subtype.
+        header_type: u8,
+        /// Next header of the common header.
+        next_header: u8,
+    },
+    /// A port that no message of these kinds has.
+    #[error("BTP port {0}, expected 2001, 2003 or 2004")]
+    Port(u16),
+    /// A message id that does not belong to the port.
+    #[error("message id {found} on BTP port {port}")]
+    MessageId {
+        /// The port.
+        port: u16,
+        /// The message's own id.
+        found: u8,
+    },
+    /// Another version of the message.
+    #[error("protocol version {found} of message id {message_id}, expected 1 or 2")]
+    ProtocolVersion {
+        /// The message's id.
+        message_id: u8,
+        /// Its protocol version.
+        found: u8,
+    },
+    /// The payload is not the message that its header names.
+    #[error("no message in unaligned PER: {0}")]
+    Payload(String),
+}
+
+/// Why a message has no bytes.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum EncodeError {
+    /// A value is outside the standard's range.
+    #[error("outside the standard's range: {0}")]
+    Range(String),
+    /// More than fits into a frame.
+    #[error("{0} bytes, a frame has at most {max}", max = crate::MAX_FRAME_BYTES)]
+    TooLong(usize),
+}

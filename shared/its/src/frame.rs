@@ -1,0 +1,152 @@
+//! A message with its headers, and its bytes.
+
+use crate::cam::Cam;
+use crate::codec;
+use crate::geonetworking::{HEADER_BYTES, Headers, Source};
+use crate::mapem::Mapem;
+use crate::spatem::Spatem;
+use crate::{DecodeError, EncodeError};
+
+/// Longest frame, bytes, without the header of the link.
+pub const MAX_FRAME_BYTES: usize = 1500;
+
+/// A message with what the headers say of its sender.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// Who sends it.
+    pub source: Source,
+    /// What it says.
+    pub message: Message,
+}
+
+/// A message of one of the kinds that are read here.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Message {
+    /// Signal phase and timing.
+    Spatem(Spatem),
+    /// Geometry of intersections.
+    Mapem(Mapem),
+    /// A vehicle's motion.
+    Cam(Cam),
+}
+
+/// The kinds of messages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum MessageKind {
+    /// [`Message::Spatem`].
+    Spatem,
+    /// [`Message::Mapem`].
+    Mapem,
+    /// [`Message::Cam`].
+    Cam,
+}
+
+impl MessageKind {
+    /// All kinds.
+    pub const ALL: [Self; 3] = [Self::Spatem, Self::Mapem, Self::Cam];
+
+    /// Its port of BTP-B (ETSI TS 103 248).
+    #[must_use]
+    pub const fn port(self) -> u16 {
+        match self {
+            Self::Cam => 2001,
+            Self::Mapem => 2003,
+            Self::Spatem => 2004,
+        }
+    }
+
+    /// The id of its message (ETSI TS 102 894-2).
+    #[must_use]
+    pub const fn message_id(self) -> u8 {
+        match self {
+            Self::Cam => 2,
+            Self::Spatem => 4,
+            Self::Mapem => 5,
+        }
+    }
+
+    /// Its traffic class: CAM 2 by EN 302 637-2, the infrastructure's one step behind.
+    const fn traffic_class(self) -> u8 {
+        match self {
+            Self::Cam => 2,
+            Self::Mapem | Self::Spatem => 3,
+        }
+    }
+}
+
+impl Message {
+    /// Its kind.
+    #[must_use]
+    pub fn kind(&self) -> MessageKind {
+        match self {
+            Self::Spatem(_) => MessageKind::Spatem,
+            Self::Mapem(_) => MessageKind::Mapem,
+            Self::Cam(_) => MessageKind::Cam,
+        }
+    }
+
+    /// Station id of its sender.
+    #[must_use]
+    pub fn station_id(&self) -> u32 {
+        match self {
+            Self::Spatem(message) => message.station_id,
+            Self::Mapem(message) => message.station_id,
+            Self::Cam(message) => message.station_id,
+        }
+    }
+}
+
+impl Frame {
+    /// Its bytes, at most [`MAX_FRAME_BYTES`].
+    ///
+    /// # Errors
+    /// [`EncodeError`] if a value is outside the standard's range or the frame is too long.
+    pub fn encode(&self) -> Result<Vec<u8>, EncodeError> {
+        let payload = match &self.message {
+            Message::Spatem(message) => codec::spatem::encode(message),
+            Message::Mapem(message) => codec::mapem::encode(message),
+            Message::Cam(message) => codec::cam::encode(message),
+        }?;
+        let bytes = HEADER_BYTES + payload.len();
+        if bytes > MAX_FRAME_BYTES {
+            return Err(EncodeError::TooLong(bytes));
+        }
+        let kind = self.message.kind();
+        let headers =
+            Headers { source: self.source, traffic_class: kind.traffic_class(), port: kind.port() };
+        let mut frame = Vec::with_capacity(bytes);
+        headers.write(payload.len() as u16, &mut frame);
+        frame.extend(payload);
+        Ok(frame)
+    }
+
+    /// Reads a frame. What follows the announced payload is not looked at.
+    ///
+    /// # Errors
+    /// [`DecodeError`] says what is wrong.
+    pub fn decode(bytes: &[u8]) -> Result<Self, DecodeError> {
+        if bytes.len() > MAX_FRAME_BYTES {
+            return Err(DecodeError::TooLong(bytes.len()));
+        }
+        let (headers, payload) = Headers::read(bytes)?;
+        let port = headers.port;
+        let kind = MessageKind::ALL.into_iter().find(|kind| kind.port() == port);
+        let kind = kind.ok_or(DecodeError::Port(port))?;
+        // `ItsPduHeader`: version and message id are a byte each, the station's id four.
+        let [version, message_id, ..] = *payload else {
+            return Err(DecodeError::Truncated { expected: 6, found: payload.len() });
+        };
+        if message_id != kind.message_id() {
+            return Err(DecodeError::MessageId { port, found: message_id });
+        }
+        if !(1..=2).contains(&version) {
+            return Err(DecodeError::ProtocolVersion { message_id, found: version });
+        }
+        let message = match kind {
+            MessageKind::Spatem => Message::Spatem(codec::spatem::decode(payload)?),
+            MessageKind::Mapem => Message::Mapem(codec::mapem::decode(payload)?),
+            MessageKind::Cam => Message::Cam(codec::cam::decode(payload)?),
+        };
+        Ok(Self { source: headers.source, message })
+    }
+}

@@ -1,0 +1,89 @@
+//! Positions on the Earth and on the plane around a point of it.
+
+/// Semi-major axis of WGS-84, m.
+const A_M: f64 = 6_378_137.0;
+/// First eccentricity squared of WGS-84.
+const E2: f64 = 6.694_379_990_141_33e-3;
+/// Degrees in one step of the messages.
+const STEP_DEG: f64 = 1e-7;
+
+/// A position as the messages have it: tenths of a microdegree.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Position {
+    /// Latitude, 1e-7 degrees, north positive.
+    pub latitude: i32,
+    /// Longitude, 1e-7 degrees, east positive.
+    pub longitude: i32,
+}
+
+/// The tangent plane at a point: metres to the east and to the north of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    origin: Position,
+    east_m_per_step: f64,
+    north_m_per_step: f64,
+}
+
+impl Plane {
+    /// The plane around `origin`.
+    #[must_use]
+    pub fn at(origin: Position) -> Self {
+        let latitude = f64::from(origin.latitude) * STEP_DEG * (core::f64::consts::PI / 180.0);
+        let sine = libm::sin(latitude);
+        let root = (1.0 - E2 * sine * sine).sqrt();
+        // Radii of curvature in the prime vertical and in the meridian.
+        let prime_m = A_M / root;
+        let meridian_m = A_M * (1.0 - E2) / (root * root * root);
+        let radians_per_step = STEP_DEG * (core::f64::consts::PI / 180.0);
+        Self {
+            origin,
+            east_m_per_step: prime_m * libm::cos(latitude) * radians_per_step,
+            north_m_per_step: meridian_m * radians_per_step,
+        }
+    }
+
+    /// The position nearest to a point of the plane, m.
+    #[must_use]
+    pub fn position(&self, east_m: f64, north_m: f64) -> Position {
+        let steps = |m: f64, m_per_step: f64| (m / m_per_step).round() as i32;
+        Position {
+            latitude: self.origin.latitude.saturating_add(steps(north_m, self.north_m_per_step)),
+            longitude: self.origin.longitude.saturating_add(steps(east_m, self.east_m_per_step)),
+        }
+    }
+
+    /// East and north of a position, m.
+    #[must_use]
+    pub fn point(&self, position: Position) -> (f64, f64) {
+        let steps = |to: i32, from: i32| f64::from(to) - f64::from(from);
+        (
+            steps(position.longitude, self.origin.longitude) * self.east_m_per_step,
+            steps(position.latitude, self.origin.latitude) * self.north_m_per_step,
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_degree_is_as_long_as_the_tables_say() {
+        // WGS-84 at 45 degrees north: 111,131.8 m of latitude, 78,846.8 m of longitude.
+        let origin = Position { latitude: 450_000_000, longitude: 80_000_000 };
+        let plane = Plane::at(origin);
+        let north = plane.point(Position { latitude: 460_000_000, ..origin }).1;
+        let east = plane.point(Position { longitude: 90_000_000, ..origin }).0;
+        assert!((north - 111_131.8).abs() < 1.0, "{north}");
+        assert!((east - 78_846.8).abs() < 1.0, "{east}");
+    }
+
+    #[test]
+    fn points_come_back_to_a_centimetre() {
+        let plane = Plane::at(Position { latitude: 487_000_000, longitude: 91_000_000 });
+        for (east_m, north_m) in [(0.0, 0.0), (12_345.678, -4.2), (-0.5, 3000.0)] {
+            let (east, north) = plane.point(plane.position(east_m, north_m));
+            assert!((east - east_m).abs() < 0.006 && (north - north_m).abs() < 0.006);
+        }
+    }
+}

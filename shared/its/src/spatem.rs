@@ -1,0 +1,106 @@
+//! SPATEM: what signals show, and for how long (ETSI TS 103 301, SAE J2735 `SPAT`).
+
+use crate::time::{Stamp, TimeMark};
+
+/// Signal phase and timing of one or more intersections.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Spatem {
+    /// Station id of the sender.
+    pub station_id: u32,
+    /// The intersections, 1 to 32.
+    pub intersections: Vec<IntersectionState>,
+}
+
+/// `IntersectionState`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct IntersectionState {
+    /// Road regulator, where the id is not unique without it.
+    pub region: Option<u16>,
+    /// Id of the intersection.
+    pub id: u16,
+    /// Revision of the map that this belongs to, 0 to 127.
+    pub revision: u8,
+    /// `IntersectionStatusObject`: bit n of the standard is bit n here; 0 is normal operation.
+    pub status: u16,
+    /// `moy` and `timeStamp`: when the content was made.
+    pub stamp: Option<Stamp>,
+    /// The signal groups, 1 to 255.
+    pub movements: Vec<MovementState>,
+}
+
+/// `MovementState`: one signal group.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MovementState {
+    /// Id of the signal group.
+    pub signal_group: u8,
+    /// The present phase and those that follow, 1 to 16.
+    pub events: Vec<MovementEvent>,
+}
+
+/// `MovementEvent`: one phase.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MovementEvent {
+    /// What is shown.
+    pub state: MovementPhase,
+    /// When it ends.
+    pub timing: Option<Timing>,
+}
+
+/// `TimeChangeDetails`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Timing {
+    /// When the phase began or begins.
+    pub start: Option<TimeMark>,
+    /// Earliest end.
+    pub min_end: TimeMark,
+    /// Latest end.
+    pub max_end: Option<TimeMark>,
+    /// Likely end.
+    pub likely_end: Option<TimeMark>,
+    /// Confidence in the likely end, 0 (21 %) to 15 (100 %).
+    pub confidence: Option<u8>,
+    /// When this phase comes again.
+    pub next: Option<TimeMark>,
+}
+
+/// `MovementPhaseState`: all ten states of the standard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum MovementPhase {
+    /// Unknown or out of order.
+    Unavailable = 0,
+    /// Not lit.
+    Dark = 1,
+    /// Flashing red: stop, then go.
+    StopThenProceed = 2,
+    /// Red.
+    StopAndRemain = 3,
+    /// Red and yellow: not yet.
+    PreMovement = 4,
+    /// Green, give way to conflicting traffic.
+    PermissiveMovementAllowed = 5,
+    /// Green, no conflicting traffic.
+    ProtectedMovementAllowed = 6,
+    /// Yellow after a permissive green.
+    PermissiveClearance = 7,
+    /// Yellow after a protected green.
+    ProtectedClearance = 8,
+    /// Flashing yellow.
+    CautionConflictingTraffic = 9,
+}
+
+impl MovementPhase {
+    /// All states, in the order of their numbers.
+    pub const ALL: [Self; 10] = [
+        Self::Unavailable,
+        Self::Dark,
+        Self::StopThenProceed,
+        Self::StopAndRemain,
+        Self::PreMovement,
+        Self::PermissiveMovementAllowed,
+        Self::ProtectedMovementAllowed,
+        Self::PermissiveClearance,
+        Self::ProtectedClearance,
+        Self::CautionConflictingTraffic,
+    ];
+}
