@@ -176,9 +176,7 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
         if let Some(changes) = &changes {
             print::out(&table::changes(changes, arguments.factor))?;
         }
-        print::out(&format!("results: {}\n", output.path().display()))?;
-        let page = output.path().join(report::FILE);
-        print::out(&format!("report:  {}\n", page.display()))?;
+        print::out(&output.places())?;
     }
     // Printed first: a full disk does not take what was measured.
     written?;

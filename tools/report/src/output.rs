@@ -145,6 +145,13 @@ impl OutputDirectory {
         &self.path
     }
 
+    /// Two lines that say where the results and their page are, for the end of a command's output.
+    #[must_use]
+    pub fn places(&self) -> String {
+        let page = self.path.join(crate::FILE);
+        format!("results: {}\nreport:  {}\n", self.path.display(), page.display())
+    }
+
     /// Keeps the directory also if no result is written into it.
     pub fn keep(&self) {
         self.is_used.set(true);

@@ -65,7 +65,7 @@ pub fn run(arguments: &SynthesizeArguments) -> Result<ExitCode, Error> {
     for trial in &synthesis.trials {
         let outcome = match &trial.outcome {
             Ok(objective) => format!("certified, objective {objective:.4}"),
-            Err(why) => why.clone(),
+            Err(why) => why.to_string(),
         };
         println!("alpha {:.5}: {outcome} ({} iterations)", trial.alpha, trial.iterations);
     }

@@ -15,7 +15,7 @@
 
 use std::array::from_fn;
 
-use super::kalman::{Gaussian, Innovation};
+use kalman::{Gaussian, Innovation};
 
 /// No model is ever thought less likely than this, so that it can come back.
 const LEAST_WEIGHT: f64 = 1e-4;

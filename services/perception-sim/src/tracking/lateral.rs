@@ -6,8 +6,8 @@
 //! acceleration of the given density.
 
 use super::interacting::Bank;
-use super::kalman::Gaussian;
 use super::longitudinal::Measured;
+use kalman::Gaussian;
 
 /// Density of the lateral acceleration in lane and in a lane change, m²/s³.
 const DENSITY: [f64; 2] = [0.01, 2.0];

@@ -24,7 +24,7 @@
 //! Systems 6 (1970) 473.
 
 use super::interacting::Bank;
-use super::kalman::Gaussian;
+use kalman::Gaussian;
 
 /// Smallest standard deviation that the filter believes of a measurement, in its unit: with less,
 /// rounding would decide.

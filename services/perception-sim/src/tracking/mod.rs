@@ -1,6 +1,6 @@
 //! From the radar's measurements to tracks.
 //!
-//! [`kalman`] and [`interacting`] are the filters, [`longitudinal`] and [`lateral`] what they know of
+//! [`interacting`] is a bank of Kalman filters, [`longitudinal`] and [`lateral`] what they know of
 //! vehicles, [`path`] which of these are in the ego's way. [`association`], [`birth`], [`mirror`]
 //! and [`track`] are the parts of [`detection_tracker`], which works on detections; [`object_tracker`] works on
 //! measurements whose vehicle is known. Both hand out a [`TrackList`].
@@ -10,7 +10,6 @@ pub mod birth;
 pub mod detection_tracker;
 pub mod exact_tracker;
 pub mod interacting;
-pub mod kalman;
 pub mod lateral;
 pub mod list;
 pub mod longitudinal;

@@ -260,9 +260,7 @@ fn conclude(
     if arguments.json {
         report::print::out(&json)?;
     } else {
-        let results = format!("results: {}\n", output.path().display());
-        let page = format!("report:  {}\n", output.path().join(report::FILE).display());
-        report::print::out(&(print::verdict(&verdict) + &results + &page))?;
+        report::print::out(&(print::verdict(&verdict) + &output.places()))?;
     }
     // What was measured has been told before a full disk is.
     written?;

@@ -175,8 +175,7 @@ fn conclude(
         print::out(&(json + "\n"))?;
     } else {
         print::out(&table(&comparison.rows))?;
-        print::out(&format!("results: {}\n", output.path().display()))?;
-        print::out(&format!("report:  {}\n", output.path().join(report::FILE).display()))?;
+        print::out(&output.places())?;
     }
     written?;
     Ok(if whole { ExitCode::SUCCESS } else { ExitCode::FAILURE })

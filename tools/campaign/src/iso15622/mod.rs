@@ -87,8 +87,7 @@ pub fn run(arguments: &Iso15622Arguments) -> Result<ExitCode, Error> {
         print::out(&json)?;
     } else {
         print::out(&text(&results.rows))?;
-        print::out(&format!("results: {}\n", output.path().display()))?;
-        print::out(&format!("report:  {}\n", output.path().join(report::FILE).display()))?;
+        print::out(&output.places())?;
     }
     written?;
     Ok(if ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })

@@ -229,8 +229,7 @@ fn conclude(
         report::print::out(&json)?;
     } else {
         report::print::out(&print::text(&results))?;
-        report::print::out(&format!("results: {}\n", output.path().display()))?;
-        report::print::out(&format!("report:  {}\n", output.path().join(report::FILE).display()))?;
+        report::print::out(&output.places())?;
     }
     written?;
     Ok(if ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })

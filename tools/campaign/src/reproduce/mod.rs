@@ -146,8 +146,7 @@ pub fn run(arguments: &ReproduceArguments) -> Result<ExitCode, Error> {
         for paper in &reproduction.papers {
             print::out(&row::table(paper.paper, &paper.rows))?;
         }
-        print::out(&format!("results: {}\n", output.path().display()))?;
-        print::out(&format!("report:  {}\n", output.path().join(report::FILE).display()))?;
+        print::out(&output.places())?;
     }
     written?;
     Ok(if ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })

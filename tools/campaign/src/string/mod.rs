@@ -71,8 +71,7 @@ pub fn run(arguments: &StringArguments) -> Result<ExitCode, Error> {
         report::print::out(&json)?;
     } else {
         report::print::out(&print::text(&results))?;
-        report::print::out(&format!("results: {}\n", output.path().display()))?;
-        report::print::out(&format!("report:  {}\n", output.path().join(report::FILE).display()))?;
+        report::print::out(&output.places())?;
     }
     // Printed first: a full disk does not take what was measured.
     written?;

@@ -177,8 +177,7 @@ fn conclude(
         print::out(&json)?;
     } else if !arguments.json {
         print::out(&sweep.table())?;
-        print::out(&format!("results: {}\n", output.path().display()))?;
-        print::out(&format!("report:  {}\n", output.path().join(report::FILE).display()))?;
+        print::out(&output.places())?;
     }
     // Printed first: a full disk does not take what was measured.
     written?;

@@ -24,6 +24,7 @@
 mod program;
 
 use super::design::Design;
+use super::error::DesignError;
 use super::model::{Parameters, STATES};
 use crate::settings::SettingError;
 use program::Problem;
@@ -118,9 +119,20 @@ pub struct Trial {
     /// alpha of this solve.
     pub alpha: f64,
     /// Objective of the certified design, or why there is none.
-    pub outcome: Result<f64, String>,
+    pub outcome: Result<f64, TrialFailure>,
     /// Iterations of the solver.
     pub iterations: u32,
+}
+
+/// Why an alpha gave no certified design.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TrialFailure {
+    /// The solver ended without a solution; its status.
+    #[error("{0}")]
+    Unsolved(String),
+    /// The design that the solution gave does not pass its verification.
+    #[error(transparent)]
+    Unverified(DesignError),
 }
 
 /// A certified design and how it was found.
@@ -151,7 +163,7 @@ impl std::fmt::Display for SynthesisError {
             Self::Infeasible(trials) => {
                 write!(f, "no design meets these bounds; tried")?;
                 for t in trials {
-                    let why = t.outcome.as_ref().err().map_or("", String::as_str);
+                    let Err(why) = &t.outcome else { continue };
                     write!(f, "\n  alpha {:.5}: {why}", t.alpha)?;
                 }
                 Ok(())
@@ -174,7 +186,7 @@ pub fn synthesize(request: &DesignRequest) -> Result<Synthesis, SynthesisError> 
         let problem = Problem::new(&request.parameters, &request.search, alpha);
         let (solution, iterations) = problem.solve();
         let certified = solution.and_then(|(unknowns, objective)| {
-            let design = problem.recover(&unknowns).map_err(|e| e.to_string())?;
+            let design = problem.recover(&unknowns).map_err(TrialFailure::Unverified)?;
             Ok((objective, design))
         });
         match certified {

@@ -5,6 +5,8 @@
 //! than five standard deviations off is not used; three in a row mean that the filter is wrong, and it
 //! starts again, as with a new target.
 
+use kalman::Gaussian;
+
 use crate::law::Target;
 
 /// Time constant of the lead's acceleration, s.
@@ -15,8 +17,8 @@ const SIGMA_MPS2: f64 = 0.5;
 const MEASUREMENT: [f64; 2] = [0.4 * 0.4, 0.15 * 0.15];
 /// Variances of a new state.
 const INITIAL: [f64; 3] = [1.0, 0.25, 0.25];
-/// Gate, standard deviations squared.
-const GATE: f64 = 25.0;
+/// Gate, standard deviations.
+const GATE: f64 = 5.0;
 /// Measurements in a row outside the gate that restart the filter.
 const LOST: u32 = 3;
 
@@ -40,8 +42,7 @@ pub struct TargetFilter {
 #[derive(Clone, Debug)]
 struct Track {
     id: u32,
-    state: [f64; 3],
-    covariance: [[f64; 3]; 3],
+    state: Gaussian<3>,
     rejected: u32,
 }
 
@@ -69,75 +70,52 @@ impl TargetFilter {
                 if track.rejected >= LOST {
                     let acceleration_mps2 = target.acceleration_mps2;
                     *track = Track::new(target.track_id, measured);
-                    track.state[2] =
+                    track.state.mean[2] =
                         if acceleration_mps2.is_finite() { acceleration_mps2 } else { 0.0 };
                 }
             }
             _ => self.track = Some(Track::new(target.track_id, measured)),
         }
-        self.track.as_ref().map(|track| Estimate {
-            gap_m: track.state[0],
-            relative_speed_mps: track.state[1],
-            acceleration_mps2: track.state[2],
+        self.track.as_ref().map(|track| {
+            let [gap_m, relative_speed_mps, acceleration_mps2] = track.state.mean;
+            Estimate { gap_m, relative_speed_mps, acceleration_mps2 }
         })
     }
 }
 
 impl Track {
     fn new(id: u32, measured: [f64; 2]) -> Self {
-        let mut covariance = [[0.0; 3]; 3];
-        for (index, variance) in INITIAL.into_iter().enumerate() {
-            covariance[index][index] = variance;
-        }
-        Self { id, state: [measured[0], measured[1], 0.0], covariance, rejected: 0 }
+        let state = Gaussian::independent([measured[0], measured[1], 0.0], INITIAL);
+        Self { id, state, rejected: 0 }
     }
 
     fn predict(&mut self, ego_mps2: f64, dt_s: f64) {
         let kept = libm::exp(-dt_s / TAU_S);
-        let [gap_m, relative_mps, lead_mps2] = self.state;
+        let [gap_m, relative_mps, lead_mps2] = self.state.mean;
         let relative_mps2 = lead_mps2 - ego_mps2;
-        self.state = [
+        self.state.mean = [
             gap_m + relative_mps * dt_s + 0.5 * relative_mps2 * dt_s * dt_s,
             relative_mps + relative_mps2 * dt_s,
             kept * lead_mps2,
         ];
         let transition = [[1.0, dt_s, 0.5 * dt_s * dt_s], [0.0, 1.0, dt_s], [0.0, 0.0, kept]];
         let noise = SIGMA_MPS2 * SIGMA_MPS2 * (1.0 - kept * kept);
-        let input = [0.5 * dt_s * dt_s, dt_s, 1.0];
-        let half = product(&transition, &self.covariance);
-        for row in 0..3 {
-            for column in 0..3 {
-                let carried: f64 = (0..3).map(|k| half[row][k] * transition[column][k]).sum();
-                self.covariance[row][column] = carried + noise * input[row] * input[column];
-            }
-        }
+        self.state.spread(&transition, &[0.5 * dt_s * dt_s, dt_s, 1.0], noise);
     }
 
     /// Both measurements, one after the other.
     fn correct(&mut self, measured: [f64; 2]) {
         let mut inside = true;
-        for (index, (value, variance)) in measured.into_iter().zip(MEASUREMENT).enumerate() {
-            let spread = self.covariance[index][index] + variance;
-            let off = value - self.state[index];
-            if off * off >= GATE * spread {
+        for (element, (value, variance)) in measured.into_iter().zip(MEASUREMENT).enumerate() {
+            let innovation = self.state.innovation(element, value, variance);
+            if innovation.passes(GATE) {
+                self.state.correct(element, &innovation);
+            } else {
                 inside = false;
-                continue;
-            }
-            let row = self.covariance[index];
-            for place in 0..3 {
-                let gain = self.covariance[place][index] / spread;
-                self.state[place] += gain * off;
-                for (cell, value) in self.covariance[place].iter_mut().zip(row) {
-                    *cell -= gain * value;
-                }
             }
         }
         self.rejected = if inside { 0 } else { self.rejected + 1 };
     }
-}
-
-fn product(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
-    core::array::from_fn(|i| core::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum()))
 }
 
 #[cfg(test)]

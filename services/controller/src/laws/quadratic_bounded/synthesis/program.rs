@@ -1,6 +1,6 @@
 //! The semidefinite program of one alpha: its rows, its solution, the gains.
 
-use super::Options;
+use super::{Options, TrialFailure};
 use crate::laws::quadratic_bounded::content::{Content, RuleContent};
 use crate::laws::quadratic_bounded::design::Design;
 use crate::laws::quadratic_bounded::error::DesignError;
@@ -194,7 +194,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Solves; returns unknowns and objective, and the iterations.
-    pub(super) fn solve(&self) -> (Result<(Unknowns, f64), String>, u32) {
+    pub(super) fn solve(&self) -> (Result<(Unknowns, f64), TrialFailure>, u32) {
         let rule_outputs = self.options.rule_outputs;
         let n = Unknowns::count(rule_outputs);
         let at = |index: Option<usize>| {
@@ -225,7 +225,7 @@ impl<'a> Problem<'a> {
         let p = CscMatrix::zeros((n, n));
         let mut solver = match DefaultSolver::new(&p, &objective, &a, &constant, &cones, settings) {
             Ok(solver) => solver,
-            Err(e) => return (Err(e.to_string()), 0),
+            Err(e) => return (Err(TrialFailure::Unsolved(e.to_string())), 0),
         };
         solver.solve();
         let iterations = solver.info.iterations;
@@ -234,7 +234,7 @@ impl<'a> Problem<'a> {
                 Unknowns::from_slice(&solver.solution.x, rule_outputs),
                 solver.solution.obj_val,
             )),
-            status => Err(format!("{status:?}")),
+            status => Err(TrialFailure::Unsolved(format!("{status:?}"))),
         };
         (found, iterations)
     }

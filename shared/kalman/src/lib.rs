@@ -8,6 +8,18 @@
 //!
 //! The caller moves the state itself, since only it knows the known inputs. Source: Bar-Shalom, Li and
 //! Kirubarajan, Estimation with Applications to Tracking and Navigation (2001), table 5.2.4-1.
+//!
+//! ```
+//! use kalman::Gaussian;
+//! // A position and a speed; the position is measured a second later.
+//! let mut state = Gaussian::independent([0.0, 1.0], [1.0, 1.0]);
+//! state.mean[0] += state.mean[1];
+//! state.spread(&[[1.0, 1.0], [0.0, 1.0]], &[0.0, 1.0], 0.1);
+//! let innovation = state.innovation(0, 1.5, 0.5);
+//! assert!(innovation.passes(3.0));
+//! state.correct(0, &innovation);
+//! assert!(state.mean[1] > 1.0);
+//! ```
 
 use std::array::from_fn;
 
