@@ -26,6 +26,58 @@ const PATIENCE_NS: i64 = 60_000_000_000;
 /// ```text
 /// new ── observer / tap ── start each service ──► take_turns ─► all ready ─► begin ─► take_turns … ─► idle
 /// ```
+///
+/// Two services, one that sends and one that reads, with the same ports as in a group of processes:
+///
+/// ```
+/// use messages::{Header, Odometry, Origins, Service, ServiceState};
+/// use runtime::report::Details;
+/// use runtime::{Cycle, InProcess, Overrun, Runtime, RuntimeError};
+/// use scenario::Scenario;
+///
+/// fn plant(mut runtime: Runtime) -> Result<(), RuntimeError> {
+///     let mut odometry = runtime.publisher::<Odometry>()?;
+///     runtime.begin(&runtime.scenario())?;
+///     runtime.run_cycles(|runtime| {
+///         let Some(release) = runtime.next_release(Overrun::Skip) else { return Ok(Cycle::Last) };
+///         odometry.send_with(|message| {
+///             message.header = Header::new(release.step, release.scheduled_ns, Origins::NONE);
+///             message.speed_mps = 20.0;
+///         })?;
+///         runtime.end_cycle(ServiceState::Running)?;
+///         Ok(Cycle::Next)
+///     })?;
+///     runtime.finish(Details::None)
+/// }
+///
+/// fn controller(mut runtime: Runtime) -> Result<(), RuntimeError> {
+///     let mut odometry = runtime.subscriber::<Odometry>()?;
+///     runtime.begin(&runtime.scenario())?;
+///     runtime.run_cycles(|runtime| {
+///         let Some(_) = runtime.next_release(Overrun::Skip) else { return Ok(Cycle::Last) };
+///         // In lockstep this waits for the sample that is due.
+///         runtime.update(&mut odometry)?;
+///         assert_eq!(odometry.newest().map(|message| message.speed_mps), Some(20.0));
+///         runtime.end_cycle(ServiceState::Running)?;
+///         Ok(Cycle::Next)
+///     })?;
+///     runtime.finish(Details::None)
+/// }
+///
+/// let text = "schema_version = 1\nname = \"two-services\"\nduration_s = 1\n";
+/// let scenario = Scenario::parse("two-services", text).expect("a scenario");
+/// let mut run = InProcess::new(&scenario);
+/// run.start(Service::Plant, &scenario, plant)?;
+/// run.start(Service::Controller, &scenario, controller)?;
+/// run.take_turns(&mut |_, _| ());
+/// run.begin();
+/// let mut reports = 0;
+/// while reports < 2 && run.take_turns(&mut |_, said| {
+///     reports += u32::from(matches!(said, runtime::FromService::Report(_)));
+/// }) {}
+/// assert_eq!(reports, 2);
+/// # Ok::<(), RuntimeError>(())
+/// ```
 #[derive(Debug)]
 pub struct InProcess {
     bus: Rc<Bus>,

@@ -10,7 +10,7 @@ use crate::trace::TraceArguments;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser, Subcommand};
 
-/// An adaptive-cruise stack as real processes over shared memory: driven, measured, broken.
+/// Runs an adaptive-cruise stack as processes over shared memory, measures it, and injects faults.
 #[derive(Debug, Parser)]
 #[command(name = "timegap", version, after_help = EXIT_STATUS, disable_help_subcommand = true)]
 pub struct Cli {
