@@ -18,7 +18,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 fn main() -> ExitCode {
-    match run() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    status(&arguments)
+}
+
+/// Runs a station; its exit status.
+pub fn status(arguments: &[String]) -> ExitCode {
+    match run(arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
@@ -27,9 +33,8 @@ fn main() -> ExitCode {
     }
 }
 
-fn run() -> Result<(), Box<dyn Error>> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let (address, role, period_ms) = match arguments.as_slice() {
+fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
+    let (address, role, period_ms) = match arguments {
         [address, role] => (address, role, 20),
         [address, role, period] => (address, role, period.parse()?),
         _ => return Err("expected ADDRESS and vehicle or roadside".into()),
