@@ -21,7 +21,7 @@ use mpc_solver::{
 use random::Draw;
 
 /// Most iterations a solve can take: two attempts of the active set, three starts of the interior point.
-const MOST_ITERATIONS: u32 = 255;
+const MOST_ITERATIONS: u32 = 243;
 
 #[derive(Default)]
 struct Tally {

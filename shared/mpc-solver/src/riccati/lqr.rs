@@ -319,6 +319,7 @@ fn backward<const LAST: bool, const DISTURBED: bool, R: Row, M: StageModels>(
     let CostToGo { linear, mut dual, mut reached } = start;
     let mut linear = linear.map(R::of);
     let [a00, a01, a02, a11, a12, a22] = lq.a.map(R::splat);
+    let last_squared = lq.b[2] * lq.b[2];
     for k in (0..top).rev() {
         let pb = if LAST {
             [lq.b[2] * p[2], lq.b[2] * p[4], lq.b[2] * p[5]]
@@ -342,8 +343,10 @@ fn backward<const LAST: bool, const DISTURBED: bool, R: Row, M: StageModels>(
             InputModel::Free(extra, slope) => (extra, slope),
             InputModel::Held(_, slope) => (0.0, slope),
         };
-        let inverse = 1.0 / (lq.r + extra + lq.input_of::<LAST>(&pb));
-        // What follows does not wait for the division: it is the longest link of the chain.
+        // From `P` to the next one the shortest way leads through this: one product and the division, then another
+        // product. What stands between does not wait for the division.
+        let curvature = if LAST { last_squared * p[5] } else { lq.input_of::<LAST>(&pb) };
+        let inverse = 1.0 / ((lq.r + extra) + curvature);
         let fa = lq.transposed(&pb);
         let f = [fa[0] + lq.s[0], fa[1] + lq.s[1], fa[2] + lq.s[2]];
         let mut next = lq.q;
@@ -378,12 +381,12 @@ fn backward<const LAST: bool, const DISTURBED: bool, R: Row, M: StageModels>(
             }
         } else {
             p = [
-                next[0] - f[0] * feedback[0],
-                next[1] - f[0] * feedback[1],
-                next[2] - f[0] * feedback[2],
-                next[3] - f[1] * feedback[1],
-                next[4] - f[1] * feedback[2],
-                next[5] - f[2] * feedback[2],
+                next[0] - (f[0] * f[0]) * inverse,
+                next[1] - (f[0] * f[1]) * inverse,
+                next[2] - (f[0] * f[2]) * inverse,
+                next[3] - (f[1] * f[1]) * inverse,
+                next[4] - (f[1] * f[2]) * inverse,
+                next[5] - (f[2] * f[2]) * inverse,
             ];
             for i in 0..3 {
                 linear[i] = linear[i] - R::splat(feedback[i]) * pull;

@@ -10,6 +10,11 @@ const CSV: &str =
 /// Control period, s.
 pub(crate) const T: f64 = 0.1;
 
+/// Weights of the states and of the input, and the buffer, of [`cacc`].
+pub(crate) const STATE_WEIGHTS: [f64; 3] = [19.243, 135.712, 0.00159];
+pub(crate) const INPUT_WEIGHT: f64 = 1.0;
+pub(crate) const BUFFER_M: f64 = 12.0;
+
 /// One row of the table.
 pub(crate) struct Instance {
     pub(crate) id: usize,
@@ -67,15 +72,15 @@ pub(crate) fn cacc(n: usize) -> Problem {
     let tau = 0.5;
     Problem::builder(n)
         .dynamics([[1.0, T, 0.0], [0.0, 1.0, T], [0.0, 0.0, 1.0 - T / tau]], [0.0, 0.0, T / tau])
-        .state_weights([19.243, 135.712, 0.00159])
-        .input_cost(1.0)
+        .state_weights(STATE_WEIGHTS)
+        .input_cost(INPUT_WEIGHT)
         .input_bounds(-4.9, 4.9)
         .terminal_equality([0.0; 3])
         .row(Row {
             gradient: [1.0, 0.0, 0.0],
             from: 1,
             to: n - 1,
-            limit: 12.0,
+            limit: BUFFER_M,
             softness: Softness::Hard,
         })
         .light(LightCost { weight: 275_773.0, threshold: 108.5, softness: Softness::Hard })

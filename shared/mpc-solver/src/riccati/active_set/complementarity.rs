@@ -75,7 +75,10 @@ impl Complementarity {
                     *multipliers = target;
                     match self.release(&pieces, multipliers) {
                         Some(c) => pieces[c] = Piece::Limit,
-                        None => return Some(()),
+                        None => {
+                            self.price_unreachable(multipliers);
+                            return Some(());
+                        }
                     }
                 }
             }
@@ -85,6 +88,16 @@ impl Complementarity {
 
     fn is_reachable(&self, c: usize) -> bool {
         self.response[c][c] > UNREACHABLE * self.scale[c]
+    }
+
+    /// Gives a soft row that no multiplier influences the multiplier that its violation has.
+    fn price_unreachable(&self, multipliers: &mut [f64; MAX_WORKING_ROWS]) {
+        for c in 0..self.len {
+            if !self.is_reachable(c) && self.weight[c] < f64::INFINITY {
+                let z = self.violation(c, multipliers);
+                multipliers[c] = if z > 0.0 { self.weight[c] + self.curvature[c] * z } else { 0.0 };
+            }
+        }
     }
 
     fn piece_of(&self, c: usize, multiplier: &mut f64) -> Piece {
@@ -291,10 +304,13 @@ mod tests {
     }
 
     #[test]
-    fn a_row_that_cannot_be_influenced_keeps_no_multiplier() {
-        let mut program = program([1.0, 1.0], 0.0);
+    fn a_row_that_cannot_be_influenced_has_no_multiplier_but_the_price_of_its_violation() {
+        let mut program = program([1.0, 1.0], 0.5);
         program.response = Default::default();
         let mut mu = [3.0; MAX_WORKING_ROWS];
+        program.solve(&mut mu).expect("there is nothing to change");
+        assert_eq!(mu[..2], [0.0, 1.5]);
+        program.value = [0.0; MAX_WORKING_ROWS];
         program.solve(&mut mu).expect("there is nothing to change");
         assert_eq!(mu[..2], [0.0, 0.0]);
     }

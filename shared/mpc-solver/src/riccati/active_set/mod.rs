@@ -46,7 +46,9 @@ use response::RowResponse;
 use rows::{Update, WorkingRows};
 
 /// Rounds of an attempt from nothing.
-const MAX_ROUNDS: u32 = 18;
+const MAX_ROUNDS: u32 = 15;
+/// Rounds after which a trajectory is no start for the interior point: the rounds may have diverged.
+const EARLY_ROUNDS: u32 = 3;
 /// Relative distance from the light's curve that counts as none.
 const ON_CURVE: f64 = 2e-9;
 
@@ -84,7 +86,11 @@ pub(super) struct ActiveSet {
     sweep: Sweep,
     response: RowResponse,
     next_sides: Vec<Side>,
+    /// The sides of the guess before the present one.
+    sides_before: Vec<Side>,
     unclamped: Vec<f64>,
+    /// The switch at which the last round freed an input.
+    freed_switch: Option<usize>,
     /// Inputs of the last trajectory before the rounds could diverge.
     early_inputs: Vec<f64>,
     /// Whether a row in the guess by its tangents acted in the last round.
@@ -100,7 +106,9 @@ impl ActiveSet {
             sweep: Sweep::new(max_horizon),
             response: RowResponse::new(max_horizon),
             next_sides: vec![Side::Free; max_horizon],
+            sides_before: vec![Side::Free; max_horizon],
             unclamped: vec![0.0; max_horizon],
+            freed_switch: None,
             early_inputs: vec![0.0; max_horizon],
             row_tangents_act: false,
         }
@@ -117,7 +125,7 @@ impl ActiveSet {
         self.guess.has_row_tangents && self.row_tangents_act
     }
 
-    /// Inputs of the second round of the last attempt from nothing.
+    /// Inputs of the last early round of the last attempt from nothing.
     pub(super) fn early_inputs(&self) -> &[f64] {
         &self.early_inputs
     }
@@ -143,6 +151,7 @@ impl ActiveSet {
         if is_cold || self.guess.has_row_tangents {
             self.rows.clear();
         }
+        self.freed_switch = None;
         // Cold, the first round goes without the light and only shows where the margins would be.
         let mut has_light = problem.light_len == 0 || !is_cold;
         // The last stage at which the guess differs from that of the sweep before.
@@ -151,7 +160,7 @@ impl ActiveSet {
             if !self.minimise(problem, lq, round == 1, has_light, last_changed, point) {
                 return (Outcome::GivenUp, round);
             }
-            if is_cold && round <= 2 {
+            if is_cold && round <= EARLY_ROUNDS {
                 self.early_inputs[..n].copy_from_slice(&point.inputs[..n]);
             }
             let progress = self.progress(problem, round);
@@ -165,6 +174,9 @@ impl ActiveSet {
                 let most = progress.most_violated(was_first_with_light);
                 match self.rows.update(problem, point.states, most) {
                     Update::TooMany => return (Outcome::GivenUp, round),
+                    Update::Stuck if progress.changed == 0 && off_curve <= ON_CURVE => {
+                        return (Outcome::GivenUp, round);
+                    }
                     update => RowChange { is_complete: update == Update::Complete, last_stage: 0 },
                 }
             };
@@ -182,7 +194,10 @@ impl ActiveSet {
             if is_wandering {
                 return (Outcome::GivenUp, round);
             }
-            last_changed = self.renew_sides(problem).max(problem.light_len).max(rows.last_stage);
+            last_changed = self
+                .renew_sides(problem, progress.changed <= 1 && off_curve <= ON_CURVE)
+                .max(problem.light_len)
+                .max(rows.last_stage);
         }
         (Outcome::GivenUp, max_rounds)
     }
@@ -238,6 +253,7 @@ impl ActiveSet {
         Progress {
             round,
             horizon: n,
+            returns: round > 2 && self.sides_before[..n] == *after,
             changed: before.iter().zip(after).map(changed).sum::<u32>() as usize,
             free: after.iter().map(free).sum::<u32>() as usize,
             has_terminal_equality: matches!(problem.terminal, Terminal::Equality(_)),
@@ -286,13 +302,17 @@ impl ActiveSet {
     }
 
     /// Takes over the sides of the last trajectory; returns the last stage at which they differ.
-    fn renew_sides(&mut self, problem: &Problem) -> usize {
+    fn renew_sides(&mut self, problem: &Problem, is_at_rest: bool) -> usize {
         let n = problem.horizon;
         let (sides, next) = (&mut self.guess.sides[..n], &mut self.next_sides[..n]);
         let from = self.rows.last_acting_stage();
         let bounds = (problem.u_min, problem.u_max);
-        switching::free_switches(next, sides, &self.unclamped, from, bounds);
+        // A switch that was opened and has closed again, all else being at rest, is right as it is.
+        let settled = self.freed_switch.filter(|_| is_at_rest);
+        self.freed_switch =
+            switching::free_switches(next, sides, &self.unclamped, from, settled, bounds);
         let last = (0..n).rev().find(|&k| sides[k] != next[k]).unwrap_or(0);
+        self.sides_before[..n].copy_from_slice(sides);
         sides.copy_from_slice(next);
         last
     }

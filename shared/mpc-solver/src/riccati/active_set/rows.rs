@@ -30,6 +30,8 @@ pub(super) enum Update {
     Complete,
     /// Rows have entered.
     Extended,
+    /// No row has entered but those that left: their multipliers came out zero, and they are violated again.
+    Stuck,
     /// More rows are violated than the method can treat.
     TooMany,
 }
@@ -38,11 +40,15 @@ pub(super) enum Update {
 #[derive(Clone, Debug)]
 pub(super) struct WorkingRows {
     members: Vec<WorkingRow>,
+    /// Row and stage of the members before the last update.
+    before: Vec<(usize, usize)>,
 }
 
 impl WorkingRows {
     pub(super) fn new() -> Self {
-        Self { members: Vec::with_capacity(MAX_WORKING_ROWS) }
+        let (members, before) =
+            (Vec::with_capacity(MAX_WORKING_ROWS), Vec::with_capacity(MAX_WORKING_ROWS));
+        Self { members, before }
     }
 
     pub(super) fn clear(&mut self) {
@@ -83,6 +89,8 @@ impl WorkingRows {
         states: &[[f64; 3]],
         most_violated: usize,
     ) -> Update {
+        self.before.clear();
+        self.before.extend(self.members.iter().map(|member| (member.row, member.stage)));
         self.members.retain(|member| member.multiplier > 0.0);
         let mut violated = 0;
         let mut update = Update::Complete;
@@ -112,6 +120,10 @@ impl WorkingRows {
         }
         if violated > most_violated {
             return Update::TooMany;
+        }
+        let is_new = |member: &WorkingRow| !self.before.contains(&(member.row, member.stage));
+        if update == Update::Extended && !self.members.iter().any(is_new) {
+            update = Update::Stuck;
         }
         self.add_neighbours(problem, states);
         update

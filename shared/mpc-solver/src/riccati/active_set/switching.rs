@@ -10,7 +10,8 @@
 //! asked for beyond its bound: each stage that changes from one bound to the other gives the range between them.
 //!
 //! Ahead of a row that acts the costate jumps, and neighbours at opposite bounds can be right. Should they be right
-//! elsewhere, the sweep that finds the sides unchanged settles before this rule is asked.
+//! elsewhere, the sweep that finds the sides unchanged settles before this rule is asked, and a switch at which freeing one
+//! of the two has only brought the sides back is left closed.
 
 use crate::riccati::working_set::Side;
 
@@ -21,24 +22,27 @@ const SHARE: f64 = 0.5;
 
 /// Frees one of each pair of neighbours at opposite bounds, from stage `from` on.
 ///
-/// `before` are the sides of the guess, `unclamped` the inputs that were clamped to `sides`.
+/// `before` are the sides of the guess, `unclamped` the inputs that were clamped to `sides`, `settled` a switch that is
+/// right. Returns the last switch at which an input was freed.
 pub(super) fn free_switches(
     sides: &mut [Side],
     before: &[Side],
     unclamped: &[f64],
     from: usize,
+    settled: Option<usize>,
     (u_min, u_max): (f64, f64),
-) {
+) -> Option<usize> {
     let excess = |k: usize| (unclamped[k] - u_max).max(u_min - unclamped[k]);
     let stages = |k: usize| {
         let taken_over = excess(k) / (u_max - u_min);
         (SHARE * taken_over).clamp(0.0, MOST_STAGES) as usize
     };
     let first = from.max(1);
+    let mut last = None;
     let mut k = first;
     while k < sides.len() {
         let (left, right) = (sides[k - 1], sides[k]);
-        if left as i8 * right as i8 != -1 {
+        if left as i8 * right as i8 != -1 || settled == Some(k) {
             k += 1;
             continue;
         }
@@ -60,8 +64,10 @@ pub(super) fn free_switches(
             _ => k,
         };
         sides[freed] = Side::Free;
+        last = Some(k);
         k = k.max(freed) + 1;
     }
+    last
 }
 
 #[cfg(test)]
@@ -73,17 +79,22 @@ mod tests {
     fn the_switch_moves_by_one_stage_or_frees_the_smaller_excess() {
         let unclamped = [1.9, 1.7, -1.2, -1.9];
         let mut sides = [Upper, Upper, Lower, Lower];
-        free_switches(&mut sides, &[Upper, Free, Lower, Lower], &unclamped, 0, (-1.0, 1.0));
+        free_switches(&mut sides, &[Upper, Free, Lower, Lower], &unclamped, 0, None, (-1.0, 1.0));
         assert_eq!(sides, [Upper, Upper, Free, Lower]);
         let mut sides = [Upper, Upper, Lower, Lower];
-        free_switches(&mut sides, &[Upper, Upper, Free, Lower], &unclamped, 0, (-1.0, 1.0));
+        free_switches(&mut sides, &[Upper, Upper, Free, Lower], &unclamped, 0, None, (-1.0, 1.0));
         assert_eq!(sides, [Upper, Free, Lower, Lower]);
         let mut sides = [Upper, Upper, Lower, Lower];
-        free_switches(&mut sides, &[Free; 4], &unclamped, 0, (-1.0, 1.0));
+        free_switches(&mut sides, &[Free; 4], &unclamped, 0, None, (-1.0, 1.0));
         assert_eq!(sides, [Upper, Upper, Free, Lower]);
+        // A settled switch is left as it is.
+        let mut sides = [Upper, Upper, Lower, Lower];
+        let settled = Some(2);
+        let freed = free_switches(&mut sides, &[Free; 4], &unclamped, 0, settled, (-1.0, 1.0));
+        assert_eq!((sides, freed), ([Upper, Upper, Lower, Lower], None));
         // Ahead of a row that acts nothing is changed.
         let mut sides = [Upper, Upper, Lower, Lower];
-        free_switches(&mut sides, &[Free; 4], &unclamped, 3, (-1.0, 1.0));
+        free_switches(&mut sides, &[Free; 4], &unclamped, 3, None, (-1.0, 1.0));
         assert_eq!(sides, [Upper, Upper, Lower, Lower]);
     }
 
@@ -93,13 +104,13 @@ mod tests {
         let unclamped = [1.5, 9.0, -2.0, -2.0, -2.0, -2.0];
         let mut sides = [Upper, Upper, Lower, Lower, Lower, Lower];
         let before = [Upper, Free, Lower, Lower, Lower, Lower];
-        free_switches(&mut sides, &before, &unclamped, 0, (-1.0, 1.0));
+        free_switches(&mut sides, &before, &unclamped, 0, None, (-1.0, 1.0));
         assert_eq!(sides, [Upper, Upper, Upper, Upper, Free, Lower]);
         // To the left at most into the last stage at which a row acts.
         let unclamped = [2.0, 2.0, 2.0, -1e9, -2.0];
         let mut sides = [Upper, Upper, Upper, Lower, Lower];
         let before = [Upper, Upper, Upper, Free, Lower];
-        free_switches(&mut sides, &before, &unclamped, 2, (-1.0, 1.0));
+        free_switches(&mut sides, &before, &unclamped, 2, None, (-1.0, 1.0));
         assert_eq!(sides, [Upper, Free, Lower, Lower, Lower]);
     }
 }

@@ -51,6 +51,7 @@ impl Barriers {
     }
 
     /// Models the pairs for the predictor; returns the sum of the products and their mean.
+    #[inline(always)]
     pub(super) fn linearize(&mut self, problem: &Problem, states: &[[f64; 3]]) -> (f64, f64) {
         let (mut gap, mut pairs) = self.input.linearize();
         for (row, h) in self.rows[..self.count].iter_mut().zip(&problem.limits) {
@@ -64,6 +65,7 @@ impl Barriers {
     }
 
     /// What the predictor's changes of the trajectory mean for the pairs.
+    #[inline(always)]
     pub(super) fn expand_predictor(
         &mut self,
         problem: &Problem,
@@ -74,6 +76,7 @@ impl Barriers {
     }
 
     /// The same with the corrector.
+    #[inline(always)]
     pub(super) fn expand_corrector(
         &mut self,
         problem: &Problem,
@@ -83,6 +86,7 @@ impl Barriers {
         self.expand(problem, inputs, states, true);
     }
 
+    #[inline(always)]
     fn expand(
         &mut self,
         problem: &Problem,
@@ -98,6 +102,7 @@ impl Barriers {
     }
 
     /// Length of the longest predictor step, at most 1.
+    #[inline(always)]
     pub(super) fn predictor_length(&self) -> f64 {
         let reciprocal =
             self.input.affine_step_reciprocal().max(self.light.affine_step_reciprocal());
@@ -106,6 +111,7 @@ impl Barriers {
     }
 
     /// Sum of the products after a predictor step of length `a`.
+    #[inline(always)]
     pub(super) fn gap_after_predictor(&self, a: f64) -> f64 {
         let rows: f64 = self.rows[..self.count].iter().map(|row| row.gap_after_affine(a)).sum();
         rows + self.input.gap_after_affine(a) + self.light.gap_after_affine(a)
@@ -113,6 +119,7 @@ impl Barriers {
 
     /// Sets the corrector's targets, and the slopes that they add: towards products of `tau`, and away from what the
     /// predictor has neglected, of which the part `trust` counts.
+    #[inline(always)]
     pub(super) fn set_targets(&mut self, tau: f64, trust: f64) {
         self.input.set_targets(tau, trust);
         for row in &mut self.rows[..self.count] {
@@ -122,6 +129,7 @@ impl Barriers {
     }
 
     /// Reciprocal of the length of the longest step; not finite if the step is not.
+    #[inline(always)]
     pub(super) fn step_reciprocal(&self) -> f64 {
         let reciprocal = self.input.step_reciprocal().max(self.light.step_reciprocal());
         let rows = self.rows[..self.count].iter().map(RowBarrier::step_reciprocal);
@@ -129,6 +137,7 @@ impl Barriers {
     }
 
     /// Takes the part `a` of the step.
+    #[inline(always)]
     pub(super) fn advance(&mut self, inputs: &[f64], a: f64) {
         self.input.advance(inputs, a);
         for row in &mut self.rows[..self.count] {

@@ -40,6 +40,7 @@ impl InputBarrier {
     /// Models the pairs for the predictor; returns the sum and the number of the products.
     ///
     /// With `t = 0` the multipliers' new values leave nothing but `W du`: `slope` is zero.
+    #[inline(always)]
     pub(super) fn linearize(&mut self) -> (f64, usize) {
         let len = self.len;
         let gap = self.lower.invert(len) + self.upper.invert(len);
@@ -53,6 +54,7 @@ impl InputBarrier {
     }
 
     /// Sets the corrector's targets, and `slope` to what they add.
+    #[inline(always)]
     pub(super) fn set_targets(&mut self, tau: f64, trust: f64) {
         self.lower.set_targets(self.len, tau, trust);
         self.upper.set_targets(self.len, tau, trust);
@@ -66,6 +68,7 @@ impl InputBarrier {
     }
 
     /// Takes the sweep's changes of the inputs.
+    #[inline(always)]
     pub(super) fn expand(&mut self, changes: &[f64]) {
         let len = self.len;
         let du = &changes[..len];
@@ -77,18 +80,22 @@ impl InputBarrier {
         }
     }
 
+    #[inline(always)]
     pub(super) fn affine_step_reciprocal(&self) -> f64 {
         self.lower.affine_step_reciprocal(self.len).max(self.upper.affine_step_reciprocal(self.len))
     }
 
+    #[inline(always)]
     pub(super) fn gap_after_affine(&self, a: f64) -> f64 {
         self.lower.gap_after_affine(self.len, a) + self.upper.gap_after_affine(self.len, a)
     }
 
+    #[inline(always)]
     pub(super) fn step_reciprocal(&self) -> f64 {
         self.lower.step_reciprocal(self.len).max(self.upper.step_reciprocal(self.len))
     }
 
+    #[inline(always)]
     pub(super) fn advance(&mut self, changes: &[f64], a: f64) {
         self.lower.advance(self.len, a);
         self.upper.advance(self.len, a);

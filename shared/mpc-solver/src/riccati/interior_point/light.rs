@@ -17,6 +17,8 @@ pub(super) struct LightBarrier {
     p: Vec<f64>,
     per_p: Vec<f64>,
     dp: Vec<f64>,
+    /// Change of `α`.
+    change: Vec<f64>,
     below: Pairs,
     capped: Pairs,
     violation: Pairs,
@@ -43,6 +45,7 @@ impl LightBarrier {
             p: zeros(),
             per_p: zeros(),
             dp: zeros(),
+            change: zeros(),
             below: Pairs::new(len),
             capped: Pairs::new(len),
             violation: Pairs::new(len),
@@ -96,6 +99,7 @@ impl LightBarrier {
     }
 
     /// Models the pairs for the predictor; returns the sum and the number of the products.
+    #[inline(always)]
     pub(super) fn linearize(&mut self, stages: &[LightStage], states: &[[f64; 3]]) -> (f64, usize) {
         let len = self.len;
         if len == 0 {
@@ -152,6 +156,7 @@ impl LightBarrier {
     }
 
     /// Sets the corrector's targets, and `slope` to what they add.
+    #[inline(always)]
     pub(super) fn set_targets(&mut self, tau: f64, trust: f64) {
         self.below.set_targets(self.len, tau, trust);
         if self.is_capped {
@@ -162,52 +167,77 @@ impl LightBarrier {
         }
         let len = self.len;
         let slope = &mut self.slope[..len];
+        let (t, pm) = (&self.below.target[..len], &self.below.per_multiplier[..len]);
         for k in 0..len {
-            slope[k] = self.below.target[k] * self.below.per_multiplier[k];
+            slope[k] = t[k] * pm[k];
         }
         if self.is_capped {
+            let (t, ps) = (&self.capped.target[..len], &self.capped.per_slack[..len]);
+            let compliance = &self.compliance[..len];
             for k in 0..len {
-                slope[k] -= self.capped.target[k] * self.capped.per_slack[k] * self.compliance[k];
+                slope[k] -= t[k] * ps[k] * compliance[k];
             }
         }
         if self.is_soft {
+            let (t, pm) = (&self.violation.target[..len], &self.violation.per_multiplier[..len]);
             for k in 0..len {
-                slope[k] -= self.violation.target[k] * self.violation.per_multiplier[k];
+                slope[k] -= t[k] * pm[k];
             }
         }
+        let w = &self.curvature[..len];
         for k in 0..len {
-            slope[k] *= self.curvature[k];
+            slope[k] *= w[k];
         }
     }
 
     /// Takes the sweep's changes of the states.
+    #[inline(always)]
     pub(super) fn expand(&mut self, stages: &[LightStage], changes: &[[f64; 3]], corrected: bool) {
         let len = self.len;
         let add = if corrected { 1.0 } else { 0.0 };
         let (stages, changes) = (&stages[..len], &changes[1..=len]);
+        let (w, offset, slope) = (&self.curvature[..len], &self.offset[..len], &self.slope[..len]);
+        let change = &mut self.change[..len];
         for k in 0..len {
-            let change = dot(&stages[k].gradient, &changes[k]);
-            let da = self.curvature[k] * (self.offset[k] - change) + add * self.slope[k];
-            let b = &mut self.below;
-            let mut pull = self.cost * (self.per_p[k] * self.per_p[k]) - b.multiplier[k] - da;
-            b.relative[k] = (b.target[k] * b.per_slack[k] - da) * b.per_multiplier[k] - 1.0;
-            if self.is_capped {
-                let c = &mut self.capped;
-                pull -= c.target[k] * c.per_slack[k];
-                c.relative[k] = -pull * self.compliance[k] * c.per_slack[k];
+            change[k] = w[k] * (offset[k] - dot(&stages[k].gradient, &changes[k])) + add * slope[k];
+        }
+        let change = &self.change[..len];
+        let (per_p, compliance) = (&self.per_p[..len], &self.compliance[..len]);
+        let dp = &mut self.dp[..len];
+        let Pairs { multiplier, per_slack, per_multiplier, relative, target, .. } = &mut self.below;
+        let (alpha, per_alpha) = (&multiplier[..len], &per_multiplier[..len]);
+        let (t, ps, r) = (&target[..len], &per_slack[..len], &mut relative[..len]);
+        for k in 0..len {
+            dp[k] = self.cost * (per_p[k] * per_p[k]) - alpha[k] - change[k];
+            r[k] = (t[k] * ps[k] - change[k]) * per_alpha[k] - 1.0;
+        }
+        if self.is_capped {
+            let Pairs { per_slack, relative, target, .. } = &mut self.capped;
+            let (t, ps, r) = (&target[..len], &per_slack[..len], &mut relative[..len]);
+            for k in 0..len {
+                dp[k] -= t[k] * ps[k];
+                r[k] = -dp[k] * compliance[k] * ps[k];
             }
-            self.dp[k] = pull * self.compliance[k];
-            if self.is_soft {
-                let c = &mut self.violation;
-                c.relative[k] = (c.target[k] * c.per_slack[k] + da) * c.per_multiplier[k] - 1.0;
+        }
+        for k in 0..len {
+            dp[k] *= compliance[k];
+        }
+        if self.is_soft {
+            let Pairs { per_slack, per_multiplier, relative, target, .. } = &mut self.violation;
+            let (t, ps, pm) = (&target[..len], &per_slack[..len], &per_multiplier[..len]);
+            let r = &mut relative[..len];
+            for k in 0..len {
+                r[k] = (t[k] * ps[k] + change[k]) * pm[k] - 1.0;
             }
         }
     }
 
+    #[inline(always)]
     fn reach_p(&self) -> f64 {
         largest(self.len, [&self.dp, &self.per_p], |[dp, per_p]| greater(-dp * per_p, 0.0))
     }
 
+    #[inline(always)]
     pub(super) fn affine_step_reciprocal(&self) -> f64 {
         let mut step_reciprocal = self.below.affine_step_reciprocal(self.len).max(self.reach_p());
         if self.is_capped {
@@ -219,6 +249,7 @@ impl LightBarrier {
         step_reciprocal
     }
 
+    #[inline(always)]
     pub(super) fn gap_after_affine(&self, a: f64) -> f64 {
         let mut gap = self.below.gap_after_affine(self.len, a);
         if self.is_capped {
@@ -230,6 +261,7 @@ impl LightBarrier {
         gap
     }
 
+    #[inline(always)]
     pub(super) fn step_reciprocal(&self) -> f64 {
         let mut step_reciprocal = self.below.step_reciprocal(self.len).max(self.reach_p());
         if self.is_capped {
@@ -241,6 +273,7 @@ impl LightBarrier {
         step_reciprocal
     }
 
+    #[inline(always)]
     pub(super) fn advance(&mut self, a: f64) {
         self.below.advance(self.len, a);
         if self.is_capped {

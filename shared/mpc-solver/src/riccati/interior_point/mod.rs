@@ -29,6 +29,8 @@ mod light;
 mod pairs;
 mod row;
 
+use multiversion::multiversion;
+
 use super::lqr::{CostToGo, InputModel, LinearQuadratic, StageModels, Sweep};
 use super::working_set::WorkingSet;
 use crate::kkt::Multipliers;
@@ -36,10 +38,10 @@ use crate::problem::{Problem, Terminal, dot, quadratic};
 use barriers::Barriers;
 
 /// Least first slack of rows and light, m or m/s.
-const START_SLACK: f64 = 1.0;
+const START_SLACK: f64 = 3.0;
 /// First products, part of the quadratic cost of the first trajectory, and their limits.
 const START_PRODUCT: f64 = 1e-2;
-const START_PRODUCTS: (f64, f64) = (1.0, 1e5);
+const START_PRODUCTS: (f64, f64) = (1.0, 1e6);
 /// Least target product: less would not improve the answer, only the conditioning suffers.
 const LEAST_TARGET: f64 = 1e-14;
 /// Least part of the mean product that a step aims at.
@@ -53,7 +55,7 @@ pub(super) struct Step {
     /// Length of the predictor's step.
     predictor: f64,
     /// Length of the step taken.
-    length: f64,
+    pub(super) length: f64,
 }
 
 impl Step {
@@ -133,13 +135,14 @@ impl InteriorPoint {
     /// One iteration; nothing if the step cannot be computed, in which case the iterate stays as it was.
     pub(super) fn iterate(&mut self, problem: &Problem, lq: &LinearQuadratic) -> Option<Step> {
         match (problem.terminal, lq.is_last_only) {
-            (Terminal::Cost, true) => self.iterate_with::<false, true>(problem, lq),
-            (Terminal::Equality(_), true) => self.iterate_with::<true, true>(problem, lq),
+            (Terminal::Cost, true) => iterate::<false, true>(self, problem, lq),
+            (Terminal::Equality(_), true) => iterate::<true, true>(self, problem, lq),
             // Rare enough not to deserve code of its own: the terminal columns are not used.
-            (_, false) => self.iterate_with::<true, false>(problem, lq),
+            (_, false) => iterate::<true, false>(self, problem, lq),
         }
     }
 
+    #[inline(always)]
     fn iterate_with<const TERMINAL: bool, const LAST: bool>(
         &mut self,
         problem: &Problem,
@@ -155,9 +158,10 @@ impl InteriorPoint {
         let predictor = self.barriers.predictor_length();
         let left = self.barriers.gap_after_predictor(predictor) / gap;
 
-        // Corrector: towards products of τ. A short predictor step says little about the products at full length.
+        // Corrector: towards products of τ. A short predictor step says little about the products at full length; that
+        // the root of its length counts, rather than the length, was measured: it saves some 3 % of the iterations.
         let tau = (mu * (left * left * left).clamp(LEAST_CENTRING, 1.0)).max(LEAST_TARGET);
-        self.barriers.set_targets(tau, predictor);
+        self.barriers.set_targets(tau, predictor.sqrt());
         let dy = self.correct::<TERMINAL, LAST>(problem, lq, &cost_to_go);
 
         // Step.
@@ -173,6 +177,7 @@ impl InteriorPoint {
     }
 
     /// Gradient of the quadratic cost at the iterate.
+    #[inline(always)]
     fn differentiate(&mut self, problem: &Problem) {
         let n = problem.horizon;
         let (u, states) = (&self.barriers.input.u[..n], &self.states[..=n]);
@@ -187,6 +192,7 @@ impl InteriorPoint {
         by_state[n] = std::array::from_fn(|i| dot(&problem.p[i], &states[n]) + problem.p_lin[i]);
     }
 
+    #[inline(always)]
     fn factor(&mut self, problem: &Problem, lq: &LinearQuadratic) -> CostToGo {
         let models = Models {
             problem,
@@ -198,6 +204,7 @@ impl InteriorPoint {
     }
 
     /// The predictor's change of the trajectory; returns its `y`.
+    #[inline(always)]
     fn predict<const LAST: bool>(
         &mut self,
         problem: &Problem,
@@ -227,6 +234,7 @@ impl InteriorPoint {
 
     /// Adds to the predictor what the corrector's slopes make: the recursion again, for the vectors only. Returns the
     /// change of `y`.
+    #[inline(always)]
     fn correct<const TERMINAL: bool, const LAST: bool>(
         &mut self,
         problem: &Problem,
@@ -278,6 +286,7 @@ impl InteriorPoint {
     }
 
     /// Takes the part `a` of the step.
+    #[inline(always)]
     fn advance(&mut self, problem: &Problem, a: f64, y: [f64; 3]) {
         self.barriers.advance(&self.step.inputs, a);
         for (old, new) in self.terminal.iter_mut().zip(y) {
@@ -314,6 +323,16 @@ impl InteriorPoint {
         self.barriers.read(multipliers);
         multipliers.terminal = self.terminal;
     }
+}
+
+/// An iteration, compiled for wide registers too: what it calls is inlined.
+#[multiversion(targets("x86_64+avx2"))]
+fn iterate<const TERMINAL: bool, const LAST: bool>(
+    point: &mut InteriorPoint,
+    problem: &Problem,
+    lq: &LinearQuadratic,
+) -> Option<Step> {
+    point.iterate_with::<TERMINAL, LAST>(problem, lq)
 }
 
 /// The iterate as models of the stages.

@@ -42,6 +42,7 @@ impl Pairs {
     }
 
     /// Sets `1/s` and `1/λ`, and the targets to zero; returns the sum of the products.
+    #[inline(always)]
     pub(super) fn invert(&mut self, len: usize) -> f64 {
         let (s, l) = (&self.slack[..len], &self.multiplier[..len]);
         let (ps, pl) = (&mut self.per_slack[..len], &mut self.per_multiplier[..len]);
@@ -56,18 +57,21 @@ impl Pairs {
     }
 
     /// Reciprocal of the longest possible predictor step, at least 1.
+    #[inline(always)]
     pub(super) fn affine_step_reciprocal(&self, len: usize) -> f64 {
         // max(−r, 1 + r) = ½ + |r + ½|
         0.5 + largest(len, [&self.relative], |[r]| (r + 0.5).abs())
     }
 
     /// Sum of the products after a predictor step of length `a`.
+    #[inline(always)]
     pub(super) fn gap_after_affine(&self, len: usize, a: f64) -> f64 {
         let arrays = [&self.slack[..], &self.multiplier, &self.relative];
         sum(len, arrays, |[s, l, r]| s * l * ((1.0 + a * r) * (1.0 - a - a * r)))
     }
 
     /// Targets of the corrector.
+    #[inline(always)]
     pub(super) fn set_targets(&mut self, len: usize, tau: f64, trust: f64) {
         let (s, l) = (&self.slack[..len], &self.multiplier[..len]);
         let (r, t) = (&self.relative[..len], &mut self.target[..len]);
@@ -77,6 +81,7 @@ impl Pairs {
     }
 
     /// Reciprocal of the longest possible step.
+    #[inline(always)]
     pub(super) fn step_reciprocal(&self, len: usize) -> f64 {
         let arrays = [&self.relative[..], &self.target, &self.per_slack, &self.per_multiplier];
         largest(len, arrays, |[r, t, ps, pl]| greater(-r, 1.0 + r - t * (ps * pl)))
@@ -84,6 +89,7 @@ impl Pairs {
 
     /// Whether the slack of entry `k`, rather than its multiplier, goes to zero: by Tapia's indicator, which of
     /// the two has shrunk more in the last step.
+    #[inline(always)]
     pub(super) fn is_active(&self, k: usize) -> bool {
         let remaining =
             self.target[k] * (self.per_slack[k] * self.per_multiplier[k]) - self.relative[k];
@@ -91,6 +97,7 @@ impl Pairs {
     }
 
     /// Takes the part `a` of the step.
+    #[inline(always)]
     pub(super) fn advance(&mut self, len: usize, a: f64) {
         let (s, l) = (&mut self.slack[..len], &mut self.multiplier[..len]);
         let (r, t, ps) = (&self.relative[..len], &self.target[..len], &self.per_slack[..len]);

@@ -78,6 +78,7 @@ impl RowBarrier {
     }
 
     /// Models the pairs for the predictor; returns the sum and the number of the products.
+    #[inline(always)]
     pub(super) fn linearize(&mut self, limits: &[f64], states: &[[f64; 3]]) -> (f64, usize) {
         let len = self.len;
         if len == 0 {
@@ -113,6 +114,7 @@ impl RowBarrier {
     }
 
     /// Sets the corrector's targets, and `slope` to what they add.
+    #[inline(always)]
     pub(super) fn set_targets(&mut self, tau: f64, trust: f64) {
         self.limit.set_targets(self.len, tau, trust);
         if self.penalty.is_some() {
@@ -134,6 +136,7 @@ impl RowBarrier {
     }
 
     /// Takes the sweep's changes of the states.
+    #[inline(always)]
     pub(super) fn expand(&mut self, changes: &[[f64; 3]], corrected: bool) {
         let len = self.len;
         let changes = &changes[self.from..][..len];
@@ -142,17 +145,25 @@ impl RowBarrier {
         let pm = &self.limit.per_multiplier[..len];
         let r = &mut self.limit.relative[..len];
         let add = if corrected { 1.0 } else { 0.0 };
-        for i in 0..len {
-            let dm = w[i] * (dot(&self.gradient, &changes[i]) - offset[i]) + add * slope[i];
-            r[i] = (t[i] * ps[i] - dm) * pm[i] - 1.0;
-            if self.penalty.is_some() {
-                let slope = self.violation.target[i] * self.violation.per_slack[i];
-                self.violation.relative[i] =
-                    (slope - self.violation.multiplier[i] + dm) * self.per_stiffness[i];
+        let change =
+            |i: usize| w[i] * (dot(&self.gradient, &changes[i]) - offset[i]) + add * slope[i];
+        if self.penalty.is_some() {
+            let Pairs { multiplier, per_slack, relative, target, .. } = &mut self.violation;
+            let (nu, per_sigma, t2) = (&multiplier[..len], &per_slack[..len], &target[..len]);
+            let (r2, soft) = (&mut relative[..len], &self.per_stiffness[..len]);
+            for i in 0..len {
+                let dm = change(i);
+                r[i] = (t[i] * ps[i] - dm) * pm[i] - 1.0;
+                r2[i] = (t2[i] * per_sigma[i] - nu[i] + dm) * soft[i];
+            }
+        } else {
+            for i in 0..len {
+                r[i] = (t[i] * ps[i] - change(i)) * pm[i] - 1.0;
             }
         }
     }
 
+    #[inline(always)]
     pub(super) fn affine_step_reciprocal(&self) -> f64 {
         let limit = self.limit.affine_step_reciprocal(self.len);
         if self.penalty.is_some() {
@@ -162,6 +173,7 @@ impl RowBarrier {
         }
     }
 
+    #[inline(always)]
     pub(super) fn gap_after_affine(&self, a: f64) -> f64 {
         let gap = self.limit.gap_after_affine(self.len, a);
         if self.penalty.is_some() {
@@ -171,6 +183,7 @@ impl RowBarrier {
         }
     }
 
+    #[inline(always)]
     pub(super) fn step_reciprocal(&self) -> f64 {
         let limit = self.limit.step_reciprocal(self.len);
         if self.penalty.is_some() {
@@ -180,6 +193,7 @@ impl RowBarrier {
         }
     }
 
+    #[inline(always)]
     pub(super) fn advance(&mut self, a: f64) {
         self.limit.advance(self.len, a);
         if self.penalty.is_some() {
