@@ -3,8 +3,11 @@
 //! * clarabel, the general conic solver, on the sparse problem; only its own solve counts, not the assembly of its
 //!   matrices.
 //!
-//! OSQP, PIQP and qpOASES are not here: they are C or C++ and need cmake, which this project does not ask for;
-//! quadprog is under the GPL.
+//! * OSQP ([`osqp`](crate::osqp)), operator splitting for sparse quadratic programs, on those without the light: `cargo
+//!   bench -p controller --features field --bench solver`. It is C and needs cmake, so that it is not in the default
+//!   build.
+//!
+//! PIQP, HPIPM, DAQP and qpOASES are in no registry of this language; quadprog is under the GPL.
 
 use std::time::Instant;
 
@@ -14,12 +17,17 @@ use crate::common::{Instance, cacc};
 use crate::summary::Sample;
 
 /// Largest residual that counts as solved, and clarabel's own tolerance.
-const TOLERANCE: f64 = 1e-8;
-const HORIZON: usize = 100;
+pub(crate) const TOLERANCE: f64 = 1e-8;
+pub(crate) const HORIZON: usize = 100;
 
 /// Samples of every solver that can solve the set.
 pub(crate) fn solve(set: &[&Instance], repeats: usize) -> Vec<(&'static str, Vec<Sample>)> {
-    vec![("clarabel", clarabel(set, repeats))]
+    let mut all = vec![("clarabel", clarabel(set, repeats))];
+    #[cfg(feature = "field")]
+    if set.iter().all(|instance| instance.stages == 0) {
+        all.push(("osqp", crate::osqp::solve(set, repeats)));
+    }
+    all
 }
 
 fn clarabel(set: &[&Instance], repeats: usize) -> Vec<Sample> {

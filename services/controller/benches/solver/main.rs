@@ -9,12 +9,14 @@
 //!   active at the solution.
 //! * *Random problems*, feasible by construction, in four classes: with or without a row that acts, with or without
 //!   the light. Their number is `TIMEGAP_BENCH_SEEDS` (of which about four in ten have 100 steps), 10,000 unless given.
-//! * *The field* ([`field`]): clarabel on all drives.
+//! * *The field* ([`field`]): clarabel on all drives, OSQP on those without the light (with `--features field`).
 //! * *Horizon*: time per stage up to N = 1000.
 
 #[path = "../../../../shared/mpc-solver/tests/common/mod.rs"]
 mod common;
 mod field;
+#[cfg(feature = "field")]
+mod osqp;
 #[path = "../../../../shared/mpc-solver/tests/common/random.rs"]
 mod random;
 mod summary;
@@ -60,29 +62,37 @@ fn drives(name: &str, set: &[&Instance], repeats: impl Fn(usize) -> usize) {
     let warm = ours(set, repeats(REPEATS), Start::Shifted(1));
     Summary::of(&cold).print("riccati, cold");
     Summary::of(&warm).print("riccati, warm");
-    let mut best = f64::INFINITY;
-    for (rival, samples) in field::solve(set, repeats(FIELD_REPEATS)) {
-        let summary = Summary::of(&samples);
+    let (cold_us, warm_us) = (Summary::of(&cold).median_us(), Summary::of(&warm).median_us());
+    let rivals: Vec<(&str, Summary)> = field::solve(set, repeats(FIELD_REPEATS))
+        .into_iter()
+        .map(|(name, samples)| (name, Summary::of(&samples)))
+        .collect();
+    for (rival, summary) in &rivals {
         summary.print(rival);
-        best = best.min(summary.median_us());
     }
-    println!(
-        "best of the others / riccati, medians: cold {:.0}, warm {:.0}",
-        best / Summary::of(&cold).median_us(),
-        best / Summary::of(&warm).median_us(),
-    );
-    for (start, samples) in [("cold", &cold), ("warm", &warm)] {
-        println!("\nby what is active, {start}");
-        let mut patterns: Vec<&str> = samples.iter().map(|sample| sample.pattern).collect();
-        patterns.sort_unstable();
-        patterns.dedup();
-        for pattern in patterns {
-            let part: Vec<Sample> =
-                samples.iter().filter(|s| s.pattern == pattern).cloned().collect();
-            Summary::of(&part).print(pattern);
-        }
+    for (rival, summary) in &rivals {
+        let (count, solved) = summary.counts();
+        println!(
+            "{rival} / riccati, medians: cold {:.0}, warm {:.0}; solves {solved} of {count} to the tolerance",
+            summary.median_us() / cold_us,
+            summary.median_us() / warm_us,
+        );
     }
+    by_pattern("by what is active, cold", &cold);
+    by_pattern("by what is active, warm", &warm);
     println!();
+}
+
+/// A line for each pattern of what is active at the solution.
+fn by_pattern(title: &str, samples: &[Sample]) {
+    println!("\n{title}");
+    let mut patterns: Vec<&str> = samples.iter().map(|sample| sample.pattern).collect();
+    patterns.sort_unstable();
+    patterns.dedup();
+    for pattern in patterns {
+        let part: Vec<Sample> = samples.iter().filter(|s| s.pattern == pattern).cloned().collect();
+        Summary::of(&part).print(pattern);
+    }
 }
 
 /// Passes over the set, in its order: the warm start is the previous instance's solution.
@@ -149,7 +159,7 @@ fn random_problems(seeds: u64, repeats: usize) {
             let begin = Instant::now();
             let report = solver.solve(&problem, Start::Cold);
             times.push(begin.elapsed().as_secs_f64() * 1e6);
-            sample = Sample::new(&report, "");
+            sample = Sample::new(&report, pattern(&problem, &solver));
         }
         sample.take_median(&mut times);
         let is_lit = !problem.light_stages().is_empty();
@@ -161,6 +171,7 @@ fn random_problems(seeds: u64, repeats: usize) {
     for (name, samples) in names.iter().zip(&classes) {
         Summary::of(samples).print(name);
     }
+    by_pattern("by what is active", &classes.concat());
     println!();
 }
 

@@ -64,6 +64,11 @@ impl Summary {
         rank(&self.times_us, 50).unwrap_or(f64::NAN)
     }
 
+    /// Instances, and how many of them were solved.
+    pub(crate) fn counts(&self) -> (usize, usize) {
+        (self.times_us.len(), self.solved)
+    }
+
     pub(crate) fn print(&self, name: &str) {
         let n = self.times_us.len();
         let time = |percent| rank(&self.times_us, percent).unwrap_or(f64::NAN);
