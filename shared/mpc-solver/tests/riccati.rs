@@ -262,7 +262,7 @@ fn the_answers_have_the_same_bits_with_wide_registers_and_without() {
 
 /// `cargo test --release -p mpc-solver --test riccati -- --ignored --nocapture 100_000`: about a minute.
 ///
-/// About one problem in 100,000 ends at the machine's precision, with residuals of 1e-8 to 1.1e-7 (seed 1,199,001): it
+/// About one problem in 100,000 ends at the machine's precision, with residuals above 1e-8 (seeds 1,199,001, 1,286,091, 1,366,765): it
 /// is not called solved, and its inputs are usable.
 #[test]
 #[ignore = "takes a minute"]
@@ -292,5 +292,5 @@ fn solves_100_000_random_feasible_problems_of_each_class() {
         "no row acts, no light; light; rows; rows and light: {counts:?}, at most {most_iterations:?} \
          iterations; imprecise: {imprecise:?}"
     );
-    assert!(imprecise.len() <= 4, "{imprecise:?}");
+    assert!(imprecise.len() <= 3, "{imprecise:?}");
 }
