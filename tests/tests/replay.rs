@@ -63,21 +63,28 @@ fn a_disturbed_run_repeats_with_its_silent_cycles() {
         kind = "drop"
         topic = "vehicle/odometry"
         at_s = 1.0
-        for_s = 0.8
+        for_s = 2.2
+
+        # The radar's measurement of the ego's speed would take its place.
+        [[faults]]
+        kind = "drop"
+        topic = "radar/tracks"
+        at_s = 0.9
+        for_s = 2.4
 
         [[faults]]
         kind = "corrupt"
         topic = "radar/tracks"
         probability = 0.3
         bits = 3
-        at_s = 2.0
+        at_s = 3.3
 
         [[faults]]
         kind = "delay"
         topic = "vehicle/odometry"
         delay_ms = 30
         jitter_ms = 40
-        at_s = 2.0
+        at_s = 3.2
     "#;
     let corner = Corner::new(PROGRAM);
     let scenario = corner.run(&["list", "--show", "cut-in"]);

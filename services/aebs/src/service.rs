@@ -20,6 +20,10 @@ const FALLBACK: f64 = 0.5;
 const STALE_PERIODS: i64 = 4;
 /// Age at which odometry is of no use, ns.
 const STALE_ODOMETRY_NS: i64 = 100_000_000;
+/// Difference of odometry's speed from that of the radar's scan which cannot be the time in between, m/s,
+/// with the largest acceleration, m/s².
+const DISAGREES_MPS: f64 = 1.0;
+const MAX_MPS2: f64 = 12.0;
 
 /// Runs the emergency brake in its group, to the end of the run.
 ///
@@ -114,21 +118,29 @@ impl Aebs {
         Ok(Cycle::Next)
     }
 
-    /// `None` without detections or odometry of use.
+    /// `None` without detections of use.
     fn demand(&mut self, release: &Release) -> Option<Demand> {
-        let odometry = self.odometry.newest()?;
-        let (_, speed_mps) = odometry.moved_to(release.time_s);
-        let ego = Ego { speed_mps, acceleration_mps2: odometry.acceleration_mps2 };
         let scan = self.detections.newest()?;
         let scanned_ns = scan.header.acquisition_ns;
         let now_ns = release.scheduled_ns;
-        if now_ns - scanned_ns > self.stale_ns
-            || now_ns - odometry.header.acquisition_ns > STALE_ODOMETRY_NS.max(self.period_ns)
-        {
+        if now_ns - scanned_ns > self.stale_ns {
             return None;
         }
-        self.objects.take_scan(scanned_ns, scan.ego_speed_mps, scan.detections());
         let age_s = (now_ns - scanned_ns) as f64 / 1e9;
+        let stale_ns = STALE_ODOMETRY_NS.max(self.period_ns);
+        let odometry = (self.odometry.newest())
+            .filter(|odometry| now_ns - odometry.header.acquisition_ns <= stale_ns);
+        // Odometry that does not fit what stands beside the road is wrong: the radar's own speed then.
+        let ego = odometry.map(|odometry| Ego {
+            speed_mps: odometry.moved_to(release.time_s).1,
+            acceleration_mps2: odometry.acceleration_mps2,
+        });
+        let differs = |ego: &Ego| (ego.speed_mps - scan.ego_speed_mps).abs();
+        let ego = ego
+            .filter(|ego| differs(ego) <= DISAGREES_MPS + MAX_MPS2 * age_s)
+            .unwrap_or(Ego { speed_mps: scan.ego_speed_mps, acceleration_mps2: 0.0 });
+        let speed_mps = ego.speed_mps;
+        self.objects.take_scan(scanned_ns, scan.ego_speed_mps, scan.detections());
         let mean_mps = 0.5 * (scan.ego_speed_mps + speed_mps);
         let now = self.objects.confirmed().map(|object| object.moved_on(age_s, mean_mps));
         Some(self.decision.step(&ego, now))

@@ -26,7 +26,7 @@ const COMFORTABLE_MPS2: f64 = -2.0;
 /// How fast that braking sets in, m/s³.
 const COMFORTABLE_JERK_MPS3: f64 = 2.5;
 
-/// Ages of the newest valid samples, s; none without one.
+/// Ages of the newest samples that can be believed, s; none without one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ages {
     /// `vehicle/odometry`.
@@ -35,6 +35,10 @@ pub struct Ages {
     pub radar_s: Option<f64>,
     /// `v2x/spat`; `None` also where there is no signal ahead to be told of.
     pub spat_s: Option<f64>,
+    /// The ego's motion is estimated without its odometry.
+    pub ego_is_estimated: bool,
+    /// Signal timing contradicts what was announced before.
+    pub signals_contradict: bool,
 }
 
 /// What to do in this cycle.
@@ -131,12 +135,13 @@ impl Ladder {
         // What was lost is found again by fresh samples alone.
         let lost = self.found.observe(radar || !(lost || self.found.failed), 5);
         let predicted = self.radar.observe(radar, 2);
-        let signals_lost = self.signals.observe(spat, 3);
+        let signals_lost = self.signals.observe(spat && !ages.signals_contradict, 3);
         self.radar_is_fresh = radar;
         self.level = match (silent, lost, predicted, signals_lost) {
             (true, ..) => Level::Silent,
             (_, true, ..) => Level::LeadLost,
             (_, _, true, _) => Level::LeadPredicted,
+            _ if ages.ego_is_estimated => Level::EgoEstimated,
             (.., true) => Level::SignalsLost,
             _ => Level::Full,
         };
@@ -179,18 +184,25 @@ impl Ladder {
         self.level
     }
 
+    /// Age from which odometry is of no use, s.
+    #[must_use]
+    pub fn stale_odometry_s(&self) -> f64 {
+        self.stale_odometry_s
+    }
+
     /// The level without a command.
     #[must_use]
     pub fn level(&self) -> Level {
         self.level
     }
 
-    /// Comfortable braking to standstill, in place of the law.
+    /// Comfortable braking to standstill, in place of the law; harder where the last request was.
     pub fn brake(&self, period_s: f64, output: &mut Output) {
         *output = Output { mode: output.mode, quality: Quality::Backup, ..Output::default() };
         let mut request = self.last_request_mps2.min(0.0);
+        let hardest = request.min(COMFORTABLE_MPS2);
         for place in &mut output.plan_mps2 {
-            request = (request - COMFORTABLE_JERK_MPS3 * period_s).max(COMFORTABLE_MPS2);
+            request = (request - COMFORTABLE_JERK_MPS3 * period_s).max(hardest);
             *place = request;
         }
         output.plan_len = MAX_PLAN;

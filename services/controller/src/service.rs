@@ -5,7 +5,8 @@ use crate::law::{
     Descriptor, Formulation, Input, Law, MAX_FIGURES, MAX_PLAN, Output, Quality, TargetSource,
 };
 use crate::planning_thread::PlanningThread;
-use crate::plausibility::Motion;
+use crate::plausibility::estimate::EgoEstimate;
+use crate::plausibility::{Believed, Plausibility};
 use crate::sampling::{Samples, Setting, input};
 use messages::level::{Level, LevelLog};
 use messages::{
@@ -18,6 +19,7 @@ use runtime::{
     Cycle, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber, Usage,
     monotonic_ns,
 };
+use scenario::perception::RadarModel;
 use scenario::{Scenario, controller};
 use std::time::Duration;
 
@@ -105,7 +107,8 @@ struct Loop {
     diagnostics: Publisher<Diagnostics>,
     output: Output,
     ladder: Ladder,
-    motion: Motion,
+    plausibility: Plausibility,
+    estimate: EgoEstimate,
     levels: LevelLog,
     /// The last command came from the ladder, not from the law.
     braked: bool,
@@ -161,7 +164,8 @@ impl Loop {
             diagnostics: runtime.publisher()?,
             output,
             ladder: Ladder::new(scenario),
-            motion: Motion::default(),
+            plausibility: Plausibility::new(scenario.perception.model() != RadarModel::Ideal),
+            estimate: EgoEstimate::default(),
             levels: LevelLog::default(),
             braked: false,
             solve: Latencies::default(),
@@ -201,17 +205,40 @@ impl Loop {
             preview: self.truck.as_ref().map_or(Origin::NONE, |truck| truck.preview.origin()),
         };
         let header = Header::new(release.step, release.scheduled_ns, origins);
+        let commanded_mps2 = self.output.request_mps2();
+        let Believed { odometry, radar, spat, signals_contradict } = self.plausibility.look(
+            self.odometry.newest(),
+            self.radar.newest(),
+            self.spat.newest(),
+            commanded_mps2,
+            release.time_s,
+        );
+        let age = |acquisition_ns: i64| release.time_s - acquisition_ns as f64 / 1e9;
+        let fresh = odometry.filter(|odometry| {
+            age(odometry.header.acquisition_ns) <= self.ladder.stale_odometry_s()
+        });
+        let ego = match fresh {
+            Some(odometry) => {
+                self.estimate.believe(odometry, release.time_s);
+                Some(odometry)
+            }
+            None => self.estimate.go_on(radar, commanded_mps2, release.time_s),
+        };
         let samples = Samples {
-            odometry: self.odometry.newest(),
-            radar: self.radar.newest(),
-            spat: self.spat.newest(),
+            odometry: ego,
+            radar,
+            spat,
             map: self.map.newest(),
             powertrain: self.truck.as_ref().and_then(|truck| truck.powertrain.newest()),
             preview: self.truck.as_ref().and_then(|truck| truck.preview.newest()),
         };
-        let plausible = self.odometry.newest().is_none_or(|sample| self.motion.agrees(sample));
-        let mut ages = self.ages(release.time_s);
-        ages.odometry_s = ages.odometry_s.filter(|_| plausible);
+        let ages = Ages {
+            odometry_s: ego.map(|odometry| age(odometry.header.acquisition_ns)),
+            radar_s: radar.map(|radar| age(radar.header.acquisition_ns)),
+            spat_s: spat.map(|spat| age(spat.header.acquisition_ns)),
+            ego_is_estimated: fresh.is_none(),
+            signals_contradict,
+        };
         let trust = self.ladder.look(&ages, release.time_s);
         let mut input = input(&self.setting, &samples, trust, release.time_s);
         let admission = self.ladder.admit(&mut input);
@@ -283,17 +310,6 @@ impl Loop {
         hosted
             .step_within(left, input, &mut self.output)
             .map_err(|error| RuntimeError::Program(error.to_string()))
-    }
-
-    fn ages(&self, time_s: f64) -> Ages {
-        let age = |acquisition_ns: Option<i64>| {
-            acquisition_ns.map(|acquired| time_s - acquired as f64 / 1e9)
-        };
-        Ages {
-            odometry_s: age(acquired(&self.odometry)),
-            radar_s: age(acquired(&self.radar)),
-            spat_s: age(acquired(&self.spat)),
-        }
     }
 
     fn write_command(
@@ -406,6 +422,7 @@ impl Loop {
             program: self.law.hosted().map(|hosted| hosted.report()),
             mode_changes: self.mode_changes.iter().map(change).collect(),
             rungs: self.levels.report(),
+            checks: self.plausibility.findings().report(),
         }
     }
 }

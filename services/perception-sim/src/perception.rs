@@ -17,6 +17,7 @@ use crate::radar::receiver::Received;
 use crate::radar::scene::{Ego, Scene};
 use crate::tracking::TrackList;
 use crate::tracking::detection_tracker::DetectionTracker;
+use crate::tracking::ego_speed::EgoSpeed;
 use crate::tracking::exact_tracker::ExactTracker;
 use crate::tracking::object_tracker::ObjectTracker;
 use crate::traffic::Traffic;
@@ -42,6 +43,9 @@ pub struct Perception {
     detections: u64,
     detections_left_out: u64,
     list: TrackList,
+    ego_speed: EgoSpeed,
+    /// The ego's motion that the tracker worked with.
+    known: Ego,
 }
 
 /// The radar with its tracker.
@@ -86,6 +90,8 @@ impl Perception {
             detections: 0,
             detections_left_out: 0,
             list: TrackList::default(),
+            ego_speed: EgoSpeed::default(),
+            known: Ego::default(),
         }
     }
 
@@ -98,9 +104,20 @@ impl Perception {
         ego: &Ego,
         detections: &mut [Detection; MAX_DETECTIONS],
     ) -> &TrackList {
+        self.step_told(time_ns, ego, Some(*ego), detections)
+    }
+
+    /// The same with what the ego's odometry says of it, which the tracker works with.
+    pub fn step_told(
+        &mut self,
+        time_ns: u64,
+        ego: &Ego,
+        told: Option<Ego>,
+        detections: &mut [Detection; MAX_DETECTIONS],
+    ) -> &TrackList {
         self.traffic.advance(time_ns, ego);
         let now_ns = i64::try_from(time_ns).unwrap_or(i64::MAX);
-        let scene = Scene::new(now_ns, *ego, self.traffic.vehicles());
+        let scene = Scene { told, ..Scene::new(now_ns, *ego, self.traffic.vehicles()) };
         if self.taken == 0 {
             self.warm_up(&scene, detections);
         }
@@ -149,15 +166,30 @@ impl Perception {
             Sensor::ObjectList(both) => {
                 let (radar, tracker) = both.as_mut();
                 let scan = radar.scan(&out);
-                tracker.step(out.time_ns, &out.ego, &scan)
+                let known = out.told.unwrap_or(self.known);
+                self.known = known;
+                tracker.step(out.time_ns, &known, &scan)
             }
             Sensor::Detections(both) => {
                 let (radar, tracker) = both.as_mut();
                 self.received = radar.scan(&out, detections);
                 let detections = &detections[..self.received.count];
-                tracker.step(out.time_ns, &out.ego, detections)
+                self.known = self.ego_speed.take_scan(out.time_ns, out.told, detections);
+                tracker.step(out.time_ns, &self.known, detections)
             }
         };
+    }
+
+    /// The ego's motion at the last scan as the tracker took it to be.
+    #[must_use]
+    pub fn known(&self) -> Ego {
+        self.known
+    }
+
+    /// The ego's speed at the last scan as standing objects show it, m/s, and the detections behind it.
+    #[must_use]
+    pub fn measured_ego_speed(&self) -> Option<(f64, u64)> {
+        self.ego_speed.measured()
     }
 
     /// How many detections the last step wrote, and how many found no room.

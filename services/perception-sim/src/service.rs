@@ -7,12 +7,15 @@ use crate::traffic::Snapshot;
 use crate::vehicle::Vehicle;
 use bytemuck::Zeroable;
 use messages::{
-    Detection, Header, MAX_DETECTIONS, MAX_TRACKS, Odometry, Origins, RadarDetections, RadarTracks,
-    ServiceState, Track, TrackedTarget, VehicleTruth, VehicleTruthItem,
+    Detection, EgoTruth, Header, MAX_DETECTIONS, MAX_TRACKS, Odometry, Origins, RadarDetections,
+    RadarTracks, ServiceState, Track, TrackedTarget, VehicleTruth, VehicleTruthItem,
 };
 use runtime::report::Details;
-use runtime::{Checkpoint, Cycle, Loan, Mode, Overrun, Publisher, Runtime, RuntimeError};
+use runtime::{Checkpoint, Cycle, Loan, Mode, Overrun, Publisher, Release, Runtime, RuntimeError};
 use scenario::perception::RadarModel;
+
+/// Age at which odometry is of no use to the tracker, ns.
+const STALE_ODOMETRY_NS: i64 = 200_000_000;
 
 /// Runs traffic and radar in their group, to the end of the run.
 ///
@@ -22,6 +25,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     let scenario = runtime.scenario();
     let mut perception = Perception::new(&scenario);
     let mut odometry = runtime.subscriber::<Odometry>()?;
+    let mut ego_truth = runtime.subscriber::<EgoTruth>()?;
     let mut tracks = runtime.publisher::<RadarTracks>()?;
     let mut truth = runtime.publisher::<VehicleTruth>()?;
     let mut output = DetectionOutput::open(&mut runtime, scenario.perception.model())?;
@@ -39,10 +43,13 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     runtime.run_cycles(|runtime| {
         let Some(release) = runtime.next_release(Overrun::Skip) else { return Ok(Cycle::Last) };
         runtime.update(&mut odometry)?;
-        let ego = odometry.newest().map_or(start, |odometry| ego_at(odometry, release.time_s));
+        runtime.update(&mut ego_truth)?;
+        // The radar measures from where the ego is, not from where it was last heard of.
+        let ego = ego_truth.newest().map_or(start, |truth| true_at(truth, release.time_s));
+        let told = told_at(odometry.newest(), start, &release);
         let time_ns = release.scheduled_ns.unsigned_abs();
         let mut detections = output.loan()?;
-        let list = *perception.step(time_ns, &ego, output.room(detections.as_mut()));
+        let list = *perception.step_told(time_ns, &ego, told, output.room(detections.as_mut()));
         if let Some(checkpoint) = &mut checkpoint {
             checkpoint.save(&perception.traffic().snapshot())?;
         }
@@ -56,7 +63,8 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         if let Some(detections) = detections {
             output.send(detections, acquired, &perception)?;
         }
-        tracks.send_with(|message| write_tracks(message, acquired, &list))?;
+        let measured = perception.measured_ego_speed();
+        tracks.send_with(|message| write_tracks(message, acquired, &list, measured))?;
 
         let seen = odometry.newest().is_some();
         runtime.end_cycle(if seen { ServiceState::Running } else { ServiceState::Degraded })?;
@@ -112,17 +120,26 @@ impl DetectionOutput {
             left_over.fill(Detection::zeroed());
         }
         message.header = header;
-        message.ego_speed_mps = perception.scanned().ego.speed_mps;
+        message.ego_speed_mps = perception.known().speed_mps;
         message.left_out = received.left_out;
         message.count = received.count as u64;
         port.send(message).map(|_| ())
     }
 }
 
-/// The radar measures from where the ego is, not from where it was last heard of.
-fn ego_at(odometry: &Odometry, time_s: f64) -> Ego {
-    let (position_m, speed_mps) = odometry.moved_to(time_s);
-    Ego { position_m, speed_mps, acceleration_mps2: odometry.acceleration_mps2 }
+fn true_at(truth: &EgoTruth, time_s: f64) -> Ego {
+    let (position_m, speed_mps) = truth.moved_to(time_s);
+    Ego { position_m, speed_mps, acceleration_mps2: truth.acceleration_mps2 }
+}
+
+/// The ego as its odometry says, `None` where it is too old.
+fn told_at(odometry: Option<&Odometry>, start: Ego, release: &Release) -> Option<Ego> {
+    let Some(odometry) = odometry else { return Some(start).filter(|_| release.step == 0) };
+    if release.scheduled_ns - odometry.header.acquisition_ns > STALE_ODOMETRY_NS {
+        return None;
+    }
+    let (position_m, speed_mps) = odometry.moved_to(release.time_s);
+    Some(Ego { position_m, speed_mps, acceleration_mps2: odometry.acceleration_mps2 })
 }
 
 fn write_truth(message: &mut VehicleTruth, header: Header, vehicles: &[Vehicle], ended: bool) {
@@ -141,8 +158,14 @@ fn write_truth(message: &mut VehicleTruth, header: Header, vehicles: &[Vehicle],
     }
 }
 
-fn write_tracks(message: &mut RadarTracks, header: Header, list: &TrackList) {
+fn write_tracks(
+    message: &mut RadarTracks,
+    header: Header,
+    list: &TrackList,
+    measured: Option<(f64, u64)>,
+) {
     message.header = header;
+    (message.ego_speed_mps, message.ego_speed_points) = measured.unwrap_or_default();
     for (index, (wire, track)) in
         message.tracks.iter_mut().zip(&list.tracks[..list.count]).enumerate()
     {

@@ -8,7 +8,7 @@
 //! |---|---|---|
 //! | [`Source::Command`] | a valid command | the plan's first request |
 //! | [`Source::Plan`] | its control step is over | the plan's later requests; past its end, the last one for one step, then that one as far as it brakes |
-//! | [`Source::StopInLane`] | `follow_plan_s` later | `-stop_deceleration_mps2` |
+//! | [`Source::StopInLane`] | `follow_plan_s` later | `-stop_deceleration_mps2`, or what the plan ended with where that brakes harder |
 //!
 //! Every request, whatever its source, is bounded in range and rate. The gateway knows nothing of what is
 //! ahead: braking for it is the controller's work, and beside it that of the emergency brake, which has a
@@ -228,10 +228,12 @@ impl Gateway {
     }
 
     fn planned(&self, now_ns: u64) -> (Source, f64) {
-        let stop = (Source::StopInLane, -self.fallback.stop_deceleration_mps2.value());
+        let moderate_mps2 = -self.fallback.stop_deceleration_mps2.value();
         if self.stopping {
-            return stop;
+            return (Source::StopInLane, moderate_mps2);
         }
+        let planned_mps2 = self.plan[self.plan_len.saturating_sub(1)];
+        let stop = (Source::StopInLane, moderate_mps2.min(planned_mps2));
         let age_ns = now_ns.saturating_sub(self.start_ns);
         if self.plan_len == 0 {
             let waiting = now_ns <= self.follow_plan_ns;

@@ -7,13 +7,14 @@ use crate::ego::{self, Ego};
 use crate::gateway::{self, Actuation, EngineRequest, Gateway, Source};
 use crate::parts::Actuated;
 use crate::referee::{MAX_SIGNALS, Referee, SignalTruth, Violation};
+use crate::surroundings::Surroundings;
 use crate::timeliness::Timeliness;
 use crate::truck::Truck;
 use crate::truth;
 use messages::level::{Level, LevelLog};
 use messages::{
-    self, BrakeState, Command, Header, Odometry, Origins, PLAN_LEN, Powertrain, ServiceState,
-    VehicleTruth,
+    self, BrakeState, Command, EgoTruth, Header, Odometry, Origins, PLAN_LEN, Powertrain,
+    ServiceState, VehicleTruth,
 };
 use runtime::report::{ControlFigures, Details, Hops, Outcome, PlantReport};
 use runtime::{
@@ -45,6 +46,8 @@ struct Plant {
     referee: Referee,
     chains: Chains,
     odometry: Publisher<Odometry>,
+    truth: Publisher<EgoTruth>,
+    surroundings: Surroundings,
     /// From a truck alone.
     powertrain: Option<Publisher<Powertrain>>,
     command: Subscriber<Command>,
@@ -135,6 +138,8 @@ impl Plant {
             referee: Referee::new(scenario),
             chains: Chains::new(i64::from(scenario.controller.deadline().value()) * 1_000_000),
             odometry: runtime.publisher()?,
+            truth: runtime.publisher()?,
+            surroundings: Surroundings::default(),
             powertrain: (scenario.plant.vehicle.is_truck())
                 .then(|| runtime.publisher())
                 .transpose()?,
@@ -271,6 +276,22 @@ impl Plant {
             })?;
         }
         let request_mps2 = self.request_mps2;
+        let meets = self.surroundings.of(
+            &state,
+            release.time_s,
+            self.vehicles.newest(),
+            self.signals.newest(),
+        );
+        self.truth.send_with(|message: &mut EgoTruth| {
+            message.header = header;
+            message.position_m = state.position_m;
+            message.speed_mps = state.speed_mps;
+            message.acceleration_mps2 = state.acceleration_mps2;
+            message.request_mps2 = request_mps2;
+            message.time_to_collision_s = meets.time_to_collision_s;
+            (message.stop_line_m, message.signal_state) = (meets.stop_line_m, meets.signal_state);
+            message.cut_in = meets.cut_in.into();
+        })?;
         self.odometry.send_with(|message: &mut Odometry| {
             message.header = header;
             message.position_m = state.position_m;
@@ -306,6 +327,11 @@ impl Plant {
         }
         if let Some(Arrival { command, delay_ns }) = self.delivery.arrived(now_ns) {
             let plan_len = usize::try_from(command.plan_len).map_or(0, |len| len.min(PLAN_LEN));
+            // A cycle does not begin before its release: what says so is an earlier cycle's command under
+            // fresh stamps.
+            let repeated =
+                command.start_ns != 0 && command.start_ns < command.header.acquisition_ns;
+            let plan_len = if repeated { 0 } else { plan_len };
             if plan_len > 0 {
                 self.timeliness.arrived(command.header.acquisition_ns);
             }

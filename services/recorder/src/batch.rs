@@ -1,7 +1,7 @@
 //! Messages on their way from the topics to the file.
 
 use messages::{
-    Brake, Command, Diagnostics, Heartbeat, Map, Message, Odometry, Powertrain, Preview,
+    Brake, Command, Diagnostics, EgoTruth, Heartbeat, Map, Message, Odometry, Powertrain, Preview,
     RadarDetections, RadarTracks, SignalTruth, Spat, Topic, VehicleTruth,
 };
 use runtime::{RuntimeError, Tap, Tapped};
@@ -79,6 +79,7 @@ impl Taps {
             Box::new(tap.on::<Preview>()?),
             Box::new(tap.on::<Command>()?),
             Box::new(tap.on::<Diagnostics>()?),
+            Box::new(tap.on::<EgoTruth>()?),
             Box::new(tap.on::<VehicleTruth>()?),
             Box::new(tap.on::<SignalTruth>()?),
             Box::new(tap.on::<Heartbeat>()?),

@@ -3,7 +3,7 @@
 use crate::road_map::{CELL_M, RoadMap};
 use crate::roadside_unit::{Event, Lane, Movement, RoadsideUnit, Signals};
 use messages::{
-    self, Header, Interval, Map, Odometry, Origins, PhaseState, Preview, ServiceState, Signal,
+    self, EgoTruth, Header, Interval, Map, Origins, PhaseState, Preview, ServiceState, Signal,
     SignalTruth, Spat,
 };
 use runtime::report::Details;
@@ -18,7 +18,7 @@ use scenario::v2x::Phase;
 pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     let scenario = runtime.scenario();
     let unit = RoadsideUnit::new(&scenario.v2x);
-    let mut odometry = runtime.subscriber::<Odometry>()?;
+    let mut ego = runtime.subscriber::<EgoTruth>()?;
     let mut spat = runtime.publisher::<Spat>()?;
     let mut map = runtime.publisher::<Map>()?;
     let mut truth = runtime.publisher::<SignalTruth>()?;
@@ -26,10 +26,9 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     runtime.begin(&scenario)?;
     runtime.run_cycles(|runtime| {
         let Some(release) = runtime.next_release(Overrun::Skip) else { return Ok(Cycle::Last) };
-        runtime.update(&mut odometry)?;
-        let ego_m = odometry.newest().map_or(0.0, |odometry| odometry.position_m);
-        let origins = Origins { odometry: odometry.origin(), ..Origins::NONE };
-        let header = Header::new(release.step, release.scheduled_ns, origins);
+        runtime.update(&mut ego)?;
+        let ego_m = ego.newest().map_or(0.0, |ego| ego.position_m);
+        let header = Header::new(release.step, release.scheduled_ns, Origins::NONE);
         let time_ns = release.scheduled_ns.unsigned_abs();
 
         // The referee's copy first: the plant may be waiting for it.
@@ -52,7 +51,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
             preview.send(header, ego_m)?;
         }
 
-        let seen = odometry.newest().is_some();
+        let seen = ego.newest().is_some();
         runtime.end_cycle(if seen { ServiceState::Running } else { ServiceState::Degraded })?;
         Ok(Cycle::Next)
     })?;

@@ -3,12 +3,13 @@
 //! | level | who | entered | left |
 //! |---|---|---|---|
 //! | [`Level::Full`] | both | at the start | |
-//! | [`Level::SignalsLost`] | controller | no valid `v2x/spat` for three of its periods | three releases in a row with a fresh one |
+//! | [`Level::SignalsLost`] | controller | no valid `v2x/spat` for three of its periods, or one that contradicts what was announced before | three releases in a row with a fresh one |
 //! | [`Level::SolveFailed`] | controller | the law used its backup, or the cycle missed its deadline | three releases in a row in order |
 //! | [`Level::OutsideEnvelope`] | controller | the state is outside the range that the law is made for: its fall-back drives | the law drives again |
 //! | [`Level::LeadPredicted`] | controller | no valid `radar/tracks` for three of its periods and the radar's latency | two releases in a row with a fresh one |
 //! | [`Level::LeadLost`] | controller | the same for 1 s longer, or at the start none yet for as long | five releases in a row with a fresh one |
-//! | [`Level::Silent`] | controller | no valid `vehicle/odometry` for 0.1 s, or one that contradicts itself | two releases in a row with a fresh one |
+//! | [`Level::EgoEstimated`] | controller | no valid `vehicle/odometry` for 0.1 s, or one that contradicts itself, the radar or the commands: the radar's measurement of the ego's speed takes its place for up to 10 s, the commands for up to 1.5 s | a fresh one that contradicts nothing |
+//! | [`Level::Silent`] | controller | the same for longer, or at the start | two releases in a row with odometry or an estimate |
 //! | [`Level::PlanFollowed`] | plant | a control period passed without a new valid command | a valid command |
 //! | [`Level::StopInLane`] | plant | the plan was followed for `plant.fallback.follow_plan_s`, or the launcher asked for it | a valid command; never, if the launcher asked |
 //! | [`Level::Emergency`] | plant | the emergency brake brakes, or holds the brakes | it has let go |
@@ -48,11 +49,13 @@ pub enum Level {
     /// The state is outside the range that the law is made for: its fall-back commands. As far down as
     /// `SolveFailed`; its number is the last because numbers in messages stay what they are.
     OutsideEnvelope = 10,
+    /// The ego's motion is estimated without its odometry.
+    EgoEstimated = 11,
 }
 
 impl Level {
     /// All levels, from the top.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Full,
         Self::SignalsLost,
         Self::SolveFailed,
@@ -64,6 +67,7 @@ impl Level {
         Self::Emergency,
         Self::AebsLost,
         Self::OutsideEnvelope,
+        Self::EgoEstimated,
     ];
 
     /// Name in results.
@@ -81,6 +85,7 @@ impl Level {
             Self::Emergency => "emergency",
             Self::AebsLost => "aebs-lost",
             Self::OutsideEnvelope => "outside-envelope",
+            Self::EgoEstimated => "ego-estimated",
         }
     }
 

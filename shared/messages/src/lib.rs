@@ -7,7 +7,7 @@
 //!
 //! | topic | message | published by | read by |
 //! | --- | --- | --- | --- |
-//! | `vehicle/odometry` | [`Odometry`] | plant | perception-sim, v2x-sim, controller, aebs |
+//! | `vehicle/odometry` | [`Odometry`] | plant | perception-sim, controller, aebs |
 //! | `vehicle/powertrain` | [`Powertrain`] | plant, of a truck | controller |
 //! | `radar/detections` | [`RadarDetections`] | perception-sim | aebs |
 //! | `radar/tracks` | [`RadarTracks`] | perception-sim | controller |
@@ -17,12 +17,13 @@
 //! | `control/command` | [`Command`] | controller | plant |
 //! | `control/diagnostics` | [`Diagnostics`] | controller | (observers) |
 //! | `safety/brake` | [`Brake`] | aebs | plant |
+//! | `truth/ego` | [`EgoTruth`] | plant | perception-sim, v2x-sim |
 //! | `truth/vehicles` | [`VehicleTruth`] | perception-sim | plant (referee) |
 //! | `truth/signals` | [`SignalTruth`] | v2x-sim | plant (referee) |
 //! | `health/heartbeat` | [`Heartbeat`] | every service | launcher |
 //!
-//! The two `truth/` topics carry what the simulators know and no sensor distorts; only the referee
-//! in the plant, which must not be fooled by a faulty sensor, reads them.
+//! The `truth/` topics carry what the simulators know and no fault distorts: the simulated sensors
+//! measure from them, and the referee in the plant judges by them. No actuation depends on them.
 
 mod brake;
 mod control;
@@ -59,7 +60,7 @@ pub use v2x::{
     Interval, Lane, MAX_INTERVALS, MAX_LANES, MAX_PREVIEW_CELLS, MAX_SIGNALS, Map, PhaseState,
     Preview, Signal, SignalTruth, Spat,
 };
-pub use vehicle::{Odometry, Powertrain};
+pub use vehicle::{Drive, EgoTruth, Odometry, Powertrain};
 
 /// Declares `$type` to be the message of `$topic`, after checking its layout at compile time.
 macro_rules! message {

@@ -58,10 +58,23 @@ pub struct RadarTracks {
     pub count: u64,
     /// Raw tracks, nearest first; unused entries are 0.
     pub tracks: [Track; MAX_TRACKS],
+    /// Speed of the ego at the scan as what stands beside the road shows it, m/s; 0 without such
+    /// detections.
+    pub ego_speed_mps: f64,
+    /// Detections behind it; 0: not measured.
+    pub ego_speed_points: u64,
 }
 
 message!(RadarTracks, Topic::RadarTracks);
-layout!(RadarTracks { header, target, count, tracks });
+layout!(RadarTracks { header, target, count, tracks, ego_speed_mps, ego_speed_points });
+
+impl RadarTracks {
+    /// Speed of the ego as the radar measured it, m/s.
+    #[must_use]
+    pub fn measured_ego_speed_mps(&self) -> Option<f64> {
+        (self.ego_speed_points > 0).then_some(self.ego_speed_mps)
+    }
+}
 
 /// Most detections that a message carries.
 pub const MAX_DETECTIONS: usize = 1024;
@@ -107,7 +120,8 @@ layout!(Detection {
 pub struct RadarDetections {
     /// Common header.
     pub header: Header,
-    /// Speed of the ego at the scan, m/s.
+    /// Speed of the ego at the scan, m/s: the radar's own measurement by what stands beside the road where
+    /// odometry is missing or contradicts it.
     pub ego_speed_mps: f64,
     /// Detections for which there was no room.
     pub left_out: u64,

@@ -1,6 +1,6 @@
 //! The topics: who publishes what for whom.
 
-use super::{Header, Laid, Layout};
+use super::{Drive, Header, Laid, Layout};
 use crate::Service;
 use bytemuck::Pod;
 use core::fmt::Debug;
@@ -8,7 +8,7 @@ use iceoryx2::prelude::ZeroCopySend;
 
 /// Version of all message layouts, an attribute of every topic: a process built with another
 /// version cannot open it.
-pub const LAYOUT_VERSION: &str = "2";
+pub const LAYOUT_VERSION: &str = "3";
 
 /// A message type with its topic.
 pub trait Message: Pod + ZeroCopySend + Debug + PartialEq + Laid {
@@ -21,9 +21,8 @@ pub trait Message: Pod + ZeroCopySend + Debug + PartialEq + Laid {
     /// The common header, to be stamped.
     fn header_mut(&mut self) -> &mut Header;
 
-    /// Where the ego is, m, and how fast, m/s, of a message that says so: conditions of faults refer to
-    /// it.
-    fn ego(&self) -> Option<(f64, f64)> {
+    /// What the ego does and meets, of a message that says so: conditions of faults refer to it.
+    fn drive(&self) -> Option<Drive> {
         None
     }
 }
@@ -57,10 +56,12 @@ pub enum Topic {
     RadarDetections,
     /// `safety/brake`
     Brake,
+    /// `truth/ego`
+    EgoTruth,
 }
 
 /// All topics, in the order of the data's way.
-pub const TOPICS: [Topic; 13] = [
+pub const TOPICS: [Topic; 14] = [
     Topic::Odometry,
     Topic::Powertrain,
     Topic::RadarDetections,
@@ -71,6 +72,7 @@ pub const TOPICS: [Topic; 13] = [
     Topic::Command,
     Topic::Diagnostics,
     Topic::Brake,
+    Topic::EgoTruth,
     Topic::VehicleTruth,
     Topic::SignalTruth,
     Topic::Heartbeat,
@@ -91,6 +93,7 @@ impl Topic {
             Self::Preview => "v2x/preview",
             Self::Command => "control/command",
             Self::Diagnostics => "control/diagnostics",
+            Self::EgoTruth => "truth/ego",
             Self::VehicleTruth => "truth/vehicles",
             Self::SignalTruth => "truth/signals",
             Self::Heartbeat => "health/heartbeat",
@@ -117,6 +120,7 @@ impl Topic {
             Self::Preview => super::Preview::LAYOUT,
             Self::Command => super::Command::LAYOUT,
             Self::Diagnostics => super::Diagnostics::LAYOUT,
+            Self::EgoTruth => super::EgoTruth::LAYOUT,
             Self::VehicleTruth => super::VehicleTruth::LAYOUT,
             Self::SignalTruth => super::SignalTruth::LAYOUT,
             Self::Heartbeat => super::Heartbeat::LAYOUT,
@@ -139,7 +143,7 @@ impl Topic {
     #[must_use]
     pub const fn source(self) -> Option<Service> {
         match self {
-            Self::Odometry | Self::Powertrain => Some(Service::Plant),
+            Self::Odometry | Self::Powertrain | Self::EgoTruth => Some(Service::Plant),
             Self::RadarDetections | Self::RadarTracks | Self::VehicleTruth => {
                 Some(Service::PerceptionSim)
             }
@@ -150,11 +154,20 @@ impl Topic {
         }
     }
 
+    /// True of what the simulators know and no fault falsifies.
+    #[must_use]
+    pub const fn is_truth(self) -> bool {
+        matches!(self, Self::EgoTruth | Self::VehicleTruth | Self::SignalTruth)
+    }
+
     /// Services whose cycles are computed from it: those that a lockstep run makes wait for it.
     #[must_use]
     pub const fn consumers(self) -> &'static [Service] {
         match self {
-            Self::Odometry => {
+            Self::Odometry => &[Service::PerceptionSim, Service::Controller, Service::Aebs],
+            // The controller and the emergency brake hear it for faults that wait for a phase, and for
+            // nothing else.
+            Self::EgoTruth => {
                 &[Service::PerceptionSim, Service::V2xSim, Service::Controller, Service::Aebs]
             }
             Self::RadarDetections => &[Service::Aebs],

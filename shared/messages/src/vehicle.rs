@@ -21,13 +21,7 @@ pub struct Odometry {
     pub request_mps2: f64,
 }
 
-message!(
-    Odometry,
-    Topic::Odometry,
-    fn ego(&self) -> Option<(f64, f64)> {
-        Some((self.position_m, self.speed_mps))
-    }
-);
+message!(Odometry, Topic::Odometry);
 layout!(Odometry { header, position_m, speed_mps, acceleration_mps2, request_mps2 });
 
 impl Odometry {
@@ -36,9 +30,116 @@ impl Odometry {
     #[must_use]
     pub fn moved_to(&self, time_s: f64) -> (f64, f64) {
         let age_s = (time_s - self.header.acquisition_ns as f64 / 1e9).max(0.0);
-        let (v, a) = (self.speed_mps, self.acceleration_mps2);
-        let moving_s = if a < 0.0 { age_s.min(v / -a) } else { age_s };
-        (self.position_m + v * moving_s + 0.5 * a * moving_s * moving_s, v + a * moving_s)
+        moved(self.position_m, self.speed_mps, self.acceleration_mps2, age_s)
+    }
+}
+
+/// Position and speed `age_s` later at constant acceleration; braking ends at standstill.
+fn moved(position_m: f64, v: f64, a: f64, age_s: f64) -> (f64, f64) {
+    let moving_s = if a < 0.0 { age_s.min(v / -a) } else { age_s };
+    (position_m + v * moving_s + 0.5 * a * moving_s * moving_s, v + a * moving_s)
+}
+
+/// The ego as it really is, and what it meets.
+///
+/// The simulated sensors measure from here, so that a fault of `vehicle/odometry` does not move the world;
+/// the launcher judges by it, and faults that wait for a phase of the drive begin by it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
+#[type_name("timegap_msgs/msg/EgoTruth")]
+pub struct EgoTruth {
+    /// Common header.
+    pub header: Header,
+    /// Distance travelled by the front bumper since the start of the run, m.
+    pub position_m: f64,
+    /// Speed, m/s, never negative.
+    pub speed_mps: f64,
+    /// Acceleration, m/s².
+    pub acceleration_mps2: f64,
+    /// Request that the actuators follow, after the gateway's bounds, m/s².
+    pub request_mps2: f64,
+    /// Time to collision with the vehicle ahead, s, infinite without one or when it does not come closer.
+    pub time_to_collision_s: f64,
+    /// Distance to the next stop line ahead, m, infinite without one.
+    pub stop_line_m: f64,
+    /// What its signal shows, [`PhaseState`](crate::PhaseState) as a number; 0 without one.
+    pub signal_state: u32,
+    /// 1 while a vehicle ahead moves sideways towards the ego's lane.
+    pub cut_in: u32,
+}
+
+message!(
+    EgoTruth,
+    Topic::EgoTruth,
+    fn drive(&self) -> Option<Drive> {
+        Some(Drive::of(self))
+    }
+);
+layout!(EgoTruth {
+    header,
+    position_m,
+    speed_mps,
+    acceleration_mps2,
+    request_mps2,
+    time_to_collision_s,
+    stop_line_m,
+    signal_state,
+    cut_in,
+});
+
+impl EgoTruth {
+    /// Position in m and speed in m/s at `time_s`, if the acceleration stayed as it was since the
+    /// sample. Braking ends at standstill.
+    #[must_use]
+    pub fn moved_to(&self, time_s: f64) -> (f64, f64) {
+        let age_s = (time_s - self.header.acquisition_ns as f64 / 1e9).max(0.0);
+        moved(self.position_m, self.speed_mps, self.acceleration_mps2, age_s)
+    }
+}
+
+/// What the ego does and meets at one instant: what faults can wait for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive {
+    /// Position of the front bumper, m.
+    pub position_m: f64,
+    /// Speed, m/s.
+    pub speed_mps: f64,
+    /// Acceleration, m/s².
+    pub acceleration_mps2: f64,
+    /// Time to collision with the vehicle ahead, s, or infinite.
+    pub time_to_collision_s: f64,
+    /// Distance to the next stop line if its signal shows red, m, else infinite.
+    pub red_line_m: f64,
+    /// A vehicle ahead moves sideways towards the ego's lane.
+    pub cut_in: bool,
+}
+
+impl Drive {
+    /// An ego there, so fast, that meets nothing.
+    #[must_use]
+    pub fn free(position_m: f64, speed_mps: f64) -> Self {
+        Self {
+            position_m,
+            speed_mps,
+            acceleration_mps2: 0.0,
+            time_to_collision_s: f64::INFINITY,
+            red_line_m: f64::INFINITY,
+            cut_in: false,
+        }
+    }
+
+    /// Of the ground truth.
+    #[must_use]
+    pub fn of(truth: &EgoTruth) -> Self {
+        let red = truth.signal_state == crate::PhaseState::StopAndRemain.to_wire();
+        Self {
+            position_m: truth.position_m,
+            speed_mps: truth.speed_mps,
+            acceleration_mps2: truth.acceleration_mps2,
+            time_to_collision_s: truth.time_to_collision_s,
+            red_line_m: if red { truth.stop_line_m } else { f64::INFINITY },
+            cut_in: truth.cut_in != 0,
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::{End, Receiver, RuntimeError, Sender, Transport};
 use messages::{
-    Brake, Command, Diagnostics, Heartbeat, Map, Message, Odometry, Powertrain, Preview,
+    Brake, Command, Diagnostics, EgoTruth, Heartbeat, Map, Message, Odometry, Powertrain, Preview,
     RadarDetections, RadarTracks, SignalTruth, Spat, VehicleTruth,
 };
 use std::rc::Rc;
@@ -44,6 +44,7 @@ carried!(
     Brake,
     Command,
     Diagnostics,
+    EgoTruth,
     Heartbeat,
     Map,
     Odometry,

@@ -141,6 +141,22 @@ pub struct ControllerReport {
     pub mode_changes: Vec<ModeChange>,
     /// The controller's way on the degradation ladder.
     pub rungs: Levels,
+    /// What the checks of its inputs found.
+    #[serde(default)]
+    pub checks: Vec<CheckReport>,
+}
+
+/// What a check of the controller's inputs found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CheckReport {
+    /// The check.
+    pub check: String,
+    /// Cycles in which it found a contradiction.
+    pub cycles: u64,
+    /// Release of the first of them, s.
+    pub first_s: Option<f64>,
+    /// Largest value in a cycle without a contradiction, as a share of the threshold.
+    pub nearest: f64,
 }
 
 /// How the program of a foreign law fared, as its host counted.

@@ -16,7 +16,7 @@ use super::{
 use crate::report::{Details, ServiceReport};
 use crate::statistics::Latencies;
 use messages::Service;
-use messages::{Header, Heartbeat, Message, Origins, ServiceState, Topic};
+use messages::{EgoTruth, Header, Heartbeat, Message, Origins, ServiceState, Topic};
 use scenario::Scenario;
 use serde::de::DeserializeOwned;
 use std::cell::RefCell;
@@ -73,6 +73,8 @@ pub struct Runtime {
     scenario: Scenario,
     members: Rc<Members>,
     faults: Rc<Faults>,
+    /// What the ego does, for faults that wait for it, of a service that has no other use for it.
+    drive: Option<Box<Subscriber<EgoTruth>>>,
     /// Receiving ends that a restarted service waits for.
     inputs: Vec<Rc<dyn Input>>,
     step: u64,
@@ -127,6 +129,7 @@ impl Runtime {
             faults: Rc::new(Faults::of(&scenario, link.inbox.clone())),
             scenario,
             inputs: Vec::new(),
+            drive: None,
             clock: Rc::new(Clock::new(group.mode, group.timetable.step_ns)),
             group,
             service,
@@ -249,6 +252,11 @@ impl Runtime {
     /// If the link breaks or the run ends before it began.
     pub fn begin(&mut self, scenario: &Scenario) -> Result<(), RuntimeError> {
         self.heartbeat = Some(self.publisher::<Heartbeat>()?);
+        let hears_the_drive =
+            (self.sent.iter().chain(&self.received)).any(|(topic, _)| *topic == Topic::EgoTruth);
+        if self.faults.waits_for_the_drive() && !hears_the_drive && self.schedule.is_none() {
+            self.drive = Some(Box::new(self.subscriber()?));
+        }
         self.account = match (self.carrier(), self.group.mode) {
             (Carrier::SharedMemory, Mode::Realtime) => {
                 Some(Account::open(&self.group, self.service, self.incarnation)?)
@@ -420,9 +428,9 @@ impl Runtime {
             topic.note_silence(now_ns, self.group.timetable.period_ns(source));
         }
         if self.faults.in_use()
-            && let Some((position_m, speed_mps)) = topic.newest().and_then(Message::ego)
+            && let Some(drive) = topic.newest().and_then(Message::drive)
         {
-            self.faults.ego_at(position_m, speed_mps, now_ns);
+            self.faults.observe(&drive, now_ns);
         }
         Ok(())
     }
@@ -432,6 +440,10 @@ impl Runtime {
     /// # Errors
     /// [`RuntimeError::Send`].
     pub fn end_cycle(&mut self, state: ServiceState) -> Result<(), RuntimeError> {
+        if let Some(mut drive) = self.drive.take() {
+            self.update(&mut drive)?;
+            self.drive = Some(drive);
+        }
         let scheduled_ns = self.clock.scheduled_ns(self.step);
         let period_ns = self.group.timetable.period_ns(self.service);
         let cycles = self.cycles;

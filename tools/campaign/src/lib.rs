@@ -6,6 +6,7 @@ pub mod compare;
 pub mod everyday;
 pub mod iso15622;
 pub mod parts;
+mod plausibility;
 pub mod r157;
 pub mod reproduce;
 pub mod string;

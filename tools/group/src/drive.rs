@@ -3,7 +3,7 @@
 use crate::cycles::CycleHistory;
 use messages::Service;
 use messages::{
-    Brake, Command, Diagnostics, Header, Heartbeat, Odometry, Powertrain, RadarTracks,
+    Brake, Command, Diagnostics, EgoTruth, Header, Heartbeat, PhaseState, Powertrain, RadarTracks,
     ServiceState, Spat, VehicleTruth,
 };
 use runtime::report::{ControlFigures, ReceivedTopic};
@@ -19,7 +19,7 @@ const MOST_STEPS: usize = 60_000;
 /// Everything that was heard.
 #[derive(Clone, Debug, Default)]
 pub struct Drive {
-    /// One entry per odometry message, in order of time.
+    /// One entry per message on the ego's true motion, in order of time.
     pub steps: Vec<DriveStep>,
     /// The other vehicles as they really were, in order of time.
     pub vehicles: Vec<VehicleTruth>,
@@ -42,6 +42,14 @@ pub struct DriveStep {
     pub acceleration_mps2: f64,
     /// Request that the actuators follow, after the gateway's bounds, m/s².
     pub applied_mps2: f64,
+    /// Time to collision with the vehicle ahead, s, infinite without one or when it does not come closer.
+    pub time_to_collision_s: f64,
+    /// Distance to the next stop line ahead, m, infinite without one.
+    pub stop_line_m: f64,
+    /// What its signal shows.
+    pub signal: Option<PhaseState>,
+    /// A vehicle ahead moves sideways towards the ego's lane.
+    pub cut_in: bool,
     /// Request of the command of this step, m/s².
     pub request_mps2: Option<f64>,
     /// Gap to the nearest vehicle in lane, m.
@@ -75,7 +83,7 @@ pub struct PowertrainStep {
 #[derive(Debug)]
 pub struct DriveLog {
     // Ports before the node that owns them.
-    odometry: Observed<Odometry>,
+    ego: Observed<EgoTruth>,
     powertrain: Observed<Powertrain>,
     truth: Observed<VehicleTruth>,
     command: Observed<Command>,
@@ -85,7 +93,7 @@ pub struct DriveLog {
     brake: Observed<Brake>,
     sensors: Option<(Observed<RadarTracks>, Observed<Spat>)>,
     observer: Observer,
-    odometries: Vec<Odometry>,
+    egos: Vec<EgoTruth>,
     powertrains: Vec<(u64, PowertrainStep)>,
     truths: Vec<VehicleTruth>,
     requests: Vec<(u64, f64)>,
@@ -145,7 +153,7 @@ impl DriveLog {
         let (perception, controller) =
             (timetable.stride(Service::PerceptionSim), timetable.stride(Service::Controller));
         let mut this = Self {
-            odometry: observer.listen()?,
+            ego: observer.listen()?,
             powertrain: observer.listen()?,
             truth: observer.listen()?,
             command: observer.listen()?,
@@ -157,7 +165,7 @@ impl DriveLog {
                 Mode::Lockstep => None,
             },
             observer,
-            odometries: Vec::with_capacity(room(Service::Plant)),
+            egos: Vec::with_capacity(room(Service::Plant)),
             powertrains: Vec::new(),
             truths: Vec::with_capacity(room(Service::PerceptionSim)),
             requests: Vec::with_capacity(room(Service::Controller)),
@@ -173,7 +181,7 @@ impl DriveLog {
             first_messages: Vec::new(),
         };
         if this.supervised {
-            touch(&mut this.odometries);
+            touch(&mut this.egos);
             touch(&mut this.truths);
             touch(&mut this.cycles);
         }
@@ -182,12 +190,12 @@ impl DriveLog {
 
     /// Thins out what was heard of a realtime run when it has come to its bound.
     fn bound(&mut self) {
-        if !self.supervised || self.odometries.len() < MOST_STEPS {
+        if !self.supervised || self.egos.len() < MOST_STEPS {
             return;
         }
         self.keeps = if self.keeps == 1 { self.whole_stride.max(2) } else { 2 * self.keeps };
         let keeps = self.keeps;
-        self.odometries.retain(|message| message.header.step.is_multiple_of(keeps));
+        self.egos.retain(|message| message.header.step.is_multiple_of(keeps));
         self.truths.retain(|message| message.header.step.is_multiple_of(keeps));
         self.powertrains.retain(|(step, _)| step.is_multiple_of(keeps));
         self.requests.retain(|(step, _)| step.is_multiple_of(keeps));
@@ -207,13 +215,13 @@ impl DriveLog {
                 first.push((service, header.incarnation, header.publish_ns));
             }
         };
-        self.odometry.drain(|m| {
+        self.ego.drain(|m| {
             note(Service::Plant, &m.header);
             // The newest is needed as it is; it takes the place of one that is not to be kept.
-            if self.odometries.last().is_some_and(|last| !is_kept(&last.header)) {
-                self.odometries.pop();
+            if self.egos.last().is_some_and(|last| !is_kept(&last.header)) {
+                self.egos.pop();
             }
-            self.odometries.push(*m);
+            self.egos.push(*m);
         })?;
         self.powertrain.drain(|m| {
             let step = PowertrainStep {
@@ -276,9 +284,9 @@ impl DriveLog {
         std::mem::take(&mut self.first_messages)
     }
 
-    /// Where the ego is, m, and how fast, m/s.
-    pub fn ego(&self) -> Option<(f64, f64)> {
-        self.odometries.last().map(|odometry| (odometry.position_m, odometry.speed_mps))
+    /// What the ego does and meets.
+    pub fn ego(&self) -> Option<messages::Drive> {
+        self.egos.last().map(messages::Drive::of)
     }
 
     /// Removes what a dead process left on the topics, so that no sender waits for it.
@@ -288,17 +296,17 @@ impl DriveLog {
 
     /// What was heard so far: motion of the ego, the other vehicles, control cycles. Of a long realtime
     /// run they are thinned out, so that a place in them does not stay the same step's.
-    pub fn heard(&self) -> (&[Odometry], &[VehicleTruth], &[Diagnostics]) {
-        (&self.odometries, &self.truths, &self.cycles)
+    pub fn heard(&self) -> (&[EgoTruth], &[VehicleTruth], &[Diagnostics]) {
+        (&self.egos, &self.truths, &self.cycles)
     }
 
     /// Figures of the drive as far as it was heard: gap and acceleration.
     pub fn figures(&self) -> ControlFigures {
-        let accelerations = || self.odometries.iter().map(|odometry| odometry.acceleration_mps2);
+        let accelerations = || self.egos.iter().map(|ego| ego.acceleration_mps2);
         let mut truths = self.truths.iter().peekable();
-        let gaps = self.odometries.iter().filter_map(|odometry| {
-            let truth = take_step(&mut truths, odometry.header.step, |truth| truth.header.step)?;
-            truth.nearest_ahead(odometry.position_m).map(|(gap_m, _)| gap_m)
+        let gaps = self.egos.iter().filter_map(|ego| {
+            let truth = take_step(&mut truths, ego.header.step, |truth| truth.header.step)?;
+            truth.nearest_ahead(ego.position_m).map(|(gap_m, _)| gap_m)
         });
         ControlFigures {
             min_gap_m: gaps.reduce(f64::min),
@@ -310,7 +318,7 @@ impl DriveLog {
 
     /// Run time that the vehicle was last heard of, s.
     pub fn reached_s(&self) -> f64 {
-        self.odometries.last().map_or(0.0, |odometry| odometry.header.acquisition_ns as f64 / 1e9)
+        self.egos.last().map_or(0.0, |ego| ego.header.acquisition_ns as f64 / 1e9)
     }
 
     /// Commands that were published after the deadline of their cycle.
@@ -325,14 +333,14 @@ impl DriveLog {
 
     /// Newest step that the vehicle was heard of.
     pub fn reached(&self) -> u64 {
-        self.odometries.last().map_or(0, |odometry| odometry.header.step)
+        self.egos.last().map_or(0, |ego| ego.header.step)
     }
 
     /// Takes the rest and joins the topics by step.
     pub fn finish(mut self) -> Result<Drive, RuntimeError> {
         self.drain()?;
         let mut received = vec![
-            self.odometry.received(),
+            self.ego.received(),
             self.truth.received(),
             self.command.received(),
             self.diagnostics.received(),
@@ -345,18 +353,22 @@ impl DriveLog {
         let mut truths = self.truths.iter().peekable();
         let mut requests = self.requests.iter().peekable();
         let mut cycles = self.cycles.iter().peekable();
-        let steps = self.odometries.iter().map(|odometry| {
-            let step = odometry.header.step;
+        let steps = self.egos.iter().map(|ego| {
+            let step = ego.header.step;
             let truth = take_step(&mut truths, step, |truth| truth.header.step);
-            let lead = truth.and_then(|truth| truth.nearest_ahead(odometry.position_m));
+            let lead = truth.and_then(|truth| truth.nearest_ahead(ego.position_m));
             let cycle = take_step(&mut cycles, step, |cycle| cycle.header.step);
             DriveStep {
                 step,
-                time_s: odometry.header.acquisition_ns as f64 / 1e9,
-                position_m: odometry.position_m,
-                speed_mps: odometry.speed_mps,
-                acceleration_mps2: odometry.acceleration_mps2,
-                applied_mps2: odometry.request_mps2,
+                time_s: ego.header.acquisition_ns as f64 / 1e9,
+                position_m: ego.position_m,
+                speed_mps: ego.speed_mps,
+                acceleration_mps2: ego.acceleration_mps2,
+                applied_mps2: ego.request_mps2,
+                time_to_collision_s: ego.time_to_collision_s,
+                stop_line_m: ego.stop_line_m,
+                signal: (ego.signal_state != 0).then(|| PhaseState::from_wire(ego.signal_state)),
+                cut_in: ego.cut_in != 0,
                 request_mps2: take_step(&mut requests, step, |request| request.0).map(|r| r.1),
                 gap_m: lead.map(|(gap_m, _)| gap_m),
                 lead_speed_mps: lead.map(|(_, speed_mps)| speed_mps),

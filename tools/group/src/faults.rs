@@ -1,7 +1,7 @@
 //! Faults that act on processes, and the record of all that went wrong.
 
 use super::disturbance::Disturbance;
-use messages::Service;
+use messages::{Drive, Service};
 use scenario::Scenario;
 use scenario::faults::{Effect, Fault, ProcessFault, Target};
 use serde::Serialize;
@@ -116,18 +116,18 @@ impl Faults {
         number
     }
 
-    /// What is due at `now_ns`, with the ego there and so fast. `up` tells which restart of a service
+    /// What is due at `now_ns`, with the ego driving so. `up` tells which restart of a service
     /// takes part in the run; a storm waits for the next one.
     pub fn due(
         &mut self,
         now_ns: i64,
-        ego: Option<(f64, f64)>,
+        ego: Option<Drive>,
         up: impl Fn(Service) -> Option<u32>,
     ) -> Vec<(usize, Act)> {
         let mut acts = Vec::new();
         for (index, planned) in self.planned.iter_mut().enumerate() {
-            if let (None, Some((position_m, speed_mps))) = (planned.begin_ns, ego)
-                && planned.fault.begin.is_met(position_m, speed_mps)
+            if let (None, Some(drive)) = (planned.begin_ns, &ego)
+                && planned.fault.begin.is_met(drive)
             {
                 planned.begin_ns = Some(now_ns);
             }

@@ -98,6 +98,7 @@ pub fn of_controller(
         program: last.and_then(|last| last.program.clone()),
         mode_changes: mode_changes(scenario, history),
         rungs: history.levels.report(),
+        checks: last.map(|last| last.checks.clone()).unwrap_or_default(),
     }
 }
 

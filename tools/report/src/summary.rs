@@ -6,8 +6,9 @@ use messages::Service;
 use messages::e2e::Outcomes;
 use messages::level::Levels;
 use runtime::report::{
-    ControlFigures, ControllerReport, Details, Hops, ModeChange, Outcome, PerceptionReport,
-    PlanningReport, PlantReport, ProgramReport, ReceivedTopic, ServiceReport, WorstChain,
+    CheckReport, ControlFigures, ControllerReport, Details, Hops, ModeChange, Outcome,
+    PerceptionReport, PlanningReport, PlantReport, ProgramReport, ReceivedTopic, ServiceReport,
+    WorstChain,
 };
 use runtime::scheduling::Granted;
 use runtime::statistics::{Latencies, Percentiles};
@@ -61,6 +62,8 @@ pub struct Summary {
     pub faults: Vec<FaultRecord>,
     /// The ways of controller and plant on the degradation ladder.
     pub rungs: BTreeMap<&'static str, Levels>,
+    /// What the checks of the controller's inputs found.
+    pub checks: Vec<CheckReport>,
     /// The processes of the group.
     pub services: Vec<ServiceSummary>,
     /// The machine.
@@ -310,6 +313,7 @@ impl Summary {
                 .into_iter()
                 .chain(plant.map(|plant| ("plant", plant.rungs.clone())))
                 .collect(),
+            checks: controller.map(|controller| controller.checks.clone()).unwrap_or_default(),
             services: (scenario.services().iter().copied())
                 .map(|service| ServiceSummary {
                     name: service.name(),

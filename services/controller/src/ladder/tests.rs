@@ -43,7 +43,7 @@ impl Drive {
             }
         }
         let age = |k: usize| Some(time_s - self.heard_s[k]);
-        let ages = Ages { odometry_s: age(0), radar_s: age(1), spat_s: age(2) };
+        let ages = Ages { odometry_s: age(0), radar_s: age(1), spat_s: age(2), ..Ages::default() };
         let trust = self.ladder.look(&ages, time_s);
         let mut input = input(time_s);
         let admission = self.ladder.admit(&mut input);
@@ -121,6 +121,28 @@ fn comfortable_braking_sets_in_gently_and_lasts() {
     assert_eq!(output.plan_len, MAX_PLAN);
     assert!(output.plan_mps2[0] > -0.3 && output.plan_mps2[MAX_PLAN - 1] == COMFORTABLE_MPS2);
     assert!(output.plan_mps2.windows(2).all(|w| w[1] <= w[0] && w[0] - w[1] < 0.26));
+}
+
+#[test]
+fn hard_braking_goes_on_when_the_lead_is_lost() {
+    let mut ladder = ladder();
+    let mut output = Output::default();
+    output.plan_mps2[0] = -5.0;
+    output.plan_len = 1;
+    ladder.settle(&output, true);
+    ladder.brake(PERIOD_S, &mut output);
+    assert!(output.plan_mps2.iter().all(|request| *request == -5.0));
+}
+
+#[test]
+fn an_estimated_ego_and_contradicting_signals_show() {
+    let mut ladder = ladder();
+    let ages =
+        Ages { odometry_s: Some(0.0), radar_s: Some(0.0), spat_s: Some(0.0), ..Ages::default() };
+    ladder.look(&Ages { signals_contradict: true, ..ages }, 0.0);
+    assert_eq!(ladder.level(), Level::SignalsLost);
+    ladder.look(&Ages { ego_is_estimated: true, ..ages }, 0.1);
+    assert_eq!(ladder.level(), Level::EgoEstimated);
 }
 
 proptest! {

@@ -20,8 +20,10 @@ pub struct Ego {
 pub struct Scene {
     /// When, ns since the start of the run; before it: negative.
     pub time_ns: i64,
-    /// The ego.
+    /// The ego as it truly is.
     pub ego: Ego,
+    /// The ego as its odometry says; `None` without odometry of use.
+    pub told: Option<Ego>,
     /// The other vehicles, in the scenario's order; the rest are not present.
     pub vehicles: [Vehicle; MAX_TRACKS],
 }
@@ -30,7 +32,7 @@ impl Scene {
     /// The scene of some vehicles, at most [`MAX_TRACKS`].
     #[must_use]
     pub fn new(time_ns: i64, ego: Ego, vehicles: &[Vehicle]) -> Self {
-        let mut scene = Self { time_ns, ego, ..Self::default() };
+        let mut scene = Self { time_ns, ego, told: Some(ego), ..Self::default() };
         for (place, vehicle) in scene.vehicles.iter_mut().zip(vehicles) {
             *place = *vehicle;
         }
@@ -41,17 +43,18 @@ impl Scene {
     #[must_use]
     pub fn earlier(&self, back_ns: i64) -> Self {
         let back_s = back_ns as f64 * 1e-9;
-        let ego = Ego {
-            position_m: self.ego.position_m - self.ego.speed_mps * back_s,
+        let earlier = |ego: Ego| Ego {
+            position_m: ego.position_m - ego.speed_mps * back_s,
             acceleration_mps2: 0.0,
-            ..self.ego
+            ..ego
         };
+        let (ego, told) = (earlier(self.ego), self.told.map(earlier));
         let vehicles = self.vehicles.map(|vehicle| Vehicle {
             rear_position_m: vehicle.rear_position_m - vehicle.speed_mps * back_s,
             acceleration_mps2: 0.0,
             lateral_speed_mps: 0.0,
             ..vehicle
         });
-        Self { time_ns: self.time_ns - back_ns, ego, vehicles }
+        Self { time_ns: self.time_ns - back_ns, ego, told, vehicles }
     }
 }

@@ -8,6 +8,7 @@
 pub mod association;
 pub mod birth;
 pub mod detection_tracker;
+pub mod ego_speed;
 pub mod exact_tracker;
 pub mod interacting;
 pub mod lateral;

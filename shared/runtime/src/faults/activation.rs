@@ -1,9 +1,8 @@
 //! Which fault acts on which message, and how often it did.
 
-use messages::Service;
-use messages::Topic;
+use messages::{Drive, Service, Topic};
 use scenario::Scenario;
-use scenario::faults::{Effect, Fault, Target};
+use scenario::faults::{Begin, Effect, Fault, Target};
 use serde::{Deserialize, Serialize};
 use std::cell::{Cell, RefCell};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -123,10 +122,15 @@ impl Faults {
         }
     }
 
-    /// Lets the ego's motion fulfil conditions.
-    pub(crate) fn ego_at(&self, position_m: f64, speed_mps: f64, now_ns: i64) {
+    /// True if one waits for what the ego does.
+    pub(crate) fn waits_for_the_drive(&self) -> bool {
+        self.entries.borrow().iter().any(|entry| matches!(entry.fault.begin, Begin::When { .. }))
+    }
+
+    /// Lets what the ego does fulfil conditions.
+    pub(crate) fn observe(&self, drive: &Drive, now_ns: i64) {
         for entry in self.entries.borrow_mut().iter_mut() {
-            if entry.begun_ns.is_none() && entry.fault.begin.is_met(position_m, speed_mps) {
+            if entry.begun_ns.is_none() && entry.fault.begin.is_met(drive) {
                 entry.begun_ns = Some(now_ns);
             }
         }
@@ -142,6 +146,9 @@ impl Faults {
         now_ns: i64,
         mut each: impl FnMut(&F, &Activation),
     ) {
+        if topic.is_truth() {
+            return;
+        }
         for entry in self.entries.borrow_mut().iter_mut() {
             let effect = &entry.fault.effect;
             let (Some(begun_ns), Some(fault), Some(extent)) =

@@ -1,7 +1,7 @@
 use super::*;
 use bytemuck::Zeroable;
 use messages::e2e::{Channel, Outcomes, profile7};
-use messages::{Message, RadarTracks, Service};
+use messages::{Drive, Message, RadarTracks, Service};
 use scenario::Scenario;
 
 const SOURCE: u32 = Service::PerceptionSim.to_wire();
@@ -86,10 +86,10 @@ fn a_condition_begins_the_fault_once_it_holds() {
                 when = { position_above_m = 50, speed_below_mps = 10 }";
     let faults = faults(text);
     let mut channel = ChannelFaults::new();
-    faults.ego_at(60.0, 11.0, 0);
+    faults.observe(&Drive::free(60.0, 11.0), 0);
     assert!(channel.take(&message(1), &faults, 0), "not begun: it passes at once");
-    faults.ego_at(60.0, 9.0, 1);
-    faults.ego_at(60.0, 12.0, 2);
+    faults.observe(&Drive::free(60.0, 9.0), 1);
+    faults.observe(&Drive::free(60.0, 12.0), 2);
     assert!(!channel.take(&message(2), &faults, 2));
     assert!(channel.hand_over(2).is_none(), "begun at 1, though the condition holds no more");
     assert!(channel.take(&message(3), &faults, 1_000_000_001), "over");

@@ -80,8 +80,8 @@ impl<T: Message> Publisher<T> {
         header.publish_ns = now_ns;
         let step = header.step;
         if self.faults.in_use() {
-            if let Some((position_m, speed_mps)) = message.ego() {
-                self.faults.ego_at(position_m, speed_mps, now_ns);
+            if let Some(drive) = message.drive() {
+                self.faults.observe(&drive, now_ns);
             }
             self.sender_faults.apply(&mut message, &self.faults, now_ns);
         }

@@ -12,9 +12,11 @@ pub use kind::{Kind, UnknownKind};
 
 use serde::{Deserialize, Serialize};
 
-use super::quantity::{Core, Count, DelayMs, Distance, Duration, Megabytes, Probability};
-use super::quantity::{Shift, Speed, Time};
-use messages::{Service, Topic};
+use super::quantity::{
+    AccelerationMagnitude, Core, Count, DelayMs, Distance, Duration, Megabytes, Probability, Shift,
+    Speed, Time,
+};
+use messages::{Drive, Service, Topic};
 
 /// Most faults in one scenario.
 pub const MAX_FAULTS: usize = 64;
@@ -39,9 +41,10 @@ pub enum Begin {
         /// When it begins, s of run time.
         at_s: Time,
     },
-    /// By what the ego does.
+    /// By what the ego does and meets.
     When {
-        /// When it begins, by what the ego does; all conditions that are given must hold at once.
+        /// When it begins, by what the ego does and meets; all conditions that are given must hold at
+        /// once.
         when: Condition,
     },
 }
@@ -56,12 +59,12 @@ impl Begin {
         }
     }
 
-    /// True if it begins with the ego there and so fast.
+    /// True if it begins with the ego driving so.
     #[must_use]
-    pub fn is_met(&self, position_m: f64, speed_mps: f64) -> bool {
+    pub fn is_met(&self, drive: &Drive) -> bool {
         match self {
             Self::At { .. } => false,
-            Self::When { when } => when.holds(position_m, speed_mps),
+            Self::When { when } => when.holds(drive),
         }
     }
 }
@@ -79,15 +82,40 @@ pub struct Condition {
     /// The ego is faster, m/s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub speed_above_mps: Option<Speed>,
+    /// The ego brakes harder, m/s².
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub braking_above_mps2: Option<AccelerationMagnitude>,
+    /// The time to collision with the vehicle ahead is shorter, s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ttc_below_s: Option<Time>,
+    /// The next stop line is nearer, and its signal shows red, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub red_line_below_m: Option<Distance>,
+    /// A vehicle ahead moves sideways towards the ego's lane, or none does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cut_in: Option<bool>,
+    /// The ego stands, or it does not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub standstill: Option<bool>,
 }
 
+/// Below this speed the ego stands, m/s.
+pub const STANDSTILL_MPS: f64 = 0.1;
+
 impl Condition {
-    /// True if it holds for an ego there, so fast.
+    /// True if it holds for an ego that drives so.
     #[must_use]
-    pub fn holds(&self, position_m: f64, speed_mps: f64) -> bool {
-        self.position_above_m.is_none_or(|limit| position_m > limit.value())
-            && self.speed_below_mps.is_none_or(|limit| speed_mps < limit.value())
-            && self.speed_above_mps.is_none_or(|limit| speed_mps > limit.value())
+    pub fn holds(&self, drive: &Drive) -> bool {
+        let stands = drive.speed_mps < STANDSTILL_MPS;
+        let deceleration_mps2 = -drive.acceleration_mps2;
+        self.position_above_m.is_none_or(|limit| drive.position_m > limit.value())
+            && self.speed_below_mps.is_none_or(|limit| drive.speed_mps < limit.value())
+            && self.speed_above_mps.is_none_or(|limit| drive.speed_mps > limit.value())
+            && self.braking_above_mps2.is_none_or(|limit| deceleration_mps2 > limit.value())
+            && self.ttc_below_s.is_none_or(|limit| drive.time_to_collision_s < limit.value())
+            && self.red_line_below_m.is_none_or(|limit| drive.red_line_m < limit.value())
+            && self.cut_in.is_none_or(|wanted| drive.cut_in == wanted)
+            && self.standstill.is_none_or(|wanted| stands == wanted)
     }
 }
 

@@ -8,6 +8,7 @@
 //! controllers = ["cacc-mpc", "acc-mpc"]  # left out: each scenario's own
 //! seeds = 20                             # runs of every combination
 //! set = ["duration_s=10"]                # keys set in all runs
+//! faults_per_run = [2, 4]                # so many of the faults below in each run, drawn from all
 //! variation = "./cut_in_variation.xosc"  # instead of scenarios: OpenSCENARIO parameter values
 //! sample = 200                           # so many of the runs, drawn by the first seed
 //!
@@ -17,6 +18,8 @@
 //! at_s = [1.0, 5.0]                      # two numbers: one between them is drawn
 //! for_s = 2.0
 //! count = 3                              # so many of them in one run, drawn anew
+//! when = { ttc_below_s = [2.0, 4.0] }    # instead of at_s: a phase of the drive; a list of tables: one
+//!                                        # of them is drawn
 //!
 //! [require]                              # max_ or min_ and a figure of the verdict
 //! max_collisions = 0
@@ -38,6 +41,9 @@ use std::path::{Path, PathBuf};
 const MAX_LINE: usize = 500;
 /// Longest campaign file, bytes.
 const MAX_BYTES: u64 = 1 << 20;
+
+/// Most faults that are drawn for a run.
+const MAX_FAULTS_PER_RUN: u32 = 16;
 
 /// A campaign.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -80,6 +86,10 @@ pub struct Campaign {
     /// Which part of the runs this is, `i/n`: set by `--shard`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shard: Option<Shard>,
+    /// Least and largest number of faults in a run, each drawn from all of `faults`; left out: a run has
+    /// one of them, and every one has its runs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub faults_per_run: Option<[u32; 2]>,
     /// What goes wrong: one of these in each run.
     #[serde(default)]
     pub faults: Vec<toml::Table>,
@@ -115,12 +125,12 @@ pub struct Builtin {
 pub const BUILTIN: [Builtin; 3] = [
     Builtin {
         name: "kills",
-        summary: "1,000 SIGKILLs at random instants over all four services, in realtime",
+        summary: "1,000 SIGKILLs over all services, most of them in critical phases, in realtime",
         text: include_str!("../../campaigns/kills.toml"),
     },
     Builtin {
         name: "messages",
-        summary: "10,000 runs in lockstep with seeded faults of messages",
+        summary: "10,000 runs in lockstep, each with 2 to 4 seeded faults of messages of up to 20 s",
         text: include_str!("../../campaigns/messages.toml"),
     },
     Builtin {
@@ -195,6 +205,17 @@ impl Campaign {
         if campaign.sample_every_s.is_some_and(|every| !(0.1..=3600.0).contains(&every)) {
             return Err(refuse("sample_every_s is out of range, expected 0.1 to 3600 s".into()));
         }
+        if let Some([least, most]) = campaign.faults_per_run
+            && (least > most
+                || most == 0
+                || most > MAX_FAULTS_PER_RUN
+                || campaign.faults.is_empty())
+        {
+            return Err(refuse(format!(
+                "faults_per_run = [{least}, {most}] draws nothing, expected two numbers up to \
+                 {MAX_FAULTS_PER_RUN}, the smaller first, and [[faults]] to draw from"
+            )));
+        }
         for (key, limit) in &campaign.require {
             let figure = key.strip_prefix("max_").or_else(|| key.strip_prefix("min_"));
             if figure.is_none_or(|name| FIGURES.iter().all(|figure| figure.name != name)) {
@@ -243,6 +264,7 @@ pub(super) fn of_variation(path: &Path) -> Result<Campaign, Error> {
         set: Vec::new(),
         sample_every_s: None,
         shard: None,
+        faults_per_run: None,
         faults: Vec::new(),
         require: BTreeMap::from(required),
     })
@@ -279,6 +301,7 @@ mod tests {
             (&format!("{head}[require]\nmax_fun = 1\n"), ["max_fun", "collisions"]),
             (&format!("{head}[require]\ncollisions = 1\n"), ["collisions", "max_ or min_"]),
             (&format!("{head}[require]\nmax_collisions = nan\n"), ["NaN", "a number"]),
+            (&format!("{head}faults_per_run = [2, 4]\n"), ["faults_per_run", "to draw from"]),
             (&head.replace("= 1", "= 2"), ["schema_version = 2", "expected 1"]),
             (&head.replace("\"cacc-a\"", ""), ["scenarios = []", "at least one"]),
         ] {

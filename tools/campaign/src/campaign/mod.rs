@@ -7,6 +7,7 @@
 //! The verdict is made of the journal's records alone, so that a campaign which was interrupted and
 //! resumed, or done in shards and merged, comes to the same one.
 
+mod exposure;
 mod file;
 mod page;
 mod plan;
@@ -21,11 +22,13 @@ mod verdict;
 use crate::batch::{self, Job, Source};
 use crate::parts::journal::{self, Journal};
 use crate::parts::{self, Shard, ShardChoice};
+use crate::plausibility;
 use group::Error;
 use group::{GroupOptions, ScenarioOptions};
 use report::output::{OutputDirectory, OutputOptions};
 
 use clap::Args;
+use exposure::Exposure;
 pub use file::BUILTIN;
 use file::Campaign;
 use plan::Plan;
@@ -49,9 +52,15 @@ const MAX_CHECKED: usize = 1_000;
 /// Chooses the runs that are repeated in process groups.
 const SAMPLE_SEED: u64 = 1;
 
+/// The table of the controller's checks, which is no campaign of its own.
+const PLAUSIBILITY: &str = "plausibility";
+
 /// Arguments of `campaign`.
 #[derive(Debug, Args)]
-#[command(after_help = "Built-in campaigns: kills, messages, soak.")]
+#[command(
+    after_help = "Built-in campaigns: kills, messages, soak. `plausibility` prints how often and how \
+fast the controller's checks of its inputs find a false sender."
+)]
 pub struct CampaignArguments {
     /// A campaign file, an OpenSCENARIO parameter variation (.xosc), or the name of a built-in campaign
     pub campaign: Option<String>,
@@ -87,6 +96,9 @@ pub struct CampaignArguments {
 
 /// Runs the command.
 pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
+    if arguments.campaign.as_deref() == Some(PLAUSIBILITY) {
+        return plausibility::run(&arguments.group, arguments.jobs, arguments.json);
+    }
     if arguments.merge.is_empty() { drive(arguments) } else { merge(arguments) }
 }
 
@@ -251,7 +263,8 @@ fn conclude(
 ) -> Result<ExitCode, Error> {
     let csv = print::csv(&records);
     let times = page::Times::of(&records);
-    let verdict = Verdict::new(campaign, plan, planned, records);
+    let exposure = exposure(campaign, plan, &arguments.group)?;
+    let verdict = Verdict::new(campaign, plan, planned, exposure, records);
     let json = serde_json::to_string_pretty(&verdict).expect("plain data") + "\n";
     let written = output
         .write("campaign.csv", csv.as_bytes())
@@ -265,6 +278,24 @@ fn conclude(
     // What was measured has been told before a full disk is.
     written?;
     Ok(if verdict.ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// What the drives meet without faults: one in simulated time for each scenario and controller.
+fn exposure(
+    campaign: &Campaign,
+    plan: &Plan,
+    group: &GroupOptions,
+) -> Result<Vec<Exposure>, Error> {
+    let planned = if campaign.faults.is_empty() { Vec::new() } else { plan.without_faults() };
+    let mut met = Vec::new();
+    for planned in planned {
+        let Job { mut scenario, .. } = job(campaign, &planned)?;
+        scenario.faults.clear();
+        let done = batch::lockstep(&scenario, group, false, &|| true)?;
+        let controller = scenario.controller.name.as_str().to_owned();
+        met.push(Exposure::of(planned.scenario, controller, &done.drive.steps));
+    }
+    Ok(met)
 }
 
 /// The campaign that the arguments mean.

@@ -16,7 +16,7 @@ const MAX_RUNS: usize = 1_000_000;
 pub struct Plan {
     campaign: Campaign,
     controllers: Vec<Option<String>>,
-    faults: Vec<Option<Template>>,
+    faults: Vec<Drawing>,
     variants: Option<Variants>,
     /// Runs of the whole campaign.
     all: usize,
@@ -59,9 +59,12 @@ pub fn plan(campaign: &Campaign) -> Result<Plan, Error> {
     let own = vec![None];
     let named: Vec<_> = campaign.controllers.iter().cloned().map(Some).collect();
     let controllers = if named.is_empty() { own } else { named };
-    let faults = campaign.faults.iter().map(Template::of).collect::<Result<Vec<_>, _>>()?;
-    let faults: Vec<_> =
-        if faults.is_empty() { vec![None] } else { faults.into_iter().map(Some).collect() };
+    let templates = campaign.faults.iter().map(Template::of).collect::<Result<Vec<_>, _>>()?;
+    let faults: Vec<_> = match campaign.faults_per_run {
+        _ if templates.is_empty() => vec![Drawing::None],
+        Some([least, most]) => vec![Drawing::Mixed { templates, least, most }],
+        None => templates.into_iter().map(Drawing::One).collect(),
+    };
     let seeds = campaign.seeds.get();
     let values = variants.as_ref().map_or(1, Variants::len);
     let combinations = campaign.scenarios.len() * values * controllers.len() * faults.len();
@@ -96,6 +99,25 @@ impl Plan {
         (0..self.len()).map(|place| self.number(place))
     }
 
+    /// A run of each scenario and controller without its faults.
+    pub fn without_faults(&self) -> Vec<Planned> {
+        let mut runs: Vec<Planned> = Vec::new();
+        for scenario in &self.campaign.scenarios {
+            for controller in &self.controllers {
+                runs.push(Planned {
+                    run: runs.len(),
+                    scenario: scenario.clone(),
+                    controller: controller.clone(),
+                    fault: "none".into(),
+                    seed: self.campaign.first_seed,
+                    keys: self.campaign.set.clone(),
+                    parameters: self.variants.as_ref().map_or_else(Vec::new, |all| all.get(0)),
+                });
+            }
+        }
+        runs
+    }
+
     /// The run of a number below that of all runs.
     pub fn get(&self, run: usize) -> Planned {
         let Self { campaign, controllers, faults, variants, .. } = self;
@@ -111,13 +133,13 @@ impl Plan {
         let mut keys = campaign.set.clone();
         // Controllers meet the same faults; scenarios do not.
         let stream = (place * faults.len() + which) as u128;
-        let drawn = fault.as_ref().map(|fault| fault.draw(seed, stream));
+        let drawn = Some(fault.draw(seed, stream)).filter(|drawn| !drawn.is_empty());
         keys.extend(drawn.map(|drawn| format!("faults=[{}]", drawn.join(", "))));
         Planned {
             run,
             scenario: campaign.scenarios[place / values].clone(),
             controller: controllers[controller].clone(),
-            fault: fault.as_ref().map_or("none", |fault| &fault.label).into(),
+            fault: fault.label().into(),
             seed,
             keys,
             parameters: variants.as_ref().map_or_else(Vec::new, |all| all.get(place % values)),
@@ -141,6 +163,47 @@ fn draw(all: usize, count: usize, seed: u32) -> Vec<usize> {
     (0..all).filter(|run| keep(run)).collect()
 }
 
+/// What is drawn for a run.
+#[derive(Debug)]
+enum Drawing {
+    /// Nothing.
+    None,
+    /// As many of one template as it says.
+    One(Template),
+    /// A number of faults, each of any of the templates.
+    Mixed { templates: Vec<Template>, least: u32, most: u32 },
+}
+
+impl Drawing {
+    fn label(&self) -> &str {
+        match self {
+            Self::None => "none",
+            Self::One(template) => &template.label,
+            Self::Mixed { .. } => "mixed",
+        }
+    }
+
+    /// The faults of a run, as TOML, by its seed and the stream of its scenario and drawing.
+    fn draw(&self, seed: u32, stream: u128) -> Vec<String> {
+        let mut random = Pcg64::new(seed.into(), stream);
+        // The stream's first number says nothing for small seeds.
+        random.next_u64();
+        match self {
+            Self::None => Vec::new(),
+            Self::One(template) => template.draw(&mut random),
+            Self::Mixed { templates, least, most } => {
+                let span = f64::from(most - least + 1);
+                let count = least + (random::uniform(&mut random) * span) as u32;
+                let mut each = |_| {
+                    let which = random::uniform(&mut random) * templates.len() as f64;
+                    templates[which as usize].draw(&mut random)
+                };
+                (0..count).flat_map(&mut each).collect()
+            }
+        }
+    }
+}
+
 /// A fault of which some values are drawn for each run.
 #[derive(Debug)]
 struct Template {
@@ -161,13 +224,7 @@ impl Template {
             }
         };
         for (key, value) in &keys {
-            let Value::Array(values) = value else { continue };
-            let words = !values.is_empty() && values.iter().all(Value::is_str);
-            if !words && range(values).is_none() {
-                let what = format!("faults: {key} = {value} cannot be drawn from");
-                let expected = "two numbers, the smaller first, or a list of words";
-                return Err(Error::Usage(format!("{what}, expected {expected}")));
-            }
+            check(key, value)?;
         }
         let word = |key: &str| match keys.get(key) {
             Some(Value::String(word)) => Some(word.clone()),
@@ -177,18 +234,38 @@ impl Template {
         Ok(Self { label: parts.collect::<Vec<_>>().join(" "), count, keys })
     }
 
-    /// The faults of a run, as TOML, by its seed and the stream of its scenario and template.
-    fn draw(&self, seed: u32, stream: u128) -> Vec<String> {
-        let mut random = Pcg64::new(seed.into(), stream);
-        // The stream's first number says nothing for small seeds.
-        random.next_u64();
+    /// So many faults as the template says, as TOML.
+    fn draw(&self, random: &mut Pcg64) -> Vec<String> {
         let draw = |_| {
             let pair =
-                |(key, value): (&String, &Value)| format!("{key} = {}", drawn(value, &mut random));
+                |(key, value): (&String, &Value)| format!("{key} = {}", drawn(value, random));
             format!("{{ {} }}", self.keys.iter().map(pair).collect::<Vec<_>>().join(", "))
         };
         (0..self.count).map(draw).collect()
     }
+}
+
+/// Checks that a value, or each value of a table, can be drawn from.
+fn check(key: &str, value: &Value) -> Result<(), Error> {
+    match value {
+        Value::Table(table) => table.iter().try_for_each(|(key, value)| check(key, value)),
+        Value::Array(values) if is_choice(values) => {
+            let tables = values.iter().filter(|value| value.is_table());
+            tables.map(|table| check(key, table)).collect()
+        }
+        Value::Array(values) if range(values).is_none() => {
+            let what = format!("faults: {key} = {value} cannot be drawn from");
+            let expected = "two numbers, the smaller first, or a list of words or of tables";
+            Err(Error::Usage(format!("{what}, expected {expected}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// True of a list of which one element is drawn.
+fn is_choice(values: &[Value]) -> bool {
+    let all = |is: fn(&Value) -> bool| !values.is_empty() && values.iter().all(is);
+    all(Value::is_str) || all(Value::is_table)
 }
 
 /// The ends of a range: two numbers, in order.
@@ -199,8 +276,13 @@ fn range(values: &[Value]) -> Option<(f64, f64)> {
     (from < to && (to - from).is_finite()).then_some((from, to))
 }
 
-/// A value, one of a list of words, or a number between two: whole if both are, else to three digits.
+/// A value, one of a list of words or tables, or a number between two: whole if both are, else to three
+/// digits. Of a table each value.
 fn drawn(value: &Value, random: &mut Pcg64) -> Value {
+    if let Value::Table(table) = value {
+        let each = table.iter().map(|(key, value)| (key.clone(), drawn(value, random)));
+        return Value::Table(each.collect());
+    }
     let Value::Array(values) = value else { return value.clone() };
     let uniform = random::uniform(random);
     match range(values) {
@@ -208,13 +290,14 @@ fn drawn(value: &Value, random: &mut Pcg64) -> Value {
             Value::Integer((from + uniform * (to - from + 1.0)).floor() as i64)
         }
         Some((from, to)) => Value::Float(((from + uniform * (to - from)) * 1e3).round() / 1e3),
-        None => values[(uniform * values.len() as f64) as usize].clone(),
+        None => drawn(&values[(uniform * values.len() as f64) as usize], random),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::BTreeSet;
 
     fn campaign(lines: &str) -> Campaign {
         let head = "schema_version = 1\nname = \"x\"\nscenarios = [\"cacc-a\", \"cut-in\"]\n";
@@ -260,7 +343,7 @@ bits = [1, 3]
             let table: Table = toml::from_str(run.keys.last().expect("faults")).expect("TOML");
             table["faults"].as_array().expect("a list").clone()
         };
-        let mut seen = std::collections::BTreeSet::new();
+        let mut seen = BTreeSet::new();
         let mut instants = Vec::new();
         for fault in runs.iter().flat_map(faults) {
             match fault["kind"].as_str() {
@@ -281,6 +364,33 @@ bits = [1, 3]
         let mean = instants.iter().sum::<f64>() / instants.len() as f64;
         assert!((mean - 2.0).abs() < 0.1, "spread over the range: {mean}");
         assert_ne!(instants[0], instants[1], "each of a run's faults is drawn anew");
+    }
+
+    #[test]
+    fn a_mixed_run_has_so_many_faults_of_any_kind_and_phases_are_drawn_too() {
+        let mixed = "seeds = 60\nfaults_per_run = [2, 4]\n[[faults]]\nkind = \"kill\"\n\
+            service = \"plant\"\nwhen = [{ ttc_below_s = [2.0, 4.0] }, { standstill = true }]\n\
+            [[faults]]\nkind = \"drop\"\ntopic = \"v2x/spat\"\nat_s = [1.0, 3.0]\n";
+        let runs = runs(mixed);
+        assert_eq!((runs.len(), runs[0].fault.as_str()), (2 * 60, "mixed"));
+        let mut counts = [0; 5];
+        let (mut phases, mut kinds) = (BTreeSet::new(), BTreeSet::new());
+        for run in &runs {
+            let table: Table = toml::from_str(run.keys.last().expect("faults")).expect("TOML");
+            let faults = table["faults"].as_array().expect("a list");
+            counts[faults.len()] += 1;
+            for fault in faults {
+                kinds.insert(fault["kind"].to_string());
+                let when = fault.get("when").and_then(Value::as_table);
+                phases.extend(when.iter().flat_map(|when| when.keys().cloned()));
+                if let Some(ttc_s) = when.and_then(|when| when.get("ttc_below_s")) {
+                    let ttc_s = ttc_s.as_float().expect("one number");
+                    assert!((2.0..=4.0).contains(&ttc_s), "{ttc_s}");
+                }
+            }
+        }
+        assert!(counts[2..].iter().all(|count| *count > 20), "{counts:?}");
+        assert_eq!((phases.len(), kinds.len()), (2, 2));
     }
 
     #[test]

@@ -96,6 +96,31 @@ fn totals(verdict: &Verdict) -> String {
         let share = |(rung, time_s): (&String, &f64)| format!("{rung} {time_s:.1} s");
         line("levels", all.rungs_s.iter().map(share).collect::<Vec<_>>().join(", "));
     }
+    if all.faults_struck > 0 {
+        let phases: Vec<String> =
+            all.phases.iter().map(|(phase, count)| format!("{phase} {count}")).collect();
+        let (struck, critical) = (all.faults_struck, all.critical_faults);
+        let phases = if phases.is_empty() { "none".into() } else { phases.join(", ") };
+        line("faults", format!("{struck} struck, {critical} in critical phases: {phases}"));
+    }
+    for met in &verdict.exposure {
+        let ttc = met.min_ttc_s.map_or_else(|| "none".into(), |ttc| format!("{ttc:.1} s"));
+        line(
+            "drives meet",
+            format!(
+                "{} {}: braking {:.1} m/s², least TTC {ttc}, {} lights on red, {} on yellow, \
+                 standing {:.0} s, cut-ins {:.0} s, critical {:.0} %",
+                met.scenario,
+                met.controller,
+                met.max_braking_mps2,
+                met.met_on_red,
+                met.met_on_yellow,
+                met.standstill_s,
+                met.cut_in_s,
+                100.0 * met.critical_share,
+            ),
+        );
+    }
     let corrupted = match (all.corrupted, all.undetected_corruptions) {
         (0, _) => String::new(),
         (all, undetected) => format!(", {all} of them corrupted, {undetected} unnoticed"),
@@ -142,6 +167,12 @@ fn requirements(verdict: &Verdict) -> String {
         writeln!(text, "  and {more} more in campaign.json").expect("a string takes all");
     }
     let missing = verdict.planned as u64 - verdict.all.runs;
+    if verdict.met_nothing {
+        text.push_str(
+            "  BROKEN its faults met nothing: none acted while the ego braked, stood, closed in on a \
+             vehicle, came to a red line or was cut in on\n",
+        );
+    }
     let word = match (verdict.ok, missing) {
         (true, _) => "all requirements hold".into(),
         (false, 0) => "A REQUIREMENT IS BROKEN".into(),

@@ -1,5 +1,6 @@
 //! What a campaign keeps of a run.
 
+use super::exposure::Struck;
 use super::planned::Planned;
 use super::reference::{Braking, avoids_contact};
 use crate::batch::{Done, Growth, Repetition};
@@ -52,6 +53,13 @@ pub struct Record {
     /// Messages corrupted by faults.
     pub corrupted: u64,
     pub undetected: u64,
+    /// Faults that acted, those that acted in a critical phase, and how many in each phase.
+    #[serde(default)]
+    pub faults: u64,
+    #[serde(default)]
+    pub critical_faults: u64,
+    #[serde(default)]
+    pub phases: BTreeMap<String, u64>,
     /// What the run left behind.
     pub leaks: Vec<String>,
     /// Growth of memory and descriptors, where it was sampled.
@@ -88,6 +96,9 @@ impl Record {
             disturbed: 0,
             corrupted: 0,
             undetected: 0,
+            faults: 0,
+            critical_faults: 0,
+            phases: BTreeMap::new(),
             leaks: Vec::new(),
             growth: None,
             same_in_processes: None,
@@ -114,7 +125,11 @@ impl Record {
         let unrecovered = faults.iter().filter(|fault| {
             fault.detected_after_us.is_some() && fault.recovered_after_us.is_none()
         });
+        let struck = Struck::of(scenario, faults, &done.drive.steps);
         Self {
+            faults: struck.faults,
+            critical_faults: struck.critical,
+            phases: struck.phases,
             outcome: summary.outcome,
             aborted_because: summary.aborted_because.clone(),
             avoidable: collided && avoids_contact(&done.drive.steps, &braking),

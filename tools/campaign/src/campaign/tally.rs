@@ -26,6 +26,10 @@ pub struct Tally {
     pub disturbed: u64,
     pub corrupted: u64,
     pub undetected_corruptions: u64,
+    /// Faults that acted, those that acted in a critical phase, and how many in each phase.
+    pub faults_struck: u64,
+    pub critical_faults: u64,
+    pub phases: BTreeMap<String, u64>,
     pub min_gap_m: Option<f64>,
     pub min_ttc_s: Option<f64>,
     pub detection_us: Option<Percentiles>,
@@ -59,7 +63,14 @@ impl Tally {
         for (rung, time_s) in records.clone().flat_map(|record| &record.rungs_s) {
             *rungs_s.entry(rung.clone()).or_insert(0.0) += time_s;
         }
+        let mut phases = BTreeMap::new();
+        for (phase, count) in records.clone().flat_map(|record| &record.phases) {
+            *phases.entry(phase.clone()).or_insert(0) += count;
+        }
         Self {
+            faults_struck: sum(|r| r.faults),
+            critical_faults: sum(|r| r.critical_faults),
+            phases,
             runs: records.clone().count() as u64,
             completed: ended(Outcome::Completed),
             collisions: ended(Outcome::Collision),
@@ -123,7 +134,7 @@ enum Kind {
 }
 
 /// All figures.
-pub const FIGURES: [Figure; 24] = [
+pub const FIGURES: [Figure; 26] = [
     count("collisions", |t| t.collisions),
     count("avoidable_collisions", |t| t.avoidable_collisions),
     count("red_lights", |t| t.red_lights),
@@ -135,6 +146,8 @@ pub const FIGURES: [Figure; 24] = [
     count("leaks", |t| t.leaks),
     count("messages_lost", |t| t.messages_lost),
     count("undetected_corruptions", |t| t.undetected_corruptions),
+    count("faults_struck", |t| t.faults_struck),
+    count("critical_faults", |t| t.critical_faults),
     measure("gap_m", |t| t.min_gap_m),
     measure("ttc_s", |t| t.min_ttc_s),
     median("detection_p50_ms", |t| t.detection_us.map(|p| p.p50 / 1e3)),

@@ -1,5 +1,6 @@
 //! Whether a campaign's runs are what it requires.
 
+use super::exposure::Exposure;
 use super::file::Campaign;
 use super::plan::Plan;
 use super::record::Record;
@@ -20,6 +21,11 @@ pub struct Verdict {
     pub planned: usize,
     /// Combinations of a variation that break a constraint of its scenario, and are no runs.
     pub left_out: usize,
+    /// What the drives of each scenario and controller meet without faults; empty without faults.
+    pub exposure: Vec<Exposure>,
+    /// No fault struck in a critical phase, and the campaign does not say that this is meant
+    /// (`min_critical_faults = 0`): it shows nothing.
+    pub met_nothing: bool,
     #[serde(flatten)]
     pub all: Tally,
     pub requirements: Vec<Requirement>,
@@ -76,7 +82,14 @@ pub struct Failure {
 
 impl Verdict {
     /// Judges the records, in any order, of the `planned` runs that were to be done of the plan.
-    pub fn new(campaign: &Campaign, plan: &Plan, planned: usize, mut records: Vec<Record>) -> Self {
+    /// `exposure` is what the drives meet without faults.
+    pub fn new(
+        campaign: &Campaign,
+        plan: &Plan,
+        planned: usize,
+        exposure: Vec<Exposure>,
+        mut records: Vec<Record>,
+    ) -> Self {
         records.sort_by_key(|record| record.run);
         let all = Tally::of(records.iter());
         let requirements: Vec<_> =
@@ -89,14 +102,19 @@ impl Verdict {
             processes_sample.different += usize::from(!same);
         });
         let same = processes_sample.different == 0;
+        let met_nothing = !campaign.faults.is_empty()
+            && all.critical_faults == 0
+            && !campaign.require.contains_key("min_critical_faults");
         let failures = failures(&requirements, campaign.mode, plan, &records);
         Self {
             schema_version: 1,
-            ok: met && same && records.len() == planned,
+            ok: met && same && !met_nothing && records.len() == planned,
             campaign: campaign.name.as_str().into(),
             mode: campaign.mode,
             planned,
             left_out: plan.left_out(),
+            exposure,
+            met_nothing,
             all,
             requirements,
             combinations: combinations(&records),
@@ -221,7 +239,7 @@ mod tests {
         // The order in which runs end does not matter.
         let mut records: Vec<_> = records.collect();
         records.reverse();
-        Verdict::new(&campaign, &plan, plan.len(), records)
+        Verdict::new(&campaign, &plan, plan.len(), Vec::new(), records)
     }
 
     const WHOLE: [Outcome; 4] = [Outcome::Completed; 4];
@@ -268,11 +286,32 @@ mod tests {
     }
 
     #[test]
+    fn faults_that_met_nothing_show_nothing() {
+        let judged = |require: &str, critical: u64| {
+            let fault = "[[faults]]\nkind = \"drop\"\ntopic = \"radar/tracks\"\n";
+            let text = format!("{FILE}[require]\n{require}\n{fault}");
+            let campaign: Campaign = toml::from_str(&text).expect("a campaign");
+            let plan = plan::plan(&campaign).expect("a plan");
+            let records = plan.numbers().map(|run| Record {
+                faults: 2,
+                critical_faults: critical,
+                ..record(&plan.get(run), Outcome::Completed, 5.0, &[])
+            });
+            let verdict = Verdict::new(&campaign, &plan, plan.len(), Vec::new(), records.collect());
+            (verdict.ok, verdict.met_nothing)
+        };
+        assert_eq!(judged("max_collisions = 0", 0), (false, true));
+        assert_eq!(judged("max_collisions = 0", 1), (true, false));
+        assert_eq!(judged("min_critical_faults = 3", 1), (false, false));
+        assert_eq!(judged("min_critical_faults = 0", 0), (true, false));
+    }
+
+    #[test]
     fn missing_runs_make_no_whole_campaign() {
         let campaign = campaign("max_collisions = 0");
         let plan = plan::plan(&campaign).expect("a plan");
         let records = vec![record(&plan.get(0), Outcome::Completed, 1.0, &[])];
-        let verdict = Verdict::new(&campaign, &plan, plan.len(), records);
+        let verdict = Verdict::new(&campaign, &plan, plan.len(), Vec::new(), records);
         assert!(!verdict.ok && verdict.failures.is_empty());
         assert_eq!((verdict.all.runs, verdict.planned), (1, 4));
     }

@@ -1,0 +1,292 @@
+//! Whether signal timing can be believed.
+//!
+//! What a roadside unit announced as certain stays so: a later announcement with another end contradicts
+//! it. Which of the two is wrong cannot be told from them. So the phase is green only where both say so,
+//! until one is refuted by what the signal shows. A signal that is met for the first time in messages which
+//! contradict what is known of others is taken to be off by as much.
+
+use super::{Check, Findings};
+use messages::{Interval, MAX_INTERVALS, PhaseState, Signal, Spat};
+
+/// Time by which an announced end may differ, s.
+const TOLERANCE_S: f64 = 0.2;
+/// Time by which a shown phase may outlast its announced end, s: the message was on its way.
+const OVERDUE_S: f64 = 0.15;
+/// Signals that are remembered.
+const REMEMBERED: usize = 16;
+
+/// What a signal announced.
+#[derive(Clone, Copy, Debug)]
+struct Known {
+    signal: Signal,
+    heard_s: f64,
+}
+
+/// Compares each announcement with those before.
+#[derive(Clone, Debug)]
+pub struct Countdown {
+    known: [Option<Known>; REMEMBERED],
+    /// By how much the ends of known signals are off, s, while they are.
+    offset_s: Option<f64>,
+    /// Acquisition of the last message, ns.
+    last_ns: Option<i64>,
+    believed: Box<Spat>,
+    contradicts: bool,
+}
+
+impl Default for Countdown {
+    fn default() -> Self {
+        Self {
+            known: [None; REMEMBERED],
+            offset_s: None,
+            last_ns: None,
+            believed: Box::new(bytemuck::Zeroable::zeroed()),
+            contradicts: false,
+        }
+    }
+}
+
+/// What an announcement is beside what is known.
+enum Comparison {
+    /// The same, or nothing can be said against it.
+    Agrees,
+    /// Its ends are off by so much, s.
+    Off(f64),
+    /// What is known was wrong.
+    Refutes,
+}
+
+impl Countdown {
+    /// Takes the newest message; returns what of it can be believed, and whether that is less than it
+    /// says.
+    pub fn look<'a>(
+        &'a mut self,
+        sample: &'a Spat,
+        time_s: f64,
+        findings: &mut Findings,
+    ) -> (Option<&'a Spat>, bool) {
+        if self.last_ns != Some(sample.header.acquisition_ns) {
+            self.last_ns = Some(sample.header.acquisition_ns);
+            self.take(sample, time_s, findings);
+        }
+        if self.contradicts { (Some(&*self.believed), true) } else { (Some(sample), false) }
+    }
+
+    fn take(&mut self, sample: &Spat, time_s: f64, findings: &mut Findings) {
+        let now_s = sample.header.acquisition_ns as f64 / 1e9;
+        *self.believed = *sample;
+        let count = usize::try_from(sample.count).map_or(0, |n| n.min(sample.signals.len()));
+        let (mut off, mut agreed, mut overdue) = (None::<f64>, false, false);
+        for signal in &mut self.believed.signals[..count] {
+            let Some(slot) = find(&self.known, signal) else { continue };
+            let Some(Known { signal: known, .. }) = self.known[slot] else { continue };
+            if is_overdue(signal, now_s) {
+                overdue = true;
+                *signal = known;
+                continue;
+            }
+            match compare(&known, signal, now_s) {
+                Comparison::Agrees | Comparison::Refutes => {
+                    agreed = true;
+                    self.known[slot] = Some(Known { signal: *signal, heard_s: now_s });
+                }
+                Comparison::Off(by_s) => {
+                    off = Some(
+                        off.map_or(by_s, |off| if by_s.abs() > off.abs() { by_s } else { off }),
+                    );
+                    *signal = both(signal, by_s);
+                }
+            }
+        }
+        self.offset_s = match (off, agreed) {
+            (Some(by_s), _) => Some(by_s),
+            (None, true) => None,
+            (None, false) => self.offset_s,
+        };
+        for signal in &mut self.believed.signals[..count] {
+            if signal.count > 0 && find(&self.known, signal).is_none() {
+                if is_overdue(signal, now_s) {
+                    overdue = true;
+                    signal.count = 0;
+                    continue;
+                }
+                let mut known = *signal;
+                if let Some(by_s) = self.offset_s {
+                    off = off.or(Some(by_s));
+                    known = shifted(signal, -by_s);
+                    *signal = both(signal, by_s);
+                }
+                remember(&mut self.known, Known { signal: known, heard_s: now_s });
+            }
+        }
+        let share = off.map_or(0.0, |by_s| by_s.abs() / TOLERANCE_S);
+        findings.note(Check::CountdownAgainstHistory, time_s, share);
+        findings.note(Check::CountdownAgainstClock, time_s, if overdue { 2.0 } else { 0.0 });
+        self.contradicts = off.is_some() || overdue;
+    }
+}
+
+fn intervals(signal: &Signal) -> &[Interval] {
+    let count = usize::try_from(signal.count).map_or(0, |count| count.min(MAX_INTERVALS));
+    &signal.intervals[..count]
+}
+
+fn find(known: &[Option<Known>; REMEMBERED], signal: &Signal) -> Option<usize> {
+    let id = |signal: &Signal| (signal.intersection_id, signal.signal_group);
+    known.iter().position(|known| known.is_some_and(|known| id(&known.signal) == id(signal)))
+}
+
+fn remember(known: &mut [Option<Known>; REMEMBERED], new: Known) {
+    let heard_s = |slot: &Option<Known>| slot.map_or(f64::NEG_INFINITY, |known| known.heard_s);
+    if let Some(oldest) = known.iter_mut().min_by(|a, b| heard_s(a).total_cmp(&heard_s(b))) {
+        *oldest = Some(new);
+    }
+}
+
+/// The phase that is shown should be over by its own end.
+fn is_overdue(signal: &Signal, now_s: f64) -> bool {
+    intervals(signal).first().is_some_and(|shown| shown.max_end_s < now_s - OVERDUE_S)
+}
+
+fn compare(known: &Signal, signal: &Signal, now_s: f64) -> Comparison {
+    let (known, new) = (intervals(known), intervals(signal));
+    let Some(first) = new.first() else { return Comparison::Agrees };
+    // What should be shown, and around a switch also what was before or comes next.
+    let shown = |from_s: f64| known.iter().position(|interval| interval.likely_end_s > from_s);
+    let candidates = [now_s, now_s - OVERDUE_S - TOLERANCE_S, now_s + OVERDUE_S + TOLERANCE_S];
+    let mut places = candidates.into_iter().filter_map(shown);
+    let Some(place) = places.find(|place| known[*place].state == first.state) else {
+        return Comparison::Refutes;
+    };
+    let mut off_s: f64 = 0.0;
+    for (known, new) in known[place..].iter().zip(new) {
+        let early_s = known.min_end_s - new.likely_end_s;
+        let late_s = new.likely_end_s - known.max_end_s;
+        if early_s > TOLERANCE_S || late_s > TOLERANCE_S {
+            off_s = new.likely_end_s - known.likely_end_s;
+        }
+    }
+    if off_s.is_finite() && off_s.abs() > TOLERANCE_S {
+        Comparison::Off(off_s)
+    } else {
+        Comparison::Agrees
+    }
+}
+
+fn shifted(signal: &Signal, by_s: f64) -> Signal {
+    let mut shifted = *signal;
+    for interval in &mut shifted.intervals {
+        interval.min_end_s += by_s;
+        interval.likely_end_s += by_s;
+        interval.max_end_s += by_s;
+    }
+    shifted
+}
+
+/// What is true of the announcement as well as of one without its offset: greens begin at the later of the
+/// two and end at the earlier.
+fn both(signal: &Signal, offset_s: f64) -> Signal {
+    let mut both = *signal;
+    let green = PhaseState::ProtectedMovementAllowed.to_wire();
+    let count = intervals(signal).len();
+    for k in 0..count {
+        let opens =
+            signal.intervals.get(k + 1).is_some_and(|next| k + 1 < count && next.state == green);
+        let by_s = if opens { (-offset_s).max(0.0) } else { (-offset_s).min(0.0) };
+        let interval = &mut both.intervals[k];
+        interval.min_end_s += by_s;
+        interval.likely_end_s += by_s;
+        interval.max_end_s += by_s;
+    }
+    both
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bytemuck::Zeroable;
+
+    const RED: u32 = 3;
+    const GREEN: u32 = 6;
+
+    /// Messages of a signal that is red until 20 s and then green and red for 10 s each, `off_s` off.
+    fn spat(id: u32, now_s: f64, off_s: f64) -> Spat {
+        let mut spat = Spat::zeroed();
+        spat.header.acquisition_ns = (now_s * 1e9) as i64;
+        spat.count = 1;
+        spat.signals[0] = signal(id, now_s, off_s);
+        spat
+    }
+
+    fn signal(id: u32, now_s: f64, off_s: f64) -> Signal {
+        let mut signal = Signal::zeroed();
+        signal.intersection_id = id;
+        let ends = [(RED, 20.0), (GREEN, 30.0), (RED, 40.0), (GREEN, 50.0)];
+        for (state, end_s) in ends.into_iter().filter(|(_, end_s)| *end_s > now_s) {
+            let end_s = end_s + off_s;
+            signal.intervals[signal.count as usize] = Interval {
+                state,
+                confidence: 15,
+                min_end_s: end_s,
+                likely_end_s: end_s,
+                max_end_s: end_s,
+            };
+            signal.count += 1;
+        }
+        signal
+    }
+
+    fn ends(spat: &Spat) -> Vec<f64> {
+        intervals(&spat.signals[0]).iter().map(|interval| interval.likely_end_s).collect()
+    }
+
+    #[test]
+    fn a_countdown_that_jumps_is_green_only_where_it_is_so_before_and_after() {
+        let (mut countdown, mut findings) = (Countdown::default(), Findings::default());
+        let mut look = |now_s, off_s| {
+            let spat = spat(1, now_s, off_s);
+            let (believed, contradicts) = countdown.look(&spat, now_s, &mut findings);
+            (ends(believed.expect("it was announced")), contradicts)
+        };
+        assert_eq!(look(5.0, 0.0), (vec![20.0, 30.0, 40.0, 50.0], false));
+        assert_eq!(look(5.1, -2.0), (vec![20.0, 28.0, 40.0, 48.0], true));
+        assert_eq!(look(5.2, 2.0), (vec![22.0, 30.0, 42.0, 50.0], true));
+        assert_eq!(look(5.3, 0.0), (vec![20.0, 30.0, 40.0, 50.0], false));
+    }
+
+    #[test]
+    fn a_phase_that_outlasts_its_own_end_refutes_the_countdown() {
+        let (mut countdown, mut findings) = (Countdown::default(), Findings::default());
+        for k in 0..=205 {
+            let now_s = 0.1 * f64::from(k);
+            let spat = spat(1, now_s, -2.0);
+            let (_, contradicts) = countdown.look(&spat, now_s, &mut findings);
+            assert_eq!(contradicts, (18.2..20.0 - 1e-9).contains(&now_s), "{now_s}");
+        }
+    }
+
+    #[test]
+    fn what_was_known_first_gives_way_when_the_signal_shows_something_else() {
+        let (mut countdown, mut findings) = (Countdown::default(), Findings::default());
+        countdown.look(&spat(1, 5.0, -2.0), 5.0, &mut findings);
+        for k in 60..=250 {
+            let now_s = 0.1 * f64::from(k);
+            let spat = spat(1, now_s, 0.0);
+            let (believed, contradicts) = countdown.look(&spat, now_s, &mut findings);
+            let first = ends(believed.expect("it was announced"))[0];
+            assert!(now_s >= 20.0 || first == 20.0, "{now_s}: {first}");
+            assert_eq!(contradicts, now_s < 18.35, "{now_s}");
+        }
+    }
+
+    #[test]
+    fn a_signal_first_met_among_others_that_jumped_is_off_by_as_much() {
+        let (mut countdown, mut findings) = (Countdown::default(), Findings::default());
+        countdown.look(&spat(1, 5.0, 0.0), 5.0, &mut findings);
+        countdown.look(&spat(1, 5.1, -2.0), 5.1, &mut findings);
+        let spat = spat(2, 5.2, -2.0);
+        let (believed, contradicts) = countdown.look(&spat, 5.2, &mut findings);
+        assert!(contradicts);
+        assert_eq!(ends(believed.expect("it was announced")), [20.0, 28.0, 40.0, 48.0]);
+    }
+}

@@ -1,0 +1,93 @@
+//! The ego's motion while its odometry is missing or cannot be believed.
+//!
+//! It goes on from odometry's last word: at the speed that the radar measures by what stands beside the
+//! road, and without that at the speed that the commands make, for a short time.
+
+use messages::{Odometry, RadarTracks};
+
+/// For how long the radar's speed takes odometry's place, s, and for how long the commands do.
+const BY_RADAR_S: f64 = 10.0;
+const BY_COMMANDS_S: f64 = 1.5;
+/// Oldest measurement of use, s.
+const STALE_S: f64 = 0.3;
+/// Lag of the vehicle behind its commands, s.
+const LAG_S: f64 = 0.5;
+
+/// The estimate.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct EgoEstimate {
+    /// The motion, as a message from this time.
+    now: Option<Odometry>,
+    /// When odometry was last believed, and when it or the radar last gave the speed, s.
+    believed_s: f64,
+    measured_s: f64,
+}
+
+impl EgoEstimate {
+    /// Takes odometry that is fresh and believed.
+    pub fn believe(&mut self, odometry: &Odometry, time_s: f64) {
+        self.now = Some(*odometry);
+        (self.believed_s, self.measured_s) = (time_s, time_s);
+    }
+
+    /// The motion at `time_s` without odometry, with the radar's scan if it is believed and the request
+    /// of the last command, m/s². `None` when too much time has passed.
+    pub fn go_on(
+        &mut self,
+        radar: Option<&RadarTracks>,
+        commanded_mps2: f64,
+        time_s: f64,
+    ) -> Option<&Odometry> {
+        let now = self.now.as_mut()?;
+        let then_s = now.header.acquisition_ns as f64 / 1e9;
+        let elapsed_s = (time_s - then_s).clamp(0.0, 1.0);
+        let (speed_mps, acceleration_mps2) = (now.speed_mps, now.acceleration_mps2);
+        let share = 1.0 - libm::exp(-elapsed_s / LAG_S);
+        let mut next_mps2 = acceleration_mps2 + share * (commanded_mps2 - acceleration_mps2);
+        let mut next_mps = (speed_mps + 0.5 * (acceleration_mps2 + next_mps2) * elapsed_s).max(0.0);
+        let scanned = radar.and_then(|radar| {
+            let age_s = time_s - radar.header.acquisition_ns as f64 / 1e9;
+            radar.measured_ego_speed_mps().filter(|_| age_s <= STALE_S).map(|mps| (mps, age_s))
+        });
+        if let Some((mps, age_s)) = scanned {
+            next_mps = (mps + next_mps2 * age_s).max(0.0);
+            self.measured_s = time_s;
+        }
+        if next_mps == 0.0 {
+            next_mps2 = 0.0;
+        }
+        now.position_m += 0.5 * (speed_mps + next_mps) * elapsed_s;
+        (now.speed_mps, now.acceleration_mps2) = (next_mps, next_mps2);
+        now.header.acquisition_ns = (time_s * 1e9) as i64;
+        let holds =
+            time_s - self.believed_s <= BY_RADAR_S && time_s - self.measured_s <= BY_COMMANDS_S;
+        holds.then_some(&*now)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bytemuck::Zeroable;
+
+    #[test]
+    fn it_goes_on_with_the_radars_speed_and_shortly_without() {
+        let mut estimate = EgoEstimate::default();
+        assert!(estimate.go_on(None, 0.0, 0.0).is_none(), "nothing to go on from");
+        let mut odometry = Odometry::zeroed();
+        (odometry.position_m, odometry.speed_mps) = (100.0, 20.0);
+        estimate.believe(&odometry, 0.0);
+        let mut scan = RadarTracks::zeroed();
+        scan.ego_speed_points = 5;
+        for k in 1..=50 {
+            let time_s = 0.1 * f64::from(k);
+            scan.header.acquisition_ns = (time_s * 1e9) as i64;
+            scan.ego_speed_mps = 20.0 - 2.0 * time_s;
+            assert!(estimate.go_on(Some(&scan), -2.0, time_s).is_some());
+        }
+        let now = *estimate.go_on(None, -2.0, 5.0).expect("it was there just now");
+        assert!((now.position_m - 175.0).abs() < 1.0 && (now.speed_mps - 10.0).abs() < 0.2);
+        assert!(estimate.go_on(None, -2.0, 6.4).is_some());
+        assert!(estimate.go_on(None, -2.0, 6.6).is_none());
+    }
+}

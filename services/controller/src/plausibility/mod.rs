@@ -1,0 +1,197 @@
+//! Whether what the inputs say can be believed.
+//!
+//! The end-to-end protection finds what was changed on the way, not what its sender made up. A sender that
+//! repeats itself under fresh stamps, or whose figures are off, contradicts itself, another sensor or what
+//! it said before:
+//!
+//! | check | compares | consequence |
+//! |---|---|---|
+//! | [`Check::SpeedAgainstPosition`] | odometry's position with its speed, from sample to sample and summed up | odometry is not used |
+//! | [`Check::VehicleLimits`] | odometry's change of speed with what a vehicle can do | the same |
+//! | [`Check::SpeedAgainstRadar`] | odometry's speed with that of what stands beside the road | the same |
+//! | [`Check::SpeedAgainstCommand`] | odometry that stands still in every figure with the commands meanwhile | the same |
+//! | [`Check::RadarFrozen`] | a scan with the one before: noise never repeats itself, nor does rounding on the move | the radar is not used |
+//! | [`Check::RangeRateAgainstRange`] | the change of a track's range with its range rate | the same |
+//! | [`Check::TargetAgainstTrack`] | the target with the track that it is made of | of each figure the more careful one |
+//! | [`Check::CountdownAgainstClock`] | the end of a shown phase with the time | that signal's earlier announcement |
+//! | [`Check::CountdownAgainstHistory`] | announced ends with those announced before | what both say |
+//!
+//! Where odometry is not used, [`estimate::EgoEstimate`] goes on from its last word for a while. The plant
+//! checks commands: one whose cycle began before the time it is stamped with is an earlier one.
+//!
+//! What cannot be known without another sensor: odometry whose position and speed are off together, with
+//! nothing beside the road for the radar to see; an empty road seen by a frozen radar; a countdown that is
+//! off from the first announcement on, until its first phase ends at another time.
+
+pub mod countdown;
+pub mod estimate;
+pub mod motion;
+pub mod radar;
+
+use messages::{Odometry, RadarTracks, Spat};
+use runtime::report::CheckReport;
+
+/// A check of the inputs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Check {
+    /// Odometry's position against its speed.
+    SpeedAgainstPosition,
+    /// Odometry's change of speed against a vehicle's limits.
+    VehicleLimits,
+    /// Odometry's speed against the radar's.
+    SpeedAgainstRadar,
+    /// Odometry's standstill against the commands.
+    SpeedAgainstCommand,
+    /// A scan against the one before.
+    RadarFrozen,
+    /// Change of a range against its rate.
+    RangeRateAgainstRange,
+    /// Target against its track.
+    TargetAgainstTrack,
+    /// End of a shown phase against the time.
+    CountdownAgainstClock,
+    /// Announced ends against earlier ones.
+    CountdownAgainstHistory,
+}
+
+impl Check {
+    /// All checks.
+    pub const ALL: [Self; 9] = [
+        Self::SpeedAgainstPosition,
+        Self::VehicleLimits,
+        Self::SpeedAgainstRadar,
+        Self::SpeedAgainstCommand,
+        Self::RadarFrozen,
+        Self::RangeRateAgainstRange,
+        Self::TargetAgainstTrack,
+        Self::CountdownAgainstClock,
+        Self::CountdownAgainstHistory,
+    ];
+
+    /// Name in results.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::SpeedAgainstPosition => "speed-against-position",
+            Self::VehicleLimits => "vehicle-limits",
+            Self::SpeedAgainstRadar => "speed-against-radar",
+            Self::SpeedAgainstCommand => "speed-against-command",
+            Self::RadarFrozen => "radar-frozen",
+            Self::RangeRateAgainstRange => "range-rate-against-range",
+            Self::TargetAgainstTrack => "target-against-track",
+            Self::CountdownAgainstClock => "countdown-against-clock",
+            Self::CountdownAgainstHistory => "countdown-against-history",
+        }
+    }
+}
+
+/// What a check found over a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Finding {
+    /// Cycles in which it found a contradiction.
+    pub cycles: u64,
+    /// Release of the first of them, s.
+    pub first_s: Option<f64>,
+    /// Largest value seen in a cycle without a contradiction, as a share of the threshold.
+    pub nearest: f64,
+}
+
+/// What each check found.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Findings {
+    of: [Finding; Check::ALL.len()],
+}
+
+impl Findings {
+    /// Notes what `check` found at `time_s`: its value as a share of the threshold.
+    pub(crate) fn note(&mut self, check: Check, time_s: f64, share: f64) -> bool {
+        let finding = &mut self.of[check as usize];
+        let contradicts = share > 1.0;
+        if contradicts {
+            finding.cycles += 1;
+            finding.first_s = finding.first_s.or(Some(time_s));
+        } else {
+            finding.nearest = finding.nearest.max(share);
+        }
+        contradicts
+    }
+
+    /// For the report of the run: the checks that found a contradiction, and how near the others came.
+    #[must_use]
+    pub fn report(&self) -> Vec<CheckReport> {
+        let report = |(check, finding): (Check, &Finding)| CheckReport {
+            check: check.name().to_owned(),
+            cycles: finding.cycles,
+            first_s: finding.first_s,
+            nearest: finding.nearest,
+        };
+        self.iter().map(report).collect()
+    }
+
+    /// Each check with its finding.
+    pub fn iter(&self) -> impl Iterator<Item = (Check, &Finding)> {
+        Check::ALL.into_iter().zip(&self.of)
+    }
+}
+
+/// The inputs as far as they can be believed.
+#[derive(Debug)]
+pub struct Believed<'a> {
+    /// Odometry; `None` if it contradicts something.
+    pub odometry: Option<&'a Odometry>,
+    /// Tracks; `None` if they contradict something.
+    pub radar: Option<&'a RadarTracks>,
+    /// Signal timing, as far as it does not contradict what was announced before.
+    pub spat: Option<&'a Spat>,
+    /// Signal timing was cut down to that.
+    pub signals_contradict: bool,
+}
+
+/// Checks all inputs of one controller.
+#[derive(Debug)]
+pub struct Plausibility {
+    motion: motion::Motion,
+    radar: radar::Radar,
+    countdown: countdown::Countdown,
+    findings: Findings,
+}
+
+impl Plausibility {
+    /// Nothing seen yet. `noisy` of a radar whose figures have noise.
+    #[must_use]
+    pub fn new(noisy: bool) -> Self {
+        Self {
+            motion: motion::Motion::default(),
+            radar: radar::Radar::new(noisy),
+            countdown: countdown::Countdown::default(),
+            findings: Findings::default(),
+        }
+    }
+
+    /// Takes the newest samples at the release at `time_s`, with the request of the last command, m/s².
+    pub fn look<'a>(
+        &'a mut self,
+        odometry: Option<&'a Odometry>,
+        radar: Option<&RadarTracks>,
+        spat: Option<&'a Spat>,
+        commanded_mps2: f64,
+        time_s: f64,
+    ) -> Believed<'a> {
+        let Self { motion, radar: radars, countdown, findings } = self;
+        let ego_mps = odometry.map_or(0.0, |odometry| odometry.speed_mps);
+        let radar = radar.and_then(|sample| radars.look(sample, ego_mps, time_s, findings));
+        let odometry = odometry
+            .filter(|sample| motion.agrees(sample, radar, commanded_mps2, time_s, findings));
+        let (spat, signals_contradict) = match spat {
+            Some(sample) => countdown.look(sample, time_s, findings),
+            None => (None, false),
+        };
+        Believed { odometry, radar, spat, signals_contradict }
+    }
+
+    /// What the checks found so far.
+    #[must_use]
+    pub fn findings(&self) -> &Findings {
+        &self.findings
+    }
+}

@@ -1,0 +1,182 @@
+//! The ego's speed as the radar measures it: by what stands beside the road.
+//!
+//! A standing object at azimuth `phi` has the range rate `-v cos(phi)`; each detection off the ego's lane is
+//! one such measurement of `v`, if it stands. Those within reach of the last estimate (what a vehicle can
+//! gain or lose since) vote, and the median of the votes is the new estimate. The first scan takes
+//! odometry's speed for the last estimate; from then on the two are independent of each other.
+//!
+//! Source: D. Kellner, M. Barjenbruch, J. Klappstein, J. Dickmann, K. Dietmayer, Instantaneous ego-motion
+//! estimation using Doppler radar, ITSC 2013: the velocity profile of standing targets, without its search
+//! for inliers, which the last estimate replaces, and without yaw rate.
+
+use crate::radar::scene::Ego;
+use messages::{Detection, MAX_DETECTIONS};
+
+/// Detections nearer to the ego's axis than this may be vehicles ahead, m.
+const OFF_LANE_M: f64 = 4.5;
+/// Speed by which a standing object's detection may be off, m/s.
+const NOISE_MPS: f64 = 0.6;
+/// Largest acceleration of the ego, m/s².
+const MAX_MPS2: f64 = 12.0;
+/// Fewest detections that make a measurement.
+const LEAST_POINTS: usize = 3;
+/// Time without a measurement after which the next one is not bound to the last, s.
+const FORGOTTEN_S: f64 = 1.0;
+/// Fewest detections that agree when it is not bound.
+const LEAST_UNBOUND: usize = 6;
+/// Difference from which odometry is not believed by the tracker, m/s, and for so many scans in a row.
+const DISAGREES_MPS: f64 = 1.0;
+const DISAGREES_SCANS: u32 = 2;
+
+/// Measures the ego's speed.
+#[derive(Clone, Debug)]
+pub struct EgoSpeed {
+    votes_mps: Vec<f64>,
+    /// The last estimate and its time, ns.
+    last: Option<(f64, i64)>,
+    /// Of the last scan.
+    measured: Option<(f64, u64)>,
+    disagrees: u32,
+}
+
+impl Default for EgoSpeed {
+    fn default() -> Self {
+        let votes_mps = Vec::with_capacity(MAX_DETECTIONS);
+        Self { votes_mps, last: None, measured: None, disagrees: 0 }
+    }
+}
+
+impl EgoSpeed {
+    /// The measurement of the last scan, m/s, and the detections behind it.
+    #[must_use]
+    pub fn measured(&self) -> Option<(f64, u64)> {
+        self.measured
+    }
+
+    /// Takes the scan of `time_ns`; `told` is what odometry says. Returns the motion for the tracker to
+    /// work with: odometry's, or the measured one where odometry is missing or contradicts it.
+    /// Allocates nothing.
+    pub fn take_scan(&mut self, time_ns: i64, told: Option<Ego>, detections: &[Detection]) -> Ego {
+        let known = self.last.or_else(|| told.map(|told| (told.speed_mps, time_ns)));
+        self.vote(detections);
+        let elapsed_s = known.map_or(0.0, |(_, then_ns)| (time_ns - then_ns) as f64 * 1e-9);
+        let speed_mps = match known {
+            Some((last_mps, _)) if elapsed_s <= FORGOTTEN_S => {
+                median_near(&self.votes_mps, last_mps, NOISE_MPS + MAX_MPS2 * elapsed_s)
+                    .filter(|(_, points)| *points >= LEAST_POINTS)
+            }
+            _ => densest(&self.votes_mps).filter(|(_, points)| *points >= LEAST_UNBOUND),
+        };
+        self.measured = speed_mps.map(|(mps, points)| (mps.max(0.0), points as u64));
+        if let Some((mps, _)) = self.measured {
+            self.last = Some((mps, time_ns));
+        }
+        self.choose(told)
+    }
+
+    fn choose(&mut self, told: Option<Ego>) -> Ego {
+        let last_mps = self.last.map(|(mps, _)| mps);
+        let of_measured = |mps| Ego { speed_mps: mps, ..Ego::default() };
+        let Some(told) = told else { return last_mps.map_or(Ego::default(), of_measured) };
+        if let Some((mps, _)) = self.measured {
+            let differs = (mps - told.speed_mps).abs() > DISAGREES_MPS;
+            self.disagrees = if differs { self.disagrees + 1 } else { 0 };
+        }
+        match last_mps {
+            Some(mps) if self.disagrees >= DISAGREES_SCANS => of_measured(mps),
+            _ => told,
+        }
+    }
+
+    /// Lists what each detection off the lane would say of the ego's speed if it stood, in order.
+    fn vote(&mut self, detections: &[Detection]) {
+        self.votes_mps.clear();
+        for detection in detections {
+            let (cosine, sine) =
+                (libm::cos(detection.azimuth_rad), libm::sin(detection.azimuth_rad));
+            let is_beside = (detection.range_m * sine).abs() > OFF_LANE_M && cosine > 0.5;
+            if is_beside && detection.ambiguity_group == 0 {
+                self.votes_mps.push(-detection.range_rate_mps / cosine);
+            }
+        }
+        self.votes_mps.sort_unstable_by(f64::total_cmp);
+    }
+}
+
+/// The median of the sorted votes within `reach` of `at`, and how many they are.
+fn median_near(votes: &[f64], at: f64, reach: f64) -> Option<(f64, usize)> {
+    let from = votes.partition_point(|vote| *vote < at - reach);
+    let to = votes.partition_point(|vote| *vote <= at + reach);
+    let near = votes.get(from..to).filter(|near| !near.is_empty())?;
+    Some((near[near.len() / 2], near.len()))
+}
+
+/// The median of the densest window of the sorted votes, and how many are in it.
+fn densest(votes: &[f64]) -> Option<(f64, usize)> {
+    let around = votes.iter().filter_map(|vote| median_near(votes, *vote, NOISE_MPS));
+    around.max_by_key(|(_, points)| *points)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bytemuck::Zeroable;
+
+    /// Detections of posts at 8 m beside the road and of `others` vehicles two lanes over, at `other_mps`.
+    fn scan(ego_mps: f64, others: usize, other_mps: f64) -> Vec<Detection> {
+        let detection = |x_m: f64, y_m: f64, speed_mps: f64, noise: f64| {
+            let azimuth_rad = libm::atan2(y_m, x_m);
+            Detection {
+                range_m: libm::sqrt(x_m * x_m + y_m * y_m),
+                range_rate_mps: (speed_mps - ego_mps) * libm::cos(azimuth_rad) + noise,
+                azimuth_rad,
+                ..Detection::zeroed()
+            }
+        };
+        let posts = (0..6).map(|k| {
+            let side = if k % 2 == 0 { 8.0 } else { -9.0 };
+            detection(25.0 + 15.0 * f64::from(k), side, 0.0, 0.1 * f64::from(k - 3))
+        });
+        posts
+            .chain((0..others).map(|k| detection(30.0 + 0.5 * k as f64, 7.0, other_mps, 0.0)))
+            .collect()
+    }
+
+    fn told(speed_mps: f64) -> Option<Ego> {
+        Some(Ego { speed_mps, ..Ego::default() })
+    }
+
+    #[test]
+    fn it_follows_braking_and_a_pack_of_vehicles_does_not_pull_it_away() {
+        let mut speed = EgoSpeed::default();
+        let mut ego_mps: f64 = 25.0;
+        for k in 0..60 {
+            let chosen = speed.take_scan(k * 50_000_000, told(ego_mps), &scan(ego_mps, 12, 20.0));
+            let (measured, points) = speed.measured().expect("six posts");
+            assert!((measured - ego_mps).abs() < 0.5 && points >= 3, "{measured} for {ego_mps}");
+            assert_eq!(chosen.speed_mps, ego_mps, "odometry agrees");
+            ego_mps = (ego_mps - 9.0 * 0.05).max(0.0);
+        }
+    }
+
+    #[test]
+    fn odometry_that_is_off_or_missing_gives_way_to_the_measurement() {
+        let mut speed = EgoSpeed::default();
+        speed.take_scan(0, told(20.0), &scan(20.0, 0, 0.0));
+        speed.take_scan(50_000_000, told(24.0), &scan(20.0, 0, 0.0));
+        let chosen = speed.take_scan(100_000_000, told(24.0), &scan(20.0, 0, 0.0));
+        assert!((chosen.speed_mps - 20.0).abs() < 0.3, "{chosen:?}");
+        let chosen = speed.take_scan(150_000_000, None, &scan(20.0, 0, 0.0));
+        assert!((chosen.speed_mps - 20.0).abs() < 0.3, "{chosen:?}");
+        let chosen = speed.take_scan(200_000_000, told(20.0), &scan(20.0, 0, 0.0));
+        assert_eq!(chosen.speed_mps, 20.0, "it agrees again");
+    }
+
+    #[test]
+    fn nothing_beside_the_road_is_no_measurement() {
+        let mut speed = EgoSpeed::default();
+        assert_eq!(speed.take_scan(0, told(20.0), &[]).speed_mps, 20.0);
+        assert_eq!(speed.measured(), None);
+        assert_eq!(speed.take_scan(50_000_000, told(26.0), &[]).speed_mps, 26.0);
+    }
+}

@@ -1,0 +1,149 @@
+//! What the ego meets, by the ground truth: for faults that wait for a phase of the drive, and for the
+//! account of what a campaign's drives met. Nothing that drives uses it.
+
+use crate::longitudinal::State;
+use crate::truth;
+use messages::{PhaseState, SignalTruth, VehicleTruth};
+
+/// Slowest closing speed for which there is a time to collision, m/s.
+const MIN_CLOSING_MPS: f64 = 0.1;
+/// Lateral speed towards the ego's lane from which a vehicle cuts in, m/s.
+const CUT_IN_MPS: f64 = 0.2;
+/// A vehicle whose middle is nearer to the lane's than this has arrived, m, and one farther away than
+/// the second is more than a lane away.
+const CUT_IN_M: (f64, f64) = (0.3, 5.5);
+/// A vehicle farther ahead does not cut in on the ego, m.
+const CUT_IN_AHEAD_M: f64 = 100.0;
+
+/// What the ego meets at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Meets {
+    /// Time to collision with the vehicle ahead, s, infinite without one or when it does not come closer.
+    pub(crate) time_to_collision_s: f64,
+    /// Distance to the next stop line ahead, m, infinite without one.
+    pub(crate) stop_line_m: f64,
+    /// What its signal shows, [`PhaseState`] as a number; 0 without one.
+    pub(crate) signal_state: u32,
+    /// A vehicle ahead moves sideways towards the ego's lane.
+    pub(crate) cut_in: bool,
+}
+
+/// Looks around, once in each period, and remembers where the others were.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Surroundings {
+    /// The sample before the newest one.
+    last: Option<VehicleTruth>,
+    cut_in: bool,
+}
+
+impl Surroundings {
+    /// What an ego in `state` meets at `time_s`.
+    pub(crate) fn of(
+        &mut self,
+        state: &State,
+        time_s: f64,
+        vehicles: Option<&VehicleTruth>,
+        signals: Option<&SignalTruth>,
+    ) -> Meets {
+        if let Some(vehicles) = vehicles {
+            self.observe(state, vehicles);
+        }
+        let ahead = vehicles.and_then(|vehicles| truth::ahead(vehicles, state.position_m, time_s));
+        let closing_mps = ahead.map_or(0.0, |ahead| state.speed_mps - ahead.speed_mps);
+        let time_to_collision_s = match ahead {
+            Some(ahead) if closing_mps > MIN_CLOSING_MPS => ahead.gap_m.max(0.0) / closing_mps,
+            _ => f64::INFINITY,
+        };
+        let (stop_line_m, signal_state) = signals
+            .and_then(|signals| next_line(signals, state.position_m, time_s))
+            .unwrap_or((f64::INFINITY, 0));
+        Meets { time_to_collision_s, stop_line_m, signal_state, cut_in: self.cut_in }
+    }
+
+    fn observe(&mut self, state: &State, now: &VehicleTruth) {
+        let Some(last) = self.last else {
+            self.last = Some(*now);
+            return;
+        };
+        let elapsed_s = (now.header.acquisition_ns - last.header.acquisition_ns) as f64 / 1e9;
+        if elapsed_s <= 0.0 {
+            return;
+        }
+        let count = usize::try_from(now.count).map_or(0, |count| count.min(now.vehicles.len()));
+        let same = now.count == last.count;
+        self.cut_in = same
+            && now.vehicles[..count].iter().zip(&last.vehicles).any(|(now, last)| {
+                let inward_mps = (last.lateral_m.abs() - now.lateral_m.abs()) / elapsed_s;
+                let ahead_m = now.rear_position_m - state.position_m;
+                inward_mps > CUT_IN_MPS
+                    && (CUT_IN_M.0..CUT_IN_M.1).contains(&now.lateral_m.abs())
+                    && (0.0..CUT_IN_AHEAD_M).contains(&ahead_m)
+            });
+        self.last = Some(*now);
+    }
+}
+
+/// Distance to the next stop line, m, and what its signal shows at `time_s`.
+fn next_line(truth: &SignalTruth, position_m: f64, time_s: f64) -> Option<(f64, u32)> {
+    let count = usize::try_from(truth.count).map_or(0, |count| count.min(truth.lanes.len()));
+    let lines = truth.lanes[..count].iter().zip(&truth.signals);
+    let ahead = lines.filter(|(lane, _)| lane.stop_line_m > position_m);
+    ahead.min_by(|a, b| a.0.stop_line_m.total_cmp(&b.0.stop_line_m)).map(|(lane, signal)| {
+        let intervals = &signal.intervals
+            [..usize::try_from(signal.count).map_or(0, |n| n.min(signal.intervals.len()))];
+        let shown = intervals.iter().find(|interval| interval.likely_end_s > time_s);
+        let state = shown.map_or(PhaseState::StopAndRemain.to_wire(), |interval| interval.state);
+        (lane.stop_line_m - position_m, state)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bytemuck::Zeroable;
+
+    const EGO: State = State { position_m: 100.0, speed_mps: 20.0, acceleration_mps2: 0.0 };
+
+    fn vehicle(time_s: f64, lateral_m: f64, in_lane: u64) -> VehicleTruth {
+        let mut truth = VehicleTruth::zeroed();
+        truth.header.acquisition_ns = (time_s * 1e9) as i64;
+        truth.count = 1;
+        truth.vehicles[0].rear_position_m = 130.0;
+        truth.vehicles[0].speed_mps = 15.0;
+        (truth.vehicles[0].lateral_m, truth.vehicles[0].in_lane) = (lateral_m, in_lane);
+        truth
+    }
+
+    #[test]
+    fn a_vehicle_that_comes_over_cuts_in_until_it_has_arrived() {
+        let mut around = Surroundings::default();
+        let meets = |around: &mut Surroundings, time_s, lateral_m| {
+            around.of(&EGO, time_s, Some(&vehicle(time_s, lateral_m, 0)), None)
+        };
+        assert!(!meets(&mut around, 0.0, 3.5).cut_in);
+        assert!(!meets(&mut around, 0.1, 3.5).cut_in, "beside the lane");
+        assert!(meets(&mut around, 0.2, 3.4).cut_in);
+        assert!(meets(&mut around, 0.2, 3.4).cut_in, "the same sample again");
+        assert!(!meets(&mut around, 0.3, 3.45).cut_in, "on its way out");
+        assert!(!meets(&mut around, 0.4, 0.2).cut_in, "arrived");
+        let near = around.of(&EGO, 0.5, Some(&vehicle(0.5, 0.0, 1)), None);
+        assert!((near.time_to_collision_s - 30.0 / 5.0).abs() < 1e-9);
+        assert_eq!((near.stop_line_m, near.signal_state), (f64::INFINITY, 0));
+    }
+
+    #[test]
+    fn the_next_line_shows_what_its_signal_shows_now() {
+        let mut truth = SignalTruth::zeroed();
+        truth.count = 2;
+        truth.lanes[0].stop_line_m = 90.0;
+        truth.lanes[1].stop_line_m = 150.0;
+        truth.signals[1].count = 2;
+        truth.signals[1].intervals[0].state = PhaseState::ProtectedMovementAllowed.to_wire();
+        truth.signals[1].intervals[0].likely_end_s = 5.0;
+        truth.signals[1].intervals[1].state = PhaseState::StopAndRemain.to_wire();
+        truth.signals[1].intervals[1].likely_end_s = 9.0;
+        let at = |time_s| Surroundings::default().of(&EGO, time_s, None, Some(&truth));
+        assert_eq!((at(4.9).stop_line_m, at(4.9).signal_state), (50.0, 6));
+        assert_eq!(at(5.0).signal_state, 3);
+    }
+}

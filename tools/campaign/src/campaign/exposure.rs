@@ -1,0 +1,225 @@
+//! What drives meet: how near they come to what a fault could turn into an accident, and in which phase
+//! of the drive each fault struck. A campaign whose faults strike where nothing happens shows nothing.
+
+use group::{DriveStep, FaultRecord};
+use messages::PhaseState;
+use scenario::Scenario;
+use scenario::faults::STANDSTILL_MPS;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Time to collision below which a phase is critical, s.
+pub const CRITICAL_TTC_S: f64 = 4.0;
+/// Braking above which it is, m/s².
+pub const CRITICAL_BRAKING_MPS2: f64 = 1.5;
+/// Distance to a red line below which it is, m.
+pub const CRITICAL_LINE_M: f64 = 80.0;
+/// How long a fault of a process whose recovery is not known is taken to last, s.
+const PROCESS_FAULT_S: f64 = 0.1;
+
+/// A phase of the drive in which a fault can do harm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// The time to collision is short.
+    Closing,
+    /// A red line is near.
+    RedLine,
+    /// The ego brakes.
+    Braking,
+    /// A vehicle moves into the ego's lane.
+    CutIn,
+    /// The ego stands.
+    Standstill,
+}
+
+impl Phase {
+    /// All phases.
+    pub const ALL: [Self; 5] =
+        [Self::Closing, Self::RedLine, Self::Braking, Self::CutIn, Self::Standstill];
+
+    /// Name in results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Closing => "closing",
+            Self::RedLine => "red-line",
+            Self::Braking => "braking",
+            Self::CutIn => "cut-in",
+            Self::Standstill => "standstill",
+        }
+    }
+
+    /// True if a drive is in this phase at `step`.
+    pub fn holds(self, step: &DriveStep) -> bool {
+        match self {
+            Self::Closing => step.time_to_collision_s < CRITICAL_TTC_S,
+            Self::RedLine => {
+                step.signal == Some(PhaseState::StopAndRemain) && step.stop_line_m < CRITICAL_LINE_M
+            }
+            Self::Braking => step.acceleration_mps2 < -CRITICAL_BRAKING_MPS2,
+            Self::CutIn => step.cut_in,
+            Self::Standstill => step.speed_mps < STANDSTILL_MPS,
+        }
+    }
+}
+
+/// In which phases the faults of a run struck.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Struck {
+    /// Faults that acted.
+    pub faults: u64,
+    /// Those that acted in a critical phase.
+    pub critical: u64,
+    /// How many acted in each phase.
+    pub phases: BTreeMap<String, u64>,
+}
+
+impl Struck {
+    /// What the faults of a drive met.
+    pub fn of(scenario: &Scenario, faults: &[FaultRecord], steps: &[DriveStep]) -> Self {
+        let mut struck = Self::default();
+        for record in faults {
+            let asked = scenario.faults.get(record.number as usize);
+            // What never acted on a message met nothing.
+            let Some(fault) = asked.filter(|_| record.messages != Some(0)) else { continue };
+            struck.faults += 1;
+            let end_s = match (record.recovered_after_us, fault.effect.extent()) {
+                (Some(after_us), _) => record.t_s + after_us / 1e6,
+                (None, Some(extent)) => {
+                    extent.for_s.map_or(f64::INFINITY, |for_s| record.t_s + for_s.value())
+                }
+                (None, None) => record.t_s + PROCESS_FAULT_S,
+            };
+            let from = steps.partition_point(|step| step.time_s < record.t_s).saturating_sub(1);
+            let during = || steps[from..].iter().take_while(|step| step.time_s <= end_s);
+            let met: Vec<Phase> = Phase::ALL
+                .into_iter()
+                .filter(|phase| during().any(|step| phase.holds(step)))
+                .collect();
+            struck.critical += u64::from(!met.is_empty());
+            for phase in met {
+                *struck.phases.entry(phase.name().to_owned()).or_insert(0) += 1;
+            }
+        }
+        struck
+    }
+}
+
+/// What a drive without faults meets.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Exposure {
+    pub scenario: String,
+    pub controller: String,
+    /// Hardest braking, m/s².
+    pub max_braking_mps2: f64,
+    /// Least time to collision, s; null if it never came closer to anything.
+    pub min_ttc_s: Option<f64>,
+    /// Signals that showed yellow, or red, when the ego was near.
+    pub met_on_yellow: u64,
+    pub met_on_red: u64,
+    /// Time in standstill, and with a vehicle on its way into the lane, s.
+    pub standstill_s: f64,
+    pub cut_in_s: f64,
+    /// Share of the drive in a critical phase.
+    pub critical_share: f64,
+}
+
+impl Exposure {
+    /// Of a drive with evenly spaced steps.
+    pub fn of(scenario: String, controller: String, steps: &[DriveStep]) -> Self {
+        let period_s = match steps {
+            [first, second, ..] => second.time_s - first.time_s,
+            _ => 0.0,
+        };
+        let time_s = |in_it: &dyn Fn(&DriveStep) -> bool| {
+            steps.iter().filter(|step| in_it(step)).count() as f64 * period_s
+        };
+        let critical = |step: &DriveStep| Phase::ALL.iter().any(|phase| phase.holds(step));
+        let braking = steps.iter().map(|step| -step.acceleration_mps2);
+        let ttc = steps.iter().map(|step| step.time_to_collision_s).filter(|ttc| ttc.is_finite());
+        Self {
+            scenario,
+            controller,
+            max_braking_mps2: braking.fold(0.0, f64::max),
+            min_ttc_s: ttc.reduce(f64::min),
+            met_on_yellow: met(steps, PhaseState::ProtectedClearance),
+            met_on_red: met(steps, PhaseState::StopAndRemain),
+            standstill_s: time_s(&|step| Phase::Standstill.holds(step)),
+            cut_in_s: time_s(&|step| step.cut_in),
+            critical_share: time_s(&critical) / (steps.len() as f64 * period_s).max(f64::EPSILON),
+        }
+    }
+}
+
+/// How many lines were near while their signal showed `state`.
+fn met(steps: &[DriveStep], state: PhaseState) -> u64 {
+    let mut count = 0;
+    let mut last_m = None::<f64>;
+    for step in
+        steps.iter().filter(|step| step.signal == Some(state) && step.stop_line_m < CRITICAL_LINE_M)
+    {
+        let line_m = step.position_m + step.stop_line_m;
+        if last_m.is_none_or(|last_m| (line_m - last_m).abs() > 1.0) {
+            count += 1;
+        }
+        last_m = Some(line_m);
+    }
+    count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 10 s at 20 m/s; from 4 s to 6 s it brakes towards a red line at 130 m.
+    fn steps() -> Vec<DriveStep> {
+        (0..100_u32)
+            .map(|k| {
+                let time_s = 0.1 * f64::from(k);
+                let brakes = (4.0..6.0).contains(&time_s);
+                DriveStep {
+                    time_s,
+                    position_m: 20.0 * time_s,
+                    speed_mps: 20.0,
+                    acceleration_mps2: if brakes { -3.0 } else { 0.0 },
+                    time_to_collision_s: if brakes { 5.0 } else { f64::INFINITY },
+                    stop_line_m: if time_s < 6.5 { 130.0 - 20.0 * time_s } else { f64::INFINITY },
+                    signal: (time_s < 6.5).then_some(PhaseState::StopAndRemain),
+                    ..DriveStep::default()
+                }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_fault_counts_in_the_phases_that_it_met() {
+        let text = "schema_version = 1\nname = \"x\"\n[[faults]]\nkind = \"drop\"\n\
+            topic = \"radar/tracks\"\nat_s = 1\nfor_s = 1\n[[faults]]\nkind = \"drop\"\n\
+            topic = \"radar/tracks\"\nat_s = 3.5\nfor_s = 1\n[[faults]]\nkind = \"drop\"\n\
+            topic = \"v2x/spat\"\nat_s = 4\nfor_s = 1\n";
+        let scenario = Scenario::parse("x.toml", text).expect("it is right");
+        let record = |number: u32, t_s: f64, messages| FaultRecord {
+            t_s,
+            kind: "drop".into(),
+            service: None,
+            topic: None,
+            messages: Some(messages),
+            detected_after_us: None,
+            recovered_after_us: None,
+            number,
+            awaits: None,
+        };
+        let faults = [record(0, 1.0, 20), record(1, 3.5, 20), record(2, 4.0, 0)];
+        let struck = Struck::of(&scenario, &faults, &steps());
+        assert_eq!((struck.faults, struck.critical), (2, 1));
+        let phases: Vec<_> = struck.phases.into_iter().collect();
+        assert_eq!(phases, [("braking".to_owned(), 1), ("red-line".to_owned(), 1)]);
+    }
+
+    #[test]
+    fn a_drive_is_known_by_what_it_met() {
+        let met = Exposure::of("x".into(), "y".into(), &steps());
+        assert_eq!((met.max_braking_mps2, met.min_ttc_s), (3.0, Some(5.0)));
+        assert_eq!((met.met_on_red, met.met_on_yellow, met.standstill_s), (1, 0, 0.0));
+        assert!((met.critical_share - 0.4).abs() < 0.02, "{met:?}");
+    }
+}
