@@ -182,7 +182,7 @@ impl Loop {
             controller::Release::Radar => {
                 runtime.next_release_by(&mut self.radar, self.fallback_ns)?
             }
-            controller::Release::Timer => runtime.next_release(Overrun::Skip),
+            controller::Release::Timer => runtime.next_release(Overrun::Skip)?,
         };
         let Some(release) = release else { return Ok(Cycle::Last) };
         let before = runtime.usage();

@@ -41,16 +41,19 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     }
     runtime.begin(&scenario)?;
     runtime.run_cycles(|runtime| {
-        let Some(release) = runtime.next_release(Overrun::Skip) else { return Ok(Cycle::Last) };
+        let Some(release) = runtime.next_release(Overrun::Skip)? else { return Ok(Cycle::Last) };
         runtime.update(&mut odometry)?;
         runtime.update(&mut ego_truth)?;
         // The radar measures from where the ego is, not from where it was last heard of.
         let ego = ego_truth.newest().map_or(start, |truth| true_at(truth, release.time_s));
         let told = told_at(odometry.newest(), start, &release);
         let time_ns = release.scheduled_ns.unsigned_abs();
+        if runtime.is_standby() {
+            follow(&mut perception, checkpoint.as_mut(), time_ns);
+        }
         let mut detections = output.loan()?;
         let list = *perception.step_told(time_ns, &ego, told, output.room(detections.as_mut()));
-        if let Some(checkpoint) = &mut checkpoint {
+        if let Some(checkpoint) = checkpoint.as_mut().filter(|_| !runtime.is_standby()) {
             checkpoint.save(&perception.traffic().snapshot())?;
         }
 
@@ -71,6 +74,15 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         Ok(Cycle::Next)
     })?;
     runtime.finish(Details::Perception(Box::new(perception.report())))
+}
+
+/// Takes the traffic as the active process has it: there is one, and a standby does not move it.
+fn follow(perception: &mut Perception, kept: Option<&mut Checkpoint<Snapshot>>, time_ns: u64) {
+    let kept = kept.and_then(Checkpoint::restore);
+    // A standby that is late by a period finds a state of after its own step.
+    if let Some(kept) = kept.filter(|kept| kept.newest_ns() <= time_ns) {
+        perception.traffic().restore(&kept);
+    }
 }
 
 /// Where the radar writes its detections, and what sends them.

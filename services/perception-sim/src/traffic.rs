@@ -38,6 +38,14 @@ pub struct Traffic {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Snapshot([Option<Base>; MAX_ACTORS], Option<State>);
 
+impl Snapshot {
+    /// Simulated time of the newest part of it, ns; 0 without vehicles.
+    #[must_use]
+    pub fn newest_ns(&self) -> u64 {
+        self.0.iter().flatten().map(|base| base.time_ns).max().unwrap_or(0)
+    }
+}
+
 /// A vehicle and what moves it.
 #[derive(Clone, Debug)]
 struct Mover {

@@ -185,7 +185,7 @@ impl Plant {
     }
 
     fn cycle(&mut self, runtime: &mut Runtime) -> Result<Cycle, RuntimeError> {
-        let Some(release) = runtime.next_release(Overrun::CatchUp) else {
+        let Some(release) = runtime.next_release(Overrun::CatchUp)? else {
             return Ok(Cycle::Last);
         };
         self.publish(&release)?;

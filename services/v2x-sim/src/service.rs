@@ -25,7 +25,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     let mut preview = Previews::open(&mut runtime, &scenario)?;
     runtime.begin(&scenario)?;
     runtime.run_cycles(|runtime| {
-        let Some(release) = runtime.next_release(Overrun::Skip) else { return Ok(Cycle::Last) };
+        let Some(release) = runtime.next_release(Overrun::Skip)? else { return Ok(Cycle::Last) };
         runtime.update(&mut ego)?;
         let ego_m = ego.newest().map_or(0.0, |ego| ego.position_m);
         let header = Header::new(release.step, release.scheduled_ns, Origins::NONE);

@@ -15,8 +15,10 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::atomic::Ordering;
 
-/// Words for the cycles and the skipped releases, before those of the topics.
+/// Words for the cycles, the skipped releases and the progress, before those of the topics.
 const HEAD: usize = 16;
+/// The word that counts all cycles, also those of a standby.
+const PROGRESS: usize = 2;
 /// Words of a topic.
 const STRIDE: usize = 16;
 /// Bits of a topic's first word.
@@ -56,9 +58,12 @@ impl Account {
         service: Service,
         incarnation: u32,
     ) -> Result<Self, RuntimeError> {
-        SharedWords::map(&name(&group.prefix, service, incarnation))
-            .map(Self)
-            .map_err(|e| RuntimeError::Setup(format!("the account in shared memory: {e}")))
+        page(group, service, incarnation).map(Self)
+    }
+
+    /// Shows that another cycle is done: the `cycles`th of this process.
+    pub(super) fn show_progress(&self, cycles: u64) {
+        self.put(PROGRESS, cycles);
     }
 
     /// Writes what was counted so far.
@@ -134,6 +139,41 @@ impl Account {
     }
 }
 
+/// The page of a process.
+pub(super) fn page(
+    group: &Group,
+    service: Service,
+    incarnation: u32,
+) -> Result<SharedWords, RuntimeError> {
+    SharedWords::map(&name(&group.prefix, service, incarnation))
+        .map_err(|e| RuntimeError::Setup(format!("the account in shared memory: {e}")))
+}
+
+/// Cycles that the process with this page has done, silent ones included; they wrap at 2³².
+pub(super) fn progress(page: &SharedWords) -> u32 {
+    page.word(PROGRESS).load(Ordering::Relaxed)
+}
+
+/// The progress of a process, as another one sees it.
+#[derive(Debug)]
+pub struct Progress(SharedWords);
+
+impl Progress {
+    /// That of process `incarnation` of `service`.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Setup`] if its page is not to be had.
+    pub fn of(group: &Group, service: Service, incarnation: u32) -> Result<Self, RuntimeError> {
+        page(group, service, incarnation).map(Self)
+    }
+
+    /// Cycles that it has done, silent ones included; they wrap at 2³².
+    #[must_use]
+    pub fn cycles(&self) -> u32 {
+        progress(&self.0)
+    }
+}
+
 /// First word of a topic.
 fn place(topic: Topic) -> usize {
     HEAD + topic as usize * STRIDE
@@ -165,6 +205,7 @@ mod tests {
             root: "/tmp".into(),
             prefix: format!("timegap_account-{}_", std::process::id()),
             mode: Mode::Realtime,
+            standby: Vec::new(),
             timetable: Timetable { step_ns: 1, strides: [1; Service::ALL.len()], last_step: 1 },
             patience_ns: 1,
             scenario: String::new(),

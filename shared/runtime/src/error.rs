@@ -64,6 +64,9 @@ pub enum RuntimeError {
     /// The launcher asked for an end while the service was waiting.
     #[error("stopped by the launcher")]
     Stopped,
+    /// The service's standby has taken over: nothing that this process sends is used any more.
+    #[error("replaced by the standby")]
+    Replaced,
     /// The link to the launcher broke or carried nonsense.
     #[error("link to the launcher: {0}")]
     Link(String),

@@ -1,6 +1,7 @@
 //! The group file: what the launcher tells every process of a run, once.
 
 use super::{Mode, RuntimeError, Timetable};
+use messages::Service;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -15,6 +16,8 @@ pub struct Group {
     pub mode: Mode,
     /// Periods.
     pub timetable: Timetable,
+    /// Services that have a standby.
+    pub standby: Vec<Service>,
     /// Wall time after which a wait for a due sample gives up in lockstep, ns.
     pub patience_ns: i64,
     /// The effective scenario, TOML.

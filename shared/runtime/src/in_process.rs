@@ -39,7 +39,7 @@ const PATIENCE_NS: i64 = 60_000_000_000;
 ///     let mut odometry = runtime.publisher::<Odometry>()?;
 ///     runtime.begin(&runtime.scenario())?;
 ///     runtime.run_cycles(|runtime| {
-///         let Some(release) = runtime.next_release(Overrun::Skip) else { return Ok(Cycle::Last) };
+///         let Some(release) = runtime.next_release(Overrun::Skip)? else { return Ok(Cycle::Last) };
 ///         odometry.send_with(|message| {
 ///             message.header = Header::new(release.step, release.scheduled_ns, Origins::NONE);
 ///             message.speed_mps = 20.0;
@@ -54,7 +54,7 @@ const PATIENCE_NS: i64 = 60_000_000_000;
 ///     let mut odometry = runtime.subscriber::<Odometry>()?;
 ///     runtime.begin(&runtime.scenario())?;
 ///     runtime.run_cycles(|runtime| {
-///         let Some(_) = runtime.next_release(Overrun::Skip) else { return Ok(Cycle::Last) };
+///         let Some(_) = runtime.next_release(Overrun::Skip)? else { return Ok(Cycle::Last) };
 ///         // In lockstep this waits for the sample that is due.
 ///         runtime.update(&mut odometry)?;
 ///         assert_eq!(odometry.newest().map(|message| message.speed_mps), Some(20.0));
@@ -104,6 +104,7 @@ impl InProcess {
             prefix: String::new(),
             mode: Mode::Lockstep,
             timetable,
+            standby: Vec::new(),
             patience_ns: PATIENCE_NS,
             scenario: String::new(),
         };
@@ -153,7 +154,7 @@ impl InProcess {
     pub fn begin(&self) {
         for member in &self.members {
             // Simulated time has no instant on the wall.
-            member.desk.start.set(Some(StartOrder { start_ns: 0 }));
+            member.desk.start.set(Some(StartOrder { start_ns: 0, standby_for: None }));
         }
     }
 

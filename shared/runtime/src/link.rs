@@ -3,9 +3,11 @@
 //! The launcher writes [`ToService`] to the service's standard input and reads [`FromService`] from
 //! its standard output. The end of the input is the launcher's death, and an order to stop at once.
 
+use super::RuntimeError;
 use super::coroutine::Pause;
 use super::faults::{Inbox, Injected};
-use super::{RuntimeError, scheduling::Granted};
+use super::scheduling::{Granted, set_fifo_of};
+use super::standby::{ActiveProcess, OrderSlot, TakeOver};
 use crate::report::ServiceReport;
 use serde::{Deserialize, Serialize};
 use std::cell::{Cell, RefCell};
@@ -13,7 +15,7 @@ use std::collections::VecDeque;
 use std::io::{BufRead, Write};
 use std::rc::Rc;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
 
 /// The common start instant.
@@ -21,6 +23,9 @@ use std::sync::mpsc::{Receiver, sync_channel};
 pub struct StartOrder {
     /// Run time 0, in `CLOCK_MONOTONIC` ns.
     pub start_ns: i64,
+    /// The process that this one is to stand by for; none for an active process.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub standby_for: Option<ActiveProcess>,
 }
 
 /// What the launcher says to a service.
@@ -33,6 +38,8 @@ pub enum ToService {
     StopAfter(u64),
     /// A fault to act out.
     Inject(Injected),
+    /// The active process is gone: take the service over. For a standby.
+    TakeOver,
     /// Bring the vehicle to a stop in lane and end: for the plant.
     SafeStop,
     /// End at once.
@@ -49,6 +56,8 @@ pub const PEER_JOINED: i32 = signal_hook::consts::SIGURG;
 pub enum FromService {
     /// All ports are open; what the kernel granted.
     Ready(Granted),
+    /// This process was the standby, and is the active one now.
+    TookOver(TakeOver),
     /// The service reached the end it was told, with this report.
     Report(Box<ServiceReport>),
     /// The plant ended the run in this step; the others may finish it.
@@ -94,6 +103,10 @@ pub(super) struct Link {
     pub(super) joined: Arc<AtomicBool>,
     /// The vehicle is to be brought to a stop.
     pub(super) safe_stop: Arc<AtomicBool>,
+    /// Where a standby hears that it is to take over.
+    pub(super) take_over: OrderSlot,
+    /// The thread that reads; 0 without one.
+    thread: Arc<AtomicI32>,
 }
 
 /// How the link's messages go.
@@ -123,6 +136,17 @@ impl Link {
             inbox: Inbox::default(),
             joined: Arc::default(),
             safe_stop: Arc::default(),
+            take_over: OrderSlot::default(),
+            thread: Arc::default(),
+        }
+    }
+
+    /// Gives the thread that reads the lowest real-time priority: a process that is killed is gone when
+    /// all its threads are, and on a busy machine an ordinary one waits for a processor to end on.
+    pub(super) fn raise_thread(&self) {
+        let thread = self.thread.load(Ordering::Acquire);
+        if thread > 0 {
+            set_fifo_of(thread, 1);
         }
     }
 
@@ -137,10 +161,15 @@ impl Link {
         let (orders, inbox) = (end.clone(), Inbox::default());
         let safe_stop = Arc::new(AtomicBool::new(false));
         let (faults, stop) = (inbox.clone(), Arc::clone(&safe_stop));
+        let take_over = OrderSlot::default();
+        let slot = take_over.clone();
+        let thread = Arc::new(AtomicI32::new(0));
+        let own = Arc::clone(&thread);
         std::thread::Builder::new()
             .name("link".into())
             .stack_size(128 * 1024)
             .spawn(move || {
+                own.store(rustix::thread::gettid().as_raw_pid(), Ordering::Release);
                 for line in std::io::stdin().lock().lines() {
                     match line.ok().and_then(|l| serde_json::from_str::<ToService>(&l).ok()) {
                         Some(ToService::Start(order)) => {
@@ -149,6 +178,7 @@ impl Link {
                         }
                         Some(ToService::StopAfter(step)) => orders.set_before(step + 1),
                         Some(ToService::Inject(injected)) => faults.put(injected),
+                        Some(ToService::TakeOver) => slot.take_over(),
                         Some(ToService::SafeStop) => stop.store(true, Ordering::Relaxed),
                         Some(ToService::Abort) | None => orders.set_before(0),
                     }
@@ -156,7 +186,7 @@ impl Link {
                 orders.set_before(0);
             })
             .map_err(|e| RuntimeError::Link(format!("thread: {e}")))?;
-        Ok(Self { way: Way::Streams(start), end, inbox, joined, safe_stop })
+        Ok(Self { way: Way::Streams(start), end, inbox, joined, safe_stop, take_over, thread })
     }
 
     /// Waits for the start order.

@@ -19,6 +19,10 @@ const FILE: &str = "members";
 const LISTENER: &str = "listener";
 /// Longest list that is read, bytes.
 const LONGEST_LIST: usize = 64 * 1024;
+/// Lines from which on those of processes that are gone are taken out.
+const MANY_LINES: usize = 128;
+/// Newest lines, which stay: messages of a process that is gone may still be on their way.
+const NEWEST_LINES: usize = 64;
 
 /// Enters process `pid` as restart `incarnation` of `service` of the run at `root`.
 ///
@@ -30,7 +34,8 @@ pub fn enroll(
     incarnation: u32,
     pid: u32,
 ) -> Result<(), RuntimeError> {
-    append(root, &format!("{} {incarnation} {pid}\n", service.to_wire()))
+    append(root, &format!("{} {incarnation} {pid}\n", service.to_wire()))?;
+    thin_out(root)
 }
 
 /// Enters process `pid` as one that listens to the run at `root`: in lockstep senders wait for it.
@@ -50,6 +55,27 @@ fn append(root: &Path, line: &str) -> Result<(), RuntimeError> {
         .open(&path)
         .and_then(|mut file| file.write_all(line.as_bytes()))
         .map_err(|e| RuntimeError::GroupFile { path, reason: e.to_string() })
+}
+
+/// Takes processes that are gone out of a long list. Readers find the list before or after that.
+fn thin_out(root: &Path) -> Result<(), RuntimeError> {
+    let path = root.join(FILE);
+    let error =
+        |e: std::io::Error| RuntimeError::GroupFile { path: path.clone(), reason: e.to_string() };
+    let text = std::fs::read_to_string(&path).map_err(error)?;
+    let lines: Vec<&str> = text.lines().collect();
+    let Some(old) = lines.len().checked_sub(NEWEST_LINES).filter(|_| lines.len() > MANY_LINES)
+    else {
+        return Ok(());
+    };
+    let lives = |line: &&&str| {
+        let pid = line.rsplit(' ').next().unwrap_or_default();
+        Path::new("/proc").join(pid).exists()
+    };
+    let kept: Vec<&str> = lines[..old].iter().filter(lives).chain(&lines[old..]).copied().collect();
+    let thinner = root.join("members.new");
+    std::fs::write(&thinner, kept.join("\n") + "\n").map_err(error)?;
+    std::fs::rename(&thinner, &path).map_err(error)
 }
 
 /// The list as a consumer reads it.
@@ -138,14 +164,22 @@ mod tests {
         std::fs::create_dir_all(&root).expect("the temporary directory is writable");
         let members = Members::of(&root);
         assert!(!members.is_member(4, 0, 17), "no list yet");
-        for k in 0..400 {
-            enroll(&root, Service::Controller, k, 1000 + k).expect("ours");
+        // As many as a long run with many restarts has; this test itself is one that lives.
+        let living = std::process::id();
+        enroll(&root, Service::Plant, 0, living).expect("ours");
+        let gone = 0x4000_0000;
+        for k in 0..10_000 {
+            enroll(&root, Service::Controller, k, gone + k).expect("ours");
         }
-        assert!(members.is_member(4, 0, 1000) && members.is_member(4, 399, 1399));
-        assert!(!members.is_member(4, 1, 1000) && !members.is_member(1, 0, 1000));
-        assert!(!members.is_member(4, 400, 1400));
+        assert!(members.is_member(1, 0, living), "it lives");
+        assert!(members.is_member(4, 9_999, gone + 9_999), "it was there until just now");
+        assert!(members.is_member(4, 9_950, gone + 9_950));
+        assert!(!members.is_member(4, 9_998, gone + 9_999) && !members.is_member(1, 0, gone));
+        assert!(!members.is_member(4, 10_000, gone + 10_000));
+        let length = std::fs::metadata(root.join(FILE)).expect("ours").len();
+        assert!(length < 8_192, "{length} bytes");
         enroll_listener(&root, 77).expect("ours");
-        assert!(members.is_in_group(77) && members.is_in_group(1399));
+        assert!(members.is_in_group(77) && members.is_in_group(gone + 9_999));
         assert!(!members.is_in_group(78) && !members.is_in_group(7));
         assert!((0..8).all(|source| !members.is_member(source, 0, 77)), "it sends nothing");
         std::fs::remove_dir_all(&root).expect("ours");

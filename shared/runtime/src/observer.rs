@@ -1,6 +1,7 @@
 //! A listener that takes no part in the run: the launcher.
 
 use super::faults::Faults;
+use super::fence::Fences;
 use super::members::Members;
 use super::port::Tally;
 use super::transport::{Seat, SharedMemory, Transport};
@@ -14,6 +15,7 @@ use std::rc::Rc;
 pub struct Observer {
     transport: Transport,
     members: Rc<Members>,
+    fences: Option<Fences>,
 }
 
 impl Observer {
@@ -24,13 +26,13 @@ impl Observer {
     pub fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
         let members = Rc::new(Members::of(&group.root));
         let transport = Transport::SharedMemory(SharedMemory::join(group, name)?);
-        Ok(Self { transport, members })
+        Ok(Self { transport, members, fences: Fences::of(group)? })
     }
 
     /// A listener in the process of a run.
     pub(super) fn at(seat: Seat) -> Self {
         let transport = Transport::Memory(seat);
-        Self { transport, members: Rc::new(Members::InProcess) }
+        Self { transport, members: Rc::new(Members::InProcess), fences: None }
     }
 
     /// Removes what dead processes left on the topics, so that no sender waits for them.
@@ -45,7 +47,8 @@ impl Observer {
     pub fn listen<T: Carried>(&self) -> Result<Observed<T>, RuntimeError> {
         let port = T::receiver(&self.transport)?;
         let (members, faults) = (Rc::clone(&self.members), Rc::new(Faults::none()));
-        Ok(Observed(Subscriber::new(port, None, members, None, faults, Tally::of_receiver())))
+        let (fences, tally) = (self.fences.clone(), Tally::of_receiver());
+        Ok(Observed(Subscriber::new(port, None, members, fences, None, faults, tally)))
     }
 }
 

@@ -6,8 +6,9 @@
 //! iceoryx2's own event service is here for comparison.
 
 use super::faults::{Faults, SenderFaults};
+use super::gate::Gate;
 use super::members::Members;
-use super::port::Tally;
+use super::port::{Outlet, Tally};
 use super::transport::{Ipc, PAYLOAD_TOPIC, Payload, SharedMemory, Stamp, Transport};
 use super::waking::{Waiter, Waker};
 use super::{Carried, Clock, End, Group, Publisher, RuntimeError, Subscriber, monotonic_ns};
@@ -46,7 +47,7 @@ impl Probe {
     /// # Errors
     /// [`RuntimeError::Topic`].
     pub fn publisher<T: Carried>(&self, source: Service) -> Result<Publisher<T>, RuntimeError> {
-        Ok(Publisher {
+        Ok(Publisher::new(Outlet {
             port: T::sender(&self.transport, End::default())?,
             waker: Some(self.transport.waker(T::TOPIC)),
             clock: Rc::new(Clock::new(self.group.mode, self.group.timetable.step_ns)),
@@ -56,7 +57,9 @@ impl Probe {
             faults: Rc::new(Faults::none()),
             sender_faults: SenderFaults::new(),
             tally: Tally::of_sender(self.group.mode),
-        })
+            gate: Rc::new(Gate::open(source)),
+            held: None,
+        }))
     }
 
     /// The receiving end of `T`'s topic, as a service that it releases has it.
@@ -68,7 +71,7 @@ impl Probe {
         let port = T::receiver(&self.transport)?;
         let members = Rc::new(Members::of(&self.group.root));
         let (faults, tally) = (Rc::new(Faults::none()), Tally::of_receiver());
-        Ok(Subscriber::new(port, waiter, members, None, faults, tally))
+        Ok(Subscriber::new(port, waiter, members, None, None, faults, tally))
     }
 
     /// Waits for samples of `T`'s topic, at most for `timeout`, and hands all to `each`.

@@ -68,6 +68,14 @@ impl Request {
         }
     }
 
+    /// The priority under `SCHED_FIFO`; 0 without.
+    pub(super) fn priority(&self) -> u8 {
+        match self.policy {
+            Policy::Fifo(priority) => priority,
+            Policy::Other => 0,
+        }
+    }
+
     /// Nothing: for runs in simulated time, which share the machine.
     pub(super) const NOTHING: Self = Self { policy: Policy::Other, core: None, lock_memory: false };
 }
@@ -85,6 +93,18 @@ pub struct Granted {
     pub memory_locked: bool,
     /// One sentence for each thing that was not granted.
     pub refused: Vec<String>,
+}
+
+impl Granted {
+    /// True if the loop has a real-time priority.
+    pub(super) fn is_realtime(&self) -> bool {
+        self.granted != Policy::Other.to_string()
+    }
+
+    /// True if the policy in force is the one that was asked for.
+    pub(super) fn has_policy(&self) -> bool {
+        self.requested == self.granted
+    }
 }
 
 /// Applies `request` to the calling thread.
@@ -135,14 +155,30 @@ pub fn lend_to(pid: u32, scenario: &Scenario, service: Service) {
         set.set(core);
         let _ = sched_setaffinity(Pid::from_raw(raw), &set);
     }
-    let priorities = Service::ALL.map(|service| match Request::of(scenario, service).policy {
-        Policy::Fifo(priority) => priority,
-        Policy::Other => 0,
-    });
-    let below = priorities.into_iter().min().unwrap_or(0).saturating_sub(1);
+    let below = below_services(scenario);
     if below > 0 {
         let _ = set_policy_of(raw, libc::SCHED_FIFO, below);
     }
+}
+
+/// The priority below those of all services; 0 for none.
+fn below_services(scenario: &Scenario) -> u8 {
+    let priorities = Service::ALL.map(|service| Request::of(scenario, service).priority());
+    priorities.into_iter().min().unwrap_or(0).saturating_sub(1)
+}
+
+/// Puts the calling thread, which has a service's priority, below all services: a standby must not delay the
+/// active process.
+pub(super) fn set_below_services(scenario: &Scenario) {
+    let below = below_services(scenario);
+    if below > 0 {
+        let _ = set_fifo(below);
+    }
+}
+
+/// Gives thread `thread` of this process `SCHED_FIFO` with this priority, where the machine grants it.
+pub(super) fn set_fifo_of(thread: i32, priority: u8) {
+    let _ = set_policy_of(thread, libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK, priority);
 }
 
 /// What the calling thread has without asking.

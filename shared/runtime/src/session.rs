@@ -3,11 +3,14 @@
 use super::account::Account;
 use super::checkpoint::{Checkpoint, state_path};
 use super::faults::{Faults, SenderFaults};
+use super::fence::Fences;
+use super::gate::Gate;
 use super::link::Link;
 use super::members::Members;
-use super::port::Tally;
+use super::port::{Backlog, Outlet, Tally};
 use super::schedule::Schedule;
 use super::scheduling::{Granted, Request, apply, in_force};
+use super::standby::{ActiveProcess, Standby, TakeOver};
 use super::transport::{Carrier, Connect, Input, Seat, SharedMemory, Transport};
 use super::{
     Carried, Clock, FromService, Group, Mode, Overrun, Publisher, Release, RuntimeError,
@@ -44,6 +47,9 @@ const HEARTBEAT_NS: i64 = 100_000_000;
 
 /// Longest that a restarted service waits for its inputs' last messages; a dead input has none.
 const INPUT_PATIENCE: Duration = Duration::from_millis(15);
+
+/// Exit status of a process whose standby took over.
+const REPLACED: u8 = 3;
 
 /// What a cycle says of the run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,6 +91,13 @@ pub struct Runtime {
     allocations_in_loop: Option<u64>,
     /// In realtime, where a process may die and the run goes on.
     account: Option<Account>,
+    fences: Option<Fences>,
+    gate: Rc<Gate>,
+    /// What the ports keep back while this process is a standby.
+    backlogs: Vec<Rc<dyn Backlog>>,
+    standby: Option<Standby>,
+    /// Cycles and skipped releases of the time as a standby.
+    silent: (u64, u64),
 }
 
 impl Runtime {
@@ -100,8 +113,10 @@ impl Runtime {
         let schedule = Schedule::read(&group.root, service)?;
         let transport = Transport::SharedMemory(SharedMemory::join(&group, service.name())?);
         let members = Members::of(&group.root);
+        let fences = Fences::of(&group)?;
+        let gate = Rc::new(Gate::of(fences.clone(), service, incarnation));
         let this = Self::new(service, group, scenario, transport, members, link);
-        Ok(Self { incarnation, schedule, ..this })
+        Ok(Self { incarnation, schedule, fences, gate, ..this })
     }
 
     /// Joins the group whose services take turns in this thread.
@@ -149,6 +164,11 @@ impl Runtime {
             jitter: Latencies::default(),
             allocations_in_loop: None,
             account: None,
+            fences: None,
+            gate: Rc::new(Gate::open(service)),
+            backlogs: Vec::new(),
+            standby: None,
+            silent: (0, 0),
         }
     }
 
@@ -174,7 +194,7 @@ impl Runtime {
         };
         let port = T::sender(&self.transport, self.link.end.clone())?;
         self.ports.push((T::TOPIC, Rc::clone(&port) as Rc<dyn Connect>));
-        Ok(Publisher {
+        let publisher = Publisher::new(Outlet {
             port,
             waker: awaited.then(|| self.transport.waker(T::TOPIC)),
             clock: Rc::clone(&self.clock),
@@ -184,7 +204,11 @@ impl Runtime {
             faults: Rc::clone(&self.faults),
             sender_faults: SenderFaults::new(),
             tally,
-        })
+            gate: Rc::clone(&self.gate),
+            held: None,
+        });
+        self.backlogs.push(publisher.backlog());
+        Ok(publisher)
     }
 
     /// Opens the receiving end of `T`'s topic.
@@ -212,7 +236,8 @@ impl Runtime {
         self.inputs.push(Rc::clone(&port) as Rc<dyn Input>);
         let (members, faults) = (Rc::clone(&self.members), Rc::clone(&self.faults));
         let clock = Some(Rc::clone(&self.clock));
-        Ok(Subscriber::new(port, waiter, members, clock, faults, tally))
+        let fences = self.fences.clone();
+        Ok(Subscriber::new(port, waiter, members, fences, clock, faults, tally))
     }
 
     /// The effective scenario.
@@ -225,6 +250,13 @@ impl Runtime {
     #[must_use]
     pub fn is_restarted(&self) -> bool {
         self.incarnation > 0
+    }
+
+    /// True while this process computes for the case that the active one of its service ends, and sends
+    /// nothing.
+    #[must_use]
+    pub fn is_standby(&self) -> bool {
+        self.gate.is_standby()
     }
 
     /// Where this service keeps state for the process that may take its place.
@@ -269,16 +301,66 @@ impl Runtime {
             (Carrier::SharedMemory, Mode::Realtime) => apply(&Request::of(scenario, self.service)),
             (Carrier::SharedMemory, Mode::Lockstep) => apply(&Request::NOTHING),
         };
+        if granted.is_realtime() {
+            self.link.raise_thread();
+        }
         self.granted = Some(granted.clone());
-        self.link.say(FromService::Ready(granted))?;
+        self.link.say(FromService::Ready(granted.clone()))?;
         let order = self.link.wait_for_start()?;
         self.clock.start(order.start_ns);
         // All services' ports exist now.
         self.connect()?;
+        match order.standby_for {
+            Some(active) => self.stand_by(scenario, active, &granted)?,
+            None if !self.gate.claim() => return Err(RuntimeError::Replaced),
+            None => {}
+        }
         if self.is_restarted() {
             self.catch_up();
         }
         Ok(())
+    }
+
+    fn stand_by(
+        &mut self,
+        scenario: &Scenario,
+        active: ActiveProcess,
+        granted: &Granted,
+    ) -> Result<(), RuntimeError> {
+        self.gate.set_standby(true);
+        let own = (self.service, self.incarnation);
+        let slot = &self.link.take_over;
+        self.standby = Some(Standby::begin(&self.group, scenario, own, active, granted, slot)?);
+        Ok(())
+    }
+
+    /// Sends what was computed as a standby, if the service was taken over meanwhile.
+    fn finish_take_over(&mut self) -> Result<(), RuntimeError> {
+        let Some(standby) = &self.standby else { return Ok(()) };
+        if standby.stands_by() {
+            return Ok(());
+        }
+        let Some((cause, noticed_ns)) = standby.taken_over() else {
+            return Err(RuntimeError::Replaced);
+        };
+        self.gate.set_standby(false);
+        // What is older than the present period the active process has sent.
+        let present = self.group.timetable.latest_release(
+            self.service,
+            u64::try_from(self.clock.now_ns() / self.group.timetable.step_ns).unwrap_or(0),
+        );
+        let step = self.step;
+        for backlog in self.backlogs.iter().filter(|_| step >= present) {
+            backlog.send_held(step)?;
+        }
+        let sent_ns = super::monotonic_ns();
+        self.standby = None;
+        self.silent = (self.cycles, self.skipped);
+        for (_, tally) in self.received.iter() {
+            tally.borrow_mut().begin_anew();
+        }
+        self.jitter = Latencies::default();
+        self.link.say(FromService::TookOver(TakeOver { cause, noticed_ns, sent_ns }))
     }
 
     fn connect(&self) -> Result<(), RuntimeError> {
@@ -309,31 +391,39 @@ impl Runtime {
     }
 
     /// Waits for the next release on the timer; `None` at the end of the run.
-    pub fn next_release(&mut self, overrun: Overrun) -> Option<Release> {
+    ///
+    /// # Errors
+    /// [`RuntimeError::Replaced`] if the service's standby has taken over, [`RuntimeError::Send`] if this
+    /// process is it and cannot send.
+    pub fn next_release(&mut self, overrun: Overrun) -> Result<Option<Release>, RuntimeError> {
         let idle_ns = self.clock.now_ns();
         if self.group.mode == Mode::Realtime {
             loop {
                 self.look_around();
+                self.finish_take_over()?;
                 let scheduled = self.clock.scheduled_ns(self.next_step);
                 if self.link.end.is_before(self.next_step) {
-                    return None;
+                    return Ok(None);
                 }
                 let late = self.clock.now_ns() - scheduled;
                 if late < 0 {
-                    self.clock.sleep_until_run_time(scheduled);
+                    match &self.standby {
+                        Some(standby) => standby.wait(Duration::from_nanos(late.unsigned_abs())),
+                        None => self.clock.sleep_until_run_time(scheduled),
+                    }
                 } else if overrun == Overrun::CatchUp || !self.skip_missed(late) {
                     break;
                 }
             }
         }
-        self.release(idle_ns)
+        Ok(self.release(idle_ns))
     }
 
     /// Waits for the next release by a sample of `T`'s topic, which must be due whenever this
     /// service is. In realtime a sample that is `fallback_ns` late is not waited for any longer.
     ///
     /// # Errors
-    /// If the topic breaks.
+    /// If the topic breaks, and as [`Self::next_release`].
     pub fn next_release_by<T: Message>(
         &mut self,
         samples: &mut Subscriber<T>,
@@ -347,6 +437,7 @@ impl Runtime {
                     return Ok(None);
                 }
                 let ticket = samples.ticket();
+                self.finish_take_over()?;
                 samples.drain(u64::MAX, |_| {})?;
                 let late = self.clock.now_ns() - self.clock.scheduled_ns(self.next_step);
                 if self.skip_missed(late) {
@@ -400,6 +491,9 @@ impl Runtime {
             self.jitter.record_ns(start_ns - scheduled_ns);
         }
         self.cycles += 1;
+        if let Some(standby) = &mut self.standby {
+            standby.look_at_active();
+        }
         let time_s = scheduled_ns as f64 / 1e9;
         Some(Release { step: self.step, time_s, scheduled_ns, idle_ns, start_ns })
     }
@@ -458,9 +552,18 @@ impl Runtime {
             })?;
         }
         if let Some(account) = &self.account {
-            account.write(cycles, self.skipped, &self.sent, &self.received);
+            account.show_progress(cycles);
+            if !self.gate.is_standby() {
+                let (cycles, skipped) = self.counted();
+                account.write(cycles, skipped, &self.sent, &self.received);
+            }
         }
         Ok(())
+    }
+
+    /// Cycles and skipped releases that count: those of the active process.
+    fn counted(&self) -> (u64, u64) {
+        (self.cycles - self.silent.0, self.skipped - self.silent.1)
     }
 
     /// Ends the run for the whole group after the current step: for the plant's referee.
@@ -478,11 +581,12 @@ impl Runtime {
     /// # Errors
     /// [`RuntimeError::Link`].
     pub fn finish(self, details: Details) -> Result<(), RuntimeError> {
+        let (cycles, skipped) = self.counted();
         let report = ServiceReport {
             allocations_in_loop: self.allocations_in_loop,
             service: self.service,
-            cycles: self.cycles,
-            skipped: self.skipped,
+            cycles,
+            skipped,
             release_jitter_us: self.jitter.percentiles_us(),
             sent: self.sent.iter().map(|(topic, tally)| tally.borrow().sent(*topic)).collect(),
             received: (self.received.iter())
@@ -583,6 +687,8 @@ pub fn run_service(
     log_warnings();
     match Runtime::join(service, Path::new(root), incarnation).and_then(run) {
         Ok(()) | Err(RuntimeError::Stopped) => ExitCode::SUCCESS,
+        // No orderly end of the service: the launcher may see it before it hears of the take-over.
+        Err(RuntimeError::Replaced) => ExitCode::from(REPLACED),
         Err(error) => {
             if std::env::var_os("TIMEGAP_LOG").is_some() {
                 eprintln!("{error:?}");

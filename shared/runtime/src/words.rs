@@ -21,6 +21,11 @@ const BYTES: usize = WORDS * size_of::<AtomicU32>();
 #[derive(Debug)]
 pub struct SharedWords(NonNull<AtomicU32>);
 
+// SAFETY: the mapping belongs to the process, not to a thread, and is only ever accessed as atomic words.
+unsafe impl Send for SharedWords {}
+// SAFETY: as above.
+unsafe impl Sync for SharedWords {}
+
 impl SharedWords {
     /// Maps the page called `name`.
     ///

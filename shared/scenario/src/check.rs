@@ -9,6 +9,7 @@ use super::plant::Integrator;
 use super::problem::Problem;
 use super::quantity::{Acceleration, Time};
 use super::speeds::SpeedPoint;
+use super::supervision::Restart;
 use super::v2x::{MAX_PROGRAM_PHASES, MAX_SIGNALS, Signal};
 
 /// Runs every check; the first problem ends it.
@@ -18,6 +19,7 @@ pub(super) fn all(scenario: &Scenario) -> Result<(), Problem> {
     vehicle(scenario)?;
     perception(scenario)?;
     aebs(scenario)?;
+    standby(scenario)?;
     signals(&scenario.v2x.signals)?;
     controller(scenario)?;
     actors(&scenario.actors)?;
@@ -110,6 +112,23 @@ fn aebs(scenario: &Scenario) -> Result<(), Problem> {
             "the emergency brake reads the radar's detections, and this radar gives none",
             "perception.radar.model = \"detections\", or aebs.enabled = false",
         ));
+    }
+    Ok(())
+}
+
+/// A standby needs a service, and one that may go on after its process ended.
+fn standby(scenario: &Scenario) -> Result<(), Problem> {
+    let supervision = &scenario.supervision;
+    for service in supervision.standby.services() {
+        if !scenario.services().contains(&service) {
+            let message = format!("a standby for {service}, which the scenario does not have");
+            return fail("supervision.standby", message, "services of the scenario");
+        }
+        if supervision.restart_of(service) == Restart::Never {
+            let message = format!("a standby for {service}, whose end is to end the run");
+            let expected = "a restart policy other than \"never\"";
+            return fail("supervision.standby", message, expected);
+        }
     }
     Ok(())
 }

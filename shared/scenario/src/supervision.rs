@@ -28,6 +28,12 @@ pub struct Supervision {
     /// A service that has not given a sign of life for so long, beside its own period, hangs: it is
     /// killed and replaced, ms.
     pub heartbeat_timeout_ms: DelayMs,
+    /// Services with a standby: a second process that computes, sends nothing, and takes the service over
+    /// when the active one ends or hangs. In realtime only.
+    pub standby: Standbys,
+    /// A standby takes over from an active process that has completed no cycle for so long, beside its own
+    /// period, ms.
+    pub standby_timeout_ms: DelayMs,
 }
 
 impl Default for Supervision {
@@ -40,6 +46,8 @@ impl Default for Supervision {
             backoff_ms: DelayMs::of(10),
             max_backoff_ms: DelayMs::of(1000),
             heartbeat_timeout_ms: DelayMs::of(250),
+            standby: Standbys::default(),
+            standby_timeout_ms: DelayMs::of(50),
         }
     }
 }
@@ -56,6 +64,67 @@ impl Supervision {
             Service::Aebs => self.services.aebs,
         };
         own.unwrap_or(self.restart)
+    }
+}
+
+/// A service that can have a standby. The plant cannot: the vehicle is one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StandbyService {
+    /// Traffic and radar.
+    PerceptionSim,
+    /// The roadside unit.
+    V2xSim,
+    /// The control loop.
+    Controller,
+    /// The emergency brake.
+    Aebs,
+}
+
+impl StandbyService {
+    const ALL: [Self; 4] = [Self::PerceptionSim, Self::V2xSim, Self::Controller, Self::Aebs];
+
+    /// The service.
+    #[must_use]
+    pub const fn service(self) -> Service {
+        match self {
+            Self::PerceptionSim => Service::PerceptionSim,
+            Self::V2xSim => Service::V2xSim,
+            Self::Controller => Service::Controller,
+            Self::Aebs => Service::Aebs,
+        }
+    }
+}
+
+/// Services with a standby.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "Vec<StandbyService>", into = "Vec<StandbyService>")]
+pub struct Standbys([bool; StandbyService::ALL.len()]);
+
+impl Standbys {
+    /// The services.
+    #[must_use]
+    pub fn services(self) -> Vec<Service> {
+        Vec::from(self).into_iter().map(StandbyService::service).collect()
+    }
+
+    /// True if `service` has a standby.
+    #[must_use]
+    pub fn contains(self, service: Service) -> bool {
+        StandbyService::ALL.iter().zip(self.0).any(|(of, has)| has && of.service() == service)
+    }
+}
+
+impl From<Vec<StandbyService>> for Standbys {
+    fn from(list: Vec<StandbyService>) -> Self {
+        Self(StandbyService::ALL.map(|service| list.contains(&service)))
+    }
+}
+
+impl From<Standbys> for Vec<StandbyService> {
+    fn from(standbys: Standbys) -> Self {
+        let all = StandbyService::ALL.into_iter().zip(standbys.0);
+        all.filter(|(_, has)| *has).map(|(service, _)| service).collect()
     }
 }
 

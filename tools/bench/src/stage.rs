@@ -104,6 +104,7 @@ impl Stage {
                 strides: [1; messages::Service::ALL.len()],
                 last_step: u64::MAX,
             },
+            standby: Vec::new(),
             patience_ns: 10_000_000_000,
             scenario: String::new(),
         };

@@ -68,7 +68,7 @@ pub fn run(arguments: &DoctorArguments) -> Result<ExitCode, Error> {
 fn examine(host: &Host) -> Vec<Finding> {
     let default = builtin::ALL.first().expect("there are built-in scenarios");
     let scenario = Scenario::parse(default.name, default.text).expect("built-in ones are right");
-    let needed = shared_memory_bytes(&Timetable::of(&scenario));
+    let needed = shared_memory_bytes(&Timetable::of(&scenario), &[]);
     let granted = machine::granted();
     let limits = machine::limits();
     let cores = usable_cores();

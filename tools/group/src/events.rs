@@ -32,17 +32,26 @@ pub struct Answer {
     pub message: String,
 }
 
+/// A process of the group: its service, and which process of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Who {
+    /// The service.
+    pub service: Service,
+    /// Which process of the service, counted from 0.
+    pub incarnation: u32,
+}
+
 /// Something that happened.
 #[derive(Debug)]
 pub enum Event {
-    /// A service said something.
-    Said(Service, FromService),
-    /// A service wrote a line that is no message: a warning, a panic.
-    Wrote(Service, String),
-    /// A service writes more than a service does.
-    Flooded(Service),
-    /// A service's process is gone, or closed its output; its status waits to be taken.
-    Gone(Service),
+    /// A process said something.
+    Said(Who, FromService),
+    /// A process wrote a line that is no message: a warning, a panic.
+    Wrote(Who, String),
+    /// A process writes more than a service does.
+    Flooded(Who),
+    /// A process is gone, or closed its output; its status waits to be taken.
+    Gone(Who),
     /// Ctrl-C, SIGTERM or SIGHUP asks for an end.
     Signal,
     /// A fault from outside, and where its answer goes.
@@ -51,27 +60,31 @@ pub enum Event {
     Knock,
 }
 
-/// Follows what a service says and writes, until its streams end.
+/// Follows what a service says and writes, until its streams end; then does `on_end`, in a thread that waits
+/// for nothing else.
 pub fn follow(
-    service: Service,
+    who: Who,
+    on_end: impl FnOnce() + Send + 'static,
     out: ChildStdout,
     err: ChildStderr,
     events: Sender<Event>,
 ) -> std::io::Result<()> {
     let said = events.clone();
+    let service = who.service;
     std::thread::Builder::new().name(format!("{service}-out")).spawn(move || {
-        follow_stream(service, out, &said);
+        follow_stream(who, out, &said);
         // The end of the output is the end of the process: it alone holds the pipe.
-        let _ = said.send(Event::Gone(service));
+        on_end();
+        let _ = said.send(Event::Gone(who));
     })?;
     std::thread::Builder::new()
         .name(format!("{service}-err"))
-        .spawn(move || follow_stream(service, err, &events))?;
+        .spawn(move || follow_stream(who, err, &events))?;
     Ok(())
 }
 
 /// Hands on messages and text until the stream ends or its reader does not listen any more.
-fn follow_stream(service: Service, stream: impl Read, events: &Sender<Event>) {
+fn follow_stream(who: Who, stream: impl Read, events: &Sender<Event>) {
     let mut reader = BufReader::new(stream);
     let (mut line, mut chatter, mut lines) = (Vec::new(), 0, 0);
     loop {
@@ -81,7 +94,7 @@ fn follow_stream(service: Service, stream: impl Read, events: &Sender<Event>) {
             Ok(_) => {}
         }
         let event = match serde_json::from_slice(&line) {
-            Ok(message) => Event::Said(service, message),
+            Ok(message) => Event::Said(who, message),
             Err(_) => {
                 chatter += line.len() as u64;
                 lines += 1;
@@ -91,14 +104,14 @@ fn follow_stream(service: Service, stream: impl Read, events: &Sender<Event>) {
                 if lines > KEPT_LINES {
                     continue;
                 }
-                Event::Wrote(service, kept(&line))
+                Event::Wrote(who, kept(&line))
             }
         };
         if events.send(event).is_err() {
             return;
         }
     }
-    if events.send(Event::Flooded(service)).is_ok() {
+    if events.send(Event::Flooded(who)).is_ok() {
         // A process that is to be killed may wait for room in the pipe until it is.
         let _ = std::io::copy(&mut reader, &mut std::io::sink());
     }
@@ -151,7 +164,8 @@ mod tests {
 
     fn events(stream: impl Read) -> Vec<Event> {
         let (sender, receiver) = channel();
-        follow_stream(Service::Controller, stream, &sender);
+        let who = Who { service: Service::Controller, incarnation: 0 };
+        follow_stream(who, stream, &sender);
         drop(sender);
         receiver.into_iter().collect()
     }

@@ -7,12 +7,15 @@
 //! | SIGTERM, SIGINT, SIGKILL, a crash by a signal | the end of its output | `killed by SIG…` | replaced | aborted |
 //! | it panics or leaves with another status | the end of its output | `exit status N` | replaced | aborted |
 //! | it hangs, spins or is stopped | no sign of life for `heartbeat_timeout_ms` and a period | `hung` | killed, replaced | aborted after 10 s |
+//! | its standby took over while it was stopped or hung | no cycle for `standby_timeout_ms` and a period | | killed, unless it left by itself; the next standby is started | |
+//! | its standby ends, or hangs | the end of its output, no cycle | | the next standby is started | |
 //! | it does not get the processor | the scheduler's own account of it | | waited for, said as "starved by the machine" | waited for |
 //! | it floods its output | the bytes of text beside its messages | `flooded its output` | killed, replaced | aborted |
 //! | it closes its output but lives on | the end of its output | `closed its output` | killed, replaced | aborted |
 //! | it was replaced and does not get ready | 2 s | `not ready in time` | killed, replaced | |
 //! | it does not report at the run's end | 3 s | `did not report` | aborted | the same |
 //!
+//! Where a standby stands by, "replaced" is by the standby, at once, and the next standby is started.
 //! "Replaced" is within `[supervision]`'s budget. Beyond it the plant is ordered to stop in lane: the
 //! outcome is `safe_stop` once the vehicle stands, `aborted` if the run ends before that, never
 //! `completed`. When the plant itself is beyond its budget, or its policy is `never`, the run ends at
@@ -41,6 +44,8 @@ pub enum Exit {
     OutputClosed,
     /// Killed because it was not ready in time.
     NotReady,
+    /// Replaced by its standby: it left by itself or was killed.
+    Replaced,
     /// Killed because it did not report at the end.
     Unreported,
 }
@@ -77,6 +82,7 @@ impl fmt::Display for Exit {
             Self::Flooded => f.write_str("flooded its output"),
             Self::OutputClosed => f.write_str("closed its output"),
             Self::NotReady => f.write_str("not ready in time"),
+            Self::Replaced => f.write_str("replaced by the standby"),
             Self::Unreported => f.write_str("did not report"),
         }
     }

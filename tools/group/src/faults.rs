@@ -24,12 +24,35 @@ pub struct FaultRecord {
     pub detected_after_us: Option<f64>,
     /// Until the first fresh message of the service's next process, µs.
     pub recovered_after_us: Option<f64>,
+    /// Whose message that was.
+    pub recovered_by: Option<Recovery>,
     /// Its number in the run, for the ports' counts.
     #[serde(skip)]
     pub number: u32,
     /// Restart of the service whose first message is the recovery.
     #[serde(skip)]
     pub awaits: Option<u32>,
+}
+
+/// The process that took the place of one that is gone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Recovery {
+    /// One that was started for it.
+    Restart,
+    /// The standby.
+    TakeOver,
+}
+
+impl Recovery {
+    /// Name in results.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Restart => "restart",
+            Self::TakeOver => "take-over",
+        }
+    }
 }
 
 /// A fault that is due or under way.
@@ -71,12 +94,15 @@ pub struct Faults {
     /// What went wrong so far.
     pub records: Vec<FaultRecord>,
     next_number: u32,
+    /// The newest process of each service that was heard, and the run time of its first message, ns.
+    heard: Vec<(Service, u32, i64)>,
 }
 
 impl Faults {
     /// Those of the scenario.
     pub fn of(scenario: &Scenario) -> Self {
-        let mut faults = Self { planned: Vec::new(), records: Vec::new(), next_number: 0 };
+        let mut faults =
+            Self { planned: Vec::new(), records: Vec::new(), next_number: 0, heard: Vec::new() };
         for fault in &scenario.faults {
             faults.plan(fault.clone(), fault.begin.known_ns());
         }
@@ -220,11 +246,12 @@ impl Faults {
         let asked = self.records.iter_mut().rev().find(|record| {
             record.service == Some(service)
                 && record.detected_after_us.is_none()
-                && matches!(record.kind.as_str(), "kill" | "stop" | "restart-storm")
+                && is_asked(record)
         });
         if let Some(record) = asked {
             record.detected_after_us = Some((now_ns as f64 - record.t_s * 1e9) / 1e3);
             record.awaits = Some(awaits);
+            self.recovered_before(service, awaits);
             return;
         }
         // A hung service that was killed for it dies once.
@@ -239,13 +266,53 @@ impl Faults {
             messages: None,
             detected_after_us: since_ns.map(|since_ns| (now_ns - since_ns) as f64 / 1e3),
             recovered_after_us: None,
+            recovered_by: None,
             number: u32::MAX,
             awaits: Some(awaits),
         });
+        self.recovered_before(service, awaits);
+    }
+
+    /// The first message of a standby may be heard before the news of the end that it follows.
+    fn recovered_before(&mut self, service: Service, awaits: u32) {
+        let heard = self.heard.iter().find(|(of, process, _)| *of == service && *process >= awaits);
+        if let Some(&(_, incarnation, ns)) = heard {
+            self.recovered(service, incarnation, ns);
+        }
+    }
+
+    /// Notes that process `incarnation` of `service`, its standby, has taken over from process `old`, whose end
+    /// or silence it noticed at `noticed_ns`.
+    pub fn taken_over(&mut self, service: Service, old: u32, kind: &str, noticed_ns: i64) {
+        self.detected(service, kind, old + 1, None, noticed_ns);
+        let record = self
+            .records
+            .iter_mut()
+            .rev()
+            .find(|record| record.service == Some(service) && record.awaits == Some(old + 1));
+        if let Some(record) = record {
+            let earlier_us = (record.t_s * 1e9 - noticed_ns as f64) / 1e3;
+            if is_asked(record) {
+                record.detected_after_us = Some(-earlier_us);
+            } else if earlier_us > 0.0 {
+                // The launcher noticed it after the standby.
+                record.t_s = noticed_ns as f64 / 1e9;
+                record.recovered_after_us = record.recovered_after_us.map(|us| us + earlier_us);
+            }
+            if record.kind == "died" {
+                // Its end may have been heard of first.
+                record.kind = kind.into();
+            }
+            record.recovered_by = Some(Recovery::TakeOver);
+        }
     }
 
     /// Notes the first fresh message of restart `incarnation` of `service`, published at `ns`.
     pub fn recovered(&mut self, service: Service, incarnation: u32, ns: i64) {
+        if !self.heard.contains(&(service, incarnation, ns)) {
+            self.heard.retain(|(of, ..)| *of != service);
+            self.heard.push((service, incarnation, ns));
+        }
         for record in &mut self.records {
             // A process that died before it recovered leaves the recovery to the next one.
             if record.service == Some(service)
@@ -253,6 +320,7 @@ impl Faults {
                 && record.recovered_after_us.is_none()
             {
                 record.recovered_after_us = Some((ns as f64 - record.t_s * 1e9) / 1e3);
+                record.recovered_by.get_or_insert(Recovery::Restart);
             }
         }
     }
@@ -271,6 +339,11 @@ impl Faults {
     }
 }
 
+/// True if the record is of a fault that was asked for and ends or stops a process.
+fn is_asked(record: &FaultRecord) -> bool {
+    matches!(record.kind.as_str(), "kill" | "stop" | "restart-storm")
+}
+
 fn record(fault: &Fault, number: u32) -> FaultRecord {
     let (service, topic) = match fault.effect.target() {
         Target::Service(service) => (Some(service), None),
@@ -285,6 +358,7 @@ fn record(fault: &Fault, number: u32) -> FaultRecord {
         messages: fault.effect.extent().map(|_| 0),
         detected_after_us: None,
         recovered_after_us: None,
+        recovered_by: None,
         number,
         awaits: None,
     }

@@ -7,7 +7,7 @@ use super::drive::DriveLog;
 use super::exits::Exit;
 use super::faults::Faults;
 use super::programs::{is_foreign, programs};
-use super::supervisor::{Ended, GroupOutcome, Moment, for_services};
+use super::supervisor::{Ended, GroupOutcome, Moment, for_services, refuse_standbys_in_lockstep};
 use crate::Error;
 use messages::Service;
 use runtime::report::ServiceReport;
@@ -47,6 +47,7 @@ pub fn run_watched(
     watch: &mut dyn FnMut(&Moment<'_>),
 ) -> Result<GroupOutcome, Error> {
     refuse_faults_of_processes(scenario)?;
+    refuse_standbys_in_lockstep(scenario)?;
     let programs = programs(&BTreeMap::new(), scenario)?;
     let begun = Instant::now();
     let mut run = InProcess::new(scenario);
@@ -105,6 +106,8 @@ pub fn run_watched(
         reports: course.reports,
         exits,
         restarts: services.map(|&service| (service, 0)).collect(),
+        take_overs: BTreeMap::new(),
+        standby_costs: BTreeMap::new(),
         heartbeats: BTreeMap::new(),
         faults: faults.records,
         drive: log.finish()?,
@@ -130,7 +133,7 @@ struct Course {
 impl Course {
     fn hear(&mut self, service: Service, said: FromService) {
         match said {
-            FromService::Ready(_) => {}
+            FromService::Ready(_) | FromService::TookOver(_) => {}
             FromService::Report(report) => {
                 self.reports.insert(service, *report);
             }

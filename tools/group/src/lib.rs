@@ -15,6 +15,7 @@
 //! within its budget ([`exits`] is the table of all ends), and [`faults`] applies the faults of the
 //! scenario and those that come in at [`control`].
 
+mod attached;
 mod attendant;
 pub mod control;
 mod cycles;
@@ -38,15 +39,18 @@ mod room;
 mod root;
 mod run;
 mod starvation;
+mod succession;
 mod supervisor;
+mod unfinished;
 mod watch;
 
+pub use attached::StandbyCost;
 pub use disturbance::run as run_hog;
 pub use drive::{Drive, DriveStep, PowertrainStep};
 pub use error::{Error, RoomError, RootError};
 pub use events::end_signals;
 pub use exits::Exit;
-pub use faults::FaultRecord;
+pub use faults::{FaultRecord, Recovery};
 pub use in_process::entry;
 pub use janitor::run as run_janitor;
 pub use member::Heartbeats;

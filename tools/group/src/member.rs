@@ -1,76 +1,37 @@
-//! One service of the group over all its processes: policy, budget, signs of life, accounts.
+//! One service of the group over all its processes: their succession, signs of life, accounts.
 
+use super::attached::{Attached, StandbyCost};
 use super::drive::Sign;
-use super::events::Event;
+use super::events::Event as GroupEvent;
 use super::exits::Exit;
 use super::processes::Process;
 use super::root::RunRoot;
 use super::starvation::Share;
+use super::succession::{Event, Phase, Standby, Step, Succession};
 use crate::Error;
 use messages::Service;
+use runtime::ToService;
 use runtime::report::ServiceReport;
-use scenario::supervision::{Restart, Supervision};
+use scenario::supervision::Supervision;
 use serde::Serialize;
-use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::mpsc::Sender;
 use std::time::Duration;
 
-/// Where a service is in its life.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Phase {
-    /// Its process has not said yet that it is ready.
-    Starting {
-        /// Since when, run time in ns; negative before the start.
-        since_ns: i64,
-    },
-    /// Its process takes part in the run.
-    Running,
-    /// Its process is gone; the next one is started at this run time, ns.
-    Waiting {
-        /// When.
-        until_ns: i64,
-    },
-    /// It is not started again.
-    GivenUp,
-}
-
-/// A service and its present process.
+/// A service and its processes.
 #[derive(Debug)]
 pub struct Member {
     service: Service,
     program: Option<PathBuf>,
-    process: Process,
-    incarnation: u32,
-    /// Where it is.
-    pub phase: Phase,
+    succession: Succession,
+    /// All whose exit status was not taken, and the active one, also when it is gone.
+    processes: Vec<Attached>,
     /// What it reported at the run's end.
     pub report: Option<ServiceReport>,
     /// What its processes before the present one counted.
     pub past: Vec<ServiceReport>,
-    /// What the launcher killed the present process for, or how it ended during the run.
-    cause: Option<Exit>,
-    /// The present process has reported, before the run's end.
-    has_told: bool,
-    silence: Silence,
     /// Its signs of life over all its processes.
     pub heartbeats: Heartbeats,
-    /// Run times of the restarts within the budget's window, ns.
-    restarts: VecDeque<i64>,
-}
-
-/// The time since a service's last sign of life.
-#[derive(Clone, Copy, Debug, Default)]
-struct Silence {
-    /// Run time of the last sign of life, ns.
-    heard_ns: i64,
-    /// Cycles done then.
-    cycles: u64,
-    /// Run time from which it counts as silent, ns: later than `heard_ns` where the silence was the
-    /// machine's or the launcher's.
-    since_ns: i64,
-    /// What it had of the processor at a run time within the silence, ns.
-    suspect: Option<(i64, Share)>,
 }
 
 /// Signs of life of a service.
@@ -86,183 +47,187 @@ pub struct Heartbeats {
     pub starved_ms: f64,
 }
 
-/// What the supervisor is to do about a death.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// Start it again after so long.
-    Restart(Duration),
-    /// Its budget is used up: lead the vehicle into the safe state.
-    GiveUp,
-    /// Its policy ends the run.
-    EndRun,
-}
-
 impl Member {
-    /// Starts the first process of `service`.
+    /// Starts the first processes of `service`.
     pub fn start(
-        service: Service,
+        (service, with_standby): (Service, bool),
         program: Option<PathBuf>,
+        policy: &Supervision,
         root: &RunRoot,
         leader: i32,
-        events: Sender<Event>,
+        events: &Sender<GroupEvent>,
     ) -> Result<Self, Error> {
-        let process = Process::spawn((service, 0), program.as_ref(), root, leader, events)?;
-        Ok(Self {
+        let mut this = Self {
             service,
             program,
-            process,
-            incarnation: 0,
-            phase: Phase::Starting { since_ns: -1 },
+            succession: Succession::new(policy, service, with_standby),
+            processes: Vec::new(),
             report: None,
             past: Vec::new(),
-            cause: None,
-            has_told: false,
-            silence: Silence::default(),
             heartbeats: Heartbeats::default(),
-            restarts: VecDeque::new(),
-        })
+        };
+        this.spawn(0, root, leader, events)?;
+        if with_standby {
+            let group = this.group();
+            this.spawn(1, root, group, events)?;
+        }
+        Ok(this)
     }
 
-    /// Starts the next process in the place of the one that is gone.
-    pub fn restart(
+    /// Starts process `incarnation` of the service.
+    pub fn spawn(
         &mut self,
+        incarnation: u32,
         root: &RunRoot,
         leader: i32,
-        events: Sender<Event>,
-        now_ns: i64,
+        events: &Sender<GroupEvent>,
     ) -> Result<(), Error> {
-        self.incarnation += 1;
-        let identity = (self.service, self.incarnation);
-        self.process = Process::spawn(identity, self.program.as_ref(), root, leader, events)?;
-        (self.cause, self.has_told) = (None, false);
-        self.phase = Phase::Starting { since_ns: now_ns };
-        self.restarts.push_back(now_ns);
+        let identity = (self.service, incarnation);
+        let process =
+            Process::spawn(identity, self.program.as_ref(), root, leader, events.clone())?;
+        // The active process was replaced by this one, or is another: what is gone is not needed.
+        let active = self.succession.active();
+        self.processes.retain_mut(|one| one.incarnation == active || one.process.poll().is_none());
+        self.processes.push(Attached::new(incarnation, process));
         Ok(())
     }
 
-    /// The next process takes part from now on.
-    pub fn begin(&mut self, now_ns: i64) {
-        self.phase = Phase::Running;
-        self.silence = Silence { heard_ns: now_ns, since_ns: now_ns, ..Silence::default() };
+    /// What follows from an event at `now_ns`.
+    pub fn on(&mut self, event: Event, now_ns: i64) -> Vec<Step> {
+        let mut steps = Vec::new();
+        self.succession.on(event, now_ns, &mut steps);
+        steps
     }
 
-    /// Kills the present process, which is said to have ended so.
-    pub fn kill(&mut self, cause: Exit) {
-        self.cause.get_or_insert(cause);
-        self.process.kill();
+    /// The succession of its processes.
+    pub fn succession(&self) -> &Succession {
+        &self.succession
     }
 
-    /// Notes that the present process leaves by itself, before the run's end, with this report.
-    pub fn leaves_early(&mut self, report: ServiceReport) {
-        self.past.push(report);
-        self.has_told = true;
+    /// Where its active process is.
+    pub fn phase(&self) -> Phase {
+        self.succession.phase
     }
 
-    /// Keeps what the present process, which is gone, left, unless it told that itself.
-    pub fn keep(&mut self, left: ServiceReport) {
-        if !self.has_told {
-            self.past.push(left);
+    /// Process `incarnation`, unless its exit status was taken long ago.
+    pub fn attached(&mut self, incarnation: u32) -> Option<&mut Attached> {
+        self.processes.iter_mut().find(|one| one.incarnation == incarnation)
+    }
+
+    /// The active process, or the last one there was.
+    pub fn active(&mut self) -> &mut Attached {
+        let active = self.succession.active();
+        self.attached(active).expect("the active process is kept")
+    }
+
+    /// The active process.
+    pub fn process(&mut self) -> &mut Process {
+        &mut self.active().process
+    }
+
+    /// Processes that live or lived lately: the active one, the standby, replaced ones.
+    pub fn processes(&mut self) -> impl Iterator<Item = &mut Process> {
+        self.processes.iter_mut().map(|one| &mut one.process)
+    }
+
+    /// Ends all processes but the active one.
+    pub fn dismiss_others(&mut self) {
+        let active = self.succession.active();
+        for other in self.processes.iter_mut().filter(|one| one.incarnation != active) {
+            other.process.kill();
         }
     }
 
-    /// How the present process ended; one that lives on after `grace` is killed and has ended as
-    /// `overdue`.
-    pub fn exit(&mut self, grace: Duration, overdue: Exit) -> Exit {
-        let (status, killed) = self.process.end(grace);
-        match (self.cause, Exit::of(status)) {
-            (Some(cause), _) => cause,
-            (None, _) if killed => overdue,
-            (None, exit) => exit,
+    /// Tells the active process something, and the standby what concerns it; at an order to end the standby
+    /// goes first, so that it does not take over from a process that leaves.
+    pub fn order(&mut self, order: &ToService) {
+        if matches!(order, ToService::Abort) {
+            self.dismiss_others();
+        }
+        for process in self.processes() {
+            process.order(order);
         }
     }
 
-    /// How the present process ended, which closed its output before the run's end; it is killed if it
-    /// lives on after `grace`.
-    pub fn exit_in_run(&mut self, grace: Duration) -> Exit {
-        let exit = match self.exit(grace, Exit::OutputClosed) {
-            Exit::Ok => Exit::Early,
-            other => other,
-        };
-        self.cause = Some(exit);
+    /// Waits until all processes are gone; how the active one ended, which was to leave in `grace`.
+    pub fn end(&mut self, grace: Duration) -> Exit {
+        self.dismiss_others();
+        let exit = self.active().exit(grace, Exit::Unreported);
+        for other in &mut self.processes {
+            other.process.end(Duration::ZERO);
+        }
         exit
     }
 
-    /// Notes a sign of life at `now_ns` with so many cycles done; none without progress.
+    /// Notes that the active process leaves by itself, before the run's end, with this report.
+    pub fn leaves_early(&mut self, report: ServiceReport) {
+        self.past.push(report);
+        self.active().has_told = true;
+    }
+
+    /// Notes a heartbeat at `now_ns`.
     pub fn sign_of_life(&mut self, sign: &Sign, now_ns: i64) {
         self.heartbeats.count += 1;
         self.heartbeats.degraded += u64::from(sign.degraded);
-        let silent_ms = (now_ns - self.silence.heard_ns) as f64 / 1e6;
+        let silent_ms = (now_ns - self.active().heard_ns()) as f64 / 1e6;
         self.heartbeats.longest_silence_ms = self.heartbeats.longest_silence_ms.max(silent_ms);
-        if sign.incarnation == self.incarnation && sign.cycles > self.silence.cycles {
-            self.silence =
-                Silence { heard_ns: now_ns, cycles: sign.cycles, since_ns: now_ns, suspect: None };
+        if let Some(process) = self.attached(sign.incarnation) {
+            process.sign_of_life(sign.cycles, now_ns);
         }
     }
 
     /// Counts the time without a sign of life from `now_ns` on.
     pub fn reset_silence(&mut self, now_ns: i64) {
-        self.silence.since_ns = self.silence.since_ns.max(now_ns);
-        self.silence.suspect = None;
+        self.processes.iter_mut().for_each(|one| one.reset_silence(now_ns));
     }
 
-    /// True if the service hangs: no sign of life for more than `limit_ns`, although the machine gave
-    /// it the processor.
-    pub fn is_hung(&mut self, now_ns: i64, limit_ns: i64) -> bool {
-        let silent_ns = now_ns - self.silence.since_ns;
-        if 2 * silent_ns > limit_ns && self.silence.suspect.is_none() {
-            self.silence.suspect = Share::of(self.pid()).map(|share| (now_ns, share));
+    /// The active process if it hangs, and the standby if it does.
+    pub fn hung(&mut self, now_ns: i64, limit_ns: i64) -> Vec<u32> {
+        let mut watched = Vec::new();
+        if self.phase() == Phase::Running && self.report.is_none() {
+            watched.push(self.succession.active());
+            if let Standby::Ready { incarnation } = self.succession.standby() {
+                watched.push(incarnation);
+            }
         }
-        if silent_ns <= limit_ns {
-            return false;
+        let starved_ms = &mut self.heartbeats.starved_ms;
+        let mut hung = Vec::new();
+        for one in self.processes.iter_mut().filter(|one| watched.contains(&one.incarnation)) {
+            one.look_at_progress(now_ns);
+            if one.cause.is_none() && one.is_hung(now_ns, limit_ns, starved_ms) {
+                hung.push(one.incarnation);
+            }
         }
-        let Some((then_ns, before)) = self.silence.suspect else { return true };
-        let starved = Share::of(self.pid())
-            .is_some_and(|share| before.is_starved(share, (now_ns - then_ns).max(1)));
-        if starved {
-            self.heartbeats.starved_ms += silent_ns as f64 / 1e6;
-            self.reset_silence(now_ns);
-        }
-        !starved
+        hung
     }
 
-    /// True if the next process should be ready by now: it was started before `limit_ns`, and the
-    /// machine gave it the processor.
-    pub fn is_overdue(&mut self, now_ns: i64, limit_ns: i64) -> bool {
-        let Phase::Starting { since_ns } = self.phase else { return false };
+    /// A process that should be ready by now: it was started before `limit_ns`, and the machine gave it the
+    /// processor.
+    pub fn overdue(&mut self, now_ns: i64, limit_ns: i64) -> Option<u32> {
+        let (incarnation, since_ns) = match (self.phase(), self.succession.standby()) {
+            (Phase::Starting { since_ns }, _) => (self.succession.active(), since_ns),
+            (_, Standby::Starting { incarnation, since_ns }) => (incarnation, since_ns),
+            _ => return None,
+        };
         let waited_ns = now_ns - since_ns;
         if waited_ns <= limit_ns {
-            return false;
+            return None;
         }
-        let starved = Share::of(self.pid())
-            .is_some_and(|share| Share::default().is_starved(share, waited_ns));
+        let pid = self.attached(incarnation)?.process.pid();
+        let starved =
+            Share::of(pid).is_some_and(|share| Share::default().is_starved(share, waited_ns));
         if starved {
-            self.heartbeats.starved_ms += waited_ns as f64 / 1e6;
-            self.phase = Phase::Starting { since_ns: now_ns };
+            self.heartbeats.starved_ms += limit_ns as f64 / 1e6;
+            self.succession.wait_longer(now_ns);
         }
-        !starved
+        (!starved).then_some(incarnation)
     }
 
-    /// What to do now that its process is gone; `failed` if not by its own orderly end.
-    pub fn verdict(&mut self, policy: &Supervision, failed: bool, now_ns: i64) -> Verdict {
-        let window_ns = i64::try_from(policy.window_s.nanoseconds()).unwrap_or(i64::MAX);
-        while self.restarts.front().is_some_and(|&then| now_ns - then > window_ns) {
-            self.restarts.pop_front();
-        }
-        let row = self.restarts.len();
-        match policy.restart_of(self.service) {
-            Restart::Never => return Verdict::EndRun,
-            Restart::OnFailure if !failed => return Verdict::EndRun,
-            Restart::OnFailure | Restart::Always => {}
-        }
-        if row >= usize::from(policy.budget.value()) {
-            return Verdict::GiveUp;
-        }
-        Verdict::Restart(backoff(policy, row))
-    }
-
-    /// The present process.
-    pub fn process(&mut self) -> &mut Process {
-        &mut self.process
+    /// What its standby costs at `now_ns`; `None` without one that stands by.
+    pub fn standby_cost(&self, now_ns: i64) -> Option<StandbyCost> {
+        let Standby::Ready { incarnation } = self.succession.standby() else { return None };
+        let standby = self.processes.iter().find(|one| one.incarnation == incarnation)?;
+        standby.standby_cost(now_ns)
     }
 
     /// The service.
@@ -270,46 +235,24 @@ impl Member {
         self.service
     }
 
-    /// Which process of the service it is, counted from 0.
+    /// Which process of the service is the active one, counted from 0.
     pub fn incarnation(&self) -> u32 {
-        self.incarnation
+        self.succession.active()
     }
 
-    /// Process id.
-    pub fn pid(&self) -> i32 {
-        self.process.pid()
+    /// Process id of a process; 0 if it is not known any more.
+    pub fn pid_of(&self, incarnation: u32) -> i32 {
+        let one = self.processes.iter().find(|one| one.incarnation == incarnation);
+        one.map_or(0, |one| one.process.pid())
     }
 
-    /// Process group of the present process.
+    /// Process group of its processes.
     pub fn group(&self) -> i32 {
-        self.process.group()
+        self.processes.last().map_or(0, |one| one.process.group())
     }
 
-    /// Run time of the last sign of life, ns.
-    pub fn heard_ns(&self) -> i64 {
-        self.silence.heard_ns
-    }
-}
-
-/// Wait before a restart that follows `row` others.
-fn backoff(policy: &Supervision, row: usize) -> Duration {
-    if row == 0 {
-        return Duration::ZERO;
-    }
-    let doublings = u32::try_from(row - 1).unwrap_or(u32::MAX);
-    let wait = u64::from(policy.backoff_ms.value()).saturating_mul(1 << doublings.min(30));
-    Duration::from_millis(wait.min(policy.max_backoff_ms.value().into()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_first_restart_is_at_once_and_the_wait_doubles_up_to_its_limit() {
-        let policy = Supervision::default();
-        let waits: Vec<u128> = (0..9).map(|row| backoff(&policy, row).as_millis()).collect();
-        assert_eq!(waits, [0, 10, 20, 40, 80, 160, 320, 640, 1000]);
-        assert_eq!(backoff(&policy, usize::MAX).as_millis(), 1000);
+    /// True if any of its processes lives.
+    pub fn lives(&mut self) -> bool {
+        self.processes().any(|process| process.poll().is_none())
     }
 }

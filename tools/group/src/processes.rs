@@ -1,8 +1,9 @@
 //! The group's processes.
 
-use super::events::{Event, follow};
+use super::events::{Event, Who, follow};
 use super::janitor::DONE;
 use super::root::RunRoot;
+use super::unfinished::remove_unfinished;
 use crate::Error;
 use messages::Service;
 use runtime::{PEER_JOINED, ToService, enroll, inherit_only};
@@ -54,7 +55,9 @@ impl Process {
         let orders = child.stdin.take();
         let out = child.stdout.take().expect("piped");
         let err = child.stderr.take().expect("piped");
-        follow(service, out, err, events)
+        let (prefix, id) = (root.prefix().to_owned(), child.id());
+        let on_end = move || remove_unfinished(&prefix, id);
+        follow(Who { service, incarnation }, on_end, out, err, events)
             .map_err(|e| Error::Machine(format!("cannot start a thread: {e}")))?;
         let group = if group == 0 { pid(&child) } else { group };
         Ok(Self { child, group, orders, status: None })

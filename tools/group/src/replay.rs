@@ -51,7 +51,7 @@ pub fn replay(
 ) -> Result<(), Error> {
     let foreign = program.is_some() || laws::program(scenario).is_ok_and(|law| law.is_some());
     let timetable = Timetable::of(scenario);
-    check_room(shared_memory_bytes(&timetable))?;
+    check_room(shared_memory_bytes(&timetable, &[]))?;
     let root = RunRoot::create()?;
     let mut janitor = Janitor::spawn(&root)?;
     let (sender, events) = channel();
@@ -62,6 +62,7 @@ pub fn replay(
         prefix: root.prefix().to_owned(),
         mode: Mode::Lockstep,
         timetable,
+        standby: Vec::new(),
         patience_ns: 10_000_000_000,
         scenario: scenario.to_toml(),
     };
@@ -132,7 +133,8 @@ impl Cast {
         self.wait_until_ready(events)?;
         // A receiver that has not looked is not connected.
         ear.listen()?;
-        self.controller.order(&ToService::Start(StartOrder { start_ns: monotonic_ns() }));
+        self.controller
+            .order(&ToService::Start(StartOrder { start_ns: monotonic_ns(), standby_for: None }));
         self.replayer.say(&ToReplayer::Start);
         loop {
             let event = events.recv_timeout(POLL);

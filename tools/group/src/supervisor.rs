@@ -1,18 +1,20 @@
 //! From the first spawn to the last wipe.
 
+use super::attached::StandbyCost;
 use super::control;
 use super::drive::{Drive, DriveLog};
-use super::events::{Event, follow_signals};
+use super::events::{Event, Who, follow_signals};
 use super::exits::Exit;
 use super::faults::{FaultRecord, Faults};
 use super::life;
 use super::live_file::LiveFile;
-use super::member::{Heartbeats, Member, Phase};
+use super::member::{Heartbeats, Member};
 use super::processes::Janitor;
 use super::programs::{is_foreign, programs};
 use super::recording::{RecorderProcess, RecordingSummary, law_names};
 use super::room::check_room;
 use super::root::RunRoot;
+use super::succession::{self, Phase, Step};
 use crate::Error;
 use controller::law::Formulation;
 use controller::laws;
@@ -20,8 +22,8 @@ use messages::Service;
 use runtime::report::{Details, Outcome, PlantReport, ServiceReport};
 use runtime::scheduling::{Granted, Priority};
 use runtime::{
-    Carrier, FromService, Group, Injected, Mode, Program, StartOrder, Timetable, ToService,
-    enroll_listener, monotonic_ns, shared_memory_bytes,
+    Carrier, FromService, Group, Injected, Mode, Program, Timetable, ToService, enroll_listener,
+    monotonic_ns, shared_memory_bytes,
 };
 use scenario::Scenario;
 use scenario::runtime::Scheduling;
@@ -35,6 +37,9 @@ pub(super) const EXIT_GRACE: Duration = Duration::from_secs(2);
 /// Priority of the supervisor in realtime: below all services, above all other programs, so that a
 /// busy machine does not hold a restart up.
 const PRIORITY: u8 = 10;
+
+/// Accounts of processes that are kept one by one.
+const MOST_PAST: usize = 16;
 
 /// What to launch, and how.
 #[derive(Debug)]
@@ -91,8 +96,12 @@ pub struct GroupOutcome {
     pub reports: BTreeMap<Service, ServiceReport>,
     /// How the last process of each service ended.
     pub exits: BTreeMap<Service, Exit>,
-    /// How often each service was restarted.
+    /// How often another process took each service's place.
     pub restarts: BTreeMap<Service, u32>,
+    /// In how many of these the service's standby took over, of services that have one.
+    pub take_overs: BTreeMap<Service, u32>,
+    /// What each standby costs that was there at the end.
+    pub standby_costs: BTreeMap<Service, StandbyCost>,
     /// Each service's signs of life, in realtime.
     pub heartbeats: BTreeMap<Service, Heartbeats>,
     /// What went wrong.
@@ -148,9 +157,11 @@ pub(super) fn for_services(scenario: &Scenario) -> Scenario {
 /// If the group does not become ready; nothing of it is left then either.
 pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<GroupOutcome, Error> {
     refuse_faults_of_processes(&launch)?;
+    refuse_standbys(&launch)?;
     let programs = programs(&launch.programs, &launch.scenario)?;
     let timetable = Timetable::of(&launch.scenario);
-    check_room(shared_memory_bytes(&timetable))?;
+    let standby = launch.scenario.supervision.standby.services();
+    check_room(shared_memory_bytes(&timetable, &standby))?;
     let root = RunRoot::create()?;
     let janitor = Janitor::spawn(&root)?;
     let (sender, events) = channel();
@@ -163,6 +174,7 @@ pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Grou
         prefix: root.prefix().to_owned(),
         mode: launch.mode,
         timetable,
+        standby,
         patience_ns: 10_000_000_000,
         scenario: for_services(&launch.scenario).to_toml(),
     };
@@ -184,11 +196,9 @@ pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Grou
     };
     let outcome = supervisor.run(watch);
     let mut exits = BTreeMap::new();
+    supervisor.order_all(&ToService::Abort);
     for member in &mut supervisor.members {
-        member.process().order(&ToService::Abort);
-    }
-    for member in &mut supervisor.members {
-        exits.insert(member.service(), member.exit(EXIT_GRACE, Exit::Unreported));
+        exits.insert(member.service(), member.end(EXIT_GRACE));
     }
     let janitor = supervisor.dissolve();
     signals.close();
@@ -209,6 +219,32 @@ fn refuse_faults_of_processes(launch: &Launch) -> Result<(), Error> {
             fault.effect.kind()
         ))),
         _ => Ok(()),
+    }
+}
+
+/// A standby repeats nothing byte by byte, and is one of timegap's own processes.
+fn refuse_standbys(launch: &Launch) -> Result<(), Error> {
+    if launch.mode == Mode::Lockstep {
+        return refuse_standbys_in_lockstep(&launch.scenario);
+    }
+    let services = launch.scenario.supervision.standby.services();
+    match services.iter().find(|service| launch.programs.contains_key(service)) {
+        Some(service) => Err(Error::Usage(format!(
+            "--service {service}=PROGRAM: a standby is a process of timegap's own, expected no program in \
+             the place of a service with a standby"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// In simulated time the end of a process ends the run.
+pub(super) fn refuse_standbys_in_lockstep(scenario: &Scenario) -> Result<(), Error> {
+    match scenario.supervision.standby.services().first() {
+        Some(service) => Err(Error::Usage(format!(
+            "supervision.standby: a standby for {service} needs --mode realtime; in lockstep the end of a \
+             process ends the run"
+        ))),
+        None => Ok(()),
     }
 }
 
@@ -252,7 +288,7 @@ pub(super) struct Supervisor<'a> {
     /// Message faults that came during the run, for those who join later.
     pub(super) injected: Vec<Injected>,
     pub(super) recording: Option<RecorderProcess>,
-    granted: BTreeMap<String, Granted>,
+    pub(super) granted: BTreeMap<String, Granted>,
     pub(super) wrote: Vec<(Service, String)>,
     programs: BTreeMap<Service, Program>,
 }
@@ -266,9 +302,11 @@ impl Supervisor<'_> {
             let leader = self.leader();
             let program = self.launch.programs.get(&service).cloned();
             let sender = self.sender.clone();
-            let member = Member::start(service, program, self.root, leader, sender)?;
+            let policy = &self.launch.scenario.supervision;
+            let who = (service, policy.standby.contains(service));
+            let member = Member::start(who, program, policy, self.root, leader, &sender)?;
             if leader == 0 {
-                self.janitor.watch(member.pid());
+                self.janitor.watch(member.group());
             }
             self.members.push(member);
         }
@@ -293,10 +331,7 @@ impl Supervisor<'_> {
             let law = law_names(&self.launch.scenario);
             recording.begin(self.start_ns, self.granted.clone(), &self.programs, law);
         }
-        self.order_all(&ToService::Start(StartOrder { start_ns: self.start_ns }));
-        for member in &mut self.members {
-            member.begin(0);
-        }
+        self.begin_all();
         let live_file = self.launch.live_file.as_deref();
         let scenario = &self.launch.scenario;
         let _live =
@@ -317,7 +352,16 @@ impl Supervisor<'_> {
             ended,
             reports,
             exits: BTreeMap::new(),
-            restarts: self.members.iter().map(|m| (m.service(), m.incarnation())).collect(),
+            restarts: (self.members.iter())
+                .map(|member| (member.service(), member.succession().replacements()))
+                .collect(),
+            take_overs: (self.members.iter())
+                .filter(|member| self.group.standby.contains(&member.service()))
+                .map(|member| (member.service(), member.succession().take_overs()))
+                .collect(),
+            standby_costs: (self.members.iter())
+                .filter_map(|member| Some((member.service(), member.standby_cost(ran_ns)?)))
+                .collect(),
             heartbeats: (self.members.iter())
                 .filter(|_| self.launch.mode == Mode::Realtime)
                 .map(|member| (member.service(), member.heartbeats))
@@ -349,42 +393,73 @@ impl Supervisor<'_> {
         reports
     }
 
-    /// Keeps what the present process of `service`, which is gone, had counted.
-    pub(super) fn keep_account(&mut self, service: Service) {
-        let Some(granted) = self.granted.get(service.name()).cloned() else { return };
-        let incarnation = self.member(service).incarnation();
-        let left = life::left_by(&self.group, service, incarnation, granted);
-        self.member(service).keep(left);
+    /// Keeps what a process that is gone had counted, unless it told that itself.
+    pub(super) fn keep_account(&mut self, who: Who, has_told: bool) {
+        let Some(granted) = self.granted.get(who.service.name()).cloned() else { return };
+        let left = life::left_by(&self.group, who.service, who.incarnation, granted);
+        if !has_told {
+            let past = &mut self.member(who.service).past;
+            past.push(left);
+            // A long run with many deaths does not keep each.
+            if past.len() > MOST_PAST {
+                *past = life::whole(std::mem::take(past)).into_iter().collect();
+            }
+        }
+    }
+
+    /// Gives all processes, which are ready, the common start.
+    fn begin_all(&mut self) {
+        for &service in self.launch.scenario.services() {
+            let member = self.member(service);
+            let mut steps = member.on(succession::Event::Ready(0), 0);
+            steps.extend(member.on(succession::Event::Ready(1), 0));
+            for step in steps {
+                match step {
+                    Step::Activate(incarnation) => self.begin(service, incarnation, None, 0),
+                    Step::StandBy { incarnation, active } => {
+                        self.begin(service, incarnation, Some(active), 0);
+                    }
+                    _ => unreachable!("nothing has ended yet"),
+                }
+            }
+        }
     }
 
     fn wait_until_ready(&mut self, spawned: Instant) -> Result<(), Error> {
-        let mut waiting: Vec<Service> = self.launch.scenario.services().to_vec();
-        while let Some(&first) = waiting.first() {
+        let processes = |&service: &Service| {
+            let of = self.group.standby.contains(&service);
+            (0..=u32::from(of)).map(move |incarnation| Who { service, incarnation })
+        };
+        let mut waiting: Vec<Who> =
+            self.launch.scenario.services().iter().flat_map(processes).collect();
+        while let Some(first) = waiting.first().map(|who| who.service) {
             let left = self.launch.ready_timeout.saturating_sub(spawned.elapsed());
             if left.is_zero() {
                 let timeout = self.launch.ready_timeout.as_secs_f64();
                 return Err(self.not_ready(first, format!("was not ready within {timeout} s")));
             }
             match self.events.recv_timeout(left) {
-                Ok(Event::Said(service, FromService::Ready(granted))) => {
-                    waiting.retain(|s| *s != service);
-                    self.granted.insert(service.name().into(), granted);
+                Ok(Event::Said(who, FromService::Ready(granted))) => {
+                    waiting.retain(|waiting| *waiting != who);
+                    self.granted.insert(who.service.name().into(), granted);
                 }
-                Ok(Event::Said(service, FromService::Failed(reason))) => {
-                    return Err(self.not_ready(service, format!("failed: {reason}")));
+                Ok(Event::Said(who, FromService::Failed(reason))) => {
+                    return Err(self.not_ready(who.service, format!("failed: {reason}")));
                 }
-                Ok(Event::Flooded(service)) => {
+                Ok(Event::Flooded(who)) => {
                     let what = "wrote endless text instead of messages: it is no service".into();
-                    return Err(self.not_ready(service, what));
+                    return Err(self.not_ready(who.service, what));
                 }
-                Ok(Event::Gone(service)) => {
-                    let exit = self.member(service).exit(EXIT_GRACE, Exit::OutputClosed);
+                Ok(Event::Gone(Who { service, incarnation })) => {
+                    let process = self.member(service).attached(incarnation);
+                    let process = process.expect("it has just been started");
+                    let exit = process.exit(EXIT_GRACE, Exit::OutputClosed);
                     let what = format!("ended before it was ready ({exit})");
                     let what = what + &self.last_words(service);
                     return Err(self.not_ready(service, what));
                 }
                 Ok(Event::Signal) => return Err(Error::Interrupted),
-                Ok(Event::Wrote(service, line)) => self.wrote.push((service, line)),
+                Ok(Event::Wrote(who, line)) => self.wrote.push((who.service, line)),
                 Ok(Event::Inject(_, reply)) => {
                     let message = "the run has not begun".into();
                     // The client may be gone.
@@ -409,19 +484,19 @@ impl Supervisor<'_> {
 
     pub(super) fn order_all(&mut self, order: &ToService) {
         for member in &mut self.members {
-            member.process().order(order);
+            member.order(order);
         }
     }
 
-    /// Starts the next process of `service`.
-    pub(super) fn restart(&mut self, service: Service, now_ns: i64) -> Result<(), Error> {
-        let leader = self.leader_beside(service);
+    /// Starts process `incarnation` of `service`.
+    pub(super) fn start_next(&mut self, service: Service, incarnation: u32) -> Result<(), Error> {
+        let leader = self.living_group();
         let (root, sender) = (self.root, self.sender.clone());
         let member = self.member(service);
-        member.restart(root, leader, sender, now_ns)?;
+        member.spawn(incarnation, root, leader, &sender)?;
         if leader == 0 {
-            let pid = member.pid();
-            self.janitor.watch(pid);
+            let group = member.group();
+            self.janitor.watch(group);
         }
         Ok(())
     }
@@ -431,14 +506,12 @@ impl Supervisor<'_> {
         self.members.first().map_or(0, Member::group)
     }
 
-    /// The process group that `service` is to join: that of the others, if any of them lives.
-    fn leader_beside(&mut self, service: Service) -> i32 {
-        let others = self.members.iter_mut().filter(|member| member.service() != service);
-        let mut groups = others.filter_map(|member| {
-            let lives = member.phase != Phase::GivenUp && member.process().poll().is_none();
-            lives.then(|| member.group())
+    /// The process group of the processes that live; 0 when there is none.
+    fn living_group(&mut self) -> i32 {
+        let living = self.members.iter_mut().find_map(|member| {
+            (member.phase() != Phase::GivenUp && member.lives()).then(|| member.group())
         });
-        groups.next().unwrap_or(0)
+        living.unwrap_or(0)
     }
 
     fn last_words(&self, service: Service) -> String {

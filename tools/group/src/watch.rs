@@ -3,15 +3,18 @@
 
 use super::disturbance::Disturbance;
 use super::drive::DriveLog;
-use super::events::{Answer, Event};
+use super::events::{Answer, Event, Who};
 use super::exits::Exit;
 use super::faults::Act;
-use super::member::{Phase, Verdict};
 use super::recording::RecorderProcess;
+use super::succession::{self, Phase, Standby, Step};
 use super::supervisor::{Ended, Moment, Supervisor};
 use crate::Error;
 use messages::Service;
-use runtime::{FromService, Injected, Mode, StartOrder, ToService, concerned, monotonic_ns};
+use runtime::{
+    ActiveProcess, Cause, FromService, Injected, Mode, StartOrder, TakeOver, ToService, concerned,
+    monotonic_ns,
+};
 use scenario::faults::Fault;
 use std::collections::BTreeMap;
 use std::sync::mpsc::RecvTimeoutError;
@@ -90,7 +93,7 @@ impl Supervisor<'_> {
                 if now_ns < length_ns {
                     self.kill_the_hung(now_ns);
                 }
-                self.start_the_waiting(&mut course, now_ns);
+                self.start_what_is_due(&mut course, now_ns);
             }
             looked_ns = now_ns;
             if self.silent().is_none() {
@@ -115,16 +118,17 @@ impl Supervisor<'_> {
     fn how_it_ended(&mut self) -> Ended {
         let mut missing = self.members.iter_mut().filter(|member| {
             member.report.is_none()
-                && (member.phase != Phase::GivenUp || member.service() == Service::Plant)
+                && (member.phase() != Phase::GivenUp || member.service() == Service::Plant)
         });
         if let Some(member) = missing.next() {
-            let how = member.exit(LAST_MOMENT, Exit::Unreported).to_string();
+            let how = member.active().exit(LAST_MOMENT, Exit::Unreported).to_string();
             return Ended::Broken { service: member.service(), how };
         }
-        let mut given_up = self.members.iter().filter(|member| member.phase == Phase::GivenUp);
+        let mut given_up = self.members.iter().filter(|member| member.phase() == Phase::GivenUp);
         match given_up.next() {
             Some(member) => {
-                Ended::GivenUp { service: member.service(), restarts: member.incarnation() }
+                let restarts = member.succession().replacements();
+                Ended::GivenUp { service: member.service(), restarts }
             }
             None => Ended::Orderly,
         }
@@ -135,7 +139,7 @@ impl Supervisor<'_> {
     }
 
     fn until_next_look(&self, realtime: bool) -> Duration {
-        let awaited = self.members.iter().any(|member| member.phase != Phase::Running)
+        let awaited = self.members.iter().any(|member| member.phase() != Phase::Running)
             || self.faults.is_recovery_awaited();
         match (realtime, awaited) {
             (false, _) => LOCKSTEP_LOOK,
@@ -149,12 +153,14 @@ impl Supervisor<'_> {
 
     fn take(&mut self, event: Event, log: &mut DriveLog, course: &mut Course, now_ns: i64) {
         match event {
-            Event::Said(service, FromService::Report(report)) => {
+            // A standby's report says nothing of the run.
+            Event::Said(who, FromService::Report(report)) if self.is_active(who) => {
+                let service = who.service;
                 if course.ended == Ended::Orderly && self.is_early(service, log, course, now_ns) {
                     let member = self.member(service);
                     member.leaves_early(*report);
                     // Its end is an event.
-                    member.process().order(&ToService::Abort);
+                    member.order(&ToService::Abort);
                 } else {
                     self.member(service).report = Some(*report);
                 }
@@ -163,29 +169,48 @@ impl Supervisor<'_> {
                 self.order_all(&ToService::StopAfter(step));
                 course.ending();
             }
-            Event::Said(service, FromService::Ready(_)) => self.admit(service, now_ns),
-            Event::Said(service, FromService::Failed(how)) => {
-                self.wrote.push((service, how.clone()));
+            Event::Said(who, FromService::Ready(granted)) => {
+                self.granted.insert(who.service.name().into(), granted);
+                self.follow(who.service, succession::Event::Ready(who.incarnation), course, now_ns);
+            }
+            Event::Said(who, FromService::TookOver(take_over)) => {
+                self.on_take_over(who, take_over, course, now_ns);
+            }
+            Event::Said(who, FromService::Failed(how)) => {
+                self.wrote.push((who.service, how.clone()));
                 if self.launch.mode == Mode::Lockstep {
-                    self.break_off(service, how, course);
+                    self.break_off(who.service, how, course);
                 }
             }
-            Event::Gone(service) if self.member(service).report.is_none() => {
-                self.on_exit(service, log, course, now_ns);
+            Event::Gone(who) if self.member(who.service).report.is_none() => {
+                self.on_exit(who, log, course, now_ns);
             }
-            Event::Flooded(service) => self.member(service).kill(Exit::Flooded),
+            Event::Flooded(who) => self.kill(who, Exit::Flooded),
             Event::Signal if course.ended == Ended::Orderly => {
                 course.ended = Ended::Interrupted;
                 self.order_all(&ToService::Abort);
                 course.ending();
             }
-            Event::Wrote(service, line) => self.wrote.push((service, line)),
+            Event::Wrote(who, line) => self.wrote.push((who.service, line)),
             Event::Inject(fault, reply) => {
                 let answer = self.inject(*fault, log, now_ns);
                 // The client may be gone.
                 let _ = reply.send(answer);
             }
-            Event::Gone(_) | Event::Signal | Event::Knock => {}
+            Event::Said(_, FromService::Report(_))
+            | Event::Gone(_)
+            | Event::Signal
+            | Event::Knock => {}
+        }
+    }
+
+    fn is_active(&mut self, who: Who) -> bool {
+        self.member(who.service).incarnation() == who.incarnation
+    }
+
+    fn kill(&mut self, who: Who, cause: Exit) {
+        if let Some(process) = self.member(who.service).attached(who.incarnation) {
+            process.kill(cause);
         }
     }
 
@@ -205,40 +230,99 @@ impl Supervisor<'_> {
         }
     }
 
-    /// Decides what becomes of a service whose process is gone.
-    fn on_exit(&mut self, service: Service, log: &mut DriveLog, course: &mut Course, now_ns: i64) {
-        let policy = self.launch.scenario.supervision;
-        let member = self.member(service);
-        let exit = member.exit_in_run(LAST_MOMENT);
-        let awaits = member.incarnation() + 1;
-        let kind = if exit == Exit::Flooded { "flooded" } else { "died" };
-        self.faults.detected(service, kind, awaits, None, now_ns);
-        self.faults.replaced(service);
-        self.keep_account(service);
-        if self.launch.mode == Mode::Lockstep || course.ended != Ended::Orderly {
+    /// A process is gone: the succession says what follows.
+    fn on_exit(&mut self, who: Who, log: &mut DriveLog, course: &mut Course, now_ns: i64) {
+        let (service, incarnation) = (who.service, who.incarnation);
+        let is_active = self.is_active(who);
+        let Some(process) = self.member(service).attached(incarnation) else { return };
+        let exit = process.exit_in_run(LAST_MOMENT);
+        let has_told = process.has_told;
+        self.keep_account(who, has_told);
+        if is_active {
+            let kind = if exit == Exit::Flooded { "flooded" } else { "died" };
+            self.faults.detected(service, kind, incarnation + 1, None, now_ns);
+            self.faults.replaced(service);
+        }
+        if is_active && (self.launch.mode == Mode::Lockstep || course.ended != Ended::Orderly) {
             log.remove_dead();
             self.break_off(service, exit.to_string(), course);
             return;
         }
-        let verdict = self.member(service).verdict(&policy, exit.is_failure(), now_ns);
-        match verdict {
-            Verdict::Restart(wait) => {
-                let until_ns = now_ns.saturating_add_unsigned(wait.as_nanos() as u64);
-                self.member(service).phase = Phase::Waiting { until_ns };
-                self.start_the_waiting(course, now_ns);
-            }
-            Verdict::GiveUp if service != Service::Plant => {
-                self.wrote.push((service, format!("{exit}, too often: stopping the vehicle")));
-                self.member(service).phase = Phase::GivenUp;
-                self.member(Service::Plant).process().order(&ToService::SafeStop);
-            }
-            Verdict::GiveUp => {
-                self.break_off(service, format!("{exit}, too often"), course);
-            }
-            Verdict::EndRun => self.break_off(service, exit.to_string(), course),
+        if course.ended == Ended::Orderly {
+            let gone = succession::Event::Gone { incarnation, failed: exit.is_failure() };
+            self.follow(service, gone, course, now_ns);
+            // What is due at once does not wait for the next look.
+            self.follow(service, succession::Event::Tick, course, now_ns);
         }
         // While the next process starts: there is room on every topic for it beside its dead self.
         log.remove_dead();
+    }
+
+    /// A standby has become the active process.
+    fn on_take_over(&mut self, who: Who, told: TakeOver, course: &mut Course, now_ns: i64) {
+        let old = self.member(who.service).incarnation();
+        let noticed_ns = told.noticed_ns - self.start_ns;
+        let kind = match told.cause {
+            Cause::Gone => "died",
+            Cause::Silent => "hung",
+        };
+        if course.ended == Ended::Orderly && old != who.incarnation {
+            self.faults.taken_over(who.service, old, kind, noticed_ns);
+            let took_over = succession::Event::TookOver(who.incarnation);
+            self.follow(who.service, took_over, course, now_ns);
+        }
+    }
+
+    /// Does what follows from an event in a service's succession.
+    fn follow(
+        &mut self,
+        service: Service,
+        event: succession::Event,
+        course: &mut Course,
+        now_ns: i64,
+    ) {
+        for step in self.member(service).on(event, now_ns) {
+            match step {
+                Step::Start(incarnation) => {
+                    if let Err(error) = self.start_next(service, incarnation) {
+                        self.break_off(service, error.to_string(), course);
+                    }
+                }
+                Step::Activate(incarnation) => self.admit(service, incarnation, None, now_ns),
+                Step::StandBy { incarnation, active } => {
+                    self.admit(service, incarnation, Some(active), now_ns);
+                }
+                Step::OrderTakeOver(incarnation) => {
+                    if let Some(standby) = self.member(service).attached(incarnation) {
+                        standby.process.order(&ToService::TakeOver);
+                    }
+                }
+                Step::Replaced { old, new } => {
+                    // It may be stopped, and then could not leave by itself.
+                    self.kill(Who { service, incarnation: old }, Exit::Replaced);
+                    let member = self.member(service);
+                    member.active().begin(now_ns);
+                    debug_assert_eq!(member.incarnation(), new);
+                    self.faults.replaced(service);
+                }
+                Step::Kill(incarnation) => {
+                    self.kill(Who { service, incarnation }, Exit::Hung);
+                }
+                Step::GiveUp if service != Service::Plant => {
+                    let how = self.member(service).active().exit_in_run(LAST_MOMENT);
+                    self.wrote.push((service, format!("{how}, too often: stopping the vehicle")));
+                    self.member(Service::Plant).order(&ToService::SafeStop);
+                }
+                Step::GiveUp => {
+                    let how = self.member(service).active().exit_in_run(LAST_MOMENT);
+                    self.break_off(service, format!("{how}, too often"), course);
+                }
+                Step::EndRun => {
+                    let how = self.member(service).active().exit_in_run(LAST_MOMENT);
+                    self.break_off(service, how.to_string(), course);
+                }
+            }
+        }
     }
 
     fn break_off(&mut self, service: Service, how: String, course: &mut Course) {
@@ -249,41 +333,66 @@ impl Supervisor<'_> {
         }
     }
 
-    fn start_the_waiting(&mut self, course: &mut Course, now_ns: i64) {
+    fn start_what_is_due(&mut self, course: &mut Course, now_ns: i64) {
         for &service in self.launch.scenario.services() {
-            match self.member(service).phase {
-                Phase::Waiting { until_ns } if until_ns <= now_ns => {
-                    if let Err(error) = self.restart(service, now_ns) {
-                        self.break_off(service, error.to_string(), course);
-                    }
-                }
-                Phase::Starting { .. } => {
-                    let member = self.member(service);
-                    if member.is_overdue(now_ns, RESTART_TIMEOUT_NS) {
-                        // Its end is the next event.
-                        member.kill(Exit::NotReady);
-                    }
-                }
-                _ => {}
+            self.follow(service, succession::Event::Tick, course, now_ns);
+            if let Some(incarnation) = self.member(service).overdue(now_ns, RESTART_TIMEOUT_NS) {
+                // Its end is the next event.
+                self.kill(Who { service, incarnation }, Exit::NotReady);
             }
         }
     }
 
-    /// Lets a restarted service into the run.
-    fn admit(&mut self, service: Service, now_ns: i64) {
-        let start = ToService::Start(StartOrder { start_ns: self.start_ns });
-        let injected = self.injected.clone();
-        let member = self.member(service);
-        member.process().order(&start);
-        for fault in injected {
-            member.process().order(&ToService::Inject(fault));
-        }
-        member.begin(now_ns);
+    /// Lets a process that was started during the run into it, as a standby of process `stands_by_for`, or as
+    /// the active one.
+    fn admit(
+        &mut self,
+        service: Service,
+        incarnation: u32,
+        stands_by_for: Option<u32>,
+        now_ns: i64,
+    ) {
+        self.begin(service, incarnation, stands_by_for, now_ns);
         // The others' senders look for it, so that it hears them before their next messages.
-        for member in self.members.iter_mut().filter(|m| m.phase == Phase::Running) {
-            if member.service() != service {
-                member.process().tell_of_peer();
+        for member in self.members.iter_mut().filter(|m| m.phase() == Phase::Running) {
+            let is_own = member.service() == service;
+            let active = member.incarnation();
+            let standby = match member.succession().standby() {
+                Standby::Ready { incarnation } => Some(incarnation),
+                _ => None,
+            };
+            for peer in [Some(active), standby].into_iter().flatten() {
+                if let Some(peer) = member.attached(peer)
+                    && !(is_own && peer.incarnation == incarnation)
+                {
+                    peer.process.tell_of_peer();
+                }
             }
+        }
+    }
+
+    /// Gives a process that is ready the start order, and what was injected before.
+    pub(super) fn begin(
+        &mut self,
+        service: Service,
+        incarnation: u32,
+        stands_by_for: Option<u32>,
+        now_ns: i64,
+    ) {
+        let standby_for = stands_by_for.map(|active| {
+            let pid = self.member(service).pid_of(active);
+            ActiveProcess { incarnation: active, pid }
+        });
+        let start = ToService::Start(StartOrder { start_ns: self.start_ns, standby_for });
+        let (injected, group) = (self.injected.clone(), self.group.clone());
+        let Some(process) = self.member(service).attached(incarnation) else { return };
+        process.process.order(&start);
+        for fault in injected {
+            process.process.order(&ToService::Inject(fault));
+        }
+        match stands_by_for {
+            Some(_) => process.stand_by(&group, service, now_ns),
+            None => process.begin(now_ns),
         }
     }
 
@@ -303,15 +412,13 @@ impl Supervisor<'_> {
         for &service in self.launch.scenario.services() {
             // A heartbeat comes with the service's cycle, and at most ten times a second.
             let period_ns = self.group.timetable.period_ns(service).max(100_000_000);
-            let member = self.member(service);
-            if member.phase == Phase::Running
-                && member.report.is_none()
-                && member.is_hung(now_ns, timeout + period_ns)
-            {
-                let (awaits, heard_ns) = (member.incarnation() + 1, member.heard_ns());
-                member.kill(Exit::Hung);
-                member.reset_silence(now_ns);
-                self.faults.detected(service, "hung", awaits, Some(heard_ns), now_ns);
+            for incarnation in self.member(service).hung(now_ns, timeout + period_ns) {
+                let who = Who { service, incarnation };
+                let heard_ns = self.member(service).attached(incarnation).map(|one| one.heard_ns());
+                self.kill(who, Exit::Hung);
+                if self.is_active(who) {
+                    self.faults.detected(service, "hung", incarnation + 1, heard_ns, now_ns);
+                }
             }
         }
     }
@@ -319,7 +426,7 @@ impl Supervisor<'_> {
     /// Applies the faults of processes that are due.
     fn apply_faults(&mut self, log: &DriveLog, now_ns: i64) {
         let up: BTreeMap<Service, u32> = (self.members.iter())
-            .filter(|member| member.phase == Phase::Running && member.report.is_none())
+            .filter(|member| member.phase() == Phase::Running && member.report.is_none())
             .map(|member| (member.service(), member.incarnation()))
             .collect();
         let due = self.faults.due(now_ns, log.ego(), |service| up.get(&service).copied());
@@ -363,7 +470,7 @@ impl Supervisor<'_> {
             let concerned = concerned(&fault);
             let injected = Injected { number, begin_ns, fault };
             for service in concerned {
-                self.member(service).process().order(&ToService::Inject(injected.clone()));
+                self.member(service).order(&ToService::Inject(injected.clone()));
             }
             self.injected.push(injected);
         }
@@ -374,8 +481,8 @@ impl Supervisor<'_> {
     fn silent(&mut self) -> Option<Service> {
         let mut missing = self.members.iter_mut().filter(|member| member.report.is_none());
         missing.find_map(|member| {
-            let expected = match member.phase {
-                Phase::Waiting { .. } => true,
+            let expected = match member.phase() {
+                Phase::Waiting { .. } | Phase::Vacant { .. } => true,
                 Phase::GivenUp => false,
                 Phase::Starting { .. } | Phase::Running => member.process().poll().is_none(),
             };

@@ -210,6 +210,7 @@ fn fault(record: &FaultRecord) -> FaultMark {
         record.messages.map(|messages| format!("{messages} messages")),
         after("detected", record.detected_after_us),
         after("recovered", record.recovered_after_us),
+        record.recovered_by.map(|by| format!("by {}", by.name())),
     ];
     let outcome: Vec<_> = outcome.into_iter().flatten().collect();
     let label = format!("{} {whom}", record.kind).trim_end().to_owned();

@@ -2,7 +2,7 @@
 
 use crate::chart::number;
 use crate::summary::{Summary, Timing};
-use group::{Error, RecordingSummary};
+use group::{Error, RecordingSummary, Recovery};
 use messages::level::Level;
 use runtime::report::{Outcome, ProgramReport, WorstChain};
 use runtime::statistics::Percentiles;
@@ -356,6 +356,9 @@ fn faults(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
                 write!(text, ", {what} after {}", duration(us)).expect("a string takes all");
             }
         }
+        if fault.recovered_by == Some(Recovery::TakeOver) {
+            text.push_str(" by take-over");
+        }
         if let Some(messages) = fault.messages {
             write!(text, ", {messages} messages").expect("a string takes all");
         }
@@ -386,19 +389,33 @@ fn faults(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     }
 }
 
+/// How often something happened, behind what it is; nothing if it did not.
+fn how_often(what: &str, count: u32) -> String {
+    match count {
+        0 => String::new(),
+        1 => format!("{what} once"),
+        n => format!("{what} {n} times"),
+    }
+}
+
 fn machine(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     for service in &summary.services {
         let Some(granted) = &service.scheduling else { continue };
         let core = granted.core.map_or_else(|| "any core".into(), |core| format!("core {core}"));
         let locked = if granted.memory_locked { "memory locked" } else { "memory not locked" };
         let rss = service.peak_rss_kib.unwrap_or(0) as f64 / 1024.0;
-        let restarts = match service.restarts {
-            0 => String::new(),
-            1 => ", restarted once".into(),
-            n => format!(", restarted {n} times"),
-        };
+        let took_over = service.take_overs.unwrap_or(0);
+        let restarts = how_often(", restarted", service.restarts.saturating_sub(took_over))
+            + &how_often(", taken over by its standby", took_over);
         let granted = &granted.granted;
         line(service.name, format!("{granted}, {core}, {locked}, {rss:.1} MiB{restarts}"));
+    }
+    for service in &summary.services {
+        if let Some(cost) = &service.standby_cost {
+            let (cpu, mib) = (cost.cpu_percent, cost.private_kib as f64 / 1024.0);
+            let name = service.name;
+            line("standby", format!("{name}: {cpu:.2} % of a core, {mib:.1} MiB of its own"));
+        }
     }
     for service in &summary.services {
         let starved_ms = service.heartbeats.map_or(0.0, |heartbeats| heartbeats.starved_ms);

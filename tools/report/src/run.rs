@@ -266,6 +266,8 @@ fn machine(summary: &Summary) -> String {
         ("memory", Column::Text),
         ("peak", Column::Number),
         ("restarts", Column::MoreNumber),
+        ("take-overs", Column::MoreNumber),
+        ("standby", Column::MoreText),
         ("end", Column::MoreText),
         ("not granted", Column::Text),
     ];
@@ -299,6 +301,11 @@ fn service(service: &ServiceSummary) -> Vec<String> {
         }),
         rss,
         service.restarts.to_string(),
+        service.take_overs.map_or_else(dash, |count| count.to_string()),
+        service.standby_cost.map_or_else(dash, |cost| {
+            let (cpu, mib) = (cost.cpu_percent, cost.private_kib as f64 / 1024.0);
+            format!("{cpu:.2} % of a core, {mib:.1} MiB")
+        }),
         service.exit.clone().unwrap_or_else(dash),
         granted.map_or_else(String::new, |granted| granted.refused.join(", ")),
     ]

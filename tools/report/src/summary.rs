@@ -1,7 +1,7 @@
 //! `summary.json`: stable names for what a run measured. A figure that does not apply is null.
 
 use crate::following::Following;
-use group::{Drive, Ended, FaultRecord, GroupOutcome, Heartbeats, RecordingSummary};
+use group::{Drive, Ended, FaultRecord, GroupOutcome, Heartbeats, RecordingSummary, StandbyCost};
 use messages::Service;
 use messages::e2e::Outcomes;
 use messages::level::Levels;
@@ -203,8 +203,12 @@ pub struct TopicCounts {
 pub struct ServiceSummary {
     /// Name of the service.
     pub name: &'static str,
-    /// Times that the supervisor started it again.
+    /// Times that another process took its place: one that the supervisor started for it, or its standby.
     pub restarts: u32,
+    /// In how many of these the standby took over; null without one.
+    pub take_overs: Option<u32>,
+    /// What its standby costs that stood by at the end; null without one.
+    pub standby_cost: Option<StandbyCost>,
     /// Heartbeats that the supervisor received; null in lockstep.
     pub heartbeats: Option<Heartbeats>,
     /// How its process ended; null if that is not known.
@@ -318,6 +322,8 @@ impl Summary {
                 .map(|service| ServiceSummary {
                     name: service.name(),
                     restarts: group.restarts.get(&service).copied().unwrap_or(0),
+                    take_overs: group.take_overs.get(&service).copied(),
+                    standby_cost: group.standby_costs.get(&service).copied(),
                     heartbeats: group.heartbeats.get(&service).copied(),
                     exit: group.exits.get(&service).map(ToString::to_string),
                     peak_rss_kib: report(service).and_then(|report| report.peak_rss_kib),

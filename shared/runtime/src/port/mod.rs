@@ -5,5 +5,6 @@ mod subscriber;
 mod tally;
 
 pub use publisher::Publisher;
+pub(super) use publisher::{Backlog, Outlet};
 pub use subscriber::Subscriber;
 pub(super) use tally::Tally;

@@ -5,15 +5,20 @@
 //! ```text
 //! loan ─► the service writes ─► send: header, sender faults, protection ─► handed over
 //! ```
+//!
+//! A standby's message is not completed and not handed over; the newest one is kept for the instant at which
+//! the standby takes over.
 
 use super::tally::Tally;
 use crate::faults::{Faults, SenderFaults};
+use crate::gate::{Gate, Passage};
 use crate::transport::{Loan, Sender};
 use crate::waking::Waker;
 use crate::{Clock, RuntimeError, Timetable};
 use messages::e2e::profile7;
 use messages::{Message, Service};
 use std::cell::RefCell;
+use std::fmt::Debug;
 use std::rc::Rc;
 
 /// A consumer that lags this many steps behind is woken even if no sample is due.
@@ -22,6 +27,13 @@ const DRAIN_STEPS: u64 = 16;
 /// The sending end of `T`'s topic.
 #[derive(Debug)]
 pub struct Publisher<T: Message> {
+    port: Rc<dyn Sender<T>>,
+    outlet: Rc<RefCell<Outlet<T>>>,
+}
+
+/// What completes a message and hands it over.
+#[derive(Debug)]
+pub(crate) struct Outlet<T: Message> {
     pub(crate) port: Rc<dyn Sender<T>>,
     pub(crate) waker: Option<Waker>,
     pub(crate) clock: Rc<Clock>,
@@ -31,9 +43,37 @@ pub struct Publisher<T: Message> {
     pub(crate) faults: Rc<Faults>,
     pub(crate) sender_faults: SenderFaults<T>,
     pub(crate) tally: Rc<RefCell<Tally>>,
+    pub(crate) gate: Rc<Gate>,
+    /// A standby's newest message.
+    pub(crate) held: Option<Loan<T>>,
+}
+
+/// A port with a message that was kept back.
+pub(crate) trait Backlog: Debug {
+    /// Sends it if it is of `step`; drops it if it is of an earlier one.
+    fn send_held(&self, step: u64) -> Result<(), RuntimeError>;
+}
+
+impl<T: Message> Backlog for RefCell<Outlet<T>> {
+    fn send_held(&self, step: u64) -> Result<(), RuntimeError> {
+        let mut outlet = self.borrow_mut();
+        match outlet.held.take() {
+            Some(message) if message.header().step == step => outlet.hand_over(message).map(|_| ()),
+            _ => Ok(()),
+        }
+    }
 }
 
 impl<T: Message> Publisher<T> {
+    pub(crate) fn new(outlet: Outlet<T>) -> Self {
+        Self { port: Rc::clone(&outlet.port), outlet: Rc::new(RefCell::new(outlet)) }
+    }
+
+    /// What it keeps back.
+    pub(crate) fn backlog(&self) -> Rc<dyn Backlog> {
+        Rc::clone(&self.outlet) as Rc<dyn Backlog>
+    }
+
     /// Memory for the next message, all zeros, where its readers will read it.
     ///
     /// # Errors
@@ -65,11 +105,26 @@ impl<T: Message> Publisher<T> {
 
     /// Completes the header of `message` (sequence, source, publish stamp, protection), which was loaned
     /// here, where it is, and hands it over. Returns the publish stamp, ns of run time. Neither copies
-    /// nor allocates.
+    /// nor allocates. Of a standby it is kept instead, and the one before it given back.
     ///
     /// # Errors
-    /// [`RuntimeError::Send`] if the transport refuses it.
-    pub fn send(&mut self, mut message: Loan<T>) -> Result<i64, RuntimeError> {
+    /// [`RuntimeError::Send`] if the transport refuses it, [`RuntimeError::Replaced`] if this process may
+    /// not send any more.
+    pub fn send(&mut self, message: Loan<T>) -> Result<i64, RuntimeError> {
+        let mut outlet = self.outlet.borrow_mut();
+        match outlet.gate.passage() {
+            Passage::Open => outlet.hand_over(message),
+            Passage::Held => {
+                outlet.held = Some(message);
+                Ok(outlet.clock.now_ns())
+            }
+            Passage::Shut => Err(RuntimeError::Replaced),
+        }
+    }
+}
+
+impl<T: Message> Outlet<T> {
+    fn hand_over(&mut self, mut message: Loan<T>) -> Result<i64, RuntimeError> {
         let source = self.source.to_wire();
         let sequence = self.tally.borrow().messages + 1;
         let now_ns = self.clock.now_ns();

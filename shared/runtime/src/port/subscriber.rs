@@ -2,6 +2,7 @@
 
 use super::tally::Tally;
 use crate::faults::{ChannelFaults, Faults};
+use crate::fence::Fences;
 use crate::link::End;
 use crate::members::Members;
 use crate::transport::{Held, Receiver, SenderId};
@@ -38,6 +39,8 @@ pub struct Subscriber<T: Message> {
     last: [(u32, u64); Service::ALL.len() + 1],
     channels: [Channel; Service::ALL.len() + 1],
     members: Rc<Members>,
+    /// Who may speak for the services that have a standby.
+    fences: Option<Fences>,
     /// Senders that were looked up, and whether they belong to the group.
     senders: [Option<(SenderId, bool)>; REMEMBERED_SENDERS],
     next_sender: usize,
@@ -55,6 +58,7 @@ impl<T: Message> Subscriber<T> {
         port: Rc<dyn Receiver<T>>,
         waiter: Option<Waiter>,
         members: Rc<Members>,
+        fences: Option<Fences>,
         clock: Option<Rc<Clock>>,
         faults: Rc<Faults>,
         tally: Rc<RefCell<Tally>>,
@@ -69,6 +73,7 @@ impl<T: Message> Subscriber<T> {
             last: [(0, 0); Service::ALL.len() + 1],
             channels: Default::default(),
             members,
+            fences,
             senders: [None; REMEMBERED_SENDERS],
             next_sender: 0,
             clock,
@@ -155,6 +160,11 @@ impl<T: Message> Subscriber<T> {
             return;
         };
         let bytes = bytemuck::bytes_of(sample);
+        if self.fences.as_ref().is_some_and(|f| !f.accept(source, header.incarnation)) {
+            // Of a process that its standby has replaced.
+            tally.e2e.wrong_sequence += 1;
+            return;
+        }
         if !channel.accept(bytes, T::TOPIC.data_id(source), header.incarnation, &mut tally.e2e) {
             return;
         }

@@ -41,6 +41,11 @@ impl Tally {
         Rc::default()
     }
 
+    /// Counts from zero: a receiver of a standby that takes over.
+    pub(crate) fn begin_anew(&mut self) {
+        *self = Self::default();
+    }
+
     pub(super) fn count_sent<T: Message>(&mut self, message: &T) {
         self.messages += 1;
         if let Some(digest) = &mut self.digest {

@@ -34,16 +34,25 @@ const HISTORY: usize = 1;
 
 /// Processes on one topic: the group, each restarted beside its dead self, and observers.
 const MAX_PEERS: usize = 10;
+/// Processes that a service with a standby adds to that: the standby, the next one, one that was replaced.
+const STANDBY_PEERS: usize = 3;
+
+/// Processes on one topic of a group in which so many services have a standby.
+const fn peers(standbys: usize) -> usize {
+    MAX_PEERS + STANDBY_PEERS * standbys
+}
 
 /// Shared memory that a group with this timetable may come to use, bytes: every publisher has room
-/// for what all its possible subscribers can lag behind.
+/// for what all its possible subscribers can lag behind. `standby` are the services with a standby.
 #[must_use]
-pub fn shared_memory_bytes(timetable: &Timetable) -> u64 {
+pub fn shared_memory_bytes(timetable: &Timetable, standby: &[Service]) -> u64 {
     /// Management segments of all nodes, services and connections, generously.
     const MANAGEMENT: usize = 1 << 20;
     let each = |topic| buffer_of(topic, buffer(timetable)) + HELD;
-    let messages = |topic| MAX_PEERS * each(topic) + HISTORY + LOANED;
-    let publishers = |topic: Topic| topic.source().map_or(Service::ALL.len(), |_| 1);
+    let messages = |topic| peers(standby.len()) * each(topic) + HISTORY + LOANED;
+    let of = |service: Service| 1 + usize::from(standby.contains(&service));
+    let all = Service::ALL.len() + standby.len();
+    let publishers = |topic: Topic| topic.source().map_or(all, of);
     let bytes = |topic: Topic| publishers(topic) * messages(topic) * topic.message_bytes();
     let payload: usize = TOPICS.into_iter().map(bytes).sum();
     (payload + MANAGEMENT) as u64
@@ -95,6 +104,7 @@ pub struct SharedMemory {
     wake_words: WakeWords,
     mode: Mode,
     buffer: usize,
+    peers: usize,
     root: PathBuf,
 }
 
@@ -122,6 +132,7 @@ impl SharedMemory {
             wake_words,
             mode: group.mode,
             buffer: buffer(&group.timetable),
+            peers: peers(group.standby.len()),
             root: group.root.clone(),
         })
     }
@@ -147,9 +158,9 @@ impl SharedMemory {
         self.node
             .service_builder(&service_name(T::TOPIC))
             .publish_subscribe::<T>()
-            .max_publishers(MAX_PEERS)
-            .max_subscribers(MAX_PEERS)
-            .max_nodes(2 * MAX_PEERS)
+            .max_publishers(self.peers)
+            .max_subscribers(self.peers)
+            .max_nodes(2 * self.peers)
             .subscriber_max_buffer_size(buffer_of(T::TOPIC, self.buffer))
             .subscriber_max_borrowed_samples(HELD)
             // What a restarted receiver begins with.

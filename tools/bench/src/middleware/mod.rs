@@ -113,6 +113,7 @@ mod tests {
                 strides: [1; messages::Service::ALL.len()],
                 last_step: u64::MAX,
             },
+            standby: Vec::new(),
             patience_ns: 10_000_000_000,
             scenario: String::new(),
         };

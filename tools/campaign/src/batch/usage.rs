@@ -54,7 +54,10 @@ impl Sample {
         let mut sample = Self::default();
         for entry in std::fs::read_dir("/proc").into_iter().flatten().flatten() {
             if let Some((name, usage)) = service(&entry.path(), &own) {
-                sample.services.insert(name, usage);
+                // A standby has its service's name.
+                let both = sample.services.entry(name).or_default();
+                both.memory_kib += usage.memory_kib;
+                both.descriptors += usage.descriptors;
             }
         }
         if !sample.services.is_empty()

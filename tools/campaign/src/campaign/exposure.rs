@@ -205,6 +205,7 @@ mod tests {
             messages: Some(messages),
             detected_after_us: None,
             recovered_after_us: None,
+            recovered_by: None,
             number,
             awaits: None,
         };

@@ -122,7 +122,7 @@ pub struct Builtin {
 }
 
 /// Every built-in campaign.
-pub const BUILTIN: [Builtin; 3] = [
+pub const BUILTIN: [Builtin; 4] = [
     Builtin {
         name: "kills",
         summary: "1,000 SIGKILLs over all services, most of them in critical phases, in realtime",
@@ -137,6 +137,11 @@ pub const BUILTIN: [Builtin; 3] = [
         name: "soak",
         summary: "half an hour of realtime with random kills: nothing grows",
         text: include_str!("../../campaigns/soak.toml"),
+    },
+    Builtin {
+        name: "takeovers",
+        summary: "1,000 SIGKILLs of a controller with a standby, at control periods of 10 ms",
+        text: include_str!("../../campaigns/takeovers.toml"),
     },
 ];
 

@@ -58,7 +58,7 @@ const PLAUSIBILITY: &str = "plausibility";
 /// Arguments of `campaign`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Built-in campaigns: kills, messages, soak. `plausibility` prints how often and how \
+    after_help = "Built-in campaigns: kills, messages, soak, takeovers. `plausibility` prints how often and how \
 fast the controller's checks of its inputs find a false sender."
 )]
 pub struct CampaignArguments {

@@ -1,0 +1,65 @@
+//! Whether a process's messages leave it: a standby keeps them back, a replaced process may not send.
+
+use super::fence::{self, Fences};
+use messages::Service;
+use std::cell::Cell;
+
+/// What becomes of a message that is to be sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Passage {
+    /// It is sent.
+    Open,
+    /// It is kept, since the process is a standby.
+    Held,
+    /// It is dropped, since the process was replaced.
+    Shut,
+}
+
+/// The gate of one process, shared by its ports.
+#[derive(Debug)]
+pub(crate) struct Gate {
+    fences: Option<Fences>,
+    service: Service,
+    incarnation: u32,
+    is_standby: Cell<bool>,
+}
+
+impl Gate {
+    pub(super) fn of(fences: Option<Fences>, service: Service, incarnation: u32) -> Self {
+        Self { fences, service, incarnation, is_standby: Cell::new(false) }
+    }
+
+    /// Always open: of a sender without a standby.
+    pub(super) fn open(service: Service) -> Self {
+        Self::of(None, service, 0)
+    }
+
+    /// The process is a standby from now on, or is none any more.
+    pub(super) fn set_standby(&self, is_standby: bool) {
+        self.is_standby.set(is_standby);
+    }
+
+    /// True while the process is a standby.
+    pub(super) fn is_standby(&self) -> bool {
+        self.is_standby.get()
+    }
+
+    /// Makes this process the active one, where it was started in the place of one that is gone; false if
+    /// another process is it.
+    pub(super) fn claim(&self) -> bool {
+        let word = self.fences.as_ref().and_then(|fences| fences.of_service(self.service));
+        word.is_none_or(|word| fence::claim(word, self.incarnation))
+    }
+
+    /// What becomes of a message that is sent now.
+    pub(super) fn passage(&self) -> Passage {
+        if self.is_standby() {
+            return Passage::Held;
+        }
+        let word = self.fences.as_ref().and_then(|fences| fences.of_service(self.service));
+        match word {
+            Some(word) if !fence::may_send(word, self.incarnation) => Passage::Shut,
+            _ => Passage::Open,
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! One process of a service, from its start until its exit status is taken.
+
+use super::exits::Exit;
+use super::processes::Process;
+use super::starvation::Share;
+use runtime::{Group, Progress};
+use serde::Serialize;
+use std::time::Duration;
+
+/// A process and what is known of it.
+#[derive(Debug)]
+pub struct Attached {
+    /// Which process of its service it is.
+    pub incarnation: u32,
+    /// The process.
+    pub process: Process,
+    /// What the launcher killed it for, or how it ended during the run.
+    pub cause: Option<Exit>,
+    /// It has reported, before the run's end.
+    pub has_told: bool,
+    silence: Silence,
+    /// How a standby shows that it lives: it sends nothing.
+    progress: Option<Progress>,
+    /// What it had used when it began to stand by, and that run time, ns.
+    stands_by_since: Option<(Used, i64)>,
+}
+
+/// The time since a process's last sign of life.
+#[derive(Clone, Copy, Debug, Default)]
+struct Silence {
+    /// Run time of the last sign of life, ns.
+    heard_ns: i64,
+    /// Cycles done then.
+    cycles: u64,
+    /// Run time from which it counts as silent, ns: later than `heard_ns` where the silence was the
+    /// machine's or the launcher's.
+    since_ns: i64,
+    /// What it had of the processor at a run time within the silence, ns.
+    suspect: Option<(i64, Share)>,
+}
+
+/// What a service's standby costs, beside the active process.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct StandbyCost {
+    /// Part of one processor that it used while it stood by, all its threads, %.
+    pub cpu_percent: f64,
+    /// Memory of its own: what would be free without it, KiB.
+    pub private_kib: u64,
+}
+
+/// What a process used so far.
+#[derive(Clone, Copy, Debug)]
+struct Used {
+    processor_ns: u64,
+}
+
+impl Attached {
+    /// A process that has just been started.
+    pub fn new(incarnation: u32, process: Process) -> Self {
+        Self {
+            incarnation,
+            process,
+            cause: None,
+            has_told: false,
+            silence: Silence::default(),
+            progress: None,
+            stands_by_since: None,
+        }
+    }
+
+    /// It takes part in the run from now on.
+    pub fn begin(&mut self, now_ns: i64) {
+        self.silence = Silence { heard_ns: now_ns, since_ns: now_ns, ..Silence::default() };
+        self.progress = None;
+    }
+
+    /// It stands by from now on.
+    pub fn stand_by(&mut self, group: &Group, service: messages::Service, now_ns: i64) {
+        self.begin(now_ns);
+        // Without its page it looks hung, and is replaced.
+        self.progress = Progress::of(group, service, self.incarnation).ok();
+        self.stands_by_since = Used::of(self.process.pid()).map(|used| (used, now_ns));
+    }
+
+    /// Kills it; it is said to have ended so.
+    pub fn kill(&mut self, cause: Exit) {
+        self.cause.get_or_insert(cause);
+        self.process.kill();
+    }
+
+    /// How it ended; if it lives on after `grace` it is killed and has ended as `overdue`.
+    pub fn exit(&mut self, grace: Duration, overdue: Exit) -> Exit {
+        let (status, killed) = self.process.end(grace);
+        match (self.cause, Exit::of(status)) {
+            (Some(cause), _) => cause,
+            (None, _) if killed => overdue,
+            (None, exit) => exit,
+        }
+    }
+
+    /// How it ended, which closed its output before the run's end; it is killed if it lives on after
+    /// `grace`.
+    pub fn exit_in_run(&mut self, grace: Duration) -> Exit {
+        let exit = match self.exit(grace, Exit::OutputClosed) {
+            Exit::Ok => Exit::Early,
+            other => other,
+        };
+        self.cause = Some(exit);
+        exit
+    }
+
+    /// Run time of the last sign of life, ns.
+    pub fn heard_ns(&self) -> i64 {
+        self.silence.heard_ns
+    }
+
+    /// Notes a sign of life at `now_ns` with so many cycles done; none without progress.
+    pub fn sign_of_life(&mut self, cycles: u64, now_ns: i64) {
+        if cycles > self.silence.cycles {
+            self.silence = Silence { heard_ns: now_ns, cycles, since_ns: now_ns, suspect: None };
+        }
+    }
+
+    /// Looks at a standby's progress.
+    pub fn look_at_progress(&mut self, now_ns: i64) {
+        if let Some(progress) = &self.progress {
+            let cycles = progress.cycles();
+            self.sign_of_life(cycles.into(), now_ns);
+        }
+    }
+
+    /// Counts the time without a sign of life from `now_ns` on.
+    pub fn reset_silence(&mut self, now_ns: i64) {
+        self.silence.since_ns = self.silence.since_ns.max(now_ns);
+        self.silence.suspect = None;
+    }
+
+    /// True if it hangs: no sign of life for more than `limit_ns`, although the machine gave it the
+    /// processor. Where it did not, the time is added to `starved_ms`.
+    pub fn is_hung(&mut self, now_ns: i64, limit_ns: i64, starved_ms: &mut f64) -> bool {
+        let silent_ns = now_ns - self.silence.since_ns;
+        let pid = self.process.pid();
+        if 2 * silent_ns > limit_ns && self.silence.suspect.is_none() {
+            self.silence.suspect = Share::of(pid).map(|share| (now_ns, share));
+        }
+        if silent_ns <= limit_ns {
+            return false;
+        }
+        let Some((then_ns, before)) = self.silence.suspect else { return true };
+        let starved =
+            Share::of(pid).is_some_and(|share| before.is_starved(share, (now_ns - then_ns).max(1)));
+        if starved {
+            *starved_ms += silent_ns as f64 / 1e6;
+            self.reset_silence(now_ns);
+        }
+        !starved
+    }
+
+    /// What it costs as a standby; `None` of another process, or where the kernel does not tell.
+    pub fn standby_cost(&self, now_ns: i64) -> Option<StandbyCost> {
+        let (before, since_ns) = self.stands_by_since?;
+        let now = Used::of(self.process.pid())?;
+        let elapsed_ns = now_ns - since_ns;
+        (elapsed_ns > 0).then(|| StandbyCost {
+            cpu_percent: 100.0 * now.processor_ns.saturating_sub(before.processor_ns) as f64
+                / elapsed_ns as f64,
+            private_kib: private_kib(self.process.pid()),
+        })
+    }
+}
+
+impl Used {
+    fn of(pid: i32) -> Option<Self> {
+        let threads = std::fs::read_dir(format!("/proc/{pid}/task")).ok()?;
+        let of_thread = |thread: std::fs::DirEntry| {
+            let text = std::fs::read_to_string(thread.path().join("schedstat")).ok()?;
+            text.split_whitespace().next()?.parse::<u64>().ok()
+        };
+        Some(Self { processor_ns: threads.flatten().filter_map(of_thread).sum() })
+    }
+}
+
+/// Memory that no other process shares, KiB; 0 where the kernel does not tell.
+fn private_kib(pid: i32) -> u64 {
+    let text = std::fs::read_to_string(format!("/proc/{pid}/smaps_rollup")).unwrap_or_default();
+    let private = text.lines().filter(|line| line.starts_with("Private_"));
+    private.filter_map(|line| line.split_whitespace().nth(1)?.parse::<u64>().ok()).sum()
+}
