@@ -2,7 +2,7 @@
 
 use super::chain::{self, Chain};
 use super::goals::{self, Goal};
-use super::paired::Comparison;
+use super::paired::{Compared, Comparison, SESSIONS};
 use super::plan::{self, CHAIN_WAKES, Cell, ChainBlocks, Measure};
 use super::results::PairedRow;
 use super::setup::{Conditions, Mechanism};
@@ -30,18 +30,28 @@ impl Bench<'_> {
         bar: &ProgressBar,
     ) -> Result<(), Error> {
         let tails = !self.report.quick;
-        for &(comparison, conditions, period_us) in comparisons {
-            bar.set_message(format!("{}, {}", comparison.name(), in_words(&conditions)));
-            if let Some(compared) = self.stage.compare(comparison, conditions, period_us)? {
-                let tag = format!("{}:{period_us}us", in_words(&conditions).replace(' ', ":"));
-                let name = comparison.name().replace(' ', "-");
-                for (arm, histogram) in ["ours", "floor"].into_iter().zip(compared.histograms()) {
-                    self.histograms.push((format!("{name}-{arm}:{tag}"), histogram));
+        let mut all: Vec<Option<Compared>> = comparisons.iter().map(|_| None).collect();
+        for session in 0..SESSIONS {
+            for (&(comparison, conditions, period_us), all) in comparisons.iter().zip(&mut all) {
+                bar.set_message(format!("{}, {}", comparison.name(), in_words(&conditions)));
+                let compared = self.stage.compare(comparison, conditions, period_us, session)?;
+                match (all.as_mut(), compared) {
+                    (Some(all), Some(compared)) => all.add(compared),
+                    (None, compared) => *all = compared,
+                    (Some(_), None) => {}
                 }
-                self.report.paired.push(PairedRow::of(&compared));
-                self.judge(goals::of_comparison(&compared, tails));
+                bar.inc(millis(plan::comparison_estimate(period_us)) / u64::from(SESSIONS));
             }
-            bar.inc(millis(plan::comparison_estimate(period_us)));
+        }
+        for compared in all.into_iter().flatten() {
+            let Compared { comparison, conditions, period_us, .. } = compared;
+            let tag = format!("{}:{period_us}us", in_words(&conditions).replace(' ', ":"));
+            let name = comparison.name().replace(' ', "-");
+            for (arm, histogram) in ["ours", "floor"].into_iter().zip(compared.histograms()) {
+                self.histograms.push((format!("{name}-{arm}:{tag}"), histogram));
+            }
+            self.report.paired.push(PairedRow::of(&compared));
+            self.judge(goals::of_comparison(&compared, tails));
         }
         for blocks in chains {
             bar.set_message(format!("chain in blocks, {}", in_words(&blocks.conditions)));

@@ -95,9 +95,10 @@ pub fn of_comparison(compared: &Compared, tails: bool) -> Vec<Goal> {
     };
     let name = |figure: &str| format!("{}, {figure}", compared.comparison.name());
     let placement = compared.conditions.placement;
-    let medians = statistics::medians(&compared.pairs);
+    let sessions = compared.sessions();
+    let medians = statistics::medians(&sessions);
     let medians = medians.map(|estimate| Goal::new(name("p50"), placement, p50, estimate));
-    let tails = p99.filter(|_| tails).zip(statistics::p99s(&compared.pairs));
+    let tails = p99.filter(|_| tails).zip(statistics::p99s(&sessions));
     let tails = tails.map(|(limit, estimate)| Goal::new(name("p99"), placement, limit, estimate));
     medians.into_iter().chain(tails).collect()
 }

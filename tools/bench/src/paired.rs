@@ -1,6 +1,7 @@
 //! Comparisons of two ways to wake a process, in alternating blocks.
 //!
-//! One source and one sink hold both ways open and use them in turn: pair after pair, each a block of
+//! A comparison is made in several sessions. In each, one source and one sink hold both ways open and use them in
+//! turn: pair after pair, each a block of
 //! ours and a block of the floor in an order drawn by lot. Both processes derive that order from the
 //! same seed, so that nothing has to be said between blocks but "ready" and "done".
 
@@ -13,6 +14,11 @@ use serde::{Deserialize, Serialize};
 
 /// Pairs of blocks.
 pub const PAIRS: u32 = 20;
+/// Sessions of a comparison: each has processes of its own, so that where their memory happens to be is drawn anew,
+/// and all comparisons take turns, so that each sees the machine at several times.
+pub const SESSIONS: u32 = 5;
+/// Pairs of blocks in a session.
+pub const PAIRS_IN_SESSION: u32 = PAIRS / SESSIONS;
 /// Counted wake-ups in a block.
 pub const WAKES: u32 = 250;
 /// First wake-ups of a block, which are not counted: the other way has the caches.
@@ -152,11 +158,22 @@ pub struct Compared {
     pub period_us: u32,
     /// Wake-ups that never arrived.
     pub lost: u64,
-    /// The samples.
+    /// The samples, session by session.
     pub pairs: Vec<Pair>,
 }
 
 impl Compared {
+    /// Adds a later session of the same comparison.
+    pub fn add(&mut self, session: Self) {
+        self.lost += session.lost;
+        self.pairs.extend(session.pairs);
+    }
+
+    /// The pairs of each session.
+    pub fn sessions(&self) -> Vec<&[Pair]> {
+        self.pairs.chunks(PAIRS_IN_SESSION as usize).collect()
+    }
+
     /// All samples of ours and of the floor as histograms.
     pub fn histograms(&self) -> [Latencies; 2] {
         let of = |arm: fn(&Pair) -> &Vec<u32>| {
@@ -198,6 +215,7 @@ mod tests {
     #[test]
     fn enough_blocks_and_samples_for_a_99th_percentile() {
         const { assert!(PAIRS >= 20 && WAKES >= 250 && WAKES <= 500) };
+        const { assert!(PAIRS_IN_SESSION * SESSIONS == PAIRS) };
         assert!((PAIRS * WAKES) as usize >= crate::statistics::ENOUGH_FOR_P99);
     }
 }

@@ -1,7 +1,7 @@
 //! What is measured, under which conditions, in which order.
 
 use super::middleware::missing;
-use super::paired::{Comparison, PAIRS, UNCOUNTED, WAKES};
+use super::paired::{Comparison, PAIRS, SESSIONS, UNCOUNTED, WAKES};
 use super::setup::{Conditions, FLAT_FROM, LARGEST, Load, Mechanism, Placement, Scheduling};
 use std::time::Duration;
 
@@ -85,7 +85,8 @@ pub fn not_compared() -> Vec<String> {
 /// Time that a comparison takes.
 pub fn comparison_estimate(period_us: u32) -> Duration {
     let wakes = 2 * PAIRS * (WAKES + UNCOUNTED);
-    Duration::from_micros(u64::from(wakes) * u64::from(period_us)) + Duration::from_millis(150)
+    let measured = Duration::from_micros(u64::from(wakes) * u64::from(period_us));
+    measured + SESSIONS * Duration::from_millis(150)
 }
 
 /// A chain that runs in blocks beside its floors.

@@ -65,7 +65,7 @@ impl PairedRow {
     /// The row of a comparison.
     pub fn of(compared: &Compared) -> Self {
         let [ours, floor] = compared.histograms();
-        let medians = statistics::medians(&compared.pairs);
+        let medians = statistics::medians(&compared.sessions());
         Self {
             comparison: compared.comparison,
             conditions: compared.conditions,

@@ -2,7 +2,7 @@
 
 use super::middleware;
 use super::outcome::Outcome;
-use super::paired::{Blocks, Compared, Comparison, PAIRS, WAKES};
+use super::paired::{Blocks, Compared, Comparison, PAIRS_IN_SESSION, WAKES};
 use super::peer::{self, BLOCKS_FILE, Job, Task, metronome};
 use super::setup::{Conditions, Load, Mechanism, Placement, Scheduling};
 use super::words;
@@ -180,16 +180,20 @@ impl Stage {
         Ok((sink.finish()?, source))
     }
 
-    /// Compares two ways to wake, block by block; none where the kernel did not grant the scheduling.
+    /// One session of a comparison of two ways to wake, block by block; none where the kernel did not grant
+    /// the scheduling.
     pub fn compare(
         &self,
         comparison: Comparison,
         conditions: Conditions,
         period_us: u32,
+        session: u32,
     ) -> Result<Option<Compared>, Error> {
         self.clear();
-        let seed = u64::from(period_us) + 1_000_000 * comparison as u64;
-        let blocks = Blocks { arms: comparison.arms(), pairs: PAIRS, wakes: WAKES, seed };
+        let order = 100 * comparison as u64 + u64::from(session);
+        let seed = u64::from(period_us) + 1_000_000 * order;
+        let (arms, pairs) = (comparison.arms(), PAIRS_IN_SESSION);
+        let blocks = Blocks { arms, pairs, wakes: WAKES, seed };
         let (sink, source) = (Task::PairedSink(blocks), Task::PairedSource(blocks));
         let (sink, source) = self.between(source, sink, conditions, period_us)?;
         let as_asked = |outcome: &Outcome| outcome.granted.granted == outcome.granted.requested;

@@ -3,9 +3,12 @@
 //! Ours and its floor were measured in alternating blocks, a block of each making a pair. A machine
 //! drifts slowly against the length of a pair, so that what it does falls on both:
 //!
-//! * medians: the mean of the pairs' log ratios, with Student's t;
-//! * 99th percentiles: the pooled ones, with a bootstrap over the pairs (samples of one block are not
-//!   independent, blocks nearly are);
+//! Pairs come in sessions, each with processes of its own and at another time. What differs between sessions
+//! (where memory is, what else the machine does) falls on both arms unequally, and is part of the spread:
+//!
+//! * medians: the mean of the sessions' mean log ratios, with Student's t over the sessions;
+//! * 99th percentiles: the pooled ones, with a bootstrap over the sessions and the pairs of each (samples of
+//!   one block are not independent, blocks nearly are);
 //! * rare events: given their sum, the events of one arm are binomial, which gives an exact interval
 //!   for the ratio of two Poisson rates (Clopper and Pearson 1934; Przyborowski and Wilenski 1940).
 
@@ -59,14 +62,27 @@ pub fn median(values: &[f64]) -> Option<f64> {
     (n > 0).then(|| (sorted[(n - 1) / 2] + sorted[n / 2]) / 2.0)
 }
 
-/// The ratio of the medians in µs, from the pairs' log ratios; none with fewer than two pairs.
-pub fn medians(pairs: &[Pair]) -> Option<Estimate> {
+/// The ratio of the medians in µs, from the sessions' mean log ratios; none with fewer than two sessions.
+pub fn medians(sessions: &[&[Pair]]) -> Option<Estimate> {
     let us =
         |block: &[u32]| median(&block.iter().map(|ns| f64::from(*ns) / 1e3).collect::<Vec<_>>());
-    let of_pairs: Option<Vec<(f64, f64)>> =
-        pairs.iter().map(|pair| us(&pair.ours).zip(us(&pair.floor))).collect();
-    let n = pairs.iter().map(|pair| pair.ours.len() as u64).sum();
-    Some(Estimate { n, ..paired(&of_pairs?)? })
+    // Geometric means, whose ratio is that of the mean of the log ratios.
+    let of_session = |session: &&[Pair]| {
+        let blocks: Option<Vec<(f64, f64)>> =
+            session.iter().map(|pair| us(&pair.ours).zip(us(&pair.floor))).collect();
+        let (ours, floor): (Vec<f64>, Vec<f64>) = blocks?.into_iter().unzip();
+        geometric_mean(&ours).zip(geometric_mean(&floor))
+    };
+    let of_sessions: Option<Vec<(f64, f64)>> = sessions.iter().map(of_session).collect();
+    let n = sessions.concat().iter().map(|pair| pair.ours.len() as u64).sum();
+    Some(Estimate { n, ..paired(&of_sessions?)? })
+}
+
+/// Geometric mean of values; none of none, or where one is not above 0.
+fn geometric_mean(values: &[f64]) -> Option<f64> {
+    let positive = !values.is_empty() && values.iter().all(|value| *value > 0.0);
+    let logs = values.iter().map(|value| libm::log(*value));
+    positive.then(|| libm::exp(logs.sum::<f64>() / values.len() as f64))
 }
 
 /// The ratio of figures that came in pairs, from their log ratios; none with fewer than two pairs, or
@@ -91,9 +107,10 @@ pub fn paired(pairs: &[(f64, f64)]) -> Option<Estimate> {
     })
 }
 
-/// The ratio of the 99th percentiles in µs, with a bootstrap over the pairs; none with fewer than
+/// The ratio of the 99th percentiles in µs, with a bootstrap over sessions and pairs; none with fewer than
 /// [`ENOUGH_FOR_P99`] samples in an arm.
-pub fn p99s(pairs: &[Pair]) -> Option<Estimate> {
+pub fn p99s(sessions: &[&[Pair]]) -> Option<Estimate> {
+    let pairs = &sessions.concat();
     let counted =
         |arm: fn(&Pair) -> &Vec<u32>| pairs.iter().map(|pair| arm(pair).len()).sum::<usize>();
     let n = counted(|pair| &pair.ours);
@@ -104,11 +121,22 @@ pub fn p99s(pairs: &[Pair]) -> Option<Estimate> {
     let (ours, floor) = pooled_p99s(pairs, &all)?;
     let mut random = Pcg64::new(n as u128, STREAM);
     random.next_u64();
+    let mut below = |count: usize| ((u128::from(random.next_u64()) * count as u128) >> 64) as usize;
+    // Place of each session's first pair.
+    let firsts: Vec<usize> = (sessions.iter())
+        .scan(0, |end, session| {
+            *end += session.len();
+            Some(*end - session.len())
+        })
+        .collect();
     let mut ratios = Vec::with_capacity(DRAWS);
     for _ in 0..DRAWS {
-        let drawn: Vec<usize> = (all.iter())
-            .map(|_| ((u128::from(random.next_u64()) * pairs.len() as u128) >> 64) as usize)
-            .collect();
+        let mut drawn = Vec::with_capacity(pairs.len());
+        for _ in sessions {
+            let session = below(sessions.len());
+            let count = sessions[session].len();
+            drawn.extend((0..count).map(|_| firsts[session] + below(count)));
+        }
         let (ours, floor) = pooled_p99s(pairs, &drawn)?;
         ratios.push(ours / floor);
     }
@@ -200,10 +228,15 @@ mod tests {
             .collect()
     }
 
+    fn sessions(pairs: &[Pair]) -> Vec<&[Pair]> {
+        pairs.chunks(4).collect()
+    }
+
     /// In how many of so many runs the interval holds the true ratio.
-    fn covered(runs: u128, ratio: f64, estimate: fn(&[Pair]) -> Option<Estimate>) -> usize {
+    fn covered(runs: u128, ratio: f64, estimate: fn(&[&[Pair]]) -> Option<Estimate>) -> usize {
         let holds = |seed: &u128| {
-            let estimate = estimate(&pairs(*seed, ratio, 1.0)).expect("enough samples");
+            let pairs = pairs(*seed, ratio, 1.0);
+            let estimate = estimate(&sessions(&pairs)).expect("enough samples");
             (estimate.low..=estimate.high).contains(&ratio)
         };
         (1..=runs).filter(holds).count()
@@ -222,10 +255,28 @@ mod tests {
     #[test]
     fn a_percentile_of_too_few_samples_is_not_judged() {
         let mut pairs = pairs(7, 1.0, 1.0);
-        assert!(p99s(&pairs).is_some());
+        assert!(p99s(&sessions(&pairs)).is_some());
         pairs[0].floor.pop();
-        assert!(p99s(&pairs).is_none() && medians(&pairs).is_some());
-        assert!(medians(&pairs[..1]).is_none(), "one pair has no spread");
+        assert!(p99s(&sessions(&pairs)).is_none() && medians(&sessions(&pairs)).is_some());
+        assert!(medians(&sessions(&pairs[..4])).is_none(), "one session has no spread");
+    }
+
+    #[test]
+    fn what_differs_between_sessions_widens_the_interval() {
+        let steady = pairs(3, 1.3, 1.0);
+        let mut shifting = steady.clone();
+        for (session, pairs) in shifting.chunks_mut(4).enumerate() {
+            // The processes of a session have their memory at another place.
+            let factor = 1.0 + 0.05 * session as f64;
+            for ns in pairs.iter_mut().flat_map(|pair| &mut pair.ours) {
+                *ns = (f64::from(*ns) * factor) as u32;
+            }
+        }
+        let width = |pairs: &[Pair]| {
+            let estimate = medians(&sessions(pairs)).expect("five sessions");
+            estimate.high / estimate.low
+        };
+        assert!(width(&shifting) > 1.1 && width(&shifting) > width(&steady));
     }
 
     #[test]
@@ -265,7 +316,8 @@ mod tests {
             let back: Vec<_> = (there.iter())
                 .map(|pair| Pair { ours: pair.floor.clone(), floor: pair.ours.clone() })
                 .collect();
-            let (there, back) = (medians(&there).expect("20"), medians(&back).expect("20"));
+            let medians = |pairs: &[Pair]| medians(&sessions(pairs)).expect("five sessions");
+            let (there, back) = (medians(&there), medians(&back));
             prop_assert!((there.ratio * back.ratio - 1.0).abs() < 1e-12);
             prop_assert!((there.low * back.high - 1.0).abs() < 1e-12);
         }
