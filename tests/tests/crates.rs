@@ -6,9 +6,10 @@ use std::process::Command;
 
 /// Layers, lowest first: a crate depends on crates of lower layers alone, and the command at the top is
 /// imported by none.
-const LAYERS: [&[&str]; 6] = [
+const LAYERS: [&[&str]; 7] = [
     &["messages", "mpc-solver", "truck-model"],
     &["scenario"],
+    &["radio"],
     &["runtime"],
     &["services/"],
     &["group", "report"],
