@@ -22,12 +22,12 @@ pub(crate) const HORIZON: usize = 100;
 
 /// Samples of every solver that can solve the set.
 pub(crate) fn solve(set: &[&Instance], repeats: usize) -> Vec<(&'static str, Vec<Sample>)> {
-    let mut all = vec![("clarabel", clarabel(set, repeats))];
+    let conic = ("clarabel", clarabel(set, repeats));
     #[cfg(feature = "field")]
     if set.iter().all(|instance| instance.stages == 0) {
-        all.push(("osqp", crate::osqp::solve(set, repeats)));
+        return vec![conic, ("osqp", crate::osqp::solve(set, repeats))];
     }
-    all
+    vec![conic]
 }
 
 fn clarabel(set: &[&Instance], repeats: usize) -> Vec<Sample> {

@@ -250,8 +250,8 @@ fn check(key: &str, value: &Value) -> Result<(), Error> {
     match value {
         Value::Table(table) => table.iter().try_for_each(|(key, value)| check(key, value)),
         Value::Array(values) if is_choice(values) => {
-            let tables = values.iter().filter(|value| value.is_table());
-            tables.map(|table| check(key, table)).collect()
+            let mut tables = values.iter().filter(|value| value.is_table());
+            tables.try_for_each(|table| check(key, table))
         }
         Value::Array(values) if range(values).is_none() => {
             let what = format!("faults: {key} = {value} cannot be drawn from");
