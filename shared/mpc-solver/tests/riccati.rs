@@ -262,8 +262,8 @@ fn the_answers_have_the_same_bits_with_wide_registers_and_without() {
 
 /// `cargo test --release -p mpc-solver --test riccati -- --ignored --nocapture 100_000`: about a minute.
 ///
-/// About one problem in 100,000 ends at the machine's precision, with residuals above 1e-8 (seeds 1,199,001, 1,286,091, 1,366,765): it
-/// is not called solved, and its inputs are usable.
+/// Three of some 400,000 problems end at the machine's precision, with residuals above 1e-8 (seeds 1,199,001, 1,286,091
+/// and 1,366,765): they are not called solved, and their inputs are usable.
 #[test]
 #[ignore = "takes a minute"]
 fn solves_100_000_random_feasible_problems_of_each_class() {

@@ -2,6 +2,8 @@
 
 use mpc_solver::{Report, Status};
 
+use crate::field::TOLERANCE;
+
 /// One instance.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sample {
@@ -21,7 +23,8 @@ impl Sample {
             rounds: report.iterations - report.interior_iterations,
             interior: report.interior_iterations,
             residual: report.residuals.max(),
-            is_solved: report.status == Status::Solved,
+            // By the one judge, whatever the solver says.
+            is_solved: report.status == Status::Solved && report.residuals.max() <= TOLERANCE,
             pattern,
         }
     }
