@@ -2,7 +2,6 @@
 //!
 //! * clarabel, the general conic solver, on the sparse problem; only its own solve counts, not the assembly of its
 //!   matrices.
-//!
 //! * OSQP ([`osqp`](crate::osqp)), operator splitting for sparse quadratic programs, on those without the light: `cargo
 //!   bench -p controller --features field --bench solver`. It is C and needs cmake, so that it is not in the default
 //!   build.
@@ -13,12 +12,8 @@ use std::time::Instant;
 
 use mpc_solver::Clarabel;
 
-use crate::common::{Instance, cacc};
-use crate::summary::Sample;
-
-/// Largest residual that counts as solved, and clarabel's own tolerance.
-pub(crate) const TOLERANCE: f64 = 1e-8;
-pub(crate) const HORIZON: usize = 100;
+use crate::common::{HORIZON, Instance, cacc};
+use crate::summary::{Sample, TOLERANCE};
 
 /// Samples of every solver that can solve the set.
 pub(crate) fn solve(set: &[&Instance], repeats: usize) -> Vec<(&'static str, Vec<Sample>)> {

@@ -9,12 +9,10 @@ use std::time::Instant;
 use mpc_solver::{Multipliers, Problem, Report, Status, residuals};
 use osqp::{CscMatrix, Settings, Solution};
 
-use crate::common::{BUFFER_M, INPUT_WEIGHT, Instance, STATE_WEIGHTS, cacc};
-use crate::field::{HORIZON, TOLERANCE};
-use crate::summary::Sample;
+use crate::common::{BUFFER_M, HORIZON, INPUT_WEIGHT, Instance, STATE_WEIGHTS, cacc};
+use crate::summary::{Sample, TOLERANCE};
 
-/// Its own tolerance, before the polishing step: with less it polishes the wrong active set, with more it only
-/// takes longer.
+/// Its own tolerance, before the polishing step.
 const SPLITTING_TOLERANCE: f64 = 1e-7;
 /// More iterations than any instance takes.
 const MAX_ITERATIONS: u32 = 100_000;

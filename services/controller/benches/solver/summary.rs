@@ -2,7 +2,8 @@
 
 use mpc_solver::{Report, Status};
 
-use crate::field::TOLERANCE;
+/// Largest residual that counts as solved.
+pub(crate) const TOLERANCE: f64 = 1e-8;
 
 /// One instance.
 #[derive(Clone, Debug, Default)]

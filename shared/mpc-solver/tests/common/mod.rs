@@ -10,6 +10,8 @@ const CSV: &str =
 /// Control period, s.
 pub(crate) const T: f64 = 0.1;
 
+/// Steps of the drives' problems.
+pub(crate) const HORIZON: usize = 100;
 /// Weights of the states and of the input, and the buffer, of [`cacc`].
 pub(crate) const STATE_WEIGHTS: [f64; 3] = [19.243, 135.712, 0.00159];
 pub(crate) const INPUT_WEIGHT: f64 = 1.0;
