@@ -20,7 +20,7 @@ pub struct Target {
 }
 
 /// All of them.
-pub const TARGETS: [Target; 8] = [
+pub const TARGETS: [Target; 9] = [
     Target { name: "scenario", read: scenario },
     Target { name: "speed_table", read: speed_table },
     Target { name: "road", read: road },
@@ -29,6 +29,7 @@ pub const TARGETS: [Target; 8] = [
     Target { name: "link", read: link },
     Target { name: "end_to_end", read: end_to_end },
     Target { name: "openscenario", read: openscenario },
+    Target { name: "capture", read: capture },
 ];
 
 /// Scenario files. One that is accepted can be written and read again, and its law can be built.
@@ -69,6 +70,14 @@ pub fn recording(bytes: &[u8]) {
         let survey = recording.survey();
         assert!(survey.tally.messages() <= (64 << 20) * (1 + bytes.len() as u64));
         let _ = (recording.statistics(), recording.takes());
+    }
+}
+
+/// Captures of radio frames. One that is accepted plays no more than it holds.
+pub fn capture(bytes: &[u8]) {
+    if let Ok(mut capture) = radio::Capture::read(bytes) {
+        let played = std::iter::from_fn(|| capture.receive(i64::MAX)).count();
+        assert!(played <= capture.frames());
     }
 }
 

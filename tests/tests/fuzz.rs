@@ -46,6 +46,11 @@ fn examples(name: &str) -> Vec<Vec<u8>> {
             messages::e2e::profile7::protect(&mut message, 7, 1);
             vec![message]
         }
+        "capture" => {
+            // Classic, of microseconds, little-endian; one packet that is a frame as it is.
+            let header = [0xa1b2_c3d4, 0x0004_0002, 0, 0, 65_535, 147, 1, 0, 4, 4, 0x1111_1111];
+            vec![header.iter().flat_map(|word: &u32| word.to_le_bytes()).collect()]
+        }
         "recording" => {
             // A whole one of a short drive.
             let corner = Corner::new(env!("CARGO_BIN_EXE_timegap-under-test"));

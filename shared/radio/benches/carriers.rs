@@ -177,7 +177,7 @@ fn zenoh_rows() {
             at(&format!("{owner}.pem")),
             at(&format!("{owner}.key.pem")),
         );
-        let path = directory.join(name);
+        let path = directory.join(format!("{name}.json5"));
         std::fs::write(&path, text).expect("room for a small file");
         format!("zenoh:{}", path.display())
     };

@@ -118,7 +118,11 @@ impl Capture {
         Self::read(io::Read::take(file, MAX_BYTES))
     }
 
-    fn read(source: impl io::Read + Send) -> Result<Self, CaptureError> {
+    /// Reads a capture from its bytes.
+    ///
+    /// # Errors
+    /// [`CaptureError`].
+    pub fn read(source: impl io::Read + Send) -> Result<Self, CaptureError> {
         let mut reader = create_reader(MAX_BLOCK, source).map_err(|_| CaptureError::NoCapture)?;
         let mut this = Self {
             frames: Vec::new(),

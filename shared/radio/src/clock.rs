@@ -10,6 +10,9 @@
 //! Whatever the two ways took, the true offset is within half a round trip of the estimate. So the
 //! question with the shortest round trip is the best one; an older one is worth less, because clocks
 //! drift apart: by at most [`DRIFT_PPM`], twice the 50 parts per million of a usual crystal.
+//!
+//! A clock that is set while it is compared makes the exchanges before and after contradict each other:
+//! then the older ones are forgotten.
 
 use serde::{Deserialize, Serialize};
 
@@ -61,6 +64,14 @@ pub(crate) struct Comparison {
     answers: u64,
 }
 
+impl ClockDifference {
+    /// Whether one truth fits both.
+    fn agrees(&self, other: &Self) -> bool {
+        let apart = self.offset_ns.saturating_sub(other.offset_ns).saturating_abs();
+        apart <= self.uncertainty_ns.saturating_add(other.uncertainty_ns)
+    }
+}
+
 impl Exchange {
     fn offset_ns(&self) -> i64 {
         // Differences first: the sums of two wall clocks would be too large to add.
@@ -94,6 +105,12 @@ impl Comparison {
             return false;
         }
         self.answers += 1;
+        let now_ns = exchange.returned_ns;
+        let newest = exchange.difference(now_ns);
+        if !self.last.iter().all(|older| newest.agrees(&older.difference(now_ns))) {
+            self.last.clear();
+            self.next = 0;
+        }
         if self.last.len() < REMEMBERED {
             self.last.push(exchange);
         } else {
@@ -163,6 +180,25 @@ mod tests {
         assert!(fresh.take(exchange(60 * SECOND, 3_000_000, 0, 1_000_000, 500)));
         let difference = fresh.difference(60 * SECOND + 4_000_000).expect("answers");
         assert_eq!(difference.offset_ns, 1_000_500, "2 ms beat 1 ms and 6 ms of drift");
+    }
+
+    #[test]
+    fn a_clock_that_is_set_is_noticed_with_the_next_answer() {
+        for step in [-3600 * SECOND, -10_000_000, 10_000_000, 3600 * SECOND] {
+            let mut clock = Comparison::default();
+            for k in 0..40 {
+                assert!(clock.take(exchange(k * SECOND, 1_000_000, 0, 1_000_000, 500)));
+            }
+            assert!(clock.take(exchange(40 * SECOND, 2_000_000, 0, 2_000_000, 500 + step)));
+            let difference = clock.difference(40 * SECOND + 4_000_000).expect("answers");
+            assert_eq!(difference.offset_ns, 500 + step);
+            // The own clock is set back by an hour, which moves the other one ahead.
+            let asked_ns = 41 * SECOND - 3600 * SECOND;
+            let offset = 500 + step + 3600 * SECOND;
+            assert!(clock.take(exchange(asked_ns, 1_000_000, 0, 1_000_000, offset)));
+            let difference = clock.difference(asked_ns + 2_000_000).expect("answers");
+            assert_eq!(difference.offset_ns, offset);
+        }
     }
 
     #[test]

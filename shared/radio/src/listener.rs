@@ -12,7 +12,7 @@ use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-/// Longest wait for a packet: the wall clock may be set back, and a question would be due in a year.
+/// Longest wait for a packet.
 const LONGEST_WAIT: Duration = Duration::from_secs(1);
 
 /// Who this end of the carrier is.
@@ -71,11 +71,9 @@ impl Listener {
     /// Asks those whose turn it is; returns the time until the next turn.
     fn ask(&mut self) -> Duration {
         loop {
-            let now_ns = wall_clock_ns();
             let mut stations = self.shared.stations.lock().unwrap_or_else(PoisonError::into_inner);
-            let Some(origin) = stations.next_question(now_ns) else {
-                let until = stations.until_question_ns(now_ns).map(Duration::from_nanos);
-                return until.unwrap_or(LONGEST_WAIT).min(LONGEST_WAIT);
+            let Some(origin) = stations.next_question() else {
+                return stations.until_question().unwrap_or(LONGEST_WAIT).min(LONGEST_WAIT);
             };
             drop(stations);
             self.tell(origin, Purpose::Question, Content::Question);

@@ -5,15 +5,16 @@ use crate::counts::StationReport;
 use crate::endpoint::Origin;
 use crate::envelope::Envelope;
 use crate::sequence::Numbers;
+use std::time::{Duration, Instant};
 
 /// Most senders that are told apart; of more, the one silent for longest is forgotten.
 const MOST: usize = 64;
 /// Questions at the first hearing, for a good estimate soon.
 const FIRST_QUESTIONS: u64 = 8;
-/// Time between the first questions, ns.
-const FIRST_PERIOD_NS: i64 = 50_000_000;
-/// Time between later questions, ns.
-const PERIOD_NS: i64 = 1_000_000_000;
+/// Time between the first questions.
+const FIRST_PERIOD: Duration = Duration::from_millis(50);
+/// Time between later questions.
+const PERIOD: Duration = Duration::from_secs(1);
 
 /// All senders that were heard.
 #[derive(Debug, Default)]
@@ -23,47 +24,47 @@ pub(crate) struct Stations(Vec<Station>);
 struct Station {
     sender: u64,
     origin: Origin,
-    heard_ns: i64,
+    heard: Instant,
     numbers: Numbers,
     clock: Comparison,
     /// A roadside unit is asked for its clock.
     is_roadside: bool,
     asked: u64,
-    ask_at_ns: i64,
+    ask_at: Instant,
 }
 
 impl Stations {
-    /// Takes a frame's envelope. `None`: the frame was heard before; else the sender's clock now.
+    /// Takes a frame's envelope at `now_ns` by the own wall clock. `None`: the frame was heard before; else the sender's clock now.
     pub(crate) fn frame(
         &mut self,
         envelope: &Envelope,
         origin: Origin,
         now_ns: i64,
     ) -> Option<Option<ClockDifference>> {
-        let station = self.station(envelope, origin, now_ns);
-        station.heard_ns = now_ns;
+        let station = self.station(envelope, origin);
+        station.heard = Instant::now();
         station.origin = origin;
         let is_new = station.numbers.take(envelope.sequence);
         is_new.then(|| station.clock.difference(now_ns))
     }
 
-    fn station(&mut self, envelope: &Envelope, origin: Origin, now_ns: i64) -> &mut Station {
+    fn station(&mut self, envelope: &Envelope, origin: Origin) -> &mut Station {
         let known = self.0.iter().position(|station| station.sender == envelope.sender);
         let place = known.unwrap_or_else(|| {
             if self.0.len() == MOST {
-                let silent = self.0.iter().enumerate().min_by_key(|(_, station)| station.heard_ns);
+                let silent = self.0.iter().enumerate().min_by_key(|(_, station)| station.heard);
                 let (oldest, _) = silent.expect("the list is full");
                 self.0.swap_remove(oldest);
             }
             self.0.push(Station {
                 sender: envelope.sender,
                 origin,
-                heard_ns: now_ns,
+                heard: Instant::now(),
                 numbers: Numbers::default(),
                 clock: Comparison::default(),
                 is_roadside: envelope.start_ns.is_some(),
                 asked: 0,
-                ask_at_ns: now_ns,
+                ask_at: Instant::now(),
             });
             self.0.len() - 1
         });
@@ -78,21 +79,22 @@ impl Stations {
         }
     }
 
-    /// Where the next question is to go, if one is due.
-    pub(crate) fn next_question(&mut self, now_ns: i64) -> Option<Origin> {
-        let due = |station: &&mut Station| station.is_roadside && station.ask_at_ns <= now_ns;
+    /// Where the next question is to go, if one is due. Turns go by the clock that is never set.
+    pub(crate) fn next_question(&mut self) -> Option<Origin> {
+        let now = Instant::now();
+        let due = |station: &&mut Station| station.is_roadside && station.ask_at <= now;
         let station = self.0.iter_mut().find(due)?;
         station.asked += 1;
         let first = station.asked < FIRST_QUESTIONS;
-        station.ask_at_ns = now_ns + if first { FIRST_PERIOD_NS } else { PERIOD_NS };
+        station.ask_at = now + if first { FIRST_PERIOD } else { PERIOD };
         Some(station.origin)
     }
 
-    /// Time until the next question is due, ns; `None`: none is to be asked.
-    pub(crate) fn until_question_ns(&self, now_ns: i64) -> Option<u64> {
+    /// Time until the next question is due; `None`: none is to be asked.
+    pub(crate) fn until_question(&self) -> Option<Duration> {
         let roadside = self.0.iter().filter(|station| station.is_roadside);
-        let due = roadside.map(|station| station.ask_at_ns).min()?;
-        Some(u64::try_from(due - now_ns).unwrap_or(0))
+        let due = roadside.map(|station| station.ask_at).min()?;
+        Some(due.saturating_duration_since(Instant::now()))
     }
 
     pub(crate) fn report(&self, now_ns: i64) -> Vec<StationReport> {

@@ -34,7 +34,11 @@ pub(crate) fn open(
         SocketAddr::V6(_) => Ipv6Addr::UNSPECIFIED.into(),
     };
     let (own, group, target) = if address.ip().is_multicast() {
-        let group = bind(address)?;
+        // A group of one link only cannot be bound without naming the link.
+        let group = socket(address, interface).map_err(|source| match source.kind() {
+            io::ErrorKind::InvalidInput => OpenError::Join { address, source },
+            _ => OpenError::Bind { address, source },
+        })?;
         join(&group, address.ip(), index).map_err(|source| OpenError::Join { address, source })?;
         let scope = match address {
             SocketAddr::V6(mut address) => {

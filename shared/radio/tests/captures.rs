@@ -3,23 +3,11 @@
 use proptest::prelude::*;
 use radio::{Capture, CaptureError};
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 const SECOND: i64 = 1_000_000_000;
 
-fn written<R>(bytes: &[u8], look: impl FnOnce(&PathBuf) -> R) -> R {
-    static NUMBER: AtomicU64 = AtomicU64::new(0);
-    let number = NUMBER.fetch_add(1, Ordering::Relaxed);
-    let path =
-        std::env::temp_dir().join(format!("timegap-capture-{}-{number}", std::process::id()));
-    std::fs::write(&path, bytes).expect("room for a small file");
-    let seen = look(&path);
-    std::fs::remove_file(&path).expect("it was written");
-    seen
-}
-
 fn open(bytes: &[u8]) -> Result<Capture, CaptureError> {
-    written(bytes, |path| Capture::open(path))
+    Capture::read(bytes)
 }
 
 /// A classic capture of microseconds in this machine's byte order.
@@ -121,6 +109,16 @@ fn a_capture_that_is_cut_off_ends_before_the_cut() {
             assert_eq!(due(&mut capture, 10 * SECOND), [b"one"]);
         }
     }
+}
+
+#[test]
+fn a_file_is_read_as_its_bytes_are() {
+    let path = std::env::temp_dir().join(format!("timegap-capture-{}", std::process::id()));
+    let file = pcap(147, &[(1, 0, b"frame")]);
+    std::fs::write(&path, &file).expect("room for a small file");
+    let opened = Capture::open(&path);
+    std::fs::remove_file(&path).expect("it was written");
+    assert_eq!(due(&mut opened.expect("a good capture"), 0), [b"frame"]);
 }
 
 #[test]

@@ -169,6 +169,10 @@ fn what_cannot_be_bound_is_one_error() {
     let port = taken.local_addr().expect("it is bound").port();
     let busy = refused(&format!("udp://127.0.0.1:{port}"), Role::Vehicle);
     assert!(busy.contains("cannot listen on 127.0.0.1"), "{busy}");
+    if UdpSocket::bind("[::1]:0").is_ok() {
+        let which = refused("udp://[ff02::114]:5520", Role::Vehicle);
+        assert!(which.contains("name the interface, as in udp://[ff02::114]:5520?"), "{which}");
+    }
     let unknown = refused("udp://239.255.31.7:5520?interface=none7", Role::Vehicle);
     assert!(unknown.starts_with("no network interface `none7`"), "{unknown}");
 }
