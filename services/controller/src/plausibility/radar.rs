@@ -50,8 +50,8 @@ impl Radar {
         Self { noisy, last: None, repeated: 0, followed: None, contradicted: false, corrected }
     }
 
-    /// Takes the newest scan, with the ego's speed, m/s; returns it, with the more careful figures of its target where they
-    /// contradict its track, or `None` if it cannot be believed.
+    /// Takes the newest scan, with the ego's speed, m/s; returns it, with the more careful figures of its
+    /// target where they contradict its track, or `None` if it cannot be believed.
     pub fn look(
         &mut self,
         sample: &RadarTracks,
