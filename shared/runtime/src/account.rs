@@ -58,7 +58,9 @@ impl Account {
         service: Service,
         incarnation: u32,
     ) -> Result<Self, RuntimeError> {
-        page(group, service, incarnation).map(Self)
+        SharedWords::map(&name(&group.prefix, service, incarnation))
+            .map(Self)
+            .map_err(|e| RuntimeError::Setup(format!("the account in shared memory: {e}")))
     }
 
     /// Shows that another cycle is done: the `cycles`th of this process.
@@ -139,14 +141,9 @@ impl Account {
     }
 }
 
-/// The page of a process.
-pub(super) fn page(
-    group: &Group,
-    service: Service,
-    incarnation: u32,
-) -> Result<SharedWords, RuntimeError> {
-    SharedWords::map(&name(&group.prefix, service, incarnation))
-        .map_err(|e| RuntimeError::Setup(format!("the account in shared memory: {e}")))
+/// The page of another process; `None` if there is none: that of a process that is gone is not made again.
+pub(super) fn page(group: &Group, service: Service, incarnation: u32) -> Option<SharedWords> {
+    SharedWords::map_existing(&name(&group.prefix, service, incarnation)).ok()
 }
 
 /// Cycles that the process with this page has done, silent ones included; they wrap at 2³².
@@ -159,11 +156,9 @@ pub(super) fn progress(page: &SharedWords) -> u32 {
 pub struct Progress(SharedWords);
 
 impl Progress {
-    /// That of process `incarnation` of `service`.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Setup`] if its page is not to be had.
-    pub fn of(group: &Group, service: Service, incarnation: u32) -> Result<Self, RuntimeError> {
+    /// That of process `incarnation` of `service`; `None` if it keeps no account.
+    #[must_use]
+    pub fn of(group: &Group, service: Service, incarnation: u32) -> Option<Self> {
         page(group, service, incarnation).map(Self)
     }
 

@@ -13,10 +13,17 @@ use std::path::Path;
 pub(super) fn open_own(path: &Path) -> Result<File> {
     let mut options = OpenOptions::new();
     options.read(true).write(true).mode(0o600).custom_flags(OFlags::NOFOLLOW.bits().cast_signed());
-    match options.clone().create_new(true).open(path) {
+    match options.create_new(true).open(path) {
         Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
         made => return made,
     }
+    open_existing_own(path)
+}
+
+/// Opens the file at `path` that a process of this user made.
+pub(super) fn open_existing_own(path: &Path) -> Result<File> {
+    let mut options = OpenOptions::new();
+    options.read(true).write(true).custom_flags(OFlags::NOFOLLOW.bits().cast_signed());
     let file = options.open(path)?;
     let found = file.metadata()?;
     let own = rustix::process::geteuid().as_raw() == found.uid();

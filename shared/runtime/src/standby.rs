@@ -137,8 +137,8 @@ impl OrderSlot {
 #[derive(Debug)]
 pub(super) struct Standby {
     order: Arc<Order>,
-    /// The active process's account.
-    account: SharedWords,
+    /// The active process's account; none where it was gone before, or keeps none.
+    account: Option<SharedWords>,
     /// Cycles that it had done at the last look, and since when it had done them.
     cycles: u32,
     since_ns: i64,
@@ -190,7 +190,7 @@ impl Standby {
         let now_ns = monotonic_ns();
         Ok(Self {
             order,
-            account: super::account::page(group, service, active.incarnation)?,
+            account: super::account::page(group, service, active.incarnation),
             cycles: 0,
             since_ns: now_ns,
             looked_ns: now_ns,
@@ -222,7 +222,8 @@ impl Standby {
     /// Looks, once in a cycle, whether the active process makes progress, and takes over if it does not.
     pub(super) fn look_at_active(&mut self) {
         let now_ns = monotonic_ns();
-        let cycles = progress(&self.account);
+        let Some(account) = &self.account else { return };
+        let cycles = progress(account);
         // Where this process did not get the processor, the active one may not have got it either.
         let stalled = 2 * (now_ns - self.looked_ns) > 3 * self.period_ns.max(self.timeout_ns);
         if cycles != self.cycles || stalled {

@@ -2,9 +2,10 @@
 
 #![allow(unsafe_code, reason = "no crate maps shared memory as atomic words")]
 
-use super::own_file::open_own;
+use super::own_file::{open_existing_own, open_own};
 use rustix::fs::{FallocateFlags, fallocate};
 use rustix::mm::{MapFlags, ProtFlags, mmap, munmap};
+use std::fs::File;
 use std::io;
 use std::path::Path;
 use std::ptr::NonNull;
@@ -32,12 +33,23 @@ impl SharedWords {
     /// # Errors
     /// If it cannot be created, there is no room for it, or it is another user's.
     pub fn map(name: &str) -> io::Result<Self> {
-        let file = open_own(&Path::new("/dev/shm").join(name))?;
+        Self::of(&open_own(&Path::new("/dev/shm").join(name))?)
+    }
+
+    /// Maps the page called `name` that another process made.
+    ///
+    /// # Errors
+    /// If there is none, or it is another user's.
+    pub(super) fn map_existing(name: &str) -> io::Result<Self> {
+        Self::of(&open_existing_own(&Path::new("/dev/shm").join(name))?)
+    }
+
+    fn of(file: &File) -> io::Result<Self> {
         // A page that cannot be had is an error here, and would be a SIGBUS later.
-        fallocate(&file, FallocateFlags::empty(), 0, BYTES as u64)?;
+        fallocate(file, FallocateFlags::empty(), 0, BYTES as u64)?;
         let (protection, flags) = (ProtFlags::READ | ProtFlags::WRITE, MapFlags::SHARED);
         // SAFETY: no address is asked for, so that no other mapping is replaced.
-        let page = unsafe { mmap(std::ptr::null_mut(), BYTES, protection, flags, &file, 0) }?;
+        let page = unsafe { mmap(std::ptr::null_mut(), BYTES, protection, flags, file, 0) }?;
         NonNull::new(page.cast()).map(Self).ok_or_else(|| io::ErrorKind::OutOfMemory.into())
     }
 

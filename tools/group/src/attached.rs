@@ -78,7 +78,7 @@ impl Attached {
     pub fn stand_by(&mut self, group: &Group, service: messages::Service, now_ns: i64) {
         self.begin(now_ns);
         // Without its page it looks hung, and is replaced.
-        self.progress = Progress::of(group, service, self.incarnation).ok();
+        self.progress = Progress::of(group, service, self.incarnation);
         self.stands_by_since = Used::of(self.process.pid()).map(|used| (used, now_ns));
     }
 
