@@ -1,19 +1,23 @@
 //! When to warn, when to brake, when to let go.
 //!
+//! The ego is beside an object along the road for a time that depends on what it does ([`Plan`]). They touch
+//! if the object is in the ego's path in that time, which is a probability: the sum over the lateral speeds
+//! that it may have ([`crate::filter`]). To brake shortens the time, or makes it longer where the ego would
+//! have passed: the same sums decide both.
+//!
 //! | state | entered | left |
 //! |---|---|---|
 //! | [`BrakeState::Monitoring`] | at the start | |
-//! | [`BrakeState::Warning`] | braking that begins `warning_s` from now would leave less than the margin | no such threat |
-//! | [`BrakeState::Braking`] | braking that begins one cycle from now would leave less than the margin | the ego is slower than the threat and clear of it, would pass it where braking makes the contact, or stands |
+//! | [`BrakeState::Warning`] | as braking, with braking that begins `warning_s` later | no such threat |
+//! | [`BrakeState::Braking`] | a contact is likely, braking makes it less likely or milder, and one cycle later it may leave less than the margin | letting go is clear of it, or better than braking on; the ego stands |
 //! | [`BrakeState::Holding`] | the ego stands after braking | after [`HOLD_S`] |
 //!
-//! Both need a collision course: with its present acceleration the ego would touch. Cruise control and
-//! driver brake long before the last point, so that their braking keeps this system silent. Source of
-//! the order of warning and braking: UN R152, paragraphs 5.2.1 and 6.4.
+//! A contact is likely if it is with the ego's present acceleration. Cruise control and driver brake long
+//! before the last point, so that their braking keeps this system silent. Source of the order of warning and
+//! braking: UN R152, paragraphs 5.2.1 and 6.4.
 
-use crate::objects::Object;
-use crate::path::Path;
-use crate::prediction::{Authority, Ego, Threat};
+use crate::object::Object;
+use crate::prediction::{Authority, Beside, Ego, Plan, Threat};
 use messages::BrakeState;
 
 /// After a stop the brakes are held for this time, s.
@@ -24,11 +28,42 @@ const UNSEEN_S: f64 = 0.3;
 const CLEAR_M: f64 = 0.5;
 /// Below this speed the ego stands, m/s.
 const STANDSTILL_MPS: f64 = 0.05;
-/// An object that is not yet in the way counts as coming in when it does so with its lateral motion less by
-/// this many standard deviations: to brake for what would have come in behind makes a contact.
-const CAUTION_SIGMAS: f64 = 0.8;
-/// A wait that never ends, s: longer than any prediction.
-const NEVER_S: f64 = 1e3;
+/// Least probability of a contact to brake for, at [`FAST_MPS`] of closing speed and more; ...
+const LIKELY: f64 = 0.35;
+/// ... and at none: the milder the contact, the surer it has to be.
+const LIKELY_MILD: f64 = 0.65;
+const FAST_MPS: f64 = 12.0;
+/// Braking is worth while if its expected loss is less than this share of that without.
+const BETTER: f64 = 0.8;
+/// A contact of this probability is as good as certain: to make it milder is reason enough.
+const CERTAIN: f64 = 0.9;
+/// A contact of this probability is not to be feared yet: braking can begin later.
+const REMOTE: f64 = 0.05;
+/// The ego is clear of an object with which a contact is less probable than this.
+const CLEAR: f64 = 0.1;
+/// An object with which a contact is less probable than this is of no interest.
+const NONE: f64 = 0.01;
+/// The loss of a contact at this speed difference is twice that of the lightest one, m/s.
+const SEVERE_MPS: f64 = 60.0;
+/// A rate of the filter's row stands for those around it, with this standard deviation, m/s.
+const RATE_SIGMA_MPS: f64 = 0.055;
+/// Lateral motion slower than this may be wandering within the lane, m/s.
+const WANDERING_MPS: f64 = 0.8;
+/// The slower it is, the sooner it ceases: rate of that at standstill, 1/s.
+const CEASES: f64 = 0.6;
+/// Least standard deviation of a position, m.
+const LEAST_SIGMA_M: f64 = 1e-3;
+/// Something leaves once its middle is this far off the ego's axis, m.
+const LEAVING_OFFSET_M: f64 = 0.8;
+
+/// The ego's swept path and how far ahead lateral motion is believed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Path {
+    /// Half of the ego's width, m.
+    pub half_width_m: f64,
+    /// Longest time over which lateral motion is carried on, s.
+    pub horizon_s: f64,
+}
 
 /// Settings of the decision.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,12 +105,20 @@ pub struct Decision {
 /// What one object demands.
 #[derive(Clone, Copy, Debug)]
 struct Assessment {
-    /// Gap that braking one cycle from now leaves, m.
-    left_m: f64,
+    /// Expected loss without brakes.
+    loss: f64,
     warns: bool,
     brakes: bool,
+    /// The ego is clear of it without brakes.
     clear: bool,
     threat: (f64, f64, f64),
+}
+
+/// A contact as a plan leads to it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Contact {
+    probability: f64,
+    loss: f64,
 }
 
 impl Decision {
@@ -87,7 +130,8 @@ impl Decision {
 
     /// Takes the objects as they are now, once in each period.
     pub fn step(&mut self, ego: &Ego, objects: impl IntoIterator<Item = Object>) -> Demand {
-        let assess = |object: Object| self.assess(ego, &object);
+        let braking = self.state == BrakeState::Braking;
+        let assess = |object: Object| self.assess(ego, &object, braking);
         let assessments = objects.into_iter().filter_map(assess);
         let (mut worst, mut brakes, mut warns, mut clear) =
             (None::<Assessment>, false, false, true);
@@ -95,7 +139,7 @@ impl Decision {
             brakes |= assessment.brakes;
             warns |= assessment.warns;
             clear &= assessment.clear;
-            if worst.is_none_or(|worst| assessment.left_m < worst.left_m) {
+            if worst.is_none_or(|worst| assessment.loss > worst.loss) {
                 worst = Some(assessment);
             }
         }
@@ -125,42 +169,86 @@ impl Decision {
         }
     }
 
-    /// `None` for what is not in the ego's way.
-    fn assess(&self, ego: &Ego, object: &Object) -> Option<Assessment> {
-        let Settings { authority, path, period_s, margin_m, warning_s, ego_length_m } =
+    /// `None` for what the ego does not come near to.
+    fn assess(&self, ego: &Ego, object: &Object, braking: bool) -> Option<Assessment> {
+        let Settings { authority, period_s, margin_m, warning_s, ego_length_m, .. } =
             &self.settings;
-        let overlap = path.overlap(object, 0.0)?;
         let threat = Threat {
             gap_m: object.distance_m,
             speed_mps: object.speed_mps,
             acceleration_mps2: object.acceleration_mps2,
             passed_m: ego_length_m + object.length_m,
-            overlap,
         };
-        let gap_m = |ego: &Ego, threat: &Threat, wait_s: f64| {
-            authority.smallest_gap_m(ego, threat, wait_s, *margin_m)
-        };
-        let coasting = Ego { acceleration_mps2: ego.acceleration_mps2.max(0.0), ..*ego };
         let steady = Threat { acceleration_mps2: object.acceleration_mps2.min(0.0), ..threat };
-        let left_m = gap_m(ego, &threat, *period_s);
-        let collides = path
-            .overlap(object, CAUTION_SIGMAS)
-            .is_some_and(|overlap| gap_m(ego, &Threat { overlap, ..threat }, NEVER_S) < 0.0);
-        // Braking does not avoid it, and without braking it is passed before it is in the way.
-        let passes = left_m < 0.0 && gap_m(&coasting, &steady, NEVER_S) == f64::INFINITY;
-        let is_behind = object.speed_mps >= ego.speed_mps
-            && gap_m(&coasting, &steady, NEVER_S) > *margin_m + CLEAR_M;
-        Some(Assessment {
-            left_m,
-            warns: collides && gap_m(ego, &threat, *period_s + *warning_s) < *margin_m,
-            brakes: collides && left_m < *margin_m,
-            clear: passes || is_behind,
+        let contact = |threat: &Threat, plan: Plan, clear_m: f64| {
+            let beside = authority.beside(ego, threat, plan, clear_m);
+            beside.map_or(Contact::default(), |beside| self.contact(object, &beside))
+        };
+        let mut assessment = Assessment {
+            loss: 0.0,
+            warns: false,
+            brakes: false,
+            clear: true,
             threat: (
                 object.distance_m,
                 object.speed_mps - ego.speed_mps,
                 object.lateral.position_m,
             ),
-        })
+        };
+        if braking {
+            let on = contact(&threat, Plan::BrakeOn, 0.0);
+            let off = contact(&steady, Plan::Release, 0.0);
+            let near = contact(&steady, Plan::Release, *margin_m + CLEAR_M);
+            assessment.loss = near.loss;
+            assessment.clear = near.probability <= CLEAR || off.loss < on.loss;
+            return (near.probability > NONE).then_some(assessment);
+        }
+        let kept = contact(&threat, Plan::Keep, 0.0);
+        assessment.loss = kept.loss;
+        let mild = (1.0 - (ego.speed_mps - object.speed_mps) / FAST_MPS).clamp(0.0, 1.0);
+        if kept.probability < LIKELY + mild * (LIKELY_MILD - LIKELY) {
+            return (kept.probability > NONE).then_some(assessment);
+        }
+        let now = contact(&threat, Plan::Brake(0.0), 0.0);
+        let next = contact(&threat, Plan::Brake(*period_s), *margin_m);
+        let share = if kept.probability > CERTAIN { 1.0 } else { BETTER };
+        assessment.brakes = next.probability > REMOTE && now.loss < share * kept.loss;
+        let late = contact(&threat, Plan::Brake(*period_s + *warning_s), *margin_m);
+        assessment.warns = assessment.brakes || late.probability > REMOTE;
+        Some(assessment)
+    }
+
+    /// How probable a contact with `object` is in the time in which the ego is beside it.
+    fn contact(&self, object: &Object, beside: &Beside) -> Contact {
+        let Path { half_width_m, horizon_s, .. } = self.settings.path;
+        let reach_m = half_width_m + object.half_width_m;
+        let mut contact = Contact::default();
+        for h in object.lateral.hypotheses() {
+            let side = h.position_m.signum();
+            let inward_mps = -h.rate_mps * side;
+            let offset_m = h.position_m.abs();
+            // What comes in stays, what leaves is nearest at once.
+            let time_s =
+                if inward_mps > 0.0 { beside.last_s.min(horizon_s) } else { beside.first_s };
+            let moved_m = inward_mps * time_s;
+            let then_m = match inward_mps > 0.0 {
+                true => (offset_m - moved_m).max(0.0),
+                false if offset_m > LEAVING_OFFSET_M => offset_m - moved_m,
+                false => offset_m,
+            };
+            let spread_m = RATE_SIGMA_MPS * time_s.min(horizon_s);
+            let sigma_m = libm::hypot(h.sigma_m, spread_m).max(LEAST_SIGMA_M);
+            let deviates = (reach_m - then_m) / sigma_m;
+            let touches = 0.5 * libm::erfc(-deviates * std::f64::consts::FRAC_1_SQRT_2);
+            let in_s = if inward_mps > 0.0 { (offset_m - reach_m) / inward_mps } else { 0.0 };
+            let wanders = (1.0 - h.rate_mps.abs() / WANDERING_MPS).max(0.0);
+            let goes_on = libm::exp(-CEASES * wanders * in_s.max(0.0));
+            let probability = h.probability * touches * goes_on;
+            let closing_mps = beside.closing_mps(in_s);
+            contact.probability += probability;
+            contact.loss += probability * (1.0 + closing_mps.abs() / SEVERE_MPS);
+        }
+        contact
     }
 }
 
@@ -173,7 +261,7 @@ mod tests {
     fn settings() -> Settings {
         Settings {
             authority: Authority { dead_time_s: 0.1, jerk_mps3: 12.65, deceleration_mps2: 8.3385 },
-            path: Path { half_width_m: 0.95, horizon_s: 3.0, least_lateral_mps: 0.1 },
+            path: Path { half_width_m: 0.95, horizon_s: 3.0 },
             period_s: PERIOD_S,
             margin_m: 0.6,
             warning_s: 0.8,
@@ -260,5 +348,31 @@ mod tests {
         // 18 m at 15 m/s: it is in the way when the ego is there, and this is the last point.
         assert!(brakes(18.0, 1.0));
         assert!(!brakes(40.0, 1.0), "later will do");
+    }
+
+    #[test]
+    fn a_pass_that_braking_would_turn_into_a_contact_is_not_braked_for() {
+        let brakes = |distance_m: f64, lateral_mps: f64| {
+            let mut decision = Decision::new(settings());
+            let ego = Ego { speed_mps: 25.0, acceleration_mps2: 0.0 };
+            let object = Object::at(distance_m, 5.0, 3.5, -lateral_mps, 0.95);
+            decision.step(&ego, [object]).state == BrakeState::Braking
+        };
+        // It is in the way after 1.6 s; the pass takes 1.44 s or, from farther off, longer.
+        assert!(!brakes(20.0, 1.0));
+        assert!(brakes(27.0, 1.0));
+    }
+
+    #[test]
+    fn what_is_known_vaguely_is_braked_for_when_a_contact_is_likely() {
+        let contact = |sigma_m: f64| {
+            let decision = Decision::new(settings());
+            let mut object = Object::at(20.0, 5.0, 3.5, -0.4, 0.95);
+            object.lateral = crate::filter::Lateral::first(3.0, sigma_m);
+            let beside = Beside { first_s: 1.0, last_s: 2.0, first_mps: 10.0, last_mps: 10.0 };
+            decision.contact(&object, &beside).probability
+        };
+        assert!(contact(0.05) < 0.2 && contact(0.05) > 0.0);
+        assert!(contact(1.0) > contact(0.05), "where it is may be in the way");
     }
 }

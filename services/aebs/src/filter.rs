@@ -1,102 +1,235 @@
-//! The filter of a lateral position: a Kalman filter whose noise follows what it sees.
+//! The filter of a lateral motion: how probable each lateral speed is, and where the object is with it.
 //!
-//! State [y, w]: position, m, and speed, m/s; between two scans a constant acceleration, unknown with
-//! standard deviation `a`:
+//! A vehicle keeps its lane most of the time and then changes it, and whether it has begun to is what has
+//! to be known. The filter therefore holds one state for a vehicle that keeps its lane and one for each
+//! of a row of lateral speeds, [`STEP_MPS`] apart: the probability of the state, and mean and variance of
+//! the position in it.
 //!
-//! ```text
-//! y += T w                      P += a² [T⁴/4  T³/2]
-//! w += e                                [T³/2  T²  ]
-//! ```
+//! | between two scans | rate, 1/s |
+//! |---|---|
+//! | it begins to change its lane, with each of the speeds alike | [`BEGINS`] |
+//! | it ends the change | [`ENDS`] |
+//! | its speed becomes the next one, up or down | [`VARIES`] each |
 //!
-//! A vehicle keeps its lane most of the time, and then changes it: `a` is [`STEADY_MPS2`] until the
-//! normalised innovations have a mean ([`MEMORY`]) beyond [`BIASED`], and [`MOVING_MPS2`] while they have.
+//! A measured position corrects the states by Kalman's formulas and their probabilities by Bayes' rule; a
+//! measured lateral speed corrects the probabilities. Either is an outlier with probability [`OUTLIER`].
 //!
 //! Source: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and Navigation (2001),
-//! 6.3.2 (white noise acceleration) and 11.2 (adjustable level of the process noise).
+//! 11.6 (multiple models with switching).
 
-/// Standard deviation of the lateral acceleration of a vehicle that keeps its lane, m/s².
-const STEADY_MPS2: f64 = 1.0;
-/// That of one that changes it, m/s².
-const MOVING_MPS2: f64 = 2.0;
-/// Share of the mean of the innovations that a scan leaves.
-const MEMORY: f64 = 0.8;
-/// Mean of the normalised innovations from which the vehicle is taken to change its lane.
-const BIASED: f64 = 0.7;
-/// Standard deviation of the lateral speed of a new vehicle, m/s.
-const FIRST_SPEED_SIGMA_MPS: f64 = 1.0;
-/// A measurement is limited to this many standard deviations.
-const LIMIT_SIGMA: f64 = 3.0;
+/// Distance between two lateral speeds, m/s.
+const STEP_MPS: f64 = 0.2;
+/// Lateral speeds on each side of 0.
+const SIDE: usize = 10;
+/// States: the one that keeps its lane, then the speeds.
+const STATES: usize = 2 * SIDE + 1;
+/// Rates of changes, 1/s.
+const BEGINS: f64 = 0.3;
+const ENDS: f64 = 0.3;
+const VARIES: f64 = 4.0;
+/// Growth of the position's variance, m²/s: a vehicle that keeps its lane wanders in it.
+const WANDER_M2PS: f64 = 0.01;
+/// Probability of an outlier, and its density over 1 m or 1 m/s.
+const OUTLIER: f64 = 0.05;
+const OUTLIER_DENSITY: f64 = 0.25;
+/// Probability that a new vehicle keeps its lane.
+const KEEPS: f64 = 0.8;
+/// Largest share of a state that becomes the next one between two scans.
+const MOST_VARY: f64 = 0.3;
+/// Variance of a position that is known, m².
+const KNOWN_M2: f64 = 1e-4;
+/// Least probability of a state.
+const LEAST: f64 = 1e-9;
+
+/// What is known of one state.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct State {
+    probability: f64,
+    mean_m: f64,
+    variance_m2: f64,
+}
 
 /// A lateral position with its rate.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lateral {
-    /// Position, m, left positive.
+    /// Mean position, m, left positive.
     pub position_m: f64,
+    /// Mean rate, m/s.
+    pub rate_mps: f64,
+    states: [State; STATES],
+}
+
+/// A hypothesis: a rate, its probability, and the position with it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hypothesis {
+    /// Probability.
+    pub probability: f64,
     /// Rate, m/s.
     pub rate_mps: f64,
-    /// Variances of the position, m², and of the rate, m²/s², and their covariance, m²/s.
-    variances: [f64; 3],
-    /// Mean of the last normalised innovations.
-    bias: f64,
+    /// Mean position, m.
+    pub position_m: f64,
+    /// Standard deviation of the position, m.
+    pub sigma_m: f64,
+}
+
+/// The rate of a state, m/s.
+fn rate(state: usize) -> f64 {
+    match state {
+        0 => 0.0,
+        k if k <= SIDE => (k as f64 - SIDE as f64 - 1.0) * STEP_MPS,
+        k => (k - SIDE) as f64 * STEP_MPS,
+    }
 }
 
 impl Lateral {
-    /// A motion that is known.
+    /// A motion that is known: its rate is rounded to the next of the row.
     #[must_use]
     pub fn known(position_m: f64, rate_mps: f64) -> Self {
-        Self { position_m, rate_mps, ..Self::default() }
+        let mut lateral = Self { position_m, rate_mps, states: [State::default(); STATES] };
+        for state in &mut lateral.states {
+            state.mean_m = position_m;
+            state.variance_m2 = KNOWN_M2;
+        }
+        // Between two rates of the row both are as probable as the rate is near.
+        for k in 0..STATES {
+            let off = (rate(k) - rate_mps).abs() / STEP_MPS;
+            if off < 1.0 {
+                lateral.states[k].probability = 1.0 - off;
+            }
+        }
+        lateral.normalise();
+        lateral
     }
 
     /// A motion of which one measurement is known, with its standard deviation, m.
     #[must_use]
     pub fn first(position_m: f64, sigma_m: f64) -> Self {
-        let variances = [sigma_m * sigma_m, FIRST_SPEED_SIGMA_MPS * FIRST_SPEED_SIGMA_MPS, 0.0];
-        Self { position_m, variances, ..Self::default() }
+        let mut states = [State {
+            probability: (1.0 - KEEPS) / (STATES - 1) as f64,
+            mean_m: position_m,
+            variance_m2: sigma_m * sigma_m,
+        }; STATES];
+        states[0].probability = KEEPS;
+        Self { position_m, rate_mps: 0.0, states }
+    }
+
+    /// All states.
+    pub fn hypotheses(&self) -> impl Iterator<Item = Hypothesis> {
+        self.states.iter().enumerate().map(|(k, state)| Hypothesis {
+            probability: state.probability,
+            rate_mps: rate(k),
+            position_m: state.mean_m,
+            sigma_m: state.variance_m2.sqrt(),
+        })
     }
 
     /// Standard deviation of the position, m.
     #[must_use]
     pub fn position_sigma_m(&self) -> f64 {
-        self.variances[0].max(0.0).sqrt()
-    }
-
-    /// Standard deviation of the rate, m/s.
-    #[must_use]
-    pub fn rate_sigma_mps(&self) -> f64 {
-        self.variances[1].max(0.0).sqrt()
+        let square = |state: &State| {
+            let off_m = state.mean_m - self.position_m;
+            state.probability * (state.variance_m2 + off_m * off_m)
+        };
+        self.states.iter().map(square).sum::<f64>().sqrt()
     }
 
     /// Where it is `time_s` later if it keeps its rate; what is known of it stays.
     pub fn move_on(&mut self, time_s: f64) {
+        for (k, state) in self.states.iter_mut().enumerate() {
+            state.mean_m += rate(k) * time_s;
+        }
         self.position_m += self.rate_mps * time_s;
+    }
+
+    /// It stays where it is from now on.
+    pub fn rest(&mut self) {
+        *self = Self::first(self.position_m, self.position_sigma_m());
     }
 
     /// Moves on by `period_s`, in which it may change its rate.
     pub fn predict(&mut self, period_s: f64) {
-        self.move_on(period_s);
-        let sigma = if self.bias.abs() > BIASED { MOVING_MPS2 } else { STEADY_MPS2 };
-        let gain = sigma * period_s;
-        let [position, rate, both] = &mut self.variances;
-        *position += period_s * (2.0 * *both + period_s * *rate);
-        *both += period_s * *rate;
-        *position += 0.25 * gain * gain * period_s * period_s;
-        *both += 0.5 * gain * gain * period_s;
-        *rate += gain * gain;
+        let begins = (BEGINS * period_s).min(MOST_VARY);
+        let ends = (ENDS * period_s).min(MOST_VARY);
+        let varies = (VARIES * period_s).min(MOST_VARY);
+        let mut sums = [[0.0; 3]; STATES];
+        let mut give = |to: usize, from: &State, share: f64| {
+            let weight = share * from.probability;
+            let [p, m, s] = &mut sums[to];
+            *p += weight;
+            *m += weight * from.mean_m;
+            *s += weight * (from.variance_m2 + from.mean_m * from.mean_m);
+        };
+        give(0, &self.states[0], 1.0 - begins);
+        for k in 1..STATES {
+            let state = &self.states[k];
+            give(k, &self.states[0], begins / (STATES - 1) as f64);
+            give(0, state, ends);
+            let mut stays = 1.0 - ends;
+            let mut step = |to: usize| {
+                give(to, state, varies);
+                stays -= varies;
+            };
+            if k > 1 {
+                step(k - 1);
+            }
+            if k + 1 < STATES {
+                step(k + 1);
+            }
+            give(k, state, stays);
+        }
+        let wander = WANDER_M2PS * period_s;
+        for (k, (state, [probability, mean, square])) in
+            self.states.iter_mut().zip(sums).enumerate()
+        {
+            let mean_m = mean / probability;
+            *state = State {
+                probability,
+                mean_m: mean_m + rate(k) * period_s,
+                variance_m2: (square / probability - mean_m * mean_m).max(0.0) + wander,
+            };
+        }
+        self.normalise();
     }
 
     /// Takes a measured position with its variance, m², at the time predicted to.
     pub fn update(&mut self, measured_m: f64, variance_m2: f64) {
-        let spread_m2 = self.variances[0] + variance_m2;
-        let limit_m = LIMIT_SIGMA * spread_m2.sqrt();
-        let miss_m = (measured_m - self.position_m).clamp(-limit_m, limit_m);
-        self.bias = MEMORY * self.bias + (1.0 - MEMORY) * miss_m / spread_m2.sqrt();
-        let [position, rate, both] = self.variances;
-        let gains = [position / spread_m2, both / spread_m2];
-        self.position_m += gains[0] * miss_m;
-        self.rate_mps += gains[1] * miss_m;
-        self.variances =
-            [position * (1.0 - gains[0]), rate - gains[1] * both, both * (1.0 - gains[0])];
+        for state in &mut self.states {
+            let spread_m2 = state.variance_m2 + variance_m2;
+            let off_m = measured_m - state.mean_m;
+            let inlier = (1.0 - OUTLIER) * density(off_m, spread_m2);
+            let likelihood = inlier + OUTLIER * OUTLIER_DENSITY;
+            state.probability *= likelihood;
+            let gain = inlier / likelihood * state.variance_m2 / spread_m2;
+            state.mean_m += gain * off_m;
+            state.variance_m2 *= 1.0 - gain;
+        }
+        self.normalise();
     }
+
+    /// Takes a measured rate, m/s, with its variance, m²/s².
+    pub fn update_rate(&mut self, measured_mps: f64, variance_m2ps2: f64) {
+        let spread = variance_m2ps2 + STEP_MPS * STEP_MPS / 12.0;
+        for (k, state) in self.states.iter_mut().enumerate() {
+            let inlier = (1.0 - OUTLIER) * density(measured_mps - rate(k), spread);
+            state.probability *= inlier + OUTLIER * OUTLIER_DENSITY;
+        }
+        self.normalise();
+    }
+
+    fn normalise(&mut self) {
+        let sum: f64 = self.states.iter().map(|state| state.probability).sum();
+        (self.position_m, self.rate_mps) = (0.0, 0.0);
+        for (k, state) in self.states.iter_mut().enumerate() {
+            state.probability = (state.probability / sum).max(LEAST);
+            self.position_m += state.probability * state.mean_m;
+            self.rate_mps += state.probability * rate(k);
+        }
+    }
+}
+
+/// Density of a normal deviate.
+fn density(off: f64, variance: f64) -> f64 {
+    libm::exp(-0.5 * off * off / variance) / (std::f64::consts::TAU * variance).sqrt()
 }
 
 #[cfg(test)]
@@ -131,7 +264,10 @@ mod tests {
             |time_s, filter| {
                 if time_s > 2.0 {
                     squares += filter.rate_mps * filter.rate_mps;
-                    believed += filter.variances[1];
+                    believed += filter
+                        .hypotheses()
+                        .map(|h| h.probability * h.rate_mps * h.rate_mps)
+                        .sum::<f64>();
                     count += 1.0;
                 }
             },
@@ -150,6 +286,36 @@ mod tests {
             }
         });
         assert!(seen_s < 0.41, "{seen_s} s");
+    }
+
+    #[test]
+    fn the_probabilities_are_those_of_a_distribution() {
+        let motion = |time_s: f64| 3.5 - 0.7 * (time_s - 5.0).max(0.0);
+        follow(0.3, motion, |_, filter| {
+            let sum: f64 = filter.hypotheses().map(|h| h.probability).sum();
+            assert!((sum - 1.0).abs() < 1e-6, "{sum}");
+            assert!(filter.hypotheses().all(|h| h.sigma_m.is_finite() && h.probability > 0.0));
+        });
+    }
+
+    #[test]
+    fn a_measured_rate_counts_and_a_wild_one_hardly() {
+        let mut filter = Lateral::first(3.5, 0.1);
+        for _ in 0..4 {
+            filter.update_rate(-1.0, 0.04);
+        }
+        assert!((filter.rate_mps + 1.0).abs() < 0.2, "{}", filter.rate_mps);
+        let before_mps = filter.rate_mps;
+        filter.update_rate(60.0, 1e-6);
+        assert!((filter.rate_mps - before_mps).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_known_motion_has_its_rate() {
+        for rate_mps in [-2.0, -0.73, 0.0, 0.1, 1.99] {
+            let known = Lateral::known(2.0, rate_mps);
+            assert!((known.rate_mps - rate_mps).abs() < 1e-6, "{rate_mps} {}", known.rate_mps);
+        }
     }
 
     #[test]

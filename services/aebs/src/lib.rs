@@ -5,19 +5,21 @@
 //! a decision of its own:
 //!
 //! ```text
-//! detections ─► Objects ─► threats: in the path now, or soon (path) ─► smallest gap if braking begins
-//!               (objects)                                              one cycle later (prediction)
-//!                                                                        │ below the margin
-//!                                                     Decision: monitor ─► warn ─► brake ─► hold
+//! detections ─► Objects ─► when the ego is beside each: if it keeps on, if it brakes now, one cycle
+//!               (objects)  later (prediction) ─► probability that the object is in the path then
+//!                                                                 │ contact likely, last point reached
+//!                                              Decision: monitor ─► warn ─► brake ─► hold
 //! ```
 //!
 //! Everything but `service` is plain code: state and time are arguments.
 
 pub mod decision;
 pub mod filter;
+pub mod object;
 pub mod objects;
-pub mod path;
+mod point;
 pub mod prediction;
 mod service;
+mod sighting;
 
 pub use service::{objects, run, settings};

@@ -9,327 +9,34 @@
 //! |---|---|---|
 //! | distance of the nearest face | points of that face | gain on the position, speed from below |
 //! | speed over ground | all points | gain |
-//! | acceleration | change of the speed | low-pass of [`ACCELERATION_S`] |
-//! | lateral position and speed | the side that it shows, else its face | [`Lateral`] |
+//! | acceleration | change of the speed | low-pass of 0.2 s |
+//! | lateral position | the side that it shows, else its face | [`crate::filter`] |
+//! | lateral speed | the range rates of points in different directions | the same |
 //! | length | the farthest point | the longest that was seen |
 //!
-//! The face's echoes merge and fluctuate, so that their middle wanders by [`FACE_SIGMA_M`]; the points of a
+//! The face's echoes merge and fluctuate, so that their middle wanders by 0.3 m; the points of a
 //! side are apart from one another in range, and as exact as the radar's azimuth: a vehicle beside the path
 //! is located by the side that it shows.
 //!
 //! An object counts once it was seen in three of four scans; one that stands, in four of five, and only
 //! near the ego's path: what stands beside the road is left out.
 
-use crate::filter::Lateral;
+use crate::object::Object;
+use crate::point::Point;
+use crate::sighting::{Sums, correct};
 use messages::Detection;
 
 /// Most objects that are followed at a time.
 pub const MAX_OBJECTS: usize = 48;
 
-/// Half of the width that is assumed of every vehicle, m.
-const HALF_WIDTH_M: f64 = 0.95;
-/// Distance of what reflects on a side from the middle, m.
-const SIDE_M: f64 = 0.9;
 /// An object reaches so far behind its nearest face, m: longer ones come out as two.
 const REACH_M: f64 = 6.0;
-/// Length of an object of which only the face was seen, m.
-const LEAST_LENGTH_M: f64 = 4.3;
-/// What is behind the farthest point that reflects, m.
-const OVERHANG_M: f64 = 0.9;
-/// Points so near to the nearest face belong to it, m.
-const FACE_M: f64 = 0.6;
-/// If there are none, those so near show that it was expected elsewhere, m.
-const MISSED_FACE_M: f64 = 1.2;
-/// Points behind the face by more than this are of a side, m.
-const SIDE_BEHIND_M: f64 = 0.45;
-/// A side shows when it is this far from the ego's axis, m.
-const SIDE_SHOWS_M: f64 = 0.15;
-/// Points of a face that are this far apart are its two corners, m.
-const BOTH_CORNERS_M: f64 = 1.4;
 /// Points of one object differ from it by no more than this: speed, m/s, and lateral position, m.
 const SAME: (f64, f64) = (2.5, 1.9);
-/// Below this speed over ground an object stands, m/s.
-const STANDING_MPS: f64 = 1.0;
-/// Standing points farther off the path than this are left out, m.
-const STANDING_OFFSET_M: f64 = 2.4;
-/// Gains on distance and speed.
-const DISTANCE_GAIN: f64 = 0.5;
-const SPEED_GAIN: f64 = 0.6;
-/// Time constant of the acceleration's low-pass, s.
-const ACCELERATION_S: f64 = 0.2;
-/// Standard deviation of the middle of a face, m; with both corners apart; and by range.
-const FACE_SIGMA_M: f64 = 0.3;
-const CORNERS_SIGMA_M: f64 = 0.1;
-const FACE_SIGMA_RAD: f64 = 0.0025;
-/// Standard deviation of an azimuth: of a strong echo, rad, and of one as strong as the noise.
-const AZIMUTH_SIGMA_RAD: f64 = 0.0018;
-const WEAK_SIGMA_RAD: f64 = 0.0205;
-/// Standard deviation of the middle of a vehicle of which one point is known, m.
-const FIRST_SIGMA_M: f64 = 0.7;
-/// Standard deviation of a range, m.
-const RANGE_SIGMA_M: f64 = 0.1;
-/// Standard deviation of the place that reflects on a side, m.
-const SIDE_SIGMA_M: f64 = 0.03;
-/// A point of a side is within so many standard deviations of where the side is expected.
-const SIDE_GATE: f64 = 3.0;
-/// Scans after which an object's lateral speed is believed.
-const LATERAL_SCANS: u32 = 5;
 /// An object that counts is dropped after this time without a point, s.
 const COAST_S: f64 = 0.4;
 /// The same of one that is beside the ego, outside of the field of view, s.
 const BESIDE_S: f64 = 3.0;
-/// Distance over which a reflecting place is at the edge of the field of view, m.
-const BLIND_MARGIN_M: f64 = 0.5;
-/// Largest amplitude's signal-to-noise ratio in the weights, dB: one strong echo does not decide alone.
-const STRONGEST_DB: f64 = 30.0;
-
-/// An object.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Object {
-    /// Distance of its nearest face, m ahead of the ego's front.
-    pub distance_m: f64,
-    /// Speed over ground, m/s.
-    pub speed_mps: f64,
-    /// Acceleration, m/s².
-    pub acceleration_mps2: f64,
-    /// Lateral position of its middle, m left of the ego's axis, and its rate.
-    pub lateral: Lateral,
-    /// Half of its width, m.
-    pub half_width_m: f64,
-    /// Its length as far as it was seen, m.
-    pub length_m: f64,
-    /// It counts.
-    pub is_confirmed: bool,
-    /// Scans in which it was seen.
-    scans: u32,
-    /// Whether it was seen in each of the last scans, the newest in the lowest bit.
-    history: u32,
-    /// Time since it was last seen, s.
-    unseen_s: f64,
-}
-
-impl Object {
-    /// An object that counts, with a known motion.
-    #[must_use]
-    pub fn at(
-        distance_m: f64,
-        speed_mps: f64,
-        offset_m: f64,
-        lateral_mps: f64,
-        half_width_m: f64,
-    ) -> Self {
-        Self {
-            distance_m,
-            speed_mps,
-            acceleration_mps2: 0.0,
-            lateral: Lateral::known(offset_m, lateral_mps),
-            half_width_m,
-            length_m: LEAST_LENGTH_M,
-            is_confirmed: true,
-            scans: LATERAL_SCANS,
-            history: u32::MAX,
-            unseen_s: 0.0,
-        }
-    }
-
-    /// True once the lateral speed rests on enough scans.
-    #[must_use]
-    pub fn lateral_is_known(&self) -> bool {
-        self.scans >= LATERAL_SCANS
-    }
-
-    /// True if it stands.
-    #[must_use]
-    pub fn stands(&self) -> bool {
-        self.speed_mps.abs() < STANDING_MPS
-    }
-
-    /// It moved on by `time_s` beside an ego of `ego_mps`.
-    #[must_use]
-    pub fn moved_on(&self, time_s: f64, ego_mps: f64) -> Self {
-        let mut later = *self;
-        later.move_on(time_s, ego_mps);
-        later.lateral.move_on(time_s);
-        later
-    }
-
-    fn move_on(&mut self, time_s: f64, ego_mps: f64) {
-        let speed = (self.speed_mps + self.acceleration_mps2 * time_s).max(0.0);
-        // An object that comes towards the ego keeps its speed.
-        let speed = if self.speed_mps < 0.0 { self.speed_mps } else { speed };
-        self.distance_m += (0.5 * (self.speed_mps + speed) - ego_mps) * time_s;
-        self.speed_mps = speed;
-    }
-
-    /// True if the nearer corner of its face is within half of the field of view.
-    fn shows_its_face(&self, half_field_of_view_rad: f64) -> bool {
-        let off_m = (self.lateral.position_m.abs() - SIDE_M).max(0.0);
-        let surely_m = self.distance_m - BLIND_MARGIN_M;
-        surely_m > 0.0 && off_m < surely_m * libm::tan(half_field_of_view_rad)
-    }
-
-    /// True if all of it that reflects is outside of the field of view, beside the ego.
-    fn is_hidden_beside(&self, half_field_of_view_rad: f64) -> bool {
-        let off_m = (self.lateral.position_m.abs() - SIDE_M).max(0.0);
-        let last_m = self.distance_m + self.length_m - OVERHANG_M - BLIND_MARGIN_M;
-        last_m <= 0.0 || off_m > last_m * libm::tan(half_field_of_view_rad)
-    }
-
-    /// Is carried on without a point: what has come to the ego's axis stays there.
-    fn coast(&mut self) {
-        self.acceleration_mps2 = 0.0;
-        if self.lateral.position_m * self.lateral.rate_mps > 0.0
-            && self.lateral.position_m.abs() < SIDE_M
-        {
-            self.lateral.rate_mps = 0.0;
-        }
-    }
-
-    /// The side of the ego's axis on which it is, 1 left, -1 right, and how far off the axis the side is
-    /// that it shows, m; `None` if it shows none.
-    fn shown_side(&self) -> Option<(f64, f64)> {
-        let side = self.lateral.position_m.signum();
-        let off_m = self.lateral.position_m.abs() - SIDE_M;
-        (off_m > SIDE_SHOWS_M).then_some((side, off_m))
-    }
-}
-
-/// A detection as a point.
-#[derive(Clone, Copy, Debug)]
-struct Point {
-    x_m: f64,
-    y_m: f64,
-    /// Speed over ground of what moves along the road.
-    speed_mps: f64,
-    /// Tangent of the azimuth.
-    tangent: f64,
-    amplitude: f64,
-    /// Variance of the lateral position, m².
-    variance_m2: f64,
-}
-
-impl Point {
-    /// `None` for what is behind the antenna or stands beside the path.
-    fn of(detection: &Detection, ego_mps: f64) -> Option<Self> {
-        let (cosine, sine) = (libm::cos(detection.azimuth_rad), libm::sin(detection.azimuth_rad));
-        if cosine < 0.1 {
-            return None;
-        }
-        let x_m = detection.range_m * cosine;
-        let weak_rad = WEAK_SIGMA_RAD * libm::exp10(-0.05 * detection.snr_db.clamp(0.0, 60.0));
-        let along_m2 = RANGE_SIGMA_M * RANGE_SIGMA_M * sine * sine;
-        let across_m2 = along_m2
-            + x_m * x_m * (AZIMUTH_SIGMA_RAD * AZIMUTH_SIGMA_RAD + weak_rad * weak_rad)
-                / (cosine * cosine * cosine * cosine);
-        let point = Self {
-            x_m,
-            y_m: detection.range_m * sine,
-            speed_mps: ego_mps + detection.range_rate_mps / cosine,
-            tangent: sine / cosine,
-            amplitude: libm::exp10(0.05 * detection.snr_db.clamp(0.0, STRONGEST_DB)),
-            variance_m2: across_m2 + SIDE_SIGMA_M * SIDE_SIGMA_M,
-        };
-        let beside = point.y_m.abs() > STANDING_OFFSET_M;
-        (!(beside && point.speed_mps.abs() < 2.0 * STANDING_MPS)).then_some(point)
-    }
-}
-
-/// Sums over an object's points of one scan.
-#[derive(Clone, Copy, Debug)]
-struct Sums {
-    points: f64,
-    speed_mps: f64,
-    farthest_m: f64,
-    missed_points: f64,
-    missed_x_m: f64,
-    face_points: f64,
-    face_x_m: f64,
-    face_amplitude: f64,
-    face_y_m: f64,
-    /// Least and largest lateral position of the face.
-    face_ends_m: (f64, f64),
-    /// Of the side's points: sum of the weights, and of the weighted lateral positions of the middle.
-    side_weight: f64,
-    side_y_m: f64,
-}
-
-impl Sums {
-    const NONE: Self = Self {
-        points: 0.0,
-        speed_mps: 0.0,
-        farthest_m: 0.0,
-        missed_points: 0.0,
-        missed_x_m: 0.0,
-        face_points: 0.0,
-        face_x_m: 0.0,
-        face_amplitude: 0.0,
-        face_y_m: 0.0,
-        face_ends_m: (f64::INFINITY, f64::NEG_INFINITY),
-        side_weight: 0.0,
-        side_y_m: 0.0,
-    };
-
-    fn add(&mut self, point: &Point, object: &Object) {
-        self.points += 1.0;
-        self.speed_mps += point.speed_mps - object.lateral.rate_mps * point.tangent;
-        let behind_m = point.x_m - object.distance_m;
-        self.farthest_m = self.farthest_m.max(behind_m);
-        if behind_m.abs() <= MISSED_FACE_M {
-            self.missed_points += 1.0;
-            self.missed_x_m += point.x_m;
-        }
-        if behind_m.abs() <= FACE_M {
-            self.face_points += 1.0;
-            self.face_x_m += point.x_m;
-            self.face_amplitude += point.amplitude;
-            self.face_y_m += point.amplitude * point.y_m;
-            let (least_m, most_m) = self.face_ends_m;
-            self.face_ends_m = (least_m.min(point.y_m), most_m.max(point.y_m));
-        }
-        if let Some((side, off_m)) = object.shown_side()
-            && behind_m > SIDE_BEHIND_M
-        {
-            let known_m2 = object.lateral.position_sigma_m() * object.lateral.position_sigma_m();
-            let gate_m = SIDE_GATE * (known_m2 + point.variance_m2).sqrt();
-            if (point.y_m - side * off_m).abs() < gate_m {
-                self.side_weight += 1.0 / point.variance_m2;
-                self.side_y_m += (point.y_m + side * SIDE_M) / point.variance_m2;
-            }
-        }
-    }
-
-    /// Distance of the face, m.
-    fn face_m(&self) -> Option<f64> {
-        if self.face_points > 0.0 {
-            Some(self.face_x_m / self.face_points)
-        } else {
-            (self.missed_points > 0.0).then(|| self.missed_x_m / self.missed_points)
-        }
-    }
-
-    /// Lateral position of the middle, m, with its variance, m², from the side and the face.
-    fn lateral(&self, distance_m: f64, shows_its_face: bool) -> Option<(f64, f64)> {
-        let (mut weight, mut weighted_m) = (0.0, 0.0);
-        if self.side_weight > 0.0 {
-            let shared_m2 = SIDE_SIGMA_M * SIDE_SIGMA_M;
-            weight = 1.0 / (1.0 / self.side_weight + shared_m2);
-            weighted_m = weight * self.side_y_m / self.side_weight;
-        }
-        if self.face_points > 0.0 && shows_its_face {
-            let (least_m, most_m) = self.face_ends_m;
-            let (middle_m, sigma_m) = if most_m - least_m > BOTH_CORNERS_M {
-                (0.5 * (least_m + most_m), CORNERS_SIGMA_M)
-            } else {
-                (self.face_y_m / self.face_amplitude, FACE_SIGMA_M)
-            };
-            let by_range_m = FACE_SIGMA_RAD * distance_m;
-            let of_face = 1.0 / (sigma_m * sigma_m + by_range_m * by_range_m);
-            weight += of_face;
-            weighted_m += of_face * middle_m;
-        }
-        (weight > 0.0).then(|| (weighted_m / weight, 1.0 / weight))
-    }
-}
 
 /// All objects.
 #[derive(Clone, Debug)]
@@ -425,62 +132,12 @@ impl Objects {
     }
 
     fn begin(&mut self, point: &Point) {
-        let object = Object {
-            distance_m: point.x_m,
-            speed_mps: point.speed_mps,
-            acceleration_mps2: 0.0,
-            lateral: Lateral::first(point.y_m, FIRST_SIGMA_M),
-            half_width_m: HALF_WIDTH_M,
-            length_m: LEAST_LENGTH_M,
-            is_confirmed: false,
-            scans: 0,
-            history: 0,
-            unseen_s: 0.0,
-        };
+        let object = Object::begin(point.x_m, point.y_m, point.speed_mps);
         let mut sums = Sums::NONE;
         sums.add(point, &object);
         self.list.push(object);
         self.sums.push(sums);
     }
-}
-
-/// Corrects an object by the points of a scan, if there are any.
-fn correct(object: &mut Object, sums: &Sums, period_s: f64, shows_its_face: bool) {
-    if sums.points == 0.0 {
-        object.coast();
-        return;
-    }
-    object.scans += 1;
-    object.unseen_s = 0.0;
-    object.history |= 1;
-    let first = object.scans == 1;
-    let before_mps = object.speed_mps;
-    let measured_mps = sums.speed_mps / sums.points;
-    object.speed_mps += if first { 1.0 } else { SPEED_GAIN } * (measured_mps - before_mps);
-    if !first {
-        // The prediction has moved the speed by the acceleration already.
-        let excess = (object.speed_mps - before_mps) / period_s;
-        object.acceleration_mps2 += period_s / (ACCELERATION_S + period_s) * excess;
-        object.acceleration_mps2 = object.acceleration_mps2.clamp(-10.0, 5.0);
-    }
-    // Without its face the nearest point is one of its side.
-    if (first || shows_its_face)
-        && let Some(face_m) = sums.face_m()
-    {
-        let gain = if first { 1.0 } else { DISTANCE_GAIN };
-        object.distance_m += gain * (face_m - object.distance_m);
-    }
-    if let Some((middle_m, variance_m2)) = sums.lateral(object.distance_m, first || shows_its_face)
-    {
-        if first {
-            object.lateral = Lateral::first(middle_m, FIRST_SIGMA_M);
-        } else {
-            object.lateral.update(middle_m, variance_m2);
-        }
-    }
-    object.length_m = object.length_m.max(sums.farthest_m + OVERHANG_M);
-    let seen = |scans: u32| (object.history & ((1 << scans) - 1)).count_ones();
-    object.is_confirmed |= if object.stands() { seen(5) >= 4 } else { seen(4) >= 3 };
 }
 
 #[cfg(test)]

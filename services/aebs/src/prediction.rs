@@ -1,12 +1,9 @@
-//! The last point to brake: how near the ego comes to an object if it brakes from some instant on.
+//! When the ego is beside an object, depending on what the ego does.
 //!
-//! The ego keeps its acceleration until the brakes bite (dead time), then its deceleration grows by the
-//! brake's jerk up to its authority, until it is no faster than the object and far enough behind it. The
+//! If it brakes it keeps its acceleration until the brakes bite (dead time), then its deceleration grows by
+//! the brake's jerk up to its authority, until it is no faster than the object and far enough behind it. The
 //! object keeps the acceleration that was estimated, until it stands. Both are integrated in steps of
-//! [`STEP_S`]. An object that the ego passes before it comes into the way is no threat, and braking can make
-//! it one: that shows in the same integration.
-
-use crate::path::Overlap;
+//! [`STEP_S`]. The time ends when the ego has passed, or has fallen back behind the object.
 
 /// Step of the prediction, s.
 const STEP_S: f64 = 0.02;
@@ -33,7 +30,7 @@ pub struct Ego {
     pub acceleration_mps2: f64,
 }
 
-/// What is in the way.
+/// What may be in the way, along the road.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Threat {
     /// Bumper-to-bumper distance, m.
@@ -44,32 +41,82 @@ pub struct Threat {
     pub acceleration_mps2: f64,
     /// The ego has passed it when this far beyond its rear, m: both lengths.
     pub passed_m: f64,
-    /// When it is in the way.
-    pub overlap: Overlap,
+}
+
+/// What the ego does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Plan {
+    /// It keeps its acceleration.
+    Keep,
+    /// It lets go of its brakes, which then are off at once.
+    Release,
+    /// It asks for the brakes in this time, s, and holds them until it is slower and clear.
+    Brake(f64),
+    /// It brakes on, without dead time.
+    BrakeOn,
+}
+
+/// The time in which the two are beside each other along the road.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beside {
+    /// Its begin, s.
+    pub first_s: f64,
+    /// Its end, s; infinite if it does not end.
+    pub last_s: f64,
+    /// Speed of the ego over the other at the begin, m/s.
+    pub first_mps: f64,
+    /// The same at the end.
+    pub last_mps: f64,
+}
+
+impl Beside {
+    /// Speed of the ego over the other when they touch, if the other is in the way from `in_s` on, m/s.
+    #[must_use]
+    pub fn closing_mps(&self, in_s: f64) -> f64 {
+        let span_s = self.last_s - self.first_s;
+        let share = if span_s > 0.0 && span_s.is_finite() {
+            ((in_s - self.first_s) / span_s).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        self.first_mps + share * (self.last_mps - self.first_mps)
+    }
 }
 
 impl Authority {
-    /// Smallest distance to `threat` while it is in the way, m, if the brakes are asked for in `wait_s`
-    /// and held until it is no slower and `margin_m` ahead. Negative: they would touch. Infinite: it is
-    /// never in the way, or passed before it is.
+    /// When the ego is beside `threat`, or nearer behind it than `clear_m`; `None`: never, or it has passed.
     #[must_use]
-    pub fn smallest_gap_m(&self, ego: &Ego, threat: &Threat, wait_s: f64, margin_m: f64) -> f64 {
-        let begins_s = wait_s + self.dead_time_s;
+    pub fn beside(&self, ego: &Ego, threat: &Threat, plan: Plan, clear_m: f64) -> Option<Beside> {
+        let begins_s = match plan {
+            Plan::Keep | Plan::Release => f64::INFINITY,
+            Plan::Brake(wait_s) => wait_s + self.dead_time_s,
+            Plan::BrakeOn => 0.0,
+        };
         let (mut gap_m, mut speed, mut other) = (threat.gap_m, ego.speed_mps, threat.speed_mps);
-        let mut acceleration = ego.acceleration_mps2;
-        let mut smallest_m = f64::INFINITY;
+        let mut acceleration = match plan {
+            Plan::Release => ego.acceleration_mps2.max(0.0),
+            Plan::Keep | Plan::Brake(_) | Plan::BrakeOn => ego.acceleration_mps2,
+        };
+        let mut beside: Option<Beside> = None;
         let mut time_s = 0.0;
-        while time_s < LONGEST_S && time_s <= threat.overlap.out_s && gap_m > -threat.passed_m {
-            let in_the_way = time_s >= threat.overlap.in_s;
-            if in_the_way {
-                smallest_m = smallest_m.min(gap_m);
-                if gap_m < 0.0 {
-                    break;
-                }
+        while time_s < LONGEST_S {
+            let closing = speed - other;
+            if gap_m < clear_m && gap_m > -threat.passed_m {
+                let now = Beside {
+                    first_s: time_s,
+                    last_s: f64::INFINITY,
+                    first_mps: closing,
+                    last_mps: closing,
+                };
+                beside.get_or_insert(now);
+            } else if let Some(beside) = &mut beside {
+                (beside.last_s, beside.last_mps) = (time_s, closing);
+                return Some(*beside);
+            } else if gap_m <= -threat.passed_m {
+                return None;
             }
-            // The difference only grows from here on, or it stays as it is.
-            let settled = speed <= other && threat.acceleration_mps2 >= acceleration.min(0.0);
-            if settled && (gap_m >= margin_m || in_the_way) {
+            let settled = closing <= 0.0 && threat.acceleration_mps2 >= acceleration.min(0.0);
+            if settled && gap_m >= clear_m {
                 break;
             }
             let before = acceleration;
@@ -78,24 +125,30 @@ impl Authority {
                 let harder = acceleration - self.jerk_mps3 * braked_s;
                 acceleration = harder.max(-self.deceleration_mps2).min(acceleration);
             }
-            let (next, next_other) = (
-                (speed + 0.5 * (before + acceleration) * STEP_S).max(0.0),
-                if other > 0.0 {
-                    (other + threat.acceleration_mps2 * STEP_S).max(0.0)
-                } else {
-                    other
-                },
-            );
+            let next = (speed + 0.5 * (before + acceleration) * STEP_S).max(0.0);
+            let next_other = if other > 0.0 {
+                (other + threat.acceleration_mps2 * STEP_S).max(0.0)
+            } else {
+                other
+            };
             if next == 0.0 && next_other == 0.0 {
                 // Both stand.
-                let last_m = gap_m - 0.5 * STEP_S * (speed - other);
-                return if in_the_way { smallest_m.min(last_m) } else { smallest_m };
+                gap_m -= 0.5 * STEP_S * (speed - other);
+                if gap_m < clear_m && beside.is_none() {
+                    beside = Some(Beside {
+                        first_s: time_s,
+                        last_s: f64::INFINITY,
+                        first_mps: closing,
+                        last_mps: closing,
+                    });
+                }
+                break;
             }
             gap_m += 0.5 * STEP_S * (other + next_other - speed - next);
             (speed, other) = (next, next_other);
             time_s += STEP_S;
         }
-        smallest_m
+        beside
     }
 }
 
@@ -106,10 +159,13 @@ mod tests {
 
     const BRAKES: Authority =
         Authority { dead_time_s: 0.1, jerk_mps3: 12.65, deceleration_mps2: 8.3385 };
-    const NOW: Overlap = Overlap { in_s: 0.0, out_s: f64::INFINITY };
 
-    fn standing(gap_m: f64) -> Threat {
-        Threat { gap_m, speed_mps: 0.0, acceleration_mps2: 0.0, passed_m: 9.0, overlap: NOW }
+    fn threat(gap_m: f64, speed_mps: f64) -> Threat {
+        Threat { gap_m, speed_mps, acceleration_mps2: 0.0, passed_m: 9.0 }
+    }
+
+    fn cruising(speed_mps: f64) -> Ego {
+        Ego { speed_mps, acceleration_mps2: 0.0 }
     }
 
     #[test]
@@ -117,61 +173,59 @@ mod tests {
         // Dead time, ramp of 0.659 s, then v²/(2 a): by hand for 20 m/s.
         let ramp_s: f64 = 8.3385 / 12.65;
         let after_ramp = 20.0 - 0.5 * 8.3385 * ramp_s;
-        let distance = 20.0 * 0.1 + 20.0 * ramp_s - 12.65 * ramp_s.powi(3) / 6.0
+        let distance_m = 20.0 * 0.1 + 20.0 * ramp_s - 12.65 * ramp_s.powi(3) / 6.0
             + after_ramp * after_ramp / (2.0 * 8.3385);
-        let ego = Ego { speed_mps: 20.0, acceleration_mps2: 0.0 };
-        let left = BRAKES.smallest_gap_m(&ego, &standing(100.0), 0.0, 0.6);
-        assert!((100.0 - distance - left).abs() < 0.3, "{distance} {left}");
+        let stops = |gap_m: f64| {
+            BRAKES.beside(&cruising(20.0), &threat(gap_m, 0.0), Plan::Brake(0.0), 0.0).is_none()
+        };
+        assert!(stops(distance_m + 0.3) && !stops(distance_m - 0.3), "{distance_m}");
     }
 
     #[test]
-    fn what_leaves_in_time_or_comes_after_the_pass_is_no_threat() {
-        let ego = Ego { speed_mps: 20.0, acceleration_mps2: 0.0 };
-        let after = |in_s| Overlap { in_s, out_s: f64::INFINITY };
-        let passing = Threat {
-            gap_m: 5.0,
-            speed_mps: 10.0,
-            acceleration_mps2: 0.0,
-            passed_m: 9.0,
-            overlap: after(1.5),
-        };
-        let unbraked = |threat: &Threat| BRAKES.smallest_gap_m(&ego, threat, 1e3, 0.6);
-        assert_eq!(unbraked(&passing), f64::INFINITY, "14 m take 1.4 s");
-        assert!(unbraked(&Threat { overlap: after(1.3), ..passing }) < 0.0);
-        let braked = BRAKES.smallest_gap_m(&ego, &passing, 0.0, 0.6);
-        assert!(braked < 0.0, "braking makes the contact: {braked}");
-        let leaving = Threat { gap_m: 60.0, overlap: Overlap { in_s: 0.0, out_s: 0.5 }, ..passing };
-        assert!(unbraked(&leaving) > 50.0);
+    fn a_pass_ends_when_both_lengths_are_behind() {
+        let ego = cruising(20.0);
+        let beside = BRAKES.beside(&ego, &threat(5.0, 10.0), Plan::Keep, 0.0).expect("it passes");
+        assert!((beside.first_s - 0.5).abs() < 0.05 && (beside.last_s - 1.4).abs() < 0.05);
+        assert_eq!((beside.first_mps, beside.last_mps), (10.0, 10.0));
+        let braked = BRAKES.beside(&ego, &threat(5.0, 10.0), Plan::Brake(0.0), 0.0);
+        let braked = braked.expect("the distance is too short");
+        assert!(braked.last_s > beside.last_s && braked.first_mps < 10.0, "{braked:?}");
+        assert_eq!(BRAKES.beside(&ego, &threat(-9.5, 10.0), Plan::Keep, 0.0), None, "passed");
+        assert_eq!(BRAKES.beside(&ego, &threat(5.0, 21.0), Plan::Keep, 0.0), None, "faster");
     }
 
     #[test]
-    fn braking_goes_on_until_there_is_room_for_what_comes_in() {
-        // Beside the ego at its own speed: braking lets it in.
-        let ego = Ego { speed_mps: 15.0, acceleration_mps2: 0.0 };
-        let beside = Threat {
-            gap_m: -1.0,
-            speed_mps: 14.0,
-            acceleration_mps2: 0.0,
-            passed_m: 9.0,
-            overlap: Overlap { in_s: 1.5, out_s: f64::INFINITY },
-        };
-        assert!(BRAKES.smallest_gap_m(&ego, &beside, 1e3, 0.6) < 0.0);
-        assert!(BRAKES.smallest_gap_m(&ego, &beside, 0.0, 0.6) > 0.0);
+    fn braking_beside_a_vehicle_lets_it_go_ahead() {
+        let ego = cruising(15.0);
+        let beside = BRAKES.beside(&ego, &threat(-1.0, 14.0), Plan::Brake(0.0), 0.6);
+        let beside = beside.expect("it is beside");
+        assert!(beside.first_s == 0.0 && beside.last_s < 2.0, "{beside:?}");
+        let beside = BRAKES.beside(&ego, &threat(-1.0, 15.5), Plan::Keep, 0.0).expect("beside");
+        assert!(beside.last_s > 1.9, "{beside:?}");
+    }
+
+    #[test]
+    fn letting_go_of_the_brakes_closes_up_again() {
+        let ego = Ego { speed_mps: 16.0, acceleration_mps2: -8.0 };
+        let released = BRAKES.beside(&ego, &threat(5.0, 10.0), Plan::Release, 0.0);
+        assert!(released.is_some(), "3 m/s are left when the brakes are off");
+        assert_eq!(BRAKES.beside(&ego, &threat(5.0, 10.0), Plan::BrakeOn, 0.0), None);
     }
 
     proptest! {
         #[test]
-        fn braking_later_never_leaves_more_room(
+        fn braking_later_never_comes_later_to_the_contact(
             gap in 1.0..120.0_f64, v in 1.0..40.0_f64, other in 0.0..40.0_f64,
             a in -9.0..2.0_f64, wait in 0.0..2.0_f64,
         ) {
-            let ego = Ego { speed_mps: v, acceleration_mps2: 0.0 };
             let threat =
-                Threat { gap_m: gap, speed_mps: other, acceleration_mps2: a, passed_m: 9.0, overlap: NOW };
-            let sooner = BRAKES.smallest_gap_m(&ego, &threat, wait, 0.6);
-            let later = BRAKES.smallest_gap_m(&ego, &threat, wait + 0.1, 0.6);
-            // How deep a contact is says nothing.
-            prop_assert!(later <= sooner + 1e-9 || later < 0.0, "{sooner} {later}");
+                Threat { gap_m: gap, speed_mps: other, acceleration_mps2: a, passed_m: 9.0 };
+            let first_s = |wait_s| {
+                let plan = Plan::Brake(wait_s);
+                let beside = BRAKES.beside(&cruising(v), &threat, plan, 0.6);
+                beside.map_or(f64::INFINITY, |beside| beside.first_s)
+            };
+            prop_assert!(first_s(wait + 0.1) <= first_s(wait) + STEP_S);
         }
     }
 }

@@ -1,8 +1,7 @@
 //! The emergency brake's loop: released by the radar's detections, or by its timer when they are late.
 
-use crate::decision::{Decision, Demand, Settings};
+use crate::decision::{Decision, Demand, Path, Settings};
 use crate::objects::Objects;
-use crate::path::Path;
 use crate::prediction::{Authority, Ego};
 use messages::{Brake, BrakeState, Header, Odometry, Origins, RadarDetections, ServiceState};
 use runtime::report::{AebsReport, Details};
@@ -12,8 +11,6 @@ use scenario::Scenario;
 
 /// Half of the ego's width, m.
 const HALF_WIDTH_M: f64 = 0.95;
-/// Lateral speed below which nothing is concluded from it, m/s.
-const LEAST_LATERAL_MPS: f64 = 0.1;
 /// Periods by which detections may be late before the timer releases a cycle.
 const FALLBACK: f64 = 0.5;
 /// Periods of the radar after which its detections are of no use.
@@ -48,11 +45,7 @@ pub fn settings(scenario: &Scenario) -> Settings {
             jerk_mps3: keys.jerk_mps3.value(),
             deceleration_mps2: keys.deceleration_mps2.value(),
         },
-        path: Path {
-            half_width_m: HALF_WIDTH_M,
-            horizon_s: keys.lateral_horizon_s.value(),
-            least_lateral_mps: LEAST_LATERAL_MPS,
-        },
+        path: Path { half_width_m: HALF_WIDTH_M, horizon_s: keys.lateral_horizon_s.value() },
         period_s: 1e-3 * f64::from(scenario.perception.period_ms.value()),
         margin_m: keys.margin_m.value(),
         warning_s: keys.warning_s.value(),

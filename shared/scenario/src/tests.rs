@@ -502,6 +502,15 @@ fn an_unknown_cycle_is_shown_with_a_suggestion() {
 }
 
 #[test]
+fn an_emergency_brake_without_authority_is_refused() {
+    let shown = refusal("[aebs]\ndeceleration_mps2 = 3\n");
+    assert!(shown.contains("4:21") && shown.contains("has no authority"), "{shown}");
+    assert!(shown.contains("at least 5 m/s²"), "{shown}");
+    let off = format!("{SHORT}[aebs]\nenabled = false\ndeceleration_mps2 = 3\n");
+    Scenario::parse("x.toml", &off).expect("what is off may be weak");
+}
+
+#[test]
 fn an_option_replaces_an_actors_profile() {
     let text = "schema_version = 1\nname = \"x\"\n[[actors]]\nname = \"a\"\ngap_m = 9\n\
         initial_speed_mps = 3\nprofile.sine = { amplitude_mps2 = 1, period_s = 9 }\n";

@@ -13,14 +13,17 @@
 //!   or will within 1.2 s and before it is passed.
 //! * `aebs`: `services/aebs` on the radar's detections.
 //! * `aebs-ideal`: its decision on the true objects.
+//! * `--laws`: control laws with the emergency brake, each in its whole group.
 
 use std::collections::BTreeMap;
 use std::process::ExitCode;
 
 use aebs::decision::{Decision, Demand};
-use aebs::objects::{Object, Objects};
+use aebs::object::Object;
+use aebs::objects::Objects;
 use aebs::prediction::Ego as OwnMotion;
 use bytemuck::Zeroable;
+use campaign::r157::judge::verdict;
 use campaign::r157::matrix::{Case, Matrix};
 use campaign::r157::scene::{Driver, scenario};
 use clap::{Parser, ValueEnum};
@@ -40,6 +43,8 @@ const STEP_NS: u64 = 10_000_000;
 const SCAN_STEPS: u64 = 5;
 /// Steps by which the simple rule sees late.
 const LATE_STEPS: usize = 15;
+/// The law of the scenarios in which none drives.
+const FIRST_LAW: &str = "acc-mpc";
 /// Longest time over which the simple rule carries a lateral motion on, s.
 const HORIZON_S: f64 = 1.2;
 
@@ -54,9 +59,15 @@ struct Arguments {
     /// The first of them
     #[arg(long, default_value_t = 0)]
     first: usize,
+    /// Seed of the radar's noise
+    #[arg(long, default_value_t = 1)]
+    seed: u32,
     /// The systems
     #[arg(long, value_enum, value_delimiter = ',', default_value = "best,simple,aebs-ideal,aebs")]
     systems: Vec<System>,
+    /// Control laws, which drive with the emergency brake
+    #[arg(long, value_delimiter = ',')]
+    laws: Vec<String>,
     /// Print the avoidable cases
     #[arg(long)]
     show: bool,
@@ -83,6 +94,15 @@ enum System {
     Aebs,
 }
 
+/// The verdicts of the systems and of the laws, by name.
+type Verdicts = BTreeMap<String, Verdict>;
+
+impl System {
+    fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+}
+
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     if let Some(case) = &arguments.trace {
@@ -90,7 +110,7 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         };
         let case = regulation::cut_in::Case { ego_kmh, other_kmh, distance_m, lateral_tenths_mps };
-        let scenario = scene_of(&Case::CutIn(case));
+        let scenario = scene_of(&Case::CutIn(case), arguments.seed, FIRST_LAW);
         let verdict = drive(&scenario, &mut Aebs::new(&scenario, false, true));
         println!("{case:?}: {verdict:?}");
         return ExitCode::SUCCESS;
@@ -102,11 +122,11 @@ fn main() -> ExitCode {
         .step_by(arguments.every.max(1))
         .collect();
     let half = cases.len().div_ceil(2);
-    let mut all: Vec<(Case, BTreeMap<System, Verdict>)> = Vec::new();
+    let mut all: Vec<(Case, Verdicts)> = Vec::new();
     std::thread::scope(|scope| {
-        let systems = &arguments.systems;
-        let drive_part = |part: &[Case]| -> Vec<(Case, BTreeMap<System, Verdict>)> {
-            part.iter().map(|case| (*case, verdicts(case, systems))).collect()
+        let arguments = &arguments;
+        let drive_part = move |part: &[Case]| -> Vec<(Case, Verdicts)> {
+            part.iter().map(|case| (*case, verdicts(case, arguments))).collect()
         };
         let parts: Vec<_> =
             cases.chunks(half).map(|part| scope.spawn(move || drive_part(part))).collect();
@@ -118,7 +138,7 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-fn report(arguments: &Arguments, all: &[(Case, BTreeMap<System, Verdict>)]) {
+fn report(arguments: &Arguments, all: &[(Case, Verdicts)]) {
     let models: Vec<_> = all.iter().map(|(case, _)| case.verdicts()).collect();
     let hit = |verdict: &Verdict| verdict.outcome.is_collision();
     let mastered: Vec<bool> = models.iter().map(is_mastered_by_both).collect();
@@ -126,25 +146,28 @@ fn report(arguments: &Arguments, all: &[(Case, BTreeMap<System, Verdict>)]) {
     let regulation = regulation.filter(hit).count();
     let of_both = mastered.iter().filter(|mastered| **mastered).count();
     println!("{} cases, {of_both} mastered by both, regulation hits {regulation}", all.len());
-    for &system in &arguments.systems {
+    let systems = arguments.systems.iter().map(|system| system.name());
+    for system in systems.chain(arguments.laws.iter().cloned()) {
         let hits: Vec<usize> = (0..all.len()).filter(|&k| hit(&all[k].1[&system])).collect();
         let avoidable = hits.iter().filter(|&&k| mastered[k]).count();
         println!(
-            "{system:?}: {} collisions ({:.3} of regulation's), {avoidable} avoidable ({:.2} %)",
+            "{system}: {} collisions ({:.3} of regulation's), {avoidable} avoidable ({:.2} %)",
             hits.len(),
             hits.len() as f64 / regulation as f64,
             100.0 * avoidable as f64 / of_both as f64,
         );
         for &k in &hits {
-            let best_avoids = all[k].1.get(&System::Best).is_some_and(|best| !hit(best));
+            let best_avoids = all[k].1.get(&System::Best.name()).is_some_and(|best| !hit(best));
             let Case::CutIn(case) = all[k].0 else { continue };
             if (mastered[k] && arguments.show) || (best_avoids && arguments.show_all) {
                 println!(
-                    "  {},{},{},{} {} {}",
+                    "  {},{},{},{} {:?} at {:.1} m/s {} {}",
                     case.ego_kmh,
                     case.other_kmh,
                     case.distance_m,
                     case.lateral_tenths_mps,
+                    all[k].1[&system].outcome,
+                    all[k].1[&system].impact_speed_mps,
                     if mastered[k] { "mastered" } else { "" },
                     if best_avoids { "best avoids" } else { "" }
                 );
@@ -153,20 +176,26 @@ fn report(arguments: &Arguments, all: &[(Case, BTreeMap<System, Verdict>)]) {
     }
 }
 
-fn scene_of(case: &Case) -> Scenario {
-    let driver = Driver { law: "acc-mpc".into(), aebs: true };
-    scenario(case, &driver, 1).expect("every case is a scenario")
+fn scene_of(case: &Case, seed: u32, law: &str) -> Scenario {
+    let driver = Driver { law: law.into(), aebs: true };
+    scenario(case, &driver, seed.into()).expect("every case is a scenario of every law")
 }
 
-fn verdicts(case: &Case, systems: &[System]) -> BTreeMap<System, Verdict> {
-    let scenario = scene_of(case);
+fn verdicts(case: &Case, arguments: &Arguments) -> Verdicts {
+    let scenario = scene_of(case, arguments.seed, FIRST_LAW);
     let of = |system: &System| match system {
         System::Best => best(&scenario),
         System::Simple => drive(&scenario, &mut Simple::default()),
         System::AebsIdeal => drive(&scenario, &mut Aebs::new(&scenario, true, false)),
         System::Aebs => drive(&scenario, &mut Aebs::new(&scenario, false, false)),
     };
-    systems.iter().map(|system| (*system, of(system))).collect()
+    let of_law = |law: &String| {
+        let scenario = scene_of(case, arguments.seed, law);
+        let group = group::in_process::run(&scenario).expect("the group runs");
+        verdict(&group.drive)
+    };
+    let systems = arguments.systems.iter().map(|system| (system.name(), of(system)));
+    systems.chain(arguments.laws.iter().map(|law| (law.clone(), of_law(law)))).collect()
 }
 
 /// The world at one step.

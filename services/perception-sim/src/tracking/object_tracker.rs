@@ -7,12 +7,14 @@ use super::detection_tracker::model_of;
 use super::lateral;
 use super::list::{Track, TrackList};
 use super::longitudinal::{Filter, Measured, Model, Step};
-use super::path::{Across, Membership, PathLimits};
+use super::path::{Across, Membership, PathLimits, passed_s};
 use crate::radar::object_list::{Measurement, Scan};
 use crate::radar::scene::Ego;
 
 /// A track is given up, and begun anew, after this many scans in a row outside its gate.
 const MISFITS: u32 = 3;
+/// Length of a vehicle, which the object list does not tell, m.
+const ASSUMED_LENGTH_M: f64 = 4.5;
 
 /// The tracker.
 #[derive(Clone, Debug)]
@@ -148,6 +150,11 @@ impl ObjectTracker {
             lateral_m: known.across.position_m(),
             speed_mps: known.across.speed_mps(),
             speed_sigma_mps: known.across.speed_sigma_mps(),
+            passed_s: passed_s(
+                known.along.estimate().gap_m,
+                known.along.estimate().relative_speed_mps,
+                ASSUMED_LENGTH_M,
+            ),
         };
         self.limits.observe(&mut known.membership, &across, step.dt_s());
         ObjectTrack { measurement, measured: true, unseen_s: 0.0, ..known }

@@ -4,7 +4,8 @@
 //! `confirm_s`, and leaves it when it is beyond `leave_half_width_m`: a vehicle on the line between
 //! two lanes does not flicker, and one noisy scan makes no target. A track also counts as within the
 //! entry limit when its lateral motion will take its body before the ego's in less than `predict_s`: a
-//! cut-in is recognised before the bodies overlap.
+//! cut-in is recognised before the bodies overlap. One that the ego will have passed by then stays out: to
+//! brake for it would make the contact.
 
 use scenario::perception::TargetSelection;
 
@@ -14,6 +15,9 @@ use scenario::event::VEHICLE_WIDTH_M;
 const LEAST_LATERAL_SPEED_MPS: f64 = 0.3;
 /// The lateral speed has to exceed its standard deviation by this factor to be believed.
 const BELIEVED_SIGMA: f64 = 2.0;
+
+/// Length that is assumed of the ego, m.
+const EGO_LENGTH_M: f64 = 4.5;
 
 /// Limits of the path.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +29,7 @@ pub struct PathLimits {
 }
 
 /// Where a track is across the lanes, and how it moves there.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Across {
     /// Lateral position of its centre, m, left positive.
     pub lateral_m: f64,
@@ -33,13 +37,15 @@ pub struct Across {
     pub speed_mps: f64,
     /// Standard deviation of the lateral speed, m/s.
     pub speed_sigma_mps: f64,
+    /// Time until the ego has passed it if both keep their speeds, s; infinite if it does not.
+    pub passed_s: f64,
 }
 
 impl Across {
     /// A position without a motion.
     #[must_use]
     pub fn resting(lateral_m: f64) -> Self {
-        Self { lateral_m, ..Self::default() }
+        Self { lateral_m, speed_mps: 0.0, speed_sigma_mps: 0.0, passed_s: f64::INFINITY }
     }
 }
 
@@ -88,6 +94,7 @@ impl PathLimits {
         let inward_mps = -across.speed_mps * across.lateral_m.signum();
         inward_mps > LEAST_LATERAL_SPEED_MPS.max(BELIEVED_SIGMA * across.speed_sigma_mps)
             && across.lateral_m.abs() - inward_mps * self.predict_s < VEHICLE_WIDTH_M
+            && !passes_first(across, inward_mps)
     }
 
     /// A track that was taken into the path for its motion goes on with it, if more slowly.
@@ -96,7 +103,20 @@ impl PathLimits {
         let reach_m = 2.0 * self.predict_s * inward_mps;
         inward_mps > 0.5 * LEAST_LATERAL_SPEED_MPS
             && across.lateral_m.abs() - reach_m < VEHICLE_WIDTH_M
+            && !passes_first(across, inward_mps)
     }
+}
+
+/// The ego passes the track before its body comes before the ego's: to brake would make the contact.
+fn passes_first(across: &Across, inward_mps: f64) -> bool {
+    (across.lateral_m.abs() - VEHICLE_WIDTH_M) / inward_mps > across.passed_s
+}
+
+/// Time until an ego is past a track, s.
+#[must_use]
+pub fn passed_s(gap_m: f64, relative_speed_mps: f64, length_m: f64) -> f64 {
+    let way_m = gap_m + length_m + EGO_LENGTH_M;
+    if relative_speed_mps < 0.0 { way_m / -relative_speed_mps } else { f64::INFINITY }
 }
 
 impl Membership {
@@ -156,13 +176,34 @@ mod tests {
             }
             membership.in_path()
         };
-        let moving = |lateral_m, speed_mps| Across { lateral_m, speed_mps, speed_sigma_mps: 0.1 };
+        let moving = |lateral_m, speed_mps| Across {
+            speed_mps,
+            speed_sigma_mps: 0.1,
+            ..Across::resting(lateral_m)
+        };
         assert!(within(&moving(2.7, -1.0)) && within(&moving(-2.7, 1.0)));
         assert!(!within(&moving(3.1, -1.0)), "that is more than 1.2 s ahead");
         assert!(!within(&moving(2.7, 1.0)) && !within(&moving(-2.7, -1.0)), "it moves away");
         assert!(!within(&moving(2.0, -0.25)), "it wanders in its lane");
         let vague = Across { speed_sigma_mps: 0.6, ..moving(2.7, -1.0) };
         assert!(!within(&vague), "the motion is not certain");
+    }
+
+    #[test]
+    fn what_is_passed_before_it_comes_in_stays_out() {
+        let within = |gap_m: f64, lateral_m: f64| {
+            let passed_s = passed_s(gap_m, -10.0, 4.5);
+            let across = Across { lateral_m, speed_mps: -1.0, speed_sigma_mps: 0.1, passed_s };
+            let mut membership = Membership::default();
+            for _ in 0..2 {
+                limits().observe(&mut membership, &across, 0.05);
+            }
+            membership.in_path()
+        };
+        // 0.9 m to the side take 0.9 s; from 1 m the pass takes 1 s, from behind the bumper less.
+        assert!(within(1.0, 2.7) && !within(-1.0, 2.7));
+        assert!(within(-1.0, 1.5), "it is in the way already");
+        assert_eq!(passed_s(20.0, 0.5, 4.5), f64::INFINITY, "it goes away");
     }
 
     #[test]

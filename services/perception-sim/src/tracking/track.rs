@@ -3,7 +3,7 @@
 use super::association::{Outline, Point};
 use super::lateral;
 use super::longitudinal::{Filter, Measured, Model, Step};
-use super::path::{Across, Membership};
+use super::path::{Across, Membership, passed_s};
 
 /// Length and width of a vehicle of which nothing is known yet, m.
 const FIRST_LENGTH_M: f64 = 4.5;
@@ -321,6 +321,11 @@ impl DetectedTrack {
             lateral_m: self.across.position_m(),
             speed_mps: self.across.speed_mps(),
             speed_sigma_mps: self.across.speed_sigma_mps(),
+            passed_s: passed_s(
+                self.along.estimate().gap_m,
+                self.along.estimate().relative_speed_mps,
+                self.length_m,
+            ),
         }
     }
 

@@ -1,0 +1,141 @@
+//! An object: what is known of one vehicle.
+
+use crate::filter::Lateral;
+
+/// Below this speed over ground an object stands, m/s.
+pub(crate) const STANDING_MPS: f64 = 1.0;
+/// Half of the width that is assumed of every vehicle, m.
+const HALF_WIDTH_M: f64 = 0.95;
+/// Length of an object of which only the face was seen, m.
+const LEAST_LENGTH_M: f64 = 4.3;
+/// What is behind the farthest point that reflects, m.
+pub(crate) const OVERHANG_M: f64 = 0.9;
+/// A side shows when it is this far from the ego's axis, m.
+const SIDE_SHOWS_M: f64 = 0.15;
+/// Distance over which a reflecting place is at the edge of the field of view, m.
+const BLIND_MARGIN_M: f64 = 0.5;
+/// Standard deviation of the middle of a vehicle of which one point is known, m.
+pub(crate) const FIRST_SIGMA_M: f64 = 0.7;
+/// Distance of what reflects on a side from the middle, m.
+pub(crate) const SIDE_M: f64 = 0.9;
+
+/// An object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Object {
+    /// Distance of its nearest face, m ahead of the ego's front.
+    pub distance_m: f64,
+    /// Speed over ground, m/s.
+    pub speed_mps: f64,
+    /// Acceleration, m/s².
+    pub acceleration_mps2: f64,
+    /// Lateral position of its middle, m left of the ego's axis, and its rate.
+    pub lateral: Lateral,
+    /// Half of its width, m.
+    pub half_width_m: f64,
+    /// Its length as far as it was seen, m.
+    pub length_m: f64,
+    /// It counts.
+    pub is_confirmed: bool,
+    /// Scans in which it was seen.
+    pub(crate) scans: u32,
+    /// Whether it was seen in each of the last scans, the newest in the lowest bit.
+    pub(crate) history: u32,
+    /// Time since it was last seen, s.
+    pub(crate) unseen_s: f64,
+}
+
+impl Object {
+    /// An object that counts, with a known motion.
+    #[must_use]
+    pub fn at(
+        distance_m: f64,
+        speed_mps: f64,
+        offset_m: f64,
+        lateral_mps: f64,
+        half_width_m: f64,
+    ) -> Self {
+        Self {
+            distance_m,
+            speed_mps,
+            acceleration_mps2: 0.0,
+            lateral: Lateral::known(offset_m, lateral_mps),
+            half_width_m,
+            length_m: LEAST_LENGTH_M,
+            is_confirmed: true,
+            scans: 1,
+            history: u32::MAX,
+            unseen_s: 0.0,
+        }
+    }
+
+    /// True if it stands.
+    #[must_use]
+    pub fn stands(&self) -> bool {
+        self.speed_mps.abs() < STANDING_MPS
+    }
+
+    /// It moved on by `time_s` beside an ego of `ego_mps`.
+    #[must_use]
+    pub fn moved_on(&self, time_s: f64, ego_mps: f64) -> Self {
+        let mut later = *self;
+        later.move_on(time_s, ego_mps);
+        later.lateral.move_on(time_s);
+        later
+    }
+
+    pub(crate) fn move_on(&mut self, time_s: f64, ego_mps: f64) {
+        let speed = (self.speed_mps + self.acceleration_mps2 * time_s).max(0.0);
+        // An object that comes towards the ego keeps its speed.
+        let speed = if self.speed_mps < 0.0 { self.speed_mps } else { speed };
+        self.distance_m += (0.5 * (self.speed_mps + speed) - ego_mps) * time_s;
+        self.speed_mps = speed;
+    }
+
+    /// True if the nearer corner of its face is within half of the field of view.
+    pub(crate) fn shows_its_face(&self, half_field_of_view_rad: f64) -> bool {
+        let off_m = (self.lateral.position_m.abs() - SIDE_M).max(0.0);
+        let surely_m = self.distance_m - BLIND_MARGIN_M;
+        surely_m > 0.0 && off_m < surely_m * libm::tan(half_field_of_view_rad)
+    }
+
+    /// True if all of it that reflects is outside of the field of view, beside the ego.
+    pub(crate) fn is_hidden_beside(&self, half_field_of_view_rad: f64) -> bool {
+        let off_m = (self.lateral.position_m.abs() - SIDE_M).max(0.0);
+        let last_m = self.distance_m + self.length_m - OVERHANG_M - BLIND_MARGIN_M;
+        last_m <= 0.0 || off_m > last_m * libm::tan(half_field_of_view_rad)
+    }
+
+    /// Is carried on without a point: what has come to the ego's axis stays there.
+    pub(crate) fn coast(&mut self) {
+        self.acceleration_mps2 = 0.0;
+        if self.lateral.position_m * self.lateral.rate_mps > 0.0
+            && self.lateral.position_m.abs() < SIDE_M
+        {
+            self.lateral.rest();
+        }
+    }
+
+    /// The side of the ego's axis on which it is, 1 left, -1 right, and how far off the axis the side is
+    /// that it shows, m; `None` if it shows none.
+    pub(crate) fn shown_side(&self) -> Option<(f64, f64)> {
+        let side = self.lateral.position_m.signum();
+        let off_m = self.lateral.position_m.abs() - SIDE_M;
+        (off_m > SIDE_SHOWS_M).then_some((side, off_m))
+    }
+
+    /// An object that begins with a point, at its place and with its speed.
+    pub(crate) fn begin(x_m: f64, y_m: f64, speed_mps: f64) -> Self {
+        Self {
+            distance_m: x_m,
+            speed_mps,
+            acceleration_mps2: 0.0,
+            lateral: Lateral::first(y_m, FIRST_SIGMA_M),
+            half_width_m: HALF_WIDTH_M,
+            length_m: LEAST_LENGTH_M,
+            is_confirmed: false,
+            scans: 0,
+            history: 0,
+            unseen_s: 0.0,
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! A detection as a point beside the ego, with its accuracy.
+
+use messages::Detection;
+
+use crate::object::STANDING_MPS;
+
+/// Standing points farther off the path than this are left out, m.
+const STANDING_OFFSET_M: f64 = 2.4;
+/// Standard deviation of an azimuth: of a strong echo, rad, and of one as strong as the noise.
+const AZIMUTH_SIGMA_RAD: f64 = 0.0018;
+const WEAK_SIGMA_RAD: f64 = 0.0205;
+/// The same of a range rate, m/s.
+const RATE_SIGMA_MPS: f64 = 0.04;
+const WEAK_SIGMA_MPS: f64 = 0.078;
+/// Standard deviation of a range, m.
+const RANGE_SIGMA_M: f64 = 0.1;
+/// Largest amplitude's signal-to-noise ratio in the weights, dB: one strong echo does not decide alone.
+const STRONGEST_DB: f64 = 30.0;
+/// Standard deviation of the place that reflects on a side, m.
+pub(crate) const SIDE_SIGMA_M: f64 = 0.03;
+
+/// A detection as a point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Point {
+    pub(crate) x_m: f64,
+    pub(crate) y_m: f64,
+    /// Speed over ground of what moves along the road.
+    pub(crate) speed_mps: f64,
+    /// Tangent of the azimuth.
+    pub(crate) tangent: f64,
+    pub(crate) amplitude: f64,
+    /// Variance of the lateral position, m².
+    pub(crate) variance_m2: f64,
+    /// Variance of the speed, m²/s².
+    pub(crate) speed_variance: f64,
+}
+
+impl Point {
+    /// `None` for what is behind the antenna or stands beside the path.
+    pub(crate) fn of(detection: &Detection, ego_mps: f64) -> Option<Self> {
+        let (cosine, sine) = (libm::cos(detection.azimuth_rad), libm::sin(detection.azimuth_rad));
+        if cosine < 0.1 {
+            return None;
+        }
+        let x_m = detection.range_m * cosine;
+        let weak = libm::exp10(-0.05 * detection.snr_db.clamp(0.0, 60.0));
+        let (weak_rad, weak_mps) = (WEAK_SIGMA_RAD * weak, WEAK_SIGMA_MPS * weak);
+        let along_m2 = RANGE_SIGMA_M * RANGE_SIGMA_M * sine * sine;
+        let across_m2 = along_m2
+            + x_m * x_m * (AZIMUTH_SIGMA_RAD * AZIMUTH_SIGMA_RAD + weak_rad * weak_rad)
+                / (cosine * cosine * cosine * cosine);
+        let point = Self {
+            x_m,
+            y_m: detection.range_m * sine,
+            speed_mps: ego_mps + detection.range_rate_mps / cosine,
+            tangent: sine / cosine,
+            amplitude: libm::exp10(0.05 * detection.snr_db.clamp(0.0, STRONGEST_DB)),
+            variance_m2: across_m2 + SIDE_SIGMA_M * SIDE_SIGMA_M,
+            speed_variance: (RATE_SIGMA_MPS * RATE_SIGMA_MPS + weak_mps * weak_mps)
+                / (cosine * cosine),
+        };
+        let beside = point.y_m.abs() > STANDING_OFFSET_M;
+        (!(beside && point.speed_mps.abs() < 2.0 * STANDING_MPS)).then_some(point)
+    }
+}
