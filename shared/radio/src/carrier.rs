@@ -58,20 +58,21 @@ impl Carrier {
     /// # Errors
     /// [`OpenError`].
     pub fn open(address: &CarrierAddress, role: Role) -> Result<Self, OpenError> {
-        let start_ns = match role {
+        let identity = Identity::draw(match role {
             Role::Roadside { start_ns } => Some(start_ns),
             Role::Vehicle => None,
-        };
+        });
+        let is_roadside = identity.start_ns.is_some();
         let kind = match address {
             CarrierAddress::Udp { address, interface } => {
-                let opened = udp::open(*address, interface.as_deref(), start_ns.is_some())?;
+                let opened = udp::open(*address, interface.as_deref(), is_roadside)?;
                 let (endpoint, outlet) = opened;
-                Kind::Live(Live::start(start_ns, Arc::default(), endpoint, outlet)?)
+                Kind::Live(Live::start(identity, Arc::default(), endpoint, outlet)?)
             }
             CarrierAddress::Zenoh { configuration } => {
-                Kind::Live(open_zenoh(configuration.as_deref(), start_ns)?)
+                Kind::Live(open_zenoh(configuration.as_deref(), identity)?)
             }
-            CarrierAddress::Capture { .. } if start_ns.is_some() => {
+            CarrierAddress::Capture { .. } if is_roadside => {
                 return Err(OpenError::CaptureIsNoTarget);
             }
             CarrierAddress::Capture { file } => {
@@ -143,29 +144,28 @@ impl Carrier {
 #[cfg(feature = "zenoh")]
 fn open_zenoh(
     configuration: Option<&std::path::Path>,
-    start_ns: Option<i64>,
+    identity: Identity,
 ) -> Result<Live, OpenError> {
     let shared: Arc<Shared> = Arc::default();
-    let (endpoint, outlet) = crate::zenoh::open(configuration, &shared)?;
-    Live::start(start_ns, shared, endpoint, outlet)
+    let (endpoint, outlet) = crate::zenoh::open(configuration, identity, &shared)?;
+    Live::start(identity, shared, endpoint, outlet)
 }
 
 #[cfg(not(feature = "zenoh"))]
 fn open_zenoh(
     _configuration: Option<&std::path::Path>,
-    _start_ns: Option<i64>,
+    _identity: Identity,
 ) -> Result<Live, OpenError> {
     Err(OpenError::WithoutZenoh)
 }
 
 impl Live {
     fn start(
-        start_ns: Option<i64>,
+        identity: Identity,
         shared: Arc<Shared>,
         endpoint: impl Endpoint + 'static,
         outlet: impl Outlet + 'static,
     ) -> Result<Self, OpenError> {
-        let identity = Identity::draw(start_ns);
         let (queue, frames) = sync_channel(QUEUE);
         let listener =
             Listener { endpoint: Box::new(endpoint), identity, queue, shared: Arc::clone(&shared) };

@@ -30,8 +30,8 @@ pub(crate) enum Heard {
 pub(crate) enum Purpose {
     /// A question to a roadside unit.
     Question,
-    /// The answer to one.
-    Answer,
+    /// The answer to one, for the station of that number.
+    Answer(u64),
 }
 
 /// The receiving end, which the receive thread owns.

@@ -114,7 +114,7 @@ impl Listener {
                 if self.identity.start_ns.is_some() {
                     let (to, asked_ns) = (envelope.sender, envelope.sent_ns);
                     let answer = Content::Answer { to, asked_ns, heard_ns: now_ns };
-                    self.tell(origin, Purpose::Answer, answer);
+                    self.tell(origin, Purpose::Answer(to), answer);
                 }
             }
             Packet::Ours(envelope, Content::Answer { to, asked_ns, heard_ns }) => {

@@ -1,4 +1,5 @@
-//! zenoh: frames under `timegap/radio/frames`, questions and answers beside them.
+//! zenoh: frames under `timegap/radio/frames`, questions beside them, which only roadside units hear, and
+//! answers under the number of the station that asked, so that no other gets them.
 //!
 //! How the session finds others, over which links and with which certificates, is zenoh's own
 //! configuration. A frame that zenoh cannot take at once is dropped. zenoh's calls may wait for a lock, so
@@ -8,7 +9,7 @@ use crate::counts::Counts;
 use crate::endpoint::{Endpoint, Heard, Origin, Outlet, Purpose};
 use crate::envelope::MAX_PACKET;
 use crate::error::{OpenError, SendError};
-use crate::listener::Shared;
+use crate::listener::{Identity, Shared};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
@@ -31,17 +32,18 @@ const PATIENCE: Duration = Duration::from_secs(10);
 /// Opens a session and both ends.
 pub(crate) fn open(
     configuration: Option<&Path>,
+    identity: Identity,
     shared: &Arc<Shared>,
 ) -> Result<(ZenohEndpoint, ZenohOutlet), OpenError> {
     let config = match configuration {
         None => Config::default(),
         Some(path) => Config::from_file(path).map_err(|reason| OpenError::ZenohConfiguration {
             path: path.to_owned(),
-            reason: reason.to_string(),
+            reason: words(&reason),
         })?,
     };
     let session = open_session(config)?;
-    let fail = |reason: zenoh::Error| OpenError::ZenohSession { reason: reason.to_string() };
+    let fail = |reason: zenoh::Error| OpenError::ZenohSession { reason: words(&reason) };
     let publisher = |key: &'static str| {
         (session.declare_publisher(key))
             .congestion_control(CongestionControl::Drop)
@@ -51,10 +53,9 @@ pub(crate) fn open(
             .wait()
             .map_err(fail)
     };
-    let (frames, questions, answers) =
-        (publisher(FRAMES)?, publisher(QUESTIONS)?, publisher(ANSWERS)?);
+    let (frames, questions) = (publisher(FRAMES)?, publisher(QUESTIONS)?);
     let (arrivals, heard) = sync_channel(QUEUE);
-    let subscriber = |key: &'static str| {
+    let subscriber = |key: String| {
         let (arrivals, shared) = (arrivals.clone(), Arc::clone(shared));
         (session.declare_subscriber(key))
             .callback(move |sample| {
@@ -69,15 +70,33 @@ pub(crate) fn open(
             .wait()
             .map_err(fail)
     };
-    let subscribers = [subscriber(FRAMES)?, subscriber(QUESTIONS)?, subscriber(ANSWERS)?];
+    let other = match identity.start_ns {
+        Some(_) => QUESTIONS.to_owned(),
+        None => answers_to(identity.sender),
+    };
+    let subscribers = [subscriber(FRAMES.to_owned())?, subscriber(other)?];
     let (queue, departures) = sync_channel::<Vec<u8>>(QUEUE);
     let counts = Arc::clone(shared);
     std::thread::Builder::new()
         .name("radio-send".into())
         .spawn(move || send_all(&departures, &frames, &counts))
         .map_err(OpenError::SetUp)?;
-    let endpoint = ZenohEndpoint { heard, questions, answers, session, _subscribers: subscribers };
+    let endpoint = ZenohEndpoint { heard, questions, session, _subscribers: subscribers };
     Ok((endpoint, ZenohOutlet { queue, arrivals }))
+}
+
+/// Key of the answers to a station.
+fn answers_to(station: u64) -> String {
+    format!("{ANSWERS}/{station:016x}")
+}
+
+/// What zenoh says, without the place in its sources that it ends with.
+fn words(error: &zenoh::Error) -> String {
+    let said = error.to_string();
+    match said.rsplit_once(" at ") {
+        Some((words, place)) if place.contains(".rs:") => words.to_owned(),
+        _ => said,
+    }
 }
 
 /// Opens a session in a thread of its own, which is left behind if it takes too long.
@@ -91,9 +110,7 @@ fn open_session(config: Config) -> Result<Session, OpenError> {
         })
         .map_err(OpenError::SetUp)?;
     match opened.recv_timeout(PATIENCE) {
-        Ok(session) => {
-            session.map_err(|reason| OpenError::ZenohSession { reason: reason.to_string() })
-        }
+        Ok(session) => session.map_err(|reason| OpenError::ZenohSession { reason: words(&reason) }),
         Err(_) => {
             let seconds = PATIENCE.as_secs();
             let reason = format!("none was open after {seconds} s");
@@ -121,9 +138,8 @@ enum Arrival {
 pub(crate) struct ZenohEndpoint {
     heard: Receiver<Arrival>,
     questions: Publisher<'static>,
-    answers: Publisher<'static>,
     session: Session,
-    _subscribers: [Subscriber<()>; 3],
+    _subscribers: [Subscriber<()>; 2],
 }
 
 impl Endpoint for ZenohEndpoint {
@@ -139,13 +155,17 @@ impl Endpoint for ZenohEndpoint {
     }
 
     fn tell(&mut self, to: Origin, purpose: Purpose, packet: &[u8]) {
-        let publisher = match (to, purpose) {
-            (Origin::Socket(_), _) => return,
-            (Origin::Zenoh, Purpose::Question) => &self.questions,
-            (Origin::Zenoh, Purpose::Answer) => &self.answers,
-        };
         // What is lost is asked again.
-        let _ = publisher.put(packet).wait();
+        let _ = match (to, purpose) {
+            (Origin::Socket(_), _) => return,
+            (Origin::Zenoh, Purpose::Question) => self.questions.put(packet).wait(),
+            (Origin::Zenoh, Purpose::Answer(asker)) => (self.session)
+                .put(answers_to(asker), packet)
+                .congestion_control(CongestionControl::Drop)
+                .priority(Priority::RealTime)
+                .express(true)
+                .wait(),
+        };
     }
 }
 
