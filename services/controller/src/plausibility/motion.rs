@@ -198,7 +198,7 @@ mod tests {
 
     #[test]
     fn a_bias_of_the_speed_is_found_at_once_or_summed_up() {
-        for (bias_mps, within_s) in [(4.0, 0.15), (1.0, 0.15), (0.4, 3.0)] {
+        for (bias_mps, within_s) in [(4.0, 0.15), (1.0, 0.25), (0.4, 3.0)] {
             let mut motion = Checked::default();
             motion.agrees(&sample(0.0, 0.0, 10.0));
             let found = (1..=100)
@@ -213,7 +213,9 @@ mod tests {
         let mut motion = Checked::default();
         motion.agrees(&sample(0.0, 0.0, 10.0));
         assert!(!motion.agrees(&sample(0.1, 1.15, 13.0)));
-        assert_eq!(motion.1.iter().filter(|(_, found)| found.cycles > 0).count(), 2);
+        let found = motion.1.iter().filter(|(_, found)| found.cycles > 0);
+        let found: Vec<_> = found.map(|(check, _)| check).collect();
+        assert_eq!(found, [Check::VehicleLimits], "the position moved on as the speeds say");
     }
 
     #[test]
