@@ -14,7 +14,7 @@ fn digests(corner: &Corner, scenario: &str, seed: &str) -> Vec<(String, Value)> 
     let summary = corner.json(&arguments);
     let messages = summary["messages"].as_object().expect("topics");
     // With the emergency brake there are two more: the detections that it reads, and its requests.
-    let topics = if scenario == "cacc-a" { 9 } else { 11 };
+    let topics = if scenario == "cacc-a" { 10 } else { 12 };
     assert_eq!(messages.len(), topics, "every topic is there");
     messages
         .iter()
