@@ -18,6 +18,8 @@ pub struct Attached {
     pub cause: Option<Exit>,
     /// It has reported, before the run's end.
     pub has_told: bool,
+    /// Its end was noted, and what it left was taken.
+    pub is_settled: bool,
     silence: Silence,
     /// How a standby shows that it lives: it sends nothing.
     progress: Option<Progress>,
@@ -62,6 +64,7 @@ impl Attached {
             process,
             cause: None,
             has_told: false,
+            is_settled: false,
             silence: Silence::default(),
             progress: None,
             stands_by_since: None,

@@ -85,9 +85,9 @@ impl Member {
         let identity = (self.service, incarnation);
         let process =
             Process::spawn(identity, self.program.as_ref(), root, leader, events.clone())?;
-        // The active process was replaced by this one, or is another: what is gone is not needed.
+        // The news of a take-over may come before that of the end that it follows.
         let active = self.succession.active();
-        self.processes.retain_mut(|one| one.incarnation == active || one.process.poll().is_none());
+        self.processes.retain(|one| one.incarnation == active || !one.is_settled);
         self.processes.push(Attached::new(incarnation, process));
         Ok(())
     }

@@ -237,6 +237,7 @@ impl Supervisor<'_> {
         let Some(process) = self.member(service).attached(incarnation) else { return };
         let exit = process.exit_in_run(LAST_MOMENT);
         let has_told = process.has_told;
+        process.is_settled = true;
         self.keep_account(who, has_told);
         if is_active {
             let kind = if exit == Exit::Flooded { "flooded" } else { "died" };
