@@ -24,7 +24,9 @@ const TARGET_MPS: f64 = 2.5;
 #[derive(Clone, Debug)]
 pub struct Radar {
     noisy: bool,
-    last: Option<Box<RadarTracks>>,
+    /// The scan before; made ahead, as the loop must not allocate.
+    last: Box<RadarTracks>,
+    has_seen: bool,
     repeated: u32,
     followed: Option<Followed>,
     contradicted: bool,
@@ -46,8 +48,15 @@ impl Radar {
     /// Nothing seen yet. `noisy` of a radar whose figures have noise.
     #[must_use]
     pub fn new(noisy: bool) -> Self {
-        let corrected = Box::new(bytemuck::Zeroable::zeroed());
-        Self { noisy, last: None, repeated: 0, followed: None, contradicted: false, corrected }
+        Self {
+            noisy,
+            last: Box::new(bytemuck::Zeroable::zeroed()),
+            has_seen: false,
+            repeated: 0,
+            followed: None,
+            contradicted: false,
+            corrected: Box::new(bytemuck::Zeroable::zeroed()),
+        }
     }
 
     /// Takes the newest scan, with the ego's speed, m/s; returns it, with the more careful figures of its
@@ -59,7 +68,7 @@ impl Radar {
         time_s: f64,
         findings: &mut Findings,
     ) -> Option<&RadarTracks> {
-        let is_new = self.last.as_ref().is_none_or(|last| last.header != sample.header);
+        let is_new = !self.has_seen || self.last.header != sample.header;
         if is_new {
             *self.corrected = *sample;
             let track = in_path(sample);
@@ -69,10 +78,8 @@ impl Radar {
             let frozen = self.is_frozen(sample, ego_mps, time_s, findings);
             let by_rate = self.by_rate(sample, track, time_s, findings);
             self.contradicted = frozen || by_rate;
-            match &mut self.last {
-                Some(last) => **last = *sample,
-                None => self.last = Some(Box::new(*sample)),
-            }
+            *self.last = *sample;
+            self.has_seen = true;
         }
         (!self.contradicted).then_some(&*self.corrected)
     }
@@ -87,8 +94,7 @@ impl Radar {
         let varies = (self.noisy || ego_mps > MOVES_MPS)
             && (sample.count > 0 || sample.ego_speed_points > 0);
         let bound = if self.noisy { REPEATED } else { REPEATED_EXACT };
-        let same =
-            varies && self.last.as_ref().is_some_and(|last| content(last) == content(sample));
+        let same = varies && self.has_seen && content(&self.last) == content(sample);
         self.repeated = if same { self.repeated + 1 } else { 0 };
         let share = f64::from(self.repeated) / (f64::from(bound) - 0.5);
         findings.note(Check::RadarFrozen, time_s, share)
