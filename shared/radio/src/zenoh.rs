@@ -105,7 +105,7 @@ fn open_session(config: Config) -> Result<Session, OpenError> {
     std::thread::Builder::new()
         .name("radio-open".into())
         .spawn(move || {
-            // Whoever waited may have gone.
+            // The caller may have stopped waiting.
             let _ = done.send(zenoh::open(config).wait());
         })
         .map_err(OpenError::SetUp)?;

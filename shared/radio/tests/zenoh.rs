@@ -1,4 +1,4 @@
-//! zenoh on the loopback interface: peers, a router with TLS, its absence, a stranger's certificate.
+//! zenoh on the loopback interface: peers, a router with TLS, its absence, an untrusted certificate.
 #![cfg(feature = "zenoh")]
 
 use radio::{Carrier, OpenError, Role, wall_clock_ns};
@@ -138,7 +138,7 @@ fn clients_of_a_router_with_mutual_tls_find_it_again() {
 }
 
 #[test]
-fn a_strangers_certificate_an_absent_router_and_a_bad_file_are_one_error_each() {
+fn an_untrusted_certificate_an_absent_router_and_a_bad_file_are_one_error_each() {
     let directory = Directory::new("refused");
     let port = free_port();
     let absent =
@@ -146,9 +146,9 @@ fn a_strangers_certificate_an_absent_router_and_a_bad_file_are_one_error_each() 
     let absent = absent.expect_err("there is no router");
     assert!(matches!(absent, OpenError::ZenohSession { .. }), "{absent}");
     let _router = open(&directory.address("router.json5", &router(port)), Role::Vehicle);
-    let stranger = directory.address("stranger.json5", &client(port, "intruder"));
-    let stranger = Carrier::open(&stranger, Role::Vehicle).expect_err("it is not trusted");
-    assert!(matches!(stranger, OpenError::ZenohSession { .. }), "{stranger}");
+    let untrusted = directory.address("untrusted.json5", &client(port, "intruder"));
+    let untrusted = Carrier::open(&untrusted, Role::Vehicle).expect_err("it is not trusted");
+    assert!(matches!(untrusted, OpenError::ZenohSession { .. }), "{untrusted}");
     for text in ["{ mode: \"spaceship\" }", "no JSON at all"] {
         let error = Carrier::open(&directory.address("bad.json5", text), Role::Vehicle);
         let error = error.expect_err("not a configuration");

@@ -3,6 +3,7 @@
 use super::fence::{self, Fences};
 use messages::Service;
 use std::cell::Cell;
+use std::sync::atomic::AtomicU32;
 
 /// What becomes of a message that is to be sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,11 +45,15 @@ impl Gate {
         self.is_standby.get()
     }
 
+    /// The service's epoch; `None` where it has no standby.
+    fn word(&self) -> Option<&AtomicU32> {
+        self.fences.as_ref().and_then(|fences| fences.of_service(self.service))
+    }
+
     /// Makes this process the active one, where it was started in the place of one that is gone; false if
     /// another process is it.
     pub(super) fn claim(&self) -> bool {
-        let word = self.fences.as_ref().and_then(|fences| fences.of_service(self.service));
-        word.is_none_or(|word| fence::claim(word, self.incarnation))
+        self.word().is_none_or(|word| fence::claim(word, self.incarnation))
     }
 
     /// What becomes of a message that is sent now.
@@ -56,8 +61,7 @@ impl Gate {
         if self.is_standby() {
             return Passage::Held;
         }
-        let word = self.fences.as_ref().and_then(|fences| fences.of_service(self.service));
-        match word {
+        match self.word() {
             Some(word) if !fence::may_send(word, self.incarnation) => Passage::Shut,
             _ => Passage::Open,
         }

@@ -78,6 +78,23 @@ impl Drop for Peer {
     }
 }
 
+/// The group of a benchmark: realtime, without an end, nothing that restarts.
+pub(crate) fn group_below(root: &RunRoot) -> Group {
+    Group {
+        root: root.path().to_owned(),
+        prefix: root.prefix().to_owned(),
+        mode: Mode::Realtime,
+        timetable: Timetable {
+            step_ns: 1_000_000,
+            strides: [1; messages::Service::ALL.len()],
+            last_step: u64::MAX,
+        },
+        standby: Vec::new(),
+        patience_ns: 10_000_000_000,
+        scenario: String::new(),
+    }
+}
+
 /// The root, its page of words and the cores.
 #[derive(Debug)]
 pub struct Stage {
@@ -95,20 +112,7 @@ impl Stage {
         check_room(ROOM)?;
         let root = RunRoot::create()?;
         let janitor = Janitor::spawn(&root)?;
-        let group = Group {
-            root: root.path().to_owned(),
-            prefix: root.prefix().to_owned(),
-            mode: Mode::Realtime,
-            timetable: Timetable {
-                step_ns: 1_000_000,
-                strides: [1; messages::Service::ALL.len()],
-                last_step: u64::MAX,
-            },
-            standby: Vec::new(),
-            patience_ns: 10_000_000_000,
-            scenario: String::new(),
-        };
-        group.write()?;
+        group_below(&root).write()?;
         let page_name = format!("{}bench", root.prefix());
         let page = peer::page(&page_name)?;
         let (root, janitor) = (Some(root), Some(janitor));

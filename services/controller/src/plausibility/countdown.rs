@@ -176,11 +176,15 @@ fn compare(known: &Signal, signal: &Signal, now_s: f64) -> Comparison {
 fn shifted(signal: &Signal, by_s: f64) -> Signal {
     let mut shifted = *signal;
     for interval in &mut shifted.intervals {
-        interval.min_end_s += by_s;
-        interval.likely_end_s += by_s;
-        interval.max_end_s += by_s;
+        shift(interval, by_s);
     }
     shifted
+}
+
+fn shift(interval: &mut Interval, by_s: f64) {
+    interval.min_end_s += by_s;
+    interval.likely_end_s += by_s;
+    interval.max_end_s += by_s;
 }
 
 /// What is true of the announcement as well as of one without its offset: greens begin at the later of the
@@ -193,10 +197,7 @@ fn both(signal: &Signal, offset_s: f64) -> Signal {
         let opens =
             signal.intervals.get(k + 1).is_some_and(|next| k + 1 < count && next.state == green);
         let by_s = if opens { (-offset_s).max(0.0) } else { (-offset_s).min(0.0) };
-        let interval = &mut both.intervals[k];
-        interval.min_end_s += by_s;
-        interval.likely_end_s += by_s;
-        interval.max_end_s += by_s;
+        shift(&mut both.intervals[k], by_s);
     }
     both
 }

@@ -97,27 +97,13 @@ mod tests {
     use super::*;
     use bytemuck::Zeroable;
     use group::RunRoot;
-    use runtime::{Group, Mode, Timetable};
 
     /// Every mechanism of other origin that this build has delivers each message once and in order.
     #[test]
     fn every_peer_delivers_each_message_once_and_in_order() {
         const COUNT: i64 = 20;
         let root = RunRoot::create().expect("room in memory");
-        let group = Group {
-            root: root.path().to_owned(),
-            prefix: root.prefix().to_owned(),
-            mode: Mode::Realtime,
-            timetable: Timetable {
-                step_ns: 1_000_000,
-                strides: [1; messages::Service::ALL.len()],
-                last_step: u64::MAX,
-            },
-            standby: Vec::new(),
-            patience_ns: 10_000_000_000,
-            scenario: String::new(),
-        };
-        group.write().expect("our own root");
+        crate::stage::group_below(&root).write().expect("our own root");
         let path = root.path();
         let known = Mechanism::PEERS.into_iter().filter(|peer| missing(*peer).is_none());
         let mut compared = 0;
