@@ -18,6 +18,7 @@
 
 pub mod bag;
 mod batch;
+mod cdr;
 mod counter;
 mod damage;
 mod definitions;

@@ -3,12 +3,12 @@
 //! A file of ours is in that order, and one chunk at a time is in memory. Files of other writers need
 //! not be: their parts in order ([`Segment`]) are merged, with one chunk of each part that overlaps.
 
+use crate::cdr::ENCAPSULATION;
 use crate::definitions::Definitions;
 use crate::format::{self, HEAD, Malformed, opcode};
 use crate::outline::Segment;
 use crate::source::{Source, Spot, Window};
 use crate::unpack::{LONGEST_CHUNK, unpack};
-use crate::writer::ENCAPSULATION;
 use crate::{Damage, Record};
 use messages::Topic;
 use std::collections::VecDeque;

@@ -1,5 +1,6 @@
 //! Writing a recording.
 
+use crate::cdr::ENCAPSULATION;
 use crate::scene::{self, Scene};
 use crate::schema::ros2_definition_of;
 use crate::{Metadata, Tally};
@@ -9,9 +10,6 @@ use messages::{Header, TOPICS, Topic};
 use runtime::Mode;
 use std::collections::BTreeMap;
 use std::io::{BufWriter, Seek, Write};
-
-/// Little-endian CDR without options: what precedes every body.
-pub(crate) const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
 
 /// Uncompressed size of a chunk, the unit in which a file grows.
 const CHUNK_BYTES: u64 = 256 * 1024;

@@ -1,6 +1,6 @@
 //! Markers and points as CDR.
 
-use super::cdr::Cdr;
+use crate::cdr::Cdr;
 use messages::Detection;
 
 /// A colour, red, green and blue from 0 to 255.

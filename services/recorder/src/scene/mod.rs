@@ -12,12 +12,11 @@
 //! All but detections are drawn at 20 Hz of run time. A recorder is a process of its own: none of this
 //! costs a control loop anything.
 
-mod cdr;
 mod definitions;
 mod draw;
 
 use crate::Metadata;
-use cdr::Cdr;
+use crate::cdr::Cdr;
 use draw::{Color, Marker, Points};
 use messages::{
     Odometry, PhaseState, RadarDetections, RadarTracks, SignalTruth, Topic, VehicleTruth,

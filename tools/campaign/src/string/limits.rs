@@ -3,7 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use super::STABLE_GAIN;
-use super::wave::{Response, peak};
+use super::response::{Response, peak};
 
 /// A law over the values of a key.
 #[derive(Clone, Debug, Serialize)]

@@ -18,6 +18,7 @@ mod measure;
 mod motion;
 mod page;
 mod print;
+mod response;
 mod results;
 mod scene;
 #[cfg(test)]
@@ -79,11 +80,15 @@ pub fn run(arguments: &StringArguments) -> Result<ExitCode, Error> {
 }
 
 /// The whole string behind a sine of each frequency.
-fn frequencies(task: &Task, drives: &mut Drives<'_>) -> Result<Vec<wave::Response>, Error> {
+fn frequencies(task: &Task, drives: &mut Drives<'_>) -> Result<Vec<response::Response>, Error> {
     let waves: Vec<_> = task.frequencies.iter().map(|&hz| task.plan.behind_wave(hz)).collect();
     let strings = waves.into_iter().collect::<Result<Vec<Plan>, Error>>()?;
     let driven = drives.strings(&strings)?;
-    Ok(driven.iter().zip(&task.frequencies).map(|(cars, &hz)| wave::response(hz, cars)).collect())
+    Ok(driven
+        .iter()
+        .zip(&task.frequencies)
+        .map(|(cars, &hz)| response::response(hz, cars))
+        .collect())
 }
 
 /// Every law alone behind a sine of each frequency, for each value of the swept key.
@@ -101,7 +106,7 @@ fn limits(task: &Task, drives: &mut Drives<'_>) -> Result<Vec<Limits>, Error> {
         let per_value = task.sweep_frequencies.len();
         let points = driven.chunks(per_value).zip(&param.values).map(|(driven, value)| {
             let curve = driven.iter().zip(&task.sweep_frequencies);
-            Point::new(value, curve.map(|(cars, &hz)| wave::response(hz, cars)).collect())
+            Point::new(value, curve.map(|(cars, &hz)| response::response(hz, cars)).collect())
         });
         all.push(Limits::new(&law.controller, &param.key, points.collect()));
     }

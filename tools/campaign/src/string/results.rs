@@ -8,7 +8,7 @@ use super::STABLE_GAIN;
 use super::arguments::Task;
 use super::drive::Driven;
 use super::limits::Limits;
-use super::wave::{Response, peak};
+use super::response::{Response, peak};
 use crate::batch::ProcessesSample;
 
 /// The results of the command.

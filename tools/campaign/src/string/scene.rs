@@ -89,7 +89,7 @@ impl Plan {
     /// # Errors
     /// [`Error::Usage`] if the scenario has no speed around which one can be driven.
     pub fn behind_wave(&self, hz: f64) -> Result<Self, Error> {
-        let wave = Wave::of(self, hz)?;
+        let wave = Wave::of(&self.laws[0], self.vehicles, hz)?;
         let laws = self.laws.iter().map(|scenario| {
             let mut scenario = scenario.clone();
             let speed_mps = |mps| Speed::try_from(mps).map_err(outside);

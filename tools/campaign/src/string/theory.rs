@@ -148,7 +148,7 @@ fn the_measured_gain_is_that_of_the_closed_loop() {
         let hz = 1.0 / period;
         let behind = plan.behind_wave(hz).expect("a wave");
         let driven = group::in_process::run(&behind.laws[0]).expect("it drives");
-        let wave = Wave::of(&plan, hz).expect("a wave");
+        let wave = Wave::of(&plan.laws[0], plan.vehicles, hz).expect("a wave");
         let [speed, ahead] = wave.amplitudes(&driven.drive).expect("to the end");
         let (measured, theory) = (speed / ahead, transfer(gains, tau_s, period_s, hz));
         assert!(

@@ -1,4 +1,4 @@
-//! A lead whose speed is a sine, and the gain with which a car follows it.
+//! A lead whose speed is a sine, and the amplitude with which a car follows it.
 //!
 //! The lead drives `v(t) = c - A cos(2 pi f t)`, small enough that no bound of law or vehicle is met.
 //! After a time in which the start is forgotten, both speeds are fitted by least squares,
@@ -12,11 +12,9 @@
 use std::f64::consts::TAU;
 
 use group::{Drive, Error};
-use serde::Serialize;
+use scenario::Scenario;
 
-use super::drive::Driven;
 use super::measure::samples;
-use super::scene::Plan;
 
 /// Largest amplitude of the speed, m/s.
 const MAX_AMPLITUDE_MPS: f64 = 1.0;
@@ -40,12 +38,12 @@ pub struct Wave {
 }
 
 impl Wave {
-    /// Around the scenario's speed, as far as the set speed leaves room on both sides.
+    /// Around the scenario's speed, as far as the set speed leaves room on both sides; before a string of
+    /// this many vehicles.
     ///
     /// # Errors
     /// [`Error::Usage`] if the set speed or the limit is too slow.
-    pub fn of(plan: &Plan, hz: f64) -> Result<Self, Error> {
-        let scenario = &plan.laws[0];
+    pub fn of(scenario: &Scenario, vehicles: usize, hz: f64) -> Result<Self, Error> {
         let set_mps = scenario.set_speed_mps.value();
         let top_mps = scenario.speed_limit_mps.map_or(set_mps, |limit| set_mps.min(limit.value()));
         if top_mps < SLOWEST_MPS {
@@ -56,7 +54,7 @@ impl Wave {
         }
         let initial_mps = scenario.plant.initial_speed_mps.value();
         let centre_mps = initial_mps.clamp(0.4 * top_mps, 0.8 * top_mps);
-        let settle_s = SETTLE_S + SETTLE_EACH_S * (plan.vehicles - 1) as f64;
+        let settle_s = SETTLE_S + SETTLE_EACH_S * (vehicles - 1) as f64;
         Ok(Self { hz, centre_mps, settle_s })
     }
 
@@ -143,40 +141,6 @@ impl Fit {
     }
 }
 
-/// What a string makes of a sine.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Response {
-    /// Frequency, Hz.
-    pub hz: f64,
-    /// The largest gain from one car to the next; none if a run ended before it was measured.
-    pub gain: Option<f64>,
-    /// From the lead to the last car.
-    pub head_to_tail_gain: Option<f64>,
-    /// Of each car.
-    pub gains: Vec<Option<f64>>,
-}
-
-/// The response of a string that was driven behind a sine.
-pub fn response(hz: f64, cars: &[Driven]) -> Response {
-    let ratio = |speed: f64, ahead: f64| (ahead > 0.0).then(|| speed / ahead);
-    let gains: Vec<Option<f64>> = cars
-        .iter()
-        .map(|car| car.amplitudes.and_then(|[speed, ahead]| ratio(speed, ahead)))
-        .collect();
-    let gain = gains.iter().copied().try_fold(0.0, |most: f64, gain| Some(most.max(gain?)));
-    let last = cars.last().and_then(|car| car.amplitudes);
-    let first = cars.first().and_then(|car| car.amplitudes);
-    let head_to_tail_gain = last.zip(first).and_then(|(last, first)| ratio(last[0], first[1]));
-    Response { hz, gain, head_to_tail_gain, gains }
-}
-
-/// The frequency at which a curve is highest; none if it has no point, or one that was not measured.
-pub fn peak(curve: &[Response]) -> Option<(f64, f64)> {
-    let points = curve.iter().map(|response| Some((response.hz, response.gain?)));
-    let points = points.collect::<Option<Vec<_>>>()?;
-    points.into_iter().reduce(|peak, point| if point.1 > peak.1 { point } else { peak })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -209,14 +173,5 @@ mod tests {
         assert_eq!(wave(0.005).amplitude_mps(), 1.0);
         assert!((wave(0.5).acceleration_mps2() - 0.5).abs() < 1e-12);
         assert!(wave(0.005).duration_s() >= 260.0);
-    }
-
-    #[test]
-    fn a_curve_with_a_hole_has_no_peak() {
-        let at = |hz: f64, gain| Response { hz, gain, head_to_tail_gain: gain, gains: vec![gain] };
-        let curve = [at(0.1, Some(0.9)), at(0.2, Some(1.1)), at(0.3, Some(0.4))];
-        assert_eq!(peak(&curve), Some((0.2, 1.1)));
-        assert_eq!(peak(&[at(0.1, Some(0.9)), at(0.2, None)]), None);
-        assert_eq!(peak(&[]), None);
     }
 }

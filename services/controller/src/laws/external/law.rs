@@ -1,5 +1,6 @@
 //! The law: a question and an answer at each release, and the backup where there is no answer.
 
+use super::bounds::Bounds;
 use super::channel::{Channel, ChannelError};
 use super::host::{Host, News, Plan};
 use super::record::{Refused, accept, question};
@@ -13,19 +14,6 @@ use std::time::{Duration, Instant};
 const RESERVE: f64 = 0.1;
 /// Mode of the backup, behind the program's own.
 const BACKUP: u32 = LAW_MODES as u32;
-
-/// Smallest and largest request.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Bounds {
-    pub(super) least_mps2: f64,
-    pub(super) most_mps2: f64,
-}
-
-impl Bounds {
-    pub(super) fn bring_in(self, request_mps2: f64) -> f64 {
-        request_mps2.max(self.least_mps2).min(self.most_mps2)
-    }
-}
 
 /// Why the mode is what it is: the formulation's reasons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

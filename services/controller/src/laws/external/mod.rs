@@ -21,6 +21,7 @@
 //! is the road controller `cacc-mpc`, from its initial state each time that it takes over. The program
 //! does not outlive this process, however that ends.
 
+mod bounds;
 mod channel;
 mod host;
 mod law;
@@ -35,8 +36,8 @@ use super::cacc::road_config::RoadConfig;
 use super::cacc::{self, Signals};
 use crate::law::{Descriptor, Figure, Formulation, GapPolicy, TargetSource};
 use crate::settings::{Table, read};
+use bounds::Bounds;
 use host::Plan;
-use law::Bounds;
 use runtime::{Program, ProgramError, executable};
 use scenario::controller::SpacingPolicy;
 use scenario::{Problem, Scenario};

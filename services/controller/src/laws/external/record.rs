@@ -1,6 +1,6 @@
 //! From what a law is told to the question's record, and from the answer's record to what a law returns.
 
-use super::law::Bounds;
+use super::bounds::Bounds;
 use crate::law::{Input, MAX_PLAN, Output, Phase, TorqueRequest};
 use bytemuck::Zeroable;
 use messages::{LAW_CELLS, LAW_INTERVALS, LAW_MODES, LAW_PLAN, LAW_SIGNALS, LawAnswer, LawInput};

@@ -1,18 +1,19 @@
 //! Little-endian CDR, as ROS 2 writes it: each scalar on a multiple of its size, counted from behind
 //! the four bytes of encapsulation.
 
-use crate::writer::ENCAPSULATION;
+/// Little-endian CDR without options: what precedes every body.
+pub(crate) const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
 
 /// A message that is being written.
 #[derive(Debug)]
-pub(super) struct Cdr(Vec<u8>);
+pub(crate) struct Cdr(Vec<u8>);
 
 impl Cdr {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self(ENCAPSULATION.to_vec())
     }
 
-    pub(super) fn finish(self) -> Vec<u8> {
+    pub(crate) fn finish(self) -> Vec<u8> {
         self.0
     }
 
@@ -23,60 +24,60 @@ impl Cdr {
         self
     }
 
-    pub(super) fn u8(&mut self, value: u8) -> &mut Self {
+    pub(crate) fn u8(&mut self, value: u8) -> &mut Self {
         self.scalar([value])
     }
 
-    pub(super) fn u32(&mut self, value: u32) -> &mut Self {
+    pub(crate) fn u32(&mut self, value: u32) -> &mut Self {
         self.scalar(value.to_le_bytes())
     }
 
-    pub(super) fn i32(&mut self, value: i32) -> &mut Self {
+    pub(crate) fn i32(&mut self, value: i32) -> &mut Self {
         self.scalar(value.to_le_bytes())
     }
 
-    pub(super) fn f32(&mut self, value: f32) -> &mut Self {
+    pub(crate) fn f32(&mut self, value: f32) -> &mut Self {
         self.scalar(value.to_le_bytes())
     }
 
-    pub(super) fn f64(&mut self, value: f64) -> &mut Self {
+    pub(crate) fn f64(&mut self, value: f64) -> &mut Self {
         self.scalar(value.to_le_bytes())
     }
 
     /// The number of elements that follow.
-    pub(super) fn count(&mut self, count: usize) -> &mut Self {
+    pub(crate) fn count(&mut self, count: usize) -> &mut Self {
         self.u32(u32::try_from(count).expect("few"))
     }
 
-    pub(super) fn text(&mut self, text: &str) -> &mut Self {
+    pub(crate) fn text(&mut self, text: &str) -> &mut Self {
         self.count(text.len() + 1);
         self.0.extend_from_slice(text.as_bytes());
         self.u8(0)
     }
 
-    pub(super) fn raw(&mut self, bytes: &[u8]) -> &mut Self {
+    pub(crate) fn raw(&mut self, bytes: &[u8]) -> &mut Self {
         self.0.extend_from_slice(bytes);
         self
     }
 
     /// `std_msgs/Header`.
-    pub(super) fn header(&mut self, unix_ns: i64, frame: &str) -> &mut Self {
+    pub(crate) fn header(&mut self, unix_ns: i64, frame: &str) -> &mut Self {
         self.stamp(unix_ns).text(frame)
     }
 
     /// `builtin_interfaces/Time`.
-    pub(super) fn stamp(&mut self, unix_ns: i64) -> &mut Self {
+    pub(crate) fn stamp(&mut self, unix_ns: i64) -> &mut Self {
         let (s, ns) = (unix_ns.div_euclid(1_000_000_000), unix_ns.rem_euclid(1_000_000_000));
         self.i32(i32::try_from(s).unwrap_or(i32::MAX));
         self.u32(u32::try_from(ns).expect("less than a second"))
     }
 
-    pub(super) fn point(&mut self, [x, y, z]: [f64; 3]) -> &mut Self {
+    pub(crate) fn point(&mut self, [x, y, z]: [f64; 3]) -> &mut Self {
         self.f64(x).f64(y).f64(z)
     }
 
     /// No rotation, as a quaternion.
-    pub(super) fn upright(&mut self) -> &mut Self {
+    pub(crate) fn upright(&mut self) -> &mut Self {
         self.point([0.0; 3]).f64(1.0)
     }
 }
