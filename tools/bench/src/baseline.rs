@@ -2,10 +2,10 @@
 
 use super::results::{Report, TransportRow};
 use crate::in_words;
-use group::Error;
+use group::{Error, Failure};
 use runtime::statistics::Percentiles;
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Samples from which on a 99th percentile says something.
 const ENOUGH: u64 = 1000;
@@ -25,18 +25,28 @@ pub struct Change {
     pub worse: bool,
 }
 
+/// A file is no report of a benchmark.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "{}:{}:{}: {reason}; expected what `timegap bench --save` wrote",
+    path.display(),
+    reason.line(),
+    reason.column()
+)]
+pub struct BaselineError {
+    path: PathBuf,
+    #[source]
+    reason: serde_json::Error,
+}
+
+impl Failure for BaselineError {}
+
 /// Reads an earlier report.
 pub fn read(path: &Path) -> Result<Report, Error> {
     let error = |reason| Error::Path { action: "read", path: path.to_owned(), reason };
     let text = std::fs::read_to_string(path).map_err(error)?;
-    serde_json::from_str(&text).map_err(|e| {
-        Error::Usage(format!(
-            "{}:{}:{}: {e}; expected what `timegap bench --save` wrote",
-            path.display(),
-            e.line(),
-            e.column()
-        ))
-    })
+    serde_json::from_str(&text)
+        .map_err(|reason| BaselineError { path: path.to_owned(), reason }.into())
 }
 
 /// What both reports have, side by side. Worse is what grew by more than `factor`.

@@ -46,7 +46,7 @@ use self::results::{ChainRow, DeadlineRow, Floor, FloorMeasure, FloorRow, Passin
 use self::setup::{Conditions, Mechanism};
 use self::stage::Stage;
 use clap::Args;
-use group::Error;
+use group::{Error, SignalsError};
 use indicatif::{ProgressBar, ProgressStyle};
 use messages::Topic;
 use report::output::{OutputDirectory, OutputOptions};
@@ -118,7 +118,7 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
     let interrupted = Arc::new(AtomicBool::new(false));
     for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
         signal_hook::flag::register(signal, Arc::clone(&interrupted))
-            .map_err(|e| Error::Machine(format!("cannot handle signals: {e}")))?;
+            .map_err(SignalsError::from)?;
     }
     let stage = Stage::create(Arc::clone(&interrupted))?;
     let (quick, cores, reference) = (arguments.quick, stage.cores().len(), stage.reference()?);

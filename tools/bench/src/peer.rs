@@ -6,12 +6,14 @@ use super::paired::{Blocks, UNCOUNTED};
 use super::setup::{Load, Mechanism};
 use super::wake::{Sink, Source};
 use super::words;
-use group::Error;
+use group::{Error, Failure, Status};
 use runtime::scheduling::{Granted, Policy, Request, apply};
 use runtime::statistics::Latencies;
 use runtime::{SharedWords, monotonic_ns, sleep_until};
+use rustix::io::Errno;
 use rustix::process::{Pid, Signal, getppid, set_parent_process_death_signal};
 use serde::{Deserialize, Serialize};
+use std::io;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
@@ -63,13 +65,34 @@ pub struct Job {
 /// File below the stage's root that holds the samples of all blocks.
 pub const BLOCKS_FILE: &str = "bench-blocks.json";
 
+/// Why a process of the benchmark cannot begin.
+#[derive(Debug, thiserror::Error)]
+pub enum PeerError {
+    /// Its argument is no job.
+    #[error("a process of `timegap bench`: {0}")]
+    Job(#[source] serde_json::Error),
+    /// It would outlive the benchmark.
+    #[error("cannot follow the parent process: {0}")]
+    Parent(#[source] Errno),
+    /// The page of words cannot be had.
+    #[error("cannot share memory: {0}")]
+    Page(#[source] io::Error),
+}
+
+impl Failure for PeerError {
+    fn status(&self) -> Status {
+        match self {
+            Self::Job(_) => Status::Usage,
+            Self::Parent(_) | Self::Page(_) => Status::Machine,
+        }
+    }
+}
+
 /// Does a job on the stage at `root` and prints its outcome.
 pub fn run(root: &Path, job: &str) -> Result<ExitCode, Error> {
-    let job: Job = serde_json::from_str(job)
-        .map_err(|e| Error::Usage(format!("a process of `timegap bench`: {e}")))?;
+    let job: Job = serde_json::from_str(job).map_err(PeerError::Job)?;
     // This process ends with the benchmark.
-    set_parent_process_death_signal(Some(Signal::KILL))
-        .map_err(|e| Error::Machine(format!("cannot follow the parent process: {e}")))?;
+    set_parent_process_death_signal(Some(Signal::KILL)).map_err(PeerError::Parent)?;
     if getppid() != Pid::from_raw(job.parent.cast_signed()) {
         return Err(Error::Interrupted);
     }
@@ -96,8 +119,8 @@ fn schedule(job: &Job) -> Granted {
     })
 }
 
-pub fn page(name: &str) -> Result<SharedWords, Error> {
-    SharedWords::map(name).map_err(|e| Error::Machine(format!("cannot share memory: {e}")))
+pub fn page(name: &str) -> Result<SharedWords, PeerError> {
+    SharedWords::map(name).map_err(PeerError::Page)
 }
 
 /// Counts like the control loop: a release that is over is a miss and is left out, and its lateness

@@ -6,15 +6,15 @@ use super::paired::{Blocks, Compared, Comparison, PAIRS_IN_SESSION, WAKES};
 use super::peer::{self, BLOCKS_FILE, Job, Task, metronome};
 use super::setup::{Conditions, Load, Mechanism, Placement, Scheduling};
 use super::words;
-use group::Error;
-use group::{Janitor, RunRoot, check_room, this_program};
+use group::{Error, Failure, Janitor, RunRoot, Status, check_room, this_program};
 use runtime::scheduling::usable_cores;
 use runtime::{Group, Mode, SharedWords, Timetable};
 use rustix::event::{EventfdFlags, eventfd};
-use std::io::Read;
+use rustix::io::Errno;
+use std::io::{self, Read};
 use std::os::fd::OwnedFd;
 use std::os::unix::process::CommandExt;
-use std::process::{Child, Stdio};
+use std::process::{Child, ExitStatus, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -31,6 +31,46 @@ const LOOK: Duration = Duration::from_millis(2);
 /// Shared memory for the largest payloads, bytes.
 const ROOM: u64 = 64 << 20;
 
+/// Why a measurement did not take place.
+#[derive(Debug, thiserror::Error)]
+pub enum StageError {
+    /// A process cannot be started.
+    #[error("cannot start a process: {0}")]
+    Spawn(#[source] io::Error),
+    /// The counter that one process wakes another by cannot be made.
+    #[error("no eventfd: {0}")]
+    Eventfd(#[source] Errno),
+    /// The counter cannot be handed to a process.
+    #[error("{0}")]
+    Counter(#[source] io::Error),
+    /// A process cannot be waited for or read.
+    #[error("lost a process of the benchmark: {0}")]
+    Lost(#[source] io::Error),
+    /// A process ended without an outcome.
+    #[error("a process of the benchmark failed ({status}): {wrote}")]
+    Failed {
+        /// How it ended.
+        status: ExitStatus,
+        /// What it wrote to its standard error.
+        wrote: String,
+    },
+    /// A sink ended before its source.
+    #[error("a process of the benchmark failed")]
+    NoSink,
+    /// The samples that a sink wrote cannot be read.
+    #[error("the samples of a comparison: {0}")]
+    Samples(#[source] serde_json::Error),
+    /// The metronome does not tick in time.
+    #[error("the metronome does not start")]
+    NoMetronome,
+}
+
+impl Failure for StageError {
+    fn status(&self) -> Status {
+        Status::Machine
+    }
+}
+
 /// A process of the benchmark; killed with its handle.
 #[derive(Debug)]
 pub struct Peer {
@@ -46,10 +86,9 @@ impl Peer {
 
     /// The outcome of its job, once it has ended.
     pub fn finish(mut self) -> Result<Outcome, Error> {
-        let lost = |e| Error::Machine(format!("lost a process of the benchmark: {e}"));
         let status = loop {
             // What it prints fits into a pipe, so that it ends without being read.
-            if let Some(status) = self.child.try_wait().map_err(lost)? {
+            if let Some(status) = self.child.try_wait().map_err(StageError::Lost)? {
                 break status;
             }
             if self.interrupted.load(Ordering::Relaxed) {
@@ -59,14 +98,13 @@ impl Peer {
         };
         let read = |pipe: Option<&mut dyn Read>| {
             let mut text = String::new();
-            pipe.map_or(Ok(0), |pipe| pipe.read_to_string(&mut text)).map_err(lost).map(|_| text)
+            let read = pipe.map_or(Ok(0), |pipe| pipe.read_to_string(&mut text));
+            read.map_err(StageError::Lost).map(|_| text)
         };
         let said = read(self.child.stdout.as_mut().map(|pipe| pipe as &mut dyn Read))?;
         let wrote = read(self.child.stderr.as_mut().map(|pipe| pipe as &mut dyn Read))?;
-        serde_json::from_str(&said).map_err(|_| {
-            let wrote = wrote.trim();
-            Error::Machine(format!("a process of the benchmark failed ({status}): {wrote}"))
-        })
+        serde_json::from_str(&said)
+            .map_err(|_| StageError::Failed { status, wrote: wrote.trim().to_owned() }.into())
     }
 }
 
@@ -164,10 +202,9 @@ impl Stage {
     ) -> Result<(Outcome, Outcome), Error> {
         let fifo = conditions.scheduling == Scheduling::Fifo;
         let (source_core, sink_core) = self.placed(conditions.placement);
-        let counter = eventfd(0, EventfdFlags::CLOEXEC)
-            .map_err(|e| Error::Machine(format!("no eventfd: {e}")))?;
+        let counter = eventfd(0, EventfdFlags::CLOEXEC).map_err(StageError::Eventfd)?;
         let spawn = |task, priority, core| {
-            let counter = counter.try_clone().map_err(|e| Error::Machine(e.to_string()))?;
+            let counter = counter.try_clone().map_err(StageError::Counter)?;
             self.spawn(task, fifo.then_some(priority), core, period_us, Some(counter))
         };
         let mut sink = spawn(sink, SINK_PRIORITY, sink_core)?;
@@ -176,7 +213,7 @@ impl Stage {
             // A source without its sink would wait for ever.
             if sink.ended() == Some(false) {
                 sink.finish()?;
-                return Err(Error::Machine("a process of the benchmark failed".into()));
+                return Err(StageError::NoSink.into());
             }
             std::thread::sleep(LOOK);
         }
@@ -212,8 +249,7 @@ impl Stage {
             path,
             reason,
         })?;
-        let samples = serde_json::from_str(&text)
-            .map_err(|e| Error::Machine(format!("the samples of a comparison: {e}")))?;
+        let samples = serde_json::from_str(&text).map_err(StageError::Samples)?;
         let (lost, pairs) = (sink.misses, blocks.paired(samples));
         Ok(Some(Compared { comparison, conditions, period_us, lost, pairs }))
     }
@@ -232,7 +268,7 @@ impl Stage {
         let begun = Instant::now();
         while self.page.word(words::READY).load(Ordering::Acquire) == 0 {
             if begun.elapsed() > PATIENCE {
-                return Err(Error::Machine("the metronome does not start".into()));
+                return Err(StageError::NoMetronome.into());
             }
             std::thread::sleep(Duration::from_millis(1));
         }
@@ -288,7 +324,7 @@ impl Stage {
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
-            .map_err(|e| Error::Machine(format!("cannot start a process: {e}")))?;
+            .map_err(StageError::Spawn)?;
         Ok(Peer { child, interrupted: Arc::clone(&self.interrupted) })
     }
 }

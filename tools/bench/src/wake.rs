@@ -4,17 +4,18 @@
 //! is charged for each wake-up that it came late to. An end may hold several ways open and use one
 //! after the other; ways of the same mechanism are one.
 
-use super::middleware::{self, Receiving, Sending};
+use super::middleware::{self, MiddlewareError, Receiving, Sending};
 use super::setup::Mechanism;
 use super::words::{COUNT, RING, STAMPS};
 use bytemuck::Zeroable;
-use group::Error;
+use group::{Failure, Status};
 use messages::Service;
 use messages::{Header, MAX_DETECTIONS, Origins, RadarDetections, RadarTracks};
 use runtime::{
     Contents, EventReceiver, EventSender, Group, PayloadReceiver, PayloadSender, Probe, Publisher,
-    SharedWords, Subscriber, enroll, monotonic_ns,
+    RuntimeError, SharedWords, Subscriber, enroll, monotonic_ns,
 };
+use rustix::io::Errno;
 use rustix::thread::futex;
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -22,6 +23,40 @@ use std::time::Duration;
 
 /// Longest wait before the sink looks whether the source is done.
 const LOOK: Duration = Duration::from_millis(50);
+
+/// Why a wake-up failed.
+#[derive(Debug, thiserror::Error)]
+pub enum WakeError {
+    /// This build does not have the mechanism.
+    #[error("{mechanism:?} cannot be measured: {why}")]
+    Missing {
+        /// What was asked for.
+        mechanism: Mechanism,
+        /// What it was built without.
+        why: &'static str,
+    },
+    /// The kernel does not wake the sink.
+    #[error("cannot wake: {0}")]
+    Wake(#[source] Errno),
+    /// The kernel does not let the sink wait.
+    #[error("cannot wait: {0}")]
+    Wait(#[source] Errno),
+    /// A port of ours failed.
+    #[error(transparent)]
+    Port(#[from] RuntimeError),
+    /// A port of other origin failed.
+    #[error(transparent)]
+    Middleware(#[from] MiddlewareError),
+}
+
+impl Failure for WakeError {
+    fn status(&self) -> Status {
+        match self {
+            Self::Missing { .. } => Status::Usage,
+            Self::Wake(_) | Self::Wait(_) | Self::Port(_) | Self::Middleware(_) => Status::Machine,
+        }
+    }
+}
 
 /// The sending end.
 pub struct Source<'a> {
@@ -42,7 +77,7 @@ enum SourceWay {
     Peer(Box<dyn Sending>),
 }
 
-fn join(root: &Path, name: &str) -> Result<Probe, Error> {
+fn join(root: &Path, name: &str) -> Result<Probe, WakeError> {
     Ok(Probe::join(Group::read(root)?, name)?)
 }
 
@@ -58,7 +93,7 @@ fn distinct(mechanisms: &[Mechanism]) -> Vec<Mechanism> {
 }
 
 /// The probe that mechanisms with ports of ours need.
-fn probe(mechanisms: &[Mechanism], root: &Path, name: &str) -> Result<Option<Probe>, Error> {
+fn probe(mechanisms: &[Mechanism], root: &Path, name: &str) -> Result<Option<Probe>, WakeError> {
     let ours = |mechanism: &Mechanism| {
         use Mechanism::{Detections, Iceoryx2Event, Message, Payload, ProtectedPayload};
         matches!(mechanism, Iceoryx2Event | Message | Detections | Payload(_) | ProtectedPayload(_))
@@ -67,9 +102,8 @@ fn probe(mechanisms: &[Mechanism], root: &Path, name: &str) -> Result<Option<Pro
 }
 
 /// A mechanism that this build has not was asked for.
-fn missing(mechanism: Mechanism) -> Error {
-    let why = middleware::missing(mechanism).unwrap_or("unknown");
-    Error::Usage(format!("{mechanism:?} cannot be measured: {why}"))
+fn missing(mechanism: Mechanism) -> WakeError {
+    WakeError::Missing { mechanism, why: middleware::missing(mechanism).unwrap_or("unknown") }
 }
 
 /// Words of the stamp of a wake-up.
@@ -84,7 +118,7 @@ impl<'a> Source<'a> {
         mechanisms: &[Mechanism],
         root: &Path,
         page: &'a SharedWords,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self, WakeError> {
         let probe = probe(mechanisms, root, "bench-source")?;
         let needed = || probe.as_ref().expect("made for every mechanism with a port");
         // A reader accepts messages of the group's members alone.
@@ -123,7 +157,7 @@ impl<'a> Source<'a> {
     }
 
     /// One wake-up.
-    pub fn wake(&mut self, by: Mechanism) -> Result<(), Error> {
+    pub fn wake(&mut self, by: Mechanism) -> Result<(), WakeError> {
         let header = Header::new(self.sent.into(), monotonic_ns(), Origins::NONE);
         match self.ways.iter_mut().find(|(mechanism, _)| *mechanism == by) {
             Some((_, SourceWay::Message(port))) => {
@@ -155,19 +189,20 @@ impl<'a> Source<'a> {
     }
 
     /// Lets a sink that waits without a timeout look again.
-    pub fn wake_for_the_end(&self, by: Mechanism) -> Result<(), Error> {
+    pub fn wake_for_the_end(&self, by: Mechanism) -> Result<(), WakeError> {
         self.ring(by)
     }
 
-    fn ring(&self, by: Mechanism) -> Result<(), Error> {
-        let failed = |e: rustix::io::Errno| Error::Machine(format!("cannot wake: {e}"));
+    fn ring(&self, by: Mechanism) -> Result<(), WakeError> {
         match self.ways.iter().find(|(mechanism, _)| *mechanism == by) {
             Some((_, SourceWay::Futex)) => {
-                futex::wake(self.page.word(COUNT), futex::Flags::empty(), 1).map_err(failed)?;
+                futex::wake(self.page.word(COUNT), futex::Flags::empty(), 1)
+                    .map_err(WakeError::Wake)?;
             }
             Some((_, SourceWay::Eventfd)) => {
                 // The counter is this process's standard input.
-                rustix::io::write(rustix::stdio::stdin(), &1_u64.to_ne_bytes()).map_err(failed)?;
+                rustix::io::write(rustix::stdio::stdin(), &1_u64.to_ne_bytes())
+                    .map_err(WakeError::Wake)?;
             }
             Some((_, SourceWay::Event(event))) => event.wake()?,
             Some((
@@ -208,7 +243,7 @@ impl<'a> Sink<'a> {
         mechanisms: &[Mechanism],
         root: &Path,
         page: &'a SharedWords,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self, WakeError> {
         let probe = probe(mechanisms, root, "bench-sink")?;
         let needed = || probe.as_ref().expect("made for every mechanism with a port");
         let mut ways = Vec::new();
@@ -254,8 +289,7 @@ impl<'a> Sink<'a> {
     }
 
     /// Waits once, and hands the stamp of each new wake-up to `each`.
-    pub fn wait(&mut self, by: Mechanism, mut each: impl FnMut(i64)) -> Result<(), Error> {
-        let failed = |e: rustix::io::Errno| Error::Machine(format!("cannot wait: {e}"));
+    pub fn wait(&mut self, by: Mechanism, mut each: impl FnMut(i64)) -> Result<(), WakeError> {
         let probe = || self.probe.as_ref().expect("opened with the port");
         match self.ways.iter_mut().find(|(mechanism, _)| *mechanism == by) {
             Some((_, SinkWay::Message(port))) => {
@@ -275,16 +309,16 @@ impl<'a> Sink<'a> {
                 return Ok(());
             }
             Some((_, SinkWay::Futex)) => {
-                use rustix::io::Errno;
                 let timeout = LOOK.try_into().expect("short");
                 let word = self.page.word(COUNT);
                 match futex::wait(word, futex::Flags::empty(), self.seen, Some(&timeout)) {
                     Ok(()) | Err(Errno::AGAIN | Errno::TIMEDOUT | Errno::INTR) => {}
-                    Err(error) => return Err(failed(error)),
+                    Err(error) => return Err(WakeError::Wait(error)),
                 }
             }
             Some((_, SinkWay::Eventfd)) => {
-                rustix::io::read(rustix::stdio::stdin(), &mut [0_u8; 8]).map_err(failed)?;
+                rustix::io::read(rustix::stdio::stdin(), &mut [0_u8; 8])
+                    .map_err(WakeError::Wait)?;
             }
             Some((_, SinkWay::Event(event))) => event.wait(LOOK)?,
             None => unreachable!("every mechanism of the job was opened"),

@@ -1,6 +1,5 @@
 //! What a check found.
 
-use group::Error;
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -62,8 +61,8 @@ impl Finding {
     }
 
     /// Something without which nothing runs.
-    pub fn fatal(check: &'static str, error: &Error, fix: &str) -> Self {
-        let finding = Self::bad(check, error.to_string(), "nothing can run", Some(fix.into()));
+    pub fn fatal(check: &'static str, found: impl Into<String>, fix: &str) -> Self {
+        let finding = Self::bad(check, found, "nothing can run", Some(fix.into()));
         Self { prevents_runs: true, ..finding }
     }
 }

@@ -84,10 +84,7 @@ fn examine(host: &Host) -> Vec<Finding> {
     let clock = |name: &str| sys(&format!("clocksource/clocksource0/{name}_clocksource"));
     vec![
         storage::shared_memory(machine::shared_memory(), needed, memory),
-        storage::run_directory(
-            base.as_deref().map_err(|e| Error::Machine(e.to_string())),
-            runtime.as_deref(),
-        ),
+        storage::run_directory(base.as_deref(), runtime.as_deref()),
         processor::affinity(&cores, &online),
         scheduling::policy(&granted, root, &program),
         scheduling::throttling(
@@ -130,7 +127,7 @@ mod tests {
     fn the_conclusion_names_the_worst() {
         let host = Host { cpus: 2, kernel: "6".into(), realtime_kernel: false };
         let bad = Finding::bad("x", "refused", "much", None);
-        let fatal = Finding::fatal("y", &Error::Machine("gone".into()), "put it back");
+        let fatal = Finding::fatal("y", "gone", "put it back");
         let mut report =
             Report { schema_version: 1, ok: false, can_run: true, host, findings: vec![bad] };
         assert!(conclusion(&report).contains("not to be trusted"));

@@ -3,7 +3,7 @@
 use super::cgroup::{self, Limit, Limits};
 use super::processor::IdleState;
 use super::storage::Room;
-use group::Error;
+use group::{RoomError, RootError};
 use runtime::scheduling::{self, Granted, Policy, Request};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -75,11 +75,11 @@ pub fn stat() -> [String; 2] {
 }
 
 /// Room for shared memory.
-pub fn shared_memory() -> Result<Room, Error> {
-    Ok(group::shared_memory_room().map(|(size, free)| Room { size, free })?)
+pub fn shared_memory() -> Result<Room, RoomError> {
+    group::shared_memory_room().map(|(size, free)| Room { size, free })
 }
 
 /// Directory for the sockets of all runs, made if need be.
-pub fn base() -> Result<PathBuf, Error> {
-    Ok(group::base()?)
+pub fn base() -> Result<PathBuf, RootError> {
+    group::base()
 }

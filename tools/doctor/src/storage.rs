@@ -1,7 +1,7 @@
 //! Where a run keeps its shared memory and its sockets.
 
 use super::finding::Finding;
-use group::Error;
+use group::{RoomError, RootError};
 use std::path::Path;
 
 /// Room in the file system of the shared memory, bytes.
@@ -14,13 +14,13 @@ pub struct Room {
 }
 
 /// Room for a run that needs `needed` bytes, in a machine with `memory` bytes of memory available.
-pub fn shared_memory(room: Result<Room, Error>, needed: u64, memory: Option<u64>) -> Finding {
+pub fn shared_memory(room: Result<Room, RoomError>, needed: u64, memory: Option<u64>) -> Finding {
     const CHECK: &str = "shared memory";
     let room = match room {
         Ok(room) => room,
         Err(error) => {
             let fix = "sudo mkdir -p /dev/shm && sudo mount -t tmpfs -o size=64m tmpfs /dev/shm";
-            return Finding::fatal(CHECK, &error, fix);
+            return Finding::fatal(CHECK, error.to_string(), fix);
         }
     };
     let [size, free, needed_kib] = [room.size, room.free, needed].map(|bytes| bytes.div_ceil(1024));
@@ -30,7 +30,7 @@ pub fn shared_memory(room: Result<Room, Error>, needed: u64, memory: Option<u64>
         let enlarged = (room.size - room.free + 4 * needed).div_ceil(1 << 20);
         let found = format!("{free} of {size} KiB are free and a run may use {needed_kib} KiB");
         let fix = format!("sudo mount -o remount,size={enlarged}m /dev/shm");
-        return Finding::fatal(CHECK, &Error::Machine(found), &fix);
+        return Finding::fatal(CHECK, found, &fix);
     }
     match memory {
         Some(memory) if memory < needed => Finding::warn(
@@ -44,10 +44,10 @@ pub fn shared_memory(room: Result<Room, Error>, needed: u64, memory: Option<u64>
 }
 
 /// The directory for the runs' small files: the one in use, and the one that XDG_RUNTIME_DIR asks for.
-pub fn run_directory(base: Result<&Path, Error>, asked: Option<&Path>) -> Finding {
+pub fn run_directory(base: Result<&Path, &RootError>, asked: Option<&Path>) -> Finding {
     const CHECK: &str = "run directory";
     match base {
-        Err(error) => Finding::fatal(CHECK, &error, "unset XDG_RUNTIME_DIR"),
+        Err(error) => Finding::fatal(CHECK, error.to_string(), "unset XDG_RUNTIME_DIR"),
         Ok(base) => match asked {
             Some(asked) if !base.starts_with(asked) => Finding::warn(
                 CHECK,
@@ -85,8 +85,9 @@ mod tests {
         let full = shared_memory(room(64, 3), 4 * MIB, None);
         assert!(full.prevents_runs);
         assert_eq!(full.fix.as_deref(), Some("sudo mount -o remount,size=77m /dev/shm"));
-        let none = shared_memory(Err(Error::Machine("no /dev/shm".into())), MIB, None);
-        assert!(none.prevents_runs && none.found.contains("no /dev/shm"));
+        let missing = std::io::ErrorKind::NotFound.into();
+        let none = shared_memory(Err(RoomError::NoSharedMemory(missing)), MIB, None);
+        assert!(none.prevents_runs && none.found.contains("/dev/shm is needed"));
         assert_eq!(shared_memory(room(64, 60), 4 * MIB, Some(MIB)).verdict, Verdict::Warn);
     }
 
@@ -97,8 +98,8 @@ mod tests {
         assert_eq!(run_directory(Ok(used), Some(Path::new("/run/user/7"))).verdict, Verdict::Ok);
         let long = Path::new("/var/lib/users/with/a/long/name");
         assert_eq!(run_directory(Ok(used), Some(long)).verdict, Verdict::Warn);
-        let refused = Error::Machine("cannot create /run/user/7/timegap-7: read-only".into());
-        assert!(run_directory(Err(refused), None).prevents_runs);
+        let refused = RootError::Vanishes { path: used.into() };
+        assert!(run_directory(Err(&refused), None).prevents_runs);
     }
 
     #[test]

@@ -1,17 +1,68 @@
 //! Why a command failed, and the exit status that says so.
 
+use super::room::RoomError;
+use super::root::RootError;
 use runtime::RuntimeError;
 use scenario::ScenarioError;
 use scenario::storyboard::OpenError;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
 
-pub use super::room::RoomError;
-pub use super::root::RootError;
+/// What the exit status says of a failure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// The command has another result than it should have.
+    Different = 1,
+    /// Bad usage or a bad file.
+    Usage = 2,
+    /// The machine does not let it run.
+    Machine = 3,
+}
+
+/// The error of an operation: it says for itself what it means for the command.
+pub trait Failure: std::error::Error + Send + Sync + 'static {
+    /// Its exit status.
+    fn status(&self) -> Status {
+        Status::Usage
+    }
+}
+
+impl<E: Failure> From<E> for Error {
+    fn from(error: E) -> Self {
+        Self::Operation(Arc::new(error))
+    }
+}
+
+/// The signals that end a command cannot be handled.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot handle signals: {0}")]
+pub struct SignalsError(#[from] std::io::Error);
+
+impl Failure for SignalsError {
+    fn status(&self) -> Status {
+        Status::Machine
+    }
+}
+
+impl Failure for RoomError {
+    fn status(&self) -> Status {
+        Status::Machine
+    }
+}
+
+impl Failure for RootError {
+    fn status(&self) -> Status {
+        Status::Machine
+    }
+}
 
 /// A command's failure.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
+    /// An operation failed.
+    #[error(transparent)]
+    Operation(Arc<dyn Failure>),
     /// Bad usage or a bad file.
     #[error("{0}")]
     Usage(String),
@@ -34,12 +85,6 @@ pub enum Error {
     /// The machine would not let it run.
     #[error("{0}")]
     Machine(String),
-    /// The machine has no room for a run.
-    #[error(transparent)]
-    Room(#[from] RoomError),
-    /// The run's own directory cannot be made.
-    #[error(transparent)]
-    Root(#[from] RootError),
     /// A service did not come up.
     #[error("{service} {what}")]
     NotReady {
@@ -66,16 +111,13 @@ impl Error {
     #[must_use]
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
+            Self::Operation(failure) => failure.status() as u8,
             Self::Usage(_)
             | Self::Scenario(_)
             | Self::OpenScenario(_)
             | Self::Path { .. }
             | Self::NotReady { foreign: true, .. } => 2,
-            Self::Machine(_)
-            | Self::Room(_)
-            | Self::Root(_)
-            | Self::NotReady { .. }
-            | Self::Runtime(_) => 3,
+            Self::Machine(_) | Self::NotReady { .. } | Self::Runtime(_) => 3,
             Self::Different(_) => 1,
             Self::Interrupted => 130,
         })

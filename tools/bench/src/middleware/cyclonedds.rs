@@ -3,9 +3,8 @@
 //! Everything unsafe is the calls into `cyclonedds.c`, which is built where the library is found.
 #![allow(unsafe_code, reason = "the library is written in C")]
 
-use super::{Receiving, Sending, patiently};
+use super::{MiddlewareError, Receiving, Sending, failed, patiently};
 use bytemuck::Zeroable;
-use group::Error;
 use messages::RadarTracks;
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::ptr::NonNull;
@@ -45,7 +44,7 @@ unsafe extern "C" {
 struct End(NonNull<Opaque>);
 
 impl End {
-    fn open(writes: bool) -> Result<Self, Error> {
+    fn open(writes: bool) -> Result<Self, MiddlewareError> {
         // Both ends are processes of one benchmark: a domain that no other one is likely to use.
         let parent = rustix::process::getppid().map_or(0, |pid| pid.as_raw_nonzero().get());
         let domain = parent.cast_unsigned() % DOMAINS;
@@ -58,7 +57,7 @@ impl End {
         };
         match opened {
             Some(dds) => Ok(Self(dds)),
-            None => Err(failed("open the topic", code)),
+            None => Err(returned("open the topic", code)),
         }
     }
 }
@@ -70,8 +69,8 @@ impl Drop for End {
     }
 }
 
-fn failed(what: &str, code: c_int) -> Error {
-    Error::Machine(format!("CycloneDDS cannot {what}: code {code}"))
+fn returned(what: &'static str, code: c_int) -> MiddlewareError {
+    MiddlewareError::CycloneDds { what, code }
 }
 
 /// The writing end.
@@ -79,7 +78,7 @@ pub struct Writer(End);
 
 impl Writer {
     /// Opens the end and waits until it knows its reader.
-    pub fn open() -> Result<Self, Error> {
+    pub fn open() -> Result<Self, MiddlewareError> {
         let end = End::open(true)?;
         patiently(|| {
             // SAFETY: opened by `open`.
@@ -89,16 +88,16 @@ impl Writer {
                 _ => Ok(()),
             }
         })
-        .map_err(|e| Error::Machine(format!("CycloneDDS: {e}")))?;
+        .map_err(failed("CycloneDDS"))?;
         Ok(Self(end))
     }
 }
 
 impl Sending for Writer {
-    fn send(&mut self, message: &RadarTracks) -> Result<(), Error> {
+    fn send(&mut self, message: &RadarTracks) -> Result<(), MiddlewareError> {
         // SAFETY: opened by `open`; the sample has the size that the topic was opened with.
         let code = unsafe { timegap_dds_write(self.0.0, std::ptr::from_ref(message).cast()) };
-        if code < 0 { Err(failed("write", code)) } else { Ok(()) }
+        if code < 0 { Err(returned("write", code)) } else { Ok(()) }
     }
 }
 
@@ -107,18 +106,22 @@ pub struct Reader(End);
 
 impl Reader {
     /// Opens the end.
-    pub fn open() -> Result<Self, Error> {
+    pub fn open() -> Result<Self, MiddlewareError> {
         End::open(false).map(Self)
     }
 }
 
 impl Receiving for Reader {
-    fn receive(&mut self, timeout: Duration, each: &mut dyn FnMut(i64)) -> Result<(), Error> {
+    fn receive(
+        &mut self,
+        timeout: Duration,
+        each: &mut dyn FnMut(i64),
+    ) -> Result<(), MiddlewareError> {
         let timeout_ns = i64::try_from(timeout.as_nanos()).unwrap_or(i64::MAX);
         // SAFETY: opened by `open`.
         let code = unsafe { timegap_dds_wait(self.0.0, timeout_ns) };
         if code < 0 {
-            return Err(failed("wait", code));
+            return Err(returned("wait", code));
         }
         let mut message = RadarTracks::zeroed();
         loop {
@@ -126,7 +129,7 @@ impl Receiving for Reader {
             let code = unsafe { timegap_dds_take(self.0.0, (&raw mut message).cast()) };
             match code {
                 0 => return Ok(()),
-                code if code < 0 => return Err(failed("read", code)),
+                code if code < 0 => return Err(returned("read", code)),
                 _ => each(message.header.acquisition_ns),
             }
         }

@@ -11,24 +11,76 @@ mod cyclonedds;
 mod zenoh;
 
 use super::setup::Mechanism;
-use group::Error;
 use messages::RadarTracks;
+use runtime::RuntimeError;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Time after which the other end is given up.
 const PATIENCE: Duration = Duration::from_secs(30);
 
+/// What a library said.
+type Cause = Box<dyn std::error::Error + Send + Sync>;
+
+/// Why an end of other origin failed.
+#[derive(Debug, thiserror::Error)]
+pub enum MiddlewareError {
+    /// iceoryx2, whose errors are names.
+    #[error("iceoryx2 cannot {what}: {reason:?}")]
+    Iceoryx2 {
+        /// What was tried.
+        what: &'static str,
+        /// What it said.
+        reason: Cause,
+    },
+    /// The run's configuration of iceoryx2 cannot be had.
+    #[error(transparent)]
+    Runtime(#[from] RuntimeError),
+    /// A socket, or another library.
+    #[error("{what}: {reason}")]
+    Failed {
+        /// What it is, and what it does not do.
+        what: &'static str,
+        /// What it said.
+        reason: Cause,
+    },
+    /// zenoh's other end did not open its session in time.
+    #[cfg(feature = "peers")]
+    #[error("{0}")]
+    ZenohAlone(#[source] std::io::Error),
+    /// zenoh did not use its shared memory.
+    #[cfg(feature = "peers")]
+    #[error("zenoh copied a message out of shared memory")]
+    ZenohCopied,
+    /// CycloneDDS.
+    #[cfg(cyclonedds)]
+    #[error("CycloneDDS cannot {what}: code {code}")]
+    CycloneDds {
+        /// What was tried.
+        what: &'static str,
+        /// What it returned.
+        code: i32,
+    },
+}
+
+fn failed<E: Into<Cause>>(what: &'static str) -> impl Fn(E) -> MiddlewareError {
+    move |reason| MiddlewareError::Failed { what, reason: reason.into() }
+}
+
 /// A sending end.
 pub trait Sending {
     /// Sends one message and wakes who waits for it.
-    fn send(&mut self, message: &RadarTracks) -> Result<(), Error>;
+    fn send(&mut self, message: &RadarTracks) -> Result<(), MiddlewareError>;
 }
 
 /// A receiving end.
 pub trait Receiving {
     /// Waits for messages, about so long; hands the acquisition stamp of each, ns, to `each`.
-    fn receive(&mut self, timeout: Duration, each: &mut dyn FnMut(i64)) -> Result<(), Error>;
+    fn receive(
+        &mut self,
+        timeout: Duration,
+        each: &mut dyn FnMut(i64),
+    ) -> Result<(), MiddlewareError>;
 }
 
 /// Why this build cannot use `mechanism`; none where it can.
@@ -46,7 +98,10 @@ pub fn missing(mechanism: Mechanism) -> Option<&'static str> {
 
 /// The sending end of a mechanism of other origin, once its receiver is there; none of our own
 /// mechanisms and of those that [`missing`] names.
-pub fn source(mechanism: Mechanism, root: &Path) -> Result<Option<Box<dyn Sending>>, Error> {
+pub fn source(
+    mechanism: Mechanism,
+    root: &Path,
+) -> Result<Option<Box<dyn Sending>>, MiddlewareError> {
     Ok(Some(match mechanism {
         Mechanism::Iceoryx2PubSub => Box::new(pub_sub::Source::open(root)?),
         Mechanism::UnixDatagram => Box::new(sockets::Socket::datagram_source(root)?),
@@ -60,7 +115,10 @@ pub fn source(mechanism: Mechanism, root: &Path) -> Result<Option<Box<dyn Sendin
 }
 
 /// The receiving end, as [`source`].
-pub fn sink(mechanism: Mechanism, root: &Path) -> Result<Option<Box<dyn Receiving>>, Error> {
+pub fn sink(
+    mechanism: Mechanism,
+    root: &Path,
+) -> Result<Option<Box<dyn Receiving>>, MiddlewareError> {
     Ok(Some(match mechanism {
         Mechanism::Iceoryx2PubSub => Box::new(pub_sub::Sink::open(root)?),
         Mechanism::UnixDatagram => Box::new(sockets::Socket::datagram_sink(root)?),

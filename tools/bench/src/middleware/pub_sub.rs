@@ -1,8 +1,7 @@
 //! The same message by iceoryx2 alone: its own variant, its publish-subscribe service, and its event
 //! service to wake the subscriber.
 
-use super::{Receiving, Sending};
-use group::Error;
+use super::{MiddlewareError, Receiving, Sending};
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::port::publisher::Publisher;
@@ -11,13 +10,15 @@ use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::{event, publish_subscribe};
 use messages::RadarTracks;
 use runtime::Group;
-use std::fmt::Debug;
 use std::time::Duration;
 
 type Ipc = ipc::Service;
 
-fn failed<E: Debug>(what: &'static str) -> impl Fn(E) -> Error {
-    move |error| Error::Machine(format!("iceoryx2 cannot {what}: {error:?}"))
+fn failed<E>(what: &'static str) -> impl Fn(E) -> MiddlewareError
+where
+    E: std::error::Error + Send + Sync + 'static,
+{
+    move |reason| MiddlewareError::Iceoryx2 { what, reason: Box::new(reason) }
 }
 
 /// A node with the two services.
@@ -28,7 +29,7 @@ struct Topic {
 }
 
 impl Topic {
-    fn open(root: &std::path::Path) -> Result<Self, Error> {
+    fn open(root: &std::path::Path) -> Result<Self, MiddlewareError> {
         let domain = runtime::domain(&Group::read(root)?)?;
         let node = NodeBuilder::new()
             .config(&domain)
@@ -55,7 +56,7 @@ pub struct Source {
 
 impl Source {
     /// Opens the end.
-    pub fn open(root: &std::path::Path) -> Result<Self, Error> {
+    pub fn open(root: &std::path::Path) -> Result<Self, MiddlewareError> {
         let topic = Topic::open(root)?;
         let publisher =
             topic.messages.publisher_builder().create().map_err(failed("make a publisher"))?;
@@ -66,7 +67,7 @@ impl Source {
 }
 
 impl Sending for Source {
-    fn send(&mut self, message: &RadarTracks) -> Result<(), Error> {
+    fn send(&mut self, message: &RadarTracks) -> Result<(), MiddlewareError> {
         let sample = self.publisher.loan_uninit().map_err(failed("loan"))?;
         sample.write_payload(*message).send().map_err(failed("send"))?;
         self.notifier.notify().map(|_| ()).map_err(failed("notify"))
@@ -82,7 +83,7 @@ pub struct Sink {
 
 impl Sink {
     /// Opens the end.
-    pub fn open(root: &std::path::Path) -> Result<Self, Error> {
+    pub fn open(root: &std::path::Path) -> Result<Self, MiddlewareError> {
         let topic = Topic::open(root)?;
         let subscriber =
             topic.messages.subscriber_builder().create().map_err(failed("make a subscriber"))?;
@@ -93,7 +94,11 @@ impl Sink {
 }
 
 impl Receiving for Sink {
-    fn receive(&mut self, timeout: Duration, each: &mut dyn FnMut(i64)) -> Result<(), Error> {
+    fn receive(
+        &mut self,
+        timeout: Duration,
+        each: &mut dyn FnMut(i64),
+    ) -> Result<(), MiddlewareError> {
         self.listener.timed_wait(|_| {}, timeout).map_err(failed("wait"))?;
         while let Some(sample) = self.subscriber.receive().map_err(failed("receive"))? {
             each(sample.header.acquisition_ns);

@@ -1,7 +1,6 @@
 //! The same message over sockets.
 
-use super::{Receiving, Sending, patiently};
-use group::Error;
+use super::{MiddlewareError, Receiving, Sending, failed, patiently};
 use messages::RadarTracks;
 use std::io::{Read, Write};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
@@ -19,10 +18,6 @@ pub enum Socket {
     Datagram(UnixDatagram),
     /// TCP on the loopback device, without delay.
     Tcp(TcpStream),
-}
-
-fn failed(what: &'static str) -> impl Fn(std::io::Error) -> Error {
-    move |error| Error::Machine(format!("{what}: {error}"))
 }
 
 fn datagram_path(root: &Path) -> PathBuf {
@@ -43,12 +38,12 @@ pub fn forget(root: &Path) {
 
 impl Socket {
     /// The receiving end of a datagram socket below `root`.
-    pub fn datagram_sink(root: &Path) -> Result<Self, Error> {
+    pub fn datagram_sink(root: &Path) -> Result<Self, MiddlewareError> {
         UnixDatagram::bind(datagram_path(root)).map(Self::Datagram).map_err(failed("unix datagram"))
     }
 
     /// The sending end, once the receiving one is there.
-    pub fn datagram_source(root: &Path) -> Result<Self, Error> {
+    pub fn datagram_source(root: &Path) -> Result<Self, MiddlewareError> {
         let connect = || {
             let socket = UnixDatagram::unbound()?;
             socket.connect(datagram_path(root))?;
@@ -58,7 +53,7 @@ impl Socket {
     }
 
     /// The receiving end of a connection; waits for the sending one.
-    pub fn tcp_sink(root: &Path) -> Result<Self, Error> {
+    pub fn tcp_sink(root: &Path) -> Result<Self, MiddlewareError> {
         let accept = || {
             let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
             let port = listener.local_addr()?.port().to_string();
@@ -72,7 +67,7 @@ impl Socket {
     }
 
     /// The sending end, once the receiving one is there.
-    pub fn tcp_source(root: &Path) -> Result<Self, Error> {
+    pub fn tcp_source(root: &Path) -> Result<Self, MiddlewareError> {
         let connect = || {
             let port = std::fs::read_to_string(port_path(root))?;
             let port: u16 = port.parse().map_err(std::io::Error::other)?;
@@ -85,7 +80,7 @@ impl Socket {
 }
 
 impl Sending for Socket {
-    fn send(&mut self, message: &RadarTracks) -> Result<(), Error> {
+    fn send(&mut self, message: &RadarTracks) -> Result<(), MiddlewareError> {
         let bytes = bytemuck::bytes_of(message);
         match self {
             Self::Datagram(socket) => socket.send(bytes).map(|_| ()),
@@ -97,7 +92,7 @@ impl Sending for Socket {
 
 impl Receiving for Socket {
     /// Waits for one message, for as long as it takes: none is lost.
-    fn receive(&mut self, _: Duration, each: &mut dyn FnMut(i64)) -> Result<(), Error> {
+    fn receive(&mut self, _: Duration, each: &mut dyn FnMut(i64)) -> Result<(), MiddlewareError> {
         let mut bytes = [0_u8; BYTES];
         match self {
             Self::Datagram(socket) => socket.recv(&mut bytes).map(|_| ()),

@@ -1,8 +1,7 @@
 //! The same message over zenoh: written in its shared memory, announced over a unix socket between two
 //! peers that know each other's address.
 
-use super::{Receiving, Sending, patiently};
-use group::Error;
+use super::{MiddlewareError, Receiving, Sending, failed, patiently};
 use messages::RadarTracks;
 use std::path::Path;
 use std::time::Duration;
@@ -22,12 +21,8 @@ const BYTES: usize = size_of::<RadarTracks>();
 /// Messages that may be under way.
 const UNDER_WAY: usize = 256;
 
-fn failed(what: &'static str) -> impl Fn(zenoh::Error) -> Error {
-    move |error| Error::Machine(format!("zenoh cannot {what}: {error}"))
-}
-
 /// A session of a peer that looks for no others.
-fn session(root: &Path, listens: bool) -> Result<Session, Error> {
+fn session(root: &Path, listens: bool) -> Result<Session, MiddlewareError> {
     let address = format!("[\"unixsock-stream/{}\"]", root.join("bench-zenoh.sock").display());
     let (listen, connect) =
         if listens { (address.as_str(), "[]") } else { ("[]", address.as_str()) };
@@ -42,9 +37,9 @@ fn session(root: &Path, listens: bool) -> Result<Session, Error> {
         ("transport/shared_memory/mode", "\"init\""),
     ];
     for (key, value) in settings {
-        config.insert_json5(key, value).map_err(failed("be configured"))?;
+        config.insert_json5(key, value).map_err(failed("zenoh cannot be configured"))?;
     }
-    zenoh::open(config).wait().map_err(failed("open a session"))
+    zenoh::open(config).wait().map_err(failed("zenoh cannot open a session"))
 }
 
 /// Removes the segments of shared memory that no living process holds: a process that ends leaves its own.
@@ -61,35 +56,34 @@ pub struct Source {
 
 impl Source {
     /// Opens the end and waits until it knows its subscriber.
-    pub fn open(root: &Path) -> Result<Self, Error> {
+    pub fn open(root: &Path) -> Result<Self, MiddlewareError> {
         let session = patiently(|| session(root, false).map_err(std::io::Error::other))
-            .map_err(|e| Error::Machine(e.to_string()))?;
+            .map_err(MiddlewareError::ZenohAlone)?;
         let publisher = (session.declare_publisher(KEY))
             .congestion_control(CongestionControl::Block)
             // Sent at once, as a user would who waits for each message.
             .express(true)
             .wait()
-            .map_err(failed("declare a publisher"))?;
+            .map_err(failed("zenoh cannot declare a publisher"))?;
         patiently(|| match publisher.matching_status().wait() {
             Ok(status) if status.matching() => Ok(()),
             Ok(_) => Err(std::io::Error::other("no subscriber")),
             Err(error) => Err(std::io::Error::other(error.to_string())),
         })
-        .map_err(|e| Error::Machine(format!("zenoh: {e}")))?;
+        .map_err(failed("zenoh"))?;
         let backend = PosixShmProviderBackend::builder(2 * UNDER_WAY * BYTES).wait();
-        let backend =
-            backend.map_err(|e| Error::Machine(format!("zenoh cannot share memory: {e}")))?;
+        let backend = backend.map_err(failed("zenoh cannot share memory"))?;
         let memory = ShmProviderBuilder::backend(backend).wait();
         Ok(Self { publisher, memory, _session: session })
     }
 }
 
 impl Sending for Source {
-    fn send(&mut self, message: &RadarTracks) -> Result<(), Error> {
+    fn send(&mut self, message: &RadarTracks) -> Result<(), MiddlewareError> {
         let room = self.memory.alloc(BYTES).with_policy::<BlockOn<GarbageCollect>>().wait();
-        let mut room = room.map_err(|e| Error::Machine(format!("zenoh has no room: {e}")))?;
+        let mut room = room.map_err(failed("zenoh has no room"))?;
         room.copy_from_slice(bytemuck::bytes_of(message));
-        self.publisher.put(room).wait().map_err(failed("send"))
+        self.publisher.put(room).wait().map_err(failed("zenoh cannot send"))
     }
 }
 
@@ -101,28 +95,33 @@ pub struct Sink {
 
 impl Sink {
     /// Opens the end.
-    pub fn open(root: &Path) -> Result<Self, Error> {
+    pub fn open(root: &Path) -> Result<Self, MiddlewareError> {
         let session = session(root, true)?;
         let subscriber = (session.declare_subscriber(KEY))
             .with(FifoChannel::new(UNDER_WAY))
             .wait()
-            .map_err(failed("declare a subscriber"))?;
+            .map_err(failed("zenoh cannot declare a subscriber"))?;
         Ok(Self { subscriber, _session: session })
     }
 }
 
 impl Receiving for Sink {
-    fn receive(&mut self, timeout: Duration, each: &mut dyn FnMut(i64)) -> Result<(), Error> {
-        let mut next = self.subscriber.recv_timeout(timeout).map_err(failed("receive"))?;
+    fn receive(
+        &mut self,
+        timeout: Duration,
+        each: &mut dyn FnMut(i64),
+    ) -> Result<(), MiddlewareError> {
+        let mut next =
+            self.subscriber.recv_timeout(timeout).map_err(failed("zenoh cannot receive"))?;
         while let Some(sample) = next {
             if sample.payload().as_shm().is_none() {
-                return Err(Error::Machine("zenoh copied a message out of shared memory".into()));
+                return Err(MiddlewareError::ZenohCopied);
             }
             let bytes = sample.payload().to_bytes();
             let message: RadarTracks = bytemuck::try_pod_read_unaligned(&bytes)
-                .map_err(|e| Error::Machine(format!("zenoh delivered no message: {e}")))?;
+                .map_err(failed("zenoh delivered no message"))?;
             each(message.header.acquisition_ns);
-            next = self.subscriber.try_recv().map_err(failed("receive"))?;
+            next = self.subscriber.try_recv().map_err(failed("zenoh cannot receive"))?;
         }
         Ok(())
     }
