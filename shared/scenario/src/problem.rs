@@ -4,7 +4,8 @@ use std::ops::Range;
 
 /// What is wrong with a value that is readable by itself: it contradicts another key, or
 /// the law that it is for refuses it.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{path}: {message}, expected {expected}")]
 pub struct Problem {
     /// Dotted path of the offending key, array elements by their index: `actors.0.gap_m`.
     pub path: String,

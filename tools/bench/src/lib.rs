@@ -97,17 +97,17 @@ pub struct BenchArguments {
     pub json: bool,
 }
 
-fn seconds(argument: &str) -> Result<f64, String> {
+fn seconds(argument: &str) -> Result<f64, &'static str> {
     match argument.parse::<f64>() {
         Ok(seconds) if (0.05..=3600.0).contains(&seconds) => Ok(seconds),
-        _ => Err("expected a number of seconds from 0.05 to 3600".into()),
+        _ => Err("expected a number of seconds from 0.05 to 3600"),
     }
 }
 
-fn factor(argument: &str) -> Result<f64, String> {
+fn factor(argument: &str) -> Result<f64, &'static str> {
     match argument.parse::<f64>() {
         Ok(factor) if (1.0..=100.0).contains(&factor) => Ok(factor),
-        _ => Err("expected a number from 1 to 100".into()),
+        _ => Err("expected a number from 1 to 100"),
     }
 }
 

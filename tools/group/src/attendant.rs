@@ -1,6 +1,6 @@
 //! A process of the group that is no service: the recorder, the replayer.
 
-use super::processes::this_program;
+use super::processes::{SpawnError, this_program};
 use super::root::RunRoot;
 use crate::Error;
 use runtime::{enroll_listener, inherit_only};
@@ -25,7 +25,7 @@ impl Attendant {
     /// Starts this program again as `timegap service NAME ROOT ARGUMENTS...` in the process group
     /// `group`, or in a new one for 0.
     pub fn spawn(
-        name: &str,
+        name: &'static str,
         arguments: &[&OsStr],
         root: &RunRoot,
         group: i32,
@@ -39,7 +39,7 @@ impl Attendant {
             .stdout(Stdio::piped())
             .process_group(group);
         inherit_only(&mut command, Some(root.lock()));
-        let error = |e| Error::Machine(format!("cannot start the {name}: {e}"));
+        let error = |e| SpawnError::Attendant(name, e);
         let mut child = command.spawn().map_err(error)?;
         enroll_listener(root.path(), child.id())?;
         let input = child.stdin.take();

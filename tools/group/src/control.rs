@@ -3,6 +3,7 @@
 pub use super::events::Answer;
 
 use super::events::Event;
+use crate::{Failure, Status};
 use scenario::faults::Fault;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::net::{UnixListener, UnixStream};
@@ -17,8 +18,19 @@ const LONGEST: u64 = 64 * 1024;
 /// A client that says nothing for so long is not listened to any more.
 const PATIENCE: Duration = Duration::from_secs(1);
 
+/// The socket for faults cannot be opened.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot open the run's control socket: {0}")]
+pub struct ListenError(#[from] std::io::Error);
+
+impl Failure for ListenError {
+    fn status(&self) -> Status {
+        Status::Machine
+    }
+}
+
 /// Accepts faults until the run's root is gone.
-pub fn listen(root: &Path, events: Sender<Event>) -> std::io::Result<()> {
+pub fn listen(root: &Path, events: Sender<Event>) -> Result<(), ListenError> {
     let listener = UnixListener::bind(root.join(SOCKET))?;
     std::thread::Builder::new().name("control".into()).spawn(move || {
         for client in listener.incoming() {

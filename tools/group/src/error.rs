@@ -2,6 +2,8 @@
 
 use super::room::RoomError;
 use super::root::RootError;
+use messages::UnknownService;
+use recorder::ReadError;
 use runtime::RuntimeError;
 use scenario::ScenarioError;
 use scenario::storyboard::OpenError;
@@ -56,6 +58,10 @@ impl Failure for RootError {
         Status::Machine
     }
 }
+
+impl Failure for ReadError {}
+
+impl Failure for UnknownService {}
 
 /// A command's failure.
 #[derive(Debug, thiserror::Error)]

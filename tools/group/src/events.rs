@@ -4,6 +4,7 @@
 //! in all, of which [`KEPT_LINES`] lines are handed on. A service that says more than that is broken
 //! ([`Event::Flooded`]), whatever it says.
 
+use crate::SignalsError;
 use messages::Service;
 use runtime::FromService;
 use scenario::faults::Fault;
@@ -137,7 +138,7 @@ pub fn end_signals() -> Vec<i32> {
 }
 
 /// Turns the signals that ask for an end into events, until the handle is closed.
-pub fn follow_signals(events: Sender<Event>) -> std::io::Result<Handle> {
+pub fn follow_signals(events: Sender<Event>) -> Result<Handle, SignalsError> {
     let mut signals = signal_hook::iterator::Signals::new(end_signals())?;
     let handle = signals.handle();
     std::thread::Builder::new().name("signals".into()).spawn(move || {

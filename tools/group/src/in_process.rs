@@ -7,7 +7,8 @@ use super::drive::DriveLog;
 use super::exits::Exit;
 use super::faults::Faults;
 use super::programs::{is_foreign, programs};
-use super::supervisor::{Ended, GroupOutcome, Moment, for_services, refuse_standbys_in_lockstep};
+use super::refusal::check_in_process;
+use super::supervisor::{Ended, GroupOutcome, Moment, for_services};
 use crate::Error;
 use messages::Service;
 use runtime::report::ServiceReport;
@@ -32,7 +33,7 @@ pub fn entry(service: Service) -> Entry {
 /// Runs `scenario` in simulated time, in this thread.
 ///
 /// # Errors
-/// [`Error::Usage`] for faults of processes, [`Error::NotReady`] if a service cannot begin.
+/// A [`Refusal`](crate::Refusal) of faults of processes, [`Error::NotReady`] if a service cannot begin.
 pub fn run(scenario: &Scenario) -> Result<GroupOutcome, Error> {
     run_watched(scenario, &|| false, &mut |_| {})
 }
@@ -46,8 +47,7 @@ pub fn run_watched(
     interrupted: &dyn Fn() -> bool,
     watch: &mut dyn FnMut(&Moment<'_>),
 ) -> Result<GroupOutcome, Error> {
-    refuse_faults_of_processes(scenario)?;
-    refuse_standbys_in_lockstep(scenario)?;
+    check_in_process(scenario)?;
     let programs = programs(&BTreeMap::new(), scenario)?;
     let begun = Instant::now();
     let mut run = InProcess::new(scenario);
@@ -150,17 +150,5 @@ impl Course {
             Some((failed, _)) if *failed == service => Exit::Status(1),
             _ => Exit::Ok,
         }
-    }
-}
-
-fn refuse_faults_of_processes(scenario: &Scenario) -> Result<(), Error> {
-    let mut faults = scenario.faults.iter().enumerate();
-    match faults.find(|(_, fault)| fault.effect.of_processes().is_some()) {
-        Some((index, fault)) => Err(Error::Usage(format!(
-            "faults.{index}: `{}` acts on a process, and here all services share one: leave out \
-             --in-process and run with --mode realtime, or leave out the fault: --set faults=[]",
-            fault.effect.kind()
-        ))),
-        None => Ok(()),
     }
 }

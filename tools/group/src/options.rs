@@ -56,20 +56,30 @@ impl From<ModeName> for runtime::Mode {
     }
 }
 
+/// An argument names no service's program.
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ServiceProgramError {
+    /// It has no `=`.
+    #[error("expected NAME=PROGRAM")]
+    NoProgram,
+    /// There is no such service.
+    #[error(transparent)]
+    Service(#[from] UnknownService),
+}
+
 /// A service and the program in its place: `NAME=PROGRAM`.
 ///
 /// # Errors
-/// What was expected.
-pub fn service_program(argument: &str) -> Result<(Service, PathBuf), String> {
-    let (name, program) = argument.split_once('=').ok_or("expected NAME=PROGRAM")?;
-    let service = name.parse().map_err(|e: UnknownService| e.to_string())?;
-    Ok((service, PathBuf::from(program)))
+/// [`ServiceProgramError`].
+pub fn service_program(argument: &str) -> Result<(Service, PathBuf), ServiceProgramError> {
+    let (name, program) = argument.split_once('=').ok_or(ServiceProgramError::NoProgram)?;
+    Ok((name.parse()?, PathBuf::from(program)))
 }
 
-fn positive_seconds(argument: &str) -> Result<f64, String> {
+fn positive_seconds(argument: &str) -> Result<f64, &'static str> {
     match argument.parse::<f64>() {
         Ok(seconds) if seconds > 0.0 && seconds <= 3600.0 => Ok(seconds),
-        _ => Err("expected a number of seconds above 0 and at most 3600".into()),
+        _ => Err("expected a number of seconds above 0 and at most 3600"),
     }
 }
 
@@ -81,6 +91,7 @@ mod tests {
     fn a_service_program_names_a_service() {
         let (service, program) = service_program("controller=./mine").expect("a known service");
         assert_eq!((service, program), (Service::Controller, PathBuf::from("./mine")));
-        assert!(service_program("radar=./mine").is_err_and(|e| e.contains("perception-sim")));
+        let refused = service_program("radar=./mine").expect_err("no service");
+        assert!(refused.to_string().contains("perception-sim"), "{refused}");
     }
 }

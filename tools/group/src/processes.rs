@@ -4,16 +4,39 @@ use super::events::{Event, Who, follow};
 use super::janitor::DONE;
 use super::root::RunRoot;
 use super::unfinished::remove_unfinished;
-use crate::Error;
+use crate::{Error, Failure, Status};
 use messages::Service;
 use runtime::{PEER_JOINED, ToService, enroll, inherit_only};
 use rustix::process::{Pid, Signal, kill_process};
-use std::io::Write;
+use std::io::{self, Write};
 use std::os::unix::process::CommandExt;
 use std::path::PathBuf;
 use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
+
+/// Why a process of timegap's own does not start.
+#[derive(Debug, thiserror::Error)]
+pub enum SpawnError {
+    /// The file that it would run.
+    #[error("cannot find this program's own file: {0}")]
+    NoFile(#[source] io::Error),
+    /// A service.
+    #[error("cannot start {0}: {1}")]
+    Service(Service, #[source] io::Error),
+    /// A process that is no service.
+    #[error("cannot start the {0}: {1}")]
+    Attendant(&'static str, #[source] io::Error),
+    /// The thread that hears a process.
+    #[error("cannot start a thread: {0}")]
+    Thread(#[source] io::Error),
+}
+
+impl Failure for SpawnError {
+    fn status(&self) -> Status {
+        Status::Machine
+    }
+}
 
 /// One service's process.
 #[derive(Debug)]
@@ -49,7 +72,7 @@ impl Process {
         inherit_only(&mut command, Some(root.lock()));
         let mut child = command.spawn().map_err(|e| match program {
             Some(program) => Error::Path { action: "start", path: program.clone(), reason: e },
-            None => Error::Machine(format!("cannot start {service}: {e}")),
+            None => SpawnError::Service(service, e).into(),
         })?;
         enroll(root.path(), service, incarnation, child.id())?;
         let orders = child.stdin.take();
@@ -58,7 +81,7 @@ impl Process {
         let (prefix, id) = (root.prefix().to_owned(), child.id());
         let on_end = move || remove_unfinished(&prefix, id);
         follow(Who { service, incarnation }, on_end, out, err, events)
-            .map_err(|e| Error::Machine(format!("cannot start a thread: {e}")))?;
+            .map_err(SpawnError::Thread)?;
         let group = if group == 0 { pid(&child) } else { group };
         Ok(Self { child, group, orders, status: None })
     }
@@ -155,7 +178,7 @@ pub struct Janitor {
 
 impl Janitor {
     /// Starts the janitor of the run at `root`, outside the services' process group.
-    pub fn spawn(root: &RunRoot) -> Result<Self, Error> {
+    pub fn spawn(root: &RunRoot) -> Result<Self, SpawnError> {
         let mut command = this_program(&["service", "janitor"])?;
         command
             .arg0("timegap-janitor")
@@ -166,9 +189,7 @@ impl Janitor {
             .process_group(0);
         // Not even another run's descriptors, which threads beside this one have open.
         inherit_only(&mut command, None);
-        let mut child = command
-            .spawn()
-            .map_err(|e| Error::Machine(format!("cannot start the janitor: {e}")))?;
+        let mut child = command.spawn().map_err(|e| SpawnError::Attendant("janitor", e))?;
         let lines = child.stdin.take();
         Ok(Self { child, lines })
     }
@@ -195,9 +216,8 @@ impl Janitor {
 }
 
 /// This program again, with other arguments.
-pub fn this_program(arguments: &[&str]) -> Result<Command, Error> {
-    let program = std::env::current_exe()
-        .map_err(|e| Error::Machine(format!("cannot find this program's own file: {e}")))?;
+pub fn this_program(arguments: &[&str]) -> Result<Command, SpawnError> {
+    let program = std::env::current_exe().map_err(SpawnError::NoFile)?;
     // A new build may have replaced the file meanwhile.
     let program = if program.exists() { program } else { PathBuf::from("/proc/self/exe") };
     let mut command = Command::new(program);

@@ -1,28 +1,49 @@
 //! The programs of the user's in a run: those of `--service`, and the one that a foreign law consists of.
 
-use crate::Error;
+use crate::Failure;
 use controller::laws;
 use messages::Service;
-use runtime::Program;
+use runtime::{Program, ProgramError};
 use scenario::{Problem, Scenario};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+/// A program of the user's is none.
+#[derive(Debug, thiserror::Error)]
+pub enum NoProgram {
+    /// In the place of a service.
+    #[error("--service {service}={}: {reason}", path.display())]
+    OfService {
+        /// The service.
+        service: Service,
+        /// The program.
+        path: PathBuf,
+        /// What is wrong with it.
+        #[source]
+        reason: ProgramError,
+    },
+    /// Of the scenario's law.
+    #[error(transparent)]
+    OfLaw(#[from] Problem),
+}
+
+impl Failure for NoProgram {}
+
 /// Who really runs in the place of which service, or computes for it.
 ///
 /// # Errors
-/// [`Error::Usage`] where one of them is no program.
+/// [`NoProgram`] where one of them is none.
 pub fn programs(
     services: &BTreeMap<Service, PathBuf>,
     scenario: &Scenario,
-) -> Result<BTreeMap<Service, Program>, Error> {
+) -> Result<BTreeMap<Service, Program>, NoProgram> {
     let here = std::env::current_dir().unwrap_or_default();
     let mut programs = BTreeMap::new();
     for (&service, path) in services {
         programs.insert(service, of_service(service, path, &here)?);
     }
     if !programs.contains_key(&Service::Controller)
-        && let Some(program) = of_law(scenario)?
+        && let Some(program) = laws::program(scenario)?
     {
         programs.insert(Service::Controller, program);
     }
@@ -32,22 +53,14 @@ pub fn programs(
 /// The program in the place of `service`.
 ///
 /// # Errors
-/// [`Error::Usage`] where it is none.
-pub fn of_service(service: Service, path: &Path, here: &Path) -> Result<Program, Error> {
+/// [`NoProgram::OfService`].
+pub fn of_service(service: Service, path: &Path, here: &Path) -> Result<Program, NoProgram> {
     let command = [path.to_string_lossy().into_owned()];
-    Program::of(&command, here)
-        .map_err(|error| Error::Usage(format!("--service {service}={}: {error}", command[0])))
-}
-
-/// The program that the scenario's law hosts.
-fn of_law(scenario: &Scenario) -> Result<Option<Program>, Error> {
-    let usage = |problem: Problem| {
-        Error::Usage(format!(
-            "{}: {}, expected {}",
-            problem.path, problem.message, problem.expected
-        ))
-    };
-    laws::program(scenario).map_err(usage)
+    Program::of(&command, here).map_err(|reason| NoProgram::OfService {
+        service,
+        path: path.to_owned(),
+        reason,
+    })
 }
 
 /// True if what `service` does is up to a program of the user's.

@@ -6,7 +6,7 @@ use super::exits::Exit;
 use super::processes::{Janitor, Process};
 use super::room::check_room;
 use super::root::RunRoot;
-use crate::Error;
+use crate::{Error, Failure, Status};
 use controller::laws;
 use messages::Service;
 use messages::{Command, Diagnostics};
@@ -27,6 +27,26 @@ const READY: Duration = Duration::from_secs(10);
 const EXIT_GRACE: Duration = Duration::from_secs(2);
 /// Time between two looks at the topics, whose senders wait for room.
 const POLL: Duration = Duration::from_millis(1);
+
+/// What keeps the replayer from giving the recorded samples.
+#[derive(Debug, thiserror::Error)]
+pub enum ReplayerError {
+    /// It did not begin in time.
+    #[error("the replayer did not get ready")]
+    NotReady,
+    /// It says in its own words why it cannot go on.
+    #[error("the replayer: {0}")]
+    Failed(String),
+    /// It ended, and said nothing.
+    #[error("the replayer: it ended before its time")]
+    Ended,
+}
+
+impl Failure for ReplayerError {
+    fn status(&self) -> Status {
+        Status::Machine
+    }
+}
 
 /// What the controller says in a replay.
 #[derive(Debug)]
@@ -55,8 +75,7 @@ pub fn replay(
     let root = RunRoot::create()?;
     let mut janitor = Janitor::spawn(&root)?;
     let (sender, events) = channel();
-    let signals = follow_signals(sender.clone())
-        .map_err(|e| Error::Machine(format!("cannot handle signals: {e}")))?;
+    let signals = follow_signals(sender.clone())?;
     let group = Group {
         root: root.path().to_owned(),
         prefix: root.prefix().to_owned(),
@@ -153,12 +172,10 @@ impl Cast {
                 _ => {}
             }
             if self.replayer.is_gone() {
-                let said = self.replayer.hear(Duration::ZERO);
-                let why = match said {
-                    Some(FromReplayer::Failed(why)) => why,
-                    _ => "it ended before its time".into(),
-                };
-                return Err(Error::Machine(format!("the replayer: {why}")));
+                return Err(match self.replayer.hear(Duration::ZERO) {
+                    Some(FromReplayer::Failed(why)) => ReplayerError::Failed(why).into(),
+                    _ => ReplayerError::Ended.into(),
+                });
             }
         }
         ear.listen()?;
@@ -187,8 +204,8 @@ impl Cast {
         }
         match self.replayer.hear(READY) {
             Some(FromReplayer::Ready) => Ok(()),
-            Some(FromReplayer::Failed(why)) => Err(Error::Machine(format!("the replayer: {why}"))),
-            None => Err(Error::Machine("the replayer did not get ready".into())),
+            Some(FromReplayer::Failed(why)) => Err(ReplayerError::Failed(why).into()),
+            None => Err(ReplayerError::NotReady.into()),
         }
     }
 

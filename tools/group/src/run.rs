@@ -1,12 +1,33 @@
 //! One scenario: opened with the options laid over it, and driven through a process group.
 
-use crate::{Error, GroupOptions, GroupOutcome, Launch, Moment, ScenarioOptions, launch};
+use crate::{Error, Failure, GroupOptions, GroupOutcome, Launch, Moment, ScenarioOptions, launch};
 use controller::laws;
 use openscenario::Assignment;
 use runtime::Mode;
 use scenario::{Overrides, Scenario};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+
+/// Why a value is given to no parameter.
+#[derive(Debug, thiserror::Error)]
+pub enum ParameterError {
+    /// The argument has no value.
+    #[error("--param {argument}: no value, expected NAME=VALUE")]
+    NoValue {
+        /// The argument.
+        argument: String,
+    },
+    /// Other scenarios have no parameters.
+    #[error("--param {argument}: {name} is no OpenSCENARIO file, expected --set KEY=VALUE")]
+    NoOpenScenario {
+        /// The argument.
+        argument: String,
+        /// The scenario.
+        name: String,
+    },
+}
+
+impl Failure for ParameterError {}
 
 /// Opens a scenario and lays the options over it.
 pub fn open(name: &str, options: &ScenarioOptions) -> Result<Scenario, Error> {
@@ -44,9 +65,8 @@ pub fn open_with(
             .map_err(|error| Error::OpenScenario(Box::new(error)));
     }
     if let Some(argument) = options.parameters.first() {
-        return Err(Error::Usage(format!(
-            "--param {argument}: {name} is no OpenSCENARIO file, expected --set KEY=VALUE"
-        )));
+        let (argument, name) = (argument.clone(), name.to_owned());
+        return Err(ParameterError::NoOpenScenario { argument, name }.into());
     }
     Ok(Scenario::open(name, &overrides, &laws::check)?)
 }
@@ -58,10 +78,9 @@ pub fn is_openscenario(name: &str) -> bool {
 }
 
 /// A value for a parameter of an OpenSCENARIO file.
-fn assignment(argument: &str) -> Result<Assignment, Error> {
-    let (name, value) = argument.split_once('=').ok_or_else(|| {
-        Error::Usage(format!("--param {argument}: no value, expected NAME=VALUE"))
-    })?;
+fn assignment(argument: &str) -> Result<Assignment, ParameterError> {
+    let no_value = || ParameterError::NoValue { argument: argument.to_owned() };
+    let (name, value) = argument.split_once('=').ok_or_else(no_value)?;
     Ok(Assignment { name: name.trim_start_matches('$').to_owned(), value: value.to_owned() })
 }
 

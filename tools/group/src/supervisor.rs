@@ -12,6 +12,7 @@ use super::member::{Heartbeats, Member};
 use super::processes::Janitor;
 use super::programs::{is_foreign, programs};
 use super::recording::{RecorderProcess, RecordingSummary, law_names};
+use super::refusal::check_launch;
 use super::room::check_room;
 use super::root::RunRoot;
 use super::succession::{self, Phase, Step};
@@ -156,8 +157,7 @@ pub(super) fn for_services(scenario: &Scenario) -> Scenario {
 /// # Errors
 /// If the group does not become ready; nothing of it is left then either.
 pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<GroupOutcome, Error> {
-    refuse_faults_of_processes(&launch)?;
-    refuse_standbys(&launch)?;
+    check_launch(&launch)?;
     let programs = programs(&launch.programs, &launch.scenario)?;
     let timetable = Timetable::of(&launch.scenario);
     let standby = launch.scenario.supervision.standby.services();
@@ -165,10 +165,8 @@ pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Grou
     let root = RunRoot::create()?;
     let janitor = Janitor::spawn(&root)?;
     let (sender, events) = channel();
-    let signals = follow_signals(sender.clone())
-        .map_err(|e| Error::Machine(format!("cannot handle signals: {e}")))?;
-    control::listen(root.path(), sender.clone())
-        .map_err(|e| Error::Machine(format!("cannot open the run's control socket: {e}")))?;
+    let signals = follow_signals(sender.clone())?;
+    control::listen(root.path(), sender.clone())?;
     let group = Group {
         root: root.path().to_owned(),
         prefix: root.prefix().to_owned(),
@@ -206,46 +204,6 @@ pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Grou
     root.remove();
     janitor.dismiss();
     outcome.map(|outcome| GroupOutcome { exits, ..outcome })
-}
-
-/// In simulated time all services wait for each other: a process fault shows nothing.
-fn refuse_faults_of_processes(launch: &Launch) -> Result<(), Error> {
-    let faults = launch.scenario.faults.iter().enumerate();
-    let mut of_processes = faults.filter(|(_, fault)| fault.effect.of_processes().is_some());
-    match of_processes.next() {
-        Some((i, fault)) if launch.mode == Mode::Lockstep => Err(Error::Usage(format!(
-            "faults.{i}: `{}` acts on a process and needs --mode realtime; in lockstep, where all \
-             services wait for each other, silence a topic with `drop` instead",
-            fault.effect.kind()
-        ))),
-        _ => Ok(()),
-    }
-}
-
-/// A standby repeats nothing byte by byte, and is one of timegap's own processes.
-fn refuse_standbys(launch: &Launch) -> Result<(), Error> {
-    if launch.mode == Mode::Lockstep {
-        return refuse_standbys_in_lockstep(&launch.scenario);
-    }
-    let services = launch.scenario.supervision.standby.services();
-    match services.iter().find(|service| launch.programs.contains_key(service)) {
-        Some(service) => Err(Error::Usage(format!(
-            "--service {service}=PROGRAM: a standby is a process of timegap's own, expected no program in \
-             the place of a service with a standby"
-        ))),
-        None => Ok(()),
-    }
-}
-
-/// In simulated time the end of a process ends the run.
-pub(super) fn refuse_standbys_in_lockstep(scenario: &Scenario) -> Result<(), Error> {
-    match scenario.supervision.standby.services().first() {
-        Some(service) => Err(Error::Usage(format!(
-            "supervision.standby: a standby for {service} needs --mode realtime; in lockstep the end of a \
-             process ends the run"
-        ))),
-        None => Ok(()),
-    }
 }
 
 /// Adds what only controller and plant tell, of processes that could not.

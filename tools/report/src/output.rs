@@ -5,7 +5,7 @@
 //! so that none of an earlier run stays beside those of the new one. Other files are left alone.
 
 use clap::Args;
-use group::Error;
+use group::{Error, Failure};
 use runtime::histogram_log;
 use runtime::statistics::Latencies;
 use rustix::fs::{FlockOperation, flock};
@@ -64,6 +64,32 @@ pub struct OutputDirectory {
     is_used: Cell<bool>,
 }
 
+/// Why a directory is not used for results.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// It is another command's.
+    #[error(
+        "{} belongs to a command that is still running: choose another directory", path.display()
+    )]
+    InUse {
+        /// The directory.
+        path: PathBuf,
+    },
+    /// Results of an earlier command are in it.
+    #[error(
+        "{} holds results ({first}): choose another directory, or add --force to replace them",
+        path.display()
+    )]
+    HoldsResults {
+        /// The directory.
+        path: PathBuf,
+        /// One of the results.
+        first: &'static str,
+    },
+}
+
+impl Failure for OutputError {}
+
 impl OutputDirectory {
     /// Makes the chosen directory, or a new one below `runs` named after the time and `name`.
     ///
@@ -79,11 +105,7 @@ impl OutputDirectory {
                 found.iter().try_for_each(|name| remove(&path.join(name)))?;
             }
             Some(first) => {
-                return Err(Error::Usage(format!(
-                    "{} holds results ({first}): choose another directory, or add --force to \
-                     replace them",
-                    path.display()
-                )));
+                return Err(OutputError::HoldsResults { path: path.clone(), first }.into());
             }
         }
         Ok(output)
@@ -130,10 +152,7 @@ impl OutputDirectory {
     fn lock(path: PathBuf, made: Vec<PathBuf>) -> Result<Self, Error> {
         let directory = File::open(&path).map_err(error(&path))?;
         match flock(&directory, FlockOperation::NonBlockingLockExclusive) {
-            Err(rustix::io::Errno::WOULDBLOCK) => Err(Error::Usage(format!(
-                "{} belongs to a command that is still running: choose another directory",
-                path.display()
-            ))),
+            Err(rustix::io::Errno::WOULDBLOCK) => Err(OutputError::InUse { path }.into()),
             // A file system without locks has directories all the same.
             _ => Ok(Self { path, _directory: directory, made, is_used: Cell::new(false) }),
         }

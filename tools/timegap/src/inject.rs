@@ -1,12 +1,11 @@
 //! `timegap inject`: inject a fault into a run that is going on.
 
 use clap::Args;
-use group::Error;
-use group::control;
-use messages::Service;
-use messages::Topic;
+use group::{Error, Failure, control};
+use messages::{Service, Topic, UnknownService};
 use report::print;
 use runtime::Group;
+use scenario::Problem;
 use scenario::faults::{self, Fault, Kind};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -67,12 +66,57 @@ const EXAMPLES: &str = "Examples:
   timegap inject RUN drop v2x/spat --for 5 --probability 0.5
   timegap inject RUN bias radar/tracks --field gap_m --amount 10 --for 3";
 
+/// Why a fault is not injected.
+#[derive(Debug, thiserror::Error)]
+pub enum InjectError {
+    /// The target is neither a service nor a topic.
+    #[error("{0}, or a topic such as radar/tracks")]
+    Target(#[source] UnknownService),
+    /// The options are no fault.
+    #[error("{}", in_options(.0))]
+    Fault(#[source] Problem),
+    /// The directory is not that of a run that goes on.
+    #[error("{} holds no run that is going on ({}: {reason})", results.display(), path.display())]
+    NoRun {
+        /// The directory.
+        results: PathBuf,
+        /// The file that tells how to join.
+        path: PathBuf,
+        /// Why it cannot be read.
+        #[source]
+        reason: std::io::Error,
+    },
+    /// The file that tells how to join cannot be understood.
+    #[error("{}: {reason}", path.display())]
+    LiveFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        #[source]
+        reason: serde_json::Error,
+    },
+    /// The run does not answer.
+    #[error("{} is not going on: {reason}", run.display())]
+    Over {
+        /// Its results.
+        run: PathBuf,
+        /// What the system said.
+        #[source]
+        reason: std::io::Error,
+    },
+    /// The run refused the fault, in its own words.
+    #[error("{0}")]
+    Refused(String),
+}
+
+impl Failure for InjectError {}
+
 /// Runs the command.
 pub fn run(arguments: &InjectArguments) -> Result<ExitCode, Error> {
     let fault = fault(arguments)?;
     let root = root(&arguments.run)?;
     let answer = control::inject(&root, &fault)
-        .map_err(|e| Error::Usage(format!("{} is not going on: {e}", arguments.run.display())))?;
+        .map_err(|reason| InjectError::Over { run: arguments.run.clone(), reason })?;
     if arguments.json {
         print::out(&(serde_json::to_string(&answer).expect("plain data") + "\n"))?;
     } else if answer.ok {
@@ -83,27 +127,24 @@ pub fn run(arguments: &InjectArguments) -> Result<ExitCode, Error> {
     } else if arguments.json {
         Ok(ExitCode::from(2))
     } else {
-        Err(Error::Usage(answer.message))
+        Err(InjectError::Refused(answer.message).into())
     }
 }
 
 /// The root of the run whose results are in `results`.
-fn root(results: &Path) -> Result<PathBuf, Error> {
+fn root(results: &Path) -> Result<PathBuf, InjectError> {
     let path = results.join("live.json");
-    let text = std::fs::read_to_string(&path).map_err(|e| {
-        Error::Usage(format!(
-            "{} holds no run that is going on ({}: {e})",
-            results.display(),
-            path.display()
-        ))
-    })?;
-    let group: Group = serde_json::from_str(&text)
-        .map_err(|e| Error::Usage(format!("{}: {e}", path.display())))?;
-    Ok(group.root)
+    match std::fs::read_to_string(&path) {
+        Ok(text) => match serde_json::from_str::<Group>(&text) {
+            Ok(group) => Ok(group.root),
+            Err(reason) => Err(InjectError::LiveFile { path, reason }),
+        },
+        Err(reason) => Err(InjectError::NoRun { results: results.to_owned(), path, reason }),
+    }
 }
 
 /// The fault that the options describe: they are the keys of a fault in a file by other names.
-fn fault(arguments: &InjectArguments) -> Result<Fault, Error> {
+fn fault(arguments: &InjectArguments) -> Result<Fault, InjectError> {
     let target = match &arguments.target {
         None => None,
         Some(target) => Some((key_of(target)?, Value::from(target.as_str()))),
@@ -125,23 +166,27 @@ fn fault(arguments: &InjectArguments) -> Result<Fault, Error> {
         ("times", whole(arguments.times)),
     ];
     let given = options.into_iter().filter_map(|(key, value)| Some((key, value?))).chain(target);
-    faults::read(given.map(|(key, value)| (key.to_owned(), value)).collect()).map_err(|problem| {
-        let option = match problem.path.strip_prefix("fault.") {
-            None => return Error::Usage(problem.message),
-            Some("service" | "topic") => "the target: ".to_owned(),
-            Some("for_s") => "--for: ".to_owned(),
-            Some("at_s") => "--in: ".to_owned(),
-            Some(key) => format!("--{}: ", key.replace('_', "-")),
-        };
-        Error::Usage(format!("{option}{}, expected {}", problem.message, problem.expected))
-    })
+    let table = given.map(|(key, value)| (key.to_owned(), value)).collect();
+    faults::read(table).map_err(InjectError::Fault)
+}
+
+/// What is wrong with a fault, in terms of the options.
+fn in_options(problem: &Problem) -> String {
+    let option = match problem.path.strip_prefix("fault.") {
+        None => return problem.message.clone(),
+        Some("service" | "topic") => "the target".to_owned(),
+        Some("for_s") => "--for".to_owned(),
+        Some("at_s") => "--in".to_owned(),
+        Some(key) => format!("--{}", key.replace('_', "-")),
+    };
+    format!("{option}: {}, expected {}", problem.message, problem.expected)
 }
 
 /// The key that a target belongs to.
-fn key_of(target: &str) -> Result<&'static str, Error> {
+fn key_of(target: &str) -> Result<&'static str, InjectError> {
     match (target.parse::<Service>(), Topic::by_name(target)) {
         (Ok(_), _) => Ok("service"),
         (Err(_), Some(_)) => Ok("topic"),
-        (Err(e), None) => Err(Error::Usage(format!("{e}, or a topic such as radar/tracks"))),
+        (Err(unknown), None) => Err(InjectError::Target(unknown)),
     }
 }

@@ -5,7 +5,7 @@ use clap::Args;
 
 use controller::law::{Descriptor, Figure, Formulation};
 use controller::laws;
-use group::{Error, ScenarioOptions};
+use group::{Error, Failure, ScenarioOptions};
 use report::print;
 use scenario::builtin;
 use std::process::ExitCode;
@@ -27,6 +27,16 @@ pub struct ListArguments {
     pub json: bool,
 }
 
+/// There is no built-in file of this name.
+#[derive(Debug, thiserror::Error)]
+#[error("no scenario or campaign `{name}`, expected one of {}", names.join(", "))]
+pub struct UnknownFile {
+    name: String,
+    names: Vec<&'static str>,
+}
+
+impl Failure for UnknownFile {}
+
 /// Runs the command.
 pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
     if let Some(name) = arguments.show.as_deref().filter(|name| group::is_openscenario(name)) {
@@ -41,9 +51,8 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
         let files: Vec<_> = scenarios.chain(campaigns).collect();
         let found = files.iter().find(|(known, _)| known == name);
         let (_, text) = found.ok_or_else(|| {
-            let names: Vec<_> = files.iter().map(|(known, _)| *known).collect();
-            let names = names.join(", ");
-            Error::Usage(format!("no scenario or campaign `{name}`, expected one of {names}"))
+            let names = files.iter().map(|(known, _)| *known).collect();
+            UnknownFile { name: name.clone(), names }
         })?;
         print::out(text)?;
         return Ok(ExitCode::SUCCESS);

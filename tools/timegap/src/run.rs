@@ -5,7 +5,8 @@ use clap::Args;
 use controller::law::Formulation;
 use controller::laws;
 use group::{
-    Ended, Error, GroupOptions, GroupOutcome, Keep, ModeName, Moment, ScenarioOptions, drive, open,
+    Ended, Error, Failure, GroupOptions, GroupOutcome, Keep, ModeName, Moment, ScenarioOptions,
+    SignalsError, drive, open,
 };
 use indicatif::{ProgressBar, ProgressStyle};
 use messages::Service;
@@ -148,21 +149,32 @@ fn in_process(
 ) -> Result<GroupOutcome, Error> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in group::end_signals() {
-        signal_hook::flag::register(signal, Arc::clone(&stop))
-            .map_err(|e| Error::Machine(format!("cannot handle signals: {e}")))?;
+        signal_hook::flag::register(signal, Arc::clone(&stop)).map_err(SignalsError::from)?;
     }
     group::in_process::run_watched(scenario, &|| stop.load(Ordering::Relaxed), watch)
 }
 
-fn refuse_what_needs_processes(arguments: &RunArguments) -> Result<(), Error> {
-    let conflict = if matches!(arguments.mode, ModeName::Realtime) {
-        "in realtime every service is a process: add --mode lockstep"
+/// What `--in-process` excludes.
+#[derive(Debug, thiserror::Error)]
+pub enum NeedsProcesses {
+    /// The wall's clock.
+    #[error("--in-process: in realtime every service is a process: add --mode lockstep")]
+    Realtime,
+    /// A program of the user's.
+    #[error("--in-process: a program of its own is a process: leave out --service or --in-process")]
+    Program,
+}
+
+impl Failure for NeedsProcesses {}
+
+fn refuse_what_needs_processes(arguments: &RunArguments) -> Result<(), NeedsProcesses> {
+    if matches!(arguments.mode, ModeName::Realtime) {
+        Err(NeedsProcesses::Realtime)
     } else if !arguments.group.programs.is_empty() {
-        "a program of its own is a process: leave out --service or --in-process"
+        Err(NeedsProcesses::Program)
     } else {
-        return Ok(());
-    };
-    Err(Error::Usage(format!("--in-process: {conflict}")))
+        Ok(())
+    }
 }
 
 /// A bar on a terminal, for runs longer than a second; nothing elsewhere.

@@ -1,7 +1,9 @@
 //! `timegap synthesize`: a controller's design from its parameters, offline.
 
 use clap::{Args, ValueEnum};
-use group::Error;
+#[cfg(feature = "synthesize")]
+use controller::laws::quadratic_bounded::synthesis::{DesignRequest, SynthesisError, synthesize};
+use group::{Error, Failure};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -28,13 +30,22 @@ pub enum DesignName {
     QuadraticBounded,
 }
 
+/// A file of parameters from which nothing can be designed.
+#[cfg(feature = "synthesize")]
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {reason}", path.display())]
+pub struct Refused {
+    path: PathBuf,
+    #[source]
+    reason: SynthesisError,
+}
+
+#[cfg(feature = "synthesize")]
+impl Failure for Refused {}
+
 /// Runs the command.
 #[cfg(feature = "synthesize")]
 pub fn run(arguments: &SynthesizeArguments) -> Result<ExitCode, Error> {
-    use controller::laws::quadratic_bounded::synthesis::{
-        DesignRequest, SynthesisError, synthesize,
-    };
-
     let DesignName::QuadraticBounded = arguments.controller;
     let path = &arguments.file;
     let text = std::fs::read_to_string(path).map_err(|reason| Error::Path {
@@ -42,7 +53,7 @@ pub fn run(arguments: &SynthesizeArguments) -> Result<ExitCode, Error> {
         path: path.clone(),
         reason,
     })?;
-    let usage = |error: SynthesisError| Error::Usage(format!("{}: {error}", path.display()));
+    let usage = |reason| Refused { path: path.clone(), reason };
     let request = DesignRequest::from_toml(&text).map_err(usage)?;
     let synthesis = match synthesize(&request) {
         Ok(synthesis) => synthesis,
@@ -50,7 +61,7 @@ pub fn run(arguments: &SynthesizeArguments) -> Result<ExitCode, Error> {
             eprintln!("error: {}: {error}", path.display());
             return Ok(ExitCode::FAILURE);
         }
-        Err(error) => return Err(usage(error)),
+        Err(error) => return Err(usage(error).into()),
     };
     let json = synthesis.design.to_json();
     std::fs::write(&arguments.out, &json).map_err(|reason| Error::Path {
@@ -78,13 +89,24 @@ pub fn run(arguments: &SynthesizeArguments) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// This build has no solver for it.
+#[cfg(not(feature = "synthesize"))]
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "this build cannot design controllers: it needs OpenBLAS (on Debian: apt-get install \
+     libopenblas-dev pkg-config gfortran) and the cargo feature, as in\n  \
+     cargo run --release --features synthesize -- synthesize quadratic-bounded {}",
+    file.display()
+)]
+pub struct NotBuilt {
+    file: PathBuf,
+}
+
+#[cfg(not(feature = "synthesize"))]
+impl Failure for NotBuilt {}
+
 /// Says what is missing.
 #[cfg(not(feature = "synthesize"))]
 pub fn run(arguments: &SynthesizeArguments) -> Result<ExitCode, Error> {
-    Err(Error::Usage(format!(
-        "this build cannot design controllers: it needs OpenBLAS (on Debian: apt-get install \
-         libopenblas-dev pkg-config gfortran) and the cargo feature, as in\n  \
-         cargo run --release --features synthesize -- synthesize quadratic-bounded {}",
-        arguments.file.display()
-    )))
+    Err(NotBuilt { file: arguments.file.clone() }.into())
 }

@@ -182,8 +182,8 @@ impl Plausibility {
         let radar = radar.and_then(|sample| radars.look(sample, ego_mps, time_s, findings));
         let odometry = odometry
             .filter(|sample| motion.agrees(sample, radar, commanded_mps2, time_s, findings));
-        let (spat, signals_contradict) = match spat {
-            Some(sample) => countdown.look(sample, time_s, findings),
+        let (spat, signals_contradict) = match spat.map(|s| countdown.look(s, time_s, findings)) {
+            Some((believed, contradicts)) => (Some(believed), contradicts),
             None => (None, false),
         };
         Believed { odometry, radar, spat, signals_contradict }

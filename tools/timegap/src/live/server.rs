@@ -11,7 +11,7 @@
 
 use super::feed::{Frame, Update};
 use super::history::WINDOW_S;
-use group::Error;
+use group::{Failure, Status};
 use std::collections::VecDeque;
 use std::io::{ErrorKind, Read, Write};
 use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
@@ -37,6 +37,21 @@ const END_PATIENCE: Duration = Duration::from_secs(2);
 /// Bytes of the token.
 const TOKEN_BYTES: usize = 16;
 
+/// The port cannot be served.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot serve 127.0.0.1:{port}: {reason}")]
+pub struct ServeError {
+    port: u16,
+    #[source]
+    reason: std::io::Error,
+}
+
+impl Failure for ServeError {
+    fn status(&self) -> Status {
+        Status::Machine
+    }
+}
+
 /// A served run.
 pub struct Server {
     /// Where it is.
@@ -57,8 +72,8 @@ struct Hub {
 
 impl Server {
     /// Listens on `port` of the loopback interface; 0 takes any that is free.
-    pub fn start(title: &str, port: u16, updates: Receiver<Update>) -> Result<Self, Error> {
-        let failed = |error| Error::Machine(format!("cannot serve 127.0.0.1:{port}: {error}"));
+    pub fn start(title: &str, port: u16, updates: Receiver<Update>) -> Result<Self, ServeError> {
+        let failed = |reason| ServeError { port, reason };
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(failed)?;
         let address = listener.local_addr().map_err(failed)?;
         let hub = Arc::new(Mutex::new(Hub::default()));

@@ -2,7 +2,7 @@
 
 use super::feed::{Point, Update};
 use super::history::History;
-use group::Error;
+use group::{Failure, Status};
 use ratatui::Frame as Screen;
 use ratatui::Terminal;
 use ratatui::backend::CrosstermBackend;
@@ -34,17 +34,36 @@ const CONTROL_C: u8 = 3;
 /// First byte of a key that is more than a letter.
 const ESCAPE: u8 = 0x1b;
 
+/// Why a run cannot be shown in the terminal.
+#[derive(Debug, thiserror::Error)]
+pub enum WatchError {
+    /// Standard error is none.
+    #[error("--watch needs a terminal")]
+    NoTerminal,
+    /// It cannot be used.
+    #[error("cannot use the terminal: {0}")]
+    Terminal(#[from] std::io::Error),
+}
+
+impl Failure for WatchError {
+    fn status(&self) -> Status {
+        match self {
+            Self::NoTerminal => Status::Usage,
+            Self::Terminal(_) => Status::Machine,
+        }
+    }
+}
+
 /// Starts the view, which ends with its channel, the run or the terminal. It draws on standard error:
 /// standard output belongs to the results.
-pub fn watch(title: String, updates: Receiver<Update>) -> Result<JoinHandle<()>, Error> {
+pub fn watch(title: String, updates: Receiver<Update>) -> Result<JoinHandle<()>, WatchError> {
     if !stderr().is_terminal() {
-        return Err(Error::Usage("--watch needs a terminal".into()));
+        return Err(WatchError::NoTerminal);
     }
-    let failed = |error| Error::Machine(format!("cannot use the terminal: {error}"));
-    let keys = Keys::open().map_err(failed)?;
-    let mut terminal = Held::take().map_err(failed)?;
+    let keys = Keys::open()?;
+    let mut terminal = Held::take()?;
     let thread = std::thread::Builder::new().name("watch".into());
-    thread.spawn(move || terminal.follow(&title, &updates, &keys)).map_err(failed)
+    Ok(thread.spawn(move || terminal.follow(&title, &updates, &keys))?)
 }
 
 /// What the terminal's keyboard says.

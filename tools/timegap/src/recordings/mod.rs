@@ -13,7 +13,7 @@ use std::path::Path;
 
 /// Opens the recording of a run's directory, or a file.
 fn open(path: &Path) -> Result<Recording, Error> {
-    Recording::open(path).map_err(|error| Error::Usage(error.to_string()))
+    Ok(Recording::open(path)?)
 }
 
 /// Says on standard error what of a recording could not be read. The exit status of a command whose result is

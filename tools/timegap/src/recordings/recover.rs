@@ -2,8 +2,7 @@
 
 use super::{count, open};
 use clap::Args;
-use group::Error;
-use group::is_alive;
+use group::{Error, Failure, is_alive};
 use recorder::{Recording, Recovered};
 use report::print;
 use runtime::Group;
@@ -26,21 +25,30 @@ pub struct RecoverArguments {
     pub json: bool,
 }
 
+/// Why a recording cannot be recovered.
+#[derive(Debug, thiserror::Error)]
+pub enum RecoverError {
+    /// Its run goes on.
+    #[error("{} is still being recorded: wait for its run's end", .0.display())]
+    InProgress(PathBuf),
+    /// It has no message.
+    #[error("{} holds no whole message: nothing to recover", .0.display())]
+    Empty(PathBuf),
+}
+
+impl Failure for RecoverError {}
+
 /// Runs the command.
 pub fn run(arguments: &RecoverArguments) -> Result<ExitCode, Error> {
     let broken = open(&arguments.run)?;
     if arguments.out.is_none() && is_being_recorded(broken.path()) {
-        let path = broken.path().display();
-        return Err(Error::Usage(format!(
-            "{path} is still being recorded: wait for its run's end"
-        )));
+        return Err(RecoverError::InProgress(broken.path().to_owned()).into());
     }
     let survey = broken.survey();
     let is_asked_for = arguments.out.is_some() || !survey.damage.is_empty();
     if survey.tally.messages() == 0 && is_asked_for {
-        let path = broken.path().display();
         super::tell(&broken, &survey.damage);
-        return Err(Error::Usage(format!("{path} holds no whole message: nothing to recover")));
+        return Err(RecoverError::Empty(broken.path().to_owned()).into());
     }
     let damage: Vec<_> = survey.damage.iter().map(ToString::to_string).collect();
     let whole = damage.is_empty() && arguments.out.is_none();
@@ -102,7 +110,7 @@ fn rewrite(broken: &Recording, out: Option<&Path>) -> Result<(PathBuf, recorder:
         std::fs::rename(place, &kept).map_err(error("rename", place))?;
     }
     std::fs::rename(&part, place).map_err(error("rename", &part))?;
-    recorder::bag::write_beside(place).map_err(|e| Error::Usage(e.to_string()))?;
+    recorder::bag::write_beside(place)?;
     Ok((place.to_owned(), recovered.tally))
 }
 

@@ -18,14 +18,13 @@ use super::{count, open, tell};
 use clap::Args;
 use comparison::{Comparison, Pairs, Row};
 use controller::laws;
-use group::Error;
-use group::{replay, service_program};
+use group::{Error, Failure, replay, service_program};
 use messages::Service;
 use recorder::Recording;
 use report::print;
 use report::progress::count_bar;
 use runtime::Program;
-use scenario::{Overrides, Scenario};
+use scenario::{Overrides, Problem, Scenario, ScenarioError};
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -54,6 +53,39 @@ pub struct ReplayArguments {
     pub json: bool,
 }
 
+/// Why a recording cannot be replayed.
+#[derive(Debug, thiserror::Error)]
+pub enum ReplayError {
+    /// The controller did nothing in it.
+    #[error("{} holds no control cycle that could be replayed", .0.display())]
+    Empty(PathBuf),
+    /// Its scenario, or an option that changes it, is wrong.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// The program that the law hosts is none.
+    #[error("{}", .0.message)]
+    Law(#[source] Problem),
+    /// A program for a service that takes no part.
+    #[error("--service {0}: a replay has the controller alone, expected controller=PROGRAM")]
+    NotTheController(Service),
+    /// A program drove, and none is given.
+    #[error(
+        "{} was driven by the program `{}` (sha256 {}), expected --service controller=PROGRAM, or \
+         --controller NAME to compare it with another law",
+        recording.display(),
+        program.command,
+        program.sha256
+    )]
+    Program {
+        /// The recording.
+        recording: PathBuf,
+        /// Who drove.
+        program: Program,
+    },
+}
+
+impl Failure for ReplayError {}
+
 /// Runs the command.
 pub fn run(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
     let recording = open(&arguments.run)?;
@@ -62,9 +94,8 @@ pub fn run(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
     let takes = recording.takes();
     let cycles: u64 = takes.iter().map(|take| take.cycles).sum();
     if cycles == 0 {
-        let path = recording.path().display();
         tell(&recording, recording.damage());
-        return Err(Error::Usage(format!("{path} holds no control cycle that could be replayed")));
+        return Err(ReplayError::Empty(recording.path().to_owned()).into());
     }
     let path =
         arguments.out.clone().unwrap_or_else(|| recording.path().with_file_name("replay.csv"));
@@ -95,19 +126,20 @@ pub fn run(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
 }
 
 /// The recorded scenario, and whether something of it was changed.
-fn scenario(recording: &Recording, arguments: &ReplayArguments) -> Result<(Scenario, bool), Error> {
-    let usage = |error: &dyn std::fmt::Display| Error::Usage(error.to_string());
+fn scenario(
+    recording: &Recording,
+    arguments: &ReplayArguments,
+) -> Result<(Scenario, bool), ReplayError> {
     let mut overrides = Overrides::new();
     if let Some(controller) = &arguments.controller {
         overrides.option("--controller", "controller.name", controller);
     }
     for argument in &arguments.set {
-        overrides.set(argument).map_err(|e| usage(&e))?;
+        overrides.set(argument)?;
     }
     let text = &recording.metadata().scenario;
-    let recorded = Scenario::parse("the recorded scenario", text).map_err(|e| usage(&e))?;
-    let scenario = Scenario::parse_with("the recorded scenario", text, &overrides, &laws::check)
-        .map_err(|e| usage(&e))?;
+    let recorded = Scenario::parse("the recorded scenario", text)?;
+    let scenario = Scenario::parse_with("the recorded scenario", text, &overrides, &laws::check)?;
     let changed = scenario != recorded;
     Ok((scenario, changed))
 }
@@ -126,27 +158,20 @@ fn programs(
     arguments: &ReplayArguments,
 ) -> Result<Programs, Error> {
     let recorded = recording.metadata().programs.get(Service::Controller.name()).cloned();
-    let hosted = laws::program(scenario).map_err(|e| Error::Usage(e.message))?;
+    let hosted = laws::program(scenario).map_err(ReplayError::Law)?;
     let replayed = match &arguments.service {
         Some((Service::Controller, path)) => {
             let here = std::env::current_dir().unwrap_or_default();
             Some(group::of_service(Service::Controller, path, &here)?)
         }
         Some((other, _)) => {
-            return Err(Error::Usage(format!(
-                "--service {other}: a replay has the controller alone, expected controller=PROGRAM"
-            )));
+            return Err(ReplayError::NotTheController(*other).into());
         }
         None => hosted,
     };
     if let (Some(program), None, None) = (&recorded, &replayed, &arguments.controller) {
-        return Err(Error::Usage(format!(
-            "{} was driven by the program `{}` (sha256 {}), expected --service \
-             controller=PROGRAM, or --controller NAME to compare it with another law",
-            recording.path().display(),
-            program.command,
-            program.sha256
-        )));
+        let (recording, program) = (recording.path().to_owned(), program.clone());
+        return Err(ReplayError::Program { recording, program }.into());
     }
     if let (Some(then), Some(now)) = (&recorded, &replayed)
         && then.sha256 != now.sha256

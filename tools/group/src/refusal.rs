@@ -1,0 +1,85 @@
+//! What a group of processes cannot run, said before anything is started.
+
+use crate::{Failure, Launch};
+use messages::Service;
+use runtime::Mode;
+use scenario::Scenario;
+use scenario::faults::Kind;
+
+/// Why a scenario is not run in this way.
+#[derive(Debug, thiserror::Error)]
+pub enum Refusal {
+    /// In simulated time all services wait for each other: a process fault shows nothing.
+    #[error(
+        "faults.{index}: `{kind}` acts on a process and needs --mode realtime; in lockstep, where all \
+         services wait for each other, silence a topic with `drop` instead"
+    )]
+    FaultInLockstep {
+        /// Which of the scenario's faults.
+        index: usize,
+        /// Its kind.
+        kind: Kind,
+    },
+    /// All services share one process.
+    #[error(
+        "faults.{index}: `{kind}` acts on a process, and here all services share one: leave out \
+         --in-process and run with --mode realtime, or leave out the fault: --set faults=[]"
+    )]
+    FaultInProcess {
+        /// Which of the scenario's faults.
+        index: usize,
+        /// Its kind.
+        kind: Kind,
+    },
+    /// In simulated time the end of a process ends the run.
+    #[error(
+        "supervision.standby: a standby for {0} needs --mode realtime; in lockstep the end of a process \
+         ends the run"
+    )]
+    StandbyInLockstep(Service),
+    /// A standby and a program of the user's for the same service.
+    #[error(
+        "--service {0}=PROGRAM: a standby is a process of timegap's own, expected no program in the \
+         place of a service with a standby"
+    )]
+    StandbyOfProgram(Service),
+}
+
+impl Failure for Refusal {}
+
+/// Checks that a group of processes can run what is asked for.
+pub fn check_launch(launch: &Launch) -> Result<(), Refusal> {
+    if launch.mode == Mode::Lockstep {
+        if let Some((index, kind)) = fault_of_processes(&launch.scenario) {
+            return Err(Refusal::FaultInLockstep { index, kind });
+        }
+        return check_standbys(&launch.scenario);
+    }
+    let services = launch.scenario.supervision.standby.services();
+    match services.into_iter().find(|service| launch.programs.contains_key(service)) {
+        Some(service) => Err(Refusal::StandbyOfProgram(service)),
+        None => Ok(()),
+    }
+}
+
+/// Checks that one process can run the scenario.
+pub fn check_in_process(scenario: &Scenario) -> Result<(), Refusal> {
+    match fault_of_processes(scenario) {
+        Some((index, kind)) => Err(Refusal::FaultInProcess { index, kind }),
+        None => check_standbys(scenario),
+    }
+}
+
+fn check_standbys(scenario: &Scenario) -> Result<(), Refusal> {
+    match scenario.supervision.standby.services().first() {
+        Some(&service) => Err(Refusal::StandbyInLockstep(service)),
+        None => Ok(()),
+    }
+}
+
+/// The first fault that acts on processes, and its index.
+fn fault_of_processes(scenario: &Scenario) -> Option<(usize, Kind)> {
+    let mut faults = scenario.faults.iter().map(|fault| &fault.effect).enumerate();
+    let found = faults.find(|(_, effect)| effect.of_processes().is_some());
+    found.map(|(index, effect)| (index, effect.kind()))
+}
