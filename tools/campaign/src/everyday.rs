@@ -69,7 +69,7 @@ impl Kind {
     /// Scene number `number` for `law`, with the emergency brake or without.
     ///
     /// # Errors
-    /// [`Error::Usage`] if there is no such law.
+    /// [`Error::Scenario`] if there is no such law.
     pub fn scenario(self, number: u32, law: &str, aebs: bool) -> Result<Scenario, Error> {
         let mut draws = Draws(Pcg64::new(u128::from(number), 0x1501 + self as u128));
         let (speed_mps, set_mps, duration_s, actors) = match self {
@@ -86,8 +86,7 @@ impl Kind {
              [aebs]\nenabled = {aebs}\n\
              [controller]\nname = \"{law}\"\n{actors}"
         );
-        Scenario::parse_with("everyday", &text, &Overrides::new(), &laws::check)
-            .map_err(|error| Error::Usage(error.to_string()))
+        Ok(Scenario::parse_with("everyday", &text, &Overrides::new(), &laws::check)?)
     }
 
     /// Drives `scenario`, a scene of this kind, in this thread.

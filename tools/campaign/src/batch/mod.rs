@@ -10,12 +10,10 @@ mod leftovers;
 mod sample;
 mod usage;
 
-pub use sample::{ProcessesSample, Repetition, choose};
+pub use sample::{OtherBytes, ProcessesSample, Repetition, choose};
 pub use usage::Growth;
 
-use group::Error;
-use group::GroupOptions;
-use group::{Drive, Ended};
+use group::{Drive, Ended, Error, Failure, GroupOptions, SignalsError, Status};
 
 use indicatif::ProgressBar;
 use leftovers::leftovers;
@@ -87,7 +85,7 @@ pub fn at_once(chosen: Option<NonZeroUsize>, mode: Mode) -> usize {
 ///
 /// # Errors
 /// [`Error::Interrupted`] when a signal asked for the end, what keeps every run from starting, what
-/// `each` returned, or [`Error::Different`] if a repeated run gave other bytes; in each case when all
+/// `each` returned, or [`OtherBytes`] if a repeated run gave other bytes; in each case when all
 /// runs are over.
 pub fn run(
     jobs: &[Job],
@@ -103,18 +101,19 @@ pub fn run(
     let repeated = chosen.into_iter().map(|index| candidates[index]).collect();
     let sample = run_repeating(&repeated, jobs, at_once, group, bar, each)?;
     sample.tell(jobs.len(), bar);
-    sample.agreed(|index| {
+    let sample = sample.agreed(|index| {
         let scenario = &jobs[index].scenario;
         let (name, law) = (scenario.name.as_str(), scenario.controller.name.as_str());
         format!(" ({name} with {law}, seed {})", scenario.seed.value())
-    })
+    });
+    Ok(sample?)
 }
 
 /// The same with the choice of the runs to be repeated, and without a word on them; a repeated run
 /// that gave other bytes is in its result alone.
 ///
 /// # Errors
-/// As [`run`], but for [`Error::Different`].
+/// As [`run`], but for [`OtherBytes`].
 pub fn run_repeating(
     repeated: &BTreeSet<usize>,
     jobs: &[Job],
@@ -194,18 +193,33 @@ pub fn run_made(
     end.map(|()| sample)
 }
 
+/// A run did not reach its end.
+#[derive(Debug, thiserror::Error)]
+#[error("{scenario} with {controller}: {}", why.as_deref().unwrap_or("aborted"))]
+pub struct Aborted {
+    scenario: String,
+    controller: String,
+    /// As its summary says.
+    why: Option<String>,
+}
+
+impl Failure for Aborted {
+    fn status(&self) -> Status {
+        Status::Machine
+    }
+}
+
 /// A run that did not reach its end has no figures.
 ///
 /// # Errors
-/// [`Error::Machine`] that says why the run was aborted.
-pub fn whole(summary: &Summary) -> Result<(), Error> {
+/// [`Aborted`].
+pub fn whole(summary: &Summary) -> Result<(), Aborted> {
     match (&summary.outcome, &summary.aborted_because) {
-        (Outcome::Aborted, why) => Err(Error::Machine(format!(
-            "{} with {}: {}",
-            summary.scenario,
-            summary.controller,
-            why.as_deref().unwrap_or("aborted"),
-        ))),
+        (Outcome::Aborted, why) => Err(Aborted {
+            scenario: summary.scenario.clone(),
+            controller: summary.controller.clone(),
+            why: why.clone(),
+        }),
         _ => Ok(()),
     }
 }
@@ -350,14 +364,13 @@ impl Interrupt {
     /// Begins to notice.
     ///
     /// # Errors
-    /// [`Error::Machine`] if the signals cannot be handled.
-    pub fn watch() -> Result<Self, Error> {
+    /// If the signals cannot be handled.
+    pub fn watch() -> Result<Self, SignalsError> {
         let came = Arc::new(AtomicBool::new(false));
         let registered = group::end_signals()
             .into_iter()
             .map(|signal| signal_hook::flag::register(signal, Arc::clone(&came)))
-            .collect::<Result<_, _>>()
-            .map_err(|e| Error::Machine(format!("cannot handle signals: {e}")))?;
+            .collect::<Result<_, _>>()?;
         Ok(Self { came, registered })
     }
 

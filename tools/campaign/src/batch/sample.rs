@@ -1,7 +1,7 @@
 //! Runs of a batch that are repeated in process groups, so that runs in one process need not be
 //! believed.
 
-use group::Error;
+use group::{Failure, Status};
 use indicatif::ProgressBar;
 use rand_core::Rng;
 use rand_pcg::Pcg32;
@@ -16,6 +16,23 @@ const EVERY: usize = 200;
 const LEAST: usize = 3;
 /// Selects the random sequence that chooses.
 const STREAM: u64 = 0x5a3e;
+
+/// A run in one process and the same run in a process group gave different bytes.
+#[derive(Debug, thiserror::Error)]
+#[error("run {run}{what} in a process group: {why}")]
+pub struct OtherBytes {
+    run: usize,
+    /// More on the run.
+    what: String,
+    /// What is different.
+    why: String,
+}
+
+impl Failure for OtherBytes {
+    fn status(&self) -> Status {
+        Status::Different
+    }
+}
 
 /// What came of repeating a run in a process group.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -67,14 +84,13 @@ impl ProcessesSample {
     /// The sample, if every repeated run gave the same bytes; `describe` says more of a run.
     ///
     /// # Errors
-    /// [`Error::Different`] if one of them gave other bytes.
-    pub fn agreed(self, describe: impl Fn(usize) -> String) -> Result<Self, Error> {
+    /// [`OtherBytes`] if one of them gave other bytes.
+    pub fn agreed(self, describe: impl Fn(usize) -> String) -> Result<Self, OtherBytes> {
         match &self.first_difference {
             None => Ok(self),
-            Some((index, why)) => Err(Error::Different(format!(
-                "run {index}{} in a process group: {why}",
-                describe(*index)
-            ))),
+            Some((run, why)) => {
+                Err(OtherBytes { run: *run, what: describe(*run), why: why.clone() })
+            }
         }
     }
 

@@ -29,9 +29,9 @@
 use super::tally::FIGURES;
 use super::variation::Variants;
 use crate::parts::Shard;
-use group::Error;
+use group::{Error, Failure};
 use runtime::Mode;
-use scenario::name::{Line, Name};
+use scenario::name::{Line, Name, NotALine, NotAName};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::num::{NonZeroU32, NonZeroUsize};
@@ -98,6 +98,88 @@ pub struct Campaign {
     pub require: BTreeMap<String, f64>,
 }
 
+/// Why there is no campaign of a name.
+#[derive(Debug, thiserror::Error)]
+pub enum FileError {
+    /// It is neither built in nor a file.
+    #[error(
+        "{argument}: no built-in campaign and no file of this name, expected a path or {}",
+        BUILTIN.map(|builtin| builtin.name).join(", ")
+    )]
+    Unknown {
+        /// The argument.
+        argument: String,
+    },
+    /// It is no file, or too long for one.
+    #[error("{}: expected a file of at most {MAX_BYTES} bytes", path.display())]
+    TooLong {
+        /// The file.
+        path: PathBuf,
+    },
+    /// It is no campaign.
+    #[error("{file}: {problem}")]
+    Campaign {
+        /// The file, or what is built in.
+        file: String,
+        /// What is wrong with it.
+        #[source]
+        problem: CampaignProblem,
+    },
+    /// A variation file gives its campaign no name.
+    #[error(transparent)]
+    Name(NotAName),
+    /// A variation file gives its campaign no description.
+    #[error(transparent)]
+    Description(NotALine),
+}
+
+impl Failure for FileError {}
+
+/// What is wrong with the text of a campaign.
+#[derive(Debug, thiserror::Error)]
+pub enum CampaignProblem {
+    /// A key or a value is.
+    #[error("{}", .0.to_string().trim_end())]
+    Toml(#[from] toml::de::Error),
+    /// Another version of the schema.
+    #[error("schema_version = {0} is not known, expected 1")]
+    Version(u32),
+    /// There is nothing to run.
+    #[error("scenarios = [] runs nothing, expected at least one")]
+    NoScenario,
+    /// The time between two samples.
+    #[error("sample_every_s is out of range, expected 0.1 to 3600 s")]
+    SamplePeriod,
+    /// No faults can be drawn so.
+    #[error(
+        "faults_per_run = [{least}, {most}] draws nothing, expected two numbers up to \
+         {MAX_FAULTS_PER_RUN}, the smaller first, and [[faults]] to draw from"
+    )]
+    FaultsPerRun {
+        /// The first number.
+        least: u32,
+        /// The second.
+        most: u32,
+    },
+    /// A requirement names no figure.
+    #[error(
+        "`{key}` requires no figure, expected max_ or min_ and one of {}",
+        FIGURES.map(|figure| figure.name).join(", ")
+    )]
+    NoFigure {
+        /// The key.
+        key: String,
+    },
+    /// A requirement is no number.
+    #[error("{key} = {limit} is no limit, expected a number")]
+    NoLimit {
+        /// The key.
+        key: String,
+        /// Its value.
+        limit: f64,
+    },
+}
+
 fn lockstep() -> Mode {
     Mode::Lockstep
 }
@@ -149,13 +231,11 @@ impl Campaign {
     /// The built-in campaign of that name, or the file at that path.
     pub fn open(argument: &str) -> Result<Self, Error> {
         if let Some(builtin) = BUILTIN.iter().find(|builtin| builtin.name == argument) {
-            return Self::parse(&format!("built-in {argument}"), builtin.text);
+            return Ok(Self::parse(&format!("built-in {argument}"), builtin.text)?);
         }
         let path = Path::new(argument);
         if !path.exists() {
-            let names = BUILTIN.map(|builtin| builtin.name).join(", ");
-            let what = "no built-in campaign and no file of this name";
-            return Err(Error::Usage(format!("{argument}: {what}, expected a path or {names}")));
+            return Err(FileError::Unknown { argument: argument.to_owned() }.into());
         }
         if group::is_openscenario(argument) {
             return of_variation(path);
@@ -189,26 +269,27 @@ impl Campaign {
         let error = |reason| Error::Path { action: "read", path: path.to_owned(), reason };
         let metadata = std::fs::metadata(path).map_err(error)?;
         if !metadata.is_file() || metadata.len() > MAX_BYTES {
-            let what = format!("expected a file of at most {MAX_BYTES} bytes");
-            return Err(Error::Usage(format!("{}: {what}", path.display())));
+            return Err(FileError::TooLong { path: path.to_owned() }.into());
         }
         let text = std::fs::read_to_string(path).map_err(error)?;
-        Self::parse(&path.display().to_string(), &text)
+        Ok(Self::parse(&path.display().to_string(), &text)?)
     }
 
-    fn parse(source: &str, text: &str) -> Result<Self, Error> {
-        let refuse = |what: String| Error::Usage(format!("{source}: {what}"));
-        let campaign: Self =
-            toml::from_str(text).map_err(|e| refuse(e.to_string().trim_end().to_owned()))?;
+    fn parse(file: &str, text: &str) -> Result<Self, FileError> {
+        Self::read_text(text)
+            .map_err(|problem| FileError::Campaign { file: file.to_owned(), problem })
+    }
+
+    fn read_text(text: &str) -> Result<Self, CampaignProblem> {
+        let campaign: Self = toml::from_str(text)?;
         if campaign.schema_version != 1 {
-            let version = campaign.schema_version;
-            return Err(refuse(format!("schema_version = {version} is not known, expected 1")));
+            return Err(CampaignProblem::Version(campaign.schema_version));
         }
         if campaign.scenarios.is_empty() && campaign.variation.is_none() {
-            return Err(refuse("scenarios = [] runs nothing, expected at least one".into()));
+            return Err(CampaignProblem::NoScenario);
         }
         if campaign.sample_every_s.is_some_and(|every| !(0.1..=3600.0).contains(&every)) {
-            return Err(refuse("sample_every_s is out of range, expected 0.1 to 3600 s".into()));
+            return Err(CampaignProblem::SamplePeriod);
         }
         if let Some([least, most]) = campaign.faults_per_run
             && (least > most
@@ -216,20 +297,15 @@ impl Campaign {
                 || most > MAX_FAULTS_PER_RUN
                 || campaign.faults.is_empty())
         {
-            return Err(refuse(format!(
-                "faults_per_run = [{least}, {most}] draws nothing, expected two numbers up to \
-                 {MAX_FAULTS_PER_RUN}, the smaller first, and [[faults]] to draw from"
-            )));
+            return Err(CampaignProblem::FaultsPerRun { least, most });
         }
         for (key, limit) in &campaign.require {
             let figure = key.strip_prefix("max_").or_else(|| key.strip_prefix("min_"));
             if figure.is_none_or(|name| FIGURES.iter().all(|figure| figure.name != name)) {
-                let names = FIGURES.map(|figure| figure.name).join(", ");
-                let what = format!("`{key}` requires no figure");
-                return Err(refuse(format!("{what}, expected max_ or min_ and one of {names}")));
+                return Err(CampaignProblem::NoFigure { key: key.clone() });
             }
             if !limit.is_finite() {
-                return Err(refuse(format!("{key} = {limit} is no limit, expected a number")));
+                return Err(CampaignProblem::NoLimit { key: key.clone(), limit: *limit });
             }
         }
         Ok(campaign)
@@ -256,9 +332,9 @@ pub(super) fn of_variation(path: &Path) -> Result<Campaign, Error> {
     let required = ["max_avoidable_collisions", "max_aborted"].map(|key| (key.to_owned(), 0.0));
     Ok(Campaign {
         schema_version: 1,
-        name: Name::try_from(name).map_err(|e| Error::Usage(e.to_string()))?,
+        name: Name::try_from(name).map_err(FileError::Name)?,
         description: Line::try_from(printable.take(MAX_LINE).collect::<String>())
-            .map_err(|e| Error::Usage(e.to_string()))?,
+            .map_err(FileError::Description)?,
         mode: Mode::Lockstep,
         scenarios: vec![variants.scenario],
         variation: Some(file),

@@ -21,10 +21,9 @@ mod verdict;
 
 use crate::batch::{self, Job, Source};
 use crate::parts::journal::{self, Journal};
-use crate::parts::{self, Shard, ShardChoice};
+use crate::parts::{self, MergeError, Shard, ShardChoice};
 use crate::plausibility;
-use group::Error;
-use group::{GroupOptions, ScenarioOptions};
+use group::{Error, Failure, GroupOptions, ScenarioOptions};
 use report::output::{OutputDirectory, OutputOptions};
 
 use clap::Args;
@@ -36,6 +35,7 @@ use planned::Planned;
 use record::Record;
 use runtime::Mode;
 use scenario::Scenario;
+use scenario::faults::Kind;
 use std::collections::BTreeSet;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::{Path, PathBuf};
@@ -54,6 +54,54 @@ const SAMPLE_SEED: u64 = 1;
 
 /// The table of the controller's checks, which is no campaign of its own.
 const PLAUSIBILITY: &str = "plausibility";
+
+/// Why a campaign is not done.
+#[derive(Debug, thiserror::Error)]
+pub enum CampaignError {
+    /// Nothing says which.
+    #[error(
+        "no campaign is named, expected a file or one of {}",
+        BUILTIN.map(|builtin| builtin.name).join(", ")
+    )]
+    NoneNamed,
+    /// The directory is another one's.
+    #[error(
+        "{} holds another campaign, or another shard of it, expected the one that it began with",
+        directory.display()
+    )]
+    OtherBegun {
+        /// The directory.
+        directory: PathBuf,
+    },
+    /// In simulated time nothing is to be seen of a process fault.
+    #[error(
+        "a fault of kind `{kind}` acts on processes, expected mode = \"realtime\" in the campaign"
+    )]
+    FaultOfProcesses {
+        /// Its kind.
+        kind: Kind,
+    },
+    /// A journal has a run that is not of its part.
+    #[error("{}: run {run} does not belong to this part of the campaign", path.display())]
+    OtherPart {
+        /// The journal.
+        path: PathBuf,
+        /// The run's number.
+        run: usize,
+    },
+    /// A journal has a run that is known.
+    #[error(
+        "{}: run {run} is there twice, or in a directory before this one as well", path.display()
+    )]
+    Twice {
+        /// The journal.
+        path: PathBuf,
+        /// The run's number.
+        run: usize,
+    },
+}
+
+impl Failure for CampaignError {}
 
 /// Arguments of `campaign`.
 #[derive(Debug, Args)]
@@ -175,22 +223,21 @@ fn check_journal(
     plan: &Plan,
     records: &[Record],
     known: &mut BTreeSet<usize>,
-) -> Result<(), Error> {
+) -> Result<(), CampaignError> {
     let planned: BTreeSet<usize> = match campaign.sample {
         Some(_) => plan.numbers().collect(),
         None => BTreeSet::new(),
     };
     for record in records {
         let run = record.run;
-        let refuse =
-            |what: &str| Err(Error::Usage(format!("{}: run {run} {what}", journal.display())));
+        let path = || journal.to_owned();
         let in_plan =
             if campaign.sample.is_some() { planned.contains(&run) } else { run < plan.len() };
         if !in_plan || campaign.shard.is_some_and(|shard| !shard.holds(run)) {
-            return refuse("does not belong to this part of the campaign");
+            return Err(CampaignError::OtherPart { path: path(), run });
         }
         if !known.insert(run) {
-            return refuse("is there twice, or in a directory before this one as well");
+            return Err(CampaignError::Twice { path: path(), run });
         }
     }
     Ok(())
@@ -205,19 +252,18 @@ fn merge(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     for directory in &arguments.merge {
         let part = Campaign::read(&directory.join(FILE))?;
         let shard = part.shard;
-        let shown = directory.display();
         let other =
             |(whole, _): &(Campaign, Plan)| *whole != Campaign { shard: None, ..part.clone() };
         let count = |shard: Option<Shard>| shard.map(|shard| shard.count);
         if whole.as_ref().is_some_and(other)
             || held.first().is_some_and(|(first, _)| count(*first) != count(shard))
         {
-            let what = "is part of another campaign than the directories before it";
-            return Err(Error::Usage(format!("{shown} {what}")));
+            let (directory, name) = (directory.clone(), "campaign".into());
+            return Err(MergeError::OtherStudy { directory, name }.into());
         }
         if let Some((_, before)) = held.iter().find(|(held, _)| *held == shard) {
-            let before = before.display();
-            return Err(Error::Usage(format!("{shown} holds the same part as {before}")));
+            let (directory, before) = (directory.clone(), before.to_path_buf());
+            return Err(MergeError::SamePart { directory, before }.into());
         }
         if whole.is_none() {
             let campaign = Campaign { shard: None, ..part.clone() };
@@ -306,21 +352,17 @@ fn open(arguments: &CampaignArguments) -> Result<Campaign, Error> {
     let mut asked = match (&arguments.campaign, &begun) {
         (Some(name), _) => Campaign::open(name)?,
         (None, Some(begun)) => begun.clone(),
-        (None, None) => {
-            let names = BUILTIN.map(|builtin| builtin.name).join(", ");
-            let what = "no campaign is named, expected a file or one of";
-            return Err(Error::Usage(format!("{what} {names}")));
-        }
+        (None, None) => return Err(CampaignError::NoneNamed.into()),
     };
     asked.seeds = arguments.seeds.unwrap_or(asked.seeds);
     let shard = arguments.shard.map(ShardChoice::resolve).transpose()?;
     asked.shard = shard.or(asked.shard);
     asked.sample = arguments.sample.or(asked.sample);
     match begun {
-        Some(begun) if begun != asked => Err(Error::Usage(format!(
-            "{} holds another campaign, or another shard of it, expected the one that it began with",
-            arguments.resume.as_deref().unwrap_or(Path::new("")).display()
-        ))),
+        Some(begun) if begun != asked => {
+            let directory = arguments.resume.clone().unwrap_or_default();
+            Err(CampaignError::OtherBegun { directory }.into())
+        }
         _ => Ok(asked),
     }
 }
@@ -342,12 +384,9 @@ fn job(campaign: &Campaign, planned: &Planned) -> Result<Job, Error> {
 }
 
 /// In simulated time nothing is to be seen of a process fault.
-fn refuse_faults_of_processes(scenario: &Scenario) -> Result<(), Error> {
+fn refuse_faults_of_processes(scenario: &Scenario) -> Result<(), CampaignError> {
     match scenario.faults.iter().find(|fault| fault.effect.of_processes().is_some()) {
         None => Ok(()),
-        Some(fault) => Err(Error::Usage(format!(
-            "a fault of kind `{}` acts on processes, expected mode = \"realtime\" in the campaign",
-            fault.effect.kind()
-        ))),
+        Some(fault) => Err(CampaignError::FaultOfProcesses { kind: fault.effect.kind() }),
     }
 }

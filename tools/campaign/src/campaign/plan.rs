@@ -3,7 +3,7 @@
 use super::file::Campaign;
 use super::planned::Planned;
 use super::variation::Variants;
-use group::Error;
+use group::{Error, Failure};
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use toml::{Table, Value};
@@ -52,6 +52,35 @@ fn quoted(word: &str) -> String {
     }
 }
 
+/// Why the runs of a campaign cannot be laid out.
+#[derive(Debug, thiserror::Error)]
+pub enum PlanError {
+    /// There are too many.
+    #[error("{combinations} combinations with {seeds} seeds each are more than {MAX_RUNS} runs")]
+    TooManyRuns {
+        /// Combinations of what varies.
+        combinations: usize,
+        /// Runs of each.
+        seeds: u32,
+    },
+    /// A number of faults.
+    #[error("faults: count = {0}, expected a whole number from 1 to 64")]
+    Count(Value),
+    /// A value of a fault is neither one nor a choice of several.
+    #[error(
+        "faults: {key} = {value} cannot be drawn from, expected two numbers, the smaller first, or a \
+         list of words or of tables"
+    )]
+    NotDrawable {
+        /// The key.
+        key: String,
+        /// Its value.
+        value: Value,
+    },
+}
+
+impl Failure for PlanError {}
+
 /// All runs of a campaign, its shard not regarded. Neighbouring runs belong to different
 /// combinations, so that a part of the campaign says something about each.
 pub fn plan(campaign: &Campaign) -> Result<Plan, Error> {
@@ -70,9 +99,7 @@ pub fn plan(campaign: &Campaign) -> Result<Plan, Error> {
     let combinations = campaign.scenarios.len() * values * controllers.len() * faults.len();
     let all = combinations.checked_mul(seeds as usize).filter(|runs| *runs <= MAX_RUNS);
     let Some(all) = all else {
-        return Err(Error::Usage(format!(
-            "{combinations} combinations with {seeds} seeds each are more than {MAX_RUNS} runs"
-        )));
+        return Err(PlanError::TooManyRuns { combinations, seeds }.into());
     };
     let drawn = campaign.sample.map(|sample| draw(all, sample.get(), campaign.first_seed));
     Ok(Plan { campaign: campaign.clone(), controllers, faults, variants, all, drawn })
@@ -213,14 +240,13 @@ struct Template {
 }
 
 impl Template {
-    fn of(table: &Table) -> Result<Self, Error> {
+    fn of(table: &Table) -> Result<Self, PlanError> {
         let mut keys = table.clone();
         let count = match keys.remove("count") {
             None => 1,
             Some(Value::Integer(count @ 1..=64)) => count as usize,
             Some(other) => {
-                let what = format!("faults: count = {other}, expected a whole number from 1 to 64");
-                return Err(Error::Usage(what));
+                return Err(PlanError::Count(other));
             }
         };
         for (key, value) in &keys {
@@ -246,7 +272,7 @@ impl Template {
 }
 
 /// Checks that a value, or each value of a table, can be drawn from.
-fn check(key: &str, value: &Value) -> Result<(), Error> {
+fn check(key: &str, value: &Value) -> Result<(), PlanError> {
     match value {
         Value::Table(table) => table.iter().try_for_each(|(key, value)| check(key, value)),
         Value::Array(values) if is_choice(values) => {
@@ -254,9 +280,7 @@ fn check(key: &str, value: &Value) -> Result<(), Error> {
             tables.try_for_each(|table| check(key, table))
         }
         Value::Array(values) if range(values).is_none() => {
-            let what = format!("faults: {key} = {value} cannot be drawn from");
-            let expected = "two numbers, the smaller first, or a list of words or of tables";
-            Err(Error::Usage(format!("{what}, expected {expected}")))
+            Err(PlanError::NotDrawable { key: key.to_owned(), value: value.clone() })
         }
         _ => Ok(()),
     }

@@ -1,9 +1,23 @@
 //! Parameter variation files of OpenSCENARIO.
 
-use group::Error;
+use group::{Error, Failure};
 use openscenario::variation::Variation;
 use openscenario::{Disk, ReadError, read};
 use std::path::{Path, PathBuf};
+
+/// No combination of values keeps the scenario's constraints.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "{}: all {left_out} combinations break a constraint of {scenario}, expected one that does not",
+    path.display()
+)]
+pub struct NoneAdmitted {
+    path: PathBuf,
+    left_out: usize,
+    scenario: String,
+}
+
+impl Failure for NoneAdmitted {}
 
 /// The values that a variation file gives to its scenario's parameters.
 #[derive(Debug)]
@@ -33,11 +47,7 @@ impl Variants {
         let scenario = normal(&variation.scenario).to_string_lossy().into_owned();
         let left_out = variation.len() - admitted.len();
         if admitted.is_empty() {
-            return Err(Error::Usage(format!(
-                "error: {}: all {left_out} combinations break a constraint of {scenario}, \
-                 expected one that does not",
-                path.display()
-            )));
+            return Err(NoneAdmitted { path: path.to_owned(), left_out, scenario }.into());
         }
         let description = variation.description.clone();
         Ok(Self { scenario, description, left_out, variation, admitted })
@@ -61,7 +71,7 @@ fn normal(path: &Path) -> PathBuf {
 }
 
 fn refuse(error: ReadError) -> Error {
-    Error::Usage(format!("error: {error}"))
+    Error::OpenScenario(Box::new(error.into()))
 }
 
 #[cfg(test)]

@@ -51,7 +51,7 @@ struct Results {
 /// Runs the command.
 ///
 /// # Errors
-/// [`Error::Usage`] for an unknown controller, else what keeps the runs from starting.
+/// [`Error::Scenario`] for an unknown controller, else what keeps the runs from starting.
 pub fn run(arguments: &Iso15622Arguments) -> Result<ExitCode, Error> {
     let laws: Vec<String> = if arguments.controllers.is_empty() {
         laws::own().map(|law| law.name.to_owned()).collect()

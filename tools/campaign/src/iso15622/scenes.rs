@@ -31,7 +31,7 @@ impl Test {
     /// Its scenario for `law`.
     ///
     /// # Errors
-    /// [`Error::Usage`] if there is no such law.
+    /// [`Error::Scenario`] if there is no such law.
     pub fn scenario(self, law: &str, seed: u32) -> Result<Scenario, Error> {
         let (duration_s, set_mps, initial_mps, actors) = match self {
             Self::Acquisition => (60.0, APPROACH_MPS, APPROACH_MPS, ACQUISITION),
@@ -46,8 +46,7 @@ impl Test {
              [aebs]\nenabled = false\n\
              [controller]\nname = \"{law}\"\n{actors}"
         );
-        Scenario::parse_with("a test of ISO 15622", &text, &Overrides::new(), &laws::check)
-            .map_err(|error| Error::Usage(error.to_string()))
+        Ok(Scenario::parse_with("a test of ISO 15622", &text, &Overrides::new(), &laws::check)?)
     }
 }
 

@@ -2,7 +2,7 @@
 //! it survives the end of this process, and brought to the disk a few times a second. A line that a
 //! crash cut off is dropped; its run is done again.
 
-use group::Error;
+use group::{Error, Failure};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::fs::{File, OpenOptions};
@@ -16,6 +16,40 @@ pub const FILE: &str = "runs.jsonl";
 /// Runs are short: waiting for the disk after each would take longer than they do. So much of them
 /// can be lost with the machine.
 const SYNC_PERIOD: Duration = Duration::from_millis(200);
+
+/// Why a journal is not one of the study's.
+#[derive(Debug, thiserror::Error)]
+pub enum JournalError {
+    /// A line of it cannot be read.
+    #[error("{}:{line}: {reason}, expected the record of a run", path.display())]
+    NoRecord {
+        /// The journal.
+        path: PathBuf,
+        /// Number of the line, from 1.
+        line: usize,
+        /// What is wrong with it.
+        #[source]
+        reason: serde_json::Error,
+    },
+    /// It has a run twice.
+    #[error("{}: run {run} is there twice", path.display())]
+    Twice {
+        /// The journal.
+        path: PathBuf,
+        /// The run's number.
+        run: usize,
+    },
+    /// It has a run of another part.
+    #[error("{}: run {run} does not belong to this part", path.display())]
+    OtherPart {
+        /// The journal.
+        path: PathBuf,
+        /// The run's number.
+        run: usize,
+    },
+}
+
+impl Failure for JournalError {}
 
 /// An open journal.
 #[derive(Debug)]
@@ -73,9 +107,9 @@ pub fn read<T: DeserializeOwned>(path: &Path) -> Result<(Vec<T>, u64), Error> {
     let whole = text.rfind('\n').map_or(0, |end| end + 1);
     let mut records = Vec::new();
     for (number, line) in text[..whole].lines().enumerate() {
-        let record = serde_json::from_str(line).map_err(|e| {
-            let place = format!("{}:{}", path.display(), number + 1);
-            Error::Usage(format!("{place}: {e}, expected the record of a run"))
+        let record = serde_json::from_str(line).map_err(|reason| {
+            let path = path.to_owned();
+            JournalError::NoRecord { path, line: number + 1, reason }
         })?;
         records.push(record);
     }

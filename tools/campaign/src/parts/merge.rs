@@ -2,12 +2,53 @@
 
 use std::path::{Path, PathBuf};
 
-use group::Error;
+use group::{Error, Failure};
 use serde::de::DeserializeOwned;
 
+use super::journal::JournalError;
 use super::words::quoted;
 use super::{FILE, Line, Shard, Study, journal, read_file};
 use crate::batch::{ProcessesSample, Repetition};
+
+/// Why directories are not put together.
+#[derive(Debug, thiserror::Error)]
+pub enum MergeError {
+    /// A directory belongs to another command.
+    #[error("{} holds no part of a {name}", directory.display())]
+    NoPart {
+        /// The directory.
+        directory: PathBuf,
+        /// Name of the command.
+        name: String,
+    },
+    /// A directory holds a part of something else.
+    #[error("{} is part of another {name} than the directories before it", directory.display())]
+    OtherStudy {
+        /// The directory.
+        directory: PathBuf,
+        /// Name of the command.
+        name: String,
+    },
+    /// Two directories hold the same.
+    #[error("{} holds the same part as {}", directory.display(), before.display())]
+    SamePart {
+        /// The directory.
+        directory: PathBuf,
+        /// The one before it.
+        before: PathBuf,
+    },
+    /// A scenario file was changed after the parts were done.
+    #[error(
+        "timegap {}: the scenario is another one now than when the parts were done",
+        quoted(words)
+    )]
+    Changed {
+        /// The command's words.
+        words: Vec<String>,
+    },
+}
+
+impl Failure for MergeError {}
 
 /// Parts put together.
 pub struct Merged<T> {
@@ -38,48 +79,50 @@ impl<T: DeserializeOwned> Merged<T> {
     /// Reads the parts of one study of the command `name`.
     ///
     /// # Errors
-    /// [`Error::Usage`] for parts of different studies, a part that is there twice, or a journal that
-    /// is none.
+    /// [`MergeError`], [`JournalError`], or a file cannot be read.
     pub fn read(name: &str, directories: &[PathBuf]) -> Result<Self, Error> {
         let mut study: Option<Study> = None;
         let mut parts: Vec<(Option<Shard>, &Path)> = Vec::new();
         let mut results: Vec<Option<T>> = Vec::new();
         let mut sample = ProcessesSample::default();
         for directory in directories {
-            let shown = directory.display();
             let part = read_file(&directory.join(FILE))?;
             if part.study.words.first().is_none_or(|word| word != name) {
-                return Err(Error::Usage(format!("{shown} holds no part of a {name}")));
+                return Err(
+                    MergeError::NoPart { directory: directory.clone(), name: name.into() }.into()
+                );
             }
             let other_count =
                 |known: &Option<Shard>| known.map(|k| k.count) != part.shard.map(|p| p.count);
             if study.as_ref().is_some_and(|study| *study != part.study)
                 || parts.iter().any(|(known, _)| other_count(known))
             {
-                return Err(Error::Usage(format!(
-                    "{shown} is part of another {name} than the directories before it"
-                )));
+                return Err(MergeError::OtherStudy {
+                    directory: directory.clone(),
+                    name: name.into(),
+                }
+                .into());
             }
             if let Some((_, before)) = parts.iter().find(|(known, _)| *known == part.shard) {
-                let before = before.display();
-                return Err(Error::Usage(format!("{shown} holds the same part as {before}")));
+                return Err(MergeError::SamePart {
+                    directory: directory.clone(),
+                    before: (*before).into(),
+                }
+                .into());
             }
             results.resize_with(part.study.runs, || None);
             let journal = directory.join(journal::FILE);
             for line in journal::read::<Line<T>>(&journal)?.0 {
                 let Line { run, same_in_processes, result } = line;
-                let journal = journal.display();
+                let path = || journal.clone();
                 match results.get_mut(run) {
                     Some(slot @ None) if part.shard.is_none_or(|shard| shard.holds(run)) => {
                         *slot = Some(result);
                     }
                     Some(Some(_)) => {
-                        return Err(Error::Usage(format!("{journal}: run {run} is there twice")));
+                        return Err(JournalError::Twice { path: path(), run }.into());
                     }
-                    _ => {
-                        let what = "does not belong to this part";
-                        return Err(Error::Usage(format!("{journal}: run {run} {what}")));
-                    }
+                    _ => return Err(JournalError::OtherPart { path: path(), run }.into()),
                 }
                 let repetition = same_in_processes.map(Repetition::of_same);
                 sample.count(run, repetition.as_ref());
@@ -103,16 +146,13 @@ impl<T> Merged<T> {
     /// Checks that the command still means what its parts did.
     ///
     /// # Errors
-    /// [`Error::Usage`] if a file has changed since.
-    pub fn check(&self, runs: usize, first: &scenario::Scenario) -> Result<(), Error> {
+    /// [`MergeError::Changed`].
+    pub fn check(&self, runs: usize, first: &scenario::Scenario) -> Result<(), MergeError> {
         let now = Study::of(self.study.words.clone(), runs, first);
         if now == self.study {
             return Ok(());
         }
-        let words = quoted(&self.study.words);
-        Err(Error::Usage(format!(
-            "timegap {words}: the scenario is another one now than when the parts were done"
-        )))
+        Err(MergeError::Changed { words: self.study.words.clone() })
     }
 }
 

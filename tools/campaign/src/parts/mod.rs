@@ -14,20 +14,20 @@ mod merge;
 mod shard;
 mod words;
 
-pub use merge::{Incomplete, Merged, incomplete, name_incomplete};
-pub use shard::{Shard, ShardChoice};
+pub use merge::{Incomplete, MergeError, Merged, incomplete, name_incomplete};
+pub use shard::{ArrayJobError, Shard, ShardChoice};
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, FromArgMatches};
-use group::Error;
+use group::{Error, Failure};
 use report::output::{OutputDirectory, OutputOptions};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::batch::{ProcessesSample, Repetition};
-use journal::Journal;
+use journal::{Journal, JournalError};
 
 /// What a part is a part of.
 pub const FILE: &str = "part.json";
@@ -45,6 +45,37 @@ pub struct PartOptions {
     /// Put the parts in these directories together
     #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with_all = ["shard", "resume"])]
     pub merge: Vec<PathBuf>,
+}
+
+/// Why a directory is not the part that is asked for.
+#[derive(Debug, thiserror::Error)]
+pub enum PartError {
+    /// Its command is not one of this version.
+    #[error("{FILE} of the parts: {}", first_line(.0))]
+    Arguments(#[source] clap::Error),
+    /// It holds something else.
+    #[error(
+        "{} holds another study, or another part of it, expected the one that it began with",
+        .0.display()
+    )]
+    OtherStudy(PathBuf),
+    /// Its file cannot be understood.
+    #[error("{}: {reason}, expected the description of a part", path.display())]
+    Description {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        #[source]
+        reason: serde_json::Error,
+    },
+}
+
+impl Failure for PartError {}
+
+/// What is wrong with arguments, without the usage.
+fn first_line(error: &clap::Error) -> String {
+    let said = error.to_string();
+    said.trim_start_matches("error: ").lines().next().unwrap_or_default().to_owned()
 }
 
 /// The study that a directory holds a part of.
@@ -83,17 +114,12 @@ impl Study {
     /// The arguments of its command.
     ///
     /// # Errors
-    /// [`Error::Usage`] if another version of the command wrote it.
-    pub fn arguments<A: Args + FromArgMatches>(&self) -> Result<A, Error> {
+    /// [`PartError::Arguments`] if another version of the command wrote it.
+    pub fn arguments<A: Args + FromArgMatches>(&self) -> Result<A, PartError> {
         // The first word is the command's name, as a program's would be.
         let command = A::augment_args(clap::Command::new("timegap"));
         let read = command.try_get_matches_from(&self.words);
-        read.and_then(|matches| A::from_arg_matches(&matches)).map_err(|error| {
-            let said = error.to_string();
-            let said =
-                said.trim_start_matches("error: ").lines().next().unwrap_or_default().to_owned();
-            Error::Usage(format!("{FILE} of the parts: {said}"))
-        })
+        read.and_then(|matches| A::from_arg_matches(&matches)).map_err(PartError::Arguments)
     }
 
     /// The study of this process's own command line.
@@ -122,7 +148,7 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
     /// written of the runs before the end.
     ///
     /// # Errors
-    /// [`Error::Usage`] outside an array job, or if the directory holds another study.
+    /// [`ArrayJobError`], [`PartError`], [`JournalError`], or a file cannot be read or written.
     pub fn open(
         options: &PartOptions,
         output: &OutputOptions,
@@ -152,11 +178,7 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
         let own = PartFile { study: self.study.clone(), shard: self.shard };
         if path.exists() {
             if read_file(&path)? != own {
-                return Err(Error::Usage(format!(
-                    "{} holds another study, or another part of it, expected the one that it began \
-                     with",
-                    directory.path().display()
-                )));
+                return Err(PartError::OtherStudy(directory.path().to_owned()).into());
             }
         } else {
             let text = serde_json::to_string_pretty(&own).expect("plain data") + "\n";
@@ -171,20 +193,19 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
     }
 
     /// Takes a line of a journal.
-    fn take(&mut self, directory: &Path, line: Line<T>) -> Result<(), Error> {
+    fn take(&mut self, directory: &Path, line: Line<T>) -> Result<(), JournalError> {
         let Line { run, same_in_processes, result } = line;
-        let what = match self.results.get_mut(run) {
+        let path = || directory.join(journal::FILE);
+        match self.results.get_mut(run) {
             Some(slot @ None) if self.shard.is_none_or(|shard| shard.holds(run)) => {
                 *slot = Some(result);
                 let repetition = same_in_processes.map(Repetition::of_same);
                 self.sample.count(run, repetition.as_ref());
-                return Ok(());
+                Ok(())
             }
-            Some(Some(_)) => "is there twice",
-            _ => "does not belong to this part",
-        };
-        let journal = directory.join(journal::FILE);
-        Err(Error::Usage(format!("{}: run {run} {what}", journal.display())))
+            Some(Some(_)) => Err(JournalError::Twice { path: path(), run }),
+            _ => Err(JournalError::OtherPart { path: path(), run }),
+        }
     }
 
     /// The runs of this part that are left to do.
@@ -254,7 +275,6 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
 pub(crate) fn read_file(path: &Path) -> Result<PartFile, Error> {
     let error = |reason| Error::Path { action: "read", path: path.to_owned(), reason };
     let text = std::fs::read_to_string(path).map_err(error)?;
-    serde_json::from_str(&text).map_err(|error| {
-        Error::Usage(format!("{}: {error}, expected the description of a part", path.display()))
-    })
+    serde_json::from_str(&text)
+        .map_err(|reason| PartError::Description { path: path.to_owned(), reason }.into())
 }

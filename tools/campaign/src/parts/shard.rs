@@ -3,7 +3,7 @@
 use std::num::NonZeroU32;
 use std::str::FromStr;
 
-use group::Error;
+use group::Failure;
 use serde::{Deserialize, Serialize};
 
 /// A part of a study's runs: those whose number leaves `index - 1` when divided by `count`.
@@ -79,33 +79,88 @@ impl FromStr for ShardChoice {
     }
 }
 
+/// Why the environment of an array job names no part.
+#[derive(Debug, thiserror::Error)]
+pub enum ArrayJobError {
+    /// No engine's variables are there.
+    #[error(
+        "--shard auto: this is no array job: neither SLURM_ARRAY_TASK_ID nor JOB_COMPLETION_INDEX nor \
+         AWS_BATCH_JOB_ARRAY_INDEX is set, expected --shard I/N"
+    )]
+    None,
+    /// The engine does not say how many tasks the job has.
+    #[error(
+        "--shard auto: {engine} does not tell the number of its tasks, expected --shard auto/N"
+    )]
+    NoCount {
+        /// The engine.
+        engine: &'static str,
+    },
+    /// The task is none of so many.
+    #[error("--shard auto: {engine} names task {index}, counted from 0, of {count}")]
+    Beyond {
+        /// The engine.
+        engine: &'static str,
+        /// The task, from 0.
+        index: u64,
+        /// Tasks of the job.
+        count: u32,
+    },
+    /// A variable is no number.
+    #[error("--shard auto: {name} = `{text}` is not a whole number")]
+    NoNumber {
+        /// The variable.
+        name: &'static str,
+        /// Its value.
+        text: String,
+    },
+    /// There are more tasks than shards can be.
+    #[error("--shard auto: {count} tasks are too many")]
+    TooMany {
+        /// Tasks of the job.
+        count: u64,
+    },
+    /// Slurm's tasks have no common step.
+    #[error(
+        "--shard auto: the array's {told} tasks from {least} on are not at even steps, expected \
+         --array=A-B, or --shard I/N"
+    )]
+    Uneven {
+        /// Tasks of the array.
+        told: u64,
+        /// The first of them.
+        least: u64,
+    },
+    /// Slurm's task is none of its array.
+    #[error("--shard auto: SLURM_ARRAY_TASK_ID = {id} is none of the array's")]
+    NoTask {
+        /// The task.
+        id: u64,
+    },
+}
+
+impl Failure for ArrayJobError {}
+
 impl ShardChoice {
     /// The shard, by this process's environment where it says so.
     ///
     /// # Errors
-    /// [`Error::Usage`] outside an array job, or where its variables do not name a part.
-    pub fn resolve(self) -> Result<Shard, Error> {
-        self.resolve_in(&|name| std::env::var(name).ok()).map_err(Error::Usage)
+    /// [`ArrayJobError`].
+    pub fn resolve(self) -> Result<Shard, ArrayJobError> {
+        self.resolve_in(&|name| std::env::var(name).ok())
     }
 
-    fn resolve_in(self, variable: &dyn Fn(&str) -> Option<String>) -> Result<Shard, String> {
+    fn resolve_in(self, variable: Variables<'_>) -> Result<Shard, ArrayJobError> {
         let count = match self {
             Self::Given(shard) => return Ok(shard),
             Self::Auto(count) => count.map(NonZeroU32::get),
         };
         let found = [slurm, kubernetes, aws].into_iter().find_map(|engine| engine(variable));
-        let found = found.transpose()?.ok_or(
-            "--shard auto: this is no array job: neither SLURM_ARRAY_TASK_ID nor \
-             JOB_COMPLETION_INDEX nor AWS_BATCH_JOB_ARRAY_INDEX is set, expected --shard I/N",
-        )?;
+        let found = found.transpose()?.ok_or(ArrayJobError::None)?;
         let Task { engine, index, count: told } = found;
-        let count = count.or(told).ok_or(format!(
-            "--shard auto: {engine} does not tell the number of its tasks, expected --shard auto/N"
-        ))?;
+        let count = count.or(told).ok_or(ArrayJobError::NoCount { engine })?;
         if index >= u64::from(count) {
-            return Err(format!(
-                "--shard auto: {engine} names task {index}, counted from 0, of {count}"
-            ));
+            return Err(ArrayJobError::Beyond { engine, index, count });
         }
         let index = u32::try_from(index).expect("below the count") + 1;
         Ok(Shard { index, count })
@@ -124,18 +179,18 @@ struct Task {
 type Variables<'a> = &'a dyn Fn(&str) -> Option<String>;
 
 /// A variable's number.
-fn number(variable: Variables<'_>, name: &str) -> Option<Result<u64, String>> {
+fn number(variable: Variables<'_>, name: &'static str) -> Option<Result<u64, ArrayJobError>> {
     let text = variable(name)?;
     let number = text.trim().parse::<u64>();
-    Some(number.map_err(|_| format!("--shard auto: {name} = `{text}` is not a whole number")))
+    Some(number.map_err(|_| ArrayJobError::NoNumber { name, text }))
 }
 
-fn tasks(count: u64) -> Result<u32, String> {
-    u32::try_from(count).map_err(|_| format!("--shard auto: {count} tasks are too many"))
+fn tasks(count: u64) -> Result<u32, ArrayJobError> {
+    u32::try_from(count).map_err(|_| ArrayJobError::TooMany { count })
 }
 
 /// `sbatch --array=MIN-MAX[:STEP]`. A job of single tasks (`--array=1,5`) has no even steps.
-fn slurm(variable: Variables<'_>) -> Option<Result<Task, String>> {
+fn slurm(variable: Variables<'_>) -> Option<Result<Task, ArrayJobError>> {
     let id = number(variable, "SLURM_ARRAY_TASK_ID")?;
     let engine = "Slurm (SLURM_ARRAY_TASK_ID)";
     let bounds = || {
@@ -149,13 +204,10 @@ fn slurm(variable: Variables<'_>) -> Option<Result<Task, String>> {
         if let (Some(told), Some(spanned)) = (told, spanned)
             && told != spanned
         {
-            return Err(format!(
-                "--shard auto: the array's {told} tasks from {least} on are not at even steps, \
-                 expected --array=A-B, or --shard I/N"
-            ));
+            return Err(ArrayJobError::Uneven { told, least });
         }
         if id < least || (id - least) % step != 0 {
-            return Err(format!("--shard auto: SLURM_ARRAY_TASK_ID = {id} is none of the array's"));
+            return Err(ArrayJobError::NoTask { id });
         }
         let count = told.or(spanned).map(tasks).transpose()?;
         Ok(Task { engine, index: (id - least) / step, count })
@@ -165,7 +217,7 @@ fn slurm(variable: Variables<'_>) -> Option<Result<Task, String>> {
 
 /// A job with `completionMode: Indexed`; the number of completions is not in its environment unless the
 /// manifest puts it there.
-fn kubernetes(variable: Variables<'_>) -> Option<Result<Task, String>> {
+fn kubernetes(variable: Variables<'_>) -> Option<Result<Task, ArrayJobError>> {
     let index = number(variable, "JOB_COMPLETION_INDEX")?;
     let count = number(variable, "JOB_COMPLETIONS").transpose();
     Some(index.and_then(|index| {
@@ -174,7 +226,7 @@ fn kubernetes(variable: Variables<'_>) -> Option<Result<Task, String>> {
     }))
 }
 
-fn aws(variable: Variables<'_>) -> Option<Result<Task, String>> {
+fn aws(variable: Variables<'_>) -> Option<Result<Task, ArrayJobError>> {
     let index = number(variable, "AWS_BATCH_JOB_ARRAY_INDEX")?;
     let count = number(variable, "AWS_BATCH_JOB_ARRAY_SIZE").transpose();
     Some(index.and_then(|index| {
@@ -193,7 +245,7 @@ mod tests {
             let found = variables.iter().find(|(known, _)| *known == name);
             found.map(|(_, value)| (*value).to_owned())
         };
-        choice.resolve_in(&find).map(String::from)
+        choice.resolve_in(&find).map(String::from).map_err(|error| error.to_string())
     }
 
     #[test]

@@ -13,7 +13,7 @@ use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use controller::laws;
-use group::{Error, GroupOptions};
+use group::{Error, Failure, GroupOptions};
 use matrix::{Case, Matrix};
 use regulation::{Outcome, Verdict, table};
 use report::output::{OutputDirectory, OutputOptions};
@@ -65,7 +65,7 @@ pub struct R157Arguments {
 /// Runs the command.
 ///
 /// # Errors
-/// [`Error::Usage`] for an unknown controller or a table without cut-ins, else what keeps the runs from
+/// [`Error::Scenario`] for an unknown controller, [`NoCutIns`], else what keeps the runs from
 /// starting.
 pub fn run(arguments: &R157Arguments) -> Result<ExitCode, Error> {
     if arguments.parts.merge.is_empty() { drive(arguments) } else { merge(arguments) }
@@ -269,6 +269,13 @@ fn cases(matrix: Matrix, arguments: &R157Arguments) -> Vec<Case> {
     }
 }
 
+/// A table of cut-ins is to be written, and no matrix has any.
+#[derive(Debug, thiserror::Error)]
+#[error("--csv writes the cut-ins, and there are none: add --matrix cut-in")]
+pub struct NoCutIns;
+
+impl Failure for NoCutIns {}
+
 fn write_table(path: &std::path::Path, matrices: &[(Matrix, Vec<Case>)]) -> Result<(), Error> {
     let cut_ins: Vec<_> = matrices
         .iter()
@@ -279,9 +286,7 @@ fn write_table(path: &std::path::Path, matrices: &[(Matrix, Vec<Case>)]) -> Resu
         })
         .collect();
     if cut_ins.is_empty() {
-        return Err(Error::Usage(
-            "--csv writes the cut-ins, and there are none: add --matrix cut-in".into(),
-        ));
+        return Err(NoCutIns.into());
     }
     let mut text = Vec::new();
     table::write_cut_ins(&mut text, cut_ins).expect("memory takes every byte");

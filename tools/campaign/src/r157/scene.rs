@@ -39,11 +39,10 @@ pub struct Driver {
 /// The scenario of `case` for `driver`.
 ///
 /// # Errors
-/// [`Error::Usage`] if there is no such law.
+/// [`Error::Scenario`] if there is no such law.
 pub fn scenario(case: &Case, driver: &Driver, seed: u64) -> Result<Scenario, Error> {
     let text = text(case, driver, seed);
-    Scenario::parse_with("a case of UN R157", &text, &Overrides::new(), &laws::check)
-        .map_err(|error| Error::Usage(error.to_string()))
+    Ok(Scenario::parse_with("a case of UN R157", &text, &Overrides::new(), &laws::check)?)
 }
 
 fn text(case: &Case, driver: &Driver, seed: u64) -> String {

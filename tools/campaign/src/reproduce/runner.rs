@@ -1,7 +1,7 @@
 //! Drives scenarios in lockstep, as many at a time as there are cores.
 
 use super::Gallery;
-use crate::batch::{self, Interrupt, ProcessesSample};
+use crate::batch::{self, Interrupt, OtherBytes, ProcessesSample};
 use group::{Drive, Error, GroupOptions, ScenarioOptions};
 use indicatif::ProgressBar;
 use report::RunPicture;
@@ -143,8 +143,8 @@ impl<'a> Runner<'a> {
     /// Removes the bar and says what came of the runs that were repeated in process groups.
     ///
     /// # Errors
-    /// [`Error::Different`] if one of them gave other bytes.
-    pub fn finish(self) -> Result<ProcessesSample, Error> {
+    /// [`OtherBytes`] if one of them gave other bytes.
+    pub fn finish(self) -> Result<ProcessesSample, OtherBytes> {
         let sample = self.sample.into_inner().unwrap_or_else(PoisonError::into_inner);
         sample.tell(self.runs, &self.bar);
         self.bar.finish_and_clear();

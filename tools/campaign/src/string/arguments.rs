@@ -3,11 +3,11 @@
 use std::num::NonZeroUsize;
 
 use clap::Args;
-use group::{Error, GroupOptions, ScenarioOptions};
+use group::{Error, Failure, GroupOptions, ScenarioOptions};
 use report::output::OutputOptions;
 
 use super::scene::Plan;
-use crate::sweep::param::{self, Param};
+use crate::sweep::param::{self, Param, ValuesError};
 
 /// Frequencies that are swept unless others are given.
 const USUAL_FREQUENCIES: &str = "0.005..0.5/13";
@@ -63,6 +63,50 @@ pub struct StringArguments {
     pub json: bool,
 }
 
+/// Why a string is not driven.
+#[derive(Debug, thiserror::Error)]
+pub enum StringError {
+    /// It has too many cars.
+    #[error("--vehicles {0}: expected at most {MAX_VEHICLES} cars")]
+    Vehicles(usize),
+    /// The frequencies cannot be read.
+    #[error(
+        "--frequencies {list}: {reason}, expected A..B/N, N frequencies from A to B Hz, or a,b,c"
+    )]
+    Frequencies {
+        /// The argument.
+        list: String,
+        /// What is wrong with it.
+        #[source]
+        reason: FrequenciesError,
+    },
+    /// The sweeps are too large.
+    #[error("the sweeps have more than {MAX_RUNS} runs")]
+    TooManyRuns,
+}
+
+impl Failure for StringError {}
+
+/// What is wrong with a list or range of frequencies.
+#[derive(Debug, thiserror::Error)]
+pub enum FrequenciesError {
+    /// A list is none.
+    #[error(transparent)]
+    List(#[from] ValuesError),
+    /// No car follows at such a frequency.
+    #[error("{0} Hz is not from {LOWEST_HZ} to {HIGHEST_HZ} Hz")]
+    OutOfRange(f64),
+    /// A range without the number of its frequencies.
+    #[error("the range has no number N")]
+    NoCount,
+    /// The number of frequencies.
+    #[error("N is not from 2 to {MAX_FREQUENCIES}")]
+    Count,
+    /// A range that does not rise.
+    #[error("the range begins at its end or after it")]
+    Backwards,
+}
+
 /// What is driven, read and checked.
 #[derive(Debug)]
 pub struct Task {
@@ -89,12 +133,11 @@ impl Task {
     /// Reads the arguments.
     ///
     /// # Errors
-    /// [`Error::Usage`] or an error of the scenario.
+    /// [`StringError`] or an error of the scenario.
     pub fn read(arguments: &StringArguments) -> Result<Self, Error> {
         let vehicles = arguments.vehicles.get();
         if vehicles > MAX_VEHICLES {
-            let what = format!("expected at most {MAX_VEHICLES} cars");
-            return Err(Error::Usage(format!("--vehicles {vehicles}: {what}")));
+            return Err(StringError::Vehicles(vehicles).into());
         }
         let laws: Vec<Option<String>> = match arguments.controllers.as_slice() {
             [] => vec![arguments.scenario_options.controller.clone()],
@@ -141,7 +184,7 @@ impl Task {
         };
         let task = Self { plan, frequencies, sweep, sweep_frequencies };
         if task.runs() > MAX_RUNS {
-            return Err(Error::Usage(format!("the sweeps have more than {MAX_RUNS} runs")));
+            return Err(StringError::TooManyRuns.into());
         }
         Ok(task)
     }
@@ -154,30 +197,30 @@ impl Task {
 }
 
 /// `A..B/N`: N frequencies from A to B, evenly on a logarithmic scale; or a list by commas.
-fn frequencies(list: &str) -> Result<Vec<f64>, Error> {
-    let refuse = |what: &str| {
-        let expected = "expected A..B/N, N frequencies from A to B Hz, or a,b,c";
-        Error::Usage(format!("--frequencies {list}: {what}, {expected}"))
-    };
+fn frequencies(list: &str) -> Result<Vec<f64>, StringError> {
+    spread(list).map_err(|reason| StringError::Frequencies { list: list.to_owned(), reason })
+}
+
+fn spread(list: &str) -> Result<Vec<f64>, FrequenciesError> {
     let number = |text: &str| match text.trim().parse::<f64>() {
         Ok(hz) if (LOWEST_HZ..=HIGHEST_HZ).contains(&hz) => Ok(hz),
-        Ok(hz) => Err(refuse(&format!("{hz} Hz is not from {LOWEST_HZ} to {HIGHEST_HZ} Hz"))),
-        Err(_) => Err(refuse(&format!("`{}` is not a number", text.trim()))),
+        Ok(hz) => Err(FrequenciesError::OutOfRange(hz)),
+        Err(_) => Err(ValuesError::NotANumber(text.trim().to_owned()).into()),
     };
     let Some((from, rest)) = list.split_once("..") else {
-        let all = param::values(list, None).map_err(|error| refuse(&error.to_string()))?;
+        let all = param::values(list, None)?;
         let mut all = all.iter().map(|hz| number(hz)).collect::<Result<Vec<_>, _>>()?;
         all.sort_by(f64::total_cmp);
         return Ok(all);
     };
-    let (to, count) = rest.split_once('/').ok_or_else(|| refuse("the range has no number N"))?;
+    let (to, count) = rest.split_once('/').ok_or(FrequenciesError::NoCount)?;
     let (from, to) = (number(from)?, number(to)?);
     let count = match count.trim().parse::<usize>() {
         Ok(count) if (2..=MAX_FREQUENCIES).contains(&count) => count,
-        _ => return Err(refuse(&format!("N is not from 2 to {MAX_FREQUENCIES}"))),
+        _ => return Err(FrequenciesError::Count),
     };
     if from >= to {
-        return Err(refuse("the range begins at its end or after it"));
+        return Err(FrequenciesError::Backwards);
     }
     let ratio = libm::log(to / from) / (count - 1) as f64;
     let inner = (1..count - 1).map(|k| from * libm::exp(ratio * k as f64));

@@ -33,7 +33,7 @@ use group::Error;
 use indicatif::ProgressBar;
 use report::output::OutputDirectory;
 
-use crate::batch::ProcessesSample;
+use crate::batch::{OtherBytes, ProcessesSample};
 use arguments::Task;
 use drive::Drives;
 use limits::{Limits, Point};
@@ -47,7 +47,7 @@ pub const STABLE_GAIN: f64 = 1.005;
 /// Runs the command.
 ///
 /// # Errors
-/// [`Error::Usage`] for a scenario, law or range that cannot be driven, else what keeps the runs from
+/// A scenario, law or range that cannot be driven, else what keeps the runs from
 /// starting.
 pub fn run(arguments: &StringArguments) -> Result<ExitCode, Error> {
     // Everything is read before anything runs.
@@ -82,7 +82,7 @@ pub fn run(arguments: &StringArguments) -> Result<ExitCode, Error> {
 /// The whole string behind a sine of each frequency.
 fn frequencies(task: &Task, drives: &mut Drives<'_>) -> Result<Vec<response::Response>, Error> {
     let waves: Vec<_> = task.frequencies.iter().map(|&hz| task.plan.behind_wave(hz)).collect();
-    let strings = waves.into_iter().collect::<Result<Vec<Plan>, Error>>()?;
+    let strings = waves.into_iter().collect::<Result<Vec<Plan>, _>>()?;
     let driven = drives.strings(&strings)?;
     Ok(driven
         .iter()
@@ -114,7 +114,11 @@ fn limits(task: &Task, drives: &mut Drives<'_>) -> Result<Vec<Limits>, Error> {
 }
 
 /// Says what came of the runs that were repeated in process groups.
-fn finish(drives: Drives<'_>, runs: usize, bar: &ProgressBar) -> Result<ProcessesSample, Error> {
+fn finish(
+    drives: Drives<'_>,
+    runs: usize,
+    bar: &ProgressBar,
+) -> Result<ProcessesSample, OtherBytes> {
     let sample = drives.into_sample();
     bar.finish_and_clear();
     sample.tell(runs, bar);

@@ -1,22 +1,44 @@
 //! The scenarios of a string: the first car's, and that of a car behind another.
 
 use controller::laws;
-use group::Error;
-use scenario::Scenario;
+use group::Failure;
 use scenario::actor::{Actor, Profile, Sine};
 use scenario::name::Name;
 use scenario::quantity::{
     Acceleration, Distance, Duration, Height, Lateral, Length, OutOfRange, Seed, Speed, Time,
 };
 use scenario::road::{Road, RoadPoint};
+use scenario::{Problem, Scenario};
 
 use super::motion::Motion;
-use super::wave::Wave;
+use super::wave::{TooSlow, Wave};
 
 /// Time gap of a first distance that neither law nor scenario tells, s.
 const FIRST_TIME_GAP_S: f64 = 2.0;
 /// Distance added to that, m.
 const FIRST_DISTANCE_M: f64 = 5.0;
+
+/// Why a car of a string has no scenario.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// No road is so long.
+    #[error("car {car}: the string is too long")]
+    TooLong {
+        /// Number of the car, from 1.
+        car: usize,
+    },
+    /// A figure that no scenario takes.
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange<f64>),
+    /// The road is none.
+    #[error("{}", .0.message)]
+    Road(#[source] Problem),
+    /// No wave can be driven.
+    #[error(transparent)]
+    Wave(#[from] TooSlow),
+}
+
+impl Failure for SceneError {}
 
 /// A string to be driven.
 #[derive(Clone, Debug)]
@@ -58,14 +80,14 @@ impl Plan {
     /// car begins.
     ///
     /// # Errors
-    /// [`Error::Usage`] if the string is longer than a road may be.
-    pub fn behind(&self, place: Place, motion: &Motion) -> Result<(Scenario, Place), Error> {
+    /// [`SceneError::TooLong`], [`SceneError::Road`].
+    pub fn behind(&self, place: Place, motion: &Motion) -> Result<(Scenario, Place), SceneError> {
         let before = self.law(place.index);
         let index = place.index + 1;
         let mut scenario = self.law(index).clone();
         let gap_m = first_gap(&scenario);
         let behind_first_m = place.behind_first_m + before.plant.length_m.value() + gap_m;
-        let too_long = |_| Error::Usage(format!("car {}: the string is too long", index + 1));
+        let too_long = |_| SceneError::TooLong { car: index + 1 };
         scenario.actors = vec![Actor {
             profile: Profile::Speeds(motion.points().to_vec()),
             ..actor("ahead", Distance::try_from(gap_m).map_err(too_long)?, before.plant.length_m)
@@ -87,19 +109,18 @@ impl Plan {
     /// The same string behind a lead whose speed is a sine.
     ///
     /// # Errors
-    /// [`Error::Usage`] if the scenario has no speed around which one can be driven.
-    pub fn behind_wave(&self, hz: f64) -> Result<Self, Error> {
+    /// [`SceneError::Wave`], or a figure of it is out of range.
+    pub fn behind_wave(&self, hz: f64) -> Result<Self, SceneError> {
         let wave = Wave::of(&self.laws[0], self.vehicles, hz)?;
         let laws = self.laws.iter().map(|scenario| {
             let mut scenario = scenario.clone();
-            let speed_mps = |mps| Speed::try_from(mps).map_err(outside);
+            let speed_mps = |mps| Speed::try_from(mps);
             scenario.plant.initial_speed_mps = speed_mps(wave.first_speed_mps())?;
             scenario.plant.initial_acceleration_mps2 = Acceleration::of(0.0);
-            let distance_m = Distance::try_from(first_gap(&scenario)).map_err(outside)?;
+            let distance_m = Distance::try_from(first_gap(&scenario))?;
             let sine = Sine {
-                amplitude_mps2: Acceleration::try_from(wave.acceleration_mps2())
-                    .map_err(outside)?,
-                period_s: Duration::try_from(1.0 / hz).map_err(outside)?,
+                amplitude_mps2: Acceleration::try_from(wave.acceleration_mps2())?,
+                period_s: Duration::try_from(1.0 / hz)?,
                 start_s: Time::of(0.0),
             };
             scenario.actors = vec![Actor {
@@ -107,13 +128,13 @@ impl Plan {
                 profile: Profile::Sine(sine),
                 ..actor("wave", distance_m, scenario.plant.length_m)
             }];
-            scenario.duration_s = Duration::try_from(wave.duration_s()).map_err(outside)?;
+            scenario.duration_s = Duration::try_from(wave.duration_s())?;
             scenario.storyboard = None;
             scenario.v2x.signals.clear();
             Ok(scenario)
         });
         Ok(Self {
-            laws: laws.collect::<Result<_, Error>>()?,
+            laws: laws.collect::<Result<_, SceneError>>()?,
             vehicles: self.vehicles,
             wave: Some(wave),
         })
@@ -145,19 +166,14 @@ fn first_gap(scenario: &Scenario) -> f64 {
     desired.or_else(own).unwrap_or(FIRST_TIME_GAP_S * speed_mps + FIRST_DISTANCE_M)
 }
 
-/// A figure that no scenario takes.
-fn outside(error: OutOfRange<f64>) -> Error {
-    Error::Usage(error.to_string())
-}
-
 /// The road of a car that begins `behind_m` farther back; before its first point it is level.
-fn moved(road: &Road, behind_m: f64) -> Result<Road, Error> {
-    let profile = road.profile().map_err(|problem| Error::Usage(problem.message.clone()))?;
+fn moved(road: &Road, behind_m: f64) -> Result<Road, SceneError> {
+    let profile = road.profile().map_err(SceneError::Road)?;
     let points = profile.points().iter().map(|point| {
         let distance_m = Distance::try_from(point.distance_m + behind_m)?;
         Ok(RoadPoint(distance_m, Height::try_from(point.height_m)?))
     });
-    let points = points.collect::<Result<Vec<_>, OutOfRange<f64>>>().map_err(outside)?;
+    let points = points.collect::<Result<Vec<_>, OutOfRange<f64>>>()?;
     Ok(Road { points, ..Road::default() })
 }
 

@@ -11,7 +11,7 @@
 
 use std::f64::consts::TAU;
 
-use group::{Drive, Error};
+use group::Drive;
 use scenario::Scenario;
 
 use super::measure::samples;
@@ -29,6 +29,16 @@ const LEAST_MEASURED_S: f64 = 40.0;
 /// Slowest set speed at which a wave can be driven, m/s.
 const SLOWEST_MPS: f64 = 5.0;
 
+/// The set speed or the limit leaves no room for a wave.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "a lead that swings needs room below the set speed of {top_mps} m/s, expected at least \
+     {SLOWEST_MPS} m/s"
+)]
+pub struct TooSlow {
+    top_mps: f64,
+}
+
 /// A sine of the lead's speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wave {
@@ -42,15 +52,12 @@ impl Wave {
     /// this many vehicles.
     ///
     /// # Errors
-    /// [`Error::Usage`] if the set speed or the limit is too slow.
-    pub fn of(scenario: &Scenario, vehicles: usize, hz: f64) -> Result<Self, Error> {
+    /// [`TooSlow`].
+    pub fn of(scenario: &Scenario, vehicles: usize, hz: f64) -> Result<Self, TooSlow> {
         let set_mps = scenario.set_speed_mps.value();
         let top_mps = scenario.speed_limit_mps.map_or(set_mps, |limit| set_mps.min(limit.value()));
         if top_mps < SLOWEST_MPS {
-            return Err(Error::Usage(format!(
-                "a lead that swings needs room below the set speed of {top_mps} m/s, expected at \
-                 least {SLOWEST_MPS} m/s"
-            )));
+            return Err(TooSlow { top_mps });
         }
         let initial_mps = scenario.plant.initial_speed_mps.value();
         let centre_mps = initial_mps.clamp(0.4 * top_mps, 0.8 * top_mps);

@@ -12,9 +12,8 @@ mod words;
 use crate::batch::{self, Job, ProcessesSample, Source};
 use crate::parts::{Merged, Part, PartOptions, Study, name_incomplete};
 use clap::Args;
-use group::Error;
-use group::{GroupOptions, ModeName, ScenarioOptions};
-use param::Param;
+use group::{Error, Failure, GroupOptions, ModeName, ScenarioOptions};
+use param::{Param, ValuesError};
 use report::output::{OutputDirectory, OutputOptions};
 use report::print;
 use results::{Run, Sweep};
@@ -136,8 +135,10 @@ fn drive(arguments: &SweepArguments) -> Result<ExitCode, Error> {
         part.say_how_to_go_on(&output);
     }
     let (runs, sample) = part.into_results();
-    let agreed =
-        end.and_then(|_| sample.clone().agreed(|run| format!(" ({})", plan.points[run].join(" "))));
+    let agreed = end.and_then(|_| {
+        let point = |run: usize| format!(" ({})", plan.points[run].join(" "));
+        Ok(sample.clone().agreed(point)?)
+    });
     conclude(arguments, arguments, &plan, (runs, sample), &output, agreed.map(|_| ()))
 }
 
@@ -186,30 +187,59 @@ fn conclude(
     Ok(if whole { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
+/// Why a grid is not swept.
+#[derive(Debug, thiserror::Error)]
+pub enum SweepError {
+    /// Seeds have an option of their own.
+    #[error("--param {argument}: points are run with several seeds by --seeds A..B")]
+    Seed {
+        /// The argument.
+        argument: String,
+    },
+    /// Two axes of the same key.
+    #[error("--param {key}: the key is given twice")]
+    Twice {
+        /// The key.
+        key: String,
+    },
+    /// The seeds cannot be read.
+    #[error("--seeds {seeds}: {reason}, expected A..B or a,b,c")]
+    Seeds {
+        /// The argument.
+        seeds: String,
+        /// What is wrong with it.
+        #[source]
+        reason: ValuesError,
+    },
+    /// The grid is too large.
+    #[error("the grid has more than {MAX_RUNS} runs")]
+    TooManyRuns,
+}
+
+impl Failure for SweepError {}
+
 /// The keys and the points of their grid, seeds included.
 fn points(arguments: &SweepArguments) -> Result<(Vec<Param>, Vec<Vec<String>>), Error> {
     let mut params = Vec::new();
     for argument in &arguments.params {
         let param = Param::parse(argument)?;
         if param.key == "seed" {
-            let instead = "points are run with several seeds by --seeds A..B";
-            return Err(Error::Usage(format!("--param {argument}: {instead}")));
+            return Err(SweepError::Seed { argument: argument.clone() }.into());
         }
         if params.iter().any(|known: &Param| known.key == param.key) {
-            return Err(Error::Usage(format!("--param {}: the key is given twice", param.key)));
+            return Err(SweepError::Twice { key: param.key }.into());
         }
         params.push(param);
     }
     let mut all = params.clone();
     if let Some(seeds) = &arguments.seeds {
-        let values = param::values(seeds, Some("1")).map_err(|what| {
-            Error::Usage(format!("--seeds {seeds}: {what}, expected A..B or a,b,c"))
-        })?;
+        let values = param::values(seeds, Some("1"))
+            .map_err(|reason| SweepError::Seeds { seeds: seeds.clone(), reason })?;
         all.push(Param { key: "seed".into(), values });
     }
     let runs = all.iter().map(|param| param.values.len()).try_fold(1, usize::checked_mul);
     if runs.is_none_or(|runs| runs > MAX_RUNS) {
-        return Err(Error::Usage(format!("the grid has more than {MAX_RUNS} runs")));
+        return Err(SweepError::TooManyRuns.into());
     }
     Ok((params, param::grid(&all)))
 }

@@ -1,6 +1,6 @@
 //! What is swept: keys of a scenario, each with its values, and their grid.
 
-use group::Error;
+use group::Failure;
 
 /// Most values of one key.
 const MAX_VALUES: usize = 10_000;
@@ -8,6 +8,9 @@ const MAX_VALUES: usize = 10_000;
 /// Why a list of values cannot be read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ValuesError {
+    /// Values without a key.
+    #[error("no `=`")]
+    NoKey,
     /// `A..B` without `/STEP`.
     #[error("the range has no step")]
     NoStep,
@@ -36,6 +39,17 @@ pub enum ValuesError {
     TooMany(f64),
 }
 
+/// An argument that is no key with values.
+#[derive(Debug, thiserror::Error)]
+#[error("--param {argument}: {reason}, expected KEY=A..B/STEP or KEY=a,b,c")]
+pub struct ParamError {
+    argument: String,
+    #[source]
+    reason: ValuesError,
+}
+
+impl Failure for ParamError {}
+
 /// A key and the values that it takes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Param {
@@ -47,12 +61,10 @@ pub struct Param {
 
 impl Param {
     /// Reads `KEY=A..B/STEP` or `KEY=a,b,c`, the argument of `--param`.
-    pub fn parse(argument: &str) -> Result<Self, Error> {
-        let refuse = |what: String| {
-            Error::Usage(format!("--param {argument}: {what}, expected KEY=A..B/STEP or KEY=a,b,c"))
-        };
-        let (key, list) = argument.split_once('=').ok_or_else(|| refuse("no `=`".into()))?;
-        let values = values(list, None).map_err(|error| refuse(error.to_string()))?;
+    pub fn parse(argument: &str) -> Result<Self, ParamError> {
+        let refuse = |reason| ParamError { argument: argument.to_owned(), reason };
+        let (key, list) = argument.split_once('=').ok_or_else(|| refuse(ValuesError::NoKey))?;
+        let values = values(list, None).map_err(refuse)?;
         Ok(Self { key: key.trim().into(), values })
     }
 }

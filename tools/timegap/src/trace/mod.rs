@@ -13,11 +13,11 @@ mod timeline;
 
 use clap::Args;
 use encode::{Frame, begin, events};
-use group::{Error, Failure};
+use group::Error;
 use messages::Service;
 use recorder::{Damage, Record, Recording};
 use report::print;
-use scenario::{Scenario, ScenarioError};
+use scenario::Scenario;
 use serde::Serialize;
 use std::collections::VecDeque;
 use std::fs::File;
@@ -52,18 +52,11 @@ struct Written {
     incidents: usize,
 }
 
-/// The scenario in a recording cannot be read.
-#[derive(Debug, thiserror::Error)]
-#[error(transparent)]
-pub struct NotDriven(ScenarioError);
-
-impl Failure for NotDriven {}
-
 /// Runs the command.
 pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Error> {
     let recording = Recording::open(&arguments.run)?;
     let text = &recording.metadata().scenario;
-    let scenario = Scenario::parse("the recording's scenario", text).map_err(NotDriven)?;
+    let scenario = Scenario::parse("the recording's scenario", text)?;
     let file = match &arguments.out {
         Some(file) => file.clone(),
         None => recording.path().with_file_name("trace.pftrace"),

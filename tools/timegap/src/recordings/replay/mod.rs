@@ -24,7 +24,7 @@ use recorder::Recording;
 use report::print;
 use report::progress::count_bar;
 use runtime::Program;
-use scenario::{Overrides, Problem, Scenario, ScenarioError};
+use scenario::{Overrides, Problem, Scenario};
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -59,9 +59,6 @@ pub enum ReplayError {
     /// The controller did nothing in it.
     #[error("{} holds no control cycle that could be replayed", .0.display())]
     Empty(PathBuf),
-    /// Its scenario, or an option that changes it, is wrong.
-    #[error(transparent)]
-    Scenario(#[from] ScenarioError),
     /// The program that the law hosts is none.
     #[error("{}", .0.message)]
     Law(#[source] Problem),
@@ -126,10 +123,7 @@ pub fn run(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
 }
 
 /// The recorded scenario, and whether something of it was changed.
-fn scenario(
-    recording: &Recording,
-    arguments: &ReplayArguments,
-) -> Result<(Scenario, bool), ReplayError> {
+fn scenario(recording: &Recording, arguments: &ReplayArguments) -> Result<(Scenario, bool), Error> {
     let mut overrides = Overrides::new();
     if let Some(controller) = &arguments.controller {
         overrides.option("--controller", "controller.name", controller);
