@@ -37,7 +37,7 @@ const _: () = assert!(MAX_FIGURES == FIGURES, "the diagnostics carry every figur
 /// If the group's shared memory is not usable or the scenario's law cannot be set up.
 pub fn run(runtime: Runtime) -> Result<(), RuntimeError> {
     let scenario = runtime.scenario();
-    let law = crate::laws::of(&scenario).map_err(setup)?;
+    let law = crate::laws::of(&scenario)?;
     run_law(runtime, law)
 }
 
@@ -65,10 +65,6 @@ pub fn run_law(mut runtime: Runtime, law: &'static Descriptor) -> Result<(), Run
 pub fn serve(law: &'static Descriptor) -> std::process::ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     runtime::run_service(messages::Service::Controller, &arguments, |joined| run_law(joined, law))
-}
-
-fn setup(problem: scenario::Problem) -> RuntimeError {
-    RuntimeError::Setup(format!("{}: {}", problem.path, problem.message))
 }
 
 /// A mode change as the loop keeps it.
@@ -126,12 +122,12 @@ impl Loop {
         scenario: &Scenario,
         descriptor: &'static Descriptor,
     ) -> Result<Self, RuntimeError> {
-        let mut law = (descriptor.build)(scenario).map_err(setup)?;
+        let mut law = (descriptor.build)(scenario)?;
         let period_ns = i64::from(scenario.controller.period_ms.value()) * 1_000_000;
         let release = scenario.controller.release;
         let mut output = Output::default();
         match law.hosted() {
-            Some(hosted) => hosted.start().map_err(|e| RuntimeError::Program(e.to_string()))?,
+            Some(hosted) => hosted.start().map_err(|e| RuntimeError::Program(e.into()))?,
             // Brings its code and data into memory before the loop; then forgets it.
             None => law.step(&Input { period_s: 0.1, ..Input::default() }, &mut output),
         }
@@ -309,7 +305,7 @@ impl Loop {
         };
         hosted
             .step_within(left, input, &mut self.output)
-            .map_err(|error| RuntimeError::Program(error.to_string()))
+            .map_err(|error| RuntimeError::Program(error.into()))
     }
 
     fn write_command(

@@ -133,7 +133,7 @@ pub fn last_known(group: &Group) -> Option<PlantReport> {
 impl Plant {
     fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Self, RuntimeError> {
         Ok(Self {
-            ego: Ego::new(scenario).map_err(|problem| RuntimeError::Setup(problem.message))?,
+            ego: Ego::new(scenario)?,
             gateway: Gateway::new(&scenario.plant),
             referee: Referee::new(scenario),
             chains: Chains::new(i64::from(scenario.controller.deadline().value()) * 1_000_000),

@@ -7,7 +7,7 @@ use runtime::scheduling::Granted;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::io::{BufRead, Write};
+use std::io::{self, BufRead, Write};
 use std::sync::mpsc::{Receiver, channel};
 
 /// What the launcher says to the recorder. The end of the input means [`ToRecorder::Finish`].
@@ -60,21 +60,17 @@ pub struct Report {
 }
 
 /// Listens to the launcher: JSON lines on standard input.
-pub(crate) fn orders<Order: DeserializeOwned + Send + 'static>() -> Result<Receiver<Order>, String>
-{
+pub(crate) fn orders<Order: DeserializeOwned + Send + 'static>() -> io::Result<Receiver<Order>> {
     let (sender, orders) = channel();
-    std::thread::Builder::new()
-        .name("link".into())
-        .spawn(move || {
-            for line in std::io::stdin().lock().lines().map_while(Result::ok) {
-                if let Ok(order) = serde_json::from_str(&line)
-                    && sender.send(order).is_err()
-                {
-                    return;
-                }
+    std::thread::Builder::new().name("link".into()).spawn(move || {
+        for line in std::io::stdin().lock().lines().map_while(Result::ok) {
+            if let Ok(order) = serde_json::from_str(&line)
+                && sender.send(order).is_err()
+            {
+                return;
             }
-        })
-        .map_err(text)?;
+        }
+    })?;
     Ok(orders)
 }
 
@@ -83,9 +79,4 @@ pub(crate) fn say(message: &impl Serialize) {
     let line = serde_json::to_string(message).expect("link messages are plain data");
     // A launcher that is gone hears nothing.
     let _ = writeln!(std::io::stdout().lock(), "{line}");
-}
-
-/// An error as text.
-pub(crate) fn text(error: impl std::fmt::Display) -> String {
-    error.to_string()
 }

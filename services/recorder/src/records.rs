@@ -8,10 +8,11 @@ use crate::definitions::Definitions;
 use crate::format::{self, HEAD, Malformed, opcode};
 use crate::outline::Segment;
 use crate::source::{Source, Spot, Window};
-use crate::unpack::{LONGEST_CHUNK, unpack};
+use crate::unpack::{LONGEST_CHUNK, UnpackError, unpack};
 use crate::{Damage, Record};
 use messages::Topic;
 use std::collections::VecDeque;
+use std::io;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -33,6 +34,23 @@ pub struct Records {
     waiting: VecDeque<Segment>,
     open: Vec<Part>,
     damage: Vec<Damage>,
+}
+
+/// Why a part of the file gives no messages.
+#[derive(Debug, thiserror::Error)]
+enum BrokenPart {
+    #[error("it is longer than a chunk may be")]
+    TooLong,
+    #[error("its lengths do not fit")]
+    Lengths,
+    #[error("a record in it is not whole")]
+    Record,
+    #[error("a message in it is not whole")]
+    Message,
+    #[error(transparent)]
+    Unpack(#[from] UnpackError),
+    #[error(transparent)]
+    File(#[from] io::Error),
 }
 
 /// A part of the file that is being read.
@@ -136,6 +154,7 @@ impl Records {
             };
             part.at = read.unwrap_or_else(|reason| {
                 let (offset, bytes) = (spot.at, HEAD as u64 + spot.length);
+                let reason = reason.to_string();
                 self.damage.push(Damage::Chunk { offset, bytes, reason });
                 spot.end()
             });
@@ -143,27 +162,27 @@ impl Records {
     }
 
     /// Takes a chunk apart; returns where the next record begins.
-    fn chunk(&mut self, part: &mut Part, spot: Spot) -> Result<u64, String> {
+    fn chunk(&mut self, part: &mut Part, spot: Spot) -> Result<u64, BrokenPart> {
         let length = usize::try_from(spot.length).ok().filter(|_| spot.length <= LONGEST_CHUNK);
-        let length = length.ok_or("it is longer than a chunk may be")?;
-        let body = part.window.bytes(spot.body(), length).map_err(|error| error.to_string())?;
-        let chunk = format::chunk(body).map_err(|_| "its lengths do not fit")?;
-        let records = unpack(&chunk).map_err(|error| error.to_string())?;
+        let length = length.ok_or(BrokenPart::TooLong)?;
+        let body = part.window.bytes(spot.body(), length)?;
+        let chunk = format::chunk(body).map_err(|_| BrokenPart::Lengths)?;
+        let records = unpack(&chunk)?;
         let whole = self.records(&records, &mut part.entries);
         part.bytes = Arc::new(records);
-        whole.map_err(|_| "a record in it is not whole")?;
+        whole.map_err(|_| BrokenPart::Record)?;
         Ok(spot.end())
     }
 
     /// Takes the messages outside chunks from `first` on.
-    fn run_of_messages(&mut self, part: &mut Part, first: Spot) -> Result<u64, String> {
+    fn run_of_messages(&mut self, part: &mut Part, first: Spot) -> Result<u64, BrokenPart> {
         let mut bytes = Vec::new();
         let mut spot = first;
         loop {
             let length = usize::try_from(spot.length).ok().filter(|length| *length <= RUN_BYTES);
             if let Some(length) = length {
                 let read = part.window.bytes(spot.at, HEAD + length);
-                bytes.extend_from_slice(read.map_err(|error| error.to_string())?);
+                bytes.extend_from_slice(read?);
             }
             let end = spot.end();
             let next = if end < part.to { part.window.spot(end) } else { Ok(None) };
@@ -176,7 +195,7 @@ impl Records {
         }
         let whole = self.records(&bytes, &mut part.entries);
         part.bytes = Arc::new(bytes);
-        whole.map_err(|_| "a message in it is not whole")?;
+        whole.map_err(|_| BrokenPart::Message)?;
         Ok(spot.end())
     }
 

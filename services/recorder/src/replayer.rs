@@ -1,11 +1,13 @@
 //! The replayer's process: sends the samples that a recorded controller used, as they were.
 
+use crate::ReadError;
 use crate::Recording;
-use crate::link::{orders, say, text};
+use crate::link::{orders, say};
 use crate::takes::{INPUTS, Take, inputs};
 use messages::{Diagnostics, Map, Odometry, Origin, Powertrain, Preview, RadarTracks, Spat, Topic};
 use runtime::{Group, Played, Player, RuntimeError, Tap, Tapped, log_warnings};
 use serde::{Deserialize, Serialize};
+use std::io;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -46,10 +48,22 @@ pub fn replay(arguments: &[String]) -> ExitCode {
     match play(Path::new(root), Path::new(file), &take) {
         Ok(()) => ExitCode::SUCCESS,
         Err(reason) => {
-            say(&FromReplayer::Failed(reason));
+            say(&FromReplayer::Failed(reason.to_string()));
             ExitCode::FAILURE
         }
     }
+}
+
+/// Why a recording cannot be played.
+#[derive(Debug, thiserror::Error)]
+enum PlayError {
+    #[error(transparent)]
+    Runtime(#[from] RuntimeError),
+    #[error(transparent)]
+    Recording(#[from] ReadError),
+    /// The thread that hears the launcher.
+    #[error(transparent)]
+    Thread(#[from] io::Error),
 }
 
 fn refuse() -> ExitCode {
@@ -57,12 +71,12 @@ fn refuse() -> ExitCode {
     ExitCode::from(2)
 }
 
-fn play(root: &Path, file: &Path, take: &Take) -> Result<(), String> {
-    let group = Group::read(root).map_err(text)?;
-    let recording = Recording::open(file).map_err(text)?;
-    let ports = Player::join(&group, "replayer").and_then(Ports::open).map_err(text)?;
-    let tap = Tap::join(&group, "replayer-tap").map_err(text)?;
-    let answers = tap.on::<Diagnostics>().map_err(text)?;
+fn play(root: &Path, file: &Path, take: &Take) -> Result<(), PlayError> {
+    let group = Group::read(root)?;
+    let recording = Recording::open(file)?;
+    let ports = Player::join(&group, "replayer").and_then(Ports::open)?;
+    let tap = Tap::join(&group, "replayer-tap")?;
+    let answers = tap.on::<Diagnostics>()?;
     let input = orders()?;
     say(&FromReplayer::Ready);
     if input.recv().is_err() {
@@ -82,7 +96,7 @@ fn play(root: &Path, file: &Path, take: &Take) -> Result<(), String> {
             if let Some(sample) = sample
                 && origin != *last
             {
-                ports.send(topic, sample).map_err(text)?;
+                ports.send(topic, sample)?;
                 *last = origin;
             }
         }
@@ -98,9 +112,9 @@ fn play(root: &Path, file: &Path, take: &Take) -> Result<(), String> {
 }
 
 /// Takes the diagnostics that arrived, one for each cycle, and counts them.
-fn taken(answers: &Tapped<Diagnostics>) -> Result<usize, String> {
+fn taken(answers: &Tapped<Diagnostics>) -> Result<usize, PlayError> {
     let mut count = 0;
-    while answers.take(|_| {}).map_err(text)? {
+    while answers.take(|_| {})? {
         count += 1;
     }
     Ok(count)

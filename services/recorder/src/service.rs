@@ -7,13 +7,14 @@
 use crate::bag;
 use crate::batch::Taps;
 use crate::counter::Counter;
-use crate::link::{FromRecorder, Report, Start, ToRecorder, orders, say, text};
+use crate::link::{FromRecorder, Report, Start, ToRecorder, orders, say};
 use crate::sequencer::{Placed, Sequencer};
 use crate::{Metadata, Recording, Tally, TopicTally, Writer};
-use runtime::{Group, Mode, Tap, log_warnings, monotonic_ns};
-use scenario::Scenario;
+use runtime::{Group, Mode, RuntimeError, Tap, log_warnings, monotonic_ns};
+use scenario::{Scenario, ScenarioError};
 use std::fs::File;
-use std::path::Path;
+use std::io;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -44,18 +45,36 @@ pub fn run(arguments: &[String]) -> ExitCode {
             ExitCode::SUCCESS
         }
         Err(reason) => {
-            say(&FromRecorder::Failed(reason));
+            say(&FromRecorder::Failed(reason.to_string()));
             ExitCode::FAILURE
         }
     }
 }
 
-fn record(root: &Path, path: &Path) -> Result<Report, String> {
-    let group = Group::read(root).map_err(text)?;
-    let scenario = Scenario::parse("scenario", &group.scenario).map_err(text)?;
-    let taps = Tap::join(&group, "recorder").and_then(Taps::open).map_err(text)?;
+/// Why a run is not recorded.
+#[derive(Debug, thiserror::Error)]
+enum RecordError {
+    #[error(transparent)]
+    Runtime(#[from] RuntimeError),
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    #[error("{}: {reason}", path.display())]
+    File { path: PathBuf, reason: io::Error },
+    /// The start was not ordered.
+    #[error("the run ended before it began")]
+    Early,
+    /// A thread that hears the launcher, or writes.
+    #[error(transparent)]
+    Thread(#[from] io::Error),
+}
+
+fn record(root: &Path, path: &Path) -> Result<Report, RecordError> {
+    let group = Group::read(root)?;
+    let scenario = Scenario::parse("scenario", &group.scenario)?;
+    let taps = Tap::join(&group, "recorder").and_then(Taps::open)?;
     bag::remove_beside(path);
-    let file = File::create(path).map_err(|e| format!("{}: {e}", path.display()))?;
+    let file =
+        File::create(path).map_err(|reason| RecordError::File { path: path.to_owned(), reason })?;
     let orders = orders()?;
     let start = begin(&taps, &orders)?;
     let sequencer =
@@ -67,20 +86,19 @@ fn record(root: &Path, path: &Path) -> Result<Report, String> {
     let bytes = std::fs::metadata(path).map_or(0, |file| file.len());
     let tally = if failed.is_some() { kept(path, &tally) } else { tally };
     if failed.is_none() {
-        failed = bag::write_beside(path).err().map(text);
+        failed = bag::write_beside(path).err().map(|error| error.to_string());
     }
     Ok(Report { tally, bytes, failed })
 }
 
 /// Connects to the senders when their ports exist, and waits for the common start.
-fn begin(taps: &Taps, orders: &Receiver<ToRecorder>) -> Result<Start, String> {
-    let early = || "the run ended before it began".to_owned();
+fn begin(taps: &Taps, orders: &Receiver<ToRecorder>) -> Result<Start, RecordError> {
     loop {
-        match orders.recv().map_err(|_| early())? {
+        match orders.recv().map_err(|_| RecordError::Early)? {
             // A receiver that has not looked is not connected. Nothing was sent yet.
-            ToRecorder::Connect => drop(taps.take().map_err(text)?),
+            ToRecorder::Connect => drop(taps.take()?),
             ToRecorder::Start(start) => return Ok(start),
-            ToRecorder::Finish => return Err(early()),
+            ToRecorder::Finish => return Err(RecordError::Early),
         }
         say(&FromRecorder::Ready);
     }
@@ -94,7 +112,7 @@ fn follow(
     start: &Start,
     disk: &Disk,
     mut sequencer: Sequencer,
-) -> Result<Tally, String> {
+) -> Result<Tally, RuntimeError> {
     let poll = match group.mode {
         Mode::Lockstep => LOCKSTEP_POLL,
         Mode::Realtime => {
@@ -106,7 +124,7 @@ fn follow(
     loop {
         let mut nothing = true;
         if disk.has_room() {
-            let batch = taps.take().map_err(text)?;
+            let batch = taps.take()?;
             let now_ns = monotonic_ns() - start.start_ns;
             nothing = batch.is_empty();
             for (topic, bytes) in batch.messages() {
@@ -160,14 +178,13 @@ struct Disk {
 }
 
 impl Disk {
-    fn begin(file: File, metadata: Metadata) -> Result<Self, String> {
+    fn begin(file: File, metadata: Metadata) -> io::Result<Self> {
         let (work, queue) = channel();
         let queued = Arc::new(AtomicUsize::new(0));
         let written = Arc::clone(&queued);
         let thread = std::thread::Builder::new()
             .name("disk".into())
-            .spawn(move || write(file, &metadata, &queue, &written))
-            .map_err(text)?;
+            .spawn(move || write(file, &metadata, &queue, &written))?;
         Ok(Self { work, queued, thread })
     }
 

@@ -70,7 +70,7 @@ impl Previews {
         if !scenario.plant.vehicle.is_truck() {
             return Ok(None);
         }
-        let map = RoadMap::new(scenario).map_err(|p| RuntimeError::Setup(p.message))?;
+        let map = RoadMap::new(scenario)?;
         let speed_limit_mps = scenario.speed_limit_mps.map_or(f64::INFINITY, |v| v.value());
         Ok(Some(Self { map, speed_limit_mps, publisher: runtime.publisher()? }))
     }

@@ -60,7 +60,7 @@ impl Account {
     ) -> Result<Self, RuntimeError> {
         SharedWords::map(&name(&group.prefix, service, incarnation))
             .map(Self)
-            .map_err(|e| RuntimeError::Setup(format!("the account in shared memory: {e}")))
+            .map_err(RuntimeError::setup("the account in shared memory"))
     }
 
     /// Shows that another cycle is done: the `cycles`th of this process.

@@ -106,7 +106,7 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
         let thread = std::thread::Builder::new()
             .name(name.into())
             .spawn(move || theirs.serve(work))
-            .map_err(|error| RuntimeError::Setup(format!("thread {name}: {error}")))?;
+            .map_err(RuntimeError::setup(format!("thread {name}")))?;
         Ok(Self::with(Worker::Thread { shared, thread: Some(thread) }, mode, delay_ns))
     }
 

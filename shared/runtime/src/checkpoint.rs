@@ -10,6 +10,7 @@ use messages::Service;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::fs::File;
+use std::io;
 use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 use xxhash_rust::xxh3::xxh3_64;
@@ -35,10 +36,12 @@ pub struct Checkpoint<T> {
 impl<T: DeserializeOwned> Checkpoint<T> {
     /// Opens the file at `path`, or makes it.
     pub(super) fn open(path: &Path) -> Result<Self, RuntimeError> {
-        let error = |e: std::io::Error| RuntimeError::Setup(format!("{}: {e}", path.display()));
-        let file = open_own(path).map_err(error)?;
-        // All pages are there before the loop needs them.
-        file.set_len(2 * SLOT as u64).map_err(error)?;
+        let whole = |file: File| {
+            // All pages are there before the loop needs them.
+            file.set_len(2 * SLOT as u64).map(|()| file)
+        };
+        let file = open_own(path).and_then(whole);
+        let file = file.map_err(RuntimeError::setup(path.display().to_string()))?;
         Ok(Self { file, saved: 0, slot: Box::new([0; SLOT]), state: std::marker::PhantomData })
     }
 
@@ -85,9 +88,9 @@ impl<T: DeserializeOwned> Checkpoint<T> {
     /// # Errors
     /// [`RuntimeError::Setup`] if it does not fit, or the file cannot be written.
     pub fn save(&mut self, state: &impl Serialize) -> Result<(), RuntimeError> {
-        let error = |e: String| RuntimeError::Setup(format!("the kept state: {e}"));
+        let error = |reason| RuntimeError::Setup { what: "the kept state".into(), reason };
         let used = postcard::to_slice(state, &mut self.slot[HEAD..])
-            .map_err(|e| error(e.to_string()))?
+            .map_err(|e| error(io::Error::other(e)))?
             .len();
         self.saved += 1;
         let checksum = xxh3_64(&self.slot[HEAD..HEAD + used]);
@@ -95,7 +98,7 @@ impl<T: DeserializeOwned> Checkpoint<T> {
         self.slot[8..16].copy_from_slice(&(used as u64).to_le_bytes());
         self.slot[16..24].copy_from_slice(&checksum.to_le_bytes());
         let place = (self.saved % 2) * SLOT as u64;
-        self.file.write_all_at(&self.slot[..HEAD + used], place).map_err(|e| error(e.to_string()))
+        self.file.write_all_at(&self.slot[..HEAD + used], place).map_err(error)
     }
 }
 

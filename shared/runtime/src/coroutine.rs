@@ -84,7 +84,7 @@ impl Task {
         let stack = match STACKS.with_borrow_mut(Vec::pop) {
             Some(stack) => stack,
             None => DefaultStack::new(STACK_BYTES)
-                .map_err(|e| RuntimeError::Setup(format!("a stack for a service: {e}")))?,
+                .map_err(RuntimeError::setup("a stack for a service"))?,
         };
         // What it holds is too big to be handed to the new stack by value.
         let body = Box::new(body);

@@ -1,6 +1,10 @@
 //! What can go wrong in a service's life.
 
+use super::transport::TransportError;
 use messages::Topic;
+use scenario::{Problem, ScenarioError};
+use std::error::Error;
+use std::io;
 use std::path::PathBuf;
 
 /// What a person can do about an error of the transport; its own reason is a name in iceoryx2's sources,
@@ -17,39 +21,44 @@ pub enum RuntimeError {
         /// Where it was looked for.
         path: PathBuf,
         /// What the reader said.
-        reason: String,
+        #[source]
+        reason: io::Error,
     },
     /// iceoryx2 could not create a node.
     #[error("cannot join the run's shared memory below {}{HINT}", root.display())]
     Node {
         /// Root of the run.
         root: PathBuf,
-        /// What iceoryx2 said.
-        reason: String,
+        /// What the transport said.
+        #[source]
+        reason: TransportError,
     },
     /// A topic could not be created or opened.
     #[error("cannot open topic `{}`{HINT}", topic.name())]
     Topic {
         /// The topic.
         topic: Topic,
-        /// What iceoryx2 said.
-        reason: String,
+        /// What the transport said.
+        #[source]
+        reason: TransportError,
     },
     /// A message could not be sent.
     #[error("cannot send on topic `{}`{HINT}", topic.name())]
     Send {
         /// The topic.
         topic: Topic,
-        /// What iceoryx2 said.
-        reason: String,
+        /// What the transport said.
+        #[source]
+        reason: TransportError,
     },
     /// A message could not be received.
     #[error("cannot receive on topic `{}`{HINT}", topic.name())]
     Receive {
         /// The topic.
         topic: Topic,
-        /// What iceoryx2 said.
-        reason: String,
+        /// What the transport said.
+        #[source]
+        reason: TransportError,
     },
     /// In lockstep, a due sample did not come.
     #[error("waited {waited_s:.1} s for `{}` of step {step}, which never came", topic.name())]
@@ -68,12 +77,44 @@ pub enum RuntimeError {
     #[error("replaced by the standby")]
     Replaced,
     /// The link to the launcher broke or carried nonsense.
-    #[error("link to the launcher: {0}")]
-    Link(String),
+    #[error("link to the launcher: {what}: {reason}")]
+    Link {
+        /// Which part of it.
+        what: &'static str,
+        /// What the system said.
+        #[source]
+        reason: io::Error,
+    },
     /// A foreign program that computes for the service failed.
     #[error("{0}")]
-    Program(String),
-    /// The service's own set-up failed.
-    #[error("{0}")]
-    Setup(String),
+    Program(#[source] Box<dyn Error + Send + Sync>),
+    /// The scenario of the group file cannot be read.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// The scenario makes no such service.
+    #[error("{}: {}", .0.path, .0.message)]
+    Refused(#[source] Box<Problem>),
+    /// Something that the service needs of the system is not to be had.
+    #[error("{what}: {reason}")]
+    Setup {
+        /// What.
+        what: String,
+        /// What the system said.
+        #[source]
+        reason: io::Error,
+    },
+}
+
+impl RuntimeError {
+    /// Without `what` the service cannot work.
+    pub(crate) fn setup(what: impl Into<String>) -> impl FnOnce(io::Error) -> Self {
+        let what = what.into();
+        move |reason| Self::Setup { what, reason }
+    }
+}
+
+impl From<Problem> for RuntimeError {
+    fn from(problem: Problem) -> Self {
+        Self::Refused(Box::new(problem))
+    }
 }

@@ -94,7 +94,7 @@ impl Fences {
 /// The page of all words.
 pub(super) fn map(group: &Group) -> Result<SharedWords, RuntimeError> {
     SharedWords::map(&format!("{}fence", group.prefix))
-        .map_err(|e| RuntimeError::Setup(format!("the epochs in shared memory: {e}")))
+        .map_err(RuntimeError::setup("the epochs in shared memory"))
 }
 
 /// The word of a service, in a cache line of its own.

@@ -34,9 +34,9 @@ impl Group {
     /// [`RuntimeError::GroupFile`] if it cannot be read or is not one.
     pub fn read(root: &Path) -> Result<Self, RuntimeError> {
         let path = root.join(Self::FILE);
-        let error = |reason: String| RuntimeError::GroupFile { path: path.clone(), reason };
-        let text = std::fs::read_to_string(&path).map_err(|e| error(e.to_string()))?;
-        serde_json::from_str(&text).map_err(|e| error(e.to_string()))
+        let error = |reason| RuntimeError::GroupFile { path: path.clone(), reason };
+        let text = std::fs::read_to_string(&path).map_err(error)?;
+        serde_json::from_str(&text).map_err(|e| error(e.into()))
     }
 
     /// Writes the group file below its root.
@@ -47,6 +47,6 @@ impl Group {
         let path = self.root.join(Self::FILE);
         let text = serde_json::to_string_pretty(self).expect("a group is plain data");
         std::fs::write(&path, text)
-            .map_err(|e| RuntimeError::GroupFile { path: path.clone(), reason: e.to_string() })
+            .map_err(|reason| RuntimeError::GroupFile { path: path.clone(), reason })
     }
 }

@@ -156,7 +156,7 @@ impl Link {
         let end = End::default();
         let joined = Arc::new(AtomicBool::new(false));
         signal_hook::flag::register(PEER_JOINED, Arc::clone(&joined))
-            .map_err(|e| RuntimeError::Link(format!("signal handler: {e}")))?;
+            .map_err(|reason| RuntimeError::Link { what: "signal handler", reason })?;
         let (sender, start) = sync_channel(1);
         let (orders, inbox) = (end.clone(), Inbox::default());
         let safe_stop = Arc::new(AtomicBool::new(false));
@@ -185,7 +185,7 @@ impl Link {
                 }
                 orders.set_before(0);
             })
-            .map_err(|e| RuntimeError::Link(format!("thread: {e}")))?;
+            .map_err(|reason| RuntimeError::Link { what: "thread", reason })?;
         Ok(Self { way: Way::Streams(start), end, inbox, joined, safe_stop, take_over, thread })
     }
 
@@ -220,7 +220,7 @@ impl Link {
         let mut out = std::io::stdout().lock();
         out.write_all(&line)
             .and_then(|()| out.flush())
-            .map_err(|e| RuntimeError::Link(format!("the launcher does not listen: {e}")))
+            .map_err(|reason| RuntimeError::Link { what: "the launcher does not listen", reason })
     }
 
     /// Waits until the launcher has heard all services and closes the run.

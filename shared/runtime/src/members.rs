@@ -54,14 +54,13 @@ fn append(root: &Path, line: &str) -> Result<(), RuntimeError> {
         .mode(0o600)
         .open(&path)
         .and_then(|mut file| file.write_all(line.as_bytes()))
-        .map_err(|e| RuntimeError::GroupFile { path, reason: e.to_string() })
+        .map_err(|reason| RuntimeError::GroupFile { path, reason })
 }
 
 /// Takes processes that are gone out of a long list. Readers find the list before or after that.
 fn thin_out(root: &Path) -> Result<(), RuntimeError> {
     let path = root.join(FILE);
-    let error =
-        |e: std::io::Error| RuntimeError::GroupFile { path: path.clone(), reason: e.to_string() };
+    let error = |reason| RuntimeError::GroupFile { path: path.clone(), reason };
     let text = std::fs::read_to_string(&path).map_err(error)?;
     let lines: Vec<&str> = text.lines().collect();
     let Some(old) = lines.len().checked_sub(NEWEST_LINES).filter(|_| lines.len() > MANY_LINES)

@@ -1,7 +1,7 @@
 //! A sender of recorded messages: the replayer.
 
 use super::link::End;
-use super::transport::{Sender, SharedMemory, Transport};
+use super::transport::{Sender, SharedMemory, Transport, TransportError};
 use super::waking::Waker;
 use super::{Carried, Group, RuntimeError};
 use messages::Message;
@@ -45,11 +45,11 @@ impl<T: Message> Played<T> {
     /// # Errors
     /// [`RuntimeError::Send`], also for as many bytes as no message of the type has.
     pub fn send(&self, bytes: &[u8]) -> Result<(), RuntimeError> {
-        let error = |reason: String| RuntimeError::Send { topic: T::TOPIC, reason };
+        let error = |reason| RuntimeError::Send { topic: T::TOPIC, reason };
         let mut message = self.port.loan().map_err(error)?;
         let place = bytemuck::bytes_of_mut(&mut *message);
         if place.len() != bytes.len() {
-            return Err(error(format!("{} bytes are no such message", bytes.len())));
+            return Err(error(TransportError::Length(bytes.len())));
         }
         place.copy_from_slice(bytes);
         self.port.send(message).map_err(error)?;

@@ -9,7 +9,9 @@ use super::faults::{Faults, SenderFaults};
 use super::gate::Gate;
 use super::members::Members;
 use super::port::{Outlet, Tally};
-use super::transport::{Ipc, PAYLOAD_TOPIC, Payload, SharedMemory, Stamp, Transport};
+use super::transport::{
+    Ipc, PAYLOAD_TOPIC, Payload, SharedMemory, Stamp, Transport, TransportError, refused,
+};
 use super::waking::{Waiter, Waker};
 use super::{Carried, Clock, End, Group, Publisher, RuntimeError, Subscriber, monotonic_ns};
 use iceoryx2::port::{listener::Listener, notifier::Notifier};
@@ -109,7 +111,7 @@ impl Probe {
         let port = (self.node().payload_topic(bytes)?.publisher_builder())
             .initial_max_slice_len(bytes)
             .create()
-            .map_err(|e| RuntimeError::Topic { topic: PAYLOAD_TOPIC, reason: format!("{e:?}") })?;
+            .map_err(refused(PAYLOAD_TOPIC))?;
         let waker = self.transport.waker(PAYLOAD_TOPIC);
         Ok(PayloadSender { port, waker, bytes, contents, sent: 0 })
     }
@@ -125,7 +127,7 @@ impl Probe {
     ) -> Result<PayloadReceiver, RuntimeError> {
         let port = (self.node().payload_topic(bytes)?.subscriber_builder())
             .create()
-            .map_err(|e| RuntimeError::Topic { topic: PAYLOAD_TOPIC, reason: format!("{e:?}") })?;
+            .map_err(refused(PAYLOAD_TOPIC))?;
         let waiter = self.transport.waiter(PAYLOAD_TOPIC);
         Ok(PayloadReceiver { port, waiter, contents })
     }
@@ -135,9 +137,8 @@ impl Probe {
     /// # Errors
     /// [`RuntimeError::Topic`].
     pub fn event_sender(&self) -> Result<EventSender, RuntimeError> {
-        let port = (self.node().event()?.notifier_builder())
-            .create()
-            .map_err(|e| RuntimeError::Topic { topic: PAYLOAD_TOPIC, reason: format!("{e:?}") })?;
+        let port =
+            (self.node().event()?.notifier_builder()).create().map_err(refused(PAYLOAD_TOPIC))?;
         Ok(EventSender(port))
     }
 
@@ -146,9 +147,8 @@ impl Probe {
     /// # Errors
     /// [`RuntimeError::Topic`].
     pub fn event_receiver(&self) -> Result<EventReceiver, RuntimeError> {
-        let port = (self.node().event()?.listener_builder())
-            .create()
-            .map_err(|e| RuntimeError::Topic { topic: PAYLOAD_TOPIC, reason: format!("{e:?}") })?;
+        let port =
+            (self.node().event()?.listener_builder()).create().map_err(refused(PAYLOAD_TOPIC))?;
         Ok(EventReceiver(port))
     }
 }
@@ -185,7 +185,7 @@ impl PayloadSender {
         let error = |reason| RuntimeError::Send { topic: PAYLOAD_TOPIC, reason };
         let sent_ns = monotonic_ns();
         let sample = self.port.loan_slice_uninit(self.bytes);
-        let mut sample = sample.map_err(|e| error(format!("{e:?}")))?;
+        let mut sample = sample.map_err(TransportError::iceoryx2).map_err(error)?;
         sample.user_header_mut().sent_ns = sent_ns;
         // SAFETY: the payload is a part of a file in memory, mapped by this process: it holds zeros or an
         // earlier payload.
@@ -196,7 +196,7 @@ impl PayloadSender {
             bytes.fill(self.sent as u8);
             profile7::protect(bytes, PAYLOAD_DATA_ID, self.sent);
         }
-        sample.send().map_err(|e| error(format!("{e:?}")))?;
+        sample.send().map_err(TransportError::iceoryx2).map_err(error)?;
         self.waker.wake();
         Ok(())
     }
@@ -221,19 +221,22 @@ impl PayloadReceiver {
         if self.take(&mut each)? {
             return Ok(());
         }
-        let error = |reason: String| RuntimeError::Receive { topic: PAYLOAD_TOPIC, reason };
-        self.waiter.wait(ticket, timeout).map_err(|e| error(e.to_string()))?;
+        let error = |reason| RuntimeError::Receive { topic: PAYLOAD_TOPIC, reason };
+        let waited = self.waiter.wait(ticket, timeout);
+        waited.map_err(|reason| error(TransportError::System { what: "waiting", reason }))?;
         self.take(&mut each).map(|_| ())
     }
 
     fn take(&self, each: &mut impl FnMut(i64)) -> Result<bool, RuntimeError> {
-        let error = |reason: String| RuntimeError::Receive { topic: PAYLOAD_TOPIC, reason };
+        let error = |reason| RuntimeError::Receive { topic: PAYLOAD_TOPIC, reason };
         let mut found = false;
-        while let Some(sample) = self.port.receive().map_err(|e| error(format!("{e:?}")))? {
+        while let Some(sample) =
+            self.port.receive().map_err(TransportError::iceoryx2).map_err(error)?
+        {
             found = true;
             if self.contents == Contents::Protected {
                 let checked = profile7::check(sample.payload(), PAYLOAD_DATA_ID);
-                checked.map_err(|corrupted| error(format!("a payload's {corrupted:?}")))?;
+                checked.map_err(|corrupted| error(TransportError::Corrupted(corrupted)))?;
             }
             each(sample.user_header().sent_ns);
         }
@@ -252,7 +255,7 @@ impl EventSender {
     /// [`RuntimeError::Send`].
     pub fn wake(&self) -> Result<(), RuntimeError> {
         let error = |reason| RuntimeError::Send { topic: PAYLOAD_TOPIC, reason };
-        self.0.notify().map(|_| ()).map_err(|e| error(format!("{e:?}")))
+        self.0.notify().map(|_| ()).map_err(TransportError::iceoryx2).map_err(error)
     }
 }
 
@@ -267,6 +270,10 @@ impl EventReceiver {
     /// [`RuntimeError::Receive`].
     pub fn wait(&self, timeout: Duration) -> Result<(), RuntimeError> {
         let error = |reason| RuntimeError::Receive { topic: PAYLOAD_TOPIC, reason };
-        self.0.timed_wait(|_| {}, timeout).map(|_| ()).map_err(|e| error(format!("{e:?}")))
+        self.0
+            .timed_wait(|_| {}, timeout)
+            .map(|_| ())
+            .map_err(TransportError::iceoryx2)
+            .map_err(error)
     }
 }

@@ -52,10 +52,7 @@ impl Schedule {
             }
             file.flush()
         };
-        write().map_err(|e: io::Error| RuntimeError::GroupFile {
-            path: path.clone(),
-            reason: e.to_string(),
-        })
+        write().map_err(|reason| RuntimeError::GroupFile { path: path.clone(), reason })
     }
 
     /// Opens the schedule of `service`, if the run has one.
@@ -64,7 +61,7 @@ impl Schedule {
         match File::open(&path) {
             Ok(file) => Ok(Some(Self { file: BufReader::new(file), present: None })),
             Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(None),
-            Err(e) => Err(RuntimeError::GroupFile { path, reason: e.to_string() }),
+            Err(reason) => Err(RuntimeError::GroupFile { path, reason }),
         }
     }
 

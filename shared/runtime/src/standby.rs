@@ -184,7 +184,7 @@ impl Standby {
             .name("standby".into())
             .stack_size(64 * 1024)
             .spawn(watch)
-            .map_err(|e| RuntimeError::Setup(format!("a standby's thread: {e}")))?;
+            .map_err(RuntimeError::setup("a standby's thread"))?;
         slot.fill(Arc::clone(&order));
         let timeout_ns = scenario.supervision.standby_timeout_ms.nanoseconds();
         let now_ns = monotonic_ns();

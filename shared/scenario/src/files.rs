@@ -1,8 +1,9 @@
 //! The files behind a scenario: the scenario file itself, speed tables and roads in CSV.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::Path;
+use std::string::FromUtf8Error;
 
 use super::Scenario;
 use super::actor::{MAX_PROFILE_POINTS, Profile};
@@ -10,27 +11,38 @@ use super::document::{Document, MAX_TEXT_BYTES};
 use super::error::ScenarioError;
 use super::problem::Problem;
 use super::quantity::{Speed, Time};
-use super::road;
+use super::road::{self, Road};
 use super::speeds::SpeedPoint;
 use super::table::Table;
 
+/// Why a text file is not read.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum TextFileError {
+    #[error("cannot be opened: {0}")]
+    NotOpened(#[source] io::Error),
+    #[error("is not a regular file")]
+    Irregular,
+    #[error("cannot be read: {0}")]
+    NotRead(#[source] io::Error),
+    #[error("is larger than {MAX_TEXT_BYTES} bytes")]
+    TooLarge,
+    #[error("is not UTF-8 text (byte {})", .0.utf8_error().valid_up_to())]
+    NotText(#[from] FromUtf8Error),
+}
+
 /// Reads a text file of at most [`MAX_TEXT_BYTES`].
-pub(super) fn read(path: &Path) -> Result<String, String> {
+pub(super) fn read(path: &Path) -> Result<String, TextFileError> {
     // Looked at before it is opened: to open a pipe is to wait for its other end.
-    let metadata = path.metadata().map_err(|error| format!("cannot be opened: {error}"))?;
-    if !metadata.is_file() {
-        return Err("is not a regular file".to_owned());
+    if !path.metadata().map_err(TextFileError::NotOpened)?.is_file() {
+        return Err(TextFileError::Irregular);
     }
-    let file = File::open(path).map_err(|error| format!("cannot be opened: {error}"))?;
+    let file = File::open(path).map_err(TextFileError::NotOpened)?;
     let mut bytes = Vec::new();
-    file.take(MAX_TEXT_BYTES as u64 + 1)
-        .read_to_end(&mut bytes)
-        .map_err(|error| format!("cannot be read: {error}"))?;
+    file.take(MAX_TEXT_BYTES as u64 + 1).read_to_end(&mut bytes).map_err(TextFileError::NotRead)?;
     if bytes.len() > MAX_TEXT_BYTES {
-        return Err(format!("is larger than {MAX_TEXT_BYTES} bytes"));
+        return Err(TextFileError::TooLarge);
     }
-    String::from_utf8(bytes)
-        .map_err(|error| format!("is not UTF-8 text (byte {})", error.utf8_error().valid_up_to()))
+    Ok(String::from_utf8(bytes)?)
 }
 
 /// Fills in what the scenario takes from files: the actors' speed tables, the road.
@@ -45,28 +57,28 @@ pub(super) fn load(
             continue;
         }
         let path = directory.join(&csv.file);
-        let text = read(&path).map_err(|message| {
+        let text = read(&path).map_err(|reason| {
             document.problem(&Problem::new(
                 format!("actors.{index}.profile.csv.file"),
-                format!("{} {message}", path.display()),
+                format!("{} {reason}", path.display()),
                 "a CSV file with the columns time_s and speed_mps",
             ))
         })?;
         csv.points = parse_csv(&path.display().to_string(), &text)?;
     }
-    if let Some(file) = &scenario.road.csv
-        && scenario.road.points.is_empty()
+    if let Road::Csv { file, points } = &mut scenario.road
+        && points.is_empty()
     {
         let path = directory.join(file);
-        let text = read(&path).map_err(|message| {
+        let text = read(&path).map_err(|reason| {
             document.problem(&Problem::new(
                 "road.csv",
-                format!("{} {message}", path.display()),
+                format!("{} {reason}", path.display()),
                 "a CSV file with the columns distance_m and height_m or grade_percent",
             ))
         })?;
         let profile = road::parse_csv(&path.display().to_string(), &text)?;
-        scenario.road.points = road::points_of(&profile);
+        *points = road::points_of(&profile);
     }
     Ok(())
 }
@@ -146,6 +158,6 @@ mod tests {
 
     #[test]
     fn a_directory_is_not_a_scenario() {
-        assert_eq!(read(Path::new("/")), Err("is not a regular file".to_owned()));
+        assert!(matches!(read(Path::new("/")), Err(TextFileError::Irregular)));
     }
 }

@@ -199,7 +199,8 @@ impl Scenario {
         if !looks_like_a_path && !path.exists() {
             return Err(builtin::unknown(argument));
         }
-        let text = files::read(path).map_err(|message| ScenarioError::whole(argument, message))?;
+        let text = files::read(path)
+            .map_err(|reason| ScenarioError::whole(argument, reason.to_string()))?;
         Self::build(argument, &text, overrides, Some(path.parent().unwrap_or(path)), check)
     }
 
@@ -242,6 +243,8 @@ impl Scenario {
         scenario.controller.tables = tables;
         scenario.faults =
             faults::written(faults.as_ref()).map_err(|problem| document.problem(&problem))?;
+        road::one_source(|path| document.has(path))
+            .map_err(|problem| document.problem(&problem))?;
         scenario.follow_a_fast_controller(|path| document.has(path));
         scenario.controller.place_command(directory);
         if let Some(directory) = directory {

@@ -25,8 +25,30 @@ use crate::grade::{
 
 /// The road. Beyond its ends it is level.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "RoadKeys", into = "RoadKeys")]
+pub enum Road {
+    /// No road is given.
+    #[default]
+    Level,
+    /// A road that comes with the program.
+    Builtin(BuiltinRoad),
+    /// A CSV file.
+    Csv {
+        /// The file; a relative path starts at the scenario file's directory.
+        file: PathBuf,
+        /// What it held when the scenario was opened.
+        points: Vec<RoadPoint>,
+    },
+    /// A road made by a random generator.
+    Generated(Generated),
+    /// The points themselves.
+    Points(Vec<RoadPoint>),
+}
+
+/// The keys of `[road]`.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct Road {
+pub struct RoadKeys {
     /// A road that comes with the program.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub builtin: Option<BuiltinRoad>,
@@ -39,6 +61,49 @@ pub struct Road {
     /// The points themselves; beside `csv`, what the file held when the scenario was opened.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub points: Vec<RoadPoint>,
+}
+
+impl From<RoadKeys> for Road {
+    /// Of several sources, which [`one_source`] refuses, one.
+    fn from(keys: RoadKeys) -> Self {
+        let RoadKeys { builtin, csv, generated, points } = keys;
+        match (builtin, csv, generated) {
+            (Some(builtin), ..) => Self::Builtin(builtin),
+            (None, Some(file), _) => Self::Csv { file, points },
+            (None, None, Some(generated)) => Self::Generated(generated),
+            (None, None, None) if points.is_empty() => Self::Level,
+            (None, None, None) => Self::Points(points),
+        }
+    }
+}
+
+impl From<Road> for RoadKeys {
+    fn from(road: Road) -> Self {
+        let none = Self::default();
+        match road {
+            Road::Level => none,
+            Road::Builtin(builtin) => Self { builtin: Some(builtin), ..none },
+            Road::Csv { file, points } => Self { csv: Some(file), points, ..none },
+            Road::Generated(generated) => Self { generated: Some(generated), ..none },
+            Road::Points(points) => Self { points, ..none },
+        }
+    }
+}
+
+/// Checks that the keys that were written name one source at most; the points beside a file are the file's.
+pub(super) fn one_source(is_written: impl Fn(&str) -> bool) -> Result<(), Problem> {
+    let points = if is_written("road.csv") { "road.csv" } else { "road.points" };
+    let sources = ["road.builtin", "road.generated", points];
+    let mut given = sources.into_iter().filter(|source| is_written(source));
+    match (given.next(), given.next()) {
+        (Some(first), Some(second)) => Err(Problem::new(
+            second,
+            format!("the road is given twice, by {first} and {second}"),
+            "one source for the road",
+        )
+        .against(first)),
+        _ => Ok(()),
+    }
 }
 
 /// A point of a road: `[distance_m, height_m]`.
@@ -77,48 +142,33 @@ impl Road {
     /// Whether no road is given.
     #[must_use]
     pub fn is_level(&self) -> bool {
-        *self == Self::default()
+        *self == Self::Level
     }
 
     /// The road's heights.
     ///
     /// # Errors
-    /// When the points are no road, the file has not been read, or there is more than one source.
+    /// When the points are no road, or the file has not been read.
     pub fn profile(&self) -> Result<GradeProfile, Problem> {
-        let sources = [
-            ("road.builtin", self.builtin.is_some()),
-            ("road.generated", self.generated.is_some()),
-            ("road.csv", self.csv.is_some()),
-            ("road.points", !self.points.is_empty() && self.csv.is_none()),
-        ];
-        let mut given = sources.into_iter().filter(|(_, given)| *given);
-        if let (Some((first, _)), Some((second, _))) = (given.next(), given.next()) {
-            return Err(Problem::new(
-                second,
-                format!("the road is given twice, by {first} and {second}"),
-                "one source for the road",
-            )
-            .against(first));
-        }
-        if let Some(builtin) = self.builtin {
-            return Ok(parse_csv("built-in road", builtin.csv())
-                .expect("a test reads every built-in road"));
-        }
-        if let Some(generated) = &self.generated {
-            return generated.profile();
-        }
-        if self.csv.is_some() && self.points.is_empty() {
-            return Err(Problem::new(
-                "road.csv",
-                "the file has not been read, for this scenario is not a file itself",
-                "points, or a scenario file",
-            ));
-        }
-        let points = self
-            .points
-            .iter()
-            .map(|point| Point { distance_m: point.0.value(), height_m: point.1.value() });
-        GradeProfile::new(points.collect()).map_err(|error| {
+        let points = match self {
+            Self::Builtin(builtin) => {
+                return Ok(parse_csv("built-in road", builtin.csv())
+                    .expect("a test reads every built-in road"));
+            }
+            Self::Generated(generated) => return generated.profile(),
+            Self::Csv { points, .. } if points.is_empty() => {
+                return Err(Problem::new(
+                    "road.csv",
+                    "the file has not been read, for this scenario is not a file itself",
+                    "points, or a scenario file",
+                ));
+            }
+            Self::Csv { points, .. } | Self::Points(points) => points.as_slice(),
+            Self::Level => &[],
+        };
+        let point =
+            |point: &RoadPoint| Point { distance_m: point.0.value(), height_m: point.1.value() };
+        GradeProfile::new(points.iter().map(point).collect()).map_err(|error| {
             let path = format!("road.points.{}", error.index());
             Problem::new(path, error.to_string(), error.expected())
         })
@@ -229,6 +279,7 @@ fn yes() -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Scenario;
 
     fn refusal(text: &str) -> String {
         parse_csv("road.csv", text).expect_err("no road").to_string()
@@ -274,11 +325,16 @@ mod tests {
 
     #[test]
     fn two_sources_are_one_too_many() {
-        let road = Road {
-            builtin: Some(BuiltinRoad::Hills60km),
-            points: vec![RoadPoint(Distance::of(0.0), Height::of(0.0)); 2],
-            ..Road::default()
-        };
-        assert_eq!(road.profile().expect_err("two").path, "road.points");
+        let points = "points = [[0, 0], [50, 1]]";
+        let text = format!(
+            "schema_version = 1\nname = \"x\"\n[road]\nbuiltin = \"hills-60km\"\n{points}\n"
+        );
+        let said = Scenario::parse("x.toml", &text).expect_err("two").to_string();
+        assert!(
+            said.contains("x.toml:5:") && said.contains("by road.builtin and road.points"),
+            "{said}"
+        );
+        let file: Road = toml::from_str(&format!("csv = \"a.csv\"\n{points}")).expect("one");
+        assert!(matches!(file, Road::Csv { points, .. } if points.len() == 2), "the file's points");
     }
 }

@@ -7,9 +7,15 @@ use std::time::Duration;
 use thiserror::Error;
 
 /// Why a foreign law cannot go on. The sentence names the program and what was expected of it.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("{0}")]
-pub struct HostedError(pub(crate) String);
+#[derive(Debug, Error)]
+#[error(transparent)]
+pub struct HostedError(Box<dyn std::error::Error + Send + Sync>);
+
+impl HostedError {
+    pub(crate) fn new(cause: impl std::error::Error + Send + Sync + 'static) -> Self {
+        Self(Box::new(cause))
+    }
+}
 
 /// The host of a foreign law's program.
 pub trait Hosted {

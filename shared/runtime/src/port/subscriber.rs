@@ -5,7 +5,7 @@ use crate::faults::{ChannelFaults, Faults};
 use crate::fence::Fences;
 use crate::link::End;
 use crate::members::Members;
-use crate::transport::{Held, Receiver, SenderId};
+use crate::transport::{Held, Receiver, SenderId, TransportError};
 use crate::waking::{Ticket, Waiter};
 use crate::{Clock, RuntimeError};
 use messages::e2e::Channel;
@@ -308,7 +308,8 @@ impl<T: Message> Subscriber<T> {
     pub(crate) fn wait(&self, ticket: Ticket, timeout: Duration) -> Result<(), RuntimeError> {
         self.waiter()
             .wait(ticket, timeout)
-            .map_err(|e| RuntimeError::Receive { topic: T::TOPIC, reason: e.to_string() })
+            .map_err(|reason| TransportError::System { what: "waiting", reason })
+            .map_err(|reason| RuntimeError::Receive { topic: T::TOPIC, reason })
     }
 
     fn waiter(&self) -> &Waiter {

@@ -1,5 +1,6 @@
 //! What all carriers offer: ends of topics that connect, send and receive.
 
+use super::error::TransportError;
 use super::held::Held;
 use super::loan::Loan;
 use crate::Timetable;
@@ -27,17 +28,17 @@ pub(super) fn buffer_of(topic: Topic, buffer: usize) -> usize {
 /// connecting creates files and allocates.
 pub trait Connect: Debug {
     /// Connects.
-    fn connect(&self) -> Result<(), String>;
+    fn connect(&self) -> Result<(), TransportError>;
 }
 
 /// Sends messages of one type.
 pub trait Sender<T: Message>: Connect {
     /// Memory for a message where its readers will read it. It holds zeros or an earlier message of this
     /// port.
-    fn loan(&self) -> Result<Loan<T>, String>;
+    fn loan(&self) -> Result<Loan<T>, TransportError>;
 
     /// Hands a message that was loaned here to all subscribers.
-    fn send(&self, message: Loan<T>) -> Result<(), String>;
+    fn send(&self, message: Loan<T>) -> Result<(), TransportError>;
 }
 
 /// A sending port, unique on this host.
@@ -75,5 +76,5 @@ pub struct Arrival {
 /// Receives messages of one type.
 pub trait Receiver<T: Message>: Connect + Input {
     /// Takes the oldest message not yet taken into `held`.
-    fn receive(&self, held: &mut Held<T>) -> Result<Option<Arrival>, String>;
+    fn receive(&self, held: &mut Held<T>) -> Result<Option<Arrival>, TransportError>;
 }

@@ -5,6 +5,7 @@
 //! its next turn, as it would wait for room in shared memory.
 
 use super::ends::{Arrival, Connect, Input, Receiver, Sender, SenderId, buffer, buffer_of};
+use super::error::TransportError;
 use super::held::Held;
 use super::loan::{Loan, Place};
 use crate::Timetable;
@@ -129,17 +130,17 @@ struct MemorySender<T> {
 
 impl<T: Message> MemorySender<T> {
     /// Puts `message` into `queue`, waiting for room.
-    fn put(&self, queue: &Queue<T>, message: &Rc<T>) -> Result<(), String> {
+    fn put(&self, queue: &Queue<T>, message: &Rc<T>) -> Result<(), TransportError> {
         while queue.borrow().len() >= self.limit {
             if self.end.is_now() {
                 return Ok(());
             }
             if self.stalled.get() {
-                return Err("a receiver does not read".into());
+                return Err(TransportError::NotRead);
             }
             match &self.pause {
                 Some(pause) => pause.wait(),
-                None => return Err("a receiver's queue is full".into()),
+                None => return Err(TransportError::Full),
             }
         }
         queue.borrow_mut().push_back((Rc::clone(message), self.id));
@@ -149,13 +150,13 @@ impl<T: Message> MemorySender<T> {
 }
 
 impl<T: Message> Connect for MemorySender<T> {
-    fn connect(&self) -> Result<(), String> {
+    fn connect(&self) -> Result<(), TransportError> {
         Ok(())
     }
 }
 
 impl<T: Message> Sender<T> for MemorySender<T> {
-    fn loan(&self) -> Result<Loan<T>, String> {
+    fn loan(&self) -> Result<Loan<T>, TransportError> {
         let mut pool = self.pool.borrow_mut();
         let unused = pool.iter().position(|message| Rc::strong_count(message) == 1);
         let message = match unused {
@@ -165,9 +166,9 @@ impl<T: Message> Sender<T> for MemorySender<T> {
         Ok(Loan(Place::Memory(message)))
     }
 
-    fn send(&self, message: Loan<T>) -> Result<(), String> {
+    fn send(&self, message: Loan<T>) -> Result<(), TransportError> {
         let Place::Memory(message) = message.0 else {
-            return Err("a message in shared memory".into());
+            return Err(TransportError::OtherCarrier);
         };
         // One look at a time: others may have their turn in between.
         let mut index = 0;
@@ -192,7 +193,7 @@ struct MemoryReceiver<T> {
 }
 
 impl<T: Message> Connect for MemoryReceiver<T> {
-    fn connect(&self) -> Result<(), String> {
+    fn connect(&self) -> Result<(), TransportError> {
         Ok(())
     }
 }
@@ -204,7 +205,7 @@ impl<T: Message> Input for MemoryReceiver<T> {
 }
 
 impl<T: Message> Receiver<T> for MemoryReceiver<T> {
-    fn receive(&self, held: &mut Held<T>) -> Result<Option<Arrival>, String> {
+    fn receive(&self, held: &mut Held<T>) -> Result<Option<Arrival>, TransportError> {
         let Some((message, sender)) = self.queue.borrow_mut().pop_front() else { return Ok(None) };
         self.moved.set(self.moved.get() + 1);
         Ok(Some(Arrival { sender, copied_bytes: held.take_shared(message) }))
@@ -221,7 +222,7 @@ mod tests {
         Rc::new(Bus::new(&Timetable { step_ns: 10_000_000, strides, last_step: 100 }))
     }
 
-    fn send(sender: &dyn Sender<Odometry>, sequence: u64) -> Result<(), String> {
+    fn send(sender: &dyn Sender<Odometry>, sequence: u64) -> Result<(), TransportError> {
         let mut message = sender.loan()?;
         message.header.sequence = sequence;
         sender.send(message)

@@ -1,6 +1,7 @@
 //! What carries messages from ports to ports: shared memory between processes, or the memory of one.
 
 mod ends;
+mod error;
 mod held;
 mod loan;
 mod memory;
@@ -9,11 +10,12 @@ mod pooled;
 mod shared_memory;
 
 pub use ends::{Connect, Input, Receiver, Sender, SenderId};
+pub use error::TransportError;
 pub use held::{COPIED_BYTES, Held};
 pub use loan::Loan;
 pub(super) use memory::{Bus, Seat};
 pub(super) use payload::{PAYLOAD_TOPIC, Payload, Stamp};
-pub(super) use shared_memory::{Ipc, SharedMemory};
+pub(super) use shared_memory::{Ipc, SharedMemory, refused};
 pub use shared_memory::{domain, shared_memory_bytes};
 
 use super::RuntimeError;

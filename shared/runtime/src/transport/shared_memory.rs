@@ -1,6 +1,7 @@
 //! iceoryx2 as timegap uses it: one private node per process and one way to open each topic.
 
 use super::ends::{Arrival, Connect, Input, Receiver, Sender, SenderId, buffer, buffer_of};
+use super::error::TransportError;
 use super::held::Held;
 use super::loan::{Loan, Place};
 use super::payload::{PAYLOAD_TOPIC, Payload, Stamp};
@@ -60,24 +61,26 @@ pub fn shared_memory_bytes(timetable: &Timetable, standby: &[Service]) -> u64 {
 
 impl<T: Message> Sender<T> for iceoryx2::port::publisher::Publisher<Ipc, T, ()> {
     #[expect(unsafe_code, reason = "a message is not written twice to please the type")]
-    fn loan(&self) -> Result<Loan<T>, String> {
-        let sample = self.loan_uninit().map_err(|e| format!("{e:?}"))?;
+    fn loan(&self) -> Result<Loan<T>, TransportError> {
+        let sample = self.loan_uninit().map_err(TransportError::iceoryx2)?;
         // SAFETY: the payload is a part of a file in memory, mapped by this process: it holds zeros or an
         // earlier message, and any bytes are a `T`, which is `Pod`.
         Ok(Loan(Place::SharedMemory(unsafe { sample.assume_init() })))
     }
 
-    fn send(&self, message: Loan<T>) -> Result<(), String> {
+    fn send(&self, message: Loan<T>) -> Result<(), TransportError> {
         match message.0 {
-            Place::SharedMemory(sample) => sample.send().map(|_| ()).map_err(|e| format!("{e:?}")),
-            Place::Memory(_) => Err("a message that is not in shared memory".into()),
+            Place::SharedMemory(sample) => {
+                sample.send().map(|_| ()).map_err(TransportError::iceoryx2)
+            }
+            Place::Memory(_) => Err(TransportError::OtherCarrier),
         }
     }
 }
 
 impl<Port: UpdateConnections + Debug> Connect for Port {
-    fn connect(&self) -> Result<(), String> {
-        self.update_connections().map_err(|e| format!("{e:?}"))
+    fn connect(&self) -> Result<(), TransportError> {
+        self.update_connections().map_err(TransportError::iceoryx2)
     }
 }
 
@@ -88,8 +91,8 @@ impl<T: Message> Input for iceoryx2::port::subscriber::Subscriber<Ipc, T, ()> {
 }
 
 impl<T: Message> Receiver<T> for iceoryx2::port::subscriber::Subscriber<Ipc, T, ()> {
-    fn receive(&self, held: &mut Held<T>) -> Result<Option<Arrival>, String> {
-        let Some(sample) = Self::receive(self).map_err(|e| format!("{e:?}"))? else {
+    fn receive(&self, held: &mut Held<T>) -> Result<Option<Arrival>, TransportError> {
+        let Some(sample) = Self::receive(self).map_err(TransportError::iceoryx2)? else {
             return Ok(None);
         };
         let sender = SenderId(sample.origin().value());
@@ -114,19 +117,20 @@ impl SharedMemory {
     /// # Errors
     /// [`RuntimeError::Node`] if the root is not usable or shared memory is not to be had.
     pub(crate) fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
-        let error = |reason: String| RuntimeError::Node { root: group.root.clone(), reason };
+        let error = |reason| RuntimeError::Node { root: group.root.clone(), reason };
         let config = domain(group)?;
-        let name = NodeName::new(name).map_err(|e| error(format!("{e:?}")))?;
+        let name = NodeName::new(name).map_err(TransportError::iceoryx2).map_err(error)?;
         let node = NodeBuilder::new()
             .name(&name)
             .config(&config)
             // signal-hook owns the signals.
             .signal_handling_mode(SignalHandlingMode::Disabled)
             .create::<Ipc>()
-            .map_err(|e| error(format!("{e:?}")))?;
-        keep_to_this_user(&group.prefix).map_err(|e| error(format!("shared memory: {e}")))?;
-        let wake_words =
-            WakeWords::map(&group.prefix).map_err(|e| error(format!("wake words: {e}")))?;
+            .map_err(TransportError::iceoryx2)
+            .map_err(error)?;
+        let system = |what| move |reason| error(TransportError::System { what, reason });
+        keep_to_this_user(&group.prefix).map_err(system("shared memory"))?;
+        let wake_words = WakeWords::map(&group.prefix).map_err(system("wake words"))?;
         Ok(Self {
             node,
             wake_words,
@@ -149,12 +153,10 @@ impl SharedMemory {
     fn topic<T: Message>(
         &self,
     ) -> Result<publish_subscribe::PortFactory<Ipc, T, ()>, RuntimeError> {
-        let error = |reason: String| RuntimeError::Topic { topic: T::TOPIC, reason };
         let key = AttributeKey::try_from("layout").expect("short enough for a key");
         let version = AttributeValue::try_from(LAYOUT_VERSION).expect("short enough for a value");
-        let attributes = AttributeVerifier::new()
-            .require(&key, &version)
-            .map_err(|e| error(format!("{e:?}")))?;
+        let attributes =
+            AttributeVerifier::new().require(&key, &version).map_err(refused(T::TOPIC))?;
         self.node
             .service_builder(&service_name(T::TOPIC))
             .publish_subscribe::<T>()
@@ -167,7 +169,7 @@ impl SharedMemory {
             .history_size(HISTORY)
             .enable_safe_overflow(self.mode == Mode::Realtime)
             .open_or_create_with_attributes(&attributes)
-            .map_err(|e| error(format!("{e:?}")))
+            .map_err(refused(T::TOPIC))
     }
 
     pub(super) fn publisher<T: Message>(
@@ -187,18 +189,15 @@ impl SharedMemory {
                 BackpressureAction::Retry
             })
             .create()
-            .map_err(|e| RuntimeError::Topic { topic: T::TOPIC, reason: format!("{e:?}") })?;
+            .map_err(refused(T::TOPIC))?;
         if SenderId(port.id().value()).pid() != std::process::id() {
-            let reason = "iceoryx2 does not name the process in its port ids as expected".into();
-            return Err(RuntimeError::Topic { topic: T::TOPIC, reason });
+            return Err(RuntimeError::Topic { topic: T::TOPIC, reason: TransportError::PortId });
         }
         Ok(Rc::new(port))
     }
 
     pub(super) fn subscriber<T: Message>(&self) -> Result<Rc<dyn Receiver<T>>, RuntimeError> {
-        let port = (self.topic::<T>()?.subscriber_builder())
-            .create()
-            .map_err(|e| RuntimeError::Topic { topic: T::TOPIC, reason: format!("{e:?}") })?;
+        let port = (self.topic::<T>()?.subscriber_builder()).create().map_err(refused(T::TOPIC))?;
         Ok(Rc::new(port))
     }
 
@@ -219,7 +218,7 @@ impl SharedMemory {
             .subscriber_max_borrowed_samples(1)
             .history_size(0)
             .open_or_create()
-            .map_err(|e| RuntimeError::Topic { topic: PAYLOAD_TOPIC, reason: format!("{e:?}") })
+            .map_err(refused(PAYLOAD_TOPIC))
     }
 
     /// iceoryx2's own event service, which no topic uses.
@@ -228,7 +227,7 @@ impl SharedMemory {
             .service_builder(&"bench/event".try_into().expect("a valid service name"))
             .event()
             .open_or_create()
-            .map_err(|e| RuntimeError::Topic { topic: PAYLOAD_TOPIC, reason: format!("{e:?}") })
+            .map_err(refused(PAYLOAD_TOPIC))
     }
 
     pub(super) fn waker(&self, topic: Topic) -> Waker {
@@ -276,18 +275,25 @@ impl Listeners {
 /// # Errors
 /// [`RuntimeError::Node`] if the root's path or the prefix is none for iceoryx2.
 pub fn domain(group: &Group) -> Result<Config, RuntimeError> {
-    let error = |reason: String| RuntimeError::Node { root: group.root.clone(), reason };
+    let error = |reason| RuntimeError::Node { root: group.root.clone(), reason };
     let mut config = Config::default();
-    let root = group.root.to_str().ok_or_else(|| error("the path is not UTF-8".into()))?;
+    let root = group.root.to_str().ok_or_else(|| error(TransportError::Path))?;
     config.global.prefix =
-        FileName::new(group.prefix.as_bytes()).map_err(|e| error(format!("prefix: {e:?}")))?;
+        FileName::new(group.prefix.as_bytes()).map_err(TransportError::iceoryx2).map_err(error)?;
     // The launcher cleans up after each death; a service that starts has no time for it.
     config.global.node.cleanup_dead_nodes_on_creation = false;
     config.global.node.cleanup_dead_nodes_on_destruction = false;
     config.global.service.cleanup_dead_nodes_on_open = false;
-    let root = Path::new(root.as_bytes()).map_err(|e| error(format!("path: {e:?}")))?;
+    let root = Path::new(root.as_bytes()).map_err(TransportError::iceoryx2).map_err(error)?;
     config.global.set_root_path(&root);
     Ok(config)
+}
+
+/// The error of a topic that iceoryx2 does not open.
+pub(crate) fn refused<E: std::error::Error + Send + Sync + 'static>(
+    topic: Topic,
+) -> impl FnOnce(E) -> RuntimeError {
+    move |error| RuntimeError::Topic { topic, reason: TransportError::iceoryx2(error) }
 }
 
 /// How the name of the one object ends that iceoryx2 makes for all users.

@@ -174,7 +174,7 @@ fn moved(road: &Road, behind_m: f64) -> Result<Road, SceneError> {
         Ok(RoadPoint(distance_m, Height::try_from(point.height_m)?))
     });
     let points = points.collect::<Result<Vec<_>, OutOfRange<f64>>>()?;
-    Ok(Road { points, ..Road::default() })
+    Ok(Road::Points(points))
 }
 
 #[cfg(test)]
@@ -220,7 +220,8 @@ mod tests {
         let (scenario, place) =
             plan.behind(Place::default(), &Motion::constant(20.0)).expect("a short string");
         let first = plan.laws[0].road.profile().expect("a road").points()[1];
-        let mine = scenario.road.points[1];
+        let Road::Points(points) = &scenario.road else { panic!("{:?}", scenario.road) };
+        let mine = points[1];
         assert!((mine.0.value() - first.distance_m - place.behind_first_m).abs() < 1e-9);
         assert_eq!(mine.1.value(), first.height_m);
     }

@@ -14,7 +14,7 @@ use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, wa
 use scenario::Scenario;
 use scenario::supervision::Supervision;
 use std::collections::VecDeque;
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{self, BufRead, BufReader, Read, Write};
 use std::os::unix::process::CommandExt;
 use std::path::PathBuf;
 use std::process::{Child, ChildStderr, Command, Stdio};
@@ -22,6 +22,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
+use thiserror::Error;
 
 /// Time that a program gets to go when its input ends.
 const GRACE: Duration = Duration::from_millis(500);
@@ -48,6 +49,62 @@ impl Plan {
     pub(super) fn subject(&self) -> String {
         format!("the law `{}`", self.command.join(" ").escape_debug())
     }
+}
+
+/// Why a law has no program.
+#[derive(Debug, Error)]
+pub(super) enum HostError {
+    /// The thread that would start it.
+    #[error("{subject} cannot be hosted: {reason}")]
+    NoThread {
+        /// The program in a sentence, here and below.
+        subject: String,
+        /// What the system said.
+        #[source]
+        reason: io::Error,
+    },
+    /// It does not run.
+    #[error("{subject} cannot be started: {reason}")]
+    NotStarted { subject: String, reason: StartError },
+    /// Its first answer is none.
+    #[error(
+        "{subject} gave a wrong first answer: request_mps2 = {request_mps2}, expected a finite number"
+    )]
+    FirstAnswer { subject: String, request_mps2: f64 },
+    /// It ended, or did not answer as it should.
+    #[error(
+        "{subject} {what}{}{words}{}",
+        if words.is_empty() { "" } else { "; it said: " },
+        if *first { " (it had not answered once)" } else { "" }
+    )]
+    Failed {
+        subject: String,
+        /// What it did.
+        what: String,
+        /// Its last lines on standard error.
+        words: String,
+        /// It had not answered once.
+        first: bool,
+    },
+    /// The budget of starts is used up.
+    #[error("{subject} failed too often and is not started again")]
+    TooOften { subject: String },
+    /// The thread says nothing in time.
+    #[error("the host of the law does not answer")]
+    Silent,
+}
+
+/// Why a program does not start.
+#[derive(Debug, Error)]
+pub(super) enum StartError {
+    #[error("it has no name")]
+    NoName,
+    #[error("no pipe")]
+    NoPipe,
+    #[error(transparent)]
+    System(#[from] io::Error),
+    #[error(transparent)]
+    Channel(#[from] ChannelError),
 }
 
 /// What the control loop asks for.
@@ -89,7 +146,7 @@ pub(super) struct Host {
 
 impl Host {
     /// Starts the thread, which starts the program.
-    pub(super) fn start(plan: Plan) -> Result<Self, HostedError> {
+    pub(super) fn start(plan: Plan) -> Result<Self, HostError> {
         let (orders, inbox) = channel();
         let (outbox, news) = channel();
         let life = Arc::new(Mutex::new(Life::default()));
@@ -98,7 +155,7 @@ impl Host {
         let thread = std::thread::Builder::new()
             .name("law-host".into())
             .spawn(move || own.run())
-            .map_err(|e| HostedError(format!("{subject} cannot be hosted: {e}")))?;
+            .map_err(|reason| HostError::NoThread { subject, reason })?;
         Ok(Self { orders: Some(orders), news, life, thread: Some(thread) })
     }
 
@@ -159,13 +216,11 @@ impl Thread {
                     }
                 }
                 Err(why) if first => return self.give_up(why),
-                Err(why) => self.note(why),
+                Err(why) => self.note(&why),
             }
             first = false;
             let Some(wait) = restarts.next(&self.plan.supervision) else {
-                let subject = self.plan.subject();
-                return self
-                    .give_up(format!("{subject} failed too often and is not started again"));
+                return self.give_up(HostError::TooOften { subject: self.plan.subject() });
             };
             if !self.pause(wait) {
                 return;
@@ -182,13 +237,13 @@ impl Thread {
                     self.lent = Some(scenario);
                 }
                 Ok(Order::Replace(error)) => {
-                    let why = self.why(&error, &mut process);
-                    self.note(why);
+                    let why = self.why(&error, &mut process, false);
+                    self.note(&why);
                     process.end(Duration::ZERO);
                     return true;
                 }
                 Ok(Order::Explain(error)) => {
-                    let why = self.why(&error, &mut process);
+                    let why = self.why(&error, &mut process, false);
                     process.end(Duration::ZERO);
                     self.give_up(why);
                     return false;
@@ -215,10 +270,10 @@ impl Thread {
     }
 
     /// Starts a program and hears its first answer.
-    fn begin(&mut self) -> Result<(Process, Channel), String> {
-        let subject = self.plan.subject();
+    fn begin(&mut self) -> Result<(Process, Channel), HostError> {
+        let subject = || self.plan.subject();
         let (mut process, mut channel) = Process::start(&self.plan)
-            .map_err(|why| format!("{subject} cannot be started: {why}"))?;
+            .map_err(|reason| HostError::NotStarted { subject: subject(), reason })?;
         self.life.lock().expect("no holder panics").starts += 1;
         let deadline = Instant::now() + self.plan.patience;
         let probe = question(&Input { period_s: 0.1, ..Input::default() }, 1, true);
@@ -232,45 +287,40 @@ impl Thread {
             }
             Ok(Some(answer)) => {
                 process.end(Duration::ZERO);
-                let request = answer.request_mps2;
-                Err(format!(
-                    "{subject} gave a wrong first answer: request_mps2 = {request}, expected a finite \
-                     number"
-                ))
+                let request_mps2 = answer.request_mps2;
+                Err(HostError::FirstAnswer { subject: subject(), request_mps2 })
             }
             other => {
                 let patience = self.plan.patience;
                 let error = other.err().unwrap_or(ChannelError::Silent { patience });
-                let why = self.why(&error, &mut process);
+                let why = self.why(&error, &mut process, true);
                 process.end(Duration::ZERO);
-                Err(format!("{why} (it had not answered once)"))
+                Err(why)
             }
         }
     }
 
-    /// What a program did, in a sentence.
-    fn why(&self, error: &ChannelError, process: &mut Process) -> String {
+    /// What a program did.
+    fn why(&self, error: &ChannelError, process: &mut Process, first: bool) -> HostError {
         let what = match error {
             ChannelError::Closed => process.how_it_ended(),
             other => other.to_string(),
         };
-        let words = process.last_words();
-        let words = if words.is_empty() { words } else { format!("; it said: {words}") };
-        format!("{} {what}{words}", self.plan.subject())
+        HostError::Failed { subject: self.plan.subject(), what, words: process.last_words(), first }
     }
 
-    fn note(&self, why: String) {
+    fn note(&self, why: &HostError) {
         let mut life = self.life.lock().expect("no holder panics");
         if life.failures.len() < MAX_FAILURES {
-            life.failures.push(why);
+            life.failures.push(why.to_string());
         }
     }
 
-    fn give_up(&self, why: String) {
-        self.note(why.clone());
+    fn give_up(&self, why: HostError) {
+        self.note(&why);
         self.life.lock().expect("no holder panics").given_up = true;
         // The loop may be gone.
-        let _ = self.news.send(News::Ended(HostedError(why)));
+        let _ = self.news.send(News::Ended(HostedError::new(why)));
     }
 }
 
@@ -283,8 +333,8 @@ struct Process {
 }
 
 impl Process {
-    fn start(plan: &Plan) -> Result<(Self, Channel), String> {
-        let (name, arguments) = plan.command.split_first().ok_or("it has no name")?;
+    fn start(plan: &Plan) -> Result<(Self, Channel), StartError> {
+        let (name, arguments) = plan.command.split_first().ok_or(StartError::NoName)?;
         let mut command = match name.contains('/') {
             true => Command::new(plan.directory.join(name)),
             false => Command::new(name),
@@ -298,7 +348,7 @@ impl Process {
             .process_group(0);
         inherit_only(&mut command, None);
         die_with_this_thread(&mut command);
-        let child = command.spawn().map_err(|e| e.to_string())?;
+        let child = command.spawn()?;
         let mut process = Self { child, words: Arc::default(), is_reaped: false };
         match process.open() {
             Ok(channel) => Ok((process, channel)),
@@ -310,17 +360,16 @@ impl Process {
     }
 
     /// Takes its pipes: the channel, and a thread that hears its words.
-    fn open(&mut self) -> Result<Channel, String> {
-        let questions = self.child.stdin.take().ok_or("no pipe")?;
-        let answers = self.child.stdout.take().ok_or("no pipe")?;
-        let errors = self.child.stderr.take().ok_or("no pipe")?;
+    fn open(&mut self) -> Result<Channel, StartError> {
+        let questions = self.child.stdin.take().ok_or(StartError::NoPipe)?;
+        let answers = self.child.stdout.take().ok_or(StartError::NoPipe)?;
+        let errors = self.child.stderr.take().ok_or(StartError::NoPipe)?;
         let words = Arc::clone(&self.words);
         std::thread::Builder::new()
             .name("law-words".into())
             .stack_size(128 << 10)
-            .spawn(move || hear(errors, &words))
-            .map_err(|e| e.to_string())?;
-        Channel::new(questions.into(), answers.into()).map_err(|e| e.to_string())
+            .spawn(move || hear(errors, &words))?;
+        Ok(Channel::new(questions.into(), answers.into())?)
     }
 
     fn pid(&self) -> u32 {

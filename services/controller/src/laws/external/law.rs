@@ -2,7 +2,7 @@
 
 use super::bounds::Bounds;
 use super::channel::{Channel, ChannelError};
-use super::host::{Host, News, Plan};
+use super::host::{Host, HostError, News, Plan};
 use super::record::{Refused, accept, question};
 use crate::law::{Hosted, HostedError, Input, Law, Output, Quality};
 use messages::LAW_MODES;
@@ -79,7 +79,7 @@ impl External {
     /// What the program did, in a sentence; ends it.
     fn explain(&mut self, error: ChannelError) -> HostedError {
         self.channel = None;
-        let text = error.to_string();
+        let own = HostedError::new(error.clone());
         if let Some(host) = &self.host {
             host.explain(error);
             while let Ok(news) = host.news.recv() {
@@ -88,7 +88,7 @@ impl External {
                 }
             }
         }
-        HostedError(text)
+        own
     }
 
     fn drive_by_backup(&mut self, reason: Reason, input: &Input, output: &mut Output) {
@@ -149,13 +149,13 @@ enum Heard {
 impl Hosted for External {
     fn start(&mut self) -> Result<(), HostedError> {
         if self.host.is_none() {
-            self.host = Some(Host::start(self.plan.clone())?);
+            self.host = Some(Host::start(self.plan.clone()).map_err(HostedError::new)?);
             // The host's own watchdog is shorter.
             self.look_for_program(Some(2 * self.plan.patience + Duration::from_secs(5)))?;
         }
         match self.channel {
             Some(_) => Ok(()),
-            None => Err(HostedError("the host of the law does not answer".into())),
+            None => Err(HostedError::new(HostError::Silent)),
         }
     }
 

@@ -1,0 +1,128 @@
+//! What a service does in every cycle.
+
+use super::Runtime;
+use crate::{FromService, Mode, RuntimeError, Subscriber};
+use messages::{Header, Message, Origins, ServiceState};
+use std::sync::OnceLock;
+use std::time::Duration;
+
+static ALLOCATIONS: OnceLock<fn() -> u64> = OnceLock::new();
+
+/// Lets services report how often their loop allocated, by a counter of the calling thread's
+/// allocations: for programs whose global allocator counts.
+pub fn count_allocations_by(counter: fn() -> u64) {
+    // A second counter changes nothing.
+    let _ = ALLOCATIONS.set(counter);
+}
+
+/// Run time between two heartbeats, ns.
+const HEARTBEAT_NS: i64 = 100_000_000;
+
+/// What a cycle says of the run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cycle {
+    /// It goes on.
+    Next,
+    /// It is over.
+    Last,
+}
+
+impl Runtime {
+    /// Runs cycles until one says that the run is over, or it is.
+    ///
+    /// # Errors
+    /// What a cycle says, but for [`RuntimeError::Stopped`], which is an end like any other.
+    pub fn run_cycles(
+        &mut self,
+        mut cycle: impl FnMut(&mut Self) -> Result<Cycle, RuntimeError>,
+    ) -> Result<(), RuntimeError> {
+        let allocations = || ALLOCATIONS.get().map(|count| count());
+        let before = allocations();
+        let result = loop {
+            match cycle(self) {
+                Ok(Cycle::Next) => {}
+                Ok(Cycle::Last) | Err(RuntimeError::Stopped) => break Ok(()),
+                Err(error) => break Err(error),
+            }
+        };
+        self.allocations_in_loop = allocations().zip(before).map(|(after, before)| after - before);
+        result
+    }
+
+    /// Takes the newest sample of `T`'s topic; in lockstep, waits for the one that is due.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Starved`] if a due sample never comes, [`RuntimeError::Stopped`] if the run
+    /// ends meanwhile.
+    pub fn update<T: Message>(&self, topic: &mut Subscriber<T>) -> Result<(), RuntimeError> {
+        let patience = Duration::from_nanos(self.group.patience_ns.unsigned_abs());
+        if let Some(schedule) = &self.schedule {
+            let origin = schedule.input(T::TOPIC);
+            return topic.await_sample(origin, self.step, &self.link.end, patience);
+        }
+        let source = T::TOPIC.source();
+        match (self.group.mode, source) {
+            (Mode::Lockstep, Some(source)) => {
+                let due = self.group.timetable.latest_release(source, self.step);
+                topic.await_step(due, self.step, &self.link.end, patience)?;
+            }
+            _ => topic.drain(u64::MAX, |_| {})?,
+        }
+        let now_ns = self.clock.now_ns();
+        if let Some(source) = source {
+            topic.note_silence(now_ns, self.group.timetable.period_ns(source));
+        }
+        if self.faults.in_use()
+            && let Some(drive) = topic.newest().and_then(Message::drive)
+        {
+            self.faults.observe(&drive, now_ns);
+        }
+        Ok(())
+    }
+
+    /// Sends the heartbeat when it is due; called once at the end of every cycle.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Send`].
+    pub fn end_cycle(&mut self, state: ServiceState) -> Result<(), RuntimeError> {
+        if let Some(mut drive) = self.drive.take() {
+            self.update(&mut drive)?;
+            self.drive = Some(drive);
+        }
+        let scheduled_ns = self.clock.scheduled_ns(self.step);
+        let period_ns = self.group.timetable.period_ns(self.service);
+        let cycles = self.cycles;
+        let heartbeat = self.heartbeat.as_mut().expect("`begin` opened the heartbeat");
+        // Due once in every heartbeat period, or in every cycle if the service's own is longer.
+        if scheduled_ns % HEARTBEAT_NS < period_ns {
+            let header = Header::new(self.step, scheduled_ns, Origins::NONE);
+            heartbeat.send_with(|message| {
+                message.header = header;
+                message.cycles = cycles;
+                message.state = state as u64;
+            })?;
+        }
+        if let Some(account) = &self.account {
+            account.show_progress(cycles);
+            if !self.gate.is_standby() {
+                let (cycles, skipped) = self.counted();
+                account.write(cycles, skipped, &self.sent, &self.received);
+            }
+        }
+        Ok(())
+    }
+
+    /// Cycles and skipped releases that count: those of the active process.
+    pub(super) fn counted(&self) -> (u64, u64) {
+        (self.cycles - self.silent.0, self.skipped - self.silent.1)
+    }
+
+    /// Ends the run for the whole group after the current step: for the plant's referee.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Link`].
+    pub fn end_run(&mut self) -> Result<(), RuntimeError> {
+        self.link.end.set_before(self.step + 1);
+        self.link.say(FromService::Ended(self.step))
+    }
+}

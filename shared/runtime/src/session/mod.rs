@@ -1,0 +1,211 @@
+//! One service's life in the group.
+
+mod cycle;
+mod ports;
+mod releases;
+mod report;
+mod start;
+
+pub use cycle::{Cycle, count_allocations_by};
+
+use super::account::Account;
+use super::checkpoint::{Checkpoint, state_path};
+use super::faults::Faults;
+use super::fence::Fences;
+use super::gate::Gate;
+use super::link::Link;
+use super::members::Members;
+use super::port::{Backlog, Tally};
+use super::schedule::Schedule;
+use super::scheduling::Granted;
+use super::standby::Standby;
+use super::transport::{Carrier, Connect, Input, Seat, SharedMemory, Transport};
+use super::{Clock, Group, Mode, Publisher, RuntimeError, Subscriber, Usage};
+use crate::statistics::Latencies;
+use messages::{EgoTruth, Heartbeat, Service, Topic};
+use scenario::Scenario;
+use serde::de::DeserializeOwned;
+use std::cell::RefCell;
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::atomic::Ordering;
+
+/// A service that joined the group.
+#[derive(Debug)]
+pub struct Runtime {
+    group: Group,
+    service: Service,
+    incarnation: u32,
+    transport: Transport,
+    clock: Rc<Clock>,
+    link: Link,
+    sent: Vec<(Topic, Rc<RefCell<Tally>>)>,
+    received: Vec<(Topic, Rc<RefCell<Tally>>)>,
+    ports: Vec<(Topic, Rc<dyn Connect>)>,
+    heartbeat: Option<Publisher<Heartbeat>>,
+    granted: Option<Granted>,
+    /// The releases of a recorded run, where one is replayed.
+    schedule: Option<Schedule>,
+    scenario: Scenario,
+    members: Rc<Members>,
+    faults: Rc<Faults>,
+    /// What the ego does, for faults that wait for it, of a service that has no other use for it.
+    drive: Option<Box<Subscriber<EgoTruth>>>,
+    /// Receiving ends that a restarted service waits for.
+    inputs: Vec<Rc<dyn Input>>,
+    step: u64,
+    next_step: u64,
+    cycles: u64,
+    skipped: u64,
+    jitter: Latencies,
+    allocations_in_loop: Option<u64>,
+    /// In realtime, where a process may die and the run goes on.
+    account: Option<Account>,
+    fences: Option<Fences>,
+    gate: Rc<Gate>,
+    /// What the ports keep back while this process is a standby.
+    backlogs: Vec<Rc<dyn Backlog>>,
+    standby: Option<Standby>,
+    /// Cycles and skipped releases of the time as a standby.
+    silent: (u64, u64),
+}
+
+impl Runtime {
+    /// Joins the group whose root is `root` as `service`.
+    ///
+    /// # Errors
+    /// If the group file, the link or the run's shared memory is not usable.
+    pub fn join(service: Service, root: &Path, incarnation: u32) -> Result<Self, RuntimeError> {
+        let link = Link::open()?;
+        let group = Group::read(root)?;
+        let scenario = Scenario::parse("scenario", &group.scenario)?;
+        let schedule = Schedule::read(&group.root, service)?;
+        let transport = Transport::SharedMemory(SharedMemory::join(&group, service.name())?);
+        let members = Members::of(&group.root);
+        let fences = Fences::of(&group)?;
+        let gate = Rc::new(Gate::of(fences.clone(), service, incarnation));
+        let this = Self::new(service, group, scenario, transport, members, link);
+        Ok(Self { incarnation, schedule, fences, gate, ..this })
+    }
+
+    /// Joins the group whose services take turns in this thread.
+    pub(super) fn join_in_process(
+        service: Service,
+        group: Group,
+        scenario: Scenario,
+        seat: Seat,
+        link: Link,
+    ) -> Self {
+        Self::new(service, group, scenario, Transport::Memory(seat), Members::InProcess, link)
+    }
+
+    fn new(
+        service: Service,
+        group: Group,
+        scenario: Scenario,
+        transport: Transport,
+        members: Members,
+        link: Link,
+    ) -> Self {
+        link.end.set_before(group.timetable.last_step + 1);
+        Self {
+            members: Rc::new(members),
+            faults: Rc::new(Faults::of(&scenario, link.inbox.clone())),
+            scenario,
+            inputs: Vec::new(),
+            drive: None,
+            clock: Rc::new(Clock::new(group.mode, group.timetable.step_ns)),
+            group,
+            service,
+            incarnation: 0,
+            transport,
+            link,
+            sent: Vec::new(),
+            received: Vec::new(),
+            ports: Vec::new(),
+            heartbeat: None,
+            granted: None,
+            schedule: None,
+            step: 0,
+            next_step: 0,
+            cycles: 0,
+            skipped: 0,
+            jitter: Latencies::default(),
+            allocations_in_loop: None,
+            account: None,
+            fences: None,
+            gate: Rc::new(Gate::open(service)),
+            backlogs: Vec::new(),
+            standby: None,
+            silent: (0, 0),
+        }
+    }
+
+    /// The effective scenario.
+    #[must_use]
+    pub fn scenario(&self) -> Scenario {
+        self.scenario.clone()
+    }
+
+    /// True for a process that takes the place of one that died during the run.
+    #[must_use]
+    pub fn is_restarted(&self) -> bool {
+        self.incarnation > 0
+    }
+
+    /// True while this process computes for the case that the active one of its service ends, and sends
+    /// nothing.
+    #[must_use]
+    pub fn is_standby(&self) -> bool {
+        self.gate.is_standby()
+    }
+
+    /// Where this service keeps state for the process that may take its place.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Setup`] if shared memory has no room for it.
+    pub fn checkpoint<T: DeserializeOwned>(&self) -> Result<Checkpoint<T>, RuntimeError> {
+        Checkpoint::open(&state_path(&self.group.prefix, self.service))
+    }
+
+    /// Goes on with the step after `step`, whatever time it is.
+    pub fn resume_after(&mut self, step: u64) {
+        self.next_step = step + 1;
+    }
+
+    /// True once the launcher asked for a stop in lane.
+    #[must_use]
+    pub fn is_to_stop(&self) -> bool {
+        self.link.safe_stop.load(Ordering::Relaxed)
+    }
+
+    /// What carries this service's messages.
+    pub(crate) fn carrier(&self) -> Carrier {
+        match self.transport {
+            Transport::SharedMemory(_) => Carrier::SharedMemory,
+            Transport::Memory(_) => Carrier::Memory,
+        }
+    }
+
+    /// The clock.
+    #[must_use]
+    pub fn clock(&self) -> &Clock {
+        &self.clock
+    }
+
+    /// What the calling thread used of the machine so far; nothing in simulated time, whose messages
+    /// repeat to the byte.
+    #[must_use]
+    pub fn usage(&self) -> Usage {
+        match self.group.mode {
+            Mode::Realtime => Usage::of_this_thread(),
+            Mode::Lockstep => Usage::default(),
+        }
+    }
+
+    /// Releases left out so far.
+    #[must_use]
+    pub fn skipped(&self) -> u64 {
+        self.skipped
+    }
+}

@@ -1,0 +1,78 @@
+//! The ends of topics that a service opens.
+
+use super::Runtime;
+use crate::faults::SenderFaults;
+use crate::port::{Outlet, Tally};
+use crate::transport::{Connect, Input};
+use crate::{Carried, Mode, Publisher, RuntimeError, Subscriber};
+use messages::Topic;
+use std::rc::Rc;
+
+impl Runtime {
+    /// Opens the sending end of `T`'s topic.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Topic`].
+    pub fn publisher<T: Carried>(&mut self) -> Result<Publisher<T>, RuntimeError> {
+        let tally = Tally::of_sender(self.group.mode);
+        self.sent.push((T::TOPIC, Rc::clone(&tally)));
+        let awaited = match self.group.mode {
+            Mode::Lockstep => !T::TOPIC.consumers().is_empty(),
+            // The radar alone can release services.
+            Mode::Realtime => matches!(T::TOPIC, Topic::RadarTracks | Topic::RadarDetections),
+        };
+        let port = T::sender(&self.transport, self.link.end.clone())?;
+        self.ports.push((T::TOPIC, Rc::clone(&port) as Rc<dyn Connect>));
+        let publisher = Publisher::new(Outlet {
+            port,
+            waker: awaited.then(|| self.transport.waker(T::TOPIC)),
+            clock: Rc::clone(&self.clock),
+            timetable: self.group.timetable,
+            source: self.service,
+            incarnation: self.incarnation,
+            faults: Rc::clone(&self.faults),
+            sender_faults: SenderFaults::new(),
+            tally,
+            gate: Rc::clone(&self.gate),
+            held: None,
+        });
+        self.backlogs.push(publisher.backlog());
+        Ok(publisher)
+    }
+
+    /// Opens the receiving end of `T`'s topic.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Topic`].
+    pub fn subscriber<T: Carried>(&mut self) -> Result<Subscriber<T>, RuntimeError> {
+        self.subscribe(self.group.mode == Mode::Lockstep)
+    }
+
+    /// Opens the receiving end of `T`'s topic so that its samples can release this service.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Topic`].
+    pub fn releasing_subscriber<T: Carried>(&mut self) -> Result<Subscriber<T>, RuntimeError> {
+        self.subscribe(true)
+    }
+
+    fn subscribe<T: Carried>(&mut self, waits: bool) -> Result<Subscriber<T>, RuntimeError> {
+        let tally = Tally::of_receiver();
+        self.received.push((T::TOPIC, Rc::clone(&tally)));
+        let waiter = waits.then(|| self.transport.waiter(T::TOPIC));
+        let port = T::receiver(&self.transport)?;
+        self.ports.push((T::TOPIC, Rc::clone(&port) as Rc<dyn Connect>));
+        self.inputs.push(Rc::clone(&port) as Rc<dyn Input>);
+        let (members, faults) = (Rc::clone(&self.members), Rc::clone(&self.faults));
+        let clock = Some(Rc::clone(&self.clock));
+        let fences = self.fences.clone();
+        Ok(Subscriber::new(port, waiter, members, fences, clock, faults, tally))
+    }
+
+    pub(super) fn connect(&self) -> Result<(), RuntimeError> {
+        for (topic, port) in &self.ports {
+            port.connect().map_err(|reason| RuntimeError::Topic { topic: *topic, reason })?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,42 @@
+//! What a service tells of itself at the end.
+
+use super::Runtime;
+use crate::report::{Details, ServiceReport};
+use crate::transport::Carrier;
+use crate::{FromService, RuntimeError};
+
+impl Runtime {
+    /// Reports to the launcher and keeps all ports open until it has heard all services, so that
+    /// no last message is lost with its sender.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Link`].
+    pub fn finish(self, details: Details) -> Result<(), RuntimeError> {
+        let (cycles, skipped) = self.counted();
+        let report = ServiceReport {
+            allocations_in_loop: self.allocations_in_loop,
+            service: self.service,
+            cycles,
+            skipped,
+            release_jitter_us: self.jitter.percentiles_us(),
+            sent: self.sent.iter().map(|(topic, tally)| tally.borrow().sent(*topic)).collect(),
+            received: (self.received.iter())
+                .map(|(topic, tally)| tally.borrow().received(*topic))
+                .collect(),
+            peak_rss_kib: (self.carrier() == Carrier::SharedMemory).then(peak_rss_kib),
+            scheduling: self.granted.expect("`begin` comes before `finish`"),
+            fault_statistics: self.faults.statistics(),
+            details,
+        };
+        self.link.say(FromService::Report(Box::new(report)))?;
+        self.link.wait_for_the_end();
+        Ok(())
+    }
+}
+
+/// Peak resident set of this process, KiB; 0 where the kernel does not tell.
+fn peak_rss_kib() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    line.and_then(|line| line.trim().trim_end_matches(" kB").parse().ok()).unwrap_or(0)
+}
