@@ -124,6 +124,11 @@ impl Waiter {
         }
     }
 
+    /// True if a wait is another service's turn in this thread.
+    pub(super) fn is_in_process(&self) -> bool {
+        matches!(self, Self::InProcess { .. })
+    }
+
     /// True if waiting longer is of no use.
     pub(super) fn is_in_vain(&self) -> bool {
         matches!(self, Self::InProcess { stalled, .. } if stalled.get())

@@ -97,7 +97,26 @@ impl Channel {
         incarnation: u32,
         outcomes: &mut Outcomes,
     ) -> bool {
-        let received = profile7::check(bytes, data_id);
+        self.judge(profile7::check(bytes, data_id), incarnation, outcomes)
+    }
+
+    /// The same of a message that no other code could write to since it was protected.
+    pub fn accept_as_sent(
+        &mut self,
+        bytes: &[u8],
+        data_id: u32,
+        incarnation: u32,
+        outcomes: &mut Outcomes,
+    ) -> bool {
+        self.judge(profile7::check_as_sent(bytes, data_id), incarnation, outcomes)
+    }
+
+    fn judge(
+        &mut self,
+        received: Result<u32, profile7::Corrupted>,
+        incarnation: u32,
+        outcomes: &mut Outcomes,
+    ) -> bool {
         if received.is_ok() && incarnation > self.incarnation {
             // A restarted sender counts from 1 again and has to earn nothing: it is fresh.
             *self = Self { incarnation, ..Self::default() };

@@ -73,12 +73,24 @@ pub fn check(message: &[u8], data_id: u32) -> Result<u32, Corrupted> {
     if message.len() < 20 {
         return Err(Corrupted::Length);
     }
-    let word = |at: usize| {
-        u32::from_be_bytes([message[at], message[at + 1], message[at + 2], message[at + 3]])
-    };
     if message[..8] != crc(&message[8..]).to_be_bytes() {
         return Err(Corrupted::Crc);
     }
+    check_as_sent(message, data_id)
+}
+
+/// The same of a message that no other code could write to since it was protected: all but the CRC, which
+/// fits.
+///
+/// # Errors
+/// As [`check`], but for the CRC.
+pub fn check_as_sent(message: &[u8], data_id: u32) -> Result<u32, Corrupted> {
+    if message.len() < 20 {
+        return Err(Corrupted::Length);
+    }
+    let word = |at: usize| {
+        u32::from_be_bytes([message[at], message[at + 1], message[at + 2], message[at + 3]])
+    };
     if word(8) as usize != message.len() {
         return Err(Corrupted::Length);
     }
@@ -104,6 +116,15 @@ mod tests {
         assert_eq!(check(&message, 0x0a0b_0c0d), Ok(0));
         assert_eq!(check(&message, 0x0a0b_0c0e), Err(Corrupted::DataId));
         assert_eq!(check(&message[..19], 0x0a0b_0c0d), Err(Corrupted::Length));
+    }
+
+    #[test]
+    fn as_it_was_sent_a_message_needs_no_crc_but_the_rest() {
+        let mut message = [7; 64];
+        protect(&mut message, 0x0a0b_0c0d, 9);
+        assert_eq!(check_as_sent(&message, 0x0a0b_0c0d), Ok(9));
+        assert_eq!(check_as_sent(&message, 0x0a0b_0c0e), Err(Corrupted::DataId));
+        assert_eq!(check_as_sent(&message[..63], 0x0a0b_0c0d), Err(Corrupted::Length));
     }
 
     proptest! {

@@ -165,7 +165,12 @@ impl<T: Message> Subscriber<T> {
             tally.e2e.wrong_sequence += 1;
             return;
         }
-        if !channel.accept(bytes, T::TOPIC.data_id(source), header.incarnation, &mut tally.e2e) {
+        let (data_id, incarnation) = (T::TOPIC.data_id(source), header.incarnation);
+        let accepted = match self.incoming.is_as_sent() {
+            true => channel.accept_as_sent(bytes, data_id, incarnation, &mut tally.e2e),
+            false => channel.accept(bytes, data_id, incarnation, &mut tally.e2e),
+        };
+        if !accepted {
             return;
         }
         if let Some(clock) = &self.clock {
@@ -255,10 +260,20 @@ impl<T: Message> Subscriber<T> {
             if end.is_before(step) {
                 return Err(RuntimeError::Stopped);
             }
-            let since = *waiting_since.get_or_insert_with(Instant::now);
-            if self.waiter().is_in_vain() || since.elapsed() > patience {
-                let waited_s = since.elapsed().as_secs_f64();
-                return Err(RuntimeError::Starved { topic: T::TOPIC, step: due, waited_s });
+            let starved = |waited: Duration| {
+                let waited_s = waited.as_secs_f64();
+                Err(RuntimeError::Starved { topic: T::TOPIC, step: due, waited_s })
+            };
+            if self.waiter().is_in_process() {
+                // The turns of a thread tell by themselves when a wait is in vain.
+                if self.waiter().is_in_vain() {
+                    return starved(Duration::ZERO);
+                }
+            } else {
+                let waited = waiting_since.get_or_insert_with(Instant::now).elapsed();
+                if waited > patience {
+                    return starved(waited);
+                }
             }
             self.wait(ticket, Duration::from_millis(20))?;
         }

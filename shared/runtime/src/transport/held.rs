@@ -2,7 +2,8 @@
 //!
 //! A message of up to [`COPIED_BYTES`] is copied before it is checked, so that a faulty sender cannot
 //! write into it after the check. A larger one is borrowed: copying the radar's detections would cost
-//! more than carrying them.
+//! more than carrying them. In the memory of one process a message that was sent can be read only, and
+//! every one is borrowed.
 
 use super::pooled::PooledIpc as Ipc;
 use iceoryx2::sample::Sample;
@@ -65,14 +66,14 @@ impl<T: Message> Held<T> {
         0
     }
 
-    /// Keeps what arrived in the memory of the process; returns the bytes that were copied for it.
-    pub(super) fn take_shared(&mut self, message: Rc<T>) -> usize {
-        if is_copied::<T>() {
-            self.copy(&message);
-            return size_of::<T>();
-        }
+    /// Keeps what arrived in the memory of the process.
+    pub(super) fn take_shared(&mut self, message: Rc<T>) {
         self.state = State::Memory(message);
-        0
+    }
+
+    /// True if no other code could write to the message since its sender handed it over.
+    pub(crate) fn is_as_sent(&self) -> bool {
+        matches!(self.state, State::Memory(_))
     }
 
     /// Gives the message back to its sender.

@@ -208,7 +208,8 @@ impl<T: Message> Receiver<T> for MemoryReceiver<T> {
     fn receive(&self, held: &mut Held<T>) -> Result<Option<Arrival>, TransportError> {
         let Some((message, sender)) = self.queue.borrow_mut().pop_front() else { return Ok(None) };
         self.moved.set(self.moved.get() + 1);
-        Ok(Some(Arrival { sender, copied_bytes: held.take_shared(message) }))
+        held.take_shared(message);
+        Ok(Some(Arrival { sender, copied_bytes: 0 }))
     }
 }
 
@@ -243,7 +244,7 @@ mod tests {
                 let arrival = receiver.receive(&mut held).expect("memory").expect("a message");
                 let message = held.get().expect("taken");
                 assert_eq!((message.header.sequence, arrival.sender.pid()), (sequence, 1));
-                assert_eq!(arrival.copied_bytes, size_of::<Odometry>());
+                assert!(arrival.copied_bytes == 0 && held.is_as_sent());
             }
             assert!(!receiver.has_input());
         }
@@ -262,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn a_large_message_is_borrowed_and_not_written_again_before_its_readers_gave_it_back() {
+    fn a_message_is_borrowed_and_not_written_again_before_its_readers_gave_it_back() {
         let seat = Seat::new(bus(), 1, None);
         let sender = seat.publisher::<RadarDetections>(End::default());
         let receiver = seat.subscriber::<RadarDetections>();
