@@ -17,4 +17,4 @@ pub mod tracking;
 pub mod traffic;
 pub mod vehicle;
 
-pub use service::run;
+pub use service::{Ahead, run, run_behind};

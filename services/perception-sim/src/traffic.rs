@@ -96,6 +96,18 @@ impl Traffic {
         }
     }
 
+    /// Takes points of the first vehicle's table of speeds from `ahead`, so that all are there that
+    /// [`Self::advance`] to `time_ns` looks at.
+    pub fn learn(&mut self, time_ns: u64, ahead: &mut dyn FnMut(f64, &mut Vec<SpeedPoint>)) {
+        let Some(Mover { actor, step_ns, .. }) = self.movers.first_mut() else { return };
+        let Profile::Speeds(points) = &mut actor.profile else { return };
+        // The step after the present one; the second is for the rounding of times.
+        let until_s = seconds(time_ns + 2 * *step_ns);
+        if points.last().is_none_or(|last| last.0.value() <= until_s) {
+            ahead(until_s, points);
+        }
+    }
+
     /// A storyboard has come to its end, and so has the run.
     #[must_use]
     pub fn is_over(&self) -> bool {
@@ -382,6 +394,27 @@ mod tests {
         let vehicle = at(&mut lead(profile), 9.0);
         assert!(vehicle.speed_mps.abs() < 1e-9);
         assert!((vehicle.rear_position_m - (50.0 + 10.0 + 24.0 + 7.0)).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_table_that_grows_on_the_way_moves_a_vehicle_as_the_whole_one_does() {
+        let all: Vec<String> =
+            (0..200_u32).map(|k| format!("[{}, {}]", f64::from(k) * 0.02, 9 + k % 7)).collect();
+        let table = |count: usize| format!("profile.speeds = [{}]", all[..count].join(", "));
+        let mut whole = lead(&table(200));
+        let Profile::Speeds(points) = whole.movers[0].actor.profile.clone() else { panic!("so") };
+        let (mut growing, mut asked) = (lead(&table(1)), 0);
+        for time_ns in (0..=5_000_000_000).step_by(PERIOD_NS as usize) {
+            growing.learn(time_ns, &mut |until_s, known| {
+                asked += 1;
+                let wanted = points.partition_point(|point| point.0.value() <= until_s) + 1;
+                known.extend_from_slice(&points[known.len()..wanted.min(points.len())]);
+            });
+            whole.advance(time_ns, &ego(0.0));
+            growing.advance(time_ns, &ego(0.0));
+            assert_eq!(growing.vehicles(), whole.vehicles(), "{time_ns}");
+        }
+        assert!(asked > 70, "{asked}");
     }
 
     #[test]

@@ -137,7 +137,7 @@ impl InProcess {
         &mut self,
         service: Service,
         scenario: &Scenario,
-        entry: Entry,
+        entry: impl FnOnce(Runtime) -> Result<(), RuntimeError> + 'static,
     ) -> Result<(), RuntimeError> {
         let (pause, desk) = (Pause::default(), Desk::default());
         let seat = Seat::new(Rc::clone(&self.bus), service.to_wire(), Some(pause.clone()));

@@ -11,6 +11,7 @@ use super::refusal::check_in_process;
 use super::supervisor::{Ended, GroupOutcome, Moment, for_services};
 use crate::Error;
 use messages::Service;
+pub use perception_sim::Ahead;
 use runtime::report::ServiceReport;
 use runtime::{Carrier, Entry, FromService, InProcess};
 use scenario::Scenario;
@@ -47,14 +48,32 @@ pub fn run_watched(
     interrupted: &dyn Fn() -> bool,
     watch: &mut dyn FnMut(&Moment<'_>),
 ) -> Result<GroupOutcome, Error> {
+    run_behind(scenario, Box::new(|_, _| {}), interrupted, watch)
+}
+
+/// The same behind a vehicle, the scenario's first, whose table of speeds `ahead` makes longer during
+/// the run. The run is to the byte the one with the whole table.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_behind(
+    scenario: &Scenario,
+    ahead: Ahead,
+    interrupted: &dyn Fn() -> bool,
+    watch: &mut dyn FnMut(&Moment<'_>),
+) -> Result<GroupOutcome, Error> {
     check_in_process(scenario)?;
     let programs = programs(&BTreeMap::new(), scenario)?;
     let begun = Instant::now();
     let mut run = InProcess::new(scenario);
     let mut log = DriveLog::in_process(&run)?;
     let told = for_services(scenario);
+    let mut perception = Some(|runtime| perception_sim::run_behind(runtime, ahead));
     for &service in scenario.services() {
-        run.start(service, &told, entry(service))?;
+        match perception.take_if(|_| service == Service::PerceptionSim) {
+            Some(perception) => run.start(service, &told, perception)?,
+            None => run.start(service, &told, entry(service))?,
+        }
     }
     let mut course = Course::default();
     run.take_turns(&mut |service, said| course.hear(service, said));

@@ -22,8 +22,8 @@ pub enum Refusal {
     },
     /// All services share one process.
     #[error(
-        "faults.{index}: `{kind}` acts on a process, and here all services share one: leave out \
-         --in-process and run with --mode realtime, or leave out the fault: --set faults=[]"
+        "faults.{index}: `{kind}` acts on a process, and here all services share one: leave out the \
+         fault (--set faults=[]), or run with --mode realtime and without --in-process"
     )]
     FaultInProcess {
         /// Which of the scenario's faults.

@@ -13,8 +13,10 @@ mod usage;
 pub use sample::{OtherBytes, ProcessesSample, Repetition, choose};
 pub use usage::Growth;
 
-use group::{Drive, Ended, Error, Failure, GroupOptions, SignalsError, Status};
-
+use group::in_process::Ahead;
+use group::{
+    Drive, Ended, Error, Failure, GroupOptions, GroupOutcome, Moment, SignalsError, Status,
+};
 use indicatif::ProgressBar;
 use leftovers::leftovers;
 use report::summary::Summary;
@@ -64,12 +66,17 @@ impl Job {
 
     /// What carries the run's messages.
     fn carrier(&self, group: &GroupOptions) -> Carrier {
-        let needs_processes = group.processes
-            || self.mode == Mode::Realtime
-            || !group.programs.is_empty()
-            || self.sample_every.is_some();
-        if needs_processes { Carrier::SharedMemory } else { Carrier::Memory }
+        match self.sample_every {
+            Some(_) => Carrier::SharedMemory,
+            None => carrier(group, self.mode),
+        }
     }
+}
+
+/// What carries the messages of a run, as far as its clock and the options say.
+fn carrier(group: &GroupOptions, mode: Mode) -> Carrier {
+    let needs_processes = group.processes || mode == Mode::Realtime || !group.programs.is_empty();
+    if needs_processes { Carrier::SharedMemory } else { Carrier::Memory }
 }
 
 /// How many runs go on at once: so many as chosen, or as there are cores; in realtime one, since
@@ -252,6 +259,39 @@ pub fn repeat(
     repetition(&Job::lockstep(scenario.clone()), summary, group, going_on)
 }
 
+/// True if a lockstep run's services share the thread that does it.
+#[must_use]
+pub fn in_one_thread(group: &GroupOptions) -> bool {
+    carrier(group, Mode::Lockstep) == Carrier::Memory
+}
+
+/// Refuses, ahead of all runs, a scenario that its run would refuse.
+///
+/// # Errors
+/// What is in the way.
+pub fn check(scenario: &Scenario, mode: Mode, group: &GroupOptions) -> Result<(), Error> {
+    match carrier(group, mode) {
+        Carrier::Memory => Ok(group::check_in_process(scenario)?),
+        Carrier::SharedMemory => Ok(()),
+    }
+}
+
+/// Does one lockstep run in this thread, behind a vehicle whose table of speeds grows meanwhile; `watch`
+/// sees it go.
+///
+/// # Errors
+/// As [`run`].
+pub fn lockstep_behind(
+    scenario: &Scenario,
+    ahead: Ahead,
+    going_on: &dyn Fn() -> bool,
+    watch: &mut dyn FnMut(&Moment<'_>),
+) -> Result<Done, Error> {
+    let begun = Instant::now();
+    let outcome = group::in_process::run_behind(scenario, ahead, &|| !going_on(), watch)?;
+    done(scenario, Mode::Lockstep, outcome, begun, Vec::new())
+}
+
 /// What the workers do.
 struct Plan<'a> {
     source: &'a Source<'a>,
@@ -342,11 +382,22 @@ fn drive(
             })?
         }
     };
+    done(&job.scenario, job.mode, outcome, begun, samples)
+}
+
+/// What came of a run that began at `begun` and is over.
+fn done(
+    scenario: &Scenario,
+    mode: Mode,
+    outcome: GroupOutcome,
+    begun: Instant,
+    samples: Vec<Sample>,
+) -> Result<Done, Error> {
     if outcome.ended == Ended::Interrupted {
         return Err(Error::Interrupted);
     }
-    let summary = Summary::new(&job.scenario, job.mode, &outcome, begun.elapsed());
-    let leftovers = match carrier {
+    let summary = Summary::new(scenario, mode, &outcome, begun.elapsed());
+    let leftovers = match outcome.carrier {
         // A thread leaves nothing behind.
         Carrier::Memory => Vec::new(),
         Carrier::SharedMemory => leftovers(&outcome.root),

@@ -5,8 +5,10 @@ use std::num::NonZeroUsize;
 use clap::Args;
 use group::{Error, Failure, GroupOptions, ScenarioOptions};
 use report::output::OutputOptions;
+use runtime::Mode;
 
 use super::scene::Plan;
+use crate::batch;
 use crate::sweep::param::{self, Param, ValuesError};
 
 /// Frequencies that are swept unless others are given.
@@ -49,7 +51,7 @@ pub struct StringArguments {
     /// What all cars have in common.
     #[command(flatten)]
     pub scenario_options: ScenarioOptions,
-    /// Strings at once [default: one per core]
+    /// Cars driven at once, each a moment behind the one before it [default: one per core]
     #[arg(long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,
     /// How each run's processes are started.
@@ -146,7 +148,9 @@ impl Task {
         let open = |law: &Option<String>, keys: &[String]| {
             let options =
                 ScenarioOptions { controller: law.clone(), ..arguments.scenario_options.clone() };
-            group::open_with(&arguments.scenario, &options, "--param", keys)
+            let scenario = group::open_with(&arguments.scenario, &options, "--param", keys)?;
+            batch::check(&scenario, Mode::Lockstep, &arguments.group)?;
+            Ok::<_, Error>(scenario)
         };
         let scenarios = laws.iter().map(|law| open(law, &[])).collect::<Result<Vec<_>, _>>()?;
         let plan = Plan { laws: scenarios, vehicles, wave: None };

@@ -1,16 +1,22 @@
-//! Strings on their way: each is driven car by car, several strings at a time.
+//! Strings on their way: car by car, several cars at a time.
+//!
+//! The workers take the cars in their order. In one process a car drives a moment behind the one before it
+//! ([`super::growing`]); in process groups each waits for the whole motion of that one.
 
 use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{SyncSender, sync_channel};
+use std::sync::mpsc::sync_channel;
 
+use group::in_process::Ahead;
 use group::{Error, GroupOptions};
 use indicatif::ProgressBar;
 use runtime::report::{ControlFigures, Outcome};
 use runtime::{Carrier, Mode};
 use scenario::Scenario;
 
+use super::growing::{Giver, Growing};
 use super::measure::{Measured, measure};
 use super::motion::Motion;
 use super::scene::{Place, Plan};
@@ -80,14 +86,14 @@ pub struct Drives<'a> {
 
 /// What the workers tell.
 enum Told {
-    /// The next car of the string of this index.
+    /// What the car of this number did.
     Car(usize, Box<Driven>),
     /// What the repetition of the run of this number gave.
     Repetition(usize, Repetition),
 }
 
 impl<'a> Drives<'a> {
-    /// Of `runs` runs in all, `jobs` strings at a time.
+    /// Of `runs` runs in all, `jobs` cars at a time.
     pub fn new(
         group: &'a GroupOptions,
         bar: &'a ProgressBar,
@@ -120,53 +126,48 @@ impl<'a> Drives<'a> {
     pub fn strings(&mut self, plans: &[Plan]) -> Result<Vec<Vec<Driven>>, Error> {
         let interrupt = Interrupt::watch()?;
         let (stop, next) = (AtomicBool::new(false), AtomicUsize::new(0));
-        let mut firsts = Vec::with_capacity(plans.len());
-        let mut begun = self.begun;
-        for plan in plans {
-            firsts.push(begun);
-            begun += plan.vehicles;
-        }
-        let mut driven: Vec<Vec<Driven>> = plans.iter().map(|_| Vec::new()).collect();
+        let cars: Vec<Car<'_>> = plans.iter().flat_map(Car::all).collect();
+        let mut driven: Vec<Option<Driven>> = cars.iter().map(|_| None).collect();
         let mut end = Ok(());
-        let (group, repeated) = (self.group, &self.repeated);
+        let (group, repeated, first) = (self.group, &self.repeated, self.begun);
         let (sample, bar) = (&mut self.sample, self.bar);
         let going_on = &|| !stop.load(Ordering::Relaxed) && !interrupt.came();
         std::thread::scope(|scope| {
             let (sender, results) = sync_channel::<Result<Told, Error>>(self.at_once);
-            for _ in 0..self.at_once.min(plans.len()) {
-                let (sender, firsts, next) = (sender.clone(), &firsts, &next);
+            for _ in 0..self.at_once.min(cars.len()) {
+                let (sender, cars, next) = (sender.clone(), &cars, &next);
                 scope.spawn(move || {
-                    while going_on() {
+                    loop {
                         let index = next.fetch_add(1, Ordering::Relaxed);
-                        let Some(plan) = plans.get(index) else { return };
-                        // Beside the string: the next car does not wait for it.
-                        let repeat = |car: usize, scenario: &Scenario, done: &Done| {
-                            let number = firsts[index] + car;
-                            if !repeated.contains(&number)
-                                || done.summary.carrier != Carrier::Memory
-                            {
-                                return;
-                            }
-                            let (scenario, summary) = (scenario.clone(), done.summary.clone());
-                            let sender = sender.clone();
-                            scope.spawn(move || {
-                                let found = batch::repeat(&scenario, &summary, group, going_on);
-                                let _ = sender.send(found.map(|r| Told::Repetition(number, r)));
-                            });
-                        };
-                        let string = One { index, plan, group, repeat: &repeat };
-                        if let Err(error) = string.drive(going_on, &sender) {
-                            // The receiver is there until all senders are gone.
-                            let _ = sender.send(Err(error));
+                        let Some(car) = cars.get(index) else { return };
+                        // However it ends, the car behind does not wait for it any longer.
+                        let _closed = Closed(&car.growing);
+                        if !going_on() {
+                            continue;
                         }
+                        let told = car.drive(group, going_on).map(|(scenario, done)| {
+                            let own = Driven::of(car.plan, car.place, &scenario, &done);
+                            let (number, summary) = (first + index, done.summary);
+                            if repeated.contains(&number) && summary.carrier == Carrier::Memory {
+                                // Beside the string: the next car does not wait for it.
+                                let sender = sender.clone();
+                                scope.spawn(move || {
+                                    let found = batch::repeat(&scenario, &summary, group, going_on);
+                                    let _ = sender.send(found.map(|r| Told::Repetition(number, r)));
+                                });
+                            }
+                            Told::Car(index, Box::new(own))
+                        });
+                        // The receiver is there until all senders are gone.
+                        let _ = sender.send(told);
                     }
                 });
             }
             drop(sender);
             for result in results {
                 match result {
-                    Ok(Told::Car(string, car)) => {
-                        driven[string].push(*car);
+                    Ok(Told::Car(index, car)) => {
+                        driven[index] = Some(*car);
                         bar.inc(1);
                     }
                     Ok(Told::Repetition(number, found)) => sample.count(number, Some(&found)),
@@ -177,11 +178,14 @@ impl<'a> Drives<'a> {
                 }
             }
         });
-        self.begun = begun;
+        self.begun += cars.len();
         if interrupt.came() {
             return Err(Error::Interrupted);
         }
-        end.map(|()| driven)
+        end?;
+        let mut driven =
+            driven.into_iter().map(|car| car.expect("without an error all were driven"));
+        Ok(plans.iter().map(|plan| driven.by_ref().take(plan.vehicles).collect()).collect())
     }
 
     /// What came of the repeated runs.
@@ -190,35 +194,99 @@ impl<'a> Drives<'a> {
     }
 }
 
-/// One string.
-struct One<'a> {
-    index: usize,
+/// A car of a string.
+struct Car<'a> {
     plan: &'a Plan,
-    group: &'a GroupOptions,
-    /// Repeats a car's run in a process group, if it is chosen for that.
-    repeat: &'a dyn Fn(usize, &Scenario, &Done),
+    place: Place,
+    /// The motion of the car before it.
+    before: Option<Arc<Growing>>,
+    /// Its own.
+    growing: Arc<Growing>,
 }
 
-impl One<'_> {
+/// Closes a motion when its drive is over.
+struct Closed<'a>(&'a Growing);
+
+impl Drop for Closed<'_> {
+    fn drop(&mut self) {
+        self.0.close();
+    }
+}
+
+impl<'a> Car<'a> {
+    fn all(plan: &'a Plan) -> Vec<Self> {
+        let mut last = None;
+        let car = |place| {
+            let growing = Arc::<Growing>::default();
+            let before = last.replace(Arc::clone(&growing));
+            Self { plan, place, before, growing }
+        };
+        plan.places().into_iter().map(car).collect()
+    }
+
+    /// The scenario, with the whole motion of the car before, and what came of it.
     fn drive(
         &self,
+        group: &GroupOptions,
         going_on: &dyn Fn() -> bool,
-        results: &SyncSender<Result<Told, Error>>,
-    ) -> Result<(), Error> {
-        let mut place = Place::default();
-        let mut scenario = self.plan.first();
-        loop {
-            let done = batch::lockstep(&scenario, self.group, false, going_on)?;
-            batch::whole(&done.summary)?;
-            (self.repeat)(place.index, &scenario, &done);
-            let motion = Motion::of(&scenario, &done.drive, done.summary.outcome);
-            let car = Driven::of(self.plan, place, &scenario, &done);
-            if results.send(Ok(Told::Car(self.index, Box::new(car)))).is_err()
-                || place.index + 1 == self.plan.vehicles
-            {
-                return Ok(());
+    ) -> Result<(Scenario, Done), Error> {
+        let (scenario, done) = match &self.before {
+            None => {
+                let scenario = self.plan.first();
+                let done = self.run(&scenario, group, nothing_new(), going_on)?;
+                (scenario, done)
             }
-            (scenario, place) = self.plan.behind(place, &motion)?;
-        }
+            Some(before) => {
+                let driven = self.drive_behind(before, group, going_on)?;
+                before.forget();
+                driven
+            }
+        };
+        batch::whole(&done.summary)?;
+        self.growing.finish(Motion::of(&scenario, &done.drive, done.summary.outcome));
+        Ok((scenario, done))
     }
+
+    fn drive_behind(
+        &self,
+        before: &Arc<Growing>,
+        group: &GroupOptions,
+        going_on: &dyn Fn() -> bool,
+    ) -> Result<(Scenario, Done), Error> {
+        let whole = || before.whole().ok_or(Error::Interrupted);
+        if batch::in_one_thread(group)
+            && let Some(start) = before.start()
+        {
+            let scenario = self.plan.behind(self.place, &start)?;
+            let while_it_counts = || going_on() && !before.is_revoked();
+            let done = self.run(&scenario, group, before.ahead(), &while_it_counts);
+            let motion = whole()?;
+            if !before.is_revoked() {
+                return Ok((self.plan.behind(self.place, &motion)?, done?));
+            }
+            self.growing.revoke();
+        }
+        let scenario = self.plan.behind(self.place, &whole()?)?;
+        let done = self.run(&scenario, group, nothing_new(), going_on)?;
+        Ok((scenario, done))
+    }
+
+    fn run(
+        &self,
+        scenario: &Scenario,
+        group: &GroupOptions,
+        ahead: Ahead,
+        going_on: &dyn Fn() -> bool,
+    ) -> Result<Done, Error> {
+        if !batch::in_one_thread(group) {
+            return batch::lockstep(scenario, group, false, going_on);
+        }
+        let mut giver = Giver::new(&self.growing, scenario);
+        batch::lockstep_behind(scenario, ahead, going_on, &mut |moment| giver.watch(moment))
+    }
+}
+
+/// For a table that is whole from the start.
+fn nothing_new() -> Ahead {
+    Box::new(|_, _| {})
 }

@@ -13,6 +13,7 @@
 
 mod arguments;
 mod drive;
+mod growing;
 mod limits;
 mod measure;
 mod motion;

@@ -20,12 +20,13 @@ impl Motion {
     /// car that collided brakes as hard as it can, since a vehicle stands in its way.
     pub fn of(scenario: &Scenario, drive: &Drive, outcome: Outcome) -> Self {
         let steps = &drive.steps;
-        let stride = steps.len().div_ceil(MAX_POINTS).max(1);
-        let mut points: Vec<SpeedPoint> = steps.iter().step_by(stride).map(point).collect();
+        let point_of = |step: &DriveStep| point(step.time_s, step.speed_mps);
+        let strided = steps.iter().step_by(stride(steps.len()));
+        let mut points: Vec<SpeedPoint> = strided.map(point_of).collect();
         if let Some(last) = steps.last()
             && points.last().is_none_or(|point| point.0.value() < last.time_s)
         {
-            points.push(point(last));
+            points.push(point_of(last));
         }
         if let (Outcome::Collision, Some(last)) = (outcome, steps.last()) {
             let braking_mps2 = -scenario.plant.min_acceleration_mps2.value();
@@ -35,6 +36,11 @@ impl Motion {
         if points.is_empty() {
             points.push(SpeedPoint(time(0.0), scenario.plant.initial_speed_mps));
         }
+        Self(points)
+    }
+
+    /// One of these points.
+    pub fn from_points(points: Vec<SpeedPoint>) -> Self {
         Self(points)
     }
 
@@ -50,9 +56,15 @@ impl Motion {
     }
 }
 
-fn point(step: &DriveStep) -> SpeedPoint {
-    let speed_mps = Speed::try_from(step.speed_mps.clamp(0.0, 100.0));
-    SpeedPoint(time(step.time_s), speed_mps.expect("inside the range"))
+/// Of so many steps every how many are points.
+pub fn stride(steps: usize) -> usize {
+    steps.div_ceil(MAX_POINTS).max(1)
+}
+
+/// The point of a step.
+pub fn point(time_s: f64, speed_mps: f64) -> SpeedPoint {
+    let speed_mps = Speed::try_from(speed_mps.clamp(0.0, 100.0));
+    SpeedPoint(time(time_s), speed_mps.expect("inside the range"))
 }
 
 fn time(time_s: f64) -> Time {

@@ -76,17 +76,27 @@ impl Plan {
         self.law(0).clone()
     }
 
-    /// The scenario of the car behind one that is at `place` and moved like `motion`, and where that
-    /// car begins.
+    /// Where every car begins.
+    pub fn places(&self) -> Vec<Place> {
+        let first = Some(Place::default());
+        let behind = |place: &Place| {
+            let gap_m = first_gap(self.law(place.index + 1));
+            let length_m = self.law(place.index).plant.length_m.value();
+            let behind_first_m = place.behind_first_m + length_m + gap_m;
+            Some(Place { index: place.index + 1, behind_first_m })
+        };
+        std::iter::successors(first, behind).take(self.vehicles).collect()
+    }
+
+    /// The scenario of a car at `place` behind one that moved like `motion`.
     ///
     /// # Errors
     /// [`SceneError::TooLong`], [`SceneError::Road`].
-    pub fn behind(&self, place: Place, motion: &Motion) -> Result<(Scenario, Place), SceneError> {
-        let before = self.law(place.index);
-        let index = place.index + 1;
+    pub fn behind(&self, place: Place, motion: &Motion) -> Result<Scenario, SceneError> {
+        let Place { index, behind_first_m } = place;
+        let before = self.law(index - 1);
         let mut scenario = self.law(index).clone();
         let gap_m = first_gap(&scenario);
-        let behind_first_m = place.behind_first_m + before.plant.length_m.value() + gap_m;
         let too_long = |_| SceneError::TooLong { car: index + 1 };
         scenario.actors = vec![Actor {
             profile: Profile::Speeds(motion.points().to_vec()),
@@ -103,7 +113,7 @@ impl Plan {
         if !scenario.road.is_level() {
             scenario.road = moved(&scenario.road, behind_first_m)?;
         }
-        Ok((scenario, Place { index, behind_first_m }))
+        Ok(scenario)
     }
 
     /// The same string behind a lead whose speed is a sine.
@@ -196,29 +206,29 @@ mod tests {
     fn a_follower_is_a_scenario_that_a_process_can_read() {
         let plan = plan("following", &["acc-mpc", "six-mode"]);
         let motion = Motion::constant(22.0);
-        let mut place = Place::default();
-        for law in ["six-mode", "acc-mpc", "six-mode"] {
-            let (scenario, next) = plan.behind(place, &motion).expect("a short string");
+        let places = plan.places();
+        for (pair, law) in places.windows(2).zip(["six-mode", "acc-mpc", "six-mode", "acc-mpc"]) {
+            let [place, next] = pair else { panic!("two of them") };
+            let scenario = plan.behind(*next, &motion).expect("a short string");
             assert_eq!(scenario.controller.name.as_str(), law);
             let again = Scenario::parse("again", &scenario.to_toml());
             assert_eq!(again.unwrap_or_else(|error| panic!("{error}")), scenario);
             assert!(next.behind_first_m > place.behind_first_m + 30.0);
-            place = next;
         }
     }
 
     #[test]
     fn signals_and_roads_stay_where_they_are() {
         let plan = plan("corridor", &["cacc-mpc"]);
-        let (scenario, place) =
-            plan.behind(Place::default(), &Motion::constant(10.0)).expect("a short string");
+        let place = plan.places()[1];
+        let scenario = plan.behind(place, &Motion::constant(10.0)).expect("a short string");
         for (mine, first) in scenario.v2x.signals.iter().zip(&plan.laws[0].v2x.signals) {
             let moved_m = mine.stop_line_m.value() - first.stop_line_m.value();
             assert!((moved_m - place.behind_first_m).abs() < 1e-9);
         }
         let plan = self::plan("truck-hills", &["predictive"]);
-        let (scenario, place) =
-            plan.behind(Place::default(), &Motion::constant(20.0)).expect("a short string");
+        let place = plan.places()[1];
+        let scenario = plan.behind(place, &Motion::constant(20.0)).expect("a short string");
         let first = plan.laws[0].road.profile().expect("a road").points()[1];
         let Road::Points(points) = &scenario.road else { panic!("{:?}", scenario.road) };
         let mine = points[1];
