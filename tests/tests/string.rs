@@ -5,6 +5,7 @@ use system_tests::{Corner, csv, text};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 
+const KILL: &str = "faults=[{kind = \"kill\", service = \"controller\", at_s = 1}]";
 const IDEAL: [&str; 2] = ["--set", "perception.ideal=true"];
 
 fn file(corner: &Corner, path: &str) -> String {
@@ -85,6 +86,31 @@ fn behind_a_car_that_collides_the_others_still_have_a_result() {
     );
 }
 
+/// A run of more steps than a table of speeds has points gives every second one, and as it ends early its
+/// motion has every one: the car behind must begin anew.
+#[test]
+fn cars_driven_at_once_do_what_they_do_one_after_the_other() {
+    let corner = Corner::new(PROGRAM);
+    let scenario = "schema_version = 1\nname = \"crash\"\nduration_s = 200\nset_speed_mps = 40\n\
+        [plant]\ninitial_speed_mps = 40\n[perception]\nideal = true\n\
+        [controller]\nname = \"acc-mpc\"\n\
+        [[actors]]\nname = \"wall\"\ngap_m = 60\ninitial_speed_mps = 0\n";
+    std::fs::write(corner.path().join("crash.toml"), scenario).expect("our own directory");
+    let mixed = ["--controllers", "acc-mpc,six-mode", "--frequencies", "0.05,0.1"];
+    for (scenario, more) in [("crash.toml", &[][..]), ("following", &mixed[..])] {
+        let driven = |jobs: &str| {
+            let own = ["string", scenario, "--vehicles", "4", "--json", "--jobs", jobs];
+            let output = corner.run(&[&own[..], more, &["--out", jobs, "--force"]].concat());
+            assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));
+            (text(&output), file(&corner, &format!("{jobs}/report.html")))
+        };
+        let one_by_one = driven("1");
+        assert_eq!(one_by_one.0.contains("\"collision\""), scenario == "crash.toml");
+        assert_eq!(one_by_one, driven("2"));
+        assert_eq!(one_by_one, driven("4"));
+    }
+}
+
 #[test]
 fn what_does_not_fit_is_refused_before_anything_runs() {
     let corner = Corner::new(PROGRAM);
@@ -97,9 +123,18 @@ fn what_does_not_fit_is_refused_before_anything_runs() {
         (vec!["--vehicles", "2", "--param", "runtime.extra_delay_ms=9..1/1"], "after its end"),
         (vec!["--vehicles", "2", "--param", "runtime.delay_ms=0,1"], "extra_delay_ms"),
         (vec!["--vehicles", "2", "--frequencies", "--set", "set_speed_mps=2"], "set speed of 2"),
+        (vec!["--vehicles", "2", "--set", KILL], "leave out the fault (--set faults=[])"),
     ] {
         let output = corner.run(&[&own[..], &arguments].concat());
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", text(&output));
         assert!(text(&output).contains(words), "{arguments:?}: {}", text(&output));
+    }
+    for command in
+        [&["sweep", "following", "--param", "set_speed_mps=20"][..], &["compare", "following"]]
+    {
+        let output = corner.run(&[command, &["--set", KILL, "--out", "none"]].concat());
+        assert_eq!(output.status.code(), Some(2), "{command:?}: {}", text(&output));
+        assert!(text(&output).contains("leave out the fault"), "{}", text(&output));
+        assert!(!corner.path().join("none").exists(), "{command:?} made a directory");
     }
 }

@@ -88,7 +88,9 @@ fn scenarios(arguments: &CompareArguments) -> Result<Vec<Scenario>, Error> {
                 set: arguments.set.clone(),
                 ..ScenarioOptions::default()
             };
-            scenarios.push(group::open(name, &options)?);
+            let scenario = group::open(name, &options)?;
+            batch::check(&scenario, arguments.mode.into(), &arguments.group)?;
+            scenarios.push(scenario);
         }
     }
     Ok(scenarios)

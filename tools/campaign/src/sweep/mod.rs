@@ -85,6 +85,7 @@ impl Plan {
         let mut first = None;
         for keys in &points {
             let scenario = open(arguments, keys)?;
+            batch::check(&scenario, arguments.mode.into(), &arguments.group)?;
             let name = scenario.controller.name.as_str();
             if !controllers.iter().any(|known| known == name) {
                 controllers.push(name.to_owned());
