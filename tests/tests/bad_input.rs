@@ -60,6 +60,39 @@ fn scenario_files() {
     refused_scenario("schema_version = 2\n", &["mine.toml"]);
 }
 
+/// What has no meaning for driver assistance.
+fn driver_assistance() {
+    refused_scenario(
+        "[aebs]\nenabled = true\ndeceleration_mps2 = 4\n",
+        &["mine.toml:6", "^", "no authority", "at least 5 m/s²"],
+    );
+    refused_scenario(
+        "[[actors]]\nname = \"lead\"\ngap_m = 20\nprofile.cycle = \"nedc\"\n",
+        &["mine.toml:7", "^", "nedc", "udds"],
+    );
+    refused(&["r157", "--sample", "0"], 2, &["--sample", "'0'"]);
+    refused(
+        &["r157", "--models-only", "--matrix", "following", "--csv", "models.csv"],
+        2,
+        &["there are none", "--matrix cut-in"],
+    );
+    vehicles_wider_than_the_lane();
+}
+
+fn vehicles_wider_than_the_lane() {
+    let corner = Corner::new(PROGRAM);
+    let write = |name: &str, text: &str| {
+        std::fs::write(corner.path().join(name), text).expect("our own directory");
+    };
+    std::fs::create_dir(corner.path().join("catalogs")).expect("our own directory");
+    write("cut_in.xosc", include_str!("../../examples/openscenario/cut_in.xosc"));
+    let road = include_str!("../../examples/openscenario/straight.xodr");
+    write("straight.xodr", &road.replace("a=\"3.5\"", "a=\"1.6\""));
+    let users = include_str!("../../examples/openscenario/catalogs/road_users.xosc");
+    write("catalogs/road_users.xosc", users);
+    refused_in(&corner, &["run", "cut_in.xosc"], 2, &["cut_in.xosc", "wide", "1.6 m of lane"]);
+}
+
 fn options() {
     refused(&["run", "--set", "plant.period_ms=0"], 2, &["--set", "plant.period_ms", "1 to 10000"]);
     refused(&["run", "--set", "plant.mass=1"], 2, &["--set", "plant.mass"]);
@@ -250,6 +283,7 @@ fn full_disk() {
 fn main() -> ExitCode {
     cases::run(&[
         case("scenario_files", scenario_files),
+        case("driver_assistance", driver_assistance),
         case("options", options),
         case("a_tampered_design", a_tampered_design),
         case("output_directories", output_directories),

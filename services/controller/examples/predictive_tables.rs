@@ -1,5 +1,6 @@
 //! The tables of the predictive truck, without processes:
-//! `cargo run --release -p controller --example predictive_tables`.
+//! `cargo run --release -p controller --example predictive_tables`, with `-- families` the table of road
+//! families alone.
 //!
 //! Fuel is against constant speed at equal trip time, with the kinetic energy at the end corrected.
 
@@ -13,7 +14,25 @@ use truck_model::{Preset, Truck};
 /// Set speed, m/s.
 const SET_MPS: f64 = 75.0 / 3.6;
 
+/// Roads of each family.
+const FAMILY_SEEDS: std::ops::RangeInclusive<u64> = 1..=4;
+/// Kinds of roads: standard deviation of the tangents' grades, largest grade, shortest and longest tangent,
+/// length of the vertical curves, m.
+const FAMILIES: [(&str, f64, f64, [f64; 2], f64); 4] = [
+    ("hills, like the given road", 0.0138, 0.03, [300.0, 1500.0], 300.0),
+    ("motorway, long mild grades", 0.009, 0.022, [1500.0, 5000.0], 600.0),
+    ("steep ridges", 0.028, 0.055, [500.0, 2000.0], 250.0),
+    ("flat with noise", 0.004, 0.012, [100.0, 400.0], 100.0),
+];
+
 fn main() {
+    println!("families of roads of 60 km, fuel in percent against constant speed");
+    for preset in Preset::ALL {
+        families(preset);
+    }
+    if std::env::args().nth(1).is_some_and(|part| part == "families") {
+        return;
+    }
     let given = given_road();
     for preset in Preset::ALL {
         savings(preset, &given);
@@ -99,6 +118,49 @@ fn generated(preset: Preset) {
         worst = worst.max(dp - bound);
     }
     println!("{:<10} worst distance to the bound {worst:.2}", preset.name());
+}
+
+/// Savings on each family: the means, and the largest distance to the full-route plan.
+fn families(preset: Preset) {
+    println!(
+        "{:<10} {:<28} {:>5} {:>9} {:>9} {:>9} {:>9} {:>9}",
+        "", "", "roads", "n2", "dp", "bound", "n2-bound", "dp-bound"
+    );
+    for (name, grade_sigma, max_grade, tangent_m, curve_m) in FAMILIES {
+        let alignment = Alignment {
+            length_m: 60_000.0,
+            grade_sigma,
+            max_grade,
+            tangent_m,
+            curve_m,
+            closed: true,
+        };
+        let changes: Vec<[f64; 3]> = FAMILY_SEEDS
+            .filter_map(|seed| {
+                let road = Road::from_profile(&generate(&alignment, seed));
+                let comparison = Comparison::new(&Truck::preset(preset), &road, SET_MPS)?;
+                let of = |trip: Option<Trip>| trip.map(|trip| comparison.change_percent(&trip));
+                let n2 = of(comparison.informed(PaperN2))?;
+                let dp = of(comparison.informed(DynamicProgramming))?;
+                Some([n2, dp, of(comparison.bound())?])
+            })
+            .collect();
+        let count = changes.len() as f64;
+        let mean = |k: usize| changes.iter().map(|change| change[k]).sum::<f64>() / count;
+        let worst = |k: usize| {
+            changes.iter().map(|change| change[k] - change[2]).fold(f64::NEG_INFINITY, f64::max)
+        };
+        println!(
+            "{:<10} {name:<28} {:>5} {:>9.2} {:>9.2} {:>9.2} {:>9.2} {:>9.2}",
+            preset.name(),
+            changes.len(),
+            mean(0),
+            mean(1),
+            mean(2),
+            worst(0),
+            worst(1),
+        );
+    }
 }
 
 fn robustness(preset: Preset, road: &Road) {

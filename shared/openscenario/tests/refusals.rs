@@ -8,6 +8,7 @@
 mod common;
 
 use common::*;
+use openscenario::World;
 
 #[track_caller]
 fn refused(parts: &Parts, expected: &[&str]) {
@@ -211,4 +212,13 @@ fn a_missing_road_is_assumed_and_said() {
             .contains("dir/road.xodr is not there: a straight road with lanes of 3.5 m is assumed")
     );
     assert!(read.notices[1].contains("`Walker` has no place in Init"));
+}
+
+#[test]
+fn a_vehicle_wider_than_its_lane() {
+    let mut narrow = Parts::default();
+    narrow.files.push(("dir/road.xodr".into(), ROAD.replace("a=\"4\"", "a=\"1.9\"")));
+    let script = narrow.read().expect("it can be read").script;
+    let refused = World::new(script).expect_err("2 m do not fit").to_string();
+    assert_eq!(refused, "`Ego` is 2 m wide, expected at most the 1.9 m of lane -1");
 }

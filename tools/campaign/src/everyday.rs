@@ -21,11 +21,13 @@ use runtime::Mode;
 use runtime::report::Outcome;
 use scenario::{Overrides, Scenario};
 
+/// Step in which the yardstick goes on after the end of a drive, s.
+const STEP_S: f64 = 0.01;
 /// Time before a scene begins, in which the law settles, s.
 const SETTLE_S: f64 = 20.0;
 /// Reaction time of the yardstick for braking leads, s.
 const REACTION_S: f64 = 0.35;
-/// Deceleration of the yardstick, m/s².
+/// Deceleration of the yardstick with the emergency brake, m/s².
 const YARDSTICK_MPS2: f64 = 6.0;
 
 /// A kind of scene.
@@ -46,7 +48,8 @@ pub enum Kind {
 pub struct Verdict {
     /// The ego touched another vehicle.
     pub collided: bool,
-    /// 6 m/s², 0.35 s after a braking lead's onset, would have avoided that.
+    /// A yardstick that begins to brake 0.35 s after a braking lead's onset would have avoided that: with the
+    /// emergency brake 6 m/s² at once, else the law's hardest request after the actuator's lag.
     pub avoidable: bool,
     /// Times that the emergency brake braked.
     pub interventions: u64,
@@ -97,11 +100,10 @@ impl Kind {
         let group = group::in_process::run(scenario)?;
         let summary = Summary::new(scenario, Mode::Lockstep, &group, group.ran_for);
         let collided = summary.outcome == Outcome::Collision;
-        Ok(Verdict {
-            collided,
-            avoidable: collided && self == Self::BrakingLead && avoids(&group.drive),
-            interventions: summary.aebs.interventions.unwrap_or(0),
-        })
+        let avoidable = collided
+            && self == Self::BrakingLead
+            && avoids(&group.drive, &Yardstick::of(scenario)?);
+        Ok(Verdict { collided, avoidable, interventions: summary.aebs.interventions.unwrap_or(0) })
     }
 }
 
@@ -180,36 +182,74 @@ fn braking_lead(draws: &mut Draws) -> Scene {
     (speed_mps, speed_mps + 4.0, SETTLE_S + speed_mps / 2.5 + 6.0, actors)
 }
 
+/// Brakes that could have been.
+struct Yardstick {
+    deceleration_mps2: f64,
+    /// Lag of the deceleration behind the request, s.
+    lag_s: f64,
+}
+
+impl Yardstick {
+    fn of(scenario: &Scenario) -> Result<Self, Error> {
+        if scenario.has_aebs() {
+            return Ok(Self { deceleration_mps2: YARDSTICK_MPS2, lag_s: 0.0 });
+        }
+        let law = laws::build(scenario).map_err(|problem| Error::Usage(problem.message))?;
+        Ok(Self {
+            deceleration_mps2: -law.request_bounds_mps2().0,
+            lag_s: scenario.plant.actuator_time_constant_s.value(),
+        })
+    }
+
+    /// The acceleration after `dt_s` more of braking, m/s².
+    fn after(&self, acceleration_mps2: f64, dt_s: f64) -> f64 {
+        let kept = if self.lag_s > 0.0 { libm::exp(-dt_s / self.lag_s) } else { 0.0 };
+        -self.deceleration_mps2 + (acceleration_mps2 + self.deceleration_mps2) * kept
+    }
+}
+
 /// Whether the yardstick stays behind a lead that brakes from [`SETTLE_S`] on.
-fn avoids(drive: &Drive) -> bool {
+fn avoids(drive: &Drive, yardstick: &Yardstick) -> bool {
     let begins = |step: &DriveStep| step.time_s > SETTLE_S - 1e-6 && step.gap_m.is_some();
     let Some(begun) = drive.steps.iter().position(begins) else { return false };
     let from = &drive.steps[begun];
-    let (mut speed_mps, mut way_m, mut before_s) = (from.speed_mps, 0.0, from.time_s);
-    let mut lead_m = from.gap_m.unwrap_or(f64::INFINITY);
     let Some(mut lead_mps) = from.lead_speed_mps else { return true };
+    let mut lead_m = from.gap_m.unwrap_or(f64::INFINITY);
+    let (mut speed_mps, mut way_m, mut before_s) = (from.speed_mps, 0.0, from.time_s);
+    let mut acceleration_mps2 = from.acceleration_mps2;
+    let mut brake = |since_s: f64, dt_s: f64| {
+        if since_s > REACTION_S {
+            acceleration_mps2 = yardstick.after(acceleration_mps2, dt_s);
+        }
+        let next_mps = (speed_mps + acceleration_mps2 * dt_s).max(0.0);
+        way_m += 0.5 * dt_s * (speed_mps + next_mps);
+        speed_mps = next_mps;
+        (way_m, speed_mps)
+    };
     for step in &drive.steps[begun..] {
         let dt_s = step.time_s - before_s;
         before_s = step.time_s;
-        let brakes = step.time_s - from.time_s > REACTION_S;
-        let next_mps =
-            if brakes { (speed_mps - YARDSTICK_MPS2 * dt_s).max(0.0) } else { speed_mps };
-        way_m += 0.5 * dt_s * (speed_mps + next_mps);
-        speed_mps = next_mps;
         let lead_next_mps = step.lead_speed_mps.unwrap_or(lead_mps);
         lead_m += 0.5 * dt_s * (lead_mps + lead_next_mps);
         lead_mps = lead_next_mps;
-        if way_m >= lead_m {
+        if brake(step.time_s - from.time_s, dt_s).0 >= lead_m {
             return false;
         }
     }
     // The drive ended with a contact: from there on both brake to standstill as they do.
-    let last_s = drive.steps.last().map_or(0.0, |step| step.time_s);
-    let lead_braking = (drive.steps[begun].lead_speed_mps.unwrap_or(0.0) - lead_mps)
-        / (last_s - from.time_s).max(0.01);
-    let lead_stop_m =
-        if lead_braking > 0.1 { lead_mps * lead_mps / (2.0 * lead_braking) } else { 0.0 };
-    way_m + speed_mps * speed_mps / (2.0 * YARDSTICK_MPS2) < lead_m + lead_stop_m
+    let braked_s = before_s - from.time_s;
+    let lead_mps2 = (from.lead_speed_mps.unwrap_or(0.0) - lead_mps) / braked_s.max(STEP_S);
+    let mut since_s = braked_s;
+    loop {
+        let lead_next_mps = (lead_mps - lead_mps2 * STEP_S).max(0.0);
+        lead_m += 0.5 * STEP_S * (lead_mps + lead_next_mps);
+        lead_mps = lead_next_mps;
+        since_s += STEP_S;
+        let (way_m, speed_mps) = brake(since_s, STEP_S);
+        if way_m >= lead_m || speed_mps <= 0.0 {
+            return way_m < lead_m;
+        }
+    }
 }
 
 #[cfg(test)]

@@ -21,12 +21,14 @@ pub mod summary;
 pub mod table;
 mod timing;
 pub mod trajectory;
+mod trip;
 
 pub use compare::overlay;
 pub use following::Following;
 pub use picture::RunPicture;
 pub use run::{page as run_page, pictures as run_pictures};
 pub use timing::{Distribution, distributions};
+pub use trip::Trip;
 
 /// Name of the page in the results' directory.
 pub const FILE: &str = "report.html";

@@ -2,6 +2,7 @@
 
 use crate::chart::number;
 use crate::summary::{Summary, Timing};
+use crate::trip::Trip;
 use group::{Error, RecordingSummary, Recovery};
 use messages::level::Level;
 use runtime::report::{Outcome, ProgramReport, WorstChain};
@@ -139,6 +140,9 @@ fn drive(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     } else if let Some(past) = control.past_stop_line_at_switch_m {
         line("stop line", format!("{:.1} m before it when the light changed", -past));
     }
+    if let Some(trip) = trip(&summary.control.trip) {
+        line("trip", trip);
+    }
     if let Some(gap) = control.min_gap_m {
         let ttc = control
             .min_ttc_s
@@ -187,6 +191,20 @@ fn drive(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
         let more = if more > 0 { format!(", and {more} more") } else { String::new() };
         line("modes", shown.join(", ") + &more);
     }
+}
+
+/// The way through the signals in words; one that did not pass them all has only the bound.
+pub fn trip(trip: &Trip) -> Option<String> {
+    let fastest_s = trip.fastest_legal_trip_s?;
+    Some(match trip.trip_time_s {
+        Some(time_s) => format!(
+            "past the last stop line after {time_s:.1} s, {} s more than the fastest legal trip",
+            number(time_s - fastest_s, 1)
+        ),
+        None => {
+            format!("not past the last stop line; the fastest legal trip takes {fastest_s:.1} s")
+        }
+    })
 }
 
 fn emergency_brake(summary: &Summary, line: &mut dyn FnMut(&str, String)) {

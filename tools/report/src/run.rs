@@ -139,6 +139,15 @@ fn figures(summary: &Summary) -> Vec<Tile> {
             String::new(),
         ),
         tile("First stop line", crossed, past),
+        tile(
+            "Last stop line",
+            number(summary.control.trip.trip_time_s, 1, "s"),
+            summary
+                .control
+                .trip
+                .fastest_legal_trip_s
+                .map_or_else(String::new, |fastest| format!("fastest legal trip {fastest:.1} s")),
+        ),
         tile("Acceleration", range, String::new()),
         tile("Largest jerk", number(control.max_abs_jerk_mps3, 1, "m/s³"), String::new()),
         tile("Fuel", number(control.fuel_l_per_100km, 2, "L/100 km"), String::new()),

@@ -1,6 +1,7 @@
 //! `summary.json`: stable names for what a run measured. A figure that does not apply is null.
 
 use crate::following::Following;
+use crate::trip::Trip;
 use group::{Drive, Ended, FaultRecord, GroupOutcome, Heartbeats, RecordingSummary, StandbyCost};
 use messages::Service;
 use messages::e2e::Outcomes;
@@ -79,6 +80,9 @@ pub struct Control {
     /// Time gaps behind the vehicle ahead.
     #[serde(flatten)]
     pub following: Following,
+    /// The way through the signals.
+    #[serde(flatten)]
+    pub trip: Trip,
     /// Changes of the law's mode; null if the controller made no report.
     pub mode_changes: Option<Vec<ModeChange>>,
 }
@@ -279,6 +283,7 @@ impl Summary {
             control: Control {
                 figures: plant.map(|plant| plant.control.clone()).unwrap_or_default(),
                 following: Following::of(&group.drive.steps),
+                trip: Trip::of(scenario, &group.drive.steps),
                 mode_changes: controller.map(|controller| controller.mode_changes.clone()),
             },
             timing: Timing {

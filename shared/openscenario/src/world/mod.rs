@@ -29,7 +29,7 @@ pub use state::Motion;
 use storyboard::Progress;
 
 /// A script whose beginning makes no sense.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum WorldError {
     /// An index beyond its list.
     #[error("{what} {index} does not exist, expected less than {count}")]
@@ -51,6 +51,18 @@ pub enum WorldError {
         entity: String,
         /// Why.
         reason: &'static str,
+    },
+    /// A vehicle is wider than the lane that it begins in.
+    #[error("`{entity}` is {width_m} m wide, expected at most the {lane_m} m of lane {lane}")]
+    Width {
+        /// Its name.
+        entity: String,
+        /// Its width, m.
+        width_m: f64,
+        /// The lane's id.
+        lane: i32,
+        /// The lane's width, m.
+        lane_m: f64,
     },
     /// Two entities' speeds at the start depend on each other.
     #[error("the speed of `{entity}` at the start depends on itself")]

@@ -7,7 +7,7 @@ use crate::model::action::{
 };
 use crate::model::element::ElementState;
 use crate::model::position::{From, Heading, Position};
-use crate::model::{MAX_ENTITIES, Script};
+use crate::model::{Category, MAX_ENTITIES, Script};
 use crate::world::motion::{
     Course, LateralShape, MAX_SPEED_MPS, Pace, Path, SpeedShape, Steer, seconds,
 };
@@ -48,6 +48,7 @@ impl World {
                 let reason = "the lane or the entity that it is placed from is not there";
                 return Err(WorldError::Placement { entity, reason });
             };
+            fits_its_lane(&script, actor, t_m)?;
             let motion = &mut self.state.movers[actor].motion;
             *motion = Motion { present: true, s_m, t_m, heading_rad, ..*motion };
         }
@@ -443,6 +444,20 @@ impl World {
         };
         Some((s_m, t_m, heading_rad))
     }
+}
+
+/// Checks that a vehicle that is placed on a lane is not wider than that.
+fn fits_its_lane(script: &Script, actor: usize, t_m: f64) -> Result<(), WorldError> {
+    let (entity, road) = (&script.entities[actor], &script.road);
+    let width_m = entity.body.width_m;
+    let Some(lane) = road.lanes.get(road.index_at(t_m)).filter(|_| road.holds(t_m)) else {
+        return Ok(());
+    };
+    if entity.category == Category::Vehicle && width_m > lane.width_m {
+        let (entity, lane_m) = (entity.name.clone(), lane.width_m);
+        return Err(WorldError::Width { entity, width_m, lane: lane.id, lane_m });
+    }
+    Ok(())
 }
 
 /// The entity that a position is seen from.

@@ -203,7 +203,7 @@ fn table(rows: &[Row]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use report::Following;
+    use report::{Following, Trip};
     use runtime::report::ControlFigures;
 
     /// A row of a car: without fuel, and without deadlines, since it was driven in lockstep.
@@ -219,7 +219,7 @@ mod tests {
             controller: controller.into(),
             mode: "lockstep".into(),
             outcome: Outcome::Completed,
-            control: Control { figures, following, mode_changes: None },
+            control: Control { figures, following, trip: Trip::default(), mode_changes: None },
             timing: Timing::default(),
             picture: RunPicture::default(),
         }

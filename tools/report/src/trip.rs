@@ -1,0 +1,151 @@
+//! Progress through signals: when the last stop line was passed, and when it could have been at the
+//! earliest.
+//!
+//! The fastest legal trip is a bound: no faster than the set speed and the speed limit, no more acceleration
+//! than the vehicle has, no stop line on red, no other traffic. Waiting costs it nothing but the time: it
+//! arrives at each line at the instant of green with the speed that it can have there at most.
+
+use group::DriveStep;
+use scenario::Scenario;
+use scenario::plant::Plant;
+use scenario::v2x::Phase;
+use serde::{Deserialize, Serialize};
+use v2x_sim::program::Program;
+
+/// Step of the fastest trip, s.
+const STEP_S: f64 = 0.01;
+/// Longest trip that is looked at, s.
+const LONGEST_S: f64 = 36_000.0;
+
+/// A trip past the last signal of the road, s; null without signals.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Trip {
+    /// When the ego's front passed the last stop line; null if it did not.
+    pub trip_time_s: Option<f64>,
+    /// The same of the fastest legal trip without other traffic; null for trucks.
+    pub fastest_legal_trip_s: Option<f64>,
+}
+
+impl Trip {
+    /// Of a drive of a scenario.
+    pub fn of(scenario: &Scenario, steps: &[DriveStep]) -> Self {
+        let lines = scenario.v2x.signals.iter().map(|signal| signal.stop_line_m.value());
+        let Some(last_m) = lines.reduce(f64::max).filter(|last_m| *last_m > 0.0) else {
+            return Self::default();
+        };
+        let passed = steps.windows(2).find(|pair| pair[1].position_m >= last_m);
+        let trip_time_s = passed.map(|pair| {
+            let (before, after) = (&pair[0], &pair[1]);
+            let way_m = after.position_m - before.position_m;
+            let share = if way_m > 0.0 { (last_m - before.position_m) / way_m } else { 0.0 };
+            before.time_s + share * (after.time_s - before.time_s)
+        });
+        Self { trip_time_s, fastest_legal_trip_s: fastest(scenario) }
+    }
+}
+
+/// When the last stop line can be passed at the earliest, s.
+fn fastest(scenario: &Scenario) -> Option<f64> {
+    let plant = &scenario.plant;
+    if plant.vehicle.is_truck() {
+        return None;
+    }
+    let limit_mps = scenario.speed_limit_mps.map_or(f64::INFINITY, |limit| limit.value());
+    let top_mps = scenario.set_speed_mps.value().min(limit_mps);
+    let (mut time_s, mut place_m) = (0.0, 0.0);
+    let mut speed_mps = plant.initial_speed_mps.value().min(top_mps);
+    let ahead = scenario.v2x.signals.iter().filter(|signal| signal.stop_line_m.value() > 0.0);
+    for signal in ahead {
+        let line_m = signal.stop_line_m.value();
+        while place_m < line_m {
+            let next_mps = (speed_mps + STEP_S * acceleration_mps2(plant, speed_mps)).min(top_mps);
+            let way_m = 0.5 * STEP_S * (speed_mps + next_mps);
+            if time_s > LONGEST_S || way_m <= 0.0 {
+                return None;
+            }
+            let share = ((line_m - place_m) / way_m).min(1.0);
+            time_s += share * STEP_S;
+            place_m += way_m;
+            speed_mps = next_mps;
+        }
+        place_m = line_m;
+        time_s = opens_s(&Program::new(signal), time_s)?;
+    }
+    Some(time_s)
+}
+
+/// The hardest acceleration at a speed, m/s².
+fn acceleration_mps2(plant: &Plant, speed_mps: f64) -> f64 {
+    let most = plant.max_acceleration_mps2.value();
+    plant.powertrain.map_or(most, |powertrain| {
+        let watts = 1e3 * powertrain.max_power_kw.value();
+        most.min(watts / (powertrain.mass_kg.value() * speed_mps.max(1.0)))
+    })
+}
+
+/// The first instant from `time_s` on at which the signal is not red, s; `None` if it stays red.
+fn opens_s(program: &Program, time_s: f64) -> Option<f64> {
+    let mut opens_s = time_s;
+    for interval in program.intervals((time_s * 1e9) as u64) {
+        if interval.phase != Phase::Red {
+            return Some(opens_s);
+        }
+        opens_s = interval.end_ns? as f64 * 1e-9;
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scenario(keys: &str) -> Scenario {
+        let text = format!(
+            "schema_version = 1\nname = \"x\"\nset_speed_mps = 20\nspeed_limit_mps = 10\n\
+             [plant]\ninitial_speed_mps = 10\n{keys}"
+        );
+        Scenario::parse("x.toml", &text).expect("the keys are right")
+    }
+
+    const SIGNALS: &str = "\
+        [[v2x.signals]]\nintersection_id = 1\nstop_line_m = 100\n\
+        program = [{ phase = \"red\", duration_s = 30 }, { phase = \"green\", duration_s = 30 }]\n\
+        [[v2x.signals]]\nintersection_id = 2\nstop_line_m = 200\noffset_s = 30\n\
+        program = [{ phase = \"red\", duration_s = 30 }, { phase = \"green\", duration_s = 30 }]\n";
+
+    #[test]
+    fn the_fastest_trip_waits_for_green_and_keeps_the_limit() {
+        // 10 s to the first line, which opens at 30 s; 40 s at the second, which is red from 30 to 60 s.
+        let trip = Trip::of(&scenario(SIGNALS), &[]);
+        assert!((trip.fastest_legal_trip_s.expect("it passes") - 60.0).abs() < 1e-6, "{trip:?}");
+        assert_eq!(trip.trip_time_s, None);
+    }
+
+    #[test]
+    fn the_trip_ends_at_the_last_line() {
+        let step =
+            |time_s: f64| DriveStep { time_s, position_m: 8.0 * time_s, ..DriveStep::default() };
+        let steps: Vec<DriveStep> = (0..60).map(|k| step(f64::from(k))).collect();
+        let trip = Trip::of(&scenario(SIGNALS), &steps);
+        assert!((trip.trip_time_s.expect("it passes") - 25.0).abs() < 1e-9, "{trip:?}");
+    }
+
+    #[test]
+    fn a_start_from_standstill_takes_the_vehicles_acceleration() {
+        let signal = "[[v2x.signals]]\nintersection_id = 1\nstop_line_m = 100\n\
+                      program = [{ phase = \"green\", duration_s = 30 }]\n";
+        let keys = format!("max_acceleration_mps2 = 2\n{signal}");
+        let text = format!(
+            "schema_version = 1\nname = \"x\"\nset_speed_mps = 10\n[plant]\ninitial_speed_mps = 0\n{keys}"
+        );
+        let scenario = Scenario::parse("x.toml", &text).expect("the keys are right");
+        // 5 s and 25 m to 10 m/s, then 7.5 s.
+        let from_rest = Trip::of(&scenario, &[]).fastest_legal_trip_s;
+        assert!((from_rest.expect("it passes") - 12.5).abs() < 0.02, "{from_rest:?}");
+    }
+
+    #[test]
+    fn without_signals_there_is_no_trip() {
+        assert_eq!(Trip::of(&scenario(""), &[]), Trip::default());
+    }
+}
