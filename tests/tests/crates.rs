@@ -1,7 +1,9 @@
-//! Dependence points one way between the crates of this workspace.
+//! Rules that hold in the whole workspace: dependence points one way between its crates, and errors are
+//! types.
 
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Layers, lowest first: a crate depends on crates of lower layers alone, and the command at the top is
@@ -63,6 +65,40 @@ fn a_crate_depends_on_lower_layers_alone() {
                 || name == "timegap"
                 || name == "system-tests";
             assert!(ordered, "{name} depends on {other}, which does not stand below it");
+        }
+    }
+}
+
+/// Files of Rust in the folders `src` below `folder`.
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).expect("a folder of the workspace") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|end| end == "rs")
+            && path.components().any(|part| part.as_os_str() == "src")
+        {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn no_public_function_has_a_text_for_an_error() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace");
+    let mut files = Vec::new();
+    for folder in ["services", "shared", "tools"] {
+        sources(&root.join(folder), &mut files);
+    }
+    assert!(files.len() > 300, "{} files", files.len());
+    for path in files {
+        let text = std::fs::read_to_string(&path).expect("a file of the workspace");
+        for signature in text.split("pub").skip(1).filter_map(|rest| rest.split(['{', ';']).next())
+        {
+            let returns = signature.split_once("->").map_or("", |(_, returns)| returns);
+            let is_text = returns.contains("Result<")
+                && returns.trim().trim_end_matches('>').ends_with(", String");
+            assert!(!is_text, "{}: pub{signature}", path.display());
         }
     }
 }

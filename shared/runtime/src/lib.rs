@@ -41,6 +41,7 @@ pub mod histogram_log;
 mod in_process;
 mod link;
 mod members;
+mod not_granted;
 mod observer;
 mod own_file;
 mod player;

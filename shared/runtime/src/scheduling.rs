@@ -6,6 +6,7 @@
 
 #![allow(unsafe_code, reason = "no crate wraps sched_setscheduler")]
 
+pub use crate::not_granted::{Asked, NotGranted};
 use messages::Service;
 use rustix::mm::{MlockAllFlags, mlockall};
 use rustix::process::Pid;
@@ -91,8 +92,8 @@ pub struct Granted {
     pub core: Option<usize>,
     /// Whether all memory is locked.
     pub memory_locked: bool,
-    /// One sentence for each thing that was not granted.
-    pub refused: Vec<String>,
+    /// What was not granted.
+    pub refused: Vec<NotGranted>,
 }
 
 impl Granted {
@@ -111,13 +112,15 @@ impl Granted {
 #[must_use]
 pub fn apply(request: &Request) -> Granted {
     let mut refused = Vec::new();
+    let mut refuse =
+        |what, why: &dyn fmt::Display| refused.push(NotGranted { what, why: why.to_string() });
     if let Err(e) = set_current_timer_slack(std::num::NonZeroU64::new(1)) {
-        refused.push(format!("timer slack of 1 ns: {e}"));
+        refuse(Asked::TimerSlack, &e);
     }
     if let Some(core) = request.core
         && let Err(reason) = pin_to(core)
     {
-        refused.push(format!("core {core}: {reason}"));
+        refuse(Asked::Core(core), &reason);
     }
     // Pages stay once touched; locking untouched ones too would double the resident set for code
     // that the loop never runs.
@@ -125,14 +128,14 @@ pub fn apply(request: &Request) -> Granted {
         && match mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE | MlockAllFlags::ONFAULT) {
             Ok(()) => true,
             Err(e) => {
-                refused.push(format!("locked memory: {e}"));
+                refuse(Asked::LockedMemory, &e);
                 false
             }
         };
     if let Policy::Fifo(priority) = request.policy
         && let Err(e) = set_fifo(priority)
     {
-        refused.push(format!("{}: {e}", request.policy));
+        refuse(Asked::Fifo(priority), &e);
     }
     prefault_stack();
     Granted {
@@ -307,6 +310,9 @@ mod tests {
         let request = Request { policy: Policy::Other, core: Some(1023), lock_memory: false };
         let granted = std::thread::spawn(move || apply(&request)).join().expect("no panic");
         assert_eq!(granted.granted, "other");
-        assert!(granted.refused.iter().any(|r| r.starts_with("core 1023")), "{granted:?}");
+        assert!(
+            granted.refused.iter().any(|refused| refused.what == Asked::Core(1023)),
+            "{granted:?}"
+        );
     }
 }

@@ -64,7 +64,8 @@ pub fn run(stage: &Stage, cell: &Cell, seconds: f64) -> Result<Chain, Error> {
     let granted = summary.services.iter().filter_map(|service| service.scheduling.as_ref());
     let as_asked = granted.clone().all(|granted| granted.granted == granted.requested)
         && floor.granted.granted == floor.granted.requested;
-    let refused = granted.chain([&floor.granted]).flat_map(|g| g.refused.iter().cloned()).collect();
+    let refused =
+        granted.chain([&floor.granted]).flat_map(|g| &g.refused).map(ToString::to_string).collect();
     let histograms = summary::histograms(&outcome);
     Ok(Chain { timing: summary.timing, histograms, floor, refused, as_asked })
 }

@@ -316,7 +316,7 @@ impl<'a> Bench<'a> {
         outcome: &outcome::Outcome,
     ) -> Option<Percentiles> {
         let granted = &outcome.granted;
-        self.refused.extend(granted.refused.iter().cloned());
+        self.refused.extend(granted.refused.iter().map(ToString::to_string));
         if granted.granted != granted.requested {
             return None;
         }

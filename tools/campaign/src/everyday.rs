@@ -194,7 +194,7 @@ impl Yardstick {
         if scenario.has_aebs() {
             return Ok(Self { deceleration_mps2: YARDSTICK_MPS2, lag_s: 0.0 });
         }
-        let law = laws::build(scenario).map_err(|problem| Error::Usage(problem.message))?;
+        let law = laws::build(scenario)?;
         Ok(Self {
             deceleration_mps2: -law.request_bounds_mps2().0,
             lag_s: scenario.plant.actuator_time_constant_s.value(),

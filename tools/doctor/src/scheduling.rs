@@ -1,7 +1,7 @@
 //! What the kernel grants a loop: policy, throttling, locked memory, timer slack.
 
 use super::finding::Finding;
-use runtime::scheduling::Granted;
+use runtime::scheduling::{Asked, Granted};
 use std::path::Path;
 
 /// The command that gives the program at `program` what it needs without making its user root. A new
@@ -12,9 +12,9 @@ fn capabilities(program: &Path) -> String {
 }
 
 /// The reason why something that a thread asked for was refused.
-fn refusal<'a>(granted: &'a Granted, what: &str) -> Option<&'a str> {
-    let line = granted.refused.iter().find(|line| line.starts_with(what))?;
-    Some(line.split_once(": ").map_or(line, |(_, reason)| reason))
+fn refusal(granted: &Granted, is_meant: impl Fn(Asked) -> bool) -> Option<&str> {
+    let refused = granted.refused.iter().find(|refused| is_meant(refused.what))?;
+    Some(&refused.why)
 }
 
 /// Whether a thread of `program` that asked for `SCHED_FIFO` has it.
@@ -23,7 +23,8 @@ pub fn policy(granted: &Granted, root: bool, program: &Path) -> Finding {
     if granted.granted == granted.requested {
         return Finding::ok(CHECK, format!("{} is granted", granted.granted));
     }
-    let reason = refusal(granted, &granted.requested).unwrap_or("no reason given");
+    let reason =
+        refusal(granted, |what| matches!(what, Asked::Fifo(_))).unwrap_or("no reason given");
     Finding::bad(
         CHECK,
         format!("{} is refused ({reason}); the policy is {}", granted.requested, granted.granted),
@@ -69,7 +70,7 @@ pub fn locked_memory(granted: &Granted, limits: &str, program: &Path) -> Finding
     if granted.memory_locked {
         return Finding::ok(CHECK, "granted");
     }
-    let reason = refusal(granted, CHECK).unwrap_or("no reason given");
+    let reason = refusal(granted, |what| what == Asked::LockedMemory).unwrap_or("no reason given");
     let limit = limit(limits, "Max locked memory").unwrap_or("unknown");
     Finding::bad(
         CHECK,
@@ -82,7 +83,7 @@ pub fn locked_memory(granted: &Granted, limits: &str, program: &Path) -> Finding
 /// Whether a sleep may be exact without real-time priority.
 pub fn timer_slack(granted: &Granted) -> Finding {
     const CHECK: &str = "timer slack";
-    match refusal(granted, CHECK) {
+    match refusal(granted, |what| what == Asked::TimerSlack) {
         None => Finding::ok(CHECK, "1 ns is granted"),
         Some(reason) => Finding::warn(
             CHECK,
@@ -103,6 +104,7 @@ fn limit<'a>(limits: &'a str, name: &str) -> Option<&'a str> {
 mod tests {
     use super::super::finding::Verdict;
     use super::*;
+    use runtime::scheduling::NotGranted;
 
     const LIMITS: &str = "Limit                     Soft Limit           Hard Limit           Units
 Max stack size            8388608              unlimited            bytes
@@ -110,17 +112,21 @@ Max locked memory         65536                65536                bytes
 Max realtime priority     0                    0
 ";
 
+    const NO_FIFO: (Asked, &str) = (Asked::Fifo(80), "Operation not permitted");
+
     fn path() -> &'static Path {
         Path::new("/my builds/timegap")
     }
 
-    fn granted(policy: &str, refused: &[&str]) -> Granted {
+    fn granted(policy: &str, refused: &[(Asked, &str)]) -> Granted {
+        let refused = refused.iter().map(|&(what, why)| NotGranted { what, why: why.into() });
+        let refused: Vec<_> = refused.collect();
         Granted {
             requested: "fifo:80".into(),
             granted: policy.into(),
             core: None,
-            memory_locked: !refused.iter().any(|line| line.starts_with("locked memory")),
-            refused: refused.iter().map(ToString::to_string).collect(),
+            memory_locked: refused.iter().all(|refused| refused.what != Asked::LockedMemory),
+            refused,
         }
     }
 
@@ -134,7 +140,7 @@ Max realtime priority     0                    0
 
     #[test]
     fn an_ordinary_user_is_told_which_capabilities_help() {
-        let refused = ["locked memory: Cannot allocate memory", "fifo:80: Operation not permitted"];
+        let refused = [(Asked::LockedMemory, "Cannot allocate memory"), NO_FIFO];
         let none = granted("other", &refused);
         let found = policy(&none, false, path());
         assert_eq!(found.verdict, Verdict::Bad);
@@ -150,7 +156,7 @@ Max realtime priority     0                    0
 
     #[test]
     fn a_refused_root_is_in_a_container() {
-        let found = policy(&granted("other", &["fifo:80: Operation not permitted"]), true, path());
+        let found = policy(&granted("other", &[NO_FIFO]), true, path());
         assert!(found.fix.is_some_and(|fix| fix.contains("sys_nice") && !fix.contains("setcap")));
     }
 

@@ -5,8 +5,8 @@ use super::root::RootError;
 use messages::UnknownService;
 use recorder::ReadError;
 use runtime::RuntimeError;
-use scenario::ScenarioError;
 use scenario::storyboard::OpenError;
+use scenario::{Problem, ScenarioError};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -59,6 +59,8 @@ impl Failure for RootError {
     }
 }
 
+impl Failure for Problem {}
+
 impl Failure for ReadError {}
 
 impl Failure for UnknownService {}
@@ -66,10 +68,10 @@ impl Failure for UnknownService {}
 /// A command's failure.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// An operation failed.
+    /// An operation failed. Not a `Box`, of which a text could be made as well.
     #[error(transparent)]
     Operation(Arc<dyn Failure>),
-    /// Bad usage or a bad file.
+    /// Bad usage or a bad file, in words; an operation has a type of its own instead.
     #[error("{0}")]
     Usage(String),
     /// The scenario, or an option that changes it, is wrong.
@@ -88,7 +90,7 @@ pub enum Error {
         /// What the system said.
         reason: std::io::Error,
     },
-    /// The machine would not let it run.
+    /// The machine would not let it run, in words; an operation has a type of its own instead.
     #[error("{0}")]
     Machine(String),
     /// A service did not come up.
@@ -104,9 +106,6 @@ pub enum Error {
     /// The run's shared memory is not usable.
     #[error(transparent)]
     Runtime(#[from] RuntimeError),
-    /// A run in one process and the same run in a process group gave different bytes.
-    #[error("{0}")]
-    Different(String),
     /// Ctrl-C or SIGTERM before there was a result.
     #[error("interrupted")]
     Interrupted,
@@ -124,7 +123,6 @@ impl Error {
             | Self::Path { .. }
             | Self::NotReady { foreign: true, .. } => 2,
             Self::Machine(_) | Self::NotReady { .. } | Self::Runtime(_) => 3,
-            Self::Different(_) => 1,
             Self::Interrupted => 130,
         })
     }

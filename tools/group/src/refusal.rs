@@ -1,10 +1,12 @@
 //! What a group of processes cannot run, said before anything is started.
 
-use crate::{Failure, Launch};
+use crate::Failure;
 use messages::Service;
 use runtime::Mode;
 use scenario::Scenario;
 use scenario::faults::Kind;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 /// Why a scenario is not run in this way.
 #[derive(Debug, thiserror::Error)]
@@ -48,15 +50,19 @@ pub enum Refusal {
 impl Failure for Refusal {}
 
 /// Checks that a group of processes can run what is asked for.
-pub fn check_launch(launch: &Launch) -> Result<(), Refusal> {
-    if launch.mode == Mode::Lockstep {
-        if let Some((index, kind)) = fault_of_processes(&launch.scenario) {
+pub fn check_processes(
+    mode: Mode,
+    scenario: &Scenario,
+    programs: &BTreeMap<Service, PathBuf>,
+) -> Result<(), Refusal> {
+    if mode == Mode::Lockstep {
+        if let Some((index, kind)) = fault_of_processes(scenario) {
             return Err(Refusal::FaultInLockstep { index, kind });
         }
-        return check_standbys(&launch.scenario);
+        return check_standbys(scenario);
     }
-    let services = launch.scenario.supervision.standby.services();
-    match services.into_iter().find(|service| launch.programs.contains_key(service)) {
+    let services = scenario.supervision.standby.services();
+    match services.into_iter().find(|service| programs.contains_key(service)) {
         Some(service) => Err(Refusal::StandbyOfProgram(service)),
         None => Ok(()),
     }

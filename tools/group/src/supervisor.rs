@@ -12,7 +12,7 @@ use super::member::{Heartbeats, Member};
 use super::processes::Janitor;
 use super::programs::{is_foreign, programs};
 use super::recording::{RecorderProcess, RecordingSummary, law_names};
-use super::refusal::check_launch;
+use super::refusal::check_processes;
 use super::room::check_room;
 use super::root::RunRoot;
 use super::succession::{self, Phase, Step};
@@ -157,7 +157,7 @@ pub(super) fn for_services(scenario: &Scenario) -> Scenario {
 /// # Errors
 /// If the group does not become ready; nothing of it is left then either.
 pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<GroupOutcome, Error> {
-    check_launch(&launch)?;
+    check_processes(launch.mode, &launch.scenario, &launch.programs)?;
     let programs = programs(&launch.programs, &launch.scenario)?;
     let timetable = Timetable::of(&launch.scenario);
     let standby = launch.scenario.supervision.standby.services();

@@ -316,7 +316,10 @@ fn service(service: &ServiceSummary) -> Vec<String> {
             format!("{cpu:.2} % of a core, {mib:.1} MiB")
         }),
         service.exit.clone().unwrap_or_else(dash),
-        granted.map_or_else(String::new, |granted| granted.refused.join(", ")),
+        granted.map_or_else(String::new, |granted| {
+            let refused = granted.refused.iter().map(ToString::to_string);
+            refused.collect::<Vec<_>>().join(", ")
+        }),
     ]
 }
 

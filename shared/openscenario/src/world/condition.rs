@@ -9,9 +9,9 @@ use crate::model::condition::{
     Along, CollisionWith, Condition, Edge, EntityTest, Measured, Target, Test, Trigger,
 };
 use crate::model::position::From;
+use crate::world::check::index;
 use crate::world::geometry::distance;
-use crate::world::motion::seconds;
-use crate::world::start::index;
+use crate::world::shape::seconds;
 use crate::world::state::Motion;
 use crate::world::{World, WorldError};
 

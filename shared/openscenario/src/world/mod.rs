@@ -5,13 +5,17 @@
 //! positions of shapes are closed forms of time, and so is the way covered under a shape: the size of
 //! the steps decides only when triggers are looked at.
 
+mod check;
 mod condition;
+mod end;
 mod geometry;
 mod motion;
 mod plan;
+mod shape;
 mod start;
 mod state;
 mod storyboard;
+mod targets;
 
 use std::sync::Arc;
 

@@ -6,6 +6,7 @@ use crate::model::Drive;
 use crate::model::action::{Distance, Gap, Shape, Side};
 use crate::world::World;
 use crate::world::geometry::Extent;
+use crate::world::shape::{SpeedShape, seconds};
 use crate::world::state::Motion;
 
 /// No target speed is higher, m/s: a factor that is applied again and again stays finite.
@@ -51,16 +52,6 @@ pub(super) enum Pace {
     Keep(Distance),
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct SpeedShape {
-    pub from_mps: f64,
-    pub to_mps: f64,
-    pub start_ns: u64,
-    /// Infinite for a rate of 0.
-    pub duration_s: f64,
-    pub shape: Shape,
-}
-
 /// How the lateral position goes on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) enum Steer {
@@ -95,97 +86,6 @@ pub(super) struct Path {
     pub corners: Vec<(f64, f64, f64)>,
     /// Odometer at its start, m, where corners are passed by way.
     pub by_way_from_m: Option<f64>,
-}
-
-impl Shape {
-    /// Progress from 0 to 1 at `x` from 0 to 1.
-    pub(super) fn value(self, x: f64) -> f64 {
-        let x = x.clamp(0.0, 1.0);
-        match self {
-            Self::Linear => x,
-            Self::Cubic => x * x * (3.0 - 2.0 * x),
-            Self::Sinusoidal => 0.5 - 0.5 * libm::cos(std::f64::consts::PI * x),
-            Self::Step => 1.0,
-        }
-    }
-
-    /// The integral of [`Self::value`] from 0 to `x`, at most 1.
-    fn integral(self, x: f64) -> f64 {
-        let pi = std::f64::consts::PI;
-        match self {
-            Self::Linear => 0.5 * x * x,
-            Self::Cubic => x * x * x * (1.0 - 0.5 * x),
-            Self::Sinusoidal => 0.5 * x - libm::sin(pi * x) / (2.0 * pi),
-            Self::Step => x,
-        }
-    }
-
-    /// The derivative of [`Self::value`].
-    fn rate(self, x: f64) -> f64 {
-        let pi = std::f64::consts::PI;
-        match self {
-            _ if !(0.0..1.0).contains(&x) => 0.0,
-            Self::Linear => 1.0,
-            Self::Cubic => 6.0 * x * (1.0 - x),
-            Self::Sinusoidal => 0.5 * pi * libm::sin(pi * x),
-            Self::Step => 0.0,
-        }
-    }
-
-    /// The largest derivative.
-    pub(super) fn largest_rate(self) -> f64 {
-        match self {
-            Self::Linear => 1.0,
-            Self::Cubic => 1.5,
-            Self::Sinusoidal => std::f64::consts::FRAC_PI_2,
-            Self::Step => f64::INFINITY,
-        }
-    }
-
-    /// The largest second derivative.
-    pub(super) fn largest_curvature(self) -> f64 {
-        let pi = std::f64::consts::PI;
-        match self {
-            Self::Linear | Self::Step => f64::INFINITY,
-            Self::Cubic => 6.0,
-            Self::Sinusoidal => 0.5 * pi * pi,
-        }
-    }
-}
-
-impl SpeedShape {
-    fn x(&self, time_ns: u64) -> f64 {
-        seconds(time_ns.saturating_sub(self.start_ns)) / self.duration_s
-    }
-
-    fn is_over(&self, time_ns: u64) -> bool {
-        self.x(time_ns) >= 1.0
-    }
-
-    fn speed(&self, time_ns: u64) -> f64 {
-        match self.is_over(time_ns) {
-            true => self.to_mps,
-            false => {
-                self.from_mps + (self.to_mps - self.from_mps) * self.shape.value(self.x(time_ns))
-            }
-        }
-    }
-
-    fn acceleration(&self, time_ns: u64) -> f64 {
-        (self.to_mps - self.from_mps) / self.duration_s * self.shape.rate(self.x(time_ns))
-    }
-
-    /// Way covered between two times.
-    fn way(&self, from_ns: u64, to_ns: u64) -> f64 {
-        if self.duration_s.is_infinite() {
-            return self.from_mps * seconds(to_ns - from_ns);
-        }
-        let (a, b) = (self.x(from_ns).min(1.0), self.x(to_ns).min(1.0));
-        let change = self.shape.integral(b) - self.shape.integral(a);
-        let inside = self.from_mps * (b - a) + (self.to_mps - self.from_mps) * change;
-        let after = (self.x(to_ns) - b) - (self.x(from_ns) - a);
-        self.duration_s * (inside + self.to_mps * after)
-    }
 }
 
 impl World {
@@ -441,8 +341,4 @@ fn ratio(value: f64, whole: f64) -> f64 {
 /// Change per second; 0 where no time passes.
 fn rate(from: f64, to: f64, elapsed_s: f64) -> f64 {
     if elapsed_s > 0.0 { (to - from) / elapsed_s } else { 0.0 }
-}
-
-pub(super) fn seconds(time_ns: u64) -> f64 {
-    time_ns as f64 * 1e-9
 }

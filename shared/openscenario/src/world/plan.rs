@@ -63,7 +63,7 @@ impl Plan {
             plan.elements[index].stop = stop;
         }
         plan.stop = plan.number(script, script.stop.as_ref())?;
-        super::start::check(script)?;
+        super::check::check(script)?;
         Ok(plan)
     }
 

@@ -3,15 +3,15 @@
 use std::sync::Arc;
 
 use crate::model::action::{
-    Action, Change, Dimension, LaneTarget, OffsetTarget, Shape, SpeedTarget, Trajectory, Transition,
+    Action, Change, Dimension, OffsetTarget, Shape, SpeedTarget, Trajectory, Transition,
 };
 use crate::model::element::ElementState;
-use crate::model::position::{From, Heading, Position};
-use crate::model::{Category, MAX_ENTITIES, Script};
-use crate::world::motion::{
-    Course, LateralShape, MAX_SPEED_MPS, Pace, Path, SpeedShape, Steer, seconds,
-};
+use crate::model::position::Position;
+use crate::world::check::fits_its_lane;
+use crate::world::motion::{Course, LateralShape, Pace, Path, Steer};
+use crate::world::shape::{SpeedShape, seconds};
 use crate::world::state::Motion;
+use crate::world::targets::reference;
 use crate::world::{World, WorldError};
 
 /// A transition that takes no time.
@@ -291,77 +291,6 @@ impl World {
         self.hold(element);
     }
 
-    /// Ends what runs, because something else takes its place. A timed line is longitudinal too.
-    fn clear_pace(&mut self, actor: usize) {
-        let mover = &mut self.state.movers[actor];
-        mover.pace = Pace::Free;
-        let owner = mover.pace_owner.take();
-        self.release(owner, ElementState::StopTransition);
-        if self.state.movers[actor].path.as_ref().is_some_and(|path| path.by_way_from_m.is_none()) {
-            self.clear_path(actor);
-        }
-    }
-
-    fn clear_steer(&mut self, actor: usize) {
-        let mover = &mut self.state.movers[actor];
-        mover.steer = Steer::Hold;
-        mover.motion.lateral_mps = 0.0;
-        let owner = mover.steer_owner.take();
-        self.release(owner, ElementState::StopTransition);
-    }
-
-    fn clear_path(&mut self, actor: usize) {
-        let mover = &mut self.state.movers[actor];
-        mover.path = None;
-        let owner = mover.path_owner.take();
-        self.release(owner, ElementState::StopTransition);
-    }
-
-    /// Ends what has reached its end.
-    pub(super) fn end_pace(&mut self, actor: usize) {
-        let mover = &mut self.state.movers[actor];
-        mover.pace = Pace::Free;
-        mover.motion.acceleration_mps2 = match self.script.entities[actor].drive {
-            crate::model::Drive::Scripted => 0.0,
-            crate::model::Drive::External => mover.motion.acceleration_mps2,
-        };
-        let owner = mover.pace_owner.take();
-        self.release(owner, ElementState::EndTransition);
-    }
-
-    pub(super) fn end_steer(&mut self, actor: usize) {
-        let mover = &mut self.state.movers[actor];
-        mover.steer = Steer::Hold;
-        let owner = mover.steer_owner.take();
-        self.release(owner, ElementState::EndTransition);
-    }
-
-    pub(super) fn end_path(&mut self, actor: usize) {
-        let mover = &mut self.state.movers[actor];
-        mover.path = None;
-        let owner = mover.path_owner.take();
-        self.release(owner, ElementState::EndTransition);
-    }
-
-    /// Ends everything that a storyboard's action does, because its event is stopped.
-    pub(super) fn abandon(&mut self, element: usize) {
-        for actor in 0..self.state.movers.len() {
-            let mover = &self.state.movers[actor];
-            let owns = |owner: Option<usize>| owner == Some(element);
-            let (pace, steer, path) =
-                (owns(mover.pace_owner), owns(mover.steer_owner), owns(mover.path_owner));
-            if pace {
-                self.clear_pace(actor);
-            }
-            if steer {
-                self.clear_steer(actor);
-            }
-            if path {
-                self.clear_path(actor);
-            }
-        }
-    }
-
     fn change(&mut self, value: usize, change: &Change) {
         let slot = &mut self.state.values[value];
         match (change, slot.number()) {
@@ -390,140 +319,4 @@ impl World {
             self.state.movers[entity].motion = Motion::default();
         }
     }
-
-    fn target_speed(&self, target: &SpeedTarget) -> f64 {
-        let speed = match *target {
-            SpeedTarget::Absolute(mps) => mps,
-            SpeedTarget::Delta { entity, mps, .. } => self.motion(entity).speed_mps + mps,
-            SpeedTarget::Factor { entity, factor, .. } => self.motion(entity).speed_mps * factor,
-        };
-        speed.clamp(0.0, MAX_SPEED_MPS)
-    }
-
-    /// The lateral position at which a lane change ends, where there is such a lane.
-    fn lane_goal(&self, _actor: usize, target: &LaneTarget) -> Option<f64> {
-        let road = &self.script.road;
-        match *target {
-            LaneTarget::Lane(id) => road.lane(id).map(|lane| lane.center_m),
-            LaneTarget::Lateral(t_m) => Some(t_m),
-            LaneTarget::Beside { entity, lanes_left } => {
-                let other = self.motion(entity);
-                let left = if other.direction() > 0.0 { lanes_left } else { -lanes_left };
-                road.lane_beside(other.t_m, left).map(|lane| lane.center_m)
-            }
-        }
-    }
-
-    /// `s`, `t` and heading of a position, where the entity that it is seen from is on the road.
-    pub(super) fn resolve(&self, position: &Position) -> Option<(f64, f64, f64)> {
-        let other = |entity: usize| Some(self.motion(entity)).filter(|motion| motion.present);
-        let (s_m, t_m) = match position.from {
-            From::Road { s_m, t_m } => (s_m, t_m),
-            From::EntityOnRoad { entity, ds_m, dt_m } => {
-                let other = other(entity)?;
-                (other.s_m + ds_m, other.t_m + dt_m)
-            }
-            From::Entity { entity, ahead_m, left_m } => {
-                let other = other(entity)?;
-                let (sin, cos) = (libm::sin(other.heading_rad), libm::cos(other.heading_rad));
-                (other.s_m + ahead_m * cos - left_m * sin, other.t_m + ahead_m * sin + left_m * cos)
-            }
-            From::EntityLane { entity, lanes_left, ds_m, offset_m } => {
-                let other = other(entity)?;
-                let direction = other.direction();
-                let left = if direction > 0.0 { lanes_left } else { -lanes_left };
-                let lane = self.script.road.lane_beside(other.t_m, left)?;
-                (other.s_m + direction * ds_m, lane.center_m + offset_m)
-            }
-        };
-        let heading_rad = match position.heading {
-            Heading::Road(heading_rad) => heading_rad,
-            Heading::Entity(heading_rad) => {
-                heading_rad + reference(position).map_or(0.0, |e| self.motion(e).heading_rad)
-            }
-        };
-        Some((s_m, t_m, heading_rad))
-    }
-}
-
-/// Checks that a vehicle that is placed on a lane is not wider than that.
-fn fits_its_lane(script: &Script, actor: usize, t_m: f64) -> Result<(), WorldError> {
-    let (entity, road) = (&script.entities[actor], &script.road);
-    let width_m = entity.body.width_m;
-    let Some(lane) = road.lanes.get(road.index_at(t_m)).filter(|_| road.holds(t_m)) else {
-        return Ok(());
-    };
-    if entity.category == Category::Vehicle && width_m > lane.width_m {
-        let (entity, lane_m) = (entity.name.clone(), lane.width_m);
-        return Err(WorldError::Width { entity, width_m, lane: lane.id, lane_m });
-    }
-    Ok(())
-}
-
-/// The entity that a position is seen from.
-fn reference(position: &Position) -> Option<usize> {
-    match position.from {
-        From::Road { .. } => None,
-        From::EntityOnRoad { entity, .. }
-        | From::Entity { entity, .. }
-        | From::EntityLane { entity, .. } => Some(entity),
-    }
-}
-
-/// Checks that every index of a script's actions is inside its list.
-pub(super) fn check(script: &Script) -> Result<(), WorldError> {
-    let entities = script.entities.len();
-    index("entity", script.ego, entities)?;
-    index("number of entities", entities, MAX_ENTITIES + 1)?;
-    for item in &script.init {
-        for &actor in item.actor.as_slice() {
-            index("entity", actor, entities)?;
-        }
-        check_action(script, &item.action)?;
-    }
-    let groups = script.stories.iter().flat_map(|story| &story.acts).flat_map(|act| &act.groups);
-    for group in groups {
-        for &actor in &group.actors {
-            index("entity", actor, entities)?;
-        }
-        let events = group.maneuvers.iter().flat_map(|maneuver| &maneuver.events);
-        for named in events.flat_map(|event| &event.actions) {
-            check_action(script, &named.action)?;
-        }
-    }
-    Ok(())
-}
-
-fn check_action(script: &Script, action: &Action) -> Result<(), WorldError> {
-    let entities = script.entities.len();
-    let at = |position: &Position| match reference(position) {
-        Some(entity) => index("entity", entity, entities),
-        None => Ok(()),
-    };
-    match action {
-        Action::Speed { target: SpeedTarget::Delta { entity, .. }, .. }
-        | Action::Speed { target: SpeedTarget::Factor { entity, .. }, .. }
-        | Action::LaneChange { target: LaneTarget::Beside { entity, .. }, .. }
-        | Action::LaneOffset { target: OffsetTarget::Entity { entity, .. }, .. }
-        | Action::Delete { entity } => index("entity", *entity, entities),
-        Action::Distance(distance) => index("entity", distance.entity, entities),
-        Action::Teleport(position) => at(position),
-        Action::Add { entity, position } => {
-            index("entity", *entity, entities)?;
-            at(position)
-        }
-        Action::Trajectory(line) => {
-            line.vertices.iter().try_for_each(|vertex| at(&vertex.position))
-        }
-        Action::Set { value, .. } => index("value", *value, script.values.len()),
-        Action::Speed { .. }
-        | Action::LaneChange { .. }
-        | Action::LaneOffset { .. }
-        | Action::Nothing => Ok(()),
-    }
-}
-
-/// Checks that an index is inside its list.
-pub(super) fn index(what: &'static str, index: usize, count: usize) -> Result<(), WorldError> {
-    if index < count { Ok(()) } else { Err(WorldError::Index { what, index, count }) }
 }

@@ -2,7 +2,8 @@
 
 use super::bounds::Bounds;
 use super::channel::{Channel, ChannelError};
-use super::host::{Host, HostError, News, Plan};
+use super::host::{Host, HostError, News};
+use super::process::Plan;
 use super::record::{Refused, accept, question};
 use crate::law::{Hosted, HostedError, Input, Law, Output, Quality};
 use messages::LAW_MODES;

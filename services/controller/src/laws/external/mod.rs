@@ -25,6 +25,7 @@ mod bounds;
 mod channel;
 mod host;
 mod law;
+mod process;
 mod record;
 mod settings;
 
@@ -37,7 +38,7 @@ use super::cacc::{self, Signals};
 use crate::law::{Descriptor, Figure, Formulation, GapPolicy, TargetSource};
 use crate::settings::{Table, read};
 use bounds::Bounds;
-use host::Plan;
+use process::Plan;
 use runtime::{Program, ProgramError, executable};
 use scenario::controller::SpacingPolicy;
 use scenario::{Problem, Scenario};

@@ -1,5 +1,11 @@
 //! `summary.json`: stable names for what a run measured. A figure that does not apply is null.
 
+mod aebs;
+mod host;
+
+pub use aebs::Aebs;
+pub use host::Host;
+
 use crate::following::Following;
 use crate::trip::Trip;
 use group::{Drive, Ended, FaultRecord, GroupOutcome, Heartbeats, RecordingSummary, StandbyCost};
@@ -17,7 +23,6 @@ use runtime::{Carrier, Mode, Program};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::sync::OnceLock;
 use std::time::Duration;
 
 /// The summary of one run.
@@ -134,57 +139,6 @@ pub struct Timing {
     pub late_reactions: Option<u64>,
 }
 
-/// The emergency brake in a run.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct Aebs {
-    /// Whether the scenario has one.
-    pub enabled: bool,
-    /// Times that it warned the driver, and that it braked; null without one.
-    pub warnings: Option<u64>,
-    /// Times that it braked.
-    pub interventions: Option<u64>,
-    /// Time for which it braked or held the brakes, s.
-    pub braking_s: Option<f64>,
-    /// Time during which there was none or it saw nothing, s.
-    pub unavailable_s: Option<f64>,
-    /// Radar acquisition to the first cycle of the brake path that uses it, µs.
-    pub reaction_time_us: Option<Percentiles>,
-    /// The parts of that.
-    pub hops_us: Hops,
-    /// Deadline of its cycle after the scheduled release, µs.
-    pub deadline_us: Option<f64>,
-    /// Cycles that finished late, and releases left out.
-    pub deadline_misses: Option<u64>,
-    /// Time for objects and decision, µs.
-    pub decide_us: Option<Percentiles>,
-}
-
-impl Aebs {
-    fn of(
-        scenario: &Scenario,
-        plant: Option<&PlantReport>,
-        report: Option<&ServiceReport>,
-    ) -> Self {
-        let figures = plant.and_then(|plant| plant.aebs.as_ref());
-        let own = report.and_then(|report| match &report.details {
-            Details::Aebs(aebs) => Some(aebs),
-            _ => None,
-        });
-        Self {
-            enabled: scenario.has_aebs(),
-            warnings: figures.map(|figures| figures.warnings),
-            interventions: figures.map(|figures| figures.interventions),
-            braking_s: figures.map(|figures| figures.braking_s),
-            unavailable_s: figures.map(|figures| figures.unavailable_s),
-            reaction_time_us: plant.and_then(|plant| plant.brake_reaction_time_us),
-            hops_us: plant.map_or_else(Hops::default, |plant| plant.brake_hops_us),
-            deadline_us: own.map(|own| own.deadline_us),
-            deadline_misses: own.map(|own| own.deadline_misses),
-            decide_us: own.and_then(|own| own.decide_us),
-        }
-    }
-}
-
 /// Messages of one topic.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct TopicCounts {
@@ -225,34 +179,6 @@ pub struct ServiceSummary {
     pub scheduling: Option<Granted>,
     /// The program of the user's that was the service, or computed for it; null where it was timegap's own.
     pub program: Option<Program>,
-}
-
-/// The machine that ran the processes.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Host {
-    /// Processors that this process may use.
-    pub cpus: usize,
-    /// Release of the kernel.
-    pub kernel: String,
-    /// Whether the kernel is built with PREEMPT_RT.
-    pub realtime_kernel: bool,
-}
-
-impl Host {
-    /// This machine, which stays the same.
-    pub fn this() -> Self {
-        static THIS: OnceLock<Host> = OnceLock::new();
-        THIS.get_or_init(Self::read).clone()
-    }
-
-    fn read() -> Self {
-        let read = |path| std::fs::read_to_string(path).unwrap_or_default().trim().to_owned();
-        Self {
-            cpus: std::thread::available_parallelism().map_or(1, usize::from),
-            kernel: read("/proc/sys/kernel/osrelease"),
-            realtime_kernel: read("/sys/kernel/realtime") == "1",
-        }
-    }
 }
 
 impl Summary {

@@ -1,0 +1,189 @@
+//! A program's process: its start, its last words, its end.
+
+use super::channel::{Channel, ChannelError};
+use runtime::{die_with_this_thread, inherit_only};
+use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
+use scenario::supervision::Supervision;
+use std::collections::VecDeque;
+use std::io::{self, BufRead, BufReader, Read, Write};
+use std::os::unix::process::CommandExt;
+use std::path::PathBuf;
+use std::process::{Child, ChildStderr, Command, Stdio};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+use thiserror::Error;
+
+/// Time that a program gets to go when its input ends.
+pub(super) const GRACE: Duration = Duration::from_millis(500);
+
+/// Lines of a program's standard error that are handed on, each time that it is started.
+const KEPT_LINES: usize = 50;
+/// Longest line that is handed on, bytes.
+const LONGEST_LINE: u64 = 400;
+/// Last lines that an error shows.
+const LAST_WORDS: usize = 3;
+
+/// What to host.
+#[derive(Clone, Debug)]
+pub(super) struct Plan {
+    pub(super) command: Vec<String>,
+    pub(super) directory: PathBuf,
+    /// Time for the first answer.
+    pub(super) patience: Duration,
+    /// How often the program may be started again.
+    pub(super) supervision: Supervision,
+}
+
+impl Plan {
+    /// The program in a sentence.
+    pub(super) fn subject(&self) -> String {
+        format!("the law `{}`", self.command.join(" ").escape_debug())
+    }
+}
+
+/// Why a program does not start.
+#[derive(Debug, Error)]
+pub(super) enum StartError {
+    #[error("it has no name")]
+    NoName,
+    #[error("no pipe")]
+    NoPipe,
+    #[error(transparent)]
+    System(#[from] io::Error),
+    #[error(transparent)]
+    Channel(#[from] ChannelError),
+}
+
+/// A program that runs.
+pub(super) struct Process {
+    child: Child,
+    words: Arc<Mutex<VecDeque<String>>>,
+    /// It was waited for: its ids may be another's by now.
+    is_reaped: bool,
+}
+
+impl Process {
+    /// Starts it.
+    pub(super) fn start(plan: &Plan) -> Result<(Self, Channel), StartError> {
+        let (name, arguments) = plan.command.split_first().ok_or(StartError::NoName)?;
+        let mut command = match name.contains('/') {
+            true => Command::new(plan.directory.join(name)),
+            false => Command::new(name),
+        };
+        command
+            .args(arguments)
+            .current_dir(&plan.directory)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .process_group(0);
+        inherit_only(&mut command, None);
+        die_with_this_thread(&mut command);
+        let child = command.spawn()?;
+        let mut process = Self { child, words: Arc::default(), is_reaped: false };
+        match process.open() {
+            Ok(channel) => Ok((process, channel)),
+            Err(why) => {
+                process.end(Duration::ZERO);
+                Err(why)
+            }
+        }
+    }
+
+    /// Takes its pipes: the channel, and a thread that hears its words.
+    fn open(&mut self) -> Result<Channel, StartError> {
+        let questions = self.child.stdin.take().ok_or(StartError::NoPipe)?;
+        let answers = self.child.stdout.take().ok_or(StartError::NoPipe)?;
+        let errors = self.child.stderr.take().ok_or(StartError::NoPipe)?;
+        let words = Arc::clone(&self.words);
+        std::thread::Builder::new()
+            .name("law-words".into())
+            .stack_size(128 << 10)
+            .spawn(move || hear(errors, &words))?;
+        Ok(Channel::new(questions.into(), answers.into())?)
+    }
+
+    pub(super) fn pid(&self) -> u32 {
+        self.child.id()
+    }
+
+    fn group(&self) -> Pid {
+        Pid::from_child(&self.child)
+    }
+
+    /// Waits until it is gone or `grace` is over; it stays to be waited for. True if it is gone.
+    fn is_gone_within(&self, grace: Duration) -> bool {
+        let deadline = Instant::now() + grace;
+        let options = WaitIdOptions::EXITED | WaitIdOptions::NOWAIT | WaitIdOptions::NOHANG;
+        loop {
+            match waitid(WaitId::Pid(self.group()), options) {
+                Ok(None) if Instant::now() < deadline => {
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+                Ok(None) => return false,
+                Ok(Some(_)) | Err(_) => return true,
+            }
+        }
+    }
+
+    /// How it ended; it is killed if it lives on.
+    pub(super) fn how_it_ended(&mut self) -> String {
+        if !self.is_gone_within(GRACE) {
+            return "closed its standard output, which is for answers".into();
+        }
+        // What it started must not live on. It is not waited for yet: the group is its own.
+        let _ = kill_process_group(self.group(), Signal::KILL);
+        self.is_reaped = true;
+        match self.child.wait() {
+            Ok(status) => format!("ended ({status}), expected an answer to each question"),
+            Err(error) => format!("ended ({error})"),
+        }
+    }
+
+    /// Its last lines on standard error.
+    pub(super) fn last_words(&self) -> String {
+        // The thread that hears them may be a moment behind the program's end.
+        std::thread::sleep(Duration::from_millis(20));
+        let words = self.words.lock().expect("no holder panics");
+        words.iter().map(String::as_str).collect::<Vec<_>>().join(" / ")
+    }
+
+    /// Ends it and what it started, after `grace`.
+    pub(super) fn end(mut self, grace: Duration) {
+        if self.is_reaped {
+            return;
+        }
+        self.is_gone_within(grace);
+        // Also where it is gone: what it started must not live on. Not waited for yet: the group is its own.
+        let _ = kill_process_group(self.group(), Signal::KILL);
+        let _ = self.child.wait();
+    }
+}
+
+/// Hands the first lines of a program's standard error on, and keeps the last ones.
+fn hear(errors: ChildStderr, words: &Mutex<VecDeque<String>>) {
+    let mut reader = BufReader::new(errors);
+    let (mut line, mut lines) = (Vec::new(), 0);
+    loop {
+        line.clear();
+        match (&mut reader).take(LONGEST_LINE).read_until(b'\n', &mut line) {
+            Ok(0) | Err(_) => return,
+            Ok(_) => {}
+        }
+        let text = String::from_utf8_lossy(&line);
+        let text: String = text.trim_end().chars().filter(|c| !c.is_control()).collect();
+        if text.is_empty() {
+            continue;
+        }
+        lines += 1;
+        if lines <= KEPT_LINES {
+            // A standard error that is gone hears nothing.
+            let _ = writeln!(std::io::stderr(), "law: {text}");
+        }
+        let mut words = words.lock().expect("no holder panics");
+        words.push_back(text);
+        if words.len() > LAST_WORDS {
+            words.pop_front();
+        }
+    }
+}

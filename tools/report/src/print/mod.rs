@@ -1,0 +1,137 @@
+//! What a person reads after a run.
+
+mod drive;
+mod machine;
+mod timing;
+
+pub use drive::trip;
+pub use timing::duration;
+
+use crate::summary::Summary;
+use drive::{drive, emergency_brake, radar};
+use group::{Error, RecordingSummary};
+use machine::{faults, machine, messages};
+use runtime::report::{Outcome, ProgramReport};
+use std::fmt::Write as _;
+use std::io::{ErrorKind, Write as _};
+use timing::timing;
+
+/// Writes text on standard output. A closed pipe is not an error: its reader has read enough.
+///
+/// # Errors
+/// [`Error::Path`] if standard output cannot be written.
+pub fn out(text: &str) -> Result<(), Error> {
+    let mut output = std::io::stdout().lock();
+    match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        written => written.map_err(|reason| Error::Path {
+            action: "write",
+            path: "standard output".into(),
+            reason,
+        }),
+    }
+}
+
+/// Writes a line on standard error. One that is gone, with its terminal, is not an error.
+pub fn note(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// The run in ten seconds' reading.
+pub fn summary(summary: &Summary) -> String {
+    let mut text = String::new();
+    let mut line = |label: &str, value: String| {
+        writeln!(text, "  {label:<14} {value}").expect("a string takes all");
+    };
+    line("outcome", outcome(summary));
+    program(summary, &mut line);
+    drive(summary, &mut line);
+    emergency_brake(summary, &mut line);
+    radar(summary, &mut line);
+    timing(summary, &mut line);
+    messages(summary, &mut line);
+    faults(summary, &mut line);
+    machine(summary, &mut line);
+    if let Some(recording) = &summary.recording {
+        line("recording", self::recording(recording));
+    }
+    format!(
+        "{} · {} · {} · seed {}\n{text}",
+        summary.scenario,
+        summary.driver(),
+        summary.mode,
+        summary.seed
+    )
+}
+
+/// The programs of the user's, and how that of a foreign law fared.
+fn program(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
+    for service in &summary.services {
+        let Some(program) = &service.program else { continue };
+        let fared = match (&summary.timing.law_program, service.name) {
+            (Some(report), "controller") => format!(", {}", fared(report)),
+            _ => String::new(),
+        };
+        let (name, command) = (service.name, &program.command);
+        line("program", format!("{name}: {command} (sha256 {}...){fared}", program.short_digest()));
+    }
+    for failure in summary.timing.law_program.iter().flat_map(|report| &report.failures) {
+        line("", failure.clone());
+    }
+}
+
+/// How a foreign law's program fared, in a line.
+pub fn fared(report: &ProgramReport) -> String {
+    let mut parts = vec![format!("{} answers", report.answers)];
+    for (count, what) in
+        [(report.late, "late"), (report.refused, "refused"), (report.absent, "without a program")]
+    {
+        if count > 0 {
+            parts.push(format!("{count} {what}"));
+        }
+    }
+    if report.starts > 1 {
+        parts.push(format!("started {} times", report.starts));
+    }
+    if report.given_up {
+        parts.push("GIVEN UP: the backup drove on".into());
+    }
+    parts.join(", ")
+}
+
+/// How a run ended, in a line.
+pub fn outcome(summary: &Summary) -> String {
+    let word = outcome_word(summary.outcome);
+    let because =
+        summary.aborted_because.as_ref().map_or_else(String::new, |why| format!(" ({why})"));
+    let speed = match summary.simulated_per_wall {
+        Some(ratio) if summary.mode == "lockstep" => format!(", {ratio:.0} simulated s per s"),
+        _ => String::new(),
+    };
+    format!(
+        "{word}{because}, {:.1} s driven in {:.2} s of wall time (ready after {:.0} ms{speed})",
+        summary.duration_s, summary.wall_s, summary.ready_ms
+    )
+}
+
+/// An outcome in a word.
+pub fn outcome_word(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Completed => "completed",
+        Outcome::Collision => "COLLISION",
+        Outcome::RedLight => "RED LIGHT",
+        Outcome::SafeStop => "safe stop",
+        Outcome::Aborted => "aborted",
+    }
+}
+
+fn recording(recording: &RecordingSummary) -> String {
+    let lost = match recording.lost {
+        Some(lost) => format!("{lost} lost"),
+        None => "losses not counted".into(),
+    };
+    let failed =
+        recording.failed.as_ref().map_or_else(String::new, |why| format!("; ENDS EARLY: {why}"));
+    let mib = recording.bytes as f64 / f64::from(1 << 20);
+    format!("{} messages, {lost}, {mib:.2} MiB{failed}", recording.messages)
+}

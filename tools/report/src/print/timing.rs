@@ -1,0 +1,130 @@
+//! How long it took.
+
+use crate::summary::{Summary, Timing};
+use runtime::report::WorstChain;
+use runtime::statistics::Percentiles;
+
+pub(super) fn timing(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
+    let timing = &summary.timing;
+    if let Some(solve) = timing.solve_us {
+        line("law", percentiles(&solve));
+    }
+    if let (Some(cycles), Some(relaxed), Some(backup)) =
+        (timing.cycles, timing.relaxed_cycles, timing.backup_cycles)
+        && relaxed + backup > 0
+    {
+        line("", format!("{relaxed} of {cycles} commands relaxed, {backup} from the backup law"));
+    }
+    if let Some(planning) = &timing.planning {
+        let took = planning.plan_us.map_or_else(|| "none came".into(), |took| percentiles(&took));
+        line("planning", format!("{took}, {} of {} late", planning.late, planning.asked));
+    }
+    if summary.mode == "lockstep" {
+        return;
+    }
+    if let Some(reaction) = timing.reaction_time_us {
+        line("reaction time", percentiles(&reaction));
+        let hops = &timing.hops_us;
+        let parts = [
+            ("radar to controller", hops.radar_to_controller),
+            ("compute", hops.controller_compute),
+            ("controller to plant", hops.controller_to_plant),
+        ];
+        let parts: Vec<_> = parts
+            .iter()
+            .filter_map(|(name, p)| p.map(|p| format!("{name} {}", duration(p.p50))))
+            .collect();
+        line("", format!("medians of its parts: {}", parts.join(", ")));
+    }
+    if let Some(net) = timing.net_reaction_us {
+        line("", format!("without its designed waits {}", percentiles(&net)));
+    }
+    if let Some(worst) = timing.worst_chains.first() {
+        line("", longest(worst));
+    }
+    if let Some(text) = deadlines(timing) {
+        line("deadline", text);
+    }
+    if let Some(undelivered) = timing.undelivered_commands.filter(|count| *count > 0) {
+        line("undelivered", format!("{undelivered} commands never reached the actuators"));
+    }
+}
+
+/// The three deadlines of one length, each with what missed it: the control cycle's own, the command's at
+/// the plant, the whole way from the radar to the actuators.
+fn deadlines(timing: &Timing) -> Option<String> {
+    let cycle = timing.deadline_misses.zip(timing.cycles);
+    let plant = timing.missed_at_plant.zip(timing.due_at_plant);
+    let whole = timing.late_reactions.zip(timing.reaction_time_us.map(|p| p.count));
+    let parts: Vec<String> =
+        [("control cycle", cycle), ("command late at the plant", plant), ("end to end", whole)]
+            .into_iter()
+            .filter_map(|(name, counts)| {
+                counts.map(|(missed, all)| format!("{name} {missed} of {all}"))
+            })
+            .collect();
+    let deadline = duration(timing.deadline_us?);
+    let disagree = match (timing.deadline_misses, timing.missed_at_plant) {
+        (Some(own), Some(at_plant)) if own < at_plant => {
+            "; the plant missed more than the controller says"
+        }
+        _ => "",
+    };
+    (!parts.is_empty()).then(|| format!("{deadline}, missed: {}{disagree}", parts.join(", ")))
+}
+
+/// The longest chain in one line: where its undesigned time went, and what its control cycle met.
+fn longest(chain: &WorstChain) -> String {
+    let hops = &chain.hops_us;
+    let parts = [
+        ("radar publish", hops.radar_publish),
+        ("controller queue", hops.controller_queue),
+        ("radar transport", hops.radar_transport),
+        ("compute", hops.controller_compute),
+        ("command transport", hops.command_transport),
+        ("actuate", hops.actuate),
+    ];
+    let (name, us) = parts.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).expect("six parts");
+    format!(
+        "longest {} at {:.2} s: {name} {}; {} context switches, {} page faults, {} iterations",
+        duration(chain.reaction_time_us),
+        chain.t_s,
+        duration(us),
+        chain.voluntary_switches + chain.involuntary_switches,
+        chain.minor_faults + chain.major_faults,
+        chain.solver_iterations,
+    )
+}
+
+fn percentiles(p: &Percentiles) -> String {
+    format!(
+        "p50 {}, p99 {}, max {} (n = {})",
+        duration(p.p50),
+        duration(p.p99),
+        duration(p.max),
+        p.count
+    )
+}
+
+/// A duration in µs with the unit that reads best.
+pub fn duration(us: f64) -> String {
+    if us < 1e3 {
+        format!("{us:.1} µs")
+    } else if us < 1e6 {
+        format!("{:.2} ms", us / 1e3)
+    } else {
+        format!("{:.2} s", us / 1e6)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations_choose_their_unit() {
+        assert_eq!(duration(12.34), "12.3 µs");
+        assert_eq!(duration(1234.0), "1.23 ms");
+        assert_eq!(duration(2_500_000.0), "2.50 s");
+    }
+}
