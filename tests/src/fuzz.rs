@@ -20,7 +20,7 @@ pub struct Target {
 }
 
 /// All of them.
-pub const TARGETS: [Target; 9] = [
+pub const TARGETS: [Target; 10] = [
     Target { name: "scenario", read: scenario },
     Target { name: "speed_table", read: speed_table },
     Target { name: "road", read: road },
@@ -30,6 +30,7 @@ pub const TARGETS: [Target; 9] = [
     Target { name: "end_to_end", read: end_to_end },
     Target { name: "openscenario", read: openscenario },
     Target { name: "capture", read: capture },
+    Target { name: "frame", read: frame },
 ];
 
 /// Scenario files. One that is accepted can be written and read again, and its law can be built.
@@ -133,4 +134,16 @@ impl Source for OneFile<'_> {
     fn list(&self, directory: &Path) -> std::io::Result<Vec<PathBuf>> {
         Ok(vec![directory.join("fuzz.xosc")])
     }
+}
+
+/// Frames on air. Whatever the on-board unit makes of one, it counts it once.
+pub fn frame(bytes: &[u8]) {
+    let start_ns = scenario::radio::SIMULATED_START_NS;
+    let moment = obu::clock::Moment { now_ns: 0, utc_start_ns: start_ns, ahead_ns: 0 };
+    let mut receiver = obu::receiver::Receiver::new(1, 500);
+    let verdict = receiver.take(bytes, &moment);
+    assert_eq!(receiver.verdicts().of(verdict), 1);
+    let mut map = bytemuck::Zeroable::zeroed();
+    let mut spat = bytemuck::Zeroable::zeroed();
+    receiver.write(0, 0.0, &mut map, &mut spat);
 }

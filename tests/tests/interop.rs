@@ -25,6 +25,10 @@ fn c_compiler() -> Needed {
     cases::program("cc")
 }
 
+fn tshark() -> Needed {
+    cases::program("tshark")
+}
+
 fn succeeded(command: &mut Command) -> String {
     let output: Output = command.output().expect("it starts");
     assert!(output.status.success(), "{}", text(&output));
@@ -205,6 +209,29 @@ fn a_c_compiler_lays_the_structs_out_alike() {
     assert_eq!(succeeded(&mut Command::new(corner.path().join("main"))), expected);
 }
 
+fn wireshark_reads_the_frames_of_a_run() {
+    let corner = Corner::new(PROGRAM);
+    printed(&corner, &["run", "corridor", "--mode", "lockstep", "--duration", "3", "--out", "out"]);
+    printed(&corner, &["export", "out", "--pcap"]);
+    let capture = corner.path().join("out/radio.pcap");
+    let tshark = |arguments: &[&str]| {
+        succeeded(Command::new("tshark").arg("-r").arg(&capture).args(arguments))
+    };
+    assert_eq!(tshark(&["-Y", "_ws.malformed || _ws.expert.severity >= 0x600000"]), "");
+    let fields =
+        ["-T", "fields", "-e", "frame.time_epoch", "-e", "its.stationID", "-e", "btpb.dstport"];
+    let lines = tshark(&fields);
+    let recording = Recording::open(&corner.path().join("out")).expect("a recording");
+    let heard = recording.messages::<messages::RadioFrames>().map(|timed| timed.message.count);
+    let sent = recording.messages::<messages::RadioSent>().count();
+    assert_eq!(lines.lines().count(), heard.sum::<u64>() as usize + sent, "{lines}");
+    // A SPATEM in each period and a MAPEM in each second, then the ego's own CAMs.
+    let count = |what: &str| lines.lines().filter(|line| line.ends_with(what)).count();
+    assert_eq!((count("\t100001\t2004"), count("\t100001\t2003")), (31, 4), "{lines}");
+    assert_eq!(count("\t4711\t2001"), sent, "{lines}");
+    assert!(lines.starts_with("1780315200.000000"), "{lines}");
+}
+
 /// An independent implementation of AUTOSAR E2E profile 7 finds every recorded message intact, none
 /// with a flipped bit, and protects each with the same bytes.
 fn another_implementation_of_the_end_to_end_protection_agrees() {
@@ -296,6 +323,7 @@ fn always() -> Needed {
 
 fn main() -> ExitCode {
     cases::run(&[
+        needing(tshark, "wireshark_reads_the_frames_of_a_run", wireshark_reads_the_frames_of_a_run),
         needing(
             pypi,
             "a_run_is_a_rosbag2_in_the_order_of_time",

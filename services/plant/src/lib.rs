@@ -11,6 +11,7 @@ pub mod longitudinal;
 mod parts;
 pub mod referee;
 mod service;
+pub mod signal_chain;
 mod surroundings;
 pub mod timeliness;
 pub mod truck;

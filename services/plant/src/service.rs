@@ -7,6 +7,7 @@ use crate::ego::{self, Ego};
 use crate::gateway::{self, Actuation, EngineRequest, Gateway, Source};
 use crate::parts::Actuated;
 use crate::referee::{MAX_SIGNALS, Referee, SignalTruth, Violation};
+use crate::signal_chain::SignalChain;
 use crate::surroundings::Surroundings;
 use crate::timeliness::Timeliness;
 use crate::truck::Truck;
@@ -45,6 +46,7 @@ struct Plant {
     gateway: Gateway,
     referee: Referee,
     chains: Chains,
+    signal_chain: SignalChain,
     odometry: Publisher<Odometry>,
     truth: Publisher<EgoTruth>,
     surroundings: Surroundings,
@@ -137,6 +139,7 @@ impl Plant {
             gateway: Gateway::new(&scenario.plant),
             referee: Referee::new(scenario),
             chains: Chains::new(i64::from(scenario.controller.deadline().value()) * 1_000_000),
+            signal_chain: SignalChain::default(),
             odometry: runtime.publisher()?,
             truth: runtime.publisher()?,
             surroundings: Surroundings::default(),
@@ -197,6 +200,9 @@ impl Plant {
             braking.update(runtime)?;
         }
         self.time_s = release.time_s;
+        if let Some(signals) = self.signals.newest() {
+            self.signal_chain.look(signals, self.ego.state().position_m);
+        }
 
         let violation = self.judge(&release);
         let now_ns = runtime.clock().now_ns();
@@ -360,6 +366,7 @@ impl Plant {
         if let Some(active) = &self.active {
             let (scheduled_ns, start_ns) = (release.scheduled_ns, release.start_ns);
             self.chains.actuated(active, &Actuated { scheduled_ns, start_ns, now_ns });
+            self.signal_chain.actuated(active, now_ns);
         }
         let actuation = self.gateway.actuate(release.scheduled_ns.unsigned_abs());
         let stopping = actuation.source == Source::StopInLane;
@@ -403,7 +410,13 @@ impl Plant {
             commands_due: self.timeliness.due(),
             commands_missed: self.timeliness.missed(),
             late_reactions: self.chains.late(),
-            histograms: self.chains.histograms(),
+            signal_reaction_us: self.signal_chain.reaction_us(),
+            signal_hops_us: self.signal_chain.hops_us(),
+            histograms: {
+                let mut all = self.chains.histograms();
+                all.extend(self.signal_chain.histograms());
+                all
+            },
         }
     }
 }

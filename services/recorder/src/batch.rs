@@ -2,7 +2,7 @@
 
 use messages::{
     Brake, Command, Diagnostics, EgoTruth, Heartbeat, Map, Message, Odometry, Powertrain, Preview,
-    RadarDetections, RadarTracks, SignalTruth, Spat, Topic, VehicleTruth,
+    RadarDetections, RadarTracks, RadioFrames, RadioSent, SignalTruth, Spat, Topic, VehicleTruth,
 };
 use runtime::{RuntimeError, Tap, Tapped};
 
@@ -74,9 +74,11 @@ impl Taps {
             Box::new(tap.on::<RadarDetections>()?),
             Box::new(tap.on::<Brake>()?),
             Box::new(tap.on::<RadarTracks>()?),
+            Box::new(tap.on::<RadioFrames>()?),
             Box::new(tap.on::<Spat>()?),
             Box::new(tap.on::<Map>()?),
             Box::new(tap.on::<Preview>()?),
+            Box::new(tap.on::<RadioSent>()?),
             Box::new(tap.on::<Command>()?),
             Box::new(tap.on::<Diagnostics>()?),
             Box::new(tap.on::<EgoTruth>()?),

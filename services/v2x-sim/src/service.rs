@@ -1,15 +1,18 @@
 //! The roadside unit's loop: what the signals show, and will show, by radio and in truth.
 
+use crate::air::Air;
+use crate::frames::Frames;
 use crate::road_map::{CELL_M, RoadMap};
 use crate::roadside_unit::{Event, Lane, Movement, RoadsideUnit, Signals};
+use its::EncodeError;
 use messages::{
-    self, EgoTruth, Header, Interval, Map, Origins, PhaseState, Preview, ServiceState, Signal,
-    SignalTruth, Spat,
+    self, EgoTruth, Header, Interval, Map, Origins, PhaseState, Preview, RadioFrames, ServiceState,
+    Signal, SignalTruth, Spat,
 };
 use runtime::report::Details;
 use runtime::{Cycle, Overrun, Publisher, Runtime, RuntimeError};
-use scenario::Scenario;
 use scenario::v2x::Phase;
+use scenario::{Problem, Scenario};
 
 /// Runs the roadside unit in its group, to the end of the run.
 ///
@@ -19,11 +22,15 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     let scenario = runtime.scenario();
     let unit = RoadsideUnit::new(&scenario.v2x);
     let mut ego = runtime.subscriber::<EgoTruth>()?;
-    let mut spat = runtime.publisher::<Spat>()?;
-    let mut map = runtime.publisher::<Map>()?;
+    let mut voice = if scenario.has_obu() {
+        Voice::Frames(Box::new(Radio::open(&mut runtime, &scenario)?))
+    } else {
+        Voice::Structs { spat: runtime.publisher()?, map: runtime.publisher()? }
+    };
     let mut truth = runtime.publisher::<SignalTruth>()?;
     let mut preview = Previews::open(&mut runtime, &scenario)?;
     runtime.begin(&scenario)?;
+    voice.begin(&runtime);
     runtime.run_cycles(|runtime| {
         let Some(release) = runtime.next_release(Overrun::Skip)? else { return Ok(Cycle::Last) };
         runtime.update(&mut ego)?;
@@ -38,15 +45,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
             message.count = write_lanes(&shown, &mut message.lanes);
             write_signals(&shown, &mut message.signals);
         })?;
-        let received = unit.received(time_ns, ego_m);
-        map.send_with(|message| {
-            message.header = header;
-            message.count = write_lanes(&received, &mut message.lanes);
-        })?;
-        spat.send_with(|message| {
-            message.header = header;
-            message.count = write_signals(&received, &mut message.signals);
-        })?;
+        voice.send(header, &unit, time_ns, ego_m)?;
         if let Some(preview) = &mut preview {
             preview.send(header, ego_m)?;
         }
@@ -56,6 +55,93 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         Ok(Cycle::Next)
     })?;
     runtime.finish(Details::None)
+}
+
+/// How the roadside unit tells of its signals.
+enum Voice {
+    /// By structs, to the controller.
+    Structs {
+        /// Signal phase and timing.
+        spat: Publisher<Spat>,
+        /// Stop lines.
+        map: Publisher<Map>,
+    },
+    /// By frames through the air, to the on-board unit.
+    Frames(Box<Radio>),
+}
+
+impl Voice {
+    fn begin(&mut self, runtime: &Runtime) {
+        if let Self::Frames(radio) = self {
+            radio.utc_start_ns = runtime.utc_start_ns();
+        }
+    }
+
+    fn send(
+        &mut self,
+        header: Header,
+        unit: &RoadsideUnit,
+        time_ns: u64,
+        ego_m: f64,
+    ) -> Result<(), RuntimeError> {
+        match self {
+            Self::Structs { spat, map } => {
+                let received = unit.received(time_ns, ego_m);
+                map.send_with(|message| {
+                    message.header = header;
+                    message.count = write_lanes(&received, &mut message.lanes);
+                })?;
+                spat.send_with(|message| {
+                    message.header = header;
+                    message.count = write_signals(&received, &mut message.signals);
+                })?;
+                Ok(())
+            }
+            Self::Frames(radio) => radio.send(header, time_ns, ego_m),
+        }
+    }
+}
+
+/// The roadside units' frames on their way through the air to the vehicle.
+struct Radio {
+    units: Frames,
+    air: Air,
+    frames: Publisher<RadioFrames>,
+    utc_start_ns: i64,
+}
+
+impl Radio {
+    fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Self, RuntimeError> {
+        Ok(Self {
+            units: Frames::new(&scenario.v2x),
+            air: Air::new(&scenario.v2x.air, scenario.seed.value()),
+            frames: runtime.publisher()?,
+            utc_start_ns: 0,
+        })
+    }
+
+    fn send(&mut self, header: Header, time_ns: u64, ego_m: f64) -> Result<(), RuntimeError> {
+        let sent = self.units.at(time_ns, self.utc_start_ns, Some(ego_m));
+        let refused = |error: EncodeError| {
+            let expected = "what SPATEM and MAPEM have room for";
+            RuntimeError::from(Problem::new("v2x.signals", error.to_string(), expected))
+        };
+        for frame in sent.map_err(refused)? {
+            self.air.send(time_ns, frame.bytes);
+        }
+        let arrived = self.air.arrived(time_ns);
+        let utc_start_ns = self.utc_start_ns;
+        self.frames.send_with(|message| {
+            message.header = header;
+            message.utc_start_ns = utc_start_ns;
+            for (place, frame) in message.frames.iter_mut().zip(&arrived) {
+                place.write(frame.sent_ns as i64, frame.received_ns as i64, &frame.bytes);
+                message.count += 1;
+            }
+            message.left_out = arrived.len() as u64 - message.count;
+        })?;
+        Ok(())
+    }
 }
 
 /// The map of the road, which a truck's controller wants.

@@ -10,7 +10,7 @@ use iceoryx2::prelude::ZeroCopySend;
 /// A scalar of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scalar {
-    /// A byte; an array of bytes is one big-endian number.
+    /// A byte; an array of bytes is one value.
     U8,
     /// Unsigned, 32 bits.
     U32,
@@ -147,9 +147,6 @@ impl Layout {
                 Some(len) => len,
                 None => 1,
             };
-            if let Element::Scalar(Scalar::U8) = element {
-                assert!(count <= 8, "bytes form a number");
-            }
             end += element.bytes() * count;
             index += 1;
         }
@@ -216,9 +213,9 @@ pub struct Place {
 
 /// A scalar's value.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Value {
-    /// Bytes as a big-endian number, and how many.
-    Bytes(u64, usize),
+pub enum Value<'a> {
+    /// Bytes, printed as one hexadecimal number.
+    Bytes(&'a [u8]),
     /// Unsigned.
     Unsigned(u64),
     /// Signed.
@@ -227,10 +224,13 @@ pub enum Value {
     Float(f64),
 }
 
-impl std::fmt::Display for Value {
+impl std::fmt::Display for Value<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Bytes(value, bytes) => write!(f, "0x{value:0digits$x}", digits = 2 * bytes),
+            Self::Bytes(bytes) => {
+                f.write_str("0x")?;
+                bytes.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+            }
             Self::Unsigned(value) => value.fmt(f),
             Self::Signed(value) => value.fmt(f),
             Self::Float(value) => value.fmt(f),
@@ -244,13 +244,10 @@ impl Place {
     /// # Panics
     /// If `message` is shorter than the struct that the place belongs to.
     #[must_use]
-    pub fn read(&self, message: &[u8]) -> Value {
+    pub fn read<'a>(&self, message: &'a [u8]) -> Value<'a> {
         let bytes = &message[self.offset..self.offset + self.bytes];
         match self.scalar {
-            Scalar::U8 => {
-                let value = bytes.iter().fold(0, |value, &byte| value << 8 | u64::from(byte));
-                Value::Bytes(value, self.bytes)
-            }
+            Scalar::U8 => Value::Bytes(bytes),
             Scalar::U32 => Value::Unsigned(bytemuck::pod_read_unaligned::<u32>(bytes).into()),
             Scalar::U64 => Value::Unsigned(bytemuck::pod_read_unaligned(bytes)),
             Scalar::I64 => Value::Signed(bytemuck::pod_read_unaligned(bytes)),

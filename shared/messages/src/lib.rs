@@ -7,13 +7,15 @@
 //!
 //! | topic | message | published by | read by |
 //! | --- | --- | --- | --- |
-//! | `vehicle/odometry` | [`Odometry`] | plant | perception-sim, controller, aebs |
+//! | `vehicle/odometry` | [`Odometry`] | plant | perception-sim, controller, aebs, obu |
 //! | `vehicle/powertrain` | [`Powertrain`] | plant, of a truck | controller |
 //! | `radar/detections` | [`RadarDetections`] | perception-sim | aebs |
 //! | `radar/tracks` | [`RadarTracks`] | perception-sim | controller |
-//! | `v2x/spat` | [`Spat`] | v2x-sim | controller |
-//! | `v2x/map` | [`Map`] | v2x-sim | controller |
+//! | `radio/frames` | [`RadioFrames`] | v2x-sim, with frames | obu |
+//! | `v2x/spat` | [`Spat`] | obu; v2x-sim without frames | controller |
+//! | `v2x/map` | [`Map`] | obu; v2x-sim without frames | controller |
 //! | `v2x/preview` | [`Preview`] | v2x-sim, for a truck | controller |
+//! | `radio/sent` | [`RadioSent`] | obu | (observers) |
 //! | `control/command` | [`Command`] | controller | plant |
 //! | `control/diagnostics` | [`Diagnostics`] | controller | (observers) |
 //! | `safety/brake` | [`Brake`] | aebs | plant |
@@ -36,6 +38,7 @@ pub mod level;
 pub mod names;
 pub mod notes;
 mod perception;
+mod radio;
 mod service;
 mod topic;
 mod v2x;
@@ -54,6 +57,7 @@ pub use perception::{
     Detection, MAX_DETECTIONS, MAX_TRACKS, RadarDetections, RadarTracks, Track, TrackedTarget,
     VehicleTruth, VehicleTruthItem,
 };
+pub use radio::{MAX_FRAME_BYTES, MAX_FRAMES, RadioFrame, RadioFrames, RadioSent};
 pub use service::{Service, UnknownService};
 pub use topic::{LAYOUT_VERSION, Message, TOPICS, Topic};
 pub use v2x::{

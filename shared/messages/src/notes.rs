@@ -9,6 +9,7 @@ const SOURCES: &[&str] = &[
     include_str!("health.rs"),
     include_str!("law.rs"),
     include_str!("perception.rs"),
+    include_str!("radio.rs"),
     include_str!("v2x.rs"),
     include_str!("vehicle.rs"),
 ];

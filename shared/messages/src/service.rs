@@ -16,16 +16,29 @@ pub enum Service {
     Controller = 4,
     /// The emergency brake.
     Aebs = 5,
+    /// The on-board unit: decodes and checks what is on air.
+    Obu = 6,
 }
 
 impl Service {
-    /// All services, in the order of the data's way.
-    pub const ALL: [Self; 5] =
-        [Self::Plant, Self::PerceptionSim, Self::V2xSim, Self::Controller, Self::Aebs];
+    /// All services, in the order of their numbers.
+    pub const ALL: [Self; 6] =
+        [Self::Plant, Self::PerceptionSim, Self::V2xSim, Self::Controller, Self::Aebs, Self::Obu];
 
-    /// The services of a group without the emergency brake.
-    pub const WITHOUT_AEBS: [Self; 4] =
-        [Self::Plant, Self::PerceptionSim, Self::V2xSim, Self::Controller];
+    /// The services of a group with or without the emergency brake and the on-board unit.
+    #[must_use]
+    pub const fn of_group(aebs: bool, obu: bool) -> &'static [Self] {
+        const CORE: [Service; 4] =
+            [Service::Plant, Service::PerceptionSim, Service::V2xSim, Service::Controller];
+        const WITH_AEBS: [Service; 5] = [CORE[0], CORE[1], CORE[2], CORE[3], Service::Aebs];
+        const WITH_OBU: [Service; 5] = [CORE[0], CORE[1], CORE[2], CORE[3], Service::Obu];
+        match (aebs, obu) {
+            (false, false) => &CORE,
+            (true, false) => &WITH_AEBS,
+            (false, true) => &WITH_OBU,
+            (true, true) => &Self::ALL,
+        }
+    }
 
     /// Name on the command line, in `ps` (behind `timegap-`) and in results.
     #[must_use]
@@ -36,6 +49,7 @@ impl Service {
             Self::V2xSim => "v2x-sim",
             Self::Controller => "controller",
             Self::Aebs => "aebs",
+            Self::Obu => "obu",
         }
     }
 

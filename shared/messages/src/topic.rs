@@ -58,17 +58,23 @@ pub enum Topic {
     Brake,
     /// `truth/ego`
     EgoTruth,
+    /// `radio/frames`
+    RadioFrames,
+    /// `radio/sent`
+    RadioSent,
 }
 
 /// All topics, in the order of the data's way.
-pub const TOPICS: [Topic; 14] = [
+pub const TOPICS: [Topic; 16] = [
     Topic::Odometry,
     Topic::Powertrain,
     Topic::RadarDetections,
     Topic::RadarTracks,
+    Topic::RadioFrames,
     Topic::Spat,
     Topic::Map,
     Topic::Preview,
+    Topic::RadioSent,
     Topic::Command,
     Topic::Diagnostics,
     Topic::Brake,
@@ -97,6 +103,8 @@ impl Topic {
             Self::VehicleTruth => "truth/vehicles",
             Self::SignalTruth => "truth/signals",
             Self::Heartbeat => "health/heartbeat",
+            Self::RadioFrames => "radio/frames",
+            Self::RadioSent => "radio/sent",
         }
     }
 
@@ -124,6 +132,8 @@ impl Topic {
             Self::VehicleTruth => super::VehicleTruth::LAYOUT,
             Self::SignalTruth => super::SignalTruth::LAYOUT,
             Self::Heartbeat => super::Heartbeat::LAYOUT,
+            Self::RadioFrames => super::RadioFrames::LAYOUT,
+            Self::RadioSent => super::RadioSent::LAYOUT,
         }
     }
 
@@ -139,19 +149,28 @@ impl Topic {
         (self as u32 + 1) << 16 | source
     }
 
-    /// Service that publishes it; `None` where every service does.
+    /// Services that may publish it, of which a group has one; none where every service does. The signals
+    /// come from the on-board unit where there is one, else as structs from the roadside unit.
     #[must_use]
-    pub const fn source(self) -> Option<Service> {
+    pub const fn sources(self) -> &'static [Service] {
         match self {
-            Self::Odometry | Self::Powertrain | Self::EgoTruth => Some(Service::Plant),
+            Self::Odometry | Self::Powertrain | Self::EgoTruth => &[Service::Plant],
             Self::RadarDetections | Self::RadarTracks | Self::VehicleTruth => {
-                Some(Service::PerceptionSim)
+                &[Service::PerceptionSim]
             }
-            Self::Spat | Self::Map | Self::Preview | Self::SignalTruth => Some(Service::V2xSim),
-            Self::Command | Self::Diagnostics => Some(Service::Controller),
-            Self::Brake => Some(Service::Aebs),
-            Self::Heartbeat => None,
+            Self::Spat | Self::Map => &[Service::Obu, Service::V2xSim],
+            Self::Preview | Self::SignalTruth | Self::RadioFrames => &[Service::V2xSim],
+            Self::Command | Self::Diagnostics => &[Service::Controller],
+            Self::Brake => &[Service::Aebs],
+            Self::RadioSent => &[Service::Obu],
+            Self::Heartbeat => &[],
         }
+    }
+
+    /// Service that publishes it in a group of `services`; `None` where every service does, or none.
+    #[must_use]
+    pub fn source(self, services: &[Service]) -> Option<Service> {
+        self.sources().iter().copied().find(|source| services.contains(source))
     }
 
     /// True of what the simulators know and no fault falsifies.
@@ -164,20 +183,27 @@ impl Topic {
     #[must_use]
     pub const fn consumers(self) -> &'static [Service] {
         match self {
-            Self::Odometry => &[Service::PerceptionSim, Service::Controller, Service::Aebs],
-            // The controller and the emergency brake hear it for faults that wait for a phase, and for
-            // nothing else.
-            Self::EgoTruth => {
-                &[Service::PerceptionSim, Service::V2xSim, Service::Controller, Service::Aebs]
+            Self::Odometry => {
+                &[Service::PerceptionSim, Service::Controller, Service::Aebs, Service::Obu]
             }
+            // The controller, the emergency brake and the on-board unit hear it for faults that wait for a
+            // phase, and for nothing else.
+            Self::EgoTruth => &[
+                Service::PerceptionSim,
+                Service::V2xSim,
+                Service::Controller,
+                Service::Aebs,
+                Service::Obu,
+            ],
             Self::RadarDetections => &[Service::Aebs],
+            Self::RadioFrames => &[Service::Obu],
             Self::Powertrain | Self::RadarTracks | Self::Spat | Self::Map | Self::Preview => {
                 &[Service::Controller]
             }
             Self::Command | Self::Brake | Self::VehicleTruth | Self::SignalTruth => {
                 &[Service::Plant]
             }
-            Self::Diagnostics | Self::Heartbeat => &[],
+            Self::Diagnostics | Self::Heartbeat | Self::RadioSent => &[],
         }
     }
 }

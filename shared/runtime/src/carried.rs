@@ -3,7 +3,7 @@
 use crate::{End, Receiver, RuntimeError, Sender, Transport};
 use messages::{
     Brake, Command, Diagnostics, EgoTruth, Heartbeat, Map, Message, Odometry, Powertrain, Preview,
-    RadarDetections, RadarTracks, SignalTruth, Spat, VehicleTruth,
+    RadarDetections, RadarTracks, RadioFrames, RadioSent, SignalTruth, Spat, VehicleTruth,
 };
 use std::rc::Rc;
 
@@ -52,6 +52,8 @@ carried!(
     Preview,
     RadarDetections,
     RadarTracks,
+    RadioFrames,
+    RadioSent,
     SignalTruth,
     Spat,
     VehicleTruth,

@@ -2,7 +2,7 @@
 
 mod chains;
 
-pub use chains::{HopTimes, Hops, WorstChain};
+pub use chains::{HopTimes, Hops, SignalHops, WorstChain};
 
 use crate::FaultStatistics;
 use crate::scheduling::Granted;
@@ -79,6 +79,27 @@ pub enum Details {
     Aebs(Box<AebsReport>),
     /// From perception-sim.
     Perception(Box<PerceptionReport>),
+    /// From the on-board unit.
+    Obu(Box<ObuReport>),
+}
+
+/// What the on-board unit made of the frames on air.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ObuReport {
+    /// Frames that arrived.
+    pub frames: u64,
+    /// Frames that arrived and for which a batch had no room.
+    pub left_out: u64,
+    /// Frames by what was made of them.
+    pub verdicts: BTreeMap<String, u64>,
+    /// CAMs that it sent.
+    pub cams_sent: u64,
+    /// Time from the sending of a frame to its arrival.
+    pub air_us: Option<Percentiles>,
+    /// Time to decode and check a frame, on the wall clock in both modes.
+    pub decode_us: Option<Percentiles>,
+    /// Age of the oldest timing of the signals ahead when it is handed on.
+    pub age_us: Option<Percentiles>,
 }
 
 /// How well perception's tracks matched the traffic. The crate `perception-sim` says in its module
@@ -266,6 +287,10 @@ pub struct PlantReport {
     pub brake_reaction_time_us: Option<Percentiles>,
     /// The parts of that, the emergency brake in the place of the controller.
     pub brake_hops_us: Hops,
+    /// A signal's change to the first actuation that knows of it.
+    pub signal_reaction_us: Option<Percentiles>,
+    /// The parts of that.
+    pub signal_hops_us: SignalHops,
     /// Control periods whose deadline passed, by the plant's own schedule.
     pub commands_due: u64,
     /// Those without a command in time.
@@ -296,6 +321,8 @@ impl PlantReport {
             aebs: None,
             brake_reaction_time_us: None,
             brake_hops_us: Hops::default(),
+            signal_reaction_us: None,
+            signal_hops_us: SignalHops::default(),
             commands_due: 0,
             commands_missed: 0,
             late_reactions: 0,

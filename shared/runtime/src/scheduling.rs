@@ -57,6 +57,7 @@ impl Request {
             Service::V2xSim => (services.v2x_sim, services.v2x_sim_priority()),
             Service::Controller => (services.controller, services.controller_priority()),
             Service::Aebs => (services.aebs, services.aebs_priority()),
+            Service::Obu => (services.obu, services.obu_priority()),
         };
         let default = usable_cores().last().copied();
         Self {

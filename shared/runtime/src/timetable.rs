@@ -27,7 +27,7 @@ impl Timetable {
             let period_ms = match service {
                 Service::Plant => step_ms,
                 Service::PerceptionSim | Service::Aebs => scenario.perception.period_ms.value(),
-                Service::V2xSim => scenario.v2x.period_ms.value(),
+                Service::V2xSim | Service::Obu => scenario.v2x.period_ms.value(),
                 Service::Controller => scenario.controller.period_ms.value(),
             };
             assert!(period_ms.is_multiple_of(step_ms), "{service}: {period_ms} ms of {step_ms} ms");
@@ -79,7 +79,8 @@ mod tests {
 
     #[test]
     fn releases_and_waits() {
-        let table = Timetable { step_ns: 10_000_000, strides: [1, 5, 10, 10, 5], last_step: 1000 };
+        let table =
+            Timetable { step_ns: 10_000_000, strides: [1, 5, 10, 10, 5, 10], last_step: 1000 };
         assert!(table.is_due(Service::PerceptionSim, 5) && !table.is_due(Service::V2xSim, 5));
         assert_eq!(table.latest_release(Service::PerceptionSim, 9), 5);
         assert_eq!(table.period_ns(Service::Controller), 100_000_000);

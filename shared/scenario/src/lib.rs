@@ -48,6 +48,7 @@ pub mod perception;
 pub mod plant;
 pub mod preview;
 pub mod quantity;
+pub mod radio;
 pub mod referee;
 pub mod road;
 pub mod runtime;
@@ -261,10 +262,16 @@ impl Scenario {
         self.aebs.enabled.unwrap_or_else(|| self.perception.gives_detections())
     }
 
+    /// True if signals come as frames, which an on-board unit decodes.
+    #[must_use]
+    pub fn has_obu(&self) -> bool {
+        self.v2x.radio == radio::Radio::Frames
+    }
+
     /// The services that the scenario's group consists of.
     #[must_use]
     pub fn services(&self) -> &'static [Service] {
-        if self.has_aebs() { &Service::ALL } else { &Service::WITHOUT_AEBS }
+        Service::of_group(self.has_aebs(), self.has_obu())
     }
 
     /// Periods that were not written follow a control period that is shorter than they are: the plant's

@@ -182,6 +182,12 @@ whole! {
     PeriodMs, u32, 1, 10_000, "a period from 1 to 10000, in whole milliseconds";
     /// A delay, ms.
     DelayMs, u32, 0, 10_000, "a delay from 0 to 10000, in whole milliseconds";
+    /// A difference of two clocks, ms.
+    OffsetMs, i32, -60_000, 60_000, "an offset from -60000 to 60000, in whole milliseconds";
+    /// How much too fast a clock is, millionths.
+    DriftPpm, i32, -1000, 1000, "a drift from -1000 to 1000 millionths";
+    /// The id of a station that sends.
+    StationId, u32, 1, 4_294_967_295, "a station id from 1 to 4294967295";
     /// A seed of the random numbers.
     Seed, u64, 0, i64::MAX, "a whole number from 0 to 9223372036854775807";
     /// How many, or how often.

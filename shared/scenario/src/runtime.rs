@@ -2,7 +2,7 @@
 //!
 //! **Priorities** under `SCHED_FIFO` are by rate, the shortest period highest, and among equal rates by
 //! the order of the chain, so that a sender finishes before its receiver begins: 82
-//! plant, 81 perception, 80 emergency brake and V2X, 79 controller.
+//! plant, 81 perception, 80 emergency brake, V2X and on-board unit, 79 controller.
 //!
 //! **Cores.** All services share one core unless told otherwise: the last that the process may use,
 //! which leaves the first, where most machines take their interrupts, to all other processes. The services
@@ -82,6 +82,8 @@ pub struct Services {
     pub aebs: Placement,
     /// The roadside unit.
     pub v2x_sim: Placement,
+    /// The on-board unit.
+    pub obu: Placement,
 }
 
 /// Where one service runs.
@@ -119,6 +121,12 @@ impl Services {
     #[must_use]
     pub fn controller_priority(&self) -> u8 {
         self.controller.priority.unwrap_or(Priority::of(79)).value()
+    }
+
+    /// Priority of the on-board unit under SCHED_FIFO.
+    #[must_use]
+    pub fn obu_priority(&self) -> u8 {
+        self.obu.priority.unwrap_or(Priority::of(80)).value()
     }
 
     /// Priority of the roadside unit under SCHED_FIFO.

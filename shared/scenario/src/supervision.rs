@@ -62,6 +62,7 @@ impl Supervision {
             Service::V2xSim => self.services.v2x_sim,
             Service::Controller => self.services.controller,
             Service::Aebs => self.services.aebs,
+            Service::Obu => self.services.obu,
         };
         own.unwrap_or(self.restart)
     }
@@ -147,6 +148,9 @@ pub struct Services {
     /// The emergency brake.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub aebs: Option<Restart>,
+    /// The on-board unit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub obu: Option<Restart>,
 }
 
 /// When a service is started again.

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::preview::Preview;
 use super::quantity::{Distance, Duration, IntersectionId, PeriodMs, Reach, SignalGroupId, Time};
+use super::radio::{Air, Obu, Radio, Unit};
 
 /// Most signals of a scenario.
 pub const MAX_SIGNALS: usize = 64;
@@ -18,11 +19,23 @@ pub struct V2x {
     pub period_ms: PeriodMs,
     /// Signals farther ahead of the ego than this are not received, m.
     pub range_m: Reach,
+    /// How the signals reach the vehicle.
+    #[serde(skip_serializing_if = "Radio::is_direct")]
+    pub radio: Radio,
     /// The signals along the road, in order of their stop lines.
     pub signals: Vec<Signal>,
     /// The map of the road ahead, with its faults.
     #[serde(skip_serializing_if = "Preview::is_right")]
     pub preview: Preview,
+    /// The air between roadside units and vehicle, with frames.
+    #[serde(skip_serializing_if = "Air::is_right")]
+    pub air: Air,
+    /// What is wrong with the roadside units, with frames.
+    #[serde(skip_serializing_if = "Unit::is_right")]
+    pub unit: Unit,
+    /// The on-board unit, with frames.
+    #[serde(skip_serializing_if = "Obu::is_usual")]
+    pub obu: Obu,
 }
 
 impl Default for V2x {
@@ -30,8 +43,12 @@ impl Default for V2x {
         Self {
             period_ms: PeriodMs::of(100),
             range_m: Reach::of(300.0),
+            radio: Radio::default(),
             signals: Vec::new(),
             preview: Preview::default(),
+            air: Air::default(),
+            unit: Unit::default(),
+            obu: Obu::default(),
         }
     }
 }

@@ -8,6 +8,7 @@ pub mod iso15622;
 pub mod parts;
 mod plausibility;
 pub mod r157;
+mod radio;
 pub mod reproduce;
 pub mod string;
 pub mod sweep;

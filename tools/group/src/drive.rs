@@ -4,7 +4,7 @@ use crate::cycles::CycleHistory;
 use messages::Service;
 use messages::{
     Brake, Command, Diagnostics, EgoTruth, Header, Heartbeat, PhaseState, Powertrain, RadarTracks,
-    ServiceState, Spat, VehicleTruth,
+    ServiceState, SignalTruth, Spat, VehicleTruth,
 };
 use runtime::report::{ControlFigures, ReceivedTopic};
 use runtime::{Group, InProcess, Mode, Observed, Observer, RuntimeError, Timetable};
@@ -91,7 +91,7 @@ pub struct DriveLog {
     heartbeat: Observed<Heartbeat>,
     /// Heard in realtime alone, for the first messages of restarted services.
     brake: Observed<Brake>,
-    sensors: Option<(Observed<RadarTracks>, Observed<Spat>)>,
+    sensors: Option<(Observed<RadarTracks>, Observed<SignalTruth>, Observed<Spat>)>,
     observer: Observer,
     egos: Vec<EgoTruth>,
     powertrains: Vec<(u64, PowertrainStep)>,
@@ -161,7 +161,9 @@ impl DriveLog {
             heartbeat: observer.listen()?,
             brake: observer.listen()?,
             sensors: match mode {
-                Mode::Realtime => Some((observer.listen()?, observer.listen()?)),
+                Mode::Realtime => {
+                    Some((observer.listen()?, observer.listen()?, observer.listen()?))
+                }
                 Mode::Lockstep => None,
             },
             observer,
@@ -256,9 +258,14 @@ impl DriveLog {
             self.cycles.push(*m);
         })?;
         self.brake.drain(|m| note(Service::Aebs, &m.header))?;
-        if let Some((radar, spat)) = &mut self.sensors {
+        if let Some((radar, signals, spat)) = &mut self.sensors {
             radar.drain(|m| note(Service::PerceptionSim, &m.header))?;
-            spat.drain(|m| note(Service::V2xSim, &m.header))?;
+            signals.drain(|m| note(Service::V2xSim, &m.header))?;
+            spat.drain(|m| {
+                if m.header.source == Service::Obu.to_wire() {
+                    note(Service::Obu, &m.header);
+                }
+            })?;
         }
         self.heartbeat.drain(|m| {
             let service = Service::ALL.into_iter().find(|s| s.to_wire() == m.header.source);

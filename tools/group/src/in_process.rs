@@ -28,6 +28,7 @@ pub fn entry(service: Service) -> Entry {
         Service::V2xSim => v2x_sim::run,
         Service::Controller => controller::run,
         Service::Aebs => aebs::run,
+        Service::Obu => obu::run,
     }
 }
 

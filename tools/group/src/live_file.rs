@@ -45,7 +45,7 @@ impl<'a> LiveFile<'a> {
             start_monotonic_ns: start_ns,
             started_unix_ns: now_unix_ns - (monotonic_ns() - start_ns),
             layout_version: LAYOUT_VERSION,
-            topics: topics(),
+            topics: topics(scenario),
             types: types(),
             names: names(scenario),
         };
@@ -67,13 +67,13 @@ impl Drop for LiveFile<'_> {
     }
 }
 
-fn topics() -> Map<String, Value> {
+fn topics(scenario: &Scenario) -> Map<String, Value> {
     let entry = |topic: messages::Topic| {
         let value = json!({
             "type": topic.layout().type_name,
             "struct": topic.layout().name,
             "bytes": topic.message_bytes(),
-            "sender": topic.source().map(messages::Service::name),
+            "sender": topic.source(scenario.services()).map(messages::Service::name),
         });
         (topic.name().to_owned(), value)
     };

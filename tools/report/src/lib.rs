@@ -16,6 +16,7 @@ pub mod output;
 mod picture;
 pub mod print;
 pub mod progress;
+mod radio;
 mod run;
 pub mod summary;
 pub mod table;

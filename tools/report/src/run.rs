@@ -19,6 +19,7 @@ pub fn page(scenario: &Scenario, summary: &Summary, run: &RunPicture) -> String 
         faults(run),
         section("The drive", &pictures(run)),
         tracking(summary),
+        crate::radio::page(summary),
         section("Timing", &times(summary, run)),
         section("Messages", &messages(summary)),
         section("Processes and scheduling", &machine(summary)),

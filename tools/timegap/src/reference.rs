@@ -1,7 +1,7 @@
 //! The scenario file and the messages as data and as pages: `timegap list --schema`, and the references in
 //! `docs`, which a test compares with what stands here.
 
-use messages::{Element, LAYOUT_VERSION, Layout, Scalar, TOPICS, Topic};
+use messages::{Element, LAYOUT_VERSION, Layout, Scalar, TOPICS};
 use recorder::schema as layouts;
 use scenario::schema::{self, Key, Shape};
 use serde_json::{Map, Value, json};
@@ -211,13 +211,13 @@ pub fn messages_page() -> String {
          | --- | --- | --- | --- | --- |\n"
     );
     for topic in TOPICS {
-        let from = topic.source().map_or("every service", messages::Service::name);
+        let from = names(topic.sources(), "every service");
         writeln!(
             page,
             "| `{}` | [{name}](#{anchor}) | {} | {from} | {} |",
             topic.name(),
             topic.message_bytes(),
-            readers(topic),
+            names(topic.consumers(), "recorder and launcher"),
             name = topic.layout().name,
             anchor = topic.layout().name.to_lowercase(),
         )
@@ -229,9 +229,9 @@ pub fn messages_page() -> String {
     page
 }
 
-fn readers(topic: Topic) -> String {
-    let names: Vec<_> = topic.consumers().iter().map(|service| service.name()).collect();
-    if names.is_empty() { "recorder and launcher".into() } else { names.join(", ") }
+fn names(services: &[messages::Service], none: &str) -> String {
+    let names: Vec<_> = services.iter().map(|service| service.name()).collect();
+    if names.is_empty() { none.into() } else { names.join(", ") }
 }
 
 fn structure(page: &mut String, layout: &Layout) {

@@ -196,7 +196,7 @@ impl Faults {
 pub fn concerned(fault: &Fault) -> Vec<Service> {
     match fault.effect.target() {
         Target::Topic(topic) if fault.effect.of_channels().is_some() => topic.consumers().to_vec(),
-        Target::Topic(topic) => topic.source().into_iter().collect(),
+        Target::Topic(topic) => topic.sources().to_vec(),
         Target::Service(service) => vec![service],
         Target::Machine => Vec::new(),
     }

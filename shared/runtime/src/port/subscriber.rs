@@ -153,7 +153,10 @@ impl<T: Message> Subscriber<T> {
     fn check(&mut self, each: &mut impl FnMut(&T)) {
         let Some(sample) = self.incoming.get() else { return };
         let header = sample.header();
-        let source = T::TOPIC.source().map_or(header.source, Service::to_wire);
+        let source = match T::TOPIC.sources() {
+            [only] => only.to_wire(),
+            _ => header.source,
+        };
         let tally = &mut self.tally.borrow_mut();
         let Some(channel) = self.channels.get_mut(source as usize) else {
             tally.e2e.error += 1;
@@ -188,10 +191,8 @@ impl<T: Message> Subscriber<T> {
 
     /// Counts a silence of more than a period of the topic's source as the standard's "no new data",
     /// once in a period.
-    pub(crate) fn note_silence(&mut self, now_ns: i64, period_ns: i64) {
-        if now_ns - self.heard_ns > (SILENCE * period_ns as f64) as i64
-            && let Some(source) = T::TOPIC.source()
-        {
+    pub(crate) fn note_silence(&mut self, now_ns: i64, source: Service, period_ns: i64) {
+        if now_ns - self.heard_ns > (SILENCE * period_ns as f64) as i64 {
             self.heard_ns += period_ns;
             self.channels[source.to_wire() as usize].nothing_new(&mut self.tally.borrow_mut().e2e);
         }
@@ -230,7 +231,9 @@ impl<T: Message> Subscriber<T> {
         if let Some((_, belongs)) = self.senders.iter().flatten().find(|(id, _)| *id == sender) {
             return *belongs;
         }
-        let allowed = T::TOPIC.source().is_none_or(|service| service.to_wire() == source);
+        let sources = T::TOPIC.sources();
+        let allowed =
+            sources.is_empty() || sources.iter().any(|service| service.to_wire() == source);
         let belongs = allowed && self.members.is_member(source, incarnation, sender.pid());
         self.senders[self.next_sender] = Some((sender, belongs));
         self.next_sender = (self.next_sender + 1) % REMEMBERED_SENDERS;

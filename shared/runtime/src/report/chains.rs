@@ -32,6 +32,24 @@ pub struct Hops {
     pub actuate: Option<Percentiles>,
 }
 
+/// The parts of the time from a signal's change to the first actuation that knows of it, which add up to it:
+///
+/// ```text
+/// changed ─► timing made ─► v2x/spat published ─► command published ─► actuated
+///       announce       receive              control               actuate
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SignalHops {
+    /// From the change to the making of the message that shows it: the roadside unit's period.
+    pub announce: Option<Percentiles>,
+    /// From there through frame, air and decoding to the publication of `v2x/spat`.
+    pub receive: Option<Percentiles>,
+    /// From there to the publication of the command.
+    pub control: Option<Percentiles>,
+    /// From there to the actuators.
+    pub actuate: Option<Percentiles>,
+}
+
 /// The parts of one reaction time, µs; see [`Hops`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "the fields are those of `Hops`")]

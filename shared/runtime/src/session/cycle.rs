@@ -60,7 +60,7 @@ impl Runtime {
             let origin = schedule.input(T::TOPIC);
             return topic.await_sample(origin, self.step, &self.link.end, patience);
         }
-        let source = T::TOPIC.source();
+        let source = T::TOPIC.source(self.scenario.services());
         match (self.group.mode, source) {
             (Mode::Lockstep, Some(source)) => {
                 let due = self.group.timetable.latest_release(source, self.step);
@@ -70,7 +70,7 @@ impl Runtime {
         }
         let now_ns = self.clock.now_ns();
         if let Some(source) = source {
-            topic.note_silence(now_ns, self.group.timetable.period_ns(source));
+            topic.note_silence(now_ns, source, self.group.timetable.period_ns(source));
         }
         if self.faults.in_use()
             && let Some(drive) = topic.newest().and_then(Message::drive)

@@ -193,6 +193,15 @@ impl Runtime {
         &self.clock
     }
 
+    /// UTC of run time 0, ns since 1970: in simulated time the same in every run.
+    #[must_use]
+    pub fn utc_start_ns(&self) -> i64 {
+        match self.group.mode {
+            Mode::Realtime => crate::clock::utc_ns() - self.clock.now_ns(),
+            Mode::Lockstep => scenario::radio::SIMULATED_START_NS,
+        }
+    }
+
     /// What the calling thread used of the machine so far; nothing in simulated time, whose messages
     /// repeat to the byte.
     #[must_use]

@@ -18,8 +18,10 @@ impl Runtime {
         self.sent.push((T::TOPIC, Rc::clone(&tally)));
         let awaited = match self.group.mode {
             Mode::Lockstep => !T::TOPIC.consumers().is_empty(),
-            // The radar alone can release services.
-            Mode::Realtime => matches!(T::TOPIC, Topic::RadarTracks | Topic::RadarDetections),
+            // Only these can release services.
+            Mode::Realtime => {
+                matches!(T::TOPIC, Topic::RadarTracks | Topic::RadarDetections | Topic::RadioFrames)
+            }
         };
         let port = T::sender(&self.transport, self.link.end.clone())?;
         self.ports.push((T::TOPIC, Rc::clone(&port) as Rc<dyn Connect>));

@@ -219,7 +219,7 @@ mod tests {
     use messages::{Command, Odometry, RadarDetections};
 
     fn bus() -> Rc<Bus> {
-        let strides = [1, 5, 10, 10, 5];
+        let strides = [1, 5, 10, 10, 5, 10];
         Rc::new(Bus::new(&Timetable { step_ns: 10_000_000, strides, last_step: 100 }))
     }
 

@@ -53,7 +53,7 @@ pub fn shared_memory_bytes(timetable: &Timetable, standby: &[Service]) -> u64 {
     let messages = |topic| peers(standby.len()) * each(topic) + HISTORY + LOANED;
     let of = |service: Service| 1 + usize::from(standby.contains(&service));
     let all = Service::ALL.len() + standby.len();
-    let publishers = |topic: Topic| topic.source().map_or(all, of);
+    let publishers = |topic: Topic| topic.sources().iter().map(|&s| of(s)).max().unwrap_or(all);
     let bytes = |topic: Topic| publishers(topic) * messages(topic) * topic.message_bytes();
     let payload: usize = TOPICS.into_iter().map(bytes).sum();
     (payload + MANAGEMENT) as u64

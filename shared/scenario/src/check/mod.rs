@@ -5,12 +5,14 @@ mod actors;
 use super::Scenario;
 use super::aebs::LEAST_DECELERATION_MPS2;
 use super::controller::Release;
+use super::faults::{Fault, Target};
 use super::perception::{MAX_LATENCY_SCANS, Perception, Radar, RadarModel};
 use super::plant::Integrator;
 use super::problem::Problem;
 use super::quantity::Acceleration;
 use super::supervision::Restart;
 use super::v2x::{MAX_PROGRAM_PHASES, MAX_SIGNALS, Signal};
+use messages::Topic;
 
 /// Runs every check; the first problem ends it.
 pub(super) fn all(scenario: &Scenario) -> Result<(), Problem> {
@@ -21,6 +23,7 @@ pub(super) fn all(scenario: &Scenario) -> Result<(), Problem> {
     aebs(scenario)?;
     standby(scenario)?;
     signals(&scenario.v2x.signals)?;
+    radio(scenario)?;
     controller(scenario)?;
     actors::actors(&scenario.actors)?;
     super::storyboard::check(scenario)?;
@@ -289,4 +292,27 @@ fn signals(signals: &[Signal]) -> Result<(), Problem> {
         }
     }
     Ok(())
+}
+
+/// Where signals are structs there is no air, no on-board unit and no frame that a fault could act on.
+fn radio(scenario: &Scenario) -> Result<(), Problem> {
+    if scenario.has_obu() {
+        return Ok(());
+    }
+    let v2x = &scenario.v2x;
+    let (air, unit, obu) = (v2x.air.is_right(), v2x.unit.is_right(), v2x.obu.is_usual());
+    let unused = [("v2x.air", air), ("v2x.unit", unit), ("v2x.obu", obu)];
+    if let Some((table, _)) = unused.into_iter().find(|(_, usual)| !usual) {
+        let message = format!("{table} has no effect without frames");
+        return fail(table, message, "v2x.radio = \"frames\"");
+    }
+    let aimed = |fault: &Fault| fault.effect.target() == Target::Topic(Topic::RadioFrames);
+    match scenario.faults.iter().position(aimed) {
+        Some(index) => fail(
+            format!("faults.{index}.topic"),
+            "there are no frames on `radio/frames`",
+            "v2x.radio = \"frames\"",
+        ),
+        None => Ok(()),
+    }
 }

@@ -393,8 +393,14 @@ pub struct TopicName(pub Topic);
 
 impl TopicName {
     /// Topics whose messages can be disturbed.
-    pub const ALL: [Topic; 5] =
-        [Topic::Odometry, Topic::RadarTracks, Topic::Spat, Topic::Map, Topic::Command];
+    pub const ALL: [Topic; 6] = [
+        Topic::Odometry,
+        Topic::RadarTracks,
+        Topic::RadioFrames,
+        Topic::Spat,
+        Topic::Map,
+        Topic::Command,
+    ];
 }
 
 /// A name of no topic whose messages can be disturbed.

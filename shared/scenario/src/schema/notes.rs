@@ -15,6 +15,7 @@ const SOURCES: &[(&str, &str)] = &[
     ("runtime", include_str!("../runtime.rs")),
     ("supervision", include_str!("../supervision.rs")),
     ("v2x", include_str!("../preview.rs")),
+    ("v2x", include_str!("../radio.rs")),
     ("v2x", include_str!("../v2x.rs")),
 ];
 

@@ -23,6 +23,7 @@ use crate::batch::{self, Job, Source};
 use crate::parts::journal::{self, Journal};
 use crate::parts::{self, MergeError, Shard, ShardChoice};
 use crate::plausibility;
+use crate::radio;
 use group::{Error, Failure, GroupOptions, ScenarioOptions};
 use report::output::{OutputDirectory, OutputOptions};
 
@@ -54,6 +55,8 @@ const SAMPLE_SEED: u64 = 1;
 
 /// The table of the controller's checks, which is no campaign of its own.
 const PLAUSIBILITY: &str = "plausibility";
+/// Drives with frames that are lost and falsified, with a table of their own.
+const RADIO: &str = "radio";
 
 /// Why a campaign is not done.
 #[derive(Debug, thiserror::Error)]
@@ -107,7 +110,8 @@ impl Failure for CampaignError {}
 #[derive(Debug, Args)]
 #[command(
     after_help = "Built-in campaigns: kills, messages, soak, takeovers. `plausibility` prints how often and how \
-fast the controller's checks of its inputs find a false sender."
+fast the controller's checks of its inputs find a false sender, `radio` what becomes of frames that are lost, late \
+and falsified (2,000 runs, or --sample N)."
 )]
 pub struct CampaignArguments {
     /// A campaign file, an OpenSCENARIO parameter variation (.xosc), or the name of a built-in campaign
@@ -146,6 +150,9 @@ pub struct CampaignArguments {
 pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     if arguments.campaign.as_deref() == Some(PLAUSIBILITY) {
         return plausibility::run(&arguments.group, arguments.jobs, arguments.json);
+    }
+    if arguments.campaign.as_deref() == Some(RADIO) {
+        return radio::run(&arguments.group, arguments.sample, arguments.jobs, arguments.json);
     }
     if arguments.merge.is_empty() { drive(arguments) } else { merge(arguments) }
 }

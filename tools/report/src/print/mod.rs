@@ -6,6 +6,7 @@ mod timing;
 
 pub use drive::trip;
 pub use timing::duration;
+pub(crate) use timing::percentiles;
 
 use crate::summary::Summary;
 use drive::{drive, emergency_brake, radar};
@@ -49,6 +50,9 @@ pub fn summary(summary: &Summary) -> String {
     emergency_brake(summary, &mut line);
     radar(summary, &mut line);
     timing(summary, &mut line);
+    for (label, text) in crate::radio::lines(summary) {
+        line(label, text);
+    }
     messages(summary, &mut line);
     faults(summary, &mut line);
     machine(summary, &mut line);

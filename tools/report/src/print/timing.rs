@@ -96,7 +96,7 @@ fn longest(chain: &WorstChain) -> String {
     )
 }
 
-fn percentiles(p: &Percentiles) -> String {
+pub(crate) fn percentiles(p: &Percentiles) -> String {
     format!(
         "p50 {}, p99 {}, max {} (n = {})",
         duration(p.p50),

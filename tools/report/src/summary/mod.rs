@@ -13,9 +13,9 @@ use messages::Service;
 use messages::e2e::Outcomes;
 use messages::level::Levels;
 use runtime::report::{
-    CheckReport, ControlFigures, ControllerReport, Details, Hops, ModeChange, Outcome,
+    CheckReport, ControlFigures, ControllerReport, Details, Hops, ModeChange, ObuReport, Outcome,
     PerceptionReport, PlanningReport, PlantReport, ProgramReport, ReceivedTopic, ServiceReport,
-    WorstChain,
+    SignalHops, WorstChain,
 };
 use runtime::scheduling::Granted;
 use runtime::statistics::{Latencies, Percentiles};
@@ -62,6 +62,8 @@ pub struct Summary {
     pub aebs: Aebs,
     /// How well the radar's tracks matched the traffic.
     pub perception: Option<PerceptionReport>,
+    /// What the on-board unit made of the frames on air; null where signals come as structs.
+    pub radio: Option<ObuReport>,
     /// What became of the recording; null if none was asked for.
     pub recording: Option<RecordingSummary>,
     /// Faults in order of time, with what became of each.
@@ -117,6 +119,10 @@ pub struct Timing {
     pub hops_us: Hops,
     /// The chains with the longest reaction times, longest first.
     pub worst_chains: Vec<WorstChain>,
+    /// A signal's change to the first actuation that knows of it, µs; null where no signal ahead changed.
+    pub signal_reaction_us: Option<Percentiles>,
+    /// The parts of that, µs.
+    pub signal_hops_us: SignalHops,
     /// Longest time between two commands that the actuator gateway accepted, µs.
     pub max_command_gap_us: Option<f64>,
     /// Cycles whose command had to be relaxed.
@@ -225,6 +231,8 @@ impl Summary {
                 net_reaction_us: plant.and_then(|plant| plant.net_reaction_us),
                 hops_us: plant.map(|plant| plant.hops_us).unwrap_or_default(),
                 worst_chains: plant.map(|plant| plant.worst_chains.clone()).unwrap_or_default(),
+                signal_reaction_us: plant.and_then(|plant| plant.signal_reaction_us),
+                signal_hops_us: plant.map(|plant| plant.signal_hops_us).unwrap_or_default(),
                 max_command_gap_us: plant.and_then(|plant| plant.max_command_gap_us),
                 relaxed_cycles: controller.map(|controller| controller.relaxed),
                 backup_cycles: controller.map(|controller| controller.backup),
@@ -241,6 +249,7 @@ impl Summary {
             },
             aebs: Aebs::of(scenario, plant, report(Service::Aebs)),
             perception: report(Service::PerceptionSim).and_then(perception_details),
+            radio: crate::radio::report(group),
             messages: messages(&group.reports, &group.drive),
             recording: group.recording.clone(),
             faults: group.faults.clone(),

@@ -1,5 +1,6 @@
-//! `timegap export`: a recording as tables.
+//! `timegap export`: a recording as tables, its frames as a capture.
 
+use super::capture::Capture;
 use super::{count, open, tell};
 use clap::Args;
 use group::Error;
@@ -20,9 +21,12 @@ pub struct ExportArguments {
     /// A run's directory of results, or a recording
     pub run: PathBuf,
     /// One CSV file per topic: a row per message, a column per value, units in the names
-    #[arg(long, required = true)]
+    #[arg(long, required_unless_present = "pcap")]
     pub csv: bool,
-    /// Directory for the files [default: csv beside the recording]
+    /// The frames that arrived by radio and that the vehicle sent, as a capture for Wireshark, `radio.pcap`
+    #[arg(long)]
+    pub pcap: bool,
+    /// Directory for the files [default: csv beside the recording; of a capture alone, the recording's]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print what was written as JSON, and nothing else, on standard output
@@ -34,7 +38,7 @@ const PANDAS: &str = "\
 The first column, `log_time_ns`, is when the message was published, ns of run time; the others are the \
 message's own, by their dotted path. Nested arrays count from 0: `tracks.0.range_m`; the radar's \
 detections, up to 1,024 in a message, have a table of their own with a row for each, \
-`radar_detections.detections.csv`. Behind a number \
+`radar_detections.detections.csv`, and so have frames on air, `radio_frames.frames.csv`. Behind a number \
 that has a name stands the name: `rung` and `rung.name`; figures of the law have theirs in place of \
 their number. A damaged recording is exported as far as it goes: said, and status 1. In Python:
 
@@ -47,7 +51,7 @@ their number. A damaged recording is exported as far as it goes: said, and statu
 /// Runs the command.
 pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
     let recording = open(&arguments.run)?;
-    let beside = || recording.path().with_file_name("csv");
+    let beside = || recording.path().with_file_name(if arguments.csv { "csv" } else { "" });
     let directory = arguments.out.clone().unwrap_or_else(beside);
     std::fs::create_dir_all(&directory).map_err(|reason| Error::Path {
         action: "create",
@@ -56,25 +60,38 @@ pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
     })?;
     let mut tables = TOPICS
         .into_iter()
+        .filter(|_| arguments.csv)
         .map(|topic| Table::begin(topic, &directory, &recording.metadata().law))
         .collect::<Result<Vec<_>, _>>()?;
+    let mut capture = arguments.pcap.then(Capture::default);
     let mut records = recording.records();
     for record in records.by_ref() {
-        let table = tables.iter_mut().find(|table| table.topic == record.topic);
-        table.expect("every topic has one").add(&record)?;
+        if let Some(table) = tables.iter_mut().find(|table| table.topic == record.topic) {
+            table.add(&record)?;
+        }
+        if let Some(capture) = &mut capture {
+            capture.add(&record);
+        }
     }
     let damage = [recording.damage(), records.damage()].concat();
     let files = tables.into_iter().map(Table::finish).collect::<Result<Vec<_>, _>>()?;
-    let files = files.concat();
+    let captured = capture.map(|capture| capture.finish(&directory)).transpose()?;
+    let tables = files.concat();
+    let files: Vec<_> = tables.iter().chain(&captured).collect();
     if arguments.json {
         let files: Vec<_> =
             files.iter().map(|(path, rows)| json!({"path": path, "rows": rows})).collect();
         let result = json!({"schema_version": 1, "files": files});
         print::out(&(serde_json::to_string_pretty(&result).expect("plain data") + "\n"))?;
     } else {
-        let rows = files.iter().map(|(_, rows)| rows).sum();
-        let (tables, rows) = (count(files.len() as u64, "table"), count(rows, "row"));
-        print::out(&format!("{tables} with {rows} in {}\n", directory.display()))?;
+        if arguments.csv {
+            let rows = tables.iter().map(|(_, rows)| rows).sum();
+            let (tables, rows) = (count(tables.len() as u64, "table"), count(rows, "row"));
+            print::out(&format!("{tables} with {rows} in {}\n", directory.display()))?;
+        }
+        if let Some((path, frames)) = &captured {
+            print::out(&format!("{} in {}\n", count(*frames, "frame"), path.display()))?;
+        }
     }
     tell(&recording, &damage);
     Ok(if damage.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
@@ -178,6 +195,8 @@ struct List {
 
 /// Longest array that is written as columns.
 const MOST_IN_COLUMNS: usize = 128;
+/// Bytes that are a number; more are data, such as a frame's.
+const MOST_IN_A_NUMBER: usize = 8;
 
 impl List {
     /// The lists of a topic's messages.
@@ -192,7 +211,8 @@ impl List {
             let (Some(count), Some(sequence)) = (scalar("count"), scalar("header.sequence")) else {
                 continue;
             };
-            if len <= MOST_IN_COLUMNS {
+            let has_data = entry.scalars().iter().any(|place| place.bytes > MOST_IN_A_NUMBER);
+            if len <= MOST_IN_COLUMNS && !has_data {
                 continue;
             }
             let path = table.with_extension(format!("{}.csv", field.name));

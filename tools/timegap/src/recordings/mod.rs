@@ -1,5 +1,6 @@
 //! Commands on recordings and layouts.
 
+mod capture;
 pub mod diff;
 pub mod export;
 pub mod info;

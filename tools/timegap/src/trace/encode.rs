@@ -126,6 +126,7 @@ fn tracks(frame: &Frame) -> Vec<TrackDescriptor> {
     let in_order = [
         Service::PerceptionSim,
         Service::V2xSim,
+        Service::Obu,
         Service::Controller,
         Service::Aebs,
         Service::Plant,

@@ -110,8 +110,12 @@ fn cycles(records: &[Record], carried: &[Cycle]) -> Vec<Cycle> {
         carried.iter().map(|cycle| (key(cycle), cycle.clone())).collect();
     for record in records {
         // A heartbeat is not part of a cycle.
-        let Some(service) = record.topic.source() else { continue };
+        if record.topic.sources().is_empty() {
+            continue;
+        }
         let (header, start_ns) = stamps(record);
+        let sender = |service: &Service| service.to_wire() == header.source;
+        let Some(service) = Service::ALL.into_iter().find(sender) else { continue };
         let key = (service.index(), header.incarnation, header.step);
         let cycle = cycles.entry(key).or_insert(Cycle {
             service,

@@ -1,0 +1,83 @@
+//! The vehicle's own CAM: when it is due and what it says (EN 302 637-2).
+
+use crate::clock::Moment;
+use crate::lanes::road_plane;
+use its::cam::{Cam, LowFrequency, Motion};
+use its::geodesy::Plane;
+use its::geonetworking::{Source, StationType};
+use its::time::its_timestamp;
+use its::triggers::{self, Triggers};
+use its::{Frame, Message};
+use messages::Odometry;
+
+/// The simulated road leads to the east, 0.1 degrees from north.
+const HEADING: u16 = 900;
+const WIDTH_DM: u8 = 19;
+const CAR: u8 = 5;
+const TRUCK: u8 = 8;
+
+/// What does not change about the vehicle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vehicle {
+    /// Its station id.
+    pub station_id: u32,
+    /// Its length, m.
+    pub length_m: f64,
+    /// Whether it is a heavy truck, else a car.
+    pub is_truck: bool,
+}
+
+/// The sender of the vehicle's CAMs.
+#[derive(Clone, Debug)]
+pub struct Awareness {
+    vehicle: Vehicle,
+    triggers: Triggers,
+    plane: Plane,
+}
+
+impl Awareness {
+    /// A sender that has sent nothing yet.
+    #[must_use]
+    pub fn new(vehicle: Vehicle) -> Self {
+        Self { vehicle, triggers: Triggers::default(), plane: road_plane() }
+    }
+
+    /// The frame that is due at `moment`, if one is.
+    pub fn due(&mut self, odometry: &Odometry, moment: &Moment) -> Option<Vec<u8>> {
+        let (position_m, speed_mps) = odometry.moved_to(moment.now_ns as f64 / 1e9);
+        let motion =
+            triggers::Motion { position_m, speed_mps, heading_deg: f64::from(HEADING) / 10.0 };
+        let due = self.triggers.check(moment.now_ns, &motion)?;
+        let timestamp = its_timestamp(moment.utc_ms());
+        let position = self.plane.position(position_m, 0.0);
+        let acceleration = (10.0 * odometry.acceleration_mps2).round().clamp(-160.0, 160.0) as i16;
+        let speed_cmps = (100.0 * speed_mps).round().clamp(0.0, 16_382.0);
+        let Vehicle { station_id, length_m, is_truck } = self.vehicle;
+        let cam = Cam {
+            station_id,
+            generation_delta: timestamp.rem_euclid(1 << 16) as u16,
+            station_type: if is_truck { TRUCK } else { CAR },
+            position,
+            motion: Motion {
+                heading: HEADING,
+                speed: speed_cmps as u16,
+                acceleration,
+                yaw_rate: 0,
+                length: (10.0 * length_m).round().clamp(1.0, 1022.0) as u16,
+                width: WIDTH_DM,
+            },
+            low_frequency: due.low_frequency.then_some(LowFrequency { role: 0, lights: 0 }),
+        };
+        let source = Source {
+            station_type: StationType::of(cam.station_type),
+            address: 0x0200_0000_0000 | u64::from(station_id),
+            timestamp: timestamp.rem_euclid(1 << 32) as u32,
+            position,
+            accurate: true,
+            speed: speed_cmps.min(16_383.0) as i16,
+            heading: HEADING,
+        };
+        // Every field is inside its range.
+        Frame { source, message: Message::Cam(cam) }.encode().ok()
+    }
+}

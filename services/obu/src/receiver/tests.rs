@@ -1,0 +1,287 @@
+use super::*;
+use bytemuck::Zeroable;
+use its::geonetworking::{HEADER_BYTES, Source, StationType};
+use its::mapem::{Approach, Connection, LEFT, STRAIGHT};
+use its::spatem::{MovementEvent, MovementPhase, MovementState, Timing as Details};
+use its::time::{Stamp, TimeMark, its_timestamp};
+use messages::PhaseState;
+
+const OWN: u32 = 4711;
+const UNIT: u32 = 100_001;
+const START_NS: i64 = 1_780_315_200_000_000_000;
+
+fn at(ms: i64) -> Moment {
+    Moment { now_ns: ms * 1_000_000, utc_start_ns: START_NS, ahead_ns: 0 }
+}
+
+fn frame(message: Message, ms: i64) -> Vec<u8> {
+    let source = Source {
+        station_type: StationType::RoadsideUnit,
+        address: 1,
+        timestamp: its_timestamp(at(ms).utc_ms()) as u32,
+        position: road_plane().position(0.0, 0.0),
+        accurate: true,
+        speed: 0,
+        heading: 0,
+    };
+    Frame { source, message }.encode().expect("in range")
+}
+
+/// Green until `end_ms`, then red for a minute.
+fn spatem(station_id: u32, ms: i64, end_ms: i64) -> Spatem {
+    let event = |state, end_ms: i64| {
+        let mark = TimeMark::of(at(end_ms).utc_ms(), at(ms).utc_ms());
+        let timing = Details {
+            start: None,
+            min_end: mark,
+            max_end: Some(mark),
+            likely_end: Some(mark),
+            confidence: Some(15),
+            next: None,
+        };
+        MovementEvent { state, timing: Some(timing) }
+    };
+    let events = vec![
+        event(MovementPhase::ProtectedMovementAllowed, end_ms),
+        event(MovementPhase::StopAndRemain, end_ms + 60_000),
+    ];
+    let state = IntersectionState {
+        region: None,
+        id: 1,
+        revision: 0,
+        status: 0,
+        stamp: Some(Stamp::of(at(ms).utc_ms())),
+        movements: vec![MovementState { signal_group: 7, events }],
+    };
+    Spatem { station_id, intersections: vec![state] }
+}
+
+fn spat(ms: i64, end_ms: i64) -> Vec<u8> {
+    frame(Message::Spatem(spatem(UNIT, ms, end_ms)), ms)
+}
+
+/// The vehicle's lane, one that turns left, and one that comes the other way.
+fn geometry(stop_line_m: f64) -> IntersectionGeometry {
+    let lane = |id, (x, y), along, maneuver, signal_group| its::mapem::Lane {
+        id,
+        approach: Approach::Ingress(1),
+        maneuvers: maneuver,
+        nodes: vec![(x, y), (along, 0)],
+        connections: vec![Connection {
+            lane: 9,
+            maneuver: Some(maneuver),
+            signal_group: Some(signal_group),
+        }],
+    };
+    IntersectionGeometry {
+        region: None,
+        id: 1,
+        revision: 0,
+        reference: road_plane().position(stop_line_m + 10.0, 0.0),
+        lane_width_cm: Some(350),
+        lanes: vec![
+            lane(1, (-1000, 350), -9000, LEFT, 8),
+            lane(2, (-1000, 0), -9000, STRAIGHT, 7),
+            lane(3, (1000, 0), 9000, STRAIGHT, 6),
+        ],
+        unread_lanes: 0,
+    }
+}
+
+fn map_of(station_id: u32, ms: i64, geometry: IntersectionGeometry) -> Vec<u8> {
+    let mapem = Mapem { station_id, revision: 0, intersections: vec![geometry] };
+    frame(Message::Mapem(mapem), ms)
+}
+
+fn map(ms: i64) -> Vec<u8> {
+    map_of(UNIT, ms, geometry(300.0))
+}
+
+/// A unit that has heard a map and a SPATEM: green until 20 s.
+fn informed() -> Receiver {
+    let mut receiver = Receiver::new(OWN, 500);
+    assert_eq!(receiver.take(&map(0), &at(0)), Verdict::Accepted);
+    assert_eq!(receiver.take(&spat(0, 20_000), &at(0)), Verdict::Accepted);
+    receiver
+}
+
+/// Stop lines, the end of the present phase, and when the timing was made, ms.
+fn told(receiver: &Receiver, ms: i64) -> (Vec<f64>, Option<f64>, Option<i64>) {
+    let (mut map, mut spat) = (Map::zeroed(), Spat::zeroed());
+    let made_ns = receiver.write(ms * 1_000_000, 0.0, &mut map, &mut spat);
+    let lines = map.lanes[..map.count as usize].iter().map(|lane| lane.stop_line_m.round());
+    let end_s = (spat.count > 0).then(|| spat.signals[0].intervals[0].likely_end_s);
+    (lines.collect(), end_s, made_ns.map(|ns| ns / 1_000_000))
+}
+
+#[test]
+fn the_lane_of_the_vehicle_and_its_signal_are_handed_on() {
+    let receiver = informed();
+    assert_eq!(told(&receiver, 100), (vec![300.0], Some(20.0), Some(0)));
+    let (mut map, mut spat) = (Map::zeroed(), Spat::zeroed());
+    receiver.write(0, 0.0, &mut map, &mut spat);
+    assert_eq!((map.lanes[0].intersection_id, map.lanes[0].signal_group), (1, 7));
+    assert_eq!(spat.signals[0].count, 2);
+    assert_eq!(spat.signals[0].intervals[1].state, PhaseState::StopAndRemain.to_wire());
+    // Behind the vehicle there is nothing to be told of.
+    let (mut map, mut spat) = (Map::zeroed(), Spat::zeroed());
+    assert_eq!(receiver.write(0, 346.0, &mut map, &mut spat), None);
+    assert_eq!((map.count, spat.count), (0, 0));
+}
+
+#[test]
+fn a_lost_unit_makes_its_timing_old_and_does_not_take_it_away() {
+    let receiver = informed();
+    assert_eq!(told(&receiver, 5_000), (vec![300.0], Some(20.0), Some(0)));
+}
+
+#[test]
+fn timing_without_a_map_waits_for_it() {
+    let mut receiver = Receiver::new(OWN, 500);
+    assert_eq!(receiver.take(&spat(0, 20_000), &at(0)), Verdict::UnknownIntersection);
+    assert_eq!(told(&receiver, 0).0, Vec::<f64>::new());
+    assert_eq!(receiver.take(&map(100), &at(100)), Verdict::Accepted);
+    assert_eq!(told(&receiver, 100), (vec![300.0], Some(20.0), Some(0)));
+}
+
+#[test]
+fn one_frame_makes_no_intersection() {
+    let mut receiver = Receiver::new(OWN, 500);
+    receiver.take(&map(0), &at(0));
+    assert_eq!(told(&receiver, 0).0, Vec::<f64>::new());
+}
+
+#[test]
+fn repeated_old_early_and_overtaken_frames_are_not_used() {
+    let mut receiver = informed();
+    let second = spat(200, 20_000);
+    assert_eq!(receiver.take(&second, &at(200)), Verdict::Accepted);
+    assert_eq!(receiver.take(&second, &at(300)), Verdict::Duplicated);
+    assert_eq!(receiver.take(&spat(100, 20_000), &at(300)), Verdict::OutOfOrder);
+    assert_eq!(receiver.take(&spat(300, 20_000), &at(900)), Verdict::TooOld);
+    assert_eq!(receiver.take(&spat(1_501, 20_000), &at(1_000)), Verdict::TooOld, "of the future");
+    assert_eq!(told(&receiver, 900).2, Some(200));
+}
+
+#[test]
+fn a_clock_that_is_off_moves_the_ends_and_too_far_refuses_all() {
+    let mut receiver = Receiver::new(OWN, 500);
+    let off = |ms: i64, ns| Moment { utc_start_ns: START_NS + ns, ..at(ms) };
+    receiver.take(&map(0), &off(0, 400_000_000));
+    receiver.take(&spat(0, 20_000), &off(0, 400_000_000));
+    assert_eq!(told(&receiver, 0).1, Some(19.6));
+    assert_eq!(receiver.take(&spat(100, 20_000), &off(100, 600_000_000)), Verdict::TooOld);
+    // An offset that is known does no harm.
+    let known = |ms| Moment { ahead_ns: -600_000_000, ..off(ms, 600_000_000) };
+    let mut receiver = Receiver::new(OWN, 500);
+    receiver.take(&map(0), &known(0));
+    assert_eq!(receiver.take(&spat(0, 20_000), &known(0)), Verdict::Accepted);
+    assert_eq!(told(&receiver, 0).1, Some(20.0));
+}
+
+#[test]
+fn what_differs_must_be_said_twice() {
+    let mut receiver = informed();
+    assert_eq!(receiver.take(&spat(100, 25_000), &at(100)), Verdict::Contradicting);
+    assert_eq!(told(&receiver, 100), (vec![300.0], Some(20.0), Some(0)));
+    assert_eq!(receiver.take(&spat(200, 20_000), &at(200)), Verdict::Accepted);
+    assert_eq!(receiver.take(&spat(300, 25_000), &at(300)), Verdict::Contradicting);
+    assert_eq!(receiver.take(&spat(400, 25_000), &at(400)), Verdict::Accepted);
+    assert_eq!(told(&receiver, 400).1, Some(25.0));
+}
+
+#[test]
+fn of_two_units_that_disagree_none_is_believed() {
+    let mut receiver = informed();
+    let other = |ms, end_ms| frame(Message::Spatem(spatem(200_001, ms, end_ms)), ms);
+    assert_eq!(receiver.take(&other(100, 30_000), &at(100)), Verdict::Contradicting);
+    assert_eq!(receiver.take(&spat(200, 20_000), &at(200)), Verdict::Contradicting);
+    assert_eq!(told(&receiver, 200), (vec![300.0], None, Some(0)));
+    // Its word stands for two seconds.
+    for ms in (300..=2_000).step_by(100) {
+        assert_eq!(receiver.take(&spat(ms, 20_000), &at(ms)), Verdict::Contradicting);
+    }
+    assert_eq!(receiver.take(&spat(2_200, 20_000), &at(2_200)), Verdict::Accepted);
+    assert_eq!(told(&receiver, 2_200), (vec![300.0], Some(20.0), Some(2_200)));
+    assert_eq!(receiver.take(&other(2_300, 20_000), &at(2_300)), Verdict::Accepted, "they agree");
+}
+
+#[test]
+fn a_map_changes_with_its_revision_or_when_it_is_said_twice() {
+    let mut receiver = informed();
+    let moved = |ms| map_of(UNIT, ms, geometry(290.0));
+    assert_eq!(receiver.take(&moved(1_000), &at(1_000)), Verdict::Contradicting);
+    assert_eq!(told(&receiver, 1_000).0, [300.0]);
+    assert_eq!(receiver.take(&moved(2_000), &at(2_000)), Verdict::Accepted);
+    assert_eq!(told(&receiver, 2_000).0, [290.0]);
+    // Timing of the next revision waits for its map, which it announces.
+    let mut next = spatem(UNIT, 2_100, 20_000);
+    next.intersections[0].revision = 1;
+    let next = frame(Message::Spatem(next), 2_100);
+    assert_eq!(receiver.take(&next, &at(2_100)), Verdict::Contradicting);
+    let newer = IntersectionGeometry { revision: 1, ..geometry(280.0) };
+    assert_eq!(receiver.take(&map_of(UNIT, 2_200, newer), &at(2_200)), Verdict::Accepted);
+    assert_eq!(told(&receiver, 2_200).0, [280.0]);
+    // Another station does not move the stop line.
+    let other = map_of(200_001, 2_300, geometry(350.0));
+    assert_eq!(receiver.take(&other, &at(2_300)), Verdict::Contradicting);
+    assert_eq!(told(&receiver, 2_300).0, [280.0]);
+}
+
+#[test]
+fn a_map_without_the_lane_and_timing_without_its_signal_are_counted() {
+    let mut receiver = Receiver::new(OWN, 500);
+    let mut bare = geometry(300.0);
+    bare.lanes.remove(1);
+    assert_eq!(receiver.take(&map_of(UNIT, 0, bare), &at(0)), Verdict::MissingLane);
+    assert_eq!(told(&receiver, 0).0, Vec::<f64>::new());
+    receiver.take(&map(100), &at(100));
+    let mut other = spatem(UNIT, 200, 20_000);
+    other.intersections[0].movements[0].signal_group = 6;
+    let other = frame(Message::Spatem(other), 200);
+    assert_eq!(receiver.take(&other, &at(200)), Verdict::MissingLane);
+    assert_eq!(told(&receiver, 200).1, None, "the signal is unknown");
+}
+
+#[test]
+fn what_is_no_frame_of_ours_is_counted_by_its_kind() {
+    let mut receiver = Receiver::new(OWN, 500);
+    let good = spat(0, 20_000);
+    let with = |at: usize, byte: u8| {
+        let mut bytes = good.clone();
+        bytes[at] = byte;
+        bytes
+    };
+    let own = frame(Message::Spatem(spatem(OWN, 0, 20_000)), 0);
+    let cases = [
+        (own, Verdict::SameStationId),
+        (with(0, 0x21), Verdict::OtherProfile),
+        (with(0, 0x12), Verdict::OtherProfile),
+        (with(HEADER_BYTES, 3), Verdict::OtherProfile),
+        (with(41, 0xd3), Verdict::UnknownMessage),
+        (with(HEADER_BYTES + 1, 99), Verdict::UnknownMessage),
+        (good[..60].to_vec(), Verdict::Malformed),
+        (Vec::new(), Verdict::Malformed),
+        (vec![0xff; 1501], Verdict::Malformed),
+    ];
+    for (bytes, verdict) in cases {
+        assert_eq!(receiver.take(&bytes, &at(0)), verdict);
+    }
+    let counts = receiver.verdicts().by_name();
+    assert_eq!((counts["other_profile"], counts["malformed"], counts["accepted"]), (3, 3, 0));
+    assert_eq!(counts.values().sum::<u64>(), 9);
+}
+
+#[test]
+fn whatever_bit_is_wrong_the_believed_timing_stays_until_it_is_said_again() {
+    let good = spat(100, 20_000);
+    for bit in 0..8 * good.len() {
+        let mut receiver = informed();
+        let mut wrong = good.clone();
+        wrong[bit / 8] ^= 0x80 >> (bit % 8);
+        receiver.take(&wrong, &at(100));
+        // Nothing, or an end within what a tenth of a second more or less makes.
+        let end_s = told(&receiver, 100).1;
+        assert!(end_s.is_none_or(|end_s| (end_s - 20.0).abs() < 0.4), "bit {bit}: {end_s:?}");
+    }
+}

@@ -1,0 +1,192 @@
+//! The on-board unit's loop: released by a batch of frames, or by its timer when they are late.
+
+use crate::awareness::{Awareness, Vehicle};
+use crate::clock::{ClockError, Moment};
+use crate::receiver::Receiver;
+use messages::{
+    Header, Map, Odometry, Origin, Origins, RadioFrames, RadioSent, ServiceState, Spat,
+};
+use runtime::report::{Details, ObuReport};
+use runtime::statistics::Latencies;
+use runtime::{Cycle, Publisher, Release, Runtime, RuntimeError, Subscriber, monotonic_ns};
+use scenario::Scenario;
+
+/// Periods by which a batch may be late before the timer releases a cycle.
+const FALLBACK: f64 = 0.5;
+/// Periods after which the radio is taken to be dead.
+const DEAD_PERIODS: i64 = 3;
+/// A unit that is started again during the run knows no map. Until it must have heard those of the
+/// intersections ahead it says nothing, and the controller keeps to what it was told before, ns.
+const SILENT_NS: i64 = 1_300_000_000;
+
+/// Runs the on-board unit in its group, to the end of the run.
+///
+/// # Errors
+/// If the group's shared memory is not usable.
+pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
+    let scenario = runtime.scenario();
+    let mut unit = Unit::open(&mut runtime, &scenario)?;
+    runtime.begin(&scenario)?;
+    unit.own_utc_start_ns = runtime.utc_start_ns();
+    runtime.run_cycles(|runtime| unit.cycle(runtime))?;
+    let report = unit.report();
+    runtime.finish(Details::Obu(Box::new(report)))
+}
+
+struct Unit {
+    odometry: Subscriber<Odometry>,
+    frames: Subscriber<RadioFrames>,
+    spat: Publisher<Spat>,
+    map: Publisher<Map>,
+    sent: Publisher<RadioSent>,
+    receiver: Receiver,
+    awareness: Awareness,
+    clock_error: ClockError,
+    /// UTC of run time 0 by the vehicle's clock until its radio has told it, ns.
+    own_utc_start_ns: i64,
+    period_ns: i64,
+    fallback_ns: i64,
+    /// Release before which a unit that was started again says nothing, ns.
+    speaks_from_ns: Option<i64>,
+    batch: Origin,
+    air: Latencies,
+    decode: Latencies,
+    age: Latencies,
+    frames_heard: u64,
+    frames_left_out: u64,
+    cams: u64,
+}
+
+impl Unit {
+    fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Self, RuntimeError> {
+        let keys = &scenario.v2x.obu;
+        let period_ns = i64::from(scenario.v2x.period_ms.value()) * 1_000_000;
+        let station_id = keys.station_id.value();
+        Ok(Self {
+            odometry: runtime.subscriber()?,
+            frames: runtime.releasing_subscriber()?,
+            spat: runtime.publisher()?,
+            map: runtime.publisher()?,
+            sent: runtime.publisher()?,
+            receiver: Receiver::new(station_id, i64::from(keys.max_age_ms.value())),
+            awareness: Awareness::new(Vehicle {
+                station_id,
+                length_m: scenario.plant.length_m.value(),
+                is_truck: scenario.plant.vehicle.is_truck(),
+            }),
+            clock_error: ClockError {
+                offset_ms: keys.clock_offset_ms.value(),
+                drift_ppm: keys.clock_drift_ppm.value(),
+            },
+            own_utc_start_ns: 0,
+            period_ns,
+            fallback_ns: (period_ns as f64 * FALLBACK) as i64,
+            speaks_from_ns: None,
+            batch: Origin::NONE,
+            air: Latencies::default(),
+            decode: Latencies::default(),
+            age: Latencies::default(),
+            frames_heard: 0,
+            frames_left_out: 0,
+            cams: 0,
+        })
+    }
+
+    fn cycle(&mut self, runtime: &mut Runtime) -> Result<Cycle, RuntimeError> {
+        let Some(release) = runtime.next_release_by(&mut self.frames, self.fallback_ns)? else {
+            return Ok(Cycle::Last);
+        };
+        runtime.update(&mut self.frames)?;
+        runtime.update(&mut self.odometry)?;
+        let now_ns = release.scheduled_ns;
+        let moment = self.moment(now_ns);
+        self.take_batch(&moment);
+        let ego_m = self.odometry.newest().map_or(0.0, |o| o.moved_to(release.time_s).0);
+        self.receiver.forget(now_ns, ego_m);
+        let silent = SILENT_NS * i64::from(runtime.is_restarted());
+        if now_ns >= *self.speaks_from_ns.get_or_insert(now_ns + silent) {
+            self.tell(&release, ego_m)?;
+        }
+        self.send_cam(&release, &moment)?;
+        let state = if self.hears(now_ns) { ServiceState::Running } else { ServiceState::Degraded };
+        runtime.end_cycle(state)?;
+        Ok(Cycle::Next)
+    }
+
+    /// The present by the vehicle's clock, with its error, and by the senders'.
+    fn moment(&self, now_ns: i64) -> Moment {
+        let newest = self.frames.newest();
+        let start_ns = newest.map_or(self.own_utc_start_ns, |batch| batch.utc_start_ns);
+        Moment {
+            now_ns,
+            utc_start_ns: start_ns + self.clock_error.at(now_ns),
+            ahead_ns: newest.map_or(0, |batch| batch.clock_offset_ns),
+        }
+    }
+
+    /// Decodes and checks the frames of a new batch.
+    fn take_batch(&mut self, moment: &Moment) {
+        let origin = self.frames.origin();
+        let Some(batch) = self.frames.newest().filter(|_| origin != self.batch) else { return };
+        self.batch = origin;
+        self.frames_left_out += batch.left_out;
+        for frame in batch.frames() {
+            self.air.record_ns(frame.received_ns - frame.sent_ns);
+            let begun = monotonic_ns();
+            self.receiver.take(frame.data(), moment);
+            self.decode.record_ns(monotonic_ns() - begun);
+            self.frames_heard += 1;
+        }
+    }
+
+    fn hears(&self, now_ns: i64) -> bool {
+        let newest = self.frames.newest().map(|batch| batch.header.acquisition_ns);
+        newest.is_some_and(|newest_ns| now_ns - newest_ns <= DEAD_PERIODS * self.period_ns)
+    }
+
+    /// Hands on what is known of the signals ahead. Its acquisition is when the oldest timing was made;
+    /// where no signal is ahead, the release, as long as the radio lives.
+    fn tell(&mut self, release: &Release, ego_m: f64) -> Result<(), RuntimeError> {
+        let now_ns = release.scheduled_ns;
+        let origins = Origins { odometry: self.odometry.origin(), ..Origins::NONE };
+        let mut map = self.map.loan()?;
+        let mut spat = self.spat.loan()?;
+        let made_ns = self.receiver.write(now_ns, ego_m, &mut map, &mut spat);
+        if let Some(made_ns) = made_ns {
+            self.age.record_ns(now_ns - made_ns);
+        }
+        let newest_ns = self.frames.newest().map_or(0, |batch| batch.header.acquisition_ns);
+        let acquired_ns = made_ns.unwrap_or(if self.hears(now_ns) { now_ns } else { newest_ns });
+        map.header = Header::new(release.step, now_ns, origins);
+        spat.header = Header::new(release.step, acquired_ns.min(now_ns), origins);
+        self.map.send(map)?;
+        self.spat.send(spat)?;
+        Ok(())
+    }
+
+    fn send_cam(&mut self, release: &Release, moment: &Moment) -> Result<(), RuntimeError> {
+        let Some(odometry) = self.odometry.newest() else { return Ok(()) };
+        let Some(bytes) = self.awareness.due(odometry, moment) else { return Ok(()) };
+        let origins = Origins { odometry: self.odometry.origin(), ..Origins::NONE };
+        let header = Header::new(release.step, release.scheduled_ns, origins);
+        self.cams += 1;
+        self.sent.send_with(|message| {
+            message.header = header;
+            message.utc_start_ns = moment.utc_start_ns;
+            message.frame.write(release.scheduled_ns, -1, &bytes);
+        })?;
+        Ok(())
+    }
+
+    fn report(&self) -> ObuReport {
+        ObuReport {
+            frames: self.frames_heard,
+            left_out: self.frames_left_out,
+            verdicts: self.receiver.verdicts().by_name(),
+            cams_sent: self.cams,
+            air_us: self.air.percentiles_us(),
+            decode_us: self.decode.percentiles_us(),
+            age_us: self.age.percentiles_us(),
+        }
+    }
+}

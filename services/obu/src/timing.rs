@@ -1,0 +1,199 @@
+//! What a SPATEM says of a signal, in run time.
+
+use crate::clock::Moment;
+use its::spatem::{MovementEvent, MovementPhase, MovementState};
+use its::time::TimeMark;
+use messages::{Interval, MAX_INTERVALS, PhaseState, Signal};
+
+/// Two announcements of one end agree if they differ by no more than this, s: marks are tenths of a second,
+/// and a message of a sliding countdown is still the one of before a moment ago.
+const SAME_END_S: f64 = 0.35;
+
+/// A phase and its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Announced {
+    /// What is shown.
+    pub state: PhaseState,
+    /// Earliest, likely and latest end, s of run time; infinite where none is planned.
+    pub ends_s: [f64; 3],
+    /// Confidence in the likely end, 0 to 15.
+    pub confidence: u8,
+}
+
+/// What is announced of one signal group.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Timing {
+    /// The signal group.
+    pub signal_group: u8,
+    /// The present phase and those that follow.
+    pub phases: Vec<Announced>,
+}
+
+impl Timing {
+    /// The timing of a movement that was made at `made_ns` of run time. What is shown then holds although its
+    /// announced end has passed: when it ends is not known, and nothing of what follows.
+    #[must_use]
+    pub fn of(movement: &MovementState, made_ns: i64, moment: &Moment) -> Self {
+        let mut phases: Vec<Announced> = Vec::with_capacity(movement.events.len());
+        for event in movement.events.iter().take(MAX_INTERVALS) {
+            let Some(announced) = announced(event, moment) else { break };
+            if phases.is_empty() && announced.ends_s[1] <= made_ns as f64 / 1e9 {
+                let endless = Announced { ends_s: [f64::INFINITY; 3], confidence: 0, ..announced };
+                phases.extend(Some(endless).filter(|p| p.state == PhaseState::StopAndRemain));
+                break;
+            }
+            // What ends before it begins, and what follows, is not known.
+            if phases.last().is_some_and(|before| before.ends_s[1] > announced.ends_s[1]) {
+                break;
+            }
+            phases.push(announced);
+        }
+        Self { signal_group: movement.signal_group, phases }
+    }
+
+    /// True if both can be true from `now_s` on.
+    #[must_use]
+    pub fn agrees_with(&self, other: &Self, now_s: f64) -> bool {
+        let coming = |timing: &Self| {
+            let left = timing.phases.iter().filter(|p| p.ends_s[1] > now_s + SAME_END_S);
+            left.copied().collect::<Vec<_>>()
+        };
+        coming(self).iter().zip(&coming(other)).all(|(a, b)| {
+            let (a_s, b_s) = (a.ends_s[1], b.ends_s[1]);
+            a.state == b.state && (a_s == b_s || (a_s - b_s).abs() <= SAME_END_S)
+        })
+    }
+
+    /// Writes it into a message.
+    pub fn write(&self, intersection_id: u16, signal: &mut Signal) {
+        signal.intersection_id = intersection_id.into();
+        signal.signal_group = self.signal_group.into();
+        signal.count = 0;
+        for (place, phase) in signal.intervals.iter_mut().zip(&self.phases) {
+            let [min_end_s, likely_end_s, max_end_s] = phase.ends_s;
+            *place = Interval {
+                state: phase.state.to_wire(),
+                confidence: phase.confidence.into(),
+                min_end_s,
+                likely_end_s,
+                max_end_s,
+            };
+            signal.count += 1;
+        }
+    }
+}
+
+/// `None` for a phase of which it is not known how long it is certain to last.
+fn announced(event: &MovementEvent, moment: &Moment) -> Option<Announced> {
+    let state = state(event.state);
+    let Some(timing) = event.timing else {
+        // Red until further notice is safe to believe; nothing else is.
+        let endless = Announced { state, ends_s: [f64::INFINITY; 3], confidence: 0 };
+        return (state == PhaseState::StopAndRemain).then_some(endless);
+    };
+    let end_s = |mark: TimeMark| match mark {
+        TimeMark::UNKNOWN => None,
+        mark => Some(
+            mark.utc(moment.utc_ms())
+                .map_or(f64::INFINITY, |utc_ms| moment.run_ns(utc_ms) as f64 / 1e9),
+        ),
+    };
+    let min_s = end_s(timing.min_end)?;
+    let max_s = timing.max_end.and_then(end_s).unwrap_or(f64::INFINITY);
+    let likely_s = timing.likely_end.and_then(end_s).unwrap_or(match state {
+        PhaseState::StopAndRemain => max_s,
+        _ => min_s,
+    });
+    let confidence = timing.confidence.unwrap_or(0);
+    Some(Announced { state, ends_s: [min_s, likely_s, max_s], confidence })
+}
+
+/// What a cruise controller tells apart. A permissive green is one for the straight way.
+fn state(phase: MovementPhase) -> PhaseState {
+    match phase {
+        MovementPhase::PermissiveMovementAllowed | MovementPhase::ProtectedMovementAllowed => {
+            PhaseState::ProtectedMovementAllowed
+        }
+        MovementPhase::PermissiveClearance | MovementPhase::ProtectedClearance => {
+            PhaseState::ProtectedClearance
+        }
+        MovementPhase::StopThenProceed
+        | MovementPhase::StopAndRemain
+        | MovementPhase::PreMovement => PhaseState::StopAndRemain,
+        MovementPhase::Unavailable
+        | MovementPhase::Dark
+        | MovementPhase::CautionConflictingTraffic => PhaseState::Unavailable,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use its::spatem::Timing as Details;
+
+    /// Two seconds before twelve.
+    const MOMENT: Moment =
+        Moment { now_ns: 40_000_000_000, utc_start_ns: 1_780_315_158_000_000_000, ahead_ns: 0 };
+
+    fn event(state: MovementPhase, in_s: [Option<i64>; 3]) -> MovementEvent {
+        let mark = |s: i64| TimeMark::of(MOMENT.utc_ms() + 1000 * s, MOMENT.utc_ms());
+        MovementEvent {
+            state,
+            timing: Some(Details {
+                start: None,
+                min_end: in_s[0].map_or(TimeMark::UNKNOWN, mark),
+                likely_end: in_s[1].map(mark),
+                max_end: in_s[2].map(mark),
+                confidence: Some(15),
+                next: None,
+            }),
+        }
+    }
+
+    fn timing(events: Vec<MovementEvent>) -> Timing {
+        Timing::of(&MovementState { signal_group: 1, events }, MOMENT.now_ns, &MOMENT)
+    }
+
+    #[test]
+    fn ends_are_in_run_time_across_the_hour() {
+        let green = event(MovementPhase::ProtectedMovementAllowed, [Some(1), Some(3), Some(4)]);
+        let red = event(MovementPhase::PreMovement, [Some(5), None, None]);
+        let timing = timing(vec![green, red]);
+        assert_eq!(timing.phases[0].ends_s, [41.0, 43.0, 44.0]);
+        assert_eq!(timing.phases[1].ends_s, [45.0, f64::INFINITY, f64::INFINITY]);
+        assert_eq!(timing.phases[1].state, PhaseState::StopAndRemain);
+    }
+
+    #[test]
+    fn what_is_not_certain_ends_the_list() {
+        let unknown = event(MovementPhase::ProtectedMovementAllowed, [None, Some(3), None]);
+        assert_eq!(timing(vec![unknown]).phases, []);
+        let bare = |state| MovementEvent { state, timing: None };
+        assert_eq!(timing(vec![bare(MovementPhase::ProtectedMovementAllowed)]).phases, []);
+        assert_eq!(timing(vec![bare(MovementPhase::StopAndRemain)]).phases.len(), 1);
+        let far = event(MovementPhase::ProtectedMovementAllowed, [Some(9); 3]);
+        let near = event(MovementPhase::StopAndRemain, [Some(5); 3]);
+        assert_eq!(timing(vec![far, near]).phases.len(), 1, "an end before the one before");
+    }
+
+    #[test]
+    fn what_is_shown_after_its_announced_end_is_red_or_unknown() {
+        let green = |s| event(MovementPhase::ProtectedMovementAllowed, [Some(s); 3]);
+        let red = |s| event(MovementPhase::StopAndRemain, [Some(s); 3]);
+        let late = timing(vec![red(-1), green(9)]);
+        assert_eq!(late.phases.len(), 1);
+        assert_eq!(late.phases[0].ends_s, [f64::INFINITY; 3]);
+        assert_eq!(timing(vec![green(-1), red(9)]).phases, []);
+    }
+
+    #[test]
+    fn announcements_agree_as_long_as_both_can_be_true() {
+        let green = |s| event(MovementPhase::ProtectedMovementAllowed, [Some(s); 3]);
+        let red = |s| event(MovementPhase::StopAndRemain, [Some(s); 3]);
+        let told = timing(vec![green(2), red(9)]);
+        assert!(told.agrees_with(&timing(vec![red(9)]), 42.0), "the green is over");
+        assert!(!told.agrees_with(&timing(vec![red(9)]), 41.0));
+        assert!(!told.agrees_with(&timing(vec![green(3), red(9)]), 40.0));
+        assert!(told.agrees_with(&timing(vec![green(2), red(9), green(20)]), 40.0));
+    }
+}

@@ -1,0 +1,104 @@
+//! What the unit makes of a frame.
+
+use its::DecodeError;
+use std::collections::BTreeMap;
+
+/// What became of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Verdict {
+    /// It says something new that fits the rest.
+    Accepted,
+    /// A signal's timing whose intersection no map has shown yet.
+    UnknownIntersection,
+    /// A map without a lane of the vehicle, or timing without the signal group of that lane.
+    MissingLane,
+    /// Older than another frame of its sender that was used.
+    OutOfOrder,
+    /// The same bytes once more.
+    Duplicated,
+    /// Made too long ago, or in the future, by its own stamps.
+    TooOld,
+    /// It does not fit what this sender or another one said of the same intersection.
+    Contradicting,
+    /// Its sender has the vehicle's own station id.
+    SameStationId,
+    /// A message of a kind that is not read here.
+    UnknownMessage,
+    /// Headers or versions of another profile, or a signed frame.
+    OtherProfile,
+    /// No frame at all.
+    Malformed,
+}
+
+impl Verdict {
+    /// All verdicts, from the best to the worst.
+    pub const ALL: [Self; 11] = [
+        Self::Accepted,
+        Self::UnknownIntersection,
+        Self::MissingLane,
+        Self::OutOfOrder,
+        Self::Duplicated,
+        Self::TooOld,
+        Self::Contradicting,
+        Self::SameStationId,
+        Self::UnknownMessage,
+        Self::OtherProfile,
+        Self::Malformed,
+    ];
+
+    /// Name in results.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Accepted => "accepted",
+            Self::UnknownIntersection => "unknown_intersection",
+            Self::MissingLane => "missing_lane",
+            Self::OutOfOrder => "out_of_order",
+            Self::Duplicated => "duplicated",
+            Self::TooOld => "too_old",
+            Self::Contradicting => "contradicting",
+            Self::SameStationId => "same_station_id",
+            Self::UnknownMessage => "unknown_message",
+            Self::OtherProfile => "other_profile",
+            Self::Malformed => "malformed",
+        }
+    }
+}
+
+impl From<&DecodeError> for Verdict {
+    fn from(error: &DecodeError) -> Self {
+        match error {
+            DecodeError::TooLong(_) | DecodeError::Truncated { .. } | DecodeError::Payload(_) => {
+                Self::Malformed
+            }
+            DecodeError::Version(_)
+            | DecodeError::Secured
+            | DecodeError::OtherHeader { .. }
+            | DecodeError::ProtocolVersion { .. } => Self::OtherProfile,
+            DecodeError::Port(_) | DecodeError::MessageId { .. } => Self::UnknownMessage,
+        }
+    }
+}
+
+/// How often each verdict was given.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Verdicts([u64; Verdict::ALL.len()]);
+
+impl Verdicts {
+    /// Counts one.
+    pub fn count(&mut self, verdict: Verdict) {
+        self.0[verdict as usize] += 1;
+    }
+
+    /// How often `verdict` was given.
+    #[must_use]
+    pub fn of(&self, verdict: Verdict) -> u64 {
+        self.0[verdict as usize]
+    }
+
+    /// All counts by name.
+    #[must_use]
+    pub fn by_name(&self) -> BTreeMap<String, u64> {
+        Verdict::ALL.iter().map(|verdict| (verdict.name().to_owned(), self.of(*verdict))).collect()
+    }
+}

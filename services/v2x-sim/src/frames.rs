@@ -1,0 +1,375 @@
+//! The roadside units' frames: one unit at each intersection, which sends SPATEM once in a period and
+//! MAPEM once in a second.
+//!
+//! Plain code: what is sent is a function of the scenario, the time and UTC; no group is needed.
+//!
+//! ```text
+//!               lane 1 ─► ego's lane, signal group of the scenario  │ stop line │ ─► egress
+//!               lane 101 ─► left turn, 3.5 m to the left, another signal group, always red
+//! ```
+
+use crate::program::Program;
+use crate::roadside_unit::CERTAIN;
+use its::geodesy::{Plane, Position};
+use its::geonetworking::{Source, StationType};
+use its::mapem::{Approach, Connection, IntersectionGeometry, LEFT, Lane, Mapem, STRAIGHT};
+use its::spatem::{IntersectionState, MovementEvent, MovementPhase, MovementState, Spatem, Timing};
+use its::time::{Stamp, TimeMark, its_timestamp};
+use its::{EncodeError, Frame, Message};
+use messages::MAX_INTERVALS;
+use scenario::quantity::Time;
+use scenario::radio::{ROAD_ORIGIN, Unit};
+use scenario::v2x::{Phase, V2x};
+
+/// Station id of the unit at intersection 0; that of intersection n is n higher.
+pub const FIRST_STATION: u32 = 100_000;
+/// The same of the units that contradict.
+pub const FIRST_CONTRADICTING_STATION: u32 = 200_000;
+/// Time between two MAPEM of one unit, ns.
+const MAP_PERIOD_NS: u64 = 1_000_000_000;
+/// Behind a stop line the ego is told of it for so long, m.
+const PASSED_M: f64 = 50.0;
+/// From the first stop line to the middle of an intersection, m.
+const TO_MIDDLE_M: f64 = 10.0;
+/// Farthest that a MAPEM can place a stop line from the reference point, m.
+const MOST_TO_LINE_M: f64 = 327.0;
+/// Length of a lane in a MAPEM, cm.
+const LANE_CM: i16 = 10_000;
+const LANE_WIDTH_CM: i16 = 350;
+/// Lane ids: the ego's lanes from 1, the turning lanes from here, the exits from there.
+const TURNING: u8 = 101;
+const EXITS: u8 = 201;
+/// For how long a contradicting unit says that it stays green, ms.
+const FALSE_GREEN_MS: i64 = 30_000;
+
+/// All roadside units of a scenario.
+#[derive(Clone, Debug)]
+pub struct Frames {
+    sites: Vec<Site>,
+    wrong: Unit,
+    range_m: f64,
+    period_ns: u64,
+    plane: Plane,
+}
+
+/// A frame as its unit sends it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SentFrame {
+    /// Station id.
+    pub station: u32,
+    /// From the GeoNetworking header on.
+    pub bytes: Vec<u8>,
+}
+
+/// An intersection with its unit.
+#[derive(Clone, Debug)]
+struct Site {
+    intersection: u16,
+    signals: Vec<(u8, f64, Program)>,
+    /// Signal group of the turning lanes.
+    turning_group: u8,
+}
+
+impl Frames {
+    /// The units of a scenario.
+    #[must_use]
+    pub fn new(v2x: &V2x) -> Self {
+        let mut sites: Vec<Site> = Vec::new();
+        for signal in &v2x.signals {
+            let (id, group) = (signal.intersection_id.value(), signal.signal_group.value());
+            let entry = (group, signal.stop_line_m.value(), Program::new(signal));
+            match sites.iter_mut().find(|site| site.intersection == id) {
+                Some(site) => site.signals.push(entry),
+                None => {
+                    sites.push(Site { intersection: id, signals: vec![entry], turning_group: 0 });
+                }
+            }
+        }
+        for site in &mut sites {
+            let is_free = |group: &u8| site.signals.iter().all(|(used, ..)| used != group);
+            site.turning_group = (1..=254).find(is_free).unwrap_or(254);
+        }
+        Self {
+            sites,
+            wrong: v2x.unit,
+            range_m: v2x.range_m.value(),
+            period_ns: v2x.period_ms.nanoseconds(),
+            plane: Plane::at(Position { latitude: ROAD_ORIGIN.0, longitude: ROAD_ORIGIN.1 }),
+        }
+    }
+
+    /// What is sent at `time_ns` of the run, whose start was at `utc_start_ns`: by all units, or by those
+    /// that a vehicle at `ego_m` is in reach of.
+    ///
+    /// # Errors
+    /// [`EncodeError`] if the standards have no room for what the scenario says.
+    pub fn at(
+        &self,
+        time_ns: u64,
+        utc_start_ns: i64,
+        ego_m: Option<f64>,
+    ) -> Result<Vec<SentFrame>, EncodeError> {
+        let now = Now::of(time_ns, utc_start_ns, &self.wrong);
+        let mut sent = Vec::new();
+        for (site, index) in self.sites.iter().zip(0_u64..) {
+            if ego_m.is_some_and(|ego_m| !site.reaches(ego_m, self.range_m)) {
+                continue;
+            }
+            let station = FIRST_STATION + u32::from(site.intersection);
+            let spatem = site.spatem(station, &now, |program| self.events(program, &now));
+            sent.push(self.frame(site, Message::Spatem(spatem), &now)?);
+            if begun(self.wrong.contradicted_from_s, time_ns) {
+                let other = FIRST_CONTRADICTING_STATION + u32::from(site.intersection);
+                let spatem = site.spatem(other, &now, |_| vec![always_green(&now)]);
+                sent.push(self.frame(site, Message::Spatem(spatem), &now)?);
+            }
+            // The units do not send their maps all at once.
+            if (time_ns + index * self.period_ns) % MAP_PERIOD_NS < self.period_ns {
+                let shift_m = if now.revision > 0 { self.wrong.map_shift_m.value() } else { 0.0 };
+                let mapem = site.mapem(station, &now, &self.plane, shift_m)?;
+                sent.push(self.frame(site, Message::Mapem(mapem), &now)?);
+            }
+        }
+        Ok(sent)
+    }
+
+    fn frame(&self, site: &Site, message: Message, now: &Now) -> Result<SentFrame, EncodeError> {
+        let station = message.station_id();
+        let source = Source {
+            station_type: StationType::RoadsideUnit,
+            address: 0x0200_0000_0000 | u64::from(station),
+            timestamp: its_timestamp(now.utc_ms) as u32,
+            position: self.plane.position(site.middle_m(), 0.0),
+            accurate: true,
+            speed: 0,
+            heading: 0,
+        };
+        Ok(SentFrame { station, bytes: Frame { source, message }.encode()? })
+    }
+
+    /// The present phase of a program and those that follow, as far as a message has room.
+    fn events(&self, program: &Program, now: &Now) -> Vec<MovementEvent> {
+        let wrong_ns = self.wrong.countdown_wrong_from_s.map_or(u64::MAX, Time::nanoseconds);
+        let off_s = match now.time_ns.checked_sub(wrong_ns) {
+            Some(since_ns) => {
+                let slid_s = self.wrong.countdown_slide.value() * since_ns as f64 / 1e9;
+                self.wrong.countdown_jump_s.value() + slid_s
+            }
+            None => 0.0,
+        };
+        let off_ms = (off_s * 1e3).round() as i64;
+        let end_ms = |end_ns: u64| now.of_run(end_ns) + off_ms;
+        program
+            .intervals(now.time_ns)
+            .take(MAX_INTERVALS)
+            .map(|interval| event(interval.phase, interval.end_ns.map(end_ms), now))
+            .collect()
+    }
+}
+
+impl Site {
+    fn reaches(&self, ego_m: f64, range_m: f64) -> bool {
+        let mut ahead_m = self.signals.iter().map(|(_, stop_line_m, _)| stop_line_m - ego_m);
+        ahead_m.any(|ahead_m| (-PASSED_M..=range_m).contains(&ahead_m))
+    }
+
+    fn middle_m(&self) -> f64 {
+        self.signals[0].1 + TO_MIDDLE_M
+    }
+
+    fn spatem(
+        &self,
+        station_id: u32,
+        now: &Now,
+        events: impl Fn(&Program) -> Vec<MovementEvent>,
+    ) -> Spatem {
+        let ego = self.signals.iter().map(|(signal_group, _, program)| MovementState {
+            signal_group: *signal_group,
+            events: events(program),
+        });
+        let turning = MovementState {
+            signal_group: self.turning_group,
+            events: vec![event(Phase::Red, None, now)],
+        };
+        let state = IntersectionState {
+            region: None,
+            id: self.intersection,
+            revision: now.revision,
+            status: 0,
+            stamp: Some(Stamp::of(now.utc_ms)),
+            movements: ego.chain([turning]).collect(),
+        };
+        Spatem { station_id, intersections: vec![state] }
+    }
+
+    /// Stop lines as they are, but for `shift_m` along the road.
+    fn mapem(
+        &self,
+        station_id: u32,
+        now: &Now,
+        plane: &Plane,
+        shift_m: f64,
+    ) -> Result<Mapem, EncodeError> {
+        let mut lanes = Vec::new();
+        for ((signal_group, stop_line_m, _), n) in self.signals.iter().zip(0_u8..) {
+            let to_line_m = stop_line_m - self.middle_m();
+            if to_line_m.abs() > MOST_TO_LINE_M {
+                let what =
+                    format!("a stop line {to_line_m} m from intersection {}", self.intersection);
+                return Err(EncodeError::Range(what));
+            }
+            let to_line_cm = (to_line_m * 100.0).round() as i16;
+            let mut ingress = |id: u8, to_left_cm: i16, maneuver: u16, group: u8| {
+                lanes.push(Lane {
+                    id,
+                    approach: Approach::Ingress(1),
+                    maneuvers: maneuver,
+                    nodes: vec![(to_line_cm, to_left_cm), (-LANE_CM, 0)],
+                    connections: vec![Connection {
+                        lane: EXITS,
+                        maneuver: Some(maneuver),
+                        signal_group: Some(group),
+                    }],
+                });
+            };
+            ingress(1 + n, 0, STRAIGHT, *signal_group);
+            ingress(TURNING + n, LANE_WIDTH_CM, LEFT, self.turning_group);
+        }
+        lanes.push(Lane {
+            id: EXITS,
+            approach: Approach::Egress(2),
+            maneuvers: 0,
+            nodes: vec![(1000, 0), (LANE_CM, 0)],
+            connections: Vec::new(),
+        });
+        let geometry = IntersectionGeometry {
+            region: None,
+            id: self.intersection,
+            revision: now.revision,
+            reference: plane.position(self.middle_m() + shift_m, 0.0),
+            lane_width_cm: Some(LANE_WIDTH_CM.unsigned_abs()),
+            lanes,
+            unread_lanes: 0,
+        };
+        Ok(Mapem { station_id, revision: now.revision, intersections: vec![geometry] })
+    }
+}
+
+/// The time by the units' clocks.
+#[derive(Clone, Copy, Debug)]
+struct Now {
+    time_ns: u64,
+    utc_ms: i64,
+    /// UTC of run time 0 as these clocks have it at present, ns.
+    start_ns: i64,
+    /// Revision of the maps.
+    revision: u8,
+}
+
+impl Now {
+    fn of(time_ns: u64, utc_start_ns: i64, wrong: &Unit) -> Self {
+        let drift_ns = time_ns as f64 * f64::from(wrong.clock_drift_ppm.value()) / 1e6;
+        let offset_ns = i64::from(wrong.clock_offset_ms.value()) * 1_000_000;
+        let start_ns = utc_start_ns + offset_ns + drift_ns.round() as i64;
+        let revision = u8::from(begun(wrong.map_changes_at_s, time_ns));
+        let this = Self { time_ns, utc_ms: 0, start_ns, revision };
+        Self { utc_ms: this.of_run(time_ns), ..this }
+    }
+
+    /// UTC of a time of the run, ms.
+    fn of_run(&self, time_ns: u64) -> i64 {
+        self.start_ns.saturating_add_unsigned(time_ns).div_euclid(1_000_000)
+    }
+}
+
+fn begun(from: Option<Time>, time_ns: u64) -> bool {
+    from.is_some_and(|from| time_ns >= from.nanoseconds())
+}
+
+/// A phase that ends at a time of UTC in ms, or for which no end is planned. Marks are tenths of a second:
+/// the earliest end is rounded down, the latest up.
+fn event(phase: Phase, end_ms: Option<i64>, now: &Now) -> MovementEvent {
+    let state = match phase {
+        Phase::Green => MovementPhase::ProtectedMovementAllowed,
+        Phase::Yellow => MovementPhase::ProtectedClearance,
+        Phase::Red => MovementPhase::StopAndRemain,
+    };
+    let mark = |ms: Option<i64>| ms.map_or(TimeMark::BEYOND, |ms| TimeMark::of(ms, now.utc_ms));
+    let timing = Timing {
+        start: None,
+        min_end: mark(end_ms.map(|ms| ms.div_euclid(100) * 100)),
+        max_end: Some(mark(end_ms.map(|ms| (ms + 99).div_euclid(100) * 100))),
+        likely_end: Some(mark(end_ms)),
+        confidence: Some(CERTAIN),
+        next: None,
+    };
+    MovementEvent { state, timing: Some(timing) }
+}
+
+fn always_green(now: &Now) -> MovementEvent {
+    event(Phase::Green, Some(now.utc_ms + FALSE_GREEN_MS), now)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use scenario::radio::SIMULATED_START_NS;
+    use scenario::{Scenario, builtin};
+
+    fn frames(keys: &str) -> Frames {
+        let text = builtin::find("corridor").expect("it is built in").text;
+        let scenario = Scenario::parse("corridor", &format!("{text}\n{keys}")).expect("right");
+        Frames::new(&scenario.v2x)
+    }
+
+    fn read(frames: &Frames, time_ns: u64, ego_m: Option<f64>) -> Vec<Message> {
+        let sent = frames.at(time_ns, SIMULATED_START_NS, ego_m).expect("there is room");
+        sent.iter().map(|f| Frame::decode(&f.bytes).expect("a frame").message).collect()
+    }
+
+    #[test]
+    fn each_unit_in_reach_sends_its_signals_and_once_a_second_its_map() {
+        let frames = frames("");
+        let count = |ego_m| {
+            let tenths = (0..10).flat_map(|k| read(&frames, k * 100_000_000, ego_m));
+            let (maps, spats): (Vec<_>, Vec<_>) =
+                tenths.partition(|message| matches!(message, Message::Mapem(_)));
+            (maps.len(), spats.len())
+        };
+        assert_eq!(count(Some(-1.0)), (0, 0));
+        assert_eq!(count(Some(0.0)), (1, 10));
+        assert_eq!(count(None), (3, 30));
+    }
+
+    #[test]
+    fn a_map_leads_back_to_the_stop_line_and_the_signal_of_the_lane() {
+        let Some(Message::Mapem(map)) = read(&frames(""), 0, Some(0.0)).pop() else {
+            panic!("a map comes at first")
+        };
+        let geometry = &map.intersections[0];
+        let plane = Plane::at(Position { latitude: ROAD_ORIGIN.0, longitude: ROAD_ORIGIN.1 });
+        let middle = plane.point(geometry.reference);
+        let straight = &geometry.lanes[0];
+        assert!((middle.0 + f64::from(straight.nodes[0].0) / 100.0 - 300.0).abs() < 0.01);
+        assert!(middle.1.abs() < 0.01);
+        assert_eq!(straight.connections[0].signal_group, Some(1));
+        assert_eq!(geometry.lanes[1].connections[0].signal_group, Some(2), "the turning lane's");
+    }
+
+    #[test]
+    fn announced_ends_are_those_of_the_program_and_wrong_ones_where_they_are_asked_for() {
+        let end = |frames: &Frames, time_ns: u64| {
+            let messages = read(frames, time_ns, Some(0.0));
+            let Some(Message::Spatem(spatem)) = messages.first() else { panic!("{messages:?}") };
+            let timing = spatem.intersections[0].movements[0].events[0].timing.expect("it has one");
+            let utc_ms = SIMULATED_START_NS / 1_000_000 + (time_ns / 1_000_000) as i64;
+            let end_ms = timing.likely_end.and_then(|mark| mark.utc(utc_ms)).expect("it is known");
+            end_ms - SIMULATED_START_NS / 1_000_000
+        };
+        assert_eq!((end(&frames(""), 0), end(&frames(""), 20_000_000_000)), (27_000, 27_000));
+        let wrong = "[v2x.unit]\ncountdown_wrong_from_s = 10\ncountdown_jump_s = 2\n\
+                     countdown_slide = 0.5\n";
+        let wrong = frames(wrong);
+        assert_eq!((end(&wrong, 0), end(&wrong, 12_000_000_000)), (27_000, 30_000));
+    }
+}

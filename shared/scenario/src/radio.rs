@@ -1,0 +1,182 @@
+//! `[v2x]`, the radio: how the signals reach the vehicle, and what goes wrong on the way.
+
+use serde::{Deserialize, Serialize};
+
+use super::quantity::{
+    DelayMs, DriftPpm, Duration, MapShift, OffsetMs, Probability, Shift, StationId, Time,
+};
+
+/// Where the simulated road begins on the Earth: latitude and longitude, 1e-7 degrees. It leads to the east.
+pub const ROAD_ORIGIN: (i32, i32) = (487_000_000, 91_000_000);
+
+/// UTC of run time 0 in simulated time, ns since 1970: noon of 2026-06-01.
+pub const SIMULATED_START_NS: i64 = 1_780_315_200_000_000_000;
+
+/// How the signals reach the vehicle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Radio {
+    /// As structs, from the roadside unit to the controller.
+    #[default]
+    Direct,
+    /// As frames (SPATEM, MAPEM), which an on-board unit decodes and checks.
+    Frames,
+}
+
+impl Radio {
+    /// True for structs.
+    #[must_use]
+    pub fn is_direct(&self) -> bool {
+        *self == Self::Direct
+    }
+}
+
+/// The air between the roadside units and the vehicle. Without any key nothing is lost, late or wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Air {
+    /// When the imperfections begin, s.
+    pub from_s: Time,
+    /// For how long they last, s; absent: to the end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub for_s: Option<Duration>,
+    /// Probability that a frame is lost.
+    pub loss_probability: Probability,
+    /// Burst loss (Gilbert-Elliott): probability that the channel turns bad, asked for each frame.
+    pub burst_begin_probability: Probability,
+    /// Probability that a bad channel turns good again, asked for each frame.
+    pub burst_end_probability: Probability,
+    /// Probability that a frame is lost while the channel is bad.
+    pub burst_loss_probability: Probability,
+    /// Time that every frame takes, ms. Frames reach the on-board unit in batches, once in `v2x.period_ms`.
+    pub delay_ms: DelayMs,
+    /// Longest time on top of that, ms, drawn for each frame.
+    pub jitter_ms: DelayMs,
+    /// Probability that a frame is held back behind the next ones.
+    pub reorder_probability: Probability,
+    /// For how long, ms.
+    pub reorder_ms: DelayMs,
+    /// Probability that a frame arrives twice.
+    pub duplicate_probability: Probability,
+    /// Probability that a frame is cut off.
+    pub truncate_probability: Probability,
+    /// Probability that one bit of a frame is wrong, as after a checksum that matched by chance.
+    pub bit_flip_probability: Probability,
+    /// Probability that an earlier frame is sent again with a new one.
+    pub replay_probability: Probability,
+    /// How old the frame is that is sent again, s.
+    pub replay_age_s: Time,
+}
+
+impl Default for Air {
+    fn default() -> Self {
+        let never = Probability::of(0.0);
+        Self {
+            from_s: Time::of(0.0),
+            for_s: None,
+            loss_probability: never,
+            burst_begin_probability: never,
+            burst_end_probability: Probability::of(0.1),
+            burst_loss_probability: Probability::of(1.0),
+            delay_ms: DelayMs::of(0),
+            jitter_ms: DelayMs::of(0),
+            reorder_probability: never,
+            reorder_ms: DelayMs::of(200),
+            duplicate_probability: never,
+            truncate_probability: never,
+            bit_flip_probability: never,
+            replay_probability: never,
+            replay_age_s: Time::of(10.0),
+        }
+    }
+}
+
+impl Air {
+    /// Whether nothing is wrong.
+    #[must_use]
+    pub fn is_right(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// What is wrong with the roadside units. Without any key they are right.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Unit {
+    /// By how much their clocks are ahead at the start, ms.
+    pub clock_offset_ms: OffsetMs,
+    /// By how much their clocks are too fast, millionths.
+    pub clock_drift_ppm: DriftPpm,
+    /// When a second unit begins to say that every signal is green, s; absent: never.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contradicted_from_s: Option<Time>,
+    /// When the map is replaced by another revision, s; absent: never.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map_changes_at_s: Option<Time>,
+    /// By how much stop lines lie farther along the road in that revision, m.
+    pub map_shift_m: MapShift,
+    /// When the countdowns begin to be wrong, s; absent: never.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub countdown_wrong_from_s: Option<Time>,
+    /// By how much the announced ends jump then, s.
+    pub countdown_jump_s: Shift,
+    /// By how much they slide from then on, s in each s: 1 is a countdown that stands still.
+    pub countdown_slide: Shift,
+}
+
+impl Default for Unit {
+    fn default() -> Self {
+        Self {
+            clock_offset_ms: OffsetMs::of(0),
+            clock_drift_ppm: DriftPpm::of(0),
+            contradicted_from_s: None,
+            map_changes_at_s: None,
+            map_shift_m: MapShift::of(0.0),
+            countdown_wrong_from_s: None,
+            countdown_jump_s: Shift::of(0.0),
+            countdown_slide: Shift::of(0.0),
+        }
+    }
+}
+
+impl Unit {
+    /// Whether nothing is wrong.
+    #[must_use]
+    pub fn is_right(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// The vehicle's on-board unit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Obu {
+    /// Its station id.
+    pub station_id: StationId,
+    /// Frames whose content is older than this by its own stamp, or made so far in the future, are not
+    /// used, ms.
+    pub max_age_ms: DelayMs,
+    /// By how much the vehicle's clock is ahead at the start, ms.
+    pub clock_offset_ms: OffsetMs,
+    /// By how much it is too fast, millionths.
+    pub clock_drift_ppm: DriftPpm,
+}
+
+impl Default for Obu {
+    fn default() -> Self {
+        Self {
+            station_id: StationId::of(4711),
+            max_age_ms: DelayMs::of(500),
+            clock_offset_ms: OffsetMs::of(0),
+            clock_drift_ppm: DriftPpm::of(0),
+        }
+    }
+}
+
+impl Obu {
+    /// Whether it is as usual.
+    #[must_use]
+    pub fn is_usual(&self) -> bool {
+        *self == Self::default()
+    }
+}
