@@ -48,6 +48,10 @@ pub enum MiddlewareError {
     #[cfg(feature = "peers")]
     #[error("{0}")]
     ZenohAlone(#[source] std::io::Error),
+    /// What zenoh delivered has not the size of a message.
+    #[cfg(feature = "peers")]
+    #[error("zenoh delivered no message: {0}")]
+    ZenohMessage(bytemuck::PodCastError),
     /// zenoh did not use its shared memory.
     #[cfg(feature = "peers")]
     #[error("zenoh copied a message out of shared memory")]

@@ -118,8 +118,8 @@ impl Receiving for Sink {
                 return Err(MiddlewareError::ZenohCopied);
             }
             let bytes = sample.payload().to_bytes();
-            let message: RadarTracks = bytemuck::try_pod_read_unaligned(&bytes)
-                .map_err(failed("zenoh delivered no message"))?;
+            let message: RadarTracks =
+                bytemuck::try_pod_read_unaligned(&bytes).map_err(MiddlewareError::ZenohMessage)?;
             each(message.header.acquisition_ns);
             next = self.subscriber.try_recv().map_err(failed("zenoh cannot receive"))?;
         }
