@@ -29,6 +29,9 @@ pub struct FaultStatistics {
     pub begun_ns: i64,
     /// Messages.
     pub messages: u64,
+    /// Messages that it corrupted and a receiver took for intact.
+    #[serde(default)]
+    pub undetected: u64,
 }
 
 /// Where the launcher's faults arrive, from the link's thread.
@@ -58,6 +61,7 @@ struct Entry {
     fault: Fault,
     begun_ns: Option<i64>,
     messages: u64,
+    undetected: u64,
 }
 
 /// The faults of a run, as one service's ports see them.
@@ -71,6 +75,8 @@ pub(crate) struct Faults {
 
 /// One fault at the moment it acts on a message.
 pub(crate) struct Activation {
+    /// The fault's number in the run.
+    pub(crate) number: u32,
     /// 64 random bits, those of this fault and this message.
     pub(crate) random: u64,
 }
@@ -99,6 +105,7 @@ impl Faults {
             fault: fault.clone(),
             begun_ns: fault.begin.known_ns(),
             messages: 0,
+            undetected: 0,
         };
         let entries: Vec<Entry> = (scenario.faults.iter().enumerate())
             .filter(|(_, fault)| fault.effect.extent().is_some())
@@ -117,7 +124,13 @@ impl Faults {
     pub(crate) fn refresh(&self) {
         for Injected { number, begin_ns, fault } in self.inbox.take() {
             let begun_ns = Some(begin_ns);
-            self.entries.borrow_mut().push(Entry { number, fault, begun_ns, messages: 0 });
+            self.entries.borrow_mut().push(Entry {
+                number,
+                fault,
+                begun_ns,
+                messages: 0,
+                undetected: 0,
+            });
             self.in_use.set(true);
         }
     }
@@ -159,7 +172,7 @@ impl Faults {
             let aimed = match effect.target() {
                 Target::Topic(disturbed) => disturbed == topic,
                 Target::Service(service) => service.to_wire() == source,
-                Target::Machine => false,
+                Target::Helper(_) | Target::Machine => false,
             };
             if !aimed || !(begun_ns..effect.end_ns(begun_ns)).contains(&now_ns) {
                 continue;
@@ -170,11 +183,20 @@ impl Faults {
             message[8..12].copy_from_slice(&source.to_le_bytes());
             message[12..16].copy_from_slice(&incarnation.to_le_bytes());
             message[16..24].copy_from_slice(&sequence.to_le_bytes());
-            let activation = Activation { random: xxh3_64_with_seed(&message, self.seed) };
+            let random = xxh3_64_with_seed(&message, self.seed);
+            let activation = Activation { number: entry.number, random };
             if random::unit(activation.draw(0)) < extent.probability.value() {
                 each(fault, &activation);
                 entry.messages += 1;
             }
+        }
+    }
+
+    /// Notes that a message which fault `number` had corrupted passed a receiver's check.
+    pub(crate) fn went_undetected(&self, number: u32) {
+        let mut entries = self.entries.borrow_mut();
+        for entry in entries.iter_mut().filter(|entry| entry.number == number) {
+            entry.undetected += 1;
         }
     }
 
@@ -184,8 +206,9 @@ impl Faults {
         let begun = entries.iter().filter(|entry| entry.messages > 0);
         begun
             .filter_map(|entry| {
-                let (fault, messages) = (entry.number, entry.messages);
-                entry.begun_ns.map(|begun_ns| FaultStatistics { fault, begun_ns, messages })
+                let Entry { number: fault, messages, undetected, .. } = *entry;
+                let begun_ns = entry.begun_ns?;
+                Some(FaultStatistics { fault, begun_ns, messages, undetected })
             })
             .collect()
     }
@@ -198,6 +221,6 @@ pub fn concerned(fault: &Fault) -> Vec<Service> {
         Target::Topic(topic) if fault.effect.of_channels().is_some() => topic.consumers().to_vec(),
         Target::Topic(topic) => topic.sources().to_vec(),
         Target::Service(service) => vec![service],
-        Target::Machine => Vec::new(),
+        Target::Helper(_) | Target::Machine => Vec::new(),
     }
 }

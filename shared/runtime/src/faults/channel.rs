@@ -12,9 +12,17 @@ const CAPACITY: usize = 256;
 #[derive(Debug)]
 pub(crate) struct ChannelFaults<T> {
     /// Messages and when they are handed over, ns of run time.
-    pending: VecDeque<(i64, T)>,
+    pending: VecDeque<(i64, Disturbed<T>)>,
     /// A message that lets its successor pass.
-    overtaken: Option<T>,
+    overtaken: Option<Disturbed<T>>,
+}
+
+/// A message on its way.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Disturbed<T> {
+    pub(crate) message: T,
+    /// The fault that corrupted it.
+    pub(crate) corrupted_by: Option<u32>,
 }
 
 impl<T: Message> ChannelFaults<T> {
@@ -28,6 +36,7 @@ impl<T: Message> ChannelFaults<T> {
         let header = message.header();
         let identity = (header.source, header.incarnation, header.sequence);
         let mut changed: Option<T> = None;
+        let mut corrupted_by = None;
         let mut due_ns = now_ns;
         let (mut copies, mut reordered) = (1, false);
         faults.activate(Effect::of_channels, T::TOPIC, identity, now_ns, |fault, activation| {
@@ -40,6 +49,7 @@ impl<T: Message> ChannelFaults<T> {
                     due_ns = due_ns.saturating_add_unsigned(delay_ms.nanoseconds() + jitter as u64);
                 }
                 Disturbance::Corrupt { bits } => {
+                    corrupted_by = Some(activation.number);
                     let bytes = bytemuck::bytes_of_mut(changed.get_or_insert(*message));
                     for k in 0..bits.value() {
                         let bit = activation.draw(2 + u64::from(k)) % (8 * bytes.len() as u64);
@@ -57,7 +67,7 @@ impl<T: Message> ChannelFaults<T> {
         if undisturbed && self.pending.is_empty() && self.overtaken.is_none() {
             return true;
         }
-        let message = changed.unwrap_or(*message);
+        let message = Disturbed { message: changed.unwrap_or(*message), corrupted_by };
         if reordered && copies > 0 && self.overtaken.is_none() {
             self.overtaken = Some(message);
             return false;
@@ -72,13 +82,13 @@ impl<T: Message> ChannelFaults<T> {
     }
 
     /// The next message that is due at `now_ns`.
-    pub(crate) fn hand_over(&mut self, now_ns: i64) -> Option<T> {
+    pub(crate) fn hand_over(&mut self, now_ns: i64) -> Option<Disturbed<T>> {
         let due = self.pending.front().is_some_and(|(due_ns, _)| *due_ns <= now_ns);
         due.then(|| self.pending.pop_front()).flatten().map(|(_, message)| message)
     }
 
     /// Keeps the messages in the order in which they are due.
-    fn send(&mut self, due_ns: i64, message: T) {
+    fn send(&mut self, due_ns: i64, message: Disturbed<T>) {
         if self.pending.len() == CAPACITY {
             self.pending.pop_front();
         }

@@ -33,7 +33,7 @@ fn through(text: &str, messages: u64) -> Vec<(i64, u64)> {
             out.push((now_ns / 1_000_000, k + 1));
         }
         while let Some(message) = channel.hand_over(now_ns) {
-            out.push((now_ns / 1_000_000, message.header.sequence));
+            out.push((now_ns / 1_000_000, message.message.header.sequence));
         }
     }
     out
@@ -65,9 +65,29 @@ fn every_corruption_is_detected() {
     for k in 1..=20_000 {
         assert!(!channel.take(&message(k), &faults, 0));
         let corrupted = channel.hand_over(0).expect("due at once");
-        assert!(!check.accept(bytemuck::bytes_of(&corrupted), 9, 0, &mut outcomes));
+        assert!(!check.accept(bytemuck::bytes_of(&corrupted.message), 9, 0, &mut outcomes));
     }
     assert_eq!(outcomes.error, 20_000);
+}
+
+#[test]
+fn what_is_handed_over_late_still_tells_which_fault_corrupted_it() {
+    let faults = faults(
+        "[[faults]]\nkind = \"delay\"\ntopic = \"radar/tracks\"\ndelay_ms = 100\n\
+         [[faults]]\nkind = \"corrupt\"\ntopic = \"radar/tracks\"\nfor_s = 0.05",
+    );
+    let mut channel = ChannelFaults::new();
+    assert!(!channel.take(&message(1), &faults, 0));
+    assert!(!channel.take(&message(2), &faults, 60_000_000));
+    assert!(
+        channel.hand_over(99_000_000).is_none(),
+        "still on its way: neither noticed nor missed"
+    );
+    let mut by = |now_ns| channel.hand_over(now_ns).expect("due").corrupted_by;
+    assert_eq!((by(100_000_000), by(160_000_000)), (Some(1), None));
+    faults.went_undetected(1);
+    let undetected: Vec<_> = faults.statistics().iter().map(|s| s.undetected).collect();
+    assert_eq!(undetected, [0, 1]);
 }
 
 #[test]
@@ -93,7 +113,10 @@ fn a_condition_begins_the_fault_once_it_holds() {
     assert!(!channel.take(&message(2), &faults, 2));
     assert!(channel.hand_over(2).is_none(), "begun at 1, though the condition holds no more");
     assert!(channel.take(&message(3), &faults, 1_000_000_001), "over");
-    assert_eq!(faults.statistics(), [FaultStatistics { fault: 0, begun_ns: 1, messages: 1 }]);
+    assert_eq!(
+        faults.statistics(),
+        [FaultStatistics { fault: 0, begun_ns: 1, messages: 1, undetected: 0 }]
+    );
 }
 
 #[test]

@@ -136,9 +136,12 @@ impl<T: Message> Subscriber<T> {
         }
         if let Some(mut faults) = self.channel_faults.take() {
             let now_ns = self.now_ns();
-            while let Some(sample) = faults.hand_over(now_ns) {
-                self.incoming.copy(&sample);
-                self.check(&mut each);
+            while let Some(disturbed) = faults.hand_over(now_ns) {
+                self.incoming.copy(&disturbed.message);
+                let passed = self.check(&mut each);
+                if let Some(number) = disturbed.corrupted_by.filter(|_| passed) {
+                    self.faults.went_undetected(number);
+                }
             }
             self.channel_faults = Some(faults);
         }
@@ -149,9 +152,9 @@ impl<T: Message> Subscriber<T> {
         self.clock.as_ref().map_or(0, |clock| clock.now_ns())
     }
 
-    /// Keeps the sample if it passes the end-to-end check.
-    fn check(&mut self, each: &mut impl FnMut(&T)) {
-        let Some(sample) = self.incoming.get() else { return };
+    /// Keeps the sample if it passes the end-to-end check; whether it did.
+    fn check(&mut self, each: &mut impl FnMut(&T)) -> bool {
+        let Some(sample) = self.incoming.get() else { return false };
         let header = sample.header();
         let source = match T::TOPIC.sources() {
             [only] => only.to_wire(),
@@ -160,13 +163,13 @@ impl<T: Message> Subscriber<T> {
         let tally = &mut self.tally.borrow_mut();
         let Some(channel) = self.channels.get_mut(source as usize) else {
             tally.e2e.error += 1;
-            return;
+            return false;
         };
         let bytes = bytemuck::bytes_of(sample);
         if self.fences.as_ref().is_some_and(|f| !f.accept(source, header.incarnation)) {
             // Of a process that its standby has replaced.
             tally.e2e.wrong_sequence += 1;
-            return;
+            return false;
         }
         let (data_id, incarnation) = (T::TOPIC.data_id(source), header.incarnation);
         let accepted = match self.incoming.is_as_sent() {
@@ -174,19 +177,20 @@ impl<T: Message> Subscriber<T> {
             false => channel.accept(bytes, data_id, incarnation, &mut tally.e2e),
         };
         if !accepted {
-            return;
+            return false;
         }
         if let Some(clock) = &self.clock {
             let now_ns = clock.now_ns();
             if header.acquisition_ns > now_ns.saturating_add(FUTURE_TOLERANCE_NS) {
                 tally.e2e.from_the_future += 1;
-                return;
+                return false;
             }
             self.heard_ns = now_ns;
         }
         each(sample);
         std::mem::swap(&mut self.newest, &mut self.incoming);
         self.incoming.clear();
+        true
     }
 
     /// Counts a silence of more than a period of the topic's source as the standard's "no new data",
