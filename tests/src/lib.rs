@@ -99,7 +99,9 @@ impl Corner {
             let line = String::from_utf8_lossy(&line).into_owned();
             let mut words = line.split('\0');
             let name = words.next().unwrap_or_default().to_owned();
-            if name.starts_with("timegap-") && words.any(|word| word.starts_with(&needle)) {
+            // Also those that were started ahead and are no services yet.
+            let is_ours = name.starts_with("timegap-") || name.starts_with("prepare-");
+            if is_ours && words.any(|word| word.starts_with(&needle)) {
                 found.push((pid, name));
             }
         }

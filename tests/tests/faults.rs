@@ -70,6 +70,50 @@ fn every_service_is_killed_once_and_the_drive_goes_on() {
 }
 
 #[test]
+fn recorder_and_janitor_may_be_killed_and_so_may_what_has_just_been_started() {
+    let faults = fault("kill-helper", 0.5, "helper = \"recorder\"")
+        + &fault("kill-helper", 0.8, "helper = \"janitor\"")
+        + &fault("restart-storm", 1.0, "service = \"controller\"\ntimes = 2\nafter_start_ms = 1")
+        + &fault("kill-helper", 3.0, "helper = \"launcher\"");
+    let corner = corner(600.0, &faults);
+    let output = corner.run(&["run", "faulty.toml", "--out", "out"]);
+    // The janitor that took the place of the first one cleans up after the launcher.
+    assert_eq!(output.status.code(), None, "{}", text(&output));
+    corner.expect_nothing_left(&[]);
+    let whole =
+        corner.run(&["run", "faulty.toml", "--out", "whole", "--json", "--duration", "2.5"]);
+    let summary: Value = serde_json::from_slice(&whole.stdout).expect("one JSON object");
+    assert_eq!(summary["outcome"], "completed", "{summary}");
+    assert_eq!(restarts(&summary)[3], 2, "{summary}");
+    let faults = summary["faults"].as_array().expect("a list");
+    assert_eq!(faults[0]["helper"], "recorder", "{faults:?}");
+    assert_eq!(faults[3]["while_starting"], true, "{faults:?}");
+    assert_eq!(summary["recording"]["failed"], "killed by SIGKILL");
+    let unrecorded = corner.run(&["run", "faulty.toml", "--out", "none", "--no-record"]);
+    assert_eq!(unrecorded.status.code(), Some(2), "{}", text(&unrecorded));
+    corner.expect_nothing_left(&[]);
+}
+
+#[test]
+fn the_next_process_of_each_service_is_started_ahead() {
+    let corner = corner(600.0, "");
+    let child = corner.start(&["run", "faulty.toml", "--out", "out", "--no-record"]);
+    let ahead = corner.wait_for_process("prepare-controller");
+    let kill = |pid: i32, signal| {
+        let pid = rustix::process::Pid::from_raw(pid).expect("a process id");
+        rustix::process::kill_process(pid, signal).expect("of our own run");
+    };
+    kill(corner.wait_for_process("timegap-controller"), rustix::process::Signal::KILL);
+    // The same process, by a service's name.
+    assert!(wait_for(|| corner.processes().contains(&(ahead, "timegap-controller".into()))));
+    assert_ne!(corner.wait_for_process("prepare-controller"), ahead);
+    kill(i32::try_from(child.id()).expect("fits"), rustix::process::Signal::INT);
+    let output = child.wait_with_output().expect("our own child");
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output));
+    corner.expect_nothing_left(&[]);
+}
+
+#[test]
 fn a_stopped_service_is_replaced_and_a_short_stop_is_not() {
     let faults = fault("stop", 0.5, "service = \"v2x-sim\"\nfor_s = 0.05")
         + &fault("stop", 1.0, "service = \"perception-sim\"");

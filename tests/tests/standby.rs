@@ -179,6 +179,14 @@ fn interleave(rounds: u32, seed: u64) {
             );
             std::thread::sleep(Duration::from_millis(1));
         }
+        if round % 500 == 499 {
+            let done = round + 1;
+            println!(
+                "{done} rounds, {} commands of {} processes",
+                listener.heard,
+                listener.newest + 1
+            );
+        }
     }
     println!("{rounds} rounds, {} commands of {} processes", listener.heard, listener.newest + 1);
     assert!(listener.newest > rounds / 4, "only {} processes", listener.newest);

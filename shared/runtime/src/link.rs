@@ -32,6 +32,8 @@ pub struct StartOrder {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ToService {
+    /// Take part: for a process that was started ahead.
+    Join,
     /// Begin.
     Start(StartOrder),
     /// End after the releases of this step; in realtime, at once.
@@ -105,6 +107,8 @@ pub(super) struct Link {
     pub(super) safe_stop: Arc<AtomicBool>,
     /// Where a standby hears that it is to take over.
     pub(super) take_over: OrderSlot,
+    /// The order to take part, of a process that was started ahead.
+    joins: Option<Receiver<()>>,
     /// The thread that reads; 0 without one.
     thread: Arc<AtomicI32>,
 }
@@ -137,6 +141,7 @@ impl Link {
             joined: Arc::default(),
             safe_stop: Arc::default(),
             take_over: OrderSlot::default(),
+            joins: None,
             thread: Arc::default(),
         }
     }
@@ -158,6 +163,7 @@ impl Link {
         signal_hook::flag::register(PEER_JOINED, Arc::clone(&joined))
             .map_err(|reason| RuntimeError::Link { what: "signal handler", reason })?;
         let (sender, start) = sync_channel(1);
+        let (join, joins) = sync_channel(1);
         let (orders, inbox) = (end.clone(), Inbox::default());
         let safe_stop = Arc::new(AtomicBool::new(false));
         let (faults, stop) = (inbox.clone(), Arc::clone(&safe_stop));
@@ -172,10 +178,9 @@ impl Link {
                 own.store(rustix::thread::gettid().as_raw_pid(), Ordering::Release);
                 for line in std::io::stdin().lock().lines() {
                     match line.ok().and_then(|l| serde_json::from_str::<ToService>(&l).ok()) {
-                        Some(ToService::Start(order)) => {
-                            // A second start order finds the channel full and is of no use.
-                            let _ = sender.try_send(order);
-                        }
+                        // A second order finds the channel full and is of no use.
+                        Some(ToService::Join) => drop(join.try_send(())),
+                        Some(ToService::Start(order)) => drop(sender.try_send(order)),
                         Some(ToService::StopAfter(step)) => orders.set_before(step + 1),
                         Some(ToService::Inject(injected)) => faults.put(injected),
                         Some(ToService::TakeOver) => slot.take_over(),
@@ -186,7 +191,14 @@ impl Link {
                 orders.set_before(0);
             })
             .map_err(|reason| RuntimeError::Link { what: "thread", reason })?;
-        Ok(Self { way: Way::Streams(start), end, inbox, joined, safe_stop, take_over, thread })
+        let (way, joins) = (Way::Streams(start), Some(joins));
+        Ok(Self { way, end, inbox, joined, safe_stop, take_over, joins, thread })
+    }
+
+    /// Waits for the order to take part.
+    pub(super) fn wait_to_join(&self) -> Result<(), RuntimeError> {
+        let ordered = self.joins.as_ref().is_some_and(|joins| joins.recv().is_ok());
+        if ordered { Ok(()) } else { Err(RuntimeError::Stopped) }
     }
 
     /// Waits for the start order.

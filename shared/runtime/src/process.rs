@@ -1,5 +1,6 @@
 //! A service as a process.
 
+use super::prepared::{self, PREPARED};
 use super::{FromService, Runtime, RuntimeError};
 use messages::Service;
 use std::path::Path;
@@ -27,15 +28,18 @@ pub fn log_warnings() {
     tracing_subscriber::registry().with(lines.with_filter(filter)).init();
 }
 
-/// A service process from its start to its exit status. `arguments` are the run's root and the
-/// incarnation.
+/// A service process from its start to its exit status. `arguments` are the run's root, the incarnation,
+/// and [`PREPARED`] for a process that is started ahead.
 pub fn run_service(
     service: Service,
     arguments: &[String],
     run: impl FnOnce(Runtime) -> Result<(), RuntimeError>,
 ) -> ExitCode {
-    let (root, incarnation) = match arguments {
-        [root, incarnation] if incarnation.parse::<u32>().is_ok() => (root, incarnation),
+    let (root, incarnation, is_prepared) = match arguments {
+        [root, incarnation] if incarnation.parse::<u32>().is_ok() => (root, incarnation, false),
+        [root, incarnation, last] if incarnation.parse::<u32>().is_ok() && last == PREPARED => {
+            (root, incarnation, true)
+        }
         _ => {
             eprintln!("{service} is a service of timegap: start it with `timegap run`");
             return ExitCode::from(2);
@@ -43,7 +47,12 @@ pub fn run_service(
     };
     let incarnation = incarnation.parse().expect("checked above");
     log_warnings();
-    match Runtime::join(service, Path::new(root), incarnation).and_then(run) {
+    let root = Path::new(root);
+    let joined = match is_prepared {
+        true => Runtime::join_when(service, root, incarnation, prepared::wait),
+        false => Runtime::join(service, root, incarnation),
+    };
+    match joined.and_then(run) {
         Ok(()) | Err(RuntimeError::Stopped) => ExitCode::SUCCESS,
         // No orderly end of the service: the launcher may see it before it hears of the take-over.
         Err(RuntimeError::Replaced) => ExitCode::from(REPLACED),

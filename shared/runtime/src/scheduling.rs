@@ -181,7 +181,7 @@ pub(super) fn set_below_services(scenario: &Scenario) {
 }
 
 /// Gives thread `thread` of this process `SCHED_FIFO` with this priority, where the machine grants it.
-pub(super) fn set_fifo_of(thread: i32, priority: u8) {
+pub fn set_fifo_of(thread: i32, priority: u8) {
     let _ = set_policy_of(thread, libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK, priority);
 }
 

@@ -28,6 +28,9 @@ pub struct Supervision {
     /// A service that has not given a sign of life for so long, beside its own period, hangs: it is
     /// killed and replaced, ms.
     pub heartbeat_timeout_ms: DelayMs,
+    /// For each service without a standby the next process is started ahead: it has read the scenario and waits
+    /// to open its ports. In realtime only.
+    pub prepared: bool,
     /// Services with a standby: a second process that computes, sends nothing, and takes the service over
     /// when the active one ends or hangs. In realtime only.
     pub standby: Standbys,
@@ -46,6 +49,7 @@ impl Default for Supervision {
             backoff_ms: DelayMs::of(10),
             max_backoff_ms: DelayMs::of(1000),
             heartbeat_timeout_ms: DelayMs::of(250),
+            prepared: true,
             standby: Standbys::default(),
             standby_timeout_ms: DelayMs::of(50),
         }

@@ -81,6 +81,12 @@ impl Attendant {
         }
     }
 
+    /// Kills it.
+    pub fn kill(&mut self) {
+        // It may be gone by now.
+        let _ = self.child.kill();
+    }
+
     /// True once the process is gone.
     pub fn is_gone(&mut self) -> bool {
         self.child.try_wait().is_ok_and(|status| status.is_some())

@@ -13,6 +13,8 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Handle;
 use std::io::{BufRead, BufReader, Read};
 use std::process::{ChildStderr, ChildStdout};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicI32, Ordering};
 use std::sync::mpsc::Sender;
 
 /// Longest line of a service, bytes: a report with all its histograms has a few hundred KiB.
@@ -62,17 +64,20 @@ pub enum Event {
 }
 
 /// Follows what a service says and writes, until its streams end; then does `on_end`, in a thread that waits
-/// for nothing else.
+/// for nothing else. Returns where that thread leaves its id, by which it can be raised.
 pub fn follow(
     who: Who,
     on_end: impl FnOnce() + Send + 'static,
     out: ChildStdout,
     err: ChildStderr,
     events: Sender<Event>,
-) -> std::io::Result<()> {
+) -> std::io::Result<Arc<AtomicI32>> {
     let said = events.clone();
     let service = who.service;
+    let thread = Arc::new(AtomicI32::new(0));
+    let own = Arc::clone(&thread);
     std::thread::Builder::new().name(format!("{service}-out")).spawn(move || {
+        own.store(rustix::thread::gettid().as_raw_pid(), Ordering::Release);
         follow_stream(who, out, &said);
         // The end of the output is the end of the process: it alone holds the pipe.
         on_end();
@@ -81,7 +86,7 @@ pub fn follow(
     std::thread::Builder::new()
         .name(format!("{service}-err"))
         .spawn(move || follow_stream(who, err, &events))?;
-    Ok(())
+    Ok(thread)
 }
 
 /// Hands on messages and text until the stream ends or its reader does not listen any more.

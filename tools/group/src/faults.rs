@@ -3,7 +3,7 @@
 use super::disturbance::Disturbance;
 use messages::{Drive, Service};
 use scenario::Scenario;
-use scenario::faults::{Effect, Fault, ProcessFault, Target};
+use scenario::faults::{Effect, Fault, Helper, ProcessFault, Target};
 use serde::Serialize;
 
 /// One thing that went wrong, asked for or not.
@@ -17,8 +17,17 @@ pub struct FaultRecord {
     pub service: Option<Service>,
     /// The topic whose messages it acts on.
     pub topic: Option<&'static str>,
+    /// The process that it acts on, which is no service.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub helper: Option<Helper>,
+    /// The process that it killed had not taken part in the run yet.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub while_starting: bool,
     /// Messages that it changed, summed over the topic's ports.
     pub messages: Option<u64>,
+    /// Messages that it corrupted and a receiver took for intact.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub undetected: u64,
     /// Until the launcher knew that the service was gone or hung, µs; null for a death whose instant
     /// is not known.
     pub detected_after_us: Option<f64>,
@@ -72,11 +81,22 @@ struct Planned {
     done: bool,
 }
 
+/// A service's active process that lives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Living {
+    /// Which process of the service it is.
+    pub incarnation: u32,
+    /// Since when it starts, run time in ns; none: it takes part in the run.
+    pub starting_since_ns: Option<i64>,
+}
+
 /// What the supervisor is to do to a process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Act {
     /// SIGKILL.
     Kill(Service),
+    /// SIGKILL to a process that is no service.
+    KillHelper(Helper),
     /// SIGSTOP.
     Stop(Service),
     /// SIGCONT.
@@ -85,6 +105,27 @@ pub enum Act {
     Hog(Option<u16>),
     /// Take so much memory, MiB.
     Memory(u32),
+}
+
+impl Planned {
+    /// True if a kill strikes this process at `now_ns`: one that it has not killed yet, and that takes part,
+    /// or that a storm shall not let take part.
+    fn is_to_kill(&self, one: Living, now_ns: i64) -> bool {
+        let after_ns = match &self.process_fault {
+            ProcessFault::RestartStorm { after_start_ms: Some(after), .. }
+                if self.killed.is_some() =>
+            {
+                i64::try_from(after.nanoseconds()).ok()
+            }
+            _ => None,
+        };
+        let is_ripe = match (one.starting_since_ns, after_ns) {
+            (None, _) => true,
+            (Some(since_ns), Some(after_ns)) => now_ns - since_ns >= after_ns,
+            (Some(_), None) => false,
+        };
+        is_ripe && self.killed != Some(one.incarnation)
+    }
 }
 
 /// The faults of a run that act on processes, and the record of all.
@@ -120,6 +161,7 @@ impl Faults {
                     ProcessFault::RestartStorm { times, .. } => times.value(),
                     ProcessFault::Kill { .. }
                     | ProcessFault::Stop { .. }
+                    | ProcessFault::KillHelper { .. }
                     | ProcessFault::Hog { .. }
                     | ProcessFault::Memory { .. } => 1,
                 };
@@ -142,14 +184,15 @@ impl Faults {
         number
     }
 
-    /// What is due at `now_ns`, with the ego driving so. `up` tells which restart of a service
-    /// takes part in the run; a storm waits for the next one.
+    /// What is due at `now_ns`, with the ego driving so. `living` tells of a service's active process; a
+    /// storm waits for the next one.
     pub fn due(
         &mut self,
         now_ns: i64,
         ego: Option<Drive>,
-        up: impl Fn(Service) -> Option<u32>,
+        living: impl Fn(Service) -> Option<Living>,
     ) -> Vec<(usize, Act)> {
+        let up = |service| living(service).filter(|one| one.starting_since_ns.is_none());
         let mut acts = Vec::new();
         for (index, planned) in self.planned.iter_mut().enumerate() {
             if let (None, Some(drive)) = (planned.begin_ns, &ego)
@@ -172,14 +215,15 @@ impl Faults {
             }
             let act = match planned.process_fault {
                 ProcessFault::Kill { service } | ProcessFault::RestartStorm { service, .. } => {
-                    match up(service) {
-                        Some(incarnation) if planned.killed != Some(incarnation) => {
-                            planned.killed = Some(incarnation);
+                    match living(service) {
+                        Some(one) if planned.is_to_kill(one, now_ns) => {
+                            planned.killed = Some(one.incarnation);
                             Act::Kill(service)
                         }
                         Some(_) | None => continue,
                     }
                 }
+                ProcessFault::KillHelper { helper } => Act::KillHelper(helper),
                 ProcessFault::Stop { service, .. } if up(service).is_none() => continue,
                 ProcessFault::Stop { service, .. } => Act::Stop(service),
                 ProcessFault::Hog { core, .. } => Act::Hog(core.map(|core| core.value())),
@@ -209,17 +253,26 @@ impl Faults {
         self.planned.iter().filter_map(next).min()
     }
 
-    /// Notes that the act on fault `index` was done at `now_ns`; `disturbance` is what runs for it.
-    pub fn done(&mut self, index: usize, now_ns: i64, disturbance: Option<Disturbance>) {
+    /// Notes that the act on fault `index` was done at `now_ns`; `disturbance` is what runs for it, and
+    /// `while_starting` says that it killed a process that was not in the run yet.
+    pub fn done(
+        &mut self,
+        index: usize,
+        now_ns: i64,
+        disturbance: Option<Disturbance>,
+        while_starting: bool,
+    ) {
         let planned = &mut self.planned[index];
         match planned.process_fault {
             ProcessFault::Stop { .. } | ProcessFault::Hog { .. } | ProcessFault::Memory { .. } => {
                 planned.running = Some((planned.fault.effect.end_ns(now_ns), disturbance));
             }
-            ProcessFault::Kill { .. } | ProcessFault::RestartStorm { .. } => {}
+            ProcessFault::Kill { .. }
+            | ProcessFault::RestartStorm { .. }
+            | ProcessFault::KillHelper { .. } => {}
         }
-        let record =
-            FaultRecord { t_s: now_ns as f64 / 1e9, ..record(&planned.fault, planned.number) };
+        let t_s = now_ns as f64 / 1e9;
+        let record = FaultRecord { t_s, while_starting, ..record(&planned.fault, planned.number) };
         self.records.push(record);
     }
 
@@ -263,7 +316,10 @@ impl Faults {
             kind: kind.into(),
             service: Some(service),
             topic: None,
+            helper: None,
+            while_starting: false,
             messages: None,
+            undetected: 0,
             detected_after_us: since_ns.map(|since_ns| (now_ns - since_ns) as f64 / 1e3),
             recovered_after_us: None,
             recovered_by: None,
@@ -330,6 +386,7 @@ impl Faults {
         for count in counts {
             for record in self.records.iter_mut().filter(|record| record.number == count.fault) {
                 record.messages = Some(record.messages.unwrap_or(0) + count.messages);
+                record.undetected += count.undetected;
                 record.t_s = count.begun_ns as f64 / 1e9;
             }
         }
@@ -344,18 +401,30 @@ fn is_asked(record: &FaultRecord) -> bool {
     matches!(record.kind.as_str(), "kill" | "stop" | "restart-storm")
 }
 
+fn is_zero(count: &u64) -> bool {
+    *count == 0
+}
+
 fn record(fault: &Fault, number: u32) -> FaultRecord {
-    let (service, topic) = match fault.effect.target() {
-        Target::Service(service) => (Some(service), None),
-        Target::Topic(topic) => (None, Some(topic.name())),
-        Target::Machine => (None, None),
-    };
+    let target = fault.effect.target();
     FaultRecord {
         t_s: f64::NAN,
         kind: fault.effect.kind().name().into(),
-        service,
-        topic,
+        service: match target {
+            Target::Service(service) => Some(service),
+            _ => None,
+        },
+        topic: match target {
+            Target::Topic(topic) => Some(topic.name()),
+            _ => None,
+        },
+        helper: match target {
+            Target::Helper(helper) => Some(helper),
+            _ => None,
+        },
+        while_starting: false,
         messages: fault.effect.extent().map(|_| 0),
+        undetected: 0,
         detected_after_us: None,
         recovered_after_us: None,
         recovered_by: None,
@@ -373,14 +442,18 @@ mod tests {
         Faults::of(&Scenario::parse("faults", &text).expect("a scenario"))
     }
 
+    fn running(incarnation: u32) -> Option<Living> {
+        Some(Living { incarnation, starting_since_ns: None })
+    }
+
     #[test]
     fn a_kill_is_done_once_and_its_detection_and_recovery_are_counted_from_it() {
         let mut faults = faults("[[faults]]\nkind = \"kill\"\nservice = \"controller\"\nat_s = 1");
-        assert_eq!(faults.due(999_999_999, None, |_| Some(0)), []);
-        let due = faults.due(1_000_500_000, None, |_| Some(0));
+        assert_eq!(faults.due(999_999_999, None, |_| running(0)), []);
+        let due = faults.due(1_000_500_000, None, |_| running(0));
         assert_eq!(due, [(0, Act::Kill(Service::Controller))]);
-        faults.done(0, 1_000_500_000, None);
-        assert_eq!(faults.due(2_000_000_000, None, |_| Some(0)), []);
+        faults.done(0, 1_000_500_000, None, false);
+        assert_eq!(faults.due(2_000_000_000, None, |_| running(0)), []);
         faults.detected(Service::Controller, "died", 1, None, 1_001_000_000);
         faults.recovered(Service::Controller, 1, 1_012_500_000);
         let [record] = faults.records.as_slice() else { panic!("one record") };
@@ -393,10 +466,25 @@ mod tests {
         let mut faults = faults(
             "[[faults]]\nkind = \"restart-storm\"\nservice = \"plant\"\nat_s = 1\ntimes = 2",
         );
-        assert_eq!(faults.due(1_000_000_000, None, |_| Some(0)).len(), 1);
-        assert_eq!(faults.due(1_100_000_000, None, |_| Some(0)), []);
-        assert_eq!(faults.due(1_200_000_000, None, |_| Some(1)).len(), 1);
-        assert_eq!(faults.due(1_300_000_000, None, |_| Some(2)), []);
+        assert_eq!(faults.due(1_000_000_000, None, |_| running(0)).len(), 1);
+        assert_eq!(faults.due(1_100_000_000, None, |_| running(0)), []);
+        assert_eq!(faults.due(1_200_000_000, None, |_| running(1)).len(), 1);
+        assert_eq!(faults.due(1_300_000_000, None, |_| running(2)), []);
+    }
+
+    #[test]
+    fn a_storm_may_strike_what_has_just_been_started() {
+        let mut faults = faults(
+            "[[faults]]\nkind = \"restart-storm\"\nservice = \"plant\"\nat_s = 1\ntimes = 2\n\
+             after_start_ms = 3",
+        );
+        let starting =
+            |incarnation, since_ns| Some(Living { incarnation, starting_since_ns: Some(since_ns) });
+        assert_eq!(faults.due(1_000_000_000, None, |_| starting(0, 0)), [], "the first takes part");
+        assert_eq!(faults.due(1_000_000_000, None, |_| running(0)).len(), 1);
+        assert_eq!(faults.due(1_003_000_000, None, |_| starting(1, 1_001_000_000)), []);
+        assert_eq!(faults.due(1_004_000_000, None, |_| starting(1, 1_001_000_000)).len(), 1);
+        assert_eq!(faults.due(1_009_000_000, None, |_| starting(2, 1_005_000_000)), []);
     }
 
     #[test]
@@ -405,13 +493,13 @@ mod tests {
         for (replaced, acts) in [(false, vec![(0, Act::Continue(Service::V2xSim))]), (true, vec![])]
         {
             let mut faults = faults(text);
-            assert_eq!(faults.due(1_000_000_000, None, |_| Some(0)).len(), 1);
-            faults.done(0, 1_000_000_000, None);
+            assert_eq!(faults.due(1_000_000_000, None, |_| running(0)).len(), 1);
+            faults.done(0, 1_000_000_000, None, false);
             if replaced {
                 faults.replaced(Service::V2xSim);
             }
-            assert_eq!(faults.due(1_400_000_000, None, |_| Some(0)), []);
-            assert_eq!(faults.due(1_500_000_000, None, |_| Some(0)), acts);
+            assert_eq!(faults.due(1_400_000_000, None, |_| running(0)), []);
+            assert_eq!(faults.due(1_500_000_000, None, |_| running(0)), acts);
         }
     }
 
@@ -432,7 +520,8 @@ mod tests {
             "[[faults]]\nkind = \"drop\"\ntopic = \"v2x/spat\"\nwhen = { speed_below_mps = 1 }\n\
              [[faults]]\nkind = \"drop\"\ntopic = \"v2x/spat\"\nat_s = 2",
         );
-        let count = runtime::FaultStatistics { fault: 1, begun_ns: 2_000_000_000, messages: 7 };
+        let begun_ns = 2_000_000_000;
+        let count = runtime::FaultStatistics { fault: 1, begun_ns, messages: 7, undetected: 0 };
         faults.count_messages([count, count].into_iter());
         let kept: Vec<_> = faults.records.iter().map(|r| (r.number, r.messages)).collect();
         assert_eq!(kept, [(1, Some(14))]);

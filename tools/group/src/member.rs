@@ -26,6 +26,10 @@ pub struct Member {
     succession: Succession,
     /// All whose exit status was not taken, and the active one, also when it is gone.
     processes: Vec<Attached>,
+    /// A process started ahead, which waits to be let in as the next one.
+    prepared: Option<Attached>,
+    /// One of these was lost: there is no other.
+    prepared_failed: bool,
     /// What it reported at the run's end.
     pub report: Option<ServiceReport>,
     /// What its processes before the present one counted.
@@ -62,6 +66,8 @@ impl Member {
             program,
             succession: Succession::new(policy, service, with_standby),
             processes: Vec::new(),
+            prepared: None,
+            prepared_failed: false,
             report: None,
             past: Vec::new(),
             heartbeats: Heartbeats::default(),
@@ -82,14 +88,53 @@ impl Member {
         leader: i32,
         events: &Sender<GroupEvent>,
     ) -> Result<(), Error> {
-        let identity = (self.service, incarnation);
-        let process =
-            Process::spawn(identity, self.program.as_ref(), root, leader, events.clone())?;
+        let who = (self.service, incarnation);
+        let ahead = self.prepared.take_if(|one| one.incarnation == incarnation);
+        let process = match ahead.map(|one| one.process) {
+            Some(mut process) => {
+                process.let_in(who, root)?;
+                process
+            }
+            None => {
+                Process::spawn(who, self.program.as_ref(), root, leader, events.clone(), false)?
+            }
+        };
         // The news of a take-over may come before that of the end that it follows.
         let active = self.succession.active();
         self.processes.retain(|one| one.incarnation == active || !one.is_settled);
         self.processes.push(Attached::new(incarnation, process));
         Ok(())
+    }
+
+    /// True if a process can be started ahead for it, and none is there: its standby is faster, and a program
+    /// of the user's does not know how to wait.
+    pub fn wants_prepared(&self) -> bool {
+        self.program.is_none()
+            && self.prepared.is_none()
+            && !self.prepared_failed
+            && self.succession.standby() == Standby::Unwanted
+            && self.succession.replaces()
+    }
+
+    /// Starts the next process ahead.
+    pub fn prepare(
+        &mut self,
+        root: &RunRoot,
+        leader: i32,
+        events: &Sender<GroupEvent>,
+    ) -> Result<(), Error> {
+        let who = (self.service, self.succession.next());
+        let process = Process::spawn(who, None, root, leader, events.clone(), true);
+        self.prepared_failed = process.is_err();
+        self.prepared = Some(Attached::new(who.1, process?));
+        Ok(())
+    }
+
+    /// True if process `incarnation`, which is gone, was only started ahead.
+    pub fn lost_prepared(&mut self, incarnation: u32) -> bool {
+        let lost = self.prepared.take_if(|one| one.incarnation == incarnation);
+        self.prepared_failed |= lost.is_some();
+        lost.map(|mut one| one.process.end(Duration::ZERO)).is_some()
     }
 
     /// What follows from an event at `now_ns`.
@@ -133,7 +178,8 @@ impl Member {
     /// Ends all processes but the active one.
     pub fn dismiss_others(&mut self) {
         let active = self.succession.active();
-        for other in self.processes.iter_mut().filter(|one| one.incarnation != active) {
+        let others = self.processes.iter_mut().filter(|one| one.incarnation != active);
+        for other in others.chain(&mut self.prepared) {
             other.process.kill();
         }
     }
@@ -153,7 +199,7 @@ impl Member {
     pub fn end(&mut self, grace: Duration) -> Exit {
         self.dismiss_others();
         let exit = self.active().exit(grace, Exit::Unreported);
-        for other in &mut self.processes {
+        for other in self.processes.iter_mut().chain(&mut self.prepared) {
             other.process.end(Duration::ZERO);
         }
         exit

@@ -6,12 +6,17 @@ use super::root::RunRoot;
 use super::unfinished::remove_unfinished;
 use crate::{Error, Failure, Status};
 use messages::Service;
-use runtime::{PEER_JOINED, ToService, enroll, inherit_only};
+use runtime::scheduling::set_fifo_of;
+use runtime::{
+    NAME_PREFIX, PEER_JOINED, PREPARED, PREPARED_PREFIX, ToService, enroll, inherit_only,
+};
 use rustix::process::{Pid, Signal, kill_process};
 use std::io::{self, Write};
 use std::os::unix::process::CommandExt;
 use std::path::PathBuf;
 use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicI32, Ordering};
 use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 
@@ -45,26 +50,32 @@ pub struct Process {
     group: i32,
     orders: Option<ChildStdin>,
     status: Option<ExitStatus>,
+    /// The thread that hears of its end.
+    follower: Arc<AtomicI32>,
 }
 
 impl Process {
     /// Starts `service`, as this program again or as `program`, in the process group `group`, or
-    /// in a new one for 0.
+    /// in a new one for 0. Its name says that it is none of the run's services yet where it `waits` to be
+    /// let in.
     pub fn spawn(
         (service, incarnation): (Service, u32),
         program: Option<&PathBuf>,
         root: &RunRoot,
         group: i32,
         events: Sender<Event>,
+        waits: bool,
     ) -> Result<Self, Error> {
         let mut command = match program {
             Some(program) => Command::new(program),
             None => this_program(&["service", service.name()])?,
         };
+        let prefix = if waits { PREPARED_PREFIX } else { NAME_PREFIX };
         command
-            .arg0(format!("timegap-{service}"))
+            .arg0(format!("{prefix}{service}"))
             .arg(root.path())
             .arg(incarnation.to_string())
+            .args(waits.then_some(PREPARED))
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
@@ -74,16 +85,34 @@ impl Process {
             Some(program) => Error::Path { action: "start", path: program.clone(), reason: e },
             None => SpawnError::Service(service, e).into(),
         })?;
-        enroll(root.path(), service, incarnation, child.id())?;
+        if !waits {
+            enroll(root.path(), service, incarnation, child.id())?;
+        }
         let orders = child.stdin.take();
         let out = child.stdout.take().expect("piped");
         let err = child.stderr.take().expect("piped");
         let (prefix, id) = (root.prefix().to_owned(), child.id());
         let on_end = move || remove_unfinished(&prefix, id);
-        follow(Who { service, incarnation }, on_end, out, err, events)
+        let follower = follow(Who { service, incarnation }, on_end, out, err, events)
             .map_err(SpawnError::Thread)?;
         let group = if group == 0 { pid(&child) } else { group };
-        Ok(Self { child, group, orders, status: None })
+        Ok(Self { child, group, orders, status: None, follower })
+    }
+
+    /// Lets a process that waits for it into the run at `root`.
+    pub fn let_in(&mut self, who: (Service, u32), root: &RunRoot) -> Result<(), Error> {
+        enroll(root.path(), who.0, who.1, self.child.id())?;
+        self.order(&ToService::Join);
+        Ok(())
+    }
+
+    /// Gives the thread that hears of its end this priority: on a busy machine an ordinary one hears of it
+    /// late.
+    pub fn raise_follower(&self, priority: u8) {
+        let thread = self.follower.load(Ordering::Acquire);
+        if thread > 0 {
+            set_fifo_of(thread, priority);
+        }
     }
 
     /// Process id.
@@ -197,6 +226,17 @@ impl Janitor {
     /// Tells it which process group the services form.
     pub fn watch(&mut self, group: i32) {
         self.say(&group.to_string());
+    }
+
+    /// Kills it.
+    pub fn kill(&mut self) {
+        // It may be gone by now.
+        let _ = self.child.kill();
+    }
+
+    /// True once it is gone.
+    pub fn is_gone(&mut self) -> bool {
+        self.child.try_wait().is_ok_and(|status| status.is_some())
     }
 
     /// Ends it: the launcher has cleaned up.

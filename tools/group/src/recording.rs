@@ -98,6 +98,13 @@ impl RecorderProcess {
         }
     }
 
+    /// Kills it.
+    pub fn kill(&mut self) {
+        if let Some(process) = &mut self.process {
+            process.kill();
+        }
+    }
+
     /// True, once, when the recorder died: its buffers must be removed, or senders wait for it.
     pub fn has_died(&mut self) -> bool {
         let Some(process) = &mut self.process else { return false };

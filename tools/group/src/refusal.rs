@@ -4,7 +4,7 @@ use crate::Failure;
 use messages::Service;
 use runtime::Mode;
 use scenario::Scenario;
-use scenario::faults::Kind;
+use scenario::faults::{Fault, Helper, Kind, Target};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -45,6 +45,12 @@ pub enum Refusal {
          place of a service with a standby"
     )]
     StandbyOfProgram(Service),
+    /// There is no recorder where nothing is recorded.
+    #[error("faults.{index}: there is no recorder to kill, expected a run that is recorded")]
+    NoRecorder {
+        /// Which of the scenario's faults.
+        index: usize,
+    },
 }
 
 impl Failure for Refusal {}
@@ -64,6 +70,15 @@ pub fn check_processes(
     let services = scenario.supervision.standby.services();
     match services.into_iter().find(|service| programs.contains_key(service)) {
         Some(service) => Err(Refusal::StandbyOfProgram(service)),
+        None => Ok(()),
+    }
+}
+
+/// Checks that there is a recorder where one is to be killed.
+pub fn check_recorder(scenario: &Scenario, is_recorded: bool) -> Result<(), Refusal> {
+    let of_recorder = |fault: &Fault| fault.effect.target() == Target::Helper(Helper::Recorder);
+    match scenario.faults.iter().position(of_recorder).filter(|_| !is_recorded) {
+        Some(index) => Err(Refusal::NoRecorder { index }),
         None => Ok(()),
     }
 }

@@ -126,7 +126,7 @@ impl Cast {
         events: Sender<Event>,
     ) -> Result<Self, Error> {
         let who = (Service::Controller, take.incarnation);
-        let mut controller = Process::spawn(who, program, root, 0, events)?;
+        let mut controller = Process::spawn(who, program, root, 0, events, false)?;
         let group = controller.pid();
         janitor.watch(group);
         let numbers = [take.incarnation.to_string(), take.cycles.to_string()];

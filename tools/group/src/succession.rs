@@ -175,6 +175,16 @@ impl Succession {
         self.standby
     }
 
+    /// The process that would be started next.
+    pub fn next(&self) -> u32 {
+        self.newest + 1
+    }
+
+    /// True if a process that fails is replaced.
+    pub fn replaces(&self) -> bool {
+        self.restart != Restart::Never
+    }
+
     /// Counts the time of a start from `now_ns` on.
     pub fn wait_longer(&mut self, now_ns: i64) {
         match (&mut self.phase, &mut self.standby) {

@@ -12,7 +12,7 @@ use super::member::{Heartbeats, Member};
 use super::processes::Janitor;
 use super::programs::{is_foreign, programs};
 use super::recording::{RecorderProcess, RecordingSummary, law_names};
-use super::refusal::check_processes;
+use super::refusal::{check_processes, check_recorder};
 use super::room::check_room;
 use super::root::RunRoot;
 use super::succession::{self, Phase, Step};
@@ -158,6 +158,7 @@ pub(super) fn for_services(scenario: &Scenario) -> Scenario {
 /// If the group does not become ready; nothing of it is left then either.
 pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<GroupOutcome, Error> {
     check_processes(launch.mode, &launch.scenario, &launch.programs)?;
+    check_recorder(&launch.scenario, launch.recording.is_some())?;
     let programs = programs(&launch.programs, &launch.scenario)?;
     let timetable = Timetable::of(&launch.scenario);
     let standby = launch.scenario.supervision.standby.services();
@@ -235,9 +236,9 @@ fn complete(whole: &mut ServiceReport, group: &Group, scenario: &Scenario, log: 
 pub(super) struct Supervisor<'a> {
     pub(super) launch: &'a Launch,
     pub(super) root: &'a RunRoot,
-    janitor: Janitor,
+    pub(super) janitor: Janitor,
     pub(super) group: Group,
-    sender: Sender<Event>,
+    pub(super) sender: Sender<Event>,
     pub(super) events: Receiver<Event>,
     pub(super) members: Vec<Member>,
     /// Run time 0, `CLOCK_MONOTONIC` ns.
@@ -297,6 +298,11 @@ impl Supervisor<'_> {
         let fifo = self.launch.scenario.runtime.scheduling == Scheduling::Fifo;
         let priority =
             (self.launch.mode == Mode::Realtime && fifo).then(|| Priority::raise(PRIORITY));
+        if priority.is_some() {
+            // Those of processes that are started later inherit it.
+            let processes = self.members.iter_mut().flat_map(Member::processes);
+            processes.for_each(|process| process.raise_follower(PRIORITY));
+        }
         let ended = self.follow_run(&mut log, watch)?;
         drop(priority);
         let ran_ns = (monotonic_ns() - self.start_ns).max(0);
@@ -460,12 +466,12 @@ impl Supervisor<'_> {
     }
 
     /// The services' process group; 0 when there is none.
-    fn leader(&self) -> i32 {
+    pub(super) fn leader(&self) -> i32 {
         self.members.first().map_or(0, Member::group)
     }
 
     /// The process group of the processes that live; 0 when there is none.
-    fn living_group(&mut self) -> i32 {
+    pub(super) fn living_group(&mut self) -> i32 {
         let living = self.members.iter_mut().find_map(|member| {
             (member.phase() != Phase::GivenUp && member.lives()).then(|| member.group())
         });

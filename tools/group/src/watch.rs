@@ -5,7 +5,8 @@ use super::disturbance::Disturbance;
 use super::drive::DriveLog;
 use super::events::{Answer, Event, Who};
 use super::exits::Exit;
-use super::faults::Act;
+use super::faults::{Act, Living};
+use super::processes::Janitor;
 use super::recording::RecorderProcess;
 use super::succession::{self, Phase, Standby, Step};
 use super::supervisor::{Ended, Moment, Supervisor};
@@ -15,7 +16,8 @@ use runtime::{
     ActiveProcess, Cause, FromService, Injected, Mode, StartOrder, TakeOver, ToService, concerned,
     monotonic_ns,
 };
-use scenario::faults::Fault;
+use rustix::process::Signal;
+use scenario::faults::{Fault, Helper};
 use std::collections::BTreeMap;
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
@@ -73,6 +75,12 @@ impl Supervisor<'_> {
                 log.remove_dead();
             }
             let now_ns = self.now_ns();
+            let stalled_ns = now_ns - looked_ns;
+            if stalled_ns > STALLED_NS {
+                // What was to be heard meanwhile still waits to be taken.
+                let stalled = Duration::from_nanos(stalled_ns.unsigned_abs());
+                course.deadline = course.deadline.map(|deadline| deadline + stalled);
+            }
             let time_ns = if realtime {
                 now_ns.clamp(0, length_ns)
             } else {
@@ -85,7 +93,7 @@ impl Supervisor<'_> {
                 Err(RecvTimeoutError::Disconnected) => return Ok(course.ended),
             }
             if realtime && course.ended == Ended::Orderly {
-                if now_ns - looked_ns > STALLED_NS {
+                if stalled_ns > STALLED_NS {
                     self.members.iter_mut().for_each(|member| member.reset_silence(now_ns));
                 }
                 self.check_heartbeats(log, now_ns);
@@ -94,6 +102,10 @@ impl Supervisor<'_> {
                     self.kill_the_hung(now_ns);
                 }
                 self.start_what_is_due(&mut course, now_ns);
+                self.replace_janitor();
+                if (0..length_ns).contains(&now_ns) {
+                    self.prepare_one();
+                }
             }
             looked_ns = now_ns;
             if self.silent().is_none() {
@@ -233,6 +245,9 @@ impl Supervisor<'_> {
     /// A process is gone: the succession says what follows.
     fn on_exit(&mut self, who: Who, log: &mut DriveLog, course: &mut Course, now_ns: i64) {
         let (service, incarnation) = (who.service, who.incarnation);
+        if self.member(service).lost_prepared(incarnation) {
+            return;
+        }
         let is_active = self.is_active(who);
         let Some(process) = self.member(service).attached(incarnation) else { return };
         let exit = process.exit_in_run(LAST_MOMENT);
@@ -426,15 +441,28 @@ impl Supervisor<'_> {
 
     /// Applies the faults of processes that are due.
     fn apply_faults(&mut self, log: &DriveLog, now_ns: i64) {
-        let up: BTreeMap<Service, u32> = (self.members.iter())
-            .filter(|member| member.phase() == Phase::Running && member.report.is_none())
-            .map(|member| (member.service(), member.incarnation()))
+        let living: BTreeMap<Service, Living> = (self.members.iter())
+            .filter(|member| member.report.is_none())
+            .filter_map(|member| {
+                let starting_since_ns = match member.phase() {
+                    Phase::Running => None,
+                    Phase::Starting { since_ns } => Some(since_ns),
+                    Phase::Vacant { .. } | Phase::Waiting { .. } | Phase::GivenUp => return None,
+                };
+                let incarnation = member.incarnation();
+                Some((member.service(), Living { incarnation, starting_since_ns }))
+            })
             .collect();
-        let due = self.faults.due(now_ns, log.ego(), |service| up.get(&service).copied());
+        let due = self.faults.due(now_ns, log.ego(), |service| living.get(&service).copied());
         for (index, act) in due {
             let mut disturbance = None;
+            let mut while_starting = false;
             match act {
-                Act::Kill(service) => self.member(service).process().kill(),
+                Act::Kill(service) => {
+                    while_starting = living[&service].starting_since_ns.is_some();
+                    self.member(service).process().kill();
+                }
+                Act::KillHelper(helper) => self.kill_helper(helper),
                 Act::Stop(service) => self.member(service).process().stop(),
                 Act::Continue(service) => {
                     self.member(service).process().go_on();
@@ -443,7 +471,55 @@ impl Supervisor<'_> {
                 Act::Hog(core) => disturbance = self.disturb(Disturbance::hog(self.root, core)),
                 Act::Memory(mib) => disturbance = self.disturb(Disturbance::memory(self.root, mib)),
             }
-            self.faults.done(index, monotonic_ns() - self.start_ns, disturbance);
+            let done_ns = monotonic_ns() - self.start_ns;
+            self.faults.done(index, done_ns, disturbance, while_starting);
+        }
+    }
+
+    fn kill_helper(&mut self, helper: Helper) {
+        match helper {
+            Helper::Recorder => {
+                if let Some(recording) = &mut self.recording {
+                    recording.kill();
+                }
+            }
+            Helper::Janitor => self.janitor.kill(),
+            // It is this process.
+            Helper::Launcher => {
+                let _ = rustix::process::kill_process(rustix::process::getpid(), Signal::KILL);
+            }
+        }
+    }
+
+    /// Starts another janitor in the place of one that is gone: without one a launcher that is killed leaves its
+    /// run behind.
+    fn replace_janitor(&mut self) {
+        if !self.janitor.is_gone() {
+            return;
+        }
+        match Janitor::spawn(self.root) {
+            Ok(janitor) => {
+                self.janitor = janitor;
+                let group = self.living_group();
+                self.janitor.watch(group);
+            }
+            Err(error) => tracing::warn!("the janitor is gone and there is no other: {error}"),
+        }
+    }
+
+    /// Starts a process ahead for a service that has neither a standby nor such a process: one at a time, and
+    /// only while nothing else is to be done.
+    fn prepare_one(&mut self) {
+        let is_quiet = self.members.iter().all(|member| member.phase() == Phase::Running)
+            && !self.faults.is_recovery_awaited();
+        if !is_quiet || !self.launch.scenario.supervision.prepared {
+            return;
+        }
+        let (root, leader, sender) = (self.root, self.leader(), self.sender.clone());
+        if let Some(member) = self.members.iter_mut().find(|member| member.wants_prepared())
+            && let Err(error) = member.prepare(root, leader, &sender)
+        {
+            tracing::warn!("no process is started ahead: {error}");
         }
     }
 

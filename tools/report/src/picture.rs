@@ -8,6 +8,7 @@ use messages::level::{Level, Levels};
 use runtime::report::{Details, WorstChain};
 use runtime::statistics::QuantileCurve;
 use scenario::Scenario;
+use scenario::faults::Helper;
 use scenario::v2x::Phase;
 use std::collections::BTreeMap;
 use v2x_sim::program::Program;
@@ -202,7 +203,8 @@ fn phases_of(levels: &Levels, until_s: f64) -> Vec<Phased> {
 
 /// A fault in words.
 fn fault(record: &FaultRecord) -> FaultMark {
-    let whom = record.service.map(Service::name).or(record.topic).unwrap_or_default();
+    let whom = record.service.map(Service::name).or(record.topic);
+    let whom = whom.or(record.helper.map(Helper::name)).unwrap_or_default();
     let after = |what: &str, us: Option<f64>| {
         us.map(|us| format!("{what} after {}", crate::print::duration(us)))
     };

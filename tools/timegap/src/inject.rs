@@ -6,7 +6,7 @@ use messages::{Service, Topic, UnknownService};
 use report::print;
 use runtime::Group;
 use scenario::Problem;
-use scenario::faults::{self, Fault, Kind};
+use scenario::faults::{self, Fault, Helper, Kind};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use toml::Value;
@@ -17,10 +17,10 @@ use toml::Value;
 pub struct InjectArguments {
     /// Results directory of the run
     pub run: PathBuf,
-    /// Kind of the fault: kill, stop, restart-storm, hog, memory, delay, drop, duplicate, reorder,
+    /// Kind of the fault: kill, stop, restart-storm, kill-helper, hog, memory, delay, drop, duplicate, reorder,
     /// corrupt, freeze, bias, stale, clock-step
     pub kind: Kind,
-    /// The service or the topic that it acts on
+    /// The service or the topic that it acts on; `kill-helper`: recorder, janitor or launcher
     pub target: Option<String>,
     /// How long it lasts, s [default: to the end of the run]
     #[arg(long = "for", value_name = "SECONDS")]
@@ -55,6 +55,9 @@ pub struct InjectArguments {
     /// `restart-storm`: how often
     #[arg(long)]
     pub times: Option<i64>,
+    /// `restart-storm`: so long after its start each further process is killed, ms [default: when it takes part]
+    #[arg(long, value_name = "MS")]
+    pub after_start_ms: Option<i64>,
     /// Print the answer as JSON, and nothing else, on standard output
     #[arg(long)]
     pub json: bool,
@@ -164,6 +167,7 @@ fn fault(arguments: &InjectArguments) -> Result<Fault, InjectError> {
         ("core", whole(arguments.core)),
         ("megabytes", whole(arguments.megabytes)),
         ("times", whole(arguments.times)),
+        ("after_start_ms", whole(arguments.after_start_ms)),
     ];
     let given = options.into_iter().filter_map(|(key, value)| Some((key, value?))).chain(target);
     let table = given.map(|(key, value)| (key.to_owned(), value)).collect();
@@ -182,11 +186,16 @@ fn in_options(problem: &Problem) -> String {
     format!("{option}: {}, expected {}", problem.message, problem.expected)
 }
 
+/// Processes that are no services.
+const HELPERS: [&str; 3] =
+    [Helper::Recorder.name(), Helper::Janitor.name(), Helper::Launcher.name()];
+
 /// The key that a target belongs to.
 fn key_of(target: &str) -> Result<&'static str, InjectError> {
     match (target.parse::<Service>(), Topic::by_name(target)) {
         (Ok(_), _) => Ok("service"),
         (Err(_), Some(_)) => Ok("topic"),
+        _ if HELPERS.contains(&target) => Ok("helper"),
         (Err(unknown), None) => Err(InjectError::Target(unknown)),
     }
 }

@@ -76,10 +76,21 @@ impl Runtime {
     /// # Errors
     /// If the group file, the link or the run's shared memory is not usable.
     pub fn join(service: Service, root: &Path, incarnation: u32) -> Result<Self, RuntimeError> {
+        Self::join_when(service, root, incarnation, |_| Ok(()))
+    }
+
+    /// The same for a process that was started ahead: it waits before it opens anything of the run.
+    pub(super) fn join_when(
+        service: Service,
+        root: &Path,
+        incarnation: u32,
+        wait: impl FnOnce(&Link) -> Result<(), RuntimeError>,
+    ) -> Result<Self, RuntimeError> {
         let link = Link::open()?;
         let group = Group::read(root)?;
         let scenario = Scenario::parse("scenario", &group.scenario)?;
         let schedule = Schedule::read(&group.root, service)?;
+        wait(&link)?;
         let transport = Transport::SharedMemory(SharedMemory::join(&group, service.name())?);
         let members = Members::of(&group.root);
         let fences = Fences::of(&group)?;

@@ -81,7 +81,11 @@ fn effect(kind: Kind, keys: &mut impl Keys) -> Result<Effect, Problem> {
         Kind::RestartStorm => Effect::Process(ProcessFault::RestartStorm {
             service: keys.required("service")?,
             times: keys.or("times", Count::of(3))?,
+            after_start_ms: keys.optional("after_start_ms")?,
         }),
+        Kind::KillHelper => {
+            Effect::Process(ProcessFault::KillHelper { helper: keys.required("helper")? })
+        }
         Kind::Hog => Effect::Process(ProcessFault::Hog {
             core: keys.optional("core")?,
             for_s: keys.optional("for_s")?,
@@ -180,10 +184,11 @@ mod tests {
     }
 
     /// One fault of each kind, with every key that it knows.
-    const EACH: [&str; 14] = [
+    const EACH: [&str; 15] = [
         "kind = \"kill\"\nservice = \"plant\"\nat_s = 1",
         "kind = \"stop\"\nservice = \"plant\"\nfor_s = 0.5",
-        "kind = \"restart-storm\"\nservice = \"controller\"\ntimes = 4",
+        "kind = \"restart-storm\"\nservice = \"controller\"\ntimes = 4\nafter_start_ms = 3",
+        "kind = \"kill-helper\"\nhelper = \"janitor\"\nat_s = 2",
         "kind = \"hog\"\ncore = 1\nfor_s = 2",
         "kind = \"memory\"\nmegabytes = 64\nfor_s = 2",
         "kind = \"delay\"\ntopic = \"v2x/map\"\ndelay_ms = 20\njitter_ms = 5\nprobability = 0.5",

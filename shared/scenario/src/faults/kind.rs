@@ -14,6 +14,8 @@ pub enum Kind {
     Stop,
     /// [`ProcessFault::RestartStorm`].
     RestartStorm,
+    /// [`ProcessFault::KillHelper`].
+    KillHelper,
     /// [`ProcessFault::Hog`].
     Hog,
     /// [`ProcessFault::Memory`].
@@ -40,10 +42,11 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Kill,
         Self::Stop,
         Self::RestartStorm,
+        Self::KillHelper,
         Self::Hog,
         Self::Memory,
         Self::Delay,
@@ -64,6 +67,7 @@ impl Kind {
             Self::Kill => "kill",
             Self::Stop => "stop",
             Self::RestartStorm => "restart-storm",
+            Self::KillHelper => "kill-helper",
             Self::Hog => "hog",
             Self::Memory => "memory",
             Self::Delay => "delay",
@@ -107,6 +111,7 @@ impl Effect {
             Self::Process(ProcessFault::Kill { .. }) => Kind::Kill,
             Self::Process(ProcessFault::Stop { .. }) => Kind::Stop,
             Self::Process(ProcessFault::RestartStorm { .. }) => Kind::RestartStorm,
+            Self::Process(ProcessFault::KillHelper { .. }) => Kind::KillHelper,
             Self::Process(ProcessFault::Hog { .. }) => Kind::Hog,
             Self::Process(ProcessFault::Memory { .. }) => Kind::Memory,
             Self::Channel(fault) => match fault.disturbance {

@@ -154,6 +154,15 @@ pub enum ProcessFault {
         service: Service,
         /// How often the service is killed.
         times: Count,
+        /// So long after its start each process after the first is killed, ms: while it starts; absent: as
+        /// soon as it takes part.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        after_start_ms: Option<DelayMs>,
+    },
+    /// A process of the run that is no service is killed (SIGKILL).
+    KillHelper {
+        /// The process that is killed; the recorder only where the run is recorded.
+        helper: Helper,
     },
     /// Processes of no service keep the processor busy.
     Hog {
@@ -265,11 +274,37 @@ pub struct Extent {
     pub for_s: Option<Duration>,
 }
 
+/// A process of a run that is no service.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Helper {
+    /// Writes the recording.
+    Recorder,
+    /// Cleans up after a launcher that was killed.
+    Janitor,
+    /// Starts and supervises all others.
+    Launcher,
+}
+
+impl Helper {
+    /// Name in files and in results.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Recorder => "recorder",
+            Self::Janitor => "janitor",
+            Self::Launcher => "launcher",
+        }
+    }
+}
+
 /// What a fault acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
     /// A service: its process, or all its messages.
     Service(Service),
+    /// A process that is no service.
+    Helper(Helper),
     /// A topic's messages.
     Topic(Topic),
     /// The machine.
@@ -286,6 +321,7 @@ impl Effect {
                 | ProcessFault::Stop { service, .. }
                 | ProcessFault::RestartStorm { service, .. },
             ) => Target::Service(*service),
+            Self::Process(ProcessFault::KillHelper { helper }) => Target::Helper(*helper),
             Self::Process(ProcessFault::Hog { .. } | ProcessFault::Memory { .. }) => {
                 Target::Machine
             }
@@ -314,7 +350,11 @@ impl Effect {
     #[must_use]
     pub const fn length(&self) -> Option<Duration> {
         match self {
-            Self::Process(ProcessFault::Kill { .. } | ProcessFault::RestartStorm { .. }) => None,
+            Self::Process(
+                ProcessFault::Kill { .. }
+                | ProcessFault::RestartStorm { .. }
+                | ProcessFault::KillHelper { .. },
+            ) => None,
             Self::Process(
                 ProcessFault::Stop { for_s, .. }
                 | ProcessFault::Hog { for_s, .. }

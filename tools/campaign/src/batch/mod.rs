@@ -8,17 +8,19 @@
 
 mod leftovers;
 mod sample;
+mod scratch;
 mod usage;
 
 pub use sample::{OtherBytes, ProcessesSample, Repetition, choose};
+pub use scratch::Scratch;
 pub use usage::Growth;
 
 use group::in_process::Ahead;
 use group::{
-    Drive, Ended, Error, Failure, GroupOptions, GroupOutcome, Moment, SignalsError, Status,
+    Drive, Ended, Error, Failure, GroupOptions, GroupOutcome, Keep, Moment, SignalsError, Status,
 };
 use indicatif::ProgressBar;
-use leftovers::leftovers;
+pub use leftovers::leftovers;
 use report::summary::Summary;
 use runtime::report::Outcome;
 use runtime::{Carrier, Mode};
@@ -40,6 +42,8 @@ pub struct Job {
     pub mode: Mode,
     /// Time between two samples of what the run's processes have; none: no samples.
     pub sample_every: Option<Duration>,
+    /// Record the run, to a file that is removed with it.
+    pub record: bool,
 }
 
 /// A run that was done.
@@ -61,7 +65,7 @@ pub struct Done {
 impl Job {
     /// A lockstep run.
     pub fn lockstep(scenario: Scenario) -> Self {
-        Self { scenario, mode: Mode::Lockstep, sample_every: None }
+        Self { scenario, mode: Mode::Lockstep, sample_every: None, record: false }
     }
 
     /// What carries the run's messages.
@@ -373,7 +377,13 @@ fn drive(
             group::in_process::run_watched(&job.scenario, &|| !going_on(), &mut |_| {})?
         }
         Carrier::SharedMemory => {
-            group::drive(&job.scenario, job.mode, group, None, &mut |moment| {
+            let directory = job.record.then(Scratch::new).transpose();
+            let directory = directory.map_err(|e| Error::Machine(format!("no directory: {e}")))?;
+            let keep = directory.as_ref().map(|directory| Keep {
+                recording: Some(directory.path().join("topics.mcap")),
+                ..Keep::default()
+            });
+            group::drive(&job.scenario, job.mode, group, keep, &mut |moment| {
                 let time = Duration::from_nanos(moment.time_ns.max(0).unsigned_abs());
                 if let Some(every) = job.sample_every.filter(|_| time >= next) {
                     samples.push(Sample::take());

@@ -11,6 +11,7 @@
 //! faults_per_run = [2, 4]                # so many of the faults below in each run, drawn from all
 //! variation = "./cut_in_variation.xosc"  # instead of scenarios: OpenSCENARIO parameter values
 //! sample = 200                           # so many of the runs, drawn by the first seed
+//! record = true                          # in realtime: record the runs, to files that go with them
 //!
 //! [[faults]]                             # one of these per run; left out: none
 //! kind = "drop"                          # keys as in a scenario
@@ -18,8 +19,14 @@
 //! at_s = [1.0, 5.0]                      # two numbers: one between them is drawn
 //! for_s = 2.0
 //! count = 3                              # so many of them in one run, drawn anew
+//! together = 2                           # instead of count: so many at the same instant, of services
+//!                                        # of which no two are the same
+//! alone = true                           # with faults_per_run: in runs of its own
 //! when = { ttc_below_s = [2.0, 4.0] }    # instead of at_s: a phase of the drive; a list of tables: one
 //!                                        # of them is drawn
+//!
+//! [settings.corridor]                    # keys set in the runs of one scenario, drawn for each
+//! "v2x.signals.0.offset_s" = [5, 35]
 //!
 //! [require]                              # max_ or min_ and a figure of the verdict
 //! max_collisions = 0
@@ -80,9 +87,16 @@ pub struct Campaign {
     /// Keys set in all runs, as for `--set`.
     #[serde(default)]
     pub set: Vec<String>,
+    /// Keys set in the runs of one scenario, by the name that it has in `scenarios`; a value is drawn for each
+    /// run as for faults.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub settings: BTreeMap<String, toml::Table>,
     /// Time between two samples of memory and descriptors during a run, s; left out: none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sample_every_s: Option<f64>,
+    /// Runs are recorded, each to a file that is removed with the run.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub record: bool,
     /// Which part of the runs this is, `i/n`: set by `--shard`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shard: Option<Shard>,
@@ -150,6 +164,15 @@ pub enum CampaignProblem {
     /// The time between two samples.
     #[error("sample_every_s is out of range, expected 0.1 to 3600 s")]
     SamplePeriod,
+    /// A recording of simulated time.
+    #[error("record = true needs mode = \"realtime\"")]
+    Record,
+    /// Settings of a scenario that is not run.
+    #[error("settings.{name}: expected the name of one of the scenarios")]
+    SettingsOfNone {
+        /// The name.
+        name: String,
+    },
     /// No faults can be drawn so.
     #[error(
         "faults_per_run = [{least}, {most}] draws nothing, expected two numbers up to \
@@ -204,16 +227,21 @@ pub struct Builtin {
 }
 
 /// Every built-in campaign.
-pub const BUILTIN: [Builtin; 4] = [
+pub const BUILTIN: [Builtin; 5] = [
     Builtin {
         name: "kills",
-        summary: "1,000 SIGKILLs over all services, most of them in critical phases, in realtime",
+        summary: "1,000 SIGKILLs over all processes of a run, most of them in critical phases, in realtime",
         text: include_str!("../../campaigns/kills.toml"),
     },
     Builtin {
         name: "messages",
         summary: "10,000 runs in lockstep, each with 2 to 4 seeded faults of messages of up to 20 s",
         text: include_str!("../../campaigns/messages.toml"),
+    },
+    Builtin {
+        name: "restarts",
+        summary: "1,000 SIGKILLs of services without a standby, each replaced at once",
+        text: include_str!("../../campaigns/restarts.toml"),
     },
     Builtin {
         name: "soak",
@@ -291,6 +319,13 @@ impl Campaign {
         if campaign.sample_every_s.is_some_and(|every| !(0.1..=3600.0).contains(&every)) {
             return Err(CampaignProblem::SamplePeriod);
         }
+        if let Some(name) = campaign.settings.keys().find(|name| !campaign.scenarios.contains(name))
+        {
+            return Err(CampaignProblem::SettingsOfNone { name: name.clone() });
+        }
+        if campaign.record && campaign.mode != Mode::Realtime {
+            return Err(CampaignProblem::Record);
+        }
         if let Some([least, most]) = campaign.faults_per_run
             && (least > most
                 || most == 0
@@ -344,6 +379,8 @@ pub(super) fn of_variation(path: &Path) -> Result<Campaign, Error> {
         first_seed: 1,
         set: Vec::new(),
         sample_every_s: None,
+        record: false,
+        settings: BTreeMap::new(),
         shard: None,
         faults_per_run: None,
         faults: Vec::new(),

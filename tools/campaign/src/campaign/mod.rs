@@ -9,6 +9,7 @@
 
 mod exposure;
 mod file;
+mod launcher_death;
 mod page;
 mod plan;
 mod planned;
@@ -19,7 +20,7 @@ mod tally;
 mod variation;
 mod verdict;
 
-use crate::batch::{self, Job, Source};
+use crate::batch::{self, Interrupt, Job, Source};
 use crate::parts::journal::{self, Journal};
 use crate::parts::{self, MergeError, Shard, ShardChoice};
 use crate::plausibility;
@@ -109,7 +110,7 @@ impl Failure for CampaignError {}
 /// Arguments of `campaign`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Built-in campaigns: kills, messages, soak, takeovers. `plausibility` prints how often and how \
+    after_help = "Built-in campaigns: kills, messages, restarts, soak, takeovers. `plausibility` prints how often and how \
 fast the controller's checks of its inputs find a false sender, `radio` what becomes of frames that are lost, late \
 and falsified (2,000 runs, or --sample N)."
 )]
@@ -178,6 +179,15 @@ fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     bar.set_message(campaign.name.as_str().to_owned());
     bar.set_position(records.len() as u64);
     bar.reset_eta();
+    // A run whose launcher is killed is a command of its own.
+    let (mut together, mut apart) = (Vec::new(), Vec::new());
+    let may_be_apart = campaign.faults.iter().any(launcher_death::may_be);
+    for run in left {
+        let is_apart =
+            may_be_apart && launcher_death::is_planned(&job(&campaign, &plan.get(run))?.scenario);
+        if is_apart { apart.push(run) } else { together.push(run) }
+    }
+    let left = together;
     let at_once = batch::at_once(arguments.jobs, campaign.mode);
     // Chosen of the whole campaign, so that shards and resumed parts repeat the same ones.
     let sampled = batch::choose(SAMPLE_SEED, plan.len());
@@ -195,6 +205,18 @@ fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     if let Ok(sample) = &end {
         sample.tell(left.len(), &bar);
     }
+    let end = end.map(drop).and_then(|()| {
+        let interrupt = Interrupt::watch()?;
+        for run in apart {
+            let planned = plan.get(run);
+            let job = job(&campaign, &planned)?;
+            let record = launcher_death::run(&planned, &job.scenario, campaign.mode, &interrupt)?;
+            journal.add(&record)?;
+            records.push(journal::as_read_back(&record));
+            bar.inc(1);
+        }
+        Ok(())
+    });
     bar.finish_and_clear();
     if end.is_err() {
         let (done, directory) = (records.len(), output.path().display());
@@ -387,7 +409,7 @@ fn job(campaign: &Campaign, planned: &Planned) -> Result<Job, Error> {
         refuse_faults_of_processes(&scenario)?;
     }
     let sample_every = campaign.sample_every_s.map(Duration::from_secs_f64);
-    Ok(Job { scenario, mode: campaign.mode, sample_every })
+    Ok(Job { scenario, mode: campaign.mode, sample_every, record: campaign.record })
 }
 
 /// In simulated time nothing is to be seen of a process fault.

@@ -64,8 +64,21 @@ pub enum PlanError {
         seeds: u32,
     },
     /// A number of faults.
-    #[error("faults: count = {0}, expected a whole number from 1 to 64")]
-    Count(Value),
+    #[error("faults: {key} = {value}, expected a whole number from 1 to 64")]
+    Count {
+        /// The key.
+        key: String,
+        /// Its value.
+        value: Value,
+    },
+    /// Whether a fault has runs of its own.
+    #[error("faults: alone = {0}, expected true or false")]
+    Alone(Value),
+    /// Not so many services to strike together.
+    #[error(
+        "faults: together needs `service` to be a list of as many or more, and no `count` beside it"
+    )]
+    Together,
     /// A value of a fault is neither one nor a choice of several.
     #[error(
         "faults: {key} = {value} cannot be drawn from, expected two numbers, the smaller first, or a \
@@ -88,10 +101,19 @@ pub fn plan(campaign: &Campaign) -> Result<Plan, Error> {
     let own = vec![None];
     let named: Vec<_> = campaign.controllers.iter().cloned().map(Some).collect();
     let controllers = if named.is_empty() { own } else { named };
+    for (key, value) in campaign.settings.values().flatten() {
+        check(key, value)?;
+    }
     let templates = campaign.faults.iter().map(Template::of).collect::<Result<Vec<_>, _>>()?;
     let faults: Vec<_> = match campaign.faults_per_run {
         _ if templates.is_empty() => vec![Drawing::None],
-        Some([least, most]) => vec![Drawing::Mixed { templates, least, most }],
+        Some([least, most]) => {
+            let (alone, templates): (Vec<_>, Vec<_>) =
+                templates.into_iter().partition(|template| template.is_alone);
+            let mixed =
+                (!templates.is_empty()).then_some(Drawing::Mixed { templates, least, most });
+            mixed.into_iter().chain(alone.into_iter().map(Drawing::One)).collect()
+        }
         None => templates.into_iter().map(Drawing::One).collect(),
     };
     let seeds = campaign.seeds.get();
@@ -137,12 +159,22 @@ impl Plan {
                     controller: controller.clone(),
                     fault: "none".into(),
                     seed: self.campaign.first_seed,
-                    keys: self.campaign.set.clone(),
+                    keys: self.keys(scenario, self.campaign.first_seed),
                     parameters: self.variants.as_ref().map_or_else(Vec::new, |all| all.get(0)),
                 });
             }
         }
         runs
+    }
+
+    /// Keys set in the run of a scenario with this seed, but for its faults.
+    fn keys(&self, scenario: &str, seed: u32) -> Vec<String> {
+        // Far from the streams of the faults.
+        let mut random = Pcg64::new(seed.into(), u128::from(u64::MAX));
+        random.next_u64();
+        let settings = self.campaign.settings.get(scenario).into_iter().flatten();
+        let settings = settings.map(|(key, value)| format!("{key}={}", drawn(value, &mut random)));
+        self.campaign.set.iter().cloned().chain(settings).collect()
     }
 
     /// The run of a number below that of all runs.
@@ -157,7 +189,7 @@ impl Plan {
         let number = u32::try_from(number).expect("fewer runs than u32 has numbers");
         let seed = campaign.first_seed.saturating_add(number);
         let fault = &faults[which];
-        let mut keys = campaign.set.clone();
+        let mut keys = self.keys(&campaign.scenarios[place / values], seed);
         // Controllers meet the same faults; scenarios do not.
         let stream = (place * faults.len() + which) as u128;
         let drawn = Some(fault.draw(seed, stream)).filter(|drawn| !drawn.is_empty());
@@ -235,20 +267,34 @@ impl Drawing {
 #[derive(Debug)]
 struct Template {
     label: String,
+    /// In runs of its own, also where a run's faults are drawn from all.
+    is_alone: bool,
     count: usize,
+    /// All of them begin at the same instant, and no two act on the same service.
+    is_together: bool,
     keys: Table,
 }
 
 impl Template {
     fn of(table: &Table) -> Result<Self, PlanError> {
         let mut keys = table.clone();
-        let count = match keys.remove("count") {
-            None => 1,
-            Some(Value::Integer(count @ 1..=64)) => count as usize,
+        let mut whole = |key: &str| match keys.remove(key) {
+            None => Ok(None),
+            Some(Value::Integer(count @ 1..=64)) => Ok(Some(count as usize)),
+            Some(value) => Err(PlanError::Count { key: key.to_owned(), value }),
+        };
+        let (count, together) = (whole("count")?, whole("together")?);
+        let is_alone = match keys.remove("alone") {
+            None => false,
+            Some(Value::Boolean(alone)) => alone,
             Some(other) => {
-                return Err(PlanError::Count(other));
+                return Err(PlanError::Alone(other));
             }
         };
+        let services = keys.get("service").and_then(Value::as_array).map_or(0, Vec::len);
+        if together.is_some_and(|together| together > services || count.is_some()) {
+            return Err(PlanError::Together);
+        }
         for (key, value) in &keys {
             check(key, value)?;
         }
@@ -257,17 +303,37 @@ impl Template {
             _ => None,
         };
         let parts = ["kind", "service", "topic", "field"].into_iter().filter_map(word);
-        Ok(Self { label: parts.collect::<Vec<_>>().join(" "), count, keys })
+        Ok(Self {
+            label: parts.collect::<Vec<_>>().join(" "),
+            is_alone,
+            count: count.or(together).unwrap_or(1),
+            is_together: together.is_some(),
+            keys,
+        })
     }
 
     /// So many faults as the template says, as TOML.
     fn draw(&self, random: &mut Pcg64) -> Vec<String> {
-        let draw = |_| {
-            let pair =
-                |(key, value): (&String, &Value)| format!("{key} = {}", drawn(value, random));
-            format!("{{ {} }}", self.keys.iter().map(pair).collect::<Vec<_>>().join(", "))
+        let shared = |key: &str| self.is_together && matches!(key, "at_s" | "when");
+        let mut keys = self.keys.clone();
+        for (_, value) in keys.iter_mut().filter(|(key, _)| shared(key)) {
+            *value = drawn(value, random);
+        }
+        let mut draw = |_| {
+            let mut pairs = Vec::new();
+            for (key, value) in &mut keys {
+                let one = if shared(key) { value.clone() } else { drawn(value, random) };
+                if self.is_together
+                    && key == "service"
+                    && let Value::Array(left) = value
+                {
+                    left.retain(|other| *other != one);
+                }
+                pairs.push(format!("{key} = {one}"));
+            }
+            format!("{{ {} }}", pairs.join(", "))
         };
-        (0..self.count).map(draw).collect()
+        (0..self.count).map(&mut draw).collect()
     }
 }
 
@@ -388,6 +454,36 @@ bits = [1, 3]
         let mean = instants.iter().sum::<f64>() / instants.len() as f64;
         assert!((mean - 2.0).abs() < 0.1, "spread over the range: {mean}");
         assert_ne!(instants[0], instants[1], "each of a run's faults is drawn anew");
+    }
+
+    #[test]
+    fn what_strikes_together_has_one_instant_and_two_services() {
+        let fault = "seeds = 40\nfaults_per_run = [1, 1]\n[[faults]]\nkind = \"kill\"\ntogether = 2\n\
+            service = [\"plant\", \"controller\", \"aebs\"]\nat_s = [1.0, 9.0]\n[[faults]]\n\
+            kind = \"kill-helper\"\nhelper = \"launcher\"\nat_s = [1.0, 9.0]\nalone = true\n";
+        let runs = runs(fault);
+        assert_eq!(runs.len(), 2 * 2 * 40);
+        let (mixed, alone): (Vec<_>, Vec<_>) = runs.iter().partition(|run| run.fault == "mixed");
+        assert_eq!((mixed.len(), alone.len()), (80, 80));
+        for run in mixed {
+            let table: Table = toml::from_str(run.keys.last().expect("faults")).expect("TOML");
+            let [one, other] = table["faults"].as_array().expect("a list").as_slice() else {
+                panic!("{table}")
+            };
+            assert_eq!(one["at_s"], other["at_s"]);
+            assert_ne!(one["service"], other["service"]);
+        }
+    }
+
+    #[test]
+    fn a_scenario_has_settings_of_its_own() {
+        let runs = runs("seeds = 20\n[settings.cut-in]\n\"seed\" = [5, 35]\n");
+        let values: BTreeSet<&String> = runs.iter().filter_map(|run| run.keys.first()).collect();
+        assert!(
+            values.len() > 8 && values.iter().all(|key| key.starts_with("seed=")),
+            "{values:?}"
+        );
+        assert!(runs.iter().all(|run| run.keys.is_empty() == (run.scenario == "cacc-a")));
     }
 
     #[test]

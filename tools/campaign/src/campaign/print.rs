@@ -121,6 +121,17 @@ fn totals(verdict: &Verdict) -> String {
             ),
         );
     }
+    if all.kills > 0 {
+        let (double, starting) = (all.double_kills, all.starting_kills);
+        let (helpers, launchers) = (all.helper_kills, all.launcher_kills);
+        line(
+            "kills",
+            format!(
+                "{double} pairs within 5 ms, {starting} of a process that was starting, {helpers} of \
+                 recorder, janitor and launcher ({launchers} launchers)"
+            ),
+        );
+    }
     let corrupted = match (all.corrupted, all.undetected_corruptions) {
         (0, _) => String::new(),
         (all, undetected) => format!(", {all} of them corrupted, {undetected} unnoticed"),

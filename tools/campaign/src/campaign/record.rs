@@ -4,13 +4,16 @@ use super::exposure::Struck;
 use super::planned::Planned;
 use super::reference::{Braking, avoids_contact};
 use crate::batch::{Done, Growth, Repetition};
-use group::Error;
+use group::{Error, FaultRecord};
 use messages::level::{Level, LevelChange};
 use runtime::report::Outcome;
 use scenario::Scenario;
-use scenario::faults::Kind;
+use scenario::faults::{Helper, Kind};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+
+/// Two kills so near to each other are one double kill, s.
+const DOUBLE_S: f64 = 0.005;
 
 /// One run, in one line of the journal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,6 +38,20 @@ pub struct Record {
     pub min_ttc_s: Option<f64>,
     /// Processes killed.
     pub kills: u64,
+    /// Pairs of services that were killed within [`DOUBLE_S`], processes that were killed before they took
+    /// part, and processes that are no service.
+    #[serde(default)]
+    pub double_kills: u64,
+    #[serde(default)]
+    pub starting_kills: u64,
+    #[serde(default)]
+    pub helper_kills: u64,
+    /// The launcher was killed, and the group ended with it.
+    #[serde(default)]
+    pub launcher_died: bool,
+    /// A recording that cannot be read, or ends early although the recorder was not killed.
+    #[serde(default)]
+    pub recording_lost: bool,
     /// From a process fault until the launcher knew, µs.
     pub detection_us: Vec<f64>,
     /// From a process fault until the first fresh message of the next process, µs.
@@ -72,7 +89,16 @@ pub struct Record {
 impl Record {
     /// What came of a planned run.
     pub fn new(planned: &Planned, scenario: &Scenario, result: Result<Done, Error>) -> Self {
-        let blank = Self {
+        let blank = Self::blank(planned, scenario);
+        match result {
+            Ok(done) => blank.of(scenario, &done),
+            Err(error) => Self { aborted_because: Some(error.to_string()), ..blank },
+        }
+    }
+
+    /// Of a run that was aborted and measured nothing.
+    pub fn blank(planned: &Planned, scenario: &Scenario) -> Self {
+        Self {
             run: planned.run,
             scenario: planned.scenario.clone(),
             controller: scenario.controller.name.as_str().into(),
@@ -86,6 +112,11 @@ impl Record {
             min_gap_m: None,
             min_ttc_s: None,
             kills: 0,
+            double_kills: 0,
+            starting_kills: 0,
+            helper_kills: 0,
+            launcher_died: false,
+            recording_lost: false,
             detection_us: Vec::new(),
             recovery_us: Vec::new(),
             unrecovered: 0,
@@ -102,10 +133,6 @@ impl Record {
             leaks: Vec::new(),
             growth: None,
             same_in_processes: None,
-        };
-        match result {
-            Ok(done) => blank.of(scenario, &done),
-            Err(error) => Self { aborted_because: Some(error.to_string()), ..blank },
         }
     }
 
@@ -117,11 +144,12 @@ impl Record {
             emergency_mps2: scenario.aebs.deceleration_mps2.value(),
         };
         let collided = summary.outcome == Outcome::Collision;
-        let killed = |kind: &str| [Kind::Kill, Kind::RestartStorm].iter().any(|k| k.name() == kind);
+        let kills = [Kind::Kill, Kind::RestartStorm, Kind::KillHelper].map(Kind::name);
         let faults = &summary.faults;
+        let killed = faults.iter().filter(|fault| kills.contains(&fault.kind.as_str()));
+        let recorder_killed = faults.iter().any(|fault| fault.helper == Some(Helper::Recorder));
         let corrupted = faults.iter().filter(|fault| fault.kind == Kind::Corrupt.name());
         let corrupted = corrupted.filter_map(|fault| fault.messages).sum();
-        let refused: u64 = summary.messages.values().map(|topic| topic.e2e.error).sum();
         let unrecovered = faults.iter().filter(|fault| {
             fault.detected_after_us.is_some() && fault.recovered_after_us.is_none()
         });
@@ -136,7 +164,13 @@ impl Record {
             duration_s: summary.duration_s,
             min_gap_m: summary.control.figures.min_gap_m,
             min_ttc_s: summary.control.figures.min_ttc_s,
-            kills: faults.iter().filter(|fault| killed(&fault.kind)).count() as u64,
+            kills: killed.clone().count() as u64,
+            double_kills: double_kills(killed.clone()),
+            starting_kills: killed.clone().filter(|fault| fault.while_starting).count() as u64,
+            helper_kills: killed.filter(|fault| fault.helper.is_some()).count() as u64,
+            recording_lost: summary.recording.as_ref().is_some_and(|recording| {
+                recording.messages == 0 || (recording.failed.is_some() && !recorder_killed)
+            }),
             detection_us: faults.iter().filter_map(|fault| fault.detected_after_us).collect(),
             recovery_us: faults.iter().filter_map(|fault| fault.recovered_after_us).collect(),
             unrecovered: match summary.outcome {
@@ -160,7 +194,7 @@ impl Record {
             messages_lost: summary.messages.values().filter_map(|topic| topic.lost).sum(),
             disturbed: faults.iter().filter_map(|fault| fault.messages).sum(),
             corrupted,
-            undetected: corrupted.saturating_sub(refused),
+            undetected: faults.iter().map(|fault| fault.undetected).sum(),
             leaks: done.leftovers.clone(),
             growth: Growth::over(&done.samples),
             same_in_processes: done
@@ -170,6 +204,16 @@ impl Record {
             ..self
         }
     }
+}
+
+/// Pairs of neighbours in time that struck two services at nearly the same instant.
+fn double_kills<'a>(killed: impl Iterator<Item = &'a FaultRecord>) -> u64 {
+    let mut killed: Vec<_> = killed.filter(|fault| fault.service.is_some()).collect();
+    killed.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
+    let pairs = killed
+        .windows(2)
+        .filter(|pair| pair[1].t_s - pair[0].t_s <= DOUBLE_S && pair[0].service != pair[1].service);
+    pairs.count() as u64
 }
 
 /// Longest time off the first level, from its leaving until its next entering, ms.

@@ -18,6 +18,14 @@ pub struct Tally {
     pub safe_stops: u64,
     pub aborted: u64,
     pub kills: u64,
+    /// Pairs of services killed within 5 ms, processes killed before they took part, and recorders, janitors
+    /// and launchers killed.
+    pub double_kills: u64,
+    pub starting_kills: u64,
+    pub helper_kills: u64,
+    /// Runs that ended with their launcher.
+    pub launcher_kills: u64,
+    pub recordings_lost: u64,
     pub unrecovered: u64,
     /// Services that ended a completed run below the first level.
     pub degraded: u64,
@@ -77,8 +85,14 @@ impl Tally {
             avoidable_collisions: sum(|r| r.avoidable.into()),
             red_lights: ended(Outcome::RedLight),
             safe_stops: ended(Outcome::SafeStop),
-            aborted: ended(Outcome::Aborted),
+            // A group whose launcher is killed ends in no other way.
+            aborted: ended(Outcome::Aborted) - sum(|r| r.launcher_died.into()),
             kills: sum(|r| r.kills),
+            double_kills: sum(|r| r.double_kills),
+            starting_kills: sum(|r| r.starting_kills),
+            helper_kills: sum(|r| r.helper_kills),
+            launcher_kills: sum(|r| r.launcher_died.into()),
+            recordings_lost: sum(|r| r.recording_lost.into()),
             unrecovered: sum(|r| r.unrecovered),
             degraded: sum(|r| r.degraded.len() as u64),
             leaks: sum(|r| r.leaks.len() as u64),
@@ -134,13 +148,18 @@ enum Kind {
 }
 
 /// All figures.
-pub const FIGURES: [Figure; 26] = [
+pub const FIGURES: [Figure; 31] = [
     count("collisions", |t| t.collisions),
     count("avoidable_collisions", |t| t.avoidable_collisions),
     count("red_lights", |t| t.red_lights),
     count("safe_stops", |t| t.safe_stops),
     count("aborted", |t| t.aborted),
     count("kills", |t| t.kills),
+    count("double_kills", |t| t.double_kills),
+    count("starting_kills", |t| t.starting_kills),
+    count("helper_kills", |t| t.helper_kills),
+    count("launcher_kills", |t| t.launcher_kills),
+    count("recordings_lost", |t| t.recordings_lost),
     count("unrecovered", |t| t.unrecovered),
     count("degraded", |t| t.degraded),
     count("leaks", |t| t.leaks),

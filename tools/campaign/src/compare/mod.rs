@@ -108,7 +108,12 @@ fn drive(arguments: &CompareArguments) -> Result<ExitCode, Error> {
     let repeated = part.repeated(&left, scenarios[0].seed.value());
     let at_once = batch::at_once(None, mode);
     let make = |index: usize| {
-        Ok(Job { scenario: scenarios[left[index]].clone(), mode, sample_every: None })
+        Ok(Job {
+            scenario: scenarios[left[index]].clone(),
+            mode,
+            sample_every: None,
+            record: false,
+        })
     };
     let source = Source { runs: left.len(), make: &make };
     let mut pictures: BTreeMap<usize, RunPicture> = BTreeMap::new();

@@ -117,7 +117,7 @@ fn drive(arguments: &SweepArguments) -> Result<ExitCode, Error> {
     let at_once = batch::at_once(arguments.jobs, mode);
     let make = |index: usize| {
         let scenario = open(arguments, &plan.points[left[index]])?;
-        Ok(Job { scenario, mode, sample_every: None })
+        Ok(Job { scenario, mode, sample_every: None, record: false })
     };
     let source = Source { runs: left.len(), make: &make };
     let mut each = |index: usize, job: &Job, result: Result<batch::Done, Error>| {

@@ -5,6 +5,7 @@ use crate::summary::Summary;
 use group::Recovery;
 use messages::level::Level;
 use runtime::scheduling::Asked;
+use scenario::faults::Helper;
 use std::fmt::Write as _;
 
 pub(super) fn messages(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
@@ -20,7 +21,9 @@ const SHOWN_FAULTS: usize = 8;
 
 pub(super) fn faults(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     for (index, fault) in summary.faults.iter().take(SHOWN_FAULTS).enumerate() {
-        let victim = fault.service.map(|service| service.name()).or(fault.topic).unwrap_or("");
+        let helper = fault.helper.map(Helper::name);
+        let victim = fault.service.map(|service| service.name()).or(fault.topic).or(helper);
+        let victim = victim.unwrap_or("");
         let mut text = format!("{} {victim} at {:.2} s", fault.kind, fault.t_s);
         for (what, us) in
             [("detected", fault.detected_after_us), ("back", fault.recovered_after_us)]
