@@ -243,12 +243,13 @@ impl Faults {
             .any(|record| record.awaits.is_some() && record.recovered_after_us.is_none())
     }
 
-    /// Run time at which something is due next, ns, as far as it is known.
-    pub fn next_ns(&self) -> Option<i64> {
+    /// Run time after `now_ns` at which something is due next, ns, as far as it is known. What is overdue waits
+    /// for its service, which may never come: it is looked at as often as the run is.
+    pub fn next_ns(&self, now_ns: i64) -> Option<i64> {
         let next = |planned: &Planned| {
             let begin_ns = planned.begin_ns.filter(|_| !planned.done);
             let until_ns = planned.running.as_ref().map(|(until_ns, _)| *until_ns);
-            begin_ns.into_iter().chain(until_ns).min()
+            begin_ns.into_iter().chain(until_ns).filter(|&ns| ns > now_ns).min()
         };
         self.planned.iter().filter_map(next).min()
     }
@@ -470,6 +471,14 @@ mod tests {
         assert_eq!(faults.due(1_100_000_000, None, |_| running(0)), []);
         assert_eq!(faults.due(1_200_000_000, None, |_| running(1)).len(), 1);
         assert_eq!(faults.due(1_300_000_000, None, |_| running(2)), []);
+    }
+
+    #[test]
+    fn a_kill_of_a_service_that_does_not_take_part_is_not_waited_for() {
+        let mut faults = faults("[[faults]]\nkind = \"kill\"\nservice = \"aebs\"\nat_s = 1");
+        assert_eq!(faults.next_ns(0), Some(1_000_000_000));
+        assert_eq!(faults.due(1_000_000_001, None, |_| None), []);
+        assert_eq!(faults.next_ns(1_000_000_001), None);
     }
 
     #[test]

@@ -157,8 +157,9 @@ impl Supervisor<'_> {
             (false, _) => LOCKSTEP_LOOK,
             (true, true) => CLOSE_LOOK,
             (true, false) => {
-                let due_ns = self.faults.next_ns().map_or(i64::MAX, |next| next - self.now_ns());
-                LOOK.min(Duration::from_nanos(due_ns.max(0).unsigned_abs()))
+                let now_ns = self.now_ns();
+                let due_ns = self.faults.next_ns(now_ns).map_or(i64::MAX, |next| next - now_ns);
+                LOOK.min(Duration::from_nanos(due_ns.unsigned_abs()))
             }
         }
     }
