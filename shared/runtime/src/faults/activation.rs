@@ -2,7 +2,7 @@
 
 use messages::{Drive, Service, Topic};
 use scenario::Scenario;
-use scenario::faults::{Begin, Effect, Fault, Target};
+use scenario::faults::{Begin, Effect, Falsification, Fault, Target};
 use serde::{Deserialize, Serialize};
 use std::cell::{Cell, RefCell};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -169,12 +169,9 @@ impl Faults {
             else {
                 continue;
             };
-            let aimed = match effect.target() {
-                Target::Topic(disturbed) => disturbed == topic,
-                Target::Service(service) => service.to_wire() == source,
-                Target::Helper(_) | Target::Machine => false,
-            };
-            if !aimed || !(begun_ns..effect.end_ns(begun_ns)).contains(&now_ns) {
+            if !is_aimed(effect, topic, source)
+                || !(begun_ns..effect.end_ns(begun_ns)).contains(&now_ns)
+            {
                 continue;
             }
             let mut message = [0; 28];
@@ -200,6 +197,18 @@ impl Faults {
         }
     }
 
+    /// True if one may replace messages of `source` on `topic` by an earlier one.
+    pub(crate) fn may_freeze(&self, topic: Topic, source: u32) -> bool {
+        let freezes = |effect: &Effect| {
+            let fault = effect.of_senders();
+            fault.is_some_and(|fault| matches!(fault.falsification, Falsification::Freeze { .. }))
+        };
+        !topic.is_truth()
+            && self.entries.borrow().iter().any(|Entry { fault, .. }| {
+                freezes(&fault.effect) && is_aimed(&fault.effect, topic, source)
+            })
+    }
+
     /// What they did.
     pub(crate) fn statistics(&self) -> Vec<FaultStatistics> {
         let entries = self.entries.borrow();
@@ -211,6 +220,15 @@ impl Faults {
                 Some(FaultStatistics { fault, begun_ns, messages, undetected })
             })
             .collect()
+    }
+}
+
+/// True if the fault is one of messages of `source` on `topic`.
+fn is_aimed(effect: &Effect, topic: Topic, source: u32) -> bool {
+    match effect.target() {
+        Target::Topic(disturbed) => disturbed == topic,
+        Target::Service(service) => service.to_wire() == source,
+        Target::Helper(_) | Target::Machine => false,
     }
 }
 

@@ -8,7 +8,7 @@ use scenario::quantity::Shift;
 /// Falsifies the messages of one publisher.
 #[derive(Debug)]
 pub(crate) struct SenderFaults<T> {
-    /// The last message that no freeze replaced.
+    /// The last message that no freeze replaced, where one may come.
     last_intact: Option<Box<T>>,
 }
 
@@ -21,7 +21,7 @@ impl<T: Message> SenderFaults<T> {
     pub(crate) fn apply(&mut self, message: &mut T, faults: &Faults, now_ns: i64) {
         let header = message.header();
         let identity = (header.source, header.incarnation, header.sequence);
-        let intact = *message;
+        let intact = faults.may_freeze(T::TOPIC, header.source).then(|| *message);
         let mut frozen = false;
         faults.activate(Effect::of_senders, T::TOPIC, identity, now_ns, |fault, _| {
             match fault.falsification {
@@ -43,7 +43,7 @@ impl<T: Message> SenderFaults<T> {
                 }
             }
         });
-        if !frozen {
+        if let Some(intact) = intact.filter(|_| !frozen) {
             match &mut self.last_intact {
                 Some(last) => **last = intact,
                 None => self.last_intact = Some(Box::new(intact)),
