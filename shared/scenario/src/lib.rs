@@ -86,7 +86,7 @@ use messages::Service;
 use name::{Line, Name};
 use perception::Perception;
 use plant::Plant;
-use quantity::{Duration, Seed, Speed};
+use quantity::{Duration, PeriodMs, Seed, Speed};
 use referee::Referee;
 use road::Road;
 use runtime::Runtime;
@@ -247,6 +247,7 @@ impl Scenario {
         road::one_source(|path| document.has(path))
             .map_err(|problem| document.problem(&problem))?;
         scenario.follow_a_fast_controller(|path| document.has(path));
+        scenario.follow_a_delay(|path| document.has(path));
         scenario.controller.place_command(directory);
         if let Some(directory) = directory {
             files::load(&mut scenario, &document, directory)?;
@@ -284,6 +285,21 @@ impl Scenario {
         if period_ms < self.perception.period_ms && !is_written("controller.release") {
             self.controller.release = controller::Release::Timer;
         }
+    }
+
+    /// A plant's period that was not written divides the delay of commands: else the delay would end between
+    /// two of its steps.
+    fn follow_a_delay(&mut self, is_written: impl Fn(&str) -> bool) {
+        if is_written("plant.period_ms") {
+            return;
+        }
+        let (mut period, mut rest) =
+            (self.plant.period_ms.value(), self.runtime.extra_delay_ms.value());
+        // Euclid's greatest common divisor.
+        while rest > 0 {
+            (period, rest) = (rest, period % rest);
+        }
+        self.plant.period_ms = PeriodMs::of(period);
     }
 
     /// The scenario as it took effect: parsing this text gives an equal scenario.

@@ -34,7 +34,8 @@ pub struct Runtime {
     pub scheduling: Scheduling,
     /// Locks all memory of the services.
     pub lock_memory: bool,
-    /// Delay added between a command's computation and its actuation, ms.
+    /// Delay added between a command's computation and its actuation, ms. A plant's period that is not
+    /// written divides it.
     pub extra_delay_ms: DelayMs,
     /// Longest time added to that, drawn for each command from the plant's whole periods, ms.
     pub extra_jitter_ms: DelayMs,

@@ -157,7 +157,10 @@ fn keys_out_of_tune_are_shown_where_they_are_written() {
             "[perception.radar]\nlatency_ms = 30".into(),
             "4:14: perception.radar.latency_ms = 30 is not",
         ),
-        ("[runtime]\nextra_delay_ms = 5".into(), "4:18: runtime.extra_delay_ms = 5 is not"),
+        (
+            "[plant]\nperiod_ms = 10\n[runtime]\nextra_delay_ms = 5".into(),
+            "6:18: runtime.extra_delay_ms = 5 is not",
+        ),
         ("[runtime]\nextra_jitter_ms = 5".into(), "4:19: runtime.extra_jitter_ms = 5 is not"),
         (actor.to_owned(), "3:1: missing key `initial_speed_mps`"),
         (format!("{actor}profile.steps = []\ninitial_speed_mps = 1"), "6:17: an empty list"),
@@ -343,6 +346,16 @@ fn one_key_makes_the_controller_fast() {
     // What is written stays, and is refused where it does not fit.
     assert!(open(SHORT, &["controller.period_ms=1", "plant.period_ms=10"]).is_err());
     assert!(open(SHORT, &["controller.period_ms=1", "controller.release=radar"]).is_err());
+}
+
+#[test]
+fn a_delay_between_two_steps_of_the_plant_makes_them_shorter() {
+    let period_ms = |delay: &str| {
+        let delay = format!("runtime.extra_delay_ms={delay}");
+        open(SHORT, &[&delay]).expect("the rest follows").plant.period_ms.value()
+    };
+    assert_eq!(["0", "10", "400", "25", "4"].map(period_ms), [10, 10, 10, 5, 2]);
+    assert!(open(SHORT, &["runtime.extra_delay_ms=25", "plant.period_ms=10"]).is_err());
 }
 
 #[test]
