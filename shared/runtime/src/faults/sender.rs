@@ -21,7 +21,9 @@ impl<T: Message> SenderFaults<T> {
     pub(crate) fn apply(&mut self, message: &mut T, faults: &Faults, now_ns: i64) {
         let header = message.header();
         let identity = (header.source, header.incarnation, header.sequence);
-        let intact = faults.may_freeze(T::TOPIC, header.source).then(|| *message);
+        // Copied only where it is needed: detections are 48 KiB.
+        let may_freeze = faults.may_freeze(T::TOPIC, header.source);
+        let intact = if may_freeze { Some(*message) } else { None };
         let mut frozen = false;
         faults.activate(Effect::of_senders, T::TOPIC, identity, now_ns, |fault, _| {
             match fault.falsification {
