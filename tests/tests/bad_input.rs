@@ -134,6 +134,62 @@ fn a_tampered_design() {
     assert!(text(&bad).contains("bad.json") && text(&bad).contains("design"), "{}", text(&bad));
 }
 
+fn radios() {
+    let run = |radio, words: &[&str]| refused(&["run", "corridor", "--radio", radio], 2, words);
+    run("morse", &["--radio", "`morse` is no radio", "udp://"]);
+    run("tcp://1.2.3.4:5", &["`tcp://1.2.3.4:5` is no radio"]);
+    run("udp://somewhere:5520", &["no IP address with a port"]);
+    // An address of documentation is no host's own (RFC 5737).
+    run("udp://192.0.2.7:5520", &["cannot listen on 192.0.2.7:5520"]);
+    run("udp://239.255.3.1:5520?interface=nowhere0", &["no network interface `nowhere0`"]);
+    run("pcap:no-such.pcap", &["no-such.pcap", "No such file"]);
+    run("pcap:/dev/null", &["/dev/null"]);
+    let lockstep = ["run", "corridor", "--mode", "lockstep", "--radio", "udp://239.255.3.1:5520"];
+    refused(&lockstep, 2, &["simulated time", "--mode realtime", "pcap:FILE"]);
+    refused(&[&lockstep[..], &["--in-process"]].concat(), 2, &["simulated time"]);
+    let rsu = |radio, words: &[&str]| refused(&["rsu", "corridor", "--radio", radio], 2, words);
+    rsu("frames", &["where to send", "--radio udp://"]);
+    rsu("pcap:drive.pcap", &["a capture cannot be sent to"]);
+    rsu("udp://239.255.3.1:0", &["port 0"]);
+    refused(&["rsu", "following", "--radio", "udp://239.255.3.1:5520"], 2, &["no signals"]);
+    refused(&["rsu", "--duration", "-1", "--radio", "zenoh"], 2, &["seconds above 0"]);
+    another_link_type();
+    zenoh();
+}
+
+/// A capture of a wireless card with its radio header (link type 127) has no Ethernet header.
+fn another_link_type() {
+    let corner = Corner::new(PROGRAM);
+    let words = [0xa1b2_c3d4_u32, 4 << 16 | 2, 0, 0, 65_535, 127, 1, 0, 4, 4, 0];
+    let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+    std::fs::write(corner.path().join("wireless.pcap"), bytes).expect("our own directory");
+    let arguments = ["run", "corridor", "--radio", "pcap:wireless.pcap"];
+    refused_in(&corner, &arguments, 2, &["wireless.pcap", "link type is 127", "1 (Ethernet)"]);
+}
+
+#[cfg(not(feature = "zenoh"))]
+fn zenoh() {
+    refused(&["run", "corridor", "--radio", "zenoh"], 2, &["--features zenoh"]);
+}
+
+/// A router that is not there, a configuration that is none, a certificate that is of another family.
+#[cfg(feature = "zenoh")]
+fn zenoh() {
+    let corner = Corner::new(PROGRAM);
+    let write = |text: &str| {
+        std::fs::write(corner.path().join("zenoh.json5"), text).expect("our own directory");
+    };
+    let arguments = ["run", "corridor", "--radio", "zenoh:zenoh.json5"];
+    refused_in(&corner, &arguments, 2, &["zenoh.json5"]);
+    write("{ mode: 7 }");
+    refused_in(&corner, &arguments, 2, &["zenoh.json5"]);
+    write(
+        r#"{ mode: "client", connect: { timeout_ms: 1000, endpoints: ["tcp/127.0.0.1:9"] },
+             scouting: { multicast: { enabled: false } } }"#,
+    );
+    refused_in(&corner, &arguments, 2, &["is the router there"]);
+}
+
 fn output_directories() {
     // Below a file no directory can be made, not even by root.
     refused(&["run", "--out", "/dev/null/results"], 2, &["/dev/null/results", "cannot"]);
@@ -286,6 +342,7 @@ fn main() -> ExitCode {
         case("driver_assistance", driver_assistance),
         case("options", options),
         case("a_tampered_design", a_tampered_design),
+        case("radios", radios),
         case("output_directories", output_directories),
         case("a_service_that_exits_at_once", a_service_that_exits_at_once),
         case("a_service_that_never_becomes_ready", a_service_that_never_becomes_ready),

@@ -131,7 +131,9 @@ impl Unit {
         self.batch = origin;
         self.frames_left_out += batch.left_out;
         for frame in batch.frames() {
-            self.air.record_ns(frame.received_ns - frame.sent_ns);
+            if let Some(on_the_way_ns) = frame.on_the_way_ns() {
+                self.air.record_ns(on_the_way_ns);
+            }
             let begun = monotonic_ns();
             self.receiver.take(frame.data(), moment);
             self.decode.record_ns(monotonic_ns() - begun);

@@ -15,7 +15,7 @@ use its::geonetworking::{Source, StationType};
 use its::mapem::{Approach, Connection, IntersectionGeometry, LEFT, Lane, Mapem, STRAIGHT};
 use its::spatem::{IntersectionState, MovementEvent, MovementPhase, MovementState, Spatem, Timing};
 use its::time::{Stamp, TimeMark, its_timestamp};
-use its::{EncodeError, Frame, Message};
+use its::{EncodeError, Frame, Message, MessageKind};
 use messages::MAX_INTERVALS;
 use scenario::quantity::Time;
 use scenario::radio::{ROAD_ORIGIN, Unit};
@@ -57,6 +57,8 @@ pub struct Frames {
 pub struct SentFrame {
     /// Station id.
     pub station: u32,
+    /// What kind of message it is.
+    pub kind: MessageKind,
     /// From the GeoNetworking header on.
     pub bytes: Vec<u8>,
 }
@@ -134,7 +136,7 @@ impl Frames {
     }
 
     fn frame(&self, site: &Site, message: Message, now: &Now) -> Result<SentFrame, EncodeError> {
-        let station = message.station_id();
+        let (station, kind) = (message.station_id(), message.kind());
         let source = Source {
             station_type: StationType::RoadsideUnit,
             address: 0x0200_0000_0000 | u64::from(station),
@@ -144,7 +146,7 @@ impl Frames {
             speed: 0,
             heading: 0,
         };
-        Ok(SentFrame { station, bytes: Frame { source, message }.encode()? })
+        Ok(SentFrame { station, kind, bytes: Frame { source, message }.encode()? })
     }
 
     /// The present phase of a program and those that follow, as far as a message has room.

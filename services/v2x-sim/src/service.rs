@@ -2,6 +2,7 @@
 
 use crate::air::Air;
 use crate::frames::Frames;
+use crate::link::Link;
 use crate::road_map::{CELL_M, RoadMap};
 use crate::roadside_unit::{Event, Lane, Movement, RoadsideUnit, Signals};
 use its::EncodeError;
@@ -22,11 +23,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     let scenario = runtime.scenario();
     let unit = RoadsideUnit::new(&scenario.v2x);
     let mut ego = runtime.subscriber::<EgoTruth>()?;
-    let mut voice = if scenario.has_obu() {
-        Voice::Frames(Box::new(Radio::open(&mut runtime, &scenario)?))
-    } else {
-        Voice::Structs { spat: runtime.publisher()?, map: runtime.publisher()? }
-    };
+    let mut voice = Voice::open(&mut runtime, &scenario)?;
     let mut truth = runtime.publisher::<SignalTruth>()?;
     let mut preview = Previews::open(&mut runtime, &scenario)?;
     runtime.begin(&scenario)?;
@@ -39,13 +36,13 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         let time_ns = release.scheduled_ns.unsigned_abs();
 
         // The referee's copy first: the plant may be waiting for it.
-        let shown = unit.truth(time_ns, ego_m);
+        let shown = voice.truth(&unit, time_ns, ego_m);
         truth.send_with(|message| {
             message.header = header;
             message.count = write_lanes(&shown, &mut message.lanes);
             write_signals(&shown, &mut message.signals);
         })?;
-        voice.send(header, &unit, time_ns, ego_m)?;
+        voice.send(runtime, header, &unit, ego_m)?;
         if let Some(preview) = &mut preview {
             preview.send(header, ego_m)?;
         }
@@ -54,7 +51,8 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         runtime.end_cycle(if seen { ServiceState::Running } else { ServiceState::Degraded })?;
         Ok(Cycle::Next)
     })?;
-    runtime.finish(Details::None)
+    let details = voice.details();
+    runtime.finish(details)
 }
 
 /// How the roadside unit tells of its signals.
@@ -68,22 +66,52 @@ enum Voice {
     },
     /// By frames through the air, to the on-board unit.
     Frames(Box<Radio>),
+    /// The units are on other hosts, or in a capture.
+    Link(Box<Link>),
 }
 
 impl Voice {
+    fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Self, RuntimeError> {
+        Ok(match &scenario.v2x.radio {
+            scenario::radio::Radio::Direct => {
+                Self::Structs { spat: runtime.publisher()?, map: runtime.publisher()? }
+            }
+            scenario::radio::Radio::Frames => {
+                Self::Frames(Box::new(Radio::open(runtime, scenario)?))
+            }
+            scenario::radio::Radio::Carrier(address) => {
+                Self::Link(Box::new(Link::open(runtime, address)?))
+            }
+        })
+    }
+
     fn begin(&mut self, runtime: &Runtime) {
-        if let Self::Frames(radio) = self {
-            radio.utc_start_ns = runtime.utc_start_ns();
+        match self {
+            Self::Structs { .. } => {}
+            Self::Frames(radio) => radio.utc_start_ns = runtime.utc_start_ns(),
+            Self::Link(link) => link.begin(runtime),
+        }
+    }
+
+    /// What the signals show. Those of another host show what their programs, which are the scenario's, say
+    /// by its clock; as long as that is not known, and with units of other makers, nothing is known.
+    fn truth(&self, unit: &RoadsideUnit, time_ns: u64, ego_m: f64) -> Signals {
+        match self {
+            Self::Structs { .. } | Self::Frames(_) => unit.truth(time_ns, ego_m),
+            Self::Link(link) => link.unit().map_or(Signals::NONE, |clock| {
+                clock.to_vehicle(unit.truth(clock.unit_ns(time_ns), ego_m))
+            }),
         }
     }
 
     fn send(
         &mut self,
+        runtime: &mut Runtime,
         header: Header,
         unit: &RoadsideUnit,
-        time_ns: u64,
         ego_m: f64,
     ) -> Result<(), RuntimeError> {
+        let time_ns = header.acquisition_ns.unsigned_abs();
         match self {
             Self::Structs { spat, map } => {
                 let received = unit.received(time_ns, ego_m);
@@ -98,6 +126,14 @@ impl Voice {
                 Ok(())
             }
             Self::Frames(radio) => radio.send(header, time_ns, ego_m),
+            Self::Link(link) => link.exchange(runtime, header),
+        }
+    }
+
+    fn details(&self) -> Details {
+        match self {
+            Self::Structs { .. } | Self::Frames(_) => Details::None,
+            Self::Link(link) => Details::Link(Box::new(link.report())),
         }
     }
 }

@@ -15,7 +15,7 @@
 //! | `v2x/spat` | [`Spat`] | obu; v2x-sim without frames | controller |
 //! | `v2x/map` | [`Map`] | obu; v2x-sim without frames | controller |
 //! | `v2x/preview` | [`Preview`] | v2x-sim, for a truck | controller |
-//! | `radio/sent` | [`RadioSent`] | obu | (observers) |
+//! | `radio/sent` | [`RadioSent`] | obu | v2x-sim, to send it on to another host |
 //! | `control/command` | [`Command`] | controller | plant |
 //! | `control/diagnostics` | [`Diagnostics`] | controller | (observers) |
 //! | `safety/brake` | [`Brake`] | aebs | plant |

@@ -14,7 +14,7 @@ pub const MAX_FRAMES: usize = 16;
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
 #[type_name("timegap_msgs/msg/RadioFrame")]
 pub struct RadioFrame {
-    /// When it was sent, by the sender's own account, ns of run time.
+    /// When it was sent, by the sender's own account, ns of run time; the smallest number: not known.
     pub sent_ns: i64,
     /// When it arrived at the vehicle's radio, ns of run time.
     pub received_ns: i64,
@@ -27,6 +27,15 @@ pub struct RadioFrame {
 layout!(RadioFrame { sent_ns, received_ns, length, bytes });
 
 impl RadioFrame {
+    /// `sent_ns` of a frame that does not say when it was sent, or by a clock that is not known.
+    pub const UNKNOWN_NS: i64 = i64::MIN;
+
+    /// Time from sending to arrival, ns; `None` where it is not known.
+    #[must_use]
+    pub fn on_the_way_ns(&self) -> Option<i64> {
+        (self.sent_ns != Self::UNKNOWN_NS).then(|| self.received_ns.saturating_sub(self.sent_ns))
+    }
+
     /// The valid bytes.
     #[must_use]
     pub fn data(&self) -> &[u8] {
@@ -54,7 +63,7 @@ pub struct RadioFrames {
     pub utc_start_ns: i64,
     /// By how much the sender's clock is ahead of the vehicle's, as two hosts compared them, ns.
     pub clock_offset_ns: i64,
-    /// How far that may be off, ns; 0 where both are one clock.
+    /// How far that may be off, ns; 0 where both are one clock; the largest number: not known.
     pub clock_uncertainty_ns: i64,
     /// Frames that arrived and for which there was no room.
     pub left_out: u64,

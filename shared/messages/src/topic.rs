@@ -203,7 +203,9 @@ impl Topic {
             Self::Command | Self::Brake | Self::VehicleTruth | Self::SignalTruth => {
                 &[Service::Plant]
             }
-            Self::Diagnostics | Self::Heartbeat | Self::RadioSent => &[],
+            // To send them on, where the radio leads to another host.
+            Self::RadioSent => &[Service::V2xSim],
+            Self::Diagnostics | Self::Heartbeat => &[],
         }
     }
 }

@@ -88,6 +88,9 @@ pub enum RuntimeError {
     /// A foreign program that computes for the service failed.
     #[error("{0}")]
     Program(#[source] Box<dyn Error + Send + Sync>),
+    /// A carrier of radio frames cannot be opened.
+    #[error("radio: {0}")]
+    Radio(#[source] Box<dyn Error + Send + Sync>),
     /// The scenario of the group file cannot be read.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),

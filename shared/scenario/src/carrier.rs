@@ -9,7 +9,7 @@
 
 use std::fmt;
 use std::net::SocketAddr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
@@ -67,6 +67,16 @@ impl CarrierAddress {
     #[must_use]
     pub fn is_multicast(&self) -> bool {
         matches!(self, Self::Udp { address, .. } if address.ip().is_multicast())
+    }
+
+    /// Settles where its file is, if it has one: a relative path begins in `directory`.
+    pub fn place(&mut self, directory: &Path) {
+        match self {
+            Self::Udp { .. } | Self::Zenoh { configuration: None } => {}
+            Self::Zenoh { configuration: Some(file) } | Self::Capture { file } => {
+                *file = directory.join(&file);
+            }
+        }
     }
 
     /// True for a carrier whose frames come at their own wall-clock instants: everything but a capture.

@@ -249,6 +249,7 @@ impl Scenario {
         scenario.follow_a_fast_controller(|path| document.has(path));
         scenario.follow_a_delay(|path| document.has(path));
         scenario.controller.place_command(directory);
+        scenario.v2x.radio.place(directory);
         if let Some(directory) = directory {
             files::load(&mut scenario, &document, directory)?;
         }
@@ -266,7 +267,7 @@ impl Scenario {
     /// True if signals come as frames, which an on-board unit decodes.
     #[must_use]
     pub fn has_obu(&self) -> bool {
-        self.v2x.radio == radio::Radio::Frames
+        !self.v2x.radio.is_direct()
     }
 
     /// The services that the scenario's group consists of.

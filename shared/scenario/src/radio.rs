@@ -1,7 +1,9 @@
 //! `[v2x]`, the radio: how the signals reach the vehicle, and what goes wrong on the way.
 
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 
+use super::carrier::{CarrierAddress, CarrierAddressError};
 use super::quantity::{
     DelayMs, DriftPpm, Duration, MapShift, OffsetMs, Probability, Shift, StationId, Time,
 };
@@ -12,15 +14,31 @@ pub const ROAD_ORIGIN: (i32, i32) = (487_000_000, 91_000_000);
 /// UTC of run time 0 in simulated time, ns since 1970: noon of 2026-06-01.
 pub const SIMULATED_START_NS: i64 = 1_780_315_200_000_000_000;
 
-/// How the signals reach the vehicle.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+/// How the signals reach the vehicle: `direct`, `frames`, or the address of a carrier.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub enum Radio {
     /// As structs, from the roadside unit to the controller.
     #[default]
     Direct,
     /// As frames (SPATEM, MAPEM), which an on-board unit decodes and checks.
     Frames,
+    /// As frames of roadside units on other hosts, or of a capture.
+    Carrier(CarrierAddress),
+}
+
+/// Text that says nothing of how the signals reach the vehicle.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RadioError {
+    /// It is no known word and no address.
+    #[error(
+        "`{0}` is no radio, expected one of direct, frames, udp://ADDRESS:PORT, zenoh, zenoh:FILE.json5, \
+         pcap:FILE"
+    )]
+    Unknown(String),
+    /// The address of a carrier is wrong.
+    #[error(transparent)]
+    Address(CarrierAddressError),
 }
 
 impl Radio {
@@ -28,6 +46,47 @@ impl Radio {
     #[must_use]
     pub fn is_direct(&self) -> bool {
         *self == Self::Direct
+    }
+
+    /// Where frames come from that are not simulated in the run.
+    #[must_use]
+    pub fn carrier(&self) -> Option<&CarrierAddress> {
+        match self {
+            Self::Direct | Self::Frames => None,
+            Self::Carrier(address) => Some(address),
+        }
+    }
+
+    /// Settles where a carrier's file is: beside the scenario's own file, in `directory`.
+    pub(super) fn place(&mut self, directory: Option<&Path>) {
+        let Self::Carrier(address) = self else { return };
+        let here = std::env::current_dir().unwrap_or_default();
+        address.place(&directory.map_or_else(|| here.clone(), |own| here.join(own)));
+    }
+}
+
+impl TryFrom<String> for Radio {
+    type Error = RadioError;
+
+    fn try_from(text: String) -> Result<Self, RadioError> {
+        match text.as_str() {
+            "direct" => Ok(Self::Direct),
+            "frames" => Ok(Self::Frames),
+            other => other.parse().map(Self::Carrier).map_err(|error| match error {
+                CarrierAddressError::Scheme(text) => RadioError::Unknown(text),
+                error => RadioError::Address(error),
+            }),
+        }
+    }
+}
+
+impl From<Radio> for String {
+    fn from(radio: Radio) -> Self {
+        match radio {
+            Radio::Direct => "direct".to_owned(),
+            Radio::Frames => "frames".to_owned(),
+            Radio::Carrier(address) => address.to_string(),
+        }
     }
 }
 
@@ -178,5 +237,41 @@ impl Obu {
     #[must_use]
     pub fn is_usual(&self) -> bool {
         *self == Self::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Scenario;
+
+    fn read(keys: &str) -> Result<Scenario, String> {
+        let text = format!("schema_version = 1\nname = \"radio\"\n[v2x]\n{keys}\n");
+        Scenario::parse("radio", &text).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_radio_reads_back_and_a_file_is_found_from_anywhere() {
+        for radio in ["direct", "frames", "udp://239.255.3.1:5520?interface=eth0", "zenoh"] {
+            let scenario = read(&format!("radio = \"{radio}\"")).expect(radio);
+            assert_eq!(String::from(scenario.v2x.radio.clone()), radio);
+            assert_eq!(Scenario::parse("again", &scenario.to_toml()), Ok(scenario));
+        }
+        let capture = read("radio = \"pcap:drive.pcap\"").expect("an address");
+        let here = std::env::current_dir().expect("it is there");
+        let expected = format!("pcap:{}", here.join("drive.pcap").display());
+        assert_eq!(String::from(capture.v2x.radio), expected);
+    }
+
+    #[test]
+    fn what_a_carrier_has_no_use_for_is_refused() {
+        for (keys, said) in [
+            ("radio = \"morse\"", "`morse` is no radio"),
+            ("radio = \"udp://nowhere\"", "is no IP address with a port"),
+            ("radio = \"zenoh\"\nair.delay_ms = 20", "the air is simulated"),
+            ("radio = \"zenoh\"\n[supervision]\nstandby = [\"v2x-sim\"]", "cannot have the radio"),
+        ] {
+            let error = read(keys).expect_err(keys);
+            assert!(error.contains(said), "{keys}: {error}");
+        }
     }
 }

@@ -19,7 +19,9 @@ pub struct V2x {
     pub period_ms: PeriodMs,
     /// Signals farther ahead of the ego than this are not received, m.
     pub range_m: Reach,
-    /// How the signals reach the vehicle.
+    /// How the signals reach the vehicle: `direct` as structs, `frames` as SPATEM and MAPEM of the simulated
+    /// units, or the address of a carrier of other units' frames: `udp://ADDRESS:PORT`, `zenoh`,
+    /// `zenoh:FILE.json5`, `pcap:FILE`.
     #[serde(skip_serializing_if = "Radio::is_direct")]
     pub radio: Radio,
     /// The signals along the road, in order of their stop lines.

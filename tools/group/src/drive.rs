@@ -7,6 +7,7 @@ use messages::{
     ServiceState, SignalTruth, Spat, VehicleTruth,
 };
 use runtime::report::{ControlFigures, ReceivedTopic};
+use runtime::statistics::{Latencies, Percentiles};
 use runtime::{Group, InProcess, Mode, Observed, Observer, RuntimeError, Timetable};
 
 /// Messages of a topic that room is made for from the start.
@@ -25,6 +26,8 @@ pub struct Drive {
     pub vehicles: Vec<VehicleTruth>,
     /// What the launcher received, per topic.
     pub received: Vec<ReceivedTopic>,
+    /// Age of the signal timing behind the control cycles, µs.
+    pub signal_age_us: Option<Percentiles>,
 }
 
 /// The drive at one simulation step. What is published more seldom is absent in between.
@@ -102,6 +105,7 @@ pub struct DriveLog {
     late_commands: u64,
     cycles: Vec<Diagnostics>,
     history: CycleHistory,
+    signal_ages: Latencies,
     /// In realtime the supervisor takes the signs of life.
     supervised: bool,
     /// Every so many steps are kept: in lockstep all.
@@ -175,6 +179,7 @@ impl DriveLog {
             late_commands: 0,
             cycles: Vec::with_capacity(room(Service::Controller)),
             history: CycleHistory::new(controller),
+            signal_ages: Latencies::default(),
             supervised: mode == Mode::Realtime,
             keeps: 1,
             whole_stride: least_common_multiple(perception, controller),
@@ -252,6 +257,9 @@ impl DriveLog {
         })?;
         self.diagnostics.drain(|m| {
             self.history.observe(m);
+            if m.spat_age_ns >= 0 {
+                self.signal_ages.record_ns(m.spat_age_ns);
+            }
             if self.cycles.last().is_some_and(|last| !is_kept(&last.header)) {
                 self.cycles.pop();
             }
@@ -386,7 +394,8 @@ impl DriveLog {
             }
         });
         let steps = steps.collect();
-        Ok(Drive { steps, vehicles: self.truths, received })
+        let signal_age_us = self.signal_ages.percentiles_us();
+        Ok(Drive { steps, vehicles: self.truths, received, signal_age_us })
     }
 }
 

@@ -22,6 +22,9 @@ pub struct ScenarioOptions {
     /// Parameters of an OpenSCENARIO file, `NAME=VALUE`: an option of the commands that take one.
     #[arg(skip)]
     pub parameters: Vec<String>,
+    /// How the signals reach the vehicle, for `v2x.radio`: an option of the commands that drive in realtime.
+    #[arg(skip)]
+    pub radio: Option<String>,
 }
 
 /// How a group is brought up.

@@ -2,8 +2,10 @@
 
 use crate::Failure;
 use messages::Service;
+use radio::{Carrier, OpenError, Role};
 use runtime::Mode;
 use scenario::Scenario;
+use scenario::carrier::CarrierAddress;
 use scenario::faults::{Fault, Helper, Kind, Target};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -51,6 +53,15 @@ pub enum Refusal {
         /// Which of the scenario's faults.
         index: usize,
     },
+    /// Frames of other hosts come when they come.
+    #[error(
+        "radio {0}: other hosts do not follow simulated time, expected --mode realtime, or pcap:FILE, whose \
+         frames have a clock of their own"
+    )]
+    LiveRadioInLockstep(CarrierAddress),
+    /// The carrier of radio frames cannot be opened.
+    #[error("radio: {0}")]
+    Radio(#[from] OpenError),
 }
 
 impl Failure for Refusal {}
@@ -61,6 +72,7 @@ pub fn check_processes(
     scenario: &Scenario,
     programs: &BTreeMap<Service, PathBuf>,
 ) -> Result<(), Refusal> {
+    check_radio(scenario, mode)?;
     if mode == Mode::Lockstep {
         if let Some((index, kind)) = fault_of_processes(scenario) {
             return Err(Refusal::FaultInLockstep { index, kind });
@@ -85,10 +97,20 @@ pub fn check_recorder(scenario: &Scenario, is_recorded: bool) -> Result<(), Refu
 
 /// Checks that one process can run the scenario.
 pub fn check_in_process(scenario: &Scenario) -> Result<(), Refusal> {
+    check_radio(scenario, Mode::Lockstep)?;
     match fault_of_processes(scenario) {
         Some((index, kind)) => Err(Refusal::FaultInProcess { index, kind }),
         None => check_standbys(scenario),
     }
+}
+
+/// A carrier is opened and closed again, so that what is wrong is said before anything was started.
+fn check_radio(scenario: &Scenario, mode: Mode) -> Result<(), Refusal> {
+    let Some(address) = scenario.v2x.radio.carrier() else { return Ok(()) };
+    if mode == Mode::Lockstep && address.is_live() {
+        return Err(Refusal::LiveRadioInLockstep(address.clone()));
+    }
+    Ok(Carrier::open(address, Role::Vehicle).map(drop)?)
 }
 
 fn check_standbys(scenario: &Scenario) -> Result<(), Refusal> {

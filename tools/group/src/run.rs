@@ -4,6 +4,7 @@ use crate::{Error, Failure, GroupOptions, GroupOutcome, Launch, Moment, Scenario
 use controller::laws;
 use openscenario::Assignment;
 use runtime::Mode;
+use scenario::radio::Radio;
 use scenario::{Overrides, Scenario};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -54,6 +55,9 @@ pub fn open_with(
     for argument in &options.set {
         overrides.set(argument)?;
     }
+    if let Some(radio) = &options.radio {
+        overrides.option("--radio", "v2x.radio", &from_here(radio));
+    }
     for argument in keys {
         overrides.set_by(option, argument)?;
     }
@@ -69,6 +73,15 @@ pub fn open_with(
         return Err(ParameterError::NoOpenScenario { argument, name }.into());
     }
     Ok(Scenario::open(name, &overrides, &laws::check)?)
+}
+
+/// A radio whose file is given from the present directory, as that of a scenario is from its own.
+fn from_here(radio: &str) -> String {
+    let mut here = Radio::try_from(radio.to_owned());
+    if let Ok(Radio::Carrier(address)) = &mut here {
+        address.place(&std::env::current_dir().unwrap_or_default());
+    }
+    here.map_or_else(|_| radio.to_owned(), String::from)
 }
 
 /// Whether a scenario's name is the path of an OpenSCENARIO file.

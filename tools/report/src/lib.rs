@@ -12,6 +12,7 @@ mod compare;
 mod drive;
 mod following;
 pub mod html;
+mod link;
 pub mod output;
 mod picture;
 pub mod print;

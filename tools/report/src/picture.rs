@@ -129,7 +129,11 @@ impl RunPicture {
                 Details::Controller(controller) => {
                     run.rungs.insert(name, phases_of(&controller.rungs, run.duration_s));
                 }
-                Details::Aebs(_) | Details::Perception(_) | Details::Obu(_) | Details::None => {}
+                Details::Aebs(_)
+                | Details::Perception(_)
+                | Details::Obu(_)
+                | Details::Link(_)
+                | Details::None => {}
             }
         }
         run

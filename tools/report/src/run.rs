@@ -20,6 +20,7 @@ pub fn page(scenario: &Scenario, summary: &Summary, run: &RunPicture) -> String 
         section("The drive", &pictures(run)),
         tracking(summary),
         crate::radio::page(summary),
+        crate::link::page(summary),
         section("Timing", &times(summary, run)),
         section("Messages", &messages(summary)),
         section("Processes and scheduling", &machine(summary)),

@@ -28,6 +28,8 @@ red light, a failed check); 2 bad usage or a bad file; 3 the machine would not l
 pub enum Command {
     /// Run the process group through a scenario
     Run(crate::run::RunArguments),
+    /// Run the roadside units of a scenario alone, for vehicles on other hosts
+    Rsu(crate::rsu::RsuArguments),
     /// Run a paper's scenarios in lockstep and print its published figures beside ours
     Reproduce(campaign::reproduce::ReproduceArguments),
     /// Measure latency, jitter and deadline misses beside the machine's own floor

@@ -9,6 +9,7 @@ mod list;
 mod live;
 mod recordings;
 mod reference;
+mod rsu;
 mod run;
 mod service;
 mod synthesize;
@@ -30,6 +31,7 @@ fn main() -> ExitCode {
     }
     let result = match command {
         Command::Run(arguments) => run::run(&arguments),
+        Command::Rsu(arguments) => rsu::run(&arguments),
         Command::Reproduce(arguments) => campaign::reproduce::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Compare(arguments) => campaign::compare::run(&arguments),

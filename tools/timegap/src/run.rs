@@ -32,6 +32,10 @@ pub struct RunArguments {
     pub parameters: Vec<String>,
     #[command(flatten)]
     pub scenario_options: ScenarioOptions,
+    /// Hear roadside units of other hosts, and send to them: udp://ADDRESS:PORT, zenoh, zenoh:FILE.json5;
+    /// or play a capture: pcap:FILE
+    #[arg(long, value_name = "ADDRESS")]
+    pub radio: Option<String>,
     #[command(flatten)]
     pub group: GroupOptions,
     /// Clock: `realtime`, or `lockstep` in simulated time, byte for byte repeatable
@@ -57,6 +61,7 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     let begun = Instant::now();
     let options = ScenarioOptions {
         parameters: arguments.parameters.clone(),
+        radio: arguments.radio.clone(),
         ..arguments.scenario_options.clone()
     };
     let scenario = open(&arguments.scenario, &options)?;

@@ -3,7 +3,7 @@
 use libtest_mimic::Failed;
 use radio::RadioReport;
 use std::io::{BufRead, BufReader, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, channel};
@@ -11,8 +11,15 @@ use std::time::{Duration, Instant};
 
 const WATCHDOG: Duration = Duration::from_secs(120);
 
+/// This folder's own `tests`, from whichever package this module is compiled in.
+fn tests() -> PathBuf {
+    let packages = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors();
+    let mut tests = packages.map(|package| package.join("shared/radio/tests"));
+    tests.find(|tests| tests.is_dir()).expect("the sources are there")
+}
+
 fn script() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/hosts/air.py")
+    tests().join("hosts/air.py")
 }
 
 /// What this machine does not grant, if anything.
@@ -77,7 +84,8 @@ impl Hosts {
         Ok(this)
     }
 
-    fn name(&self, host: &str) -> String {
+    /// The name of a host's namespace.
+    pub fn name(&self, host: &str) -> String {
         format!("{}-{host}", self.prefix)
     }
 
@@ -141,7 +149,7 @@ impl Hosts {
     /// Writes zenoh's configuration of the router on host `a` or of a client of it; returns its address.
     #[cfg(feature = "zenoh")]
     pub fn configuration(&self, which: &str) -> Result<String, Failed> {
-        let certificates = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/certificates");
+        let certificates = tests().join("certificates");
         let at = |name: &str| certificates.join(name).display().to_string();
         let (place, end, owner) = match which {
             "router" => ("listen", "listen", "router"),

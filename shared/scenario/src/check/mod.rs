@@ -12,7 +12,7 @@ use super::problem::Problem;
 use super::quantity::Acceleration;
 use super::supervision::Restart;
 use super::v2x::{MAX_PROGRAM_PHASES, MAX_SIGNALS, Signal};
-use messages::Topic;
+use messages::{Service, Topic};
 
 /// Runs every check; the first problem ends it.
 pub(super) fn all(scenario: &Scenario) -> Result<(), Problem> {
@@ -296,10 +296,13 @@ fn signals(signals: &[Signal]) -> Result<(), Problem> {
 
 /// Where signals are structs there is no air, no on-board unit and no frame that a fault could act on.
 fn radio(scenario: &Scenario) -> Result<(), Problem> {
+    let v2x = &scenario.v2x;
+    if v2x.radio.carrier().is_some() {
+        return carrier(scenario);
+    }
     if scenario.has_obu() {
         return Ok(());
     }
-    let v2x = &scenario.v2x;
     let (air, unit, obu) = (v2x.air.is_right(), v2x.unit.is_right(), v2x.obu.is_usual());
     let unused = [("v2x.air", air), ("v2x.unit", unit), ("v2x.obu", obu)];
     if let Some((table, _)) = unused.into_iter().find(|(_, usual)| !usual) {
@@ -315,4 +318,18 @@ fn radio(scenario: &Scenario) -> Result<(), Problem> {
         ),
         None => Ok(()),
     }
+}
+
+/// Frames of other hosts come through the air that there is, into one process.
+fn carrier(scenario: &Scenario) -> Result<(), Problem> {
+    if !scenario.v2x.air.is_right() {
+        let message = "the air is simulated for the frames of simulated units alone";
+        return Err(Problem::new("v2x.air", message, "v2x.radio = \"frames\"").against("v2x.radio"));
+    }
+    if scenario.supervision.standby.services().contains(&Service::V2xSim) {
+        let message = "two processes of v2x-sim cannot have the radio";
+        let problem = Problem::new("supervision.standby", message, "v2x.radio = \"frames\"");
+        return Err(problem.against("v2x.radio"));
+    }
+    Ok(())
 }

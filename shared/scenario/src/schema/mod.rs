@@ -178,7 +178,12 @@ impl Forms<'_> {
             Form::Boolean => Shape::Boolean,
             Form::Whole => Shape::Number { is_whole: true, range: expected.and_then(range) },
             Form::Number => Shape::Number { is_whole: false, range: expected.and_then(range) },
-            Form::Text => Shape::Text { words: expected.map(words).unwrap_or_default() },
+            Form::Text => {
+                let words = expected.map(words).unwrap_or_default();
+                // An address among them stands for many.
+                let is_open = words.iter().any(|word| word.contains("://"));
+                Shape::Text { words: if is_open { Vec::new() } else { words } }
+            }
             Form::List => Shape::List(Box::new(self.shape(&format!("{path}[]"), top))),
             Form::Tuple(count) => {
                 Shape::Tuple((0..count).map(|i| self.shape(&format!("{path}[{i}]"), top)).collect())

@@ -50,7 +50,8 @@ pub fn summary(summary: &Summary) -> String {
     emergency_brake(summary, &mut line);
     radar(summary, &mut line);
     timing(summary, &mut line);
-    for (label, text) in crate::radio::lines(summary) {
+    let links = crate::link::lines(summary);
+    for (label, text) in crate::radio::lines(summary).into_iter().chain(links) {
         line(label, text);
     }
     messages(summary, &mut line);

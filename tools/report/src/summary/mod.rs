@@ -13,9 +13,9 @@ use messages::Service;
 use messages::e2e::Outcomes;
 use messages::level::Levels;
 use runtime::report::{
-    CheckReport, ControlFigures, ControllerReport, Details, Hops, ModeChange, ObuReport, Outcome,
-    PerceptionReport, PlanningReport, PlantReport, ProgramReport, ReceivedTopic, ServiceReport,
-    SignalHops, WorstChain,
+    CheckReport, ControlFigures, ControllerReport, Details, Hops, LinkReport, ModeChange,
+    ObuReport, Outcome, PerceptionReport, PlanningReport, PlantReport, ProgramReport,
+    ReceivedTopic, ServiceReport, SignalHops, WorstChain,
 };
 use runtime::scheduling::Granted;
 use runtime::statistics::{Latencies, Percentiles};
@@ -64,6 +64,8 @@ pub struct Summary {
     pub perception: Option<PerceptionReport>,
     /// What the on-board unit made of the frames on air; null where signals come as structs.
     pub radio: Option<ObuReport>,
+    /// What came of the frames between the vehicle and other hosts; null where all units were simulated.
+    pub link: Option<LinkReport>,
     /// What became of the recording; null if none was asked for.
     pub recording: Option<RecordingSummary>,
     /// Faults in order of time, with what became of each.
@@ -107,6 +109,8 @@ pub struct Timing {
     pub reaction_time_us: Option<Percentiles>,
     /// Age of the radar data behind every actuation, µs.
     pub data_age_us: Option<Percentiles>,
+    /// Age of the signal timing (`v2x/spat`) behind the control cycles, µs; null where there was none.
+    pub signal_age_us: Option<Percentiles>,
     /// Actual minus scheduled begin of the control cycles, µs.
     pub release_jitter_us: Option<Percentiles>,
     /// Time inside the control law, µs, on the wall clock in both modes.
@@ -224,6 +228,7 @@ impl Summary {
                 deadline_misses,
                 reaction_time_us: plant.and_then(|plant| plant.reaction_time_us),
                 data_age_us: plant.and_then(|plant| plant.data_age_us),
+                signal_age_us: group.drive.signal_age_us,
                 release_jitter_us: report(Service::Controller)
                     .and_then(|report| report.release_jitter_us),
                 solve_us: controller.and_then(|controller| controller.solve_us),
@@ -250,6 +255,7 @@ impl Summary {
             aebs: Aebs::of(scenario, plant, report(Service::Aebs)),
             perception: report(Service::PerceptionSim).and_then(perception_details),
             radio: crate::radio::report(group),
+            link: crate::link::report(group),
             messages: messages(&group.reports, &group.drive),
             recording: group.recording.clone(),
             faults: group.faults.clone(),

@@ -1,0 +1,202 @@
+//! A carrier in the place of the simulated roadside units and their air: frames of another host's units,
+//! or of a capture, become `radio/frames`; the vehicle's own frames go out by it.
+
+use crate::unit_clock::UnitClock;
+use messages::{Header, MAX_FRAMES, Origin, RadioFrame, RadioFrames, RadioSent};
+use radio::{Carrier, ClockDifference, Frame, Role};
+use runtime::report::{LinkReport, StationReport};
+use runtime::{Publisher, Runtime, RuntimeError, Subscriber};
+use scenario::carrier::CarrierAddress;
+
+/// The vehicle's end of a carrier.
+pub(crate) struct Link {
+    carrier: Carrier,
+    frames: Publisher<RadioFrames>,
+    /// What the vehicle says; none where there is no one to hear it.
+    sent: Option<Subscriber<RadioSent>>,
+    last_sent: Origin,
+    batch: Batch,
+    /// This host's wall clock at run time 0, ns; of a capture: that of its first frame.
+    utc_start_ns: i64,
+    clock: Option<ClockDifference>,
+    unit: Option<UnitClock>,
+    before_start: u64,
+}
+
+/// Frames of one cycle. Where there is no room for all, roadside units come before vehicles.
+struct Batch {
+    /// With whether a roadside unit sent each.
+    frames: Vec<(Frame, bool)>,
+    left_out: u64,
+}
+
+impl Link {
+    /// Opens the carrier.
+    pub(crate) fn open(
+        runtime: &mut Runtime,
+        address: &CarrierAddress,
+    ) -> Result<Self, RuntimeError> {
+        let carrier = Carrier::open(address, Role::Vehicle)
+            .map_err(|error| RuntimeError::Radio(Box::new(error)))?;
+        Ok(Self {
+            carrier,
+            frames: runtime.publisher()?,
+            sent: if address.is_live() { Some(runtime.subscriber()?) } else { None },
+            last_sent: Origin::NONE,
+            batch: Batch { frames: Vec::with_capacity(MAX_FRAMES), left_out: 0 },
+            utc_start_ns: 0,
+            clock: if address.is_live() { None } else { Some(ONE_CLOCK) },
+            unit: None,
+            before_start: 0,
+        })
+    }
+
+    /// The run begins.
+    pub(crate) fn begin(&mut self, runtime: &Runtime) {
+        self.utc_start_ns = match self.carrier.capture() {
+            Some(capture) => capture.wall_clock_ns(0),
+            None => runtime.utc_start_ns(),
+        };
+    }
+
+    /// The clock by which the roadside unit's programs run, as far as it is known.
+    pub(crate) fn unit(&self) -> Option<&UnitClock> {
+        self.unit.as_ref()
+    }
+
+    /// Hands on what has arrived, and sends what the vehicle has to say. It does not wait.
+    pub(crate) fn exchange(
+        &mut self,
+        runtime: &mut Runtime,
+        header: Header,
+    ) -> Result<(), RuntimeError> {
+        self.collect(header.acquisition_ns);
+        let Self { frames, batch, utc_start_ns, clock, .. } = self;
+        frames.send_with(|message: &mut RadioFrames| {
+            message.header = header;
+            message.utc_start_ns = *utc_start_ns;
+            (message.clock_offset_ns, message.clock_uncertainty_ns) =
+                clock.map_or((0, i64::MAX), |clock| (clock.offset_ns, clock.uncertainty_ns));
+            for (place, (frame, _)) in message.frames.iter_mut().zip(&batch.frames) {
+                write(place, frame, *utc_start_ns);
+                message.count += 1;
+            }
+            message.left_out = batch.left_out;
+        })?;
+        if let Some(sent) = &mut self.sent {
+            runtime.update(sent)?;
+            let origin = sent.origin();
+            if let Some(message) = sent.newest().filter(|_| origin != self.last_sent) {
+                self.last_sent = origin;
+                // What is not sent is counted.
+                let _ = self.carrier.send(message.frame.data());
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes what has arrived.
+    fn collect(&mut self, now_ns: i64) {
+        self.batch.clear();
+        while let Some(frame) = self.carrier.receive(now_ns) {
+            if frame.received_ns < self.utc_start_ns {
+                self.before_start += 1;
+                continue;
+            }
+            // Vehicles say who they are, and no start.
+            let is_of_unit = frame.start_ns.is_some() || frame.sender.is_none();
+            if is_of_unit {
+                self.clock = frame.clock.or(self.clock);
+            }
+            if let Some((start_ns, clock)) = frame.start_ns.zip(frame.clock) {
+                self.unit = Some(UnitClock::new(start_ns, clock.offset_ns, self.utc_start_ns));
+            }
+            self.batch.offer(frame, is_of_unit);
+        }
+    }
+
+    pub(crate) fn report(&self) -> LinkReport {
+        let report = self.carrier.report();
+        LinkReport {
+            carrier: report.carrier,
+            sent: report.sent,
+            not_sent: report.not_sent,
+            received: report.received,
+            before_start: self.before_start,
+            dropped: report.dropped,
+            malformed: report.malformed,
+            truth_known: self.unit.is_some(),
+            stations: report.stations.into_iter().map(station).collect(),
+        }
+    }
+}
+
+impl Batch {
+    fn clear(&mut self) {
+        self.frames.clear();
+        self.left_out = 0;
+    }
+
+    fn offer(&mut self, frame: Frame, is_of_unit: bool) {
+        if self.frames.len() < MAX_FRAMES {
+            self.frames.push((frame, is_of_unit));
+            return;
+        }
+        self.left_out += 1;
+        let last_vehicle = self.frames.iter().rposition(|(_, is_of_unit)| !is_of_unit);
+        if let Some(place) = last_vehicle.filter(|_| is_of_unit) {
+            self.frames.remove(place);
+            self.frames.push((frame, true));
+        }
+    }
+}
+
+/// The clocks of a capture's frames and of its player.
+const ONE_CLOCK: ClockDifference = ClockDifference { offset_ns: 0, uncertainty_ns: 0 };
+
+fn write(place: &mut RadioFrame, frame: &Frame, utc_start_ns: i64) {
+    let offset_ns = frame.clock.map(|clock| clock.offset_ns);
+    let sent_ns = frame.sent_ns.zip(offset_ns);
+    let sent_ns = sent_ns
+        .map_or(RadioFrame::UNKNOWN_NS, |(sent_ns, ahead_ns)| sent_ns - ahead_ns - utc_start_ns);
+    place.write(sent_ns, frame.received_ns - utc_start_ns, frame.bytes());
+}
+
+fn station(report: radio::StationReport) -> StationReport {
+    StationReport {
+        sender: report.sender,
+        received: report.received,
+        lost: report.lost,
+        duplicates: report.duplicates,
+        reordered: report.reordered,
+        clock_offset_us: report.clock.map(|clock| clock.offset_us),
+        clock_uncertainty_us: report.clock.map(|clock| clock.uncertainty_us),
+        shortest_round_trip_us: report.clock.map(|clock| clock.shortest_round_trip_us),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn offer(batch: &mut Batch, number: u8, is_of_unit: bool) {
+        batch.offer(Frame::new(&[number], 0).expect("it is short"), is_of_unit);
+    }
+
+    #[test]
+    fn roadside_units_find_room_among_vehicles() {
+        let mut batch = Batch { frames: Vec::new(), left_out: 0 };
+        let most = MAX_FRAMES as u8;
+        (0..most).for_each(|number| offer(&mut batch, number, number == 0));
+        offer(&mut batch, 100, false);
+        offer(&mut batch, 101, true);
+        let numbers = |batch: &Batch| -> Vec<u8> {
+            batch.frames.iter().map(|(frame, _)| frame.bytes()[0]).collect()
+        };
+        let kept: Vec<u8> = (0..most - 1).chain([101]).collect();
+        assert_eq!((numbers(&batch), batch.left_out), (kept, 2));
+        (0..most).for_each(|number| offer(&mut batch, 200 + number, true));
+        assert!(batch.frames.iter().all(|(_, is_of_unit)| *is_of_unit));
+        assert_eq!((batch.frames[0].0.bytes(), batch.left_out), (&[0][..], 18));
+    }
+}

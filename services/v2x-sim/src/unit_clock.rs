@@ -1,0 +1,65 @@
+//! The clock by which a roadside unit of another host runs its programs, seen from the vehicle's run.
+
+use crate::roadside_unit::Signals;
+
+/// How far another unit's run time is ahead of the vehicle's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct UnitClock {
+    ahead_ns: i64,
+}
+
+impl UnitClock {
+    /// A unit whose wall clock showed `start_ns` at its run time 0 and is `offset_ns` ahead of the
+    /// vehicle's, which showed `vehicle_start_ns` at its own run time 0; all ns.
+    #[must_use]
+    pub fn new(start_ns: i64, offset_ns: i64, vehicle_start_ns: i64) -> Self {
+        Self { ahead_ns: vehicle_start_ns.saturating_add(offset_ns).saturating_sub(start_ns) }
+    }
+
+    /// The unit's run time at a run time of the vehicle; 0 before it started. Both ns.
+    #[must_use]
+    pub fn unit_ns(&self, vehicle_ns: u64) -> u64 {
+        vehicle_ns.saturating_add_signed(self.ahead_ns)
+    }
+
+    /// The same signals with the ends of their phases in the vehicle's run time.
+    #[must_use]
+    pub fn to_vehicle(&self, mut signals: Signals) -> Signals {
+        for movement in &mut signals.movements {
+            for event in &mut movement.events {
+                for end_ns in
+                    [&mut event.min_end_ns, &mut event.likely_end_ns, &mut event.max_end_ns]
+                {
+                    *end_ns = end_ns.map(|ns| ns.saturating_add_signed(-self.ahead_ns));
+                }
+            }
+        }
+        signals
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::roadside_unit::RoadsideUnit;
+    use scenario::{Scenario, builtin};
+
+    const SECOND: i64 = 1_000_000_000;
+
+    /// The unit started 10 s before the vehicle, by clocks that are 3 s apart.
+    #[test]
+    fn what_a_signal_shows_is_the_same_by_both_clocks() {
+        let clock = UnitClock::new(103 * SECOND, 3 * SECOND, 110 * SECOND);
+        assert_eq!(clock.unit_ns(5_000_000_000), 15_000_000_000);
+        let text = builtin::find("corridor").expect("it is built in").text;
+        let unit = RoadsideUnit::new(&Scenario::parse("corridor", text).expect("right").v2x);
+        let shown = clock.to_vehicle(unit.truth(clock.unit_ns(5_000_000_000), 0.0));
+        assert_eq!(shown.movements[0].events[0].likely_end_ns, Some(17_000_000_000));
+    }
+
+    #[test]
+    fn a_unit_that_starts_later_has_not_begun() {
+        let clock = UnitClock::new(20 * SECOND, 0, 10 * SECOND);
+        assert_eq!((clock.unit_ns(0), clock.unit_ns(11_000_000_000)), (0, 1_000_000_000));
+    }
+}

@@ -1,0 +1,268 @@
+//! `timegap rsu`: the roadside units of a scenario alone, to vehicles on other hosts.
+
+use clap::Args;
+use group::{Error, Failure, ScenarioOptions, SignalsError, open};
+use its::geodesy::{Plane, Position};
+use its::{EncodeError, Message, MessageKind};
+use radio::{Carrier, OpenError, Role, StationReport, wall_clock_ns};
+use report::print;
+use scenario::Scenario;
+use scenario::carrier::CarrierAddress;
+use scenario::radio::ROAD_ORIGIN;
+use serde::Serialize;
+use std::collections::{BTreeMap, HashMap};
+use std::fmt::Write;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use v2x_sim::frames::{Frames, SentFrame};
+
+/// Longest time until a signal that asks for the end is seen.
+const SLICE: Duration = Duration::from_millis(50);
+/// Most vehicles that are told apart.
+const MOST_VEHICLES: usize = 1000;
+
+/// Arguments of `rsu`.
+#[derive(Debug, Args)]
+pub struct RsuArguments {
+    /// Name of a built-in scenario (see `timegap list`) or a TOML file: its signals and their programs
+    #[arg(default_value = "corridor")]
+    pub scenario: String,
+    /// Where to send: udp://ADDRESS:PORT, zenoh, zenoh:FILE.json5 [default: the scenario's `v2x.radio`]
+    #[arg(long, value_name = "ADDRESS")]
+    pub radio: Option<String>,
+    /// Stop after so long, s [default: at Ctrl-C or SIGTERM]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true)]
+    pub duration: Option<f64>,
+    /// Change any key of the scenario, by its dotted path; may be given again
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Print what was sent and heard as JSON, and nothing else, on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Why a roadside unit cannot run alone.
+#[derive(Debug, thiserror::Error)]
+pub enum RsuError {
+    /// Neither the option nor the scenario says where to send.
+    #[error("where to send? Expected --radio udp://ADDRESS:PORT, zenoh or zenoh:FILE.json5")]
+    NoRadio,
+    /// The scenario has nothing to say.
+    #[error("{0} has no signals: a roadside unit has nothing to say")]
+    NoSignals(String),
+    /// The standards have no room for what the scenario says.
+    #[error("v2x.signals: {0}")]
+    Encode(#[from] EncodeError),
+    /// The carrier cannot be opened.
+    #[error("radio: {0}")]
+    Carrier(#[from] OpenError),
+}
+
+impl Failure for RsuError {}
+
+/// What a roadside unit sent and heard.
+#[derive(Debug, Serialize)]
+struct RsuSummary {
+    /// Version of these keys.
+    schema_version: u32,
+    /// Name of the scenario.
+    scenario: String,
+    /// Where it sent to.
+    carrier: String,
+    /// For how long, s.
+    duration_s: f64,
+    /// SPATEM handed to the network.
+    spatem: u64,
+    /// MAPEM handed to the network.
+    mapem: u64,
+    /// Frames that could not be handed over.
+    not_sent: u64,
+    /// Frames received, without repeats.
+    received: u64,
+    /// Received frames that are no message that is read here.
+    not_read: u64,
+    /// Frames received and not read in time.
+    dropped: u64,
+    /// The vehicles whose CAMs were heard.
+    vehicles: Vec<Vehicle>,
+    /// The senders that were heard, by the numbers of their frames.
+    stations: Vec<StationReport>,
+}
+
+/// A vehicle, by its CAMs.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Vehicle {
+    station_id: u32,
+    cams: u64,
+    /// Where it was last along the road, m.
+    position_m: f64,
+    /// Its speed then, m/s.
+    speed_mps: f64,
+}
+
+/// Runs the command.
+pub fn run(arguments: &RsuArguments) -> Result<ExitCode, Error> {
+    let options = ScenarioOptions {
+        set: arguments.set.clone(),
+        radio: arguments.radio.clone(),
+        ..ScenarioOptions::default()
+    };
+    let scenario = open(&arguments.scenario, &options)?;
+    let address = scenario.v2x.radio.carrier().ok_or(RsuError::NoRadio)?;
+    if scenario.v2x.signals.is_empty() {
+        return Err(RsuError::NoSignals(scenario.name.as_str().to_owned()).into());
+    }
+    let mut unit = RoadsideUnit::open(&scenario, address)?;
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in group::end_signals() {
+        signal_hook::flag::register(signal, Arc::clone(&stop)).map_err(SignalsError::from)?;
+    }
+    print::note(&format!("{} on {address}", scenario.name.as_str()));
+    unit.send_until(arguments.duration.map(Duration::from_secs_f64), &stop)?;
+    let summary = unit.summary(&scenario);
+    if arguments.json {
+        let json = serde_json::to_string_pretty(&summary).expect("a summary is plain data");
+        print::out(&(json + "\n"))?;
+    } else {
+        print::out(&text(&summary))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn seconds(argument: &str) -> Result<f64, &'static str> {
+    match argument.parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds <= 1e9 => Ok(seconds),
+        _ => Err("expected a number of seconds above 0"),
+    }
+}
+
+struct RoadsideUnit {
+    frames: Frames,
+    carrier: Carrier,
+    plane: Plane,
+    period: Duration,
+    begun: Instant,
+    start_ns: i64,
+    sent: HashMap<MessageKind, u64>,
+    vehicles: BTreeMap<u32, Vehicle>,
+    not_read: u64,
+}
+
+impl RoadsideUnit {
+    fn open(scenario: &Scenario, address: &CarrierAddress) -> Result<Self, RsuError> {
+        let frames = Frames::new(&scenario.v2x);
+        let (begun, start_ns) = (Instant::now(), wall_clock_ns());
+        // What cannot be encoded is said at once.
+        frames.at(0, start_ns, None)?;
+        let carrier = Carrier::open(address, Role::Roadside { start_ns })?;
+        Ok(Self {
+            frames,
+            carrier,
+            plane: Plane::at(Position { latitude: ROAD_ORIGIN.0, longitude: ROAD_ORIGIN.1 }),
+            period: Duration::from_nanos(scenario.v2x.period_ms.nanoseconds()),
+            begun,
+            start_ns,
+            sent: HashMap::new(),
+            vehicles: BTreeMap::new(),
+            not_read: 0,
+        })
+    }
+
+    /// Sends in each period what is due; periods that are over before their turn are left out.
+    fn send_until(&mut self, end: Option<Duration>, stop: &AtomicBool) -> Result<(), RsuError> {
+        let mut next = self.begun.elapsed().div_duration_f64(self.period).ceil();
+        loop {
+            let due = self.period.mul_f64(next);
+            if end.is_some_and(|end| due >= end) {
+                return Ok(());
+            }
+            while let Some(left) = due.checked_sub(self.begun.elapsed()) {
+                if stop.load(Ordering::Relaxed) {
+                    return Ok(());
+                }
+                self.hear();
+                std::thread::sleep(left.min(SLICE));
+            }
+            let time_ns = u64::try_from(due.as_nanos()).unwrap_or(u64::MAX);
+            for frame in self.frames.at(time_ns, self.start_ns, None)? {
+                self.send(&frame);
+            }
+            next = (next + 1.0).max(self.begun.elapsed().div_duration_f64(self.period).floor());
+        }
+    }
+
+    fn send(&mut self, frame: &SentFrame) {
+        // What is not sent is counted.
+        if self.carrier.send(&frame.bytes).is_ok() {
+            *self.sent.entry(frame.kind).or_default() += 1;
+        }
+    }
+
+    fn hear(&mut self) {
+        while let Some(frame) = self.carrier.receive(0) {
+            let Ok(its::Frame { message: Message::Cam(cam), .. }) =
+                its::Frame::decode(frame.bytes())
+            else {
+                self.not_read += 1;
+                continue;
+            };
+            if self.vehicles.len() == MOST_VEHICLES && !self.vehicles.contains_key(&cam.station_id)
+            {
+                self.not_read += 1;
+                continue;
+            }
+            let cams = self.vehicles.get(&cam.station_id).map_or(0, |vehicle| vehicle.cams);
+            let vehicle = Vehicle {
+                station_id: cam.station_id,
+                cams: cams + 1,
+                position_m: self.plane.point(cam.position).0,
+                speed_mps: f64::from(cam.motion.speed) / 100.0,
+            };
+            self.vehicles.insert(cam.station_id, vehicle);
+        }
+    }
+
+    fn summary(&mut self, scenario: &Scenario) -> RsuSummary {
+        self.hear();
+        let report = self.carrier.report();
+        let sent = |kind| self.sent.get(&kind).copied().unwrap_or(0);
+        RsuSummary {
+            schema_version: 1,
+            scenario: scenario.name.as_str().to_owned(),
+            carrier: report.carrier,
+            duration_s: self.begun.elapsed().as_secs_f64(),
+            spatem: sent(MessageKind::Spatem),
+            mapem: sent(MessageKind::Mapem),
+            not_sent: report.not_sent,
+            received: report.received,
+            not_read: self.not_read + report.malformed,
+            dropped: report.dropped,
+            vehicles: self.vehicles.values().copied().collect(),
+            stations: report.stations,
+        }
+    }
+}
+
+fn text(summary: &RsuSummary) -> String {
+    let RsuSummary { scenario, carrier, duration_s, spatem, mapem, not_sent, .. } = summary;
+    let mut text = format!("{scenario} on {carrier}, {duration_s:.1} s\n");
+    let mut line = |label: &str, rest: String| {
+        writeln!(text, "  {label:<14} {rest}").expect("a string takes all");
+    };
+    line("sent", format!("{spatem} SPATEM, {mapem} MAPEM; {not_sent} frames could not be sent"));
+    if summary.vehicles.is_empty() {
+        line("vehicles", "none heard".into());
+    }
+    for (index, vehicle) in summary.vehicles.iter().enumerate() {
+        let Vehicle { station_id, cams, position_m, speed_mps } = vehicle;
+        let label = if index == 0 { "vehicles" } else { "" };
+        let last = format!("last at {position_m:.1} m with {speed_mps:.1} m/s");
+        line(label, format!("station {station_id}: {cams} CAMs, {last}"));
+    }
+    let lost: u64 = summary.stations.iter().map(|station| station.lost).sum();
+    let (received, not_read) = (summary.received, summary.not_read);
+    line("received", format!("{received} frames, {lost} lost on the way, {not_read} not read"));
+    text
+}
