@@ -26,13 +26,13 @@ const HOLD_S: f64 = 1.0;
 const UNSEEN_S: f64 = 0.3;
 /// The ego is clear of a threat when, without brakes, it would come no nearer than the margin and this, m.
 const CLEAR_M: f64 = 0.5;
+/// A pass that leaves less than this behind it counts as a contact, m: as much as its end is uncertain.
+const PASS_MARGIN_M: f64 = 1.0;
 /// Below this speed the ego stands, m/s.
 const STANDSTILL_MPS: f64 = 0.05;
-/// Least probability of a contact to brake for, at [`FAST_MPS`] of closing speed and more; ...
-const LIKELY: f64 = 0.35;
-/// ... and at none: the milder the contact, the surer it has to be.
-const LIKELY_MILD: f64 = 0.65;
-const FAST_MPS: f64 = 12.0;
+/// Least probability of a contact to brake for, over the closing speed, m/s, linear in between: the milder
+/// the contact, the surer it has to be.
+const LIKELY: [(f64, f64); 3] = [(0.0, 0.65), (12.0, 0.35), (30.0, 0.2)];
 /// Braking is worth while if its expected loss is less than this share of that without.
 const BETTER: f64 = 0.8;
 /// A contact of this probability is as good as certain: to make it milder is reason enough.
@@ -203,10 +203,10 @@ impl Decision {
             assessment.clear = near.probability <= CLEAR || off.loss < on.loss;
             return (near.probability > NONE).then_some(assessment);
         }
-        let kept = contact(&threat, Plan::Keep, 0.0);
+        let passing = Threat { passed_m: threat.passed_m + PASS_MARGIN_M, ..threat };
+        let kept = contact(&passing, Plan::Keep, 0.0);
         assessment.loss = kept.loss;
-        let mild = (1.0 - (ego.speed_mps - object.speed_mps) / FAST_MPS).clamp(0.0, 1.0);
-        if kept.probability < LIKELY + mild * (LIKELY_MILD - LIKELY) {
+        if kept.probability < likely(ego.speed_mps - object.speed_mps) {
             return (kept.probability > NONE).then_some(assessment);
         }
         let now = contact(&threat, Plan::Brake(0.0), 0.0);
@@ -250,6 +250,14 @@ impl Decision {
         }
         contact
     }
+}
+
+/// Least probability of a contact to brake for at a closing speed.
+fn likely(closing_mps: f64) -> f64 {
+    let [slow, middle, fast] = LIKELY;
+    let (low, high) = if closing_mps < middle.0 { (slow, middle) } else { (middle, fast) };
+    let share = ((closing_mps - low.0) / (high.0 - low.0)).clamp(0.0, 1.0);
+    low.1 + share * (high.1 - low.1)
 }
 
 #[cfg(test)]
@@ -361,6 +369,13 @@ mod tests {
         // It is in the way after 1.6 s; the pass takes 1.44 s or, from farther off, longer.
         assert!(!brakes(20.0, 1.0));
         assert!(brakes(27.0, 1.0));
+    }
+
+    #[test]
+    fn the_faster_the_contact_the_less_sure_it_has_to_be() {
+        let at = [0.0, 6.0, 12.0, 21.0, 30.0, 60.0, -5.0].map(likely);
+        let expected = [0.65, 0.5, 0.35, 0.275, 0.2, 0.2, 0.65];
+        assert!(at.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{at:?}");
     }
 
     #[test]

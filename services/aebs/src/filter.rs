@@ -24,7 +24,7 @@ const SIDE: usize = 10;
 /// States: the one that keeps its lane, then the speeds.
 const STATES: usize = 2 * SIDE + 1;
 /// Rates of changes, 1/s.
-const BEGINS: f64 = 0.3;
+const BEGINS: f64 = 0.45;
 const ENDS: f64 = 0.3;
 const VARIES: f64 = 4.0;
 /// Growth of the position's variance, m²/s: a vehicle that keeps its lane wanders in it.
