@@ -76,6 +76,15 @@ impl Case {
         Verdict::NONE
     }
 
+    /// True if at constant speeds the sides overlap less than a step of the models before the ego has passed: a
+    /// contact that falls between two steps, which the models therefore may not see.
+    pub fn ends_within_a_step(&self) -> bool {
+        let closing_mps = mps(self.ego_kmh) - mps(self.other_kmh);
+        let passed_s = (f64::from(self.distance_m) + 2.0 * VEHICLE_LENGTH_M) / closing_mps;
+        let overlap_s = CLEARANCE_M / self.lateral_mps();
+        (0.0..=STEP_S).contains(&(passed_s - overlap_s))
+    }
+
     /// How the case ends with each model.
     pub fn outcomes(&self) -> crate::PerModel<Outcome> {
         crate::PerModel::new(|model| self.drive(model).outcome)

@@ -71,6 +71,11 @@ impl Case {
         }
     }
 
+    /// True for a cut-in whose contact at constant speeds lasts for less than a step of the models.
+    pub fn ends_within_a_step(&self) -> bool {
+        matches!(self, Self::CutIn(case) if case.ends_within_a_step())
+    }
+
     /// Speed of the ego, km/h.
     pub fn ego_kmh(&self) -> u32 {
         match self {

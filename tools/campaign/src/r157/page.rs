@@ -43,6 +43,7 @@ fn figures(figures: &Figures) -> String {
         ("collisions", Column::Number),
         ("rear-end", Column::Number),
         ("avoidable by both models", Column::Number),
+        ("of that within a step", Column::MoreNumber),
         ("impact, m/s", Column::MoreNumber),
         ("model's impact, m/s", Column::MoreNumber),
     ];
@@ -53,6 +54,7 @@ fn figures(figures: &Figures) -> String {
             Cell::Plain((*model).to_owned()),
             Cell::Plain(print::number(*collisions)),
             Cell::Plain(print::number(figures.models_rear_end[model])),
+            dash(),
             dash(),
             dash(),
             dash(),
@@ -69,6 +71,7 @@ fn figures(figures: &Figures) -> String {
                 (true, true) => Cell::Good(avoidable),
                 (true, false) => Cell::Bad(avoidable),
             },
+            Cell::Plain(print::number(law.avoidable.both_within_a_step)),
             Cell::Plain(print::speed(law.mean_impact_mps)),
             Cell::Plain(print::speed(law.model_impact_mps)),
         ]);

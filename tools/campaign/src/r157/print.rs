@@ -25,8 +25,14 @@ fn block(text: &mut String, name: &str, figures: &Figures) {
         .expect("a string takes all");
     writeln!(
         text,
-        "  {:<24} {:>10} {:>9} {:>18} {:>12} {:>12}",
-        "", "collisions", "rear-end", "avoidable by both", "impact, m/s", "model's, m/s"
+        "  {:<24} {:>10} {:>9} {:>18} {:>14} {:>12} {:>12}",
+        "",
+        "collisions",
+        "rear-end",
+        "avoidable by both",
+        "within a step",
+        "impact, m/s",
+        "model's, m/s"
     )
     .expect("a string takes all");
     for (model, collisions) in &figures.models {
@@ -38,11 +44,12 @@ fn block(text: &mut String, name: &str, figures: &Figures) {
         let mark = if figures.holds(law) { "" } else { "  MISSED" };
         writeln!(
             text,
-            "  {:<24} {:>10} {:>9} {:>18} {:>12} {:>12}{mark}",
+            "  {:<24} {:>10} {:>9} {:>18} {:>14} {:>12} {:>12}{mark}",
             driver(law),
             law.collisions,
             law.rear_end,
             share(law.avoidable.both, figures.mastered_by_both),
+            number(law.avoidable.both_within_a_step),
             speed(law.mean_impact_mps),
             speed(law.model_impact_mps),
         )

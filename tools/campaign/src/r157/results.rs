@@ -84,6 +84,9 @@ pub struct Avoidable {
     pub regulation: Option<u32>,
     /// Both of them.
     pub both: u32,
+    /// Those of `both` in which a contact at constant speeds lasts for less than a step of the models, which
+    /// they may not see; null where there are no cut-ins.
+    pub both_within_a_step: Option<u32>,
 }
 
 /// The verdicts of the models and of each driver over the cases of a matrix.
@@ -165,6 +168,12 @@ impl Judged {
                 regulation: speaks(Model::Regulation)
                     .then(|| count(&|index| masters(index, Model::Regulation))),
                 both: count(&|index| is_mastered_by_both(&self.models[index])),
+                both_within_a_step: (self.matrix == Matrix::CutIn).then(|| {
+                    count(&|index| {
+                        is_mastered_by_both(&self.models[index])
+                            && self.cases[index].ends_within_a_step()
+                    })
+                }),
             },
             mean_impact_mps: mean(collided.iter().map(|&index| verdicts[index].impact_speed_mps)),
             model_impact_mps: mean(
@@ -244,6 +253,10 @@ mod tests {
         assert_eq!((law.collisions, law.avoidable.both), (2252, 0));
         assert_eq!(law.mean_impact_mps, Some(4.0));
         assert!(!result.holds(), "no more than a third of the model's collisions are allowed");
-        assert!(!judged(is_mastered_by_both).holds());
+        let mastered = judged(is_mastered_by_both);
+        assert!(!mastered.holds());
+        let Avoidable { both, both_within_a_step, .. } = mastered.all.laws[0].avoidable;
+        let within = both_within_a_step.expect("they are cut-ins");
+        assert!(within > 0 && within < both / 10, "{within} of {both}");
     }
 }
