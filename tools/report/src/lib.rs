@@ -10,6 +10,7 @@
 pub mod chart;
 mod compare;
 mod drive;
+mod duration;
 mod following;
 pub mod html;
 mod link;

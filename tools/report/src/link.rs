@@ -1,19 +1,9 @@
 //! What came of the frames between the vehicle and other hosts.
 
+use crate::duration::duration;
 use crate::html::{Column, section, table};
-use crate::print::duration;
 use crate::summary::Summary;
-use group::GroupOutcome;
-use messages::Service;
-use runtime::report::{Details, LinkReport, StationReport};
-
-/// What v2x-sim brought back of its carrier; none where there is none.
-pub(crate) fn report(group: &GroupOutcome) -> Option<LinkReport> {
-    match &group.reports.get(&Service::V2xSim)?.details {
-        Details::Link(report) => Some((**report).clone()),
-        _ => None,
-    }
-}
+use runtime::report::{LinkReport, StationReport};
 
 /// Lines for the terminal: label and text.
 pub(crate) fn lines(summary: &Summary) -> Vec<(&'static str, String)> {

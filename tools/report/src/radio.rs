@@ -1,20 +1,10 @@
 //! What was on air: the frames and the on-board unit's verdicts, and the way of a signal's change.
 
+use crate::duration::{duration, percentiles};
 use crate::html::{Column, section, table};
-use crate::print::{duration, percentiles};
 use crate::summary::Summary;
-use group::GroupOutcome;
-use messages::Service;
-use runtime::report::{Details, ObuReport};
+use runtime::report::ObuReport;
 use runtime::statistics::Percentiles;
-
-/// What the on-board unit brought back; none where there is none.
-pub(crate) fn report(group: &GroupOutcome) -> Option<ObuReport> {
-    match &group.reports.get(&Service::Obu)?.details {
-        Details::Obu(report) => Some((**report).clone()),
-        _ => None,
-    }
-}
 
 /// Lines for the terminal: label and text.
 pub(crate) fn lines(summary: &Summary) -> Vec<(&'static str, String)> {

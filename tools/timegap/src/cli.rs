@@ -83,30 +83,30 @@ impl Cli {
     }
 }
 
-/// Adds the nearest command to the error about an unknown one. clap's own measure of likeness knows no
+/// Adds the nearest commands to the error about an unknown one. clap's own measure of likeness knows no
 /// transposed letters in words as short as ours.
 fn suggest(mut error: clap::Error) -> clap::Error {
     let given = match error.get(ContextKind::InvalidSubcommand) {
         Some(ContextValue::String(given)) if error.kind() == ErrorKind::InvalidSubcommand => given,
         _ => return error,
     };
-    if error.get(ContextKind::SuggestedSubcommand).is_none()
-        && let Some(near) = nearest(given)
-    {
-        error.insert(ContextKind::SuggestedSubcommand, ContextValue::Strings(vec![near]));
+    let near = nearest(given);
+    if !near.is_empty() {
+        error.insert(ContextKind::SuggestedSubcommand, ContextValue::Strings(near));
     }
     error
 }
 
-/// The command that is likest to `given`, if one is like enough to be meant.
-fn nearest(given: &str) -> Option<String> {
+/// The commands that are likest to `given`, if they are like enough to be meant.
+fn nearest(given: &str) -> Vec<String> {
     let command = Cli::command();
     let names = command.get_subcommands().filter(|command| !command.is_hide_set());
-    let (distance, name) = names
-        .map(|command| command.get_name())
-        .map(|name| (strsim::osa_distance(given, name), name))
-        .min()?;
-    (distance <= 1 + given.chars().count() / 4).then(|| name.to_owned())
+    let distance = |name: &str| strsim::osa_distance(given, name);
+    let names: Vec<&str> = names.map(|command| command.get_name()).collect();
+    let least = names.iter().map(|name| distance(name)).min();
+    let least = least.filter(|least| *least <= 1 + given.chars().count() / 4);
+    let near = names.into_iter().filter(|name| Some(distance(name)) == least);
+    near.map(str::to_owned).collect()
 }
 
 #[cfg(test)]
@@ -122,7 +122,7 @@ mod tests {
             let text = suggest(error).to_string();
             assert!(text.contains(&format!("'{meant}'")), "{given}: {text}");
         }
-        assert_eq!(nearest("xyzzy"), None);
+        assert_eq!(nearest("xyzzy"), Vec::<String>::new());
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! What the messages, the faults and the machine did to the run.
 
-use super::timing::duration;
+use crate::duration::duration;
 use crate::summary::Summary;
 use group::Recovery;
 use messages::level::Level;

@@ -4,9 +4,8 @@ mod drive;
 mod machine;
 mod timing;
 
+pub use crate::duration::duration;
 pub use drive::trip;
-pub use timing::duration;
-pub(crate) use timing::percentiles;
 
 use crate::summary::Summary;
 use drive::{drive, emergency_brake, radar};

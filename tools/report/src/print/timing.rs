@@ -1,8 +1,8 @@
 //! How long it took.
 
+use crate::duration::{duration, percentiles};
 use crate::summary::{Summary, Timing};
 use runtime::report::WorstChain;
-use runtime::statistics::Percentiles;
 
 pub(super) fn timing(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     let timing = &summary.timing;
@@ -94,37 +94,4 @@ fn longest(chain: &WorstChain) -> String {
         chain.minor_faults + chain.major_faults,
         chain.solver_iterations,
     )
-}
-
-pub(crate) fn percentiles(p: &Percentiles) -> String {
-    format!(
-        "p50 {}, p99 {}, max {} (n = {})",
-        duration(p.p50),
-        duration(p.p99),
-        duration(p.max),
-        p.count
-    )
-}
-
-/// A duration in µs with the unit that reads best.
-pub fn duration(us: f64) -> String {
-    if us < 1e3 {
-        format!("{us:.1} µs")
-    } else if us < 1e6 {
-        format!("{:.2} ms", us / 1e3)
-    } else {
-        format!("{:.2} s", us / 1e6)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn durations_choose_their_unit() {
-        assert_eq!(duration(12.34), "12.3 µs");
-        assert_eq!(duration(1234.0), "1.23 ms");
-        assert_eq!(duration(2_500_000.0), "2.50 s");
-    }
 }

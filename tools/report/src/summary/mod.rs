@@ -2,6 +2,7 @@
 
 mod aebs;
 mod host;
+mod radio;
 
 pub use aebs::Aebs;
 pub use host::Host;
@@ -254,8 +255,8 @@ impl Summary {
             },
             aebs: Aebs::of(scenario, plant, report(Service::Aebs)),
             perception: report(Service::PerceptionSim).and_then(perception_details),
-            radio: crate::radio::report(group),
-            link: crate::link::report(group),
+            radio: radio::unit(group),
+            link: radio::link(group),
             messages: messages(&group.reports, &group.drive),
             recording: group.recording.clone(),
             faults: group.faults.clone(),
