@@ -62,9 +62,9 @@ fn a_capture_is_heard_on_its_own_clock_and_repeats_byte_for_byte() {
     let summary = play(&path);
     let verdicts = &summary["radio"]["verdicts"];
     assert_eq!(summary["outcome"], "completed");
-    // At 0 s, 1 s, ... 14 s, of a SPATEM and a MAPEM each.
-    assert_eq!(verdicts["other_profile"], 30, "{verdicts}");
-    assert_eq!(verdicts["unknown_message"], 30, "{verdicts}");
+    // At 0 s, 1 s, ... 15 s, of a SPATEM and a MAPEM each.
+    assert_eq!(verdicts["other_profile"], 32, "{verdicts}");
+    assert_eq!(verdicts["unknown_message"], 32, "{verdicts}");
     assert!(verdicts["accepted"].as_u64() > Some(450), "{verdicts}");
     for verdict in ["too_old", "contradicting", "duplicated", "malformed"] {
         assert_eq!(verdicts[verdict], 0, "{verdicts}");
