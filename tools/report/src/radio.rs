@@ -18,7 +18,9 @@ pub(crate) fn lines(summary: &Summary) -> Vec<(&'static str, String)> {
             lines.push(("", format!("decoded and checked in {}", percentiles(&decode))));
         }
     }
-    if let Some(reaction) = summary.timing.signal_reaction_us {
+    // In simulated time nothing takes time but the simulated air.
+    let reaction = summary.timing.signal_reaction_us.filter(|reaction| reaction.max > 0.0);
+    if let Some(reaction) = reaction {
         let parts = hops(summary).into_iter();
         let parts: Vec<_> = parts
             .filter_map(|(_, short, p)| p.map(|p| format!("{short} {}", duration(p.p50))))
