@@ -71,9 +71,6 @@ pub enum Error {
     /// An operation failed. Not a `Box`, of which a text could be made as well.
     #[error(transparent)]
     Operation(Arc<dyn Failure>),
-    /// Bad usage or a bad file, in words; an operation has a type of its own instead.
-    #[error("{0}")]
-    Usage(String),
     /// The scenario, or an option that changes it, is wrong.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
@@ -117,8 +114,7 @@ impl Error {
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::Operation(failure) => failure.status() as u8,
-            Self::Usage(_)
-            | Self::Scenario(_)
+            Self::Scenario(_)
             | Self::OpenScenario(_)
             | Self::Path { .. }
             | Self::NotReady { foreign: true, .. } => 2,
