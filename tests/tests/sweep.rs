@@ -71,7 +71,7 @@ fn bad_keys_are_refused_before_anything_runs() {
         ("runtime.extra_delay_ms=0..200", ["no step", "KEY=A..B/STEP"]),
         ("seed=1..3/1", ["--param seed=1..3/1", "--seeds"]),
         ("runtime.extra_delay=0..200/20", ["extra_delay", "^"]),
-        ("runtime.extra_delay_ms=0..25/5", ["--param runtime.extra_delay_ms=5", "multiple"]),
+        ("controller.period_ms=100..125/25", ["--param controller.period_ms=125", "multiple"]),
         ("plant.period_ms=10..-10/5", ["after its end", "KEY=A..B/STEP"]),
     ] {
         let output = corner.run(&["sweep", "cacc-a", "--param", param]);
