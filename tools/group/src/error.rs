@@ -87,9 +87,6 @@ pub enum Error {
         /// What the system said.
         reason: std::io::Error,
     },
-    /// The machine would not let it run, in words; an operation has a type of its own instead.
-    #[error("{0}")]
-    Machine(String),
     /// A service did not come up.
     #[error("{service} {what}")]
     NotReady {
@@ -118,7 +115,7 @@ impl Error {
             | Self::OpenScenario(_)
             | Self::Path { .. }
             | Self::NotReady { foreign: true, .. } => 2,
-            Self::Machine(_) | Self::NotReady { .. } | Self::Runtime(_) => 3,
+            Self::NotReady { .. } | Self::Runtime(_) => 3,
             Self::Interrupted => 130,
         })
     }

@@ -204,6 +204,27 @@ pub fn run_made(
     end.map(|()| sample)
 }
 
+/// What a run needs of the machine cannot be had.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot {what}: {cause}")]
+pub struct PrepareError {
+    what: &'static str,
+    cause: std::io::Error,
+}
+
+impl PrepareError {
+    /// Makes an error out of the system's.
+    pub fn of(what: &'static str) -> impl Fn(std::io::Error) -> Self + Copy {
+        move |cause| Self { what, cause }
+    }
+}
+
+impl Failure for PrepareError {
+    fn status(&self) -> Status {
+        Status::Machine
+    }
+}
+
 /// A run did not reach its end.
 #[derive(Debug, thiserror::Error)]
 #[error("{scenario} with {controller}: {}", why.as_deref().unwrap_or("aborted"))]
@@ -378,7 +399,7 @@ fn drive(
         }
         Carrier::SharedMemory => {
             let directory = job.record.then(Scratch::new).transpose();
-            let directory = directory.map_err(|e| Error::Machine(format!("no directory: {e}")))?;
+            let directory = directory.map_err(PrepareError::of("make a directory"))?;
             let keep = directory.as_ref().map(|directory| Keep {
                 recording: Some(directory.path().join("topics.mcap")),
                 ..Keep::default()

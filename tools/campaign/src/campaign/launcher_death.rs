@@ -4,7 +4,7 @@
 
 use super::planned::Planned;
 use super::record::Record;
-use crate::batch::{Interrupt, Scratch, leftovers};
+use crate::batch::{Interrupt, PrepareError, Scratch, leftovers};
 use group::{Error, this_program};
 use runtime::report::Outcome;
 use runtime::{Group, Mode};
@@ -42,14 +42,13 @@ pub fn run(
     mode: Mode,
     interrupt: &Interrupt,
 ) -> Result<Record, Error> {
-    let machine = |what: &'static str| move |e| Error::Machine(format!("cannot {what}: {e}"));
-    let scratch = Scratch::new().map_err(machine("make a directory"))?;
+    let scratch = Scratch::new().map_err(PrepareError::of("make a directory"))?;
     let (file, out) = (scratch.path().join("run.toml"), scratch.path().join("out"));
-    std::fs::write(&file, scenario.to_toml()).map_err(machine("write a scenario"))?;
+    std::fs::write(&file, scenario.to_toml()).map_err(PrepareError::of("write a scenario"))?;
     let mut command = this_program(&["run", "--no-record", "--mode", mode.name()])?;
     command.arg(&file).arg("--out").arg(&out);
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-    let mut launcher = command.spawn().map_err(machine("start a run"))?;
+    let mut launcher = command.spawn().map_err(PrepareError::of("start a run"))?;
     let status = wait(&mut launcher, interrupt)?;
     let blank = Record::blank(planned, scenario);
     if status.signal().is_none() {
@@ -89,7 +88,7 @@ fn wait(launcher: &mut Child, interrupt: &Interrupt) -> Result<ExitStatus, Error
                 return Err(Error::Interrupted);
             }
             Ok(None) => std::thread::sleep(LOOK),
-            Err(e) => return Err(Error::Machine(format!("cannot wait for a run: {e}"))),
+            Err(e) => return Err(PrepareError::of("wait for a run")(e).into()),
         }
     }
 }
