@@ -66,7 +66,20 @@ struct KnownMap {
     heard_ns: i64,
     geometry: IntersectionGeometry,
     lines: Vec<StopLine>,
+    /// Of the map before. A vehicle that waits at one of these has not passed it because a newer map puts it
+    /// behind the vehicle.
+    former: Vec<StopLine>,
     candidate: Option<(u32, IntersectionGeometry)>,
+}
+
+impl KnownMap {
+    /// Where a line counts for a vehicle at `ego_m`.
+    fn in_force(&self, line: &StopLine, ego_m: f64) -> StopLine {
+        let is_passed = |line: &StopLine| line.position_m < ego_m;
+        let same = |former: &&StopLine| former.signal_group == line.signal_group;
+        let former = self.former.iter().find(same).filter(|former| !is_passed(former));
+        former.filter(|_| is_passed(line)).copied().unwrap_or(*line)
+    }
 }
 
 /// What one sender says of an intersection's signals.
@@ -232,7 +245,10 @@ impl Receiver {
 
 impl Intersection {
     fn lines_ahead(&self, ego_m: f64) -> impl Iterator<Item = StopLine> + '_ {
-        let lines = self.map.iter().flat_map(|map| &map.lines).copied();
+        let lines = self
+            .map
+            .iter()
+            .flat_map(move |map| map.lines.iter().map(move |line| map.in_force(line, ego_m)));
         lines.filter(move |line| line.position_m - ego_m > -PASSED_M)
     }
 
@@ -304,8 +320,10 @@ impl Intersection {
             .any(|sender| sender.station == station && sender.revision == geometry.revision);
         let Some(map) = &mut self.map else {
             let geometry = geometry.clone();
+            let former = Vec::new();
+            let heard_ns = now_ns;
             self.map =
-                Some(KnownMap { station, heard_ns: now_ns, geometry, lines, candidate: None });
+                Some(KnownMap { station, heard_ns, geometry, lines, former, candidate: None });
             self.renew(now_ns);
             return Verdict::Accepted;
         };
@@ -319,7 +337,9 @@ impl Intersection {
         let may_replace = map.station == station || now_ns - map.heard_ns > MAP_SILENT_NS;
         if may_replace && (is_new || again) {
             let geometry = geometry.clone();
-            *map = KnownMap { station, heard_ns: now_ns, geometry, lines, candidate: None };
+            let former = std::mem::take(&mut map.lines);
+            let heard_ns = now_ns;
+            *map = KnownMap { station, heard_ns, geometry, lines, former, candidate: None };
             self.renew(now_ns);
             return Verdict::Accepted;
         }

@@ -229,6 +229,20 @@ fn a_map_changes_with_its_revision_or_when_it_is_said_twice() {
 }
 
 #[test]
+fn a_line_that_a_newer_map_puts_behind_a_waiting_vehicle_counts_until_it_is_passed() {
+    let mut receiver = informed();
+    let moved = |ms| map_of(UNIT, ms, geometry(290.0));
+    receiver.take(&moved(1_000), &at(1_000));
+    assert_eq!(receiver.take(&moved(2_000), &at(2_000)), Verdict::Accepted);
+    let line_m = |ego_m| {
+        let (mut map, mut spat) = (Map::zeroed(), Spat::zeroed());
+        receiver.write(2_000_000_000, ego_m, &mut map, &mut spat);
+        map.lanes[0].stop_line_m.round()
+    };
+    assert_eq!([line_m(289.0), line_m(298.0), line_m(301.0)], [290.0, 300.0, 290.0]);
+}
+
+#[test]
 fn a_map_without_the_lane_and_timing_without_its_signal_are_counted() {
     let mut receiver = Receiver::new(OWN, 500);
     let mut bare = geometry(300.0);
