@@ -11,7 +11,7 @@ mod namespaces;
 #[allow(dead_code, reason = "its main is the example's")]
 mod station;
 
-use libtest_mimic::{Arguments, Failed, Trial};
+use libtest_mimic::Failed;
 use namespaces::Hosts;
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
@@ -29,19 +29,11 @@ fn main() -> ExitCode {
     {
         return station::status(rest);
     }
-    let missing = namespaces::missing();
-    let mut tests: Vec<Trial> = Vec::new();
-    let mut add = |name: &str, run: fn() -> Result<(), Failed>| {
-        let test = Trial::test(name, run);
-        tests.push(match &missing {
-            None => test,
-            Some(why) => test.with_kind(format!("SKIPPED: {why}")).with_ignored_flag(true),
-        });
-    };
-    add("corridor_over_udp_loses_what_the_air_drops_and_nothing_else", udp);
-    #[cfg(feature = "zenoh")]
-    add("corridor_over_zenoh_with_router_and_tls_comes_back", zenoh);
-    libtest_mimic::run(&Arguments::from_args(), tests).exit_code()
+    namespaces::conclude(&[
+        ("corridor_over_udp_loses_what_the_air_drops_and_nothing_else", udp),
+        #[cfg(feature = "zenoh")]
+        ("corridor_over_zenoh_with_router_and_tls_comes_back", zenoh),
+    ])
 }
 
 /// A command of timegap on a host, which ends by itself or with this.

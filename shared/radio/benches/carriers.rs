@@ -4,11 +4,13 @@
 //! `cargo bench -p radio`, with `--features zenoh` for zenoh's rows. Sender and vehicles are processes of
 //! their own with one clock.
 
+mod peer;
+
+use peer::{Peer, router};
 use radio::{Carrier, Role, wall_clock_ns};
 use scenario::carrier::CarrierAddress;
-use std::io::{BufRead, BufReader, Read};
-use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::io::Read;
+use std::time::Duration;
 
 /// A SPATEM and a MAPEM ten times a second.
 const PERIOD: Duration = Duration::from_millis(50);
@@ -98,15 +100,6 @@ fn vehicles(count: usize, address: &str) {
     );
 }
 
-/// A router, until its input ends.
-fn router(address: &str) {
-    let address: CarrierAddress = address.parse().expect("an address");
-    let _router = Carrier::open(&address, Role::Vehicle).expect("a router");
-    println!("ready");
-    // An input that breaks has ended too.
-    let _ = std::io::stdin().read_to_end(&mut Vec::new());
-}
-
 /// Processor time of all threads of this process, ms.
 fn processor_ms() -> f64 {
     let tasks = std::fs::read_dir("/proc/self/task").expect("Linux");
@@ -115,45 +108,6 @@ fn processor_ms() -> f64 {
         text.split_whitespace().next()?.parse::<f64>().ok()
     });
     ns.sum::<f64>() / 1e6
-}
-
-/// This program again, in another role.
-struct Peer {
-    child: Child,
-    output: BufReader<std::process::ChildStdout>,
-}
-
-impl Peer {
-    fn start(arguments: &[&str]) -> Self {
-        let mut child = Command::new(std::env::current_exe().expect("it runs"))
-            .args(arguments)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("it can start again");
-        let mut output = BufReader::new(child.stdout.take().expect("it is piped"));
-        let begun = Instant::now();
-        let mut line = String::new();
-        output.read_line(&mut line).expect("it says that it is ready");
-        assert_eq!(line, "ready\n", "after {:?}", begun.elapsed());
-        Self { child, output }
-    }
-
-    /// Closes its input and reads its row.
-    fn finish(&mut self) -> String {
-        drop(self.child.stdin.take());
-        let mut line = String::new();
-        self.output.read_line(&mut line).expect("its row");
-        line.trim_end().to_owned()
-    }
-}
-
-impl Drop for Peer {
-    fn drop(&mut self) {
-        drop(self.child.stdin.take());
-        // It ends with its input.
-        let _ = self.child.wait();
-    }
 }
 
 #[cfg(not(feature = "zenoh"))]

@@ -5,17 +5,21 @@
 //! host. The cycles of the roadside unit, of the vehicle's radio and of its controller are 100 ms each; how they
 //! lie to each other is chance in each session, so that there are several, which alternate.
 
+#[path = "../../../shared/radio/benches/peer/mod.rs"]
+mod peer;
+
 use bytemuck::Zeroable;
 use messages::{Map, Spat};
 use obu::clock::Moment;
 use obu::receiver::Receiver;
+use peer::{Peer, router};
 use radio::{Carrier, Role, wall_clock_ns};
 use rustix::time::{ClockId, clock_gettime};
 use scenario::carrier::CarrierAddress;
 use serde_json::Value;
-use std::io::{BufRead, BufReader, Read};
+use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap");
@@ -215,15 +219,6 @@ fn vehicle(address: &str) {
     println!("{figures}");
 }
 
-/// A router, until its input ends.
-fn router(address: &str) {
-    let address: CarrierAddress = address.parse().expect("an address");
-    let _router = Carrier::open(&address, Role::Vehicle).expect("a router");
-    println!("ready");
-    // An input that breaks has ended too.
-    let _ = std::io::stdin().read_to_end(&mut Vec::new());
-}
-
 /// Processor time of this process, us.
 fn processor_us() -> f64 {
     let time = clock_gettime(ClockId::ProcessCPUTime);
@@ -233,42 +228,4 @@ fn processor_us() -> f64 {
 fn load() -> String {
     let load = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
     load.split_whitespace().next().unwrap_or("unknown").to_owned()
-}
-
-/// This program again, in another role.
-struct Peer {
-    child: Child,
-    output: BufReader<std::process::ChildStdout>,
-}
-
-impl Peer {
-    fn start(arguments: &[&str]) -> Self {
-        let mut child = Command::new(std::env::current_exe().expect("it runs"))
-            .args(arguments)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("it can start again");
-        let mut output = BufReader::new(child.stdout.take().expect("it is piped"));
-        let mut line = String::new();
-        output.read_line(&mut line).expect("it says that it is ready");
-        assert_eq!(line, "ready\n");
-        Self { child, output }
-    }
-
-    /// Closes its input and reads its line.
-    fn finish(&mut self) -> String {
-        drop(self.child.stdin.take());
-        let mut line = String::new();
-        self.output.read_line(&mut line).expect("its line");
-        line
-    }
-}
-
-impl Drop for Peer {
-    fn drop(&mut self) {
-        drop(self.child.stdin.take());
-        // It ends with its input.
-        let _ = self.child.wait();
-    }
 }

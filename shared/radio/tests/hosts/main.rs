@@ -8,7 +8,7 @@ mod namespaces;
 #[allow(dead_code, reason = "its main is the example's")]
 mod station;
 
-use libtest_mimic::{Arguments, Failed, Trial};
+use libtest_mimic::Failed;
 use namespaces::{Hosts, Process};
 use radio::{RadioReport, StationReport};
 use std::process::ExitCode;
@@ -21,19 +21,11 @@ fn main() -> ExitCode {
     {
         return station::status(rest);
     }
-    let missing = namespaces::missing();
-    let mut tests: Vec<Trial> = Vec::new();
-    let mut add = |name: &str, run: fn() -> Result<(), Failed>| {
-        let test = Trial::test(name, run);
-        tests.push(match &missing {
-            None => test,
-            Some(why) => test.with_kind(format!("SKIPPED: {why}")).with_ignored_flag(true),
-        });
-    };
-    add("udp_loses_what_the_air_drops_and_nothing_else", udp);
-    #[cfg(feature = "zenoh")]
-    add("zenoh_with_router_and_tls_comes_back", zenoh);
-    libtest_mimic::run(&Arguments::from_args(), tests).exit_code()
+    namespaces::conclude(&[
+        ("udp_loses_what_the_air_drops_and_nothing_else", udp),
+        #[cfg(feature = "zenoh")]
+        ("zenoh_with_router_and_tls_comes_back", zenoh),
+    ])
 }
 
 /// Good air, 5 % loss, 30 % loss for 5 s, no link for 3 s, 5 %, good air; the vehicle hears frames in each

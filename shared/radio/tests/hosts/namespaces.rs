@@ -1,10 +1,10 @@
 //! Two hosts on one machine: namespaces `a` and `b`, and one between them in which the air runs.
 
-use libtest_mimic::Failed;
+use libtest_mimic::{Arguments, Failed, Trial};
 use radio::RadioReport;
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdin, Command, Stdio};
+use std::process::{Child, ChildStdin, Command, ExitCode, Stdio};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
@@ -23,7 +23,7 @@ fn script() -> PathBuf {
 }
 
 /// What this machine does not grant, if anything.
-pub fn missing() -> Option<String> {
+fn missing() -> Option<String> {
     let name = format!("tg-{}-try", std::process::id());
     let made = run(&["ip", "netns", "add", &name]);
     if let Err(why) = made {
@@ -277,4 +277,20 @@ impl Drop for Process {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
+}
+
+/// A test on two hosts.
+pub type Test = (&'static str, fn() -> Result<(), Failed>);
+
+/// Runs tests; they are skipped, visibly, where there cannot be two hosts.
+pub fn conclude(tests: &[Test]) -> ExitCode {
+    let missing = missing();
+    let trials = tests.iter().map(|&(name, run)| {
+        let test = Trial::test(name, run);
+        match &missing {
+            None => test,
+            Some(why) => test.with_kind(format!("SKIPPED: {why}")).with_ignored_flag(true),
+        }
+    });
+    libtest_mimic::run(&Arguments::from_args(), trials.collect()).exit_code()
 }
