@@ -148,6 +148,13 @@ pub fn apply(request: &Request) -> Granted {
     }
 }
 
+/// Gives up the calling thread's priority: what it does from here on has no deadline, and must not delay
+/// a process on the same core that still has one.
+pub fn give_up_priority() {
+    // A process that has none keeps what it has.
+    let _ = set_policy(libc::SCHED_OTHER, 0);
+}
+
 /// Lends process `pid`, which computes for a service, a share of the services' scheduling: their core, and
 /// a priority below them all, so that it delays none of them whatever it does. What the machine does not
 /// grant is not lent.
@@ -305,6 +312,19 @@ fn prefault_stack() {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_priority_is_given_up() {
+        let policies = std::thread::spawn(|| {
+            let asked = Request { policy: Policy::Fifo(3), core: None, lock_memory: false };
+            let granted = apply(&asked).granted;
+            give_up_priority();
+            (granted, policy_in_force())
+        });
+        let (granted, after) = policies.join().expect("no panic");
+        assert!(["fifo:3", "other"].contains(&granted.as_str()), "{granted}");
+        assert_eq!(after, Policy::Other);
+    }
 
     #[test]
     fn a_missing_core_is_refused_and_the_rest_goes_on() {

@@ -55,6 +55,12 @@ impl Latencies {
         self.0.len()
     }
 
+    /// Number of recorded durations of more than `duration_ns`, to the resolution of the histogram.
+    #[must_use]
+    pub fn count_above_ns(&self, duration_ns: u64) -> u64 {
+        self.0.len() - self.0.count_between(0, duration_ns)
+    }
+
     /// The whole distribution, as a curve; empty if nothing was recorded.
     #[must_use]
     pub fn quantile_curve(&self) -> QuantileCurve {
@@ -123,6 +129,17 @@ mod tests {
         assert!(near(p.p50, 5_000.0) && near(p.p90, 9_000.0) && near(p.p99, 9_900.0), "{p:?}");
         assert!(near(p.p999, 9_990.0) && near(p.p9999, 9_999.0) && near(p.max, 1e4), "{p:?}");
         assert_eq!(p.count, 10_000);
+    }
+
+    #[test]
+    fn what_is_above_a_limit_is_counted() {
+        let mut latencies = Latencies::default();
+        for us in 1..=1_000 {
+            latencies.record_ns(us * 1_000);
+        }
+        assert_eq!(latencies.count_above_ns(0), 1_000);
+        assert!(latencies.count_above_ns(900_000).abs_diff(100) <= 10);
+        assert_eq!(latencies.count_above_ns(2_000_000), 0);
     }
 
     #[test]

@@ -69,7 +69,7 @@ impl Bench<'_> {
     }
 
     /// Runs the group block after block, each with a block of the futex before or after it, drawn by
-    /// lot. The sleeping process and the law are measured in the very seconds of the group's block.
+    /// lot. The metronome and the law are measured in the very seconds of the group's block.
     fn chain_in_blocks(&mut self, blocks: &ChainBlocks) -> Result<(), Error> {
         let ChainBlocks { conditions, period_us, block_s, .. } = *blocks;
         let cell = Cell { measure: Measure::Chain, conditions, period_us };
@@ -94,8 +94,9 @@ impl Bench<'_> {
             let missed = chain.timing.deadline_misses.unwrap_or(0);
             ours.events += missed;
             ours.cycles += chain.timing.cycles.unwrap_or(0).max(missed);
-            floor.events += chain.floor.misses;
-            floor.cycles += chain.floor.cycles;
+            let beside = chain.floor_events().unwrap_or_default();
+            floor.events += beside.events;
+            floor.cycles += beside.cycles;
             let futex_us = futex.latencies.percentiles_us().map(|p| p.p50);
             done.extend(futex_us.and_then(|us| block(&chain, us)));
         }

@@ -4,6 +4,7 @@ use super::outcome::Outcome;
 use super::plan::Cell;
 use super::setup::Scheduling;
 use super::stage::Stage;
+use super::statistics::Events;
 use group::Ended;
 use group::Error;
 use group::{GroupOptions, ScenarioOptions};
@@ -31,6 +32,17 @@ pub struct Chain {
     pub refused: Vec<String>,
     /// Whether every process ran as the cell asks.
     pub as_asked: bool,
+}
+
+impl Chain {
+    /// Releases of a process on the controller's core, in the same seconds, that sleeps and then computes for
+    /// as long as the law does at the median: those that it would end after the controller's deadline.
+    pub fn floor_events(&self) -> Option<Events> {
+        let slack_us = self.timing.deadline_us? - self.timing.solve_us?.p50;
+        let slack_ns = (slack_us.max(0.0) * 1e3) as u64;
+        let Outcome { latencies, cycles, .. } = &self.floor;
+        Some(Events { events: latencies.count_above_ns(slack_ns), cycles: *cycles })
+    }
 }
 
 /// Runs the group for `seconds` under the cell's conditions.

@@ -112,8 +112,8 @@ pub fn of_chain(period_us: u32, placement: Placement, blocks: &[(f64, f64)]) -> 
     statistics::paired(blocks).map(|estimate| Goal::new(name, placement, CHAIN_LIMIT, estimate))
 }
 
-/// The goal of the deadlines at 1 ms: no more misses than a process that only sleeps has on the same
-/// core in the same seconds. Without a miss of ours it is met, whatever the floor's.
+/// The goal of the deadlines at 1 ms: no more misses than a process has that only sleeps and computes for as
+/// long as the law does, on the same core in the same seconds. Without a miss of ours it is met, whatever the floor's.
 pub fn of_misses(placement: Placement, ours: Events, floor: Events) -> Option<Goal> {
     let name = "deadline misses per million at 1 ms over the floor's".to_owned();
     let goal = Goal::new(name, placement, 1.0, statistics::rates(ours, floor)?);

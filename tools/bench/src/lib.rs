@@ -8,7 +8,8 @@
 //!    4 MiB, loaned and borrowed, bare or protected;
 //! 3. the chain of the four services, with its reaction time and hops;
 //! 4. deadline misses of the controller with the 100-step problem in its loop at periods from 100 ms
-//!    to 1 ms, beside those of a process that only sleeps, on the same core in the same seconds.
+//!    to 1 ms, beside those of a process that sleeps and computes for as long as the law, on the same core in the
+//!    same seconds.
 //!
 //! 5. comparisons in alternating blocks of ours and its floor, by which the goals are judged.
 //!
@@ -327,6 +328,7 @@ impl<'a> Bench<'a> {
 
     fn chain(&mut self, cell: &Cell) -> Result<(), Error> {
         let chain = chain::run(self.stage, cell, self.seconds)?;
+        let beside = chain.floor_events();
         self.refused.extend(chain.refused);
         let Cell { conditions, period_us, .. } = *cell;
         let floor = self.figure(cell, "sleep-beside-chain", &chain.floor);
@@ -336,7 +338,6 @@ impl<'a> Bench<'a> {
             self.histograms.extend(tagged);
         }
         let timing = chain.timing;
-        let (floor_cycles, floor_misses) = (chain.floor.cycles, chain.floor.misses);
         let per_million =
             |misses: u64, cycles: u64| (cycles > 0).then(|| misses as f64 * 1e6 / cycles as f64);
         // What was measured under other conditions than the row's is not its figure.
@@ -351,10 +352,11 @@ impl<'a> Bench<'a> {
             cycles: kept(due),
             misses: kept(timing.deadline_misses),
             misses_per_million: kept(due).and_then(|due| per_million(late, due)),
-            floor_cycles: kept(Some(floor_cycles)),
-            floor_misses: kept(Some(floor_misses)),
-            floor_misses_per_million: kept(Some(floor_cycles))
-                .and_then(|cycles| per_million(floor_misses, cycles)),
+            floor_cycles: kept(beside.map(|floor| floor.cycles)),
+            floor_misses: kept(beside.map(|floor| floor.events)),
+            floor_misses_per_million: beside
+                .filter(|_| chain.as_asked)
+                .and_then(|floor| per_million(floor.events, floor.cycles)),
         });
         self.report.chain.push(ChainRow {
             conditions,

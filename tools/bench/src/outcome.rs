@@ -11,7 +11,7 @@ pub struct Outcome {
     pub latencies: Latencies,
     /// Scheduled releases or wake-ups.
     pub cycles: u64,
-    /// Releases that were over when the process came to them.
+    /// Wake-ups that were sent and did not come one by one.
     pub misses: u64,
     /// Bytes that were copied between the sender's writing and the reader's reading.
     pub copied_bytes: u64,

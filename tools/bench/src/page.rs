@@ -334,7 +334,7 @@ fn deadlines(rows: &[DeadlineRow]) -> String {
         ("period", Column::Number),
         ("missed", Column::Number),
         ("of cycles", Column::MoreNumber),
-        ("by a process that only sleeps", Column::Number),
+        ("by a process that sleeps and computes", Column::Number),
         ("of its cycles", Column::MoreNumber),
     ];
     table(&head, &cells)

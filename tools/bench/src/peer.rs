@@ -123,13 +123,13 @@ pub fn page(name: &str) -> Result<SharedWords, PeerError> {
     SharedWords::map(name).map_err(PeerError::Page)
 }
 
-/// Counts like the control loop: a release that is over is a miss and is left out, and its lateness
-/// counts from its own scheduled instant.
+/// Counts like the control loop: a release that is over is left out, and its lateness counts from its own
+/// scheduled instant.
 fn metronome_job(job: &Job) -> Result<Outcome, Error> {
     let page = page(&job.page)?;
     let granted = schedule(job);
     let state = page.word(words::METRONOME);
-    let (mut latencies, mut cycles, mut misses) = (Latencies::default(), 0, 0);
+    let (mut latencies, mut cycles) = (Latencies::default(), 0);
     page.word(words::READY).store(1, Ordering::Release);
     let mut scheduled = monotonic_ns() + job.period_ns;
     loop {
@@ -138,20 +138,16 @@ fn metronome_job(job: &Job) -> Result<Outcome, Error> {
         }
         let state = state.load(Ordering::Relaxed);
         if state == metronome::STOP {
-            return Ok(Outcome { granted, latencies, cycles, misses, copied_bytes: 0 });
+            return Ok(Outcome { latencies, ..Outcome::of_cycles(granted, cycles) });
         }
         let now = monotonic_ns();
-        let mut over = 0;
         while now - scheduled >= 0 {
             if state == metronome::COUNT {
                 latencies.record_ns(now - scheduled);
                 cycles += 1;
             }
-            over += 1;
             scheduled += job.period_ns;
         }
-        // The newest of them is met, late or not.
-        misses += if state == metronome::COUNT { over - 1 } else { 0 };
     }
 }
 

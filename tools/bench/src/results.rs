@@ -170,7 +170,8 @@ pub struct DeadlineRow {
     pub cycles: Option<u64>,
     pub misses: Option<u64>,
     pub misses_per_million: Option<f64>,
-    /// Of a process that only sleeps, on the controller's core, during the same seconds.
+    /// Of a process that sleeps and computes for as long as the law, on the controller's core, during the same
+    /// seconds.
     pub floor_cycles: Option<u64>,
     pub floor_misses: Option<u64>,
     pub floor_misses_per_million: Option<f64>,

@@ -125,8 +125,10 @@ fn chains(report: &Report, text: &mut String) {
 
 fn deadlines(report: &Report, text: &mut String) {
     let columns = ["cycles", "misses", "per million", "floor", "per million"];
-    let mut table =
-        figures("deadlines missed by the controller, and by a process that only sleeps", &columns);
+    let mut table = figures(
+        "deadlines missed by the controller, and by a process that sleeps and computes for as long as the law",
+        &columns,
+    );
     for row in &report.deadlines {
         let what = format!("{} ms, {}", row.period_us / 1000, in_words(&row.conditions));
         let count = |count: Option<u64>| count.map_or_else(|| "-".into(), |n| n.to_string());

@@ -1,6 +1,8 @@
 //! What a service does in every cycle.
 
 use super::Runtime;
+use crate::scheduling::give_up_priority;
+use crate::transport::Carrier;
 use crate::{FromService, Mode, RuntimeError, Subscriber};
 use messages::{Header, Message, Origins, ServiceState};
 use std::sync::OnceLock;
@@ -45,6 +47,10 @@ impl Runtime {
                 Err(error) => break Err(error),
             }
         };
+        if self.carrier() == Carrier::SharedMemory && self.group.mode == Mode::Realtime {
+            // Others may still have their last cycle to run while this service writes its report.
+            give_up_priority();
+        }
         self.allocations_in_loop = allocations().zip(before).map(|(after, before)| after - before);
         result
     }
