@@ -1,6 +1,7 @@
 //! The scenarios that come with the program.
 
-use super::error::{ScenarioError, edit_distance};
+use super::accepted::nearest;
+use super::error::ScenarioError;
 
 /// A scenario compiled into the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,10 +62,7 @@ pub fn find(name: &str) -> Option<&'static Builtin> {
 pub(super) fn unknown(name: &str) -> ScenarioError {
     let names: Vec<&str> = ALL.iter().map(|builtin| builtin.name).collect();
     let mut expected = format!("a path to a scenario file or one of {}", names.join(", "));
-    let near = names.iter().map(|known| (edit_distance(name, known), known)).min();
-    if let Some((distance, known)) = near
-        && distance <= 1 + name.chars().count() / 4
-    {
+    if let Some(known) = nearest(name, names) {
         expected.push_str(&format!(" (did you mean {known}?)"));
     }
     ScenarioError::whole(name, "no built-in scenario and no file of this name").expecting(expected)

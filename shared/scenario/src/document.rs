@@ -12,6 +12,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::error::ScenarioError;
 use super::overrides::{Override, Overrides};
+use super::placed::Placed;
 use super::problem::Problem;
 
 /// Longest text of a scenario, bytes.
@@ -58,9 +59,12 @@ impl<'a> Document<'a> {
     ) -> Result<(T, A), ScenarioError> {
         let mut root = self.root.clone();
         let apart = take(root.get_mut());
-        T::deserialize(toml::Deserializer::from(root))
-            .map(|value| (value, apart))
-            .map_err(|error| self.error(error.span().unwrap_or(0..0), error.message()))
+        let span = root.span();
+        let root = Placed::of(&Spanned::new(span.clone(), DeValue::Table(root.into_inner())));
+        T::deserialize(&root).map(|value| (value, apart)).map_err(|refusal| {
+            let place = refusal.place().cloned().unwrap_or(span);
+            self.error(place, refusal.message()).expecting(refusal.expected())
+        })
     }
 
     /// The text of an integer at the top level, when there is one.

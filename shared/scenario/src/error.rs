@@ -1,5 +1,6 @@
 //! Errors of scenario files, shown with the line, a caret and what was expected.
 
+use super::problem::sentence;
 use std::fmt;
 use std::ops::Range;
 
@@ -66,8 +67,9 @@ impl ScenarioError {
             mark: text[start..end.clamp(start, line_end)].chars().count().max(1),
             numbered,
         };
-        let (message, expected) = split_expectation(message);
-        Self { message, expected, place: Box::new(place) }
+        let (message, expected) = sentence(message);
+        Self { message: message.to_owned(), expected: None, place: Box::new(place) }
+            .expecting(expected)
     }
 
     /// Says what would have been right.
@@ -75,7 +77,7 @@ impl ScenarioError {
     pub(super) fn expecting(mut self, expected: impl Into<String>) -> Self {
         let expected = expected.into();
         if !expected.is_empty() {
-            self.expected = Some(in_an_authors_words(&self.message, &expected));
+            self.expected = Some(expected);
         }
         self
     }
@@ -166,73 +168,6 @@ fn floor_char_boundary(text: &str, at: usize) -> usize {
     (0..=at).rev().find(|&at| text.is_char_boundary(at)).unwrap_or(0)
 }
 
-/// Splits serde's and our own "what is wrong, expected what", in the words of a scenario's author.
-fn split_expectation(message: &str) -> (String, Option<String>) {
-    let (what, expected) = match message.split_once(", expected ") {
-        Some((what, expected)) => (what, Some(expected)),
-        None => match message.split_once(", there are no ") {
-            Some((what, _)) => (what, Some("no key here")),
-            None => (message, None),
-        },
-    };
-    let what = what
-        .replace("unknown field `", "unknown key `")
-        .replace("unknown variant `", "unknown value `")
-        .replace("missing field `", "missing key `");
-    let expected = expected.map(|expected| in_an_authors_words(&what, expected));
-    (what, expected)
-}
-
-/// What serde or a check expected, in the words of a scenario's author, with the nearest word where one
-/// may have been mistyped.
-fn in_an_authors_words(what: &str, expected: &str) -> String {
-    let expected = match expected {
-        "f64" => "a number",
-        "i64" | "u64" | "i32" | "u32" => "a whole number",
-        "a map" => "a table",
-        "a sequence" => "an array",
-        "a boolean" => "true or false",
-        other if other.starts_with("struct ") => "a table",
-        other => other.strip_prefix("one of ").unwrap_or(other),
-    };
-    match nearest(what, expected) {
-        Some(near) => format!("{expected} (did you mean `{near}`?)"),
-        None => expected.to_owned(),
-    }
-}
-
-/// The accepted word nearest to the refused one, when it is near enough to be a slip.
-fn nearest(what: &str, expected: &str) -> Option<String> {
-    if !what.starts_with("unknown ") {
-        return None;
-    }
-    let refused = what.split('`').nth(1)?;
-    let limit = 1 + refused.chars().count() / 4;
-    let (distance, word) = expected
-        .split('`')
-        .skip(1)
-        .step_by(2)
-        .map(|word| (edit_distance(refused, word), word))
-        .min_by_key(|(distance, _)| *distance)?;
-    (distance <= limit).then(|| word.to_owned())
-}
-
-/// Levenshtein's distance, on the first 64 characters of each word.
-pub(super) fn edit_distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().take(64).collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().take(64).enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, &y) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(x != y);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[b.len()]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -280,23 +215,5 @@ mod tests {
         assert!(shown.len() < 500);
         let lines: Vec<&str> = shown.lines().collect();
         assert_eq!(lines[2].find('!'), lines[3].find('^'));
-    }
-
-    #[test]
-    fn a_slip_of_the_pen_gets_a_suggestion() {
-        let message = "unknown field `perod_ms`, expected one of `period_ms`, `range_m`";
-        let error = ScenarioError::at("x", "perod_ms = 1", 0..8, message);
-        assert_eq!(error.message(), "unknown key `perod_ms`");
-        assert_eq!(error.expected(), Some("`period_ms`, `range_m` (did you mean `period_ms`?)"));
-        let message = "unknown field `colour`, expected one of `period_ms`, `range_m`";
-        let error = ScenarioError::at("x", "colour = 1", 0..6, message);
-        assert_eq!(error.expected(), Some("`period_ms`, `range_m`"));
-    }
-
-    #[test]
-    fn edit_distances() {
-        assert_eq!(edit_distance("kitten", "sitting"), 3);
-        assert_eq!(edit_distance("", "abc"), 3);
-        assert_eq!(edit_distance("gap_m", "gap_m"), 0);
     }
 }

@@ -14,6 +14,7 @@ use openscenario::model::{Body, Category, Drive, Entity, InitAction};
 use openscenario::parameter::Rule;
 use openscenario::road::{Lane, Road};
 
+use super::accepted::accepted;
 use super::Scenario;
 use super::actor::{Actor, Profile};
 use super::event::{ActorEvent, LateralChange, MAX_EVENTS, SpeedChange, VEHICLE_WIDTH_M, When};
@@ -243,7 +244,7 @@ fn one(actors: &[Actor], i: usize, k: usize, event: &ActorEvent) -> Result<(), P
         return Err(Problem::new(
             format!("{path}.when.completed"),
             format!("there is no other event `{}` of this actor", name.as_str()),
-            format!("one of {}", names.join(", ")),
+            accepted(name.as_str(), names),
         ));
     }
     if let Some(other) = &event.to {
@@ -345,7 +346,7 @@ lateral = { to_m = 3.5, duration_s = 3, shape = \"cubic\" }
             ("gap_below_m = 30", "gap_under_m = 30", 9, "gap_below_m"),
             ("gap_below_m = 30", "gap_below_m = -1", 9, "a distance from 0"),
             ("speed = { to_mps = 10, rate_mps2 = 2 }", "", 7, "`speed`, `lateral` or both"),
-            ("completed = \"a\"", "completed = \"b\"", 12, "expected a"),
+            ("completed = \"a\"", "completed = \"b\"", 12, "expected `a`"),
             ("name = \"a\"", "name = \"a\"\nto = \"van\"", 9, "the name of another actor"),
             ("delay_s = 2", "to = \"car\"", 13, "no `to`"),
             (

@@ -7,6 +7,7 @@
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use super::accepted::accepted;
 use super::placed::Placed;
 use super::problem::Problem;
 
@@ -81,7 +82,7 @@ impl<'a> Written<'a> {
         let problem = Problem::new(
             format!("{}.{key}", self.path),
             format!("`{key}` means nothing for {}", self.what),
-            format!("one of {}", self.asked.join(", ")),
+            accepted(key, self.asked.iter().copied()),
         );
         Err(problem.at(value.key_place().unwrap_or_else(|| value.place())))
     }
@@ -97,7 +98,8 @@ impl Keys for Written<'_> {
         self.asked.push(key);
         let Some(value) = self.find(key) else { return Ok(None) };
         T::deserialize(value).map(Some).map_err(|error| {
-            let problem = Problem::said(format!("{}.{key}", self.path), error.message());
+            let path = format!("{}.{key}", self.path);
+            let problem = Problem::new(path, error.message(), error.expected());
             problem.at(error.place().cloned().unwrap_or_else(|| value.place()))
         })
     }

@@ -39,7 +39,8 @@ impl LawTables {
         let empty = Placed::empty();
         let table = self.0.get(name).unwrap_or(&empty);
         T::deserialize(table).map_err(|error| {
-            let problem = Problem::said(format!("controller.{name}"), error.message());
+            let path = format!("controller.{name}");
+            let problem = Problem::new(path, error.message(), error.expected());
             problem.at(error.place().cloned().unwrap_or_else(|| table.place()))
         })
     }

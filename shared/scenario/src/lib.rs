@@ -58,6 +58,7 @@ pub mod storyboard;
 pub mod supervision;
 pub mod v2x;
 
+mod accepted;
 mod check;
 mod document;
 mod error;
@@ -69,8 +70,10 @@ mod law_tables;
 mod overrides;
 mod placed;
 mod problem;
+mod refusal;
 mod table;
 
+pub use accepted::accepted;
 pub use document::MAX_TEXT_BYTES;
 pub use error::ScenarioError;
 pub use law_tables::LawTables;

@@ -1,10 +1,13 @@
 //! A TOML value that remembers where each of its keys and values stood.
 
-use std::fmt;
+use super::refusal::Refusal;
 use std::ops::Range;
 
-use serde::de::value::{MapDeserializer, SeqDeserializer, StrDeserializer};
-use serde::de::{self, Deserialize, Deserializer, IntoDeserializer, Visitor};
+use serde::de::value::{MapAccessDeserializer, StrDeserializer};
+use serde::de::{
+    Deserialize, DeserializeSeed, Deserializer, Error, IntoDeserializer, MapAccess, SeqAccess,
+    Unexpected, Visitor,
+};
 use serde::forward_to_deserialize_any;
 use toml::Spanned;
 use toml::de::DeValue;
@@ -118,72 +121,25 @@ fn scalar(value: &Spanned<DeValue<'_>>) -> toml::Value {
         .unwrap_or_else(|error| toml::Value::String(error.message().to_owned()))
 }
 
-/// Why a value does not fit a type, and where that was found.
-#[derive(Clone, Debug)]
-pub(super) struct PlacedError {
-    message: String,
-    place: Option<Range<usize>>,
-}
-
-impl PlacedError {
-    pub(super) fn message(&self) -> &str {
-        &self.message
-    }
-
-    pub(super) fn place(&self) -> Option<&Range<usize>> {
-        self.place.as_ref()
-    }
-
-    /// The innermost place counts.
-    fn at(mut self, place: &Range<usize>) -> Self {
-        self.place.get_or_insert_with(|| place.clone());
-        self
-    }
-}
-
-impl fmt::Display for PlacedError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.message)
-    }
-}
-
-impl std::error::Error for PlacedError {}
-
-impl de::Error for PlacedError {
-    fn custom<T: fmt::Display>(message: T) -> Self {
-        Self { message: message.to_string(), place: None }
-    }
-}
-
-fn unplaced(error: &toml::de::Error) -> PlacedError {
-    PlacedError { message: error.message().to_owned(), place: None }
-}
-
-impl<'de> IntoDeserializer<'de, PlacedError> for &'de Placed {
-    type Deserializer = Self;
-
-    fn into_deserializer(self) -> Self {
-        self
-    }
-}
-
 impl<'de> Deserializer<'de> for &'de Placed {
-    type Error = PlacedError;
+    type Error = Refusal;
 
-    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, PlacedError> {
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refusal> {
         let read = match &self.content {
-            Content::Scalar(value) => {
-                value.clone().deserialize_any(visitor).map_err(|error| unplaced(&error))
+            Content::Scalar(toml::Value::String(text)) => visitor.visit_str(text),
+            Content::Scalar(toml::Value::Integer(number)) => visitor.visit_i64(*number),
+            Content::Scalar(toml::Value::Float(number)) => visitor.visit_f64(*number),
+            Content::Scalar(toml::Value::Boolean(truth)) => visitor.visit_bool(*truth),
+            Content::Scalar(other) => {
+                Err(Refusal::invalid_type(Unexpected::Other(other.type_str()), &visitor))
             }
-            Content::Array(array) => visitor.visit_seq(SeqDeserializer::new(array.iter())),
-            Content::Table(table) => visitor.visit_map(MapDeserializer::new(
-                table.iter().map(|(name, value)| (Key { name, place: &value.key }, value)),
-            )),
+            Content::Array(array) => visitor.visit_seq(Elements(array.iter())),
+            Content::Table(table) => visitor.visit_map(Entries::of(table)),
         };
         read.map_err(|error| error.at(&self.place))
     }
 
-    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, PlacedError> {
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refusal> {
         visitor.visit_some(self)
     }
 
@@ -191,23 +147,77 @@ impl<'de> Deserializer<'de> for &'de Placed {
         self,
         _: &'static str,
         visitor: V,
-    ) -> Result<V::Value, PlacedError> {
+    ) -> Result<V::Value, Refusal> {
         visitor.visit_newtype_struct(self)
     }
 
     fn deserialize_enum<V: Visitor<'de>>(
         self,
-        name: &'static str,
-        variants: &'static [&'static str],
+        _: &'static str,
+        _: &'static [&'static str],
         visitor: V,
-    ) -> Result<V::Value, PlacedError> {
-        let read = self.plain().deserialize_enum(name, variants, visitor);
-        read.map_err(|error| unplaced(&error).at(&self.place))
+    ) -> Result<V::Value, Refusal> {
+        let read = match &self.content {
+            Content::Scalar(toml::Value::String(word)) => {
+                let word: StrDeserializer<'_, Refusal> = word.as_str().into_deserializer();
+                visitor.visit_enum(word)
+            }
+            Content::Table(table) if table.len() == 1 => {
+                visitor.visit_enum(MapAccessDeserializer::new(Entries::of(table)))
+            }
+            _ => return self.deserialize_any(visitor),
+        };
+        read.map_err(|error| error.at(&self.place))
     }
 
     forward_to_deserialize_any! {
         bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit
         unit_struct seq tuple tuple_struct map struct identifier ignored_any
+    }
+}
+
+/// The elements of an array. What a type's own check refuses is at the element.
+struct Elements<'a>(std::slice::Iter<'a, Placed>);
+
+impl<'de> SeqAccess<'de> for Elements<'de> {
+    type Error = Refusal;
+
+    fn next_element_seed<T: DeserializeSeed<'de>>(
+        &mut self,
+        seed: T,
+    ) -> Result<Option<T::Value>, Refusal> {
+        let Some(element) = self.0.next() else { return Ok(None) };
+        seed.deserialize(element).map(Some).map_err(|error| error.at(&element.place))
+    }
+}
+
+/// The keys and values of a table, in the same way.
+struct Entries<'a> {
+    left: std::slice::Iter<'a, (String, Placed)>,
+    value: Option<&'a Placed>,
+}
+
+impl<'a> Entries<'a> {
+    fn of(table: &'a [(String, Placed)]) -> Self {
+        Self { left: table.iter(), value: None }
+    }
+}
+
+impl<'de> MapAccess<'de> for Entries<'de> {
+    type Error = Refusal;
+
+    fn next_key_seed<K: DeserializeSeed<'de>>(
+        &mut self,
+        seed: K,
+    ) -> Result<Option<K::Value>, Refusal> {
+        let Some((name, value)) = self.left.next() else { return Ok(None) };
+        self.value = Some(value);
+        seed.deserialize(Key { name, place: &value.key }).map(Some)
+    }
+
+    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Refusal> {
+        let value = self.value.take().ok_or_else(|| Refusal::custom("a value without a key"))?;
+        seed.deserialize(value).map_err(|error| error.at(&value.place))
     }
 }
 
@@ -217,19 +227,11 @@ struct Key<'a> {
     place: &'a Option<Range<usize>>,
 }
 
-impl<'de> IntoDeserializer<'de, PlacedError> for Key<'de> {
-    type Deserializer = Self;
-
-    fn into_deserializer(self) -> Self {
-        self
-    }
-}
-
 impl<'de> Deserializer<'de> for Key<'de> {
-    type Error = PlacedError;
+    type Error = Refusal;
 
-    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, PlacedError> {
-        let name: StrDeserializer<'_, PlacedError> = self.name.into_deserializer();
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refusal> {
+        let name: StrDeserializer<'_, Refusal> = self.name.into_deserializer();
         name.deserialize_any(visitor).map_err(|error| match self.place {
             Some(place) => error.at(place),
             None => error,

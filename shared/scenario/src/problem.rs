@@ -32,8 +32,8 @@ impl Problem {
     }
 
     /// A problem at `path` from one sentence, "what is wrong, expected what".
-    pub fn said(path: impl Into<String>, sentence: &str) -> Self {
-        let (message, expected) = sentence.split_once(", expected ").unwrap_or((sentence, ""));
+    pub fn said(path: impl Into<String>, said: &str) -> Self {
+        let (message, expected) = sentence(said);
         Self::new(path, message, expected)
     }
 
@@ -55,4 +55,10 @@ impl Problem {
         self.against = Some(path.to_owned());
         self
     }
+}
+
+/// The two halves of "what is wrong, expected what", the form of our own sentences; the second is empty where
+/// a sentence says nothing of what was expected.
+pub(super) fn sentence(said: &str) -> (&str, &str) {
+    said.split_once(", expected ").unwrap_or((said, ""))
 }

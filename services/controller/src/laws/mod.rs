@@ -8,7 +8,7 @@ pub mod truck;
 
 use crate::law::{Descriptor, Formulation, GapPolicy, Law};
 use scenario::referee::DesiredGap;
-use scenario::{Problem, Scenario};
+use scenario::{Problem, Scenario, accepted};
 
 /// Every law, in the order of `timegap list`.
 pub static ALL: [&Descriptor; 6] = [
@@ -39,7 +39,7 @@ pub fn of(scenario: &Scenario) -> Result<&'static Descriptor, Problem> {
     let name = scenario.controller.name.as_str();
     find(name).ok_or_else(|| {
         let message = format!("unknown value `{name}`");
-        Problem::new("controller.name", message, quoted(ALL.iter().map(|law| law.name)))
+        Problem::new("controller.name", message, accepted(name, ALL.iter().map(|law| law.name)))
     })
 }
 
@@ -76,7 +76,7 @@ pub fn check(scenario: &Scenario) -> Result<(), Problem> {
             None => {
                 let mut names: Vec<_> = tables().map(|table| table.name).collect();
                 names.dedup();
-                let known = quoted(names.into_iter());
+                let known = accepted(name, names);
                 let sentence = format!("unknown key `{name}`, expected {known}");
                 return Err(controller.tables.refuse(name, &sentence));
             }
@@ -121,11 +121,6 @@ pub fn gap_error_figure(scenario: &Scenario) -> Option<usize> {
         GapPolicy::Scenario(_) | GapPolicy::Internal => None,
     }
 }
-
-fn quoted<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    names.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

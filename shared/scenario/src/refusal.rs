@@ -1,0 +1,103 @@
+//! Why a value does not fit a type.
+
+use super::accepted::accepted;
+use super::problem::sentence;
+use serde::de::{self, Expected, Unexpected};
+use std::fmt;
+use std::ops::Range;
+
+/// Why a value does not fit a type, and where that was found. serde hands it over in parts, so that no
+/// text has to be read again.
+#[derive(Clone, Debug)]
+pub(super) struct Refusal {
+    message: String,
+    expected: String,
+    place: Option<Range<usize>>,
+}
+
+impl Refusal {
+    fn new(message: impl Into<String>, expected: impl Into<String>) -> Self {
+        Self { message: message.into(), expected: expected.into(), place: None }
+    }
+
+    pub(super) fn message(&self) -> &str {
+        &self.message
+    }
+
+    /// What would have been right; empty where that is not known.
+    pub(super) fn expected(&self) -> &str {
+        &self.expected
+    }
+
+    pub(super) fn place(&self) -> Option<&Range<usize>> {
+        self.place.as_ref()
+    }
+
+    /// The innermost place counts.
+    pub(super) fn at(mut self, place: &Range<usize>) -> Self {
+        self.place.get_or_insert_with(|| place.clone());
+        self
+    }
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.expected.as_str() {
+            "" => f.write_str(&self.message),
+            expected => write!(f, "{}, expected {expected}", self.message),
+        }
+    }
+}
+
+impl std::error::Error for Refusal {}
+
+impl de::Error for Refusal {
+    /// A sentence of a type's own check.
+    fn custom<T: fmt::Display>(said: T) -> Self {
+        let said = said.to_string();
+        let (message, expected) = sentence(&said);
+        Self::new(message, expected)
+    }
+
+    fn invalid_type(found: Unexpected<'_>, expected: &dyn Expected) -> Self {
+        Self::new(format!("invalid type: {found}"), in_words(expected))
+    }
+
+    fn invalid_value(found: Unexpected<'_>, expected: &dyn Expected) -> Self {
+        Self::new(format!("invalid value: {found}"), in_words(expected))
+    }
+
+    fn invalid_length(length: usize, expected: &dyn Expected) -> Self {
+        Self::new(format!("invalid length {length}"), in_words(expected))
+    }
+
+    fn unknown_variant(found: &str, words: &'static [&'static str]) -> Self {
+        Self::new(format!("unknown value `{found}`"), accepted(found, words.iter().copied()))
+    }
+
+    fn unknown_field(found: &str, words: &'static [&'static str]) -> Self {
+        Self::new(format!("unknown key `{found}`"), accepted(found, words.iter().copied()))
+    }
+
+    fn missing_field(key: &'static str) -> Self {
+        Self::new(format!("missing key `{key}`"), "")
+    }
+
+    fn duplicate_field(key: &'static str) -> Self {
+        Self::new(format!("`{key}` stands here twice"), "it once")
+    }
+}
+
+/// The name of a type, in the words of a scenario's author.
+fn in_words(expected: &dyn Expected) -> String {
+    let name = expected.to_string();
+    match name.as_str() {
+        "f64" => "a number".to_owned(),
+        "i64" | "u64" | "i32" | "u32" | "u16" | "u8" | "usize" => "a whole number".to_owned(),
+        "a map" => "a table".to_owned(),
+        "a sequence" => "an array".to_owned(),
+        "a boolean" => "true or false".to_owned(),
+        other if other.starts_with("struct ") => "a table".to_owned(),
+        _ => name,
+    }
+}
