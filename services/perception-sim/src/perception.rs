@@ -128,7 +128,7 @@ impl Perception {
         &self.list
     }
 
-    /// Takes the scans that lie before the first one.
+    /// Takes the scans that are before the first one.
     fn warm_up(&mut self, now: &Scene, detections: &mut [Detection; MAX_DETECTIONS]) {
         let settles = now.time_ns == 0 && matches!(self.sensor, Sensor::Detections(_));
         let settling = if settles { SETTLING_SCANS } else { 0 };

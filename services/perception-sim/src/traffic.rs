@@ -9,7 +9,7 @@
 //! x += T v        v += T a(t, v)        both from the start of the step
 //! ```
 //!
-//! and samples inside a step lie on its straight lines, as the ego's do.
+//! and samples inside a step are on its straight lines, as the ego's do.
 
 use openscenario::world::State;
 use scenario::Scenario;

@@ -45,7 +45,7 @@ impl From<&Brake> for Stamps {
 pub struct Parts {
     /// Radar acquisition to the sample's publication.
     pub radar_publish_ns: i64,
-    /// The sample lies there, the controller is busy or not yet due.
+    /// The sample is there, the controller is busy or not yet due.
     pub controller_queue_ns: i64,
     /// The controller comes out of its wait with the sample.
     pub radar_transport_ns: i64,

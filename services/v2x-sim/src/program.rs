@@ -75,7 +75,7 @@ impl Program {
             if over {
                 return Some(Interval { phase, end_ns: None });
             }
-            // The cycle's start lies before the run's when the offset is positive.
+            // The cycle's start is before the run's when the offset is positive.
             let end_ns = (start_ns + phase_end_ns).saturating_sub(self.offset_ns);
             index = if last { 0 } else { index + 1 };
             start_ns += if last { self.cycle_ns } else { 0 };

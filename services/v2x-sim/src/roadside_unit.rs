@@ -224,7 +224,7 @@ mod tests {
     }
 
     /// A failure seen in the field: each message repeats the first one's cycle, so that the times
-    /// announced lie in the past.
+    /// announced are in the past.
     #[test]
     fn announced_ends_lie_ahead_in_every_message() {
         let unit = unit("corridor");

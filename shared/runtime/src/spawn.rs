@@ -13,7 +13,7 @@ use std::process::Command;
 pub fn inherit_only(command: &mut Command, keep: Option<BorrowedFd<'_>>) {
     let keep = keep.map(|keep| keep.as_raw_fd());
     // SAFETY: the closure runs between fork and exec and makes two async-signal-safe system calls;
-    // `keep` is open in the parent at the fork, hence in the child.
+    // `keep` is open in the parent at the fork, and so in the child.
     unsafe {
         command.pre_exec(move || {
             let closed =

@@ -60,7 +60,7 @@ impl SharedWords {
     #[must_use]
     pub fn word(&self, index: usize) -> &AtomicU32 {
         assert!(index < WORDS, "a page has {WORDS} words");
-        // SAFETY: the word lies within the mapping, which is page-aligned, lives as long as `self`
+        // SAFETY: the word is within the mapping, which is page-aligned, lives as long as `self`
         // and is only ever accessed as atomic words, by all processes.
         unsafe { self.0.add(index).as_ref() }
     }

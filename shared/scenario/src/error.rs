@@ -6,7 +6,7 @@ use std::ops::Range;
 
 /// Why a scenario was refused.
 ///
-/// `Display` writes what a person needs to mend it:
+/// `Display` writes what a person needs to correct it:
 ///
 /// ```text
 /// error: corridor.toml:12:13: -50 is out of range
@@ -21,7 +21,7 @@ pub struct ScenarioError {
     place: Box<Place>,
 }
 
-/// Where the fault lies.
+/// Where the fault is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Place {
     /// In a text: file name or option, line and column (from 1), the line itself and the length of

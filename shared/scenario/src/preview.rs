@@ -8,7 +8,7 @@ use super::quantity::{Distance, MapShift, Percent};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Preview {
-    /// By how much everything on the map lies too far ahead, m.
+    /// By how much everything on the map is too far ahead, m.
     pub shift_m: MapShift,
     /// Standard deviation of an error of each cell's grade, percentage points; the seed of the run
     /// makes it.

@@ -27,7 +27,7 @@ macro_rules! quantity {
             /// Wraps a literal.
             ///
             /// # Panics
-            /// When the value lies outside the range of the type.
+            /// When the value is outside the range of the type.
             #[must_use]
             pub const fn of(value: f64) -> Self {
                 assert!(value >= $min, $expected);
@@ -100,7 +100,7 @@ quantity! {
     GradeMagnitude, 0.01, 20.0, "a grade from 0.01 to 20 %, without a sign";
     /// The length of a road, km.
     RoadLength, 1.0, 500.0, "a length from 1 to 500 km";
-    /// An error in the position of a map, m, positive when the map lies too far ahead.
+    /// An error in the position of a map, m, positive when the map is too far ahead.
     MapShift, -1000.0, 1000.0, "a shift from -1000 to 1000 m";
     /// A torque at the crankshaft, N m.
     Torque, -5000.0, 5000.0, "a torque from -5000 to 5000 N m";
@@ -144,7 +144,7 @@ macro_rules! whole {
             /// Wraps a literal.
             ///
             /// # Panics
-            /// When the value lies outside the range of the type.
+            /// When the value is outside the range of the type.
             #[must_use]
             pub const fn of(value: $repr) -> Self {
                 assert!(value as i64 >= $min, $expected);

@@ -172,7 +172,7 @@ pub struct Unit {
     /// When the map is replaced by another revision, s; absent: never.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map_changes_at_s: Option<Time>,
-    /// By how much stop lines lie farther along the road in that revision, m.
+    /// By how much stop lines are farther along the road in that revision, m.
     pub map_shift_m: MapShift,
     /// When the countdowns begin to be wrong, s; absent: never.
     #[serde(skip_serializing_if = "Option::is_none")]

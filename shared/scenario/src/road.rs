@@ -1,4 +1,4 @@
-//! `[road]`: how high the road lies.
+//! `[road]`: how high the road is.
 //!
 //! One of four sources, or none for a level road:
 //!

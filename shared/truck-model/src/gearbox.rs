@@ -2,7 +2,7 @@
 //!
 //! (7) Down if T > 0.93 T_max and n < 1040 rpm. Up if n_up > 1060 rpm and T_up < 0.97 T_max(n_up), or
 //! n_up > 1350 rpm, or n > 1900 rpm. T is torque at the gearbox (without the auxiliaries' share), n_up and
-//! T_up are speed and torque after the shift. Six seconds lie between shifts and each interrupts
+//! T_up are speed and torque after the shift. Six seconds are between shifts and each interrupts
 //! traction for one.
 //!
 //! The rule does not say what happens at very low engine speeds: below 800 rpm the gearbox shifts at

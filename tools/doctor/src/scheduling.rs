@@ -145,7 +145,7 @@ Max realtime priority     0                    0
         let found = policy(&none, false, path());
         assert_eq!(found.verdict, Verdict::Bad);
         assert!(found.found.contains("Operation not permitted"), "{found:?}");
-        let fix = found.fix.expect("it can be mended");
+        let fix = found.fix.expect("it can be corrected");
         assert!(
             fix.contains("setcap cap_sys_nice") && fix.contains("'/my builds/timegap'"),
             "{fix}"

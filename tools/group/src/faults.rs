@@ -109,7 +109,7 @@ pub enum Act {
 
 impl Planned {
     /// True if a kill strikes this process at `now_ns`: one that it has not killed yet, and that takes part,
-    /// or that a storm shall not let take part.
+    /// or that a storm leaves out.
     fn is_to_kill(&self, one: Living, now_ns: i64) -> bool {
         let after_ns = match &self.process_fault {
             ProcessFault::RestartStorm { after_start_ms: Some(after), .. }

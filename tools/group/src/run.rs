@@ -35,7 +35,7 @@ pub fn open(name: &str, options: &ScenarioOptions) -> Result<Scenario, Error> {
     open_with(name, options, "--set", &[])
 }
 
-/// The same with more keys set, on behalf of the option that errors shall name.
+/// The same with more keys set, on behalf of the option that errors name.
 pub fn open_with(
     name: &str,
     options: &ScenarioOptions,

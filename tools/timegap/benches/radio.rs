@@ -3,7 +3,7 @@
 //!
 //! `cargo bench -p timegap --bench radio`, with `--features zenoh` for zenoh's rows. Both ends run on this
 //! host. The cycles of the roadside unit, of the vehicle's radio and of its controller are 100 ms each; how they
-//! lie to each other is chance in each session, so that there are several, which alternate.
+//! are to each other is chance in each session, so that there are several, which alternate.
 
 #[path = "../../../shared/radio/benches/peer/mod.rs"]
 mod peer;

@@ -5,7 +5,7 @@ pub const MAX_CELLS: usize = 64;
 
 /// Grades of the road ahead, in cells of equal length.
 ///
-/// Where it starts and how far it reaches is up to the map; what lies outside is unknown, never flat.
+/// Where it starts and how far it reaches is up to the map; what is outside is unknown, never flat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Preview {
     /// Where the first cell starts, m in the frame of `Ego::position_m`.

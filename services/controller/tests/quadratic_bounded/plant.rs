@@ -7,7 +7,7 @@ pub(crate) const DT: f64 = 0.01;
 /// Time constant of the acceleration, s.
 pub(crate) const LAG: f64 = 0.45;
 
-/// Ego and lead on one lane; the gap is what lies between them.
+/// Ego and lead on one lane; the gap is what is between them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pair {
     pub(crate) ego: Ego,

@@ -128,14 +128,14 @@ impl Outline {
         (rate <= gate * gate).then_some(x + y + rate + penalty)
     }
 
-    /// A point lies on the line of the side that the vehicle shows to the ego.
+    /// A point is on the line of the side that the vehicle shows to the ego.
     fn is_on_side(&self, point: &Point) -> bool {
         let side_m = self.lateral_m - self.half_width_m * self.lateral_m.signum();
         let margin_m = 0.4 + 2.0 * (self.variances[1] + point.lateral_variance).sqrt();
         self.lateral_m.abs() > SIDE_SHOWN_M && (point.y_m - side_m).abs() < margin_m
     }
 
-    /// A point lies on the vehicle or close to it, however fast it moves.
+    /// A point is on the vehicle or close to it, however fast it moves.
     #[must_use]
     pub fn covers(&self, point: &Point) -> bool {
         let margin_x = 1.0 + POSITION_GATE * (self.variances[0] + point.range_variance).sqrt();

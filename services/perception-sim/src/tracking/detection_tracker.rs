@@ -225,8 +225,8 @@ impl DetectionTracker {
 /// A track that is faster than this over ground has moved, m/s.
 const MOVING_MPS: f64 = 2.0;
 
-/// Two tracks are of one vehicle: the newer one lies on the older one and moves with it. On another lane
-/// it may lie before the older one by the length of a lorry, whose rear comes into view last.
+/// Two tracks are of one vehicle: the newer one is on the older one and moves with it. On another lane
+/// it may be before the older one by the length of a lorry, whose rear comes into view last.
 fn same(older: &DetectedTrack, newer: &DetectedTrack) -> bool {
     let (a, b) = (older.along.estimate(), newer.along.estimate());
     let along_m = b.gap_m - a.gap_m;

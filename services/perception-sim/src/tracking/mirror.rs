@@ -1,10 +1,10 @@
 //! Mirror images of vehicles in a guard rail, told from vehicles without knowing of a rail.
 //!
-//! An image has the place along the road and the speed of its vehicle, and lies as far beyond the rail as the
-//! vehicle lies before it. Two rules keep images from becoming tracks:
+//! An image has the place along the road and the speed of its vehicle, and is as far beyond the rail as the
+//! vehicle is before it. Two rules keep images from becoming tracks:
 //!
 //! * lateral position: farther than three lanes from the ego's ([`FARTHEST_M`]) no track begins: what drives
-//!   there cannot come before the ego soon, and most images lie there;
+//!   there cannot come before the ego soon, and most images are there;
 //! * consistency: a track that is not yet confirmed ends where it could be the image of a track nearer to the
 //!   ego's lane, in a rail that is outside the next lane ([`NEAREST_RAIL_M`]) and leaves that vehicle room.
 //!
@@ -14,7 +14,7 @@
 use super::association::Point;
 use super::track::DetectedTrack;
 
-/// A new track lies nearer to the centre of the ego's lane than this, m: three and a half lanes of 3.5 m.
+/// A new track is nearer to the centre of the ego's lane than this, m: three and a half lanes of 3.5 m.
 const FARTHEST_M: f64 = 12.25;
 /// A rail stands at least this far from the centre of the ego's lane, m.
 const NEAREST_RAIL_M: f64 = 4.5;
@@ -25,7 +25,7 @@ const RAIL_ROOM_M: f64 = 2.5;
 const ALONG_M: f64 = 2.0;
 const SPEED_MPS: f64 = 0.5;
 
-/// A detection lies so far off that no track begins with it.
+/// A detection is so far off that no track begins with it.
 #[must_use]
 pub fn is_too_far(point: &Point) -> bool {
     point.y_m.abs() > FARTHEST_M

@@ -21,7 +21,7 @@ use special::{beta_quantile, student_t};
 
 /// Mass outside the intervals.
 const TAILS: f64 = 0.05;
-/// Fewest samples of an arm from which a 99th percentile is judged: fifty of them lie beyond it.
+/// Fewest samples of an arm from which a 99th percentile is judged: fifty of them are beyond it.
 pub const ENOUGH_FOR_P99: usize = 5_000;
 /// Draws of the bootstrap.
 const DRAWS: usize = 1_000;

@@ -35,7 +35,7 @@ impl Kind {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Check {
-    /// Ours lies within the tolerance on both sides.
+    /// Ours is within the tolerance on both sides.
     Near,
     /// Ours is no larger than the expected value and the tolerance.
     AtMost,
@@ -125,7 +125,7 @@ pub enum Verdict {
 }
 
 impl Row {
-    /// A figure that must lie within the tolerance on both sides.
+    /// A figure that must be within the tolerance on both sides.
     pub fn near(
         id: &str,
         unit: &'static str,

@@ -1,6 +1,6 @@
 //! Fewer points, the same picture: of all points that fall into one column of pixels the first, the
 //! lowest, the highest and the last are kept (Jugel et al. 2014, "M4"), so that no spike is lost; then
-//! what lies on the straight line between its neighbours goes.
+//! what is on the straight line between its neighbours goes.
 
 /// Distance from a straight line that is too small to see, px.
 const UNSEEN: f64 = 0.12;

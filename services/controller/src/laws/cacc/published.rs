@@ -196,7 +196,7 @@ pub struct Row {
     pub ours: Option<f64>,
     /// Largest accepted difference.
     pub tolerance: f64,
-    /// Whether ours exists and lies within the tolerance.
+    /// Whether ours exists and is within the tolerance.
     pub ok: bool,
 }
 

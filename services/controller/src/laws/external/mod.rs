@@ -3,7 +3,7 @@
 //! The program reads questions from its standard input and writes answers to its standard output. Both
 //! are records of fixed layout ([`messages::LawInput`], [`messages::LawAnswer`]; `timegap layouts --law`
 //! prints them for Python and C). It answers each question once, in order, with the question's sequence
-//! number, and ends when its input does. Standard error is for what a person shall read.
+//! number, and ends when its input does. Standard error is for what a person is to read.
 //!
 //! ```text
 //!   control loop ── question ──► pipe ──► program

@@ -27,7 +27,7 @@ pub enum Condition {
     Acceleration,
     /// |u| within its bound.
     Request,
-    /// The start states lie in the ellipsoid.
+    /// The start states are in the ellipsoid.
     StartSet,
 }
 

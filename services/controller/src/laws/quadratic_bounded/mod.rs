@@ -4,7 +4,7 @@
 //! output feedback", 2015. Four indices describe what a driver wants: safety (gap error, speed
 //! error), comfort (acceleration, request), handiness (change of the request) and efficiency (rate
 //! of the gap error). The law keeps each inside its bound for every bounded acceleration of the
-//! lead: the state cannot leave an ellipsoid that lies within all bounds.
+//! lead: the state cannot leave an ellipsoid that is within all bounds.
 //!
 //! # Model
 //!

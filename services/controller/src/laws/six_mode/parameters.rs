@@ -15,7 +15,7 @@ pub enum Variant {
     Robust,
 }
 
-/// Where R_x and R_j lie; the literal variant has the paper's in any case.
+/// Where R_x and R_j are; the literal variant has the paper's in any case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Spacing {
@@ -57,7 +57,7 @@ pub struct Parameters {
 
     /// Request of the accelerate mode and largest request of all, m/s² (the paper's is 1).
     pub acceleration_mps2: f64,
-    /// Where R_x and R_j lie (trap 6).
+    /// Where R_x and R_j are (trap 6).
     pub spacing: Spacing,
     /// Time gap in R_x under `spacing = "time-gap"`, s.
     pub time_gap_s: f64,

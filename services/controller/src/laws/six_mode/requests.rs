@@ -79,7 +79,7 @@ fn steady(p: &Parameters, s: &Situation, b: &Boundaries) -> f64 {
     }
 }
 
-/// Which of the eight equal bands between R_w and R_b the gap lies in, 0 at R_w.
+/// Which of the eight equal bands between R_w and R_b the gap is in, 0 at R_w.
 fn level(gap: f64, b: &Boundaries) -> usize {
     let s = (b.warning_m - gap) / (b.warning_m - b.braking_m);
     // The cast saturates: below 0 and NaN give band 0.

@@ -107,7 +107,7 @@ pub(crate) enum Means {
     Engine,
     /// The engine brake.
     EngineBrake,
-    /// The service brakes as well, and the acceleration that they shall give at least, m/s².
+    /// The service brakes as well, and the acceleration that they must give at least, m/s².
     ServiceBrake(f64),
 }
 

@@ -91,7 +91,7 @@ pub struct CarGap {
 }
 
 impl Settings {
-    /// Settings for a truck whose mean speed shall be its set speed.
+    /// Settings for a truck whose mean speed is to be its set speed.
     #[must_use]
     pub fn new(truck: &Truck, planner: PlannerKind) -> Self {
         Self { truck: *truck, planner, mean_speed: 1.0, car: None }
