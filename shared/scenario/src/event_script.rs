@@ -14,8 +14,8 @@ use openscenario::model::{Body, Category, Drive, Entity, InitAction};
 use openscenario::parameter::Rule;
 use openscenario::road::{Lane, Road};
 
-use super::accepted::accepted;
 use super::Scenario;
+use super::accepted::accepted;
 use super::actor::{Actor, Profile};
 use super::event::{ActorEvent, LateralChange, MAX_EVENTS, SpeedChange, VEHICLE_WIDTH_M, When};
 use super::name::Name;

@@ -222,7 +222,11 @@ mod tests {
             ("kind = \"melt\"", "x.toml:4:8", "`clock-step`"),
             ("kind = \"kill\"\nservice = \"radar\"", "x.toml:5:11", "`perception-sim`"),
             ("for_s = 2\nkind = \"kill\"\nservice = \"plant\"", "x.toml:4:1", "kind `kill`"),
-            ("kind = \"drop\"\ntopic = \"v2x/spat\"\nbits = 1", "x.toml:6:1", "`topic`, `probability`"),
+            (
+                "kind = \"drop\"\ntopic = \"v2x/spat\"\nbits = 1",
+                "x.toml:6:1",
+                "`topic`, `probability`",
+            ),
             ("kind = \"hog\"\nservcie = \"plant\"", "x.toml:5:1", "`kind`, `core`, `for_s`"),
             ("kind = \"hog\"\nfor_s = 0", "x.toml:5:9", "0 is out of range"),
             ("kind = \"drop\"\ntopic = \"health/heartbeat\"", "x.toml:5:9", "radar/tracks"),
