@@ -1,0 +1,99 @@
+//! Faults of a run under way: those of processes that are due, and those from outside.
+
+use super::disturbance::Disturbance;
+use super::drive::DriveLog;
+use super::events::Answer;
+use super::faults::{Act, Living};
+use super::succession::Phase;
+use super::supervisor::Supervisor;
+use crate::Error;
+use messages::Service;
+use runtime::{Injected, Mode, ToService, concerned, monotonic_ns};
+use rustix::process::Signal;
+use scenario::faults::{Fault, Helper};
+use std::collections::BTreeMap;
+
+impl Supervisor<'_> {
+    /// Applies the faults of processes that are due.
+    pub(super) fn apply_faults(&mut self, log: &DriveLog, now_ns: i64) {
+        let living: BTreeMap<Service, Living> = (self.members.iter())
+            .filter(|member| member.report.is_none())
+            .filter_map(|member| {
+                let starting_since_ns = match member.phase() {
+                    Phase::Running => None,
+                    Phase::Starting { since_ns } => Some(since_ns),
+                    Phase::Vacant { .. } | Phase::Waiting { .. } | Phase::GivenUp => return None,
+                };
+                let incarnation = member.incarnation();
+                Some((member.service(), Living { incarnation, starting_since_ns }))
+            })
+            .collect();
+        let due = self.faults.due(now_ns, log.ego(), |service| living.get(&service).copied());
+        for (index, act) in due {
+            let mut disturbance = None;
+            let mut while_starting = false;
+            match act {
+                Act::Kill(service) => {
+                    while_starting = living[&service].starting_since_ns.is_some();
+                    self.member(service).process().kill();
+                }
+                Act::KillHelper(helper) => self.kill_helper(helper),
+                Act::Stop(service) => self.member(service).process().stop(),
+                Act::Continue(service) => {
+                    self.member(service).process().go_on();
+                    continue;
+                }
+                Act::Hog(core) => disturbance = self.disturb(Disturbance::hog(self.root, core)),
+                Act::Memory(mib) => disturbance = self.disturb(Disturbance::memory(self.root, mib)),
+            }
+            let done_ns = monotonic_ns() - self.start_ns;
+            self.faults.done(index, done_ns, disturbance, while_starting);
+        }
+    }
+
+    fn kill_helper(&mut self, helper: Helper) {
+        match helper {
+            Helper::Recorder => {
+                if let Some(recording) = &mut self.recording {
+                    recording.kill();
+                }
+            }
+            Helper::Janitor => self.janitor.kill(),
+            // It is this process.
+            Helper::Launcher => {
+                let _ = rustix::process::kill_process(rustix::process::getpid(), Signal::KILL);
+            }
+        }
+    }
+
+    fn disturb(&self, started: Result<Disturbance, Error>) -> Option<Disturbance> {
+        started.inspect_err(|error| tracing::warn!("{error}")).ok()
+    }
+
+    /// Takes a fault from outside.
+    pub(super) fn inject(&mut self, fault: Fault, log: &DriveLog, now_ns: i64) -> Answer {
+        let lockstep = self.launch.mode == Mode::Lockstep;
+        let refused = |message: String| Answer { ok: false, message };
+        let is_of_processes = fault.effect.of_processes().is_some();
+        if is_of_processes && lockstep {
+            return refused("the run is in lockstep: faults of processes need realtime".into());
+        }
+        let begin_ns = if lockstep {
+            self.group.timetable.step_ns * i64::try_from(log.reached()).expect("runs are finite")
+        } else {
+            now_ns
+        };
+        let begin_ns = begin_ns.saturating_add(fault.begin.known_ns().unwrap_or(0));
+        let number = self.faults.plan(fault.clone(), Some(begin_ns));
+        let message = format!("{} at {:.3} s", fault.effect.kind(), begin_ns as f64 / 1e9);
+        if !is_of_processes {
+            let concerned = concerned(&fault);
+            let injected = Injected { number, begin_ns, fault };
+            for service in concerned {
+                self.member(service).order(&ToService::Inject(injected.clone()));
+            }
+            self.injected.push(injected);
+        }
+        Answer { ok: true, message }
+    }
+}
