@@ -5,7 +5,7 @@
 
 use super::coroutine::{Pause, Task, Turn};
 use super::link::{Desk, End, Link};
-use super::transport::{Bus, Seat};
+use super::transport::{Bus, Sealing, Seat};
 use super::{
     FromService, Group, Mode, Observer, Runtime, RuntimeError, StartOrder, Tap, Timetable,
 };
@@ -32,7 +32,7 @@ const PATIENCE_NS: i64 = 60_000_000_000;
 /// ```
 /// use messages::{Header, Odometry, Origins, Service, ServiceState};
 /// use runtime::report::Details;
-/// use runtime::{Cycle, InProcess, Overrun, Runtime, RuntimeError};
+/// use runtime::{Cycle, InProcess, Overrun, Runtime, RuntimeError, Sealing};
 /// use scenario::Scenario;
 ///
 /// fn plant(mut runtime: Runtime) -> Result<(), RuntimeError> {
@@ -66,7 +66,7 @@ const PATIENCE_NS: i64 = 60_000_000_000;
 ///
 /// let text = "schema_version = 1\nname = \"two-services\"\nduration_s = 1\n";
 /// let scenario = Scenario::parse("two-services", text).expect("a scenario");
-/// let mut run = InProcess::new(&scenario);
+/// let mut run = InProcess::new(&scenario, Sealing::Sealed);
 /// run.start(Service::Plant, &scenario, plant)?;
 /// run.start(Service::Controller, &scenario, controller)?;
 /// run.take_turns(&mut |_, _| ());
@@ -96,7 +96,7 @@ struct Member {
 impl InProcess {
     /// A run of `scenario` without services yet.
     #[must_use]
-    pub fn new(scenario: &Scenario) -> Self {
+    pub fn new(scenario: &Scenario, sealing: Sealing) -> Self {
         let timetable = Timetable::of(scenario);
         let group = Group {
             // Nothing of it is in the file system.
@@ -108,7 +108,7 @@ impl InProcess {
             patience_ns: PATIENCE_NS,
             scenario: String::new(),
         };
-        Self { bus: Rc::new(Bus::new(&timetable)), group, members: Vec::new() }
+        Self { bus: Rc::new(Bus::new(&timetable, sealing)), group, members: Vec::new() }
     }
 
     /// The run's periods.

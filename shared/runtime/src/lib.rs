@@ -91,7 +91,9 @@ pub use spawn::{die_with_this_thread, inherit_only};
 pub use standby::{ActiveProcess, Cause, TakeOver};
 pub use tap::{Tap, Tapped};
 pub use timetable::Timetable;
-pub use transport::{COPIED_BYTES, Carrier, Loan, TransportError, domain, shared_memory_bytes};
+pub use transport::{
+    COPIED_BYTES, Carrier, Loan, Sealing, TransportError, domain, shared_memory_bytes,
+};
 pub(crate) use transport::{Receiver, Sender, Transport};
 pub use usage::Usage;
 pub use words::SharedWords;

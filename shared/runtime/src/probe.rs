@@ -10,7 +10,7 @@ use super::gate::Gate;
 use super::members::Members;
 use super::port::{Outlet, Tally};
 use super::transport::{
-    Ipc, PAYLOAD_TOPIC, Payload, SharedMemory, Stamp, Transport, TransportError, refused,
+    Ipc, PAYLOAD_TOPIC, Payload, Sealing, SharedMemory, Stamp, Transport, TransportError, refused,
 };
 use super::waking::{Waiter, Waker};
 use super::{Carried, Clock, End, Group, Publisher, RuntimeError, Subscriber, monotonic_ns};
@@ -58,7 +58,7 @@ impl Probe {
             incarnation: 0,
             faults: Rc::new(Faults::none()),
             sender_faults: SenderFaults::new(),
-            tally: Tally::of_sender(self.group.mode),
+            tally: Tally::of_sender(self.group.mode, Sealing::Sealed),
             gate: Rc::new(Gate::open(source)),
             held: None,
         }))

@@ -13,7 +13,7 @@ use crate::Error;
 use messages::Service;
 pub use perception_sim::Ahead;
 use runtime::report::ServiceReport;
-use runtime::{Carrier, Entry, FromService, InProcess};
+use runtime::{Carrier, Entry, FromService, InProcess, Sealing};
 use scenario::Scenario;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -52,6 +52,18 @@ pub fn run_watched(
     run_behind(scenario, Box::new(|_, _| {}), interrupted, watch)
 }
 
+/// The same of a run whose messages nothing compares with another run's: their CRCs and digests are not computed,
+/// and the summary has no digests. All else is the same.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_unsealed(
+    scenario: &Scenario,
+    interrupted: &dyn Fn() -> bool,
+) -> Result<GroupOutcome, Error> {
+    drive(scenario, Sealing::Unsealed, Box::new(|_, _| {}), interrupted, &mut |_| {})
+}
+
 /// The same behind a vehicle, the scenario's first, whose table of speeds `ahead` makes longer during
 /// the run. The run is to the byte the one with the whole table.
 ///
@@ -63,10 +75,20 @@ pub fn run_behind(
     interrupted: &dyn Fn() -> bool,
     watch: &mut dyn FnMut(&Moment<'_>),
 ) -> Result<GroupOutcome, Error> {
+    drive(scenario, Sealing::Sealed, ahead, interrupted, watch)
+}
+
+fn drive(
+    scenario: &Scenario,
+    sealing: Sealing,
+    ahead: Ahead,
+    interrupted: &dyn Fn() -> bool,
+    watch: &mut dyn FnMut(&Moment<'_>),
+) -> Result<GroupOutcome, Error> {
     check_in_process(scenario)?;
     let programs = programs(&BTreeMap::new(), scenario)?;
     let begun = Instant::now();
-    let mut run = InProcess::new(scenario);
+    let mut run = InProcess::new(scenario, sealing);
     let mut log = DriveLog::in_process(&run)?;
     let told = for_services(scenario);
     let mut perception = Some(|runtime| perception_sim::run_behind(runtime, ahead));

@@ -57,10 +57,26 @@ fn crc(bytes: &[u8]) -> u64 {
 /// # Panics
 /// If the message is shorter than its protection.
 pub fn protect(message: &mut [u8], data_id: u32, counter: u32) {
+    mark(message, data_id, counter);
+    seal(message);
+}
+
+/// The same without the CRC.
+///
+/// # Panics
+/// As [`protect`].
+pub fn mark(message: &mut [u8], data_id: u32, counter: u32) {
     let length = u32::try_from(message.len()).expect("messages are short");
     message[8..12].copy_from_slice(&length.to_be_bytes());
     message[12..16].copy_from_slice(&counter.to_be_bytes());
     message[16..20].copy_from_slice(&data_id.to_be_bytes());
+}
+
+/// Fills in the CRC of a message that is complete but for it.
+///
+/// # Panics
+/// As [`protect`].
+pub fn seal(message: &mut [u8]) {
     let crc = crc(&message[8..]);
     message[..8].copy_from_slice(&crc.to_be_bytes());
 }
@@ -116,6 +132,17 @@ mod tests {
         assert_eq!(check(&message, 0x0a0b_0c0d), Ok(0));
         assert_eq!(check(&message, 0x0a0b_0c0e), Err(Corrupted::DataId));
         assert_eq!(check(&message[..19], 0x0a0b_0c0d), Err(Corrupted::Length));
+    }
+
+    #[test]
+    fn a_message_that_is_sealed_later_is_as_one_that_was_protected() {
+        let (mut later, mut at_once) = ([7; 64], [7; 64]);
+        protect(&mut at_once, 0x0a0b_0c0d, 9);
+        mark(&mut later, 0x0a0b_0c0d, 9);
+        assert_eq!(check(&later, 0x0a0b_0c0d), Err(Corrupted::Crc));
+        assert_eq!(check_as_sent(&later, 0x0a0b_0c0d), Ok(9));
+        seal(&mut later);
+        assert_eq!(later, at_once);
     }
 
     #[test]

@@ -1,7 +1,9 @@
 //! What happens to messages on their way: between their arrival and a receiver's check.
 
 use super::activation::Faults;
+use crate::transport::Sealing;
 use messages::Message;
+use messages::e2e::profile7;
 use scenario::faults::{Disturbance, Effect};
 use std::collections::VecDeque;
 
@@ -27,12 +29,26 @@ pub(crate) struct Disturbed<T> {
 
 impl<T: Message> ChannelFaults<T> {
     pub(crate) fn new() -> Self {
-        Self { pending: VecDeque::with_capacity(CAPACITY), overtaken: None }
+        Self { pending: VecDeque::new(), overtaken: None }
     }
 
     /// Takes a message that arrived at `now_ns`. True if no fault acts on it and none is before it: then it
     /// is the receiver's at once, and no copy of it was made.
-    pub(crate) fn take(&mut self, message: &T, faults: &Faults, now_ns: i64) -> bool {
+    pub(crate) fn take(
+        &mut self,
+        message: &T,
+        sealing: Sealing,
+        faults: &Faults,
+        now_ns: i64,
+    ) -> bool {
+        // What is checked as a copy is checked by its CRC too.
+        let copy = || {
+            let mut copy = *message;
+            if sealing == Sealing::Unsealed {
+                profile7::seal(bytemuck::bytes_of_mut(&mut copy));
+            }
+            copy
+        };
         let header = message.header();
         let identity = (header.source, header.incarnation, header.sequence);
         let mut changed: Option<T> = None;
@@ -50,14 +66,14 @@ impl<T: Message> ChannelFaults<T> {
                 }
                 Disturbance::Corrupt { bits } => {
                     corrupted_by = Some(activation.number);
-                    let bytes = bytemuck::bytes_of_mut(changed.get_or_insert(*message));
+                    let bytes = bytemuck::bytes_of_mut(changed.get_or_insert_with(copy));
                     for k in 0..bits.value() {
                         let bit = activation.draw(2 + u64::from(k)) % (8 * bytes.len() as u64);
                         let bit = usize::try_from(bit).expect("messages are short");
                         bytes[bit / 8] ^= 1 << (bit % 8);
                     }
                     // Flips can meet in one bit and undo each other: then nothing would be corrupt.
-                    if bytes == bytemuck::bytes_of(message) {
+                    if bytes == bytemuck::bytes_of(&copy()) {
                         bytes[0] ^= 1;
                     }
                 }
@@ -67,7 +83,7 @@ impl<T: Message> ChannelFaults<T> {
         if undisturbed && self.pending.is_empty() && self.overtaken.is_none() {
             return true;
         }
-        let message = Disturbed { message: changed.unwrap_or(*message), corrupted_by };
+        let message = Disturbed { message: changed.unwrap_or_else(copy), corrupted_by };
         if reordered && copies > 0 && self.overtaken.is_none() {
             self.overtaken = Some(message);
             return false;

@@ -12,7 +12,7 @@
 use super::tally::Tally;
 use crate::faults::{Faults, SenderFaults};
 use crate::gate::{Gate, Passage};
-use crate::transport::{Loan, Sender};
+use crate::transport::{Loan, Sealing, Sender};
 use crate::waking::Waker;
 use crate::{Clock, RuntimeError, Timetable};
 use messages::e2e::profile7;
@@ -142,7 +142,11 @@ impl<T: Message> Outlet<T> {
         }
         // The counter is the sequence number's low half: it wraps.
         let data_id = T::TOPIC.data_id(source);
-        profile7::protect(bytemuck::bytes_of_mut(&mut *message), data_id, sequence as u32);
+        let (bytes, counter) = (bytemuck::bytes_of_mut(&mut *message), sequence as u32);
+        match self.port.sealing() {
+            Sealing::Sealed => profile7::protect(bytes, data_id, counter),
+            Sealing::Unsealed => profile7::mark(bytes, data_id, counter),
+        }
         self.tally.borrow_mut().count_sent(&*message);
         let sent = self.port.send(message);
         sent.map_err(|reason| RuntimeError::Send { topic: T::TOPIC, reason })?;

@@ -127,7 +127,8 @@ impl<T: Message> Subscriber<T> {
                 let now_ns = self.now_ns();
                 let faults =
                     self.channel_faults.get_or_insert_with(|| Box::new(ChannelFaults::new()));
-                if faults.take(sample, &self.faults, now_ns) {
+                let sealing = self.port.sealing();
+                if faults.take(sample, sealing, &self.faults, now_ns) {
                     self.check(&mut each);
                 }
             } else {

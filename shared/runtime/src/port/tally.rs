@@ -2,6 +2,7 @@
 
 use crate::Mode;
 use crate::report::{ReceivedTopic, SentTopic};
+use crate::transport::Sealing;
 use messages::e2e::Outcomes;
 use messages::{Message, Topic};
 use std::cell::RefCell;
@@ -16,7 +17,7 @@ pub(crate) struct Tally {
     /// Bytes that were copied to take the messages.
     pub(crate) copied_bytes: u64,
     pub(crate) e2e: Outcomes,
-    /// Of what was sent, in lockstep.
+    /// Of what was sent, in lockstep, where messages are sealed.
     digest: Option<Box<Xxh3Default>>,
 }
 
@@ -31,8 +32,8 @@ impl std::fmt::Debug for Tally {
 
 impl Tally {
     /// Of a sending port.
-    pub(crate) fn of_sender(mode: Mode) -> Rc<RefCell<Self>> {
-        let digest = (mode == Mode::Lockstep).then(Box::default);
+    pub(crate) fn of_sender(mode: Mode, sealing: Sealing) -> Rc<RefCell<Self>> {
+        let digest = (mode == Mode::Lockstep && sealing == Sealing::Sealed).then(Box::default);
         Rc::new(RefCell::new(Self { digest, ..Self::default() }))
     }
 

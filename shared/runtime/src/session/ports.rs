@@ -14,8 +14,6 @@ impl Runtime {
     /// # Errors
     /// [`RuntimeError::Topic`].
     pub fn publisher<T: Carried>(&mut self) -> Result<Publisher<T>, RuntimeError> {
-        let tally = Tally::of_sender(self.group.mode);
-        self.sent.push((T::TOPIC, Rc::clone(&tally)));
         let awaited = match self.group.mode {
             Mode::Lockstep => !T::TOPIC.consumers().is_empty(),
             // Only these can release services.
@@ -24,6 +22,8 @@ impl Runtime {
             }
         };
         let port = T::sender(&self.transport, self.link.end.clone())?;
+        let tally = Tally::of_sender(self.group.mode, port.sealing());
+        self.sent.push((T::TOPIC, Rc::clone(&tally)));
         self.ports.push((T::TOPIC, Rc::clone(&port) as Rc<dyn Connect>));
         let publisher = Publisher::new(Outlet {
             port,

@@ -7,6 +7,17 @@ use crate::Timetable;
 use messages::{Message, Topic};
 use std::fmt::Debug;
 
+/// Whether messages carry their CRC and are counted into digests.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sealing {
+    /// They do, as between processes.
+    #[default]
+    Sealed,
+    /// They do not: nothing outside of the run's thread ever has them, and nothing compares them with another
+    /// run's. All else is the same.
+    Unsealed,
+}
+
 /// Messages that a subscriber can lag behind: twice what the plant publishes between two releases
 /// of the slowest service, and enough for half a second without the processor at the usual rates.
 pub(super) fn buffer(timetable: &Timetable) -> usize {
@@ -39,6 +50,11 @@ pub trait Sender<T: Message>: Connect {
 
     /// Hands a message that was loaned here to all subscribers.
     fn send(&self, message: Loan<T>) -> Result<(), TransportError>;
+
+    /// Whether messages are to carry their CRC and to count into digests.
+    fn sealing(&self) -> Sealing {
+        Sealing::Sealed
+    }
 }
 
 /// A sending port, unique on this host.
@@ -77,4 +93,9 @@ pub struct Arrival {
 pub trait Receiver<T: Message>: Connect + Input {
     /// Takes the oldest message not yet taken into `held`.
     fn receive(&self, held: &mut Held<T>) -> Result<Option<Arrival>, TransportError>;
+
+    /// Whether the messages carry their CRC.
+    fn sealing(&self) -> Sealing {
+        Sealing::Sealed
+    }
 }

@@ -4,7 +4,9 @@
 //! writes the next message into one that no receiver has any more. A sender whose receiver lags waits for
 //! its next turn, as it would wait for room in shared memory.
 
-use super::ends::{Arrival, Connect, Input, Receiver, Sender, SenderId, buffer, buffer_of};
+use super::ends::{
+    Arrival, Connect, Input, Receiver, Sealing, Sender, SenderId, buffer, buffer_of,
+};
 use super::error::TransportError;
 use super::held::Held;
 use super::loan::{Loan, Place};
@@ -27,6 +29,7 @@ pub struct Bus {
     topics: RefCell<Vec<(Topic, Rc<dyn Any>)>>,
     /// Messages that may wait in a queue, unless they are large.
     limit: usize,
+    sealing: Sealing,
     ports: Cell<u64>,
     /// Messages put into queues and taken out of them so far.
     moved: Rc<Cell<u64>>,
@@ -35,10 +38,11 @@ pub struct Bus {
 }
 
 impl Bus {
-    pub(crate) fn new(timetable: &Timetable) -> Self {
+    pub(crate) fn new(timetable: &Timetable, sealing: Sealing) -> Self {
         Self {
             topics: RefCell::default(),
             limit: buffer(timetable),
+            sealing,
             ports: Cell::new(0),
             moved: Rc::default(),
             stalled: Rc::default(),
@@ -95,6 +99,7 @@ impl Seat {
             pool: RefCell::default(),
             id: SenderId::in_process(self.member, number),
             limit: buffer_of(T::TOPIC, self.bus.limit),
+            sealing: self.bus.sealing,
             moved: Rc::clone(&self.bus.moved),
             stalled: Rc::clone(&self.bus.stalled),
             pause: self.pause.clone(),
@@ -106,7 +111,8 @@ impl Seat {
         let queue = VecDeque::with_capacity(ROOM.min(self.bus.limit));
         let queue = Rc::new(Queue::<T>::new(queue));
         self.bus.queues::<T>().0.borrow_mut().push(Rc::downgrade(&queue));
-        Rc::new(MemoryReceiver { queue, moved: Rc::clone(&self.bus.moved) })
+        let sealing = self.bus.sealing;
+        Rc::new(MemoryReceiver { queue, sealing, moved: Rc::clone(&self.bus.moved) })
     }
 
     pub(super) fn waiter(&self) -> Waiter {
@@ -122,6 +128,7 @@ struct MemorySender<T> {
     pool: RefCell<Vec<Rc<T>>>,
     id: SenderId,
     limit: usize,
+    sealing: Sealing,
     moved: Rc<Cell<u64>>,
     stalled: Rc<Cell<bool>>,
     pause: Option<Pause>,
@@ -184,11 +191,16 @@ impl<T: Message> Sender<T> for MemorySender<T> {
         self.pool.borrow_mut().push(message);
         Ok(())
     }
+
+    fn sealing(&self) -> Sealing {
+        self.sealing
+    }
 }
 
 #[derive(Debug)]
 struct MemoryReceiver<T> {
     queue: Rc<Queue<T>>,
+    sealing: Sealing,
     moved: Rc<Cell<u64>>,
 }
 
@@ -211,6 +223,10 @@ impl<T: Message> Receiver<T> for MemoryReceiver<T> {
         held.take_shared(message);
         Ok(Some(Arrival { sender, copied_bytes: 0 }))
     }
+
+    fn sealing(&self) -> Sealing {
+        self.sealing
+    }
 }
 
 #[cfg(test)]
@@ -220,7 +236,8 @@ mod tests {
 
     fn bus() -> Rc<Bus> {
         let strides = [1, 5, 10, 10, 5, 10];
-        Rc::new(Bus::new(&Timetable { step_ns: 10_000_000, strides, last_step: 100 }))
+        let timetable = Timetable { step_ns: 10_000_000, strides, last_step: 100 };
+        Rc::new(Bus::new(&timetable, Sealing::Sealed))
     }
 
     fn send(sender: &dyn Sender<Odometry>, sequence: u64) -> Result<(), TransportError> {

@@ -9,7 +9,7 @@ mod payload;
 mod pooled;
 mod shared_memory;
 
-pub use ends::{Connect, Input, Receiver, Sender, SenderId};
+pub use ends::{Connect, Input, Receiver, Sealing, Sender, SenderId};
 pub use error::TransportError;
 pub use held::{COPIED_BYTES, Held};
 pub use loan::Loan;

@@ -23,7 +23,7 @@ use indicatif::ProgressBar;
 pub use leftovers::leftovers;
 use report::summary::Summary;
 use runtime::report::Outcome;
-use runtime::{Carrier, Mode};
+use runtime::{Carrier, Mode, Sealing};
 use scenario::Scenario;
 use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
@@ -358,8 +358,11 @@ fn drive_and_repeat(
     going_on: &dyn Fn() -> bool,
 ) -> Result<Done, Error> {
     let carrier = job.carrier(group);
-    let mut done = drive(job, carrier, group, going_on)?;
-    if repeat && carrier == Carrier::Memory {
+    let repeat = repeat && carrier == Carrier::Memory;
+    // Digests are there to be compared.
+    let sealing = if repeat { Sealing::Sealed } else { Sealing::Unsealed };
+    let mut done = drive(job, carrier, sealing, group, going_on)?;
+    if repeat {
         done.repetition = Some(repetition(job, &done.summary, group, going_on)?);
     }
     Ok(done)
@@ -372,7 +375,7 @@ fn repetition(
     group: &GroupOptions,
     going_on: &dyn Fn() -> bool,
 ) -> Result<Repetition, Error> {
-    match drive(job, Carrier::SharedMemory, group, going_on) {
+    match drive(job, Carrier::SharedMemory, Sealing::Sealed, group, going_on) {
         Ok(again) => Ok({
             sample::difference(in_process, &again.summary)
                 .map_or(Repetition::Same, Repetition::Different)
@@ -387,6 +390,7 @@ fn repetition(
 fn drive(
     job: &Job,
     carrier: Carrier,
+    sealing: Sealing,
     group: &GroupOptions,
     going_on: &dyn Fn() -> bool,
 ) -> Result<Done, Error> {
@@ -394,9 +398,12 @@ fn drive(
     let mut samples: Vec<Sample> = Vec::new();
     let mut next = Duration::ZERO;
     let outcome = match carrier {
-        Carrier::Memory => {
-            group::in_process::run_watched(&job.scenario, &|| !going_on(), &mut |_| {})?
-        }
+        Carrier::Memory => match sealing {
+            Sealing::Sealed => {
+                group::in_process::run_watched(&job.scenario, &|| !going_on(), &mut |_| {})?
+            }
+            Sealing::Unsealed => group::in_process::run_unsealed(&job.scenario, &|| !going_on())?,
+        },
         Carrier::SharedMemory => {
             let directory = job.record.then(Scratch::new).transpose();
             let directory = directory.map_err(PrepareError::of("make a directory"))?;
