@@ -2,6 +2,7 @@
 
 use super::exits::Exit;
 use super::processes::Process;
+use super::silence::{Meaning, Silence};
 use super::starvation::Share;
 use runtime::{Group, Progress};
 use serde::Serialize;
@@ -25,20 +26,6 @@ pub struct Attached {
     progress: Option<Progress>,
     /// What it had used when it began to stand by, and that run time, ns.
     stands_by_since: Option<(Used, i64)>,
-}
-
-/// The time since a process's last sign of life.
-#[derive(Clone, Copy, Debug, Default)]
-struct Silence {
-    /// Run time of the last sign of life, ns.
-    heard_ns: i64,
-    /// Cycles done then.
-    cycles: u64,
-    /// Run time from which it counts as silent, ns: later than `heard_ns` where the silence was the
-    /// machine's or the launcher's.
-    since_ns: i64,
-    /// What it had of the processor at a run time within the silence, ns.
-    suspect: Option<(i64, Share)>,
 }
 
 /// What a service's standby costs, beside the active process.
@@ -73,7 +60,7 @@ impl Attached {
 
     /// It takes part in the run from now on.
     pub fn begin(&mut self, now_ns: i64) {
-        self.silence = Silence { heard_ns: now_ns, since_ns: now_ns, ..Silence::default() };
+        self.silence = Silence::from(now_ns);
         self.progress = None;
     }
 
@@ -114,14 +101,12 @@ impl Attached {
 
     /// Run time of the last sign of life, ns.
     pub fn heard_ns(&self) -> i64 {
-        self.silence.heard_ns
+        self.silence.heard_ns()
     }
 
     /// Notes a sign of life at `now_ns` with so many cycles done; none without progress.
     pub fn sign_of_life(&mut self, cycles: u64, now_ns: i64) {
-        if cycles > self.silence.cycles {
-            self.silence = Silence { heard_ns: now_ns, cycles, since_ns: now_ns, suspect: None };
-        }
+        self.silence.broken(cycles, now_ns);
     }
 
     /// Looks at a standby's progress.
@@ -134,29 +119,21 @@ impl Attached {
 
     /// Counts the time without a sign of life from `now_ns` on.
     pub fn reset_silence(&mut self, now_ns: i64) {
-        self.silence.since_ns = self.silence.since_ns.max(now_ns);
-        self.silence.suspect = None;
+        self.silence.reset(now_ns);
     }
 
     /// True if it hangs: no sign of life for more than `limit_ns`, although the machine gave it the
     /// processor. Where it did not, the time is added to `starved_ms`.
     pub fn is_hung(&mut self, now_ns: i64, limit_ns: i64, starved_ms: &mut f64) -> bool {
-        let silent_ns = now_ns - self.silence.since_ns;
         let pid = self.process.pid();
-        if 2 * silent_ns > limit_ns && self.silence.suspect.is_none() {
-            self.silence.suspect = Share::of(pid).map(|share| (now_ns, share));
+        match self.silence.meaning(now_ns, limit_ns, || Share::of(pid)) {
+            Meaning::Lives => false,
+            Meaning::Hung => true,
+            Meaning::Starved(silent_ns) => {
+                *starved_ms += silent_ns as f64 / 1e6;
+                false
+            }
         }
-        if silent_ns <= limit_ns {
-            return false;
-        }
-        let Some((then_ns, before)) = self.silence.suspect else { return true };
-        let starved =
-            Share::of(pid).is_some_and(|share| before.is_starved(share, (now_ns - then_ns).max(1)));
-        if starved {
-            *starved_ms += silent_ns as f64 / 1e6;
-            self.reset_silence(now_ns);
-        }
-        !starved
     }
 
     /// What it costs as a standby; `None` of another process, or where the kernel does not tell.

@@ -41,6 +41,7 @@ mod replay;
 mod room;
 mod root;
 mod run;
+mod silence;
 mod starvation;
 mod succession;
 mod supervisor;

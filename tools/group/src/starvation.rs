@@ -31,7 +31,8 @@ impl Share {
         Self::parse(&read("stat")?, &read("schedstat")?)
     }
 
-    fn parse(stat: &str, schedstat: &str) -> Option<Self> {
+    /// What the kernel tells in these two files of a process.
+    pub(super) fn parse(stat: &str, schedstat: &str) -> Option<Self> {
         // The name before the state may hold anything, but no more brackets come after it.
         let state = stat.rsplit_once(") ")?.1.chars().next()?;
         let mut numbers = schedstat.split_whitespace().map(|number| number.parse::<i64>().ok());
