@@ -77,6 +77,14 @@ fn a_service_that_is_told_to_end_from_outside_is_replaced_and_its_past_counts() 
     );
     assert!(received <= sent && received > 300, "{}", summary["messages"]);
     assert!((50..=64).contains(&count(&summary, "/timing/cycles")), "{}", summary["timing"]);
+    // The percentiles are of all processes too: at most the cycle that was running is missing in each.
+    let cycles = count(&summary, "/timing/cycles");
+    for times in ["release_jitter_us", "solve_us"] {
+        let counted = count(&summary, &format!("/timing/{times}/count"));
+        assert!((cycles - 10..=cycles).contains(&counted), "{times}: {}", summary["timing"]);
+    }
+    assert!(count(&summary, "/timing/data_age_us/count") > 520, "{}", summary["timing"]);
+    assert!(count(&summary, "/timing/reaction_time_us/count") > 45, "{}", summary["timing"]);
     corner.expect_nothing_left(&[]);
 }
 

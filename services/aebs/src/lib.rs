@@ -22,4 +22,4 @@ pub mod prediction;
 mod service;
 mod sighting;
 
-pub use service::{objects, run, settings};
+pub use service::{last_known, objects, run, settings};

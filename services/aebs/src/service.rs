@@ -3,10 +3,15 @@
 use crate::decision::{Decision, Demand, Path, Settings};
 use crate::objects::Objects;
 use crate::prediction::{Authority, Ego};
-use messages::{Brake, BrakeState, Header, Odometry, Origins, RadarDetections, ServiceState};
+use messages::{
+    Brake, BrakeState, Header, Odometry, Origins, RadarDetections, Service, ServiceState,
+};
 use runtime::report::{AebsReport, Details};
 use runtime::statistics::Latencies;
-use runtime::{Cycle, Publisher, Release, Runtime, RuntimeError, Subscriber, monotonic_ns};
+use runtime::{
+    Count, Cycle, Figures, Group, Publisher, Release, Runtime, RuntimeError, Subscriber,
+    monotonic_ns,
+};
 use scenario::Scenario;
 
 /// Half of the ego's width, m.
@@ -22,6 +27,10 @@ const STALE_ODOMETRY_NS: i64 = 100_000_000;
 const DISAGREES_MPS: f64 = 1.0;
 const MAX_MPS2: f64 = 12.0;
 
+/// Names of what outlives the process.
+const DECIDE: &str = "decide";
+const LATE: &str = "late";
+
 /// Runs the emergency brake in its group, to the end of the run.
 ///
 /// # Errors
@@ -33,6 +42,18 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     runtime.run_cycles(|runtime| aebs.cycle(runtime))?;
     let report = aebs.report(runtime.skipped());
     runtime.finish(Details::Aebs(Box::new(report)))
+}
+
+/// What the processes of a run's emergency brake told in all, which left out `skipped` releases.
+#[must_use]
+pub fn last_known(group: &Group, scenario: &Scenario, skipped: u64) -> AebsReport {
+    let figures = Figures::last(group, Service::Aebs);
+    let late = figures.count(LATE).map_or(0, |late| late.get());
+    AebsReport {
+        deadline_us: f64::from(scenario.aebs.deadline_ms.value()) * 1e3,
+        deadline_misses: late + skipped,
+        decide_us: figures.latencies(DECIDE).ok().and_then(|decide| decide.percentiles_us()),
+    }
 }
 
 /// Settings of a scenario.
@@ -70,7 +91,7 @@ struct Aebs {
     fallback_ns: i64,
     stale_ns: i64,
     decide: Latencies,
-    deadline_misses: u64,
+    late: Count,
 }
 
 impl Aebs {
@@ -87,8 +108,8 @@ impl Aebs {
             period_ns,
             fallback_ns: (period_ns as f64 * FALLBACK) as i64,
             stale_ns: latency_ns + STALE_PERIODS * period_ns,
-            decide: Latencies::default(),
-            deadline_misses: 0,
+            decide: runtime.figures().latencies(DECIDE)?,
+            late: runtime.figures().count(LATE)?,
         })
     }
 
@@ -105,7 +126,7 @@ impl Aebs {
         let mut message = self.brake.loan()?;
         self.write(&mut message, runtime, &release, demand.as_ref());
         let published_ns = self.brake.send(message)?;
-        self.deadline_misses += u64::from(published_ns - release.scheduled_ns > self.deadline_ns);
+        self.late.add(u64::from(published_ns - release.scheduled_ns > self.deadline_ns));
         let state = if demand.is_some() { ServiceState::Running } else { ServiceState::Degraded };
         runtime.end_cycle(state)?;
         Ok(Cycle::Next)
@@ -171,7 +192,7 @@ impl Aebs {
         AebsReport {
             deadline_us: self.deadline_ns as f64 / 1e3,
             // A release left out is a deadline missed.
-            deadline_misses: self.deadline_misses + skipped,
+            deadline_misses: self.late.get() + skipped,
             decide_us: self.decide.percentiles_us(),
         }
     }

@@ -15,4 +15,4 @@ pub mod sampling;
 mod service;
 pub mod settings;
 
-pub use service::{run, run_law, serve};
+pub use service::{last_law_times, run, run_law, serve};

@@ -11,13 +11,13 @@ use crate::sampling::{Samples, Setting, input};
 use messages::level::{Level, LevelLog};
 use messages::{
     Command, Diagnostics, FIGURES, Header, Map, Message, Odometry, Origin, Origins, PLAN_LEN,
-    Powertrain, Preview, RadarTracks, ServiceState, Spat,
+    Powertrain, Preview, RadarTracks, Service, ServiceState, Spat,
 };
 use runtime::report::{ControllerReport, Details, ModeChange};
-use runtime::statistics::Latencies;
+use runtime::statistics::{Latencies, Percentiles};
 use runtime::{
-    Cycle, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber, Usage,
-    monotonic_ns,
+    Cycle, Figures, Group, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber,
+    Usage, monotonic_ns,
 };
 use scenario::perception::RadarModel;
 use scenario::{Scenario, controller};
@@ -25,6 +25,8 @@ use std::time::Duration;
 
 /// Mode changes that are kept. Further changes are dropped.
 const MAX_MODE_CHANGES: usize = 4096;
+/// Name of the law's times, which outlive the process.
+const LAW: &str = "law";
 /// Part of the control period after which the loop no longer waits for the radar to release it.
 const FALLBACK: f64 = 0.5;
 
@@ -59,12 +61,19 @@ pub fn run_law(mut runtime: Runtime, law: &'static Descriptor) -> Result<(), Run
     runtime.finish(Details::Controller(Box::new(report)))
 }
 
+/// Time inside the law over all processes of a run's controller; none if that was not kept.
+#[must_use]
+pub fn last_law_times(group: &Group) -> Option<Percentiles> {
+    let figures = Figures::last(group, Service::Controller);
+    figures.latencies(LAW).ok()?.percentiles_us()
+}
+
 /// A whole program that takes the controller's place with one law: `main` of `--service
 /// controller=PROGRAM`. Its arguments come from the launcher.
 #[must_use]
 pub fn serve(law: &'static Descriptor) -> std::process::ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    runtime::run_service(messages::Service::Controller, &arguments, |joined| run_law(joined, law))
+    runtime::run_service(Service::Controller, &arguments, |joined| run_law(joined, law))
 }
 
 /// A mode change as the loop keeps it.
@@ -164,7 +173,7 @@ impl Loop {
             estimate: EgoEstimate::default(),
             levels: LevelLog::default(),
             braked: false,
-            solve: Latencies::default(),
+            solve: runtime.figures().latencies(LAW)?,
             deadline_misses: 0,
             relaxed: 0,
             backup: 0,

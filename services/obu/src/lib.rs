@@ -17,4 +17,4 @@ mod service;
 pub mod timing;
 pub mod verdict;
 
-pub use service::run;
+pub use service::{last_known, run};

@@ -36,7 +36,7 @@ const MAP_SILENT_NS: i64 = 5_000_000_000;
 const FORGOTTEN_NS: i64 = 30_000_000_000;
 
 /// What the unit knows, and what it made of the frames.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Receiver {
     station_id: u32,
     max_age_ms: i64,
@@ -106,6 +106,12 @@ impl Receiver {
             heard: VecDeque::with_capacity(REMEMBERED_FRAMES),
             verdicts: Verdicts::default(),
         }
+    }
+
+    /// Goes on from these counts.
+    #[must_use]
+    pub fn counting(self, verdicts: Verdicts) -> Self {
+        Self { verdicts, ..self }
     }
 
     /// Takes a frame.

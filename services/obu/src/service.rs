@@ -3,12 +3,16 @@
 use crate::awareness::{Awareness, Vehicle};
 use crate::clock::{ClockError, Moment};
 use crate::receiver::Receiver;
+use crate::verdict::Verdicts;
 use messages::{
-    Header, Map, Odometry, Origin, Origins, RadioFrames, RadioSent, ServiceState, Spat,
+    Header, Map, Odometry, Origin, Origins, RadioFrames, RadioSent, Service, ServiceState, Spat,
 };
 use runtime::report::{Details, ObuReport};
 use runtime::statistics::Latencies;
-use runtime::{Cycle, Publisher, Release, Runtime, RuntimeError, Subscriber, monotonic_ns};
+use runtime::{
+    Count, Cycle, Figures, Group, Publisher, Release, Runtime, RuntimeError, Subscriber,
+    monotonic_ns,
+};
 use scenario::Scenario;
 
 /// Periods by which a batch may be late before the timer releases a cycle.
@@ -29,7 +33,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     runtime.begin(&scenario)?;
     unit.own_utc_start_ns = runtime.utc_start_ns();
     runtime.run_cycles(|runtime| unit.cycle(runtime))?;
-    let report = unit.report();
+    let report = unit.counts.report(unit.receiver.verdicts());
     runtime.finish(Details::Obu(Box::new(report)))
 }
 
@@ -49,12 +53,50 @@ struct Unit {
     /// Release before which a unit that was started again says nothing, ns.
     speaks_from_ns: Option<i64>,
     batch: Origin,
+    counts: Counts,
+}
+
+/// What outlives the process.
+struct Counts {
     air: Latencies,
     decode: Latencies,
     age: Latencies,
-    frames_heard: u64,
-    frames_left_out: u64,
-    cams: u64,
+    frames: Count,
+    left_out: Count,
+    cams: Count,
+}
+
+impl Counts {
+    fn open(figures: &Figures) -> Result<Self, RuntimeError> {
+        Ok(Self {
+            air: figures.latencies("air")?,
+            decode: figures.latencies("decode")?,
+            age: figures.latencies("age")?,
+            frames: figures.count("frames")?,
+            left_out: figures.count("left_out")?,
+            cams: figures.count("cams")?,
+        })
+    }
+
+    fn report(&self, verdicts: &Verdicts) -> ObuReport {
+        ObuReport {
+            frames: self.frames.get(),
+            left_out: self.left_out.get(),
+            verdicts: verdicts.by_name(),
+            cams_sent: self.cams.get(),
+            air_us: self.air.percentiles_us(),
+            decode_us: self.decode.percentiles_us(),
+            age_us: self.age.percentiles_us(),
+        }
+    }
+}
+
+/// What the processes of a run's unit, which are gone, told in all; `None` if that was not kept.
+#[must_use]
+pub fn last_known(group: &Group) -> Option<ObuReport> {
+    let figures = Figures::last(group, Service::Obu);
+    let verdicts = Verdicts::open(&figures).ok()?;
+    Some(Counts::open(&figures).ok()?.report(&verdicts))
 }
 
 impl Unit {
@@ -68,7 +110,8 @@ impl Unit {
             spat: runtime.publisher()?,
             map: runtime.publisher()?,
             sent: runtime.publisher()?,
-            receiver: Receiver::new(station_id, i64::from(keys.max_age_ms.value())),
+            receiver: Receiver::new(station_id, i64::from(keys.max_age_ms.value()))
+                .counting(Verdicts::open(runtime.figures())?),
             awareness: Awareness::new(Vehicle {
                 station_id,
                 length_m: scenario.plant.length_m.value(),
@@ -83,12 +126,7 @@ impl Unit {
             fallback_ns: (period_ns as f64 * FALLBACK) as i64,
             speaks_from_ns: None,
             batch: Origin::NONE,
-            air: Latencies::default(),
-            decode: Latencies::default(),
-            age: Latencies::default(),
-            frames_heard: 0,
-            frames_left_out: 0,
-            cams: 0,
+            counts: Counts::open(runtime.figures())?,
         })
     }
 
@@ -129,15 +167,15 @@ impl Unit {
         let origin = self.frames.origin();
         let Some(batch) = self.frames.newest().filter(|_| origin != self.batch) else { return };
         self.batch = origin;
-        self.frames_left_out += batch.left_out;
+        self.counts.left_out.add(batch.left_out);
         for frame in batch.frames() {
             if let Some(on_the_way_ns) = frame.on_the_way_ns() {
-                self.air.record_ns(on_the_way_ns);
+                self.counts.air.record_ns(on_the_way_ns);
             }
             let begun = monotonic_ns();
             self.receiver.take(frame.data(), moment);
-            self.decode.record_ns(monotonic_ns() - begun);
-            self.frames_heard += 1;
+            self.counts.decode.record_ns(monotonic_ns() - begun);
+            self.counts.frames.add(1);
         }
     }
 
@@ -155,7 +193,7 @@ impl Unit {
         let mut spat = self.spat.loan()?;
         let made_ns = self.receiver.write(now_ns, ego_m, &mut map, &mut spat);
         if let Some(made_ns) = made_ns {
-            self.age.record_ns(now_ns - made_ns);
+            self.counts.age.record_ns(now_ns - made_ns);
         }
         let newest_ns = self.frames.newest().map_or(0, |batch| batch.header.acquisition_ns);
         let acquired_ns = made_ns.unwrap_or(if self.hears(now_ns) { now_ns } else { newest_ns });
@@ -171,24 +209,12 @@ impl Unit {
         let Some(bytes) = self.awareness.due(odometry, moment) else { return Ok(()) };
         let origins = Origins { odometry: self.odometry.origin(), ..Origins::NONE };
         let header = Header::new(release.step, release.scheduled_ns, origins);
-        self.cams += 1;
+        self.counts.cams.add(1);
         self.sent.send_with(|message| {
             message.header = header;
             message.utc_start_ns = moment.utc_start_ns;
             message.frame.write(release.scheduled_ns, -1, &bytes);
         })?;
         Ok(())
-    }
-
-    fn report(&self) -> ObuReport {
-        ObuReport {
-            frames: self.frames_heard,
-            left_out: self.frames_left_out,
-            verdicts: self.receiver.verdicts().by_name(),
-            cams_sent: self.cams,
-            air_us: self.air.percentiles_us(),
-            decode_us: self.decode.percentiles_us(),
-            age_us: self.age.percentiles_us(),
-        }
     }
 }

@@ -1,6 +1,7 @@
 //! What the unit makes of a frame.
 
 use its::DecodeError;
+use runtime::{Count, Figures, RuntimeError};
 use std::collections::BTreeMap;
 
 /// What became of a frame.
@@ -81,19 +82,31 @@ impl From<&DecodeError> for Verdict {
 }
 
 /// How often each verdict was given.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Verdicts([u64; Verdict::ALL.len()]);
+#[derive(Debug, Default)]
+pub struct Verdicts([Count; Verdict::ALL.len()]);
 
 impl Verdicts {
+    /// Those that `figures` has, none before the run.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Setup`] if shared memory has no room for them.
+    pub fn open(figures: &Figures) -> Result<Self, RuntimeError> {
+        let mut all = Self::default();
+        for (count, verdict) in all.0.iter_mut().zip(Verdict::ALL) {
+            *count = figures.count(verdict.name())?;
+        }
+        Ok(all)
+    }
+
     /// Counts one.
     pub fn count(&mut self, verdict: Verdict) {
-        self.0[verdict as usize] += 1;
+        self.0[verdict as usize].add(1);
     }
 
     /// How often `verdict` was given.
     #[must_use]
     pub fn of(&self, verdict: Verdict) -> u64 {
-        self.0[verdict as usize]
+        self.0[verdict as usize].get()
     }
 
     /// All counts by name.

@@ -3,6 +3,7 @@
 use crate::brake::BrakePath;
 use crate::chains::Chains;
 use crate::parts::Actuated;
+use crate::times::BRAKE_PATH;
 use messages::{Brake, BrakeState};
 use runtime::report::BrakeFigures;
 use runtime::{Release, Runtime, RuntimeError, Subscriber};
@@ -47,7 +48,11 @@ impl Braking {
             lost_ns: LOST_PERIODS * period_ms.max(10) * 1_000_000,
             state: BrakeState::Monitoring,
             figures: BrakeFigures::default(),
-            chains: Chains::new(i64::from(scenario.aebs.deadline_ms.value()) * 1_000_000),
+            chains: Chains::open(
+                i64::from(scenario.aebs.deadline_ms.value()) * 1_000_000,
+                BRAKE_PATH,
+                runtime.figures(),
+            )?,
         }))
     }
 

@@ -22,6 +22,7 @@ use crate::worst::Worst;
 use messages::{Brake, Command, Origin};
 use runtime::report::Hops;
 use runtime::statistics::{Latencies, Percentiles};
+use runtime::{Count, Figures, RuntimeError};
 use std::collections::BTreeMap;
 
 /// Names of the parts, in order of time.
@@ -48,27 +49,35 @@ pub struct Chains {
     parts: [Latencies; PARTS.len()],
     worst: Worst,
     deadline_ns: i64,
-    late: u64,
+    late: Count,
     last_radar: Option<Origin>,
 }
 
 impl Chains {
-    /// No chains yet. A control cycle is late if its command comes `deadline_ns` after its release.
-    #[must_use]
-    pub fn new(deadline_ns: i64) -> Self {
-        Self {
-            reaction: Latencies::default(),
-            age: Latencies::default(),
-            designed_wait: Latencies::default(),
-            net_reaction: Latencies::default(),
-            radar_to_controller: Latencies::default(),
-            controller_to_plant: Latencies::default(),
-            parts: Default::default(),
+    /// The chains of `path` that `figures` has, none before the run. A control cycle is late if its command comes
+    /// `deadline_ns` after its release.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Setup`] if shared memory has no room for them.
+    pub fn open(deadline_ns: i64, path: &str, figures: &Figures) -> Result<Self, RuntimeError> {
+        let open = |name: &str| figures.latencies(&format!("{path}.{name}"));
+        let mut parts: [Latencies; PARTS.len()] = Default::default();
+        for (part, name) in parts.iter_mut().zip(PARTS) {
+            *part = open(name)?;
+        }
+        Ok(Self {
+            reaction: open("reaction_time")?,
+            age: open("data_age")?,
+            designed_wait: open("designed_wait")?,
+            net_reaction: open("net_reaction")?,
+            radar_to_controller: open("radar_to_controller")?,
+            controller_to_plant: open("controller_to_plant")?,
+            parts,
             worst: Worst::new(deadline_ns),
             deadline_ns,
-            late: 0,
+            late: figures.count(&format!("{path}.late"))?,
             last_radar: None,
-        }
+        })
     }
 
     /// Records that `command` acts at `actuated`; called in every cycle of the plant.
@@ -97,7 +106,7 @@ impl Chains {
         let parts = Parts::of(command, actuated);
         let (sum, designed) = (parts.sum_ns(), parts.designed_wait_ns(command));
         self.reaction.record_ns(sum);
-        self.late += u64::from(sum > self.deadline_ns);
+        self.late.add(u64::from(sum > self.deadline_ns));
         self.designed_wait.record_ns(designed);
         self.net_reaction.record_ns(sum - designed);
         self.radar_to_controller.record_ns(parts.radar_to_controller_ns());
@@ -120,7 +129,7 @@ impl Chains {
     /// Chains whose reaction time, end to end, was longer than the deadline.
     #[must_use]
     pub fn late(&self) -> u64 {
-        self.late
+        self.late.get()
     }
 
     /// Percentiles of the reaction time.
@@ -269,7 +278,7 @@ mod tests {
 
     #[test]
     fn a_radar_sample_reacts_once_and_ages_on() {
-        let mut chains = Chains::new(100_000);
+        let mut chains = Chains::open(100_000, "control", &Figures::default()).expect("memory");
         let none = command(radar(0, -1, -1), 0, 0, 0, 0);
         chains.actuated(&none, &at(10, 10, 10));
         assert_eq!(chains.age_us(), None, "a command without a radar sample is no chain");

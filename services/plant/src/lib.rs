@@ -14,6 +14,7 @@ mod service;
 pub mod signal_chain;
 mod surroundings;
 pub mod timeliness;
+mod times;
 pub mod truck;
 mod truth;
 pub mod wheel_energy;

@@ -10,16 +10,18 @@ use crate::referee::{MAX_SIGNALS, Referee, SignalTruth, Violation};
 use crate::signal_chain::SignalChain;
 use crate::surroundings::Surroundings;
 use crate::timeliness::Timeliness;
+use crate::times::{self, CONTROL_PATH};
 use crate::truck::Truck;
 use crate::truth;
 use messages::level::{Level, LevelLog};
 use messages::{
-    self, BrakeState, Command, EgoTruth, Header, Odometry, Origins, PLAN_LEN, Powertrain,
+    self, BrakeState, Command, EgoTruth, Header, Odometry, Origins, PLAN_LEN, Powertrain, Service,
     ServiceState, VehicleTruth,
 };
-use runtime::report::{ControlFigures, Details, Hops, Outcome, PlantReport};
+use runtime::report::{ControlFigures, Details, Outcome, PlantReport};
 use runtime::{
-    Checkpoint, Cycle, Group, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber,
+    Checkpoint, Cycle, Figures, Group, Mode, Overrun, Publisher, Release, Runtime, RuntimeError,
+    Subscriber,
 };
 use scenario::Scenario;
 use scenario::v2x::Phase;
@@ -106,17 +108,18 @@ struct Counted {
     undelivered: u64,
 }
 
-/// The figures of a plant that is gone, up to the last cycle that it kept; `None` if it kept none. The
-/// times of its chains died with it.
+/// The figures of a plant that is gone, up to the last cycle that it kept; `None` if it kept none.
 #[must_use]
 pub fn last_known(group: &Group) -> Option<PlantReport> {
-    let kept: Snapshot = Checkpoint::last(group, messages::Service::Plant)?;
+    let kept: Snapshot = Checkpoint::last(group, Service::Plant)?;
     let outcome = match kept.referee.violation() {
         Some(Violation::Collision { .. }) => Outcome::Collision,
         Some(Violation::RedLight { .. }) => Outcome::RedLight,
         None => Outcome::Aborted,
     };
     let counted = kept.counted;
+    let figures = Figures::last(group, Service::Plant);
+    let times = times::last(outcome, &figures).unwrap_or_else(|_| PlantReport::empty(outcome));
     Some(PlantReport {
         outcome,
         duration_s: counted.time_s,
@@ -128,7 +131,7 @@ pub fn last_known(group: &Group) -> Option<PlantReport> {
         commands_due: counted.timeliness.due(),
         commands_missed: counted.timeliness.missed(),
         aebs: kept.braking.map(|braking| braking.figures),
-        ..PlantReport::empty(outcome)
+        ..times
     })
 }
 
@@ -138,8 +141,12 @@ impl Plant {
             ego: Ego::new(scenario)?,
             gateway: Gateway::new(&scenario.plant),
             referee: Referee::new(scenario),
-            chains: Chains::new(i64::from(scenario.controller.deadline().value()) * 1_000_000),
-            signal_chain: SignalChain::default(),
+            chains: Chains::open(
+                i64::from(scenario.controller.deadline().value()) * 1_000_000,
+                CONTROL_PATH,
+                runtime.figures(),
+            )?,
+            signal_chain: SignalChain::open(runtime.figures())?,
             odometry: runtime.publisher()?,
             truth: runtime.publisher()?,
             surroundings: Surroundings::default(),
@@ -388,6 +395,7 @@ impl Plant {
             service_brake_s: truck.map(Truck::service_brake_s),
             ..self.referee.figures().clone()
         };
+        let brake = self.braking.as_ref().map(Braking::chains);
         PlantReport {
             outcome,
             duration_s: self.time_s,
@@ -395,28 +403,11 @@ impl Plant {
             rungs: self.levels.report(),
             max_command_gap_us: (self.longest_gap_ns > 0)
                 .then_some(self.longest_gap_ns as f64 / 1e3),
-            reaction_time_us: self.chains.reaction_us(),
-            data_age_us: self.chains.age_us(),
-            designed_wait_us: self.chains.designed_wait_us(),
-            net_reaction_us: self.chains.net_reaction_us(),
-            hops_us: self.chains.hops_us(),
-            worst_chains: self.chains.worst().report(),
             undelivered_commands: self.delivery.undelivered(),
             aebs: self.braking.as_ref().map(|braking| braking.figures().clone()),
-            brake_reaction_time_us: (self.braking.as_ref())
-                .and_then(|braking| braking.chains().reaction_us()),
-            brake_hops_us: (self.braking.as_ref())
-                .map_or_else(Hops::default, |braking| braking.chains().hops_us()),
             commands_due: self.timeliness.due(),
             commands_missed: self.timeliness.missed(),
-            late_reactions: self.chains.late(),
-            signal_reaction_us: self.signal_chain.reaction_us(),
-            signal_hops_us: self.signal_chain.hops_us(),
-            histograms: {
-                let mut all = self.chains.histograms();
-                all.extend(self.signal_chain.histograms());
-                all
-            },
+            ..times::report(outcome, &self.chains, brake, &self.signal_chain)
         }
     }
 }

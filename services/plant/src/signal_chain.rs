@@ -6,13 +6,14 @@
 use messages::{Command, SignalTruth};
 use runtime::report::SignalHops;
 use runtime::statistics::{Latencies, Percentiles};
+use runtime::{Figures, RuntimeError};
 use std::collections::BTreeMap;
 
 /// Stamps on air are whole milliseconds, rounded down, ns.
 const STAMP_NS: i64 = 1_000_000;
 
 /// Histograms of all changes of a run.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct SignalChain {
     /// The next signal ahead, what it shows, and until when, ns of run time.
     shown: Option<(u64, u32, i64)>,
@@ -26,6 +27,22 @@ pub struct SignalChain {
 }
 
 impl SignalChain {
+    /// The changes that `figures` has, none before the run.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Setup`] if shared memory has no room for them.
+    pub fn open(figures: &Figures) -> Result<Self, RuntimeError> {
+        Ok(Self {
+            shown: None,
+            changed_ns: None,
+            whole: figures.latencies("signal_reaction")?,
+            announce: figures.latencies("signal_announce")?,
+            receive: figures.latencies("signal_receive")?,
+            control: figures.latencies("signal_control")?,
+            actuate: figures.latencies("signal_actuate")?,
+        })
+    }
+
     /// Looks at the signals as they are; called in every cycle of the plant.
     pub fn look(&mut self, truth: &SignalTruth, ego_m: f64) {
         let count = usize::try_from(truth.count).map_or(0, |n| n.min(truth.lanes.len()));
@@ -127,7 +144,7 @@ mod tests {
 
     #[test]
     fn a_change_reacts_once_and_its_parts_add_up() {
-        let mut chain = SignalChain::default();
+        let mut chain = SignalChain::open(&Figures::default()).expect("memory");
         chain.look(&truth(6, 5.05), 0.0);
         chain.actuated(&command(5_000), 5_030 * MS);
         assert_eq!(chain.reaction_us(), None, "nothing has changed");
@@ -145,7 +162,7 @@ mod tests {
 
     #[test]
     fn a_signal_that_was_passed_does_not_count() {
-        let mut chain = SignalChain::default();
+        let mut chain = SignalChain::open(&Figures::default()).expect("memory");
         chain.look(&truth(6, 5.0), 0.0);
         chain.look(&truth(8, 8.0), 101.0);
         chain.actuated(&command(6_000), 6_100 * MS);

@@ -6,7 +6,7 @@
 //! two locks of the handover, which the thread holds for a copy, and allocates nothing. Where all
 //! services share one thread the work is done when it is asked for: its time does not count there.
 
-use super::{Carrier, Mode, Release, Runtime, RuntimeError, monotonic_ns};
+use super::{Carrier, Count, Mode, Release, Runtime, RuntimeError, monotonic_ns};
 use crate::report::PlanningReport;
 use crate::statistics::Latencies;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -23,8 +23,8 @@ pub struct BackgroundWorker<Q, A> {
     /// When the answer to the open question takes effect, run time in ns.
     due_ns: Option<i64>,
     counted_late: bool,
-    asked: u64,
-    late: u64,
+    asked: Count,
+    late: Count,
     worked: Latencies,
 }
 
@@ -66,10 +66,15 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
         delay_ns: i64,
         work: impl FnMut(&Q) -> A + Send + 'static,
     ) -> Result<Self, RuntimeError> {
-        match runtime.carrier() {
-            Carrier::SharedMemory => Self::start_in(runtime.clock().mode(), name, delay_ns, work),
-            Carrier::Memory => Ok(Self::inline(delay_ns, work)),
-        }
+        let mut this = match runtime.carrier() {
+            Carrier::SharedMemory => Self::start_in(runtime.clock().mode(), name, delay_ns, work)?,
+            Carrier::Memory => Self::inline(delay_ns, work),
+        };
+        let figures = runtime.figures();
+        this.asked = figures.count("asked")?;
+        this.late = figures.count("late_plans")?;
+        this.worked = figures.latencies("plan")?;
+        Ok(this)
     }
 
     fn inline(delay_ns: i64, work: impl FnMut(&Q) -> A + 'static) -> Self {
@@ -83,8 +88,8 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
             delay_ns,
             due_ns: None,
             counted_late: false,
-            asked: 0,
-            late: 0,
+            asked: Count::default(),
+            late: Count::default(),
             worked: Latencies::default(),
         }
     }
@@ -136,7 +141,7 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
         }
         self.due_ns = Some(release.scheduled_ns + self.delay_ns);
         self.counted_late = false;
-        self.asked += 1;
+        self.asked.add(1);
         Ok(())
     }
 
@@ -153,7 +158,7 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
             (Worker::Inline { answer, .. }, _) => answer.take(),
         };
         let Some((answer, worked_ns)) = answer else {
-            self.late += u64::from(!self.counted_late);
+            self.late.add(u64::from(!self.counted_late));
             self.counted_late = true;
             return None;
         };
@@ -166,8 +171,8 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
     #[must_use]
     pub fn report(&self) -> PlanningReport {
         PlanningReport {
-            asked: self.asked,
-            late: self.late,
+            asked: self.asked.get(),
+            late: self.late.get(),
             deadline_us: self.delay_ns as f64 / 1e3,
             plan_us: self.worked.percentiles_us(),
         }

@@ -1,58 +1,118 @@
 //! Latency histograms and their percentiles.
 
+use crate::kept::Buckets;
 use hdrhistogram::Histogram;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Longest duration a histogram tells apart, ns; longer ones are counted as this.
 const HIGHEST_NS: u64 = 60_000_000_000;
 
+/// Bits of a duration that its bucket tells: two decimal digits need 200 steps.
+const DIGIT_BITS: u32 = 8;
+/// Buckets of a histogram.
+pub(crate) const BUCKETS: usize = bucket(HIGHEST_NS) + 1;
+
+/// The bucket of a duration, as HdrHistogram lays them out: one for each ns below 2⁸, and 2⁷ for each doubling
+/// above.
+const fn bucket(duration_ns: u64) -> usize {
+    let shift = u64::BITS - (duration_ns | ((1 << DIGIT_BITS) - 1)).leading_zeros() - DIGIT_BITS;
+    ((shift as usize) << (DIGIT_BITS - 1)) + (duration_ns >> shift) as usize
+}
+
+/// Shortest duration of a bucket, ns.
+const fn shortest_ns(bucket: usize) -> u64 {
+    let shift = (bucket >> (DIGIT_BITS - 1)).saturating_sub(1);
+    ((bucket - (shift << (DIGIT_BITS - 1))) as u64) << shift
+}
+
 /// A histogram of durations, allocated once: recording allocates nothing.
 ///
 /// High dynamic range from 1 ns to 60 s with two significant decimal digits.
-/// Serialized as pairs of a duration and its count.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// Serialized as pairs of a duration and its count. A copy has memory of its own.
+#[derive(Debug, Serialize, Deserialize)]
 #[serde(from = "Vec<(u64, u64)>", into = "Vec<(u64, u64)>")]
-pub struct Latencies(Histogram<u64>);
+pub struct Latencies(Counts);
+
+/// Where the counts are.
+#[derive(Debug)]
+enum Counts {
+    Own(Histogram<u64>),
+    /// In shared memory, with those of the processes before this one.
+    Kept(Buckets),
+}
+
+/// A histogram of durations, each with its count.
+fn filled(pairs: impl IntoIterator<Item = (u64, u64)>) -> Histogram<u64> {
+    let mut histogram = Histogram::new_with_bounds(1, HIGHEST_NS, 2)
+        .expect("1 <= low, 2 low <= high and 2 digits are valid bounds");
+    for (duration_ns, count) in pairs {
+        histogram.saturating_record_n(duration_ns, count);
+    }
+    histogram
+}
 
 impl Default for Latencies {
     fn default() -> Self {
-        let histogram = Histogram::new_with_bounds(1, HIGHEST_NS, 2)
-            .expect("1 <= low, 2 low <= high and 2 digits are valid bounds");
-        Self(histogram)
+        Self(Counts::Own(filled([])))
+    }
+}
+
+impl Clone for Latencies {
+    fn clone(&self) -> Self {
+        Self(Counts::Own(self.histogram().into_owned()))
+    }
+}
+
+impl PartialEq for Latencies {
+    fn eq(&self, other: &Self) -> bool {
+        self.histogram() == other.histogram()
     }
 }
 
 impl From<Latencies> for Vec<(u64, u64)> {
     fn from(latencies: Latencies) -> Self {
-        let recorded = latencies.0.iter_recorded();
+        let histogram = latencies.histogram();
+        let recorded = histogram.iter_recorded();
         recorded.map(|value| (value.value_iterated_to(), value.count_at_value())).collect()
     }
 }
 
 impl From<Vec<(u64, u64)>> for Latencies {
     fn from(pairs: Vec<(u64, u64)>) -> Self {
-        let mut latencies = Self::default();
-        for (duration_ns, count) in pairs {
-            latencies.0.saturating_record_n(duration_ns, count);
-        }
-        latencies
+        Self(Counts::Own(filled(pairs)))
     }
 }
 
 impl Latencies {
-    /// Records one duration, ns; a negative one counts as zero.
-    pub fn record_ns(&mut self, duration_ns: i64) {
-        self.0.saturating_record(u64::try_from(duration_ns).unwrap_or(0));
+    /// One whose counts outlive the process.
+    pub(crate) fn kept(buckets: Buckets) -> Self {
+        Self(Counts::Kept(buckets))
     }
 
-    pub(crate) fn histogram(&self) -> &Histogram<u64> {
-        &self.0
+    /// Records one duration, ns; a negative one counts as zero.
+    pub fn record_ns(&mut self, duration_ns: i64) {
+        let duration_ns = u64::try_from(duration_ns).unwrap_or(0);
+        match &mut self.0 {
+            Counts::Own(histogram) => histogram.saturating_record(duration_ns),
+            Counts::Kept(buckets) => buckets.add(bucket(duration_ns.min(HIGHEST_NS))),
+        }
+    }
+
+    pub(crate) fn histogram(&self) -> Cow<'_, Histogram<u64>> {
+        match &self.0 {
+            Counts::Own(histogram) => Cow::Borrowed(histogram),
+            Counts::Kept(buckets) => {
+                let pairs = (0..BUCKETS).map(|bucket| (shortest_ns(bucket), buckets.count(bucket)));
+                Cow::Owned(filled(pairs.filter(|(_, count)| *count > 0)))
+            }
+        }
     }
 
     /// Number of recorded durations.
     #[must_use]
     pub fn count(&self) -> u64 {
-        self.0.len()
+        self.histogram().len()
     }
 
     /// Number of recorded durations of more than `duration_ns`, to the resolution of the histogram.
@@ -65,8 +125,8 @@ impl Latencies {
     #[must_use]
     pub fn quantile_curve(&self) -> QuantileCurve {
         // Ten points between the median and the next quarter, the next eighth, and so on.
-        let points = self
-            .0
+        let histogram = self.histogram();
+        let points = histogram
             .iter_quantiles(10)
             .map(|point| (point.quantile(), point.value_iterated_to() as f64 / 1e3));
         points.collect()
@@ -75,18 +135,19 @@ impl Latencies {
     /// Percentiles in microseconds; `None` if nothing was recorded.
     #[must_use]
     pub fn percentiles_us(&self) -> Option<Percentiles> {
-        if self.0.is_empty() {
+        let histogram = self.histogram();
+        if histogram.is_empty() {
             return None;
         }
-        let at = |quantile: f64| self.0.value_at_quantile(quantile) as f64 / 1e3;
+        let at = |quantile: f64| histogram.value_at_quantile(quantile) as f64 / 1e3;
         Some(Percentiles {
             p50: at(0.5),
             p90: at(0.9),
             p99: at(0.99),
             p999: at(0.999),
             p9999: at(0.9999),
-            max: self.0.max() as f64 / 1e3,
-            count: self.0.len(),
+            max: histogram.max() as f64 / 1e3,
+            count: histogram.len(),
         })
     }
 }
@@ -117,6 +178,17 @@ pub struct Percentiles {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn buckets_are_those_of_the_histogram() {
+        let histogram = Latencies::default().histogram().into_owned();
+        let values = (0..100_000).chain((100_000..HIGHEST_NS).step_by(9_999_991));
+        for ns in values.chain([HIGHEST_NS]) {
+            let shortest_ns = shortest_ns(bucket(ns));
+            assert_eq!(shortest_ns, histogram.lowest_equivalent(ns), "{ns}");
+            assert!(bucket(ns) < BUCKETS);
+        }
+    }
 
     #[test]
     fn percentiles_of_a_known_distribution() {

@@ -13,14 +13,18 @@ use std::sync::atomic::AtomicU32;
 
 /// Words that fit in one page.
 pub(super) const WORDS: usize = 1024;
-const BYTES: usize = WORDS * size_of::<AtomicU32>();
+/// Bytes of one page.
+pub(super) const PAGE_BYTES: usize = WORDS * size_of::<AtomicU32>();
 
-/// A page of words in `/dev/shm`, zero at first and the same for all who map it.
+/// Pages of words in `/dev/shm`, zero at first and the same for all who map them.
 ///
-/// The first process makes it, and it stays valid when any of them dies. It is removed with
+/// The first process makes them, and they stay valid when any of them dies. They are removed with
 /// everything else that carries the run's prefix.
 #[derive(Debug)]
-pub struct SharedWords(NonNull<AtomicU32>);
+pub struct SharedWords {
+    first: NonNull<AtomicU32>,
+    pages: usize,
+}
 
 // SAFETY: the mapping belongs to the process, not to a thread, and is only ever accessed as atomic words.
 unsafe impl Send for SharedWords {}
@@ -33,7 +37,7 @@ impl SharedWords {
     /// # Errors
     /// If it cannot be created, there is no room for it, or it is another user's.
     pub fn map(name: &str) -> io::Result<Self> {
-        Self::of(&open_own(&Path::new("/dev/shm").join(name))?)
+        Self::of(&open_own(&Path::new("/dev/shm").join(name))?, 0, 1)
     }
 
     /// Maps the page called `name` that another process made.
@@ -41,34 +45,39 @@ impl SharedWords {
     /// # Errors
     /// If there is none, or it is another user's.
     pub(super) fn map_existing(name: &str) -> io::Result<Self> {
-        Self::of(&open_existing_own(&Path::new("/dev/shm").join(name))?)
+        Self::of(&open_existing_own(&Path::new("/dev/shm").join(name))?, 0, 1)
     }
 
-    fn of(file: &File) -> io::Result<Self> {
+    /// Maps `pages` pages of `file` from page `first` on, which get memory if they have none.
+    pub(super) fn of(file: &File, first: usize, pages: usize) -> io::Result<Self> {
+        let (offset, bytes) = ((first * PAGE_BYTES) as u64, pages * PAGE_BYTES);
         // A page that cannot be had is an error here, and would be a SIGBUS later.
-        fallocate(file, FallocateFlags::empty(), 0, BYTES as u64)?;
-        let (protection, flags) = (ProtFlags::READ | ProtFlags::WRITE, MapFlags::SHARED);
+        fallocate(file, FallocateFlags::empty(), offset, bytes as u64)?;
+        let protection = ProtFlags::READ | ProtFlags::WRITE;
+        // A loop that writes to it is not to wait for its pages.
+        let flags = MapFlags::SHARED | MapFlags::POPULATE;
         // SAFETY: no address is asked for, so that no other mapping is replaced.
-        let page = unsafe { mmap(std::ptr::null_mut(), BYTES, protection, flags, file, 0) }?;
-        NonNull::new(page.cast()).map(Self).ok_or_else(|| io::ErrorKind::OutOfMemory.into())
+        let start = unsafe { mmap(std::ptr::null_mut(), bytes, protection, flags, file, offset) }?;
+        let first = NonNull::new(start.cast()).ok_or(io::ErrorKind::OutOfMemory)?;
+        Ok(Self { first, pages })
     }
 
     /// The word at `index`.
     ///
     /// # Panics
-    /// If `index` is 1024 or more.
+    /// If `index` is 1024 or more for each page.
     #[must_use]
     pub fn word(&self, index: usize) -> &AtomicU32 {
-        assert!(index < WORDS, "a page has {WORDS} words");
+        assert!(index < self.pages * WORDS, "a page has {WORDS} words");
         // SAFETY: the word is within the mapping, which is page-aligned, lives as long as `self`
         // and is only ever accessed as atomic words, by all processes.
-        unsafe { self.0.add(index).as_ref() }
+        unsafe { self.first.add(index).as_ref() }
     }
 }
 
 impl Drop for SharedWords {
     fn drop(&mut self) {
         // SAFETY: the mapping is ours, and no reference into it outlives `self`.
-        let _ = unsafe { munmap(self.0.as_ptr().cast(), BYTES) };
+        let _ = unsafe { munmap(self.first.as_ptr().cast(), self.pages * PAGE_BYTES) };
     }
 }

@@ -1,8 +1,8 @@
 //! A service's whole life: what all its processes counted, as one report.
 //!
-//! A process that dies leaves its account in shared memory ([`runtime::take_account`]) and its messages
-//! on the topics, where the launcher heard them. Percentiles cannot be added: they are those of the last
-//! process, and their count says of how many samples.
+//! A process that dies leaves its account in shared memory ([`runtime::take_account`]), its histograms
+//! ([`runtime::Figures`], which go on over all processes of a service) and its messages on the topics, where
+//! the launcher heard them.
 
 use super::cycles::CycleHistory;
 use super::drive::DriveLog;
@@ -12,7 +12,8 @@ use runtime::report::{
     ControllerReport, Details, ModeChange, ReceivedTopic, SentTopic, ServiceReport,
 };
 use runtime::scheduling::Granted;
-use runtime::{Group, take_account};
+use runtime::statistics::Percentiles;
+use runtime::{Figures, Group, RELEASE_JITTER, take_account};
 use scenario::Scenario;
 use std::collections::BTreeMap;
 
@@ -43,7 +44,7 @@ pub fn left_by(
 /// One report of all processes of a service, in order; `None` without any.
 pub fn whole(reports: Vec<ServiceReport>) -> Option<ServiceReport> {
     let mut reports = reports.into_iter().rev();
-    // What cannot be added is that of the last one.
+    // What cannot be added is that of the last one, which has the earlier ones in it.
     let mut whole = reports.next()?;
     for earlier in reports {
         whole.cycles += earlier.cycles;
@@ -78,9 +79,15 @@ fn add_received(topics: &mut Vec<ReceivedTopic>, earlier: ReceivedTopic) {
     }
 }
 
+/// Lateness of the releases over all processes of `service`; none if they kept none.
+pub fn release_jitter_us(group: &Group, service: Service) -> Option<Percentiles> {
+    Figures::last(group, service).latencies(RELEASE_JITTER).ok()?.percentiles_us()
+}
+
 /// What the controller's processes did in all, as the launcher heard it on `control/diagnostics` and
 /// `control/command`; `last` is the report of the last one, if it came to one.
 pub fn of_controller(
+    group: &Group,
     scenario: &Scenario,
     log: &DriveLog,
     last: Option<&ControllerReport>,
@@ -90,7 +97,7 @@ pub fn of_controller(
     ControllerReport {
         deadline_us,
         deadline_misses: log.late_commands() + history.left_out,
-        solve_us: last.and_then(|last| last.solve_us),
+        solve_us: controller::last_law_times(group).or(last.and_then(|last| last.solve_us)),
         relaxed: history.of_quality(1),
         backup: history.of_quality(2),
         planning: last.and_then(|last| last.planning),

@@ -207,15 +207,17 @@ pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Grou
     outcome.map(|outcome| GroupOutcome { exits, ..outcome })
 }
 
-/// Adds what only controller and plant tell, of processes that could not.
+/// Adds what only the processes themselves could have told, of those that could not.
 fn complete(whole: &mut ServiceReport, group: &Group, scenario: &Scenario, log: &DriveLog) {
+    whole.release_jitter_us =
+        life::release_jitter_us(group, whole.service).or(whole.release_jitter_us);
     match (whole.service, &whole.details) {
         (Service::Controller, details) => {
             let last = match details {
                 Details::Controller(last) => Some(&**last),
                 _ => None,
             };
-            let report = life::of_controller(scenario, log, last);
+            let report = life::of_controller(group, scenario, log, last);
             // A program of the user's keeps no account; its cycles were heard.
             whole.cycles = whole.cycles.max(log.history().count);
             whole.details = Details::Controller(Box::new(report));
@@ -227,6 +229,15 @@ fn complete(whole: &mut ServiceReport, group: &Group, scenario: &Scenario, log: 
                 ..PlantReport::empty(Outcome::Aborted)
             });
             whole.details = Details::Plant(Box::new(report));
+        }
+        (Service::Aebs, _) => {
+            let report = aebs::last_known(group, scenario, whole.skipped);
+            whole.details = Details::Aebs(Box::new(report));
+        }
+        (Service::Obu, Details::None) => {
+            if let Some(report) = obu::last_known(group) {
+                whole.details = Details::Obu(Box::new(report));
+            }
         }
         _ => {}
     }

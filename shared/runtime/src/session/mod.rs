@@ -13,6 +13,7 @@ use super::checkpoint::{Checkpoint, state_path};
 use super::faults::Faults;
 use super::fence::Fences;
 use super::gate::Gate;
+use super::kept::{Figures, RELEASE_JITTER};
 use super::link::Link;
 use super::members::Members;
 use super::port::{Backlog, Tally};
@@ -61,6 +62,7 @@ pub struct Runtime {
     allocations_in_loop: Option<u64>,
     /// In realtime, where a process may die and the run goes on.
     account: Option<Account>,
+    figures: Figures,
     fences: Option<Fences>,
     gate: Rc<Gate>,
     /// What the ports keep back while this process is a standby.
@@ -95,8 +97,15 @@ impl Runtime {
         let members = Members::of(&group.root);
         let fences = Fences::of(&group)?;
         let gate = Rc::new(Gate::of(fences.clone(), service, incarnation));
-        let this = Self::new(service, group, scenario, transport, members, link);
-        Ok(Self { incarnation, schedule, fences, gate, ..this })
+        let figures = match group.mode {
+            Mode::Realtime => Figures::open(&group, service)?,
+            Mode::Lockstep => Figures::default(),
+        };
+        let mut this = Self::new(service, group, scenario, transport, members, link);
+        (this.incarnation, this.schedule, this.fences) = (incarnation, schedule, fences);
+        (this.gate, this.jitter) = (gate, figures.latencies(RELEASE_JITTER)?);
+        this.figures = figures;
+        Ok(this)
     }
 
     /// Joins the group whose services take turns in this thread.
@@ -144,6 +153,7 @@ impl Runtime {
             jitter: Latencies::default(),
             allocations_in_loop: None,
             account: None,
+            figures: Figures::default(),
             fences: None,
             gate: Rc::new(Gate::open(service)),
             backlogs: Vec::new(),
@@ -177,6 +187,12 @@ impl Runtime {
     /// [`RuntimeError::Setup`] if shared memory has no room for it.
     pub fn checkpoint<T: DeserializeOwned>(&self) -> Result<Checkpoint<T>, RuntimeError> {
         Checkpoint::open(&state_path(&self.group.prefix, self.service))
+    }
+
+    /// Counts and histograms that go on over all processes of this service. A standby records nothing.
+    #[must_use]
+    pub fn figures(&self) -> &Figures {
+        &self.figures
     }
 
     /// Goes on with the step after `step`, whatever time it is.

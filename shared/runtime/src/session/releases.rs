@@ -2,7 +2,6 @@
 
 use super::Runtime;
 use crate::standby::TakeOver;
-use crate::statistics::Latencies;
 use crate::{FromService, Mode, Overrun, Release, RuntimeError, Subscriber, monotonic_ns};
 use messages::Message;
 use std::sync::atomic::Ordering;
@@ -151,7 +150,7 @@ impl Runtime {
         for (_, tally) in self.received.iter() {
             tally.borrow_mut().begin_anew();
         }
-        self.jitter = Latencies::default();
+        self.figures.set_recording(true);
         self.link.say(FromService::TookOver(TakeOver { cause, noticed_ns, sent_ns }))
     }
 }

@@ -64,6 +64,7 @@ impl Runtime {
         granted: &Granted,
     ) -> Result<(), RuntimeError> {
         self.gate.set_standby(true);
+        self.figures.set_recording(false);
         let own = (self.service, self.incarnation);
         let slot = &self.link.take_over;
         self.standby = Some(Standby::begin(&self.group, scenario, own, active, granted, slot)?);

@@ -1,0 +1,46 @@
+//! The times of all chains that end at the plant, as its report has them.
+
+use crate::chains::Chains;
+use crate::signal_chain::SignalChain;
+use runtime::report::{Hops, Outcome, PlantReport};
+use runtime::{Figures, RuntimeError};
+
+/// Paths of the chains.
+pub(crate) const CONTROL_PATH: &str = "control";
+pub(crate) const BRAKE_PATH: &str = "brake";
+
+/// A report that tells them and nothing else.
+pub(crate) fn report(
+    outcome: Outcome,
+    control: &Chains,
+    brake: Option<&Chains>,
+    signals: &SignalChain,
+) -> PlantReport {
+    PlantReport {
+        reaction_time_us: control.reaction_us(),
+        data_age_us: control.age_us(),
+        designed_wait_us: control.designed_wait_us(),
+        net_reaction_us: control.net_reaction_us(),
+        hops_us: control.hops_us(),
+        worst_chains: control.worst().report(),
+        late_reactions: control.late(),
+        brake_reaction_time_us: brake.and_then(Chains::reaction_us),
+        brake_hops_us: brake.map_or_else(Hops::default, Chains::hops_us),
+        signal_reaction_us: signals.reaction_us(),
+        signal_hops_us: signals.hops_us(),
+        histograms: {
+            let mut all = control.histograms();
+            all.extend(signals.histograms());
+            all
+        },
+        ..PlantReport::empty(outcome)
+    }
+}
+
+/// The same of a plant that is gone, from what its processes recorded. The longest chains died with it.
+pub(crate) fn last(outcome: Outcome, figures: &Figures) -> Result<PlantReport, RuntimeError> {
+    // What is late was counted.
+    let chains = |path| Chains::open(i64::MAX, path, figures);
+    let (control, brake) = (chains(CONTROL_PATH)?, chains(BRAKE_PATH)?);
+    Ok(report(outcome, &control, Some(&brake), &SignalChain::open(figures)?))
+}
