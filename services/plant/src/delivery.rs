@@ -6,7 +6,7 @@
 //! its control cycle had missed. One that a newer one overtook is dropped. Each command takes two
 //! numbers of the random stream, so that the jitter does not depend on the misses, nor they on it.
 
-use messages::Command;
+use messages::{Command, Origins};
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64;
 use scenario::Scenario;
@@ -22,6 +22,26 @@ pub struct Arrival {
     pub command: Command,
     /// By how much it was delayed, ns.
     pub delay_ns: i64,
+}
+
+impl Arrival {
+    /// Release of the cycle that made the command, ns of run time.
+    ///
+    /// It is the command's stamp, unless that is wrong: a cycle of before the next one's release does not know
+    /// what was measured after that. Where the stamp says otherwise, the sender's clock is behind, and the
+    /// newest sample tells when the cycle was. Else a plan that says what to do from now on would be
+    /// followed from its middle on.
+    #[must_use]
+    pub fn released_ns(&self) -> i64 {
+        let Command { header, plan_period_ns, .. } = &self.command;
+        let Origins { odometry, radar, spat, map, powertrain, preview } = header.origins;
+        let samples = [odometry, radar, spat, map, powertrain, preview];
+        let newest_ns = samples.map(|sample| sample.acquisition_ns).into_iter().max();
+        match newest_ns {
+            Some(newest_ns) if newest_ns > header.acquisition_ns + plan_period_ns => newest_ns,
+            _ => header.acquisition_ns,
+        }
+    }
 }
 
 /// Commands on their way.
@@ -104,6 +124,24 @@ mod tests {
     use bytemuck::Zeroable;
 
     const PERIOD_NS: i64 = 10_000_000;
+
+    #[test]
+    fn a_clock_that_is_behind_is_told_by_what_the_cycle_knew() {
+        let released_ms = |stamp_ms: i64, odometry_ms: i64, spat_ms: i64| {
+            let mut command = Command::zeroed();
+            command.plan_period_ns = 100_000_000;
+            command.header.acquisition_ns = stamp_ms * 1_000_000;
+            command.header.origins = Origins::NONE;
+            command.header.origins.odometry.acquisition_ns = odometry_ms * 1_000_000;
+            command.header.origins.spat.acquisition_ns = spat_ms * 1_000_000;
+            Arrival { command, delay_ns: 0 }.released_ns() / 1_000_000
+        };
+        assert_eq!(released_ms(5_000, 5_000, 4_900), 5_000);
+        assert_eq!(released_ms(5_000, 5_040, 4_900), 5_000, "the cycle began late");
+        assert_eq!(released_ms(4_200, 4_200, 4_100), 4_200, "on its way for long, with its samples");
+        assert_eq!(released_ms(4_200, 5_000, 4_900), 5_000, "the clock was set back");
+        assert_eq!(released_ms(4_200, 4_000, 4_900), 4_900, "odometry is missing");
+    }
 
     fn delivery(keys: &str) -> Delivery {
         let text = format!("schema_version = 1\nname = \"x\"\n[runtime]\n{keys}\n");
