@@ -138,7 +138,11 @@ mod tests {
         };
         assert_eq!(released_ms(5_000, 5_000, 4_900), 5_000);
         assert_eq!(released_ms(5_000, 5_040, 4_900), 5_000, "the cycle began late");
-        assert_eq!(released_ms(4_200, 4_200, 4_100), 4_200, "on its way for long, with its samples");
+        assert_eq!(
+            released_ms(4_200, 4_200, 4_100),
+            4_200,
+            "on its way for long, with its samples"
+        );
         assert_eq!(released_ms(4_200, 5_000, 4_900), 5_000, "the clock was set back");
         assert_eq!(released_ms(4_200, 4_000, 4_900), 4_900, "odometry is missing");
     }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::transport::Sealing;
 use bytemuck::Zeroable;
 use messages::e2e::{Channel, Outcomes, profile7};
 use messages::{Drive, Message, RadarTracks, Service};
@@ -29,7 +30,7 @@ fn through(text: &str, messages: u64) -> Vec<(i64, u64)> {
     let mut out = Vec::new();
     for k in 0..messages {
         let now_ns = i64::try_from(k).expect("small") * 50_000_000;
-        if channel.take(&message(k + 1), &faults, now_ns) {
+        if channel.take(&message(k + 1), Sealing::Sealed, &faults, now_ns) {
             out.push((now_ns / 1_000_000, k + 1));
         }
         while let Some(message) = channel.hand_over(now_ns) {
@@ -63,11 +64,29 @@ fn every_corruption_is_detected() {
     let (mut check, mut outcomes) = (Channel::default(), Outcomes::default());
     let mut channel = ChannelFaults::new();
     for k in 1..=20_000 {
-        assert!(!channel.take(&message(k), &faults, 0));
+        assert!(!channel.take(&message(k), Sealing::Sealed, &faults, 0));
         let corrupted = channel.hand_over(0).expect("due at once");
         assert!(!check.accept(bytemuck::bytes_of(&corrupted.message), 9, 0, &mut outcomes));
     }
     assert_eq!(outcomes.error, 20_000);
+}
+
+#[test]
+fn a_message_without_a_crc_gets_its_own_before_it_is_disturbed() {
+    for (kind, ok) in [("duplicate", 1), ("corrupt", 0)] {
+        let faults = faults(&format!("[[faults]]\nkind = \"{kind}\"\ntopic = \"radar/tracks\"\n"));
+        let sealed = message(1);
+        let mut unsealed = sealed;
+        unsealed.header.protection.crc = [0x5a; 8];
+        let mut channel = ChannelFaults::new();
+        assert!(!channel.take(&unsealed, Sealing::Unsealed, &faults, 0));
+        let handed = channel.hand_over(0).expect("due at once");
+        let mut outcomes = Outcomes::default();
+        let bytes = bytemuck::bytes_of(&handed.message);
+        Channel::default().accept(bytes, 9, 0, &mut outcomes);
+        assert_eq!(outcomes.ok, ok, "{kind}");
+        assert_eq!(bytes == bytemuck::bytes_of(&sealed), ok == 1, "{kind}");
+    }
 }
 
 #[test]
@@ -77,8 +96,8 @@ fn what_is_handed_over_late_still_tells_which_fault_corrupted_it() {
          [[faults]]\nkind = \"corrupt\"\ntopic = \"radar/tracks\"\nfor_s = 0.05",
     );
     let mut channel = ChannelFaults::new();
-    assert!(!channel.take(&message(1), &faults, 0));
-    assert!(!channel.take(&message(2), &faults, 60_000_000));
+    assert!(!channel.take(&message(1), Sealing::Sealed, &faults, 0));
+    assert!(!channel.take(&message(2), Sealing::Sealed, &faults, 60_000_000));
     assert!(
         channel.hand_over(99_000_000).is_none(),
         "still on its way: neither noticed nor missed"
@@ -107,12 +126,12 @@ fn a_condition_begins_the_fault_once_it_holds() {
     let faults = faults(text);
     let mut channel = ChannelFaults::new();
     faults.observe(&Drive::free(60.0, 11.0), 0);
-    assert!(channel.take(&message(1), &faults, 0), "not begun: it passes at once");
+    assert!(channel.take(&message(1), Sealing::Sealed, &faults, 0), "not begun: it passes at once");
     faults.observe(&Drive::free(60.0, 9.0), 1);
     faults.observe(&Drive::free(60.0, 12.0), 2);
-    assert!(!channel.take(&message(2), &faults, 2));
+    assert!(!channel.take(&message(2), Sealing::Sealed, &faults, 2));
     assert!(channel.hand_over(2).is_none(), "begun at 1, though the condition holds no more");
-    assert!(channel.take(&message(3), &faults, 1_000_000_001), "over");
+    assert!(channel.take(&message(3), Sealing::Sealed, &faults, 1_000_000_001), "over");
     assert_eq!(
         faults.statistics(),
         [FaultStatistics { fault: 0, begun_ns: 1, messages: 1, undetected: 0 }]
