@@ -93,8 +93,7 @@ pub struct DriveLog {
     diagnostics: Observed<Diagnostics>,
     heartbeat: Observed<Heartbeat>,
     /// Heard in realtime alone, for the first messages of restarted services.
-    brake: Observed<Brake>,
-    sensors: Option<(Observed<RadarTracks>, Observed<SignalTruth>, Observed<Spat>)>,
+    others: Option<Others>,
     observer: Observer,
     egos: Vec<EgoTruth>,
     powertrains: Vec<(u64, PowertrainStep)>,
@@ -116,6 +115,15 @@ pub struct DriveLog {
     /// The newest incarnation heard of each service.
     incarnations: [u32; Service::ALL.len()],
     first_messages: Vec<(Service, u32, i64)>,
+}
+
+/// Topics that tell of nothing but who sends.
+#[derive(Debug)]
+struct Others {
+    brake: Observed<Brake>,
+    radar: Observed<RadarTracks>,
+    signals: Observed<SignalTruth>,
+    spat: Observed<Spat>,
 }
 
 /// A sign of life.
@@ -163,11 +171,13 @@ impl DriveLog {
             command: observer.listen()?,
             diagnostics: observer.listen()?,
             heartbeat: observer.listen()?,
-            brake: observer.listen()?,
-            sensors: match mode {
-                Mode::Realtime => {
-                    Some((observer.listen()?, observer.listen()?, observer.listen()?))
-                }
+            others: match mode {
+                Mode::Realtime => Some(Others {
+                    brake: observer.listen()?,
+                    radar: observer.listen()?,
+                    signals: observer.listen()?,
+                    spat: observer.listen()?,
+                }),
                 Mode::Lockstep => None,
             },
             observer,
@@ -265,8 +275,8 @@ impl DriveLog {
             }
             self.cycles.push(*m);
         })?;
-        self.brake.drain(|m| note(Service::Aebs, &m.header))?;
-        if let Some((radar, signals, spat)) = &mut self.sensors {
+        if let Some(Others { brake, radar, signals, spat }) = &mut self.others {
+            brake.drain(|m| note(Service::Aebs, &m.header))?;
             radar.drain(|m| note(Service::PerceptionSim, &m.header))?;
             signals.drain(|m| note(Service::V2xSim, &m.header))?;
             spat.drain(|m| {

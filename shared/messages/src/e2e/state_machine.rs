@@ -50,6 +50,10 @@ impl StateMachine {
             return self.state;
         }
         self.remember(status);
+        if self.state == State::Valid && status.is_usable() {
+            // It was valid with what the window held, and this made nothing worse.
+            return self.state;
+        }
         let ok = self.count(Status::is_usable);
         let errors = self.count(|status| status == Status::Error);
         self.state = match self.state {

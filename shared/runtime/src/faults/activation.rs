@@ -1,6 +1,6 @@
 //! Which fault acts on which message, and how often it did.
 
-use messages::{Drive, Service, Topic};
+use messages::{Drive, Service, TOPICS, Topic};
 use scenario::Scenario;
 use scenario::faults::{Begin, Effect, Falsification, Fault, Target};
 use serde::{Deserialize, Serialize};
@@ -69,8 +69,45 @@ struct Entry {
 pub(crate) struct Faults {
     seed: u64,
     entries: RefCell<Vec<Entry>>,
-    in_use: Cell<bool>,
+    reach: Cell<Reach>,
     pub(crate) inbox: Inbox,
+}
+
+/// What the faults can act on, so that all other messages pass without a look at each fault.
+#[derive(Clone, Copy, Debug, Default)]
+struct Reach {
+    /// A bit for each topic.
+    channels: u32,
+    senders: u32,
+    /// One has not begun.
+    waits: bool,
+}
+
+impl Reach {
+    fn of(entries: &[Entry]) -> Self {
+        let topics = |concerned: fn(&Effect) -> bool| {
+            let aimed = entries.iter().filter(|entry| concerned(&entry.fault.effect));
+            aimed.fold(0, |topics, entry| {
+                topics
+                    | match entry.fault.effect.target() {
+                        Target::Topic(topic) => bit(topic),
+                        Target::Service(_) => u32::MAX,
+                        Target::Helper(_) | Target::Machine => 0,
+                    }
+            })
+        };
+        Self {
+            channels: topics(|effect| effect.of_channels().is_some()),
+            senders: topics(|effect| effect.of_senders().is_some()),
+            waits: entries.iter().any(|entry| entry.begun_ns.is_none()),
+        }
+    }
+}
+
+const _: () = assert!(TOPICS.len() <= u32::BITS as usize);
+
+fn bit(topic: Topic) -> u32 {
+    1 << topic as u32
 }
 
 /// One fault at the moment it acts on a message.
@@ -93,7 +130,7 @@ impl Faults {
         Self {
             seed: 0,
             entries: RefCell::default(),
-            in_use: Cell::new(false),
+            reach: Cell::default(),
             inbox: Inbox::default(),
         }
     }
@@ -111,27 +148,27 @@ impl Faults {
             .filter(|(_, fault)| fault.effect.extent().is_some())
             .map(entry)
             .collect();
-        let in_use = Cell::new(!entries.is_empty());
-        Self { seed: scenario.seed.value(), entries: RefCell::new(entries), in_use, inbox }
+        let reach = Cell::new(Reach::of(&entries));
+        Self { seed: scenario.seed.value(), entries: RefCell::new(entries), reach, inbox }
     }
 
-    /// True if there may be any.
-    pub(crate) fn in_use(&self) -> bool {
-        self.in_use.get()
+    /// True if one may disturb messages on `topic`.
+    pub(crate) fn disturbs(&self, topic: Topic) -> bool {
+        self.reach.get().channels & bit(topic) != 0
+    }
+
+    /// True if one may falsify messages on `topic`.
+    pub(crate) fn falsifies(&self, topic: Topic) -> bool {
+        self.reach.get().senders & bit(topic) != 0
     }
 
     /// Takes in what the launcher sent.
     pub(crate) fn refresh(&self) {
         for Injected { number, begin_ns, fault } in self.inbox.take() {
             let begun_ns = Some(begin_ns);
-            self.entries.borrow_mut().push(Entry {
-                number,
-                fault,
-                begun_ns,
-                messages: 0,
-                undetected: 0,
-            });
-            self.in_use.set(true);
+            let mut entries = self.entries.borrow_mut();
+            entries.push(Entry { number, fault, begun_ns, messages: 0, undetected: 0 });
+            self.reach.set(Reach::of(&entries));
         }
     }
 
@@ -141,11 +178,21 @@ impl Faults {
     }
 
     /// Lets what the ego does fulfil conditions.
-    pub(crate) fn observe(&self, drive: &Drive, now_ns: i64) {
-        for entry in self.entries.borrow_mut().iter_mut() {
-            if entry.begun_ns.is_none() && entry.fault.begin.is_met(drive) {
+    pub(crate) fn observe(&self, drive: impl FnOnce() -> Option<Drive>, now_ns: i64) {
+        if !self.reach.get().waits {
+            return;
+        }
+        let Some(drive) = drive() else { return };
+        let mut entries = self.entries.borrow_mut();
+        let mut begun = false;
+        for entry in entries.iter_mut() {
+            if entry.begun_ns.is_none() && entry.fault.begin.is_met(&drive) {
                 entry.begun_ns = Some(now_ns);
+                begun = true;
             }
+        }
+        if begun {
+            self.reach.set(Reach::of(&entries));
         }
     }
 

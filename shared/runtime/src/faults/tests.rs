@@ -125,10 +125,10 @@ fn a_condition_begins_the_fault_once_it_holds() {
                 when = { position_above_m = 50, speed_below_mps = 10 }";
     let faults = faults(text);
     let mut channel = ChannelFaults::new();
-    faults.observe(&Drive::free(60.0, 11.0), 0);
+    faults.observe(|| Some(Drive::free(60.0, 11.0)), 0);
     assert!(channel.take(&message(1), Sealing::Sealed, &faults, 0), "not begun: it passes at once");
-    faults.observe(&Drive::free(60.0, 9.0), 1);
-    faults.observe(&Drive::free(60.0, 12.0), 2);
+    faults.observe(|| Some(Drive::free(60.0, 9.0)), 1);
+    faults.observe(|| Some(Drive::free(60.0, 12.0)), 2);
     assert!(!channel.take(&message(2), Sealing::Sealed, &faults, 2));
     assert!(channel.hand_over(2).is_none(), "begun at 1, though the condition holds no more");
     assert!(channel.take(&message(3), Sealing::Sealed, &faults, 1_000_000_001), "over");

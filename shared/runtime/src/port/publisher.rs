@@ -134,10 +134,8 @@ impl<T: Message> Outlet<T> {
         header.source = source;
         header.publish_ns = now_ns;
         let step = header.step;
-        if self.faults.in_use() {
-            if let Some(drive) = message.drive() {
-                self.faults.observe(&drive, now_ns);
-            }
+        self.faults.observe(|| message.drive(), now_ns);
+        if self.faults.falsifies(T::TOPIC) {
             self.sender_faults.apply(&mut message, &self.faults, now_ns);
         }
         // The counter is the sequence number's low half: it wraps.

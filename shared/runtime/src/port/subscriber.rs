@@ -123,7 +123,7 @@ impl<T: Message> Subscriber<T> {
                 break;
             }
             self.arrived_step = self.arrived_step.max(Some(of_step));
-            if self.faults.in_use() {
+            if self.faults.disturbs(T::TOPIC) {
                 let now_ns = self.now_ns();
                 let faults =
                     self.channel_faults.get_or_insert_with(|| Box::new(ChannelFaults::new()));

@@ -78,11 +78,7 @@ impl Runtime {
         if let Some(source) = source {
             topic.note_silence(now_ns, source, self.group.timetable.period_ns(source));
         }
-        if self.faults.in_use()
-            && let Some(drive) = topic.newest().and_then(Message::drive)
-        {
-            self.faults.observe(&drive, now_ns);
-        }
+        self.faults.observe(|| topic.newest().and_then(Message::drive), now_ns);
         Ok(())
     }
 
