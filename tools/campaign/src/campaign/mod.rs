@@ -33,7 +33,7 @@ use exposure::Exposure;
 pub use file::BUILTIN;
 use file::Campaign;
 use plan::Plan;
-use planned::Planned;
+pub(crate) use planned::Planned;
 use record::Record;
 use runtime::Mode;
 use scenario::Scenario;
@@ -56,8 +56,6 @@ const SAMPLE_SEED: u64 = 1;
 
 /// The table of the controller's checks, which is no campaign of its own.
 const PLAUSIBILITY: &str = "plausibility";
-/// Drives with frames that are lost and falsified, with a table of their own.
-const RADIO: &str = "radio";
 
 /// Why a campaign is not done.
 #[derive(Debug, thiserror::Error)]
@@ -68,6 +66,9 @@ pub enum CampaignError {
         BUILTIN.map(|builtin| builtin.name).join(", ")
     )]
     NoneNamed,
+    /// The runs have no numbers that their draws come from.
+    #[error("--first is for the campaign `{}` alone", radio::NAME)]
+    FirstOfNone,
     /// The directory is another one's.
     #[error(
         "{} holds another campaign, or another shard of it, expected the one that it began with",
@@ -112,7 +113,7 @@ impl Failure for CampaignError {}
 #[command(
     after_help = "Built-in campaigns: kills, messages, restarts, soak, takeovers. `plausibility` prints how often and how \
 fast the controller's checks of its inputs find a false sender, `radio` what becomes of frames that are lost, late \
-and falsified (2,000 runs, or --sample N)."
+and falsified (2,000 runs, or --sample N from --first M on)."
 )]
 pub struct CampaignArguments {
     /// A campaign file, an OpenSCENARIO parameter variation (.xosc), or the name of a built-in campaign
@@ -120,6 +121,9 @@ pub struct CampaignArguments {
     /// Do only N of the runs, drawn by the first seed
     #[arg(long, value_name = "N")]
     pub sample: Option<NonZeroUsize>,
+    /// Begin with run number N: `radio` alone
+    #[arg(long, value_name = "N")]
+    pub first: Option<NonZeroUsize>,
     /// Runs of every combination, instead of what the file says
     #[arg(long, value_name = "N")]
     pub seeds: Option<NonZeroU32>,
@@ -131,7 +135,7 @@ pub struct CampaignArguments {
     #[arg(long, value_name = "DIR", conflicts_with = "out")]
     pub resume: Option<PathBuf>,
     /// Put the shards in these directories together
-    #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with_all = ["campaign", "seeds", "sample", "shard", "resume"])]
+    #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with_all = ["campaign", "seeds", "sample", "first", "shard", "resume"])]
     pub merge: Vec<PathBuf>,
     /// Runs at once [default: one per core; 1 in realtime]
     #[arg(long, value_name = "N")]
@@ -152,8 +156,14 @@ pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     if arguments.campaign.as_deref() == Some(PLAUSIBILITY) {
         return plausibility::run(&arguments.group, arguments.jobs, arguments.json);
     }
-    if arguments.campaign.as_deref() == Some(RADIO) {
-        return radio::run(&arguments.group, arguments.sample, arguments.jobs, arguments.json);
+    if arguments.campaign.as_deref() == Some(radio::NAME) {
+        return radio::drive(arguments);
+    }
+    if arguments.first.is_some() {
+        return Err(CampaignError::FirstOfNone.into());
+    }
+    if radio::holds_parts(&arguments.merge) {
+        return radio::merge(arguments);
     }
     if arguments.merge.is_empty() { drive(arguments) } else { merge(arguments) }
 }
