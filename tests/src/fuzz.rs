@@ -140,7 +140,8 @@ impl Source for OneFile<'_> {
 pub fn frame(bytes: &[u8]) {
     let start_ns = scenario::radio::SIMULATED_START_NS;
     let moment = obu::clock::Moment { now_ns: 0, utc_start_ns: start_ns, ahead_ns: 0 };
-    let mut receiver = obu::receiver::Receiver::new(1, 500);
+    let mut receiver =
+        obu::receiver::Receiver::new(1, 500, obu::lanes::road_plane(&Default::default()));
     let verdict = receiver.take(bytes, &moment);
     assert_eq!(receiver.verdicts().of(verdict), 1);
     let mut map = bytemuck::Zeroable::zeroed();

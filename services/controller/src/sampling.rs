@@ -20,6 +20,8 @@ pub struct Setting {
     pub speed_limit_mps: f64,
     /// Whether the law filters the radar itself, and so is told gap and relative speed as measured.
     pub raw_target: bool,
+    /// By how much an announced end may be off because clocks are, s.
+    pub clock_tolerance_s: f64,
 }
 
 impl Setting {
@@ -31,6 +33,10 @@ impl Setting {
             set_speed_mps: scenario.set_speed_mps.value(),
             speed_limit_mps: scenario.speed_limit_mps.map_or(f64::INFINITY, |v| v.value()),
             raw_target,
+            clock_tolerance_s: match scenario.v2x.radio.is_direct() {
+                true => 0.0,
+                false => f64::from(scenario.v2x.obu.clock_tolerance_ms.value()) / 1e3,
+            },
         }
     }
 }
@@ -55,7 +61,7 @@ pub struct Samples<'a> {
 /// How far announced signal timing may be believed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SignalTrust {
-    /// All of it, at its likely times.
+    /// All of it: greens and yellows up to their earliest end, reds up to their latest.
     Announced,
     /// As far as it holds without another announcement: up to the earliest end of the first interval
     /// whose end is not certain.
@@ -73,7 +79,7 @@ pub fn input(setting: &Setting, samples: &Samples<'_>, trust: SignalTrust, time_
         period_s: setting.period_s,
         ego,
         target: samples.radar.and_then(|radar| target_at(radar, setting.raw_target, time_s)),
-        signals: signals_ahead(samples, &ego, trust, time_s),
+        signals: signals_ahead(setting, samples, &ego, trust, time_s),
         powertrain: samples.powertrain.map(|powertrain| powertrain_at(powertrain, samples, time_s)),
         preview: samples.preview.map(preview),
         set_speed_mps: setting.set_speed_mps,
@@ -140,6 +146,7 @@ fn target_at(radar: &RadarTracks, raw: bool, time_s: f64) -> Option<Target> {
 
 /// Stop lines of the map with their timing, nearest first.
 fn signals_ahead(
+    setting: &Setting,
     samples: &Samples<'_>,
     ego: &Ego,
     trust: SignalTrust,
@@ -166,43 +173,52 @@ fn signals_ahead(
             ..SignalAhead::default()
         };
         if let Some(timing) = timing {
-            announce(timing, trust, time_s, &mut signal);
+            announce(setting, timing, trust, time_s, &mut signal);
         }
         *place = Some(signal);
     }
     ahead
 }
 
-/// The intervals that have not ended yet. What ends before its announced successor begins to be
-/// known leaves the phase unknown: it is never guessed.
-fn announce(timing: &Signal, trust: SignalTrust, time_s: f64, signal: &mut SignalAhead) {
+/// The intervals that have not ended yet. What ends before its announced successor begins to be known leaves
+/// the phase unknown: it is never guessed. What is not green or yellow lasts until a message shows another phase,
+/// whatever was announced: the next release is the soonest that one can.
+fn announce(
+    setting: &Setting,
+    timing: &Signal,
+    trust: SignalTrust,
+    time_s: f64,
+    signal: &mut SignalAhead,
+) {
     let count = match trust {
         SignalTrust::None => 0,
         _ => usize::try_from(timing.count).map_or(0, |n| n.min(timing.intervals.len())),
     };
-    let mut intervals = timing.intervals[..count].iter();
     let mut certain = true;
-    while let Some(interval) = intervals.next()
-        && certain
-        && signal.count < MAX_PHASES
-    {
-        let mut end_s = interval.likely_end_s;
+    for interval in &timing.intervals[..count] {
+        if !certain || signal.count == MAX_PHASES {
+            break;
+        }
+        let phase = match PhaseState::from_wire(interval.state) {
+            PhaseState::Unavailable => Phase::Unknown,
+            PhaseState::StopAndRemain => Phase::Red,
+            PhaseState::ProtectedMovementAllowed => Phase::Green,
+            PhaseState::ProtectedClearance => Phase::Yellow,
+        };
+        let end_s = match phase {
+            Phase::Green | Phase::Yellow => interval.min_end_s - setting.clock_tolerance_s,
+            Phase::Red | Phase::Unknown => {
+                let end_s = interval.max_end_s + setting.clock_tolerance_s;
+                end_s.max(time_s + setting.period_s)
+            }
+        };
         if trust == SignalTrust::Proven {
             certain = interval.min_end_s >= interval.max_end_s;
-            end_s = interval.min_end_s;
         }
         if end_s <= time_s + 1e-9 {
             continue;
         }
-        signal.intervals[signal.count] = PhaseInterval {
-            phase: match PhaseState::from_wire(interval.state) {
-                PhaseState::Unavailable => Phase::Unknown,
-                PhaseState::StopAndRemain => Phase::Red,
-                PhaseState::ProtectedMovementAllowed => Phase::Green,
-                PhaseState::ProtectedClearance => Phase::Yellow,
-            },
-            ends_in_s: end_s - time_s,
-        };
+        signal.intervals[signal.count] = PhaseInterval { phase, ends_in_s: end_s - time_s };
         signal.count += 1;
     }
 }
@@ -218,6 +234,7 @@ mod tests {
         set_speed_mps: 20.0,
         speed_limit_mps: f64::INFINITY,
         raw_target: false,
+        clock_tolerance_s: 0.0,
     };
 
     #[test]
@@ -303,8 +320,47 @@ mod tests {
         assert_eq!((at(1.0).count, at(1.0).intervals[0].phase), (2, Phase::Green));
         assert_eq!(at(1.0).intervals[0].ends_in_s, 4.0);
         assert_eq!((at(5.0).count, at(5.0).intervals[0].phase), (1, Phase::Red));
-        assert_eq!((at(9.5).count, at(9.5).intervals[0].phase), (0, Phase::Unknown));
+        assert_eq!((at(9.5).count, at(9.5).intervals[0].phase), (1, Phase::Red), "none is shown");
+        spat.signals[0].count = 1;
+        let samples = Samples { spat: Some(&spat), map: Some(&map), ..Samples::default() };
+        let green = input(&SETTING, &samples, SignalTrust::Announced, 5.0).signals[0];
+        assert_eq!(green.map(|signal| signal.count), Some(0), "what follows is unknown");
     }
+
+    #[test]
+    fn a_green_counts_when_it_is_shown_and_ends_before_clocks_can_differ() {
+        let mut spat = Spat::zeroed();
+        spat.count = 1;
+        spat.signals[0].count = 3;
+        let write = |spat: &mut Spat, phases: [(u32, f64); 3]| {
+            for (place, (state, end_s)) in phases.into_iter().enumerate() {
+                let (min_end_s, max_end_s) = (end_s - 0.1, end_s + 0.1);
+                let ends =
+                    Interval { min_end_s, likely_end_s: end_s, max_end_s, ..Interval::zeroed() };
+                spat.signals[0].intervals[place] = Interval { state, ..ends };
+            }
+        };
+        let mut map = Map::zeroed();
+        map.count = 1;
+        map.lanes[0] = Lane { stop_line_m: 80.0, ..Lane::zeroed() };
+        let setting = Setting { clock_tolerance_s: 0.2, ..SETTING };
+        let at = |spat: &Spat, time_s| {
+            let samples = Samples { spat: Some(spat), map: Some(&map), ..Samples::default() };
+            let signal = input(&setting, &samples, SignalTrust::Announced, time_s).signals[0];
+            let signal = signal.expect("in the map");
+            let intervals = &signal.intervals[..signal.count];
+            intervals.iter().map(|i| (i.phase, (i.ends_in_s * 10.0).round())).collect::<Vec<_>>()
+        };
+        write(&mut spat, [(3, 5.0), (6, 9.0), (8, 12.0)]);
+        let coming = [(Phase::Red, 13.0), (Phase::Green, 47.0), (Phase::Yellow, 77.0)];
+        assert_eq!(at(&spat, 4.0), coming);
+        // A tenth of a second is the period.
+        let late = [(Phase::Red, 1.0), (Phase::Green, 27.0), (Phase::Yellow, 57.0)];
+        assert_eq!(at(&spat, 6.0), late);
+        write(&mut spat, [(6, 9.0), (8, 12.0), (3, 40.0)]);
+        assert_eq!(at(&spat, 6.0)[0], (Phase::Green, 27.0), "it is shown");
+    }
+
     #[test]
     fn without_renewal_only_what_is_certain_is_believed() {
         let mut spat = Spat::zeroed();
@@ -328,7 +384,7 @@ mod tests {
                 .map(|i| (i.phase, i.ends_in_s))
                 .collect::<Vec<_>>()
         };
-        let all = [(Phase::Green, 4.0), (Phase::Yellow, 7.0), (Phase::Red, 19.0)];
+        let all = [(Phase::Green, 4.0), (Phase::Yellow, 6.0), (Phase::Red, 19.0)];
         assert_eq!(at(SignalTrust::Announced, 1.0), all);
         assert_eq!(at(SignalTrust::Proven, 1.0), [(Phase::Green, 4.0), (Phase::Yellow, 6.0)]);
         assert_eq!(at(SignalTrust::Proven, 6.0), [(Phase::Yellow, 1.0)]);

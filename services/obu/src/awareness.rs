@@ -9,9 +9,8 @@ use its::time::its_timestamp;
 use its::triggers::{self, Triggers};
 use its::{Frame, Message};
 use messages::Odometry;
+use scenario::radio::Origin;
 
-/// The simulated road leads to the east, 0.1 degrees from north.
-const HEADING: u16 = 900;
 const WIDTH_DM: u8 = 19;
 const CAR: u8 = 5;
 const TRUCK: u8 = 8;
@@ -33,20 +32,23 @@ pub struct Awareness {
     vehicle: Vehicle,
     triggers: Triggers,
     plane: Plane,
+    heading_deg: f64,
 }
 
 impl Awareness {
     /// A sender that has sent nothing yet.
     #[must_use]
-    pub fn new(vehicle: Vehicle) -> Self {
-        Self { vehicle, triggers: Triggers::default(), plane: road_plane() }
+    pub fn new(vehicle: Vehicle, origin: &Origin) -> Self {
+        let heading_deg = origin.heading_deg.value();
+        Self { vehicle, triggers: Triggers::default(), plane: road_plane(origin), heading_deg }
     }
 
     /// The frame that is due at `moment`, if one is.
     pub fn due(&mut self, odometry: &Odometry, moment: &Moment) -> Option<Vec<u8>> {
         let (position_m, speed_mps) = odometry.moved_to(moment.now_ns as f64 / 1e9);
-        let motion =
-            triggers::Motion { position_m, speed_mps, heading_deg: f64::from(HEADING) / 10.0 };
+        let motion = triggers::Motion { position_m, speed_mps, heading_deg: self.heading_deg };
+        // Tenths of degrees, of which 3600 is north as 0 is.
+        let heading = (10.0 * self.heading_deg).round() as u16 % 3600;
         let due = self.triggers.check(moment.now_ns, &motion)?;
         let timestamp = its_timestamp(moment.utc_ms());
         let position = self.plane.position(position_m, 0.0);
@@ -59,7 +61,7 @@ impl Awareness {
             station_type: if is_truck { TRUCK } else { CAR },
             position,
             motion: Motion {
-                heading: HEADING,
+                heading,
                 speed: speed_cmps as u16,
                 acceleration,
                 yaw_rate: 0,
@@ -75,7 +77,7 @@ impl Awareness {
             position,
             accurate: true,
             speed: speed_cmps.min(16_383.0) as i16,
-            heading: HEADING,
+            heading,
         };
         // Every field is inside its range.
         Frame { source, message: Message::Cam(cam) }.encode().ok()

@@ -11,6 +11,8 @@
 
 pub mod awareness;
 pub mod clock;
+pub mod intersection;
+pub mod known_map;
 pub mod lanes;
 pub mod receiver;
 mod service;

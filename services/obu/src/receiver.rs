@@ -5,35 +5,34 @@
 //!
 //! * an intersection counts when two frames have told of it, so that a falsified id makes none;
 //! * what differs from what its sender said before must be said twice in a row;
-//! * where two senders disagree within [`AGREED_NS`], neither is believed: the signal is unknown;
-//! * timing is used with the map of its revision alone.
+//! * where two senders disagree, neither is believed until they agree or what one announced is over: the
+//!   signal is unknown;
+//! * timing is used with the map of its revision alone, and of lines that moved the nearest counts;
+//! * an intersection that is told of without a map, or by frames that are too old, is there all the same.
 
 use crate::clock::Moment;
-use crate::lanes::{StopLine, road_plane, stop_lines};
-use crate::timing::Timing;
+use crate::intersection::Intersection;
+use crate::lanes::{StopLine, stop_lines};
 use crate::verdict::{Verdict, Verdicts};
 use its::geodesy::Plane;
-use its::mapem::{IntersectionGeometry, Mapem};
-use its::spatem::{IntersectionState, Spatem};
+use its::mapem::Mapem;
+use its::spatem::Spatem;
 use its::time::from_its_timestamp;
 use its::{Frame, Message};
 use messages::{Lane, Map, Spat};
 use std::collections::VecDeque;
 use xxhash_rust::xxh3::xxh3_64;
 
-/// A stop line is forgotten when it is this far behind, m.
-const PASSED_M: f64 = 45.0;
 /// Frames among which the same bytes are noticed.
 const REMEMBERED_FRAMES: usize = 512;
-/// Intersections and senders of one intersection that are kept.
+/// Intersections that are kept.
 const MOST_INTERSECTIONS: usize = 64;
-const MOST_SENDERS: usize = 4;
-/// For so long a sender's word stands against another's, ns.
-const AGREED_NS: i64 = 2_000_000_000;
-/// After so long without its sender another one may replace a map, ns.
-const MAP_SILENT_NS: i64 = 5_000_000_000;
 /// An intersection of which nothing was heard for so long, and which is not ahead, is forgotten, ns.
 const FORGOTTEN_NS: i64 = 30_000_000_000;
+/// The first map of an intersection may be so old, ms: stop lines do not move from one minute to the next.
+const OLDEST_MAP_MS: i64 = 600_000;
+/// A unit so far from the vehicle's path is not at it, m.
+const BESIDE_PATH_M: f64 = 50.0;
 
 /// What the unit knows, and what it made of the frames.
 #[derive(Debug)]
@@ -46,62 +45,14 @@ pub struct Receiver {
     verdicts: Verdicts,
 }
 
-/// An intersection as it was told of.
-#[derive(Clone, Debug)]
-struct Intersection {
-    id: u16,
-    /// Frames that told of it.
-    frames: u64,
-    heard_ns: i64,
-    map: Option<KnownMap>,
-    senders: Vec<Sender>,
-    /// When its timing was last made without a contradiction, ns of run time.
-    certain_ns: Option<i64>,
-}
-
-/// A map as it is believed, and one that waits to be heard again.
-#[derive(Clone, Debug)]
-struct KnownMap {
-    station: u32,
-    heard_ns: i64,
-    geometry: IntersectionGeometry,
-    lines: Vec<StopLine>,
-    /// Of the map before. A vehicle that waits at one of these has not passed it because a newer map puts it
-    /// behind the vehicle.
-    former: Vec<StopLine>,
-    candidate: Option<(u32, IntersectionGeometry)>,
-}
-
-impl KnownMap {
-    /// Where a line counts for a vehicle at `ego_m`.
-    fn in_force(&self, line: &StopLine, ego_m: f64) -> StopLine {
-        let is_passed = |line: &StopLine| line.position_m < ego_m;
-        let same = |former: &&StopLine| former.signal_group == line.signal_group;
-        let former = self.former.iter().find(same).filter(|former| !is_passed(former));
-        former.filter(|_| is_passed(line)).copied().unwrap_or(*line)
-    }
-}
-
-/// What one sender says of an intersection's signals.
-#[derive(Clone, Debug)]
-struct Sender {
-    station: u32,
-    /// When it was made, ns of run time.
-    made_ns: i64,
-    revision: u8,
-    timings: Vec<Timing>,
-    /// What it said last, if that did not fit.
-    candidate: Option<Vec<Timing>>,
-}
-
 impl Receiver {
-    /// A unit that has heard nothing yet.
+    /// A unit that has heard nothing yet, on a road that is the axis of `plane`.
     #[must_use]
-    pub fn new(station_id: u32, max_age_ms: i64) -> Self {
+    pub fn new(station_id: u32, max_age_ms: i64, plane: Plane) -> Self {
         Self {
             station_id,
             max_age_ms,
-            plane: road_plane(),
+            plane,
             intersections: Vec::new(),
             heard: VecDeque::with_capacity(REMEMBERED_FRAMES),
             verdicts: Verdicts::default(),
@@ -130,8 +81,8 @@ impl Receiver {
     /// Forgets what is over. `ego_m` is the vehicle's position on its path.
     pub fn forget(&mut self, now_ns: i64, ego_m: f64) {
         self.intersections.retain(|intersection| {
-            intersection.lines_ahead(ego_m).next().is_some()
-                || now_ns - intersection.heard_ns < FORGOTTEN_NS
+            intersection.lines(now_ns, ego_m).next().is_some()
+                || intersection.silent_ns(now_ns) < FORGOTTEN_NS
         });
     }
 
@@ -139,8 +90,8 @@ impl Receiver {
     /// timing of them was made, ns of run time; `None` where no signal is ahead.
     pub fn write(&self, now_ns: i64, ego_m: f64, map: &mut Map, spat: &mut Spat) -> Option<i64> {
         let mut ahead: Vec<(&Intersection, StopLine)> = (self.intersections.iter())
-            .filter(|intersection| intersection.frames >= 2)
-            .flat_map(|known| known.lines_ahead(ego_m).map(move |line| (known, line)))
+            .filter(|intersection| intersection.is_confirmed())
+            .flat_map(|known| known.lines(now_ns, ego_m).map(move |line| (known, line)))
             .collect();
         ahead.sort_by(|(_, a), (_, b)| a.position_m.total_cmp(&b.position_m));
         let mut oldest_ns: Option<i64> = None;
@@ -151,9 +102,11 @@ impl Receiver {
                 stop_line_m: line.position_m,
             };
             map.count += 1;
-            // Nothing was ever certain: as old as the run.
-            let made_ns = known.certain_ns.unwrap_or(0);
-            oldest_ns = Some(oldest_ns.map_or(made_ns, |oldest| oldest.min(made_ns)));
+            if line.position_m >= ego_m {
+                // Nothing was ever certain: as old as the run.
+                let made_ns = known.certain_ns().unwrap_or(0);
+                oldest_ns = Some(oldest_ns.map_or(made_ns, |oldest| oldest.min(made_ns)));
+            }
             if let Some(timing) = known.timing(line.signal_group, now_ns) {
                 timing.write(known.id, &mut spat.signals[spat.count as usize]);
                 spat.count += 1;
@@ -180,14 +133,14 @@ impl Receiver {
         }
         let stamp = i64::from(frame.source.timestamp);
         let made_ms = from_its_timestamp(stamp, 1 << 32, moment.utc_ms());
-        if !self.is_of_now(made_ms, moment) {
-            return Verdict::TooOld;
-        }
+        let (along_m, left_m) = self.plane.point(frame.source.position);
+        let unit_m = (left_m.abs() <= BESIDE_PATH_M).then_some(along_m);
         match &frame.message {
-            Message::Spatem(spatem) => self.take_spatem(spatem, made_ms, moment),
-            Message::Mapem(mapem) => self.take_mapem(mapem, moment),
+            Message::Spatem(spatem) => self.take_spatem(spatem, made_ms, unit_m, moment),
+            Message::Mapem(mapem) => self.take_mapem(mapem, made_ms, unit_m, moment),
             // Of other vehicles: the signals do not depend on them.
-            Message::Cam(_) => Verdict::Accepted,
+            Message::Cam(_) if self.is_of_now(made_ms, moment) => Verdict::Accepted,
+            Message::Cam(_) => Verdict::TooOld,
         }
     }
 
@@ -195,31 +148,55 @@ impl Receiver {
         moment.age_ms(made_ms).abs() <= self.max_age_ms
     }
 
-    fn take_spatem(&mut self, spatem: &Spatem, sent_ms: i64, moment: &Moment) -> Verdict {
+    /// An intersection is known to be there by timing that is too old as well: its signals are unknown then,
+    /// but not absent.
+    fn take_spatem(
+        &mut self,
+        spatem: &Spatem,
+        sent_ms: i64,
+        unit_m: Option<f64>,
+        moment: &Moment,
+    ) -> Verdict {
+        let is_sent_now = self.is_of_now(sent_ms, moment);
         let mut worst = Verdict::Accepted;
         for state in &spatem.intersections {
             let made_ms = state.stamp.map_or(sent_ms, |stamp| stamp.utc(moment.utc_ms()));
-            let verdict = if self.is_of_now(made_ms, moment) {
-                let made_ns = moment.run_ns(made_ms);
-                match self.intersection(state.id) {
-                    Some(known) => known.take_timing(spatem.station_id, state, made_ns, moment),
-                    None => Verdict::UnknownIntersection,
+            let is_made_now = is_sent_now && self.is_of_now(made_ms, moment);
+            let verdict = match self.intersection(state.id, moment.now_ns) {
+                Some(known) => {
+                    known.note(moment.now_ns, unit_m);
+                    if is_made_now {
+                        let made_ns = moment.run_ns(made_ms);
+                        known.take_timing(spatem.station_id, state, made_ns, moment)
+                    } else {
+                        Verdict::TooOld
+                    }
                 }
-            } else {
-                Verdict::TooOld
+                None => Verdict::UnknownIntersection,
             };
             worst = worst.max(verdict);
         }
         worst
     }
 
-    fn take_mapem(&mut self, mapem: &Mapem, moment: &Moment) -> Verdict {
+    fn take_mapem(
+        &mut self,
+        mapem: &Mapem,
+        sent_ms: i64,
+        unit_m: Option<f64>,
+        moment: &Moment,
+    ) -> Verdict {
+        let is_sent_now = self.is_of_now(sent_ms, moment);
+        let is_usable = moment.age_ms(sent_ms).abs() <= OLDEST_MAP_MS;
         let mut worst = Verdict::Accepted;
         for geometry in &mapem.intersections {
             let lines = stop_lines(geometry, &self.plane);
-            let verdict = match self.intersection(geometry.id) {
-                _ if lines.is_empty() => Verdict::MissingLane,
-                Some(known) => known.take_map(mapem.station_id, geometry, lines, moment.now_ns),
+            let verdict = match self.intersection(geometry.id, moment.now_ns) {
+                Some(known) if is_sent_now || is_usable && !known.has_map() => {
+                    known.note(moment.now_ns, unit_m);
+                    known.take_map(mapem.station_id, geometry, lines, moment.now_ns)
+                }
+                Some(_) => Verdict::TooOld,
                 None => Verdict::UnknownIntersection,
             };
             worst = worst.max(verdict);
@@ -228,165 +205,18 @@ impl Receiver {
     }
 
     /// What is known of an intersection; `None` if there is no room for one more.
-    fn intersection(&mut self, id: u16) -> Option<&mut Intersection> {
+    fn intersection(&mut self, id: u16, now_ns: i64) -> Option<&mut Intersection> {
         let found = self.intersections.iter().position(|known| known.id == id);
         let index = match found {
             Some(index) => index,
             None if self.intersections.len() < MOST_INTERSECTIONS => {
-                self.intersections.push(Intersection {
-                    id,
-                    frames: 0,
-                    heard_ns: 0,
-                    map: None,
-                    senders: Vec::new(),
-                    certain_ns: None,
-                });
+                self.intersections.push(Intersection::new(id, now_ns));
                 self.intersections.len() - 1
             }
             None => return None,
         };
         Some(&mut self.intersections[index])
     }
-}
-
-impl Intersection {
-    fn lines_ahead(&self, ego_m: f64) -> impl Iterator<Item = StopLine> + '_ {
-        let lines = self
-            .map
-            .iter()
-            .flat_map(move |map| map.lines.iter().map(move |line| map.in_force(line, ego_m)));
-        lines.filter(move |line| line.position_m - ego_m > -PASSED_M)
-    }
-
-    fn take_timing(
-        &mut self,
-        station: u32,
-        state: &IntersectionState,
-        made_ns: i64,
-        moment: &Moment,
-    ) -> Verdict {
-        let now_s = moment.now_ns as f64 / 1e9;
-        let timings: Vec<Timing> =
-            state.movements.iter().map(|m| Timing::of(m, made_ns, moment)).collect();
-        match self.senders.iter_mut().find(|sender| sender.station == station) {
-            Some(sender) => {
-                if made_ns <= sender.made_ns {
-                    return Verdict::OutOfOrder;
-                }
-                let fits = agree(&sender.timings, &timings, now_s)
-                    || moment.now_ns - sender.made_ns > AGREED_NS;
-                let again = (sender.candidate.as_ref())
-                    .is_some_and(|candidate| agree(candidate, &timings, now_s));
-                if !fits && !again {
-                    sender.candidate = Some(timings);
-                    return Verdict::Contradicting;
-                }
-                sender.candidate = None;
-                (sender.made_ns, sender.revision) = (made_ns, state.revision);
-                sender.timings = timings;
-            }
-            None => {
-                if self.senders.len() == MOST_SENDERS {
-                    // The one that has been silent for the longest makes room.
-                    self.senders.sort_by_key(|sender| -sender.made_ns);
-                    self.senders.pop();
-                }
-                let revision = state.revision;
-                self.senders.push(Sender { station, made_ns, revision, timings, candidate: None });
-            }
-        }
-        self.frames += 1;
-        self.heard_ns = moment.now_ns;
-        if self.disagreement(moment.now_ns) {
-            return Verdict::Contradicting;
-        }
-        let Some(map) = &self.map else { return Verdict::UnknownIntersection };
-        if map.geometry.revision != state.revision {
-            return Verdict::Contradicting;
-        }
-        self.renew(moment.now_ns);
-        let Some(map) = &self.map else { return Verdict::UnknownIntersection };
-        let told = |line: &StopLine| {
-            state.movements.iter().any(|movement| movement.signal_group == line.signal_group)
-        };
-        if map.lines.iter().all(told) { Verdict::Accepted } else { Verdict::MissingLane }
-    }
-
-    fn take_map(
-        &mut self,
-        station: u32,
-        geometry: &IntersectionGeometry,
-        lines: Vec<StopLine>,
-        now_ns: i64,
-    ) -> Verdict {
-        self.frames += 1;
-        self.heard_ns = now_ns;
-        // A sender whose timing is of this revision already says so a second time.
-        let is_announced = (self.senders.iter())
-            .any(|sender| sender.station == station && sender.revision == geometry.revision);
-        let Some(map) = &mut self.map else {
-            let geometry = geometry.clone();
-            let former = Vec::new();
-            let heard_ns = now_ns;
-            self.map =
-                Some(KnownMap { station, heard_ns, geometry, lines, former, candidate: None });
-            self.renew(now_ns);
-            return Verdict::Accepted;
-        };
-        if map.geometry == *geometry {
-            (map.heard_ns, map.candidate) = (now_ns, None);
-            return Verdict::Accepted;
-        }
-        let is_new = map.geometry.revision != geometry.revision && is_announced;
-        let again =
-            map.candidate.as_ref().is_some_and(|(by, said)| *by == station && said == geometry);
-        let may_replace = map.station == station || now_ns - map.heard_ns > MAP_SILENT_NS;
-        if may_replace && (is_new || again) {
-            let geometry = geometry.clone();
-            let former = std::mem::take(&mut map.lines);
-            let heard_ns = now_ns;
-            *map = KnownMap { station, heard_ns, geometry, lines, former, candidate: None };
-            self.renew(now_ns);
-            return Verdict::Accepted;
-        }
-        map.candidate = Some((station, geometry.clone()));
-        Verdict::Contradicting
-    }
-
-    /// Notes how new the timing is that fits the map and that nothing contradicts.
-    fn renew(&mut self, now_ns: i64) {
-        let Some(map) = self.map.as_ref().filter(|_| !self.disagreement(now_ns)) else { return };
-        let of_revision = self.senders.iter().filter(|s| s.revision == map.geometry.revision);
-        self.certain_ns = self.certain_ns.max(of_revision.map(|sender| sender.made_ns).max());
-    }
-
-    /// True if two senders whose word stands say different things.
-    fn disagreement(&self, now_ns: i64) -> bool {
-        let now_s = now_ns as f64 / 1e9;
-        let standing = |sender: &&Sender| now_ns - sender.made_ns <= AGREED_NS;
-        let mut standing = self.senders.iter().filter(standing);
-        let Some(first) = standing.next() else { return false };
-        standing.any(|other| !agree(&first.timings, &other.timings, now_s))
-    }
-
-    /// The newest timing of a signal group that nothing contradicts.
-    fn timing(&self, signal_group: u8, now_ns: i64) -> Option<&Timing> {
-        let map = self.map.as_ref()?;
-        if self.disagreement(now_ns) {
-            return None;
-        }
-        let of_revision = self.senders.iter().filter(|s| s.revision == map.geometry.revision);
-        let newest = of_revision.max_by_key(|sender| sender.made_ns)?;
-        newest.timings.iter().find(|timing| timing.signal_group == signal_group)
-    }
-}
-
-/// True if all that both say of the same signal groups can be true.
-fn agree(a: &[Timing], b: &[Timing], now_s: f64) -> bool {
-    a.iter().all(|of_a| {
-        let mut same = b.iter().filter(|of_b| of_b.signal_group == of_a.signal_group);
-        same.all(|of_b| of_a.agrees_with(of_b, now_s))
-    })
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use crate::awareness::{Awareness, Vehicle};
 use crate::clock::{ClockError, Moment};
+use crate::lanes::road_plane;
 use crate::receiver::Receiver;
 use crate::verdict::Verdicts;
 use messages::{
@@ -10,7 +11,7 @@ use messages::{
 use runtime::report::{Details, ObuReport};
 use runtime::statistics::Latencies;
 use runtime::{
-    Count, Cycle, Figures, Group, Publisher, Release, Runtime, RuntimeError, Subscriber,
+    Count, Cycle, Figures, Group, Publisher, Release, Runtime, RuntimeError, Subscriber, Timetable,
     monotonic_ns,
 };
 use scenario::Scenario;
@@ -101,7 +102,7 @@ pub fn last_known(group: &Group) -> Option<ObuReport> {
 
 impl Unit {
     fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Self, RuntimeError> {
-        let keys = &scenario.v2x.obu;
+        let (keys, origin) = (&scenario.v2x.obu, &scenario.v2x.origin);
         let period_ns = i64::from(scenario.v2x.period_ms.value()) * 1_000_000;
         let station_id = keys.station_id.value();
         Ok(Self {
@@ -110,20 +111,27 @@ impl Unit {
             spat: runtime.publisher()?,
             map: runtime.publisher()?,
             sent: runtime.publisher()?,
-            receiver: Receiver::new(station_id, i64::from(keys.max_age_ms.value()))
-                .counting(Verdicts::open(runtime.figures())?),
-            awareness: Awareness::new(Vehicle {
+            receiver: Receiver::new(
                 station_id,
-                length_m: scenario.plant.length_m.value(),
-                is_truck: scenario.plant.vehicle.is_truck(),
-            }),
+                i64::from(keys.max_age_ms.value()),
+                road_plane(origin),
+            )
+            .counting(Verdicts::open(runtime.figures())?),
+            awareness: Awareness::new(
+                Vehicle {
+                    station_id,
+                    length_m: scenario.plant.length_m.value(),
+                    is_truck: scenario.plant.vehicle.is_truck(),
+                },
+                origin,
+            ),
             clock_error: ClockError {
                 offset_ms: keys.clock_offset_ms.value(),
                 drift_ppm: keys.clock_drift_ppm.value(),
             },
             own_utc_start_ns: 0,
             period_ns,
-            fallback_ns: (period_ns as f64 * FALLBACK) as i64,
+            fallback_ns: (Timetable::of(scenario).period_ns(Service::Obu) as f64 * FALLBACK) as i64,
             speaks_from_ns: None,
             batch: Origin::NONE,
             counts: Counts::open(runtime.figures())?,

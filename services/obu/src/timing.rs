@@ -83,6 +83,15 @@ impl Timing {
     }
 }
 
+/// True if all that both say of the same signal groups can be true.
+#[must_use]
+pub fn agree(a: &[Timing], b: &[Timing], now_s: f64) -> bool {
+    a.iter().all(|of_a| {
+        let mut same = b.iter().filter(|of_b| of_b.signal_group == of_a.signal_group);
+        same.all(|of_b| of_a.agrees_with(of_b, now_s))
+    })
+}
+
 /// `None` for a phase of which it is not known how long it is certain to last.
 fn announced(event: &MovementEvent, moment: &Moment) -> Option<Announced> {
     let state = state(event.state);

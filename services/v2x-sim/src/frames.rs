@@ -18,7 +18,7 @@ use its::time::{Stamp, TimeMark, its_timestamp};
 use its::{EncodeError, Frame, Message, MessageKind};
 use messages::MAX_INTERVALS;
 use scenario::quantity::Time;
-use scenario::radio::{ROAD_ORIGIN, Unit};
+use scenario::radio::{Origin, Unit};
 use scenario::v2x::{Phase, V2x};
 
 /// Station id of the unit at intersection 0; that of intersection n is n higher.
@@ -41,6 +41,13 @@ const TURNING: u8 = 101;
 const EXITS: u8 = 201;
 /// For how long a contradicting unit says that it stays green, ms.
 const FALSE_GREEN_MS: i64 = 30_000;
+
+/// The plane around the road's beginning, with the road as its axis.
+#[must_use]
+pub fn road_plane(origin: &Origin) -> Plane {
+    let (latitude, longitude) = origin.steps();
+    Plane::along(Position { latitude, longitude }, origin.heading_deg.value())
+}
 
 /// All roadside units of a scenario.
 #[derive(Clone, Debug)]
@@ -96,7 +103,7 @@ impl Frames {
             wrong: v2x.unit,
             range_m: v2x.range_m.value(),
             period_ns: v2x.period_ms.nanoseconds(),
-            plane: Plane::at(Position { latitude: ROAD_ORIGIN.0, longitude: ROAD_ORIGIN.1 }),
+            plane: road_plane(&v2x.origin),
         }
     }
 
@@ -111,9 +118,10 @@ impl Frames {
         utc_start_ns: i64,
         ego_m: Option<f64>,
     ) -> Result<Vec<SentFrame>, EncodeError> {
-        let now = Now::of(time_ns, utc_start_ns, &self.wrong);
+        let clock = Now::of(time_ns, utc_start_ns, &self.wrong);
         let mut sent = Vec::new();
         for (site, index) in self.sites.iter().zip(0_u64..) {
+            let now = clock.of_intersection(site.intersection, &self.wrong);
             if ego_m.is_some_and(|ego_m| !site.reaches(ego_m, self.range_m)) {
                 continue;
             }
@@ -221,12 +229,13 @@ impl Site {
                 return Err(EncodeError::Range(what));
             }
             let to_line_cm = (to_line_m * 100.0).round() as i16;
+            let node = |along_cm: i16, left_cm: i16| earth_node(plane, along_cm, left_cm);
             let mut ingress = |id: u8, to_left_cm: i16, maneuver: u16, group: u8| {
                 lanes.push(Lane {
                     id,
                     approach: Approach::Ingress(1),
                     maneuvers: maneuver,
-                    nodes: vec![(to_line_cm, to_left_cm), (-LANE_CM, 0)],
+                    nodes: vec![node(to_line_cm, to_left_cm), node(-LANE_CM, 0)],
                     connections: vec![Connection {
                         lane: EXITS,
                         maneuver: Some(maneuver),
@@ -241,7 +250,7 @@ impl Site {
             id: EXITS,
             approach: Approach::Egress(2),
             maneuvers: 0,
-            nodes: vec![(1000, 0), (LANE_CM, 0)],
+            nodes: vec![earth_node(plane, 1000, 0), earth_node(plane, LANE_CM, 0)],
             connections: Vec::new(),
         });
         let geometry = IntersectionGeometry {
@@ -255,6 +264,12 @@ impl Site {
         };
         Ok(Mapem { station_id, revision: now.revision, intersections: vec![geometry] })
     }
+}
+
+/// A node of a lane, east and north of the one before, cm.
+fn earth_node(plane: &Plane, along_cm: i16, left_cm: i16) -> (i16, i16) {
+    let (east_cm, north_cm) = plane.to_earth((along_cm.into(), left_cm.into()));
+    (east_cm.round() as i16, north_cm.round() as i16)
 }
 
 /// The time by the units' clocks.
@@ -273,9 +288,17 @@ impl Now {
         let drift_ns = time_ns as f64 * f64::from(wrong.clock_drift_ppm.value()) / 1e6;
         let offset_ns = i64::from(wrong.clock_offset_ms.value()) * 1_000_000;
         let start_ns = utc_start_ns + offset_ns + drift_ns.round() as i64;
-        let revision = u8::from(begun(wrong.map_changes_at_s, time_ns));
-        let this = Self { time_ns, utc_ms: 0, start_ns, revision };
+        let this = Self { time_ns, utc_ms: 0, start_ns, revision: 0 };
         Self { utc_ms: this.of_run(time_ns), ..this }
+    }
+
+    /// The same with the revision of an intersection's map.
+    fn of_intersection(&self, intersection: u16, wrong: &Unit) -> Self {
+        let is_meant = wrong.map_changes_of.is_none_or(|id| id.value() == intersection);
+        Self {
+            revision: u8::from(is_meant && begun(wrong.map_changes_at_s, self.time_ns)),
+            ..*self
+        }
     }
 
     /// UTC of a time of the run, ms.
@@ -349,13 +372,28 @@ mod tests {
             panic!("a map comes at first")
         };
         let geometry = &map.intersections[0];
-        let plane = Plane::at(Position { latitude: ROAD_ORIGIN.0, longitude: ROAD_ORIGIN.1 });
+        let plane = road_plane(&Origin::default());
         let middle = plane.point(geometry.reference);
         let straight = &geometry.lanes[0];
         assert!((middle.0 + f64::from(straight.nodes[0].0) / 100.0 - 300.0).abs() < 0.01);
         assert!(middle.1.abs() < 0.01);
         assert_eq!(straight.connections[0].signal_group, Some(1));
         assert_eq!(geometry.lanes[1].connections[0].signal_group, Some(2), "the turning lane's");
+    }
+
+    #[test]
+    fn the_map_changes_of_one_intersection_where_one_is_named() {
+        let revisions = |keys: &str| {
+            let frames = frames(&format!("[v2x.unit]\nmap_changes_at_s = 5\n{keys}"));
+            let messages = read(&frames, 6_000_000_000, None).into_iter();
+            let of = |message| match message {
+                Message::Spatem(spatem) => Some(spatem.intersections[0].revision),
+                Message::Mapem(_) | Message::Cam(_) => None,
+            };
+            messages.filter_map(of).collect::<Vec<_>>()
+        };
+        assert_eq!(revisions(""), [1, 1, 1]);
+        assert_eq!(revisions("map_changes_of = 2"), [0, 1, 0]);
     }
 
     #[test]

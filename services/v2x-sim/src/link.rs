@@ -21,6 +21,9 @@ pub(crate) struct Link {
     clock: Option<ClockDifference>,
     unit: Option<UnitClock>,
     before_start: u64,
+    /// Without frames a message is sent so seldom, ns: it shows that the radio lives.
+    period_ns: i64,
+    handed_on_ns: Option<i64>,
 }
 
 /// Frames of one cycle. Where there is no room for all, roadside units come before vehicles.
@@ -35,6 +38,7 @@ impl Link {
     pub(crate) fn open(
         runtime: &mut Runtime,
         address: &CarrierAddress,
+        period_ns: i64,
     ) -> Result<Self, RuntimeError> {
         let carrier = Carrier::open(address, Role::Vehicle)
             .map_err(|error| RuntimeError::Radio(Box::new(error)))?;
@@ -48,6 +52,8 @@ impl Link {
             clock: if address.is_live() { None } else { Some(ONE_CLOCK) },
             unit: None,
             before_start: 0,
+            period_ns,
+            handed_on_ns: None,
         })
     }
 
@@ -71,6 +77,30 @@ impl Link {
         header: Header,
     ) -> Result<(), RuntimeError> {
         self.collect(header.acquisition_ns);
+        if self.is_due(header.acquisition_ns) {
+            self.hand_on(header)?;
+        }
+        if let Some(sent) = &mut self.sent {
+            runtime.update(sent)?;
+            let origin = sent.origin();
+            if let Some(message) = sent.newest().filter(|_| origin != self.last_sent) {
+                self.last_sent = origin;
+                // What is not sent is counted.
+                let _ = self.carrier.send(message.frame.data());
+            }
+        }
+        Ok(())
+    }
+
+    /// Frames are handed on at once. A capture's cycles are a period apart: each has its message, which is
+    /// waited for in simulated time.
+    fn is_due(&self, now_ns: i64) -> bool {
+        let is_overdue = |handed_on_ns: i64| now_ns - handed_on_ns >= self.period_ns;
+        !self.batch.frames.is_empty() || self.handed_on_ns.is_none_or(is_overdue)
+    }
+
+    fn hand_on(&mut self, header: Header) -> Result<(), RuntimeError> {
+        self.handed_on_ns = Some(header.acquisition_ns);
         let Self { frames, batch, utc_start_ns, clock, .. } = self;
         frames.send_with(|message: &mut RadioFrames| {
             message.header = header;
@@ -83,15 +113,6 @@ impl Link {
             }
             message.left_out = batch.left_out;
         })?;
-        if let Some(sent) = &mut self.sent {
-            runtime.update(sent)?;
-            let origin = sent.origin();
-            if let Some(message) = sent.newest().filter(|_| origin != self.last_sent) {
-                self.last_sent = origin;
-                // What is not sent is counted.
-                let _ = self.carrier.send(message.frame.data());
-            }
-        }
         Ok(())
     }
 

@@ -80,7 +80,8 @@ impl Voice {
                 Self::Frames(Box::new(Radio::open(runtime, scenario)?))
             }
             scenario::radio::Radio::Carrier(address) => {
-                Self::Link(Box::new(Link::open(runtime, address)?))
+                let period_ns = i64::from(scenario.v2x.period_ms.value()) * 1_000_000;
+                Self::Link(Box::new(Link::open(runtime, address, period_ns)?))
             }
         })
     }

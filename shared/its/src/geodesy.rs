@@ -16,18 +16,28 @@ pub struct Position {
     pub longitude: i32,
 }
 
-/// The tangent plane at a point: metres to the east and to the north of it.
+/// The tangent plane at a point: metres along an axis and to the left of it. The axis leads to the east unless
+/// it is given another heading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
     origin: Position,
+    /// East and north of the axis' direction.
+    axis: (f64, f64),
     east_m_per_step: f64,
     north_m_per_step: f64,
 }
 
 impl Plane {
-    /// The plane around `origin`.
+    /// The plane around `origin`, to the east and to the north.
     #[must_use]
     pub fn at(origin: Position) -> Self {
+        Self::along(origin, 90.0)
+    }
+
+    /// The plane around `origin` with an axis of that heading, degrees clockwise from north.
+    #[must_use]
+    pub fn along(origin: Position, heading_deg: f64) -> Self {
+        let heading = heading_deg * (core::f64::consts::PI / 180.0);
         let latitude = f64::from(origin.latitude) * STEP_DEG * (core::f64::consts::PI / 180.0);
         let sine = libm::sin(latitude);
         let root = (1.0 - E2 * sine * sine).sqrt();
@@ -37,6 +47,7 @@ impl Plane {
         let radians_per_step = STEP_DEG * (core::f64::consts::PI / 180.0);
         Self {
             origin,
+            axis: (libm::sin(heading), libm::cos(heading)),
             east_m_per_step: prime_m * libm::cos(latitude) * radians_per_step,
             north_m_per_step: meridian_m * radians_per_step,
         }
@@ -44,7 +55,8 @@ impl Plane {
 
     /// The position nearest to a point of the plane, m.
     #[must_use]
-    pub fn position(&self, east_m: f64, north_m: f64) -> Position {
+    pub fn position(&self, along_m: f64, left_m: f64) -> Position {
+        let (east_m, north_m) = self.to_earth((along_m, left_m));
         let steps = |m: f64, m_per_step: f64| (m / m_per_step).round() as i32;
         Position {
             latitude: self.origin.latitude.saturating_add(steps(north_m, self.north_m_per_step)),
@@ -52,14 +64,28 @@ impl Plane {
         }
     }
 
-    /// East and north of a position, m.
+    /// How far along the axis and to the left of it a position is, m.
     #[must_use]
     pub fn point(&self, position: Position) -> (f64, f64) {
         let steps = |to: i32, from: i32| f64::from(to) - f64::from(from);
-        (
+        self.from_earth((
             steps(position.longitude, self.origin.longitude) * self.east_m_per_step,
             steps(position.latitude, self.origin.latitude) * self.north_m_per_step,
-        )
+        ))
+    }
+
+    /// East and north of a difference along the axis and to the left of it.
+    #[must_use]
+    pub fn to_earth(&self, (along, left): (f64, f64)) -> (f64, f64) {
+        let (east, north) = self.axis;
+        (along * east - left * north, along * north + left * east)
+    }
+
+    /// The reverse of [`Self::to_earth`].
+    #[must_use]
+    pub fn from_earth(&self, (to_east, to_north): (f64, f64)) -> (f64, f64) {
+        let (east, north) = self.axis;
+        (to_east * east + to_north * north, to_north * east - to_east * north)
     }
 }
 
@@ -85,5 +111,17 @@ mod tests {
             let (east, north) = plane.point(plane.position(east_m, north_m));
             assert!((east - east_m).abs() < 0.006 && (north - north_m).abs() < 0.006);
         }
+    }
+
+    #[test]
+    fn an_axis_to_the_south_west_has_the_south_east_on_its_left() {
+        let origin = Position { latitude: 487_000_000, longitude: 91_000_000 };
+        let (east, road) = (Plane::at(origin), Plane::along(origin, 225.0));
+        let (to_east_m, to_north_m) = east.point(road.position(100.0, 0.0));
+        assert!((to_east_m + 70.71).abs() < 0.01 && (to_north_m + 70.71).abs() < 0.01);
+        let (to_east_m, to_north_m) = road.to_earth((0.0, 1.0));
+        assert!((to_east_m - 0.7071).abs() < 1e-4 && (to_north_m + 0.7071).abs() < 1e-4);
+        let (along_m, left_m) = road.point(road.position(250.0, -3.5));
+        assert!((along_m - 250.0).abs() < 0.01 && (left_m + 3.5).abs() < 0.01);
     }
 }

@@ -118,7 +118,8 @@ impl Latencies {
     /// Number of recorded durations of more than `duration_ns`, to the resolution of the histogram.
     #[must_use]
     pub fn count_above_ns(&self, duration_ns: u64) -> u64 {
-        self.0.len() - self.0.count_between(0, duration_ns)
+        let histogram = self.histogram();
+        histogram.len() - histogram.count_between(0, duration_ns)
     }
 
     /// The whole distribution, as a curve; empty if nothing was recorded.

@@ -27,6 +27,10 @@ impl Timetable {
             let period_ms = match service {
                 Service::Plant => step_ms,
                 Service::PerceptionSim | Service::Aebs => scenario.perception.period_ms.value(),
+                // Frames of other hosts do not come in step: they are looked for more often.
+                Service::V2xSim | Service::Obu if scenario.v2x.radio.is_live() => {
+                    scenario.v2x.poll_ms.map_or(step_ms, |poll_ms| poll_ms.value())
+                }
                 Service::V2xSim | Service::Obu => scenario.v2x.period_ms.value(),
                 Service::Controller => scenario.controller.period_ms.value(),
             };
@@ -76,6 +80,20 @@ impl Timetable {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn frames_of_other_hosts_are_looked_for_in_each_step_or_as_the_scenario_says() {
+        let period_ms = |keys: &str| {
+            let text = format!("schema_version = 1\nname = \"poll\"\n[v2x]\n{keys}");
+            let table = Timetable::of(&Scenario::parse("poll", &text).expect("right"));
+            assert_eq!(table.period_ns(Service::V2xSim), table.period_ns(Service::Obu));
+            table.period_ns(Service::Obu) / 1_000_000
+        };
+        assert_eq!(period_ms("radio = \"frames\""), 100);
+        assert_eq!(period_ms("radio = \"udp://239.255.3.1:5520\""), 10);
+        assert_eq!(period_ms("radio = \"udp://239.255.3.1:5520\"\npoll_ms = 40"), 40);
+        assert_eq!(period_ms("radio = \"pcap:drive.pcap\""), 100, "of the run's own time");
+    }
 
     #[test]
     fn releases_and_waits() {

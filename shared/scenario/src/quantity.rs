@@ -102,6 +102,12 @@ quantity! {
     RoadLength, 1.0, 500.0, "a length from 1 to 500 km";
     /// An error in the position of a map, m, positive when the map is too far ahead.
     MapShift, -1000.0, 1000.0, "a shift from -1000 to 1000 m";
+    /// A latitude, degrees, north positive.
+    Latitude, -89.0, 89.0, "a latitude from -89 to 89 degrees";
+    /// A longitude, degrees, east positive.
+    Longitude, -180.0, 180.0, "a longitude from -180 to 180 degrees";
+    /// A heading, degrees clockwise from north.
+    Heading, 0.0, 360.0, "a heading from 0 to 360 degrees";
     /// A torque at the crankshaft, N m.
     Torque, -5000.0, 5000.0, "a torque from -5000 to 5000 N m";
     /// A rate of change of torque, N m/s, not zero.

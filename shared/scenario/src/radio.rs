@@ -5,11 +5,9 @@ use std::path::Path;
 
 use super::carrier::{CarrierAddress, CarrierAddressError};
 use super::quantity::{
-    DelayMs, DriftPpm, Duration, MapShift, OffsetMs, Probability, Shift, StationId, Time,
+    DelayMs, DriftPpm, Duration, Heading, IntersectionId, Latitude, Longitude, MapShift, OffsetMs,
+    Probability, Shift, StationId, Time,
 };
-
-/// Where the simulated road begins on the Earth: latitude and longitude, 1e-7 degrees. It leads to the east.
-pub const ROAD_ORIGIN: (i32, i32) = (487_000_000, 91_000_000);
 
 /// UTC of run time 0 in simulated time, ns since 1970: noon of 2026-06-01.
 pub const SIMULATED_START_NS: i64 = 1_780_315_200_000_000_000;
@@ -57,6 +55,12 @@ impl Radio {
         }
     }
 
+    /// True if frames come from other hosts as they are sent.
+    #[must_use]
+    pub fn is_live(&self) -> bool {
+        self.carrier().is_some_and(CarrierAddress::is_live)
+    }
+
     /// Settles where a carrier's file is: beside the scenario's own file, in `directory`.
     pub(super) fn place(&mut self, directory: Option<&Path>) {
         let Self::Carrier(address) = self else { return };
@@ -87,6 +91,43 @@ impl From<Radio> for String {
             Radio::Frames => "frames".to_owned(),
             Radio::Carrier(address) => address.to_string(),
         }
+    }
+}
+
+/// Where the road lies on the Earth, with frames. A capture's maps fit a road that begins and leads as theirs does.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Origin {
+    /// Latitude of the road's beginning, degrees, north positive.
+    pub latitude_deg: Latitude,
+    /// Longitude of the road's beginning, degrees, east positive.
+    pub longitude_deg: Longitude,
+    /// Where the road leads, degrees clockwise from north. It is straight.
+    pub heading_deg: Heading,
+}
+
+impl Default for Origin {
+    fn default() -> Self {
+        Self {
+            latitude_deg: Latitude::of(48.7),
+            longitude_deg: Longitude::of(9.1),
+            heading_deg: Heading::of(90.0),
+        }
+    }
+}
+
+impl Origin {
+    /// Latitude and longitude as messages have them, 1e-7 degrees.
+    #[must_use]
+    pub fn steps(&self) -> (i32, i32) {
+        let steps = |degrees: f64| (degrees * 1e7).round() as i32;
+        (steps(self.latitude_deg.value()), steps(self.longitude_deg.value()))
+    }
+
+    /// Whether it is the usual one.
+    #[must_use]
+    pub fn is_usual(&self) -> bool {
+        *self == Self::default()
     }
 }
 
@@ -172,6 +213,9 @@ pub struct Unit {
     /// When the map is replaced by another revision, s; absent: never.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map_changes_at_s: Option<Time>,
+    /// The intersection whose map is replaced; absent: all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map_changes_of: Option<IntersectionId>,
     /// By how much stop lines are farther along the road in that revision, m.
     pub map_shift_m: MapShift,
     /// When the countdowns begin to be wrong, s; absent: never.
@@ -190,6 +234,7 @@ impl Default for Unit {
             clock_drift_ppm: DriftPpm::of(0),
             contradicted_from_s: None,
             map_changes_at_s: None,
+            map_changes_of: None,
             map_shift_m: MapShift::of(0.0),
             countdown_wrong_from_s: None,
             countdown_jump_s: Shift::of(0.0),
@@ -219,6 +264,9 @@ pub struct Obu {
     pub clock_offset_ms: OffsetMs,
     /// By how much it is too fast, millionths.
     pub clock_drift_ppm: DriftPpm,
+    /// By how much the clocks of senders and vehicle may differ, ms: greens and yellows are taken to end so
+    /// much earlier than announced, reds so much later.
+    pub clock_tolerance_ms: DelayMs,
 }
 
 impl Default for Obu {
@@ -228,6 +276,7 @@ impl Default for Obu {
             max_age_ms: DelayMs::of(500),
             clock_offset_ms: OffsetMs::of(0),
             clock_drift_ppm: DriftPpm::of(0),
+            clock_tolerance_ms: DelayMs::of(250),
         }
     }
 }
@@ -267,6 +316,8 @@ mod tests {
         for (keys, said) in [
             ("radio = \"morse\"", "`morse` is no radio"),
             ("radio = \"udp://nowhere\"", "is no IP address with a port"),
+            ("poll_ms = 10", "v2x.poll_ms has no effect"),
+            ("radio = \"zenoh\"\npoll_ms = 15", "v2x.poll_ms = 15 is not a whole multiple"),
             ("radio = \"zenoh\"\nair.delay_ms = 20", "the air is simulated"),
             ("radio = \"zenoh\"\n[supervision]\nstandby = [\"v2x-sim\"]", "cannot have the radio"),
         ] {

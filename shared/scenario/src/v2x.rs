@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::preview::Preview;
 use super::quantity::{Distance, Duration, IntersectionId, PeriodMs, Reach, SignalGroupId, Time};
-use super::radio::{Air, Obu, Radio, Unit};
+use super::radio::{Air, Obu, Origin, Radio, Unit};
 
 /// Most signals of a scenario.
 pub const MAX_SIGNALS: usize = 64;
@@ -17,6 +17,9 @@ pub const MAX_PROGRAM_PHASES: usize = 64;
 pub struct V2x {
     /// Period of `v2x/spat` and `v2x/map`, ms.
     pub period_ms: PeriodMs,
+    /// How often frames of other hosts are looked for and handed on, ms; absent: in each `plant.period_ms`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub poll_ms: Option<PeriodMs>,
     /// Signals farther ahead of the ego than this are not received, m.
     pub range_m: Reach,
     /// How the signals reach the vehicle: `direct` as structs, `frames` as SPATEM and MAPEM of the simulated
@@ -29,6 +32,9 @@ pub struct V2x {
     /// The map of the road ahead, with its faults.
     #[serde(skip_serializing_if = "Preview::is_right")]
     pub preview: Preview,
+    /// Where the road lies on the Earth, with frames.
+    #[serde(skip_serializing_if = "Origin::is_usual")]
+    pub origin: Origin,
     /// The air between roadside units and vehicle, with frames.
     #[serde(skip_serializing_if = "Air::is_right")]
     pub air: Air,
@@ -44,10 +50,12 @@ impl Default for V2x {
     fn default() -> Self {
         Self {
             period_ms: PeriodMs::of(100),
+            poll_ms: None,
             range_m: Reach::of(300.0),
             radio: Radio::default(),
             signals: Vec::new(),
             preview: Preview::default(),
+            origin: Origin::default(),
             air: Air::default(),
             unit: Unit::default(),
             obu: Obu::default(),

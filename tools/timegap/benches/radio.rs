@@ -11,11 +11,13 @@ mod peer;
 use bytemuck::Zeroable;
 use messages::{Map, Spat};
 use obu::clock::Moment;
+use obu::lanes::road_plane;
 use obu::receiver::Receiver;
 use peer::{Peer, router};
 use radio::{Carrier, Role, wall_clock_ns};
 use rustix::time::{ClockId, clock_gettime};
 use scenario::carrier::CarrierAddress;
+use scenario::radio::Origin;
 use serde_json::Value;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -194,7 +196,7 @@ fn many_vehicles() {
 fn vehicle(address: &str) {
     let address: CarrierAddress = address.parse().expect("an address");
     let mut carrier = Carrier::open(&address, Role::Vehicle).expect("a vehicle");
-    let mut receiver = Receiver::new(std::process::id(), 500);
+    let mut receiver = Receiver::new(std::process::id(), 500, road_plane(&Origin::default()));
     let start_ns = wall_clock_ns();
     println!("ready");
     let ended = std::thread::spawn(|| std::io::stdin().read_to_end(&mut Vec::new()));

@@ -2,13 +2,12 @@
 
 use clap::Args;
 use group::{Error, Failure, ScenarioOptions, SignalsError, open};
-use its::geodesy::{Plane, Position};
+use its::geodesy::Plane;
 use its::{EncodeError, Message, MessageKind};
 use radio::{Carrier, OpenError, Role, StationReport, wall_clock_ns};
 use report::print;
 use scenario::Scenario;
 use scenario::carrier::CarrierAddress;
-use scenario::radio::ROAD_ORIGIN;
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write;
@@ -16,7 +15,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use v2x_sim::frames::{Frames, SentFrame};
+use v2x_sim::frames::{Frames, SentFrame, road_plane};
 
 /// Longest time until a signal that asks for the end is seen.
 const SLICE: Duration = Duration::from_millis(50);
@@ -160,7 +159,7 @@ impl RoadsideUnit {
         Ok(Self {
             frames,
             carrier,
-            plane: Plane::at(Position { latitude: ROAD_ORIGIN.0, longitude: ROAD_ORIGIN.1 }),
+            plane: road_plane(&scenario.v2x.origin),
             period: Duration::from_nanos(scenario.v2x.period_ms.nanoseconds()),
             begun,
             start_ns,

@@ -28,8 +28,8 @@ pub struct Countdown {
     known: [Option<Known>; REMEMBERED],
     /// By how much the ends of known signals are off, s, while they are.
     offset_s: Option<f64>,
-    /// Acquisition of the last message, ns.
-    last_ns: Option<i64>,
+    /// Step and acquisition, ns, of the last message: one that is as old as the one before may say more.
+    last: Option<(u64, i64)>,
     believed: Box<Spat>,
     contradicts: bool,
 }
@@ -39,7 +39,7 @@ impl Default for Countdown {
         Self {
             known: [None; REMEMBERED],
             offset_s: None,
-            last_ns: None,
+            last: None,
             believed: Box::new(bytemuck::Zeroable::zeroed()),
             contradicts: false,
         }
@@ -54,6 +54,8 @@ enum Comparison {
     Off(f64),
     /// What is known was wrong.
     Refutes,
+    /// It leaves open how long the phase lasts: nothing is to be learned of it.
+    Open,
 }
 
 impl Countdown {
@@ -65,8 +67,9 @@ impl Countdown {
         time_s: f64,
         findings: &mut Findings,
     ) -> (&'a Spat, bool) {
-        if self.last_ns != Some(sample.header.acquisition_ns) {
-            self.last_ns = Some(sample.header.acquisition_ns);
+        let this = (sample.header.step, sample.header.acquisition_ns);
+        if self.last != Some(this) {
+            self.last = Some(this);
             self.take(sample, time_s, findings);
         }
         if self.contradicts { (&self.believed, true) } else { (sample, false) }
@@ -90,6 +93,7 @@ impl Countdown {
                     agreed = true;
                     self.known[slot] = Some(Known { signal: *signal, heard_s: now_s });
                 }
+                Comparison::Open => {}
                 Comparison::Off(by_s) => {
                     off = Some(
                         off.map_or(by_s, |off| if by_s.abs() > off.abs() { by_s } else { off }),
@@ -158,6 +162,9 @@ fn compare(known: &Signal, signal: &Signal, now_s: f64) -> Comparison {
     let Some(place) = places.find(|place| known[*place].state == first.state) else {
         return Comparison::Refutes;
     };
+    if first.likely_end_s.is_infinite() && known[place].likely_end_s.is_finite() {
+        return Comparison::Open;
+    }
     let mut off_s: f64 = 0.0;
     for (known, new) in known[place..].iter().zip(new) {
         let early_s = known.min_end_s - new.likely_end_s;
@@ -278,6 +285,29 @@ mod tests {
             assert!(now_s >= 20.0 || first == 20.0, "{now_s}: {first}");
             assert_eq!(contradicts, now_s < 18.35, "{now_s}");
         }
+    }
+
+    #[test]
+    fn a_countdown_that_ends_too_early_is_still_too_early_in_the_next_phase() {
+        let (mut countdown, mut findings) = (Countdown::default(), Findings::default());
+        countdown.look(&spat(1, 5.0, 0.0), 5.0, &mut findings);
+        countdown.look(&spat(1, 16.0, -2.0), 16.0, &mut findings);
+        // Red outlasts its announced end: the on-board unit hands on that its end is not known.
+        let mut open = spat(1, 19.0, f64::INFINITY);
+        open.signals[0].count = 1;
+        countdown.look(&open, 19.0, &mut findings);
+        let (believed, contradicts) = countdown.look(&spat(1, 21.0, -2.0), 21.0, &mut findings);
+        assert_eq!((ends(believed), contradicts), (vec![28.0, 40.0, 48.0], true));
+    }
+
+    #[test]
+    fn a_message_as_old_as_the_last_one_is_looked_at() {
+        let (mut countdown, mut findings) = (Countdown::default(), Findings::default());
+        countdown.look(&spat(1, 5.0, 0.0), 5.0, &mut findings);
+        let mut next = spat(1, 5.0, 2.0);
+        next.header.step = 1;
+        let (believed, contradicts) = countdown.look(&next, 5.1, &mut findings);
+        assert_eq!((ends(believed), contradicts), (vec![22.0, 30.0, 42.0, 50.0], true));
     }
 
     #[test]

@@ -1,14 +1,20 @@
 use super::*;
+use crate::lanes::road_plane;
 use bytemuck::Zeroable;
 use its::geonetworking::{HEADER_BYTES, Source, StationType};
 use its::mapem::{Approach, Connection, LEFT, STRAIGHT};
 use its::spatem::{MovementEvent, MovementPhase, MovementState, Timing as Details};
 use its::time::{Stamp, TimeMark, its_timestamp};
 use messages::PhaseState;
+use scenario::radio::Origin;
 
 const OWN: u32 = 4711;
 const UNIT: u32 = 100_001;
 const START_NS: i64 = 1_780_315_200_000_000_000;
+
+fn plane() -> Plane {
+    road_plane(&Origin::default())
+}
 
 fn at(ms: i64) -> Moment {
     Moment { now_ns: ms * 1_000_000, utc_start_ns: START_NS, ahead_ns: 0 }
@@ -19,7 +25,7 @@ fn frame(message: Message, ms: i64) -> Vec<u8> {
         station_type: StationType::RoadsideUnit,
         address: 1,
         timestamp: its_timestamp(at(ms).utc_ms()) as u32,
-        position: road_plane().position(0.0, 0.0),
+        position: plane().position(0.0, 0.0),
         accurate: true,
         speed: 0,
         heading: 0,
@@ -77,7 +83,7 @@ fn geometry(stop_line_m: f64) -> IntersectionGeometry {
         region: None,
         id: 1,
         revision: 0,
-        reference: road_plane().position(stop_line_m + 10.0, 0.0),
+        reference: plane().position(stop_line_m + 10.0, 0.0),
         lane_width_cm: Some(350),
         lanes: vec![
             lane(1, (-1000, 350), -9000, LEFT, 8),
@@ -99,7 +105,7 @@ fn map(ms: i64) -> Vec<u8> {
 
 /// A unit that has heard a map and a SPATEM: green until 20 s.
 fn informed() -> Receiver {
-    let mut receiver = Receiver::new(OWN, 500);
+    let mut receiver = Receiver::new(OWN, 500, plane());
     assert_eq!(receiver.take(&map(0), &at(0)), Verdict::Accepted);
     assert_eq!(receiver.take(&spat(0, 20_000), &at(0)), Verdict::Accepted);
     receiver
@@ -137,7 +143,7 @@ fn a_lost_unit_makes_its_timing_old_and_does_not_take_it_away() {
 
 #[test]
 fn timing_without_a_map_waits_for_it() {
-    let mut receiver = Receiver::new(OWN, 500);
+    let mut receiver = Receiver::new(OWN, 500, plane());
     assert_eq!(receiver.take(&spat(0, 20_000), &at(0)), Verdict::UnknownIntersection);
     assert_eq!(told(&receiver, 0).0, Vec::<f64>::new());
     assert_eq!(receiver.take(&map(100), &at(100)), Verdict::Accepted);
@@ -146,7 +152,7 @@ fn timing_without_a_map_waits_for_it() {
 
 #[test]
 fn one_frame_makes_no_intersection() {
-    let mut receiver = Receiver::new(OWN, 500);
+    let mut receiver = Receiver::new(OWN, 500, plane());
     receiver.take(&map(0), &at(0));
     assert_eq!(told(&receiver, 0).0, Vec::<f64>::new());
 }
@@ -165,7 +171,7 @@ fn repeated_old_early_and_overtaken_frames_are_not_used() {
 
 #[test]
 fn a_clock_that_is_off_moves_the_ends_and_too_far_refuses_all() {
-    let mut receiver = Receiver::new(OWN, 500);
+    let mut receiver = Receiver::new(OWN, 500, plane());
     let off = |ms: i64, ns| Moment { utc_start_ns: START_NS + ns, ..at(ms) };
     receiver.take(&map(0), &off(0, 400_000_000));
     receiver.take(&spat(0, 20_000), &off(0, 400_000_000));
@@ -173,7 +179,7 @@ fn a_clock_that_is_off_moves_the_ends_and_too_far_refuses_all() {
     assert_eq!(receiver.take(&spat(100, 20_000), &off(100, 600_000_000)), Verdict::TooOld);
     // An offset that is known does no harm.
     let known = |ms| Moment { ahead_ns: -600_000_000, ..off(ms, 600_000_000) };
-    let mut receiver = Receiver::new(OWN, 500);
+    let mut receiver = Receiver::new(OWN, 500, plane());
     receiver.take(&map(0), &known(0));
     assert_eq!(receiver.take(&spat(0, 20_000), &known(0)), Verdict::Accepted);
     assert_eq!(told(&receiver, 0).1, Some(20.0));
@@ -207,11 +213,78 @@ fn of_two_units_that_disagree_none_is_believed() {
 }
 
 #[test]
+fn a_unit_that_was_contradicted_twice_is_not_right_because_the_other_one_is_silent() {
+    let mut receiver = informed();
+    let other = |ms, end_ms| frame(Message::Spatem(spatem(200_001, ms, end_ms)), ms);
+    // Green until 30 s and red until 90 s, where the first unit says 20 s and 80 s.
+    for ms in [100, 200] {
+        assert_eq!(receiver.take(&other(ms, 30_000), &at(ms)), Verdict::Contradicting);
+    }
+    for ms in (1_000..29_000).step_by(1_000) {
+        assert_eq!(receiver.take(&other(ms, 30_000), &at(ms)), Verdict::Contradicting, "{ms}");
+        assert_eq!(told(&receiver, ms), (vec![300.0], None, Some(0)));
+    }
+    // Of what the first one announced nothing is left.
+    for ms in [81_000, 81_100] {
+        receiver.take(&other(ms, 120_000), &at(ms));
+    }
+    assert_eq!(told(&receiver, 81_100).1, Some(120.0));
+}
+
+#[test]
+fn what_differs_after_a_silence_must_be_said_twice_as_well() {
+    let mut receiver = informed();
+    assert_eq!(receiver.take(&spat(6_000, 25_000), &at(6_000)), Verdict::Contradicting);
+    assert_eq!(receiver.take(&spat(6_100, 25_000), &at(6_100)), Verdict::Accepted);
+}
+
+#[test]
+fn a_map_that_is_too_old_for_timing_still_tells_of_the_line() {
+    let mut receiver = Receiver::new(OWN, 500, plane());
+    assert_eq!(receiver.take(&map(0), &at(60_000)), Verdict::Accepted);
+    assert_eq!(receiver.take(&spat(59_000, 90_000), &at(60_000)), Verdict::TooOld);
+    // There is a signal, and nothing is known of it.
+    assert_eq!(told(&receiver, 60_000), (vec![300.0], None, Some(0)));
+    let moved = map_of(UNIT, 1_000, geometry(320.0));
+    assert_eq!(receiver.take(&moved, &at(61_000)), Verdict::TooOld, "it has a map");
+    let mut receiver = Receiver::new(OWN, 500, plane());
+    assert_eq!(receiver.take(&map(0), &at(700_000)), Verdict::TooOld);
+}
+
+#[test]
+fn an_intersection_without_a_map_has_a_line_before_its_unit() {
+    let sent = |ms, message| {
+        let mut frame = Frame::decode(&frame(message, ms)).expect("it is ours");
+        frame.source.position = plane().position(310.0, 5.0);
+        frame.encode().expect("in range")
+    };
+    let timing = |ms| sent(ms, Message::Spatem(spatem(UNIT, ms, 20_000)));
+    let mut receiver = Receiver::new(OWN, 500, plane());
+    for ms in (0..=2_000).step_by(100) {
+        assert_eq!(receiver.take(&timing(ms), &at(ms)), Verdict::UnknownIntersection);
+        assert_eq!(told(&receiver, ms).0, Vec::<f64>::new(), "its map may be on the way");
+    }
+    receiver.take(&timing(2_100), &at(2_100));
+    assert_eq!(told(&receiver, 2_100), (vec![280.0], None, Some(0)));
+    // Its map comes: without a lane of the vehicle's twice, or with its line.
+    let mut other = receiver.clone();
+    let mut bare = geometry(300.0);
+    bare.lanes.remove(1);
+    for ms in [2_200, 2_300] {
+        assert_eq!(other.take(&map_of(UNIT, ms, bare.clone()), &at(ms)), Verdict::MissingLane);
+    }
+    other.take(&timing(2_400), &at(2_400));
+    assert_eq!(told(&other, 2_400).0, Vec::<f64>::new());
+    receiver.take(&map(2_200), &at(2_200));
+    assert_eq!(told(&receiver, 2_200), (vec![300.0], Some(20.0), Some(2_100)));
+}
+
+#[test]
 fn a_map_changes_with_its_revision_or_when_it_is_said_twice() {
     let mut receiver = informed();
     let moved = |ms| map_of(UNIT, ms, geometry(290.0));
     assert_eq!(receiver.take(&moved(1_000), &at(1_000)), Verdict::Contradicting);
-    assert_eq!(told(&receiver, 1_000).0, [300.0]);
+    assert_eq!(told(&receiver, 1_000).0, [290.0], "of two lines the nearer one");
     assert_eq!(receiver.take(&moved(2_000), &at(2_000)), Verdict::Accepted);
     assert_eq!(told(&receiver, 2_000).0, [290.0]);
     // Timing of the next revision waits for its map, which it announces.
@@ -244,7 +317,7 @@ fn a_line_that_a_newer_map_puts_behind_a_waiting_vehicle_counts_until_it_is_pass
 
 #[test]
 fn a_map_without_the_lane_and_timing_without_its_signal_are_counted() {
-    let mut receiver = Receiver::new(OWN, 500);
+    let mut receiver = Receiver::new(OWN, 500, plane());
     let mut bare = geometry(300.0);
     bare.lanes.remove(1);
     assert_eq!(receiver.take(&map_of(UNIT, 0, bare), &at(0)), Verdict::MissingLane);
@@ -259,7 +332,7 @@ fn a_map_without_the_lane_and_timing_without_its_signal_are_counted() {
 
 #[test]
 fn what_is_no_frame_of_ours_is_counted_by_its_kind() {
-    let mut receiver = Receiver::new(OWN, 500);
+    let mut receiver = Receiver::new(OWN, 500, plane());
     let good = spat(0, 20_000);
     let with = |at: usize, byte: u8| {
         let mut bytes = good.clone();
@@ -284,6 +357,15 @@ fn what_is_no_frame_of_ours_is_counted_by_its_kind() {
     let counts = receiver.verdicts().by_name();
     assert_eq!((counts["other_profile"], counts["malformed"], counts["accepted"]), (3, 3, 0));
     assert_eq!(counts.values().sum::<u64>(), 9);
+}
+
+#[test]
+fn a_unit_that_is_started_again_counts_on() {
+    let before = *informed().verdicts();
+    let mut receiver = Receiver::new(OWN, 500, plane());
+    receiver.restore(before);
+    receiver.take(&map(0), &at(0));
+    assert_eq!(receiver.verdicts().of(Verdict::Accepted), 3);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::Runtime;
 use crate::scheduling::give_up_priority;
 use crate::transport::Carrier;
 use crate::{FromService, Mode, RuntimeError, Subscriber};
-use messages::{Header, Message, Origins, ServiceState};
+use messages::{Header, Message, Origins, ServiceState, Topic};
 use std::sync::OnceLock;
 use std::time::Duration;
 
@@ -76,7 +76,12 @@ impl Runtime {
         }
         let now_ns = self.clock.now_ns();
         if let Some(source) = source {
-            topic.note_silence(now_ns, source, self.group.timetable.period_ns(source));
+            let period_ns = match T::TOPIC {
+                // Looked for more often, handed on when there are any and once in this time.
+                Topic::RadioFrames => i64::from(self.scenario.v2x.period_ms.value()) * 1_000_000,
+                _ => self.group.timetable.period_ns(source),
+            };
+            topic.note_silence(now_ns, source, period_ns);
         }
         self.faults.observe(|| topic.newest().and_then(Message::drive), now_ns);
         Ok(())

@@ -56,6 +56,9 @@ fn periods(scenario: &Scenario) -> Result<(), Problem> {
     let controller = scenario.controller.period_ms.value();
     multiple("perception.period_ms", perception, "plant.period_ms", plant)?;
     multiple("v2x.period_ms", scenario.v2x.period_ms.value(), "plant.period_ms", plant)?;
+    if let Some(poll_ms) = scenario.v2x.poll_ms {
+        multiple("v2x.poll_ms", poll_ms.value(), "plant.period_ms", plant)?;
+    }
     multiple("controller.period_ms", controller, "plant.period_ms", plant)?;
     if scenario.controller.release == Release::Radar {
         multiple("controller.period_ms", controller, "perception.period_ms", perception)?;
@@ -297,6 +300,10 @@ fn signals(signals: &[Signal]) -> Result<(), Problem> {
 /// Where signals are structs there is no air, no on-board unit and no frame that a fault could act on.
 fn radio(scenario: &Scenario) -> Result<(), Problem> {
     let v2x = &scenario.v2x;
+    if v2x.poll_ms.is_some() && !v2x.radio.is_live() {
+        let message = "v2x.poll_ms has no effect without frames of other hosts";
+        return fail("v2x.poll_ms", message, "v2x.radio to be the address of a live carrier");
+    }
     if v2x.radio.carrier().is_some() {
         return carrier(scenario);
     }
@@ -304,7 +311,8 @@ fn radio(scenario: &Scenario) -> Result<(), Problem> {
         return Ok(());
     }
     let (air, unit, obu) = (v2x.air.is_right(), v2x.unit.is_right(), v2x.obu.is_usual());
-    let unused = [("v2x.air", air), ("v2x.unit", unit), ("v2x.obu", obu)];
+    let origin = v2x.origin.is_usual();
+    let unused = [("v2x.origin", origin), ("v2x.air", air), ("v2x.unit", unit), ("v2x.obu", obu)];
     if let Some((table, _)) = unused.into_iter().find(|(_, usual)| !usual) {
         let message = format!("{table} has no effect without frames");
         return fail(table, message, "v2x.radio = \"frames\"");

@@ -1,4 +1,8 @@
 //! What is different in each run: its number alone decides.
+//!
+//! Left out is what no receiver without signatures can tell: a unit that is wrong from its first frame on and
+//! that no other one contradicts. So the air is clear at first, and a map that moves a stop line away from the
+//! vehicle is that of the first intersection, after it was heard. Those of the others move the line towards it.
 
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64;
@@ -48,12 +52,18 @@ pub fn keys(number: u64) -> Vec<String> {
         keys.push(format!("{key}={}", uniform(-most, most).round()));
     }
     let (wrong, at_s) = (uniform(0.0, 8.0), uniform(5.0, 90.0));
-    let (jump_s, slide, shift_m) = (uniform(0.0, 5.0), uniform(0.0, 1.0), uniform(-20.0, 0.0));
+    let (jump_s, slide, shift_m) = (uniform(-5.0, 5.0), uniform(-1.0, 1.0), uniform(-20.0, 20.0));
     match wrong as u32 {
         0 => keys.push(format!("v2x.unit.contradicted_from_s={at_s:.1}")),
         1 => {
+            let is_away = shift_m > 0.0;
+            // While the vehicle is on its way to that intersection.
+            let at_s = if is_away { 5.0 + (at_s - 5.0) / 85.0 * 25.0 } else { at_s };
             keys.push(format!("v2x.unit.map_changes_at_s={at_s:.1}"));
             keys.push(format!("v2x.unit.map_shift_m={shift_m:.1}"));
+            if is_away {
+                keys.push("v2x.unit.map_changes_of=1".to_owned());
+            }
         }
         2 => {
             keys.push(format!("v2x.unit.countdown_wrong_from_s={at_s:.1}"));

@@ -112,8 +112,7 @@ fn planned(number: usize) -> Planned {
 
 fn job(number: usize) -> Result<Job, Error> {
     let Planned { scenario, seed, keys, .. } = planned(number);
-    let options =
-        ScenarioOptions { seed: Some(seed.to_string()), ..ScenarioOptions::default() };
+    let options = ScenarioOptions { seed: Some(seed.to_string()), ..ScenarioOptions::default() };
     Ok(Job::lockstep(group::open_with(&scenario, &options, "set", &keys)?))
 }
 
@@ -129,11 +128,8 @@ pub fn holds_parts(directories: &[PathBuf]) -> bool {
 pub fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     let numbers = Numbers::of(arguments);
     let study = Study::of_this_command(numbers.count, &job(numbers.number(0))?.scenario);
-    let options = PartOptions {
-        shard: arguments.shard,
-        resume: arguments.resume.clone(),
-        merge: Vec::new(),
-    };
+    let options =
+        PartOptions { shard: arguments.shard, resume: arguments.resume.clone(), merge: Vec::new() };
     let (mut part, output) = Part::<Kept>::open(&options, &arguments.output, study)?;
     let left = part.left();
     let bar = report::progress::count_bar(part.runs(), arguments.json);
@@ -225,6 +221,9 @@ mod tests {
         };
         let said = kept.failure();
         assert!(!kept.holds() && said.starts_with("run 7: red light after 31.5 s\n"), "{said}");
-        assert!(said.contains("timegap run corridor --mode lockstep --seed 7 --set v2x."), "{said}");
+        assert!(
+            said.contains("timegap run corridor --mode lockstep --seed 7 --set v2x."),
+            "{said}"
+        );
     }
 }

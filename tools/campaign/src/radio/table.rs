@@ -71,7 +71,9 @@ impl Table {
         }
         text += &rows.text();
         let (mark, failed) = if self.ok { ("ok", 0) } else { ("BROKEN", self.failures.len()) };
-        text += &format!("  {mark:<6} runs that crossed a red light or did not end well = 0: {failed}\n");
+        text += &format!(
+            "  {mark:<6} runs that crossed a red light or did not end well = 0: {failed}\n"
+        );
         for failure in &self.failures {
             text += &format!("  {}\n", failure.replace('\n', "\n  "));
         }

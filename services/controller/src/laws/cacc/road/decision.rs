@@ -3,7 +3,8 @@
 //! Both programs are solved; a pass counts when its plan reaches the line before green ends. Their
 //! plans are then judged by one cost. What was decided for a line stays until the other is better
 //! by the hysteresis. A line that can neither be passed in green nor be stopped at comfortably is a
-//! dilemma: it is crossed in yellow if that is possible, and only else braked for hard.
+//! dilemma: it is crossed in yellow if that is possible, and only else braked for hard. A line whose phase is
+//! not known is taken for red as long as the hardest braking stops before it.
 
 /// What is done about the nearest line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,6 +43,8 @@ pub(super) struct Situation {
     pub(super) clears: bool,
     /// Braking with the comfort bound from now on stops before the line.
     pub(super) comfortable_stop: bool,
+    /// Braking as hard as the law can stops before the line.
+    pub(super) hard_stop: bool,
     /// Cost of the pass's plan.
     pub(super) pass_cost: f64,
     /// Cost of the stop's plan.
@@ -67,7 +70,8 @@ pub(super) fn choose(s: &Situation, hysteresis: f64) -> (Choice, Reason) {
         return (Choice::Stop, Reason::StopCheaper);
     }
     let reason = if s.known { Reason::GreenOutOfReach } else { Reason::Unknown };
-    if s.comfortable_stop {
+    // What is not known may be red: comfort does not count then.
+    if s.comfortable_stop || !s.known && s.hard_stop {
         (Choice::Stop, reason)
     } else if s.clears {
         (Choice::Pass, Reason::ClearsInYellow)
@@ -85,6 +89,7 @@ mod tests {
         reaches: true,
         clears: true,
         comfortable_stop: true,
+        hard_stop: true,
         pass_cost: 10.0,
         stop_cost: 11.0,
         before: None,
@@ -103,7 +108,9 @@ mod tests {
     fn unknown_is_never_green() {
         let unknown = Situation { known: false, ..S };
         assert_eq!(choose(&unknown, 0.2), (Choice::Stop, Reason::Unknown));
-        let late = Situation { comfortable_stop: false, ..unknown };
+        let hard = Situation { comfortable_stop: false, ..unknown };
+        assert_eq!(choose(&hard, 0.2), (Choice::Stop, Reason::Unknown));
+        let late = Situation { hard_stop: false, ..hard };
         assert_eq!(choose(&late, 0.2), (Choice::Pass, Reason::ClearsInYellow));
         let red = Situation { clears: false, ..late };
         assert_eq!(choose(&red, 0.2), (Choice::Stop, Reason::Emergency));

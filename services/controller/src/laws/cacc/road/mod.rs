@@ -264,6 +264,7 @@ impl RoadLaw {
             reaches,
             clears,
             comfortable_stop,
+            hard_stop: filter.can_stop(seen.ego, line_m),
             pass_cost,
             stop_cost,
             before,

@@ -6,6 +6,9 @@
 
 use crate::law::{Input, MAX_PHASES, MAX_SIGNALS, Phase, SignalAhead};
 
+/// Ids of signals: that of the intersection times this, plus the signal group's.
+const GROUPS: u32 = 256;
+
 /// A time during which a line may be crossed, on the clock of [`Input::time_s`], s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Green {
@@ -115,7 +118,8 @@ impl SignalMemory {
         }
         let mut kept = 0;
         for i in 0..self.count {
-            if self.lines[i].at_m > input.ego.position_m {
+            let is_ahead = self.lines[i].at_m > input.ego.position_m;
+            if is_ahead && !is_replaced(self.lines[i].id, input) {
                 self.lines[kept] = self.lines[i];
                 kept += 1;
             }
@@ -149,6 +153,15 @@ impl SignalMemory {
         self.lines[slot].at_m = at_m;
         self.lines[slot].read(signal, input.time_s);
     }
+}
+
+/// True if a line's intersection is told of without it: another map is in force. Where there is no room for
+/// more, it may only have been left out.
+fn is_replaced(id: u32, input: &Input) -> bool {
+    let is_full = input.signals.iter().all(Option::is_some);
+    let mut told = input.signals.iter().flatten();
+    let of_same = |other: &SignalAhead| other.id / GROUPS == id / GROUPS;
+    !is_full && told.clone().any(of_same) && told.all(|other| other.id != id)
 }
 
 #[cfg(test)]
@@ -205,6 +218,19 @@ mod tests {
         assert!(!memory.lines()[0].known);
         memory.update(&input(50.5, 4.0, None));
         assert!(memory.lines().is_empty());
+    }
+
+    #[test]
+    fn a_line_that_its_intersection_no_longer_has_is_dropped() {
+        let mut memory = SignalMemory::default();
+        let of =
+            |id, distance_m| Some(SignalAhead { id, ..signal(distance_m, &[(Phase::Red, 9.0)]) });
+        memory.update(&input(0.0, 0.0, of(512, 50.0)));
+        memory.update(&input(0.0, 1.0, of(770, 90.0)));
+        assert_eq!(memory.lines().len(), 2, "another intersection");
+        memory.update(&input(0.0, 2.0, of(513, 80.0)));
+        let at_m: Vec<f64> = memory.lines().iter().map(|line| line.at_m).collect();
+        assert_eq!(at_m, [80.0, 90.0]);
     }
 
     #[test]

@@ -1,0 +1,234 @@
+//! An intersection as frames tell of it: its map, and what each sender says of its signals.
+
+use crate::clock::Moment;
+use crate::known_map::KnownMap;
+use crate::lanes::StopLine;
+use crate::timing::{Timing, agree};
+use crate::verdict::Verdict;
+use its::mapem::IntersectionGeometry;
+use its::spatem::IntersectionState;
+
+/// Senders of one intersection that are kept.
+const MOST_SENDERS: usize = 4;
+/// For so long a word that was said once stands against another sender's, ns.
+const ONCE_STANDS_NS: i64 = 2_000_000_000;
+/// A stop line is forgotten when it is this far behind, m.
+const PASSED_M: f64 = 45.0;
+/// A unit sends its map once a second. An intersection that was told of for so long without one has a stop
+/// line all the same, ns.
+const MAP_DUE_NS: i64 = 2_000_000_000;
+/// That line is assumed so far before the unit, m: half of a large intersection.
+const LINE_BEFORE_UNIT_M: f64 = 30.0;
+/// Signal group of that line: none.
+const NO_GROUP: u8 = 0;
+
+/// An intersection as it was told of.
+#[derive(Clone, Debug)]
+pub struct Intersection {
+    /// Its id.
+    pub id: u16,
+    /// Frames that told of it.
+    frames: u64,
+    first_ns: i64,
+    heard_ns: i64,
+    map: Option<KnownMap>,
+    /// Maps of it without a lane of the vehicle.
+    elsewhere: u64,
+    /// Where its unit is along the vehicle's path, m; none if it is not at the path.
+    unit_m: Option<f64>,
+    senders: Vec<Sender>,
+    /// When its timing was last made without a contradiction, ns of run time.
+    certain_ns: Option<i64>,
+}
+
+/// What one sender says of an intersection's signals.
+#[derive(Clone, Debug)]
+struct Sender {
+    station: u32,
+    /// When it was made, ns of run time.
+    made_ns: i64,
+    /// How often it was believed to say something.
+    words: u64,
+    revision: u8,
+    timings: Vec<Timing>,
+    /// What it said last, if that did not fit.
+    candidate: Option<Vec<Timing>>,
+}
+
+impl Intersection {
+    /// One that nothing was heard of yet.
+    #[must_use]
+    pub fn new(id: u16, now_ns: i64) -> Self {
+        Self {
+            id,
+            frames: 0,
+            first_ns: now_ns,
+            heard_ns: now_ns,
+            map: None,
+            elsewhere: 0,
+            unit_m: None,
+            senders: Vec::new(),
+            certain_ns: None,
+        }
+    }
+
+    /// Notes a frame that tells of it, from a unit at `unit_m` on the vehicle's path, whatever else it says.
+    pub fn note(&mut self, now_ns: i64, unit_m: Option<f64>) {
+        self.frames += 1;
+        self.heard_ns = now_ns;
+        self.unit_m = unit_m;
+    }
+
+    /// Whether it was told of twice: a falsified id makes none.
+    #[must_use]
+    pub fn is_confirmed(&self) -> bool {
+        self.frames >= 2
+    }
+
+    /// For how long nothing was heard of it, ns.
+    #[must_use]
+    pub fn silent_ns(&self, now_ns: i64) -> i64 {
+        now_ns - self.heard_ns
+    }
+
+    /// Whether it has a map.
+    #[must_use]
+    pub fn has_map(&self) -> bool {
+        self.map.is_some()
+    }
+
+    /// When its timing was last made without a contradiction, ns of run time.
+    #[must_use]
+    pub fn certain_ns(&self) -> Option<i64> {
+        self.certain_ns
+    }
+
+    /// The stop lines that count for a vehicle at `ego_m`, those just passed included.
+    pub fn lines(&self, now_ns: i64, ego_m: f64) -> impl Iterator<Item = StopLine> + '_ {
+        let told = self.map.iter().flat_map(move |map| map.in_force(ego_m));
+        let lines = told.chain(self.assumed_line(now_ns));
+        lines.filter(move |line| line.position_m - ego_m > -PASSED_M)
+    }
+
+    /// Without a map: somewhere before the unit.
+    fn assumed_line(&self, now_ns: i64) -> Option<StopLine> {
+        let is_due = now_ns - self.first_ns > MAP_DUE_NS;
+        let is_missing = self.map.is_none() && self.elsewhere < 2 && is_due;
+        let position_m = self.unit_m.filter(|_| is_missing)? - LINE_BEFORE_UNIT_M;
+        Some(StopLine { signal_group: NO_GROUP, position_m })
+    }
+
+    /// Takes what a sender says of the signals.
+    pub fn take_timing(
+        &mut self,
+        station: u32,
+        state: &IntersectionState,
+        made_ns: i64,
+        moment: &Moment,
+    ) -> Verdict {
+        let now_s = moment.now_ns as f64 / 1e9;
+        let timings: Vec<Timing> =
+            state.movements.iter().map(|m| Timing::of(m, made_ns, moment)).collect();
+        match self.senders.iter_mut().find(|sender| sender.station == station) {
+            Some(sender) => {
+                if made_ns <= sender.made_ns {
+                    return Verdict::OutOfOrder;
+                }
+                let fits = agree(&sender.timings, &timings, now_s);
+                let again = (sender.candidate.as_ref())
+                    .is_some_and(|candidate| agree(candidate, &timings, now_s));
+                if !fits && !again {
+                    sender.candidate = Some(timings);
+                    return Verdict::Contradicting;
+                }
+                sender.candidate = None;
+                sender.words += 1;
+                (sender.made_ns, sender.revision) = (made_ns, state.revision);
+                sender.timings = timings;
+            }
+            None => {
+                if self.senders.len() == MOST_SENDERS {
+                    // The one that said the least, and of those the one that is silent for the longest.
+                    self.senders.sort_by_key(|sender| (sender.words.min(2), sender.made_ns));
+                    self.senders.remove(0);
+                }
+                let (revision, words, candidate) = (state.revision, 1, None);
+                self.senders.push(Sender { station, made_ns, words, revision, timings, candidate });
+            }
+        }
+        if self.disagreement(moment.now_ns) {
+            return Verdict::Contradicting;
+        }
+        let Some(map) = &self.map else { return Verdict::UnknownIntersection };
+        if map.revision() != state.revision {
+            return Verdict::Contradicting;
+        }
+        let told = |line: &StopLine| {
+            state.movements.iter().any(|movement| movement.signal_group == line.signal_group)
+        };
+        let is_whole = map.lines().iter().all(told);
+        self.renew(moment.now_ns);
+        if is_whole { Verdict::Accepted } else { Verdict::MissingLane }
+    }
+
+    /// Takes a map and its lines on the vehicle's path.
+    pub fn take_map(
+        &mut self,
+        station: u32,
+        geometry: &IntersectionGeometry,
+        lines: Vec<StopLine>,
+        now_ns: i64,
+    ) -> Verdict {
+        if lines.is_empty() {
+            self.elsewhere += 1;
+            return Verdict::MissingLane;
+        }
+        let is_announced = (self.senders.iter())
+            .any(|sender| sender.station == station && sender.revision == geometry.revision);
+        let is_taken = match &mut self.map {
+            Some(map) => map.take(station, now_ns, geometry, lines, is_announced),
+            None => {
+                self.map = Some(KnownMap::new(station, now_ns, geometry.clone(), lines));
+                true
+            }
+        };
+        self.renew(now_ns);
+        if is_taken { Verdict::Accepted } else { Verdict::Contradicting }
+    }
+
+    /// The newest timing of a signal group that nothing contradicts.
+    #[must_use]
+    pub fn timing(&self, signal_group: u8, now_ns: i64) -> Option<&Timing> {
+        let timings = &self.believed(now_ns)?.timings;
+        timings.iter().find(|timing| timing.signal_group == signal_group)
+    }
+
+    /// Notes how new the timing is that can be believed.
+    fn renew(&mut self, now_ns: i64) {
+        let made_ns = self.believed(now_ns).map(|sender| sender.made_ns);
+        self.certain_ns = self.certain_ns.max(made_ns);
+    }
+
+    /// The sender that is heard of last with timing that fits the map, if no other one contradicts. One that
+    /// spoke once counts only where there is no other.
+    fn believed(&self, now_ns: i64) -> Option<&Sender> {
+        let revision = self.map.as_ref()?.revision();
+        if self.disagreement(now_ns) {
+            return None;
+        }
+        let fitting = self.senders.iter().filter(|sender| sender.revision == revision);
+        fitting.max_by_key(|sender| (sender.words.min(2), sender.made_ns))
+    }
+
+    /// True if two senders whose word stands say different things. That one of them has fallen silent makes
+    /// the other one no more right.
+    fn disagreement(&self, now_ns: i64) -> bool {
+        let now_s = now_ns as f64 / 1e9;
+        let stands =
+            |sender: &&Sender| sender.words >= 2 || now_ns - sender.made_ns <= ONCE_STANDS_NS;
+        let standing: Vec<&Sender> = self.senders.iter().filter(stands).collect();
+        standing.iter().enumerate().any(|(place, one)| {
+            standing[place + 1..].iter().any(|other| !agree(&one.timings, &other.timings, now_s))
+        })
+    }
+}

@@ -1,0 +1,160 @@
+//! The stop lines of an intersection, as its maps tell of them.
+//!
+//! Maps may differ: a newer one moves a line, a falsified one contradicts. Which is right cannot be told from
+//! them, so each line counts that the last map, the ones before or a contradicting one has, until it is
+//! passed: of several for one signal the nearest ahead.
+
+use crate::lanes::StopLine;
+use its::mapem::IntersectionGeometry;
+
+/// After so long without its sender another one may replace a map, ns.
+const SILENT_NS: i64 = 5_000_000_000;
+/// Lines of former maps that are kept.
+const MOST_FORMER: usize = 16;
+
+/// A map as it is believed, and one that waits to be heard again.
+#[derive(Clone, Debug)]
+pub struct KnownMap {
+    station: u32,
+    heard_ns: i64,
+    geometry: IntersectionGeometry,
+    lines: Vec<StopLine>,
+    /// Of the maps before.
+    former: Vec<StopLine>,
+    candidate: Option<Candidate>,
+}
+
+/// A map that differs from the one that is believed.
+#[derive(Clone, Debug)]
+struct Candidate {
+    station: u32,
+    geometry: IntersectionGeometry,
+    lines: Vec<StopLine>,
+}
+
+impl KnownMap {
+    /// The first map of an intersection.
+    #[must_use]
+    pub fn new(
+        station: u32,
+        now_ns: i64,
+        geometry: IntersectionGeometry,
+        lines: Vec<StopLine>,
+    ) -> Self {
+        Self { station, heard_ns: now_ns, geometry, lines, former: Vec::new(), candidate: None }
+    }
+
+    /// Takes another map of the same intersection; `is_announced` if its sender's timing is of its revision,
+    /// which says so a second time. Returns whether it is the map now.
+    pub fn take(
+        &mut self,
+        station: u32,
+        now_ns: i64,
+        geometry: &IntersectionGeometry,
+        lines: Vec<StopLine>,
+        is_announced: bool,
+    ) -> bool {
+        if self.geometry == *geometry {
+            (self.heard_ns, self.candidate) = (now_ns, None);
+            return true;
+        }
+        let is_new = self.geometry.revision != geometry.revision && is_announced;
+        let again = (self.candidate.as_ref())
+            .is_some_and(|said| said.station == station && said.geometry == *geometry);
+        let may_replace = self.station == station || now_ns - self.heard_ns > SILENT_NS;
+        let geometry = geometry.clone();
+        if !(may_replace && (is_new || again)) {
+            self.candidate = Some(Candidate { station, geometry, lines });
+            return false;
+        }
+        let mut former = std::mem::take(&mut self.former);
+        former.extend(self.lines.iter().filter(|line| !lines.contains(line)));
+        former.retain(|line| !lines.contains(line));
+        former.drain(..former.len().saturating_sub(MOST_FORMER));
+        *self = Self { former, ..Self::new(station, now_ns, geometry, lines) };
+        true
+    }
+
+    /// Its revision, which timing has to be of.
+    #[must_use]
+    pub fn revision(&self) -> u8 {
+        self.geometry.revision
+    }
+
+    /// Its lines.
+    #[must_use]
+    pub fn lines(&self) -> &[StopLine] {
+        &self.lines
+    }
+
+    /// The line of each signal group that counts for a vehicle at `ego_m`.
+    pub fn in_force(&self, ego_m: f64) -> impl Iterator<Item = StopLine> + '_ {
+        self.lines.iter().map(move |line| {
+            let candidate = self.candidate.iter().flat_map(|said| &said.lines);
+            let all = self.lines.iter().chain(&self.former).chain(candidate);
+            let ahead = all.filter(|other| {
+                other.signal_group == line.signal_group && other.position_m >= ego_m
+            });
+            let nearest = ahead.min_by(|a, b| a.position_m.total_cmp(&b.position_m));
+            nearest.copied().unwrap_or(*line)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use its::geodesy::Position;
+
+    fn map(revision: u8) -> IntersectionGeometry {
+        IntersectionGeometry {
+            region: None,
+            id: 1,
+            revision,
+            reference: Position { latitude: 0, longitude: 0 },
+            lane_width_cm: None,
+            lanes: Vec::new(),
+            unread_lanes: 0,
+        }
+    }
+
+    fn line(position_m: f64) -> Vec<StopLine> {
+        vec![StopLine { signal_group: 1, position_m }]
+    }
+
+    fn nearest(map: &KnownMap, ego_m: f64) -> f64 {
+        map.in_force(ego_m).next().expect("it has a line").position_m
+    }
+
+    #[test]
+    fn lines_that_moved_count_one_after_the_other() {
+        for (first_m, then_m) in [(300.0, 290.0), (300.0, 320.0)] {
+            let mut known = KnownMap::new(1, 0, map(0), line(first_m));
+            assert!(known.take(1, 1, &map(1), line(then_m), true));
+            let (near_m, far_m) = (f64::min(first_m, then_m), f64::max(first_m, then_m));
+            assert_eq!(nearest(&known, 200.0), near_m);
+            assert_eq!(nearest(&known, near_m + 1.0), far_m);
+            assert_eq!(nearest(&known, far_m + 1.0), then_m);
+        }
+    }
+
+    #[test]
+    fn a_map_that_is_said_once_can_only_bring_a_line_nearer_until_the_first_is_said_again() {
+        let mut known = KnownMap::new(1, 0, map(0), line(300.0));
+        assert!(!known.take(1, 1, &map(1), line(320.0), false));
+        assert_eq!(nearest(&known, 0.0), 300.0);
+        assert!(!known.take(1, 2, &map(2), line(240.0), false));
+        assert_eq!(nearest(&known, 0.0), 240.0);
+        assert!(known.take(1, 3, &map(0), line(300.0), false));
+        assert_eq!(nearest(&known, 0.0), 300.0);
+    }
+
+    #[test]
+    fn another_sender_replaces_a_map_only_after_silence() {
+        let mut known = KnownMap::new(1, 0, map(0), line(300.0));
+        assert!(!known.take(2, 1, &map(1), line(320.0), true));
+        assert!(!known.take(2, 2, &map(1), line(320.0), true));
+        assert!(known.take(2, SILENT_NS + 1, &map(1), line(320.0), true));
+        assert_eq!((known.revision(), nearest(&known, 0.0)), (1, 300.0));
+    }
+}
