@@ -306,8 +306,9 @@ mod tests {
         spat.count = 1;
         spat.signals[0].count = 2;
         for (place, (state, end)) in [(6, 5.0), (3, 9.0)].into_iter().enumerate() {
-            let interval = Interval { state, likely_end_s: end, ..Interval::zeroed() };
-            spat.signals[0].intervals[place] = interval;
+            let (min_end_s, likely_end_s, max_end_s) = (end, end, end);
+            let ends = Interval { min_end_s, likely_end_s, max_end_s, ..Interval::zeroed() };
+            spat.signals[0].intervals[place] = Interval { state, ..ends };
         }
         let mut map = Map::zeroed();
         map.count = 1;

@@ -296,7 +296,8 @@ mod tests {
         let mut open = spat(1, 19.0, f64::INFINITY);
         open.signals[0].count = 1;
         countdown.look(&open, 19.0, &mut findings);
-        let (believed, contradicts) = countdown.look(&spat(1, 21.0, -2.0), 21.0, &mut findings);
+        let early = spat(1, 21.0, -2.0);
+        let (believed, contradicts) = countdown.look(&early, 21.0, &mut findings);
         assert_eq!((ends(believed), contradicts), (vec![28.0, 40.0, 48.0], true));
     }
 

@@ -2,8 +2,10 @@ use super::*;
 use crate::lanes::road_plane;
 use bytemuck::Zeroable;
 use its::geonetworking::{HEADER_BYTES, Source, StationType};
-use its::mapem::{Approach, Connection, LEFT, STRAIGHT};
-use its::spatem::{MovementEvent, MovementPhase, MovementState, Timing as Details};
+use its::mapem::{Approach, Connection, IntersectionGeometry, LEFT, STRAIGHT};
+use its::spatem::{
+    IntersectionState, MovementEvent, MovementPhase, MovementState, Timing as Details,
+};
 use its::time::{Stamp, TimeMark, its_timestamp};
 use messages::PhaseState;
 use scenario::radio::Origin;
@@ -209,7 +211,12 @@ fn of_two_units_that_disagree_none_is_believed() {
     }
     assert_eq!(receiver.take(&spat(2_200, 20_000), &at(2_200)), Verdict::Accepted);
     assert_eq!(told(&receiver, 2_200), (vec![300.0], Some(20.0), Some(2_200)));
-    assert_eq!(receiver.take(&other(2_300, 20_000), &at(2_300)), Verdict::Accepted, "they agree");
+    assert_eq!(
+        receiver.take(&other(2_300, 20_000), &at(2_300)),
+        Verdict::Contradicting,
+        "said once"
+    );
+    assert_eq!(receiver.take(&other(2_400, 20_000), &at(2_400)), Verdict::Accepted, "they agree");
 }
 
 #[test]
@@ -217,12 +224,13 @@ fn a_unit_that_was_contradicted_twice_is_not_right_because_the_other_one_is_sile
     let mut receiver = informed();
     let other = |ms, end_ms| frame(Message::Spatem(spatem(200_001, ms, end_ms)), ms);
     // Green until 30 s and red until 90 s, where the first unit says 20 s and 80 s.
-    for ms in [100, 200] {
+    assert_eq!(receiver.take(&spat(100, 20_000), &at(100)), Verdict::Accepted);
+    for ms in [200, 300] {
         assert_eq!(receiver.take(&other(ms, 30_000), &at(ms)), Verdict::Contradicting);
     }
     for ms in (1_000..29_000).step_by(1_000) {
         assert_eq!(receiver.take(&other(ms, 30_000), &at(ms)), Verdict::Contradicting, "{ms}");
-        assert_eq!(told(&receiver, ms), (vec![300.0], None, Some(0)));
+        assert_eq!(told(&receiver, ms), (vec![300.0], None, Some(100)));
     }
     // Of what the first one announced nothing is left.
     for ms in [81_000, 81_100] {
