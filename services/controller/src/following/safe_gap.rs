@@ -102,9 +102,8 @@ impl SafeGap {
 
     /// The safe request nearest to `request`.
     pub(crate) fn apply(&self, request: f64, ego: Motion, lead: &LeadNow) -> f64 {
-        let now = lead.braking_mps2();
-        let expected = if now > BRAKES_MPS2 { (1.0 + MAY_ADD) * now } else { now };
-        let worst = self.lead_deceleration_mps2.max(expected);
+        let expected = expected_mps2(lead);
+        let worst = self.worst_mps2(lead);
         if self.stays_behind(self.min_mps2, ego, lead, worst) {
             return self.lower(request, |u| self.stays_behind(u, ego, lead, worst));
         }
@@ -113,6 +112,11 @@ impl SafeGap {
         let share = (missing_m / MISSING_M).clamp(0.0, 1.0);
         let opening = request.min(share * self.comfort_mps2);
         self.lower(opening, |u| self.stays_behind(u, ego, lead, expected))
+    }
+
+    /// Deceleration of the vehicle ahead that the gap is kept safe against, m/s².
+    pub(crate) fn worst_mps2(&self, lead: &LeadNow) -> f64 {
+        self.lead_deceleration_mps2.max(expected_mps2(lead))
     }
 
     /// The largest request up to `u` that passes `test`; the smallest there is when none does.
@@ -192,6 +196,12 @@ impl SafeGap {
         let lead_m = 0.5 * speed_mps * speed_mps / self.lead_deceleration_mps2;
         self.min_gap_m + (own_m - lead_m).max(0.0)
     }
+}
+
+/// The deceleration that the vehicle ahead has now, with what it may still add, m/s².
+fn expected_mps2(lead: &LeadNow) -> f64 {
+    let now = lead.braking_mps2();
+    if now > BRAKES_MPS2 { (1.0 + MAY_ADD) * now } else { now }
 }
 
 #[cfg(test)]

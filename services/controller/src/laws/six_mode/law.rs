@@ -1,5 +1,6 @@
 //! The law: observe, decide, ask, smooth, limit.
 
+use super::avoid::{self, LAG_S};
 use super::boundaries::Boundaries;
 use super::filter::TargetFilter;
 use super::modes::{self, Mode, Reason, Situation};
@@ -18,8 +19,6 @@ const BLIND_REQUEST: f64 = -1.0;
 const BLIND_PERIOD: f64 = 0.1;
 /// Largest distance shown among the figures, m: the literal R_j has a pole.
 const FARTHEST: f64 = 1e6;
-/// Lag of the vehicle's acceleration that the end of a stop reckons with, s.
-const LAG_S: f64 = 0.5;
 
 /// The meaning of the numbers in the output.
 pub(super) static FORMULATION: Formulation = Formulation {
@@ -156,6 +155,19 @@ impl SixMode {
         }
     }
 
+    /// The demand of the avoid mode, as hard as needed; the paper's spacing brakes fully.
+    fn grade(&self, demand: f64, cruise: f64, input: &Checked, s: &Situation) -> f64 {
+        if self.parameters.spacing == Spacing::Paper
+            || !self.robust()
+            || self.mode != Some(Mode::Avoid)
+        {
+            return demand;
+        }
+        let target_mps2 = input.target.map_or(0.0, |target| target.acceleration_mps2);
+        avoid::graded(&self.parameters, s, &input.ego, target_mps2, self.request, input.period)
+            .min(cruise)
+    }
+
     /// Bounds the request and, in the robust law, its rate.
     fn limit(&self, demand: f64, period: f64) -> f64 {
         let (low, high) = self.request_bounds_mps2();
@@ -165,7 +177,11 @@ impl SixMode {
         match (p.variant, self.mode) {
             (Variant::Literal, _) => demand,
             (_, Some(Mode::Avoid)) => {
-                demand.max(self.request - p.emergency_jerk_limit_mps3 * period)
+                let low = self.request - p.emergency_jerk_limit_mps3 * period;
+                match p.spacing {
+                    Spacing::Paper => demand.max(low),
+                    Spacing::TimeGap => demand.clamp(low, (self.request + rise).max(low)),
+                }
             }
             _ => demand.clamp(self.request - rise, self.request + rise),
         }
@@ -228,6 +244,10 @@ impl Law for SixMode {
             let decided = self.decide(cruise, seen);
             if let Some(demand) = decided {
                 let demand = self.mean(demand);
+                let demand = match seen {
+                    Some((s, _)) => self.grade(demand, cruise, &input, &s),
+                    None => demand,
+                };
                 let demand = self.soften(demand, &input.ego, seen.map(|(s, _)| s));
                 self.request = self.limit(demand, input.period);
             }

@@ -11,7 +11,7 @@
 //! | 2 approach | R >= R_w, closing at k or more | | (8): -V_r²/(2 (R - R_w)) |
 //! | 3 steady | R >= R_w, closing below k | R_w <= R < R_j | (9), (10): -0.1, 0.4, or k3 V_r |
 //! | 4 decelerate | R_b < R < R_w | R_b < R < R_w | eight levels, -0.5 to -3.75, mean of four |
-//! | 5 avoid | R <= R_b | R <= R_b | -a_h |
+//! | 5 avoid | R <= R_b | R <= R_b | -a_h; [`Spacing::TimeGap`]: as hard as needed |
 //! | 6 accelerate | | R >= R_j | 1 |
 //!
 //! ```text
@@ -59,6 +59,7 @@
 //! Trap 4 has a second half that the clamp leaves standing: (6) itself still falls by about 30 m
 //! between V_r = 0 and 3 m/s, which is the paper's; hysteresis keeps it from chattering.
 
+mod avoid;
 mod boundaries;
 mod filter;
 mod law;

@@ -1,0 +1,127 @@
+//! Mode 5 with [`Spacing::TimeGap`]: as hard as needed, and no harder.
+//!
+//! The paper brakes fully below R_b, where full braking after the reaction time t1 is just enough against
+//! the hardest braking of the target. There, that is much too hard: what is needed is the request that, held
+//! for what t1 leaves beside the actuator's lag and followed by full braking, keeps a gap against that braking.
+//! It grows from R_b down to where full braking at once is needed:
+//!
+//! ```text
+//! u = max { u <= -a_c : least gap of (u for t1 - tau, then -a_h) >= R_s, the target brakes with b }
+//! b = max(a_p, what the target does now and may add)
+//! ```
+//!
+//! The request follows with a comfortable jerk (ISO 15622), unless full braking after it would not keep R0:
+//! then as fast as the emergency limit allows.
+//!
+//! | symbol | field | unit |
+//! | --- | --- | --- |
+//! | a_c | `approach_limit_mps2` | m/s² |
+//! | R_s | gap at which mode 4 ends at standstill | m |
+//! | tau | [`LAG_S`] | s |
+//!
+//! [`Spacing::TimeGap`]: super::Spacing::TimeGap
+
+use super::modes::Situation;
+use super::parameters::Parameters;
+use crate::following::kinematics::{Lag, Motion};
+use crate::following::safe_gap::{LeadNow, SafeGap};
+use crate::law::Ego;
+
+/// Lag of the vehicle's acceleration that the law reckons with, s.
+pub(super) const LAG_S: f64 = 0.5;
+/// Speeds between which ISO 15622's limit of the jerk falls, m/s, and its values there, m/s³.
+const JERK_SPEEDS_MPS: (f64, f64) = (5.0, 20.0);
+const JERKS_MPS3: (f64, f64) = (5.0, 2.5);
+/// Share of that limit which is used: the limit holds for the vehicle, behind the request.
+const JERK_SHARE: f64 = 0.9;
+
+/// The request, m/s², after one of `request` a `period` ago, s; the target accelerates with `target_mps2`.
+#[must_use]
+pub(super) fn graded(
+    p: &Parameters,
+    s: &Situation,
+    ego: &Ego,
+    target_mps2: f64,
+    request: f64,
+    period: f64,
+) -> f64 {
+    let target_mps2 = if target_mps2.is_finite() { target_mps2 } else { 0.0 };
+    let lead = LeadNow {
+        gap_m: s.gap_m,
+        speed_mps: (s.speed_mps + s.relative_mps).max(0.0),
+        acceleration_mps2: target_mps2,
+    };
+    let own = Motion {
+        position_m: 0.0,
+        speed_mps: ego.speed_mps,
+        acceleration_mps2: ego.acceleration_mps2.clamp(-p.braking_mps2, p.acceleration_mps2),
+    };
+    let held = |time_s: f64, least_m: f64| {
+        let bounds = (-p.braking_mps2, -p.approach_limit_mps2);
+        SafeGap::new(Lag { tau_s: LAG_S }, time_s, bounds, least_m, p.lead_braking_mps2)
+    };
+    let nearest = |safe: &SafeGap, request: f64| {
+        let worst_mps2 = safe.worst_mps2(&lead);
+        safe.lower(request, |u| safe.stays_behind(u, own, &lead, worst_mps2))
+    };
+    // What is seen is as old as the filter makes it.
+    let late_s = period + p.filter_time_s;
+    let stop_m = p.standstill_gap_m + p.least_band_m + p.warning_hysteresis_m;
+    let patient = held((p.reaction_time_s - LAG_S).max(late_s), stop_m);
+    let wanted = nearest(&patient, -p.approach_limit_mps2);
+    let soft = wanted.max(request - comfortable_jerk_mps3(ego.speed_mps) * period);
+    nearest(&held(late_s, p.standstill_gap_m), soft)
+}
+
+/// Fall of the request that passengers do not mind, m/s³.
+fn comfortable_jerk_mps3(speed_mps: f64) -> f64 {
+    let (slow, fast) = JERK_SPEEDS_MPS;
+    let share = ((speed_mps - slow) / (fast - slow)).clamp(0.0, 1.0);
+    JERK_SHARE * (JERKS_MPS3.0 + share * (JERKS_MPS3.1 - JERKS_MPS3.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::boundaries::Boundaries;
+    use super::*;
+
+    const PERIOD_S: f64 = 0.1;
+
+    /// The request at `gap_m` behind a target at 18 of the ego's 20 m/s, once the jerk is over.
+    fn settled(gap_m: f64, target_mps2: f64) -> f64 {
+        let p = Parameters::default();
+        let s = Situation { gap_m, speed_mps: 20.0, relative_mps: -2.0 };
+        let ego = Ego { speed_mps: 20.0, ..Ego::default() };
+        graded(&p, &s, &ego, target_mps2, -p.braking_mps2, PERIOD_S)
+    }
+
+    #[test]
+    fn the_request_grows_from_the_boundary_to_full_braking() {
+        let p = Parameters::default();
+        let braking_m = Boundaries::robust(&p, 20.0, -2.0).braking_m;
+        let at_boundary = settled(braking_m, 0.0);
+        assert!((-3.5..=-1.0).contains(&at_boundary), "{at_boundary} m/s² at {braking_m} m");
+        let requests: Vec<f64> =
+            (0..40).map(|k| settled(braking_m - f64::from(k), 0.0)).collect();
+        assert!(requests.windows(2).all(|pair| pair[1] <= pair[0]), "{requests:?}");
+        assert_eq!(settled(10.0, 0.0), -p.braking_mps2);
+    }
+
+    #[test]
+    fn a_target_that_brakes_harder_than_is_reckoned_with_is_braked_for_at_once() {
+        let gap_m = 38.0;
+        assert!(settled(gap_m, -9.0) < settled(gap_m, 0.0) - 1.0);
+        assert_eq!(settled(gap_m, f64::NAN), settled(gap_m, 0.0));
+    }
+
+    #[test]
+    fn the_jerk_is_comfortable_while_there_is_time() {
+        let p = Parameters::default();
+        let s = Situation { gap_m: 38.0, speed_mps: 20.0, relative_mps: -2.0 };
+        let ego = Ego { speed_mps: 20.0, ..Ego::default() };
+        let first = graded(&p, &s, &ego, 0.0, 0.0, PERIOD_S);
+        assert!((first + 0.9 * 2.5 * PERIOD_S).abs() < 1e-9, "{first}");
+        let near = Situation { gap_m: 12.0, ..s };
+        assert_eq!(graded(&p, &near, &ego, 0.0, 0.0, PERIOD_S), -p.braking_mps2);
+    }
+}
