@@ -1,6 +1,6 @@
 //! The tables of the predictive truck, without processes:
 //! `cargo run --release -p controller --example predictive_tables`, with `-- families` the table of road
-//! families alone.
+//! families alone, with `-- held-back` the same on other roads.
 //!
 //! Fuel is against constant speed at equal trip time, with the kinetic energy at the end corrected.
 
@@ -14,23 +14,66 @@ use truck_model::{Preset, Truck};
 /// Set speed, m/s.
 const SET_MPS: f64 = 75.0 / 3.6;
 
-/// Roads of each family.
+/// Roads of each family on which the planners were worked on, and roads that were held back.
 const FAMILY_SEEDS: std::ops::RangeInclusive<u64> = 1..=4;
-/// Kinds of roads: standard deviation of the tangents' grades, largest grade, shortest and longest tangent,
-/// length of the vertical curves, m.
-const FAMILIES: [(&str, f64, f64, [f64; 2], f64); 4] = [
-    ("hills, like the given road", 0.0138, 0.03, [300.0, 1500.0], 300.0),
-    ("motorway, long mild grades", 0.009, 0.022, [1500.0, 5000.0], 600.0),
-    ("steep ridges", 0.028, 0.055, [500.0, 2000.0], 250.0),
-    ("flat with noise", 0.004, 0.012, [100.0, 400.0], 100.0),
+const HELD_BACK_SEEDS: std::ops::RangeInclusive<u64> = 101..=104;
+
+/// A kind of roads of 60 km: hills, and waves under them.
+struct Family {
+    name: &'static str,
+    hills: Kind,
+    waves: Option<Kind>,
+}
+
+/// Standard deviation of the tangents' grades, largest grade, shortest and longest tangent, m, length of the
+/// vertical curves, m.
+type Kind = (f64, f64, [f64; 2], f64);
+
+const HILLS: Kind = (0.0138, 0.03, [300.0, 1500.0], 300.0);
+
+const FAMILIES: [Family; 5] = [
+    Family { name: "hills, like the given road", hills: HILLS, waves: None },
+    Family {
+        name: "motorway, long mild grades",
+        hills: (0.009, 0.022, [1500.0, 5000.0], 600.0),
+        waves: None,
+    },
+    Family { name: "steep ridges", hills: (0.028, 0.055, [500.0, 2000.0], 250.0), waves: None },
+    Family { name: "flat with noise", hills: (0.004, 0.012, [100.0, 400.0], 100.0), waves: None },
+    Family {
+        name: "small hills on long waves",
+        hills: (0.007, 0.02, [500.0, 2500.0], 400.0),
+        waves: Some((0.011, 0.03, [4000.0, 15_000.0], 2000.0)),
+    },
 ];
 
+impl Family {
+    fn road(&self, seed: u64) -> Road {
+        let alone = |(grade_sigma, max_grade, tangent_m, curve_m): Kind, seed: u64| {
+            let length_m = 60_000.0;
+            let alignment =
+                Alignment { length_m, grade_sigma, max_grade, tangent_m, curve_m, closed: true };
+            Road::from_profile(&generate(&alignment, seed))
+        };
+        let hills = alone(self.hills, seed);
+        let Some(waves) = self.waves else { return hills };
+        let waves = alone(waves, seed + 1000);
+        let pairs = hills.grades().iter().zip(waves.grades());
+        Road::new(hills.cell_m(), pairs.map(|(hill, wave)| hill + wave).collect())
+    }
+}
+
 fn main() {
+    let part = std::env::args().nth(1);
+    let seeds = match part.as_deref() {
+        Some("held-back") => HELD_BACK_SEEDS,
+        _ => FAMILY_SEEDS,
+    };
     println!("families of roads of 60 km, fuel in percent against constant speed");
     for preset in Preset::ALL {
-        families(preset);
+        families(preset, seeds.clone());
     }
-    if std::env::args().nth(1).is_some_and(|part| part == "families") {
+    if part.is_some() {
         return;
     }
     let given = given_road();
@@ -88,7 +131,7 @@ fn print_trip(comparison: &Comparison, name: &str, trip: Option<&Trip>) {
         3.6 * low,
         3.6 * high,
         trip.shifts,
-        trip.service_brake_j / 1e6,
+        trip.ledger.service_brake_j / 1e6,
     );
 }
 
@@ -120,47 +163,56 @@ fn generated(preset: Preset) {
     println!("{:<10} worst distance to the bound {worst:.2}", preset.name());
 }
 
-/// Savings on each family: the means, and the largest distance to the full-route plan.
-fn families(preset: Preset) {
+/// Savings on each family: the means, and the largest distance to the full-route plan; then where the means
+/// come from.
+fn families(preset: Preset, seeds: std::ops::RangeInclusive<u64>) {
     println!(
-        "{:<10} {:<28} {:>5} {:>9} {:>9} {:>9} {:>9} {:>9}",
+        "{:<10} {:<28} {:>5} {:>9} {:>9} {:>9} {:>9} {:>9}   n2: brakes, air, driveline; route: the same",
         "", "", "roads", "n2", "dp", "bound", "n2-bound", "dp-bound"
     );
-    for (name, grade_sigma, max_grade, tangent_m, curve_m) in FAMILIES {
-        let alignment = Alignment {
-            length_m: 60_000.0,
-            grade_sigma,
-            max_grade,
-            tangent_m,
-            curve_m,
-            closed: true,
-        };
-        let changes: Vec<[f64; 3]> = FAMILY_SEEDS
+    for family in &FAMILIES {
+        let roads: Vec<[(f64, [f64; 3]); 3]> = seeds
+            .clone()
             .filter_map(|seed| {
-                let road = Road::from_profile(&generate(&alignment, seed));
+                let road = family.road(seed);
                 let comparison = Comparison::new(&Truck::preset(preset), &road, SET_MPS)?;
-                let of = |trip: Option<Trip>| trip.map(|trip| comparison.change_percent(&trip));
+                let of = |trip: Option<Trip>| {
+                    trip.map(|trip| (comparison.change_percent(&trip), losses(&comparison, &trip)))
+                };
                 let n2 = of(comparison.informed(PaperN2))?;
                 let dp = of(comparison.informed(DynamicProgramming))?;
                 Some([n2, dp, of(comparison.bound())?])
             })
             .collect();
-        let count = changes.len() as f64;
-        let mean = |k: usize| changes.iter().map(|change| change[k]).sum::<f64>() / count;
-        let worst = |k: usize| {
-            changes.iter().map(|change| change[k] - change[2]).fold(f64::NEG_INFINITY, f64::max)
+        let mean = |value: &dyn Fn(&[(f64, [f64; 3]); 3]) -> f64| {
+            roads.iter().map(value).sum::<f64>() / roads.len() as f64
         };
-        println!(
-            "{:<10} {name:<28} {:>5} {:>9.2} {:>9.2} {:>9.2} {:>9.2} {:>9.2}",
-            preset.name(),
-            changes.len(),
-            mean(0),
-            mean(1),
-            mean(2),
-            worst(0),
-            worst(1),
-        );
+        let worst = |k: usize| {
+            roads.iter().map(|road| road[k].0 - road[2].0).fold(f64::NEG_INFINITY, f64::max)
+        };
+        print!("{:<10} {:<28} {:>5}", preset.name(), family.name, roads.len());
+        for k in 0..3 {
+            print!(" {:>9.2}", mean(&|road| road[k].0));
+        }
+        print!(" {:>9.2} {:>9.2}  ", worst(0), worst(1));
+        for (k, loss) in [(0, 0), (0, 1), (0, 2), (2, 0), (2, 1), (2, 2)] {
+            print!(" {:+.2}", mean(&|road| road[k].1[loss]));
+        }
+        println!();
     }
+}
+
+/// What brakes, air and driveline take more than at constant speed, in percent of the baseline's fuel at the
+/// price of energy.
+fn losses(comparison: &Comparison, trip: &Trip) -> [f64; 3] {
+    let baseline = comparison.baseline();
+    let of = |trip: &Trip| {
+        let ledger = &trip.ledger;
+        [ledger.service_brake_j + ledger.engine_brake_j, ledger.air_j, ledger.driveline_j]
+    };
+    let (ours, theirs) = (of(trip), of(baseline));
+    let percent_per_j = 100.0 * comparison.energy_gpj() / baseline.fuel_g;
+    [0, 1, 2].map(|k| percent_per_j * (ours[k] - theirs[k]))
 }
 
 fn robustness(preset: Preset, road: &Road) {

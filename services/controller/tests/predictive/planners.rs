@@ -73,6 +73,28 @@ fn the_dynamic_program_keeps_a_lower_gear_for_a_hill() {
     assert!(gears.iter().any(|gear| gear.is_some_and(|gear| gear < 5)), "{gears:?}");
 }
 
+/// The map ends in a descent, at the horizon of 2 km: it is planned as if the descent went on.
+#[test]
+fn a_descent_at_the_end_of_the_map_goes_on() {
+    let truck = Truck::preset(Preset::Jh6At49T);
+    let mut planner = create(PlannerKind::DynamicProgramming, &truck);
+    let mut speed_mps = |grades: &[f64]| {
+        let mut plan = Plan::default();
+        assert!(planner.plan(&request(grades, SET_MPS), &mut plan));
+        (2.0 * plan.segments[15].end_speed2_half).sqrt()
+    };
+    // Speeds where the descent begins, 1.6 km ahead.
+    let mut grades = [0.0; 60];
+    grades[32..40].fill(-0.03);
+    let flat_after_it = speed_mps(&grades);
+    let unknown = speed_mps(&grades[..40]);
+    grades[40..].fill(-0.03);
+    let goes_on = speed_mps(&grades);
+    assert!(goes_on < flat_after_it - 0.2, "{goes_on}, flat after it {flat_after_it}");
+    assert!(unknown < flat_after_it - 0.2, "{unknown}, flat after it {flat_after_it}");
+    assert!((unknown - goes_on).abs() < 0.5, "{unknown}, known {goes_on}");
+}
+
 #[test]
 fn a_short_preview_gives_a_short_plan_and_none_gives_none() {
     let truck = Truck::preset(Preset::Jh6At49T);

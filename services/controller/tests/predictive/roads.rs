@@ -16,13 +16,20 @@ pub(crate) fn given() -> Road {
 
 /// A hilly road.
 pub(crate) fn generated(length_m: f64, seed: u64) -> Road {
-    let alignment = Alignment {
-        length_m,
-        grade_sigma: 0.0138,
-        max_grade: 0.03,
-        tangent_m: [300.0, 1500.0],
-        curve_m: 300.0,
-        closed: true,
-    };
+    alone(length_m, seed, 0.0138, [300.0, 1500.0], 300.0)
+}
+
+/// Small hills on waves of 4 to 15 km.
+pub(crate) fn on_long_waves(length_m: f64, seed: u64) -> Road {
+    let hills = alone(length_m, seed, 0.007, [500.0, 2500.0], 400.0);
+    let waves = alone(length_m, seed + 1000, 0.011, [4000.0, 15_000.0], 2000.0);
+    let pairs = hills.grades().iter().zip(waves.grades());
+    Road::new(hills.cell_m(), pairs.map(|(hill, wave)| hill + wave).collect())
+}
+
+fn alone(length_m: f64, seed: u64, grade_sigma: f64, tangent_m: [f64; 2], curve_m: f64) -> Road {
+    let max_grade = 0.03;
+    let alignment =
+        Alignment { length_m, grade_sigma, max_grade, tangent_m, curve_m, closed: true };
     Road::from_profile(&generate(&alignment, seed))
 }

@@ -4,9 +4,11 @@
 //! min  sum(fuel + beta t + shifts) - gamma (K_end - K_set) + q gamma (K_end - K_set)²/K_set      q = 0.5
 //! ```
 //!
-//! A change of torque against the one that acts costs a little, lest the torque chatters between
+//! K_end is that of the road's guessed continuation (`beyond`), in the values alone: the plan ends at the
+//! horizon. A change of torque against the one that acts costs a little, lest the torque chatters between
 //! levels of the grid.
 
+use super::beyond::{self, Beyond};
 use super::energy_grid::{Costs, EnergyGrid, LOWEST, PLANNED_GEARS, SLOWNESS_GPM, Values};
 use super::prices::Prices;
 use super::speed_band::SpeedBand;
@@ -64,7 +66,7 @@ impl DynamicProgramming {
             grid: EnergyGrid::new(truck, resolution.nodes),
             prices: Prices::default(),
             laid_out_for: (0.0, 0.0),
-            values: (0..=resolution.steps).map(|_| values()).collect(),
+            values: (0..=resolution.steps + beyond::STEPS).map(|_| values()).collect(),
         }
     }
 
@@ -81,6 +83,18 @@ impl DynamicProgramming {
             slow_gpm: SLOWNESS_GPM,
             min_speed_mps: SpeedBand::of(request).min_mps,
         });
+    }
+
+    /// Values from the end of the guessed road back to the horizon.
+    fn values_from_horizon(&mut self, request: &PlanRequest, steps: usize) {
+        self.value_at_the_end(steps + beyond::STEPS, request.set_speed_mps);
+        let horizon_m = request.position_m + self.resolution.step_m * steps as f64;
+        let road = Beyond::new(&request.preview, request.position_m, horizon_m);
+        for step in (0..beyond::STEPS).rev() {
+            let stage = self.grid.stage(beyond::STEP_M, road.grade(step));
+            let (here, next) = self.values.split_at_mut(steps + step + 1);
+            self.grid.backward(stage, &next[0], &mut here[steps + step]);
+        }
     }
 
     fn value_at_the_end(&mut self, steps: usize, set_speed_mps: f64) {
@@ -139,7 +153,7 @@ impl Planner for DynamicProgramming {
         if !(low_j..=1.05 * high_j).contains(&energy_j) || request.gear < LOWEST {
             return false;
         }
-        self.value_at_the_end(steps, request.set_speed_mps);
+        self.values_from_horizon(request, steps);
         for step in (1..steps).rev() {
             let from_m = request.position_m + self.resolution.step_m * step as f64;
             let to_m = from_m + self.resolution.step_m;

@@ -14,6 +14,7 @@ use super::following::{self, JERK_MPS3, LastResort, Means};
 use super::limiter;
 use super::map_trust::MapTrust;
 use super::planners::create;
+use super::reference::{Reference, Speeds};
 use super::settings::{CarGap, PlannerKind, Settings};
 use super::spacing::{Mode, Spacing};
 use super::speed_band::{max_speed_mps, min_speed_mps};
@@ -102,6 +103,7 @@ struct State {
     price: TimePrice,
     trust: MapTrust,
     keeper: SpeedKeeper,
+    reference: Reference,
     last_resort: LastResort,
     /// Acceleration that was wanted last behind a target, m/s².
     wanted_mps2: Option<f64>,
@@ -116,9 +118,10 @@ impl State {
             tracking: Tracking::default(),
             filter: TargetFilter::default(),
             spacing_mode: Mode::default(),
-            price: TimePrice::new(settings.planner.usual_time_price()),
+            price: TimePrice::new(settings.planner.usual_time_price(), settings.mean_speed),
             trust: MapTrust::default(),
             keeper: SpeedKeeper::default(),
+            reference: Reference::default(),
             last_resort: LastResort::default(),
             wanted_mps2: None,
             mode: CRUISE,
@@ -177,6 +180,15 @@ impl Predictive {
             torque_nm = torque_nm.min(hold_nm);
         }
         torque_nm.clamp(low_nm, high_nm)
+    }
+
+    /// Books the time against that of the truck that keeps `mean_mps`.
+    fn account(&mut self, input: &Input, grade: f64, mean_mps: f64, limit_mps: f64) {
+        let start_mps = input.ego.speed_mps;
+        let speeds = Speeds { set_mps: mean_mps, limit_mps, start_mps };
+        let (truck, distance_m) = (&self.settings.truck, start_mps * input.period_s);
+        let due_s = self.state.reference.advance(truck, distance_m, grade, &speeds);
+        self.state.price.update(input.period_s, due_s);
     }
 
     /// Gaps and mode behind the target.
@@ -348,11 +360,12 @@ impl Law for Predictive {
         if self.state.mode != CRUISE {
             self.state.keeper = SpeedKeeper::default();
         }
-        if self.state.mode == PREDICTIVE {
-            let mean_mps = self.settings.mean_speed * set_mps;
-            self.state.price.update(ego.speed_mps, mean_mps.max(1.0), dt_s);
-        }
         let limit_mps = max_speed_mps(input.set_speed_mps, input.speed_limit_mps);
+        if self.state.mode == PREDICTIVE {
+            self.account(input, powertrain.grade, self.settings.mean_speed * set_mps, limit_mps);
+        } else {
+            self.state.reference = Reference::default();
+        }
         let demand = limiter::limited(
             &self.settings.truck,
             demand,

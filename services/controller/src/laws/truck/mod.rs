@@ -18,13 +18,14 @@
 //! |---|---|---|
 //! | road classes, reconstruction | steps 1, 2 | `road_classes` |
 //! | rolling optimisation, n = 2 | steps 3 to 6 | `paper_n2` |
-//! | dynamic programming | the better planner | `dynamic_programming`, `energy_grid` |
-//! | servo of the mean speed | beta | `time_price` |
+//! | dynamic programming | the better planner | `dynamic_programming`, `energy_grid`, `beyond` |
+//! | servo of the mean speed | beta | `time_price`, `reference` |
 //! | gap, modes | (14) to (16) | `spacing` |
 //! | accelerations, brakes | (17), (18) | `following` |
 //! | radar filter | | `target_filter` |
 //! | whole trips, baselines, the bound | the tables | [`route`] |
 
+mod beyond;
 mod dynamic_programming;
 mod energy_grid;
 mod following;
@@ -35,6 +36,7 @@ mod map_trust;
 mod paper_n2;
 mod planners;
 mod prices;
+mod reference;
 mod road_classes;
 pub mod route;
 mod settings;

@@ -44,6 +44,12 @@ impl Comparison {
         &self.baseline
     }
 
+    /// Price of energy, g/J.
+    #[must_use]
+    pub fn energy_gpj(&self) -> f64 {
+        self.energy_gpj
+    }
+
     /// Fuel of a trip at equal kinetic energy at both ends, L/100 km.
     #[must_use]
     pub fn l_per_100_km(&self, trip: &Trip) -> f64 {

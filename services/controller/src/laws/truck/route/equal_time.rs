@@ -99,6 +99,7 @@ impl<F: FnMut(f64) -> Option<Trip>> Search<F> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use truck_model::Ledger;
 
     fn trip(time_s: f64) -> Trip {
         Trip {
@@ -106,8 +107,7 @@ mod tests {
             time_s,
             fuel_g: 0.0,
             gained_j: 0.0,
-            service_brake_j: 0.0,
-            engine_brake_j: 0.0,
+            ledger: Ledger::default(),
             shifts: 0,
             speed_range_mps: (1.0, 1.0),
             samples: Vec::new(),

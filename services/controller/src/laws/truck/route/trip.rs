@@ -1,7 +1,7 @@
 //! One trip: the plant and a driver, from the road's start to its end.
 
 use super::Road;
-use truck_model::{Demand, FUEL_DENSITY_GPL, Motion, Truck};
+use truck_model::{Demand, FUEL_DENSITY_GPL, Ledger, Motion, Truck};
 
 /// Time between two decisions of a driver, s.
 pub const CONTROL_PERIOD_S: f64 = 0.1;
@@ -55,10 +55,8 @@ pub struct Trip {
     pub fuel_g: f64,
     /// Kinetic energy at the end less that at the start, J.
     pub gained_j: f64,
-    /// Work of the service brakes, J.
-    pub service_brake_j: f64,
-    /// Work of the engine brake beyond the drag, J.
-    pub engine_brake_j: f64,
+    /// Where the energy went.
+    pub ledger: Ledger,
     /// Number of shifts.
     pub shifts: u32,
     /// Lowest and highest speed, m/s.
@@ -114,8 +112,7 @@ pub fn drive(truck: &Truck, road: &Road, start_mps: f64, driver: &mut dyn Driver
                     time_s: time_s + (substep as f64 + share) * dt_s,
                     fuel_g: at_end(before.fuel_g, motion.fuel_g),
                     gained_j: truck.kinetic_energy_j(end_mps) - truck.kinetic_energy_j(start_mps),
-                    service_brake_j: motion.ledger.service_brake_j,
-                    engine_brake_j: motion.ledger.engine_brake_j,
+                    ledger: motion.ledger,
                     shifts: motion.shifts,
                     speed_range_mps,
                     samples,
