@@ -1,6 +1,6 @@
 //! Lockstep runs whose services take turns in one process: the same bytes as a group of processes.
 
-use group::in_process;
+use group::{Error, GroupOutcome, in_process};
 use rand_core::Rng;
 use rand_pcg::Pcg64;
 use report::summary::Summary;
@@ -160,6 +160,29 @@ fn random_mixes_do_the_same(mixes: std::ops::Range<u64>) {
 #[test]
 fn a_sample_of_random_fault_mixes_does_the_same_in_one_process_and_in_a_group() {
     random_mixes_do_the_same(0..8);
+}
+
+#[test]
+fn without_crcs_and_digests_a_run_is_the_same() {
+    for mix in 0..24 {
+        let name = ["cut-in", "cacc-a", "stop-and-go", "corridor"][(mix % 4) as usize];
+        let text = builtin(name).to_toml() + &random_mix(mix);
+        let scenario = Scenario::parse("mix", &text).expect("a scenario");
+        let told = |group: Result<GroupOutcome, Error>| {
+            let group = group.expect("it runs");
+            let summary = Summary::new(&scenario, Mode::Lockstep, &group, Duration::ZERO);
+            let mut summary = serde_json::to_value(summary).expect("plain data");
+            let topics = summary["messages"].as_object_mut().expect("topics by name");
+            let digests = topics.values_mut().map(|counts| counts["digests"].take());
+            let digests = digests.filter(|of| of.as_object().is_some_and(|of| !of.is_empty()));
+            (digests.count(), repeatable(&summary), group.drive.steps)
+        };
+        let sealed = told(in_process::run(&scenario));
+        let unsealed = told(in_process::run_unsealed(&scenario, &|| false));
+        assert!(sealed.0 > 5 && unsealed.0 == 0, "{mix}: {} and {}", sealed.0, unsealed.0);
+        assert_eq!(sealed.1, unsealed.1, "{mix}");
+        assert!(sealed.2 == unsealed.2, "{mix}: another drive");
+    }
 }
 
 /// All of them, or those from `FAULT_MIXES_FROM` to before `FAULT_MIXES_TO`.
