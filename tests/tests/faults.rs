@@ -192,6 +192,24 @@ fn message_faults_repeat_byte_by_byte_and_no_corruption_passes() {
 }
 
 #[test]
+fn a_controller_whose_clock_is_behind_stops_at_a_red_light() {
+    let corner = Corner::new(PROGRAM);
+    let lights = ["--set", "v2x.signals.0.offset_s=14", "--set", "v2x.signals.1.offset_s=11"];
+    let run = ["run", "corridor", "--mode", "lockstep", "--in-process", "--duration", "40"];
+    for behind_s in [0.3, 0.8, 1.0] {
+        let fault = format!(
+            "faults=[{{ kind = \"clock-step\", service = \"controller\", amount = -{behind_s}, \
+             for_s = 12.0, when = {{ red_line_below_m = 67.0 }} }}]"
+        );
+        let summary = corner.json(&[&run[..], &lights, &["--set", &fault]].concat());
+        assert_eq!(summary["outcome"], "completed", "{behind_s}: {summary}");
+        assert!(summary["faults"][0]["messages"].as_u64() > Some(100), "{}", summary["faults"]);
+        let levels = &summary["rungs"]["plant"]["time_s"];
+        assert_eq!(levels["full"], 40.0, "its plans are followed from their start: {levels}");
+    }
+}
+
+#[test]
 fn faults_come_into_a_run_that_goes_on() {
     let corner = corner(4.0, "");
     let arguments =
