@@ -30,13 +30,14 @@ impl Arrival {
     /// It is the command's stamp, unless that is wrong: a cycle of before the next one's release does not know
     /// what was measured after that. Where the stamp says otherwise, the sender's clock is behind, and the
     /// newest sample tells when the cycle was. Else a plan that says what to do from now on would be
-    /// followed from its middle on.
+    /// followed from its middle on. Samples of after `now_ns` tell nothing: there are none.
     #[must_use]
-    pub fn released_ns(&self) -> i64 {
+    pub fn released_ns(&self, now_ns: i64) -> i64 {
         let Command { header, plan_period_ns, .. } = &self.command;
         let Origins { odometry, radar, spat, map, powertrain, preview } = header.origins;
         let samples = [odometry, radar, spat, map, powertrain, preview];
-        let newest_ns = samples.map(|sample| sample.acquisition_ns).into_iter().max();
+        let stamps = samples.into_iter().map(|sample| sample.acquisition_ns);
+        let newest_ns = stamps.filter(|stamp_ns| *stamp_ns <= now_ns).max();
         match newest_ns {
             Some(newest_ns) if newest_ns > header.acquisition_ns + plan_period_ns => newest_ns,
             _ => header.acquisition_ns,
@@ -134,7 +135,7 @@ mod tests {
             command.header.origins = Origins::NONE;
             command.header.origins.odometry.acquisition_ns = odometry_ms * 1_000_000;
             command.header.origins.spat.acquisition_ns = spat_ms * 1_000_000;
-            Arrival { command, delay_ns: 0 }.released_ns() / 1_000_000
+            Arrival { command, delay_ns: 0 }.released_ns(5_050_000_000) / 1_000_000
         };
         assert_eq!(released_ms(5_000, 5_000, 4_900), 5_000);
         assert_eq!(released_ms(5_000, 5_040, 4_900), 5_000, "the cycle began late");
@@ -145,6 +146,7 @@ mod tests {
         );
         assert_eq!(released_ms(4_200, 5_000, 4_900), 5_000, "the clock was set back");
         assert_eq!(released_ms(4_200, 4_000, 4_900), 4_900, "odometry is missing");
+        assert_eq!(released_ms(4_200, 4_200, 9_000), 4_200, "no sample is of the future");
     }
 
     fn delivery(keys: &str) -> Delivery {

@@ -347,10 +347,10 @@ impl Plant {
                 command.start_ns != 0 && command.start_ns < command.header.acquisition_ns;
             let plan_len = if repeated { 0 } else { plan_len };
             if plan_len > 0 {
-                self.timeliness.arrived(arrival.released_ns());
+                self.timeliness.arrived(arrival.released_ns(now_ns));
             }
             // The plan is moved by the delay with the rest of the command.
-            let start_ns = arrival.released_ns() + delay_ns;
+            let start_ns = arrival.released_ns(now_ns) + delay_ns;
             let engine = (command.has_torque != 0).then(|| EngineRequest {
                 torque_nm: command.engine_torque_nm,
                 service_brake_n: command.service_brake_n,
