@@ -77,8 +77,10 @@ impl Runtime {
         let now_ns = self.clock.now_ns();
         if let Some(source) = source {
             let period_ns = match T::TOPIC {
-                // Looked for more often, handed on when there are any and once in this time.
-                Topic::RadioFrames => i64::from(self.scenario.v2x.period_ms.value()) * 1_000_000,
+                // Frames of other hosts are looked for more often than they are sent.
+                Topic::RadioFrames | Topic::RadioSent => {
+                    i64::from(self.scenario.v2x.period_ms.value()) * 1_000_000
+                }
                 _ => self.group.timetable.period_ns(source),
             };
             topic.note_silence(now_ns, source, period_ns);
