@@ -120,7 +120,8 @@ mod tests {
         let (to_east_m, to_north_m) = east.point(road.position(100.0, 0.0));
         assert!((to_east_m + 70.71).abs() < 0.01 && (to_north_m + 70.71).abs() < 0.01);
         let (to_east_m, to_north_m) = road.to_earth((0.0, 1.0));
-        assert!((to_east_m - 0.7071).abs() < 1e-4 && (to_north_m + 0.7071).abs() < 1e-4);
+        let half = core::f64::consts::FRAC_1_SQRT_2;
+        assert!((to_east_m - half).abs() < 1e-12 && (to_north_m + half).abs() < 1e-12);
         let (along_m, left_m) = road.point(road.position(250.0, -3.5));
         assert!((along_m - 250.0).abs() < 0.01 && (left_m + 3.5).abs() < 0.01);
     }

@@ -191,7 +191,8 @@ fn conclude(
     if arguments.json {
         report::print::out(&json)?;
     } else {
-        report::print::out(&(table.text() + &output.places()))?;
+        let results = format!("results: {}\n", output.path().display());
+        report::print::out(&(table.text() + &results))?;
     }
     written?;
     Ok(if table.ok && is_whole { ExitCode::SUCCESS } else { ExitCode::FAILURE })
