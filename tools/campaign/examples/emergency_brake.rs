@@ -16,6 +16,7 @@
 //! * `--laws`: control laws with the emergency brake, each in its whole group.
 
 use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
 use std::process::ExitCode;
 
 use aebs::decision::{Decision, Demand};
@@ -59,6 +60,9 @@ struct Arguments {
     /// The first of them
     #[arg(long, default_value_t = 0)]
     first: usize,
+    /// Cases driven at a time
+    #[arg(long, default_value = "2")]
+    jobs: NonZeroUsize,
     /// Seed of the radar's noise
     #[arg(long, default_value_t = 1)]
     seed: u32,
@@ -121,7 +125,7 @@ fn main() -> ExitCode {
         .skip(arguments.first)
         .step_by(arguments.every.max(1))
         .collect();
-    let half = cases.len().div_ceil(2);
+    let share = cases.len().div_ceil(arguments.jobs.get()).max(1);
     let mut all: Vec<(Case, Verdicts)> = Vec::new();
     std::thread::scope(|scope| {
         let arguments = &arguments;
@@ -129,7 +133,7 @@ fn main() -> ExitCode {
             part.iter().map(|case| (*case, verdicts(case, arguments))).collect()
         };
         let parts: Vec<_> =
-            cases.chunks(half).map(|part| scope.spawn(move || drive_part(part))).collect();
+            cases.chunks(share).map(|part| scope.spawn(move || drive_part(part))).collect();
         for part in parts {
             all.extend(part.join().expect("a thread that drives does not panic"));
         }

@@ -101,8 +101,7 @@ mod tests {
         let braking_m = Boundaries::robust(&p, 20.0, -2.0).braking_m;
         let at_boundary = settled(braking_m, 0.0);
         assert!((-3.5..=-1.0).contains(&at_boundary), "{at_boundary} m/s² at {braking_m} m");
-        let requests: Vec<f64> =
-            (0..40).map(|k| settled(braking_m - f64::from(k), 0.0)).collect();
+        let requests: Vec<f64> = (0..40).map(|k| settled(braking_m - f64::from(k), 0.0)).collect();
         assert!(requests.windows(2).all(|pair| pair[1] <= pair[0]), "{requests:?}");
         assert_eq!(settled(10.0, 0.0), -p.braking_mps2);
     }
