@@ -41,9 +41,9 @@ const FAMILIES: [Family; 5] = [
     Family { name: "steep ridges", hills: (0.028, 0.055, [500.0, 2000.0], 250.0), waves: None },
     Family { name: "flat with noise", hills: (0.004, 0.012, [100.0, 400.0], 100.0), waves: None },
     Family {
-        name: "small hills on long waves",
-        hills: (0.007, 0.02, [500.0, 2500.0], 400.0),
-        waves: Some((0.011, 0.03, [4000.0, 15_000.0], 2000.0)),
+        name: "short hills on long waves",
+        hills: (0.015, 0.035, [250.0, 900.0], 300.0),
+        waves: Some((0.009, 0.03, [4000.0, 15_000.0], 2000.0)),
     },
 ];
 

@@ -19,10 +19,10 @@ pub(crate) fn generated(length_m: f64, seed: u64) -> Road {
     alone(length_m, seed, 0.0138, [300.0, 1500.0], 300.0)
 }
 
-/// Small hills on waves of 4 to 15 km.
+/// Short hills on waves of 4 to 15 km.
 pub(crate) fn on_long_waves(length_m: f64, seed: u64) -> Road {
-    let hills = alone(length_m, seed, 0.007, [500.0, 2500.0], 400.0);
-    let waves = alone(length_m, seed + 1000, 0.011, [4000.0, 15_000.0], 2000.0);
+    let hills = alone(length_m, seed, 0.015, [250.0, 900.0], 300.0);
+    let waves = alone(length_m, seed + 1000, 0.009, [4000.0, 15_000.0], 2000.0);
     let pairs = hills.grades().iter().zip(waves.grades());
     Road::new(hills.cell_m(), pairs.map(|(hill, wave)| hill + wave).collect())
 }

@@ -85,12 +85,14 @@ impl DynamicProgramming {
         });
     }
 
-    /// Values from the end of the guessed road back to the horizon.
-    fn values_from_horizon(&mut self, request: &PlanRequest, steps: usize) {
-        self.value_at_the_end(steps + beyond::STEPS, request.set_speed_mps);
+    /// Values at the horizon: those of the guessed road after it. Where the map ends before the horizon, the
+    /// way does, too, and nothing is guessed.
+    fn values_at_horizon(&mut self, request: &PlanRequest, steps: usize) {
+        let guessed = if steps == self.resolution.steps { beyond::STEPS } else { 0 };
+        self.value_at_the_end(steps + guessed, request.set_speed_mps);
         let horizon_m = request.position_m + self.resolution.step_m * steps as f64;
         let road = Beyond::new(&request.preview, request.position_m, horizon_m);
-        for step in (0..beyond::STEPS).rev() {
+        for step in (0..guessed).rev() {
             let stage = self.grid.stage(beyond::STEP_M, road.grade(step));
             let (here, next) = self.values.split_at_mut(steps + step + 1);
             self.grid.backward(stage, &next[0], &mut here[steps + step]);
@@ -153,7 +155,7 @@ impl Planner for DynamicProgramming {
         if !(low_j..=1.05 * high_j).contains(&energy_j) || request.gear < LOWEST {
             return false;
         }
-        self.values_from_horizon(request, steps);
+        self.values_at_horizon(request, steps);
         for step in (1..steps).rev() {
             let from_m = request.position_m + self.resolution.step_m * step as f64;
             let to_m = from_m + self.resolution.step_m;
