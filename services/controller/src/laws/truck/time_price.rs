@@ -15,7 +15,7 @@ const PROPORTIONAL_PER_S: f64 = 0.008;
 /// k_i, 1/s²: with the response below a third of the critical damping.
 const INTEGRAL_PER_S2: f64 = PROPORTIONAL_PER_S / 4000.0;
 /// k_m: price per relative mean speed. On generated hills either planner answers to one more unit of price
-/// with 2 to 6 % of mean speed (docs/measurements.md).
+/// with 2 to 5 % of mean speed (docs/measurements.md).
 const PRICE_PER_MEAN: f64 = 20.0;
 /// Range of beta / beta_0.
 const RANGE: (f64, f64) = (0.5, 5.0);
