@@ -1,7 +1,8 @@
 //! The truck that keeps its speed: the time that a road takes without a plan.
 //!
 //! It drives over the same metres as the real one: at its set speed where engine and drag hold it, slower
-//! uphill at full load, up to the limit downhill.
+//! uphill at full load, up to the limit downhill. It is always in its strongest gear and never shifts: on a long
+//! climb of 3 % that makes it up to 8 % faster than the plant's truck.
 
 use truck_model::{GEARS, Truck};
 
@@ -78,7 +79,7 @@ mod tests {
         let (set_mps, limit_mps) = (75.0 / 3.6, 80.0 / 3.6);
         let speeds = Speeds { set_mps, limit_mps, start_mps: set_mps };
         let climb = [vec![0.0; 20], vec![0.03; 60], vec![-0.03; 60], vec![0.0; 20]].concat();
-        for grades in [vec![0.0; 100], climb] {
+        for (grades, faster) in [(vec![0.0; 100], 0.001), (climb, 0.08)] {
             for preset in Preset::ALL {
                 let truck = Truck::preset(preset);
                 let road = Road::new(50.0, grades.clone());
@@ -88,7 +89,12 @@ mod tests {
                 let mut advance = |&grade| reference.advance(&truck, 50.0, grade, &speeds);
                 let time_s: f64 = grades.iter().map(&mut advance).sum();
                 let off = time_s / trip.time_s - 1.0;
-                assert!(off.abs() < 0.015, "{}: {time_s} s, {} s", preset.name(), trip.time_s);
+                assert!(
+                    (-faster..0.001).contains(&off),
+                    "{}: {time_s} s, {} s",
+                    preset.name(),
+                    trip.time_s
+                );
             }
         }
     }
