@@ -33,17 +33,19 @@ const STANDSTILL_MPS: f64 = 0.05;
 /// Least probability of a contact to brake for, over the closing speed, m/s, linear in between: the milder
 /// the contact, the surer it has to be.
 const LIKELY: [(f64, f64); 3] = [(0.0, 0.65), (12.0, 0.35), (30.0, 0.12)];
-/// Braking is worth while if its expected loss is less than this share of that without: braking that comes
-/// too late for the most part keeps the ego beside what it would have passed.
-const BETTER: f64 = 0.4;
+/// Closing speeds, m/s, between which the next three change from their first value to their second: where a
+/// contact is fast, braking that comes too late only keeps the ego beside what it would have passed.
+const SLOW_TO_FAST_MPS: (f64, f64) = (12.0, 30.0);
+/// Braking is worth while if its expected loss is less than this share of that without.
+const BETTER: (f64, f64) = (0.8, 0.4);
 /// The brakes are let go if the expected loss is then less than this share of that of braking on.
-const LET_GO: f64 = 0.8;
+const LET_GO: (f64, f64) = (1.0, 0.8);
 /// A contact of this probability is as good as certain: to make it milder is reason enough.
 const CERTAIN: f64 = 0.9;
 /// A contact of this probability is not to be feared yet: braking can begin later.
 const REMOTE: f64 = 0.05;
 /// The ego is clear of an object with which a contact is less probable than this.
-const CLEAR: f64 = 0.05;
+const CLEAR: (f64, f64) = (0.1, 0.05);
 /// An object with which a contact is less probable than this is of no interest.
 const NONE: f64 = 0.01;
 /// The loss of a contact at this speed difference is twice that of the lightest one, m/s.
@@ -187,34 +189,32 @@ impl Decision {
             let beside = authority.beside(ego, threat, plan, clear_m);
             beside.map_or(Contact::default(), |beside| self.contact(object, &beside))
         };
+        let closing_mps = ego.speed_mps - object.speed_mps;
         let mut assessment = Assessment {
             loss: 0.0,
             warns: false,
             brakes: false,
             clear: true,
-            threat: (
-                object.distance_m,
-                object.speed_mps - ego.speed_mps,
-                object.lateral.position_m,
-            ),
+            threat: (object.distance_m, -closing_mps, object.lateral.position_m),
         };
         if braking {
             let on = contact(&threat, Plan::BrakeOn, 0.0);
             let off = contact(&steady, Plan::Release, 0.0);
             let near = contact(&steady, Plan::Release, *margin_m + CLEAR_M);
             assessment.loss = near.loss;
-            assessment.clear = near.probability <= CLEAR || off.loss < LET_GO * on.loss;
+            assessment.clear = near.probability <= by_speed(CLEAR, closing_mps)
+                || off.loss < by_speed(LET_GO, closing_mps) * on.loss;
             return (near.probability > NONE).then_some(assessment);
         }
         let passing = Threat { passed_m: threat.passed_m + PASS_MARGIN_M, ..threat };
         let kept = contact(&passing, Plan::Keep, 0.0);
         assessment.loss = kept.loss;
-        if kept.probability < likely(ego.speed_mps - object.speed_mps) {
+        if kept.probability < likely(closing_mps) {
             return (kept.probability > NONE).then_some(assessment);
         }
         let now = contact(&threat, Plan::Brake(0.0), 0.0);
         let next = contact(&threat, Plan::Brake(*period_s), *margin_m);
-        let share = if kept.probability > CERTAIN { 1.0 } else { BETTER };
+        let share = if kept.probability > CERTAIN { 1.0 } else { by_speed(BETTER, closing_mps) };
         assessment.brakes = next.probability > REMOTE && now.loss < share * kept.loss;
         let late = contact(&threat, Plan::Brake(*period_s + *warning_s), *margin_m);
         assessment.warns = assessment.brakes || late.probability > REMOTE;
@@ -253,6 +253,12 @@ impl Decision {
         }
         contact
     }
+}
+
+/// A value between that of slow and that of fast contacts.
+fn by_speed((slow, fast): (f64, f64), closing_mps: f64) -> f64 {
+    let (from_mps, to_mps) = SLOW_TO_FAST_MPS;
+    slow + (fast - slow) * ((closing_mps - from_mps) / (to_mps - from_mps)).clamp(0.0, 1.0)
 }
 
 /// Least probability of a contact to brake for at a closing speed.
@@ -375,7 +381,7 @@ mod tests {
     }
 
     #[test]
-    fn braking_that_only_makes_a_contact_milder_waits_until_it_is_certain() {
+    fn braking_that_only_makes_a_fast_contact_milder_waits_until_it_is_certain() {
         // Lateral speeds around 1 m/s, some of which come in behind the ego: at 48 m the brakes end with a
         // light contact, at 50 m with none.
         let mut object = Object::at(50.0, 5.0, 3.4, -1.0, 0.95);
