@@ -33,6 +33,8 @@ impl Record {
         let nearest = world.signals.iter().find(|s| s.line_m > world.ego.position_m);
         let line = nearest.map(|s| {
             let red_in = match s.phase {
+                // What is not heard may be red: no way across it is certain.
+                _ if world.silence != 0 => None,
                 0 => Some(s.left_s + s.lengths_s[1]),
                 1 => Some(s.left_s),
                 _ => None,
