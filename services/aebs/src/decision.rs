@@ -9,7 +9,7 @@
 //! |---|---|---|
 //! | [`BrakeState::Monitoring`] | at the start | |
 //! | [`BrakeState::Warning`] | as braking, with braking that begins `warning_s` later | no such threat |
-//! | [`BrakeState::Braking`] | a contact is likely, braking takes most of it away, and one cycle later it may leave less than the margin | letting go is clear of it, or better than braking on; the ego stands |
+//! | [`BrakeState::Braking`] | a contact is likely, braking makes it less likely or milder, and one cycle later it may leave less than the margin | letting go is clear of it, or better than braking on; the ego stands |
 //! | [`BrakeState::Holding`] | the ego stands after braking | after [`HOLD_S`] |
 //!
 //! A contact is likely if it is with the ego's present acceleration. Cruise control and driver brake long
@@ -32,20 +32,15 @@ const PASS_MARGIN_M: f64 = 1.0;
 const STANDSTILL_MPS: f64 = 0.05;
 /// Least probability of a contact to brake for, over the closing speed, m/s, linear in between: the milder
 /// the contact, the surer it has to be.
-const LIKELY: [(f64, f64); 3] = [(0.0, 0.65), (12.0, 0.35), (30.0, 0.12)];
-/// Closing speeds, m/s, between which the next three change from their first value to their second: where a
-/// contact is fast, braking that comes too late only keeps the ego beside what it would have passed.
-const SLOW_TO_FAST_MPS: (f64, f64) = (12.0, 30.0);
+const LIKELY: [(f64, f64); 3] = [(0.0, 0.65), (12.0, 0.35), (30.0, 0.2)];
 /// Braking is worth while if its expected loss is less than this share of that without.
-const BETTER: (f64, f64) = (0.8, 0.4);
-/// The brakes are let go if the expected loss is then less than this share of that of braking on.
-const LET_GO: (f64, f64) = (1.0, 0.8);
+const BETTER: f64 = 0.8;
 /// A contact of this probability is as good as certain: to make it milder is reason enough.
 const CERTAIN: f64 = 0.9;
 /// A contact of this probability is not to be feared yet: braking can begin later.
 const REMOTE: f64 = 0.05;
 /// The ego is clear of an object with which a contact is less probable than this.
-const CLEAR: (f64, f64) = (0.1, 0.05);
+const CLEAR: f64 = 0.1;
 /// An object with which a contact is less probable than this is of no interest.
 const NONE: f64 = 0.01;
 /// The loss of a contact at this speed difference is twice that of the lightest one, m/s.
@@ -189,32 +184,34 @@ impl Decision {
             let beside = authority.beside(ego, threat, plan, clear_m);
             beside.map_or(Contact::default(), |beside| self.contact(object, &beside))
         };
-        let closing_mps = ego.speed_mps - object.speed_mps;
         let mut assessment = Assessment {
             loss: 0.0,
             warns: false,
             brakes: false,
             clear: true,
-            threat: (object.distance_m, -closing_mps, object.lateral.position_m),
+            threat: (
+                object.distance_m,
+                object.speed_mps - ego.speed_mps,
+                object.lateral.position_m,
+            ),
         };
         if braking {
             let on = contact(&threat, Plan::BrakeOn, 0.0);
             let off = contact(&steady, Plan::Release, 0.0);
             let near = contact(&steady, Plan::Release, *margin_m + CLEAR_M);
             assessment.loss = near.loss;
-            assessment.clear = near.probability <= by_speed(CLEAR, closing_mps)
-                || off.loss < by_speed(LET_GO, closing_mps) * on.loss;
+            assessment.clear = near.probability <= CLEAR || off.loss < on.loss;
             return (near.probability > NONE).then_some(assessment);
         }
         let passing = Threat { passed_m: threat.passed_m + PASS_MARGIN_M, ..threat };
         let kept = contact(&passing, Plan::Keep, 0.0);
         assessment.loss = kept.loss;
-        if kept.probability < likely(closing_mps) {
+        if kept.probability < likely(ego.speed_mps - object.speed_mps) {
             return (kept.probability > NONE).then_some(assessment);
         }
         let now = contact(&threat, Plan::Brake(0.0), 0.0);
         let next = contact(&threat, Plan::Brake(*period_s), *margin_m);
-        let share = if kept.probability > CERTAIN { 1.0 } else { by_speed(BETTER, closing_mps) };
+        let share = if kept.probability > CERTAIN { 1.0 } else { BETTER };
         assessment.brakes = next.probability > REMOTE && now.loss < share * kept.loss;
         let late = contact(&threat, Plan::Brake(*period_s + *warning_s), *margin_m);
         assessment.warns = assessment.brakes || late.probability > REMOTE;
@@ -253,12 +250,6 @@ impl Decision {
         }
         contact
     }
-}
-
-/// A value between that of slow and that of fast contacts.
-fn by_speed((slow, fast): (f64, f64), closing_mps: f64) -> f64 {
-    let (from_mps, to_mps) = SLOW_TO_FAST_MPS;
-    slow + (fast - slow) * ((closing_mps - from_mps) / (to_mps - from_mps)).clamp(0.0, 1.0)
 }
 
 /// Least probability of a contact to brake for at a closing speed.
@@ -381,50 +372,9 @@ mod tests {
     }
 
     #[test]
-    fn braking_that_only_makes_a_fast_contact_milder_waits_until_it_is_certain() {
-        // Lateral speeds around 1 m/s, some of which come in behind the ego: at 48 m the brakes end with a
-        // light contact, at 50 m with none.
-        let mut object = Object::at(50.0, 5.0, 3.4, -1.0, 0.95);
-        object.lateral = crate::filter::Lateral::first(3.4, 0.05);
-        for _ in 0..3 {
-            object.lateral.update_rate(-1.0, 0.25);
-        }
-        let brakes = |object: Object| {
-            let mut decision = Decision::new(Settings { margin_m: 3.0, ..settings() });
-            let ego = Ego { speed_mps: 30.0, acceleration_mps2: 0.0 };
-            decision.step(&ego, [object]).state == BrakeState::Braking
-        };
-        assert!(brakes(object), "there is nothing to lose by it");
-        object.distance_m = 48.0;
-        assert!(!brakes(object), "it may still pass");
-        assert!(brakes(Object::at(48.0, 5.0, 0.5, 0.0, 0.95)), "it is certain");
-    }
-
-    #[test]
-    fn brakes_are_let_go_when_the_ego_is_clear_by_more_than_a_little() {
-        let holds_on = |sigma_m: f64| {
-            let mut decision = Decision::new(settings());
-            let ego = Ego { speed_mps: 30.0, acceleration_mps2: 0.0 };
-            let ahead = Object::at(45.0, 5.0, 0.0, 0.0, 0.95);
-            assert_eq!(decision.step(&ego, [ahead]).state, BrakeState::Braking);
-            // It turns out to be beside the path: 1.5 m off, known with sigma_m.
-            let mut beside = ahead;
-            beside.lateral = crate::filter::Lateral::first(3.4, sigma_m);
-            for _ in 0..4 {
-                beside.lateral.update_rate(0.0, 0.002);
-            }
-            let ego = Ego { speed_mps: 28.0, acceleration_mps2: -8.0 };
-            let states: Vec<_> = (0..10).map(|_| decision.step(&ego, [beside]).state).collect();
-            states.ends_with(&[BrakeState::Braking])
-        };
-        assert!(holds_on(1.05), "a contact with a probability of 0.08");
-        assert!(!holds_on(0.1), "with nearly none");
-    }
-
-    #[test]
     fn the_faster_the_contact_the_less_sure_it_has_to_be() {
         let at = [0.0, 6.0, 12.0, 21.0, 30.0, 60.0, -5.0].map(likely);
-        let expected = [0.65, 0.5, 0.35, 0.235, 0.12, 0.12, 0.65];
+        let expected = [0.65, 0.5, 0.35, 0.275, 0.2, 0.2, 0.65];
         assert!(at.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{at:?}");
     }
 
