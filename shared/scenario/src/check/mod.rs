@@ -116,7 +116,11 @@ fn aebs(scenario: &Scenario) -> Result<(), Problem> {
         return Err(Problem::new(
             "aebs.enabled",
             "the emergency brake reads the radar's detections, and this radar gives none",
-            "perception.radar.model = \"detections\", or aebs.enabled = false",
+            if scenario.perception.ideal {
+                "perception.ideal = false, or aebs.enabled = false"
+            } else {
+                "perception.radar.model = \"detections\", or aebs.enabled = false"
+            },
         ));
     }
     Ok(())
