@@ -29,6 +29,10 @@ struct Family {
 /// vertical curves, m.
 type Kind = (f64, f64, [f64; 2], f64);
 
+/// Of a road by `paper-n2`, `dynamic-programming` and the full-route plan: the change of fuel, %, and the
+/// losses, % of the baseline's fuel.
+type Figures = [(f64, [f64; 3]); 3];
+
 const HILLS: Kind = (0.0138, 0.03, [300.0, 1500.0], 300.0);
 
 const FAMILIES: [Family; 5] = [
@@ -184,7 +188,7 @@ fn families(preset: Preset, seeds: std::ops::RangeInclusive<u64>) {
                 Some([n2, dp, of(comparison.bound())?])
             })
             .collect();
-        let mean = |value: &dyn Fn(&[(f64, [f64; 3]); 3]) -> f64| {
+        let mean = |value: &dyn Fn(&Figures) -> f64| {
             roads.iter().map(value).sum::<f64>() / roads.len() as f64
         };
         let worst = |k: usize| {

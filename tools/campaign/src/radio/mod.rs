@@ -19,7 +19,7 @@ use report::output::OutputDirectory;
 use runtime::Mode;
 use runtime::report::Outcome;
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -29,6 +29,8 @@ use table::Table;
 pub const NAME: &str = "radio";
 /// Runs where nothing else is asked for.
 const RUNS: usize = 2_000;
+/// Chooses the runs that are repeated in process groups.
+const SAMPLE_SEED: u64 = 1;
 const SCENARIO: &str = "corridor";
 
 /// What is kept of a run.
@@ -136,25 +138,30 @@ pub fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     bar.set_message(NAME);
     bar.set_position((part.runs() - left.len()) as u64);
     bar.reset_eta();
+    let repeated = part.repeated(&left, SAMPLE_SEED);
     let at_once = batch::at_once(arguments.jobs, Mode::Lockstep);
     let make = |index: usize| job(numbers.number(left[index]));
     let source = Source { runs: left.len(), make: &make };
     let mut each = |index: usize, _: &Job, result: Result<Done, Error>| {
-        let kept = Kept::of(numbers.number(left[index]), &result?);
+        let done = result?;
+        let kept = Kept::of(numbers.number(left[index]), &done);
         if !kept.holds() {
             bar.suspend(|| report::print::note(&kept.failure()));
         }
-        part.keep(left[index], kept, None)
+        part.keep(left[index], kept, done.repetition.as_ref())
     };
-    let none = BTreeSet::new();
-    let end = batch::run_made(&none, &source, at_once, &arguments.group, &bar, &mut each);
+    let end = batch::run_made(&repeated, &source, at_once, &arguments.group, &bar, &mut each);
+    if let Ok(sample) = &end {
+        sample.tell(left.len(), &bar);
+    }
     bar.finish_and_clear();
     if end.is_err() {
         part.say_how_to_go_on(&output);
     }
     end?;
     let shard = part.shard();
-    let results = part.into_results().0;
+    let (results, sample) = part.into_results();
+    sample.agreed(|index| format!(" (number {})", numbers.number(index)))?;
     if let Some(shard) = shard {
         let (name, directory) = (String::from(shard), output.path().display());
         eprintln!("shard {name} is in {directory}; timegap campaign --merge puts all together");
