@@ -50,6 +50,12 @@ fn pin(process: Pid, core: usize) {
 }
 
 fn a_starved_controller_is_not_replaced_and_it_is_said() {
+    // The kernel does not always keep the one from the processor that it has to: then the run says nothing.
+    assert!((0..5).any(|_| is_starved_and_said()), "no controller was seen to starve");
+}
+
+/// False if the controller got the processor all the same. Replaced it must not be in any case.
+fn is_starved_and_said() -> bool {
     let corner = Corner::new(PROGRAM);
     let arguments = [
         "run",
@@ -61,6 +67,9 @@ fn a_starved_controller_is_not_replaced_and_it_is_said() {
         "--no-record",
         "--set",
         "runtime.scheduling=\"other\"",
+        // One process has the controller's name.
+        "--set",
+        "supervision.prepared=false",
     ];
     let running = corner.start(&arguments);
     assert!(wait_for(|| corner.path().join("out/live.json").exists()), "never drove");
@@ -81,7 +90,6 @@ fn a_starved_controller_is_not_replaced_and_it_is_said() {
     let output = running.wait_with_output().expect("our own child");
     let said = text(&output);
     assert!(output.status.success(), "{said}");
-    assert!(said.contains("controller: by the machine"), "{said}");
     let summary = std::fs::read(corner.path().join("out/summary.json")).expect("it is kept");
     let summary: Value = serde_json::from_slice(&summary).expect("JSON");
     let services = summary["services"].as_array().expect("a list");
@@ -89,8 +97,12 @@ fn a_starved_controller_is_not_replaced_and_it_is_said() {
     let controller = controller.expect("it is listed");
     assert_eq!(controller["restarts"], 0, "{controller}");
     let starved_ms = controller["heartbeats"]["starved_ms"].as_f64().expect("a number");
-    assert!(starved_ms >= 350.0, "{controller}");
     assert_eq!(summary["faults"].as_array().map(Vec::len), Some(0), "{said}");
+    if starved_ms < 350.0 {
+        return false;
+    }
+    assert!(said.contains("controller: by the machine"), "{said}");
+    true
 }
 
 fn main() -> ExitCode {
