@@ -339,6 +339,7 @@ impl Plant {
             self.delivery.take(command);
         }
         if let Some(arrival) = self.delivery.arrived(now_ns) {
+            let released_ns = arrival.released_ns(now_ns);
             let Arrival { command, delay_ns } = arrival;
             let plan_len = usize::try_from(command.plan_len).map_or(0, |len| len.min(PLAN_LEN));
             // A cycle does not begin before its release: what says so is an earlier cycle's command under
@@ -347,10 +348,10 @@ impl Plant {
                 command.start_ns != 0 && command.start_ns < command.header.acquisition_ns;
             let plan_len = if repeated { 0 } else { plan_len };
             if plan_len > 0 {
-                self.timeliness.arrived(arrival.released_ns(now_ns));
+                self.timeliness.arrived(released_ns);
             }
             // The plan is moved by the delay with the rest of the command.
-            let start_ns = arrival.released_ns(now_ns) + delay_ns;
+            let start_ns = released_ns + delay_ns;
             let engine = (command.has_torque != 0).then(|| EngineRequest {
                 torque_nm: command.engine_torque_nm,
                 service_brake_n: command.service_brake_n,

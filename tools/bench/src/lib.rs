@@ -328,7 +328,7 @@ impl<'a> Bench<'a> {
 
     fn chain(&mut self, cell: &Cell) -> Result<(), Error> {
         let chain = chain::run(self.stage, cell, self.seconds)?;
-        let beside = chain.floor_events();
+        let beside = chain.floor_events().filter(|_| chain.as_asked);
         self.refused.extend(chain.refused);
         let Cell { conditions, period_us, .. } = *cell;
         let floor = self.figure(cell, "sleep-beside-chain", &chain.floor);
@@ -352,10 +352,9 @@ impl<'a> Bench<'a> {
             cycles: kept(due),
             misses: kept(timing.deadline_misses),
             misses_per_million: kept(due).and_then(|due| per_million(late, due)),
-            floor_cycles: kept(beside.map(|floor| floor.cycles)),
-            floor_misses: kept(beside.map(|floor| floor.events)),
+            floor_cycles: beside.map(|floor| floor.cycles),
+            floor_misses: beside.map(|floor| floor.events),
             floor_misses_per_million: beside
-                .filter(|_| chain.as_asked)
                 .and_then(|floor| per_million(floor.events, floor.cycles)),
         });
         self.report.chain.push(ChainRow {

@@ -129,7 +129,7 @@ fn metronome_job(job: &Job) -> Result<Outcome, Error> {
     let page = page(&job.page)?;
     let granted = schedule(job);
     let state = page.word(words::METRONOME);
-    let (mut latencies, mut cycles) = (Latencies::default(), 0);
+    let mut latencies = Latencies::default();
     page.word(words::READY).store(1, Ordering::Release);
     let mut scheduled = monotonic_ns() + job.period_ns;
     loop {
@@ -138,13 +138,13 @@ fn metronome_job(job: &Job) -> Result<Outcome, Error> {
         }
         let state = state.load(Ordering::Relaxed);
         if state == metronome::STOP {
+            let cycles = latencies.count();
             return Ok(Outcome { latencies, ..Outcome::of_cycles(granted, cycles) });
         }
         let now = monotonic_ns();
         while now - scheduled >= 0 {
             if state == metronome::COUNT {
                 latencies.record_ns(now - scheduled);
-                cycles += 1;
             }
             scheduled += job.period_ns;
         }

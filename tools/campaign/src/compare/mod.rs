@@ -133,14 +133,7 @@ fn drive(arguments: &CompareArguments) -> Result<ExitCode, Error> {
         part.keep(left[index], row, done.repetition.as_ref())
     };
     let end = batch::run_made(&repeated, &source, at_once, &arguments.group, &bar, &mut each);
-    if let Ok(sample) = &end {
-        sample.tell(left.len(), &bar);
-    }
-    bar.finish_and_clear();
-    if end.is_err() {
-        part.say_how_to_go_on(&output);
-    }
-    end?;
+    part.finish(end, left.len(), &bar, &output)?;
     let (mut rows, sample) = part.into_results();
     for (run, picture) in pictures {
         rows[run].as_mut().expect("it was driven").picture = picture;

@@ -22,6 +22,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, FromArgMatches};
 use group::{Error, Failure};
+use indicatif::ProgressBar;
 use report::output::{OutputDirectory, OutputOptions};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -250,8 +251,30 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
         Ok(())
     }
 
+    /// Says what came of the runs that were done of this part, `count` of them: of those that were repeated in
+    /// process groups, or, if they ended early, how to go on.
+    ///
+    /// # Errors
+    /// What ended them early.
+    pub fn finish(
+        &self,
+        end: Result<ProcessesSample, Error>,
+        count: usize,
+        bar: &ProgressBar,
+        directory: &OutputDirectory,
+    ) -> Result<(), Error> {
+        if let Ok(sample) = &end {
+            sample.tell(count, bar);
+        }
+        bar.finish_and_clear();
+        if end.is_err() {
+            self.say_how_to_go_on(directory);
+        }
+        end.map(|_| ())
+    }
+
     /// What a person does when the runs ended early.
-    pub fn say_how_to_go_on(&self, directory: &OutputDirectory) {
+    fn say_how_to_go_on(&self, directory: &OutputDirectory) {
         if self.journal.is_some() {
             let done = self.results.iter().flatten().count();
             let (all, command) = (self.runs(), words::quoted(&self.study.words));

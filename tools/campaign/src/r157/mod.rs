@@ -167,14 +167,7 @@ fn drive(arguments: &R157Arguments) -> Result<ExitCode, Error> {
         part.keep(left[index], kept, done.repetition.as_ref())
     };
     let end = batch::run_made(&repeated, &source, at_once, &arguments.group, &bar, &mut each);
-    if let Ok(sample) = &end {
-        sample.tell(left.len(), &bar);
-    }
-    bar.finish_and_clear();
-    if end.is_err() {
-        part.say_how_to_go_on(&output);
-    }
-    end?;
+    part.finish(end, left.len(), &bar, &output)?;
     let (shard, done) = (part.shard(), part.runs());
     let (kept, sample) = part.into_results();
     let sample = sample.agreed(|_| String::new())?;

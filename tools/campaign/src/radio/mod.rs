@@ -151,14 +151,7 @@ pub fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
         part.keep(left[index], kept, done.repetition.as_ref())
     };
     let end = batch::run_made(&repeated, &source, at_once, &arguments.group, &bar, &mut each);
-    if let Ok(sample) = &end {
-        sample.tell(left.len(), &bar);
-    }
-    bar.finish_and_clear();
-    if end.is_err() {
-        part.say_how_to_go_on(&output);
-    }
-    end?;
+    part.finish(end, left.len(), &bar, &output)?;
     let shard = part.shard();
     let (results, sample) = part.into_results();
     sample.agreed(|index| format!(" (number {})", numbers.number(index)))?;

@@ -128,15 +128,9 @@ fn drive(arguments: &SweepArguments) -> Result<ExitCode, Error> {
         part.keep(run, kept, repetition.as_ref())
     };
     let end = batch::run_made(&repeated, &source, at_once, &arguments.group, &bar, &mut each);
-    if let Ok(sample) = &end {
-        sample.tell(left.len(), &bar);
-    }
-    bar.finish_and_clear();
-    if end.is_err() {
-        part.say_how_to_go_on(&output);
-    }
+    let end = part.finish(end, left.len(), &bar, &output);
     let (runs, sample) = part.into_results();
-    let agreed = end.and_then(|_| {
+    let agreed = end.and_then(|()| {
         let point = |run: usize| format!(" ({})", plan.points[run].join(" "));
         Ok(sample.clone().agreed(point)?)
     });
