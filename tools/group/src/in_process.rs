@@ -3,12 +3,12 @@
 //! The results are those of a group of processes, to the byte; what is left out is the machine between
 //! the services: processes, shared memory, files. Faults of processes need processes.
 
-use super::drive::DriveLog;
+use super::drive_log::DriveLog;
 use super::exits::Exit;
 use super::faults::Faults;
+use super::launch::{Ended, GroupOutcome, Moment, for_services};
 use super::programs::{is_foreign, programs};
 use super::refusal::check_in_process;
-use super::supervisor::{Ended, GroupOutcome, Moment, for_services};
 use crate::Error;
 use messages::Service;
 pub use perception_sim::Ahead;
@@ -118,7 +118,7 @@ fn drive(
             break;
         }
         let time_ns = step_ns * i64::try_from(log.reached()).expect("runs are finite");
-        watch(&Moment { time_ns, drive: &log, faults: &faults.records });
+        watch(&Moment { time_ns, drive: &log, faults: &faults.log.records });
         if let Some(step) = course.stop_after.take() {
             run.stop_after(step);
         }
@@ -132,7 +132,7 @@ fn drive(
     let ran_for = started.elapsed();
     let messages =
         course.reports.values().flat_map(|report| report.fault_statistics.iter().copied());
-    faults.count_messages(messages);
+    faults.log.count_messages(messages);
     let services = scenario.services().iter();
     let exits = services.clone().map(|&service| (service, course.exit_of(service)));
     let exits = exits.collect();
@@ -151,7 +151,7 @@ fn drive(
         take_overs: BTreeMap::new(),
         standby_costs: BTreeMap::new(),
         heartbeats: BTreeMap::new(),
-        faults: faults.records,
+        faults: faults.log.records,
         drive: log.finish()?,
         ready_after,
         ran_for: ran_for.max(Duration::from_nanos(1)),

@@ -1,7 +1,7 @@
 //! Faults of a run under way: those of processes that are due, and those from outside.
 
 use super::disturbance::Disturbance;
-use super::drive::DriveLog;
+use super::drive_log::DriveLog;
 use super::events::Answer;
 use super::faults::{Act, Living};
 use super::succession::Phase;

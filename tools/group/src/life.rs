@@ -5,11 +5,12 @@
 //! the launcher heard them.
 
 use super::cycles::CycleHistory;
-use super::drive::DriveLog;
+use super::drive_log::DriveLog;
 use controller::laws;
 use messages::Service;
 use runtime::report::{
-    ControllerReport, Details, ModeChange, ReceivedTopic, SentTopic, ServiceReport,
+    ControllerReport, Details, ModeChange, Outcome, PlantReport, ReceivedTopic, SentTopic,
+    ServiceReport,
 };
 use runtime::scheduling::Granted;
 use runtime::statistics::Percentiles;
@@ -130,6 +131,41 @@ fn mode_changes(scenario: &Scenario, history: &CycleHistory) -> Vec<ModeChange> 
                 .collect::<BTreeMap<_, _>>(),
         })
         .collect()
+}
+
+/// Adds what only the processes themselves could have told, of those that could not.
+pub fn complete(whole: &mut ServiceReport, group: &Group, scenario: &Scenario, log: &DriveLog) {
+    whole.release_jitter_us = release_jitter_us(group, whole.service).or(whole.release_jitter_us);
+    match (whole.service, &whole.details) {
+        (Service::Controller, details) => {
+            let last = match details {
+                Details::Controller(last) => Some(&**last),
+                _ => None,
+            };
+            let report = of_controller(group, scenario, log, last);
+            // A program of the user's keeps no account; its cycles were heard.
+            whole.cycles = whole.cycles.max(log.history().count);
+            whole.details = Details::Controller(Box::new(report));
+        }
+        (Service::Plant, Details::None) => {
+            let report = plant::last_known(group).unwrap_or_else(|| PlantReport {
+                duration_s: log.reached_s(),
+                control: log.figures(),
+                ..PlantReport::empty(Outcome::Aborted)
+            });
+            whole.details = Details::Plant(Box::new(report));
+        }
+        (Service::Aebs, _) => {
+            let report = aebs::last_known(group, scenario, whole.skipped);
+            whole.details = Details::Aebs(Box::new(report));
+        }
+        (Service::Obu, Details::None) => {
+            if let Some(report) = obu::last_known(group) {
+                whole.details = Details::Obu(Box::new(report));
+            }
+        }
+        _ => {}
+    }
 }
 
 #[cfg(test)]

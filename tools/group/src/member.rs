@@ -1,7 +1,7 @@
 //! One service of the group over all its processes: their succession, signs of life, accounts.
 
 use super::attached::{Attached, StandbyCost};
-use super::drive::Sign;
+use super::drive_log::Sign;
 use super::events::Event as GroupEvent;
 use super::exits::Exit;
 use super::processes::Process;

@@ -1,11 +1,12 @@
 //! Processes of a run under way that end, and those that replace them.
 
-use super::drive::DriveLog;
+use super::drive_log::DriveLog;
 use super::events::Who;
 use super::exits::Exit;
+use super::launch::Ended;
 use super::processes::Janitor;
 use super::succession::{self, Phase, Standby, Step};
-use super::supervisor::{Ended, Supervisor};
+use super::supervisor::Supervisor;
 use super::watch::{Course, LAST_MOMENT};
 use messages::Service;
 use runtime::{ActiveProcess, Cause, Mode, StartOrder, TakeOver, ToService};
@@ -34,7 +35,7 @@ impl Supervisor<'_> {
         self.keep_account(who, has_told);
         if is_active {
             let kind = if exit == Exit::Flooded { "flooded" } else { "died" };
-            self.faults.detected(service, kind, incarnation + 1, None, now_ns);
+            self.faults.log.detected(service, kind, incarnation + 1, None, now_ns);
             self.faults.replaced(service);
         }
         if is_active && (self.launch.mode == Mode::Lockstep || course.ended != Ended::Orderly) {
@@ -67,7 +68,7 @@ impl Supervisor<'_> {
             Cause::Silent => "hung",
         };
         if course.ended == Ended::Orderly && old != who.incarnation {
-            self.faults.taken_over(who.service, old, kind, noticed_ns);
+            self.faults.log.taken_over(who.service, old, kind, noticed_ns);
             let took_over = succession::Event::TookOver(who.incarnation);
             self.follow(who.service, took_over, course, now_ns);
         }
@@ -208,7 +209,7 @@ impl Supervisor<'_> {
     /// only while nothing else is to be done.
     pub(super) fn prepare_one(&mut self) {
         let is_quiet = self.members.iter().all(|member| member.phase() == Phase::Running)
-            && !self.faults.is_recovery_awaited();
+            && !self.faults.log.is_recovery_awaited();
         if !is_quiet || !self.launch.scenario.supervision.prepared {
             return;
         }

@@ -1,35 +1,30 @@
 //! From the first spawn to the last wipe.
 
-use super::attached::StandbyCost;
 use super::control;
-use super::drive::{Drive, DriveLog};
+use super::drive_log::DriveLog;
 use super::events::{Event, Who, follow_signals};
-use super::exits::Exit;
-use super::faults::{FaultRecord, Faults};
+use super::faults::Faults;
+use super::launch::{GroupOutcome, Launch, Moment, for_services};
 use super::life;
 use super::live_file::LiveFile;
-use super::member::{Heartbeats, Member};
+use super::member::Member;
 use super::processes::Janitor;
-use super::programs::{is_foreign, programs};
-use super::recording::{RecorderProcess, RecordingSummary, law_names};
+use super::programs::programs;
+use super::recording::{RecorderProcess, law_names};
 use super::refusal::{check_processes, check_recorder};
 use super::room::check_room;
 use super::root::RunRoot;
-use super::succession::{self, Phase, Step};
+use super::succession::Phase;
 use crate::Error;
-use controller::law::Formulation;
-use controller::laws;
 use messages::Service;
-use runtime::report::{Details, Outcome, PlantReport, ServiceReport};
+use runtime::report::ServiceReport;
 use runtime::scheduling::{Granted, Priority};
 use runtime::{
-    Carrier, FromService, Group, Injected, Mode, Program, Timetable, ToService, enroll_listener,
-    monotonic_ns, shared_memory_bytes,
+    Carrier, Group, Injected, Mode, Program, Timetable, ToService, enroll_listener, monotonic_ns,
+    shared_memory_bytes,
 };
-use scenario::Scenario;
 use scenario::runtime::Scheduling;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
 
@@ -41,115 +36,6 @@ const PRIORITY: u8 = 10;
 
 /// Accounts of processes that are kept one by one.
 const MOST_PAST: usize = 16;
-
-/// What to launch, and how.
-#[derive(Debug)]
-pub struct Launch {
-    /// Clock.
-    pub mode: Mode,
-    /// The effective scenario.
-    pub scenario: Scenario,
-    /// Programs that take the place of built-in services.
-    pub programs: BTreeMap<Service, PathBuf>,
-    /// Time until all services must be ready.
-    pub ready_timeout: Duration,
-    /// Time between readiness and the common start instant.
-    pub start_delay: Duration,
-    /// File that tells others how to join the group, there while it drives.
-    pub live_file: Option<PathBuf>,
-    /// Where to record the run.
-    pub recording: Option<PathBuf>,
-}
-
-/// Why a group ended.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Ended {
-    /// All services reached the end that they were told.
-    Orderly,
-    /// Ctrl-C, SIGTERM or SIGHUP.
-    Interrupted,
-    /// A service ended before its time and was not replaced.
-    Broken {
-        /// The service.
-        service: Service,
-        /// How.
-        how: String,
-    },
-    /// A service ended too often: the vehicle was ordered to stop in lane.
-    GivenUp {
-        /// The service.
-        service: Service,
-        /// How often it had been started again.
-        restarts: u32,
-    },
-}
-
-/// What came out of a group.
-#[derive(Debug)]
-pub struct GroupOutcome {
-    /// What carried the messages.
-    pub carrier: Carrier,
-    /// Root of the run, which is gone.
-    pub root: PathBuf,
-    /// Why it ended.
-    pub ended: Ended,
-    /// What the services reported.
-    pub reports: BTreeMap<Service, ServiceReport>,
-    /// How the last process of each service ended.
-    pub exits: BTreeMap<Service, Exit>,
-    /// How often another process took each service's place.
-    pub restarts: BTreeMap<Service, u32>,
-    /// In how many of these the service's standby took over, of services that have one.
-    pub take_overs: BTreeMap<Service, u32>,
-    /// What each standby costs that was there at the end.
-    pub standby_costs: BTreeMap<Service, StandbyCost>,
-    /// Each service's signs of life, in realtime.
-    pub heartbeats: BTreeMap<Service, Heartbeats>,
-    /// What went wrong.
-    pub faults: Vec<FaultRecord>,
-    /// What the launcher heard of the drive.
-    pub drive: Drive,
-    /// From the first spawn until all services were ready.
-    pub ready_after: Duration,
-    /// From the start instant until all services had reported.
-    pub ran_for: Duration,
-    /// What became of the recording.
-    pub recording: Option<RecordingSummary>,
-    /// Lines that services wrote beside their messages: warnings, panics.
-    pub wrote: Vec<(Service, String)>,
-    /// The programs of the user's that took part, by the service that they are or compute for.
-    pub programs: BTreeMap<Service, Program>,
-}
-
-impl GroupOutcome {
-    /// What the numbers in the diagnostics stand for; none where a program in the controller's place sends
-    /// numbers of its own.
-    #[must_use]
-    pub fn formulation(&self, scenario: &Scenario) -> Option<&'static Formulation> {
-        let hosted = laws::program(scenario).is_ok_and(|program| program.is_some());
-        let replaced = self.programs.contains_key(&Service::Controller) && !hosted;
-        laws::formulation(scenario).filter(|_| !replaced)
-    }
-}
-
-/// A run at a moment, for its views.
-#[derive(Clone, Copy, Debug)]
-pub struct Moment<'a> {
-    /// Run time reached, ns.
-    pub time_ns: i64,
-    /// What was heard so far.
-    pub drive: &'a DriveLog,
-    /// What went wrong so far.
-    pub faults: &'a [FaultRecord],
-}
-
-/// The scenario as the services read it: with the gap that the law aims at, so that the referee can
-/// measure against it without knowing any law.
-pub(super) fn for_services(scenario: &Scenario) -> Scenario {
-    let mut scenario = scenario.clone();
-    scenario.referee.desired_gap = laws::desired_gap(&scenario);
-    scenario
-}
 
 /// Launches a group and stays until nothing of it is left. `watch` is called some ten times a second
 /// and more.
@@ -207,42 +93,6 @@ pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Grou
     outcome.map(|outcome| GroupOutcome { exits, ..outcome })
 }
 
-/// Adds what only the processes themselves could have told, of those that could not.
-fn complete(whole: &mut ServiceReport, group: &Group, scenario: &Scenario, log: &DriveLog) {
-    whole.release_jitter_us =
-        life::release_jitter_us(group, whole.service).or(whole.release_jitter_us);
-    match (whole.service, &whole.details) {
-        (Service::Controller, details) => {
-            let last = match details {
-                Details::Controller(last) => Some(&**last),
-                _ => None,
-            };
-            let report = life::of_controller(group, scenario, log, last);
-            // A program of the user's keeps no account; its cycles were heard.
-            whole.cycles = whole.cycles.max(log.history().count);
-            whole.details = Details::Controller(Box::new(report));
-        }
-        (Service::Plant, Details::None) => {
-            let report = plant::last_known(group).unwrap_or_else(|| PlantReport {
-                duration_s: log.reached_s(),
-                control: log.figures(),
-                ..PlantReport::empty(Outcome::Aborted)
-            });
-            whole.details = Details::Plant(Box::new(report));
-        }
-        (Service::Aebs, _) => {
-            let report = aebs::last_known(group, scenario, whole.skipped);
-            whole.details = Details::Aebs(Box::new(report));
-        }
-        (Service::Obu, Details::None) => {
-            if let Some(report) = obu::last_known(group) {
-                whole.details = Details::Obu(Box::new(report));
-            }
-        }
-        _ => {}
-    }
-}
-
 /// The group while it lives.
 pub(super) struct Supervisor<'a> {
     pub(super) launch: &'a Launch,
@@ -260,11 +110,14 @@ pub(super) struct Supervisor<'a> {
     pub(super) recording: Option<RecorderProcess>,
     pub(super) granted: BTreeMap<String, Granted>,
     pub(super) wrote: Vec<(Service, String)>,
-    programs: BTreeMap<Service, Program>,
+    pub(super) programs: BTreeMap<Service, Program>,
 }
 
 impl Supervisor<'_> {
-    fn run(&mut self, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<GroupOutcome, Error> {
+    pub(super) fn run(
+        &mut self,
+        watch: &mut dyn FnMut(&Moment<'_>),
+    ) -> Result<GroupOutcome, Error> {
         let spawned = Instant::now();
         self.group.write()?;
         for &service in self.launch.scenario.services() {
@@ -320,7 +173,7 @@ impl Supervisor<'_> {
         let reports = self.reports(&log);
         let statistics =
             reports.values().flat_map(|report| report.fault_statistics.iter().copied());
-        self.faults.count_messages(statistics);
+        self.faults.log.count_messages(statistics);
         Ok(GroupOutcome {
             carrier: Carrier::SharedMemory,
             root: self.root.path().to_owned(),
@@ -341,7 +194,7 @@ impl Supervisor<'_> {
                 .filter(|_| self.launch.mode == Mode::Realtime)
                 .map(|member| (member.service(), member.heartbeats))
                 .collect(),
-            faults: std::mem::take(&mut self.faults.records),
+            faults: std::mem::take(&mut self.faults.log.records),
             drive: log.finish()?,
             ready_after,
             ran_for: Duration::from_nanos(ran_ns.unsigned_abs()),
@@ -361,7 +214,7 @@ impl Supervisor<'_> {
             let service = member.service();
             let Some(mut whole) = life::whole(lives) else { continue };
             if was_restarted {
-                complete(&mut whole, &self.group, &self.launch.scenario, log);
+                life::complete(&mut whole, &self.group, &self.launch.scenario, log);
             }
             reports.insert(service, whole);
         }
@@ -380,76 +233,6 @@ impl Supervisor<'_> {
                 *past = life::whole(std::mem::take(past)).into_iter().collect();
             }
         }
-    }
-
-    /// Gives all processes, which are ready, the common start.
-    fn begin_all(&mut self) {
-        for &service in self.launch.scenario.services() {
-            let member = self.member(service);
-            let mut steps = member.on(succession::Event::Ready(0), 0);
-            steps.extend(member.on(succession::Event::Ready(1), 0));
-            for step in steps {
-                match step {
-                    Step::Activate(incarnation) => self.begin(service, incarnation, None, 0),
-                    Step::StandBy { incarnation, active } => {
-                        self.begin(service, incarnation, Some(active), 0);
-                    }
-                    _ => unreachable!("nothing has ended yet"),
-                }
-            }
-        }
-    }
-
-    fn wait_until_ready(&mut self, spawned: Instant) -> Result<(), Error> {
-        let processes = |&service: &Service| {
-            let of = self.group.standby.contains(&service);
-            (0..=u32::from(of)).map(move |incarnation| Who { service, incarnation })
-        };
-        let mut waiting: Vec<Who> =
-            self.launch.scenario.services().iter().flat_map(processes).collect();
-        while let Some(first) = waiting.first().map(|who| who.service) {
-            let left = self.launch.ready_timeout.saturating_sub(spawned.elapsed());
-            if left.is_zero() {
-                let timeout = self.launch.ready_timeout.as_secs_f64();
-                return Err(self.not_ready(first, format!("was not ready within {timeout} s")));
-            }
-            match self.events.recv_timeout(left) {
-                Ok(Event::Said(who, FromService::Ready(granted))) => {
-                    waiting.retain(|waiting| *waiting != who);
-                    self.granted.insert(who.service.name().into(), granted);
-                }
-                Ok(Event::Said(who, FromService::Failed(reason))) => {
-                    return Err(self.not_ready(who.service, format!("failed: {reason}")));
-                }
-                Ok(Event::Flooded(who)) => {
-                    let what = "wrote endless text instead of messages: it is no service".into();
-                    return Err(self.not_ready(who.service, what));
-                }
-                Ok(Event::Gone(Who { service, incarnation })) => {
-                    let process = self.member(service).attached(incarnation);
-                    let process = process.expect("it has just been started");
-                    let exit = process.exit(EXIT_GRACE, Exit::OutputClosed);
-                    let what = format!("ended before it was ready ({exit})");
-                    let what = what + &self.last_words(service);
-                    return Err(self.not_ready(service, what));
-                }
-                Ok(Event::Signal) => return Err(Error::Interrupted),
-                Ok(Event::Wrote(who, line)) => self.wrote.push((who.service, line)),
-                Ok(Event::Inject(_, reply)) => {
-                    let message = "the run has not begun".into();
-                    // The client may be gone.
-                    let _ = reply.send(control::Answer { ok: false, message });
-                }
-                // The timeout is looked at above.
-                Ok(Event::Said(..) | Event::Knock) | Err(_) => {}
-            }
-        }
-        Ok(())
-    }
-
-    fn not_ready(&mut self, service: Service, what: String) -> Error {
-        let foreign = is_foreign(&self.programs, service);
-        Error::NotReady { service, what, foreign }
     }
 
     pub(super) fn member(&mut self, service: Service) -> &mut Member {
@@ -487,11 +270,6 @@ impl Supervisor<'_> {
             (member.phase() != Phase::GivenUp && member.lives()).then(|| member.group())
         });
         living.unwrap_or(0)
-    }
-
-    fn last_words(&self, service: Service) -> String {
-        let words: Vec<_> = self.wrote.iter().filter(|(who, _)| *who == service).collect();
-        words.iter().rev().take(3).rev().map(|(_, line)| format!("\n  {line}")).collect()
     }
 
     /// Lets go of everything but the janitor; the threads that send events end.

@@ -1,12 +1,13 @@
 //! A run under way: what happened, what is due, which service is silent. [`super::exits`] has the
 //! table of what becomes of a process that ends.
 
-use super::drive::DriveLog;
+use super::drive_log::DriveLog;
 use super::events::{Event, Who};
 use super::exits::Exit;
+use super::launch::{Ended, Moment};
 use super::recording::RecorderProcess;
 use super::succession::{self, Phase};
-use super::supervisor::{Ended, Moment, Supervisor};
+use super::supervisor::Supervisor;
 use crate::Error;
 use messages::Service;
 use runtime::{FromService, Mode, ToService, monotonic_ns};
@@ -76,7 +77,7 @@ impl Supervisor<'_> {
             } else {
                 table.step_ns * i64::try_from(log.reached()).expect("runs are finite")
             };
-            watch(&Moment { time_ns, drive: log, faults: &self.faults.records });
+            watch(&Moment { time_ns, drive: log, faults: &self.faults.log.records });
             match event {
                 Ok(event) => self.take(event, log, &mut course, now_ns),
                 Err(RecvTimeoutError::Timeout) => {}
@@ -142,7 +143,7 @@ impl Supervisor<'_> {
 
     fn until_next_look(&self, realtime: bool) -> Duration {
         let awaited = self.members.iter().any(|member| member.phase() != Phase::Running)
-            || self.faults.is_recovery_awaited();
+            || self.faults.log.is_recovery_awaited();
         match (realtime, awaited) {
             (false, _) => LOCKSTEP_LOOK,
             (true, true) => CLOSE_LOOK,
@@ -246,7 +247,7 @@ impl Supervisor<'_> {
             self.member(sign.service).sign_of_life(&sign, now_ns);
         }
         for (service, incarnation, published_ns) in log.take_first_messages() {
-            self.faults.recovered(service, incarnation, published_ns);
+            self.faults.log.recovered(service, incarnation, published_ns);
         }
     }
 
@@ -262,7 +263,7 @@ impl Supervisor<'_> {
                 let heard_ns = self.member(service).attached(incarnation).map(|one| one.heard_ns());
                 self.kill(who, Exit::Hung);
                 if self.is_active(who) {
-                    self.faults.detected(service, "hung", incarnation + 1, heard_ns, now_ns);
+                    self.faults.log.detected(service, "hung", incarnation + 1, heard_ns, now_ns);
                 }
             }
         }

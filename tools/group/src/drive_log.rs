@@ -1,0 +1,391 @@
+//! The drive as the launcher hears it on the topics.
+
+use crate::cycles::CycleHistory;
+use crate::drive::{Drive, DriveStep, PowertrainStep};
+use messages::Service;
+use messages::{
+    Brake, Command, Diagnostics, EgoTruth, Header, Heartbeat, PhaseState, Powertrain, RadarTracks,
+    ServiceState, SignalTruth, Spat, VehicleTruth,
+};
+use runtime::report::ControlFigures;
+use runtime::statistics::Latencies;
+use runtime::{Group, InProcess, Mode, Observed, Observer, RuntimeError, Timetable};
+
+/// Messages of a topic that room is made for from the start.
+const MOST_ROOM: u64 = 100_000;
+
+/// Steps of a realtime run that are kept in full: ten minutes at the usual period of the plant. Of a
+/// longer run fewer and fewer steps are kept, evenly, so that the launcher does not grow with it.
+const MOST_STEPS: usize = 60_000;
+
+/// Listens to a group from before its start.
+#[derive(Debug)]
+pub struct DriveLog {
+    // Ports before the node that owns them.
+    ego: Observed<EgoTruth>,
+    powertrain: Observed<Powertrain>,
+    truth: Observed<VehicleTruth>,
+    command: Observed<Command>,
+    diagnostics: Observed<Diagnostics>,
+    heartbeat: Observed<Heartbeat>,
+    /// Heard in realtime alone, for the first messages of restarted services.
+    others: Option<Others>,
+    observer: Observer,
+    egos: Vec<EgoTruth>,
+    powertrains: Vec<(u64, PowertrainStep)>,
+    truths: Vec<VehicleTruth>,
+    requests: Vec<(u64, f64)>,
+    /// Deadline of a control cycle, and commands that were published later than that, ns.
+    deadline_ns: i64,
+    late_commands: u64,
+    cycles: Vec<Diagnostics>,
+    history: CycleHistory,
+    signal_ages: Latencies,
+    /// In realtime the supervisor takes the signs of life.
+    supervised: bool,
+    /// Every so many steps are kept: in lockstep all.
+    keeps: u64,
+    /// Steps between two that have a sample of every topic.
+    whole_stride: u64,
+    signs: Vec<Sign>,
+    /// The newest incarnation heard of each service.
+    incarnations: [u32; Service::ALL.len()],
+    first_messages: Vec<(Service, u32, i64)>,
+}
+
+/// Topics that tell of nothing but who sends.
+#[derive(Debug)]
+struct Others {
+    brake: Observed<Brake>,
+    radar: Observed<RadarTracks>,
+    signals: Observed<SignalTruth>,
+    spat: Observed<Spat>,
+}
+
+/// A sign of life.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sign {
+    /// Whose.
+    pub service: Service,
+    /// Of which of its processes.
+    pub incarnation: u32,
+    /// Cycles done so far.
+    pub cycles: u64,
+    /// What it says of itself: true if some input is missing or stale.
+    pub degraded: bool,
+}
+
+impl DriveLog {
+    /// Opens all topics. A command is late `deadline_ns` after its release.
+    pub fn listen(group: &Group, deadline_ns: i64) -> Result<Self, RuntimeError> {
+        Self::by(Observer::join(group, "launcher")?, group.mode, &group.timetable, deadline_ns)
+    }
+
+    /// Opens all topics of a run in this thread, in which no command is late.
+    pub(crate) fn in_process(run: &InProcess) -> Result<Self, RuntimeError> {
+        Self::by(run.observer(), Mode::Lockstep, &run.timetable(), i64::MAX)
+    }
+
+    fn by(
+        observer: Observer,
+        mode: Mode,
+        timetable: &Timetable,
+        deadline_ns: i64,
+    ) -> Result<Self, RuntimeError> {
+        // Room for the whole run, as far as it is not too long a one to be sure of.
+        let room = |service| {
+            let messages = timetable.last_step / timetable.stride(service) + 1;
+            let most = if mode == Mode::Realtime { MOST_STEPS as u64 + 1_000 } else { MOST_ROOM };
+            usize::try_from(messages.min(most)).expect("a small number")
+        };
+        let (perception, controller) =
+            (timetable.stride(Service::PerceptionSim), timetable.stride(Service::Controller));
+        let mut this = Self {
+            ego: observer.listen()?,
+            powertrain: observer.listen()?,
+            truth: observer.listen()?,
+            command: observer.listen()?,
+            diagnostics: observer.listen()?,
+            heartbeat: observer.listen()?,
+            others: match mode {
+                Mode::Realtime => Some(Others {
+                    brake: observer.listen()?,
+                    radar: observer.listen()?,
+                    signals: observer.listen()?,
+                    spat: observer.listen()?,
+                }),
+                Mode::Lockstep => None,
+            },
+            observer,
+            egos: Vec::with_capacity(room(Service::Plant)),
+            powertrains: Vec::new(),
+            truths: Vec::with_capacity(room(Service::PerceptionSim)),
+            requests: Vec::with_capacity(room(Service::Controller)),
+            deadline_ns,
+            late_commands: 0,
+            cycles: Vec::with_capacity(room(Service::Controller)),
+            history: CycleHistory::new(controller),
+            signal_ages: Latencies::default(),
+            supervised: mode == Mode::Realtime,
+            keeps: 1,
+            whole_stride: least_common_multiple(perception, controller),
+            signs: Vec::new(),
+            incarnations: [0; Service::ALL.len()],
+            first_messages: Vec::new(),
+        };
+        if this.supervised {
+            touch(&mut this.egos);
+            touch(&mut this.truths);
+            touch(&mut this.cycles);
+        }
+        Ok(this)
+    }
+
+    /// Thins out what was heard of a realtime run when it has come to its bound.
+    fn bound(&mut self) {
+        if !self.supervised || self.egos.len() < MOST_STEPS {
+            return;
+        }
+        self.keeps = if self.keeps == 1 { self.whole_stride.max(2) } else { 2 * self.keeps };
+        let keeps = self.keeps;
+        self.egos.retain(|message| message.header.step.is_multiple_of(keeps));
+        self.truths.retain(|message| message.header.step.is_multiple_of(keeps));
+        self.powertrains.retain(|(step, _)| step.is_multiple_of(keeps));
+        self.requests.retain(|(step, _)| step.is_multiple_of(keeps));
+        self.cycles.retain(|message| message.header.step.is_multiple_of(keeps));
+    }
+
+    /// Takes what arrived.
+    pub fn drain(&mut self) -> Result<(), RuntimeError> {
+        self.bound();
+        let keeps = self.keeps;
+        let is_kept = |header: &Header| header.step.is_multiple_of(keeps);
+        let (incarnations, first) = (&mut self.incarnations, &mut self.first_messages);
+        let mut note = |service: Service, header: &Header| {
+            let newest = &mut incarnations[service.index()];
+            if header.incarnation > *newest {
+                *newest = header.incarnation;
+                first.push((service, header.incarnation, header.publish_ns));
+            }
+        };
+        self.ego.drain(|m| {
+            note(Service::Plant, &m.header);
+            // The newest is needed as it is; it takes the place of one that is not to be kept.
+            if self.egos.last().is_some_and(|last| !is_kept(&last.header)) {
+                self.egos.pop();
+            }
+            self.egos.push(*m);
+        })?;
+        self.powertrain.drain(|m| {
+            let step = PowertrainStep {
+                gear: m.gear,
+                engine_torque_nm: m.engine_torque_nm,
+                service_brake_n: m.service_brake_n,
+                fuel_g: m.fuel_g,
+            };
+            if is_kept(&m.header) {
+                self.powertrains.push((m.header.step, step));
+            }
+        })?;
+        self.truth.drain(|m| {
+            if self.truths.last().is_some_and(|last| !is_kept(&last.header)) {
+                self.truths.pop();
+            }
+            self.truths.push(*m);
+        })?;
+        self.command.drain(|m| {
+            note(Service::Controller, &m.header);
+            let late = m.header.publish_ns - m.header.acquisition_ns > self.deadline_ns;
+            self.late_commands += u64::from(late);
+            if m.plan_len > 0 && is_kept(&m.header) {
+                self.requests.push((m.header.step, m.plan_mps2[0]));
+            }
+        })?;
+        self.diagnostics.drain(|m| {
+            self.history.observe(m);
+            if m.spat_age_ns >= 0 {
+                self.signal_ages.record_ns(m.spat_age_ns);
+            }
+            if self.cycles.last().is_some_and(|last| !is_kept(&last.header)) {
+                self.cycles.pop();
+            }
+            self.cycles.push(*m);
+        })?;
+        if let Some(Others { brake, radar, signals, spat }) = &mut self.others {
+            brake.drain(|m| note(Service::Aebs, &m.header))?;
+            radar.drain(|m| note(Service::PerceptionSim, &m.header))?;
+            signals.drain(|m| note(Service::V2xSim, &m.header))?;
+            spat.drain(|m| {
+                if m.header.source == Service::Obu.to_wire() {
+                    note(Service::Obu, &m.header);
+                }
+            })?;
+        }
+        self.heartbeat.drain(|m| {
+            let service = Service::ALL.into_iter().find(|s| s.to_wire() == m.header.source);
+            if self.supervised {
+                self.signs.extend(service.map(|service| Sign {
+                    service,
+                    incarnation: m.header.incarnation,
+                    cycles: m.cycles,
+                    degraded: m.state == ServiceState::Degraded as u64,
+                }));
+            }
+        })
+    }
+
+    /// Signs of life since the last time.
+    pub fn take_signs(&mut self) -> Vec<Sign> {
+        std::mem::take(&mut self.signs)
+    }
+
+    /// First messages of restarted services since the last time: service, incarnation, run time of
+    /// the publication in ns.
+    pub fn take_first_messages(&mut self) -> Vec<(Service, u32, i64)> {
+        std::mem::take(&mut self.first_messages)
+    }
+
+    /// What the ego does and meets.
+    pub fn ego(&self) -> Option<messages::Drive> {
+        self.egos.last().map(messages::Drive::of)
+    }
+
+    /// Removes what a dead process left on the topics, so that no sender waits for it.
+    pub fn remove_dead(&self) {
+        self.observer.remove_dead();
+    }
+
+    /// What was heard so far: motion of the ego, the other vehicles, control cycles. Of a long realtime
+    /// run they are thinned out, so that a place in them does not stay the same step's.
+    pub fn heard(&self) -> (&[EgoTruth], &[VehicleTruth], &[Diagnostics]) {
+        (&self.egos, &self.truths, &self.cycles)
+    }
+
+    /// Figures of the drive as far as it was heard: gap and acceleration.
+    pub fn figures(&self) -> ControlFigures {
+        let accelerations = || self.egos.iter().map(|ego| ego.acceleration_mps2);
+        let mut truths = self.truths.iter().peekable();
+        let gaps = self.egos.iter().filter_map(|ego| {
+            let truth = take_step(&mut truths, ego.header.step, |truth| truth.header.step)?;
+            truth.nearest_ahead(ego.position_m).map(|(gap_m, _)| gap_m)
+        });
+        ControlFigures {
+            min_gap_m: gaps.reduce(f64::min),
+            min_accel_mps2: accelerations().reduce(f64::min),
+            max_accel_mps2: accelerations().reduce(f64::max),
+            ..ControlFigures::default()
+        }
+    }
+
+    /// Run time that the vehicle was last heard of, s.
+    pub fn reached_s(&self) -> f64 {
+        self.egos.last().map_or(0.0, |ego| ego.header.acquisition_ns as f64 / 1e9)
+    }
+
+    /// Commands that were published after the deadline of their cycle.
+    pub fn late_commands(&self) -> u64 {
+        self.late_commands
+    }
+
+    /// What the controller's cycles amount to.
+    pub fn history(&self) -> &CycleHistory {
+        &self.history
+    }
+
+    /// Newest step that the vehicle was heard of.
+    pub fn reached(&self) -> u64 {
+        self.egos.last().map_or(0, |ego| ego.header.step)
+    }
+
+    /// Takes the rest and joins the topics by step.
+    pub fn finish(mut self) -> Result<Drive, RuntimeError> {
+        self.drain()?;
+        let mut received = vec![
+            self.ego.received(),
+            self.truth.received(),
+            self.command.received(),
+            self.diagnostics.received(),
+            self.heartbeat.received(),
+        ];
+        if !self.powertrains.is_empty() {
+            received.push(self.powertrain.received());
+        }
+        let mut powertrains = self.powertrains.iter().peekable();
+        let mut truths = self.truths.iter().peekable();
+        let mut requests = self.requests.iter().peekable();
+        let mut cycles = self.cycles.iter().peekable();
+        let steps = self.egos.iter().map(|ego| {
+            let step = ego.header.step;
+            let truth = take_step(&mut truths, step, |truth| truth.header.step);
+            let lead = truth.and_then(|truth| truth.nearest_ahead(ego.position_m));
+            let cycle = take_step(&mut cycles, step, |cycle| cycle.header.step);
+            DriveStep {
+                step,
+                time_s: ego.header.acquisition_ns as f64 / 1e9,
+                position_m: ego.position_m,
+                speed_mps: ego.speed_mps,
+                acceleration_mps2: ego.acceleration_mps2,
+                applied_mps2: ego.request_mps2,
+                time_to_collision_s: ego.time_to_collision_s,
+                stop_line_m: ego.stop_line_m,
+                signal: (ego.signal_state != 0).then(|| PhaseState::from_wire(ego.signal_state)),
+                cut_in: ego.cut_in != 0,
+                request_mps2: take_step(&mut requests, step, |request| request.0).map(|r| r.1),
+                gap_m: lead.map(|(gap_m, _)| gap_m),
+                lead_speed_mps: lead.map(|(_, speed_mps)| speed_mps),
+                mode: cycle.map(|cycle| cycle.mode),
+                quality: cycle.map(|cycle| cycle.quality),
+                figures: cycle.map(|cycle| cycle.figures),
+                powertrain: take_step(&mut powertrains, step, |p| p.0).map(|p| p.1),
+            }
+        });
+        let steps = steps.collect();
+        let signal_age_us = self.signal_ages.percentiles_us();
+        Ok(Drive { steps, vehicles: self.truths, received, signal_age_us })
+    }
+}
+
+/// Writes to all the room that was made, so that the pages are there from the start.
+fn touch<T: Copy + bytemuck::Zeroable>(room: &mut Vec<T>) {
+    room.resize(room.capacity(), T::zeroed());
+    std::hint::black_box(room.as_mut_slice());
+    room.clear();
+}
+
+fn least_common_multiple(a: u64, b: u64) -> u64 {
+    let (mut divisor, mut rest) = (a, b);
+    while rest > 0 {
+        (divisor, rest) = (rest, divisor % rest);
+    }
+    a / divisor * b
+}
+
+/// The item of `step` from a sequence in order of steps; earlier ones are passed over.
+fn take_step<'a, T>(
+    items: &mut std::iter::Peekable<std::slice::Iter<'a, T>>,
+    step: u64,
+    step_of: impl Fn(&T) -> u64,
+) -> Option<&'a T> {
+    while items.next_if(|item| step_of(item) < step).is_some() {}
+    items.next_if(|item| step_of(item) == step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kept_steps_have_a_sample_of_every_topic() {
+        assert_eq!(least_common_multiple(5, 10), 10);
+        assert_eq!(least_common_multiple(4, 6), 12);
+        assert_eq!(least_common_multiple(1, 1), 1);
+    }
+
+    #[test]
+    fn items_are_joined_by_step() {
+        let items = [(0, 'a'), (5, 'b'), (10, 'c')];
+        let mut iter = items.iter().peekable();
+        let mut at = |step| take_step(&mut iter, step, |item| item.0).map(|item| item.1);
+        assert_eq!([at(0), at(1), at(6), at(10), at(11)], [Some('a'), None, None, Some('c'), None]);
+    }
+}

@@ -1,0 +1,127 @@
+//! What a group is launched with, and what comes out of it.
+
+use super::attached::StandbyCost;
+use super::drive::Drive;
+use super::drive_log::DriveLog;
+use super::exits::Exit;
+use super::fault_log::FaultRecord;
+use super::member::Heartbeats;
+use super::recording::RecordingSummary;
+use controller::law::Formulation;
+use controller::laws;
+use messages::Service;
+use runtime::report::ServiceReport;
+use runtime::{Carrier, Mode, Program};
+use scenario::Scenario;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// What to launch, and how.
+#[derive(Debug)]
+pub struct Launch {
+    /// Clock.
+    pub mode: Mode,
+    /// The effective scenario.
+    pub scenario: Scenario,
+    /// Programs that take the place of built-in services.
+    pub programs: BTreeMap<Service, PathBuf>,
+    /// Time until all services must be ready.
+    pub ready_timeout: Duration,
+    /// Time between readiness and the common start instant.
+    pub start_delay: Duration,
+    /// File that tells others how to join the group, there while it drives.
+    pub live_file: Option<PathBuf>,
+    /// Where to record the run.
+    pub recording: Option<PathBuf>,
+}
+
+/// Why a group ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Ended {
+    /// All services reached the end that they were told.
+    Orderly,
+    /// Ctrl-C, SIGTERM or SIGHUP.
+    Interrupted,
+    /// A service ended before its time and was not replaced.
+    Broken {
+        /// The service.
+        service: Service,
+        /// How.
+        how: String,
+    },
+    /// A service ended too often: the vehicle was ordered to stop in lane.
+    GivenUp {
+        /// The service.
+        service: Service,
+        /// How often it had been started again.
+        restarts: u32,
+    },
+}
+
+/// What came out of a group.
+#[derive(Debug)]
+pub struct GroupOutcome {
+    /// What carried the messages.
+    pub carrier: Carrier,
+    /// Root of the run, which is gone.
+    pub root: PathBuf,
+    /// Why it ended.
+    pub ended: Ended,
+    /// What the services reported.
+    pub reports: BTreeMap<Service, ServiceReport>,
+    /// How the last process of each service ended.
+    pub exits: BTreeMap<Service, Exit>,
+    /// How often another process took each service's place.
+    pub restarts: BTreeMap<Service, u32>,
+    /// In how many of these the service's standby took over, of services that have one.
+    pub take_overs: BTreeMap<Service, u32>,
+    /// What each standby costs that was there at the end.
+    pub standby_costs: BTreeMap<Service, StandbyCost>,
+    /// Each service's signs of life, in realtime.
+    pub heartbeats: BTreeMap<Service, Heartbeats>,
+    /// What went wrong.
+    pub faults: Vec<FaultRecord>,
+    /// What the launcher heard of the drive.
+    pub drive: Drive,
+    /// From the first spawn until all services were ready.
+    pub ready_after: Duration,
+    /// From the start instant until all services had reported.
+    pub ran_for: Duration,
+    /// What became of the recording.
+    pub recording: Option<RecordingSummary>,
+    /// Lines that services wrote beside their messages: warnings, panics.
+    pub wrote: Vec<(Service, String)>,
+    /// The programs of the user's that took part, by the service that they are or compute for.
+    pub programs: BTreeMap<Service, Program>,
+}
+
+impl GroupOutcome {
+    /// What the numbers in the diagnostics stand for; none where a program in the controller's place sends
+    /// numbers of its own.
+    #[must_use]
+    pub fn formulation(&self, scenario: &Scenario) -> Option<&'static Formulation> {
+        let hosted = laws::program(scenario).is_ok_and(|program| program.is_some());
+        let replaced = self.programs.contains_key(&Service::Controller) && !hosted;
+        laws::formulation(scenario).filter(|_| !replaced)
+    }
+}
+
+/// A run at a moment, for its views.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<'a> {
+    /// Run time reached, ns.
+    pub time_ns: i64,
+    /// What was heard so far.
+    pub drive: &'a DriveLog,
+    /// What went wrong so far.
+    pub faults: &'a [FaultRecord],
+}
+
+/// The scenario as the services read it: with the gap that the law aims at, so that the referee can
+/// measure against it without knowing any law.
+pub(super) fn for_services(scenario: &Scenario) -> Scenario {
+    let mut scenario = scenario.clone();
+    scenario.referee.desired_gap = laws::desired_gap(&scenario);
+    scenario
+}

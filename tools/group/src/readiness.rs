@@ -1,0 +1,89 @@
+//! From the first spawn to the common start.
+
+use super::control;
+use super::events::{Event, Who};
+use super::exits::Exit;
+use super::programs::is_foreign;
+use super::succession::{self, Step};
+use super::supervisor::{EXIT_GRACE, Supervisor};
+use crate::Error;
+use messages::Service;
+use runtime::FromService;
+use std::time::Instant;
+
+impl Supervisor<'_> {
+    /// Gives all processes, which are ready, the common start.
+    pub(super) fn begin_all(&mut self) {
+        for &service in self.launch.scenario.services() {
+            let member = self.member(service);
+            let mut steps = member.on(succession::Event::Ready(0), 0);
+            steps.extend(member.on(succession::Event::Ready(1), 0));
+            for step in steps {
+                match step {
+                    Step::Activate(incarnation) => self.begin(service, incarnation, None, 0),
+                    Step::StandBy { incarnation, active } => {
+                        self.begin(service, incarnation, Some(active), 0);
+                    }
+                    _ => unreachable!("nothing has ended yet"),
+                }
+            }
+        }
+    }
+
+    pub(super) fn wait_until_ready(&mut self, spawned: Instant) -> Result<(), Error> {
+        let processes = |&service: &Service| {
+            let of = self.group.standby.contains(&service);
+            (0..=u32::from(of)).map(move |incarnation| Who { service, incarnation })
+        };
+        let mut waiting: Vec<Who> =
+            self.launch.scenario.services().iter().flat_map(processes).collect();
+        while let Some(first) = waiting.first().map(|who| who.service) {
+            let left = self.launch.ready_timeout.saturating_sub(spawned.elapsed());
+            if left.is_zero() {
+                let timeout = self.launch.ready_timeout.as_secs_f64();
+                return Err(self.not_ready(first, format!("was not ready within {timeout} s")));
+            }
+            match self.events.recv_timeout(left) {
+                Ok(Event::Said(who, FromService::Ready(granted))) => {
+                    waiting.retain(|waiting| *waiting != who);
+                    self.granted.insert(who.service.name().into(), granted);
+                }
+                Ok(Event::Said(who, FromService::Failed(reason))) => {
+                    return Err(self.not_ready(who.service, format!("failed: {reason}")));
+                }
+                Ok(Event::Flooded(who)) => {
+                    let what = "wrote endless text instead of messages: it is no service".into();
+                    return Err(self.not_ready(who.service, what));
+                }
+                Ok(Event::Gone(Who { service, incarnation })) => {
+                    let process = self.member(service).attached(incarnation);
+                    let process = process.expect("it has just been started");
+                    let exit = process.exit(EXIT_GRACE, Exit::OutputClosed);
+                    let what = format!("ended before it was ready ({exit})");
+                    let what = what + &self.last_words(service);
+                    return Err(self.not_ready(service, what));
+                }
+                Ok(Event::Signal) => return Err(Error::Interrupted),
+                Ok(Event::Wrote(who, line)) => self.wrote.push((who.service, line)),
+                Ok(Event::Inject(_, reply)) => {
+                    let message = "the run has not begun".into();
+                    // The client may be gone.
+                    let _ = reply.send(control::Answer { ok: false, message });
+                }
+                // The timeout is looked at above.
+                Ok(Event::Said(..) | Event::Knock) | Err(_) => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn not_ready(&mut self, service: Service, what: String) -> Error {
+        let foreign = is_foreign(&self.programs, service);
+        Error::NotReady { service, what, foreign }
+    }
+
+    fn last_words(&self, service: Service) -> String {
+        let words: Vec<_> = self.wrote.iter().filter(|(who, _)| *who == service).collect();
+        words.iter().rev().take(3).rev().map(|(_, line)| format!("\n  {line}")).collect()
+    }
+}
