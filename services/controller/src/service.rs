@@ -1,30 +1,32 @@
 //! The control loop: sample, decide, publish.
 
+mod account;
+mod publication;
+
+use self::account::Account;
 use crate::ladder::{Admission, Ages, Ladder};
 use crate::law::{
-    Descriptor, Formulation, Input, Law, MAX_FIGURES, MAX_PLAN, Output, Quality, TargetSource,
+    Descriptor, Formulation, Input, Law, MAX_FIGURES, MAX_PLAN, Output, TargetSource,
 };
 use crate::planning_thread::PlanningThread;
 use crate::plausibility::estimate::EgoEstimate;
 use crate::plausibility::{Believed, Plausibility};
 use crate::sampling::{Samples, Setting, input};
-use messages::level::{Level, LevelLog};
+use messages::level::Level;
 use messages::{
-    Command, Diagnostics, FIGURES, Header, Map, Message, Odometry, Origin, Origins, PLAN_LEN,
-    Powertrain, Preview, RadarTracks, Service, ServiceState, Spat,
+    Command, Diagnostics, FIGURES, Header, Map, Odometry, Origin, Origins, PLAN_LEN, Powertrain,
+    Preview, RadarTracks, Service, ServiceState, Spat,
 };
-use runtime::report::{ControllerReport, Details, ModeChange};
+use runtime::report::{ControllerReport, Details};
 use runtime::statistics::{Latencies, Percentiles};
 use runtime::{
     Cycle, Figures, Group, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber,
-    Usage, monotonic_ns,
+    monotonic_ns,
 };
 use scenario::perception::RadarModel;
 use scenario::{Scenario, controller};
 use std::time::Duration;
 
-/// Mode changes that are kept. Further changes are dropped.
-const MAX_MODE_CHANGES: usize = 4096;
 /// Name of the law's times, which outlive the process.
 const LAW: &str = "law";
 /// Part of the control period after which the loop no longer waits for the radar to release it.
@@ -76,16 +78,6 @@ pub fn serve(law: &'static Descriptor) -> std::process::ExitCode {
     runtime::run_service(Service::Controller, &arguments, |joined| run_law(joined, law))
 }
 
-/// A mode change as the loop keeps it.
-#[derive(Clone, Copy)]
-struct Change {
-    time_s: f64,
-    from: u32,
-    to: u32,
-    reason: u32,
-    figures: [f64; FIGURES],
-}
-
 /// Topics about a truck and its road.
 struct TruckTopics {
     powertrain: Subscriber<Powertrain>,
@@ -114,15 +106,10 @@ struct Loop {
     ladder: Ladder,
     plausibility: Plausibility,
     estimate: EgoEstimate,
-    levels: LevelLog,
+    account: Account,
     /// The last command came from the ladder, not from the law.
     braked: bool,
     solve: Latencies,
-    deadline_misses: u64,
-    relaxed: u64,
-    backup: u64,
-    mode: Option<u32>,
-    mode_changes: Vec<Change>,
 }
 
 impl Loop {
@@ -171,14 +158,9 @@ impl Loop {
             ladder: Ladder::new(scenario),
             plausibility: Plausibility::new(scenario.perception.model() != RadarModel::Ideal),
             estimate: EgoEstimate::default(),
-            levels: LevelLog::default(),
+            account: Account::new(),
             braked: false,
             solve: runtime.figures().latencies(LAW)?,
-            deadline_misses: 0,
-            relaxed: 0,
-            backup: 0,
-            mode: None,
-            mode_changes: Vec::with_capacity(MAX_MODE_CHANGES),
         })
     }
 
@@ -276,7 +258,7 @@ impl Loop {
         self.write_command(&mut command, header, &release, radar_release_ns, &used);
         // By the command's own stamp, so that a recording tells it again.
         let in_time = self.command.send(command)? - release.scheduled_ns <= self.deadline_ns;
-        self.deadline_misses += u64::from(!in_time);
+        self.account.deadline_misses += u64::from(!in_time);
         let level = self.ladder.settle(&self.output, in_time);
         let mut diagnostics = self.diagnostics.loan()?;
         self.write_diagnostics(&mut diagnostics, header, &release, level);
@@ -286,8 +268,7 @@ impl Loop {
         {
             planning.after_step(self.law.as_mut(), &release);
         }
-        self.account(release.time_s);
-        self.levels.observe(release.time_s, level);
+        self.account.count(release.time_s, &self.output, level);
         let state =
             if level == Level::Full { ServiceState::Running } else { ServiceState::Degraded };
         runtime.end_cycle(state)?;
@@ -317,121 +298,20 @@ impl Loop {
             .map_err(|error| RuntimeError::Program(error.into()))
     }
 
-    fn write_command(
-        &self,
-        message: &mut Command,
-        header: Header,
-        release: &Release,
-        radar_release_ns: i64,
-        used: &Usage,
-    ) {
-        let plan_len = self.output.plan_len.min(MAX_PLAN);
-        message.header = header;
-        message.radar_release_ns = radar_release_ns;
-        message.idle_ns = release.idle_ns;
-        message.start_ns = release.start_ns;
-        message.voluntary_switches = used.voluntary_switches;
-        message.involuntary_switches = used.involuntary_switches;
-        message.minor_faults = used.minor_faults;
-        message.major_faults = used.major_faults;
-        message.solver_iterations = self.output.solver_iterations;
-        message.mode = self.output.mode;
-        message.plan_period_ns = self.plan_period_ns;
-        message.plan_len = plan_len as u64;
-        message.plan_mps2[..plan_len].copy_from_slice(&self.output.plan_mps2[..plan_len]);
-        if let Some(torque) = self.output.torque {
-            message.has_torque = 1;
-            message.gear = torque.gear.map_or(0, |gear| gear as u32 + 1);
-            message.engine_torque_nm = torque.engine_torque_nm;
-            message.service_brake_n = torque.service_brake_n;
-        }
-    }
-
-    fn write_diagnostics(
-        &self,
-        message: &mut Diagnostics,
-        header: Header,
-        release: &Release,
-        level: Level,
-    ) {
-        let age = |acquisition_ns: Option<i64>| {
-            acquisition_ns.map_or(-1, |acquired| release.start_ns - acquired)
-        };
-        message.header = header;
-        message.start_ns = release.start_ns;
-        message.mode = self.output.mode;
-        message.mode_reason = self.output.mode_reason;
-        message.quality = match self.output.quality {
-            Quality::Full => 0,
-            Quality::Relaxed => 1,
-            Quality::Backup => 2,
-            Quality::FallBack => 3,
-        };
-        message.solver_iterations = self.output.solver_iterations;
-        message.rung = level as u32;
-        message.takeover = u32::from(level == Level::LeadLost);
-        message.request_mps2 = self.output.request_mps2();
-        message.odometry_age_ns = age(acquired(&self.odometry));
-        message.radar_age_ns = age(acquired(&self.radar));
-        message.spat_age_ns = age(acquired(&self.spat));
-        message.figures.copy_from_slice(&self.output.figures);
-    }
-
-    fn account(&mut self, time_s: f64) {
-        match self.output.quality {
-            Quality::Full => {}
-            Quality::Relaxed => self.relaxed += 1,
-            Quality::Backup | Quality::FallBack => self.backup += 1,
-        }
-        let mode = self.output.mode;
-        if let Some(before) = self.mode
-            && before != mode
-            && self.mode_changes.len() < MAX_MODE_CHANGES
-        {
-            self.mode_changes.push(Change {
-                time_s,
-                from: before,
-                to: mode,
-                reason: self.output.mode_reason,
-                figures: self.output.figures,
-            });
-        }
-        self.mode = Some(mode);
-    }
-
     fn report(&mut self, skipped: u64) -> ControllerReport {
-        let name = |names: &[&str], index: u32| {
-            names.get(index as usize).map_or_else(|| index.to_string(), ToString::to_string)
-        };
-        let figures = |values: &[f64; FIGURES]| {
-            let names = self.formulation.figures.iter().map(|figure| figure.name.to_owned());
-            // A figure that does not apply in this mode is left out.
-            names.zip(*values).filter(|(_, value)| value.is_finite()).collect()
-        };
-        let change = |change: &Change| ModeChange {
-            t_s: change.time_s,
-            from: name(self.formulation.modes, change.from),
-            to: name(self.formulation.modes, change.to),
-            reason: name(self.formulation.reasons, change.reason),
-            figures: figures(&change.figures),
-        };
         ControllerReport {
             deadline_us: self.deadline_ns as f64 / 1e3,
             // A release left out is a deadline missed.
-            deadline_misses: self.deadline_misses + skipped,
+            deadline_misses: self.account.deadline_misses + skipped,
             solve_us: self.solve.percentiles_us(),
-            relaxed: self.relaxed,
-            backup: self.backup,
+            relaxed: self.account.relaxed,
+            backup: self.account.backup,
             planning: self.planning.as_ref().map(PlanningThread::report),
             law: self.descriptor.name.to_owned(),
             program: self.law.hosted().map(|hosted| hosted.report()),
-            mode_changes: self.mode_changes.iter().map(change).collect(),
-            rungs: self.levels.report(),
+            mode_changes: self.account.mode_changes(self.formulation),
+            rungs: self.account.levels.report(),
             checks: self.plausibility.findings().report(),
         }
     }
-}
-
-fn acquired<T: Message>(topic: &Subscriber<T>) -> Option<i64> {
-    topic.newest().map(|sample| sample.header().acquisition_ns)
 }

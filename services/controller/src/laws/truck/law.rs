@@ -10,32 +10,31 @@
 //! The service brakes are the last resort: too close to the target, when it takes much to stay away from it,
 //! and to hold the limit downhill.
 
+use super::car_safety::keep_car_safe;
 use super::following::{self, JERK_MPS3, LastResort, Means};
+use super::formulation::{
+    BAD_INPUT, CRUISE, FOLLOW, MAP_CONTRADICTS, NO_PLAN, PLAN, PREDICTIVE, TARGET, TARGET_GONE,
+    TOO_CLOSE, WARN,
+};
 use super::limiter;
 use super::map_trust::MapTrust;
 use super::planners::create;
 use super::reference::{Reference, Speeds};
-use super::settings::{CarGap, PlannerKind, Settings};
+use super::settings::{PlannerKind, Settings};
 use super::spacing::{Mode, Spacing};
 use super::speed_band::{max_speed_mps, min_speed_mps};
 use super::speed_keeper::SpeedKeeper;
 use super::target_filter::{Estimate, TargetFilter};
 use super::time_price::TimePrice;
 use super::tracking::{Guidance, Tracking};
-use crate::following::kinematics::{Lag, Motion};
-use crate::following::safe_gap::{LeadNow, SafeGap};
-use crate::following::soft_stop::{Room, soften};
 use crate::law::{
-    Figure, Formulation, Input, Law, MAX_PLAN, Output, Plan, PlanRequest, Planner, Planning,
-    Powertrain, Preview, Quality, TorqueRequest,
+    Input, Law, MAX_PLAN, Output, Plan, PlanRequest, Planner, Planning, Powertrain, Preview,
+    Quality, TorqueRequest,
 };
 use truck_model::{Demand, GEARS, Motion as TruckMotion};
 
 /// Requests, m/s².
-const REQUESTS_MPS2: (f64, f64) = (-6.5, 1.5);
-/// Comfortable braking of a car, m/s², and the gap that it never gives up knowingly, m.
-const COMFORT_MPS2: f64 = -2.0;
-const CAR_GAP_M: f64 = 2.0;
+pub(super) const REQUESTS_MPS2: (f64, f64) = (-6.5, 1.5);
 /// Lowest set speed that is planned for, m/s.
 const PLANNED_FROM_MPS: f64 = 10.0;
 /// Distance from the lead over which its road counts, m (14).
@@ -48,44 +47,6 @@ const GUARD_NM: f64 = 200.0;
 const GUARD_NM_PER_MPS: f64 = 400.0;
 /// Requests that a command carries of the plan.
 const REQUESTS: usize = 50;
-
-/// The meaning of the numbers in the output.
-pub(super) static FORMULATION: Formulation = Formulation {
-    name: "truck",
-    modes: &["cruise", "predictive", "follow", "warn"],
-    reasons: &[
-        "none",
-        "plan",
-        "no_plan",
-        "map_contradicts",
-        "target",
-        "target_gone",
-        "too_close",
-        "bad_input",
-    ],
-    figures: &[
-        Figure::new("economic_speed_mps", "m/s"),
-        Figure::new("engine_torque_nm", "N m"),
-        Figure::new("gear", "1"),
-        Figure::new("time_price", "1"),
-        Figure::new("lag_s", "s"),
-        Figure::new("filtered_gap_m", "m"),
-        Figure::new("service_brake_n", "N"),
-        Figure::new("plan_ahead_m", "m"),
-    ],
-};
-
-const CRUISE: u32 = 0;
-const PREDICTIVE: u32 = 1;
-const FOLLOW: u32 = 2;
-const WARN: u32 = 3;
-const PLAN: u32 = 1;
-const NO_PLAN: u32 = 2;
-const MAP_CONTRADICTS: u32 = 3;
-const TARGET: u32 = 4;
-const TARGET_GONE: u32 = 5;
-const TOO_CLOSE: u32 = 6;
-const BAD_INPUT: u32 = 7;
 
 /// The law.
 #[derive(Clone, Debug)]
@@ -426,36 +387,6 @@ impl Planning for Predictive {
 
     fn accept(&mut self, plan: &Plan) {
         self.state.tracking.accept(plan);
-    }
-}
-
-/// The last word on a car's request: a safe gap and a soft stop.
-fn keep_car_safe(car: &CarGap, input: &Input, output: &mut Output) {
-    let (speed_mps, acceleration_mps2) = (input.ego.speed_mps, input.ego.acceleration_mps2);
-    let ego = Motion { position_m: 0.0, speed_mps, acceleration_mps2 };
-    let lead = input.target.filter(|t| t.gap_m.is_finite() && t.relative_speed_mps.is_finite());
-    let lead = lead.map(|t| LeadNow {
-        gap_m: t.gap_m,
-        speed_mps: (speed_mps + t.relative_speed_mps).max(0.0),
-        acceleration_mps2: t.acceleration_mps2.clamp(-15.0, 15.0),
-    });
-    let lag = Lag { tau_s: car.lag_s };
-    let bounds = (REQUESTS_MPS2.0, COMFORT_MPS2);
-    let wanted = output.request_mps2();
-    let mut request = wanted;
-    let mut room = Room::FREE;
-    if let Some(lead) = &lead {
-        let period_s = input.period_s.clamp(0.05, 1.0);
-        let safe = SafeGap::new(lag, period_s, bounds, CAR_GAP_M, car.lead_deceleration_mps2);
-        request = safe.apply(request, ego, lead);
-        room = Room { wanted_m: lead.room_m(CAR_GAP_M), spare_m: 0.5 * CAR_GAP_M };
-    }
-    request = soften(request, ego, lag.tau_s, room);
-    if request != wanted {
-        output.plan_mps2[0] = request;
-        for later in &mut output.plan_mps2[1..output.plan_len] {
-            *later = later.min(request.max(COMFORT_MPS2));
-        }
     }
 }
 

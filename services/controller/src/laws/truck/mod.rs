@@ -23,12 +23,15 @@
 //! | gap, modes | (14) to (16) | `spacing` |
 //! | accelerations, brakes | (17), (18) | `following` |
 //! | radar filter | | `target_filter` |
+//! | a car under this law | | `car_safety` |
 //! | whole trips, baselines, the bound | the tables | [`route`] |
 
 mod beyond;
+mod car_safety;
 mod dynamic_programming;
 mod energy_grid;
 mod following;
+mod formulation;
 mod gear_curve;
 mod law;
 mod limiter;
@@ -68,8 +71,8 @@ pub static PREDICTIVE: Descriptor = Descriptor {
     description: "predictive cruise of a heavy truck over hills (Li, Zheng, Wang, Wang)",
     source: "Li, Zheng, Wang, Wang (FAW Jiefang JH6)",
     table: Some(TABLE),
-    formulations: &[&law::FORMULATION],
-    formulation: |_| &law::FORMULATION,
+    formulations: &[&formulation::FORMULATION],
+    formulation: |_| &formulation::FORMULATION,
     gap: GapPolicy::Internal,
     target: TargetSource::Measured,
     build,

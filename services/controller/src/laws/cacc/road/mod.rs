@@ -37,6 +37,8 @@
 
 mod decision;
 mod filter;
+mod formulation;
+mod gates;
 mod lead;
 mod planner;
 mod program;
@@ -45,8 +47,10 @@ mod signals;
 
 use mpc_solver::{ProblemError, Solver};
 
-use self::decision::{Choice, Reason, Situation, choose};
-use self::filter::{Filter, Gate, Rule};
+use self::decision::{Choice, Situation, choose};
+use self::filter::{Filter, Rule};
+pub use self::formulation::FORMULATION;
+use self::formulation::reason_index;
 use self::planner::{Planner, Seen};
 use self::program::Deadline;
 use self::signals::{Line, SignalMemory};
@@ -55,7 +59,7 @@ use super::plan::PlanMemory;
 use crate::following::kinematics::{Lag, Motion};
 use crate::following::safe_gap::LeadNow;
 use crate::following::soft_stop::{Room, soften};
-use crate::law::{Figure, Formulation, Input, Law, MAX_SIGNALS, Output, Quality};
+use crate::law::{Input, Law, MAX_SIGNALS, Output, Quality};
 
 /// Speed that stands for "no limit", m/s.
 const NO_LIMIT_MPS: f64 = 70.0;
@@ -69,32 +73,6 @@ const STOP_ROOM_M: f64 = 0.3;
 const STANDSTILL_MPS: f64 = 0.1;
 /// Room that a soft stop leaves to a closed line, m.
 const LINE_ROOM_M: f64 = 0.3;
-
-/// The meaning of the numbers in the output.
-pub static FORMULATION: Formulation = Formulation {
-    name: "road",
-    modes: &["cruise", "follow", "pass", "stop"],
-    reasons: &[
-        "start",
-        "target-lost",
-        "target-found",
-        "green-in-reach",
-        "green-out-of-reach",
-        "stop-cheaper",
-        "clears-in-yellow",
-        "emergency",
-        "signal-unknown",
-    ],
-    figures: &[
-        Figure::new("gap_error_m", "m"),
-        Figure::new("speed_error_mps", "m/s"),
-        Figure::new("filter_correction_mps2", "m/s²"),
-        Figure::new("solver_residual", "1"),
-        Figure::new("pass_shortfall_m", "m"),
-        Figure::new("pass_cost", "1"),
-        Figure::new("stop_cost", "1"),
-    ],
-};
 
 /// `acc-mpc` and `cacc-mpc` for the road.
 pub struct RoadLaw {
@@ -274,45 +252,6 @@ impl RoadLaw {
         Decision { choice: Some(choice), reason: reason_index(reason), shortfall_m }
     }
 
-    /// The rules of the filter for all lines ahead.
-    fn gates(
-        &self,
-        input: &Input,
-        seen: &Seen,
-        choice: Option<Choice>,
-        filter: &Filter,
-    ) -> ([Gate; MAX_SIGNALS], usize) {
-        let now = input.time_s;
-        let n = self.config.horizon_steps;
-        let mut gates = [Gate { distance_m: 0.0, rule: Rule::Stop }; MAX_SIGNALS];
-        for (j, line) in seen.lines[..seen.count].iter().enumerate() {
-            let distance_m = line.at_m - input.ego.position_m;
-            let open = line.shown(now);
-            let passes = match (j, open) {
-                (_, None) => false,
-                // Beyond the point of no return a stop is no longer a choice.
-                (0, Some(_)) => {
-                    choice == Some(Choice::Pass) || !filter.can_stop(seen.ego, distance_m)
-                }
-                (_, Some(green)) => {
-                    let reference =
-                        &self.planner.candidate_of(choice.unwrap_or(Choice::Pass)).reference;
-                    let margin = self.config.road.pass_margin_s;
-                    line.known
-                        && reference.reaches(distance_m, n).is_some_and(|k| {
-                            now + k as f64 * self.planner.lag.step_s <= green.to_s - margin
-                        })
-                }
-            };
-            let rule = match open {
-                Some(green) if passes => Rule::Pass { red_in_s: green.clear_s - now },
-                _ => Rule::Stop,
-            };
-            gates[j] = Gate { distance_m, rule };
-        }
-        (gates, seen.count)
-    }
-
     /// Writes the chosen plan, the previous one or the driver's, and filters its first request.
     /// Returns whether the nearest line is to be stopped at as things stand.
     fn write(
@@ -450,16 +389,5 @@ impl State {
         }
         self.mode = Some(mode);
         self.reason
-    }
-}
-
-fn reason_index(reason: Reason) -> u32 {
-    match reason {
-        Reason::GreenInReach => 3,
-        Reason::GreenOutOfReach => 4,
-        Reason::StopCheaper => 5,
-        Reason::ClearsInYellow => 6,
-        Reason::Emergency => 7,
-        Reason::Unknown => 8,
     }
 }
