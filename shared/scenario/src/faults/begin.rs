@@ -1,0 +1,93 @@
+//! When a fault begins: at an instant, or by what the ego does and meets.
+
+use messages::Drive;
+use serde::{Deserialize, Serialize};
+
+use crate::quantity::{AccelerationMagnitude, Distance, Speed, Time};
+
+/// When a fault begins.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Begin {
+    /// At an instant.
+    At {
+        /// When it begins, s of run time.
+        at_s: Time,
+    },
+    /// By what the ego does and meets.
+    When {
+        /// When it begins, by what the ego does and meets; all conditions that are given must hold at
+        /// once.
+        when: Condition,
+    },
+}
+
+impl Begin {
+    /// Run time at which it begins, ns, where that is known beforehand.
+    #[must_use]
+    pub fn known_ns(&self) -> Option<i64> {
+        match self {
+            Self::At { at_s } => Some(i64::try_from(at_s.nanoseconds()).unwrap_or(i64::MAX)),
+            Self::When { .. } => None,
+        }
+    }
+
+    /// True if it begins with the ego driving so.
+    #[must_use]
+    pub fn is_met(&self, drive: &Drive) -> bool {
+        match self {
+            Self::At { .. } => false,
+            Self::When { when } => when.holds(drive),
+        }
+    }
+}
+
+/// What must be so for a fault to begin.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Condition {
+    /// The ego is beyond this place, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub position_above_m: Option<Distance>,
+    /// The ego is slower, m/s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub speed_below_mps: Option<Speed>,
+    /// The ego is faster, m/s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub speed_above_mps: Option<Speed>,
+    /// The ego brakes harder, m/s².
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub braking_above_mps2: Option<AccelerationMagnitude>,
+    /// The time to collision with the vehicle ahead is shorter, s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ttc_below_s: Option<Time>,
+    /// The next stop line is nearer, and its signal shows red, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub red_line_below_m: Option<Distance>,
+    /// A vehicle ahead moves sideways towards the ego's lane, or none does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cut_in: Option<bool>,
+    /// The ego stands, or it does not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub standstill: Option<bool>,
+}
+
+/// Below this speed the ego stands, m/s.
+pub const STANDSTILL_MPS: f64 = 0.1;
+
+impl Condition {
+    /// True if it holds for an ego that drives so.
+    #[must_use]
+    pub fn holds(&self, drive: &Drive) -> bool {
+        let stands = drive.speed_mps < STANDSTILL_MPS;
+        let deceleration_mps2 = -drive.acceleration_mps2;
+        self.position_above_m.is_none_or(|limit| drive.position_m > limit.value())
+            && self.speed_below_mps.is_none_or(|limit| drive.speed_mps < limit.value())
+            && self.speed_above_mps.is_none_or(|limit| drive.speed_mps > limit.value())
+            && self.braking_above_mps2.is_none_or(|limit| deceleration_mps2 > limit.value())
+            && self.ttc_below_s.is_none_or(|limit| drive.time_to_collision_s < limit.value())
+            && self.red_line_below_m.is_none_or(|limit| drive.red_line_m < limit.value())
+            && self.cut_in.is_none_or(|wanted| drive.cut_in == wanted)
+            && self.standstill.is_none_or(|wanted| stands == wanted)
+    }
+}

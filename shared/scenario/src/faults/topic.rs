@@ -1,0 +1,70 @@
+//! The messages that a fault can act on, and the figures in them.
+
+use messages::Topic;
+use serde::{Deserialize, Serialize};
+
+/// A figure that a `bias` can falsify.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BiasedField {
+    /// `radar/tracks`: gap to the target, m.
+    GapM,
+    /// `radar/tracks`: relative speed of the target, m/s.
+    RelativeSpeedMps,
+    /// `vehicle/odometry`: speed, m/s.
+    SpeedMps,
+    /// `v2x/spat`: all ends of intervals, s.
+    EndS,
+}
+
+impl BiasedField {
+    /// The topic that carries it.
+    #[must_use]
+    pub const fn topic(self) -> Topic {
+        match self {
+            Self::GapM | Self::RelativeSpeedMps => Topic::RadarTracks,
+            Self::SpeedMps => Topic::Odometry,
+            Self::EndS => Topic::Spat,
+        }
+    }
+}
+
+/// A topic by its name, one whose messages can be disturbed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct TopicName(pub Topic);
+
+impl TopicName {
+    /// Topics whose messages can be disturbed.
+    pub const ALL: [Topic; 6] = [
+        Topic::Odometry,
+        Topic::RadarTracks,
+        Topic::RadioFrames,
+        Topic::Spat,
+        Topic::Map,
+        Topic::Command,
+    ];
+}
+
+/// A name of no topic whose messages can be disturbed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "no messages of `{0}` can be disturbed, expected one of {names}",
+    names = TopicName::ALL.map(Topic::name).join(", ")
+)]
+pub struct NoSuchTopic(String);
+
+impl TryFrom<String> for TopicName {
+    type Error = NoSuchTopic;
+
+    fn try_from(name: String) -> Result<Self, NoSuchTopic> {
+        let found = Self::ALL.into_iter().find(|topic| topic.name() == name);
+        found.map(Self).ok_or(NoSuchTopic(name))
+    }
+}
+
+impl From<TopicName> for String {
+    fn from(name: TopicName) -> Self {
+        name.0.name().into()
+    }
+}
