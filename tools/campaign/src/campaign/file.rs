@@ -44,6 +44,9 @@ use std::collections::BTreeMap;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::{Path, PathBuf};
 
+/// The campaign as it took effect, in its directory.
+pub const FILE: &str = "campaign.toml";
+
 /// Longest description that is taken from a variation file, characters.
 const MAX_LINE: usize = 500;
 /// Longest campaign file, bytes.

@@ -1,0 +1,59 @@
+//! A campaign's end: judged, written, printed.
+
+use super::arguments::CampaignArguments;
+use super::exposure::Exposure;
+use super::file::Campaign;
+use super::job::job;
+use super::plan::Plan;
+use super::record::Record;
+use super::verdict::Verdict;
+use super::{page, print};
+use crate::batch::{self, Job};
+use group::{Error, GroupOptions};
+use report::output::OutputDirectory;
+use std::process::ExitCode;
+
+/// Judges, writes and prints.
+pub fn conclude(
+    arguments: &CampaignArguments,
+    campaign: &Campaign,
+    (plan, planned): (&Plan, usize),
+    records: Vec<Record>,
+    output: &OutputDirectory,
+) -> Result<ExitCode, Error> {
+    let csv = print::csv(&records);
+    let times = page::Times::of(&records);
+    let exposure = exposure(campaign, plan, &arguments.group)?;
+    let verdict = Verdict::new(campaign, plan, planned, exposure, records);
+    let json = serde_json::to_string_pretty(&verdict).expect("plain data") + "\n";
+    let written = output
+        .write("campaign.csv", csv.as_bytes())
+        .and_then(|()| output.write("campaign.json", json.as_bytes()))
+        .and_then(|()| output.write(report::FILE, page::page(&verdict, &times).as_bytes()));
+    if arguments.json {
+        report::print::out(&json)?;
+    } else {
+        report::print::out(&(print::verdict(&verdict) + &output.places()))?;
+    }
+    // What was measured has been told before a full disk is.
+    written?;
+    Ok(if verdict.ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// What the drives meet without faults: one in simulated time for each scenario and controller.
+fn exposure(
+    campaign: &Campaign,
+    plan: &Plan,
+    group: &GroupOptions,
+) -> Result<Vec<Exposure>, Error> {
+    let planned = if campaign.faults.is_empty() { Vec::new() } else { plan.without_faults() };
+    let mut met = Vec::new();
+    for planned in planned {
+        let Job { mut scenario, .. } = job(campaign, &planned)?;
+        scenario.faults.clear();
+        let done = batch::lockstep(&scenario, group, false, &|| true)?;
+        let controller = scenario.controller.name.as_str().to_owned();
+        met.push(Exposure::of(planned.scenario, controller, &done.drive.steps));
+    }
+    Ok(met)
+}

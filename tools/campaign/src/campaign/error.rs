@@ -1,0 +1,58 @@
+//! Why a campaign is not done.
+
+use super::file::BUILTIN;
+use crate::radio;
+use group::Failure;
+use scenario::faults::Kind;
+use std::path::PathBuf;
+
+/// Why a campaign is not done.
+#[derive(Debug, thiserror::Error)]
+pub enum CampaignError {
+    /// Nothing says which.
+    #[error(
+        "no campaign is named, expected a file or one of {}",
+        BUILTIN.map(|builtin| builtin.name).join(", ")
+    )]
+    NoneNamed,
+    /// The runs have no numbers that their draws come from.
+    #[error("--first is for the campaign `{}` alone", radio::NAME)]
+    FirstOfNone,
+    /// The directory is another one's.
+    #[error(
+        "{} holds another campaign, or another shard of it, expected the one that it began with",
+        directory.display()
+    )]
+    OtherBegun {
+        /// The directory.
+        directory: PathBuf,
+    },
+    /// In simulated time nothing is to be seen of a process fault.
+    #[error(
+        "a fault of kind `{kind}` acts on processes, expected mode = \"realtime\" in the campaign"
+    )]
+    FaultOfProcesses {
+        /// Its kind.
+        kind: Kind,
+    },
+    /// A journal has a run that is not of its part.
+    #[error("{}: run {run} does not belong to this part of the campaign", path.display())]
+    OtherPart {
+        /// The journal.
+        path: PathBuf,
+        /// The run's number.
+        run: usize,
+    },
+    /// A journal has a run that is known.
+    #[error(
+        "{}: run {run} is there twice, or in a directory before this one as well", path.display()
+    )]
+    Twice {
+        /// The journal.
+        path: PathBuf,
+        /// The run's number.
+        run: usize,
+    },
+}
+
+impl Failure for CampaignError {}

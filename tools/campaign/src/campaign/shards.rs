@@ -1,0 +1,98 @@
+//! The parts of a campaign: whose a journal's runs are, and all of them put together.
+
+use super::arguments::CampaignArguments;
+use super::conclusion::conclude;
+use super::error::CampaignError;
+use super::file::{Campaign, FILE};
+use super::plan::{self, Plan};
+use super::record::Record;
+use crate::parts::journal;
+use crate::parts::{self, MergeError, Shard};
+use group::Error;
+use report::output::OutputDirectory;
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Checks that the records are of runs of this part, each once, and adds their numbers to `known`.
+pub fn check_journal(
+    journal: &Path,
+    campaign: &Campaign,
+    plan: &Plan,
+    records: &[Record],
+    known: &mut BTreeSet<usize>,
+) -> Result<(), CampaignError> {
+    let planned: BTreeSet<usize> = match campaign.sample {
+        Some(_) => plan.numbers().collect(),
+        None => BTreeSet::new(),
+    };
+    for record in records {
+        let run = record.run;
+        let path = || journal.to_owned();
+        let in_plan =
+            if campaign.sample.is_some() { planned.contains(&run) } else { run < plan.len() };
+        if !in_plan || campaign.shard.is_some_and(|shard| !shard.holds(run)) {
+            return Err(CampaignError::OtherPart { path: path(), run });
+        }
+        if !known.insert(run) {
+            return Err(CampaignError::Twice { path: path(), run });
+        }
+    }
+    Ok(())
+}
+
+/// Puts shards together.
+pub fn merge(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
+    let mut whole: Option<(Campaign, Plan)> = None;
+    let mut records: Vec<Record> = Vec::new();
+    let mut known = BTreeSet::new();
+    let mut held: Vec<(Option<Shard>, &Path)> = Vec::new();
+    for directory in &arguments.merge {
+        let part = Campaign::read(&directory.join(FILE))?;
+        let shard = part.shard;
+        let other =
+            |(whole, _): &(Campaign, Plan)| *whole != Campaign { shard: None, ..part.clone() };
+        let count = |shard: Option<Shard>| shard.map(|shard| shard.count);
+        if whole.as_ref().is_some_and(other)
+            || held.first().is_some_and(|(first, _)| count(*first) != count(shard))
+        {
+            let (directory, name) = (directory.clone(), "campaign".into());
+            return Err(MergeError::OtherStudy { directory, name }.into());
+        }
+        if let Some((_, before)) = held.iter().find(|(held, _)| *held == shard) {
+            let (directory, before) = (directory.clone(), before.to_path_buf());
+            return Err(MergeError::SamePart { directory, before }.into());
+        }
+        if whole.is_none() {
+            let campaign = Campaign { shard: None, ..part.clone() };
+            let plan = plan::plan(&campaign)?;
+            whole = Some((campaign, plan));
+        }
+        let (_, plan) = whole.as_ref().expect("it was just made");
+        let journal = directory.join(journal::FILE);
+        let mine = journal::read::<Record>(&journal)?.0;
+        check_journal(&journal, &part, plan, &mine, &mut known)?;
+        records.extend(mine);
+        held.push((shard, directory));
+    }
+    let (campaign, plan) = whole.expect("clap asks for at least one directory");
+    let first = &arguments.merge[0];
+    let planned: BTreeSet<usize> = plan.numbers().collect();
+    let highest = planned.last().map_or(0, |last| last + 1);
+    // What is not planned is nothing to be done.
+    let done = |run: usize| known.contains(&run) || !planned.contains(&run);
+    let command = |shard: Shard, directory: Option<&Path>| match directory {
+        Some(directory) => format!("timegap campaign --resume {}", directory.display()),
+        None => {
+            let Shard { index, count } = shard;
+            let file = first.join(FILE);
+            format!(
+                "timegap campaign {} --shard {index}/{count} --resume shard-{index}-of-{count}",
+                file.display()
+            )
+        }
+    };
+    parts::name_incomplete(&parts::incomplete(&held, highest, &done, &command));
+    let output = OutputDirectory::create(&arguments.output, campaign.name.as_str())?;
+    conclude(arguments, &campaign, (&plan, plan.len()), records, &output)
+}
