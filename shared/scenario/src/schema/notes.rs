@@ -36,17 +36,21 @@ pub(super) fn of(table: &str, name: &str, key: &str) -> Option<String> {
 }
 
 /// The comment on key `key` of a table that is read key by key: on a field of the variant of that
-/// kind, or else on one of the types that all kinds share, which come first or last in the source.
+/// kind, or else on one of the types that all kinds share.
 pub(super) fn of_kind(table: &str, kind: &str, key: &str) -> Option<String> {
-    let (_, source) = SOURCES.iter().find(|(about, _)| *about == table)?;
-    let shared = || {
-        let all = source.lines().map(str::trim).filter_map(|line| line.strip_suffix(" {"));
-        all.filter_map(|head| match head.strip_prefix("pub struct ") {
-            Some(name) => messages::notes::in_source(source, name, key),
-            None => messages::notes::in_variant(source, head, key),
-        })
-    };
-    messages::notes::in_variant(source, &pascal(kind), key).or_else(|| shared().next())
+    let sources = || SOURCES.iter().filter(|(about, _)| *about == table).map(|(_, source)| *source);
+    let of_variant =
+        sources().find_map(|source| messages::notes::in_variant(source, &pascal(kind), key));
+    of_variant.or_else(|| sources().find_map(|source| in_any(source, key)))
+}
+
+/// The comment on field `key` of the first type of `source` that has one.
+fn in_any(source: &str, key: &str) -> Option<String> {
+    let mut heads = source.lines().map(str::trim).filter_map(|line| line.strip_suffix(" {"));
+    heads.find_map(|head| match head.strip_prefix("pub struct ") {
+        Some(name) => messages::notes::in_source(source, name, key),
+        None => messages::notes::in_variant(source, head, key),
+    })
 }
 
 /// The name of a variant from its name in a file: `wave-length` is `WaveLength`.
