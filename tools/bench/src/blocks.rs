@@ -2,7 +2,7 @@
 
 use super::chain::{self, Chain};
 use super::goals::{self, Goal};
-use super::paired::{Compared, Comparison, SESSIONS};
+use super::paired::{Compared, Comparison, sessions};
 use super::plan::{self, CHAIN_WAKES, Cell, ChainBlocks, Measure};
 use super::results::PairedRow;
 use super::setup::{Conditions, Mechanism};
@@ -29,9 +29,10 @@ impl Bench<'_> {
         chains: &[ChainBlocks],
         bar: &ProgressBar,
     ) -> Result<(), Error> {
-        let tails = !self.report.quick;
+        let quick = self.report.quick;
+        let sessions = sessions(quick);
         let mut all: Vec<Option<Compared>> = comparisons.iter().map(|_| None).collect();
-        for session in 0..SESSIONS {
+        for session in 0..sessions {
             for (&(comparison, conditions, period_us), all) in comparisons.iter().zip(&mut all) {
                 bar.set_message(format!("{}, {}", comparison.name(), in_words(&conditions)));
                 let compared = self.stage.compare(comparison, conditions, period_us, session)?;
@@ -40,7 +41,7 @@ impl Bench<'_> {
                     (None, compared) => *all = compared,
                     (Some(_), None) => {}
                 }
-                bar.inc(millis(plan::comparison_estimate(period_us)) / u64::from(SESSIONS));
+                bar.inc(millis(plan::session_estimate(period_us)));
             }
         }
         for compared in all.into_iter().flatten() {
@@ -51,7 +52,7 @@ impl Bench<'_> {
                 self.histograms.push((format!("{name}-{arm}:{tag}"), histogram));
             }
             self.report.paired.push(PairedRow::of(&compared));
-            self.judge(goals::of_comparison(&compared, tails));
+            self.judge(goals::of_comparison(&compared, !quick));
         }
         for blocks in chains {
             bar.set_message(format!("chain in blocks, {}", in_words(&blocks.conditions)));

@@ -133,7 +133,7 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
         bench.report.not_compared = plan::not_compared();
     }
     let whole: Duration = (cells.iter().map(|cell| cell.estimate(seconds)))
-        .chain(compared.iter().map(|(_, _, period_us)| plan::comparison_estimate(*period_us)))
+        .chain(compared.iter().map(|(_, _, us)| plan::comparison_estimate(quick, *us)))
         .chain(chains.iter().map(plan::ChainBlocks::estimate))
         .sum();
     let bar = progress_bar(whole, arguments.json);

@@ -12,17 +12,22 @@ use rand_pcg::Pcg64;
 use runtime::statistics::Latencies;
 use serde::{Deserialize, Serialize};
 
-/// Pairs of blocks.
+/// Fewest pairs of blocks of a comparison.
 pub const PAIRS: u32 = 20;
-/// Sessions of a comparison: each has processes of its own, so that where their memory happens to be is drawn anew,
-/// and all comparisons take turns, so that each sees the machine at several times.
-pub const SESSIONS: u32 = 5;
 /// Pairs of blocks in a session.
-pub const PAIRS_IN_SESSION: u32 = PAIRS / SESSIONS;
+pub const PAIRS_IN_SESSION: u32 = 4;
 /// Counted wake-ups in a block.
 pub const WAKES: u32 = 250;
 /// First wake-ups of a block, which are not counted: the other way has the caches.
 pub const UNCOUNTED: u32 = 5;
+
+/// Sessions of a comparison: each has processes of its own, so that where their memory happens to be is drawn anew,
+/// and all comparisons take turns, so that each sees the machine at several times. What differs between sessions is
+/// most of an interval: a run that has the time makes three times as many.
+pub const fn sessions(quick: bool) -> u32 {
+    let fewest = PAIRS / PAIRS_IN_SESSION;
+    if quick { fewest } else { 3 * fewest }
+}
 
 /// What is compared with its floor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -215,7 +220,7 @@ mod tests {
     #[test]
     fn enough_blocks_and_samples_for_a_99th_percentile() {
         const { assert!(PAIRS >= 20 && WAKES >= 250 && WAKES <= 500) };
-        const { assert!(PAIRS_IN_SESSION * SESSIONS == PAIRS) };
+        const { assert!(PAIRS_IN_SESSION * sessions(true) == PAIRS) };
         assert!((PAIRS * WAKES) as usize >= crate::statistics::ENOUGH_FOR_P99);
     }
 }

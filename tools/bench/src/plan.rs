@@ -1,7 +1,7 @@
 //! What is measured, under which conditions, in which order.
 
 use super::middleware::missing;
-use super::paired::{Comparison, PAIRS, SESSIONS, UNCOUNTED, WAKES};
+use super::paired::{Comparison, PAIRS, PAIRS_IN_SESSION, UNCOUNTED, WAKES, sessions};
 use super::setup::{Conditions, FLAT_FROM, LARGEST, Load, Mechanism, Placement, Scheduling};
 use std::time::Duration;
 
@@ -83,10 +83,14 @@ pub fn not_compared() -> Vec<String> {
 }
 
 /// Time that a comparison takes.
-pub fn comparison_estimate(period_us: u32) -> Duration {
-    let wakes = 2 * PAIRS * (WAKES + UNCOUNTED);
-    let measured = Duration::from_micros(u64::from(wakes) * u64::from(period_us));
-    measured + SESSIONS * Duration::from_millis(150)
+pub fn comparison_estimate(quick: bool, period_us: u32) -> Duration {
+    sessions(quick) * session_estimate(period_us)
+}
+
+/// Time that a session of it takes.
+pub fn session_estimate(period_us: u32) -> Duration {
+    let wakes = 2 * PAIRS_IN_SESSION * (WAKES + UNCOUNTED);
+    Duration::from_micros(u64::from(wakes) * u64::from(period_us)) + Duration::from_millis(150)
 }
 
 /// A chain that runs in blocks beside its floors.
@@ -119,7 +123,7 @@ pub fn chain_blocks(quick: bool, cores: usize, reference: Scheduling) -> Vec<Cha
         conditions.load == Load::Idle && conditions.scheduling == reference
     };
     let placements = if quick { 1 } else { 2 };
-    let (blocks, block_s) = if quick { (PAIRS, 0.2) } else { (PAIRS, 1.0) };
+    let (blocks, block_s) = if quick { (PAIRS, 0.2) } else { (2 * PAIRS, 1.0) };
     let period_us = WAKE_PERIOD_US;
     let blocks_of = move |conditions| ChainBlocks { conditions, period_us, blocks, block_s };
     conditions(cores).filter(best).take(placements).map(blocks_of).collect()
@@ -199,7 +203,7 @@ mod tests {
             assert!(quick.iter().all(|cell| full.contains(cell)));
             let sum: Duration = quick.iter().map(|cell| cell.estimate(super::super::QUICK_S)).sum();
             let compared = comparisons(true, false, 2, reference);
-            let compared = compared.into_iter().map(|(_, _, us)| comparison_estimate(us));
+            let compared = compared.into_iter().map(|(_, _, us)| comparison_estimate(true, us));
             let chains = chain_blocks(true, 2, reference);
             let chains = chains.iter().map(ChainBlocks::estimate);
             let sum = sum + compared.chain(chains).sum::<Duration>();
