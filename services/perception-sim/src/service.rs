@@ -71,17 +71,17 @@ pub fn run_behind(mut runtime: Runtime, mut ahead: Ahead) -> Result<(), RuntimeE
             checkpoint.save(&perception.traffic().snapshot())?;
         }
 
-        // The referee's copy first: the plant may be waiting for it.
+        // What releases others first, the smaller of both before the larger; the referee has time.
         let origins = Origins { odometry: odometry.origin(), ..Origins::NONE };
         let header = Header::new(release.step, release.scheduled_ns, origins);
-        let ended = perception.traffic().is_over();
-        truth.send_with(|message| write_truth(message, header, perception.vehicles(), ended))?;
         let acquired = Header { acquisition_ns: list.acquisition_ns, ..header };
+        let measured = perception.measured_ego_speed();
+        tracks.send_with(|message| write_tracks(message, acquired, &list, measured))?;
         if let Some(detections) = detections {
             output.send(detections, acquired, &perception)?;
         }
-        let measured = perception.measured_ego_speed();
-        tracks.send_with(|message| write_tracks(message, acquired, &list, measured))?;
+        let ended = perception.traffic().is_over();
+        truth.send_with(|message| write_truth(message, header, perception.vehicles(), ended))?;
 
         let seen = odometry.newest().is_some();
         runtime.end_cycle(if seen { ServiceState::Running } else { ServiceState::Degraded })?;
