@@ -4,82 +4,17 @@ use super::certificate::{ClosedMatrix, ClosedState, extended};
 use super::design::Design;
 use super::envelope::{self, Envelope};
 use super::model::{State, StateMatrix};
+use super::settings::Settings;
 use crate::following::kinematics::Motion;
 use crate::following::safe_gap::LeadNow;
-use crate::law::{Figure, Formulation, Input, Law, Output, Quality};
-use crate::settings::{self, SettingError, within};
+use crate::law::{Input, Law, Output, Quality};
+use crate::settings::{self, SettingError};
 use nalgebra::{SMatrix, SVector};
-use serde::{Deserialize, Serialize};
 
 /// Request towards which a law without usable input moves, m/s².
 const BLIND_REQUEST: f64 = -1.0;
 /// Share of the sample time by which a release may come early and still be due.
 const EARLY: f64 = 1e-6;
-
-/// Settings of the law outside its design, as `[controller.quadratic_bounded]` holds them.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Settings {
-    /// Path of a design file; absent: the design that comes with the law.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub design: Option<String>,
-    /// Targets beyond this range are not followed, m.
-    pub sensor_range_m: f64,
-    /// Gap errors above this are taken for this, m.
-    pub gap_error_limit_m: f64,
-    /// Gap errors that would make V larger than this are taken for smaller ones.
-    pub envelope_limit: f64,
-    /// Full braking of the fall-back, m/s² (positive).
-    pub fall_back_braking_mps2: f64,
-    /// Hardest deceleration of the lead that the fall-back reckons with, m/s² (positive).
-    pub lead_deceleration_mps2: f64,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            design: None,
-            sensor_range_m: 150.0,
-            gap_error_limit_m: 20.0,
-            envelope_limit: 0.98,
-            fall_back_braking_mps2: 6.0,
-            lead_deceleration_mps2: 9.0,
-        }
-    }
-}
-
-impl settings::Settings for Settings {
-    fn check(&self) -> Result<(), SettingError> {
-        within("sensor_range_m", self.sensor_range_m, 1.0, 1000.0)?;
-        within("gap_error_limit_m", self.gap_error_limit_m, 0.0, 1000.0)?;
-        within("envelope_limit", self.envelope_limit, 0.01, 1.0)?;
-        within("fall_back_braking_mps2", self.fall_back_braking_mps2, 1.0, 12.0)?;
-        within("lead_deceleration_mps2", self.lead_deceleration_mps2, 0.5, 12.0)
-    }
-}
-
-/// The meaning of the numbers in the output.
-pub(super) static FORMULATION: Formulation = Formulation {
-    name: "quadratic boundedness",
-    modes: &["cruise", "follow", "fall-back"],
-    reasons: &[
-        "none",
-        "no target in range",
-        "set speed demands less",
-        "lead demands less",
-        "outside the certified range",
-    ],
-    figures: &[
-        Figure::new("lyapunov", "1"),
-        Figure::new("gap_error_m", "m"),
-        Figure::new("gap_error_used_m", "m"),
-        Figure::new("speed_error_mps", "m/s"),
-        Figure::new("gap_error_rate_mps", "m/s"),
-        Figure::new("increment_mps2", "m/s²"),
-        Figure::new("cruise_increment_mps2", "m/s²"),
-        Figure::new("follow_increment_mps2", "m/s²"),
-    ],
-};
 
 /// Which lead the law follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

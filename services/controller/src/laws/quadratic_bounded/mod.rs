@@ -78,16 +78,19 @@ mod content;
 mod design;
 mod envelope;
 mod error;
+mod formulation;
 mod law;
 mod model;
+mod settings;
 #[cfg(feature = "synthesize")]
 pub mod synthesis;
 
 pub use certificate::{ClosedMatrix, ClosedState, Gains, closed_loop};
 pub use design::Design;
 pub use error::{Condition, DesignError, Failure};
-pub use law::{Mode, QuadraticBounded, Settings};
+pub use law::{Mode, QuadraticBounded};
 pub use model::{DISTURBANCES, DisturbanceMatrix, Parameters, RULES, STATES, State, StateMatrix};
+pub use settings::Settings;
 
 use crate::law::{Descriptor, GapPolicy, Law, TargetSource};
 use crate::settings::{Table, read};
@@ -101,8 +104,8 @@ pub static QUADRATIC_BOUNDED: Descriptor = Descriptor {
     description: "output feedback that keeps all indices within bounds (Gao et al. 2015)",
     source: "Gao, Yan, Li, Hu, 2015",
     table: Some(TABLE),
-    formulations: &[&law::FORMULATION],
-    formulation: |_| &law::FORMULATION,
+    formulations: &[&formulation::FORMULATION],
+    formulation: |_| &formulation::FORMULATION,
     gap: GapPolicy::Figure("gap_error_m"),
     target: TargetSource::Tracked,
     build,

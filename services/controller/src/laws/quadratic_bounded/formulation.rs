@@ -1,0 +1,26 @@
+//! Modes, reasons and figures of the law.
+
+use crate::law::{Figure, Formulation};
+
+/// The meaning of the numbers in the output.
+pub static FORMULATION: Formulation = Formulation {
+    name: "quadratic boundedness",
+    modes: &["cruise", "follow", "fall-back"],
+    reasons: &[
+        "none",
+        "no target in range",
+        "set speed demands less",
+        "lead demands less",
+        "outside the certified range",
+    ],
+    figures: &[
+        Figure::new("lyapunov", "1"),
+        Figure::new("gap_error_m", "m"),
+        Figure::new("gap_error_used_m", "m"),
+        Figure::new("speed_error_mps", "m/s"),
+        Figure::new("gap_error_rate_mps", "m/s"),
+        Figure::new("increment_mps2", "m/s²"),
+        Figure::new("cruise_increment_mps2", "m/s²"),
+        Figure::new("follow_increment_mps2", "m/s²"),
+    ],
+};
