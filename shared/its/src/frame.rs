@@ -136,11 +136,13 @@ impl Frame {
         let [version, message_id, ..] = *payload else {
             return Err(DecodeError::Truncated { expected: 6, found: payload.len() });
         };
-        if message_id != kind.message_id() {
-            return Err(DecodeError::MessageId { port, found: message_id });
-        }
+        // Another version's second byte need not be a message id. A `MessageFrame` of SAE J2735, as sent in
+        // North America, begins with 0 and its own id.
         if !(1..=2).contains(&version) {
             return Err(DecodeError::ProtocolVersion { message_id, found: version });
+        }
+        if message_id != kind.message_id() {
+            return Err(DecodeError::MessageId { port, found: message_id });
         }
         let message = match kind {
             MessageKind::Spatem => Message::Spatem(codec::spatem::decode(payload)?),

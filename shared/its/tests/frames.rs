@@ -2,7 +2,7 @@
 
 use its::cam::{self, Cam, LowFrequency};
 use its::geodesy::Position;
-use its::geonetworking::{HEADER_BYTES, Source, StationType};
+use its::geonetworking::{HEADER_BYTES, Headers, Source, StationType};
 use its::mapem::{Approach, Connection, IntersectionGeometry, LEFT, Lane, Mapem, STRAIGHT};
 use its::spatem::{IntersectionState, MovementEvent, MovementPhase, MovementState, Spatem, Timing};
 use its::time::{Stamp, TimeMark};
@@ -269,7 +269,6 @@ fn another_profile_is_named_and_not_read() {
         bytes[at] = value;
         Frame::decode(&bytes).expect_err("it is another")
     };
-    // A message of SAE J2735 without the European header begins with its own id.
     assert_eq!(changed(HEADER_BYTES + 1, 0x13), DecodeError::MessageId { port: 2004, found: 0x13 });
     let version = DecodeError::ProtocolVersion { message_id: 4, found: 3 };
     assert_eq!(changed(HEADER_BYTES, 3), version);
@@ -279,4 +278,50 @@ fn another_profile_is_named_and_not_read() {
     assert_eq!(changed(0, 0x21), DecodeError::Version(2));
     let other = DecodeError::OtherHeader { header_type: 0x20, next_header: 2 };
     assert_eq!(changed(5, 0x20), other, "a beacon");
+}
+
+/// A message that pycrate made (`foreign.py`).
+fn foreign(name: &str) -> Vec<u8> {
+    let mut lines = include_str!("foreign.txt").lines().filter_map(|line| line.split_once(' '));
+    let (_, hex) = lines.find(|(found, _)| *found == name).expect("it is there");
+    let byte = |at: usize| u8::from_str_radix(&hex[at..at + 2], 16).expect("hexadecimal");
+    (0..hex.len()).step_by(2).map(byte).collect()
+}
+
+fn framed(port: u16, payload: &[u8]) -> Vec<u8> {
+    let mut frame = Vec::new();
+    Headers { source: source(), traffic_class: 3, port }.write(payload.len() as u16, &mut frame);
+    frame.extend(payload);
+    frame
+}
+
+#[test]
+fn messages_of_north_america_are_of_another_profile_however_they_come() {
+    for (name, port, message_id) in [("sae_spat", 2004, 0x13), ("sae_map", 2003, 0x12)] {
+        let message = foreign(name);
+        let version = DecodeError::ProtocolVersion { message_id, found: 0 };
+        assert_eq!(Frame::decode(&framed(port, &message)), Err(version));
+        // Without headers, and behind those of WSMP (IEEE 1609.3): version 3, PSID 0x82, length.
+        assert_eq!(Frame::decode(&message), Err(DecodeError::Version(0)));
+        let wsmp = [&[0x03, 0x00, 0x80, 0x02, message.len() as u8], &message[..]].concat();
+        assert_eq!(Frame::decode(&wsmp), Err(DecodeError::Version(0)));
+    }
+}
+
+#[test]
+fn a_message_of_another_kind_is_unknown_on_its_own_port_and_on_ours() {
+    let srem = foreign("srem");
+    assert_eq!(Frame::decode(&framed(2007, &srem)), Err(DecodeError::Port(2007)));
+    let message_id = DecodeError::MessageId { port: 2004, found: 9 };
+    assert_eq!(Frame::decode(&framed(2004, &srem)), Err(message_id));
+}
+
+#[test]
+fn a_cam_of_others_is_read() {
+    let frame = Frame::decode(&framed(2001, &foreign("cam_east"))).expect("a CAM");
+    let Message::Cam(cam) = frame.message else { panic!("{frame:?}") };
+    assert_eq!(
+        (cam.station_id, cam.position.longitude, cam.motion.speed),
+        (4711, 91_010_000, 1000)
+    );
 }

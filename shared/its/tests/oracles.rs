@@ -339,6 +339,15 @@ fn pycrate_encodes_the_same_bytes_and_its_frames_are_read() {
     assert_eq!(lane.connections[0].signal_group, Some(9));
 }
 
+/// The messages that other tests take for those of others are pycrate's.
+fn pycrate_makes_the_messages_of_others() {
+    let python = interpreter().expect("it was there");
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/foreign.py");
+    let made: String =
+        ["sae", "is", "cam"].map(|which| run(Command::new(&python).args([script, which]))).concat();
+    assert_eq!(made, include_str!("foreign.txt"));
+}
+
 fn tshark() -> Result<(), String> {
     match Command::new("tshark").arg("--version").output() {
         Ok(_) => Ok(()),
@@ -365,6 +374,11 @@ fn main() -> ExitCode {
             "pycrate_encodes_the_same_bytes_and_its_frames_are_read",
             interpreter().map(|_| ()),
             pycrate_encodes_the_same_bytes_and_its_frames_are_read,
+        ),
+        trial(
+            "pycrate_makes_the_messages_of_others",
+            interpreter().map(|_| ()),
+            pycrate_makes_the_messages_of_others,
         ),
     ];
     libtest_mimic::run(&arguments, trials).exit_code()
