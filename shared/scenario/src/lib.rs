@@ -168,7 +168,7 @@ impl Scenario {
     /// # Errors
     /// When the text is not a scenario, or names files, which only [`Scenario::open`] reads.
     pub fn parse(source_name: &str, text: &str) -> Result<Self, ScenarioError> {
-        Self::build(source_name, text, &Overrides::new(), None, &|_| Ok(()))
+        Self::build(source_name, text, &Overrides::new(), Place::TakenEffect, &|_| Ok(()))
     }
 
     /// Reads a scenario from its text with `overrides` laid over it. `check` is asked last.
@@ -181,7 +181,7 @@ impl Scenario {
         overrides: &Overrides,
         check: &dyn Fn(&Self) -> Result<(), Problem>,
     ) -> Result<Self, ScenarioError> {
-        Self::build(source_name, text, overrides, None, check)
+        Self::build(source_name, text, overrides, Place::TakenEffect, check)
     }
 
     /// Opens the built-in scenario of that name or the file at that path, with `overrides` laid
@@ -196,7 +196,7 @@ impl Scenario {
     ) -> Result<Self, ScenarioError> {
         if let Some(builtin) = builtin::find(argument) {
             let source = format!("built-in {argument}");
-            return Self::build(&source, builtin.text, overrides, None, check);
+            return Self::build(&source, builtin.text, overrides, Place::BuiltIn, check);
         }
         let path = Path::new(argument);
         let looks_like_a_path = argument.ends_with(".toml") || argument.contains('/');
@@ -205,7 +205,7 @@ impl Scenario {
         }
         let text = files::read(path)
             .map_err(|reason| ScenarioError::whole(argument, reason.to_string()))?;
-        Self::build(argument, &text, overrides, Some(path.parent().unwrap_or(path)), check)
+        Self::build(argument, &text, overrides, Place::In(path.parent().unwrap_or(path)), check)
     }
 
     /// Opens an OpenSCENARIO file with its catalogs and its road, as a scenario with `overrides` laid
@@ -222,14 +222,14 @@ impl Scenario {
     ) -> Result<Self, storyboard::OpenError> {
         let text = storyboard::translate(path, parameters)?;
         let source = format!("{} as a scenario", path.display());
-        Ok(Self::build(&source, &text, overrides, None, check)?)
+        Ok(Self::build(&source, &text, overrides, Place::BuiltIn, check)?)
     }
 
     fn build(
         source: &str,
         text: &str,
         overrides: &Overrides,
-        directory: Option<&Path>,
+        place: Place<'_>,
         check: &dyn Fn(&Self) -> Result<(), Problem>,
     ) -> Result<Self, ScenarioError> {
         let document = Document::parse(source, text, overrides)?;
@@ -249,6 +249,9 @@ impl Scenario {
             faults::written(faults.as_ref()).map_err(|problem| document.problem(&problem))?;
         road::one_source(|path| document.has(path))
             .map_err(|problem| document.problem(&problem))?;
+        let is_written = |path: &str| document.has(path) && !matches!(place, Place::TakenEffect);
+        (scenario.perception.unite(is_written)).map_err(|problem| document.problem(&problem))?;
+        let directory = place.directory();
         scenario.follow_a_fast_controller(|path| document.has(path));
         scenario.follow_a_delay(|path| document.has(path));
         scenario.controller.place_command(directory);
@@ -310,6 +313,27 @@ impl Scenario {
     #[must_use]
     pub fn to_toml(&self) -> String {
         toml::to_string(self).expect("every value of a scenario has a form in TOML")
+    }
+}
+
+/// Where a scenario's text is from.
+#[derive(Clone, Copy)]
+enum Place<'a> {
+    /// The program.
+    BuiltIn,
+    /// A file in this directory.
+    In(&'a Path),
+    /// A run: all keys as they took effect.
+    TakenEffect,
+}
+
+impl<'a> Place<'a> {
+    /// Where paths in it begin.
+    fn directory(self) -> Option<&'a Path> {
+        match self {
+            Self::In(directory) => Some(directory),
+            Self::BuiltIn | Self::TakenEffect => None,
+        }
     }
 }
 

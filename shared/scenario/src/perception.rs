@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::problem::Problem;
 use super::quantity::{
     Angle, Count, CrossSection, Decibels, DelayMs, Length, Loss, MeanCount, PerKilometre, PeriodMs,
     Probability, Reach, Sigma, SigmaMultiple, Speed, Time, TimeConstant,
@@ -40,6 +41,18 @@ impl Default for Perception {
 }
 
 impl Perception {
+    /// Makes one of the two keys that say how deep the simulation of the radar goes.
+    pub(super) fn unite(&mut self, is_written: impl Fn(&str) -> bool) -> Result<(), Problem> {
+        const KEYS: [&str; 2] = ["perception.ideal", "perception.radar.model"];
+        if self.ideal && self.radar.model != RadarModel::Ideal && KEYS.into_iter().all(is_written) {
+            let message = "perception.ideal = true says another model of the radar";
+            let expected = "perception.radar.model = \"ideal\", or perception.ideal = false";
+            return Err(Problem::new(KEYS[1], message, expected).against(KEYS[0]));
+        }
+        self.radar.model = self.model();
+        Ok(())
+    }
+
     /// How deep the simulation of the radar goes.
     #[must_use]
     pub fn model(&self) -> RadarModel {

@@ -16,7 +16,7 @@ fn open(text: &str, arguments: &[&str]) -> Result<Scenario, ScenarioError> {
     for argument in arguments {
         overrides.set(argument)?;
     }
-    Scenario::build("x.toml", text, &overrides, None, &|_| Ok(()))
+    Scenario::build("x.toml", text, &overrides, Place::BuiltIn, &|_| Ok(()))
 }
 
 #[test]
@@ -289,7 +289,7 @@ fn an_option_of_its_own_is_named_in_its_errors() {
     let check = |_: &Scenario| {
         Err(Problem::new("controller.name", "unknown value `cac-mpc`", "`acc-mpc`, `cacc-mpc`"))
     };
-    let shown = Scenario::build("x.toml", text, &overrides, None, &check)
+    let shown = Scenario::build("x.toml", text, &overrides, Place::BuiltIn, &check)
         .expect_err("no such controller")
         .to_string();
     assert!(shown.starts_with("error: --controller cac-mpc: unknown"), "{shown}");
@@ -304,7 +304,7 @@ fn the_last_override_of_a_key_wins() {
 #[test]
 fn a_law_can_refuse_its_own_parameters_with_their_place() {
     let text = format!("{SHORT}[controller.six_mode]\nrange_m = \"far\"\n");
-    let shown = Scenario::build("x.toml", &text, &Overrides::new(), None, &|_| {
+    let shown = Scenario::build("x.toml", &text, &Overrides::new(), Place::BuiltIn, &|_| {
         Err(Problem::new("controller.six_mode.range_m", "not a range", "metres"))
     })
     .expect_err("the law refuses it")
@@ -373,7 +373,8 @@ fn a_laws_table_keeps_its_places_also_on_the_command_line() {
     let shown = |text: &str, argument: &str| {
         let mut overrides = Overrides::new();
         overrides.set(argument).expect("KEY=VALUE");
-        Scenario::build("x.toml", text, &overrides, None, &read).map_err(|error| error.to_string())
+        Scenario::build("x.toml", text, &overrides, Place::BuiltIn, &read)
+            .map_err(|error| error.to_string())
     };
     assert!(shown(&text, "seed=1").is_ok());
     let error = shown(&text, "controller.mine.gian_per_s=2").expect_err("no such key");
@@ -533,4 +534,33 @@ fn an_option_replaces_an_actors_profile() {
     assert_eq!(scenario.actors[0].initial_speed_mps.map(f64::from), Some(3.0));
     let refused = open(text, &["actors[0.gap_m=4"]).expect_err("the bracket stays open");
     assert!(refused.to_string().contains("cannot be a key"), "{refused}");
+}
+
+#[test]
+fn a_radar_has_one_model() {
+    let model = |keys: &str| {
+        let text = format!("schema_version = 1\nname = \"x\"\n[perception]\n{keys}");
+        Scenario::build("x.toml", &text, &Overrides::new(), Place::BuiltIn, &|_| Ok(()))
+            .map(|scenario| (scenario.perception.model(), scenario.to_toml()))
+    };
+    for one in
+        ["ideal = true\n", "radar.model = \"ideal\"\n", "ideal = true\nradar.model = \"ideal\"\n"]
+    {
+        let (found, effective) = model(one).expect("one model");
+        assert_eq!(found, perception::RadarModel::Ideal, "{one}");
+        // What took effect can be opened again.
+        Scenario::build("x.toml", &effective, &Overrides::new(), Place::BuiltIn, &|_| Ok(()))
+            .expect(one);
+    }
+    for other in ["detections", "object-list"] {
+        let error =
+            model(&format!("ideal = true\nradar.model = \"{other}\"\n")).expect_err("two models");
+        assert!(error.to_string().contains("perception.ideal = true"), "{error}");
+        // As a run of an earlier version kept it.
+        let kept = format!(
+            "schema_version = 1\nname = \"x\"\n[perception]\nideal = true\nradar.model = \"{other}\"\n"
+        );
+        let kept = Scenario::parse("kept", &kept).expect("ideal counts");
+        assert_eq!(kept.perception.model(), perception::RadarModel::Ideal);
+    }
 }

@@ -12,6 +12,9 @@ use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::process::ExitCode;
 
+/// The table of the controller's checks, which is no campaign of its own.
+pub const NAME: &str = "plausibility";
+
 /// Time without faults, s.
 const QUIET_S: f64 = 36_000.0;
 /// Drives with each fault.

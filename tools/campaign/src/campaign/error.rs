@@ -1,7 +1,7 @@
 //! Why a campaign is not done.
 
 use super::file::BUILTIN;
-use crate::radio;
+use crate::{plausibility, radio};
 use group::Failure;
 use scenario::faults::Kind;
 use std::path::PathBuf;
@@ -18,6 +18,16 @@ pub enum CampaignError {
     /// The runs have no numbers that their draws come from.
     #[error("--first is for the campaign `{}` alone", radio::NAME)]
     FirstOfNone,
+    /// Each run has its own seed.
+    #[error(
+        "--seeds is not for the campaign `{}`, whose run's number is its seed: expected --sample N from \
+         --first M on",
+        radio::NAME
+    )]
+    NoSeeds,
+    /// An option of campaigns whose runs are kept.
+    #[error("{0} is not for the campaign `{name}`, which always does all of its runs", name = plausibility::NAME)]
+    NotForAll(&'static str),
     /// The directory is another one's.
     #[error(
         "{} holds another campaign, or another shard of it, expected the one that it began with",

@@ -52,15 +52,16 @@ const MAX_CHECKED: usize = 1_000;
 /// Chooses the runs that are repeated in process groups.
 const SAMPLE_SEED: u64 = 1;
 
-/// The table of the controller's checks, which is no campaign of its own.
-const PLAUSIBILITY: &str = "plausibility";
-
 /// Runs the command.
 pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
-    if arguments.campaign.as_deref() == Some(PLAUSIBILITY) {
+    if arguments.campaign.as_deref() == Some(plausibility::NAME) {
+        refuse_parts(arguments)?;
         return plausibility::run(&arguments.group, arguments.jobs, arguments.json);
     }
     if arguments.campaign.as_deref() == Some(radio::NAME) {
+        if arguments.seeds.is_some() {
+            return Err(CampaignError::NoSeeds.into());
+        }
         return radio::drive(arguments);
     }
     if arguments.first.is_some() {
@@ -70,6 +71,21 @@ pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
         return radio::merge(arguments);
     }
     if arguments.merge.is_empty() { drive(arguments) } else { merge(arguments) }
+}
+
+/// What chooses runs, of a campaign that has one table of them all.
+fn refuse_parts(arguments: &CampaignArguments) -> Result<(), CampaignError> {
+    let given = [
+        ("--sample", arguments.sample.is_some()),
+        ("--first", arguments.first.is_some()),
+        ("--seeds", arguments.seeds.is_some()),
+        ("--shard", arguments.shard.is_some()),
+        ("--resume", arguments.resume.is_some()),
+    ];
+    match given.into_iter().find(|(_, is_given)| *is_given) {
+        Some((option, _)) => Err(CampaignError::NotForAll(option)),
+        None => Ok(()),
+    }
 }
 
 /// Does the runs that are not in the journal yet.
