@@ -84,11 +84,17 @@ struct RsuSummary {
     not_read: u64,
     /// Frames received and not read in time.
     dropped: u64,
-    /// The vehicles whose CAMs were heard.
+    /// The vehicles whose CAMs were heard, one for each sender.
     vehicles: Vec<Vehicle>,
+    /// Station ids that more than one sender gave as its own.
+    shared_station_ids: Vec<u32>,
     /// The senders that were heard, by the numbers of their frames.
     stations: Vec<StationReport>,
 }
+
+/// Who sent a CAM: its station id, the number in timegap's envelope, if there is one, and its GeoNetworking
+/// address. A station id alone may be that of two vehicles.
+type Sender = (u32, Option<u64>, u64);
 
 /// A vehicle, by its CAMs.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -145,7 +151,7 @@ struct RoadsideUnit {
     begun: Instant,
     start_ns: i64,
     sent: HashMap<MessageKind, u64>,
-    vehicles: BTreeMap<u32, Vehicle>,
+    vehicles: BTreeMap<Sender, Vehicle>,
     not_read: u64,
 }
 
@@ -201,26 +207,33 @@ impl RoadsideUnit {
 
     fn hear(&mut self) {
         while let Some(frame) = self.carrier.receive(0) {
-            let Ok(its::Frame { message: Message::Cam(cam), .. }) =
+            let Ok(its::Frame { message: Message::Cam(cam), source }) =
                 its::Frame::decode(frame.bytes())
             else {
                 self.not_read += 1;
                 continue;
             };
-            if self.vehicles.len() == MOST_VEHICLES && !self.vehicles.contains_key(&cam.station_id)
-            {
+            let sender = (cam.station_id, frame.sender, source.address);
+            if self.vehicles.len() == MOST_VEHICLES && !self.vehicles.contains_key(&sender) {
                 self.not_read += 1;
                 continue;
             }
-            let cams = self.vehicles.get(&cam.station_id).map_or(0, |vehicle| vehicle.cams);
+            let cams = self.vehicles.get(&sender).map_or(0, |vehicle| vehicle.cams);
             let vehicle = Vehicle {
                 station_id: cam.station_id,
                 cams: cams + 1,
                 position_m: self.plane.point(cam.position).0,
                 speed_mps: f64::from(cam.motion.speed) / 100.0,
             };
-            self.vehicles.insert(cam.station_id, vehicle);
+            self.vehicles.insert(sender, vehicle);
         }
+    }
+
+    /// Station ids that more than one sender gave as its own: two vehicles, or one that was started again.
+    fn shared_station_ids(&self) -> Vec<u32> {
+        let ids: Vec<u32> = self.vehicles.keys().map(|(station_id, ..)| *station_id).collect();
+        let shared = ids.chunk_by(|a, b| a == b).filter(|senders| senders.len() > 1);
+        shared.map(|senders| senders[0]).collect()
     }
 
     fn summary(&mut self, scenario: &Scenario) -> RsuSummary {
@@ -239,6 +252,7 @@ impl RoadsideUnit {
             not_read: self.not_read + report.malformed,
             dropped: report.dropped,
             vehicles: self.vehicles.values().copied().collect(),
+            shared_station_ids: self.shared_station_ids(),
             stations: report.stations,
         }
     }
@@ -259,6 +273,9 @@ fn text(summary: &RsuSummary) -> String {
         let label = if index == 0 { "vehicles" } else { "" };
         let last = format!("last at {position_m:.1} m with {speed_mps:.1} m/s");
         line(label, format!("station {station_id}: {cams} CAMs, {last}"));
+    }
+    for station_id in &summary.shared_station_ids {
+        line("", format!("station id {station_id} is that of more than one sender"));
     }
     let lost: u64 = summary.stations.iter().map(|station| station.lost).sum();
     let (received, not_read) = (summary.received, summary.not_read);
