@@ -120,3 +120,53 @@ fn another_law_and_a_changed_one_are_compared() {
     }
     corner.expect_nothing_left(&[]);
 }
+
+/// Every byte of what the on-board unit said, from the raw frames; other settings of it are compared.
+#[test]
+fn recorded_frames_are_decoded_again_to_the_same_signals() {
+    let corner = Corner::new(PROGRAM);
+    let air = "v2x.air.bit_flip_probability=0.05";
+    let run = ["run", "corridor", "--mode", "lockstep", "--duration", "20", "--set", air];
+    let summary = corner.json(&[&run[..], &["--out", "out"]].concat());
+    let replay = ["replay", "out", "--of", "obu"];
+    let replayed = corner.json(&replay);
+    assert_eq!(replayed["identical"], true, "{replayed}");
+    assert_eq!(replayed["not_compared"], Value::Array(Vec::new()), "every byte");
+    assert_eq!(replayed["verdicts"], summary["radio"]["verdicts"], "{replayed}");
+    for topic in ["v2x/spat", "v2x/map", "radio/sent"] {
+        let said = &replayed["topics"][topic];
+        let sent = &summary["messages"][topic]["sent"];
+        assert_eq!((&said["identical"], &said["recorded"]), (sent, sent), "{topic}: {replayed}");
+    }
+    let other = corner.json(&[&replay[..], &["--set", "v2x.obu.max_age_ms=1"]].concat());
+    assert_eq!((&other["identical"], &other["changed"]), (&false.into(), &true.into()), "{other}");
+    assert!(other["verdicts"]["too_old"].as_u64() > Some(100), "{other}");
+    corner.expect_nothing_left(&[]);
+}
+
+#[test]
+fn frames_of_a_realtime_run_are_decoded_again_to_the_same_signals() {
+    let corner = Corner::new(PROGRAM);
+    let run = ["run", "corridor", "--duration", "4", "--out", "out"];
+    let summary = corner.json(&run);
+    assert_eq!(summary["outcome"], "completed");
+    let replayed = corner.json(&["replay", "out", "--of", "obu"]);
+    assert_eq!(replayed["identical"], true, "{replayed}");
+    assert!(replayed["frames"].as_u64() > Some(30), "{replayed}");
+    let free = replayed["not_compared"].as_array().expect("names");
+    assert!(free.iter().all(|field| field != "signals" && field != "header.origins"), "{free:?}");
+}
+
+#[test]
+fn a_run_without_frames_has_none_to_decode_again() {
+    let corner = Corner::new(PROGRAM);
+    let _ =
+        corner.json(&["run", "cacc-a", "--mode", "lockstep", "--duration", "1", "--out", "out"]);
+    for (more, word) in
+        [(&[][..], "holds no frames"), (&["--controller", "acc-mpc"], "--controller")]
+    {
+        let output = corner.run(&[&["replay", "out", "--of", "obu"], more].concat());
+        assert_eq!(output.status.code(), Some(2), "{}", text(&output));
+        assert!(text(&output).contains(word), "{}", text(&output));
+    }
+}

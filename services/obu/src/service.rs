@@ -196,7 +196,7 @@ impl Unit {
     /// where no signal is ahead, the release, as long as the radio lives.
     fn tell(&mut self, release: &Release, ego_m: f64) -> Result<(), RuntimeError> {
         let now_ns = release.scheduled_ns;
-        let origins = Origins { odometry: self.odometry.origin(), ..Origins::NONE };
+        let origins = self.origins();
         let mut map = self.map.loan()?;
         let mut spat = self.spat.loan()?;
         let made_ns = self.receiver.write(now_ns, ego_m, &mut map, &mut spat);
@@ -212,10 +212,15 @@ impl Unit {
         Ok(())
     }
 
+    /// The samples of this cycle: from them it can be replayed.
+    fn origins(&self) -> Origins {
+        Origins { odometry: self.odometry.origin(), spat: self.batch, ..Origins::NONE }
+    }
+
     fn send_cam(&mut self, release: &Release, moment: &Moment) -> Result<(), RuntimeError> {
         let Some(odometry) = self.odometry.newest() else { return Ok(()) };
         let Some(bytes) = self.awareness.due(odometry, moment) else { return Ok(()) };
-        let origins = Origins { odometry: self.odometry.origin(), ..Origins::NONE };
+        let origins = self.origins();
         let header = Header::new(release.step, release.scheduled_ns, origins);
         self.counts.cams.add(1);
         self.sent.send_with(|message| {

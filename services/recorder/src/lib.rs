@@ -36,6 +36,7 @@ mod sequencer;
 mod service;
 mod source;
 mod takes;
+mod unit_takes;
 mod unpack;
 mod writer;
 
@@ -48,6 +49,7 @@ pub use recover::{Recovered, recover};
 pub use replayer::{FromReplayer, ToReplayer, replay};
 pub use service::run;
 pub use takes::{Cycle, Take};
+pub use unit_takes::{UnitCycle, UnitTake};
 pub use writer::Writer;
 
 /// Name of the recording in a run's directory of results.

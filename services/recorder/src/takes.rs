@@ -206,14 +206,14 @@ impl Iterator for Cycles {
 
 /// The newest samples of a topic, and the one that was used last, however old.
 #[derive(Default)]
-struct Window {
+pub(crate) struct Window {
     samples: VecDeque<(Origin, Arc<[u8]>)>,
     bytes: usize,
     used: Option<(Origin, Arc<[u8]>)>,
 }
 
 impl Window {
-    fn push(&mut self, origin: Origin, bytes: &[u8]) {
+    pub(crate) fn push(&mut self, origin: Origin, bytes: &[u8]) {
         self.samples.push_back((origin, bytes.into()));
         self.bytes += bytes.len();
         while self.bytes > WINDOW_BYTES
@@ -223,7 +223,7 @@ impl Window {
         }
     }
 
-    fn find(&mut self, origin: Origin) -> Option<Arc<[u8]>> {
+    pub(crate) fn find(&mut self, origin: Origin) -> Option<Arc<[u8]>> {
         if !origin.is_some() {
             return None;
         }

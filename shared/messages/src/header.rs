@@ -54,7 +54,7 @@ pub struct Origins {
     pub odometry: Origin,
     /// The `radar/tracks` sample.
     pub radar: Origin,
-    /// The `v2x/spat` sample.
+    /// The `v2x/spat` sample; in what the on-board unit says, the `radio/frames` batch.
     pub spat: Origin,
     /// The `v2x/map` sample.
     pub map: Origin,

@@ -5,9 +5,10 @@
 
 use super::coroutine::{Pause, Task, Turn};
 use super::link::{Desk, End, Link};
+use super::schedule::{Schedule, ScheduledRelease};
 use super::transport::{Bus, Sealing, Seat};
 use super::{
-    FromService, Group, Mode, Observer, Runtime, RuntimeError, StartOrder, Tap, Timetable,
+    FromService, Group, Mode, Observer, Player, Runtime, RuntimeError, StartOrder, Tap, Timetable,
 };
 use messages::Service;
 use scenario::Scenario;
@@ -129,6 +130,12 @@ impl InProcess {
         Tap::at(Seat::new(Rc::clone(&self.bus), 0, None))
     }
 
+    /// A sender of recorded messages. A queue of which nothing is taken between turns gets full.
+    #[must_use]
+    pub fn player(&self) -> Player {
+        Player::at(Seat::new(Rc::clone(&self.bus), 0, None))
+    }
+
     /// Adds a service, which does `entry`.
     ///
     /// # Errors
@@ -139,12 +146,37 @@ impl InProcess {
         scenario: &Scenario,
         entry: impl FnOnce(Runtime) -> Result<(), RuntimeError> + 'static,
     ) -> Result<(), RuntimeError> {
+        self.add(service, scenario, None, entry)
+    }
+
+    /// Adds a service that takes its releases and its inputs from a recorded run.
+    ///
+    /// # Errors
+    /// As [`Self::start`].
+    pub fn start_scheduled(
+        &mut self,
+        service: Service,
+        scenario: &Scenario,
+        releases: Vec<ScheduledRelease>,
+        entry: impl FnOnce(Runtime) -> Result<(), RuntimeError> + 'static,
+    ) -> Result<(), RuntimeError> {
+        self.add(service, scenario, Some(Schedule::in_memory(releases)), entry)
+    }
+
+    fn add(
+        &mut self,
+        service: Service,
+        scenario: &Scenario,
+        schedule: Option<Schedule>,
+        entry: impl FnOnce(Runtime) -> Result<(), RuntimeError> + 'static,
+    ) -> Result<(), RuntimeError> {
         let (pause, desk) = (Pause::default(), Desk::default());
         let seat = Seat::new(Rc::clone(&self.bus), service.to_wire(), Some(pause.clone()));
         let link = Link::in_memory(desk.clone(), pause.clone());
         let end = link.end.clone();
         let runtime =
-            Runtime::join_in_process(service, self.group.clone(), scenario.clone(), seat, link);
+            Runtime::join_in_process(service, self.group.clone(), scenario.clone(), seat, link)
+                .following(schedule);
         let task = Task::new(pause, move || entry(runtime))?;
         self.members.push(Member { service, task, desk, end });
         Ok(())

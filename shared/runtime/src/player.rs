@@ -1,7 +1,7 @@
 //! A sender of recorded messages: the replayer.
 
 use super::link::End;
-use super::transport::{Sender, SharedMemory, Transport, TransportError};
+use super::transport::{Seat, Sender, SharedMemory, Transport, TransportError};
 use super::waking::Waker;
 use super::{Carried, Group, RuntimeError};
 use messages::Message;
@@ -20,6 +20,11 @@ impl Player {
     /// If the run's shared memory is not usable.
     pub fn join(group: &Group, name: &str) -> Result<Self, RuntimeError> {
         Ok(Self { transport: Transport::SharedMemory(SharedMemory::join(group, name)?) })
+    }
+
+    /// A player in the process of a run.
+    pub(super) fn at(seat: Seat) -> Self {
+        Self { transport: Transport::Memory(seat) }
     }
 
     /// Opens the sending end of `T`'s topic.

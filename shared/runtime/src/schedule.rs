@@ -30,8 +30,16 @@ pub struct ScheduledRelease {
 /// The releases of one process, in order.
 #[derive(Debug)]
 pub struct Schedule {
-    file: BufReader<File>,
+    releases: Releases,
     present: Option<ScheduledRelease>,
+}
+
+#[derive(Debug)]
+enum Releases {
+    /// For a process.
+    File(BufReader<File>),
+    /// For a service in the launcher's own thread.
+    Memory(std::vec::IntoIter<ScheduledRelease>),
 }
 
 impl Schedule {
@@ -59,17 +67,31 @@ impl Schedule {
     pub(super) fn read(root: &Path, service: Service) -> Result<Option<Self>, RuntimeError> {
         let path = file(root, service);
         match File::open(&path) {
-            Ok(file) => Ok(Some(Self { file: BufReader::new(file), present: None })),
+            Ok(file) => Ok(Some(Self::of(Releases::File(BufReader::new(file))))),
             Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(None),
             Err(reason) => Err(RuntimeError::GroupFile { path, reason }),
         }
     }
 
+    /// The schedule of these releases.
+    pub(super) fn in_memory(releases: Vec<ScheduledRelease>) -> Self {
+        Self::of(Releases::Memory(releases.into_iter()))
+    }
+
+    fn of(releases: Releases) -> Self {
+        Self { releases, present: None }
+    }
+
     /// Goes on to the next release; `None` after the last.
     pub(super) fn advance(&mut self) -> Option<ScheduledRelease> {
-        let mut release = ScheduledRelease::zeroed();
-        let next = self.file.read_exact(bytemuck::bytes_of_mut(&mut release)).ok();
-        let next = next.map(|()| release);
+        let next = match &mut self.releases {
+            Releases::File(file) => {
+                let mut release = ScheduledRelease::zeroed();
+                let read = file.read_exact(bytemuck::bytes_of_mut(&mut release));
+                read.ok().map(|()| release)
+            }
+            Releases::Memory(releases) => releases.next(),
+        };
         self.present = next.or(self.present);
         next
     }
@@ -80,7 +102,8 @@ impl Schedule {
         match topic {
             Topic::Odometry => release.inputs.odometry,
             Topic::RadarTracks => release.inputs.radar,
-            Topic::Spat => release.inputs.spat,
+            // The on-board unit's place for what the signals come from.
+            Topic::Spat | Topic::RadioFrames => release.inputs.spat,
             Topic::Map => release.inputs.map,
             Topic::Powertrain => release.inputs.powertrain,
             Topic::Preview => release.inputs.preview,

@@ -50,6 +50,7 @@ mod starvation;
 mod succession;
 mod supervisor;
 mod unfinished;
+mod unit_replay;
 mod watch;
 
 pub use attached::StandbyCost;
@@ -73,3 +74,4 @@ pub use room::{RoomError, check_room, shared_memory_room};
 pub use root::{RootError, RunRoot, base, is_alive};
 pub use run::{Keep, ParameterError, drive, is_openscenario, open, open_with};
 pub use supervisor::launch;
+pub use unit_replay::{UnitSaid, replay_unit};

@@ -54,7 +54,7 @@ pub enum Command {
     Recover(RecoverArguments),
     /// Write a recording as tables
     Export(ExportArguments),
-    /// Feed a recorded run's inputs to the controller again and compare its commands
+    /// Feed a recorded run's inputs to the controller or the on-board unit again and compare what it says
     Replay(ReplayArguments),
     /// Show the first difference between two recordings
     Diff(DiffArguments),

@@ -314,7 +314,8 @@ impl<T: Message> Subscriber<T> {
             if end.is_now() {
                 return Err(RuntimeError::Stopped);
             }
-            if since.elapsed() > patience {
+            // The turns of a thread tell by themselves when a wait is in vain.
+            if self.waiter().is_in_vain() || since.elapsed() > patience {
                 let waited_s = since.elapsed().as_secs_f64();
                 return Err(RuntimeError::Starved { topic: T::TOPIC, step, waited_s });
             }

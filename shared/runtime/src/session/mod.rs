@@ -119,6 +119,11 @@ impl Runtime {
         Self::new(service, group, scenario, Transport::Memory(seat), Members::InProcess, link)
     }
 
+    /// Follows a recorded run's releases, where there are any.
+    pub(super) fn following(self, schedule: Option<Schedule>) -> Self {
+        Self { schedule, ..self }
+    }
+
     fn new(
         service: Service,
         group: Group,

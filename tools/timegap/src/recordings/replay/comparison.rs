@@ -1,24 +1,14 @@
 //! Recorded against replayed, message by message.
 
+use super::difference::{Difference, not_compared, places};
 use super::{Programs, Table};
 use group::Replayed;
 use messages::{Command, Diagnostics, Message, Place};
 use recorder::{Cycle, Recording, Take};
-use runtime::{Mode, Program};
+use runtime::Program;
 use scenario::Scenario;
 use serde::Serialize;
 use std::collections::VecDeque;
-
-/// Fields that say how the machine fared when a command was computed.
-const MACHINE: [&str; 7] = [
-    "header.protection",
-    "header.publish_ns",
-    "idle_ns",
-    "voluntary_switches",
-    "involuntary_switches",
-    "minor_faults",
-    "major_faults",
-];
 
 /// What both controllers asked for in one cycle.
 pub(super) struct Row {
@@ -85,18 +75,6 @@ pub(super) struct Comparison {
     squares: f64,
 }
 
-/// The first difference.
-#[derive(Debug, Serialize)]
-pub(super) struct Difference {
-    pub(super) topic: &'static str,
-    pub(super) incarnation: u32,
-    pub(super) sequence: u64,
-    pub(super) step: u64,
-    pub(super) field: String,
-    pub(super) recorded: String,
-    pub(super) replayed: String,
-}
-
 impl Comparison {
     pub(super) fn new(
         recording: &Recording,
@@ -118,10 +96,7 @@ impl Comparison {
             replayed_program: programs.replayed,
             mode: metadata.mode.name(),
             changed,
-            not_compared: match metadata.mode {
-                Mode::Lockstep => Vec::new(),
-                Mode::Realtime => MACHINE.to_vec(),
-            },
+            not_compared: not_compared(metadata.mode),
             cycles: 0,
             commands: 0,
             cut_short: Vec::new(),
@@ -139,34 +114,14 @@ impl Comparison {
 
     /// True if every compared byte of the pair is the same; keeps the first other one.
     fn is_same<T: Message>(&mut self, places: &[Place], recorded: &T, replayed: &T) -> bool {
-        let [a, b] = [recorded, replayed].map(bytemuck::bytes_of);
-        let differs = |place: &&Place| {
-            let range = place.offset..place.offset + place.bytes;
-            a[range.clone()] != b[range]
-        };
-        let header = recorded.header();
-        // The checksum differs whenever something else does.
-        let telling = places
-            .iter()
-            .find(|place| differs(place) && !place.path.starts_with("header.protection"));
-        let Some(place) = telling.or_else(|| places.iter().find(differs)) else { return true };
-        self.first_difference.get_or_insert_with(|| Difference {
-            topic: T::TOPIC.name(),
-            incarnation: header.incarnation,
-            sequence: header.sequence,
-            step: header.step,
-            field: place.path.clone(),
-            recorded: place.read(a).to_string(),
-            replayed: place.read(b).to_string(),
-        });
+        let Some(difference) = Difference::between(places, recorded, replayed) else { return true };
+        self.first_difference.get_or_insert(difference);
         false
     }
 
     /// The values of `T` that are compared.
     fn places<T: Message>(&self) -> Vec<Place> {
-        let mut places = T::LAYOUT.scalars();
-        places.retain(|place| !self.not_compared.iter().any(|field| place.path.starts_with(field)));
-        places
+        places::<T>(&self.not_compared)
     }
 
     fn note(&mut self, row: &Row) {

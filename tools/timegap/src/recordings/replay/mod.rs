@@ -11,11 +11,15 @@
 //! was published (and the checksum over it), since when the cycle had waited, and its context
 //! switches and page faults. One thing is not in a recording: when a plan made beside the loop came.
 //! In a replay every plan comes in time; a realtime run whose summary counts late plans may differ.
+//!
+//! With `--of obu` it is the on-board unit that is replayed, from the raw frames.
 
 mod comparison;
+mod difference;
+mod unit;
 
 use super::{count, open, tell};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use comparison::{Comparison, Pairs, Row};
 use controller::laws;
 use group::{Error, Failure, replay, service_program};
@@ -36,6 +40,10 @@ use std::process::ExitCode;
 pub struct ReplayArguments {
     /// A run's directory of results, or a recording
     pub run: PathBuf,
+    /// Which service to replay: the controller, or `obu` with the raw frames of `radio/frames`, whose signals
+    /// are compared
+    #[arg(long, value_name = "SERVICE", value_enum, default_value_t = Of::Controller)]
+    pub of: Of,
     /// Give the inputs to another control law (see `timegap list`) and compare its commands
     #[arg(long, value_name = "NAME")]
     pub controller: Option<String>,
@@ -53,12 +61,31 @@ pub struct ReplayArguments {
     pub json: bool,
 }
 
+/// What is replayed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Of {
+    /// The controller, from the samples that it used.
+    Controller,
+    /// The on-board unit, from the frames on air.
+    Obu,
+}
+
 /// Why a recording cannot be replayed.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
     /// The controller did nothing in it.
     #[error("{} holds no control cycle that could be replayed", .0.display())]
     Empty(PathBuf),
+    /// No on-board unit in it, or none that names the frames that it used.
+    #[error(
+        "{} holds no frames that an on-board unit decoded: replay a run with v2x.radio = \"frames\", udp://, \
+         zenoh or pcap: of this version",
+        .0.display()
+    )]
+    NoFrames(PathBuf),
+    /// An option of the controller's replay.
+    #[error("{0} has no meaning with --of obu")]
+    OfTheController(&'static str),
     /// The program that the law hosts is none.
     #[error("{}", .0.message)]
     Law(#[source] Problem),
@@ -85,6 +112,23 @@ impl Failure for ReplayError {}
 
 /// Runs the command.
 pub fn run(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
+    match arguments.of {
+        Of::Controller => replay_controller(arguments),
+        Of::Obu => {
+            let given = [
+                ("--controller", arguments.controller.is_some()),
+                ("--service", arguments.service.is_some()),
+                ("--out", arguments.out.is_some()),
+            ];
+            match given.into_iter().find(|(_, is_given)| *is_given) {
+                Some((option, _)) => Err(ReplayError::OfTheController(option).into()),
+                None => unit::run(arguments),
+            }
+        }
+    }
+}
+
+fn replay_controller(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
     let recording = open(&arguments.run)?;
     let (scenario, changed) = scenario(&recording, arguments)?;
     let programs = programs(&recording, &scenario, arguments)?;

@@ -1,0 +1,175 @@
+//! What a recording says of its on-board unit: each cycle with the frames that it decoded and what it made
+//! of them, in one pass over the file and in bounded memory.
+
+use crate::takes::Window;
+use crate::{Record, Recording, Records};
+use messages::{Map, Origin, RadioSent, Service, Spat, Topic};
+use runtime::ScheduledRelease;
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+/// Cycles behind which nothing of a cycle is recorded any more.
+const MOST_WAITING: usize = 64;
+
+const RECORDED: [Topic; 5] =
+    [Topic::RadioFrames, Topic::Odometry, Topic::Map, Topic::Spat, Topic::RadioSent];
+
+/// What the on-board unit did, as far as it can be replayed.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct UnitTake {
+    /// Its cycles.
+    pub cycles: u64,
+    /// Cycles among them that name a batch of frames.
+    pub with_frames: u64,
+    /// Why it ends before the run did, if it does.
+    pub cut_short: Option<String>,
+}
+
+/// One cycle of the on-board unit.
+#[derive(Clone, Debug)]
+pub struct UnitCycle {
+    /// The stop lines that it told of.
+    pub map: Map,
+    /// Their signals; none where that was not recorded.
+    pub spat: Option<Spat>,
+    /// The vehicle's own frame, if one was due.
+    pub sent: Option<RadioSent>,
+    /// The batch of frames that it decoded last; none where there was none, or where it was not recorded.
+    pub frames: Option<Arc<[u8]>>,
+    /// The odometry that it used, likewise.
+    pub odometry: Option<Arc<[u8]>>,
+}
+
+impl UnitCycle {
+    /// The batch of frames that it used.
+    #[must_use]
+    pub fn batch(&self) -> Origin {
+        self.map.header.origins.spat
+    }
+
+    /// The release, to be scheduled again.
+    #[must_use]
+    pub fn release(&self) -> ScheduledRelease {
+        let header = &self.map.header;
+        ScheduledRelease {
+            step: header.step,
+            start_ns: header.acquisition_ns,
+            publish_ns: header.publish_ns,
+            inputs: header.origins,
+        }
+    }
+
+    /// Why it cannot be replayed as cycle `number` of the unit, counted from 1.
+    fn gap(&self, number: u64) -> Option<String> {
+        let header = &self.map.header;
+        if header.incarnation > 0 {
+            return Some("it was started again, and heard frames before it spoke".into());
+        }
+        let missing = |message: u64, topic: Topic| {
+            format!(
+                "message {message} of `{}`, of its cycle {number}, was not recorded",
+                topic.name()
+            )
+        };
+        if header.sequence != number {
+            return Some(missing(number, Topic::Map));
+        }
+        if self.spat.is_none() {
+            return Some(missing(number, Topic::Spat));
+        }
+        if self.batch().is_some() && self.frames.is_none() {
+            return Some(missing(self.batch().sequence, Topic::RadioFrames));
+        }
+        let odometry = header.origins.odometry;
+        (odometry.is_some() && self.odometry.is_none())
+            .then(|| missing(odometry.sequence, Topic::Odometry))
+    }
+}
+
+impl Recording {
+    /// What the on-board unit did.
+    #[must_use]
+    pub fn unit_take(&self) -> UnitTake {
+        let mut take = UnitTake::default();
+        for cycle in UnitCycles::of(self.records_of(&RECORDED)) {
+            take.cut_short = cycle.gap(take.cycles + 1);
+            if take.cut_short.is_some() {
+                break;
+            }
+            take.cycles += 1;
+            take.with_frames += u64::from(cycle.batch().is_some());
+        }
+        take
+    }
+
+    /// The cycles of `take`, in their order.
+    pub fn unit_cycles(&self, take: &UnitTake) -> impl Iterator<Item = UnitCycle> + use<> {
+        let count = usize::try_from(take.cycles).unwrap_or(usize::MAX);
+        UnitCycles::of(self.records_of(&RECORDED)).take(count)
+    }
+}
+
+/// The cycles of the on-board unit. A group without one has none: there the roadside unit sends the same
+/// topics.
+struct UnitCycles {
+    records: Records,
+    frames: Window,
+    odometry: Window,
+    waiting: VecDeque<UnitCycle>,
+    is_at_end: bool,
+}
+
+impl UnitCycles {
+    fn of(records: Records) -> Self {
+        Self {
+            records,
+            frames: Window::default(),
+            odometry: Window::default(),
+            waiting: VecDeque::new(),
+            is_at_end: false,
+        }
+    }
+
+    fn take_in(&mut self, record: &Record) {
+        let header = record.header();
+        if header.source == Service::Obu.to_wire()
+            && let Some(map) = record.message::<Map>()
+        {
+            let (spat, sent, frames, odometry) = (None, None, None, None);
+            self.waiting.push_back(UnitCycle { map, spat, sent, frames, odometry });
+            return;
+        }
+        match record.topic {
+            Topic::RadioFrames => self.frames.push(Origin::of(&header), record.bytes()),
+            Topic::Odometry => self.odometry.push(Origin::of(&header), record.bytes()),
+            _ => {
+                let key = (header.incarnation, header.step);
+                let of_cycle = |cycle: &&mut UnitCycle| {
+                    (cycle.map.header.incarnation, cycle.map.header.step) == key
+                };
+                if let Some(cycle) = self.waiting.iter_mut().rev().find(of_cycle) {
+                    cycle.spat = record.message().or(cycle.spat);
+                    cycle.sent = record.message().or(cycle.sent);
+                }
+            }
+        }
+    }
+}
+
+impl Iterator for UnitCycles {
+    type Item = UnitCycle;
+
+    fn next(&mut self) -> Option<UnitCycle> {
+        while !self.is_at_end && self.waiting.len() < MOST_WAITING {
+            match self.records.next() {
+                Some(record) => self.take_in(&record),
+                None => self.is_at_end = true,
+            }
+        }
+        let mut cycle = self.waiting.pop_front()?;
+        // In simulated time what it used may stand behind it: nothing takes time.
+        cycle.frames = self.frames.find(cycle.batch());
+        cycle.odometry = self.odometry.find(cycle.map.header.origins.odometry);
+        Some(cycle)
+    }
+}

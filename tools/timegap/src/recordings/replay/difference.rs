@@ -1,0 +1,73 @@
+//! Where a recorded and a replayed message differ.
+
+use messages::{Message, Place};
+use runtime::Mode;
+use serde::Serialize;
+
+/// Fields that say how the machine fared when a message was computed.
+const MACHINE: [&str; 7] = [
+    "header.protection",
+    "header.publish_ns",
+    "idle_ns",
+    "voluntary_switches",
+    "involuntary_switches",
+    "minor_faults",
+    "major_faults",
+];
+
+/// Fields that are not compared in a run on this clock.
+pub(super) fn not_compared(mode: Mode) -> Vec<&'static str> {
+    match mode {
+        Mode::Lockstep => Vec::new(),
+        Mode::Realtime => MACHINE.to_vec(),
+    }
+}
+
+/// The values of `T` that are compared.
+pub(super) fn places<T: Message>(not_compared: &[&str]) -> Vec<Place> {
+    let mut places = T::LAYOUT.scalars();
+    places.retain(|place| !not_compared.iter().any(|field| place.path.starts_with(field)));
+    places
+}
+
+/// The first difference.
+#[derive(Debug, Serialize)]
+pub(super) struct Difference {
+    pub(super) topic: &'static str,
+    pub(super) incarnation: u32,
+    pub(super) sequence: u64,
+    pub(super) step: u64,
+    pub(super) field: String,
+    pub(super) recorded: String,
+    pub(super) replayed: String,
+}
+
+impl Difference {
+    /// The first of `places` in which the two are not the same byte by byte.
+    pub(super) fn between<T: Message>(
+        places: &[Place],
+        recorded: &T,
+        replayed: &T,
+    ) -> Option<Self> {
+        let [a, b] = [recorded, replayed].map(bytemuck::bytes_of);
+        let differs = |place: &&Place| {
+            let range = place.offset..place.offset + place.bytes;
+            a[range.clone()] != b[range]
+        };
+        let header = recorded.header();
+        // The checksum differs whenever something else does.
+        let telling = places
+            .iter()
+            .find(|place| differs(place) && !place.path.starts_with("header.protection"));
+        let place = telling.or_else(|| places.iter().find(differs))?;
+        Some(Self {
+            topic: T::TOPIC.name(),
+            incarnation: header.incarnation,
+            sequence: header.sequence,
+            step: header.step,
+            field: place.path.clone(),
+            recorded: place.read(a).to_string(),
+            replayed: place.read(b).to_string(),
+        })
+    }
+}
