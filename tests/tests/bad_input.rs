@@ -58,6 +58,17 @@ fn scenario_files() {
         &["mine.toml:6", "^", "braking_mps2"],
     );
     refused_scenario("schema_version = 2\n", &["mine.toml"]);
+    two_models_of_the_radar();
+}
+
+/// `ideal` alone is a model of the radar; with another one beside it nothing says which is meant.
+fn two_models_of_the_radar() {
+    refused_scenario(
+        "[perception]\nideal = true\nradar.model = \"object-list\"\n",
+        &["mine.toml:6", "^", "perception.ideal = true", "perception.ideal = false"],
+    );
+    let more = ["run", "cacc-a", "--set", "perception.radar.model=detections"];
+    refused(&more, 2, &["--set perception.radar.model=detections", "perception.ideal = false"]);
 }
 
 /// What has no meaning for driver assistance.
@@ -101,6 +112,9 @@ fn options() {
     refused(&["run", "--duration", "-3"], 2, &["--duration", "duration"]);
     refused(&["run", "--service", "radar=/bin/true"], 2, &["radar", "perception-sim"]);
     refused(&["list", "--show", "no-such"], 2, &["no-such", "cacc-a"]);
+    refused(&["campaign", "radio", "--seeds", "3"], 2, &["--seeds", "--sample N"]);
+    refused(&["campaign", "kills", "--first", "3"], 2, &["--first", "`radio`"]);
+    refused(&["campaign", "plausibility", "--sample", "3"], 2, &["--sample", "`plausibility`"]);
 }
 
 fn a_tampered_design() {

@@ -2,13 +2,16 @@
 //! process, and what cannot be had.
 
 use group::in_process;
+use its::geonetworking::{Headers, Source, StationType};
 use its::pcap::Writer;
+use radio::{Carrier, Role};
 use report::summary::Summary;
 use runtime::Mode;
 use scenario::radio::SIMULATED_START_NS;
 use scenario::{Overrides, Scenario, builtin};
 use serde_json::Value;
 use std::fs::File;
+use std::io::Write;
 use std::path::Path;
 use std::time::Duration;
 use system_tests::{Corner, text, wait_for};
@@ -72,6 +75,108 @@ fn a_capture_is_heard_on_its_own_clock_and_repeats_byte_for_byte() {
     // What another maker's signals really showed is not known, and nothing is made up.
     assert_eq!(summary["link"]["truth_known"], false);
     assert_eq!(play(&path)["messages"], summary["messages"]);
+}
+
+/// Messages of other programs' making: of North America's profile, of a kind that is not read, and CAMs with
+/// the vehicle's own station id. Each is counted under its own verdict, and the drive is the same.
+#[test]
+fn frames_of_others_are_counted_under_their_own_verdicts() {
+    let corner = Corner::new(PROGRAM);
+    let path = corner.path().join("foreign.pcap");
+    let units = Frames::new(&corridor().v2x);
+    let mut writer = Writer::new(File::create(&path).expect("our own directory")).expect("a file");
+    let others = [
+        (2004, "sae_spat"),
+        (2003, "sae_map"),
+        (2010, "sae_spat"),
+        (2007, "srem"),
+        (2004, "srem"),
+        (2001, "cam_west"),
+        (2001, "cam_east"),
+    ];
+    for tenth in 0..160_u64 {
+        let time_ns = tenth * SECOND_NS / 10;
+        let unix_ns = SIMULATED_START_NS + time_ns as i64;
+        for frame in units.at(time_ns, SIMULATED_START_NS, None).expect("there is room") {
+            writer.write(unix_ns, frame.station, &frame.bytes).expect("a file");
+        }
+        for (port, name) in others.into_iter().filter(|_| tenth % 10 == 5) {
+            let frame = framed(port, tenth as u32, &foreign(name));
+            writer.write(unix_ns, 1, &frame).expect("a file");
+        }
+    }
+    writer.finish().expect("a file");
+    // WAVE short messages are behind another EtherType.
+    let message =
+        [&[0xff; 6][..], &[2; 6], &[0x88, 0xdc, 3, 0, 0x80, 2, 24], &foreign("sae_spat")].concat();
+    let mut file = File::options().append(true).open(&path).expect("our own file");
+    let seconds = (SIMULATED_START_NS / SECOND_NS as i64 + 15) as u32;
+    for word in [seconds, 0, message.len() as u32, message.len() as u32] {
+        file.write_all(&word.to_le_bytes()).expect("a file");
+    }
+    file.write_all(&message).expect("a file");
+    let summary = play(&path);
+    let verdicts = &summary["radio"]["verdicts"];
+    assert_eq!(summary["outcome"], "completed");
+    assert_eq!(summary["link"]["malformed"], 1, "{}", summary["link"]);
+    // Once in each of 15 seconds.
+    for (verdict, kinds) in [("other_profile", 2), ("unknown_message", 3), ("same_station_id", 2)] {
+        assert_eq!(verdicts[verdict], 15 * kinds, "{verdict}: {verdicts}");
+    }
+    for verdict in ["contradicting", "duplicated", "malformed", "missing_lane"] {
+        assert_eq!(verdicts[verdict], 0, "{verdicts}");
+    }
+}
+
+/// A message that pycrate made.
+fn foreign(name: &str) -> Vec<u8> {
+    let all = include_str!("../../shared/its/tests/foreign.txt");
+    let mut lines = all.lines().filter_map(|line| line.split_once(' '));
+    let (_, hex) = lines.find(|(found, _)| *found == name).expect("it is there");
+    let byte = |at: usize| u8::from_str_radix(&hex[at..at + 2], 16).expect("hexadecimal");
+    (0..hex.len()).step_by(2).map(byte).collect()
+}
+
+fn framed(port: u16, timestamp: u32, payload: &[u8]) -> Vec<u8> {
+    let source = Source {
+        station_type: StationType::PassengerCar,
+        address: 1,
+        timestamp,
+        position: its::geodesy::Position { latitude: 487_000_000, longitude: 91_000_000 },
+        accurate: true,
+        speed: 0,
+        heading: 0,
+    };
+    let mut frame = Vec::new();
+    Headers { source, traffic_class: 3, port }.write(payload.len() as u16, &mut frame);
+    frame.extend(payload);
+    frame
+}
+
+#[test]
+fn two_vehicles_with_one_station_id_are_told_apart_and_named() {
+    let corner = Corner::new(PROGRAM);
+    let radio = format!("udp://239.255.31.{}:5524?interface=lo", std::process::id() % 200 + 20);
+    let arguments = ["rsu", "corridor", "--radio", &radio, "--duration", "3", "--json"];
+    let mut unit = corner.start(&arguments);
+    let address = radio.parse().expect("an address");
+    let mut vehicles = ["cam_west", "cam_east"].map(|name| {
+        let carrier = Carrier::open(&address, Role::Vehicle).expect("a socket");
+        (carrier, framed(2001, 0, &foreign(name)))
+    });
+    while unit.try_wait().expect("our child").is_none() {
+        for (carrier, frame) in &mut vehicles {
+            carrier.send(frame).expect("room");
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    let output = unit.wait_with_output().expect("it ended");
+    let unit: Value = serde_json::from_slice(&output.stdout).expect("its summary");
+    assert_eq!(unit["shared_station_ids"], serde_json::json!([4711]), "{unit}");
+    let heard = unit["vehicles"].as_array().expect("a list");
+    let ids: Vec<_> = heard.iter().map(|vehicle| vehicle["station_id"].as_u64()).collect();
+    assert_eq!(ids, [Some(4711); 2], "{unit}");
+    assert_ne!(heard[0]["position_m"], heard[1]["position_m"], "{unit}");
 }
 
 /// The command's own roadside unit and its own vehicle on one host; the vehicle begins first.
