@@ -3,7 +3,7 @@
 
 use crate::takes::Window;
 use crate::{Record, Recording, Records};
-use messages::{Map, Origin, RadioSent, Service, Spat, Topic};
+use messages::{Header, Map, Message, Origin, RadioSent, Service, Spat, Topic};
 use runtime::ScheduledRelease;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -115,7 +115,9 @@ struct UnitCycles {
     records: Records,
     frames: Window,
     odometry: Window,
-    waiting: VecDeque<UnitCycle>,
+    maps: VecDeque<Map>,
+    spats: VecDeque<Spat>,
+    sent: VecDeque<RadioSent>,
     is_at_end: bool,
 }
 
@@ -125,34 +127,36 @@ impl UnitCycles {
             records,
             frames: Window::default(),
             odometry: Window::default(),
-            waiting: VecDeque::new(),
+            maps: VecDeque::new(),
+            spats: VecDeque::new(),
+            sent: VecDeque::new(),
             is_at_end: false,
         }
     }
 
     fn take_in(&mut self, record: &Record) {
         let header = record.header();
-        if header.source == Service::Obu.to_wire()
-            && let Some(map) = record.message::<Map>()
-        {
-            let (spat, sent, frames, odometry) = (None, None, None, None);
-            self.waiting.push_back(UnitCycle { map, spat, sent, frames, odometry });
-            return;
-        }
+        let is_of_unit = header.source == Service::Obu.to_wire();
         match record.topic {
             Topic::RadioFrames => self.frames.push(Origin::of(&header), record.bytes()),
             Topic::Odometry => self.odometry.push(Origin::of(&header), record.bytes()),
-            _ => {
-                let key = (header.incarnation, header.step);
-                let of_cycle = |cycle: &&mut UnitCycle| {
-                    (cycle.map.header.incarnation, cycle.map.header.step) == key
-                };
-                if let Some(cycle) = self.waiting.iter_mut().rev().find(of_cycle) {
-                    cycle.spat = record.message().or(cycle.spat);
-                    cycle.sent = record.message().or(cycle.sent);
-                }
-            }
+            Topic::Map if is_of_unit => self.maps.extend(record.message::<Map>()),
+            Topic::Spat if is_of_unit => self.spats.extend(record.message::<Spat>()),
+            Topic::RadioSent => self.sent.extend(record.message::<RadioSent>()),
+            _ => {}
         }
+    }
+}
+
+/// Takes the message of a process's step out of `waiting`, and those before it.
+fn of_step<T: Message>(waiting: &mut VecDeque<T>, map: &Header) -> Option<T> {
+    let key = |header: &Header| (header.incarnation, header.step);
+    while waiting.front().is_some_and(|message| key(message.header()) < key(map)) {
+        waiting.pop_front();
+    }
+    match waiting.front() {
+        Some(message) if key(message.header()) == key(map) => waiting.pop_front(),
+        _ => None,
     }
 }
 
@@ -160,16 +164,21 @@ impl Iterator for UnitCycles {
     type Item = UnitCycle;
 
     fn next(&mut self) -> Option<UnitCycle> {
-        while !self.is_at_end && self.waiting.len() < MOST_WAITING {
+        // In simulated time nothing takes time: what belongs to a cycle may stand before or behind it.
+        while !self.is_at_end && self.maps.len() < MOST_WAITING {
             match self.records.next() {
                 Some(record) => self.take_in(&record),
                 None => self.is_at_end = true,
             }
         }
-        let mut cycle = self.waiting.pop_front()?;
-        // In simulated time what it used may stand behind it: nothing takes time.
-        cycle.frames = self.frames.find(cycle.batch());
-        cycle.odometry = self.odometry.find(cycle.map.header.origins.odometry);
-        Some(cycle)
+        let map = self.maps.pop_front()?;
+        let header = &map.header;
+        Some(UnitCycle {
+            spat: of_step(&mut self.spats, header),
+            sent: of_step(&mut self.sent, header),
+            frames: self.frames.find(header.origins.spat),
+            odometry: self.odometry.find(header.origins.odometry),
+            map,
+        })
     }
 }

@@ -28,8 +28,9 @@ fn recording(processes: &[u32], lost: &[(Topic, u64)]) -> Recording {
         let (mut map, mut spat) = (Map::zeroed(), Spat::zeroed());
         map.header = header(Service::Obu, incarnation, k, origins);
         spat.header = map.header;
-        write(Topic::Map, k, bytemuck::bytes_of(&map));
+        // In simulated time the order of what a cycle says is any.
         write(Topic::Spat, k, bytemuck::bytes_of(&spat));
+        write(Topic::Map, k, bytemuck::bytes_of(&map));
     }
     writer.finish(&Tally::default()).expect("memory");
     Recording::of_bytes(PathBuf::from("test.mcap"), &file).expect("a recording")
