@@ -11,7 +11,7 @@ use runtime::statistics::Latencies;
 use rustix::fs::{FlockOperation, flock};
 use std::cell::Cell;
 use std::fs::File;
-use std::io::{ErrorKind, Write};
+use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// What commands write into their directory; a name without a dot is a directory.
@@ -205,16 +205,72 @@ impl OutputDirectory {
         self.write_file(name, contents)
     }
 
+    /// Writes a result bit by bit, whole or not at all: one that is too long to be held in memory.
+    ///
+    /// # Errors
+    /// [`Error::Path`], or that of `fill`.
+    pub fn write_by(
+        &self,
+        name: &str,
+        fill: impl FnOnce(&mut ResultFile) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        self.keep();
+        self.fill_file(name, fill)
+    }
+
     fn write_file(&self, name: &str, contents: &[u8]) -> Result<(), Error> {
+        self.fill_file(name, |file| file.add(contents))
+    }
+
+    fn fill_file(
+        &self,
+        name: &str,
+        fill: impl FnOnce(&mut ResultFile) -> Result<(), Error>,
+    ) -> Result<(), Error> {
         let path = self.path.join(name);
         let temporary = self.path.join(format!(".{name}.part"));
-        let written = File::create(&temporary)
-            .and_then(|mut file| file.write_all(contents).and_then(|()| file.sync_all()))
-            .and_then(|()| std::fs::rename(&temporary, &path));
-        written.map_err(|reason| {
+        let written = ResultFile::create(&temporary, &path).and_then(|mut file| {
+            fill(&mut file)?;
+            file.finish(&temporary)
+        });
+        written.inspect_err(|_| {
             let _ = std::fs::remove_file(&temporary);
-            Error::Path { action: "write", path, reason }
         })
+    }
+}
+
+/// A result that is being written.
+pub struct ResultFile {
+    /// Its path when it is whole.
+    path: PathBuf,
+    file: BufWriter<File>,
+}
+
+impl ResultFile {
+    fn create(temporary: &Path, path: &Path) -> Result<Self, Error> {
+        let path = path.to_owned();
+        match File::create(temporary) {
+            Ok(file) => Ok(Self { path, file: BufWriter::new(file) }),
+            Err(reason) => Err(Error::Path { action: "write", path, reason }),
+        }
+    }
+
+    /// Adds some bytes.
+    ///
+    /// # Errors
+    /// [`Error::Path`].
+    pub fn add(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        let path = || self.path.clone();
+        let written = self.file.write_all(bytes);
+        written.map_err(|reason| Error::Path { action: "write", path: path(), reason })
+    }
+
+    fn finish(mut self, temporary: &Path) -> Result<(), Error> {
+        let path = &self.path;
+        let written = (self.file.flush())
+            .and_then(|()| self.file.get_ref().sync_all())
+            .and_then(|()| std::fs::rename(temporary, path));
+        written.map_err(|reason| Error::Path { action: "write", path: path.clone(), reason })
     }
 }
 

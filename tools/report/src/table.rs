@@ -84,6 +84,16 @@ where
     String::from_utf8(bytes).expect("made of strings")
 }
 
+/// One row of CSV, as [`csv`] writes it.
+pub fn csv_row<R>(row: R) -> Vec<u8>
+where
+    R: IntoIterator<Item: AsRef<[u8]>>,
+{
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(row).expect("memory takes all");
+    writer.into_inner().expect("memory takes all")
+}
+
 /// A figure as a field of CSV: all of its digits, or nothing.
 pub fn field(value: Option<f64>) -> String {
     value.map_or_else(String::new, |value| value.to_string())

@@ -5,12 +5,12 @@ use super::exposure::Exposure;
 use super::file::Campaign;
 use super::job::job;
 use super::plan::Plan;
-use super::record::Record;
-use super::verdict::Verdict;
+use super::records::Records;
+use super::verdict::{Sums, Verdict};
 use super::{page, print};
 use crate::batch::{self, Job};
 use group::{Error, GroupOptions};
-use report::output::OutputDirectory;
+use report::output::{OutputDirectory, ResultFile};
 use std::process::ExitCode;
 
 /// Judges, writes and prints.
@@ -18,16 +18,30 @@ pub fn conclude(
     arguments: &CampaignArguments,
     campaign: &Campaign,
     (plan, planned): (&Plan, usize),
-    records: Vec<Record>,
+    mut records: Records,
     output: &OutputDirectory,
 ) -> Result<ExitCode, Error> {
-    let csv = print::csv(&records);
-    let times = page::Times::of(&records);
     let exposure = exposure(campaign, plan, &arguments.group)?;
-    let verdict = Verdict::new(campaign, plan, planned, exposure, records);
+    let mut sums = Sums::default();
+    let mut times = page::Times::default();
+    records.each(&mut |record| {
+        sums.add(record);
+        times.add(record);
+    })?;
+    let mut verdict = Verdict::new(campaign, plan, planned, exposure, sums);
+    let mut rows = |file: &mut ResultFile| {
+        let mut written = file.add(&print::csv_head());
+        records.each(&mut |record| {
+            verdict.blame(plan, record);
+            if written.is_ok() {
+                written = file.add(&print::csv_row(record));
+            }
+        })?;
+        written
+    };
+    let table = output.write_by("campaign.csv", &mut rows);
     let json = serde_json::to_string_pretty(&verdict).expect("plain data") + "\n";
-    let written = output
-        .write("campaign.csv", csv.as_bytes())
+    let written = table
         .and_then(|()| output.write("campaign.json", json.as_bytes()))
         .and_then(|()| output.write(report::FILE, page::page(&verdict, &times).as_bytes()));
     if arguments.json {

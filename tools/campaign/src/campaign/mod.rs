@@ -19,6 +19,7 @@ mod plan;
 mod planned;
 mod print;
 mod record;
+mod records;
 mod reference;
 mod shards;
 mod tally;
@@ -27,7 +28,7 @@ mod verdict;
 
 use crate::batch::{self, Interrupt, Job, Source};
 use crate::parts::ShardChoice;
-use crate::parts::journal::{self, Journal};
+use crate::parts::journal::Journal;
 use crate::plausibility;
 use crate::radio;
 use group::Error;
@@ -42,7 +43,8 @@ use job::job;
 use plan::Plan;
 pub(crate) use planned::Planned;
 use record::Record;
-use shards::{check_journal, merge};
+use records::Records;
+use shards::{Membership, merge};
 use std::collections::BTreeSet;
 use std::process::ExitCode;
 
@@ -98,10 +100,17 @@ fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
         None => OutputDirectory::create(&arguments.output, campaign.name.as_str())?,
     };
     output.write(FILE, campaign.to_toml().as_bytes())?;
-    let (mut journal, mut records) = Journal::open::<Record>(output.path())?;
-    let mine = || plan.numbers().filter(|run| campaign.shard.is_none_or(|shard| shard.holds(*run)));
+    let mut records = Records::default();
     let mut kept = BTreeSet::new();
-    check_journal(&output.path().join(journal::FILE), &campaign, &plan, &records, &mut kept)?;
+    let membership = Membership::of(output.path(), &campaign, &plan);
+    records.begin(membership.journal());
+    let mut each = |place, record: Record| {
+        membership.check(record.run, &mut kept)?;
+        records.add(record.run, place);
+        Ok(())
+    };
+    let mut journal = Journal::open(output.path(), &mut each)?;
+    let mine = || plan.numbers().filter(|run| campaign.shard.is_none_or(|shard| shard.holds(*run)));
     let all = mine().count();
     let left: Vec<usize> = mine().filter(|run| !kept.contains(run)).collect();
 
@@ -127,8 +136,7 @@ fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     let source = Source { runs: left.len(), make: &|index| job(&campaign, &plan.get(left[index])) };
     let mut each = |index: usize, job: &Job, result| {
         let record = Record::new(&plan.get(left[index]), &job.scenario, result);
-        journal.add(&record)?;
-        records.push(journal::as_read_back(&record));
+        records.add(record.run, journal.add(&record)?);
         Ok(())
     };
     let end = batch::run_made(&repeated, &source, at_once, group, &bar, &mut each);
@@ -141,8 +149,7 @@ fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
             let planned = plan.get(run);
             let job = job(&campaign, &planned)?;
             let record = launcher_death::run(&planned, &job.scenario, campaign.mode, &interrupt)?;
-            journal.add(&record)?;
-            records.push(journal::as_read_back(&record));
+            records.add(record.run, journal.add(&record)?);
             bar.inc(1);
         }
         Ok(())

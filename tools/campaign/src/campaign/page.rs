@@ -20,12 +20,10 @@ pub struct Times {
 }
 
 impl Times {
-    /// Of all records.
-    pub fn of(records: &[Record]) -> Self {
-        Self {
-            detection: records.iter().flat_map(|record| record.detection_us.clone()).collect(),
-            recovery: records.iter().flat_map(|record| record.recovery_us.clone()).collect(),
-        }
+    /// Adds those of a run.
+    pub fn add(&mut self, record: &Record) {
+        self.detection.extend(&record.detection_us);
+        self.recovery.extend(&record.recovery_us);
     }
 }
 

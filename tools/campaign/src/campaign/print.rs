@@ -216,35 +216,35 @@ const COLUMNS: [&str; 20] = [
     "parameters",
 ];
 
-/// One row per run, in their order; a figure that does not apply is empty.
-pub fn csv(records: &[Record]) -> String {
+/// The head of the table of runs.
+pub fn csv_head() -> Vec<u8> {
+    table::csv_row(COLUMNS)
+}
+
+/// A run's row of it; a figure that does not apply is empty.
+pub fn csv_row(record: &Record) -> Vec<u8> {
     let most = |values: &[f64]| table::field(values.iter().copied().max_by(f64::total_cmp));
-    let mut sorted: Vec<_> = records.iter().collect();
-    sorted.sort_by_key(|record| record.run);
-    let rows = sorted.into_iter().map(|record| {
-        let outcome = serde_json::to_value(record.outcome).expect("plain data");
-        [
-            record.run.to_string(),
-            record.scenario.clone(),
-            record.controller.clone(),
-            record.fault.clone(),
-            record.seed.to_string(),
-            outcome.as_str().unwrap_or_default().to_owned(),
-            record.avoidable.to_string(),
-            record.duration_s.to_string(),
-            table::field(record.min_gap_m),
-            table::field(record.min_ttc_s),
-            record.kills.to_string(),
-            most(&record.detection_us),
-            most(&record.recovery_us),
-            record.unrecovered.to_string(),
-            record.messages_lost.to_string(),
-            record.disturbed.to_string(),
-            record.corrupted.to_string(),
-            record.undetected.to_string(),
-            record.leaks.len().to_string(),
-            record.parameters.join(" "),
-        ]
-    });
-    table::csv(COLUMNS, rows)
+    let outcome = serde_json::to_value(record.outcome).expect("plain data");
+    table::csv_row([
+        record.run.to_string(),
+        record.scenario.clone(),
+        record.controller.clone(),
+        record.fault.clone(),
+        record.seed.to_string(),
+        outcome.as_str().unwrap_or_default().to_owned(),
+        record.avoidable.to_string(),
+        record.duration_s.to_string(),
+        table::field(record.min_gap_m),
+        table::field(record.min_ttc_s),
+        record.kills.to_string(),
+        most(&record.detection_us),
+        most(&record.recovery_us),
+        record.unrecovered.to_string(),
+        record.messages_lost.to_string(),
+        record.disturbed.to_string(),
+        record.corrupted.to_string(),
+        record.undetected.to_string(),
+        record.leaks.len().to_string(),
+        record.parameters.join(" "),
+    ])
 }

@@ -5,46 +5,60 @@ use super::conclusion::conclude;
 use super::error::CampaignError;
 use super::file::{Campaign, FILE};
 use super::plan::{self, Plan};
-use super::record::Record;
+use super::records::{self, Records};
 use crate::parts::journal;
 use crate::parts::{self, MergeError, Shard};
 use group::Error;
 use report::output::OutputDirectory;
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Checks that the records are of runs of this part, each once, and adds their numbers to `known`.
-pub fn check_journal(
-    journal: &Path,
-    campaign: &Campaign,
-    plan: &Plan,
-    records: &[Record],
-    known: &mut BTreeSet<usize>,
-) -> Result<(), CampaignError> {
-    let planned: BTreeSet<usize> = match campaign.sample {
-        Some(_) => plan.numbers().collect(),
-        None => BTreeSet::new(),
-    };
-    for record in records {
-        let run = record.run;
-        let path = || journal.to_owned();
-        let in_plan =
-            if campaign.sample.is_some() { planned.contains(&run) } else { run < plan.len() };
-        if !in_plan || campaign.shard.is_some_and(|shard| !shard.holds(run)) {
+/// Refuses runs that are not of a part, and those that are there twice.
+pub struct Membership<'a> {
+    part: &'a Campaign,
+    plan: &'a Plan,
+    /// Runs of a sample; none where all are planned.
+    sampled: Option<BTreeSet<usize>>,
+    journal: PathBuf,
+}
+
+impl<'a> Membership<'a> {
+    /// Of the runs in the journal of that directory.
+    pub fn of(directory: &Path, part: &'a Campaign, plan: &'a Plan) -> Self {
+        let sampled = part.sample.map(|_| plan.numbers().collect());
+        Self { part, plan, sampled, journal: directory.join(journal::FILE) }
+    }
+
+    /// The journal.
+    pub fn journal(&self) -> &Path {
+        &self.journal
+    }
+
+    /// Adds a run to those that are `known`.
+    ///
+    /// # Errors
+    /// [`CampaignError::OtherPart`], [`CampaignError::Twice`].
+    pub fn check(&self, run: usize, known: &mut BTreeSet<usize>) -> Result<(), CampaignError> {
+        let path = || self.journal.clone();
+        let is_planned = match &self.sampled {
+            Some(sampled) => sampled.contains(&run),
+            None => run < self.plan.len(),
+        };
+        if !is_planned || self.part.shard.is_some_and(|shard| !shard.holds(run)) {
             return Err(CampaignError::OtherPart { path: path(), run });
         }
         if !known.insert(run) {
             return Err(CampaignError::Twice { path: path(), run });
         }
+        Ok(())
     }
-    Ok(())
 }
 
 /// Puts shards together.
 pub fn merge(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     let mut whole: Option<(Campaign, Plan)> = None;
-    let mut records: Vec<Record> = Vec::new();
+    let mut records = Records::default();
     let mut known = BTreeSet::new();
     let mut held: Vec<(Option<Shard>, &Path)> = Vec::new();
     for directory in &arguments.merge {
@@ -69,10 +83,9 @@ pub fn merge(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
             whole = Some((campaign, plan));
         }
         let (_, plan) = whole.as_ref().expect("it was just made");
-        let journal = directory.join(journal::FILE);
-        let mine = journal::read::<Record>(&journal)?.0;
-        check_journal(&journal, &part, plan, &mine, &mut known)?;
-        records.extend(mine);
+        let membership = Membership::of(directory, &part, plan);
+        let mut check = |run| Ok(membership.check(run, &mut known)?);
+        records::read(&mut records, membership.journal(), &mut check)?;
         held.push((shard, directory));
     }
     let (campaign, plan) = whole.expect("clap asks for at least one directory");

@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// Some runs added up.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Tally {
     pub runs: u64,
     pub completed: u64,
@@ -56,73 +56,90 @@ pub struct Tally {
     pub shared_memory_object_growth: Option<f64>,
 }
 
-impl Tally {
-    /// Adds these runs up; their order does not matter.
-    pub fn of<'a>(records: impl Iterator<Item = &'a Record> + Clone) -> Self {
-        let ended = |outcome| records.clone().filter(|r| r.outcome == outcome).count() as u64;
-        let sum = |count: fn(&Record) -> u64| records.clone().map(count).sum();
-        let least = |figure: fn(&Record) -> Option<f64>| {
-            records.clone().filter_map(figure).min_by(f64::total_cmp)
-        };
-        let most = |figure: fn(&Record) -> Option<f64>| {
-            records.clone().filter_map(figure).max_by(f64::total_cmp)
-        };
-        let mut rungs_s = BTreeMap::new();
-        for (rung, time_s) in records.clone().flat_map(|record| &record.rungs_s) {
-            *rungs_s.entry(rung.clone()).or_insert(0.0) += time_s;
+/// Runs that are being added up.
+#[derive(Debug, Default)]
+pub struct Sum {
+    tally: Tally,
+    /// Made when the first time comes: most campaigns have none.
+    detection: Option<Latencies>,
+    recovery: Option<Latencies>,
+}
+
+impl Sum {
+    /// Adds a run. In another order the times on the levels may differ in their last digits.
+    pub fn add(&mut self, record: &Record) {
+        let tally = &mut self.tally;
+        tally.runs += 1;
+        // A group whose launcher is killed ends in no other way than aborted.
+        *match record.outcome {
+            Outcome::Completed => &mut tally.completed,
+            Outcome::Collision => &mut tally.collisions,
+            Outcome::RedLight => &mut tally.red_lights,
+            Outcome::SafeStop => &mut tally.safe_stops,
+            Outcome::Aborted if record.launcher_died => &mut tally.launcher_kills,
+            Outcome::Aborted => &mut tally.aborted,
+        } += 1;
+        tally.avoidable_collisions += u64::from(record.avoidable);
+        tally.kills += record.kills;
+        tally.double_kills += record.double_kills;
+        tally.starting_kills += record.starting_kills;
+        tally.helper_kills += record.helper_kills;
+        tally.recordings_lost += u64::from(record.recording_lost);
+        tally.unrecovered += record.unrecovered;
+        tally.degraded += record.degraded.len() as u64;
+        tally.leaks += record.leaks.len() as u64;
+        tally.messages_lost += record.messages_lost;
+        tally.disturbed += record.disturbed;
+        tally.corrupted += record.corrupted;
+        tally.undetected_corruptions += record.undetected;
+        tally.faults_struck += record.faults;
+        tally.critical_faults += record.critical_faults;
+        for (phase, count) in &record.phases {
+            *tally.phases.entry(phase.clone()).or_insert(0) += count;
         }
-        let mut phases = BTreeMap::new();
-        for (phase, count) in records.clone().flat_map(|record| &record.phases) {
-            *phases.entry(phase.clone()).or_insert(0) += count;
+        for (rung, time_s) in &record.rungs_s {
+            *tally.rungs_s.entry(rung.clone()).or_insert(0.0) += time_s;
         }
-        Self {
-            faults_struck: sum(|r| r.faults),
-            critical_faults: sum(|r| r.critical_faults),
-            phases,
-            runs: records.clone().count() as u64,
-            completed: ended(Outcome::Completed),
-            collisions: ended(Outcome::Collision),
-            avoidable_collisions: sum(|r| r.avoidable.into()),
-            red_lights: ended(Outcome::RedLight),
-            safe_stops: ended(Outcome::SafeStop),
-            // A group whose launcher is killed ends in no other way.
-            aborted: ended(Outcome::Aborted) - sum(|r| r.launcher_died.into()),
-            kills: sum(|r| r.kills),
-            double_kills: sum(|r| r.double_kills),
-            starting_kills: sum(|r| r.starting_kills),
-            helper_kills: sum(|r| r.helper_kills),
-            launcher_kills: sum(|r| r.launcher_died.into()),
-            recordings_lost: sum(|r| r.recording_lost.into()),
-            unrecovered: sum(|r| r.unrecovered),
-            degraded: sum(|r| r.degraded.len() as u64),
-            leaks: sum(|r| r.leaks.len() as u64),
-            messages_lost: sum(|r| r.messages_lost),
-            disturbed: sum(|r| r.disturbed),
-            corrupted: sum(|r| r.corrupted),
-            undetected_corruptions: sum(|r| r.undetected),
-            min_gap_m: least(|r| r.min_gap_m),
-            min_ttc_s: least(|r| r.min_ttc_s),
-            detection_us: percentiles(records.clone().flat_map(|r| &r.detection_us)),
-            recovery_us: percentiles(records.clone().flat_map(|r| &r.recovery_us)),
-            command_overdue_ms: most(|r| r.command_overdue_ms),
-            rungs_s,
-            all_memory_kib: most(|r| r.growth.map(|growth| growth.all_memory_kib)),
-            all_descriptors: most(|r| r.growth.map(|growth| growth.all_descriptors)),
-            all_shared_memory_kib: most(|r| r.growth.map(|growth| growth.all_shared_memory_kib)),
-            memory_growth_kib: most(|r| r.growth.map(|growth| growth.memory_kib)),
-            descriptor_growth: most(|r| r.growth.map(|growth| growth.descriptors)),
-            shared_memory_growth_kib: most(|r| r.growth.map(|growth| growth.shared_memory_kib)),
-            shared_memory_object_growth: most(|r| {
-                r.growth.map(|growth| growth.shared_memory_objects)
-            }),
+        keep(&mut tally.min_gap_m, record.min_gap_m, f64::min);
+        keep(&mut tally.min_ttc_s, record.min_ttc_s, f64::min);
+        keep(&mut tally.command_overdue_ms, record.command_overdue_ms, f64::max);
+        if let Some(growth) = record.growth {
+            for (most, found) in [
+                (&mut tally.all_memory_kib, growth.all_memory_kib),
+                (&mut tally.all_descriptors, growth.all_descriptors),
+                (&mut tally.all_shared_memory_kib, growth.all_shared_memory_kib),
+                (&mut tally.memory_growth_kib, growth.memory_kib),
+                (&mut tally.descriptor_growth, growth.descriptors),
+                (&mut tally.shared_memory_growth_kib, growth.shared_memory_kib),
+                (&mut tally.shared_memory_object_growth, growth.shared_memory_objects),
+            ] {
+                keep(most, Some(found), f64::max);
+            }
+        }
+        for us in &record.detection_us {
+            self.detection.get_or_insert_default().record_ns((us * 1e3) as i64);
+        }
+        for us in &record.recovery_us {
+            self.recovery.get_or_insert_default().record_ns((us * 1e3) as i64);
+        }
+    }
+
+    /// What the runs come to.
+    pub fn tally(self) -> Tally {
+        let percentiles = |latencies: Option<Latencies>| {
+            latencies.and_then(|latencies| latencies.percentiles_us())
+        };
+        Tally {
+            detection_us: percentiles(self.detection),
+            recovery_us: percentiles(self.recovery),
+            ..self.tally
         }
     }
 }
 
-fn percentiles<'a>(times_us: impl Iterator<Item = &'a f64>) -> Option<Percentiles> {
-    let mut latencies = Latencies::default();
-    times_us.for_each(|us| latencies.record_ns((us * 1e3) as i64));
-    latencies.percentiles_us()
+/// Keeps the lesser or the greater of what was kept and what was found.
+fn keep(kept: &mut Option<f64>, found: Option<f64>, of: fn(f64, f64) -> f64) {
+    *kept = kept.zip(found).map(|(kept, found)| of(kept, found)).or(*kept).or(found);
 }
 
 /// True if `value` is at most `limit`, or at least, if that is the `least` it may be.
@@ -210,7 +227,9 @@ impl Figure {
 
     /// Its value in a single run, if the run is to blame for more than `limit`, or less if `least`.
     pub fn blames(&self, record: &Record, limit: f64, least: bool) -> Option<f64> {
-        let alone = Tally::of(std::iter::once(record));
+        let mut alone = Sum::default();
+        alone.add(record);
+        let alone = alone.tally();
         match self.of {
             Kind::Count(of) => Some(of(&alone) as f64).filter(|count| *count > 0.0 && !least),
             Kind::Measure(of) => of(&alone).filter(|value| !within(*value, limit, least)),

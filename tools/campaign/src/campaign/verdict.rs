@@ -4,7 +4,7 @@ use super::exposure::Exposure;
 use super::file::Campaign;
 use super::plan::Plan;
 use super::record::Record;
-use super::tally::{Figure, Tally, within};
+use super::tally::{Figure, Sum, Tally, within};
 use crate::batch::ProcessesSample;
 use runtime::Mode;
 use serde::Serialize;
@@ -80,35 +80,86 @@ pub struct Failure {
     pub repeat: String,
 }
 
+/// The runs added up, all together and by what they have in common.
+#[derive(Debug, Default)]
+pub struct Sums {
+    all: Sum,
+    combinations: Sorted<3>,
+    scenarios: Sorted<1>,
+    controllers: Sorted<1>,
+    faults: Sorted<1>,
+    processes_sample: ProcessesSample,
+}
+
+/// Runs by what they have in common, in the order of its first appearance.
+#[derive(Debug)]
+struct Sorted<const N: usize>(Vec<([String; N], Sum)>);
+
+impl<const N: usize> Default for Sorted<N> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<const N: usize> Sorted<N> {
+    fn add(&mut self, names: [&str; N], record: &Record) {
+        let known = self.0.iter().position(|(known, _)| known.each_ref() == names.each_ref());
+        let place = known.unwrap_or_else(|| {
+            self.0.push((names.map(str::to_owned), Sum::default()));
+            self.0.len() - 1
+        });
+        self.0[place].1.add(record);
+    }
+}
+
+impl Sums {
+    /// Adds a run; they come in the order of their numbers.
+    pub fn add(&mut self, record: &Record) {
+        let Record { scenario, controller, fault, .. } = record;
+        self.all.add(record);
+        self.combinations.add([scenario, controller, fault], record);
+        self.scenarios.add([scenario], record);
+        self.controllers.add([controller], record);
+        self.faults.add([fault], record);
+        if let Some(same) = record.same_in_processes {
+            self.processes_sample.runs += 1;
+            self.processes_sample.different += usize::from(!same);
+        }
+    }
+}
+
 impl Verdict {
-    /// Judges the records, in any order, of the `planned` runs that were to be done of the plan.
-    /// `exposure` is what the drives meet without faults.
+    /// Judges the `planned` runs that were to be done of the plan. `exposure` is what the drives meet without
+    /// faults.
     pub fn new(
         campaign: &Campaign,
         plan: &Plan,
         planned: usize,
         exposure: Vec<Exposure>,
-        mut records: Vec<Record>,
+        sums: Sums,
     ) -> Self {
-        records.sort_by_key(|record| record.run);
-        let all = Tally::of(records.iter());
+        let Sums { all, combinations, scenarios, controllers, faults, processes_sample } = sums;
+        let all = all.tally();
         let requirements: Vec<_> =
             campaign.require.iter().map(|(key, limit)| judge(key, *limit, &all)).collect();
         let met = requirements.iter().all(|requirement| requirement.ok);
-        let mut processes_sample = ProcessesSample::default();
-        let repeated = records.iter().filter_map(|record| record.same_in_processes);
-        repeated.for_each(|same| {
-            processes_sample.runs += 1;
-            processes_sample.different += usize::from(!same);
-        });
         let same = processes_sample.different == 0;
         let met_nothing = !campaign.faults.is_empty()
             && all.critical_faults == 0
             && !campaign.require.contains_key("min_critical_faults");
-        let failures = failures(&requirements, campaign.mode, plan, &records);
+        let combinations =
+            combinations.0.into_iter().map(|([scenario, controller, fault], sum)| Combination {
+                scenario,
+                controller,
+                fault,
+                tally: sum.tally(),
+            });
+        let parts = |sums: Sorted<1>| {
+            sums.0.into_iter().map(|([of], sum)| Part { of, tally: sum.tally() }).collect()
+        };
         Self {
             schema_version: 1,
-            ok: met && same && !met_nothing && records.len() == planned,
+            ok: met && same && !met_nothing && all.runs == planned as u64,
             campaign: campaign.name.as_str().into(),
             mode: campaign.mode,
             planned,
@@ -117,13 +168,34 @@ impl Verdict {
             met_nothing,
             all,
             requirements,
-            combinations: combinations(&records),
-            scenarios: parts(&records, |record| &record.scenario),
-            controllers: parts(&records, |record| &record.controller),
-            faults: parts(&records, |record| &record.fault),
-            failures,
+            combinations: combinations.collect(),
+            scenarios: parts(scenarios),
+            controllers: parts(controllers),
+            faults: parts(faults),
+            failures: Vec::new(),
             processes_sample,
         }
+    }
+
+    /// Notes what a run is to blame for; they come in the order of their numbers.
+    pub fn blame(&mut self, plan: &Plan, record: &Record) {
+        let broken = self.requirements.iter().filter(|requirement| !requirement.ok);
+        let reasons = broken.filter_map(|requirement| {
+            let (figure, least) = figure(&requirement.requirement);
+            let value = figure.blames(record, requirement.limit, least)?;
+            Some(format!("{} {value}", figure.name))
+        });
+        let mut reasons: Vec<String> = reasons.collect();
+        if record.same_in_processes == Some(false) {
+            reasons.push("other bytes in a process group".into());
+        }
+        if reasons.is_empty() {
+            return;
+        }
+        reasons.extend(record.aborted_because.clone());
+        reasons.extend(record.leaks.iter().chain(&record.degraded).cloned());
+        let repeat = plan.get(record.run).repeat(self.mode.name());
+        self.failures.push(Failure { run: record.run, why: reasons.join("; "), repeat });
     }
 }
 
@@ -139,68 +211,6 @@ fn judge(key: &str, limit: f64, all: &Tally) -> Requirement {
     let found = figure.value(all);
     let ok = found.is_some_and(|value| within(value, limit, least));
     Requirement { requirement: key.into(), limit, found, ok }
-}
-
-fn failures(
-    requirements: &[Requirement],
-    mode: Mode,
-    plan: &Plan,
-    records: &[Record],
-) -> Vec<Failure> {
-    let broken: Vec<_> = requirements.iter().filter(|requirement| !requirement.ok).collect();
-    let mut failures = Vec::new();
-    for record in records {
-        let reasons = broken.iter().filter_map(|requirement| {
-            let (figure, least) = figure(&requirement.requirement);
-            let value = figure.blames(record, requirement.limit, least)?;
-            Some(format!("{} {value}", figure.name))
-        });
-        let mut reasons: Vec<String> = reasons.collect();
-        if record.same_in_processes == Some(false) {
-            reasons.push("other bytes in a process group".into());
-        }
-        if reasons.is_empty() {
-            continue;
-        }
-        reasons.extend(record.aborted_because.clone());
-        reasons.extend(record.leaks.iter().chain(&record.degraded).cloned());
-        let repeat = plan.get(record.run).repeat(mode.name());
-        failures.push(Failure { run: record.run, why: reasons.join("; "), repeat });
-    }
-    failures
-}
-
-fn combinations(records: &[Record]) -> Vec<Combination> {
-    let key = |record: &Record| {
-        (record.scenario.clone(), record.controller.clone(), record.fault.clone())
-    };
-    let all = distinct(records, key).into_iter();
-    all.map(|(scenario, controller, fault)| {
-        let wanted = (scenario.clone(), controller.clone(), fault.clone());
-        let same = records.iter().filter(|record| key(record) == wanted);
-        Combination { tally: Tally::of(same), scenario, controller, fault }
-    })
-    .collect()
-}
-
-fn parts(records: &[Record], key: fn(&Record) -> &String) -> Vec<Part> {
-    let all = distinct(records, |record| key(record).clone()).into_iter();
-    all.map(|of| {
-        let tally = Tally::of(records.iter().filter(|record| *key(record) == of));
-        Part { of, tally }
-    })
-    .collect()
-}
-
-/// What the records have, each once, in the order of its first appearance.
-fn distinct<K: PartialEq>(records: &[Record], key: impl Fn(&Record) -> K) -> Vec<K> {
-    let mut known = Vec::new();
-    for key in records.iter().map(key) {
-        if !known.contains(&key) {
-            known.push(key);
-        }
-    }
-    known
 }
 
 #[cfg(test)]
@@ -236,10 +246,15 @@ mod tests {
         let records = records.map(|(number, (planned, outcome))| {
             record(&planned, outcome, 10.0 - number as f64, &[1e3 * (number + 1) as f64])
         });
-        // The order in which runs end does not matter.
-        let mut records: Vec<_> = records.collect();
-        records.reverse();
-        Verdict::new(&campaign, &plan, plan.len(), Vec::new(), records)
+        of_records(&campaign, &plan, &records.collect::<Vec<_>>())
+    }
+
+    fn of_records(campaign: &Campaign, plan: &Plan, records: &[Record]) -> Verdict {
+        let mut sums = Sums::default();
+        records.iter().for_each(|record| sums.add(record));
+        let mut verdict = Verdict::new(campaign, plan, plan.len(), Vec::new(), sums);
+        records.iter().for_each(|record| verdict.blame(plan, record));
+        verdict
     }
 
     const WHOLE: [Outcome; 4] = [Outcome::Completed; 4];
@@ -297,7 +312,7 @@ mod tests {
                 critical_faults: critical,
                 ..record(&plan.get(run), Outcome::Completed, 5.0, &[])
             });
-            let verdict = Verdict::new(&campaign, &plan, plan.len(), Vec::new(), records.collect());
+            let verdict = of_records(&campaign, &plan, &records.collect::<Vec<_>>());
             (verdict.ok, verdict.met_nothing)
         };
         assert_eq!(judged("max_collisions = 0", 0), (false, true));
@@ -310,8 +325,8 @@ mod tests {
     fn missing_runs_make_no_whole_campaign() {
         let campaign = campaign("max_collisions = 0");
         let plan = plan::plan(&campaign).expect("a plan");
-        let records = vec![record(&plan.get(0), Outcome::Completed, 1.0, &[])];
-        let verdict = Verdict::new(&campaign, &plan, plan.len(), Vec::new(), records);
+        let records = [record(&plan.get(0), Outcome::Completed, 1.0, &[])];
+        let verdict = of_records(&campaign, &plan, &records);
         assert!(!verdict.ok && verdict.failures.is_empty());
         assert_eq!((verdict.all.runs, verdict.planned), (1, 4));
     }

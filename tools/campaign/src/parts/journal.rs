@@ -6,7 +6,7 @@ use group::{Error, Failure};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::fs::{File, OpenOptions};
-use std::io::Write;
+use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -51,30 +51,47 @@ pub enum JournalError {
 
 impl Failure for JournalError {}
 
+/// Where a record is in its journal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// Of its line, bytes from the beginning.
+    pub offset: u64,
+    /// Length of the line with its end, bytes.
+    pub length: usize,
+}
+
 /// An open journal.
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
     file: File,
+    /// Bytes written.
+    length: u64,
     synced: Instant,
 }
 
 impl Journal {
-    /// Opens the journal in `directory`, or begins one, and reads what is in it.
-    pub fn open<T: DeserializeOwned>(directory: &Path) -> Result<(Self, Vec<T>), Error> {
+    /// Opens the journal in `directory`, or begins one, and hands over what is in it.
+    ///
+    /// # Errors
+    /// As [`read`], or what `each` refuses, or the journal cannot be written.
+    pub fn open<T: DeserializeOwned>(
+        directory: &Path,
+        each: &mut dyn FnMut(Place, T) -> Result<(), Error>,
+    ) -> Result<Self, Error> {
         let path = directory.join(FILE);
         let error = |reason| Error::Path { action: "write", path: path.clone(), reason };
-        let (records, length) = if path.exists() { read(&path)? } else { (Vec::new(), 0) };
+        let length = if path.exists() { read(&path, each)? } else { 0 };
         let file = OpenOptions::new().create(true).append(true).open(&path).map_err(error)?;
         file.set_len(length).map_err(error)?;
-        Ok((Self { path, file, synced: Instant::now() }, records))
+        Ok(Self { path, file, length, synced: Instant::now() })
     }
 
-    /// Adds a record.
+    /// Adds a record, and tells its place.
     ///
     /// # Errors
     /// [`Error::Path`] if it cannot be written.
-    pub fn add(&mut self, record: &impl Serialize) -> Result<(), Error> {
+    pub fn add(&mut self, record: &impl Serialize) -> Result<Place, Error> {
         let line = serde_json::to_string(record).expect("records are plain data") + "\n";
         let mut written = self.file.write_all(line.as_bytes());
         if self.synced.elapsed() >= SYNC_PERIOD {
@@ -82,7 +99,10 @@ impl Journal {
             self.synced = Instant::now();
         }
         let path = || self.path.clone();
-        written.map_err(|reason| Error::Path { action: "write", path: path(), reason })
+        written.map_err(|reason| Error::Path { action: "write", path: path(), reason })?;
+        let place = Place { offset: self.length, length: line.len() };
+        self.length += line.len() as u64;
+        Ok(place)
     }
 }
 
@@ -100,20 +120,31 @@ pub fn as_read_back<T: Serialize + DeserializeOwned>(record: &T) -> T {
     serde_json::from_str(&line).expect("what was written can be read")
 }
 
-/// The records of a journal, and the length of its whole lines, bytes.
-pub fn read<T: DeserializeOwned>(path: &Path) -> Result<(Vec<T>, u64), Error> {
+/// Hands over the records of a journal, line by line; returns the length of its whole lines, bytes.
+///
+/// # Errors
+/// [`JournalError::NoRecord`], what `each` refuses, or the journal cannot be read.
+pub fn read<T: DeserializeOwned>(
+    path: &Path,
+    each: &mut dyn FnMut(Place, T) -> Result<(), Error>,
+) -> Result<u64, Error> {
     let error = |reason| Error::Path { action: "read", path: path.to_owned(), reason };
-    let text = std::fs::read_to_string(path).map_err(error)?;
-    let whole = text.rfind('\n').map_or(0, |end| end + 1);
-    let mut records = Vec::new();
-    for (number, line) in text[..whole].lines().enumerate() {
-        let record = serde_json::from_str(line).map_err(|reason| {
+    let mut lines = BufReader::new(File::open(path).map_err(error)?);
+    let (mut offset, mut line) = (0, Vec::new());
+    for number in 1.. {
+        line.clear();
+        let length = lines.read_until(b'\n', &mut line).map_err(error)?;
+        if !line.ends_with(b"\n") {
+            break;
+        }
+        let record = serde_json::from_slice(&line).map_err(|reason| {
             let path = path.to_owned();
-            JournalError::NoRecord { path, line: number + 1, reason }
+            JournalError::NoRecord { path, line: number, reason }
         })?;
-        records.push(record);
+        each(Place { offset, length }, record)?;
+        offset += length as u64;
     }
-    Ok((records, whole as u64))
+    Ok(offset)
 }
 
 #[cfg(test)]
@@ -126,21 +157,31 @@ mod tests {
         path
     }
 
+    /// Opens a journal of numbers, with those that are in it.
+    fn open(directory: &Path) -> Result<(Journal, Vec<u32>), Error> {
+        let mut records = Vec::new();
+        let journal = Journal::open(directory, &mut |_, record| {
+            records.push(record);
+            Ok(())
+        })?;
+        Ok((journal, records))
+    }
+
     #[test]
     fn records_survive_and_a_torn_line_does_not() {
         let directory = directory("torn");
-        let (mut journal, records) = Journal::open::<u32>(&directory).expect("new");
+        let (mut journal, records) = open(&directory).expect("new");
         assert!(records.is_empty());
-        journal.add(&1).and_then(|()| journal.add(&22)).expect("writable");
+        journal.add(&1).and_then(|_| journal.add(&22)).expect("writable");
         drop(journal);
         let path = directory.join(FILE);
         let mut text = std::fs::read_to_string(&path).expect("written");
         text.push_str("33");
         std::fs::write(&path, text).expect("ours");
-        let (mut journal, records) = Journal::open::<u32>(&directory).expect("readable");
+        let (mut journal, records) = open(&directory).expect("readable");
         assert_eq!(records, [1, 22]);
-        journal.add(&4).expect("writable");
-        assert_eq!(read::<u32>(&path).expect("readable").0, [1, 22, 4]);
+        assert_eq!(journal.add(&4).expect("writable"), Place { offset: 5, length: 2 });
+        assert_eq!(open(&directory).expect("readable").1, [1, 22, 4]);
         std::fs::remove_dir_all(&directory).expect("ours");
     }
 
@@ -148,7 +189,7 @@ mod tests {
     fn a_line_that_is_no_record_is_shown_with_its_number() {
         let directory = directory("alien");
         std::fs::write(directory.join(FILE), "1\nx\n").expect("ours");
-        let said = Journal::open::<u32>(&directory).expect_err("not a journal").to_string();
+        let said = open(&directory).expect_err("not a journal").to_string();
         assert!(said.contains("runs.jsonl:2"), "{said}");
         std::fs::remove_dir_all(&directory).expect("ours");
     }

@@ -112,7 +112,7 @@ impl<T: DeserializeOwned> Merged<T> {
             }
             results.resize_with(part.study.runs, || None);
             let journal = directory.join(journal::FILE);
-            for line in journal::read::<Line<T>>(&journal)?.0 {
+            journal::read::<Line<T>>(&journal, &mut |_, line| {
                 let Line { run, same_in_processes, result } = line;
                 let path = || journal.clone();
                 match results.get_mut(run) {
@@ -126,7 +126,8 @@ impl<T: DeserializeOwned> Merged<T> {
                 }
                 let repetition = same_in_processes.map(Repetition::of_same);
                 sample.count(run, repetition.as_ref());
-            }
+                Ok(())
+            })?;
             parts.push((part.shard, directory));
             study = Some(part.study);
         }

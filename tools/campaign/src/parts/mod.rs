@@ -185,11 +185,9 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
             let text = serde_json::to_string_pretty(&own).expect("plain data") + "\n";
             directory.write(FILE, text.as_bytes())?;
         }
-        let (journal, lines) = Journal::open::<Line<T>>(directory.path())?;
+        let mut each = |_, line| Ok(self.take(directory.path(), line)?);
+        let journal = Journal::open::<Line<T>>(directory.path(), &mut each)?;
         self.journal = Some(journal);
-        for line in lines {
-            self.take(directory.path(), line)?;
-        }
         Ok(())
     }
 
