@@ -1,8 +1,9 @@
 //! Where results go: a directory with one owner.
 //!
 //! The directory itself is locked for as long as its command runs, so that no second one mixes its files
-//! with the first one's. One that holds results is refused; `--force` clears those results, all of them,
-//! so that none of an earlier run stays beside those of the new one. Other files are left alone.
+//! with the first one's. One that holds results is refused, and stays as it is; `--force` replaces those
+//! results, all of them, so that none of an earlier run stays beside those of the new one. They are put aside
+//! until the first new result is written, and put back if there is none. Other files are left alone.
 
 use clap::Args;
 use group::{Error, Failure};
@@ -15,7 +16,7 @@ use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// What commands write into their directory; a name without a dot is a directory.
-const RESULTS: [&str; 23] = [
+const RESULTS: [&str; 24] = [
     "bench.json",
     "campaign.csv",
     "campaign.json",
@@ -26,6 +27,7 @@ const RESULTS: [&str; 23] = [
     "histograms.hlog",
     "runs.jsonl",
     "live.json",
+    "metadata.yaml",
     "part.json",
     "recording.mcap",
     "replay.csv",
@@ -40,6 +42,9 @@ const RESULTS: [&str; 23] = [
     "trace.pftrace",
     "trajectory.csv",
 ];
+
+/// Where results are until others take their place.
+const REPLACED: &str = ".replaced";
 
 /// Where the results go.
 #[derive(Clone, Debug, Default, Args)]
@@ -60,6 +65,8 @@ pub struct OutputDirectory {
     _directory: File,
     /// Directories that were made for it, the innermost first.
     made: Vec<PathBuf>,
+    /// It was taken without results in it: those that are there now are this command's.
+    is_cleared: bool,
     /// A result was written, or something else that is to be kept.
     is_used: Cell<bool>,
 }
@@ -97,17 +104,18 @@ impl OutputDirectory {
     /// If it cannot be written, belongs to a command that is running, or holds results.
     pub fn create(options: &OutputOptions, name: &str) -> Result<Self, Error> {
         let Some(path) = &options.out else { return Self::create_new(name) };
-        let output = Self::take(path)?;
+        let mut output = Self::take(path)?;
+        // Of a command that was killed before it had a result.
+        output.put_back()?;
         let found: Vec<_> = RESULTS.into_iter().filter(|name| is_ours(&path.join(name))).collect();
         match found.first() {
             None => {}
-            Some(_) if options.force => {
-                found.iter().try_for_each(|name| remove(&path.join(name)))?;
-            }
+            Some(_) if options.force => output.put_aside(&found)?,
             Some(first) => {
                 return Err(OutputError::HoldsResults { path: path.clone(), first }.into());
             }
         }
+        output.is_cleared = true;
         Ok(output)
     }
 
@@ -117,7 +125,7 @@ impl OutputDirectory {
     /// If it cannot be written or belongs to a command that is running.
     pub fn resume(path: &Path) -> Result<Self, Error> {
         let output = Self::take(path)?;
-        output.keep();
+        output.is_used.set(true);
         Ok(output)
     }
 
@@ -141,7 +149,11 @@ impl OutputDirectory {
             let suffix = if attempt == 1 { String::new() } else { format!("-{attempt}") };
             let path = runs.join(format!("{time}-{name}{suffix}"));
             match std::fs::create_dir(&path) {
-                Ok(()) => return Self::lock(path.clone(), vec![path, runs.to_owned()]),
+                Ok(()) => {
+                    let mut output = Self::lock(path.clone(), vec![path, runs.to_owned()])?;
+                    output.is_cleared = true;
+                    return Ok(output);
+                }
                 Err(e) if e.kind() == ErrorKind::AlreadyExists => {}
                 Err(e) => return Err(error(&path)(e)),
             }
@@ -154,8 +166,35 @@ impl OutputDirectory {
         match flock(&directory, FlockOperation::NonBlockingLockExclusive) {
             Err(rustix::io::Errno::WOULDBLOCK) => Err(OutputError::InUse { path }.into()),
             // A file system without locks has directories all the same.
-            _ => Ok(Self { path, _directory: directory, made, is_used: Cell::new(false) }),
+            _ => Ok(Self {
+                path,
+                _directory: directory,
+                made,
+                is_cleared: false,
+                is_used: Cell::new(false),
+            }),
         }
+    }
+
+    /// Puts earlier results aside.
+    fn put_aside(&self, names: &[&str]) -> Result<(), Error> {
+        let aside = self.path.join(REPLACED);
+        std::fs::create_dir_all(&aside).map_err(error(&aside))?;
+        names.iter().try_for_each(|name| {
+            let from = self.path.join(name);
+            std::fs::rename(&from, aside.join(name)).map_err(error(&from))
+        })
+    }
+
+    /// Puts back what was put aside.
+    fn put_back(&self) -> Result<(), Error> {
+        let aside = self.path.join(REPLACED);
+        for name in RESULTS.into_iter().filter(|name| is_ours(&aside.join(name))) {
+            let to = self.path.join(name);
+            remove(&to)?;
+            std::fs::rename(aside.join(name), &to).map_err(error(&to))?;
+        }
+        remove(&aside)
     }
 
     /// The directory.
@@ -171,9 +210,12 @@ impl OutputDirectory {
         format!("results: {}\nreport:  {}\n", self.path.display(), page.display())
     }
 
-    /// Keeps the directory also if no result is written into it.
+    /// Keeps the directory also if no result is written into it. Results that were to be replaced are gone then.
     pub fn keep(&self) {
-        self.is_used.set(true);
+        if !self.is_used.replace(true) {
+            // What cannot be removed stays aside.
+            let _ = remove(&self.path.join(REPLACED));
+        }
     }
 
     /// Writes tagged histograms as `histograms.hlog`, which the tools of the HdrHistogram family read.
@@ -280,9 +322,13 @@ impl Drop for OutputDirectory {
         if self.is_used.get() {
             return;
         }
-        for path in RESULTS.map(|name| self.path.join(name)).iter().filter(|path| is_ours(path)) {
-            // What cannot be removed stays; the command has failed anyway.
-            let _ = remove(path);
+        if self.is_cleared {
+            for path in RESULTS.map(|name| self.path.join(name)).iter().filter(|path| is_ours(path))
+            {
+                // What cannot be removed stays; the command has failed anyway.
+                let _ = remove(path);
+            }
+            let _ = self.put_back();
         }
         for directory in &self.made {
             // One that holds something else stays.
@@ -345,10 +391,17 @@ mod tests {
         assert!(refusal.to_string().contains("--force"), "{refusal}");
         std::fs::create_dir(path.join("csv")).expect("ours");
         std::fs::write(path.join("notes.txt"), "mine").expect("ours");
+        assert!(path.join("summary.json").exists(), "what was refused is left alone");
         let third = OutputDirectory::create(&options(&path, true), "x").expect("forced");
         assert!(!path.join("summary.json").exists() && !path.join("csv").exists());
         drop(third);
-        assert!(path.join("notes.txt").exists(), "the user's own files stay");
+        assert!(path.join("summary.json").exists(), "put back, since nothing took its place");
+        let fourth = OutputDirectory::create(&options(&path, true), "x").expect("forced");
+        fourth.write("sweep.json", b"{}").expect("ours");
+        drop(fourth);
+        let left = |name: &str| path.join(name).exists();
+        assert!(left("sweep.json") && !left("summary.json") && !left(REPLACED));
+        assert!(left("notes.txt"), "the user's own files stay");
         std::fs::remove_dir_all(&path).expect("ours");
     }
 
