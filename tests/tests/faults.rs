@@ -223,6 +223,16 @@ fn faults_come_into_a_run_that_goes_on() {
         (&["inject", "out", "kill"], 2),
         (&["inject", "out", "kill", "engine"], 2),
         (&["inject", "out", "drop", "health/heartbeat"], 2),
+        (&["inject", "out", "drop", "radio/frames"], 2),
+        (&["inject", "out", "clock-step", "obu", "--amount", "1"], 2),
+        (&["inject", "out", "kill", "obu"], 2),
+        (
+            &[
+                "inject", "out", "bias", "v2x/spat", "--field", "end_s", "--amount", "1", "--for",
+                "0.1",
+            ],
+            0,
+        ),
         (&["inject", "nowhere", "kill", "controller"], 2),
     ] {
         let output = corner.run(arguments);
@@ -234,7 +244,7 @@ fn faults_come_into_a_run_that_goes_on() {
     let kinds: Vec<_> = (summary["faults"].as_array().expect("a list").iter())
         .map(|fault| fault["kind"].as_str().expect("a name").to_owned())
         .collect();
-    assert_eq!(kinds, ["kill", "drop"]);
+    assert_eq!(kinds, ["kill", "drop", "bias"]);
 }
 
 #[test]

@@ -14,6 +14,12 @@ fn files(directory: &Path) -> Vec<String> {
     names
 }
 
+/// The names and the bytes of a directory's files.
+fn contents(directory: &Path) -> Vec<(String, Vec<u8>)> {
+    let of = |name: String| (name.clone(), std::fs::read(directory.join(name)).unwrap_or_default());
+    files(directory).into_iter().map(of).collect()
+}
+
 #[test]
 fn results_are_never_mixed() {
     let corner = Corner::new(PROGRAM);
@@ -36,7 +42,13 @@ fn results_are_never_mixed() {
     let output = running.wait_with_output().expect("our own child");
     assert_eq!(output.status.code(), Some(130), "{}", text(&output));
 
+    let before = contents(&out);
     refused(&lockstep, "--force");
+    refused(&["sweep", "cacc-a", "--param", "set_speed_mps=10..12/2"], "--force");
+    let output =
+        corner.run(&["run", "--service", "controller=/bin/false", "--out", "out", "--force"]);
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output));
+    assert!(contents(&out) == before, "what was refused, or did not start, left all as it was");
     for old in ["trace.pftrace", "notes.txt"] {
         std::fs::write(out.join(old), "old").expect("our own directory");
     }

@@ -4,6 +4,7 @@ use super::disturbance::Disturbance;
 use super::drive_log::DriveLog;
 use super::events::Answer;
 use super::faults::{Act, Living};
+use super::refusal::absent;
 use super::succession::Phase;
 use super::supervisor::Supervisor;
 use crate::Error;
@@ -78,6 +79,9 @@ impl Supervisor<'_> {
         if is_of_processes && lockstep {
             return refused("the run is in lockstep: faults of processes need realtime".into());
         }
+        if let Some(absent) = absent(&fault, &self.launch.scenario) {
+            return refused(absent.to_string());
+        }
         let begin_ns = if lockstep {
             self.group.timetable.step_ns * i64::try_from(log.reached()).expect("runs are finite")
         } else {
@@ -87,7 +91,8 @@ impl Supervisor<'_> {
         let number = self.faults.plan(fault.clone(), Some(begin_ns));
         let message = format!("{} at {:.3} s", fault.effect.kind(), begin_ns as f64 / 1e9);
         if !is_of_processes {
-            let concerned = concerned(&fault);
+            let takes_part = |service: &Service| self.launch.scenario.services().contains(service);
+            let concerned: Vec<_> = concerned(&fault).into_iter().filter(takes_part).collect();
             let injected = Injected { number, begin_ns, fault };
             for service in concerned {
                 self.member(service).order(&ToService::Inject(injected.clone()));

@@ -1,7 +1,7 @@
 //! What a group of processes cannot run, said before anything is started.
 
 use crate::Failure;
-use messages::Service;
+use messages::{Service, Topic};
 use radio::{Carrier, OpenError, Role};
 use runtime::Mode;
 use scenario::Scenario;
@@ -53,6 +53,14 @@ pub enum Refusal {
         /// Which of the scenario's faults.
         index: usize,
     },
+    /// A fault that could never show.
+    #[error("faults.{index}: {absent}")]
+    NothingToFault {
+        /// Which of the scenario's faults.
+        index: usize,
+        /// What there is not.
+        absent: Absent,
+    },
     /// Frames of other hosts come when they come.
     #[error(
         "radio {0}: other hosts do not follow simulated time, expected --mode realtime, or pcap:FILE, whose \
@@ -65,6 +73,42 @@ pub enum Refusal {
 }
 
 impl Failure for Refusal {}
+
+/// What a fault acts on, and the run does not have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Absent {
+    /// A service.
+    #[error("there is no {0} in this run, expected a service that takes part")]
+    Service(Service),
+    /// The receivers of a topic.
+    #[error("nothing receives {} in this run, expected a topic that is received", .0.name())]
+    Topic(Topic),
+}
+
+/// What `fault` acts on, where nothing of it takes part in the scenario.
+pub fn absent(fault: &Fault, scenario: &Scenario) -> Option<Absent> {
+    let takes_part = |service: &Service| scenario.services().contains(service);
+    match fault.effect.target() {
+        Target::Service(service) if !takes_part(&service) => Some(Absent::Service(service)),
+        Target::Topic(topic) if !topic.consumers().iter().any(takes_part) => {
+            Some(Absent::Topic(topic))
+        }
+        Target::Service(_) | Target::Topic(_) | Target::Helper(_) | Target::Machine => None,
+    }
+}
+
+/// Checks that each fault of a single run has something to act on. The faults of a campaign are drawn for
+/// scenarios of all kinds, and need not.
+///
+/// # Errors
+/// [`Refusal::NothingToFault`].
+pub fn check_targets(scenario: &Scenario) -> Result<(), Refusal> {
+    let mut absent = scenario.faults.iter().map(|fault| absent(fault, scenario)).enumerate();
+    match absent.find_map(|(index, absent)| Some((index, absent?))) {
+        Some((index, absent)) => Err(Refusal::NothingToFault { index, absent }),
+        None => Ok(()),
+    }
+}
 
 /// Checks that a group of processes can run what is asked for.
 pub fn check_processes(

@@ -80,7 +80,11 @@ fn verdict(summary: &Summary) -> (bool, String) {
     let at = format!("{:.1} s", summary.duration_s);
     match summary.outcome {
         Outcome::Completed => {
-            (true, format!("Completed: {at} driven without a collision or a red light"))
+            let helped = summary
+                .aebs
+                .interventions
+                .map_or_else(String::new, |times| format!("; {}", super::summary::braked(times)));
+            (true, format!("Completed: {at} driven without a collision or a red light{helped}"))
         }
         Outcome::Collision => (false, format!("Collision after {at}")),
         Outcome::RedLight => (false, format!("A stop line was crossed at red after {at}")),
@@ -151,6 +155,14 @@ fn figures(summary: &Summary) -> Vec<Tile> {
                 .map_or_else(String::new, |fastest| format!("fastest legal trip {fastest:.1} s")),
         ),
         tile("Acceleration", range, String::new()),
+        tile(
+            "Emergency brakings",
+            summary.aebs.interventions.map(|times| times.to_string()),
+            summary
+                .aebs
+                .warnings
+                .map_or_else(String::new, |warnings| format!("{warnings} warnings")),
+        ),
         tile("Largest jerk", number(control.max_abs_jerk_mps3, 1, "m/s³"), String::new()),
         tile("Fuel", number(control.fuel_l_per_100km, 2, "L/100 km"), String::new()),
         tile(

@@ -6,7 +6,7 @@ use controller::law::Formulation;
 use controller::laws;
 use group::{
     Ended, Error, Failure, GroupOptions, GroupOutcome, Keep, ModeName, Moment, ScenarioOptions,
-    SignalsError, drive, open,
+    SignalsError, check_targets, drive, open,
 };
 use indicatif::{ProgressBar, ProgressStyle};
 use messages::Service;
@@ -68,6 +68,7 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     for notice in scenario.storyboard.iter().flat_map(|storyboard| &storyboard.notices) {
         eprintln!("note: {notice}");
     }
+    check_targets(&scenario)?;
     let mode = arguments.mode.into();
     if arguments.in_process {
         refuse_what_needs_processes(arguments)?;

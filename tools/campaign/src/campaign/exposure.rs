@@ -110,12 +110,15 @@ pub struct Exposure {
     pub scenario: String,
     pub controller: String,
     /// Hardest braking, m/s².
-    pub max_braking_mps2: f64,
+    pub hardest_braking_mps2: f64,
     /// Least time to collision, s; null if it never came closer to anything.
     pub min_ttc_s: Option<f64>,
     /// Signals that showed yellow, or red, when the ego was near.
-    pub met_on_yellow: u64,
-    pub met_on_red: u64,
+    pub yellows_met: u64,
+    pub reds_met: u64,
+    /// Times that the ego came to a standstill, and that a vehicle began to come into the lane.
+    pub standstills: u64,
+    pub cut_ins: u64,
     /// Time in standstill, and with a vehicle on its way into the lane, s.
     pub standstill_s: f64,
     pub cut_in_s: f64,
@@ -139,15 +142,24 @@ impl Exposure {
         Self {
             scenario,
             controller,
-            max_braking_mps2: braking.fold(0.0, f64::max),
+            hardest_braking_mps2: braking.fold(0.0, f64::max),
             min_ttc_s: ttc.reduce(f64::min),
-            met_on_yellow: met(steps, PhaseState::ProtectedClearance),
-            met_on_red: met(steps, PhaseState::StopAndRemain),
+            yellows_met: met(steps, PhaseState::ProtectedClearance),
+            reds_met: met(steps, PhaseState::StopAndRemain),
+            standstills: beginnings(steps, |step| Phase::Standstill.holds(step)),
+            cut_ins: beginnings(steps, |step| step.cut_in),
             standstill_s: time_s(&|step| Phase::Standstill.holds(step)),
             cut_in_s: time_s(&|step| step.cut_in),
             critical_share: time_s(&critical) / (steps.len() as f64 * period_s).max(f64::EPSILON),
         }
     }
+}
+
+/// How often something began.
+fn beginnings(steps: &[DriveStep], holds: fn(&DriveStep) -> bool) -> u64 {
+    let now = steps.iter().map(holds);
+    let before = std::iter::once(false).chain(now.clone());
+    now.zip(before).filter(|(now, before)| *now && !before).count() as u64
 }
 
 /// How many lines were near while their signal showed `state`.
@@ -222,8 +234,10 @@ mod tests {
     #[test]
     fn a_drive_is_known_by_what_it_met() {
         let met = Exposure::of("x".into(), "y".into(), &steps());
-        assert_eq!((met.max_braking_mps2, met.min_ttc_s), (3.0, Some(5.0)));
-        assert_eq!((met.met_on_red, met.met_on_yellow, met.standstill_s), (1, 0, 0.0));
+        assert_eq!((met.hardest_braking_mps2, met.min_ttc_s), (3.0, Some(5.0)));
+        assert_eq!((met.reds_met, met.yellows_met, met.standstill_s), (1, 0, 0.0));
+        assert_eq!((met.standstills, met.cut_ins), (0, 0));
+        assert_eq!(beginnings(&steps(), |step| Phase::Braking.holds(step)), 1);
         assert!((met.critical_share - 0.4).abs() < 0.02, "{met:?}");
     }
 }

@@ -39,6 +39,7 @@ pub fn verdict(verdict: &Verdict) -> String {
         "completed",
         "safe stops",
         "collisions",
+        "emergency brakings",
         "red lights",
         "aborted",
         "min gap",
@@ -51,6 +52,7 @@ pub fn verdict(verdict: &Verdict) -> String {
             tally.completed,
             tally.safe_stops,
             tally.collisions,
+            tally.interventions,
             tally.red_lights,
             tally.aborted,
         ];
@@ -109,13 +111,15 @@ fn totals(verdict: &Verdict) -> String {
             "drives meet",
             format!(
                 "{} {}: braking {:.1} m/s², least TTC {ttc}, {} lights on red, {} on yellow, \
-                 standing {:.0} s, cut-ins {:.0} s, critical {:.0} %",
+                 {} standstills, {:.0} s, {} cut-ins, {:.0} s, critical {:.0} %",
                 met.scenario,
                 met.controller,
-                met.max_braking_mps2,
-                met.met_on_red,
-                met.met_on_yellow,
+                met.hardest_braking_mps2,
+                met.reds_met,
+                met.yellows_met,
+                met.standstills,
                 met.standstill_s,
+                met.cut_ins,
                 met.cut_in_s,
                 100.0 * met.critical_share,
             ),
@@ -193,7 +197,7 @@ fn requirements(verdict: &Verdict) -> String {
 }
 
 /// Columns of the runs.
-const COLUMNS: [&str; 20] = [
+const COLUMNS: [&str; 21] = [
     "run",
     "scenario",
     "controller",
@@ -204,6 +208,7 @@ const COLUMNS: [&str; 20] = [
     "duration_s",
     "min_gap_m",
     "min_ttc_s",
+    "interventions",
     "kills",
     "max_detection_us",
     "max_recovery_us",
@@ -236,6 +241,7 @@ pub fn csv_row(record: &Record) -> Vec<u8> {
         record.duration_s.to_string(),
         table::field(record.min_gap_m),
         table::field(record.min_ttc_s),
+        record.interventions.to_string(),
         record.kills.to_string(),
         most(&record.detection_us),
         most(&record.recovery_us),

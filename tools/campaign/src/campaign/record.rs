@@ -56,6 +56,9 @@ pub struct Record {
     pub detection_us: Vec<f64>,
     /// From a process fault until the first fresh message of the next process, µs.
     pub recovery_us: Vec<f64>,
+    /// Times that the emergency brake braked.
+    #[serde(default)]
+    pub interventions: u64,
     /// Process faults of a run that reached its end without a recovery.
     pub unrecovered: u64,
     /// Time of each service on each level of the ladder, s.
@@ -119,6 +122,7 @@ impl Record {
             recording_lost: false,
             detection_us: Vec::new(),
             recovery_us: Vec::new(),
+            interventions: 0,
             unrecovered: 0,
             rungs_s: BTreeMap::new(),
             degraded: Vec::new(),
@@ -173,6 +177,7 @@ impl Record {
             }),
             detection_us: faults.iter().filter_map(|fault| fault.detected_after_us).collect(),
             recovery_us: faults.iter().filter_map(|fault| fault.recovered_after_us).collect(),
+            interventions: summary.aebs.interventions.unwrap_or(0),
             unrecovered: match summary.outcome {
                 Outcome::Completed => unrecovered.count() as u64,
                 // No service is restarted after the end or in the safe state.
@@ -190,7 +195,8 @@ impl Record {
                     .collect(),
                 _ => Vec::new(),
             },
-            command_overdue_ms: summary.rungs.get("plant").map(|rungs| overdue_ms(&rungs.changes)),
+            command_overdue_ms: (summary.rungs.get("plant"))
+                .map(|rungs| overdue_ms(&rungs.changes, summary.duration_s)),
             messages_lost: summary.messages.values().filter_map(|topic| topic.lost).sum(),
             disturbed: faults.iter().filter_map(|fault| fault.messages).sum(),
             corrupted,
@@ -216,20 +222,21 @@ fn double_kills<'a>(killed: impl Iterator<Item = &'a FaultRecord>) -> u64 {
     pairs.count() as u64
 }
 
-/// Longest time off the first level, from its leaving until its next entering, ms.
-fn overdue_ms(changes: &[LevelChange]) -> f64 {
-    let mut left_s = None;
+/// Longest time without the command that was due, ms, of a plant whose levels changed so in `duration_s`: it follows
+/// the last plan or stops in lane. Where none came any more it lasts to the end.
+fn overdue_ms(changes: &[LevelChange], duration_s: f64) -> f64 {
+    let is_without = |level| matches!(level, Level::PlanFollowed | Level::StopInLane);
+    let mut since_s = None;
     let mut longest_s: f64 = 0.0;
     for change in changes {
-        if change.from == Level::Full {
-            left_s = Some(change.t_s);
-        } else if change.to == Level::Full
-            && let Some(left_s) = left_s.take()
-        {
-            longest_s = longest_s.max(change.t_s - left_s);
+        if is_without(change.to) {
+            since_s.get_or_insert(change.t_s);
+        } else if let Some(since_s) = since_s.take() {
+            longest_s = longest_s.max(change.t_s - since_s);
         }
     }
-    longest_s * 1e3
+    let at_the_end_s = since_s.map_or(0.0, |since_s| duration_s - since_s);
+    longest_s.max(at_the_end_s) * 1e3
 }
 
 #[cfg(test)]
@@ -237,9 +244,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_longest_time_off_the_first_rung_counts_from_end_to_end() {
+    fn the_longest_time_without_a_command_counts_from_end_to_end() {
         let change = |t_s, from, to| LevelChange { t_s, from, to };
         let changes = [
+            change(0.5, Level::Full, Level::Emergency),
+            change(0.9, Level::Emergency, Level::Full),
             change(1.0, Level::Full, Level::PlanFollowed),
             change(1.25, Level::PlanFollowed, Level::Full),
             change(2.0, Level::Full, Level::PlanFollowed),
@@ -247,7 +256,8 @@ mod tests {
             change(2.5, Level::StopInLane, Level::Full),
             change(9.0, Level::Full, Level::PlanFollowed),
         ];
-        assert_eq!(overdue_ms(&changes), 500.0);
-        assert_eq!(overdue_ms(&[]), 0.0);
+        assert_eq!(overdue_ms(&changes, 9.25), 500.0, "the emergency brake's time is not counted");
+        assert_eq!(overdue_ms(&changes, 30.0), 21_000.0, "to the end, where none came any more");
+        assert_eq!(overdue_ms(&[], 30.0), 0.0);
     }
 }

@@ -26,6 +26,8 @@ pub struct Tally {
     /// Runs that ended with their launcher.
     pub launcher_kills: u64,
     pub recordings_lost: u64,
+    /// Times that the emergency brake braked.
+    pub interventions: u64,
     pub unrecovered: u64,
     /// Services that ended a completed run below the first level.
     pub degraded: u64,
@@ -35,6 +37,7 @@ pub struct Tally {
     pub corrupted: u64,
     pub undetected_corruptions: u64,
     /// Faults that acted, those that acted in a critical phase, and how many in each phase.
+    #[serde(rename = "faults")]
     pub faults_struck: u64,
     pub critical_faults: u64,
     pub phases: BTreeMap<String, u64>,
@@ -85,6 +88,7 @@ impl Sum {
         tally.starting_kills += record.starting_kills;
         tally.helper_kills += record.helper_kills;
         tally.recordings_lost += u64::from(record.recording_lost);
+        tally.interventions += record.interventions;
         tally.unrecovered += record.unrecovered;
         tally.degraded += record.degraded.len() as u64;
         tally.leaks += record.leaks.len() as u64;
@@ -165,7 +169,7 @@ enum Kind {
 }
 
 /// All figures.
-pub const FIGURES: [Figure; 31] = [
+pub const FIGURES: [Figure; 32] = [
     count("collisions", |t| t.collisions),
     count("avoidable_collisions", |t| t.avoidable_collisions),
     count("red_lights", |t| t.red_lights),
@@ -177,6 +181,7 @@ pub const FIGURES: [Figure; 31] = [
     count("helper_kills", |t| t.helper_kills),
     count("launcher_kills", |t| t.launcher_kills),
     count("recordings_lost", |t| t.recordings_lost),
+    count("interventions", |t| t.interventions),
     count("unrecovered", |t| t.unrecovered),
     count("degraded", |t| t.degraded),
     count("leaks", |t| t.leaks),

@@ -17,8 +17,9 @@ pub struct Verdict {
     pub ok: bool,
     pub campaign: String,
     pub mode: Mode,
-    /// Runs that were to be done.
+    /// Runs that were to be done, and those of them of which nothing is known.
     pub planned: usize,
+    pub unaccounted: usize,
     /// Combinations of a variation that break a constraint of its scenario, and are no runs.
     pub left_out: usize,
     /// What the drives of each scenario and controller meet without faults; empty without faults.
@@ -34,6 +35,7 @@ pub struct Verdict {
     /// The same runs by scenario, by controller, and by fault alone.
     pub scenarios: Vec<Part>,
     pub controllers: Vec<Part>,
+    #[serde(rename = "by_fault")]
     pub faults: Vec<Part>,
     /// The runs to blame for a requirement that does not hold.
     pub failures: Vec<Failure>,
@@ -163,6 +165,7 @@ impl Verdict {
             campaign: campaign.name.as_str().into(),
             mode: campaign.mode,
             planned,
+            unaccounted: planned.saturating_sub(usize::try_from(all.runs).unwrap_or(usize::MAX)),
             left_out: plan.left_out(),
             exposure,
             met_nothing,
@@ -272,6 +275,11 @@ mod tests {
         for key in ["ok", "runs", "kills", "collisions", "red_lights", "leaks", "detection_us"] {
             assert!(json.get(key).is_some(), "{key} is promised");
         }
+        for key in
+            ["faults", "critical_faults", "interventions", "unaccounted", "avoidable_collisions"]
+        {
+            assert_eq!(json[key], 0, "{key} is promised as a number");
+        }
     }
 
     #[test]
@@ -328,6 +336,6 @@ mod tests {
         let records = [record(&plan.get(0), Outcome::Completed, 1.0, &[])];
         let verdict = of_records(&campaign, &plan, &records);
         assert!(!verdict.ok && verdict.failures.is_empty());
-        assert_eq!((verdict.all.runs, verdict.planned), (1, 4));
+        assert_eq!((verdict.all.runs, verdict.planned, verdict.unaccounted), (1, 4, 3));
     }
 }

@@ -16,11 +16,12 @@ pub struct Column {
 }
 
 /// All columns after controller and outcome, in their order.
-static ALL: [Column; 16] = [
+static ALL: [Column; 17] = [
     first("min gap, m", |row| figure(row.control.figures.min_gap_m.map(|gap| gap.max(0.0)), 1)),
     first("min time gap, s", |row| figure(row.control.following.min_time_gap_s, 2)),
     first("median time gap, s", |row| figure(row.control.following.median_time_gap_s, 2)),
     first("min TTC, s", |row| figure(row.control.figures.min_ttc_s, 1)),
+    first("emergency brakings", |row| row.aebs.interventions.map(|times| times.to_string())),
     more("trip over the fastest legal, s", |row| {
         let trip = &row.control.trip;
         let (time_s, fastest_s) = trip.trip_time_s.zip(trip.fastest_legal_trip_s)?;

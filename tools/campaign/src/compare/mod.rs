@@ -11,7 +11,7 @@ use group::{GroupOptions, ModeName, ScenarioOptions};
 use report::RunPicture;
 use report::output::{OutputDirectory, OutputOptions};
 use report::print;
-use report::summary::{Control, Timing};
+use report::summary::{Aebs, Control, Timing};
 use report::table::{Align, TextTable};
 
 use runtime::report::Outcome;
@@ -35,6 +35,7 @@ struct Row {
     outcome: Outcome,
     control: Control,
     timing: Timing,
+    aebs: Aebs,
     #[serde(skip)]
     picture: RunPicture,
 }
@@ -128,6 +129,7 @@ fn drive(arguments: &CompareArguments) -> Result<ExitCode, Error> {
             outcome: summary.outcome,
             control: summary.control,
             timing: summary.timing,
+            aebs: summary.aebs,
             picture: RunPicture::default(),
         };
         part.keep(left[index], row, done.repetition.as_ref())
@@ -219,6 +221,7 @@ mod tests {
             outcome: Outcome::Completed,
             control: Control { figures, following, trip: Trip::default(), mode_changes: None },
             timing: Timing::default(),
+            aebs: Aebs { interventions: Some(2), ..Aebs::default() },
             picture: RunPicture::default(),
         }
     }

@@ -4,12 +4,15 @@ use super::{Row, columns};
 use report::html::{Cell, Column, document, section, table};
 use report::overlay;
 use report::print;
+use report::summary::braked;
 use runtime::report::Outcome;
 
 /// The page.
 pub fn page(rows: &[Row]) -> String {
     let completed = rows.iter().filter(|row| row.outcome == Outcome::Completed).count();
-    let verdict = format!("{completed} of {} runs without a collision or a red light", rows.len());
+    let braked = braked(rows.iter().filter_map(|row| row.aebs.interventions).sum());
+    let verdict =
+        format!("{completed} of {} runs without a collision or a red light; {braked}", rows.len());
     let scenarios: String = rows.chunk_by(|a, b| a.scenario == b.scenario).map(scenario).collect();
     let about = rows.first().map_or("", |row| row.mode.as_str());
     document("Comparison of controllers", about, completed == rows.len(), &verdict, &scenarios)

@@ -29,12 +29,14 @@ pub struct Figure {
     pub of: fn(&Summary) -> Option<f64>,
 }
 
+/// Name of how often the emergency brake had to help.
+pub const INTERVENTIONS: &str = "interventions";
 const GAP_ERROR: &str = "gap error, m";
 const TIME_GAP: &str = "time gap, s";
 const JERK: &str = "jerk, m/s³";
 
 /// All figures, in the order of the columns. None of them depends on the wall clock in lockstep.
-pub const ALL: [Figure; 15] = [
+pub const ALL: [Figure; 16] = [
     figure("rms_gap_error_m", "gap error rms, m", GAP_ERROR, "rms", Fold::Mean, |summary| {
         summary.control.figures.rms_gap_error_m
     }),
@@ -82,6 +84,14 @@ pub const ALL: [Figure; 15] = [
         "energy",
         Fold::Mean,
         |s| s.control.figures.wheel_energy_kwh_per_100km,
+    ),
+    figure(
+        INTERVENTIONS,
+        "emergency brakings",
+        "emergency brakings",
+        "brakings",
+        Fold::Most,
+        |s| s.aebs.interventions.map(|times| times as f64),
     ),
     figure("stops", "stops", "stops", "stops", Fold::Mean, |summary| {
         summary.control.figures.stops.map(|stops| stops as f64)

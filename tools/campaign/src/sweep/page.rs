@@ -5,6 +5,7 @@ use super::results::{Point, Sweep};
 use super::words;
 use report::chart::{Axis, Curve, Plot, Tone};
 use report::html::{Cell, Column, document, figure, section, table};
+use report::summary::braked;
 use runtime::report::Outcome;
 
 /// Most curves that a picture tells apart.
@@ -13,8 +14,11 @@ const MAX_CURVES: usize = 8;
 /// The page.
 pub fn page(sweep: &Sweep) -> String {
     let whole = sweep.runs.iter().filter(|run| run.outcome == Outcome::Completed).count();
-    let verdict =
-        format!("{whole} of {} runs without a collision or a red light", sweep.runs.len());
+    let helped = braked(sweep.interventions());
+    let verdict = format!(
+        "{whole} of {} runs without a collision or a red light; {helped}",
+        sweep.runs.len()
+    );
     let plots = plots(sweep);
     let curves: String = plots.iter().map(|plot| figure(plot)).collect();
     let curves = if curves.is_empty() {

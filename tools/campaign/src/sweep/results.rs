@@ -91,6 +91,13 @@ impl Run {
 }
 
 impl Sweep {
+    /// How often the emergency brake had to help, in all runs.
+    pub fn interventions(&self) -> u64 {
+        let place = ALL.iter().position(|figure| figure.name == figure::INTERVENTIONS);
+        let place = place.expect("it is one of the figures");
+        self.runs.iter().filter_map(|run| run.figures.0[place]).map(|times| times as u64).sum()
+    }
+
     /// Puts the runs, in the grid's order, together.
     pub fn new(
         scenario: &str,

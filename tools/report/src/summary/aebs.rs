@@ -3,10 +3,10 @@
 use runtime::report::{Details, Hops, PlantReport, ServiceReport};
 use runtime::statistics::Percentiles;
 use scenario::Scenario;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The emergency brake in a run.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Aebs {
     /// Whether the scenario has one.
     pub enabled: bool,
@@ -28,6 +28,16 @@ pub struct Aebs {
     pub deadline_misses: Option<u64>,
     /// Time for objects and decision, µs.
     pub decide_us: Option<Percentiles>,
+}
+
+/// How often the emergency brake had to help, in words.
+#[must_use]
+pub fn braked(interventions: u64) -> String {
+    match interventions {
+        0 => "the emergency brake never braked".into(),
+        1 => "the emergency brake braked once".into(),
+        times => format!("the emergency brake braked {times} times"),
+    }
 }
 
 impl Aebs {

@@ -4,7 +4,7 @@ mod aebs;
 mod host;
 mod radio;
 
-pub use aebs::Aebs;
+pub use aebs::{Aebs, braked};
 pub use host::Host;
 
 use crate::following::Following;
