@@ -210,6 +210,27 @@ fn a_controller_whose_clock_is_behind_stops_at_a_red_light() {
 }
 
 #[test]
+fn what_a_fault_did_outlives_the_process_in_which_it_did_it() {
+    let corner = corner(
+        3.0,
+        "[[faults]]\nkind = \"corrupt\"\ntopic = \"control/command\"\nat_s = 0.5\nfor_s = 0.5\n\
+         [[faults]]\nkind = \"stale\"\ntopic = \"vehicle/odometry\"\namount = 0.05\nat_s = 0.5\nfor_s = 0.2\n\
+         [[faults]]\nkind = \"kill\"\nservice = \"plant\"\nat_s = 1.5\n",
+    );
+    let output = corner.run(&["run", "faulty.toml", "--mode", "realtime", "--no-record", "--json"]);
+    let summary: Value = serde_json::from_slice(&output.stdout).expect("a summary");
+    assert_eq!(restarts(&summary)[0], 1, "{summary}");
+    let faults = summary["faults"].as_array().expect("a list");
+    let of = |kind: &str| faults.iter().find(|fault| fault["kind"] == kind).expect("it struck");
+    for kind in ["corrupt", "stale"] {
+        let fault = of(kind);
+        assert!(fault["messages"].as_u64() >= Some(3), "{fault}");
+        let begun_s = fault["t_s"].as_f64().expect("a time");
+        assert!((0.4..1.1).contains(&begun_s), "{fault}");
+    }
+}
+
+#[test]
 fn faults_come_into_a_run_that_goes_on() {
     let corner = corner(4.0, "");
     let arguments =

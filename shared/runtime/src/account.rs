@@ -4,6 +4,7 @@
 //! The service writes the page at the end of each cycle (some hundred stores, no system call), the
 //! launcher reads it when the process is gone without a report.
 
+use super::faults::{FaultStatistics, Faults};
 use super::port::Tally;
 use super::words::SharedWords;
 use super::{Group, RuntimeError};
@@ -25,7 +26,12 @@ const STRIDE: usize = 16;
 const SENDS: u32 = 1;
 const RECEIVES: u32 = 2;
 
-const _: () = assert!(HEAD + TOPICS.len() * STRIDE <= super::words::WORDS);
+/// First word of the faults, words of each, and how many there is room for.
+const FAULTS: usize = HEAD + TOPICS.len() * STRIDE;
+const FAULT_STRIDE: usize = 5;
+const MOST_FAULTS: usize = (super::words::WORDS - FAULTS) / FAULT_STRIDE;
+
+const _: () = assert!(MOST_FAULTS >= 2 * scenario::faults::MAX_FAULTS);
 
 /// A port's counts, shared with the port.
 pub(super) type Counted = (Topic, Rc<RefCell<Tally>>);
@@ -45,6 +51,8 @@ pub struct LastAccount {
     pub sent: Vec<SentTopic>,
     /// Topics received.
     pub received: Vec<ReceivedTopic>,
+    /// What faults of messages did in its ports.
+    pub faults: Vec<FaultStatistics>,
 }
 
 fn name(prefix: &str, service: Service, incarnation: u32) -> String {
@@ -99,6 +107,24 @@ impl Account {
         }
     }
 
+    /// Writes what faults of messages did so far.
+    pub(super) fn write_faults(&self, faults: &Faults) {
+        let mut place = FAULTS;
+        faults.each_statistics(|one| {
+            if place + FAULT_STRIDE > FAULTS + MOST_FAULTS * FAULT_STRIDE {
+                return;
+            }
+            let begun_ns = one.begun_ns.unsigned_abs();
+            self.put(place + 1, begun_ns & u64::from(u32::MAX));
+            self.put(place + 2, begun_ns >> 32);
+            self.put(place + 3, one.messages);
+            self.put(place + 4, one.undetected);
+            // 0 is that of no fault.
+            self.put(place, u64::from(one.fault) + 1);
+            place += FAULT_STRIDE;
+        });
+    }
+
     fn put(&self, index: usize, count: u64) {
         self.0.word(index).store(count as u32, Ordering::Relaxed);
     }
@@ -132,7 +158,16 @@ impl Account {
                 },
             }
         };
+        let fault = |place: usize| {
+            Some(FaultStatistics {
+                fault: u32::try_from(count(place).checked_sub(1)?).ok()?,
+                begun_ns: i64::try_from(count(place + 1) | (count(place + 2) << 32)).ok()?,
+                messages: count(place + 3),
+                undetected: count(place + 4),
+            })
+        };
         LastAccount {
+            faults: (0..MOST_FAULTS).map_while(|i| fault(FAULTS + i * FAULT_STRIDE)).collect(),
             cycles: count(0),
             skipped: count(1),
             sent: with(SENDS).map(sent).collect(),
@@ -215,7 +250,7 @@ mod tests {
         account.write(5, 1, &[(Topic::Odometry, tally())], &[(Topic::Command, tally())]);
         drop(account);
         let last = take_account(&group, Service::Plant, 2).expect("it is there");
-        assert_eq!((last.cycles, last.skipped), (5, 1));
+        assert_eq!((last.cycles, last.skipped, last.faults), (5, 1, Vec::new()));
         assert_eq!((last.sent.len(), last.sent[0].sent), (1, 7));
         assert_eq!((last.received[0].received, last.received[0].e2e.unknown_sender), (7, 3));
         assert_eq!(take_account(&group, Service::Plant, 2), None);

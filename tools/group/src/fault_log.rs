@@ -185,9 +185,12 @@ impl FaultLog {
     pub fn count_messages(&mut self, counts: impl Iterator<Item = runtime::FaultStatistics>) {
         for count in counts {
             for record in self.records.iter_mut().filter(|record| record.number == count.fault) {
+                let begun_s = count.begun_ns as f64 / 1e9;
+                // A process that came later began to count later.
+                let is_first = record.messages.is_none_or(|messages| messages == 0);
+                record.t_s = if is_first { begun_s } else { record.t_s.min(begun_s) };
                 record.messages = Some(record.messages.unwrap_or(0) + count.messages);
                 record.undetected += count.undetected;
-                record.t_s = count.begun_ns as f64 / 1e9;
             }
         }
         // What never began is no event of the run.

@@ -37,7 +37,7 @@ pub fn left_by(
         allocations_in_loop: None,
         peak_rss_kib: None,
         scheduling,
-        fault_statistics: Vec::new(),
+        fault_statistics: account.faults,
         details: Details::None,
     }
 }

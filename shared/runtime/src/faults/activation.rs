@@ -258,15 +258,19 @@ impl Faults {
 
     /// What they did.
     pub(crate) fn statistics(&self) -> Vec<FaultStatistics> {
-        let entries = self.entries.borrow();
-        let begun = entries.iter().filter(|entry| entry.messages > 0);
-        begun
-            .filter_map(|entry| {
-                let Entry { number: fault, messages, undetected, .. } = *entry;
-                let begun_ns = entry.begun_ns?;
-                Some(FaultStatistics { fault, begun_ns, messages, undetected })
-            })
-            .collect()
+        let mut all = Vec::new();
+        self.each_statistics(|one| all.push(one));
+        all
+    }
+
+    /// The same one by one.
+    pub(crate) fn each_statistics(&self, mut take: impl FnMut(FaultStatistics)) {
+        for entry in self.entries.borrow().iter().filter(|entry| entry.messages > 0) {
+            let Entry { number: fault, messages, undetected, .. } = *entry;
+            if let Some(begun_ns) = entry.begun_ns {
+                take(FaultStatistics { fault, begun_ns, messages, undetected });
+            }
+        }
     }
 }
 

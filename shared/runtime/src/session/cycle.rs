@@ -116,6 +116,7 @@ impl Runtime {
             if !self.gate.is_standby() {
                 let (cycles, skipped) = self.counted();
                 account.write(cycles, skipped, &self.sent, &self.received);
+                account.write_faults(&self.faults);
             }
         }
         Ok(())
