@@ -42,8 +42,12 @@ pub(crate) fn open(
             reason: words(&reason),
         })?,
     };
-    let session = open_session(config)?;
     let fail = |reason: zenoh::Error| OpenError::ZenohSession { reason: words(&reason) };
+    // Built with shared memory for another part of a program, zenoh would make segments for each session, which
+    // a killed process leaves behind; a frame is too short to be sent by them.
+    let mut config = config;
+    config.insert_json5("transport/shared_memory/enabled", "false").map_err(fail)?;
+    let session = open_session(config)?;
     let publisher = |key: &'static str| {
         (session.declare_publisher(key))
             .congestion_control(CongestionControl::Drop)

@@ -119,6 +119,9 @@ fn two_peers_without_a_router() {
     };
     assert!(clock.offset_us.abs() <= clock.uncertainty_us, "{clock:?}");
     assert_eq!(vehicle.report().stations[0].lost, 0);
+    // What a process that is killed here would leave behind.
+    let maps = std::fs::read_to_string("/proc/self/maps").expect("our own");
+    assert!(!maps.contains(".zenoh"), "no segment of shared memory: {maps}");
 }
 
 #[test]

@@ -1,10 +1,11 @@
-//! How old the signals are at the controller by each way that they can take, and what an on-board unit costs of
-//! which 20 hear one roadside unit.
+//! How old the signals are at the controller by each way that they can take, what that age is made of, how long
+//! a signal's change takes to the actuators, and what an on-board unit costs of which 20 hear one roadside unit.
 //!
 //! `cargo bench -p timegap --bench radio`, with `--features zenoh` for zenoh's rows. Both ends run on this
 //! host. The cycles of the roadside unit, of the vehicle's radio and of its controller are 100 ms each; how they
 //! are to each other is chance in each session, so that there are several, which alternate.
 
+mod age;
 #[path = "../../../shared/radio/benches/peer/mod.rs"]
 mod peer;
 
@@ -29,8 +30,17 @@ const SESSIONS: usize = 5;
 const SESSION_S: &str = "12";
 const VEHICLES: usize = 20;
 const VEHICLES_S: &str = "20";
-/// An intersection is ahead from the start to the end.
-const SCENE: [&str; 2] = ["--set", "v2x.range_m=2000"];
+/// An intersection is ahead from the start to the end, and its signal changes every one or two seconds.
+const SCENE: [&str; 8] = [
+    "--set",
+    "v2x.range_m=2000",
+    "--set",
+    "v2x.signals.0.program.0.duration_s=2",
+    "--set",
+    "v2x.signals.0.program.1.duration_s=1",
+    "--set",
+    "v2x.signals.0.program.2.duration_s=2",
+];
 const GROUP: &str = "udp://239.255.31.13:5525?interface=lo";
 
 /// A way from the roadside unit to the controller.
@@ -42,6 +52,8 @@ struct Way {
     /// The address of zenoh's router, if one is needed.
     router: Option<String>,
     sessions: Vec<Value>,
+    /// What the age of each session's signals is made of, ms.
+    parts: Vec<Vec<[f64; 5]>>,
 }
 
 fn main() {
@@ -57,8 +69,9 @@ fn main() {
     for session in 0..SESSIONS {
         for way in &mut ways {
             eprintln!("session {} of {SESSIONS}: {}", session + 1, way.name);
-            let summary = drive(way, &directory);
+            let (summary, parts) = drive(way, &directory);
             way.sessions.push(summary);
+            way.parts.push(parts);
         }
     }
     println!("{SESSIONS} sessions of {SESSION_S} s each, load {}", load());
@@ -69,6 +82,8 @@ fn main() {
     for way in &ways {
         row(way);
     }
+    where_the_age_comes_from(&ways);
+    way_of_a_change(&ways);
     many_vehicles();
     // It was made above.
     let _ = std::fs::remove_dir_all(&directory);
@@ -81,6 +96,7 @@ fn ways(directory: &Path) -> Vec<Way> {
         unit: unit.map(str::to_owned),
         router,
         sessions: Vec::new(),
+        parts: Vec::new(),
     };
     let mut ways = vec![
         way("structs (`direct`)", "direct", None, None),
@@ -119,17 +135,17 @@ fn configuration(directory: &Path, name: &str, [mode, place, end, owner]: [&str;
     format!("zenoh:{}", path.display())
 }
 
-/// One drive by `way`; its summary.
-fn drive(way: &Way, directory: &Path) -> Value {
+/// One drive by `way`: its summary, and what the age of its signals is made of.
+fn drive(way: &Way, directory: &Path) -> (Value, Vec<[f64; 5]>) {
     let _router = way.router.as_deref().map(|address| Peer::start(&["router", address]));
     let results = directory.join("run");
     let mut vehicle = Command::new(PROGRAM);
-    vehicle.args(["run", "corridor", "--duration", SESSION_S, "--no-record", "--json"]);
+    vehicle.args(["run", "corridor", "--duration", SESSION_S, "--json"]);
     vehicle.args(SCENE).args(["--radio", &way.vehicle, "--out"]).arg(&results);
     let vehicle = vehicle.stdout(Stdio::piped()).spawn().expect("the command starts");
     let unit = way.unit.as_deref().map(|address| {
         let mut unit = Command::new(PROGRAM);
-        unit.args(["rsu", "corridor", "--radio", address, "--duration", "60"]);
+        unit.args(["rsu", "corridor", "--radio", address, "--duration", "60"]).args(SCENE);
         unit.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the command starts")
     });
     let output = vehicle.wait_with_output().expect("it ends");
@@ -138,8 +154,55 @@ fn drive(way: &Way, directory: &Path) -> Value {
         let _ = unit.kill();
         let _ = unit.wait();
     }
+    let parts = age::parts_ms(&results.join(recorder::FILE));
     let _ = std::fs::remove_dir_all(&results);
-    serde_json::from_slice(&output.stdout).expect("a summary")
+    (serde_json::from_slice(&output.stdout).expect("a summary"), parts)
+}
+
+/// The parts of the age of frames of another process: medians of each session.
+fn where_the_age_comes_from(ways: &[Way]) {
+    println!("\n| way | session | {} | age ms |", age::PARTS.join(" ms | "));
+    println!("| --- | --- {}|", "| --- ".repeat(age::PARTS.len() + 1));
+    for way in ways.iter().filter(|way| way.unit.is_some()) {
+        for (parts, session) in way.parts.iter().zip(1..) {
+            if parts.is_empty() {
+                continue;
+            }
+            let columns = (0..age::PARTS.len()).map(|part| median(parts.iter().map(|p| p[part])));
+            let age = median(parts.iter().map(|p| p.iter().sum()));
+            let columns: Vec<_> = columns.chain([age]).map(|ms| format!("{ms:.1}")).collect();
+            println!("| {} | {session} | {} |", way.name, columns.join(" | "));
+        }
+    }
+}
+
+/// From a signal's change to the first actuation that knows of it, and its parts: medians over the sessions of
+/// p50, ms.
+fn way_of_a_change(ways: &[Way]) {
+    println!("\n| way | changes | change to actuation | announce | receive | control | actuate |");
+    println!("| --- | --- | --- | --- | --- | --- | --- |");
+    for way in ways {
+        let figure = |pointer: &str| {
+            let figures = way.sessions.iter().filter_map(|s| s.pointer(pointer)?.as_f64());
+            figures.collect::<Vec<f64>>()
+        };
+        let changes: f64 = figure("/timing/signal_reaction_us/count").iter().sum();
+        if changes == 0.0 {
+            continue;
+        }
+        let hops = ["announce", "receive", "control", "actuate"];
+        let hops = hops.map(|hop| format!("/timing/signal_hops_us/{hop}/p50"));
+        let columns = ["/timing/signal_reaction_us/p50".to_owned()].into_iter().chain(hops);
+        let columns: Vec<_> =
+            columns.map(|at| format!("{:.1}", median(figure(&at).into_iter()) / 1e3)).collect();
+        println!("| {} | {changes} | {} |", way.name, columns.join(" | "));
+    }
+}
+
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
 }
 
 /// Medians over the sessions of p50, the largest p99.
