@@ -1,6 +1,8 @@
 //! CAM.
 
-use super::{PROTOCOL_VERSION, bits, flags, from_uper, to_uper};
+use super::spatem::header;
+use super::uper::Writer;
+use super::{flags, from_uper};
 use crate::cam::{Cam, LowFrequency, Motion};
 use crate::geodesy::Position;
 use crate::{DecodeError, EncodeError, MessageKind};
@@ -16,6 +18,13 @@ const NO_HEADING_CONFIDENCE: u8 = 127;
 const NO_SPEED_CONFIDENCE: u8 = 127;
 const NO_ACCELERATION_CONFIDENCE: u8 = 102;
 const NO_CURVATURE: i16 = 1023;
+const NO_ALTITUDE_CONFIDENCE: u8 = 15;
+const NO_TRAILER_KNOWN: u8 = 4;
+const NO_CURVATURE_CONFIDENCE: u8 = 7;
+const NO_CURVATURE_CALCULATION: u8 = 2;
+const NO_YAW_RATE_CONFIDENCE: u8 = 8;
+/// `DriveDirection`.
+const FORWARD: u8 = 0;
 
 /// Roles in the order of their numbers.
 const ROLES: [R; 16] = [
@@ -38,38 +47,59 @@ const ROLES: [R; 16] = [
 ];
 
 pub(crate) fn encode(message: &Cam) -> Result<Vec<u8>, EncodeError> {
+    let mut to = header(MessageKind::Cam, message.station_id)?;
+    to.number("generation time", message.generation_delta, 0..=65_535)?;
+    // CamParameters: lowFrequencyContainer, specialVehicleContainer.
+    to.not_extended();
+    to.present([message.low_frequency.is_some(), false]);
+    basic(&mut to, message)?;
+    // HighFrequencyContainer: that of a vehicle.
+    to.not_extended();
+    to.number("kind of station", 0, 0..=1)?;
+    high_frequency(&mut to, &message.motion)?;
+    if let Some(slow) = message.low_frequency {
+        // LowFrequencyContainer: that of a vehicle, the only one.
+        to.not_extended();
+        to.number("vehicle role", slow.role, 0..=15)?;
+        to.flags(slow.lights.into(), 8);
+        to.number("points of the path", 0, 0..=40)?;
+    }
+    Ok(to.finish())
+}
+
+fn basic(to: &mut Writer, message: &Cam) -> Result<(), EncodeError> {
     let Position { latitude, longitude } = message.position;
-    let basic = pdu::BasicContainer::new(
-        its::StationType(message.station_type),
-        its::ReferencePosition::new(
-            its::Latitude(latitude),
-            its::Longitude(longitude),
-            its::PosConfidenceEllipse::new(
-                its::SemiAxisLength(NO_AXIS),
-                its::SemiAxisLength(NO_AXIS),
-                its::HeadingValue(NO_ORIENTATION),
-            ),
-            its::Altitude::new(
-                its::AltitudeValue(NO_ALTITUDE),
-                its::AltitudeConfidence::unavailable,
-            ),
-        ),
-    );
-    let fast = pdu::HighFrequencyContainer::basicVehicleContainerHighFrequency(high_frequency(
-        &message.motion,
-    ));
-    let slow = message.low_frequency.map(low_frequency).transpose()?;
-    to_uper(&pdu::CAM::new(
-        its::ItsPduHeader::new(
-            PROTOCOL_VERSION,
-            MessageKind::Cam.message_id(),
-            its::StationID(message.station_id),
-        ),
-        pdu::CoopAwareness::new(
-            pdu::GenerationDeltaTime(message.generation_delta),
-            pdu::CamParameters::new(basic, fast, slow, None),
-        ),
-    ))
+    to.not_extended();
+    to.number("station type", message.station_type, 0..=255)?;
+    to.number("latitude", latitude, -900_000_000..=900_000_001)?;
+    to.number("longitude", longitude, -1_800_000_000..=1_800_000_001)?;
+    to.number("axis", NO_AXIS, 0..=4095)?;
+    to.number("axis", NO_AXIS, 0..=4095)?;
+    to.number("orientation", NO_ORIENTATION, 0..=3601)?;
+    to.number("altitude", NO_ALTITUDE, -100_000..=800_001)?;
+    to.number("altitude's confidence", NO_ALTITUDE_CONFIDENCE, 0..=15)
+}
+
+fn high_frequency(to: &mut Writer, motion: &Motion) -> Result<(), EncodeError> {
+    // accelerationControl, lanePosition, steeringWheelAngle, lateralAcceleration, verticalAcceleration,
+    // performanceClass, cenDsrcTollingZone.
+    to.present([false; 7]);
+    to.number("heading", motion.heading, 0..=3601)?;
+    to.number("heading's confidence", NO_HEADING_CONFIDENCE, 1..=127)?;
+    to.number("speed", motion.speed, 0..=16_383)?;
+    to.number("speed's confidence", NO_SPEED_CONFIDENCE, 1..=127)?;
+    to.number("drive direction", FORWARD, 0..=2)?;
+    to.number("length", motion.length, 1..=1023)?;
+    to.number("trailer", NO_TRAILER_KNOWN, 0..=4)?;
+    to.number("width", motion.width, 1..=62)?;
+    to.number("acceleration", motion.acceleration, -160..=161)?;
+    to.number("acceleration's confidence", NO_ACCELERATION_CONFIDENCE, 0..=102)?;
+    to.number("curvature", NO_CURVATURE, -1023..=1023)?;
+    to.number("curvature's confidence", NO_CURVATURE_CONFIDENCE, 0..=7)?;
+    to.not_extended();
+    to.number("curvature's calculation", NO_CURVATURE_CALCULATION, 0..=2)?;
+    to.number("yaw rate", motion.yaw_rate, -32_766..=32_767)?;
+    to.number("yaw rate's confidence", NO_YAW_RATE_CONFIDENCE, 0..=8)
 }
 
 pub(crate) fn decode(payload: &[u8]) -> Result<Cam, DecodeError> {
@@ -99,51 +129,6 @@ pub(crate) fn decode(payload: &[u8]) -> Result<Cam, DecodeError> {
         },
         low_frequency: parameters.low_frequency_container.as_ref().map(read_low_frequency),
     })
-}
-
-fn high_frequency(motion: &Motion) -> pdu::BasicVehicleContainerHighFrequency {
-    pdu::BasicVehicleContainerHighFrequency::new(
-        its::Heading::new(
-            its::HeadingValue(motion.heading),
-            its::HeadingConfidence(NO_HEADING_CONFIDENCE),
-        ),
-        its::Speed::new(its::SpeedValue(motion.speed), its::SpeedConfidence(NO_SPEED_CONFIDENCE)),
-        its::DriveDirection::forward,
-        its::VehicleLength::new(
-            its::VehicleLengthValue(motion.length),
-            its::VehicleLengthConfidenceIndication::unavailable,
-        ),
-        its::VehicleWidth(motion.width),
-        its::LongitudinalAcceleration::new(
-            its::LongitudinalAccelerationValue(motion.acceleration),
-            its::AccelerationConfidence(NO_ACCELERATION_CONFIDENCE),
-        ),
-        its::Curvature::new(
-            its::CurvatureValue(NO_CURVATURE),
-            its::CurvatureConfidence::unavailable,
-        ),
-        its::CurvatureCalculationMode::unavailable,
-        its::YawRate::new(its::YawRateValue(motion.yaw_rate), its::YawRateConfidence::unavailable),
-        None,
-        None,
-        None,
-        None,
-        None,
-        None,
-        None,
-    )
-}
-
-fn low_frequency(slow: LowFrequency) -> Result<pdu::LowFrequencyContainer, EncodeError> {
-    let role = ROLES.get(usize::from(slow.role));
-    let role = role.ok_or_else(|| EncodeError::Range(format!("vehicle role {}", slow.role)))?;
-    Ok(pdu::LowFrequencyContainer::basicVehicleContainerLowFrequency(
-        pdu::BasicVehicleContainerLowFrequency::new(
-            *role,
-            its::ExteriorLights(bits(slow.lights.into())),
-            its::PathHistory(Vec::new()),
-        ),
-    ))
 }
 
 fn read_low_frequency(slow: &pdu::LowFrequencyContainer) -> LowFrequency {

@@ -1,39 +1,40 @@
 //! MAPEM.
 
 use super::spatem::{header, reference};
-use super::{bits, flags, from_uper, to_uper};
+use super::uper::Writer;
+use super::{flags, from_uper};
 use crate::geodesy::Position;
 use crate::mapem::{Approach, Connection, IntersectionGeometry, Lane, Mapem};
 use crate::{DecodeError, EncodeError, MessageKind};
-use c_its_parser::standards::cdd_2_2_1::etsi_its_cdd as cdd;
 use c_its_parser::standards::dsrc_2_2_1::etsi_its_dsrc as dsrc;
 use c_its_parser::standards::mapem_2_2_1::mapem_pdu_descriptions::MAPEM;
 use dsrc::NodeOffsetPointXY as Offset;
+use std::ops::RangeInclusive;
 
 /// `LaneSharing`: bit 3, motor vehicles.
 const MOTOR_VEHICLES: u16 = 1 << 3;
 /// `LaneDirection`.
 const INGRESS: u16 = 1 << 0;
 const EGRESS: u16 = 1 << 1;
-/// Bits of `LaneAttributes-Vehicle`, all 0: nothing special.
-const VEHICLE_BITS: usize = 8;
+/// `LayerType`.
+const INTERSECTION_DATA: u8 = 3;
+/// `LaneTypeAttributes`.
+const VEHICLE: u8 = 0;
+/// `NodeListXY`.
+const NODES: u8 = 0;
+/// Bits of each coordinate in the first forms of `NodeOffsetPointXY`.
+const OFFSET_BITS: [u32; 6] = [10, 11, 12, 13, 14, 16];
 
 pub(crate) fn encode(message: &Mapem) -> Result<Vec<u8>, EncodeError> {
-    let intersections = message.intersections.iter().map(intersection).collect();
-    to_uper(&MAPEM::new(
-        header(MessageKind::Mapem, message.station_id),
-        dsrc::MapData::new(
-            None,
-            dsrc::MsgCount(message.revision),
-            Some(dsrc::LayerType::intersectionData),
-            None,
-            Some(dsrc::IntersectionGeometryList(intersections)),
-            None,
-            None,
-            None,
-            None,
-        ),
-    ))
+    let mut to = header(MessageKind::Mapem, message.station_id)?;
+    to.not_extended();
+    // timeStamp, layerType, layerID, intersections, roadSegments, dataParameters, restrictionList, regional.
+    to.present([false, true, false, true, false, false, false, false]);
+    to.number("revision of the message", message.revision, 0..=127)?;
+    to.not_extended();
+    to.number("layer type", INTERSECTION_DATA, 0..=7)?;
+    to.list("intersections", &message.intersections, 1..=32, intersection)?;
+    Ok(to.finish())
 }
 
 pub(crate) fn decode(payload: &[u8]) -> Result<Mapem, DecodeError> {
@@ -49,19 +50,20 @@ pub(crate) fn decode(payload: &[u8]) -> Result<Mapem, DecodeError> {
     })
 }
 
-fn intersection(geometry: &IntersectionGeometry) -> dsrc::IntersectionGeometry {
+fn intersection(to: &mut Writer, geometry: &IntersectionGeometry) -> Result<(), EncodeError> {
+    to.not_extended();
+    // name, laneWidth, speedLimits, preemptPriorityData, regional.
+    to.present([false, geometry.lane_width_cm.is_some(), false, false, false]);
+    reference(to, geometry.region, geometry.id)?;
+    to.number("revision", geometry.revision, 0..=127)?;
+    to.not_extended();
+    // elevation, regional.
+    to.present([false; 2]);
     let Position { latitude, longitude } = geometry.reference;
-    dsrc::IntersectionGeometry::new(
-        None,
-        reference(geometry.region, geometry.id),
-        dsrc::MsgCount(geometry.revision),
-        dsrc::Position3D::new(cdd::Latitude(latitude), cdd::Longitude(longitude), None, None),
-        geometry.lane_width_cm.map(dsrc::LaneWidth),
-        None,
-        dsrc::LaneList(geometry.lanes.iter().map(lane).collect()),
-        None,
-        None,
-    )
+    to.number("latitude", latitude, -900_000_000..=900_000_001)?;
+    to.number("longitude", longitude, -1_800_000_000..=1_800_000_001)?;
+    to.some_number("lane width", geometry.lane_width_cm, 0..=32_767)?;
+    to.list("lanes", &geometry.lanes, 1..=255, lane)
 }
 
 fn read_intersection(geometry: &dsrc::IntersectionGeometry) -> IntersectionGeometry {
@@ -80,32 +82,52 @@ fn read_intersection(geometry: &dsrc::IntersectionGeometry) -> IntersectionGeome
     }
 }
 
-fn lane(lane: &Lane) -> dsrc::GenericLane {
-    let approach = |number| Some(dsrc::ApproachID(number));
+fn lane(to: &mut Writer, lane: &Lane) -> Result<(), EncodeError> {
     let (direction, ingress, egress) = match lane.approach {
-        Approach::Ingress(number) => (INGRESS, approach(number), None),
-        Approach::Egress(number) => (EGRESS, None, approach(number)),
+        Approach::Ingress(number) => (INGRESS, Some(number), None),
+        Approach::Egress(number) => (EGRESS, None, Some(number)),
     };
-    let vehicle = rasn::types::BitString::repeat(false, VEHICLE_BITS);
-    let nodes = lane.nodes.iter().map(|&(x, y)| dsrc::NodeXY::new(offset(x, y), None));
-    let connections = lane.connections.iter().map(connection).collect::<Vec<_>>();
-    dsrc::GenericLane::new(
-        dsrc::LaneID(lane.id),
-        None,
-        ingress,
-        egress,
-        dsrc::LaneAttributes::new(
-            dsrc::LaneDirection(bits(direction)),
-            dsrc::LaneSharing(bits(MOTOR_VEHICLES)),
-            dsrc::LaneTypeAttributes::vehicle(dsrc::LaneAttributesVehicle(vehicle)),
-            None,
-        ),
-        Some(dsrc::AllowedManeuvers(bits(lane.maneuvers))),
-        dsrc::NodeListXY::nodes(dsrc::NodeSetXY(nodes.collect())),
-        (!connections.is_empty()).then_some(dsrc::ConnectsToList(connections)),
-        None,
-        None,
-    )
+    let connects = !lane.connections.is_empty();
+    to.not_extended();
+    // name, ingressApproach, egressApproach, maneuvers, connectsTo, overlays, regional.
+    to.present([false, ingress.is_some(), egress.is_some(), true, connects, false, false]);
+    to.number("lane", lane.id, 0..=255)?;
+    to.some_number("approach", ingress, 0..=15)?;
+    to.some_number("approach", egress, 0..=15)?;
+    // LaneAttributes: regional.
+    to.present([false]);
+    to.flags(direction, 2);
+    to.flags(MOTOR_VEHICLES, 10);
+    to.not_extended();
+    to.number("kind of lane", VEHICLE, 0..=7)?;
+    // Nothing special, in the eight bits that need no length.
+    to.not_extended();
+    to.flags(0, 8);
+    to.flags(lane.maneuvers, 12);
+    to.not_extended();
+    to.number("kind of nodes", NODES, 0..=1)?;
+    to.list("nodes", &lane.nodes, 2..=63, node)?;
+    if connects { to.list("connections", &lane.connections, 1..=16, connection) } else { Ok(()) }
+}
+
+/// In the shortest form that has room for it, where the lowest number of each but the longest means that the
+/// offset is unknown.
+fn node(to: &mut Writer, &(x, y): &(i16, i16)) -> Result<(), EncodeError> {
+    to.not_extended();
+    // attributes.
+    to.present([false]);
+    let farthest = x.unsigned_abs().max(y.unsigned_abs());
+    let form = OFFSET_BITS.iter().take_while(|bits| farthest >> (**bits - 1) != 0).count();
+    let form = form.min(OFFSET_BITS.len() - 1);
+    let range = within(OFFSET_BITS[form]);
+    to.number("form of a node", form as i64, 0..=7)?;
+    to.number("east", x, range.clone())?;
+    to.number("north", y, range)
+}
+
+/// The numbers of so many bits.
+fn within(bits: u32) -> RangeInclusive<i64> {
+    -(1 << (bits - 1))..=(1 << (bits - 1)) - 1
 }
 
 /// `None` for a lane whose nodes are not read here, and for one that is not for vehicles.
@@ -131,15 +153,16 @@ fn read_lane(lane: &dsrc::GenericLane) -> Option<Lane> {
     })
 }
 
-fn connection(connection: &Connection) -> dsrc::Connection {
-    let maneuver = connection.maneuver.map(|flags| dsrc::AllowedManeuvers(bits(flags)));
-    dsrc::Connection::new(
-        dsrc::ConnectingLane::new(dsrc::LaneID(connection.lane), maneuver),
-        None,
-        connection.signal_group.map(dsrc::SignalGroupID),
-        None,
-        None,
-    )
+fn connection(to: &mut Writer, connection: &Connection) -> Result<(), EncodeError> {
+    // remoteIntersection, signalGroup, userClass, connectionID.
+    to.present([false, connection.signal_group.is_some(), false, false]);
+    // ConnectingLane: maneuver.
+    to.present([connection.maneuver.is_some()]);
+    to.number("connecting lane", connection.lane, 0..=255)?;
+    if let Some(maneuver) = connection.maneuver {
+        to.flags(maneuver, 12);
+    }
+    to.some_number("signal group", connection.signal_group, 0..=255)
 }
 
 fn read_connection(connection: &dsrc::Connection) -> Connection {
@@ -147,25 +170,6 @@ fn read_connection(connection: &dsrc::Connection) -> Connection {
         lane: connection.connecting_lane.lane.0,
         maneuver: connection.connecting_lane.maneuver.as_ref().map(|m| flags(&m.0)),
         signal_group: connection.signal_group.as_ref().map(|group| group.0),
-    }
-}
-
-/// The shortest form that has room for it.
-fn offset(x: i16, y: i16) -> Offset {
-    let farthest = x.unsigned_abs().max(y.unsigned_abs());
-    match farthest {
-        0..512 => Offset::node_XY1(dsrc::NodeXY20b::new(dsrc::OffsetB10(x), dsrc::OffsetB10(y))),
-        512..1024 => Offset::node_XY2(dsrc::NodeXY22b::new(dsrc::OffsetB11(x), dsrc::OffsetB11(y))),
-        1024..2048 => {
-            Offset::node_XY3(dsrc::NodeXY24b::new(dsrc::OffsetB12(x), dsrc::OffsetB12(y)))
-        }
-        2048..4096 => {
-            Offset::node_XY4(dsrc::NodeXY26b::new(dsrc::OffsetB13(x), dsrc::OffsetB13(y)))
-        }
-        4096..8192 => {
-            Offset::node_XY5(dsrc::NodeXY28b::new(dsrc::OffsetB14(x), dsrc::OffsetB14(y)))
-        }
-        _ => Offset::node_XY6(dsrc::NodeXY32b::new(dsrc::OffsetB16(x), dsrc::OffsetB16(y))),
     }
 }
 

@@ -1,12 +1,12 @@
 //! SPATEM.
 
-use super::{PROTOCOL_VERSION, bits, flags, from_uper, to_uper};
+use super::uper::Writer;
+use super::{PROTOCOL_VERSION, flags, from_uper};
 use crate::spatem::{
     IntersectionState, MovementEvent, MovementPhase, MovementState, Spatem, Timing,
 };
 use crate::time::{Stamp, TimeMark};
 use crate::{DecodeError, EncodeError, MessageKind};
-use c_its_parser::standards::cdd_2_2_1::etsi_its_cdd as cdd;
 use c_its_parser::standards::dsrc_2_2_1::etsi_its_dsrc as dsrc;
 use c_its_parser::standards::spatem_2_2_1::spatem_pdu_descriptions::SPATEM;
 use dsrc::MovementPhaseState as P;
@@ -26,11 +26,12 @@ const PHASES: [(MovementPhase, P); 10] = [
 ];
 
 pub(crate) fn encode(message: &Spatem) -> Result<Vec<u8>, EncodeError> {
-    let intersections = message.intersections.iter().map(intersection).collect();
-    to_uper(&SPATEM::new(
-        header(MessageKind::Spatem, message.station_id),
-        dsrc::SPAT::new(None, None, dsrc::IntersectionStateList(intersections), None),
-    ))
+    let mut to = header(MessageKind::Spatem, message.station_id)?;
+    // SPAT: timeStamp, name, regional.
+    to.not_extended();
+    to.present([false; 3]);
+    to.list("intersections", &message.intersections, 1..=32, intersection)?;
+    Ok(to.finish())
 }
 
 pub(crate) fn decode(payload: &[u8]) -> Result<Spatem, DecodeError> {
@@ -46,31 +47,65 @@ pub(crate) fn decode(payload: &[u8]) -> Result<Spatem, DecodeError> {
     })
 }
 
-pub(super) fn header(kind: MessageKind, station_id: u32) -> cdd::ItsPduHeader {
-    cdd::ItsPduHeader::new(
-        cdd::OrdinalNumber1B(PROTOCOL_VERSION),
-        cdd::MessageId(kind.message_id()),
-        cdd::StationId(station_id),
-    )
+/// A message with its `ItsPduHeader`.
+pub(super) fn header(kind: MessageKind, station_id: u32) -> Result<Writer, EncodeError> {
+    let mut to = Writer::default();
+    to.number("protocol version", PROTOCOL_VERSION, 0..=255)?;
+    to.number("message id", kind.message_id(), 0..=255)?;
+    to.number("station id", station_id, 0..=4_294_967_295)?;
+    Ok(to)
 }
 
-pub(super) fn reference(region: Option<u16>, id: u16) -> dsrc::IntersectionReferenceID {
-    dsrc::IntersectionReferenceID::new(region.map(dsrc::RoadRegulatorID), dsrc::IntersectionID(id))
+/// `IntersectionReferenceID`.
+pub(super) fn reference(to: &mut Writer, region: Option<u16>, id: u16) -> Result<(), EncodeError> {
+    to.present([region.is_some()]);
+    to.some_number("region", region, 0..=65_535)?;
+    to.number("intersection", id, 0..=65_535)
 }
 
-fn intersection(state: &IntersectionState) -> dsrc::IntersectionState {
-    dsrc::IntersectionState::new(
-        None,
-        reference(state.region, state.id),
-        dsrc::MsgCount(state.revision),
-        dsrc::IntersectionStatusObject(bits(state.status)),
-        state.stamp.map(|stamp| dsrc::MinuteOfTheYear(stamp.minute_of_year)),
-        state.stamp.map(|stamp| dsrc::DSecond(stamp.millisecond)),
-        None,
-        dsrc::MovementList(state.movements.iter().map(movement).collect()),
-        None,
-        None,
-    )
+fn intersection(to: &mut Writer, state: &IntersectionState) -> Result<(), EncodeError> {
+    to.not_extended();
+    let stamp = state.stamp;
+    // name, moy, timeStamp, enabledLanes, maneuverAssistList, regional.
+    to.present([false, stamp.is_some(), stamp.is_some(), false, false, false]);
+    reference(to, state.region, state.id)?;
+    to.number("revision", state.revision, 0..=127)?;
+    to.flags(state.status, 16);
+    to.some_number("minute", stamp.map(|stamp| stamp.minute_of_year), 0..=527_040)?;
+    to.some_number("millisecond", stamp.map(|stamp| stamp.millisecond), 0..=65_535)?;
+    to.list("signal groups", &state.movements, 1..=255, movement)
+}
+
+fn movement(to: &mut Writer, state: &MovementState) -> Result<(), EncodeError> {
+    to.not_extended();
+    // movementName, maneuverAssistList, regional.
+    to.present([false; 3]);
+    to.number("signal group", state.signal_group, 0..=255)?;
+    to.list("phases", &state.events, 1..=16, event)
+}
+
+fn event(to: &mut Writer, event: &MovementEvent) -> Result<(), EncodeError> {
+    to.not_extended();
+    // timing, speeds, regional.
+    to.present([event.timing.is_some(), false, false]);
+    to.number("phase", event.state as u8, 0..=9)?;
+    event.timing.as_ref().map_or(Ok(()), |details| timing(to, details))
+}
+
+fn timing(to: &mut Writer, timing: &Timing) -> Result<(), EncodeError> {
+    let Timing { start, min_end, max_end, likely_end, confidence, next } = timing;
+    let there = [start.is_some(), max_end.is_some(), likely_end.is_some()];
+    to.present(there);
+    to.present([confidence.is_some(), next.is_some()]);
+    let mut mark = |what: &str, mark: &Option<TimeMark>| {
+        to.some_number(what, mark.map(TimeMark::value), 0..=36_001)
+    };
+    mark("start", start)?;
+    mark("earliest end", &Some(*min_end))?;
+    mark("latest end", max_end)?;
+    mark("likely end", likely_end)?;
+    to.some_number("confidence", *confidence, 0..=15)?;
+    to.some_number("next time", next.map(TimeMark::value), 0..=36_001)
 }
 
 /// The minute may stand in the intersection or once in front of all.
@@ -91,26 +126,11 @@ fn read_intersection(
     }
 }
 
-fn movement(state: &MovementState) -> dsrc::MovementState {
-    dsrc::MovementState::new(
-        None,
-        dsrc::SignalGroupID(state.signal_group),
-        dsrc::MovementEventList(state.events.iter().map(event).collect()),
-        None,
-        None,
-    )
-}
-
 fn read_movement(state: &dsrc::MovementState) -> MovementState {
     MovementState {
         signal_group: state.signal_group.0,
         events: state.state_time_speed.0.iter().map(read_event).collect(),
     }
-}
-
-fn event(event: &MovementEvent) -> dsrc::MovementEvent {
-    let (_, state) = PHASES[event.state as usize];
-    dsrc::MovementEvent::new(state, event.timing.as_ref().map(timing), None, None)
 }
 
 fn read_event(event: &dsrc::MovementEvent) -> MovementEvent {
@@ -119,18 +139,6 @@ fn read_event(event: &dsrc::MovementEvent) -> MovementEvent {
         state: found.map_or(MovementPhase::Unavailable, |(phase, _)| phase),
         timing: event.timing.as_ref().map(read_timing),
     }
-}
-
-fn timing(timing: &Timing) -> dsrc::TimeChangeDetails {
-    let mark = |mark: TimeMark| dsrc::TimeMark(mark.value());
-    dsrc::TimeChangeDetails::new(
-        timing.start.map(mark),
-        mark(timing.min_end),
-        timing.max_end.map(mark),
-        timing.likely_end.map(mark),
-        timing.confidence.map(dsrc::TimeIntervalConfidence),
-        timing.next.map(mark),
-    )
 }
 
 fn read_timing(timing: &dsrc::TimeChangeDetails) -> Timing {
