@@ -35,7 +35,7 @@ pub(crate) fn open(
     identity: Identity,
     shared: &Arc<Shared>,
 ) -> Result<(ZenohEndpoint, ZenohOutlet), OpenError> {
-    let config = match configuration {
+    let mut config = match configuration {
         None => Config::default(),
         Some(path) => Config::from_file(path).map_err(|reason| OpenError::ZenohConfiguration {
             path: path.to_owned(),
@@ -45,7 +45,6 @@ pub(crate) fn open(
     let fail = |reason: zenoh::Error| OpenError::ZenohSession { reason: words(&reason) };
     // Built with shared memory for another part of a program, zenoh would make segments for each session, which
     // a killed process leaves behind; a frame is too short to be sent by them.
-    let mut config = config;
     config.insert_json5("transport/shared_memory/enabled", "false").map_err(fail)?;
     let session = open_session(config)?;
     let publisher = |key: &'static str| {
