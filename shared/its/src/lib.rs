@@ -12,6 +12,9 @@
 //! | SPATEM, MAPEM | ETSI TS 103 301 V2.2.1, ISO TS 19091, SAE J2735 | [`spatem`], [`mapem`] |
 //! | CAM | ETSI EN 302 637-2 V1.4.1 | [`cam`], [`triggers`] |
 //!
+//! Messages are encoded here, with the parts that they have, and decoded by types that are generated from the
+//! standards' ASN.1, with all parts that others may send.
+//!
 //! The crate is pure: time is an argument, and it opens no port. Bytes from outside are never trusted:
 //! [`Frame::decode`] returns an error, which says what is wrong, for whatever is no frame of these kinds;
 //! it does not panic and takes no more memory than the frame's own size asks for.
