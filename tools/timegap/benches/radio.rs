@@ -161,7 +161,7 @@ fn drive(way: &Way, directory: &Path) -> (Value, Vec<[f64; 5]>) {
 
 /// The parts of the age of frames of another process: medians of each session.
 fn where_the_age_comes_from(ways: &[Way]) {
-    println!("\n| way | session | {} | age ms |", age::PARTS.join(" ms | "));
+    println!("\n| way | session | {} ms | age ms |", age::PARTS.join(" ms | "));
     println!("| --- | --- {}|", "| --- ".repeat(age::PARTS.len() + 1));
     for way in ways.iter().filter(|way| way.unit.is_some()) {
         for (parts, session) in way.parts.iter().zip(1..) {
