@@ -4,6 +4,7 @@ pub mod ahead;
 pub mod brake;
 mod braking;
 pub mod chains;
+mod clear;
 pub mod delivery;
 pub mod ego;
 pub mod gateway;

@@ -2,6 +2,7 @@
 
 use crate::braking::{self, Braking};
 use crate::chains::Chains;
+use crate::clear::ClearWatch;
 use crate::delivery::{Arrival, Delivery};
 use crate::ego::{self, Ego};
 use crate::gateway::{self, Actuation, EngineRequest, Gateway, Source};
@@ -47,6 +48,8 @@ struct Plant {
     ego: Ego,
     gateway: Gateway,
     referee: Referee,
+    /// Of a run that ends when the ego is clear of all others.
+    clear: Option<ClearWatch>,
     chains: Chains,
     signal_chain: SignalChain,
     odometry: Publisher<Odometry>,
@@ -141,6 +144,7 @@ impl Plant {
             ego: Ego::new(scenario)?,
             gateway: Gateway::new(&scenario.plant),
             referee: Referee::new(scenario),
+            clear: ClearWatch::of(scenario),
             chains: Chains::open(
                 i64::from(scenario.controller.deadline().value()) * 1_000_000,
                 CONTROL_PATH,
@@ -212,6 +216,7 @@ impl Plant {
         }
 
         let violation = self.judge(&release);
+        let clear = self.is_clear(&release);
         let now_ns = runtime.clock().now_ns();
         let actuation = self.actuate(&release, now_ns);
         self.request_mps2 = actuation.request_mps2;
@@ -232,7 +237,7 @@ impl Plant {
         runtime.end_cycle(state)?;
         let brought_to_a_stop = runtime.is_to_stop() && self.stopped_for_want_of_commands;
         let ended = self.vehicles.newest().is_some_and(|truth| truth.ended != 0);
-        if violation.is_some() || brought_to_a_stop || ended {
+        if violation.is_some() || brought_to_a_stop || ended || clear {
             runtime.end_run()?;
         }
         Ok(Cycle::Next)
@@ -331,6 +336,14 @@ impl Plant {
             .and_then(|newest| truth::ahead(newest, state.position_m, release.time_s));
         let now_ns = release.scheduled_ns.unsigned_abs();
         self.referee.observe(now_ns, &state, ahead.as_ref(), &signals[..count])
+    }
+
+    /// Whether the run ends because the ego is clear of all others.
+    fn is_clear(&mut self, release: &Release) -> bool {
+        let (Some(clear), Some(others)) = (&mut self.clear, self.vehicles.newest()) else {
+            return false;
+        };
+        clear.observe(release.scheduled_ns, &self.ego.state(), others)
     }
 
     /// Lets the newest due command act on the actuators.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::quantity::{Distance, TimeConstant};
+use super::quantity::{Distance, Time, TimeConstant};
 
 /// The referee.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -12,6 +12,20 @@ pub struct Referee {
     /// as that is known outside the law.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub desired_gap: Option<DesiredGap>,
+    /// The run ends once the ego is clear of all others; absent: it lasts `duration_s` whatever they do.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ends_when_clear: Option<EndsWhenClear>,
+}
+
+/// The ego is clear when no other vehicle comes nearer to it: those ahead are no slower than it is, those
+/// behind no faster, and none is beside it, in whichever lane.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EndsWhenClear {
+    /// Not before this time: what the scenario has in store is over by then, s.
+    pub after_s: Time,
+    /// For so long without a break, s.
+    pub for_s: Time,
 }
 
 impl Referee {
