@@ -27,6 +27,7 @@ use bytemuck::Zeroable;
 use campaign::r157::judge::verdict;
 use campaign::r157::matrix::{Case, Matrix};
 use campaign::r157::scene::{Driver, scenario};
+use campaign::r157::settled::Settled;
 use clap::{Parser, ValueEnum};
 use messages::{Detection, MAX_DETECTIONS};
 use perception_sim::radar::detections::DetectionRadar;
@@ -182,7 +183,8 @@ fn report(arguments: &Arguments, all: &[(Case, Verdicts)]) {
 
 fn scene_of(case: &Case, seed: u32, law: &str) -> Scenario {
     let driver = Driver { law: law.into(), aebs: true };
-    scenario(case, &driver, seed.into()).expect("every case is a scenario of every law")
+    scenario(case, &driver, &Settled::new(seed.into()))
+        .expect("every case is a scenario of every law")
 }
 
 fn verdicts(case: &Case, arguments: &Arguments) -> Verdicts {

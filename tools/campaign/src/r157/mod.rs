@@ -6,6 +6,7 @@ mod page;
 mod print;
 mod results;
 pub mod scene;
+pub mod settled;
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -21,6 +22,7 @@ use results::{Judged, MatrixResult, Results};
 use runtime::Mode;
 use scenario::Scenario;
 use scene::Driver;
+use settled::Settled;
 
 use serde::{Deserialize, Serialize};
 
@@ -73,7 +75,7 @@ pub fn run(arguments: &R157Arguments) -> Result<ExitCode, Error> {
 
 /// What is driven: every case of every matrix by every driver, in this order.
 struct Plan {
-    seed: u64,
+    settled: Settled,
     drivers: Vec<Driver>,
     matrices: Vec<(Matrix, Vec<Case>)>,
 }
@@ -88,7 +90,8 @@ impl Plan {
         matrices.sort_unstable();
         matrices.dedup();
         let matrices = matrices.into_iter().map(|matrix| (matrix, cases(matrix, arguments)));
-        Ok(Self { seed: arguments.seed.into(), drivers, matrices: matrices.collect() })
+        let settled = Settled::new(arguments.seed.into());
+        Ok(Self { settled, drivers, matrices: matrices.collect() })
     }
 
     fn runs(&self) -> usize {
@@ -101,7 +104,7 @@ impl Plan {
             let place = run - before;
             if place < cases.len() * self.drivers.len() {
                 let (driver, case) = (place / cases.len(), place % cases.len());
-                return scene::scenario(&cases[case], &self.drivers[driver], self.seed);
+                return scene::scenario(&cases[case], &self.drivers[driver], &self.settled);
             }
             before += cases.len() * self.drivers.len();
         }
@@ -156,7 +159,7 @@ fn drive(arguments: &R157Arguments) -> Result<ExitCode, Error> {
     let left = part.left();
     let bar = report::progress::count_bar(part.runs(), arguments.json);
     bar.set_position((part.runs() - left.len()) as u64);
-    let repeated = part.repeated(&left, plan.seed);
+    let repeated = part.repeated(&left, plan.settled.seed());
     let at_once = batch::at_once(None, Mode::Lockstep);
     let make = |index: usize| plan.scenario(left[index]).map(Job::lockstep);
     let source = Source { runs: left.len(), make: &make };
@@ -199,7 +202,7 @@ fn merge(arguments: &R157Arguments) -> Result<ExitCode, Error> {
 fn first_scenario(arguments: &R157Arguments) -> Result<Scenario, Error> {
     let law = laws::ALL[0].name.to_owned();
     let driver = Driver { law, aebs: false };
-    scene::scenario(&Matrix::Following.cases()[0], &driver, arguments.seed.into())
+    scene::scenario(&Matrix::Following.cases()[0], &driver, &Settled::new(arguments.seed.into()))
 }
 
 /// Judges, writes and prints.
@@ -239,11 +242,11 @@ fn drivers(arguments: &R157Arguments) -> Result<Vec<Driver>, Error> {
         arguments.controllers.clone()
     };
     // An unknown law is found before anything runs.
-    let cases = Matrix::Following.cases();
+    let (cases, settled) = (Matrix::CutIn.cases(), Settled::new(1));
     let mut drivers = Vec::new();
     for law in laws {
         let alone = Driver { law, aebs: false };
-        let scenario = scene::scenario(&cases[0], &alone, 1)?;
+        let scenario = scene::scenario(&cases[0], &alone, &settled)?;
         let with_brake = Driver { aebs: true, ..alone.clone() };
         drivers.push(alone);
         // The emergency brake reads the radar's detections.

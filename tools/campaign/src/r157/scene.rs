@@ -1,7 +1,8 @@
 //! A case as a scenario for a control law.
 //!
-//! The ego drives at the case's speed, which is also the set speed, and keeps the gap of its law. Before
-//! the case begins it has time to settle. All vehicles are as long as the regulation says.
+//! The ego drives at the case's speed, which is also the set speed; behind a lead it begins at the gap that its law
+//! keeps there ([`super::settled`]). The run ends when no contact can follow any more. All vehicles are as long as the
+//! regulation says.
 
 use std::fmt::Write;
 
@@ -12,11 +13,13 @@ use regulation::{STEP_S, VEHICLE_LENGTH_M, VEHICLE_WIDTH_M, cut_in, cut_out, fol
 use scenario::{Overrides, Scenario};
 
 use super::matrix::Case;
+use super::settled::Settled;
 
 /// Time before a cut-in: the ego drives alone, and sees the other.
 const CRUISE_S: f64 = 3.0;
-/// Time before a lead brakes or leaves: the ego closes up to the gap that its law keeps.
-const SETTLE_S: f64 = 25.0;
+/// Time before a lead brakes or leaves: law and emergency brake get to know it, the tracker knows it from the start.
+/// At its end gap, speed and acceleration are those after 25 s behind the lead, within 0.05 m, 0.11 m/s and 0.03 m/s².
+pub const RUN_IN_S: f64 = 2.0;
 /// Time gap from which a law closes up or falls back to its own.
 const FIRST_TIME_GAP_S: f64 = 2.0;
 /// Distance added to that.
@@ -26,6 +29,9 @@ const FIRST_DISTANCE_M: f64 = 5.0;
 const AFTER_S: f64 = 4.0;
 /// Deceleration by which every law stops at the latest.
 const GENTLE_MPS2: f64 = 2.5;
+/// The run ends when all that is scripted is over and for this time no vehicle ahead was slower than the ego, none
+/// behind faster, and none beside it: ten cycles of every law, in which one that turns to the other again shows it.
+const CLEAR_S: f64 = 1.0;
 
 /// Who drives a case.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -39,33 +45,60 @@ pub struct Driver {
 /// The scenario of `case` for `driver`.
 ///
 /// # Errors
-/// [`Error::Scenario`] if there is no such law.
-pub fn scenario(case: &Case, driver: &Driver, seed: u64) -> Result<Scenario, Error> {
-    let text = text(case, driver, seed);
-    Ok(Scenario::parse_with("a case of UN R157", &text, &Overrides::new(), &laws::check)?)
+/// [`Error::Scenario`] if there is no such law; as [`Settled::gap_m`].
+pub fn scenario(case: &Case, driver: &Driver, settled: &Settled) -> Result<Scenario, Error> {
+    let speed_mps = f64::from(case.ego_kmh()) / 3.6;
+    let gap_m = || settled.gap_m(&driver.law, case.ego_kmh());
+    let scene = match case {
+        Case::CutIn(case) => cut_in_scene(case, speed_mps),
+        Case::Following(case) => following_scene(case, speed_mps, gap_m()?),
+        Case::CutOut(case) => cut_out_scene(case, speed_mps, gap_m()?),
+    };
+    parse(&scene, speed_mps, driver, settled.seed())
 }
 
-fn text(case: &Case, driver: &Driver, seed: u64) -> String {
-    let speed_mps = f64::from(case.ego_kmh()) / 3.6;
-    let (duration_s, actors) = match case {
-        Case::CutIn(case) => cut_in_actors(case, speed_mps),
-        Case::Following(case) => following_actors(case, speed_mps),
-        Case::CutOut(case) => cut_out_actors(case, speed_mps),
-    };
+/// The ego behind a lead that keeps its speed.
+///
+/// # Errors
+/// [`Error::Scenario`] if there is no such law.
+pub fn behind_a_lead(
+    speed_kmh: u32,
+    driver: &Driver,
+    seed: u64,
+    duration_s: f64,
+) -> Result<Scenario, Error> {
+    let speed_mps = f64::from(speed_kmh) / 3.6;
+    let first_gap_m = FIRST_TIME_GAP_S * speed_mps + FIRST_DISTANCE_M;
+    let actors = actor("lead", first_gap_m, &format!("initial_speed_mps = {speed_mps}"));
+    parse(&Scene { scripted_s: duration_s, duration_s, actors }, speed_mps, driver, seed)
+}
+
+/// What happens around the ego.
+struct Scene {
+    /// Time after which nothing scripted comes any more.
+    scripted_s: f64,
+    duration_s: f64,
+    actors: String,
+}
+
+fn parse(scene: &Scene, speed_mps: f64, driver: &Driver, seed: u64) -> Result<Scenario, Error> {
+    let Scene { scripted_s, duration_s, actors } = scene;
     let Driver { law, aebs } = driver;
-    format!(
+    let text = format!(
         "schema_version = 1\nname = \"r157\"\nduration_s = {duration_s}\nseed = {seed}\n\
          set_speed_mps = {speed_mps}\n\
          [plant]\ninitial_speed_mps = {speed_mps}\n\
          length_m = {VEHICLE_LENGTH_M}\n\
          powertrain = {{ mass_kg = 1600, max_power_kw = 110 }}\n\
          [aebs]\nenabled = {aebs}\n\
+         [referee]\nends_when_clear = {{ after_s = {scripted_s}, for_s = {CLEAR_S} }}\n\
          [controller]\nname = \"{law}\"\n{actors}"
-    )
+    );
+    Ok(Scenario::parse_with("a case of UN R157", &text, &Overrides::new(), &laws::check)?)
 }
 
-/// Duration, s, and the vehicle that comes in.
-fn cut_in_actors(case: &cut_in::Case, speed_mps: f64) -> (f64, String) {
+/// The vehicle that comes in. It keeps its speed, so that a motion aside has no part in whether the ego comes nearer.
+fn cut_in_scene(case: &cut_in::Case, speed_mps: f64) -> Scene {
     let other_mps = f64::from(case.other_kmh) / 3.6;
     let closing_mps = speed_mps - other_mps;
     let lateral_mps = case.lateral_mps();
@@ -87,33 +120,36 @@ fn cut_in_actors(case: &cut_in::Case, speed_mps: f64) -> (f64, String) {
         )
         .expect("a string takes all");
     }
-    (duration_s, actors)
+    Scene { scripted_s: CRUISE_S + rise_s, duration_s, actors }
 }
 
-/// Duration, s, and the lead that brakes.
-fn following_actors(case: &following::Case, speed_mps: f64) -> (f64, String) {
+/// The lead that brakes.
+fn following_scene(case: &following::Case, speed_mps: f64, gap_m: f64) -> Scene {
     let deceleration_mps2 = case.lead_deceleration_mps2();
     let stop_s = speed_mps / deceleration_mps2.min(GENTLE_MPS2);
     let profile = format!(
         "initial_speed_mps = {speed_mps}\nprofile.piecewise = [\
-         {{ time_s = {SETTLE_S}, acceleration_mps2 = {} }}]",
+         {{ time_s = {RUN_IN_S}, acceleration_mps2 = {} }}]",
         -deceleration_mps2
     );
-    (SETTLE_S + stop_s + AFTER_S, actor("lead", first_gap_m(speed_mps), &profile))
+    Scene {
+        scripted_s: RUN_IN_S + speed_mps / deceleration_mps2,
+        duration_s: RUN_IN_S + stop_s + AFTER_S,
+        actors: actor("lead", gap_m, &profile),
+    }
 }
 
-/// Duration, s, the lead that leaves and the vehicle that stands in front of it. A lead that does not
-/// get past stands there.
-fn cut_out_actors(case: &cut_out::Case, speed_mps: f64) -> (f64, String) {
+/// The lead that leaves and the vehicle that stands in front of it. A lead that does not get past stands
+/// there.
+fn cut_out_scene(case: &cut_out::Case, speed_mps: f64, gap_m: f64) -> Scene {
     let lateral_mps = case.lateral_mps();
-    let gap_m = first_gap_m(speed_mps);
     let standing_m =
-        gap_m + VEHICLE_LENGTH_M + speed_mps * SETTLE_S + f64::from(case.standing_distance_m);
+        gap_m + VEHICLE_LENGTH_M + speed_mps * RUN_IN_S + f64::from(case.standing_distance_m);
     let reaches_s = f64::from(case.standing_distance_m) / speed_mps;
     let clear_s = VEHICLE_WIDTH_M / lateral_mps;
     let hits = reaches_s < clear_s;
     let leaves_s = if hits { reaches_s } else { (VEHICLE_WIDTH_M + CLEARANCE_M) / lateral_mps };
-    let end_s = SETTLE_S + leaves_s;
+    let end_s = RUN_IN_S + leaves_s;
     let profile = if hits {
         let stands_s = end_s + STEP_S / 10.0;
         format!("profile.speeds = [[0, {speed_mps}], [{end_s}, {speed_mps}], [{stands_s}, 0]]")
@@ -123,18 +159,14 @@ fn cut_out_actors(case: &cut_out::Case, speed_mps: f64) -> (f64, String) {
     let mut actors = actor("lead", gap_m, &profile);
     writeln!(
         actors,
-        "lateral = [{{ time_s = {SETTLE_S}, to_m = {}, duration_s = {leaves_s}, rise_s = 0 }}]",
+        "lateral = [{{ time_s = {RUN_IN_S}, to_m = {}, duration_s = {leaves_s}, rise_s = 0 }}]",
         lateral_mps * leaves_s,
     )
     .expect("a string takes all");
     actors += &actor("standing", standing_m, "initial_speed_mps = 0");
     let distance_m = gap_m + f64::from(case.standing_distance_m) + VEHICLE_LENGTH_M;
-    let duration_s = SETTLE_S + distance_m / speed_mps + speed_mps / GENTLE_MPS2 + AFTER_S;
-    (duration_s, actors)
-}
-
-fn first_gap_m(speed_mps: f64) -> f64 {
-    FIRST_TIME_GAP_S * speed_mps + FIRST_DISTANCE_M
+    let duration_s = RUN_IN_S + distance_m / speed_mps + speed_mps / GENTLE_MPS2 + AFTER_S;
+    Scene { scripted_s: end_s + STEP_S, duration_s, actors }
 }
 
 fn actor(name: &str, gap_m: f64, keys: &str) -> String {
@@ -148,32 +180,40 @@ mod tests {
     use clap::ValueEnum;
 
     use super::super::matrix::Matrix;
+    use super::super::settled::CLOSES_UP_S;
     use super::*;
+
+    fn driver(law: &str) -> Driver {
+        Driver { law: law.into(), aebs: false }
+    }
 
     #[test]
     fn every_case_is_a_scenario() {
-        let driver = Driver { law: "acc-mpc".into(), aebs: false };
+        let (driver, settled) = (driver("acc-mpc"), Settled::new(1));
         for matrix in Matrix::value_variants() {
             for case in matrix.cases().iter().step_by(97) {
-                let scenario = scenario(case, &driver, 1).unwrap_or_else(|e| panic!("{e}"));
-                assert!(scenario.duration_s.value() < 130.0, "{case:?}");
+                let scenario = scenario(case, &driver, &settled);
+                let scenario = scenario.unwrap_or_else(|error| panic!("{error}"));
+                assert!(scenario.duration_s.value() < 100.0, "{case:?}");
             }
         }
     }
 
     #[test]
     fn an_unknown_law_is_refused() {
-        let driver = Driver { law: "acc".into(), aebs: false };
-        let refused = scenario(&Matrix::CutIn.cases()[0], &driver, 1).expect_err("no such law");
-        assert!(refused.to_string().contains("acc-mpc"), "{refused}");
+        for matrix in Matrix::value_variants() {
+            let refused = scenario(&matrix.cases()[0], &driver("acc"), &Settled::new(1));
+            let refused = refused.expect_err("no such law");
+            assert!(refused.to_string().contains("acc-mpc"), "{refused}");
+        }
     }
 
     #[test]
     fn a_cut_in_is_at_its_distance_when_it_has_its_lateral_speed() {
         let case =
             cut_in::Case { ego_kmh: 60, other_kmh: 20, distance_m: 25, lateral_tenths_mps: 15 };
-        let driver = Driver { law: "acc-mpc".into(), aebs: false };
-        let scenario = scenario(&Case::CutIn(case), &driver, 1).expect("the case is right");
+        let scenario = scenario(&Case::CutIn(case), &driver("acc-mpc"), &Settled::new(1));
+        let scenario = scenario.expect("the case is right");
         let other = &scenario.actors[0];
         let time_s = CRUISE_S + 1.0;
         let gap_m = other.gap_m.value() - time_s * 40.0 / 3.6;
@@ -182,5 +222,31 @@ mod tests {
         let lateral_m = |at_s| other.lateral_offset_m.value() * (1.0 - motion.progress(at_s).0);
         assert!((lateral_m(time_s) - 3.5).abs() < 1e-9);
         assert!((lateral_m(time_s + 1.0) - 2.0).abs() < 1e-9);
+    }
+
+    /// Gap, m, speed, m/s, and acceleration, m/s², when the lead has driven evenly for `time_s`.
+    fn state_at(scenario: &Scenario, time_s: f64) -> [f64; 3] {
+        let group = group::in_process::run_unsealed(scenario, &|| false).expect("it runs");
+        let steps = group.drive.steps.iter().take_while(|step| step.time_s <= time_s + 1e-9);
+        let last = steps.filter(|step| step.gap_m.is_some()).last().expect("it has begun");
+        [last.gap_m.expect("there is a lead"), last.speed_mps, last.acceleration_mps2]
+    }
+
+    #[test]
+    fn the_state_at_the_onset_is_the_one_after_a_long_time_behind_the_lead() {
+        for law in laws::own() {
+            let (driver, settled) = (driver(law.name), Settled::new(1));
+            for speed_kmh in [12, 30, 60, 90, 128] {
+                let long = behind_a_lead(speed_kmh, &driver, 1, CLOSES_UP_S).expect("a law");
+                let long = state_at(&long, CLOSES_UP_S);
+                let case = following::Case { speed_kmh, lead_hundredths_g: 50 };
+                let case = scenario(&Case::Following(case), &driver, &settled).expect("a law");
+                let onset = state_at(&case, RUN_IN_S);
+                for (i, most) in [0.05, 0.11, 0.03].into_iter().enumerate() {
+                    let off = (onset[i] - long[i]).abs();
+                    assert!(off < most, "{} at {speed_kmh}: {onset:?} {long:?}", law.name);
+                }
+            }
+        }
     }
 }

@@ -1,0 +1,61 @@
+//! The gap that a law keeps behind a lead of its own speed: where the cases with a lead begin.
+//!
+//! The ego's set speed is the lead's speed, so that a law which keeps less than the first gap has no reason to close
+//! up. What it does keep is found by driving: once for each law and speed, and then every case begins there, at the
+//! lead's speed and without acceleration, instead of driving there anew.
+
+use std::collections::BTreeMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use group::Error;
+
+use super::scene::{self, Driver};
+
+/// Time in which a law closes up or falls back to its own gap, s.
+pub const CLOSES_UP_S: f64 = 25.0;
+
+/// Settled gaps, m, by law and speed, km/h, as far as they were asked for.
+#[derive(Debug)]
+pub struct Settled {
+    seed: u64,
+    gaps_m: Mutex<BTreeMap<(String, u32), f64>>,
+}
+
+impl Settled {
+    /// Of drives with this seed, none driven yet.
+    #[must_use]
+    pub fn new(seed: u64) -> Self {
+        Self { seed, gaps_m: Mutex::default() }
+    }
+
+    /// The seed.
+    #[must_use]
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// The gap that `law` keeps at `speed_kmh`, m. The first to ask drives; two at once drive the same.
+    ///
+    /// # Errors
+    /// If there is no such law, or the run fails.
+    ///
+    /// # Panics
+    /// If the run fails without saying so.
+    pub fn gap_m(&self, law: &str, speed_kmh: u32) -> Result<f64, Error> {
+        let key = (law.to_owned(), speed_kmh);
+        if let Some(gap_m) = self.gaps_m().get(&key) {
+            return Ok(*gap_m);
+        }
+        let driver = Driver { law: law.to_owned(), aebs: false };
+        let scenario = scene::behind_a_lead(speed_kmh, &driver, self.seed, CLOSES_UP_S)?;
+        let group = group::in_process::run_unsealed(&scenario, &|| false)?;
+        let last = group.drive.steps.iter().rev().find_map(|step| step.gap_m);
+        let gap_m = last.expect("the plant sees the lead from its first steps on");
+        self.gaps_m().insert(key, gap_m);
+        Ok(gap_m)
+    }
+
+    fn gaps_m(&self) -> MutexGuard<'_, BTreeMap<(String, u32), f64>> {
+        self.gaps_m.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
