@@ -23,7 +23,7 @@ pub fn write<'a>(
         .begin_log_with(out, &mut serializer)?;
     for (tag, latencies) in histograms {
         let tag = Tag::new(tag).ok_or(io::ErrorKind::InvalidInput)?;
-        log.write_histogram(&*latencies.histogram(), Duration::ZERO, Duration::ZERO, Some(tag))
+        log.write_histogram(&latencies.histogram(), Duration::ZERO, Duration::ZERO, Some(tag))
             .map_err(|e| io::Error::other(format!("{e:?}")))?;
     }
     Ok(())
@@ -54,7 +54,7 @@ mod tests {
         let bytes = base64(read.encoded_histogram());
         let back: Histogram<u64> =
             Deserializer::new().deserialize(&mut bytes.as_slice()).expect("our own");
-        assert_eq!(back, *latencies.histogram());
+        assert_eq!(back, latencies.histogram());
         assert!(write(&mut Vec::new(), [("no tag", &latencies)]).is_err());
     }
 

@@ -84,7 +84,7 @@ impl Figures {
     /// # Errors
     /// As [`Self::count`].
     pub fn latencies(&self, name: &str) -> Result<Latencies, RuntimeError> {
-        let Some(kept) = &self.0 else { return Ok(Latencies::default()) };
+        let Some(kept) = &self.0 else { return Ok(Latencies::with_room()) };
         let words = kept.slot(0, name).and_then(|slot| kept.buckets(slot));
         let words = words.map_err(RuntimeError::setup(name.to_owned()))?;
         Ok(Latencies::kept(Buckets { words, records: Arc::clone(&kept.records) }))

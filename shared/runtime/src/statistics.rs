@@ -3,7 +3,7 @@
 use crate::kept::Buckets;
 use hdrhistogram::Histogram;
 use serde::{Deserialize, Serialize};
-use std::borrow::Cow;
+use std::ops::Range;
 
 /// Longest duration a histogram tells apart, ns; longer ones are counted as this.
 const HIGHEST_NS: u64 = 60_000_000_000;
@@ -26,7 +26,12 @@ const fn shortest_ns(bucket: usize) -> u64 {
     ((bucket - (shift << (DIGIT_BITS - 1))) as u64) << shift
 }
 
-/// A histogram of durations, allocated once: recording allocates nothing.
+/// Longest duration of a bucket, ns.
+const fn longest_ns(bucket: usize) -> u64 {
+    shortest_ns(bucket + 1) - 1
+}
+
+/// A histogram of durations, allocated once: at the first record, or from the start by [`Self::with_room`].
 ///
 /// High dynamic range from 1 ns to 60 s with two significant decimal digits.
 /// Serialized as pairs of a duration and its count. A copy has memory of its own.
@@ -37,54 +42,78 @@ pub struct Latencies(Counts);
 /// Where the counts are.
 #[derive(Debug)]
 enum Counts {
-    Own(Histogram<u64>),
+    Own(OwnBuckets),
     /// In shared memory, with those of the processes before this one.
     Kept(Buckets),
 }
 
-/// A histogram of durations, each with its count.
-fn filled(pairs: impl IntoIterator<Item = (u64, u64)>) -> Histogram<u64> {
-    let mut histogram = Histogram::new_with_bounds(1, HIGHEST_NS, 2)
-        .expect("1 <= low, 2 low <= high and 2 digits are valid bounds");
-    for (duration_ns, count) in pairs {
-        histogram.saturating_record_n(duration_ns, count);
+/// Buckets in the memory of this process. Only those that were recorded in are looked at: of a run in simulated time
+/// they are few of thousands.
+#[derive(Clone, Debug, Default)]
+struct OwnBuckets {
+    /// All of them, or none yet.
+    counts: Vec<u64>,
+    recorded: Range<usize>,
+}
+
+impl OwnBuckets {
+    fn with_room() -> Self {
+        Self { counts: vec![0; BUCKETS], recorded: 0..0 }
     }
-    histogram
+
+    fn add(&mut self, bucket: usize, count: u64) {
+        if self.counts.is_empty() {
+            *self = Self::with_room();
+        }
+        self.counts[bucket] += count;
+        let Range { start, end } = self.recorded;
+        self.recorded =
+            if start == end { bucket..bucket + 1 } else { start.min(bucket)..end.max(bucket + 1) };
+    }
 }
 
 impl Default for Latencies {
     fn default() -> Self {
-        Self(Counts::Own(filled([])))
+        Self(Counts::Own(OwnBuckets::default()))
     }
 }
 
 impl Clone for Latencies {
     fn clone(&self) -> Self {
-        Self(Counts::Own(self.histogram().into_owned()))
+        let mut copy = OwnBuckets::default();
+        self.recorded().for_each(|(bucket, count)| copy.add(bucket, count));
+        Self(Counts::Own(copy))
     }
 }
 
 impl PartialEq for Latencies {
     fn eq(&self, other: &Self) -> bool {
-        self.histogram() == other.histogram()
+        self.recorded().eq(other.recorded())
     }
 }
 
 impl From<Latencies> for Vec<(u64, u64)> {
     fn from(latencies: Latencies) -> Self {
-        let histogram = latencies.histogram();
-        let recorded = histogram.iter_recorded();
-        recorded.map(|value| (value.value_iterated_to(), value.count_at_value())).collect()
+        latencies.recorded().map(|(bucket, count)| (longest_ns(bucket), count)).collect()
     }
 }
 
 impl From<Vec<(u64, u64)>> for Latencies {
     fn from(pairs: Vec<(u64, u64)>) -> Self {
-        Self(Counts::Own(filled(pairs)))
+        let mut own = OwnBuckets::default();
+        for (duration_ns, count) in pairs {
+            own.add(bucket(duration_ns.min(HIGHEST_NS)), count);
+        }
+        Self(Counts::Own(own))
     }
 }
 
 impl Latencies {
+    /// One that allocates nothing when it records.
+    pub(crate) fn with_room() -> Self {
+        Self(Counts::Own(OwnBuckets::with_room()))
+    }
+
     /// One whose counts outlive the process.
     pub(crate) fn kept(buckets: Buckets) -> Self {
         Self(Counts::Kept(buckets))
@@ -92,34 +121,48 @@ impl Latencies {
 
     /// Records one duration, ns; a negative one counts as zero.
     pub fn record_ns(&mut self, duration_ns: i64) {
-        let duration_ns = u64::try_from(duration_ns).unwrap_or(0);
+        let bucket = bucket(u64::try_from(duration_ns).unwrap_or(0).min(HIGHEST_NS));
         match &mut self.0 {
-            Counts::Own(histogram) => histogram.saturating_record(duration_ns),
-            Counts::Kept(buckets) => buckets.add(bucket(duration_ns.min(HIGHEST_NS))),
+            Counts::Own(own) => own.add(bucket, 1),
+            Counts::Kept(buckets) => buckets.add(bucket),
         }
     }
 
-    pub(crate) fn histogram(&self) -> Cow<'_, Histogram<u64>> {
-        match &self.0 {
-            Counts::Own(histogram) => Cow::Borrowed(histogram),
-            Counts::Kept(buckets) => {
-                let pairs = (0..BUCKETS).map(|bucket| (shortest_ns(bucket), buckets.count(bucket)));
-                Cow::Owned(filled(pairs.filter(|(_, count)| *count > 0)))
-            }
+    /// The buckets with a count, in the order of their durations.
+    fn recorded(&self) -> impl Iterator<Item = (usize, u64)> + '_ {
+        let range = match &self.0 {
+            Counts::Own(own) => own.recorded.clone(),
+            Counts::Kept(_) => 0..BUCKETS,
+        };
+        let count = move |bucket: usize| match &self.0 {
+            Counts::Own(own) => own.counts[bucket],
+            Counts::Kept(buckets) => buckets.count(bucket),
+        };
+        range.map(move |bucket| (bucket, count(bucket))).filter(|(_, count)| *count > 0)
+    }
+
+    /// As the HdrHistogram family has it.
+    pub(crate) fn histogram(&self) -> Histogram<u64> {
+        let mut histogram = Histogram::new_with_bounds(1, HIGHEST_NS, 2)
+            .expect("1 <= low, 2 low <= high and 2 digits are valid bounds");
+        for (bucket, count) in self.recorded() {
+            histogram.saturating_record_n(shortest_ns(bucket), count);
         }
+        histogram
     }
 
     /// Number of recorded durations.
     #[must_use]
     pub fn count(&self) -> u64 {
-        self.histogram().len()
+        self.recorded().map(|(_, count)| count).sum()
     }
 
     /// Number of recorded durations of more than `duration_ns`, to the resolution of the histogram.
     #[must_use]
     pub fn count_above_ns(&self, duration_ns: u64) -> u64 {
-        let histogram = self.histogram();
-        histogram.len() - histogram.count_between(0, duration_ns)
+        let limit = bucket(duration_ns.min(HIGHEST_NS));
+        let above = self.recorded().filter(|(bucket, _)| *bucket > limit);
+        above.map(|(_, count)| count).sum()
     }
 
     /// The whole distribution, as a curve; empty if nothing was recorded.
@@ -136,19 +179,29 @@ impl Latencies {
     /// Percentiles in microseconds; `None` if nothing was recorded.
     #[must_use]
     pub fn percentiles_us(&self) -> Option<Percentiles> {
-        let histogram = self.histogram();
-        if histogram.is_empty() {
-            return None;
-        }
-        let at = |quantile: f64| histogram.value_at_quantile(quantile) as f64 / 1e3;
+        let total = self.count();
+        let (last, _) = self.recorded().last()?;
+        let mut recorded = self.recorded();
+        let (mut reached, mut longest_us) = (0, 0.0);
+        // In rising order: one pass finds them all.
+        let mut at = |quantile: f64| {
+            let wanted = ((quantile * total as f64).ceil() as u64).max(1);
+            while reached < wanted
+                && let Some((bucket, count)) = recorded.next()
+            {
+                reached += count;
+                longest_us = longest_ns(bucket) as f64 / 1e3;
+            }
+            longest_us
+        };
         Some(Percentiles {
             p50: at(0.5),
             p90: at(0.9),
             p99: at(0.99),
             p999: at(0.999),
             p9999: at(0.9999),
-            max: histogram.max() as f64 / 1e3,
-            count: histogram.len(),
+            max: longest_ns(last) as f64 / 1e3,
+            count: total,
         })
     }
 }
@@ -182,12 +235,34 @@ mod tests {
 
     #[test]
     fn buckets_are_those_of_the_histogram() {
-        let histogram = Latencies::default().histogram().into_owned();
+        let histogram = Latencies::default().histogram();
         let values = (0..100_000).chain((100_000..HIGHEST_NS).step_by(9_999_991));
         for ns in values.chain([HIGHEST_NS]) {
             let shortest_ns = shortest_ns(bucket(ns));
             assert_eq!(shortest_ns, histogram.lowest_equivalent(ns), "{ns}");
+            assert_eq!(longest_ns(bucket(ns)), histogram.highest_equivalent(ns), "{ns}");
             assert!(bucket(ns) < BUCKETS);
+        }
+    }
+
+    #[test]
+    fn percentiles_are_those_of_the_histogram() {
+        let mut random = 1_u64;
+        for samples in [1, 2, 3, 10, 999, 1_000, 1_001, 50_000] {
+            let mut latencies = Latencies::default();
+            for _ in 0..samples {
+                random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                latencies.record_ns((random >> 33 >> (random % 31)) as i64);
+            }
+            let histogram = latencies.histogram();
+            let at = |quantile| histogram.value_at_quantile(quantile) as f64 / 1e3;
+            let p = latencies.percentiles_us().expect("samples were recorded");
+            let [p50, p90, p99, p999, p9999] = [0.5, 0.9, 0.99, 0.999, 0.9999].map(at);
+            assert_eq!([p.p50, p.p90, p.p99, p.p999, p.p9999], [p50, p90, p99, p999, p9999]);
+            assert_eq!((p.max, p.count), (histogram.max() as f64 / 1e3, histogram.len()));
+            let above = histogram.len() - histogram.count_between(0, 70_000);
+            assert_eq!(latencies.count_above_ns(70_000), above);
+            assert_eq!((latencies.clone(), latencies.count()), (latencies, samples));
         }
     }
 
