@@ -275,7 +275,7 @@ impl Plant {
 
     fn publish(&mut self, release: &Release) -> Result<(), RuntimeError> {
         let state = self.ego.state();
-        let origins = self.active.map_or(Origins::NONE, |command| command.header.origins);
+        let origins = self.active.as_ref().map_or(Origins::NONE, |active| active.header.origins);
         let header = Header::new(release.step, release.scheduled_ns, origins);
         if let (Some(publisher), Some(truck)) = (&mut self.powertrain, self.ego.truck()) {
             let powertrain = truck.powertrain();

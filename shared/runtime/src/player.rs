@@ -41,7 +41,7 @@ impl Player {
 #[derive(Debug)]
 pub struct Played<T: Message> {
     port: Rc<dyn Sender<T>>,
-    waker: Waker,
+    waker: Option<Waker>,
 }
 
 impl<T: Message> Played<T> {
@@ -58,7 +58,9 @@ impl<T: Message> Played<T> {
         }
         place.copy_from_slice(bytes);
         self.port.send(message).map_err(error)?;
-        self.waker.wake();
+        if let Some(waker) = &self.waker {
+            waker.wake();
+        }
         Ok(())
     }
 }

@@ -51,7 +51,7 @@ impl Probe {
     pub fn publisher<T: Carried>(&self, source: Service) -> Result<Publisher<T>, RuntimeError> {
         Ok(Publisher::new(Outlet {
             port: T::sender(&self.transport, End::default())?,
-            waker: Some(self.transport.waker(T::TOPIC)),
+            waker: self.transport.waker(T::TOPIC),
             clock: Rc::new(Clock::new(self.group.mode, self.group.timetable.step_ns)),
             timetable: self.group.timetable,
             source,
@@ -112,7 +112,7 @@ impl Probe {
             .initial_max_slice_len(bytes)
             .create()
             .map_err(refused(PAYLOAD_TOPIC))?;
-        let waker = self.transport.waker(PAYLOAD_TOPIC);
+        let waker = self.node().waker(PAYLOAD_TOPIC);
         Ok(PayloadSender { port, waker, bytes, contents, sent: 0 })
     }
 

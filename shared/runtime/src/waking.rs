@@ -37,7 +37,7 @@ impl WakeWords {
     }
 
     pub(super) fn waker(&self, topic: Topic) -> Waker {
-        Waker::Futex { words: self.clone(), topic }
+        Waker { words: self.clone(), topic }
     }
 
     pub(super) fn waiter(&self, topic: Topic) -> Waiter {
@@ -50,25 +50,17 @@ impl WakeWords {
     }
 }
 
-/// Wakes those who wait for a topic.
+/// Wakes those who wait for a topic in other processes.
 #[derive(Debug)]
-pub(super) enum Waker {
-    /// In other processes.
-    Futex {
-        /// The run's words.
-        words: WakeWords,
-        /// The topic.
-        topic: Topic,
-    },
-    /// In the same thread, where waiting is a matter of turns.
-    InProcess,
+pub(super) struct Waker {
+    words: WakeWords,
+    topic: Topic,
 }
 
 impl Waker {
     /// Wakes all who wait. To be called after the sample was sent.
     pub(super) fn wake(&self) {
-        let Self::Futex { words, topic } = self else { return };
-        let word = words.word(*topic);
+        let word = self.words.word(self.topic);
         word.fetch_add(1, Ordering::Release);
         futex::wake(word, futex::Flags::empty(), i32::MAX.unsigned_abs())
             .expect("waking fails only for addresses that are none");

@@ -6,5 +6,6 @@ mod tally;
 
 pub use publisher::Publisher;
 pub(super) use publisher::{Backlog, Outlet};
+pub(super) use subscriber::Expected;
 pub use subscriber::Subscriber;
 pub(super) use tally::Tally;

@@ -22,6 +22,17 @@ const FUTURE_TOLERANCE_NS: i64 = 5_000_000;
 /// Periods of its source after which a topic without a message counts as silent.
 const SILENCE: f64 = 1.5;
 
+/// How often messages of a topic are expected in a group.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Expected {
+    /// The service that sends them.
+    pub(crate) source: Service,
+    /// Steps between two of its releases.
+    pub(crate) stride: u64,
+    /// Time between two messages, ns.
+    pub(crate) period_ns: i64,
+}
+
 /// The receiving end of `T`'s topic: keeps the newest sample that passed the end-to-end check and is
 /// not of a later step.
 #[derive(Debug)]
@@ -48,6 +59,8 @@ pub struct Subscriber<T: Message> {
     clock: Option<Rc<Clock>>,
     faults: Rc<Faults>,
     channel_faults: Option<Box<ChannelFaults<T>>>,
+    /// None where every service sends, or none does.
+    pub(crate) expected: Option<Expected>,
     /// Run time of the last message used, or of the last silence counted since, ns.
     heard_ns: i64,
     pub(crate) tally: Rc<RefCell<Tally>>,
@@ -79,6 +92,7 @@ impl<T: Message> Subscriber<T> {
             clock,
             faults,
             channel_faults: None,
+            expected: None,
             heard_ns: 0,
             tally,
         }
@@ -196,7 +210,8 @@ impl<T: Message> Subscriber<T> {
 
     /// Counts a silence of more than a period of the topic's source as the standard's "no new data",
     /// once in a period.
-    pub(crate) fn note_silence(&mut self, now_ns: i64, source: Service, period_ns: i64) {
+    pub(crate) fn note_silence(&mut self, now_ns: i64) {
+        let Some(Expected { source, period_ns, .. }) = self.expected else { return };
         if now_ns - self.heard_ns > (SILENCE * period_ns as f64) as i64 {
             self.heard_ns += period_ns;
             self.channels[source.to_wire() as usize].nothing_new(&mut self.tally.borrow_mut().e2e);

@@ -4,7 +4,7 @@ use super::Runtime;
 use crate::scheduling::give_up_priority;
 use crate::transport::Carrier;
 use crate::{FromService, Mode, RuntimeError, Subscriber};
-use messages::{Header, Message, Origins, ServiceState, Topic};
+use messages::{Header, Message, Origins, ServiceState};
 use std::sync::OnceLock;
 use std::time::Duration;
 
@@ -66,25 +66,15 @@ impl Runtime {
             let origin = schedule.input(T::TOPIC);
             return topic.await_sample(origin, self.step, &self.link.end, patience);
         }
-        let source = T::TOPIC.source(self.scenario.services());
-        match (self.group.mode, source) {
-            (Mode::Lockstep, Some(source)) => {
-                let due = self.group.timetable.latest_release(source, self.step);
+        match (self.group.mode, topic.expected) {
+            (Mode::Lockstep, Some(expected)) => {
+                let due = self.step - self.step % expected.stride;
                 topic.await_step(due, self.step, &self.link.end, patience)?;
             }
             _ => topic.drain(u64::MAX, |_| {})?,
         }
         let now_ns = self.clock.now_ns();
-        if let Some(source) = source {
-            let period_ns = match T::TOPIC {
-                // Frames of other hosts are looked for more often than they are sent.
-                Topic::RadioFrames | Topic::RadioSent => {
-                    i64::from(self.scenario.v2x.period_ms.value()) * 1_000_000
-                }
-                _ => self.group.timetable.period_ns(source),
-            };
-            topic.note_silence(now_ns, source, period_ns);
-        }
+        topic.note_silence(now_ns);
         self.faults.observe(|| topic.newest().and_then(Message::drive), now_ns);
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use super::Runtime;
 use crate::faults::SenderFaults;
-use crate::port::{Outlet, Tally};
+use crate::port::{Expected, Outlet, Tally};
 use crate::transport::{Connect, Input};
 use crate::{Carried, Mode, Publisher, RuntimeError, Subscriber};
 use messages::Topic;
@@ -27,7 +27,7 @@ impl Runtime {
         self.ports.push((T::TOPIC, Rc::clone(&port) as Rc<dyn Connect>));
         let publisher = Publisher::new(Outlet {
             port,
-            waker: awaited.then(|| self.transport.waker(T::TOPIC)),
+            waker: self.transport.waker(T::TOPIC).filter(|_| awaited),
             clock: Rc::clone(&self.clock),
             timetable: self.group.timetable,
             source: self.service,
@@ -68,7 +68,23 @@ impl Runtime {
         let (members, faults) = (Rc::clone(&self.members), Rc::clone(&self.faults));
         let clock = Some(Rc::clone(&self.clock));
         let fences = self.fences.clone();
-        Ok(Subscriber::new(port, waiter, members, fences, clock, faults, tally))
+        let mut subscriber = Subscriber::new(port, waiter, members, fences, clock, faults, tally);
+        subscriber.expected = self.expected(T::TOPIC);
+        Ok(subscriber)
+    }
+
+    /// How often messages of `topic` are expected.
+    fn expected(&self, topic: Topic) -> Option<Expected> {
+        let source = topic.source(self.scenario.services())?;
+        let timetable = &self.group.timetable;
+        let period_ns = match topic {
+            // Frames of other hosts are looked for more often than they are sent.
+            Topic::RadioFrames | Topic::RadioSent => {
+                i64::from(self.scenario.v2x.period_ms.value()) * 1_000_000
+            }
+            _ => timetable.period_ns(source),
+        };
+        Some(Expected { source, stride: timetable.stride(source), period_ns })
     }
 
     pub(super) fn connect(&self) -> Result<(), RuntimeError> {

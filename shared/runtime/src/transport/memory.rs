@@ -124,8 +124,8 @@ impl Seat {
 #[derive(Debug)]
 struct MemorySender<T> {
     queues: Rc<Queues<T>>,
-    /// Messages that were sent: what no receiver has any more is written again.
-    pool: RefCell<Vec<Rc<T>>>,
+    /// Messages that were sent, oldest first: what no receiver has any more is written again.
+    pool: RefCell<VecDeque<Rc<T>>>,
     id: SenderId,
     limit: usize,
     sealing: Sealing,
@@ -166,10 +166,8 @@ impl<T: Message> Sender<T> for MemorySender<T> {
     fn loan(&self) -> Result<Loan<T>, TransportError> {
         let mut pool = self.pool.borrow_mut();
         let unused = pool.iter().position(|message| Rc::strong_count(message) == 1);
-        let message = match unused {
-            Some(index) => pool.swap_remove(index),
-            None => Rc::new(T::zeroed()),
-        };
+        let message = unused.and_then(|index| pool.remove(index));
+        let message = message.unwrap_or_else(|| Rc::new(T::zeroed()));
         Ok(Loan(Place::Memory(message)))
     }
 
@@ -188,7 +186,7 @@ impl<T: Message> Sender<T> for MemorySender<T> {
             }
             index += 1;
         }
-        self.pool.borrow_mut().push(message);
+        self.pool.borrow_mut().push_back(message);
         Ok(())
     }
 

@@ -73,10 +73,11 @@ impl Transport {
         }
     }
 
-    pub(super) fn waker(&self, topic: Topic) -> Waker {
+    /// What wakes those who wait for a topic; none in one thread, where waiting is a matter of turns.
+    pub(super) fn waker(&self, topic: Topic) -> Option<Waker> {
         match self {
-            Self::SharedMemory(node) => node.waker(topic),
-            Self::Memory(_) => Waker::InProcess,
+            Self::SharedMemory(node) => Some(node.waker(topic)),
+            Self::Memory(_) => None,
         }
     }
 

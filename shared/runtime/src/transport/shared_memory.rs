@@ -231,7 +231,7 @@ impl SharedMemory {
             .map_err(refused(PAYLOAD_TOPIC))
     }
 
-    pub(super) fn waker(&self, topic: Topic) -> Waker {
+    pub(crate) fn waker(&self, topic: Topic) -> Waker {
         self.wake_words.waker(topic)
     }
 
