@@ -209,8 +209,10 @@ impl Lateral {
     /// Takes a measured rate, m/s, with its variance, m²/s².
     pub fn update_rate(&mut self, measured_mps: f64, variance_m2ps2: f64) {
         let spread = variance_m2ps2 + STEP_MPS * STEP_MPS / 12.0;
+        let scale = (std::f64::consts::TAU * spread).sqrt();
         for (k, state) in self.states.iter_mut().enumerate() {
-            let inlier = (1.0 - OUTLIER) * density(measured_mps - rate(k), spread);
+            let off_mps = measured_mps - rate(k);
+            let inlier = (1.0 - OUTLIER) * (libm::exp(-0.5 * off_mps * off_mps / spread) / scale);
             state.probability *= inlier + OUTLIER * OUTLIER_DENSITY;
         }
         self.normalise();

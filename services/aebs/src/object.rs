@@ -91,18 +91,18 @@ impl Object {
         self.speed_mps = speed;
     }
 
-    /// True if the nearer corner of its face is within half of the field of view.
-    pub(crate) fn shows_its_face(&self, half_field_of_view_rad: f64) -> bool {
+    /// True if the nearer corner of its face is within half of the field of view, of this tangent.
+    pub(crate) fn shows_its_face(&self, view_tangent: f64) -> bool {
         let off_m = (self.lateral.position_m.abs() - SIDE_M).max(0.0);
         let surely_m = self.distance_m - BLIND_MARGIN_M;
-        surely_m > 0.0 && off_m < surely_m * libm::tan(half_field_of_view_rad)
+        surely_m > 0.0 && off_m < surely_m * view_tangent
     }
 
     /// True if all of it that reflects is outside of the field of view, beside the ego.
-    pub(crate) fn is_hidden_beside(&self, half_field_of_view_rad: f64) -> bool {
+    pub(crate) fn is_hidden_beside(&self, view_tangent: f64) -> bool {
         let off_m = (self.lateral.position_m.abs() - SIDE_M).max(0.0);
         let last_m = self.distance_m + self.length_m - OVERHANG_M - BLIND_MARGIN_M;
-        last_m <= 0.0 || off_m > last_m * libm::tan(half_field_of_view_rad)
+        last_m <= 0.0 || off_m > last_m * view_tangent
     }
 
     /// Is carried on without a point: what has come to the ego's axis stays there.

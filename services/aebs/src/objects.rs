@@ -44,7 +44,8 @@ pub struct Objects {
     list: Vec<Object>,
     sums: Vec<Sums>,
     last_scan_ns: Option<i64>,
-    half_field_of_view_rad: f64,
+    /// Tangent of half of the field of view.
+    view_tangent: f64,
 }
 
 impl Objects {
@@ -55,7 +56,7 @@ impl Objects {
             list: Vec::with_capacity(MAX_OBJECTS),
             sums: Vec::with_capacity(MAX_OBJECTS),
             last_scan_ns: None,
-            half_field_of_view_rad,
+            view_tangent: libm::tan(half_field_of_view_rad),
         }
     }
 
@@ -68,19 +69,19 @@ impl Objects {
     /// scan that is not later than the last one is passed over. Allocates nothing.
     pub fn take_scan(&mut self, scan_ns: i64, ego_mps: f64, detections: &[Detection]) {
         let Some(period_s) = self.advance(scan_ns, ego_mps) else { return };
-        let half_field_of_view_rad = self.half_field_of_view_rad;
+        let view_tangent = self.view_tangent;
         self.sums.clear();
         self.sums.resize(self.list.len(), Sums::NONE);
         for point in detections.iter().filter_map(|detection| Point::of(detection, ego_mps)) {
             self.assign(&point);
         }
         for (object, sums) in self.list.iter_mut().zip(&self.sums) {
-            let shows_its_face = object.shows_its_face(half_field_of_view_rad);
+            let shows_its_face = object.shows_its_face(view_tangent);
             correct(object, sums, period_s, shows_its_face);
         }
         self.list.retain(|object| {
             let seen_lately = object.history & 0b11 != 0;
-            let beside = object.is_hidden_beside(half_field_of_view_rad);
+            let beside = object.is_hidden_beside(view_tangent);
             let longest_s = if beside { BESIDE_S } else { COAST_S };
             if object.is_confirmed { object.unseen_s <= longest_s } else { seen_lately }
         });

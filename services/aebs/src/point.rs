@@ -38,8 +38,13 @@ pub(crate) struct Point {
 impl Point {
     /// `None` for what is behind the antenna or stands beside the path.
     pub(crate) fn of(detection: &Detection, ego_mps: f64) -> Option<Self> {
-        let (cosine, sine) = (libm::cos(detection.azimuth_rad), libm::sin(detection.azimuth_rad));
+        let (sine, cosine) = libm::sincos(detection.azimuth_rad);
         if cosine < 0.1 {
+            return None;
+        }
+        let y_m = detection.range_m * sine;
+        let speed_mps = ego_mps + detection.range_rate_mps / cosine;
+        if y_m.abs() > STANDING_OFFSET_M && speed_mps.abs() < 2.0 * STANDING_MPS {
             return None;
         }
         let x_m = detection.range_m * cosine;
@@ -49,17 +54,15 @@ impl Point {
         let across_m2 = along_m2
             + x_m * x_m * (AZIMUTH_SIGMA_RAD * AZIMUTH_SIGMA_RAD + weak_rad * weak_rad)
                 / (cosine * cosine * cosine * cosine);
-        let point = Self {
+        Some(Self {
             x_m,
-            y_m: detection.range_m * sine,
-            speed_mps: ego_mps + detection.range_rate_mps / cosine,
+            y_m,
+            speed_mps,
             tangent: sine / cosine,
             amplitude: libm::exp10(0.05 * detection.snr_db.clamp(0.0, STRONGEST_DB)),
             variance_m2: across_m2 + SIDE_SIGMA_M * SIDE_SIGMA_M,
             speed_variance: (RATE_SIGMA_MPS * RATE_SIGMA_MPS + weak_mps * weak_mps)
                 / (cosine * cosine),
-        };
-        let beside = point.y_m.abs() > STANDING_OFFSET_M;
-        (!(beside && point.speed_mps.abs() < 2.0 * STANDING_MPS)).then_some(point)
+        })
     }
 }

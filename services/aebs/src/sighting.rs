@@ -91,7 +91,8 @@ impl Sums {
         if let Some((side, off_m)) = object.shown_side()
             && behind_m > SIDE_BEHIND_M
         {
-            let known_m2 = object.lateral.position_sigma_m() * object.lateral.position_sigma_m();
+            let known_m = object.lateral.position_sigma_m();
+            let known_m2 = known_m * known_m;
             let gate_m = SIDE_GATE * (known_m2 + point.variance_m2).sqrt();
             if (point.y_m - side * off_m).abs() < gate_m {
                 self.side_weight += 1.0 / point.variance_m2;

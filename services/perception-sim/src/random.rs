@@ -59,7 +59,7 @@ impl Random {
 
     /// An exponential deviate with mean 1.
     pub fn exponential(&mut self) -> f64 {
-        -libm::log(1.0 - self.uniform())
+        exponential(self.uniform())
     }
 
     /// How many events of a Poisson process with this mean happen: exponential waiting times are
@@ -72,6 +72,12 @@ impl Random {
         }
         events
     }
+}
+
+/// An exponential deviate with mean 1 from a uniform one in [0, 1).
+#[must_use]
+pub fn exponential(uniform: f64) -> f64 {
+    -libm::log(1.0 - uniform)
 }
 
 /// A number in [0, 1) that belongs to `index` of the stream `seed`: for what stands in the world and has

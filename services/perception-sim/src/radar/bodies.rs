@@ -193,8 +193,8 @@ impl Sight<'_> {
         velocity: (f64, f64),
         area_m2: f64,
     ) -> Option<Echo> {
-        let area_m2 = area_m2 * self.bodies.fluctuation.draw(&mut self.random);
-        let mut echo = self.antenna.echo((x, y), velocity, area_m2)?;
+        let fluctuation = self.bodies.fluctuation.draw(&mut self.random);
+        let mut echo = self.antenna.echo((x, y), velocity, || area_m2 * fluctuation())?;
         if self.bodies.hidden_factor < 1.0 && hidden(self.scene, index, x, y) {
             echo.power *= self.bodies.hidden_factor;
         }
@@ -208,7 +208,7 @@ impl Sight<'_> {
         if under.probability > 0.0 && self.random.uniform() < under.probability {
             let range_m = direct.range_m + under.mean_m * self.random.exponential();
             let fluctuation = self.bodies.fluctuation.draw(&mut self.random);
-            let power = under.factor * fluctuation * direct.power;
+            let power = under.factor * fluctuation() * direct.power;
             self.echoes.add(Echo { range_m, power, ..*direct });
         }
     }
@@ -231,7 +231,7 @@ impl Sight<'_> {
                 continue;
             }
             let fluctuation = self.bodies.fluctuation.draw(&mut self.random);
-            let area_m2 = area_m2 * rail.factor * fluctuation;
+            let area_m2 = || area_m2 * rail.factor * fluctuation();
             if let Some(echo) = self.antenna.echo((x, image_y), (vx, -vy), area_m2) {
                 self.echoes.add(echo);
             }

@@ -1,6 +1,6 @@
 //! An echo on its way to the receiver, and the antenna that it passes through.
 
-use crate::random::Random;
+use crate::random::{Random, exponential};
 
 /// Distance at which `snr_at_100_m_db` is stated, m.
 pub const REFERENCE_M: f64 = 100.0;
@@ -39,6 +39,8 @@ pub struct Antenna {
     pub half_field_of_view_rad: f64,
     /// Farthest range, m.
     pub max_range_m: f64,
+    /// What is farther to the side than this times its distance ahead is surely out of sight.
+    beyond_sight: f64,
 }
 
 impl Antenna {
@@ -57,20 +59,23 @@ impl Antenna {
                 / (half_field_of_view_rad * half_field_of_view_rad),
             half_field_of_view_rad,
             max_range_m,
+            // Its rounding errors are far below the margin.
+            beyond_sight: libm::tan(half_field_of_view_rad).abs() * (1.0 + 1e-9),
         }
     }
 
     /// The echo of a point at (`x_m` ahead, `y_m` left) that moves relative to the antenna with
-    /// (`vx_mps`, `vy_mps`), with cross section `area_m2`; `None` out of sight.
+    /// (`vx_mps`, `vy_mps`), with the cross section that `area_m2` gives if it is needed; `None` out of sight.
     #[must_use]
     pub fn echo(
         &self,
         (x_m, y_m): (f64, f64),
         (vx_mps, vy_mps): (f64, f64),
-        area_m2: f64,
+        area_m2: impl FnOnce() -> f64,
     ) -> Option<Echo> {
         let square = x_m * x_m + y_m * y_m;
-        if x_m <= 0.0 || square > self.max_range_m * self.max_range_m {
+        let is_near = square <= self.max_range_m * self.max_range_m;
+        if x_m <= 0.0 || !is_near || y_m.abs() > self.beyond_sight * x_m {
             return None;
         }
         let azimuth_rad = libm::atan(y_m / x_m);
@@ -78,7 +83,7 @@ impl Antenna {
             return None;
         }
         let range_m = square.sqrt();
-        let power = area_m2 * self.power_of_square_metre(range_m, azimuth_rad);
+        let power = area_m2() * self.power_of_square_metre(range_m, azimuth_rad);
         let range_rate_mps = (vx_mps * x_m + vy_mps * y_m) / range_m;
         Some(Echo { range_m, range_rate_mps, azimuth_rad, power, false_alarm: false })
     }
@@ -109,12 +114,20 @@ pub enum Fluctuation {
 }
 
 impl Fluctuation {
-    /// This scan's factor on the mean power.
-    pub fn draw(self, random: &mut Random) -> f64 {
-        match self {
-            Self::None => 1.0,
-            Self::ManyParts => random.exponential(),
-            Self::StrongPart => 0.5 * (random.exponential() + random.exponential()),
+    /// Draws for this scan; what it gives computes the factor on the mean power.
+    pub fn draw(self, random: &mut Random) -> impl FnOnce() -> f64 + use<> {
+        let draws = match self {
+            Self::None => [0.0; 2],
+            Self::ManyParts => [random.uniform(), 0.0],
+            Self::StrongPart => [random.uniform(), random.uniform()],
+        };
+        move || {
+            let [first, second] = draws;
+            match self {
+                Self::None => 1.0,
+                Self::ManyParts => exponential(first),
+                Self::StrongPart => 0.5 * (exponential(first) + exponential(second)),
+            }
         }
     }
 }
@@ -141,7 +154,7 @@ mod tests {
 
     #[test]
     fn power_falls_with_the_fourth_power_of_range_and_to_the_edge() {
-        let power = |x, y| antenna().echo((x, y), (0.0, 0.0), 10.0).expect("in sight").power;
+        let power = |x, y| antenna().echo((x, y), (0.0, 0.0), || 10.0).expect("in sight").power;
         assert!((decibels(power(100.0, 0.0)) - 25.0).abs() < 1e-9);
         assert!((decibels(power(50.0, 0.0)) - 25.0 - 12.0412).abs() < 1e-3);
         let edge = (29.999f64.to_radians().cos() * 100.0, 29.999f64.to_radians().sin() * 100.0);
@@ -150,14 +163,14 @@ mod tests {
 
     #[test]
     fn sight_ends_at_range_and_field_of_view() {
-        let sees = |x, y| antenna().echo((x, y), (0.0, 0.0), 1.0).is_some();
+        let sees = |x, y| antenna().echo((x, y), (0.0, 0.0), || 1.0).is_some();
         assert!(sees(150.0, 0.0) && !sees(150.1, 0.0) && !sees(-1.0, 0.0) && !sees(0.0, 1.0));
         assert!(sees(10.0, 5.77) && !sees(10.0, 5.78) && sees(10.0, -5.77) && !sees(10.0, -5.78));
     }
 
     #[test]
     fn the_range_rate_is_the_motion_along_the_line_of_sight() {
-        let echo = antenna().echo((40.0, 3.0), (-5.0, 2.0), 1.0).expect("in sight");
+        let echo = antenna().echo((40.0, 3.0), (-5.0, 2.0), || 1.0).expect("in sight");
         assert!((echo.range_rate_mps - (-5.0 * 40.0 + 2.0 * 3.0) / echo.range_m).abs() < 1e-12);
         assert!((echo.azimuth_rad - libm::atan2(3.0, 40.0)).abs() < 1e-12);
     }
@@ -173,7 +186,7 @@ mod tests {
             let n = 100_000;
             let (mut sum, mut squares) = (0.0, 0.0);
             for _ in 0..n {
-                let factor = fluctuation.draw(&mut random);
+                let factor = fluctuation.draw(&mut random)();
                 sum += factor;
                 squares += (factor - 1.0) * (factor - 1.0);
             }

@@ -359,7 +359,7 @@ mod tests {
     #[test]
     fn a_weak_echo_has_the_cross_section_that_was_put_in() {
         let antenna = antenna();
-        let direct = antenna.echo((80.0, 0.0), (0.0, 0.0), 10.0).expect("in sight");
+        let direct = antenna.echo((80.0, 0.0), (0.0, 0.0), || 10.0).expect("in sight");
         let detections = &scans(&RECEIVER, &[direct], 1)[0];
         assert!((detections[0].rcs_dbsm - 10.0).abs() < 3.0, "{detections:?}");
     }

@@ -45,8 +45,10 @@ impl Roadside {
                 let object = hash(seed, STREAM + 2 * cell as u64 + side);
                 let x_m = (cell as f64 + fixed(object, 0)) * cell_m - ego.position_m;
                 let y_m = sign * (self.offset_m + DEPTH_M * fixed(object, 1));
-                let mean_m2 = -self.area_m2 * libm::log(1.0 - fixed(object, 2));
-                let area_m2 = mean_m2 * self.fluctuation.draw(&mut random);
+                // Drawn also for what is out of sight: the others' draws do not depend on it.
+                let fluctuation = self.fluctuation.draw(&mut random);
+                let mean_m2 = || -self.area_m2 * libm::log(1.0 - fixed(object, 2));
+                let area_m2 = || mean_m2() * fluctuation();
                 let Some(mut echo) = antenna.echo((x_m, y_m), (-ego.speed_mps, 0.0), area_m2)
                 else {
                     continue;

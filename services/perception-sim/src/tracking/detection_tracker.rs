@@ -205,15 +205,17 @@ impl DetectionTracker {
                 in_path: track.membership.in_path(),
                 ..Track::default()
             };
-            entry.range_m = libm::hypot(entry.gap_m, entry.lateral_m);
-            entry.range_rate_mps = entry.relative_speed_mps;
-            entry.azimuth_rad = libm::atan2(entry.lateral_m, entry.gap_m.max(0.1));
-            if track.is_seen()
-                && let Some(detection) = detections.get(track.nearest)
-            {
-                entry.range_m = detection.range_m;
-                entry.range_rate_mps = detection.range_rate_mps;
-                entry.azimuth_rad = detection.azimuth_rad;
+            match detections.get(track.nearest).filter(|_| track.is_seen()) {
+                Some(detection) => {
+                    entry.range_m = detection.range_m;
+                    entry.range_rate_mps = detection.range_rate_mps;
+                    entry.azimuth_rad = detection.azimuth_rad;
+                }
+                None => {
+                    entry.range_m = libm::hypot(entry.gap_m, entry.lateral_m);
+                    entry.range_rate_mps = entry.relative_speed_mps;
+                    entry.azimuth_rad = libm::atan2(entry.lateral_m, entry.gap_m.max(0.1));
+                }
             }
             list.add(entry);
         }

@@ -92,8 +92,7 @@ impl EgoSpeed {
     fn vote(&mut self, detections: &[Detection]) {
         self.votes_mps.clear();
         for detection in detections {
-            let (cosine, sine) =
-                (libm::cos(detection.azimuth_rad), libm::sin(detection.azimuth_rad));
+            let (sine, cosine) = libm::sincos(detection.azimuth_rad);
             let is_beside = (detection.range_m * sine).abs() > OFF_LANE_M && cosine > 0.5;
             if is_beside && detection.ambiguity_group == 0 {
                 self.votes_mps.push(-detection.range_rate_mps / cosine);
