@@ -49,7 +49,7 @@ pub fn run_watched(
     interrupted: &dyn Fn() -> bool,
     watch: &mut dyn FnMut(&Moment<'_>),
 ) -> Result<GroupOutcome, Error> {
-    run_behind(scenario, Box::new(|_, _| {}), interrupted, watch)
+    run_behind(scenario, Sealing::Sealed, Box::new(|_, _| {}), interrupted, watch)
 }
 
 /// The same of a run whose messages nothing compares with another run's: their CRCs and digests are not computed,
@@ -61,24 +61,15 @@ pub fn run_unsealed(
     scenario: &Scenario,
     interrupted: &dyn Fn() -> bool,
 ) -> Result<GroupOutcome, Error> {
-    drive(scenario, Sealing::Unsealed, Box::new(|_, _| {}), interrupted, &mut |_| {})
+    run_behind(scenario, Sealing::Unsealed, Box::new(|_, _| {}), interrupted, &mut |_| {})
 }
 
-/// The same behind a vehicle, the scenario's first, whose table of speeds `ahead` makes longer during
+/// Either of them behind a vehicle, the scenario's first, whose table of speeds `ahead` makes longer during
 /// the run. The run is to the byte the one with the whole table.
 ///
 /// # Errors
 /// As [`run`].
 pub fn run_behind(
-    scenario: &Scenario,
-    ahead: Ahead,
-    interrupted: &dyn Fn() -> bool,
-    watch: &mut dyn FnMut(&Moment<'_>),
-) -> Result<GroupOutcome, Error> {
-    drive(scenario, Sealing::Sealed, ahead, interrupted, watch)
-}
-
-fn drive(
     scenario: &Scenario,
     sealing: Sealing,
     ahead: Ahead,

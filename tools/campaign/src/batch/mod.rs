@@ -308,12 +308,13 @@ pub fn check(scenario: &Scenario, mode: Mode, group: &GroupOptions) -> Result<()
 /// As [`run`].
 pub fn lockstep_behind(
     scenario: &Scenario,
+    sealing: Sealing,
     ahead: Ahead,
     going_on: &dyn Fn() -> bool,
     watch: &mut dyn FnMut(&Moment<'_>),
 ) -> Result<Done, Error> {
     let begun = Instant::now();
-    let outcome = group::in_process::run_behind(scenario, ahead, &|| !going_on(), watch)?;
+    let outcome = group::in_process::run_behind(scenario, sealing, ahead, &|| !going_on(), watch)?;
     done(scenario, Mode::Lockstep, outcome, begun, Vec::new())
 }
 

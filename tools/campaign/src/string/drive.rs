@@ -13,7 +13,7 @@ use group::in_process::Ahead;
 use group::{Error, GroupOptions};
 use indicatif::ProgressBar;
 use runtime::report::{ControlFigures, Outcome};
-use runtime::{Carrier, Mode};
+use runtime::{Carrier, Mode, Sealing};
 use scenario::Scenario;
 
 use super::growing::{Giver, Growing};
@@ -145,7 +145,12 @@ impl<'a> Drives<'a> {
                         if !going_on() {
                             continue;
                         }
-                        let told = car.drive(group, going_on).map(|(scenario, done)| {
+                        // Digests are there to be compared.
+                        let sealing = match repeated.contains(&(first + index)) {
+                            true => Sealing::Sealed,
+                            false => Sealing::Unsealed,
+                        };
+                        let told = car.drive(group, sealing, going_on).map(|(scenario, done)| {
                             let own = Driven::of(car.plan, car.place, &scenario, &done);
                             let (number, summary) = (first + index, done.summary);
                             if repeated.contains(&number) && summary.carrier == Carrier::Memory {
@@ -228,16 +233,17 @@ impl<'a> Car<'a> {
     fn drive(
         &self,
         group: &GroupOptions,
+        sealing: Sealing,
         going_on: &dyn Fn() -> bool,
     ) -> Result<(Scenario, Done), Error> {
         let (scenario, done) = match &self.before {
             None => {
                 let scenario = self.plan.first();
-                let done = self.run(&scenario, group, nothing_new(), going_on)?;
+                let done = self.run(&scenario, group, sealing, nothing_new(), going_on)?;
                 (scenario, done)
             }
             Some(before) => {
-                let driven = self.drive_behind(before, group, going_on)?;
+                let driven = self.drive_behind(before, group, sealing, going_on)?;
                 before.forget();
                 driven
             }
@@ -251,6 +257,7 @@ impl<'a> Car<'a> {
         &self,
         before: &Arc<Growing>,
         group: &GroupOptions,
+        sealing: Sealing,
         going_on: &dyn Fn() -> bool,
     ) -> Result<(Scenario, Done), Error> {
         let whole = || before.whole().ok_or(Error::Interrupted);
@@ -259,7 +266,7 @@ impl<'a> Car<'a> {
         {
             let scenario = self.plan.behind(self.place, &start)?;
             let while_it_counts = || going_on() && !before.is_revoked();
-            let done = self.run(&scenario, group, before.ahead(), &while_it_counts);
+            let done = self.run(&scenario, group, sealing, before.ahead(), &while_it_counts);
             let motion = whole()?;
             if !before.is_revoked() {
                 return Ok((self.plan.behind(self.place, &motion)?, done?));
@@ -267,7 +274,7 @@ impl<'a> Car<'a> {
             self.growing.revoke();
         }
         let scenario = self.plan.behind(self.place, &whole()?)?;
-        let done = self.run(&scenario, group, nothing_new(), going_on)?;
+        let done = self.run(&scenario, group, sealing, nothing_new(), going_on)?;
         Ok((scenario, done))
     }
 
@@ -275,6 +282,7 @@ impl<'a> Car<'a> {
         &self,
         scenario: &Scenario,
         group: &GroupOptions,
+        sealing: Sealing,
         ahead: Ahead,
         going_on: &dyn Fn() -> bool,
     ) -> Result<Done, Error> {
@@ -282,7 +290,9 @@ impl<'a> Car<'a> {
             return batch::lockstep(scenario, group, false, going_on);
         }
         let mut giver = Giver::new(&self.growing, scenario);
-        batch::lockstep_behind(scenario, ahead, going_on, &mut |moment| giver.watch(moment))
+        batch::lockstep_behind(scenario, sealing, ahead, going_on, &mut |moment| {
+            giver.watch(moment)
+        })
     }
 }
 
