@@ -30,8 +30,8 @@ const AFTER_S: f64 = 4.0;
 /// Deceleration by which every law stops at the latest.
 const GENTLE_MPS2: f64 = 2.5;
 /// The run ends when all that is scripted is over and for this time no vehicle ahead was slower than the ego, none
-/// behind faster, and none beside it: ten cycles of every law, in which one that turns to the other again shows it.
-const CLEAR_S: f64 = 1.0;
+/// behind faster, and none beside it: five cycles of every law, in which one that turns to the other again shows it.
+const CLEAR_S: f64 = 0.5;
 
 /// Who drives a case.
 #[derive(Clone, Debug, PartialEq, Eq)]

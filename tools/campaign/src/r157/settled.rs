@@ -7,12 +7,26 @@
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use group::Error;
+use group::{Ended, Error, Failure, Status};
 
 use super::scene::{self, Driver};
 
 /// Time in which a law closes up or falls back to its own gap, s.
 pub const CLOSES_UP_S: f64 = 25.0;
+
+/// A drive behind a lead did not reach its end.
+#[derive(Debug, thiserror::Error)]
+#[error("{law} behind a lead at {speed_kmh} km/h: the run was aborted")]
+pub struct NotSettled {
+    law: String,
+    speed_kmh: u32,
+}
+
+impl Failure for NotSettled {
+    fn status(&self) -> Status {
+        Status::Machine
+    }
+}
 
 /// Settled gaps, m, by law and speed, km/h, as far as they were asked for.
 #[derive(Debug)]
@@ -37,10 +51,7 @@ impl Settled {
     /// The gap that `law` keeps at `speed_kmh`, m. The first to ask drives; two at once drive the same.
     ///
     /// # Errors
-    /// If there is no such law, or the run fails.
-    ///
-    /// # Panics
-    /// If the run fails without saying so.
+    /// [`Error::Scenario`] if there is no such law, [`NotSettled`], or what keeps the run from starting.
     pub fn gap_m(&self, law: &str, speed_kmh: u32) -> Result<f64, Error> {
         let key = (law.to_owned(), speed_kmh);
         if let Some(gap_m) = self.gaps_m().get(&key) {
@@ -50,7 +61,8 @@ impl Settled {
         let scenario = scene::behind_a_lead(speed_kmh, &driver, self.seed, CLOSES_UP_S)?;
         let group = group::in_process::run_unsealed(&scenario, &|| false)?;
         let last = group.drive.steps.iter().rev().find_map(|step| step.gap_m);
-        let gap_m = last.expect("the plant sees the lead from its first steps on");
+        let gap_m = last.filter(|_| group.ended == Ended::Orderly);
+        let gap_m = gap_m.ok_or_else(|| NotSettled { law: law.to_owned(), speed_kmh })?;
         self.gaps_m().insert(key, gap_m);
         Ok(gap_m)
     }
