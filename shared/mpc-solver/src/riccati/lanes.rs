@@ -5,14 +5,42 @@
 //! multiply-add would round once instead of twice), so that the bits do not depend on the machine; a test of
 //! the crate runs both.
 
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// Number of lanes.
+pub(super) const WIDTH: usize = 4;
 
 /// The four numbers.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(32))]
-pub(super) struct Lanes(pub(super) [f64; 4]);
+pub(super) struct Lanes(pub(super) [f64; WIDTH]);
 
 impl Lanes {
+    /// The same number everywhere.
+    #[inline(always)]
+    pub(super) const fn all(value: f64) -> Self {
+        Self([value; WIDTH])
+    }
+
+    /// Lane by lane the greater of two numbers, as one instruction; the other one where `self` is not a number.
+    #[inline(always)]
+    pub(super) fn greater(self, other: Self) -> Self {
+        let (a, b) = (self.0, other.0);
+        Self(std::array::from_fn(|i| if a[i] > b[i] { a[i] } else { b[i] }))
+    }
+
+    #[inline(always)]
+    pub(super) fn sum(self) -> f64 {
+        let [a, b, c, d] = self.0;
+        (a + b) + (c + d)
+    }
+
+    #[inline(always)]
+    pub(super) fn largest(self) -> f64 {
+        let [a, b, c, d] = self.0;
+        a.max(b).max(c.max(d))
+    }
+
     /// The first three moved on by one place: `(a, b, c, d)` becomes `(b, c, a, d)`.
     #[inline(always)]
     pub(super) fn rotated(self) -> Self {
@@ -45,6 +73,24 @@ impl Mul for Lanes {
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
         Self(std::array::from_fn(|i| self.0[i] * other.0[i]))
+    }
+}
+
+impl Div for Lanes {
+    type Output = Self;
+
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        Self(std::array::from_fn(|i| self.0[i] / other.0[i]))
+    }
+}
+
+impl Neg for Lanes {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(self.0.map(|x| -x))
     }
 }
 
@@ -98,7 +144,7 @@ impl Row for Lanes {
 
     #[inline(always)]
     fn splat(value: f64) -> Self {
-        Self([value; 4])
+        Self::all(value)
     }
 
     #[inline(always)]

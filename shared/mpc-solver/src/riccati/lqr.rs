@@ -30,8 +30,8 @@
 
 use multiversion::multiversion;
 
-use super::lanes::{Lanes, Row};
-use super::matrix::{Factors, Symmetric, add_rank_one, product};
+use super::lanes::{Lanes, Row, WIDTH};
+use super::matrix::{Factors, Symmetric, product};
 use crate::problem::{Problem, Terminal};
 
 /// The constant part of a problem, unpacked for the recursion.
@@ -66,14 +66,16 @@ pub(super) trait StageModels {
     /// Whether the disturbances count.
     const WITH_DISTURBANCE: bool;
 
+    /// Is told that stage `k` is next, `N` first and then downwards, before its models are asked for.
+    #[inline(always)]
+    fn enter(&mut self, _k: usize) {}
+
     /// Model of `u_k`.
     fn input(&self, k: usize) -> InputModel;
 
-    /// Linear cost of `x_k`, apart from that of the functions.
-    fn state_gradient(&self, k: usize) -> [f64; 3];
-
-    /// Calls back with `g`, curvature and slope of each modelled function of `g'x_k`, `k ≥ 1`.
-    fn state_functions(&self, k: usize, add: impl FnMut(&[f64; 3], f64, f64));
+    /// Adds to `hessian` what the modelled functions of `x_k` add to the cost's, and returns the gradient: the cost's and
+    /// theirs.
+    fn state(&self, k: usize, hessian: &mut Symmetric) -> [f64; 3];
 }
 
 /// The minimising input of a stage: `u = −(feedback·x + constant + terminal·y)`.
@@ -129,6 +131,7 @@ const STRIDE: usize = 8;
 /// Gains of all stages, and costs-to-go from which a sweep can be resumed.
 #[derive(Clone, Debug)]
 pub(super) struct Sweep {
+    /// With room for whole blocks of stages.
     pub(super) gains: Vec<Gain>,
     /// Entry `i` belongs to stage `STRIDE · i`.
     hessians: Vec<Symmetric>,
@@ -139,7 +142,7 @@ impl Sweep {
     pub(super) fn new(max_horizon: usize) -> Self {
         let stored = max_horizon / STRIDE + 1;
         Self {
-            gains: vec![Gain::default(); max_horizon],
+            gains: vec![Gain::default(); WIDTH * (max_horizon / WIDTH + 1)],
             hessians: vec![[0.0; 6]; stored],
             costs: vec![CostToGo::default(); stored],
         }
@@ -267,7 +270,7 @@ impl LinearQuadratic {
     pub(super) fn factor<M: StageModels>(
         &self,
         problem: &Problem,
-        models: &M,
+        models: &mut M,
         sweep: &mut Sweep,
         last: usize,
     ) -> CostToGo {
@@ -295,7 +298,7 @@ impl LinearQuadratic {
 fn backward<const LAST: bool, const DISTURBED: bool, R: Row, M: StageModels>(
     lq: &LinearQuadratic,
     problem: &Problem,
-    models: &M,
+    models: &mut M,
     sweep: &mut Sweep,
     last: usize,
 ) -> CostToGo {
@@ -306,12 +309,9 @@ fn backward<const LAST: bool, const DISTURBED: bool, R: Row, M: StageModels>(
     let (mut p, start) = if top < n {
         (sweep.hessians[from], sweep.costs[from])
     } else {
-        let mut gradient = models.state_gradient(n);
+        models.enter(n);
         let mut p = lq.p;
-        models.state_functions(n, |g, curvature, slope| {
-            add_rank_one(&mut p, g, curvature);
-            add_slope(&mut gradient, g, slope);
-        });
+        let gradient = models.state(n, &mut p);
         let [g0, g1, g2] = gradient;
         let linear = [[1.0, 0.0, 0.0, g0], [0.0, 1.0, 0.0, g1], [0.0, 0.0, 1.0, g2]];
         (p, CostToGo { linear: linear.map(Lanes), ..CostToGo::default() })
@@ -321,6 +321,7 @@ fn backward<const LAST: bool, const DISTURBED: bool, R: Row, M: StageModels>(
     let [a00, a01, a02, a11, a12, a22] = lq.a.map(R::splat);
     let last_squared = lq.b[2] * lq.b[2];
     for k in (0..top).rev() {
+        models.enter(k);
         let pb = if LAST {
             [lq.b[2] * p[2], lq.b[2] * p[4], lq.b[2] * p[5]]
         } else {
@@ -350,13 +351,7 @@ fn backward<const LAST: bool, const DISTURBED: bool, R: Row, M: StageModels>(
         let fa = lq.transposed(&pb);
         let f = [fa[0] + lq.s[0], fa[1] + lq.s[1], fa[2] + lq.s[2]];
         let mut next = lq.q;
-        let mut gradient = models.state_gradient(k);
-        if k > 0 {
-            models.state_functions(k, |g, curvature, slope| {
-                add_rank_one(&mut next, g, curvature);
-                add_slope(&mut gradient, g, slope);
-            });
-        }
+        let mut gradient = models.state(k, &mut next);
         let apa = lq.congruence(&p);
         for i in 0..6 {
             next[i] += apa[i];
@@ -465,10 +460,3 @@ impl Gain {
     }
 }
 
-/// Adds `slope · g`.
-#[inline(always)]
-fn add_slope(v: &mut [f64; 3], g: &[f64; 3], slope: f64) {
-    for i in 0..3 {
-        v[i] += slope * g[i];
-    }
-}

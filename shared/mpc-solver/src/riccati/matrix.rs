@@ -25,6 +25,14 @@ pub(super) fn add_rank_one(m: &mut Symmetric, g: &[f64; 3], weight: f64) {
     m[5] += wg[2] * g[2];
 }
 
+/// Adds `slope · g`.
+#[inline(always)]
+pub(super) fn add_slope(v: &mut [f64; 3], g: &[f64; 3], slope: f64) {
+    for i in 0..3 {
+        v[i] += slope * g[i];
+    }
+}
+
 /// `M = L D L'` of a positive semidefinite matrix.
 ///
 /// A term far below the precision of `M` keeps the factors regular when `M` is singular.

@@ -8,6 +8,7 @@
 
 use crate::problem::{Problem, Terminal};
 use crate::riccati::lqr::{CostToGo, InputModel, LinearQuadratic, StageModels, Sweep};
+use crate::riccati::matrix::Symmetric;
 
 /// The sweep, and the matrices that it was made from.
 #[derive(Clone, Debug)]
@@ -27,7 +28,7 @@ impl FirstSweep {
         &mut self,
         problem: &Problem,
         lq: &LinearQuadratic,
-        models: &M,
+        models: &mut M,
         last: usize,
         sweep: &mut Sweep,
     ) -> CostToGo {
@@ -38,7 +39,7 @@ impl FirstSweep {
         let is_fixed = matches!(problem.terminal, Terminal::Equality(_));
         let made_from = Some((*lq, n, is_fixed));
         if self.made_from != made_from {
-            self.cost_to_go = lq.factor(problem, &Unconstrained(problem), &mut self.sweep, n);
+            self.cost_to_go = lq.factor(problem, &mut Unconstrained(problem), &mut self.sweep, n);
             self.made_from = made_from;
         }
         sweep.copy_from(&self.sweep, n);
@@ -58,10 +59,7 @@ impl StageModels for Unconstrained<'_> {
     }
 
     #[inline(always)]
-    fn state_gradient(&self, k: usize) -> [f64; 3] {
+    fn state(&self, k: usize, _: &mut Symmetric) -> [f64; 3] {
         if k < self.0.horizon { self.0.q_lin[k] } else { self.0.p_lin }
     }
-
-    #[inline(always)]
-    fn state_functions(&self, _: usize, _: impl FnMut(&[f64; 3], f64, f64)) {}
 }

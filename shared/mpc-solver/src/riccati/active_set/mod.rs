@@ -35,6 +35,7 @@ mod switching;
 
 use super::light_curve::{LightCurve, LightTangent};
 use super::lqr::{InputModel, LinearQuadratic, StageModels, Sweep};
+use super::matrix::{Symmetric, add_rank_one, add_slope};
 use super::row_curve::RowTangent;
 use super::working_set::{Side, WorkingSet};
 use crate::kkt::Multipliers;
@@ -212,7 +213,7 @@ impl ActiveSet {
         last_changed: usize,
         point: &mut Point,
     ) -> bool {
-        let models = Models {
+        let mut models = Models {
             problem,
             sides: &self.guess.sides,
             tangents: &self.guess.light,
@@ -221,9 +222,9 @@ impl ActiveSet {
         };
         let cost_to_go = if is_first {
             let last = models.last_modelled(problem.horizon);
-            self.first_sweep.fill(problem, lq, &models, last, &mut self.sweep)
+            self.first_sweep.fill(problem, lq, &mut models, last, &mut self.sweep)
         } else {
-            lq.factor(problem, &models, &mut self.sweep, last_changed)
+            lq.factor(problem, &mut models, &mut self.sweep, last_changed)
         };
         let sides = &self.guess.sides;
         self.response.compute(problem, lq, &self.sweep, sides, self.rows.members());
@@ -360,12 +361,16 @@ impl StageModels for Models<'_> {
     }
 
     #[inline(always)]
-    fn state_gradient(&self, k: usize) -> [f64; 3] {
-        if k < self.problem.horizon { self.problem.q_lin[k] } else { self.problem.p_lin }
-    }
-
-    #[inline(always)]
-    fn state_functions(&self, k: usize, mut add: impl FnMut(&[f64; 3], f64, f64)) {
+    fn state(&self, k: usize, hessian: &mut Symmetric) -> [f64; 3] {
+        let problem = self.problem;
+        let mut gradient = if k < problem.horizon { problem.q_lin[k] } else { problem.p_lin };
+        let mut add = |g: &[f64; 3], curvature: f64, slope: f64| {
+            add_rank_one(hessian, g, curvature);
+            add_slope(&mut gradient, g, slope);
+        };
+        if k == 0 {
+            return gradient;
+        }
         if k <= self.stages.len() {
             let (stage, tangent) = (&self.stages[k - 1], &self.tangents[k - 1]);
             add(&stage.gradient, tangent.slope, -tangent.at_origin(stage.offset));
@@ -373,9 +378,10 @@ impl StageModels for Models<'_> {
         for (j, tangents) in self.rows.iter().enumerate() {
             let tangent = &tangents[k];
             if tangent.acts() {
-                let slope = tangent.at(-self.problem.limits[j][k]);
-                add(&self.problem.rows[j].gradient, tangent.slope, slope);
+                let slope = tangent.at(-problem.limits[j][k]);
+                add(&problem.rows[j].gradient, tangent.slope, slope);
             }
         }
+        gradient
     }
 }

@@ -1,11 +1,17 @@
 //! All families of inequalities together: the bounds of the inputs, the rows, the light.
+//!
+//! What they do they do for a block of stages at a time, lane by lane: the sweeps over the stages call for a block when
+//! they come to it. A sweep waits for its divisions and sums most of the time, and this is the time in which the machine
+//! does the work of the block.
 
 use super::input::InputBarrier;
 use super::light::LightBarrier;
+use super::pairs::{Lengths, Limits, Prediction};
 use super::row::RowBarrier;
 use crate::kkt::Multipliers;
 use crate::limits::MAX_ROWS;
 use crate::problem::Problem;
+use crate::riccati::lanes::{Lanes, WIDTH};
 use crate::riccati::light_curve::LightCurve;
 use crate::riccati::working_set::WorkingSet;
 
@@ -50,130 +56,87 @@ impl Barriers {
         self.light.start(problem.light.as_ref(), problem.light_stages(), states, slack, mu);
     }
 
-    /// Models the pairs for the predictor; returns the sum of the products and their mean.
-    #[inline(always)]
-    pub(super) fn linearize(&mut self, problem: &Problem, states: &[[f64; 3]]) -> (f64, f64) {
-        let (mut gap, mut pairs) = self.input.linearize();
-        for (row, h) in self.rows[..self.count].iter_mut().zip(&problem.limits) {
-            let (row_gap, row_pairs) = row.linearize(h, states);
-            gap += row_gap;
-            pairs += row_pairs;
-        }
-        let (light_gap, light_pairs) = self.light.linearize(problem.light_stages(), states);
-        gap += light_gap;
-        (gap, gap / (pairs + light_pairs) as f64)
+    /// Number of pairs, those in the blocks but beyond their stages included.
+    pub(super) fn pairs(&self) -> usize {
+        let rows: usize = self.rows[..self.count].iter().map(RowBarrier::pairs).sum();
+        self.input.pairs() + rows + self.light.pairs()
     }
 
-    /// What the predictor's changes of the trajectory mean for the pairs.
+    /// Models the pairs of block `j` for the predictor; returns the sum of the products.
     #[inline(always)]
-    pub(super) fn expand_predictor(
+    pub(super) fn linearize(&mut self, j: usize, states: &[[f64; 3]]) -> Lanes {
+        let mut gap = self.input.linearize(j);
+        let x = states_of(states, j);
+        for row in &mut self.rows[..self.count] {
+            gap = gap + row.linearize(j, &x);
+        }
+        gap + self.light.linearize(j, &x)
+    }
+
+    /// What the predictor's changes of the trajectory mean for the pairs of block `j`.
+    #[inline(always)]
+    pub(super) fn predict(
         &mut self,
-        problem: &Problem,
+        j: usize,
         inputs: &[f64],
         states: &[[f64; 3]],
+        prediction: &mut Prediction,
     ) {
-        self.expand(problem, inputs, states, false);
+        self.input.predict(j, inputs_of(inputs, j), prediction);
+        let dx = states_of(states, j);
+        for row in &mut self.rows[..self.count] {
+            row.predict(j, &dx, prediction);
+        }
+        self.light.predict(j, &dx, prediction);
     }
 
-    /// The same with the corrector.
+    /// Sets the corrector's targets of block `j`: towards products of `tau`, and away from what the predictor has
+    /// neglected, of which the part `trust` counts. Returns what they add to the gradients on inputs and states.
     #[inline(always)]
-    pub(super) fn expand_corrector(
+    pub(super) fn set_targets(&mut self, j: usize, tau: f64, trust: f64) -> (Lanes, [Lanes; 3]) {
+        let slope = self.input.set_targets(j, tau, trust);
+        let mut added = [Lanes::default(); 3];
+        for row in &mut self.rows[..self.count] {
+            row.set_targets(j, tau, trust, &mut added);
+        }
+        self.light.set_targets(j, tau, trust, &mut added);
+        (slope, added)
+    }
+
+    /// What the step's changes of the trajectory mean for the pairs of block `j`, and how far they let it go.
+    #[inline(always)]
+    pub(super) fn correct(
         &mut self,
-        problem: &Problem,
+        j: usize,
         inputs: &[f64],
         states: &[[f64; 3]],
+        limits: &mut Limits,
     ) {
-        self.expand(problem, inputs, states, true);
-    }
-
-    #[inline(always)]
-    fn expand(
-        &mut self,
-        problem: &Problem,
-        inputs: &[f64],
-        states: &[[f64; 3]],
-        is_corrected: bool,
-    ) {
-        self.input.expand(inputs);
+        self.input.correct(j, inputs_of(inputs, j), limits);
+        let dx = states_of(states, j);
         for row in &mut self.rows[..self.count] {
-            row.expand(states, is_corrected);
+            row.correct(j, &dx, limits);
         }
-        self.light.expand(problem.light_stages(), states, is_corrected);
+        self.light.correct(j, &dx, limits);
     }
 
-    /// Length of the longest predictor step, at most 1.
+    /// Takes the step in block `j`.
     #[inline(always)]
-    pub(super) fn predictor_length(&self) -> f64 {
-        let reciprocal =
-            self.input.affine_step_reciprocal().max(self.light.affine_step_reciprocal());
-        let rows = self.rows[..self.count].iter().map(RowBarrier::affine_step_reciprocal);
-        1.0 / rows.fold(reciprocal, f64::max)
-    }
-
-    /// Sum of the products after a predictor step of length `a`.
-    #[inline(always)]
-    pub(super) fn gap_after_predictor(&self, a: f64) -> f64 {
-        let rows: f64 = self.rows[..self.count].iter().map(|row| row.gap_after_affine(a)).sum();
-        rows + self.input.gap_after_affine(a) + self.light.gap_after_affine(a)
-    }
-
-    /// Sets the corrector's targets, and the slopes that they add: towards products of `tau`, and away from what the
-    /// predictor has neglected, of which the part `trust` counts.
-    #[inline(always)]
-    pub(super) fn set_targets(&mut self, tau: f64, trust: f64) {
-        self.input.set_targets(tau, trust);
+    pub(super) fn advance(&mut self, j: usize, inputs: &[f64], lengths: Lengths) {
+        self.input.advance(j, inputs_of(inputs, j), lengths);
         for row in &mut self.rows[..self.count] {
-            row.set_targets(tau, trust);
+            row.advance(j, lengths);
         }
-        self.light.set_targets(tau, trust);
-    }
-
-    /// Reciprocal of the length of the longest step; not finite if the step is not.
-    #[inline(always)]
-    pub(super) fn step_reciprocal(&self) -> f64 {
-        let reciprocal = self.input.step_reciprocal().max(self.light.step_reciprocal());
-        let rows = self.rows[..self.count].iter().map(RowBarrier::step_reciprocal);
-        rows.fold(reciprocal, f64::max)
-    }
-
-    /// Takes the part `a` of the step.
-    #[inline(always)]
-    pub(super) fn advance(&mut self, inputs: &[f64], a: f64) {
-        self.input.advance(inputs, a);
-        for row in &mut self.rows[..self.count] {
-            row.advance(a);
-        }
-        self.light.advance(a);
+        self.light.advance(j, lengths);
     }
 
     /// Calls back with `g`, curvature and slope of each modelled function of `g'x_k`.
     #[inline(always)]
-    pub(super) fn each_state_function(
-        &self,
-        problem: &Problem,
-        k: usize,
-        mut add: impl FnMut(&[f64; 3], f64, f64),
-    ) {
+    pub(super) fn each_state_function(&self, k: usize, mut add: impl FnMut(&[f64; 3], f64, f64)) {
         for row in &self.rows[..self.count] {
-            let i = k.wrapping_sub(row.from);
-            if i < row.len {
-                add(&row.gradient, row.curvature[i], row.slope[i]);
-            }
+            row.at(k, &mut add);
         }
-        if k <= self.light.len {
-            let stage = &problem.light_stages[k - 1];
-            add(&stage.gradient, self.light.curvature[k - 1], -self.light.slope[k - 1]);
-        }
-    }
-
-    /// Adds slope times `g` of each of them to `v`.
-    #[inline(always)]
-    pub(super) fn add_slopes(&self, problem: &Problem, k: usize, v: &mut [f64; 3]) {
-        self.each_state_function(problem, k, |g, _, slope| {
-            for i in 0..3 {
-                v[i] += slope * g[i];
-            }
-        });
+        self.light.at(k, add);
     }
 
     /// Writes the guess of the active set that the last step suggests.
@@ -183,15 +146,14 @@ impl Barriers {
         }
         if let Some(cost) = &problem.light {
             let curve = LightCurve::new(cost);
-            for (k, tangent) in guess.light[..problem.light_len].iter_mut().enumerate() {
+            for (k, tangent) in (1..).zip(&mut guess.light[..problem.light_len]) {
                 *tangent = self.light.tangent(&curve, k);
             }
         }
         guess.has_row_tangents = self.count > 0;
-        for (j, row) in problem.rows.iter().enumerate() {
-            for (k, tangent) in guess.rows[j][..=problem.horizon].iter_mut().enumerate() {
-                let is_in_force = k >= row.from && k <= row.to;
-                *tangent = if is_in_force { self.rows[j].tangent(k) } else { Default::default() };
+        for (row, tangents) in self.rows[..self.count].iter().zip(&mut guess.rows) {
+            for (k, tangent) in tangents[..=problem.horizon].iter_mut().enumerate() {
+                *tangent = row.tangent(k);
             }
         }
     }
@@ -199,8 +161,23 @@ impl Barriers {
     /// Copies the multipliers out.
     pub(super) fn read(&self, multipliers: &mut Multipliers) {
         for (out, row) in multipliers.rows.iter_mut().zip(&self.rows[..self.count]) {
-            out[row.from..row.from + row.len].copy_from_slice(row.multipliers());
+            row.read(out);
         }
-        multipliers.light[1..=self.light.len].copy_from_slice(self.light.multipliers());
+        self.light.read(&mut multipliers.light);
     }
+}
+
+/// The inputs of block `j`.
+#[inline(always)]
+fn inputs_of(inputs: &[f64], j: usize) -> Lanes {
+    let block = inputs[WIDTH * j..].first_chunk().expect("there is room for whole blocks");
+    Lanes(*block)
+}
+
+/// The states of block `j`, component by component.
+#[inline(always)]
+fn states_of(states: &[[f64; 3]], j: usize) -> [Lanes; 3] {
+    let block: &[[f64; 3]; WIDTH] =
+        states[WIDTH * j..].first_chunk().expect("there is room for whole blocks");
+    std::array::from_fn(|i| Lanes(block.map(|x| x[i])))
 }

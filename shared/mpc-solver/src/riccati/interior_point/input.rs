@@ -1,114 +1,122 @@
 //! Both bounds of all inputs.
 
-use super::pairs::Pairs;
+use super::pairs::{Lengths, Limits, Pairs, Prediction, place};
+use crate::riccati::lanes::{Lanes, WIDTH};
 use crate::riccati::working_set::Side;
 
-/// Pairs `(u − u_min, λ_l)` and `(u_max − u, λ_u)`.
-#[derive(Clone, Debug)]
-pub(super) struct InputBarrier {
-    len: usize,
-    pub(super) u: Vec<f64>,
+/// The inputs of a block of stages with their pairs `(u − u_min, λ_l)` and `(u_max − u, λ_u)`.
+#[derive(Clone, Copy, Debug, Default)]
+struct Block {
+    u: Lanes,
     lower: Pairs,
     upper: Pairs,
     /// `W_k`.
-    pub(super) curvature: Vec<f64>,
-    /// What the corrector adds to the gradient on `u_k`.
-    pub(super) slope: Vec<f64>,
+    curvature: Lanes,
+}
+
+/// The inputs. What the last block has beyond the horizon is an input that nothing depends on.
+#[derive(Clone, Debug)]
+pub(super) struct InputBarrier {
+    blocks: Vec<Block>,
+    /// Blocks in use.
+    count: usize,
 }
 
 impl InputBarrier {
-    pub(super) fn new(len: usize) -> Self {
-        let zeros = || vec![0.0; len];
-        let (lower, upper) = (Pairs::new(len), Pairs::new(len));
-        Self { len: 0, u: zeros(), lower, upper, curvature: zeros(), slope: zeros() }
+    pub(super) fn new(max_horizon: usize) -> Self {
+        Self { blocks: vec![Block::default(); max_horizon.div_ceil(WIDTH)], count: 0 }
     }
 
     /// Starts at `inputs`, kept `margin` (of the range) away from the bounds, with products `mu`.
     pub(super) fn start(&mut self, inputs: &[f64], (lo, hi): (f64, f64), margin: f64, mu: f64) {
-        self.len = inputs.len();
+        self.count = inputs.len().div_ceil(WIDTH);
         let room = margin * (hi - lo);
-        for k in 0..self.len {
-            let u = inputs[k].max(lo + room).min(hi - room);
-            self.u[k] = u;
-            self.lower.slack[k] = u - lo;
-            self.upper.slack[k] = hi - u;
-            self.lower.multiplier[k] = mu / (u - lo);
-            self.upper.multiplier[k] = mu / (hi - u);
+        let middle = 0.5 * (lo + hi);
+        for k in 0..WIDTH * self.count {
+            let u = inputs.get(k).map_or(middle, |u| u.max(lo + room).min(hi - room));
+            let (j, lane) = place(k);
+            let block = &mut self.blocks[j];
+            block.u.0[lane] = u;
+            block.lower.set(lane, u - lo, mu / (u - lo));
+            block.upper.set(lane, hi - u, mu / (hi - u));
         }
     }
 
-    /// Models the pairs for the predictor; returns the sum and the number of the products.
+    /// Number of pairs.
+    pub(super) fn pairs(&self) -> usize {
+        2 * WIDTH * self.count
+    }
+
+    /// `u_k`.
+    #[inline(always)]
+    pub(super) fn value(&self, k: usize) -> f64 {
+        let (j, lane) = place(k);
+        self.blocks[j].u.0[lane]
+    }
+
+    /// `W_k`.
+    #[inline(always)]
+    pub(super) fn curvature(&self, k: usize) -> f64 {
+        let (j, lane) = place(k);
+        self.blocks[j].curvature.0[lane]
+    }
+
+    /// Models the pairs of a block for the predictor; returns the sum of the products.
     ///
-    /// With `t = 0` the multipliers' new values leave nothing but `W du`: `slope` is zero.
+    /// With `t = 0` the multipliers' new values leave nothing but `W du`: there is no slope.
     #[inline(always)]
-    pub(super) fn linearize(&mut self) -> (f64, usize) {
-        let len = self.len;
-        let gap = self.lower.invert(len) + self.upper.invert(len);
-        let (ll, lu) = (&self.lower.multiplier[..len], &self.upper.multiplier[..len]);
-        let (pl, pu) = (&self.lower.per_slack[..len], &self.upper.per_slack[..len]);
-        let w = &mut self.curvature[..len];
-        for k in 0..len {
-            w[k] = ll[k] * pl[k] + lu[k] * pu[k];
-        }
-        (gap, 2 * len)
+    pub(super) fn linearize(&mut self, j: usize) -> Lanes {
+        let Some(Block { lower, upper, curvature, .. }) = self.blocks[..self.count].get_mut(j)
+        else {
+            return Lanes::default();
+        };
+        let gap = lower.invert() + upper.invert();
+        *curvature = lower.multiplier * lower.per_slack + upper.multiplier * upper.per_slack;
+        gap
     }
 
-    /// Sets the corrector's targets, and `slope` to what they add.
+    /// Takes the predictor's changes of a block's inputs.
     #[inline(always)]
-    pub(super) fn set_targets(&mut self, tau: f64, trust: f64) {
-        self.lower.set_targets(self.len, tau, trust);
-        self.upper.set_targets(self.len, tau, trust);
-        let len = self.len;
-        let (tl, tu) = (&self.lower.target[..len], &self.upper.target[..len]);
-        let (pl, pu) = (&self.lower.per_slack[..len], &self.upper.per_slack[..len]);
-        let slope = &mut self.slope[..len];
-        for k in 0..len {
-            slope[k] = tu[k] * pu[k] - tl[k] * pl[k];
-        }
+    pub(super) fn predict(&mut self, j: usize, du: Lanes, prediction: &mut Prediction) {
+        let Some(Block { lower, upper, .. }) = self.blocks[..self.count].get_mut(j) else { return };
+        lower.predict(du * lower.per_slack, prediction);
+        upper.predict(-(du * upper.per_slack), prediction);
     }
 
-    /// Takes the sweep's changes of the inputs.
+    /// Sets the corrector's targets of a block; returns what they add to the gradient on its inputs.
     #[inline(always)]
-    pub(super) fn expand(&mut self, changes: &[f64]) {
-        let len = self.len;
-        let du = &changes[..len];
-        let (pl, pu) = (&self.lower.per_slack[..len], &self.upper.per_slack[..len]);
-        let (rl, ru) = (&mut self.lower.relative[..len], &mut self.upper.relative[..len]);
-        for k in 0..len {
-            rl[k] = du[k] * pl[k];
-            ru[k] = -du[k] * pu[k];
-        }
+    pub(super) fn set_targets(&mut self, j: usize, tau: f64, trust: f64) -> Lanes {
+        let Some(Block { lower, upper, .. }) = self.blocks[..self.count].get_mut(j) else {
+            return Lanes::default();
+        };
+        lower.set_targets(tau, trust);
+        upper.set_targets(tau, trust);
+        upper.target * upper.per_slack - lower.target * lower.per_slack
     }
 
+    /// Takes the step's changes of a block's inputs.
     #[inline(always)]
-    pub(super) fn affine_step_reciprocal(&self) -> f64 {
-        self.lower.affine_step_reciprocal(self.len).max(self.upper.affine_step_reciprocal(self.len))
+    pub(super) fn correct(&mut self, j: usize, du: Lanes, limits: &mut Limits) {
+        let Some(Block { lower, upper, .. }) = self.blocks[..self.count].get_mut(j) else { return };
+        lower.correct(du * lower.per_slack, limits);
+        upper.correct(-(du * upper.per_slack), limits);
     }
 
+    /// Takes the step.
     #[inline(always)]
-    pub(super) fn gap_after_affine(&self, a: f64) -> f64 {
-        self.lower.gap_after_affine(self.len, a) + self.upper.gap_after_affine(self.len, a)
-    }
-
-    #[inline(always)]
-    pub(super) fn step_reciprocal(&self) -> f64 {
-        self.lower.step_reciprocal(self.len).max(self.upper.step_reciprocal(self.len))
-    }
-
-    #[inline(always)]
-    pub(super) fn advance(&mut self, changes: &[f64], a: f64) {
-        self.lower.advance(self.len, a);
-        self.upper.advance(self.len, a);
-        for (u, du) in self.u[..self.len].iter_mut().zip(changes) {
-            *u += a * du;
-        }
+    pub(super) fn advance(&mut self, j: usize, du: Lanes, lengths: Lengths) {
+        let Some(block) = self.blocks[..self.count].get_mut(j) else { return };
+        block.lower.advance(lengths);
+        block.upper.advance(lengths);
+        block.u = block.u + Lanes::all(lengths.primal) * du;
     }
 
     /// The bound that `u_k` goes to.
     pub(super) fn side(&self, k: usize) -> Side {
-        if self.upper.is_active(k) {
+        let (j, lane) = place(k);
+        if self.blocks[j].upper.is_active(lane) {
             Side::Upper
-        } else if self.lower.is_active(k) {
+        } else if self.blocks[j].lower.is_active(lane) {
             Side::Lower
         } else {
             Side::Free

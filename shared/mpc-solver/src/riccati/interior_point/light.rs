@@ -1,58 +1,63 @@
 //! The light, over its stages.
 
-use super::pairs::{PROXIMAL, Pairs, greater, largest};
+use super::pairs::{
+    Lengths, Limits, ONE, PROXIMAL, Pairs, Prediction, add_slope, place, product,
+};
 use crate::problem::{LightCost, LightStage, Softness, dot};
+use crate::riccati::lanes::{Lanes, WIDTH};
 use crate::riccati::light_curve::{LightCurve, LightTangent};
 
-/// Variable `p`; pairs `(s, α)`, with a finite threshold `(d_th − p, β)`, and, if soft, `(σ, λ − α)`.
+/// The light at a block of stages: variable `p`; pairs `(s, α)`, with a finite threshold `(d_th − p, β)`, and, if soft,
+/// `(σ, λ − α)`.
+#[derive(Clone, Copy, Debug, Default)]
+struct Block {
+    /// `c`, `o`.
+    gradient: [Lanes; 3],
+    constant: Lanes,
+    /// 1 at the light's stages, 0 beyond: there nothing changes.
+    is_lit: Lanes,
+    p: Lanes,
+    per_p: Lanes,
+    dp: Lanes,
+    below: Pairs,
+    capped: Pairs,
+    violation: Pairs,
+    /// `W`.
+    curvature: Lanes,
+    /// Force against `c`: the predictor's without a change of `D`, or what the corrector adds.
+    slope: Lanes,
+    /// Change of `D` at which the predictor leaves `α` as it is.
+    offset: Lanes,
+    /// `1/(H + β/(d_th − p))`.
+    compliance: Lanes,
+}
+
+/// The light.
 #[derive(Clone, Debug)]
 pub(super) struct LightBarrier {
-    pub(super) len: usize,
+    /// Stages `1..=len`, in so many blocks.
+    len: usize,
+    count: usize,
     /// `w`.
     cost: f64,
     threshold: f64,
     penalty: f64,
     is_soft: bool,
     is_capped: bool,
-    p: Vec<f64>,
-    per_p: Vec<f64>,
-    dp: Vec<f64>,
-    /// Change of `α`.
-    change: Vec<f64>,
-    below: Pairs,
-    capped: Pairs,
-    violation: Pairs,
-    /// `W` by stage; entry 0 belongs to stage 1.
-    pub(super) curvature: Vec<f64>,
-    /// Force against `c`: the predictor's without a change of `D`, or what the corrector adds.
-    pub(super) slope: Vec<f64>,
-    /// Change of `D` at which the predictor leaves `α` as it is.
-    offset: Vec<f64>,
-    /// `1/(H + β/(d_th − p))`.
-    compliance: Vec<f64>,
+    blocks: Vec<Block>,
 }
 
 impl LightBarrier {
-    pub(super) fn new(len: usize) -> Self {
-        let zeros = || vec![0.0; len];
+    pub(super) fn new(max_horizon: usize) -> Self {
         Self {
             len: 0,
+            count: 0,
             cost: 0.0,
             threshold: 0.0,
             penalty: 0.0,
             is_soft: false,
             is_capped: false,
-            p: zeros(),
-            per_p: zeros(),
-            dp: zeros(),
-            change: zeros(),
-            below: Pairs::new(len),
-            capped: Pairs::new(len),
-            violation: Pairs::new(len),
-            curvature: zeros(),
-            slope: zeros(),
-            offset: zeros(),
-            compliance: zeros(),
+            blocks: vec![Block::default(); max_horizon / WIDTH + 1],
         }
     }
 
@@ -67,6 +72,7 @@ impl LightBarrier {
         mu: f64,
     ) {
         self.len = stages.len();
+        self.count = if stages.is_empty() { 0 } else { self.len / WIDTH + 1 };
         let Some(light) = light else { return };
         self.cost = light.weight;
         self.threshold = light.threshold;
@@ -75,232 +81,190 @@ impl LightBarrier {
             Softness::Hard => (false, f64::INFINITY),
             Softness::Soft { linear, .. } => (true, linear),
         };
+        for block in &mut self.blocks[..self.count] {
+            let product = Pairs::new(ONE, Lanes::all(mu));
+            let (below, capped, violation) = (product, product, product);
+            *block = Block { p: ONE, below, capped, violation, ..Block::default() };
+        }
         let top = if self.is_capped { 0.5 * self.threshold } else { f64::INFINITY };
-        for (k, stage) in stages.iter().enumerate() {
-            let d = dot(&stage.gradient, &states[k + 1]) + stage.offset;
+        for (k, stage) in (1..).zip(stages) {
+            let d = dot(&stage.gradient, &states[k]) + stage.offset;
             let p = (0.5 * d).max(2.0 * least).min(top);
             let steep = 0.3 * light.weight / (p * p);
             let s = (d - p).max(least);
             let alpha = (mu / s).max(steep).min(0.5 * self.penalty);
-            self.p[k] = p;
-            self.below.slack[k] = s;
-            self.below.multiplier[k] = alpha;
+            let (j, lane) = place(k);
+            let block = &mut self.blocks[j];
+            for (lanes, c) in block.gradient.iter_mut().zip(stage.gradient) {
+                lanes.0[lane] = c;
+            }
+            block.constant.0[lane] = stage.offset;
+            block.is_lit.0[lane] = 1.0;
+            block.p.0[lane] = p;
+            block.below.set(lane, s, alpha);
             if self.is_capped {
                 let room = self.threshold - p;
-                self.capped.slack[k] = room;
-                self.capped.multiplier[k] = (mu / room).max(0.1 * steep);
+                block.capped.set(lane, room, (mu / room).max(0.1 * steep));
             }
             if self.is_soft {
                 let gamma = self.penalty - alpha;
-                self.violation.slack[k] = (p + s - d).max(mu / gamma).max(least);
-                self.violation.multiplier[k] = gamma;
+                let sigma = (p + s - d).max(mu / gamma).max(least);
+                block.violation.set(lane, sigma, gamma);
             }
         }
     }
 
-    /// Models the pairs for the predictor; returns the sum and the number of the products.
-    #[inline(always)]
-    pub(super) fn linearize(&mut self, stages: &[LightStage], states: &[[f64; 3]]) -> (f64, usize) {
-        let len = self.len;
-        if len == 0 {
-            return (0.0, 0);
-        }
-        let mut gap = self.below.invert(len);
-        let mut families = 1;
-        if self.is_capped {
-            gap += self.capped.invert(len);
-            families += 1;
-        }
-        if self.is_soft {
-            gap += self.violation.invert(len);
-            families += 1;
-        }
-        let (stages, states) = (&stages[..len], &states[1..=len]);
-        let (p, per_p) = (&self.p[..len], &mut self.per_p[..len]);
-        let (s, alpha) = (&self.below.slack[..len], &self.below.multiplier[..len]);
-        let compliance = &mut self.compliance[..len];
-        let (w, offset) = (&mut self.curvature[..len], &mut self.offset[..len]);
-        for k in 0..len {
-            per_p[k] = 1.0 / p[k];
-            compliance[k] = 2.0 * alpha[k] * per_p[k];
-            // With t = 0 the new β is free of its old value, and s of its own.
-            offset[k] = p[k] - dot(&stages[k].gradient, &states[k]) - stages[k].offset;
-        }
-        if self.is_capped {
-            let (beta, per) = (&self.capped.multiplier[..len], &self.capped.per_slack[..len]);
-            for k in 0..len {
-                compliance[k] += beta[k] * (2.0 * per_p[k] + per[k]);
-            }
-        }
-        let per_alpha = &self.below.per_multiplier[..len];
-        for k in 0..len {
-            let soft = 1.0 / compliance[k];
-            compliance[k] = soft;
-            w[k] = s[k] * per_alpha[k] + soft + PROXIMAL;
-            offset[k] += (self.cost * (per_p[k] * per_p[k]) - alpha[k]) * soft;
-        }
-        if self.is_soft {
-            let (sigma, per) =
-                (&self.violation.slack[..len], &self.violation.per_multiplier[..len]);
-            for k in 0..len {
-                w[k] += sigma[k] * per[k];
-                // σ's residual and its product's cancel.
-            }
-        }
-        let slope = &mut self.slope[..len];
-        for k in 0..len {
-            w[k] = 1.0 / w[k];
-            slope[k] = alpha[k] + w[k] * offset[k];
-        }
-        (gap, families * len)
+    /// Number of pairs.
+    pub(super) fn pairs(&self) -> usize {
+        let families = 1 + usize::from(self.is_capped) + usize::from(self.is_soft);
+        families * WIDTH * self.count
     }
 
-    /// Sets the corrector's targets, and `slope` to what they add.
+    /// Models the pairs of a block for the predictor; returns the sum of the products.
     #[inline(always)]
-    pub(super) fn set_targets(&mut self, tau: f64, trust: f64) {
-        self.below.set_targets(self.len, tau, trust);
-        if self.is_capped {
-            self.capped.set_targets(self.len, tau, trust);
+    pub(super) fn linearize(&mut self, j: usize, x: &[Lanes; 3]) -> Lanes {
+        let (cost, is_capped, is_soft) = (Lanes::all(self.cost), self.is_capped, self.is_soft);
+        let Some(block) = self.blocks[..self.count].get_mut(j) else { return Lanes::default() };
+        let mut gap = block.below.invert();
+        let Pairs { slack: s, multiplier: alpha, per_multiplier: per_alpha, .. } = block.below;
+        let (p, per_p) = (block.p, ONE / block.p);
+        let mut stiffness = Lanes::all(2.0) * alpha * per_p;
+        if is_capped {
+            gap = gap + block.capped.invert();
+            let Pairs { multiplier: beta, per_slack, .. } = block.capped;
+            stiffness = stiffness + beta * (Lanes::all(2.0) * per_p + per_slack);
         }
-        if self.is_soft {
-            self.violation.set_targets(self.len, tau, trust);
+        let soft = ONE / stiffness;
+        let mut compliance = s * per_alpha + soft + Lanes::all(PROXIMAL);
+        if is_soft {
+            gap = gap + block.violation.invert();
+            // σ's residual and its product's cancel.
+            compliance = compliance + block.violation.slack * block.violation.per_multiplier;
         }
-        let len = self.len;
-        let slope = &mut self.slope[..len];
-        let (t, pm) = (&self.below.target[..len], &self.below.per_multiplier[..len]);
-        for k in 0..len {
-            slope[k] = t[k] * pm[k];
-        }
-        if self.is_capped {
-            let (t, ps) = (&self.capped.target[..len], &self.capped.per_slack[..len]);
-            let compliance = &self.compliance[..len];
-            for k in 0..len {
-                slope[k] -= t[k] * ps[k] * compliance[k];
-            }
-        }
-        if self.is_soft {
-            let (t, pm) = (&self.violation.target[..len], &self.violation.per_multiplier[..len]);
-            for k in 0..len {
-                slope[k] -= t[k] * pm[k];
-            }
-        }
-        let w = &self.curvature[..len];
-        for k in 0..len {
-            slope[k] *= w[k];
-        }
-    }
-
-    /// Takes the sweep's changes of the states.
-    #[inline(always)]
-    pub(super) fn expand(&mut self, stages: &[LightStage], changes: &[[f64; 3]], corrected: bool) {
-        let len = self.len;
-        let add = if corrected { 1.0 } else { 0.0 };
-        let (stages, changes) = (&stages[..len], &changes[1..=len]);
-        let (w, offset, slope) = (&self.curvature[..len], &self.offset[..len], &self.slope[..len]);
-        let change = &mut self.change[..len];
-        for k in 0..len {
-            change[k] = w[k] * (offset[k] - dot(&stages[k].gradient, &changes[k])) + add * slope[k];
-        }
-        let change = &self.change[..len];
-        let (per_p, compliance) = (&self.per_p[..len], &self.compliance[..len]);
-        let dp = &mut self.dp[..len];
-        let Pairs { multiplier, per_slack, per_multiplier, relative, target, .. } = &mut self.below;
-        let (alpha, per_alpha) = (&multiplier[..len], &per_multiplier[..len]);
-        let (t, ps, r) = (&target[..len], &per_slack[..len], &mut relative[..len]);
-        for k in 0..len {
-            dp[k] = self.cost * (per_p[k] * per_p[k]) - alpha[k] - change[k];
-            r[k] = (t[k] * ps[k] - change[k]) * per_alpha[k] - 1.0;
-        }
-        if self.is_capped {
-            let Pairs { per_slack, relative, target, .. } = &mut self.capped;
-            let (t, ps, r) = (&target[..len], &per_slack[..len], &mut relative[..len]);
-            for k in 0..len {
-                dp[k] -= t[k] * ps[k];
-                r[k] = -dp[k] * compliance[k] * ps[k];
-            }
-        }
-        for k in 0..len {
-            dp[k] *= compliance[k];
-        }
-        if self.is_soft {
-            let Pairs { per_slack, per_multiplier, relative, target, .. } = &mut self.violation;
-            let (t, ps, pm) = (&target[..len], &per_slack[..len], &per_multiplier[..len]);
-            let r = &mut relative[..len];
-            for k in 0..len {
-                r[k] = (t[k] * ps[k] + change[k]) * pm[k] - 1.0;
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn reach_p(&self) -> f64 {
-        largest(self.len, [&self.dp, &self.per_p], |[dp, per_p]| greater(-dp * per_p, 0.0))
-    }
-
-    #[inline(always)]
-    pub(super) fn affine_step_reciprocal(&self) -> f64 {
-        let mut step_reciprocal = self.below.affine_step_reciprocal(self.len).max(self.reach_p());
-        if self.is_capped {
-            step_reciprocal = step_reciprocal.max(self.capped.affine_step_reciprocal(self.len));
-        }
-        if self.is_soft {
-            step_reciprocal = step_reciprocal.max(self.violation.affine_step_reciprocal(self.len));
-        }
-        step_reciprocal
-    }
-
-    #[inline(always)]
-    pub(super) fn gap_after_affine(&self, a: f64) -> f64 {
-        let mut gap = self.below.gap_after_affine(self.len, a);
-        if self.is_capped {
-            gap += self.capped.gap_after_affine(self.len, a);
-        }
-        if self.is_soft {
-            gap += self.violation.gap_after_affine(self.len, a);
-        }
+        let w = ONE / compliance;
+        // With t = 0 the new β is free of its old value, and s of its own.
+        let offset = (p - product(&block.gradient, x) - block.constant)
+            + (cost * (per_p * per_p) - alpha) * soft;
+        block.per_p = per_p;
+        block.compliance = soft;
+        block.curvature = w;
+        block.offset = offset;
+        block.slope = alpha + w * offset;
         gap
     }
 
+    /// Takes the predictor's changes of a block's states.
     #[inline(always)]
-    pub(super) fn step_reciprocal(&self) -> f64 {
-        let mut step_reciprocal = self.below.step_reciprocal(self.len).max(self.reach_p());
-        if self.is_capped {
-            step_reciprocal = step_reciprocal.max(self.capped.step_reciprocal(self.len));
+    pub(super) fn predict(&mut self, j: usize, dx: &[Lanes; 3], prediction: &mut Prediction) {
+        let (cost, is_capped, is_soft) = (Lanes::all(self.cost), self.is_capped, self.is_soft);
+        let Some(block) = self.blocks[..self.count].get_mut(j) else { return };
+        let lit = block.is_lit;
+        let change = block.curvature * (block.offset - product(&block.gradient, dx));
+        let Block { below, capped, violation, per_p, compliance, .. } = block;
+        let dp = (cost * (*per_p * *per_p) - below.multiplier - change) * *compliance;
+        below.predict(lit * (-(change * below.per_multiplier) - ONE), prediction);
+        if is_capped {
+            capped.predict(lit * -(dp * capped.per_slack), prediction);
         }
-        if self.is_soft {
-            step_reciprocal = step_reciprocal.max(self.violation.step_reciprocal(self.len));
+        if is_soft {
+            violation.predict(lit * (change * violation.per_multiplier - ONE), prediction);
         }
-        step_reciprocal
+        let limits = &mut prediction.limits;
+        limits.primal = (lit * -(dp * *per_p)).greater(limits.primal);
+    }
+
+    /// Sets the corrector's targets of a block, and adds what they add to the gradient.
+    #[inline(always)]
+    pub(super) fn set_targets(&mut self, j: usize, tau: f64, trust: f64, added: &mut [Lanes; 3]) {
+        let (is_capped, is_soft) = (self.is_capped, self.is_soft);
+        let Some(block) = self.blocks[..self.count].get_mut(j) else { return };
+        let Block { below, capped, violation, .. } = block;
+        below.set_targets(tau, trust);
+        let mut moved = below.target * below.per_multiplier;
+        if is_capped {
+            capped.set_targets(tau, trust);
+            moved = moved - capped.target * capped.per_slack * block.compliance;
+        }
+        if is_soft {
+            violation.set_targets(tau, trust);
+            moved = moved - violation.target * violation.per_multiplier;
+        }
+        block.slope = moved * block.curvature;
+        add_slope(added, &block.gradient, -block.slope);
+    }
+
+    /// Takes the step's changes of a block's states.
+    #[inline(always)]
+    pub(super) fn correct(&mut self, j: usize, dx: &[Lanes; 3], limits: &mut Limits) {
+        let (cost, is_capped, is_soft) = (Lanes::all(self.cost), self.is_capped, self.is_soft);
+        let Some(block) = self.blocks[..self.count].get_mut(j) else { return };
+        let lit = block.is_lit;
+        let change = block.curvature * (block.offset - product(&block.gradient, dx)) + block.slope;
+        let Block { below, capped, violation, per_p, compliance, .. } = block;
+        let mut pull = cost * (*per_p * *per_p) - below.multiplier - change;
+        let r = (below.target * below.per_slack - change) * below.per_multiplier - ONE;
+        below.correct(lit * r, limits);
+        if is_capped {
+            pull = pull - capped.target * capped.per_slack;
+        }
+        let dp = lit * (pull * *compliance);
+        if is_capped {
+            capped.correct(-(dp * capped.per_slack), limits);
+        }
+        if is_soft {
+            let r = (violation.target * violation.per_slack + change) * violation.per_multiplier;
+            violation.correct(lit * (r - ONE), limits);
+        }
+        limits.primal = (-(dp * *per_p)).greater(limits.primal);
+        block.dp = dp;
     }
 
     #[inline(always)]
-    pub(super) fn advance(&mut self, a: f64) {
-        self.below.advance(self.len, a);
-        if self.is_capped {
-            self.capped.advance(self.len, a);
+    pub(super) fn advance(&mut self, j: usize, lengths: Lengths) {
+        let (is_capped, is_soft) = (self.is_capped, self.is_soft);
+        let Some(block) = self.blocks[..self.count].get_mut(j) else { return };
+        block.below.advance(lengths);
+        if is_capped {
+            block.capped.advance(lengths);
         }
-        if self.is_soft {
-            self.violation.advance(self.len, a);
+        if is_soft {
+            block.violation.advance(lengths);
         }
-        for (p, dp) in self.p[..self.len].iter_mut().zip(&self.dp) {
-            *p += a * dp;
+        block.p = block.p + Lanes::all(lengths.primal) * block.dp;
+    }
+
+    /// Calls back with `c`, curvature and slope if stage `k` is lit.
+    #[inline(always)]
+    pub(super) fn at(&self, k: usize, mut add: impl FnMut(&[f64; 3], f64, f64)) {
+        if k > 0 && k <= self.len {
+            let (j, lane) = place(k);
+            let block = &self.blocks[j];
+            let gradient = block.gradient.map(|lanes| lanes.0[lane]);
+            add(&gradient, block.curvature.0[lane], -block.slope.0[lane]);
         }
     }
 
-    /// The part of the light's graph that entry `k` goes to.
+    /// The part of the light's graph that stage `k` goes to.
     pub(super) fn tangent(&self, curve: &LightCurve, k: usize) -> LightTangent {
-        if !self.below.is_active(k) {
+        let (j, lane) = place(k);
+        let block = &self.blocks[j];
+        if !block.below.is_active(lane) {
             curve.clear()
-        } else if self.is_capped && self.capped.is_active(k) {
-            curve.edge(self.below.multiplier[k])
-        } else if self.is_soft && !self.violation.is_active(k) {
+        } else if self.is_capped && block.capped.is_active(lane) {
+            curve.edge(block.below.multiplier.0[lane])
+        } else if self.is_soft && !block.violation.is_active(lane) {
             curve.straight()
         } else {
-            curve.hyperbola_at(self.p[k])
+            curve.hyperbola_at(block.p.0[lane])
         }
     }
 
-    pub(super) fn multipliers(&self) -> &[f64] {
-        &self.below.multiplier[..self.len]
+    /// Copies the multipliers of its stages out.
+    pub(super) fn read(&self, multipliers: &mut [f64]) {
+        for k in 1..=self.len {
+            let (j, lane) = place(k);
+            multipliers[k] = self.blocks[j].below.multiplier.0[lane];
+        }
     }
 }
+

@@ -31,11 +31,14 @@ mod row;
 
 use multiversion::multiversion;
 
+use super::lanes::{Lanes, WIDTH};
 use super::lqr::{CostToGo, InputModel, LinearQuadratic, StageModels, Sweep};
+use super::matrix::{Symmetric, add_rank_one, add_slope};
 use super::working_set::WorkingSet;
 use crate::kkt::Multipliers;
 use crate::problem::{Problem, Terminal, dot, quadratic};
 use barriers::Barriers;
+use pairs::{Lengths, Limits, Prediction};
 
 /// Least first slack of rows and light, m or m/s.
 const START_SLACK: f64 = 3.0;
@@ -65,11 +68,24 @@ impl Step {
     }
 }
 
-/// The change of a trajectory.
+/// A trajectory or its change, with room for whole blocks of stages; zero beyond the horizon.
 #[derive(Clone, Debug)]
-struct Change {
+struct Path {
     inputs: Vec<f64>,
     states: Vec<[f64; 3]>,
+}
+
+impl Path {
+    fn new(max_horizon: usize) -> Self {
+        let room = WIDTH * (max_horizon / WIDTH + 1);
+        Self { inputs: vec![0.0; room], states: vec![[0.0; 3]; room + 1] }
+    }
+
+    /// Forgets what an earlier problem has left beyond the horizon.
+    fn clear(&mut self) {
+        self.inputs.fill(0.0);
+        self.states.fill([0.0; 3]);
+    }
 }
 
 /// The iterate and work memory.
@@ -83,31 +99,25 @@ pub(super) struct InteriorPoint {
     residual: f64,
     /// The states that the inputs of the barriers lead to.
     states: Vec<[f64; 3]>,
-    /// Gradient of the quadratic cost at the iterate.
-    input_gradients: Vec<f64>,
-    state_gradients: Vec<[f64; 3]>,
-    predictor: Change,
+    predictor: Path,
     /// Predictor and corrector together.
-    step: Change,
+    step: Path,
     /// Constant part of the corrector's change of the inputs.
     constants: Vec<f64>,
 }
 
 impl InteriorPoint {
     pub(super) fn new(max_horizon: usize) -> Self {
-        let change =
-            || Change { inputs: vec![0.0; max_horizon], states: vec![[0.0; 3]; max_horizon + 1] };
+        let Path { states, .. } = Path::new(max_horizon);
         Self {
             barriers: Barriers::new(max_horizon),
             sweep: Sweep::new(max_horizon),
             terminal: [0.0; 3],
             residual: 1.0,
-            states: vec![[0.0; 3]; max_horizon + 1],
-            input_gradients: vec![0.0; max_horizon],
-            state_gradients: vec![[0.0; 3]; max_horizon + 1],
-            predictor: change(),
-            step: change(),
-            constants: vec![0.0; max_horizon],
+            states,
+            predictor: Path::new(max_horizon),
+            step: Path::new(max_horizon),
+            constants: vec![0.0; WIDTH * (max_horizon / WIDTH + 1)],
         }
     }
 
@@ -127,7 +137,13 @@ impl InteriorPoint {
         // In this order NaN becomes `most`.
         let mu = distance * distance * (START_PRODUCT * 0.5 * cost).min(most).max(least);
         self.barriers.start(problem, inputs, states, distance * START_SLACK, mu);
-        problem.roll_out(&self.barriers.input.u, &mut self.states);
+        self.predictor.clear();
+        self.step.clear();
+        self.states.fill([0.0; 3]);
+        for (k, u) in self.step.inputs[..n].iter_mut().enumerate() {
+            *u = self.barriers.input.value(k);
+        }
+        problem.roll_out(&self.step.inputs, &mut self.states);
         self.terminal = [0.0; 3];
         self.residual = 1.0;
     }
@@ -149,58 +165,43 @@ impl InteriorPoint {
         lq: &LinearQuadratic,
     ) -> Option<Step> {
         // Residuals and model.
-        let (gap, mu) = self.barriers.linearize(problem, &self.states);
-        self.differentiate(problem);
-        let cost_to_go = self.factor(problem, lq);
+        let (cost_to_go, gap) = self.factor(problem, lq);
+        let mu = gap / self.barriers.pairs() as f64;
 
         // Predictor: towards products of zero.
-        let y = self.predict::<LAST>(problem, lq, &cost_to_go);
-        let predictor = self.barriers.predictor_length();
-        let left = self.barriers.gap_after_predictor(predictor) / gap;
+        let (y, prediction) = self.predict::<LAST>(problem, lq, &cost_to_go);
+        let Lengths { primal, dual } = prediction.limits.lengths(1.0);
+        let predictor = (primal * dual).sqrt();
+        let moved = prediction.moved.sum() / gap;
+        let neglected = prediction.neglected.sum() / gap;
+        let left = ((1.0 - dual) + (primal - dual) * moved - primal * dual * neglected).max(0.0);
 
         // Corrector: towards products of τ. A short predictor step says little about the products at full length; that
         // the root of its length counts, rather than the length, was measured: it saves some 3 % of the iterations.
         let tau = (mu * (left * left * left).clamp(LEAST_CENTRING, 1.0)).max(LEAST_TARGET);
-        self.barriers.set_targets(tau, predictor.sqrt());
-        let dy = self.correct::<TERMINAL, LAST>(problem, lq, &cost_to_go);
+        let trust = predictor.sqrt();
+        let (dy, limits) =
+            self.correct::<TERMINAL, LAST>(problem, lq, &cost_to_go, (tau, trust));
 
         // Step.
-        let reciprocal = self.barriers.step_reciprocal();
+        let fraction = (1.0 - mu.min(0.01)).max(0.5 + 0.5 * predictor).min(0.9995);
+        let lengths = limits.lengths(fraction);
+        let length = lengths.primal.min(lengths.dual);
         let end = &self.step.states[problem.horizon];
-        if !(reciprocal + mu + end[0] + end[1] + end[2]).is_finite() {
+        if !(length > 0.0 && (mu + end[0] + end[1] + end[2]).is_finite()) {
             return None;
         }
-        let fraction = (1.0 - mu.min(0.01)).max(0.5 + 0.5 * predictor).min(0.9995);
-        let length = (fraction / reciprocal.max(f64::MIN_POSITIVE)).min(1.0);
-        self.advance(problem, length, std::array::from_fn(|i| y[i] + dy[i]));
+        self.advance(problem, lengths, std::array::from_fn(|i| y[i] + dy[i]));
         Some(Step { mu, predictor, length })
     }
 
-    /// Gradient of the quadratic cost at the iterate.
+    /// The sweep with the model at the iterate, and the sum of the products.
     #[inline(always)]
-    fn differentiate(&mut self, problem: &Problem) {
-        let n = problem.horizon;
-        let (u, states) = (&self.barriers.input.u[..n], &self.states[..=n]);
-        let by_input = &mut self.input_gradients[..n];
-        let by_state = &mut self.state_gradients[..=n];
-        let (q, s) = (&problem.q, &problem.s);
-        for k in 0..n {
-            let (x, linear) = (&states[k], &problem.q_lin[k]);
-            by_input[k] = problem.r * u[k] + dot(s, x) + problem.r_lin[k];
-            by_state[k] = std::array::from_fn(|i| dot(&q[i], x) + (s[i] * u[k] + linear[i]));
-        }
-        by_state[n] = std::array::from_fn(|i| dot(&problem.p[i], &states[n]) + problem.p_lin[i]);
-    }
-
-    #[inline(always)]
-    fn factor(&mut self, problem: &Problem, lq: &LinearQuadratic) -> CostToGo {
-        let models = Models {
-            problem,
-            barriers: &self.barriers,
-            input_gradients: &self.input_gradients,
-            state_gradients: &self.state_gradients,
-        };
-        lq.factor(problem, &models, &mut self.sweep, problem.horizon)
+    fn factor(&mut self, problem: &Problem, lq: &LinearQuadratic) -> (CostToGo, f64) {
+        let Self { barriers, states, sweep, .. } = self;
+        let mut models = Models { problem, barriers, states, gap: Lanes::default() };
+        let cost_to_go = lq.factor(problem, &mut models, sweep, problem.horizon);
+        (cost_to_go, models.gap.sum())
     }
 
     /// The predictor's change of the trajectory; returns its `y`.
@@ -210,7 +211,7 @@ impl InteriorPoint {
         problem: &Problem,
         lq: &LinearQuadratic,
         cost_to_go: &CostToGo,
-    ) -> [f64; 3] {
+    ) -> ([f64; 3], Prediction) {
         let n = problem.horizon;
         let y = match &problem.terminal {
             Terminal::Cost => [0.0; 3],
@@ -218,86 +219,114 @@ impl InteriorPoint {
                 cost_to_go.terminal_system_of_change(&self.states[n], x_f).multiplier()
             }
         };
-        let gains = &self.sweep.gains[..n];
-        let (inputs, states) = (&mut self.predictor.inputs[..n], &mut self.predictor.states[..=n]);
+        let Path { inputs, states } = &mut self.predictor;
+        let mut prediction = Prediction::default();
         let mut x = [0.0; 3];
-        for k in 0..n {
-            let offset = gains[k].offset(&y);
-            let u = -gains[k].input(offset, &x);
-            inputs[k] = u;
-            x = lq.closed_step::<LAST>(&x, &gains[k], offset, u);
-            states[k + 1] = x;
+        for j in 0..=n / WIDTH {
+            let gains = block(&self.sweep.gains, WIDTH * j);
+            let du = block_mut(inputs, WIDTH * j);
+            let reached = block_mut(states, WIDTH * j + 1);
+            for lane in 0..WIDTH.min(n - WIDTH * j) {
+                let gain = &gains[lane];
+                let offset = gain.offset(&y);
+                let u = -gain.input(offset, &x);
+                du[lane] = u;
+                x = lq.closed_step::<LAST>(&x, gain, offset, u);
+                reached[lane] = x;
+            }
+            if j > 0 {
+                self.barriers.predict(j - 1, inputs, states, &mut prediction);
+            }
         }
-        self.barriers.expand_predictor(problem, &self.predictor.inputs, &self.predictor.states);
-        y
+        self.barriers.predict(n / WIDTH, inputs, states, &mut prediction);
+        (y, prediction)
     }
 
     /// Adds to the predictor what the corrector's slopes make: the recursion again, for the vectors only. Returns the
-    /// change of `y`.
+    /// change of `y`, and how far the pairs let the step go.
     #[inline(always)]
     fn correct<const TERMINAL: bool, const LAST: bool>(
         &mut self,
         problem: &Problem,
         lq: &LinearQuadratic,
         cost_to_go: &CostToGo,
-    ) -> [f64; 3] {
+        (tau, trust): (f64, f64),
+    ) -> ([f64; 3], Limits) {
         let n = problem.horizon;
-        let barriers = &self.barriers;
-        let (gains, constants) = (&self.sweep.gains[..n], &mut self.constants[..n]);
-        let slopes = &barriers.input.slope[..n];
+        let barriers = &mut self.barriers;
         let mut v = [0.0; 3];
         let mut t = [0.0; 3];
-        barriers.add_slopes(problem, n, &mut v);
-        for k in (0..n).rev() {
-            let gain = &gains[k];
-            let f = lq.input_of::<LAST>(&v) + slopes[k];
-            constants[k] = f * gain.inverse;
-            let mut added = [0.0; 3];
-            if k > 0 {
-                barriers.add_slopes(problem, k, &mut added);
+        let mut next = barriers.set_targets(n / WIDTH, tau, trust);
+        for j in (0..=n / WIDTH).rev() {
+            let (slopes, added) = next;
+            if j > 0 {
+                next = barriers.set_targets(j - 1, tau, trust);
             }
-            if TERMINAL {
-                for i in 0..3 {
-                    t[i] -= gain.feedforward[i] * f;
+            let added_at = |lane: usize| added.map(|lanes| lanes.0[lane]);
+            if j == n / WIDTH {
+                v = added_at(n % WIDTH);
+            }
+            let gains = block(&self.sweep.gains, WIDTH * j);
+            let constants = block_mut(&mut self.constants, WIDTH * j);
+            for lane in (0..WIDTH.min(n - WIDTH * j)).rev() {
+                let (gain, slope) = (&gains[lane], slopes.0[lane]);
+                let f = lq.input_of::<LAST>(&v) + slope;
+                constants[lane] = f * gain.inverse;
+                if TERMINAL {
+                    for i in 0..3 {
+                        t[i] -= gain.feedforward[i] * f;
+                    }
                 }
+                v = lq.closed_costate::<LAST>(&v, gain, slope, &added_at(lane));
             }
-            v = lq.closed_costate::<LAST>(&v, gain, slopes[k], &added);
         }
         let y = match problem.terminal {
             Terminal::Cost => [0.0; 3],
             Terminal::Equality(_) => cost_to_go.factors().solve(&t),
         };
-        let (inputs, states) = (&mut self.step.inputs[..n], &mut self.step.states[..=n]);
-        let (first_inputs, first_states) =
-            (&self.predictor.inputs[..n], &self.predictor.states[..=n]);
+        let Path { inputs, states } = &mut self.step;
+        let mut limits = Limits::default();
         let mut x = [0.0; 3];
-        for k in 0..n {
-            let (gain, f) = (&gains[k], &gains[k].feedforward);
-            let offset = constants[k] + (f[0] * y[0] + f[1] * y[1] + f[2] * y[2]);
-            let u = -gain.input(offset, &x);
-            inputs[k] = first_inputs[k] + u;
-            x = lq.closed_step::<LAST>(&x, gain, offset, u);
-            for i in 0..3 {
-                states[k + 1][i] = first_states[k + 1][i] + x[i];
+        for j in 0..=n / WIDTH {
+            let gains = block(&self.sweep.gains, WIDTH * j);
+            let constants = block(&self.constants, WIDTH * j);
+            let first_du = block(&self.predictor.inputs, WIDTH * j);
+            let first_dx = block(&self.predictor.states, WIDTH * j + 1);
+            let du = block_mut(inputs, WIDTH * j);
+            let reached = block_mut(states, WIDTH * j + 1);
+            for lane in 0..WIDTH.min(n - WIDTH * j) {
+                let (gain, f) = (&gains[lane], &gains[lane].feedforward);
+                let offset = constants[lane] + (f[0] * y[0] + f[1] * y[1] + f[2] * y[2]);
+                let u = -gain.input(offset, &x);
+                du[lane] = first_du[lane] + u;
+                x = lq.closed_step::<LAST>(&x, gain, offset, u);
+                for i in 0..3 {
+                    reached[lane][i] = first_dx[lane][i] + x[i];
+                }
+            }
+            if j > 0 {
+                barriers.correct(j - 1, inputs, states, &mut limits);
             }
         }
-        self.barriers.expand_corrector(problem, &self.step.inputs, &self.step.states);
-        y
+        barriers.correct(n / WIDTH, inputs, states, &mut limits);
+        (y, limits)
     }
 
-    /// Takes the part `a` of the step.
+    /// Takes the step.
     #[inline(always)]
-    fn advance(&mut self, problem: &Problem, a: f64, y: [f64; 3]) {
-        self.barriers.advance(&self.step.inputs, a);
+    fn advance(&mut self, problem: &Problem, lengths: Lengths, y: [f64; 3]) {
+        for j in 0..=problem.horizon / WIDTH {
+            self.barriers.advance(j, &self.step.inputs, lengths);
+        }
         for (old, new) in self.terminal.iter_mut().zip(y) {
-            *old += a * (new - *old);
+            *old += lengths.dual * (new - *old);
         }
         for (x, dx) in self.states.iter_mut().zip(&self.step.states[..=problem.horizon]) {
             for i in 0..3 {
-                x[i] += a * dx[i];
+                x[i] += lengths.primal * dx[i];
             }
         }
-        self.residual *= 1.0 - a;
+        self.residual *= 1.0 - lengths.primal.min(lengths.dual);
     }
 
     /// Writes the guess of the active set that the last step suggests.
@@ -317,8 +346,8 @@ impl InteriorPoint {
         inputs: &mut [f64],
         multipliers: &mut Multipliers,
     ) {
-        for (out, u) in inputs[..problem.horizon].iter_mut().zip(&self.barriers.input.u) {
-            *out = u.max(problem.u_min).min(problem.u_max);
+        for (k, out) in inputs[..problem.horizon].iter_mut().enumerate() {
+            *out = self.barriers.input.value(k).max(problem.u_min).min(problem.u_max);
         }
         self.barriers.read(multipliers);
         multipliers.terminal = self.terminal;
@@ -335,29 +364,68 @@ fn iterate<const TERMINAL: bool, const LAST: bool>(
     point.iterate_with::<TERMINAL, LAST>(problem, lq)
 }
 
-/// The iterate as models of the stages.
+/// The iterate as models of the stages. The blocks are modelled one ahead of the sweep.
 struct Models<'a> {
     problem: &'a Problem,
-    barriers: &'a Barriers,
-    input_gradients: &'a [f64],
-    state_gradients: &'a [[f64; 3]],
+    barriers: &'a mut Barriers,
+    states: &'a [[f64; 3]],
+    /// Sum of the products of the pairs so far.
+    gap: Lanes,
+}
+
+impl Models<'_> {
+    #[inline(always)]
+    fn prepare(&mut self, j: usize) {
+        self.gap = self.gap + self.barriers.linearize(j, self.states);
+    }
 }
 
 impl StageModels for Models<'_> {
     const WITH_DISTURBANCE: bool = false;
 
     #[inline(always)]
+    fn enter(&mut self, k: usize) {
+        let (n, j) = (self.problem.horizon, k / WIDTH);
+        if k == n {
+            self.prepare(j);
+        }
+        if j > 0 && (k == n || k % WIDTH == WIDTH - 1) {
+            self.prepare(j - 1);
+        }
+    }
+
+    #[inline(always)]
     fn input(&self, k: usize) -> InputModel {
-        InputModel::Free(self.barriers.input.curvature[k], self.input_gradients[k])
+        let (x, u) = (&self.states[k], self.barriers.input.value(k));
+        let gradient = self.problem.r * u + dot(&self.problem.s, x) + self.problem.r_lin[k];
+        InputModel::Free(self.barriers.input.curvature(k), gradient)
     }
 
     #[inline(always)]
-    fn state_gradient(&self, k: usize) -> [f64; 3] {
-        self.state_gradients[k]
+    fn state(&self, k: usize, hessian: &mut Symmetric) -> [f64; 3] {
+        let Problem { q, s, p, .. } = self.problem;
+        let x = &self.states[k];
+        let mut gradient: [f64; 3] = if k < self.problem.horizon {
+            let (u, linear) = (self.barriers.input.value(k), &self.problem.q_lin[k]);
+            std::array::from_fn(|i| dot(&q[i], x) + (s[i] * u + linear[i]))
+        } else {
+            std::array::from_fn(|i| dot(&p[i], x) + self.problem.p_lin[i])
+        };
+        self.barriers.each_state_function(k, |g, curvature, slope| {
+            add_rank_one(hessian, g, curvature);
+            add_slope(&mut gradient, g, slope);
+        });
+        gradient
     }
+}
 
-    #[inline(always)]
-    fn state_functions(&self, k: usize, add: impl FnMut(&[f64; 3], f64, f64)) {
-        self.barriers.each_state_function(self.problem, k, add);
-    }
+/// The block that begins at an entry.
+#[inline(always)]
+fn block<T>(path: &[T], first: usize) -> &[T; WIDTH] {
+    path[first..].first_chunk().expect("there is room for whole blocks")
+}
+
+#[inline(always)]
+fn block_mut<T>(path: &mut [T], first: usize) -> &mut [T; WIDTH] {
+    path[first..].first_chunk_mut().expect("there is room for whole blocks")
 }

@@ -1,12 +1,16 @@
 //! Pairs of a slack `s` and a multiplier `λ` whose product is driven to zero.
 //!
 //! A step towards the product `t` satisfies `λ s⁺ + s λ⁺ = s λ + t`. With `r = (s⁺ − s)/s` the multiplier changes by
-//! `t/(sλ) − 1 − r`, relative. The predictor aims at `t = 0`: `r` then tells all about a pair. A step of length `a`
-//! is possible while `a max(−r, 1 + r) ≤ 1`, it leaves the product `sλ(1 + a r)(1 − a − a r)`, and what the predictor
-//! has neglected gives the corrector's target, `t = τ + sλ r(1 + r)`.
+//! `t/(sλ) − 1 − r`, relative. The predictor aims at `t = 0`: `r` then tells all about a pair. Slacks may go the part `a`
+//! of the way while `−a r ≤ 1`, multipliers the part `b` while `b(1 + r) ≤ 1`, and what is left of the product is
 //!
-//! Sums and maxima run over four lanes, joined at the end: the same result on every machine, and
-//! loops that need not wait for one addition after the other.
+//! ```text
+//! sλ(1 + a r)(1 − b − b r) = (1 − b) sλ + (a − b) sλ r − a b n,     n = sλ r(1 + r)
+//! ```
+//!
+//! What the predictor has neglected is `n`; it gives the corrector's target, `t = τ + n`.
+
+use crate::riccati::lanes::{Lanes, WIDTH};
 
 /// Compliance that is added to those of rows and light, unit of the limit per unit of its multiplier.
 ///
@@ -14,144 +18,143 @@
 /// curvature from outgrowing the machine's precision while the slack of an active limit goes to zero.
 pub(super) const PROXIMAL: f64 = 1e-12;
 
-/// One pair per stage.
-#[derive(Clone, Debug)]
+/// `1` in every lane.
+pub(super) const ONE: Lanes = Lanes::all(1.0);
+
+/// The pairs of [`WIDTH`] stages.
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Pairs {
-    pub(super) slack: Vec<f64>,
-    pub(super) multiplier: Vec<f64>,
+    pub(super) slack: Lanes,
+    pub(super) multiplier: Lanes,
     /// `1/s` and `1/λ`.
-    pub(super) per_slack: Vec<f64>,
-    pub(super) per_multiplier: Vec<f64>,
+    pub(super) per_slack: Lanes,
+    pub(super) per_multiplier: Lanes,
     /// `r` of the last step computed.
-    pub(super) relative: Vec<f64>,
-    /// `t`.
-    pub(super) target: Vec<f64>,
+    relative: Lanes,
+    /// After the predictor `n`, after that `t`.
+    pub(super) target: Lanes,
+}
+
+/// Lengths of a step: of the trajectory, the slacks and what goes with them, and of the multipliers.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lengths {
+    pub(super) primal: f64,
+    pub(super) dual: f64,
+}
+
+/// Reciprocals of the longest possible steps, lane by lane.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Limits {
+    pub(super) primal: Lanes,
+    pub(super) dual: Lanes,
+}
+
+impl Limits {
+    /// The part `fraction` of the longest possible steps, at most full ones.
+    #[inline(always)]
+    pub(super) fn lengths(&self, fraction: f64) -> Lengths {
+        let length = |limit: Lanes| (fraction / limit.largest().max(f64::MIN_POSITIVE)).min(1.0);
+        Lengths { primal: length(self.primal), dual: length(self.dual) }
+    }
+}
+
+/// What a predictor means for the pairs, lane by lane.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Prediction {
+    pub(super) limits: Limits,
+    /// Sum of `sλ r`.
+    pub(super) moved: Lanes,
+    /// Sum of `n`.
+    pub(super) neglected: Lanes,
 }
 
 impl Pairs {
-    pub(super) fn new(len: usize) -> Self {
-        let zeros = || vec![0.0; len];
-        Self {
-            slack: zeros(),
-            multiplier: zeros(),
-            per_slack: zeros(),
-            per_multiplier: zeros(),
-            relative: zeros(),
-            target: zeros(),
-        }
+    pub(super) fn new(slack: Lanes, multiplier: Lanes) -> Self {
+        Self { slack, multiplier, ..Self::default() }
     }
 
-    /// Sets `1/s` and `1/λ`, and the targets to zero; returns the sum of the products.
+    pub(super) fn set(&mut self, lane: usize, slack: f64, multiplier: f64) {
+        self.slack.0[lane] = slack;
+        self.multiplier.0[lane] = multiplier;
+    }
+
+    /// Sets `1/s` and `1/λ`; returns the products.
     #[inline(always)]
-    pub(super) fn invert(&mut self, len: usize) -> f64 {
-        let (s, l) = (&self.slack[..len], &self.multiplier[..len]);
-        let (ps, pl) = (&mut self.per_slack[..len], &mut self.per_multiplier[..len]);
-        for k in 0..len {
-            // One division for both.
-            let per_product = 1.0 / (s[k] * l[k]);
-            ps[k] = l[k] * per_product;
-            pl[k] = s[k] * per_product;
-        }
-        self.target[..len].fill(0.0);
-        sum(len, [s, l], |[s, l]| s * l)
+    pub(super) fn invert(&mut self) -> Lanes {
+        let product = self.slack * self.multiplier;
+        // One division for both.
+        let per_product = ONE / product;
+        self.per_slack = self.multiplier * per_product;
+        self.per_multiplier = self.slack * per_product;
+        product
     }
 
-    /// Reciprocal of the longest possible predictor step, at least 1.
+    /// Takes the predictor's `r`.
     #[inline(always)]
-    pub(super) fn affine_step_reciprocal(&self, len: usize) -> f64 {
-        // max(−r, 1 + r) = ½ + |r + ½|
-        0.5 + largest(len, [&self.relative], |[r]| (r + 0.5).abs())
+    pub(super) fn predict(&mut self, relative: Lanes, prediction: &mut Prediction) {
+        self.relative = relative;
+        let Limits { primal, dual } = &mut prediction.limits;
+        *primal = (-relative).greater(*primal);
+        *dual = (ONE + relative).greater(*dual);
+        let moved = (self.slack * self.multiplier) * relative;
+        prediction.moved = prediction.moved + moved;
+        self.target = moved * (ONE + relative);
+        prediction.neglected = prediction.neglected + self.target;
     }
 
-    /// Sum of the products after a predictor step of length `a`.
+    /// Sets the corrector's targets.
     #[inline(always)]
-    pub(super) fn gap_after_affine(&self, len: usize, a: f64) -> f64 {
-        let arrays = [&self.slack[..], &self.multiplier, &self.relative];
-        sum(len, arrays, |[s, l, r]| s * l * ((1.0 + a * r) * (1.0 - a - a * r)))
+    pub(super) fn set_targets(&mut self, tau: f64, trust: f64) {
+        self.target = Lanes::all(tau) + Lanes::all(trust) * self.target;
     }
 
-    /// Targets of the corrector.
+    /// Takes the step's `r`.
     #[inline(always)]
-    pub(super) fn set_targets(&mut self, len: usize, tau: f64, trust: f64) {
-        let (s, l) = (&self.slack[..len], &self.multiplier[..len]);
-        let (r, t) = (&self.relative[..len], &mut self.target[..len]);
-        for k in 0..len {
-            t[k] = tau + trust * (s[k] * l[k]) * (r[k] * (1.0 + r[k]));
-        }
+    pub(super) fn correct(&mut self, relative: Lanes, limits: &mut Limits) {
+        self.relative = relative;
+        limits.primal = (-relative).greater(limits.primal);
+        limits.dual = (-self.change()).greater(limits.dual);
     }
 
-    /// Reciprocal of the longest possible step.
+    /// Relative change of the multiplier.
     #[inline(always)]
-    pub(super) fn step_reciprocal(&self, len: usize) -> f64 {
-        let arrays = [&self.relative[..], &self.target, &self.per_slack, &self.per_multiplier];
-        largest(len, arrays, |[r, t, ps, pl]| greater(-r, 1.0 + r - t * (ps * pl)))
+    fn change(&self) -> Lanes {
+        self.target * (self.per_slack * self.per_multiplier) - (ONE + self.relative)
     }
 
-    /// Whether the slack of entry `k`, rather than its multiplier, goes to zero: by Tapia's indicator, which of
+    /// Whether the slack of a lane, rather than its multiplier, goes to zero: by Tapia's indicator, which of
     /// the two has shrunk more in the last step.
+    pub(super) fn is_active(&self, lane: usize) -> bool {
+        self.relative.0[lane] < self.change().0[lane]
+    }
+
+    /// Takes the step.
     #[inline(always)]
-    pub(super) fn is_active(&self, k: usize) -> bool {
-        let remaining =
-            self.target[k] * (self.per_slack[k] * self.per_multiplier[k]) - self.relative[k];
-        1.0 + self.relative[k] < remaining
-    }
-
-    /// Takes the part `a` of the step.
-    #[inline(always)]
-    pub(super) fn advance(&mut self, len: usize, a: f64) {
-        let (s, l) = (&mut self.slack[..len], &mut self.multiplier[..len]);
-        let (r, t, ps) = (&self.relative[..len], &self.target[..len], &self.per_slack[..len]);
-        for k in 0..len {
-            s[k] += a * (s[k] * r[k]);
-            l[k] += a * (t[k] * ps[k] - l[k] * (1.0 + r[k]));
-        }
+    pub(super) fn advance(&mut self, lengths: Lengths) {
+        let (primal, dual) = (Lanes::all(lengths.primal), Lanes::all(lengths.dual));
+        let r = self.relative;
+        self.slack = self.slack + primal * (self.slack * r);
+        let change = self.target * self.per_slack - self.multiplier * (ONE + r);
+        self.multiplier = self.multiplier + dual * change;
     }
 }
 
-/// The greater of two numbers, as one instruction.
+/// Where stage `k` is: its block and its lane.
 #[inline(always)]
-pub(super) fn greater(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
+pub(super) fn place(k: usize) -> (usize, usize) {
+    (k / WIDTH, k % WIDTH)
 }
 
-/// The largest `f ≥ 0` over the first `len` entries.
+/// Adds `slope · g` of four stages.
 #[inline(always)]
-pub(super) fn largest<const M: usize>(
-    len: usize,
-    arrays: [&[f64]; M],
-    f: impl Fn([f64; M]) -> f64,
-) -> f64 {
-    fold(len, arrays, f, greater)
-}
-
-/// The sum of `f` over the first `len` entries.
-#[inline(always)]
-pub(super) fn sum<const M: usize>(
-    len: usize,
-    arrays: [&[f64]; M],
-    f: impl Fn([f64; M]) -> f64,
-) -> f64 {
-    fold(len, arrays, f, |a, b| a + b)
-}
-
-#[inline(always)]
-fn fold<const M: usize>(
-    len: usize,
-    arrays: [&[f64]; M],
-    f: impl Fn([f64; M]) -> f64,
-    join: impl Fn(f64, f64) -> f64,
-) -> f64 {
-    let parts = arrays.map(|a| a[..len].as_chunks::<4>());
-    let mut lanes = [0.0; 4];
-    for i in 0..len / 4 {
-        for lane in 0..4 {
-            let value = f(std::array::from_fn(|m| parts[m].0[i][lane]));
-            lanes[lane] = join(value, lanes[lane]);
-        }
+pub(super) fn add_slope(v: &mut [Lanes; 3], g: &[Lanes; 3], slope: Lanes) {
+    for i in 0..3 {
+        v[i] = v[i] + slope * g[i];
     }
-    for i in 0..len % 4 {
-        let value = f(std::array::from_fn(|m| parts[m].1[i]));
-        lanes[i] = join(value, lanes[i]);
-    }
-    join(join(lanes[0], lanes[1]), join(lanes[2], lanes[3]))
+}
+
+/// `g'x` of four stages.
+#[inline(always)]
+pub(super) fn product(g: &[Lanes; 3], x: &[Lanes; 3]) -> Lanes {
+    g[0] * x[0] + g[1] * x[1] + g[2] * x[2]
 }

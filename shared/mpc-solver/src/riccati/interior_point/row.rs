@@ -1,47 +1,60 @@
 //! One row, over its stages.
 
-use super::pairs::{PROXIMAL, Pairs};
+use super::pairs::{
+    Lengths, Limits, ONE, PROXIMAL, Pairs, Prediction, add_slope, place, product,
+};
 use crate::problem::{Row, Softness, dot};
+use crate::riccati::lanes::{Lanes, WIDTH};
 use crate::riccati::row_curve::RowTangent;
 
 /// Finite stand-in for an infinite limit.
 const NO_LIMIT: f64 = 1e9;
 
-/// Pairs `(s, μ)` and, if soft, `(σ, ν)`.
+/// The row at a block of stages: pairs `(s, μ)` and, if soft, `(σ, ν)`.
+#[derive(Clone, Copy, Debug, Default)]
+struct Block {
+    /// `h`.
+    limit: Lanes,
+    below: Pairs,
+    violation: Pairs,
+    /// `W`.
+    curvature: Lanes,
+    /// Force on `g`: the predictor's without a change of `z`, or what the corrector adds.
+    slope: Lanes,
+    /// Change of `z` at which the predictor leaves the multiplier as it is.
+    offset: Lanes,
+    /// `1/(ν + κσ)`.
+    per_stiffness: Lanes,
+    /// `λ + κσ − μ`, which `ν` is to become.
+    price: Lanes,
+}
+
+/// The row. Where a block goes beyond its stages, it has no limit.
 #[derive(Clone, Debug)]
 pub(super) struct RowBarrier {
-    pub(super) gradient: [f64; 3],
-    /// First stage; the others expand.
-    pub(super) from: usize,
-    pub(super) len: usize,
+    /// `g`, the same in every lane.
+    gradient: [Lanes; 3],
+    /// First stage, and one beyond the last.
+    from: usize,
+    end: usize,
+    /// The same of the blocks.
+    first_block: usize,
+    end_block: usize,
     /// `(λ, κ)`.
     penalty: Option<(f64, f64)>,
-    limit: Pairs,
-    violation: Pairs,
-    /// `W` by stage, counted from `from`.
-    pub(super) curvature: Vec<f64>,
-    /// Force on `g`: the predictor's without a change of `z`, or what the corrector adds.
-    pub(super) slope: Vec<f64>,
-    /// Change of `z` at which the predictor leaves the multiplier as it is.
-    offset: Vec<f64>,
-    /// `1/(ν + κσ)`.
-    per_stiffness: Vec<f64>,
+    blocks: Vec<Block>,
 }
 
 impl RowBarrier {
-    pub(super) fn new(len: usize) -> Self {
-        let zeros = || vec![0.0; len];
+    pub(super) fn new(max_horizon: usize) -> Self {
         Self {
-            gradient: [0.0; 3],
+            gradient: [Lanes::default(); 3],
             from: 0,
-            len: 0,
+            end: 0,
+            first_block: 0,
+            end_block: 0,
             penalty: None,
-            limit: Pairs::new(len),
-            violation: Pairs::new(len),
-            curvature: zeros(),
-            slope: zeros(),
-            offset: zeros(),
-            per_stiffness: zeros(),
+            blocks: vec![Block::default(); max_horizon / WIDTH + 1],
         }
     }
 
@@ -54,172 +67,166 @@ impl RowBarrier {
         least: f64,
         mu: f64,
     ) {
-        self.gradient = row.gradient;
+        self.gradient = row.gradient.map(Lanes::all);
         self.from = row.from;
-        self.len = if row.to >= row.from { row.to - row.from + 1 } else { 0 };
+        self.end = row.from.max(row.to + 1);
+        let is_off = self.from == self.end;
+        (self.first_block, self.end_block) =
+            if is_off { (0, 0) } else { (self.from / WIDTH, self.end.div_ceil(WIDTH)) };
         self.penalty = match row.softness {
             Softness::Hard => None,
             Softness::Soft { linear, quadratic } => Some((linear, quadratic)),
         };
-        for i in 0..self.len {
-            let room =
-                within_reach(limits[row.from + i]) - dot(&row.gradient, &states[row.from + i]);
+        for k in WIDTH * self.first_block..WIDTH * self.end_block {
+            let is_in_force = (self.from..self.end).contains(&k);
+            let limit = if is_in_force { within_reach(limits[k]) } else { NO_LIMIT };
+            let room = if is_in_force { limit - dot(&row.gradient, &states[k]) } else { limit };
+            let (j, lane) = place(k);
+            let block = &mut self.blocks[j];
+            block.limit.0[lane] = limit;
             let s = room.max(least);
-            self.limit.slack[i] = s;
-            self.limit.multiplier[i] = mu / s;
+            block.below.set(lane, s, mu / s);
             if let Some((penalty, curvature)) = self.penalty {
                 let m = (mu / s).min(0.5 * penalty);
-                self.limit.multiplier[i] = m;
+                block.below.set(lane, s, m);
                 let sigma = (s - room).max(least);
-                self.violation.slack[i] = sigma;
-                self.violation.multiplier[i] = penalty + curvature * sigma - m;
+                block.violation.set(lane, sigma, penalty + curvature * sigma - m);
             }
         }
     }
 
-    /// Models the pairs for the predictor; returns the sum and the number of the products.
-    #[inline(always)]
-    pub(super) fn linearize(&mut self, limits: &[f64], states: &[[f64; 3]]) -> (f64, usize) {
-        let len = self.len;
-        if len == 0 {
-            return (0.0, 0);
-        }
-        let mut gap = self.limit.invert(len);
-        let (h, states) = (&limits[self.from..][..len], &states[self.from..][..len]);
-        let (s, m) = (&self.limit.slack[..len], &self.limit.multiplier[..len]);
-        let pm = &self.limit.per_multiplier[..len];
-        let (w, slope) = (&mut self.curvature[..len], &mut self.slope[..len]);
-        let offset = &mut self.offset[..len];
-        for i in 0..len {
-            // s + (residual of the slack), to begin with.
-            offset[i] = within_reach(h[i]) - dot(&self.gradient, &states[i]);
-            w[i] = s[i] * pm[i] + PROXIMAL;
-        }
-        if let Some((_, curvature)) = self.penalty {
-            gap += self.violation.invert(len);
-            let (sigma, nu) = (&self.violation.slack[..len], &self.violation.multiplier[..len]);
-            let per_stiffness = &mut self.per_stiffness[..len];
-            for i in 0..len {
-                let soft = 1.0 / (nu[i] + curvature * sigma[i]);
-                per_stiffness[i] = soft;
-                w[i] += sigma[i] * soft;
-                offset[i] += sigma[i] - sigma[i] * nu[i] * soft;
-            }
-        }
-        for i in 0..len {
-            w[i] = 1.0 / w[i];
-            slope[i] = m[i] - w[i] * offset[i];
-        }
-        (gap, if self.penalty.is_some() { 2 * len } else { len })
-    }
-
-    /// Sets the corrector's targets, and `slope` to what they add.
-    #[inline(always)]
-    pub(super) fn set_targets(&mut self, tau: f64, trust: f64) {
-        self.limit.set_targets(self.len, tau, trust);
-        if self.penalty.is_some() {
-            self.violation.set_targets(self.len, tau, trust);
-        }
-        let len = self.len;
-        let (t, pm) = (&self.limit.target[..len], &self.limit.per_multiplier[..len]);
-        let (w, slope) = (&self.curvature[..len], &mut self.slope[..len]);
-        if self.penalty.is_some() {
-            let (t2, soft) = (&self.violation.target[..len], &self.per_stiffness[..len]);
-            for i in 0..len {
-                slope[i] = w[i] * (t[i] * pm[i] - t2[i] * soft[i]);
-            }
-        } else {
-            for i in 0..len {
-                slope[i] = w[i] * (t[i] * pm[i]);
-            }
-        }
-    }
-
-    /// Takes the sweep's changes of the states.
-    #[inline(always)]
-    pub(super) fn expand(&mut self, changes: &[[f64; 3]], corrected: bool) {
-        let len = self.len;
-        let changes = &changes[self.from..][..len];
-        let (w, slope, offset) = (&self.curvature[..len], &self.slope[..len], &self.offset[..len]);
-        let (t, ps) = (&self.limit.target[..len], &self.limit.per_slack[..len]);
-        let pm = &self.limit.per_multiplier[..len];
-        let r = &mut self.limit.relative[..len];
-        let add = if corrected { 1.0 } else { 0.0 };
-        let change =
-            |i: usize| w[i] * (dot(&self.gradient, &changes[i]) - offset[i]) + add * slope[i];
-        if self.penalty.is_some() {
-            let Pairs { multiplier, per_slack, relative, target, .. } = &mut self.violation;
-            let (nu, per_sigma, t2) = (&multiplier[..len], &per_slack[..len], &target[..len]);
-            let (r2, soft) = (&mut relative[..len], &self.per_stiffness[..len]);
-            for i in 0..len {
-                let dm = change(i);
-                r[i] = (t[i] * ps[i] - dm) * pm[i] - 1.0;
-                r2[i] = (t2[i] * per_sigma[i] - nu[i] + dm) * soft[i];
-            }
-        } else {
-            for i in 0..len {
-                r[i] = (t[i] * ps[i] - change(i)) * pm[i] - 1.0;
-            }
-        }
+    /// Number of pairs.
+    pub(super) fn pairs(&self) -> usize {
+        let families = if self.penalty.is_some() { 2 } else { 1 };
+        families * WIDTH * (self.end_block - self.first_block)
     }
 
     #[inline(always)]
-    pub(super) fn affine_step_reciprocal(&self) -> f64 {
-        let limit = self.limit.affine_step_reciprocal(self.len);
-        if self.penalty.is_some() {
-            limit.max(self.violation.affine_step_reciprocal(self.len))
-        } else {
-            limit
+    fn block(&mut self, j: usize) -> Option<&mut Block> {
+        self.blocks[..self.end_block].get_mut(j).filter(|_| j >= self.first_block)
+    }
+
+    /// Models the pairs of a block for the predictor; returns the sum of the products.
+    #[inline(always)]
+    pub(super) fn linearize(&mut self, j: usize, x: &[Lanes; 3]) -> Lanes {
+        let (gradient, penalty) = (self.gradient, self.penalty);
+        let Some(block) = self.block(j) else { return Lanes::default() };
+        let mut gap = block.below.invert();
+        let Pairs { slack: s, multiplier: m, per_multiplier, .. } = block.below;
+        // s + (residual of the slack), to begin with.
+        let mut offset = block.limit - product(&gradient, x);
+        let mut compliance = s * per_multiplier + Lanes::all(PROXIMAL);
+        if let Some((weight, curvature)) = penalty {
+            gap = gap + block.violation.invert();
+            let Pairs { slack: sigma, multiplier: nu, .. } = block.violation;
+            let stiffness = Lanes::all(curvature) * sigma;
+            let soft = ONE / (nu + stiffness);
+            block.per_stiffness = soft;
+            block.price = Lanes::all(weight) + stiffness - m;
+            compliance = compliance + sigma * soft;
+            offset = offset + (sigma - sigma * block.price * soft);
+        }
+        let w = ONE / compliance;
+        block.curvature = w;
+        block.offset = offset;
+        block.slope = m - w * offset;
+        gap
+    }
+
+    /// Takes the predictor's changes of a block's states.
+    #[inline(always)]
+    pub(super) fn predict(&mut self, j: usize, dx: &[Lanes; 3], prediction: &mut Prediction) {
+        let (gradient, is_soft) = (self.gradient, self.penalty.is_some());
+        let Some(block) = self.block(j) else { return };
+        let dm = block.curvature * (product(&gradient, dx) - block.offset);
+        let below = &mut block.below;
+        below.predict(-(dm * below.per_multiplier) - ONE, prediction);
+        if is_soft {
+            let violation = &mut block.violation;
+            let r = (dm - block.price) * block.per_stiffness;
+            violation.predict(r, prediction);
+        }
+    }
+
+    /// Sets the corrector's targets of a block, and adds what they add to the gradient.
+    #[inline(always)]
+    pub(super) fn set_targets(&mut self, j: usize, tau: f64, trust: f64, added: &mut [Lanes; 3]) {
+        let (gradient, is_soft) = (self.gradient, self.penalty.is_some());
+        let Some(block) = self.block(j) else { return };
+        let below = &mut block.below;
+        below.set_targets(tau, trust);
+        let mut moved = below.target * below.per_multiplier;
+        if is_soft {
+            block.violation.set_targets(tau, trust);
+            moved = moved - block.violation.target * block.per_stiffness;
+        }
+        block.slope = block.curvature * moved;
+        add_slope(added, &gradient, block.slope);
+    }
+
+    /// Takes the step's changes of a block's states.
+    #[inline(always)]
+    pub(super) fn correct(&mut self, j: usize, dx: &[Lanes; 3], limits: &mut Limits) {
+        let (gradient, is_soft) = (self.gradient, self.penalty.is_some());
+        let Some(block) = self.block(j) else { return };
+        let dm = block.curvature * (product(&gradient, dx) - block.offset) + block.slope;
+        let below = &mut block.below;
+        let r = (below.target * below.per_slack - dm) * below.per_multiplier - ONE;
+        below.correct(r, limits);
+        if is_soft {
+            let violation = &mut block.violation;
+            let pull = violation.target * violation.per_slack - block.price + dm;
+            violation.correct(pull * block.per_stiffness, limits);
         }
     }
 
     #[inline(always)]
-    pub(super) fn gap_after_affine(&self, a: f64) -> f64 {
-        let gap = self.limit.gap_after_affine(self.len, a);
-        if self.penalty.is_some() {
-            gap + self.violation.gap_after_affine(self.len, a)
-        } else {
-            gap
+    pub(super) fn advance(&mut self, j: usize, lengths: Lengths) {
+        let is_soft = self.penalty.is_some();
+        let Some(block) = self.block(j) else { return };
+        block.below.advance(lengths);
+        if is_soft {
+            block.violation.advance(lengths);
         }
     }
 
+    /// Calls back with `g`, curvature and slope if the row is in force at stage `k`.
     #[inline(always)]
-    pub(super) fn step_reciprocal(&self) -> f64 {
-        let limit = self.limit.step_reciprocal(self.len);
-        if self.penalty.is_some() {
-            limit.max(self.violation.step_reciprocal(self.len))
-        } else {
-            limit
-        }
-    }
-
-    #[inline(always)]
-    pub(super) fn advance(&mut self, a: f64) {
-        self.limit.advance(self.len, a);
-        if self.penalty.is_some() {
-            self.violation.advance(self.len, a);
+    pub(super) fn at(&self, k: usize, mut add: impl FnMut(&[f64; 3], f64, f64)) {
+        if k >= self.from && k < self.end {
+            let (j, lane) = place(k);
+            let block = &self.blocks[j];
+            let gradient = self.gradient.map(|lanes| lanes.0[0]);
+            add(&gradient, block.curvature.0[lane], block.slope.0[lane]);
         }
     }
 
     /// The part of the row's graph that stage `k` goes to.
     pub(super) fn tangent(&self, k: usize) -> RowTangent {
-        let i = k - self.from;
+        if k < self.from || k >= self.end {
+            return RowTangent::default();
+        }
+        let (j, lane) = place(k);
+        let Block { below, violation, .. } = &self.blocks[j];
         match self.penalty {
-            _ if !self.limit.is_active(i) => RowTangent::default(),
-            Some((penalty, curvature)) if !self.violation.is_active(i) => {
+            _ if !below.is_active(lane) => RowTangent::default(),
+            Some((penalty, curvature)) if !violation.is_active(lane) => {
                 RowTangent::beyond(penalty, curvature)
             }
-            _ => RowTangent::edge(self.limit.multiplier[i]),
+            _ => RowTangent::edge(below.multiplier.0[lane]),
         }
     }
 
-    pub(super) fn multipliers(&self) -> &[f64] {
-        &self.limit.multiplier[..self.len]
+    /// Copies the multipliers of its stages out.
+    pub(super) fn read(&self, multipliers: &mut [f64]) {
+        for k in self.from..self.end {
+            let (j, lane) = place(k);
+            multipliers[k] = self.blocks[j].below.multiplier.0[lane];
+        }
     }
 }
 
 /// A limit so far off that no cruise state comes near it stands for no limit at all.
-#[inline(always)]
 fn within_reach(limit: f64) -> f64 {
     if limit < NO_LIMIT { limit } else { NO_LIMIT }
 }
