@@ -459,4 +459,3 @@ impl Gain {
         (offset + (self.feedback[0] * x[0] + self.feedback[1] * x[1])) + self.feedback[2] * x[2]
     }
 }
-

@@ -1,8 +1,6 @@
 //! The light, over its stages.
 
-use super::pairs::{
-    Lengths, Limits, ONE, PROXIMAL, Pairs, Prediction, add_slope, place, product,
-};
+use super::pairs::{Lengths, Limits, ONE, PROXIMAL, Pairs, Prediction, add_slope, place, product};
 use crate::problem::{LightCost, LightStage, Softness, dot};
 use crate::riccati::lanes::{Lanes, WIDTH};
 use crate::riccati::light_curve::{LightCurve, LightTangent};
@@ -267,4 +265,3 @@ impl LightBarrier {
         }
     }
 }
-

@@ -1,8 +1,6 @@
 //! One row, over its stages.
 
-use super::pairs::{
-    Lengths, Limits, ONE, PROXIMAL, Pairs, Prediction, add_slope, place, product,
-};
+use super::pairs::{Lengths, Limits, ONE, PROXIMAL, Pairs, Prediction, add_slope, place, product};
 use crate::problem::{Row, Softness, dot};
 use crate::riccati::lanes::{Lanes, WIDTH};
 use crate::riccati::row_curve::RowTangent;
