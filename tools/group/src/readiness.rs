@@ -59,7 +59,11 @@ impl Supervisor<'_> {
                     let process = self.member(service).attached(incarnation);
                     let process = process.expect("it has just been started");
                     let exit = process.exit(EXIT_GRACE, Exit::OutputClosed);
-                    let what = format!("ended before it was ready ({exit})");
+                    let how = match exit {
+                        Exit::Ok => "exit status 0".to_owned(),
+                        other => other.to_string(),
+                    };
+                    let what = format!("ended before it was ready ({how})");
                     let what = what + &self.last_words(service);
                     return Err(self.not_ready(service, what));
                 }

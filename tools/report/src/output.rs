@@ -16,7 +16,7 @@ use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// What commands write into their directory; a name without a dot is a directory.
-const RESULTS: [&str; 24] = [
+const RESULTS: [&str; 29] = [
     "bench.json",
     "campaign.csv",
     "campaign.json",
@@ -25,14 +25,19 @@ const RESULTS: [&str; 24] = [
     "csv",
     "gains.csv",
     "histograms.hlog",
-    "runs.jsonl",
+    "iso15622.json",
     "live.json",
     "metadata.yaml",
     "part.json",
+    "r157.json",
+    "radio.csv",
+    "radio.json",
+    "radio.pcap",
     "recording.mcap",
     "replay.csv",
     "report.html",
     "reproduce.json",
+    "runs.jsonl",
     "scenario.toml",
     "string.csv",
     "string.json",

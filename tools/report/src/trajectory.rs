@@ -19,7 +19,7 @@ const COLUMNS: [&str; 11] = [
 ];
 
 /// The drive as CSV. What was not published in a step is left empty. The columns of the law's own
-/// figures are named by `figure_names`.
+/// figures are named by `figure_names`, with `law_` ahead of a name that a column has already.
 pub fn csv(drive: &Drive, figure_names: &[&str]) -> String {
     let rows = drive.steps.iter().map(|step| {
         let own = [
@@ -39,7 +39,10 @@ pub fn csv(drive: &Drive, figure_names: &[&str]) -> String {
             (0..figure_names.len()).map(|index| field(step.figures.map(|figures| figures[index])));
         own.into_iter().chain(figures)
     });
-    table::csv(COLUMNS.iter().chain(figure_names), rows)
+    let own_names = figure_names.iter().map(|name| {
+        if COLUMNS.contains(name) { format!("law_{name}") } else { (*name).to_owned() }
+    });
+    table::csv(COLUMNS.map(str::to_owned).into_iter().chain(own_names), rows)
 }
 
 #[cfg(test)]
@@ -52,9 +55,9 @@ mod tests {
         let step =
             DriveStep { time_s: 0.1, position_m: 1.5, gap_m: Some(49.5), ..DriveStep::default() };
         let drive = Drive { steps: vec![step], ..Drive::default() };
-        let text = csv(&drive, &["e_m"]);
+        let text = csv(&drive, &["e_m", "gap_m"]);
         let mut lines = text.lines();
-        assert!(lines.next().is_some_and(|head| head.ends_with(",fuel_g,e_m")));
-        assert_eq!(lines.next(), Some("0.1,1.5,0,0,,49.5,,,,,,"));
+        assert!(lines.next().is_some_and(|head| head.ends_with(",fuel_g,e_m,law_gap_m")));
+        assert_eq!(lines.next(), Some("0.1,1.5,0,0,,49.5,,,,,,,"));
     }
 }
