@@ -22,6 +22,8 @@ pub(super) struct Placed {
 
 #[derive(Clone, Debug)]
 enum Content {
+    /// An integer of more than 64 bits, in its digits.
+    HugeInteger(String),
     Scalar(toml::Value),
     Array(Vec<Placed>),
     Table(Vec<(String, Placed)>),
@@ -50,7 +52,14 @@ impl Placed {
                 Content::Table(table.iter().map(entry).collect())
             }
             DeValue::Array(array) => Content::Array(array.iter().map(Self::of).collect()),
-            _ => Content::Scalar(scalar(value)),
+            DeValue::Integer(number) => match scalar(value) {
+                Some(value) => Content::Scalar(value),
+                None => Content::HugeInteger(number.to_string()),
+            },
+            DeValue::String(_) | DeValue::Float(_) | DeValue::Boolean(_) | DeValue::Datetime(_) => {
+                let value = scalar(value).expect("the document's reader has checked it");
+                Content::Scalar(value)
+            }
         };
         Self { key: None, place: value.span(), content }
     }
@@ -89,7 +98,7 @@ impl Placed {
     pub(super) fn elements(&self) -> Option<&[Self]> {
         match &self.content {
             Content::Array(array) => Some(array),
-            Content::Scalar(_) | Content::Table(_) => None,
+            Content::Scalar(_) | Content::HugeInteger(_) | Content::Table(_) => None,
         }
     }
 
@@ -97,7 +106,7 @@ impl Placed {
     pub(super) fn entries(&self) -> Option<&[(String, Self)]> {
         match &self.content {
             Content::Table(table) => Some(table),
-            Content::Scalar(_) | Content::Array(_) => None,
+            Content::Scalar(_) | Content::HugeInteger(_) | Content::Array(_) => None,
         }
     }
 
@@ -105,6 +114,7 @@ impl Placed {
     pub(super) fn plain(&self) -> toml::Value {
         match &self.content {
             Content::Scalar(value) => value.clone(),
+            Content::HugeInteger(number) => toml::Value::String(number.clone()),
             Content::Array(array) => toml::Value::Array(array.iter().map(Self::plain).collect()),
             Content::Table(table) => toml::Value::Table(
                 table.iter().map(|(name, value)| (name.clone(), value.plain())).collect(),
@@ -115,10 +125,8 @@ impl Placed {
 
 /// A value that is neither a table nor an array. A number that fits no type is kept as its text, which
 /// no reader of numbers accepts.
-fn scalar(value: &Spanned<DeValue<'_>>) -> toml::Value {
-    let deserializer = toml::de::ValueDeserializer::from(value.clone());
-    toml::Value::deserialize(deserializer)
-        .unwrap_or_else(|error| toml::Value::String(error.message().to_owned()))
+fn scalar(value: &Spanned<DeValue<'_>>) -> Option<toml::Value> {
+    toml::Value::deserialize(toml::de::ValueDeserializer::from(value.clone())).ok()
 }
 
 impl<'de> Deserializer<'de> for &'de Placed {
@@ -132,6 +140,10 @@ impl<'de> Deserializer<'de> for &'de Placed {
             Content::Scalar(toml::Value::Boolean(truth)) => visitor.visit_bool(*truth),
             Content::Scalar(other) => {
                 Err(Refusal::invalid_type(Unexpected::Other(other.type_str()), &visitor))
+            }
+            Content::HugeInteger(number) => {
+                let found = format!("integer `{number}`");
+                Err(Refusal::invalid_value(Unexpected::Other(&found), &visitor))
             }
             Content::Array(array) => visitor.visit_seq(Elements(array.iter())),
             Content::Table(table) => visitor.visit_map(Entries::of(table)),

@@ -70,6 +70,7 @@ fn refusals_of_single_values() {
         ("duration_s = 1e300", "3:14: 1"),
         ("duration_s = 0", "3:14: 0 is out of range"),
         ("seed = -1", "3:8: -1 is out of range"),
+        ("seed = 99999999999999999999", "3:8: invalid value: integer `99999999999999999999`"),
         ("seed = 1.5", "3:8: invalid type: floating point `1.5`"),
         ("set_speed_mps = \"fast\"", "3:17: invalid type: string \"fast\""),
         ("[plant]\nperiod_ms = 99999999999", "4:13: 99999999999 is out of range"),

@@ -64,7 +64,7 @@ pub struct InjectArguments {
 }
 
 const EXAMPLES: &str = "Examples:
-  timegap inject runs/20261121T120000-following kill controller
+  timegap inject runs/20261121-120000-following kill controller
   timegap inject RUN stop perception-sim --for 0.2
   timegap inject RUN drop v2x/spat --for 5 --probability 0.5
   timegap inject RUN bias radar/tracks --field gap_m --amount 10 --for 3";

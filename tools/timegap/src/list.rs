@@ -65,6 +65,7 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
     let scenarios = builtin::ALL.iter().map(|builtin| (builtin.name, builtin.summary));
     let controllers = laws::ALL.into_iter().map(|law| (law.name, law.description));
     let campaigns = campaign::BUILTIN.iter().map(|builtin| (builtin.name, builtin.summary));
+    let campaigns = campaigns.chain(campaign::WITHOUT_FILE);
     if arguments.json {
         let entry = |(name, line)| serde_json::json!({"name": name, "description": line});
         let list = serde_json::json!({

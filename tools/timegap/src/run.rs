@@ -169,6 +169,9 @@ pub enum NeedsProcesses {
     /// A program of the user's.
     #[error("--in-process: a program of its own is a process: leave out --service or --in-process")]
     Program,
+    /// Its contrary.
+    #[error("--in-process and --processes exclude each other")]
+    Both,
 }
 
 impl Failure for NeedsProcesses {}
@@ -178,6 +181,8 @@ fn refuse_what_needs_processes(arguments: &RunArguments) -> Result<(), NeedsProc
         Err(NeedsProcesses::Realtime)
     } else if !arguments.group.programs.is_empty() {
         Err(NeedsProcesses::Program)
+    } else if arguments.group.processes {
+        Err(NeedsProcesses::Both)
     } else {
         Ok(())
     }

@@ -48,6 +48,12 @@ use shards::{Membership, merge};
 use std::collections::BTreeSet;
 use std::process::ExitCode;
 
+/// Campaigns that come from no file: their names and what they do.
+pub const WITHOUT_FILE: [(&str, &str); 2] = [
+    (radio::NAME, "2,000 drives through signals whose frames are lost, late and falsified"),
+    (plausibility::NAME, "how often and how fast the checks of the inputs find a false sender"),
+];
+
 /// Most scenarios that are read before anything runs.
 const MAX_CHECKED: usize = 1_000;
 
