@@ -35,9 +35,25 @@ struct Row {
     outcome: Outcome,
     control: Control,
     timing: Timing,
-    aebs: Aebs,
+    aebs: Braking,
     #[serde(skip)]
     picture: RunPicture,
+}
+
+/// What the emergency brake did in a run.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Braking {
+    enabled: bool,
+    warnings: Option<u64>,
+    interventions: Option<u64>,
+    braking_s: Option<f64>,
+}
+
+impl Braking {
+    fn of(aebs: &Aebs) -> Self {
+        let Aebs { enabled, warnings, interventions, braking_s, .. } = *aebs;
+        Self { enabled, warnings, interventions, braking_s }
+    }
 }
 
 /// Arguments of `compare`.
@@ -129,7 +145,7 @@ fn drive(arguments: &CompareArguments) -> Result<ExitCode, Error> {
             outcome: summary.outcome,
             control: summary.control,
             timing: summary.timing,
-            aebs: summary.aebs,
+            aebs: Braking::of(&summary.aebs),
             picture: RunPicture::default(),
         };
         part.keep(left[index], row, done.repetition.as_ref())
@@ -221,7 +237,7 @@ mod tests {
             outcome: Outcome::Completed,
             control: Control { figures, following, trip: Trip::default(), mode_changes: None },
             timing: Timing::default(),
-            aebs: Aebs { interventions: Some(2), ..Aebs::default() },
+            aebs: Braking { interventions: Some(2), ..Braking::default() },
             picture: RunPicture::default(),
         }
     }

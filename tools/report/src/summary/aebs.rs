@@ -3,10 +3,10 @@
 use runtime::report::{Details, Hops, PlantReport, ServiceReport};
 use runtime::statistics::Percentiles;
 use scenario::Scenario;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// The emergency brake in a run.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Aebs {
     /// Whether the scenario has one.
     pub enabled: bool,
