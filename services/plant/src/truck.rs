@@ -1,5 +1,10 @@
 //! The truck as the plant drives it: the model, the road under it, brakes with a lag, and the inner
 //! loop that turns an acceleration into torque.
+//!
+//! The brakes hold a truck that is about to stand, as those of a vehicle with "stop and hold" do (ISO 15622,
+//! full speed range): below [`HOLD_MPS`] and while the request is not positive, their force grows steadily to
+//! one that holds the truck on any road, whatever the inner loop believes of mass and grade. A positive request
+//! releases them. A car needs no such rule: its model has no grade.
 
 use crate::gateway::Actuation;
 use crate::longitudinal::State;
@@ -7,6 +12,14 @@ use scenario::grade::GradeProfile;
 use scenario::{Problem, Scenario};
 use serde::{Deserialize, Serialize};
 use truck_model::{Demand, FUEL_DENSITY_GPL, GRAVITY_MPS2, Motion, Preset, Truck as Model};
+
+/// Speed below which the brakes hold, m/s: 1 km/h. A pole wheel of 100 teeth (assumed) on a wheel of 0.51 m
+/// gives nine pulses a second there, less than one in a control period of 100 ms: slower is standing.
+const HOLD_MPS: f64 = 1.0 / 3.6;
+/// Grade on which the brakes hold the truck: what UN R13 asks of a parking brake.
+const HOLD_GRADE: f64 = 0.18;
+/// Growth of the holding force over the truck's mass, m/s³ (assumed): what a standing passenger does not mind.
+const HOLD_JERK_MPS3: f64 = 0.5;
 
 /// A truck on its road.
 #[derive(Clone, Debug)]
@@ -21,6 +34,9 @@ pub struct Truck {
     step_s: f64,
     brake_share: f64,
     most_brake_n: f64,
+    /// Force that holds the truck, and its growth in a step, N.
+    hold_n: f64,
+    hold_growth_n: f64,
     brake_n: f64,
     braked_s: f64,
 }
@@ -73,6 +89,7 @@ impl Truck {
         let step_s = 1e-3 * f64::from(step_ms);
         let brake_share = 1.0 - libm::exp(-step_s / plant.actuator_time_constant_s.value());
         let most_brake_n = -mass_kg * plant.min_acceleration_mps2.value();
+        let hold_n = (mass_kg * GRAVITY_MPS2 * HOLD_GRADE / HOLD_GRADE.hypot(1.0)).min(most_brake_n);
         Ok(Some(Self {
             model,
             believed,
@@ -82,6 +99,8 @@ impl Truck {
             step_s,
             brake_share,
             most_brake_n,
+            hold_n,
+            hold_growth_n: mass_kg * HOLD_JERK_MPS3 * step_s,
             brake_n: 0.0,
             braked_s: 0.0,
         }))
@@ -130,8 +149,14 @@ impl Truck {
             let wanted_n = wanted.service_brake_n.min(self.most_brake_n);
             // Its ceiling has the brakes' own growth already.
             let share = if emergency.is_some() { 1.0 } else { self.brake_share };
+            let held_n = (self.brake_n + self.hold_growth_n).min(self.hold_n);
             self.brake_n += share * (wanted_n - self.brake_n);
-            if wanted_n > 0.0 {
+            let goes = actuation.request_mps2.min(ceiling_mps2.unwrap_or(f64::INFINITY)) > 0.0;
+            let holds = speed_mps < HOLD_MPS && !goes;
+            if holds {
+                self.brake_n = self.brake_n.max(held_n);
+            }
+            if wanted_n > 0.0 || holds {
                 self.braked_s += self.step_s;
             }
             let demand = Demand { service_brake_n: self.brake_n, ..wanted };
@@ -235,6 +260,53 @@ mod tests {
             }
         }
         assert!(heavy.state().acceleration_mps2 < 0.9 * right.state().acceleration_mps2);
+    }
+
+    /// A road of constant grade, percent, with the plant's period of 10 ms.
+    fn slope(percent: f64, keys: &str) -> Truck {
+        let end_m = 500.0 + 5.0 * percent;
+        truck(&format!("road.points = [[0, 500], [500, {end_m}]]\n{keys}"))
+    }
+
+    #[test]
+    fn a_request_that_is_not_positive_ends_in_standstill_and_holds_on_any_grade() {
+        for mass_factor in [0.85, 1.0, 1.15] {
+            for percent in [-10.0, -8.0, -1.0, 0.0, 1.0, 8.0, 10.0] {
+                let keys = format!("plant.mass_factor = {mass_factor}\n");
+                let mut truck = slope(percent, &keys);
+                for _ in 0..1500 {
+                    // The end of a soft stop: the deceleration fades with the speed.
+                    let request = -truck.state().speed_mps.clamp(0.0, 3.0) - 0.03;
+                    truck.step(&acceleration(request), None);
+                }
+                let stands = truck.state();
+                assert_eq!(stands.speed_mps, 0.0, "{percent} %, mass x {mass_factor}");
+                for _ in 0..3000 {
+                    truck.step(&acceleration(0.0), None);
+                }
+                assert_eq!(truck.state(), State { acceleration_mps2: 0.0, ..stands });
+            }
+        }
+    }
+
+    #[test]
+    fn a_positive_request_releases_the_brakes_at_once_and_an_emergency_does_not() {
+        // In the lowest gear that the model has, 49 t start on grades of up to 3.7 %.
+        for percent in [-8.0, 0.0, 2.0] {
+            let mut truck = slope(percent, "");
+            for _ in 0..1200 {
+                truck.step(&acceleration(-4.0), None);
+            }
+            assert_eq!(truck.state().speed_mps, 0.0);
+            for _ in 0..200 {
+                truck.step(&acceleration(0.1), Some(-1.0));
+            }
+            assert_eq!(truck.state().speed_mps, 0.0, "held by the emergency brake");
+            for _ in 0..500 {
+                truck.step(&acceleration(0.1), None);
+            }
+            assert!(truck.state().speed_mps > 0.2, "{percent} %: {:?}", truck.state());
+        }
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! What a truck can be asked for, and the inner loop that turns an acceleration into it.
 
+use crate::engine::IDLE_RPM;
 use crate::parameters::GEARS;
 use crate::truck::Truck;
 
@@ -24,6 +25,9 @@ impl Demand {
     }
 
     /// The demand that gives an acceleration: engine first, then engine brake, then service brakes.
+    ///
+    /// Below the speed of the idling engine the clutch is open to braking torques: no engine brakes there,
+    /// and the service brakes take all of it.
     #[must_use]
     pub fn for_acceleration(
         truck: &Truck,
@@ -34,7 +38,12 @@ impl Demand {
     ) -> Self {
         let gear = gear.min(GEARS - 1);
         let wanted_nm = truck.engine_torque_nm(acceleration_mps2, speed_mps, gear, grade);
-        let lowest_nm = truck.engine().brake_torque_nm(truck.engine_rpm(speed_mps, gear));
+        let rpm = truck.engine_rpm(speed_mps, gear);
+        let lowest_nm = if rpm < IDLE_RPM {
+            truck.auxiliary_torque_nm(IDLE_RPM)
+        } else {
+            truck.engine().brake_torque_nm(rpm)
+        };
         let service_brake_n = if wanted_nm < lowest_nm {
             (lowest_nm - wanted_nm) * truck.crank_radians_per_m(gear)
                 / truck.parameters().driveline_efficiency
@@ -42,5 +51,32 @@ impl Demand {
             0.0
         };
         Self { engine_torque_nm: wanted_nm.max(lowest_nm), service_brake_n, gear: None }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::Motion;
+    use crate::parameters::Preset;
+
+    /// From a walking pace to a tenth of a m/s: the clutch opens on the way in.
+    #[test]
+    fn what_is_asked_for_is_had_at_any_speed_and_on_any_grade() {
+        for preset in Preset::ALL {
+            let truck = Truck::preset(preset);
+            for grade in [-0.1, -0.01, 0.0, 0.01, 0.03] {
+                for speed_mps in [0.1, 0.3, 1.0, 3.0] {
+                    let mut motion = Motion::new(&truck, 0.0, speed_mps, grade);
+                    let gear = motion.gear;
+                    let demand = Demand::for_acceleration(&truck, -0.5, speed_mps, gear, grade);
+                    motion.engine_torque_nm = demand.engine_torque_nm;
+                    motion.step(&truck, 0.01, &demand, grade);
+                    // Where the engine has to push still, it does so at once here.
+                    let felt = motion.acceleration_mps2;
+                    assert!((felt + 0.5).abs() < 2e-3, "{felt} m/s² at {speed_mps} m/s, {grade}");
+                }
+            }
+        }
     }
 }
