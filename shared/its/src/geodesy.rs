@@ -7,12 +7,16 @@ const E2: f64 = 6.694_379_990_141_33e-3;
 /// Degrees in one step of the messages.
 const STEP_DEG: f64 = 1e-7;
 
+/// Steps of a half and of a whole turn.
+const HALF_TURN: i64 = 1_800_000_000;
+const TURN: i64 = 2 * HALF_TURN;
+
 /// A position as the messages have it: tenths of a microdegree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Position {
     /// Latitude, 1e-7 degrees, north positive.
     pub latitude: i32,
-    /// Longitude, 1e-7 degrees, east positive.
+    /// Longitude, 1e-7 degrees, east positive; above -180 and up to 180 degrees.
     pub longitude: i32,
 }
 
@@ -57,20 +61,24 @@ impl Plane {
     #[must_use]
     pub fn position(&self, along_m: f64, left_m: f64) -> Position {
         let (east_m, north_m) = self.to_earth((along_m, left_m));
-        let steps = |m: f64, m_per_step: f64| (m / m_per_step).round() as i32;
+        let steps = |m: f64, m_per_step: f64| (m / m_per_step).round() as i64;
+        let north = i64::from(self.origin.latitude) + steps(north_m, self.north_m_per_step);
+        let east =
+            i64::from(self.origin.longitude).saturating_add(steps(east_m, self.east_m_per_step));
         Position {
-            latitude: self.origin.latitude.saturating_add(steps(north_m, self.north_m_per_step)),
-            longitude: self.origin.longitude.saturating_add(steps(east_m, self.east_m_per_step)),
+            latitude: north.clamp(-HALF_TURN / 2, HALF_TURN / 2) as i32,
+            longitude: within_half_a_turn(east),
         }
     }
 
     /// How far along the axis and to the left of it a position is, m.
     #[must_use]
     pub fn point(&self, position: Position) -> (f64, f64) {
-        let steps = |to: i32, from: i32| f64::from(to) - f64::from(from);
+        let east = i64::from(position.longitude) - i64::from(self.origin.longitude);
+        let north = f64::from(position.latitude) - f64::from(self.origin.latitude);
         self.from_earth((
-            steps(position.longitude, self.origin.longitude) * self.east_m_per_step,
-            steps(position.latitude, self.origin.latitude) * self.north_m_per_step,
+            f64::from(within_half_a_turn(east)) * self.east_m_per_step,
+            north * self.north_m_per_step,
         ))
     }
 
@@ -89,9 +97,34 @@ impl Plane {
     }
 }
 
+/// A longitude, or a difference of two, by its shortest way from zero: above -180 and up to 180 degrees, as ETSI
+/// TS 102 894-2 has a longitude.
+fn within_half_a_turn(steps: i64) -> i32 {
+    let turned = steps.rem_euclid(TURN);
+    (if turned > HALF_TURN { turned - TURN } else { turned }) as i32
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_road_goes_over_the_date_line() {
+        for longitude in [1_800_000_000, 1_799_999_000, -1_799_999_000] {
+            let plane = Plane::at(Position { latitude: -170_000_000, longitude });
+            for east_m in [-500.0, 0.0, 500.0] {
+                let position = plane.position(east_m, 3.0);
+                assert!((-1_799_999_999..=1_800_000_000).contains(&position.longitude));
+                let (east, north) = plane.point(position);
+                assert!(
+                    (east - east_m).abs() < 0.006 && (north - 3.0).abs() < 0.006,
+                    "{position:?}"
+                );
+            }
+        }
+        assert_eq!(within_half_a_turn(-HALF_TURN), 1_800_000_000);
+        assert_eq!(within_half_a_turn(HALF_TURN + 1), -1_799_999_999);
+    }
 
     #[test]
     fn a_degree_is_as_long_as_the_tables_say() {
