@@ -89,7 +89,8 @@ impl Truck {
         let step_s = 1e-3 * f64::from(step_ms);
         let brake_share = 1.0 - libm::exp(-step_s / plant.actuator_time_constant_s.value());
         let most_brake_n = -mass_kg * plant.min_acceleration_mps2.value();
-        let hold_n = (mass_kg * GRAVITY_MPS2 * HOLD_GRADE / HOLD_GRADE.hypot(1.0)).min(most_brake_n);
+        let hold_n =
+            (mass_kg * GRAVITY_MPS2 * HOLD_GRADE / HOLD_GRADE.hypot(1.0)).min(most_brake_n);
         Ok(Some(Self {
             model,
             believed,
