@@ -11,6 +11,8 @@
 //! | it ends the change | [`ENDS`] |
 //! | its speed becomes the next one, up or down | [`VARIES`] each |
 //!
+//! No vehicle moves faster across the lanes than along them, and what stands does not move at all.
+//!
 //! A measured position corrects the states by Kalman's formulas and their probabilities by Bayes' rule; a
 //! measured lateral speed corrects the probabilities. Either is an outlier with probability [`OUTLIER`].
 //!
@@ -146,8 +148,8 @@ impl Lateral {
         *self = Self::first(self.position_m, self.position_sigma_m());
     }
 
-    /// Moves on by `period_s`, in which it may change its rate.
-    pub fn predict(&mut self, period_s: f64) {
+    /// Moves on by `period_s`, in which it may change its rate up to `fastest_mps`.
+    pub fn predict(&mut self, period_s: f64, fastest_mps: f64) {
         let begins = (BEGINS * period_s).min(MOST_VARY);
         let ends = (ENDS * period_s).min(MOST_VARY);
         let varies = (VARIES * period_s).min(MOST_VARY);
@@ -183,7 +185,7 @@ impl Lateral {
         {
             let mean_m = mean / probability;
             *state = State {
-                probability,
+                probability: if rate(k).abs() > fastest_mps { 0.0 } else { probability },
                 mean_m: mean_m + rate(k) * period_s,
                 variance_m2: (square / probability - mean_m * mean_m).max(0.0) + wander,
             };
@@ -251,7 +253,7 @@ mod tests {
         let mut filter = Lateral::first(motion(0.0) + sigma_m * error(0), sigma_m);
         for k in 1..400 {
             let time_s = f64::from(k) * PERIOD_S;
-            filter.predict(PERIOD_S);
+            filter.predict(PERIOD_S, f64::INFINITY);
             filter.update(motion(time_s) + sigma_m * error(k), sigma_m * sigma_m);
             see(time_s, &filter);
         }
@@ -324,7 +326,7 @@ mod tests {
     fn one_wild_position_moves_it_little() {
         let mut filter = Lateral::first(0.0, 0.1);
         for _ in 0..100 {
-            filter.predict(PERIOD_S);
+            filter.predict(PERIOD_S, f64::INFINITY);
             filter.update(0.0, 0.01);
         }
         filter.update(50.0, 0.01);

@@ -18,8 +18,8 @@
 //! side are apart from one another in range, and as exact as the radar's azimuth: a vehicle beside the path
 //! is located by the side that it shows.
 //!
-//! An object counts once it was seen in three of four scans; one that stands, in four of five, and only
-//! near the ego's path: what stands beside the road is left out.
+//! An object counts once it was seen in three of four scans; one that stands, in four of five, and not
+//! beyond the neighbouring lanes: what stands beside the road is left out.
 
 use crate::object::Object;
 use crate::point::Point;
@@ -101,7 +101,7 @@ impl Objects {
         }
         for object in &mut self.list {
             object.move_on(period_s, ego_mps);
-            object.lateral.predict(period_s);
+            object.lateral.predict(period_s, object.speed_mps.abs());
             object.unseen_s += period_s;
             object.history <<= 1;
         }

@@ -4,8 +4,10 @@ use messages::Detection;
 
 use crate::object::STANDING_MPS;
 
-/// Standing points farther off the path than this are left out, m.
-const STANDING_OFFSET_M: f64 = 2.4;
+/// Standing points farther off the path than this are left out, m: what stands beyond the neighbouring
+/// lanes. Nearer, to leave out some points of a vehicle by their measured place would keep those whose
+/// noise is towards the path, and with them the vehicle would seem to be nearer to it than it is.
+const STANDING_OFFSET_M: f64 = 5.0;
 /// Standard deviation of an azimuth: of a strong echo, rad, and of one as strong as the noise.
 const AZIMUTH_SIGMA_RAD: f64 = 0.0018;
 const WEAK_SIGMA_RAD: f64 = 0.0205;
@@ -36,7 +38,7 @@ pub(crate) struct Point {
 }
 
 impl Point {
-    /// `None` for what is behind the antenna or stands beside the path.
+    /// `None` for what is behind the antenna or stands beside the road.
     pub(crate) fn of(detection: &Detection, ego_mps: f64) -> Option<Self> {
         let (sine, cosine) = libm::sincos(detection.azimuth_rad);
         if cosine < 0.1 {
