@@ -23,6 +23,8 @@ const BEYOND_M: f64 = 2.5;
 const BEYOND_ALONG_SIDE_M: f64 = 6.0;
 /// Vehicles farther than this from the ego's axis show a side, m.
 const SIDE_SHOWN_M: f64 = 1.8;
+/// Widest vehicle, m (Directive 96/53/EC: 2.55 m, refrigerated 2.6 m).
+pub const WIDEST_M: f64 = 2.6;
 /// Distance that is added for a track that is not confirmed.
 const TENTATIVE_PENALTY: f64 = 4.0;
 
@@ -162,6 +164,28 @@ pub fn associate(points: &mut [Point], outlines: &[Outline], gate: f64) {
     }
 }
 
+/// Lets go of the points on one side of a track whose points are farther apart than a vehicle is wide: they
+/// are of two abreast. It keeps those on the side on which it is expected.
+pub fn part(points: &mut [Point], outline: &Outline) {
+    let own = |point: &&Point| point.owner == Some(outline.place);
+    let (mut right_m, mut left_m, mut variance) = (f64::INFINITY, f64::NEG_INFINITY, 0.0f64);
+    for point in points.iter().filter(own) {
+        right_m = right_m.min(point.y_m);
+        left_m = left_m.max(point.y_m);
+        variance = variance.max(point.lateral_variance);
+    }
+    if left_m - right_m < WIDEST_M + POSITION_GATE * (2.0 * variance).sqrt() {
+        return;
+    }
+    let middle_m = 0.5 * (left_m + right_m);
+    let is_left = outline.lateral_m > middle_m;
+    for point in points.iter_mut().filter(|point| point.owner == Some(outline.place)) {
+        if (point.y_m > middle_m) != is_left {
+            point.owner = None;
+        }
+    }
+}
+
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
@@ -219,6 +243,19 @@ pub(super) mod tests {
     fn what_is_elsewhere_or_moves_otherwise_belongs_to_none() {
         let points = [point(30.0, 0.0, 0.0), point(40.0, 4.0, 0.0), point(40.0, 0.0, -5.0)];
         assert_eq!(owners(&points, &[outline(0, 40.0, 0.0)]), [None; 3]);
+    }
+
+    #[test]
+    fn a_track_between_two_vehicles_keeps_one_of_them() {
+        let mut points = [point(40.0, 2.7, 0.0), point(40.0, -2.7, 0.0), point(40.0, 3.0, 0.0)];
+        points.iter_mut().for_each(|point| point.owner = Some(3));
+        part(&mut points, &outline(3, 40.0, 0.5));
+        assert_eq!(points.map(|point| point.owner), [Some(3), None, Some(3)]);
+        // The two sides of a lorry are one vehicle's.
+        let mut lorry = [point(40.0, 1.3, 0.0), point(40.0, -1.3, 0.0)];
+        lorry.iter_mut().for_each(|point| point.owner = Some(3));
+        part(&mut lorry, &outline(3, 40.0, 0.0));
+        assert_eq!(lorry.map(|point| point.owner), [Some(3); 2]);
     }
 
     #[test]

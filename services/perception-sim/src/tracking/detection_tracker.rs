@@ -8,12 +8,12 @@ use messages::Detection;
 use scenario::Scenario;
 use scenario::perception::TrackingFilter;
 
-use super::association::{Outline, Point, associate};
+use super::association::{Outline, Point, associate, part};
 use super::birth;
 use super::list::{Track, TrackList};
-use super::longitudinal::{Kind, Maneuver, Model};
+use super::longitudinal::{Kind, Maneuver, Measured, Model};
 use super::mirror;
-use super::path::PathLimits;
+use super::path::{Across, PathLimits};
 use super::road_edge::RoadEdge;
 use super::track::{DetectedTrack, FieldOfView, Life, Sighting};
 use crate::radar::receiver::Receiver;
@@ -122,17 +122,53 @@ impl DetectionTracker {
         let outlines = self.tracks.iter().enumerate().map(|(place, track)| track.outline(place));
         self.outlines.extend(outlines);
         associate(&mut self.points, &self.outlines, self.gate);
+        self.outlines.iter().for_each(|outline| part(&mut self.points, outline));
     }
 
     fn update(&mut self, dt_s: f64, ego_acceleration_mps2: f64) {
         let step = self.model.step(dt_s, ego_acceleration_mps2);
+        let mut seen = [None; MAX_KEPT];
         for (place, track) in self.tracks.iter_mut().enumerate() {
             let own = self.points.iter().filter(|point| point.owner == Some(place));
             let Some(sighting) = Sighting::of(own, track.across.speed_mps()) else { continue };
-            track.see(&self.model, &step, &sighting, &self.view);
+            seen[place] = Some(track.see(&self.model, &step, &sighting, &self.view));
             let moving = sighting.ground_mps().abs() > MOVING_MPS;
             track.moved |= moving;
         }
+        self.share(&seen);
+    }
+
+    /// A track that is not seen while another one in its cell is has gone into that one's echo.
+    fn share(&mut self, seen: &[Option<Measured>; MAX_KEPT]) {
+        for place in 0..self.tracks.len() {
+            let track = &self.tracks[place];
+            if seen[place].is_some() || track.abreast.is_one() {
+                continue;
+            }
+            let cell_m = self.view.resolution_rad * track.along.estimate().gap_m;
+            let others = self.tracks.iter().zip(seen);
+            let merged = others.filter(|(other, _)| self.is_merged(track, other));
+            let Some(measured) = merged.filter_map(|(_, seen)| *seen).next() else { continue };
+            let (predicted, abreast) = (track.across.position(), &mut self.tracks[place].abreast);
+            abreast.observe(measured, predicted, cell_m);
+        }
+    }
+
+    /// Two tracks are in one cell of the receiver, or parts of their vehicles are.
+    fn is_merged(&self, a: &DetectedTrack, b: &DetectedTrack) -> bool {
+        let (of_a, of_b) = (a.along.estimate(), b.along.estimate());
+        let agree = |difference: f64, resolution: f64, entry: usize| {
+            let variance = of_a.covariance[entry][entry] + of_b.covariance[entry][entry];
+            difference.abs() < resolution + 3.0 * variance.max(0.0).sqrt()
+        };
+        let cell_m = self.view.resolution_rad * of_a.gap_m;
+        agree(of_a.gap_m - of_b.gap_m, self.receiver.range.resolution, 0)
+            && agree(
+                of_a.relative_speed_mps - of_b.relative_speed_mps,
+                self.receiver.range_rate.resolution,
+                1,
+            )
+            && (a.across.position_m() - b.across.position_m()).abs() < cell_m + VEHICLE_WIDTH_M
     }
 
     fn begin(&mut self) {
@@ -178,14 +214,34 @@ impl DetectionTracker {
     fn confirm(&mut self, dt_s: f64) {
         let life = &self.life;
         self.tracks.retain(|track| !track.is_over(life));
-        for track in &mut self.tracks {
+        for place in 0..self.tracks.len() {
+            let nearest_m = self.nearest_of_several_m(&self.tracks[place]);
+            let track = &mut self.tracks[place];
             if track.id == 0 && track.deserves_confirmation(life) {
                 track.id = self.next_id;
                 self.next_id = self.next_id.wrapping_add(1).max(1);
             }
-            let across = track.across();
+            // The mean of several is no vehicle's place, nor is its motion one's.
+            let across = if track.abreast.is_one() {
+                track.across()
+            } else {
+                Across::resting(nearest_m.unwrap_or(f64::INFINITY))
+            };
             self.limits.observe(&mut track.membership, &across, dt_s);
         }
+    }
+
+    /// Where the body nearest to the ego's axis is of those that a track may stand for, m.
+    fn nearest_of_several_m(&self, track: &DetectedTrack) -> Option<f64> {
+        let lateral_m = track.across.position_m();
+        let (mut right, mut left) = (false, false);
+        for other in self.tracks.iter().filter(|other| other.id != 0 && other.id != track.id) {
+            if self.is_merged(track, other) {
+                right |= other.across.position_m() < lateral_m;
+                left |= other.across.position_m() > lateral_m;
+            }
+        }
+        track.abreast.nearest_of_several_m((right, left))
     }
 
     fn list(&self, time_ns: i64, detections: &[Detection]) -> TrackList {

@@ -69,6 +69,13 @@ impl Filter {
         self.combined.mean[0]
     }
 
+    /// Lateral position with its variance.
+    #[must_use]
+    pub fn position(&self) -> Measured {
+        let variance = self.combined.covariance[0][0].max(0.0);
+        Measured { value: self.position_m(), variance }
+    }
+
     /// Lateral speed, m/s.
     #[must_use]
     pub fn speed_mps(&self) -> f64 {

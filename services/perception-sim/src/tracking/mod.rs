@@ -5,6 +5,7 @@
 //! and [`track`] are the parts of [`detection_tracker`], which works on detections; [`object_tracker`] works on
 //! measurements whose vehicle is known. Both hand out a [`TrackList`].
 
+pub mod abreast;
 pub mod association;
 pub mod birth;
 pub mod detection_tracker;

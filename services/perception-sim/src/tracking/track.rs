@@ -1,6 +1,7 @@
 //! One track of a vehicle seen by detections.
 
-use super::association::{Outline, Point};
+use super::abreast::Abreast;
+use super::association::{Outline, Point, WIDEST_M};
 use super::lateral;
 use super::longitudinal::{Filter, Measured, Model, Step};
 use super::path::{Across, Membership, passed_s};
@@ -8,9 +9,8 @@ use super::path::{Across, Membership, passed_s};
 /// Length and width of a vehicle of which nothing is known yet, m.
 const FIRST_LENGTH_M: f64 = 4.5;
 const FIRST_WIDTH_M: f64 = 1.8;
-/// Longest and widest vehicle, m.
+/// Longest vehicle, m.
 const LONGEST_M: f64 = 25.0;
-const WIDEST_M: f64 = 2.6;
 /// Echoes up to this far behind the nearest one arise at the rear, m.
 const REAR_DEPTH_M: f64 = 0.8;
 /// Weight of a scan in the extent.
@@ -41,6 +41,8 @@ pub struct DetectedTrack {
     pub along: Filter,
     /// Motion across the lanes.
     pub across: lateral::Filter,
+    /// Whether it is one body, across the lanes.
+    pub abreast: Abreast,
     /// Membership of the ego's path.
     pub membership: Membership,
     /// Length as far as it is seen, m.
@@ -196,6 +198,7 @@ impl DetectedTrack {
             id: 0,
             along: model.start(sighting.range(), sighting.relative_speed()),
             across: lateral::Filter::start(sighting.lateral(FIRST_WIDTH_M)),
+            abreast: Abreast::default(),
             membership: Membership::default(),
             length_m: FIRST_LENGTH_M,
             width_m: FIRST_WIDTH_M,
@@ -217,8 +220,15 @@ impl DetectedTrack {
         self.age = (self.age + 1).min(REMEMBERED);
     }
 
-    /// Takes in what this scan showed of the vehicle.
-    pub fn see(&mut self, model: &Model, step: &Step, sighting: &Sighting, view: &FieldOfView) {
+    /// Takes in what this scan showed of the vehicle; returns where it was seen across the lanes.
+    pub fn see(
+        &mut self,
+        model: &Model,
+        step: &Step,
+        sighting: &Sighting,
+        view: &FieldOfView,
+    ) -> Measured {
+        let seen = sighting.lateral(self.width_m);
         self.unseen_s = 0.0;
         self.history |= 1;
         self.nearest = sighting.nearest;
@@ -239,6 +249,8 @@ impl DetectedTrack {
             let believed = self.along.update(model, step, range, range_rate);
             let fits = believed.range && believed.range_rate;
             self.misfits = if fits { 0 } else { self.misfits + 1 };
+            let cell_m = range.value * view.resolution_rad;
+            self.abreast.observe(seen, self.across.position(), cell_m);
             if let Some(lateral) = self.lateral(sighting, range.value, view) {
                 self.across.update(lateral);
             }
@@ -248,6 +260,7 @@ impl DetectedTrack {
             self.along = model.start(range, range_rate);
             self.misfits = 0;
         }
+        seen
     }
 
     /// What a sighting of the rear tells of the lateral position.
