@@ -257,11 +257,16 @@ impl Filter {
         }
     }
 
-    /// Variance with which a range rate of the given variance is expected.
+    /// Variance with which a range rate of the given variance is expected, `since_s` after the last one. One
+    /// model has to expect the hard manoeuvre with which [`Self::update`] would judge the measurement again:
+    /// what is not expected never comes to it.
     #[must_use]
-    pub fn range_rate_variance(&self, variance: f64) -> f64 {
+    pub fn range_rate_variance(&self, variance: f64, since_s: f64) -> f64 {
         match &self.bank {
-            Models::Singer(bank) => bank.widest(1, 0.0, variance).variance,
+            Models::Singer(bank) => {
+                let hard_mps = HARD.sigma_mps2 * since_s;
+                bank.widest(1, 0.0, variance).variance + hard_mps * hard_mps
+            }
             Models::Interacting(bank) => bank.widest(1, 0.0, variance).variance,
         }
     }

@@ -321,7 +321,7 @@ impl DetectedTrack {
             variances: [
                 estimate.covariance[0][0],
                 lateral * lateral,
-                self.along.range_rate_variance(0.0),
+                self.along.range_rate_variance(0.0, self.unseen_s),
                 speed * speed,
             ],
         }
