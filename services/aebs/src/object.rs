@@ -36,6 +36,8 @@ pub struct Object {
     pub length_m: f64,
     /// It counts.
     pub is_confirmed: bool,
+    /// The middle of its face is behind a nearer object.
+    pub(crate) is_behind: bool,
     /// Scans in which it was seen.
     pub(crate) scans: u32,
     /// Whether it was seen in each of the last scans, the newest in the lowest bit.
@@ -62,6 +64,7 @@ impl Object {
             half_width_m,
             length_m: LEAST_LENGTH_M,
             is_confirmed: true,
+            is_behind: false,
             scans: 1,
             history: u32::MAX,
             unseen_s: 0.0,
@@ -96,6 +99,20 @@ impl Object {
         let off_m = (self.lateral.position_m.abs() - SIDE_M).max(0.0);
         let surely_m = self.distance_m - BLIND_MARGIN_M;
         surely_m > 0.0 && off_m < surely_m * view_tangent
+    }
+
+    /// True if the straight line to the middle of its face passes through `nearer`, or if it is a part of that
+    /// one: all of `nearer` that was seen ends before the face.
+    pub(crate) fn is_hidden_by(&self, nearer: &Self) -> bool {
+        let (x_m, y_m) = (self.distance_m, self.lateral.position_m);
+        if nearer.distance_m <= 0.0 || nearer.distance_m + BLIND_MARGIN_M >= x_m {
+            return false;
+        }
+        let end_m = (nearer.distance_m + nearer.length_m).min(x_m);
+        let (begin_y_m, end_y_m) = (y_m * nearer.distance_m / x_m, y_m * end_m / x_m);
+        let (right_m, left_m) = (begin_y_m.min(end_y_m), begin_y_m.max(end_y_m));
+        let middle_m = nearer.lateral.position_m;
+        left_m > middle_m - nearer.half_width_m && right_m < middle_m + nearer.half_width_m
     }
 
     /// True if all of it that reflects is outside of the field of view, beside the ego.
@@ -133,6 +150,7 @@ impl Object {
             half_width_m: HALF_WIDTH_M,
             length_m: LEAST_LENGTH_M,
             is_confirmed: false,
+            is_behind: false,
             scans: 0,
             history: 0,
             unseen_s: 0.0,

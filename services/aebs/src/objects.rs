@@ -18,6 +18,10 @@
 //! side are apart from one another in range, and as exact as the radar's azimuth: a vehicle beside the path
 //! is located by the side that it shows.
 //!
+//! Where a nearer object stands before its face, only the inner part shows; and of a vehicle longer than
+//! [`REACH_M`] what is farther along its side comes out as objects of their own. Their middle is up to half a
+//! width farther from the path than what is seen of the face.
+//!
 //! An object counts once it was seen in three of four scans; one that stands, in four of five, and not
 //! beyond the neighbouring lanes: what stands beside the road is left out.
 
@@ -98,6 +102,10 @@ impl Objects {
         if period_s > 1.0 {
             // Nothing is left of what was known.
             self.list.clear();
+        }
+        for index in 0..self.list.len() {
+            let object = self.list[index];
+            self.list[index].is_behind = self.list.iter().any(|nearer| object.is_hidden_by(nearer));
         }
         for object in &mut self.list {
             object.move_on(period_s, ego_mps);
@@ -271,5 +279,39 @@ mod tests {
                 assert!((object.lateral.position_m - 3.5).abs() < 0.3, "{} {object:?}", x(t));
             }
         }
+    }
+
+    #[test]
+    fn a_long_vehicle_beside_the_path_stays_beside_it_along_all_of_its_side() {
+        // What is farther along it than an object reaches comes out as others: all are 3.5 m off.
+        let mut objects = Objects::new(HALF_FIELD_RAD);
+        let mut worst_m = 3.5_f64;
+        for k in 0..60 {
+            let x_m = 90.0 - 1.2 * f64::from(k);
+            let mut list = vec![detection(x_m, 3.5, -24.0)];
+            // The places that reflect are not all seen in each scan.
+            let side = (0..6).filter(|place| (place + k) % 4 != 0);
+            list.extend(side.map(|place| detection(x_m + 0.9 + 3.2 * f64::from(place), 2.6, -24.0)));
+            objects.take_scan(i64::from(k) * PERIOD_NS, 29.0, &list);
+            let seen = objects.confirmed().filter(|object| k > 20 && object.unseen_s == 0.0);
+            worst_m = seen.fold(worst_m, |worst, object| worst.min(object.lateral.position_m));
+        }
+        assert!(worst_m > 3.2, "{worst_m}");
+    }
+
+    #[test]
+    fn a_standing_queue_beside_the_lane_stays_there() {
+        // Its points are on both sides of any limit that leaves out what stands beside the road.
+        let mut objects = Objects::new(HALF_FIELD_RAD);
+        for k in 0..40 {
+            let x_m = 90.0 - f64::from(k);
+            let noise_m = [0.5, -0.4, 0.3, -0.5, 0.1][k as usize % 5] * x_m / 90.0;
+            let places = [(0.0, 2.6), (0.0, 3.5), (0.9, 2.6), (3.6, 2.6)];
+            let list = places.map(|(dx, y_m)| detection(x_m + dx, y_m + noise_m, -20.0));
+            objects.take_scan(i64::from(k) * PERIOD_NS, 20.0, &list);
+        }
+        let object = objects.confirmed().next().expect("it is followed");
+        assert!((object.lateral.position_m - 3.5).abs() < 0.2, "{object:?}");
+        assert!(object.lateral.rate_mps.abs() < 1e-6, "what stands does not move: {object:?}");
     }
 }

@@ -119,8 +119,14 @@ impl Sums {
             .then(|| ((vt - t * v / w) / information, variance))
     }
 
-    /// Lateral position of the middle, m, with its variance, m², from the side and the face.
-    fn lateral(&self, distance_m: f64, shows_its_face: bool) -> Option<(f64, f64)> {
+    /// Lateral position of the middle, m, with its variance, m², from the side and the face. `hidden_side`:
+    /// the side, 1 left, -1 right, on which the face is hidden from its middle or from beyond on, else 0.
+    fn lateral(
+        &self,
+        distance_m: f64,
+        shows_its_face: bool,
+        hidden_side: f64,
+    ) -> Option<(f64, f64)> {
         let (mut weight, mut weighted_m) = (0.0, 0.0);
         if self.side_weight > 0.0 {
             let shared_m2 = SIDE_SIGMA_M * SIDE_SIGMA_M;
@@ -135,9 +141,12 @@ impl Sums {
                 (self.face_y_m / self.face_amplitude, FACE_SIGMA_M)
             };
             let by_range_m = FACE_SIGMA_RAD * distance_m;
-            let of_face = 1.0 / (sigma_m * sigma_m + by_range_m * by_range_m);
+            // The middle is between what is seen and half a width beyond, all alike.
+            let hidden_m = SIDE_M * hidden_side;
+            let hidden_m2 = hidden_m * hidden_m / 12.0;
+            let of_face = 1.0 / (sigma_m * sigma_m + by_range_m * by_range_m + hidden_m2);
             weight += of_face;
-            weighted_m += of_face * middle_m;
+            weighted_m += of_face * (middle_m + 0.5 * hidden_m);
         }
         (weight > 0.0).then(|| (weighted_m / weight, 1.0 / weight))
     }
@@ -169,7 +178,12 @@ pub(crate) fn correct(object: &mut Object, sums: &Sums, period_s: f64, shows_its
         let gain = if first { 1.0 } else { DISTANCE_GAIN };
         object.distance_m += gain * (face_m - object.distance_m);
     }
-    if let Some((middle_m, variance_m2)) = sums.lateral(object.distance_m, first || shows_its_face)
+    // Of a face behind another object the inner part is seen, or what is farther along that one's side.
+    let hidden_side =
+        object.shown_side().filter(|_| object.is_behind && !first).map_or(0.0, |(side, _)| side);
+    let shows_its_face = first || shows_its_face;
+    if let Some((middle_m, variance_m2)) =
+        sums.lateral(object.distance_m, shows_its_face, hidden_side)
     {
         if first {
             object.lateral = Lateral::first(middle_m, FIRST_SIGMA_M);
