@@ -291,7 +291,9 @@ mod tests {
             let mut list = vec![detection(x_m, 3.5, -24.0)];
             // The places that reflect are not all seen in each scan.
             let side = (0..6).filter(|place| (place + k) % 4 != 0);
-            list.extend(side.map(|place| detection(x_m + 0.9 + 3.2 * f64::from(place), 2.6, -24.0)));
+            list.extend(
+                side.map(|place| detection(x_m + 0.9 + 3.2 * f64::from(place), 2.6, -24.0)),
+            );
             objects.take_scan(i64::from(k) * PERIOD_NS, 29.0, &list);
             let seen = objects.confirmed().filter(|object| k > 20 && object.unseen_s == 0.0);
             worst_m = seen.fold(worst_m, |worst, object| worst.min(object.lateral.position_m));
