@@ -14,6 +14,8 @@ pub(crate) const OVERHANG_M: f64 = 0.9;
 const SIDE_SHOWS_M: f64 = 0.15;
 /// Distance over which a reflecting place is at the edge of the field of view, m.
 const BLIND_MARGIN_M: f64 = 0.5;
+/// Places that reflect on a side are at most this far apart, m: about the wheelbase of a lorry.
+const PLACES_M: f64 = 4.0;
 /// Standard deviation of the middle of a vehicle of which one point is known, m.
 pub(crate) const FIRST_SIGMA_M: f64 = 0.7;
 /// Distance of what reflects on a side from the middle, m.
@@ -36,7 +38,7 @@ pub struct Object {
     pub length_m: f64,
     /// It counts.
     pub is_confirmed: bool,
-    /// The middle of its face is behind a nearer object.
+    /// The middle of its face is behind a nearer object, or it is a part of that one's side.
     pub(crate) is_behind: bool,
     /// Scans in which it was seen.
     pub(crate) scans: u32,
@@ -101,17 +103,24 @@ impl Object {
         surely_m > 0.0 && off_m < surely_m * view_tangent
     }
 
-    /// True if the straight line to the middle of its face passes through `nearer`, or if it is a part of that
-    /// one: all of `nearer` that was seen ends before the face.
+    /// True if the straight line to the middle of its face passes through `nearer`, or if it goes on where the
+    /// side of that one ends: a long vehicle comes out as several.
     pub(crate) fn is_hidden_by(&self, nearer: &Self) -> bool {
         let (x_m, y_m) = (self.distance_m, self.lateral.position_m);
-        if nearer.distance_m <= 0.0 || nearer.distance_m + BLIND_MARGIN_M >= x_m {
+        let (begin_m, end_m) = (nearer.distance_m, nearer.distance_m + nearer.length_m);
+        if begin_m + BLIND_MARGIN_M >= x_m || end_m + PLACES_M < 0.0 {
             return false;
         }
-        let end_m = (nearer.distance_m + nearer.length_m).min(x_m);
-        let (begin_y_m, end_y_m) = (y_m * nearer.distance_m / x_m, y_m * end_m / x_m);
-        let (right_m, left_m) = (begin_y_m.min(end_y_m), begin_y_m.max(end_y_m));
         let middle_m = nearer.lateral.position_m;
+        let goes_on = x_m - end_m < PLACES_M
+            && (y_m - middle_m).abs() < 2.0 * nearer.half_width_m
+            && (self.speed_mps - nearer.speed_mps).abs() < STANDING_MPS;
+        if goes_on || x_m <= 0.0 || end_m <= 0.0 {
+            return goes_on;
+        }
+        let slope = y_m / x_m;
+        let (begin_y_m, end_y_m) = (slope * begin_m.max(0.0), slope * end_m.min(x_m));
+        let (right_m, left_m) = (begin_y_m.min(end_y_m), begin_y_m.max(end_y_m));
         left_m > middle_m - nearer.half_width_m && right_m < middle_m + nearer.half_width_m
     }
 
