@@ -1,7 +1,7 @@
 //! Everyday scenes by the thousand: interventions of the emergency brake, and collisions.
 //!
 //! ```sh
-//! cargo run --release -p campaign --example everyday -- --kinds cut-in,stop,pass --count 10000
+//! cargo run --release -p campaign --example everyday -- --kinds cut-in,stop,pass,queue --count 10000
 //! cargo run --release -p campaign --example everyday -- --kinds braking-lead --count 500
 //! ```
 //!
@@ -19,7 +19,7 @@ use controller::laws;
 #[derive(Debug, Parser)]
 struct Arguments {
     /// Kinds of scenes
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "cut-in,stop,pass")]
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "cut-in,stop,pass,queue")]
     kinds: Vec<Kind>,
     /// Scenes of each kind
     #[arg(long, default_value_t = 1000)]
@@ -71,11 +71,12 @@ fn main() -> ExitCode {
             found.iter().filter(|(.., verdict)| holds(verdict)).count()
         };
         println!(
-            "{kind:?}: {} scenes, {} with interventions, {} collisions, {} avoidable",
+            "{kind:?}: {} scenes, {} with interventions, {} collisions, {} avoidable, {} with false targets",
             found.len(),
             count(|verdict| verdict.interventions > 0),
             count(|verdict| verdict.collided),
             count(|verdict| verdict.avoidable),
+            count(|verdict| verdict.false_targets > 0),
         );
         for (number, law, verdict) in &found {
             let wrong = if kind == Kind::BrakingLead {
