@@ -308,21 +308,41 @@ mod tests {
         }
     }
 
-    /// Scenes in which the emergency brake braked and the law followed a target, before the radar's cell was
-    /// known to hold two vehicles, and points of a queue were left out by their own place.
+    /// In 9 of these drives the emergency brake braked when points were left out by their own place.
     #[test]
-    fn an_empty_lane_between_queues_is_driven_through() {
-        let (mut interventions, mut false_targets) = (0, 0);
-        for number in 0..QUEUES {
-            let drive = || Kind::Queue.drive(&Kind::Queue.scenario(number, "acc-mpc", true)?);
-            let verdict = drive().unwrap_or_else(|error| panic!("{number}: {error}"));
+    fn the_emergency_brake_leaves_an_empty_lane_between_queues_alone() {
+        let drive = |number| Kind::Queue.drive(&Kind::Queue.scenario(number, "acc-mpc", true)?);
+        let braked = |number: &u32| {
+            let verdict = drive(*number).unwrap_or_else(|error| panic!("{number}: {error}"));
             assert!(!verdict.collided, "{number}");
-            interventions += verdict.interventions;
-            false_targets += verdict.false_targets;
-        }
-        assert!(interventions <= 0, "{interventions}");
-        assert!(false_targets <= 4, "{false_targets}");
+            verdict.interventions > 0
+        };
+        let scenes: Vec<u32> = (0..40).filter(braked).collect();
+        assert!(scenes.len() <= 3, "{scenes:?}");
     }
 
-    const QUEUES: u32 = 12;
+    /// Pairs abreast that the radar does not tell apart far off: each was a target between the two before.
+    #[test]
+    fn two_vehicles_abreast_are_not_one_between_them() {
+        let mut false_targets = 0;
+        for seed in 1..5 {
+            let mut text = format!(
+                "schema_version = 1\nname = \"abreast\"\nduration_s = 9\nseed = {seed}\n\
+                 set_speed_mps = 30\n[plant]\ninitial_speed_mps = 30\n\
+                 powertrain = {{ mass_kg = 1600, max_power_kw = 110 }}\n\
+                 [controller]\nname = \"acc-mpc\"\n"
+            );
+            for number in 0..8 {
+                let lateral_m = if number % 2 == 0 { -3.5 } else { 3.5 };
+                let keys = format!("initial_speed_mps = 5\nlateral_offset_m = {lateral_m}");
+                let gap_m = 120.0 + 20.0 * f64::from(number / 2);
+                actor(&mut text, &format!("car-{number}"), gap_m, &keys);
+            }
+            let scenario = Scenario::parse_with("abreast", &text, &Overrides::new(), &laws::check)
+                .unwrap_or_else(|error| panic!("{error}"));
+            let verdict = Kind::Queue.drive(&scenario).unwrap_or_else(|error| panic!("{error}"));
+            false_targets += verdict.false_targets;
+        }
+        assert!(false_targets <= 2, "{false_targets}");
+    }
 }

@@ -438,6 +438,24 @@ mod tests {
         }
     }
 
+    /// What association expects includes the first range rates of a lead that brakes hard, however quiet it was.
+    #[test]
+    fn the_first_range_rate_of_hard_braking_is_expected() {
+        for kind in [Kind::Singer, Kind::Interacting] {
+            for dt_s in [0.05, 0.1] {
+                let model = model(kind);
+                let step = model.step(dt_s, 0.0);
+                let mut filter = start(&model, 50.0, 0.0);
+                for _ in 0..100 {
+                    see(&mut filter, &model, &step, 50.0, 0.0);
+                }
+                filter.predict(&model, &step);
+                let sigma_mps = filter.range_rate_variance(0.0, dt_s).sqrt();
+                assert!(8.0 * dt_s < 5.0 * sigma_mps, "{kind:?} {dt_s}: {sigma_mps}");
+            }
+        }
+    }
+
     #[test]
     fn a_radar_without_noise_does_not_break_the_filter() {
         let still = Maneuver { sigma_mps2: 0.0, tau_s: 2.5 };
