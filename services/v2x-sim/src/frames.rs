@@ -382,6 +382,24 @@ mod tests {
     }
 
     #[test]
+    fn a_road_at_the_date_line_has_its_maps_where_they_belong() {
+        for longitude_deg in [180.0, 179.999, -180.0, -179.999] {
+            for heading_deg in [90.0, 270.0] {
+                let frames = frames(&format!(
+                    "[v2x.origin]\nlongitude_deg = {longitude_deg}\nheading_deg = {heading_deg}\n"
+                ));
+                for message in read(&frames, 0, None) {
+                    let Message::Mapem(map) = message else { continue };
+                    let geometry = &map.intersections[0];
+                    let (along_m, left_m) = frames.plane.point(geometry.reference);
+                    let place = format!("{longitude_deg} {heading_deg}: {along_m} m");
+                    assert!((250.0..1500.0).contains(&along_m) && left_m.abs() < 0.01, "{place}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn the_map_changes_of_one_intersection_where_one_is_named() {
         let revisions = |keys: &str| {
             let frames = frames(&format!("[v2x.unit]\nmap_changes_at_s = 5\n{keys}"));
