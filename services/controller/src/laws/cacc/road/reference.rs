@@ -61,6 +61,9 @@ pub(super) struct Scene<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reference {
     pub(super) motion: [Motion; MAX_PLAN + 1],
+    /// What the driver asks for, and zero while it stands: that is what keeps the programs' linear model where
+    /// the reference is. Braking would move the model backwards, so each stage of the horizon would press on its
+    /// row `v >= 0`, for the same plan at forty times the solver's time.
     pub(super) request_mps2: [f64; MAX_PLAN],
     /// Farthest position allowed at each stage by lead and closed lines, never behind the driver,
     /// m.
@@ -85,8 +88,9 @@ impl Reference {
             let here = self.motion[k];
             let (request, ceiling) = scene.request(k, here, nearest);
             self.hardest_mps2 = self.hardest_mps2.max(-request);
-            self.request_mps2[k] = request;
             let next = scene.lag.advance(here, request);
+            let stands = here.speed_mps == 0.0 && next.speed_mps == 0.0;
+            self.request_mps2[k] = if stands { 0.0 } else { request };
             self.motion[k + 1] = next;
             let behind_lead = if scene.lead.present {
                 scene.lead.position_m[k + 1] - scene.min_gap_m
@@ -206,5 +210,42 @@ impl Scene<'_> {
             return if green.from_s <= time { Gate::Open } else { Gate::ClosedUntil(green.from_s) };
         }
         Gate::Closed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::following::kinematics::Lag;
+    use crate::following::safe_gap::{LeadNow, SafeGap};
+
+    #[test]
+    fn a_driver_that_stands_leaves_the_linear_model_where_it_stands() {
+        let lag = Lag { tau_s: 0.5 };
+        let safe = SafeGap::new(lag, 0.1, (-4.9, -3.0), 2.0, 7.0);
+        let mut lead = Prediction::ABSENT;
+        let standing = LeadNow { gap_m: 4.0, speed_mps: 0.0, acceleration_mps2: 0.0 };
+        lead.update(Some(&standing), 0.1, 0.9);
+        let scene = Scene {
+            driver: Driver { acceleration_mps2: 2.0, deceleration_mps2: 1.7, hardest_mps2: 4.9 },
+            lag: lag.discretise(0.1),
+            horizon: 100,
+            now_s: 0.0,
+            desired_mps: 20.0,
+            headway_s: 1.5,
+            standstill_m: 5.0,
+            min_gap_m: 2.0,
+            stop_margin_m: 1.0,
+            pass_margin_s: 0.5,
+            origin_m: 0.0,
+            safe_gap: &SafeGapTable::new(&safe),
+            lead: &lead,
+            lines: &[],
+        };
+        let mut reference = Reference::EMPTY;
+        reference.roll_out(&scene, Motion::default(), Gate::Open);
+        assert!(reference.hardest_mps2 > 0.5, "closer than it wants to stand, it brakes");
+        assert!(reference.motion.iter().all(|motion| motion.speed_mps == 0.0));
+        assert!(reference.request_mps2.iter().all(|request| *request == 0.0));
     }
 }
