@@ -12,7 +12,7 @@
 //! a track is one body unless its scatter has said otherwise.
 //!
 //! The price: of three abreast, one of them in the ego's lane, the middle one counts only once it is
-//! resolved.
+//! resolved, or once more than comfortable braking would be needed for it.
 //!
 //! Source of the scatter of unresolved targets: Blair and Brandt-Pearce, Unresolved Rayleigh target
 //! detection using monopulse measurements, IEEE Trans. Aerospace and Electronic Systems 34 (1998) 543.

@@ -22,6 +22,8 @@ use scenario::event::VEHICLE_WIDTH_M;
 
 /// Tracks at most, those that are not confirmed included.
 const MAX_KEPT: usize = 32;
+/// Braking up to which there is time to find out what an echo comes from, m/s².
+const COMFORTABLE_MPS2: f64 = 3.0;
 
 /// The tracker.
 #[derive(Clone, Debug)]
@@ -221,8 +223,10 @@ impl DetectionTracker {
                 track.id = self.next_id;
                 self.next_id = self.next_id.wrapping_add(1).max(1);
             }
-            // The mean of several is no vehicle's place, nor is its motion one's.
-            let across = if track.abreast.is_one() {
+            // The mean of several is no vehicle's place, nor is its motion one's; but what might be one is not
+            // waited for until only hard braking helps.
+            let is_urgent = track.along.estimate().braking_mps2() > COMFORTABLE_MPS2;
+            let across = if track.abreast.is_one() || is_urgent {
                 track.across()
             } else {
                 Across::resting(nearest_m.unwrap_or(f64::INFINITY))

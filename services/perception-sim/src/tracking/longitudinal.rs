@@ -94,6 +94,16 @@ pub struct Estimate {
     pub covariance: [[f64; 3]; 3],
 }
 
+impl Estimate {
+    /// Constant braking of the ego that keeps it behind a vehicle that keeps its speed, m/s²; 0 where they do not
+    /// come closer.
+    #[must_use]
+    pub fn braking_mps2(&self) -> f64 {
+        let closing_mps = (-self.relative_speed_mps).max(0.0);
+        closing_mps * closing_mps / (2.0 * self.gap_m.max(1.0))
+    }
+}
+
 /// A measured value with its variance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
