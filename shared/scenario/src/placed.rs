@@ -22,8 +22,8 @@ pub(super) struct Placed {
 
 #[derive(Clone, Debug)]
 enum Content {
-    /// An integer of more than 64 bits, in its digits.
-    HugeInteger(String),
+    /// What stands there and is no value: a number of too many digits.
+    Unreadable(String),
     Scalar(toml::Value),
     Array(Vec<Placed>),
     Table(Vec<(String, Placed)>),
@@ -52,14 +52,14 @@ impl Placed {
                 Content::Table(table.iter().map(entry).collect())
             }
             DeValue::Array(array) => Content::Array(array.iter().map(Self::of).collect()),
-            DeValue::Integer(number) => match scalar(value) {
+            other => match scalar(value) {
                 Some(value) => Content::Scalar(value),
-                None => Content::HugeInteger(number.to_string()),
+                None => Content::Unreadable(match other {
+                    DeValue::Integer(number) => format!("integer `{number}`"),
+                    DeValue::Float(number) => format!("number `{number}`"),
+                    _ => other.type_str().to_owned(),
+                }),
             },
-            DeValue::String(_) | DeValue::Float(_) | DeValue::Boolean(_) | DeValue::Datetime(_) => {
-                let value = scalar(value).expect("the document's reader has checked it");
-                Content::Scalar(value)
-            }
         };
         Self { key: None, place: value.span(), content }
     }
@@ -98,7 +98,7 @@ impl Placed {
     pub(super) fn elements(&self) -> Option<&[Self]> {
         match &self.content {
             Content::Array(array) => Some(array),
-            Content::Scalar(_) | Content::HugeInteger(_) | Content::Table(_) => None,
+            Content::Scalar(_) | Content::Unreadable(_) | Content::Table(_) => None,
         }
     }
 
@@ -106,7 +106,7 @@ impl Placed {
     pub(super) fn entries(&self) -> Option<&[(String, Self)]> {
         match &self.content {
             Content::Table(table) => Some(table),
-            Content::Scalar(_) | Content::HugeInteger(_) | Content::Array(_) => None,
+            Content::Scalar(_) | Content::Unreadable(_) | Content::Array(_) => None,
         }
     }
 
@@ -114,7 +114,7 @@ impl Placed {
     pub(super) fn plain(&self) -> toml::Value {
         match &self.content {
             Content::Scalar(value) => value.clone(),
-            Content::HugeInteger(number) => toml::Value::String(number.clone()),
+            Content::Unreadable(found) => toml::Value::String(found.clone()),
             Content::Array(array) => toml::Value::Array(array.iter().map(Self::plain).collect()),
             Content::Table(table) => toml::Value::Table(
                 table.iter().map(|(name, value)| (name.clone(), value.plain())).collect(),
@@ -141,9 +141,8 @@ impl<'de> Deserializer<'de> for &'de Placed {
             Content::Scalar(other) => {
                 Err(Refusal::invalid_type(Unexpected::Other(other.type_str()), &visitor))
             }
-            Content::HugeInteger(number) => {
-                let found = format!("integer `{number}`");
-                Err(Refusal::invalid_value(Unexpected::Other(&found), &visitor))
+            Content::Unreadable(found) => {
+                Err(Refusal::invalid_value(Unexpected::Other(found), &visitor))
             }
             Content::Array(array) => visitor.visit_seq(Elements(array.iter())),
             Content::Table(table) => visitor.visit_map(Entries::of(table)),
