@@ -84,7 +84,7 @@ where
     String::from_utf8(bytes).expect("made of strings")
 }
 
-/// One row of CSV, as [`csv`] writes it.
+/// One row of CSV, as [`csv()`] writes it.
 pub fn csv_row<R>(row: R) -> Vec<u8>
 where
     R: IntoIterator<Item: AsRef<[u8]>>,
