@@ -29,17 +29,19 @@ pub fn conclude(
         times.add(record);
     })?;
     let mut verdict = Verdict::new(campaign, plan, planned, exposure, sums);
-    let mut rows = |file: &mut ResultFile| {
+    if !verdict.ok {
+        records.each(&mut |record| verdict.blame(plan, record))?;
+    }
+    let rows = |file: &mut ResultFile| {
         let mut written = file.add(&print::csv_head());
         records.each(&mut |record| {
-            verdict.blame(plan, record);
             if written.is_ok() {
                 written = file.add(&print::csv_row(record));
             }
         })?;
         written
     };
-    let table = output.write_by("campaign.csv", &mut rows);
+    let table = output.write_by("campaign.csv", rows);
     let json = serde_json::to_string_pretty(&verdict).expect("plain data") + "\n";
     let written = table
         .and_then(|()| output.write("campaign.json", json.as_bytes()))
