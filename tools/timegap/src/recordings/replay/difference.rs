@@ -3,6 +3,7 @@
 use messages::{Message, Place};
 use runtime::Mode;
 use serde::Serialize;
+use std::fmt;
 
 /// Fields that say how the machine fared when a message was computed.
 const MACHINE: [&str; 7] = [
@@ -40,6 +41,13 @@ pub(super) struct Difference {
     pub(super) field: String,
     pub(super) recorded: String,
     pub(super) replayed: String,
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { topic, sequence, field, recorded, replayed, .. } = self;
+        write!(f, "{topic}, message {sequence}, {field}: {recorded} recorded, {replayed} replayed")
+    }
 }
 
 impl Difference {

@@ -304,13 +304,7 @@ fn as_text(comparison: &Comparison) -> String {
             ),
         );
         if let Some(first) = &c.first_difference {
-            line(
-                "first",
-                format!(
-                    "{}, message {}, {}: {} recorded, {} replayed",
-                    first.topic, first.sequence, first.field, first.recorded, first.replayed
-                ),
-            );
+            line("first", first.to_string());
         }
     }
     text

@@ -230,13 +230,7 @@ fn as_text(comparison: &Comparison) -> String {
         line("", format!("not compared: {}", c.not_compared.join(", ")));
     }
     if let Some(first) = &c.first_difference {
-        line(
-            "first",
-            format!(
-                "{}, message {}, {}: {} recorded, {} replayed",
-                first.topic, first.sequence, first.field, first.recorded, first.replayed
-            ),
-        );
+        line("first", first.to_string());
     }
     text
 }
