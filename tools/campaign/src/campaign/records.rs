@@ -51,15 +51,19 @@ impl Records {
             let path = path.to_owned();
             Error::Path { action: "read", path, reason }
         };
-        let files: Result<Vec<File>, Error> =
-            self.journals.iter().map(|path| File::open(path).map_err(|e| error(path, e))).collect();
-        let files = files?;
+        // One at a time: a campaign of many shards has more journals than a process may have files.
+        let mut opened: Option<(usize, File)> = None;
         let mut line = Vec::new();
         for &RunPlace { journal, place, .. } in &self.places {
+            let path = &self.journals[journal];
+            let (_, file) = match opened.take().filter(|(of, _)| *of == journal) {
+                Some(same) => opened.insert(same),
+                None => opened.insert((journal, File::open(path).map_err(|e| error(path, e))?)),
+            };
             line.resize(place.length, 0);
-            let read = files[journal].read_exact_at(&mut line, place.offset);
+            let read = file.read_exact_at(&mut line, place.offset);
             let record = read.and_then(|()| Ok(serde_json::from_slice(&line)?));
-            take(&record.map_err(|reason| error(&self.journals[journal], reason))?);
+            take(&record.map_err(|reason| error(path, reason))?);
         }
         Ok(())
     }
