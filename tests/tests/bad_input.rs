@@ -292,7 +292,7 @@ mod zenoh {
         corner.expect_nothing_left(&[]);
     }
 
-    /// A router that wants certificates of its clients: one of a stranger, one that does not trust the router,
+    /// A router that wants certificates of its clients: one of an unknown issuer, one that does not trust the router,
     /// and files that are not there.
     pub(super) fn wrong_certificates() {
         let (socket, port) = free_port();
@@ -307,7 +307,7 @@ mod zenoh {
         let words = ["do the certificates belong"];
         refused_both(&client(port, "intruder", "ca.pem"), &words);
         refused_both(&client(port, "vehicle", "intruder.pem"), &words);
-        refused_both(&client(port, "nobody", "ca.pem"), &words);
+        refused_both(&client(port, "missing", "ca.pem"), &words);
     }
 }
 
