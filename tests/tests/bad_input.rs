@@ -83,6 +83,11 @@ fn driver_assistance() {
     );
     refused(&["r157", "--sample", "0"], 2, &["--sample", "'0'"]);
     refused(
+        &["run", "following", "--set", "faults=[{ kind = \"hog\", core = 1023, at_s = 1 }]"],
+        2,
+        &["faults.0", "core 1023", "expected one of 0"],
+    );
+    refused(
         &["r157", "--models-only", "--matrix", "following", "--csv", "models.csv"],
         2,
         &["there are none", "--matrix cut-in"],

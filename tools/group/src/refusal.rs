@@ -4,9 +4,10 @@ use crate::Failure;
 use messages::{Service, Topic};
 use radio::{Carrier, OpenError, Role};
 use runtime::Mode;
+use runtime::scheduling::usable_cores;
 use scenario::Scenario;
 use scenario::carrier::CarrierAddress;
-use scenario::faults::{Fault, Helper, Kind, Target};
+use scenario::faults::{Effect, Fault, Helper, Kind, ProcessFault, Target};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -75,7 +76,7 @@ pub enum Refusal {
 impl Failure for Refusal {}
 
 /// What a fault acts on, and the run does not have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Absent {
     /// A service.
     #[error("there is no {0} in this run, expected a service that takes part")]
@@ -83,11 +84,27 @@ pub enum Absent {
     /// The receivers of a topic.
     #[error("nothing receives {} in this run, expected a topic that is received", .0.name())]
     Topic(Topic),
+    /// A core of the machine.
+    #[error("core {core} cannot be used here, expected one of {}", list(.usable))]
+    Core {
+        /// The core.
+        core: usize,
+        /// Those that the launcher may run on.
+        usable: Vec<usize>,
+    },
+}
+
+fn list(cores: &[usize]) -> String {
+    cores.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")
 }
 
 /// What `fault` acts on, where nothing of it takes part in the scenario.
 pub fn absent(fault: &Fault, scenario: &Scenario) -> Option<Absent> {
     let takes_part = |service: &Service| scenario.services().contains(service);
+    if let Effect::Process(ProcessFault::Hog { core: Some(core), .. }) = &fault.effect {
+        let (core, usable) = (usize::from(core.value()), usable_cores());
+        return (!usable.contains(&core)).then_some(Absent::Core { core, usable });
+    }
     match fault.effect.target() {
         Target::Service(service) if !takes_part(&service) => Some(Absent::Service(service)),
         Target::Topic(topic) if !topic.consumers().iter().any(takes_part) => {

@@ -5,12 +5,15 @@ use super::exposure::Exposure;
 use super::file::Campaign;
 use super::job::job;
 use super::plan::Plan;
+use super::planned::Planned;
 use super::records::Records;
 use super::verdict::{Sums, Verdict};
 use super::{page, print};
 use crate::batch::{self, Job};
 use group::{Error, GroupOptions};
 use report::output::{OutputDirectory, ResultFile};
+use scenario::Scenario;
+use scenario::supervision::Standbys;
 use std::process::ExitCode;
 
 /// Judges, writes and prints.
@@ -62,14 +65,44 @@ fn exposure(
     plan: &Plan,
     group: &GroupOptions,
 ) -> Result<Vec<Exposure>, Error> {
-    let planned = if campaign.faults.is_empty() { Vec::new() } else { plan.without_faults() };
     let mut met = Vec::new();
-    for planned in planned {
-        let Job { mut scenario, .. } = job(campaign, &planned)?;
-        scenario.faults.clear();
+    for (name, scenario) in fault_free(campaign, plan)? {
         let done = batch::lockstep(&scenario, group, false, &|| true)?;
         let controller = scenario.controller.name.as_str().to_owned();
-        met.push(Exposure::of(planned.scenario, controller, &done.drive.steps));
+        met.push(Exposure::of(name, controller, &done.drive.steps));
     }
     Ok(met)
+}
+
+/// The drives without faults, each with the name of its scenario. In simulated time no process ends, so that none
+/// needs a standby.
+///
+/// # Errors
+/// If a scenario cannot be driven in simulated time.
+pub fn fault_free(campaign: &Campaign, plan: &Plan) -> Result<Vec<(String, Scenario)>, Error> {
+    let planned = if campaign.faults.is_empty() { Vec::new() } else { plan.without_faults() };
+    let drive = |planned: Planned| {
+        let Job { mut scenario, .. } = job(campaign, &planned)?;
+        scenario.faults.clear();
+        scenario.supervision.standby = Standbys::default();
+        group::check_in_process(&scenario)?;
+        Ok((planned.scenario, scenario))
+    };
+    planned.into_iter().map(drive).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::campaign::{file, plan};
+
+    #[test]
+    fn the_drives_without_faults_of_every_built_in_campaign_are_possible() {
+        for file::Builtin { name, .. } in file::BUILTIN {
+            let campaign = Campaign::open(name).expect("it is built in");
+            let plan = plan::plan(&campaign).expect("it is built in");
+            let drives = fault_free(&campaign, &plan).unwrap_or_else(|e| panic!("{name}: {e}"));
+            assert!(!drives.is_empty(), "{name}");
+        }
+    }
 }

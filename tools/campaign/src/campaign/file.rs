@@ -33,7 +33,7 @@
 //! min_gap_m = 1.0
 //! ```
 
-use super::tally::FIGURES;
+use super::tally::{FIGURES, Figure};
 use super::variation::Variants;
 use crate::parts::Shard;
 use group::{Error, Failure};
@@ -196,6 +196,14 @@ pub enum CampaignProblem {
         /// The key.
         key: String,
     },
+    /// No run can keep a limit, or every run keeps it.
+    #[error("{key} = {limit} is no limit of a number of things, expected 0 or more")]
+    NegativeCount {
+        /// The key.
+        key: String,
+        /// Its value.
+        limit: f64,
+    },
     /// A requirement is no number.
     #[error("{key} = {limit} is no limit, expected a number")]
     NoLimit {
@@ -337,13 +345,16 @@ impl Campaign {
         {
             return Err(CampaignProblem::FaultsPerRun { least, most });
         }
-        for (key, limit) in &campaign.require {
-            let figure = key.strip_prefix("max_").or_else(|| key.strip_prefix("min_"));
-            if figure.is_none_or(|name| FIGURES.iter().all(|figure| figure.name != name)) {
+        for (key, &limit) in &campaign.require {
+            let name = key.strip_prefix("max_").or_else(|| key.strip_prefix("min_"));
+            let Some(figure) = name.and_then(Figure::named) else {
                 return Err(CampaignProblem::NoFigure { key: key.clone() });
-            }
+            };
             if !limit.is_finite() {
-                return Err(CampaignProblem::NoLimit { key: key.clone(), limit: *limit });
+                return Err(CampaignProblem::NoLimit { key: key.clone(), limit });
+            }
+            if limit < 0.0 && figure.is_count() {
+                return Err(CampaignProblem::NegativeCount { key: key.clone(), limit });
             }
         }
         Ok(campaign)
@@ -422,6 +433,10 @@ mod tests {
             (&format!("{head}[require]\nmax_fun = 1\n"), ["max_fun", "collisions"]),
             (&format!("{head}[require]\ncollisions = 1\n"), ["collisions", "max_ or min_"]),
             (&format!("{head}[require]\nmax_collisions = nan\n"), ["NaN", "a number"]),
+            (
+                &format!("{head}[require]\nmax_collisions = -1\n"),
+                ["max_collisions = -1", "0 or more"],
+            ),
             (&format!("{head}faults_per_run = [2, 4]\n"), ["faults_per_run", "to draw from"]),
             (&head.replace("= 1", "= 2"), ["schema_version = 2", "expected 1"]),
             (&head.replace("\"cacc-a\"", ""), ["scenarios = []", "at least one"]),

@@ -35,7 +35,7 @@ use group::Error;
 use report::output::OutputDirectory;
 
 pub use arguments::CampaignArguments;
-use conclusion::conclude;
+use conclusion::{conclude, fault_free};
 pub use error::CampaignError;
 pub use file::BUILTIN;
 use file::{Campaign, FILE};
@@ -178,6 +178,7 @@ fn check(campaign: &Campaign, plan: &Plan) -> Result<(), Error> {
         // What a person should know of how OpenSCENARIO files are run.
         notices.extend(job.scenario.storyboard.into_iter().flat_map(|story| story.notices));
     }
+    fault_free(campaign, plan)?;
     for notice in notices {
         eprintln!("note: {notice}");
     }

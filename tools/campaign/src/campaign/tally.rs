@@ -222,6 +222,11 @@ impl Figure {
         FIGURES.iter().find(|figure| figure.name == name)
     }
 
+    /// True if it counts runs or events.
+    pub fn is_count(&self) -> bool {
+        matches!(self.of, Kind::Count(_))
+    }
+
     /// Its value over all runs; none if nothing measured it.
     pub fn value(&self, tally: &Tally) -> Option<f64> {
         match self.of {
