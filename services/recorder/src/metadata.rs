@@ -243,7 +243,7 @@ impl Tally {
     /// Messages that were sent and are not in the file.
     #[must_use]
     pub fn lost(&self) -> u64 {
-        self.topics.values().map(|topic| topic.lost).sum()
+        self.topics.values().fold(0, |sum, topic| sum.saturating_add(topic.lost))
     }
 
     pub(crate) fn to_record(&self) -> mcap::records::Metadata {

@@ -235,7 +235,7 @@ impl Recording {
         let topics = counts.into_iter().map(|(topic, messages)| {
             let counted = tally.topics.get(topic.name()).copied().unwrap_or_default();
             // Others may have taken messages out of the file since.
-            let lost = (counted.messages + counted.lost).saturating_sub(messages);
+            let lost = counted.messages.saturating_add(counted.lost).saturating_sub(messages);
             (topic.name().to_owned(), TopicTally { messages, lost })
         });
         let end_ns = match statistics.messages {

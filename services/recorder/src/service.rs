@@ -150,7 +150,13 @@ fn kept(path: &Path, sent: &Tally) -> Tally {
         Recording::open(path).map_or_else(|_| Tally::default(), |file| file.survey().tally);
     let topics = sent.topics.iter().map(|(name, sent)| {
         let messages = in_file.topics.get(name).map_or(0, |topic| topic.messages);
-        (name.clone(), TopicTally { messages, lost: sent.messages + sent.lost - messages })
+        (
+            name.clone(),
+            TopicTally {
+                messages,
+                lost: sent.messages.saturating_add(sent.lost).saturating_sub(messages),
+            },
+        )
     });
     Tally { topics: topics.collect(), incarnations: sent.incarnations.clone() }
 }
