@@ -126,19 +126,24 @@ fn write(
         // A part begins where there is something, and the first with everything.
         let begin_ns = first.div_euclid(PART_NS).saturating_mul(PART_NS).max(from_ns);
         let end_ns = begin_ns.saturating_add(PART_NS);
-        while let Some(record) = next.take_if(|r| r.log_time_ns < end_ns.saturating_add(MARGIN_NS))
+        let reach_ns = end_ns.saturating_add(MARGIN_NS);
+        while let Some(record) = next.take_if(|r| r.log_time_ns < reach_ns || reach_ns == i64::MAX)
         {
             held.push_back(record);
             next = records.next();
         }
         let mut timeline = Timeline::of(held.make_contiguous(), &carried, scenario);
         timeline.incidents.append(&mut faults.clone());
-        let is_last = next.is_none() && held.back().is_none_or(|last| last.log_time_ns < end_ns);
+        let is_last = next.is_none()
+            && (end_ns == i64::MAX || held.back().is_none_or(|last| last.log_time_ns < end_ns));
         let within = from_ns..if is_last { i64::MAX } else { end_ns };
         let bytes = events(&timeline, &frame, &within);
         file.write_all(&bytes)?;
         written.bytes += bytes.len();
         written.count(&timeline, &frame, &within);
+        if is_last {
+            break;
+        }
         faults.retain(|fault| !within.contains(&fault.at_ns));
         let keep_ns = end_ns.saturating_sub(MARGIN_NS);
         carried = timeline.last_before(keep_ns);
@@ -203,4 +208,34 @@ fn faults(recording: &Path) -> Vec<Incident> {
             })
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use messages::{Message, Odometry};
+    use recorder::{LawNames, Metadata, Tally, Writer};
+    use runtime::Mode;
+    use scenario::Overrides;
+
+    #[test]
+    fn times_at_the_end_of_their_range_end_too() {
+        let scenario = Scenario::open("cacc-a", &Overrides::new(), &|_| Ok(())).expect("built in");
+        let metadata = Metadata::new(&scenario, Mode::Lockstep, 0, [].into(), LawNames::default());
+        let corner = std::env::temp_dir().join(format!("timegap-trace-{}", std::process::id()));
+        std::fs::create_dir_all(&corner).expect("a directory");
+        let path = corner.join("recording.mcap");
+        let mut writer =
+            Writer::begin(File::create(&path).expect("a file"), &metadata).expect("begun");
+        for at_ns in [0, i64::MAX - PART_NS, i64::MAX - 1, i64::MAX, i64::MAX] {
+            let odometry: Odometry = bytemuck::Zeroable::zeroed();
+            let bytes = bytemuck::bytes_of(&odometry);
+            writer.message(Odometry::TOPIC, at_ns, bytes).expect("written");
+        }
+        writer.finish(&Tally::default()).expect("ended");
+        let recording = Recording::open(&path).expect("a recording");
+        let written = write(&recording, &scenario, &corner.join("trace.pftrace"));
+        std::fs::remove_dir_all(&corner).expect("ours");
+        assert!(written.expect("written").0.bytes > 0);
+    }
 }
