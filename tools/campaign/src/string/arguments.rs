@@ -82,6 +82,12 @@ pub enum StringError {
         #[source]
         reason: FrequenciesError,
     },
+    /// The key is what the sentence about each value is of.
+    #[error("--param {key}: each law has a limit of its own, expected laws by --controllers")]
+    SweptLaw {
+        /// The key.
+        key: String,
+    },
     /// The sweeps are too large.
     #[error("the sweeps have more than {MAX_RUNS} runs")]
     TooManyRuns,
@@ -167,6 +173,9 @@ impl Task {
             None => None,
             Some(argument) => {
                 let param = Param::parse(argument)?;
+                if param.key == "controller.name" {
+                    return Err(StringError::SweptLaw { key: param.key }.into());
+                }
                 let mut distinct: Vec<&Option<String>> = Vec::new();
                 for law in &laws {
                     if !distinct.contains(&law) {

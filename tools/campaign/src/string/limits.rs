@@ -18,7 +18,7 @@ pub struct Limits {
     pub unstable: Option<Value>,
     /// Where the peak of the gain passes the limit between the two, if they are numbers.
     pub ceases_at: Option<f64>,
-    /// Every value, in the order in which they were given.
+    /// Every value: numbers in their order, others as they were given.
     pub points: Vec<Point>,
 }
 
@@ -72,8 +72,12 @@ impl Point {
 }
 
 impl Limits {
-    /// The points of one law, in the order of the values.
-    pub fn new(controller: &str, key: &str, points: Vec<Point>) -> Self {
+    /// The points of one law. Numbers are put in their order: neighbours are what a limit lies between.
+    pub fn new(controller: &str, key: &str, mut points: Vec<Point>) -> Self {
+        if points.iter().all(|point| point.value.number().is_some()) {
+            let number = |point: &Point| point.value.number().unwrap_or(f64::NAN);
+            points.sort_by(|a, b| number(a).total_cmp(&number(b)));
+        }
         let change = points.windows(2).find(|pair| pair[0].string_stable != pair[1].string_stable);
         let sides = change.map(|pair| match pair[0].string_stable {
             true => (&pair[0], &pair[1]),
@@ -141,6 +145,16 @@ mod tests {
         let json = serde_json::to_value(&limits).expect("plain data");
         assert_eq!(json["unstable"], 200.0);
         assert_eq!(json["points"][3]["string_stable"], false);
+    }
+
+    #[test]
+    fn the_order_in_which_numbers_are_given_moves_no_limit() {
+        let of = |values: [(&str, f64); 3]| {
+            let points = values.map(|(value, gain)| point(value, Some(gain)));
+            Limits::new("acc-mpc", "runtime.extra_delay_ms", points.into()).ceases_at
+        };
+        let (low, middle, high) = (("0", 0.965), ("200", 1.015), ("1e3", 1.5));
+        assert_eq!(of([high, low, middle]), of([low, middle, high]));
     }
 
     #[test]
