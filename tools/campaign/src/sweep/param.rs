@@ -35,8 +35,13 @@ pub enum ValuesError {
         to: String,
     },
     /// A range of more values than a key may have.
-    #[error("{0:.0} values, more than {MAX_VALUES}")]
+    #[error("{} values, more than {MAX_VALUES}", count(*.0))]
     TooMany(f64),
+}
+
+/// A number of values, short where it has many digits.
+fn count(values: f64) -> String {
+    if values < 1e15 { format!("{values:.0}") } else { format!("{values:.1e}") }
 }
 
 /// An argument that is no key with values.
@@ -94,8 +99,11 @@ pub fn values(list: &str, usual_step: Option<&str>) -> Result<Vec<String>, Value
 }
 
 fn range(from: &str, to: &str, step: &str) -> Result<Vec<String>, ValuesError> {
+    // A number begins with a digit: a third dot is a slip, and no fraction.
+    let digits =
+        |text: &str| text.trim_start_matches(['-', '+']).starts_with(|c: char| c.is_ascii_digit());
     let number = |text: &str| match text.parse::<f64>() {
-        Ok(number) if number.is_finite() => Ok(number),
+        Ok(number) if number.is_finite() && digits(text) => Ok(number),
         _ => Err(ValuesError::NotANumber(text.to_owned())),
     };
     let [first, last, width] = [number(from)?, number(to)?, number(step)?];
@@ -180,7 +188,9 @@ mod tests {
             ("a=0..x/1", "`x` is not a number"),
             ("a=0..inf/1", "`inf` is not a number"),
             ("a=0..1/nan", "`nan` is not a number"),
-            ("a=0..1e9/1", "more than 10000"),
+            ("a=0...10/5", "`.10` is not a number"),
+            ("a=0..1e9/1", "1000000001 values, more than 10000"),
+            ("a=0..1/1e-300", "1.0e300 values, more than 10000"),
             ("a=1,,2", "a value is missing"),
             ("a=", "a value is missing"),
             ("a=1,2,1", "1 is there twice"),
