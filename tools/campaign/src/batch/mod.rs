@@ -6,6 +6,7 @@
 //! interrupt reaches every run that goes on and keeps further ones from beginning; what finished before
 //! is kept.
 
+pub mod laws;
 mod leftovers;
 mod sample;
 mod scratch;

@@ -6,8 +6,7 @@ mod page;
 use crate::batch::{self, Job, ProcessesSample, Source};
 use crate::parts::{Merged, Part, PartOptions, Study, name_incomplete};
 use clap::Args;
-use group::Error;
-use group::{GroupOptions, ModeName, ScenarioOptions};
+use group::{Error, Failure, GroupOptions, ModeName, ScenarioOptions};
 use report::RunPicture;
 use report::output::{OutputDirectory, OutputOptions};
 use report::print;
@@ -90,13 +89,22 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
     if arguments.parts.merge.is_empty() { drive(arguments) } else { merge(arguments) }
 }
 
+/// A scenario would be driven twice, in rows that cannot be told apart.
+#[derive(Debug, thiserror::Error)]
+#[error("{name} is there twice, expected each scenario once")]
+pub struct Twice {
+    name: String,
+}
+
+impl Failure for Twice {}
+
 /// The runs: each scenario with each controller, read before anything runs.
 fn scenarios(arguments: &CompareArguments) -> Result<Vec<Scenario>, Error> {
-    let controllers = if arguments.controllers.is_empty() {
-        controller::laws::own().map(|law| law.name.to_owned()).collect()
-    } else {
-        arguments.controllers.clone()
-    };
+    let controllers = batch::laws::named(&arguments.controllers)?;
+    let twice = |(place, name): &(usize, &String)| arguments.scenarios[..*place].contains(name);
+    if let Some((_, name)) = arguments.scenarios.iter().enumerate().find(twice) {
+        return Err(Twice { name: name.clone() }.into());
+    }
     let mut scenarios = Vec::new();
     for name in &arguments.scenarios {
         for controller in &controllers {

@@ -8,7 +8,6 @@ use std::fmt::Write;
 use std::process::ExitCode;
 
 use clap::Args;
-use controller::laws;
 use group::{Error, GroupOptions};
 use report::html::{Cell, Column, document, section, table};
 use report::output::{OutputDirectory, OutputOptions};
@@ -53,11 +52,7 @@ struct Results {
 /// # Errors
 /// [`Error::Scenario`] for an unknown controller, else what keeps the runs from starting.
 pub fn run(arguments: &Iso15622Arguments) -> Result<ExitCode, Error> {
-    let laws: Vec<String> = if arguments.controllers.is_empty() {
-        laws::own().map(|law| law.name.to_owned()).collect()
-    } else {
-        arguments.controllers.clone()
-    };
+    let laws = batch::laws::own_named(&arguments.controllers)?;
     let tests: Vec<(&String, Test)> =
         laws.iter().flat_map(|law| Test::ALL.map(|test| (law, test))).collect();
     let jobs = tests

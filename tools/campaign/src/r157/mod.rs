@@ -38,8 +38,11 @@ pub struct R157Arguments {
     /// Controllers, by commas [default: all]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', conflicts_with = "models_only")]
     pub controllers: Vec<String>,
-    /// Drive the regulation's models alone, no controller
-    #[arg(long)]
+    /// Drive the regulation's models alone, no controller and no process
+    #[arg(
+        long,
+        conflicts_with_all = ["processes", "programs", "ready_timeout", "shard", "resume", "merge"]
+    )]
     pub models_only: bool,
     /// Draw this many cases of each matrix [default: all]
     #[arg(long, value_name = "N")]
@@ -236,12 +239,7 @@ fn drivers(arguments: &R157Arguments) -> Result<Vec<Driver>, Error> {
     if arguments.models_only {
         return Ok(Vec::new());
     }
-    let laws: Vec<String> = if arguments.controllers.is_empty() {
-        laws::own().map(|law| law.name.to_owned()).collect()
-    } else {
-        arguments.controllers.clone()
-    };
-    // An unknown law is found before anything runs.
+    let laws = batch::laws::own_named(&arguments.controllers)?;
     let (cases, settled) = (Matrix::CutIn.cases(), Settled::new(1));
     let mut drivers = Vec::new();
     for law in laws {
