@@ -37,6 +37,18 @@ pub struct UnknownFile {
 
 impl Failure for UnknownFile {}
 
+/// A parameter for a file that has none.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "--param {argument}: {name} is no OpenSCENARIO file and has no parameters, expected --show FILE.xosc"
+)]
+pub struct NoParameters {
+    name: String,
+    argument: String,
+}
+
+impl Failure for NoParameters {}
+
 /// Runs the command.
 pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
     if let Some(name) = arguments.show.as_deref().filter(|name| group::is_openscenario(name)) {
@@ -44,6 +56,9 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
         let options = ScenarioOptions { parameters, ..ScenarioOptions::default() };
         print::out(&group::open(name, &options)?.to_toml())?;
         return Ok(ExitCode::SUCCESS);
+    }
+    if let (Some(name), Some(argument)) = (&arguments.show, arguments.parameters.first()) {
+        return Err(NoParameters { name: name.clone(), argument: argument.clone() }.into());
     }
     if let Some(name) = &arguments.show {
         let scenarios = builtin::ALL.iter().map(|builtin| (builtin.name, builtin.text));
