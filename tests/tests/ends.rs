@@ -62,6 +62,32 @@ fn interrupt_and_termination() {
 }
 
 #[test]
+fn interrupt_before_anything_was_started() {
+    let corner = Corner::new(PROGRAM);
+    for mode in ["lockstep", "realtime"] {
+        let child = corner.start(&[
+            "run",
+            "following",
+            "--mode",
+            mode,
+            "--duration",
+            "600",
+            "--out",
+            "out",
+        ]);
+        // The first that a run does.
+        while !corner.path().join("out/scenario.toml").exists() {
+            std::thread::yield_now();
+        }
+        signal(pid(&child), Signal::INT);
+        let output = finished(child);
+        assert_eq!(output.status.code(), Some(130), "{}", text(&output));
+        assert!(!corner.path().join("out").exists(), "nothing was driven");
+        corner.expect_nothing_left(&[]);
+    }
+}
+
+#[test]
 fn death_of_any_service_that_is_not_to_be_restarted() {
     for service in SERVICES {
         let corner = Corner::new(PROGRAM);

@@ -13,9 +13,9 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Handle;
 use std::io::{BufRead, BufReader, Read};
 use std::process::{ChildStderr, ChildStdout};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicI32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::sync::mpsc::Sender;
+use std::sync::{Arc, OnceLock};
 
 /// Longest line of a service, bytes: a report with all its histograms has a few hundred KiB.
 const LONGEST_LINE: u64 = 16 << 20;
@@ -142,10 +142,36 @@ pub fn end_signals() -> Vec<i32> {
     signals
 }
 
+/// A signal that came after [`hold_signals`].
+static HELD: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+
+/// From now on a signal that asks for an end is kept for the group that is about to start, and does not
+/// end this process where it stands: files that it has made would stay.
+///
+/// # Errors
+/// If the signals cannot be handled.
+pub fn hold_signals() -> Result<(), SignalsError> {
+    let held = HELD.get_or_init(Arc::default);
+    for signal in end_signals() {
+        signal_hook::flag::register(signal, Arc::clone(held))?;
+    }
+    Ok(())
+}
+
+/// True if a signal that asks for an end came since [`hold_signals`].
+#[must_use]
+pub fn is_signalled() -> bool {
+    HELD.get().is_some_and(|held| held.load(Ordering::Relaxed))
+}
+
 /// Turns the signals that ask for an end into events, until the handle is closed.
 pub fn follow_signals(events: Sender<Event>) -> Result<Handle, SignalsError> {
     let mut signals = signal_hook::iterator::Signals::new(end_signals())?;
     let handle = signals.handle();
+    if is_signalled() {
+        // The receiver is the caller's.
+        let _ = events.send(Event::Signal);
+    }
     std::thread::Builder::new().name("signals".into()).spawn(move || {
         for _ in signals.forever() {
             if events.send(Event::Signal).is_err() {

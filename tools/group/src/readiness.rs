@@ -9,7 +9,10 @@ use super::supervisor::{EXIT_GRACE, Supervisor};
 use crate::Error;
 use messages::Service;
 use runtime::FromService;
-use std::time::Instant;
+use std::time::{Duration, Instant};
+
+/// Time within which a signal is an event, once it has interrupted a call.
+const SIGNAL_GRACE: Duration = Duration::from_millis(100);
 
 impl Supervisor<'_> {
     /// Gives all processes, which are ready, the common start.
@@ -79,6 +82,20 @@ impl Supervisor<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Why the group did not come up: a signal, if one came. It also interrupts calls, of this process and of
+    /// services that heard it too, which then fail with reasons of their own.
+    pub(super) fn or_interrupted(&self, error: Error) -> Error {
+        let until = Instant::now() + SIGNAL_GRACE;
+        while let Ok(event) =
+            self.events.recv_timeout(until.saturating_duration_since(Instant::now()))
+        {
+            if matches!(event, Event::Signal) {
+                return Error::Interrupted;
+            }
+        }
+        error
     }
 
     fn not_ready(&mut self, service: Service, what: String) -> Error {

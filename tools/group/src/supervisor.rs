@@ -137,8 +137,12 @@ impl Supervisor<'_> {
             .map(|path| RecorderProcess::spawn(path, self.root, self.leader()));
         let deadline_ms = self.launch.scenario.controller.deadline().value();
         enroll_listener(self.root.path(), std::process::id())?;
-        let mut log = DriveLog::listen(&self.group, i64::from(deadline_ms) * 1_000_000)?;
-        self.wait_until_ready(spawned)?;
+        let log = DriveLog::listen(&self.group, i64::from(deadline_ms) * 1_000_000);
+        let log = log.map_err(Error::from).and_then(|log| {
+            self.wait_until_ready(spawned)?;
+            Ok(log)
+        });
+        let mut log = log.map_err(|error| self.or_interrupted(error))?;
         let ready_after = spawned.elapsed();
         // A receiver that has not looked yet is not connected, and a full buffer of one that is not
         // connected loses messages instead of holding their sender up.

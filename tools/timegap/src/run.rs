@@ -6,7 +6,7 @@ use controller::law::Formulation;
 use controller::laws;
 use group::{
     Ended, Error, Failure, GroupOptions, GroupOutcome, Keep, ModeName, Moment, ScenarioOptions,
-    SignalsError, check_targets, drive, open,
+    check_targets, drive, open,
 };
 use indicatif::{ProgressBar, ProgressStyle};
 use messages::Service;
@@ -17,8 +17,6 @@ use runtime::Mode;
 use runtime::report::Outcome;
 use scenario::Scenario;
 use std::process::ExitCode;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// Arguments of `run`.
@@ -73,12 +71,15 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     if arguments.in_process {
         refuse_what_needs_processes(arguments)?;
     }
+    group::hold_signals()?;
     let output = OutputDirectory::create(&arguments.output, scenario.name.as_str())?;
     output.write_input("scenario.toml", scenario.to_toml().as_bytes())?;
 
     let mut live = Live::open(&arguments.live, &scenario, &driver(&scenario, arguments))?;
     let bar = progress_bar(&scenario, arguments.json || arguments.live.watch);
+    let mut drove = false;
     let mut watch = |moment: &Moment<'_>| {
+        drove = true;
         bar.set_position(moment.time_ns.unsigned_abs() / 1_000_000);
         live.look(moment);
     };
@@ -92,8 +93,8 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
         drive(&scenario, mode, &arguments.group, Some(keep), &mut watch)
     };
     bar.finish_and_clear();
-    if matches!(result, Ok(_) | Err(Error::Runtime(_))) {
-        // It drove: its recording is kept whatever comes now.
+    if result.is_ok() || drove {
+        // Its recording is kept whatever comes now.
         output.keep();
     }
     let summary = result
@@ -148,16 +149,12 @@ fn driver(scenario: &Scenario, arguments: &RunArguments) -> String {
     }
 }
 
-/// Runs all services in this process, until a signal asks for the end.
+/// Runs all services in this process, until a signal asks for the end: it is held since before the run.
 fn in_process(
     scenario: &Scenario,
     watch: &mut dyn FnMut(&Moment<'_>),
 ) -> Result<GroupOutcome, Error> {
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in group::end_signals() {
-        signal_hook::flag::register(signal, Arc::clone(&stop)).map_err(SignalsError::from)?;
-    }
-    group::in_process::run_watched(scenario, &|| stop.load(Ordering::Relaxed), watch)
+    group::in_process::run_watched(scenario, &group::is_signalled, watch)
 }
 
 /// What `--in-process` excludes.
