@@ -69,12 +69,28 @@ pub enum Damage {
         /// How many.
         messages: u64,
     },
+    /// A topic of the file has the type of one of ours, which the file does not have; its messages were left
+    /// out.
+    Renamed {
+        /// The topic.
+        name: String,
+        /// Ours.
+        topic: Topic,
+    },
     /// Behind its first messages the file says that a topic has another layout; its messages were left
     /// out.
     Layout {
         /// The topic.
         topic: String,
     },
+}
+
+impl Damage {
+    /// True where `timegap recover` writes a file without it.
+    #[must_use]
+    pub fn can_be_left_out(&self) -> bool {
+        matches!(self, Self::CutOff { .. } | Self::Chunk { .. } | Self::Disorder { .. })
+    }
 }
 
 impl fmt::Display for Damage {
@@ -98,6 +114,12 @@ impl fmt::Display for Damage {
                     "{messages} of the messages on `{topic}` are not as its type lays them out"
                 )
             }
+            Self::Renamed { name, topic } => write!(
+                f,
+                "the messages on `{}` are left out: their type is that of `{}`, expected under this name",
+                name.escape_debug(),
+                topic.name()
+            ),
             Self::Layout { topic } => write!(f, "`{topic}` changes its type in the middle"),
         }
     }

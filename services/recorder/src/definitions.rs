@@ -8,6 +8,11 @@ use std::collections::BTreeMap;
 /// Longest name that is kept, bytes.
 const LONGEST_NAME: usize = 256;
 
+/// Encoding of our types' definitions.
+pub(crate) const SCHEMA_ENCODING: &str = "ros2msg";
+/// Encoding of our messages.
+pub(crate) const MESSAGE_ENCODING: &str = "cdr";
+
 /// Schemas and channels seen so far.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Definitions {
@@ -22,8 +27,10 @@ pub(crate) struct Definitions {
 
 impl Definitions {
     pub(crate) fn schema(&mut self, schema: &Schema<'_>) {
-        let text = String::from_utf8_lossy(schema.definition);
-        self.schemas.insert(schema.id, schema::fingerprint(&text));
+        if schema.encoding == SCHEMA_ENCODING {
+            let text = String::from_utf8_lossy(schema.definition);
+            self.schemas.insert(schema.id, schema::fingerprint(&text));
+        }
         if schema.name.len() <= LONGEST_NAME {
             self.types.insert(schema.id, schema.name.to_owned());
         }
@@ -35,7 +42,8 @@ impl Definitions {
         }
         // A topic that others added to the file is theirs.
         let Some(topic) = Topic::by_name(channel.topic) else { return };
-        if self.schemas.get(&channel.schema) == Some(&ours(topic)) {
+        let is_ours = self.schemas.get(&channel.schema) == Some(&ours(topic));
+        if is_ours && channel.encoding == MESSAGE_ENCODING {
             self.channels.insert(channel.id, topic);
         } else {
             self.other_layout.get_or_insert_with(|| channel.topic.to_owned());
@@ -50,6 +58,15 @@ impl Definitions {
     /// A topic of ours whose messages have another layout than this program's.
     pub(crate) fn other_layout(&self) -> Option<&str> {
         self.other_layout.as_deref()
+    }
+
+    /// Topics that carry a type of ours in the place of ours, which the file does not have.
+    pub(crate) fn renamed(&self) -> impl Iterator<Item = (&str, Topic)> {
+        self.listed().filter_map(|(channel, name, type_name)| {
+            let ours = TOPICS.into_iter().find(|topic| topic.layout().type_name == type_name)?;
+            let is_there = self.channels.values().any(|topic| *topic == ours);
+            (!is_there && !self.channels.contains_key(&channel)).then_some((name, ours))
+        })
     }
 
     /// True before the first topic of ours.

@@ -93,6 +93,7 @@ pub(crate) fn head(head: &[u8]) -> Result<(u8, u64), Malformed> {
 pub(crate) struct Schema<'a> {
     pub(crate) id: u16,
     pub(crate) name: &'a str,
+    pub(crate) encoding: &'a str,
     pub(crate) definition: &'a [u8],
 }
 
@@ -100,8 +101,8 @@ pub(crate) fn schema(body: &[u8]) -> Result<Schema<'_>, Malformed> {
     let mut fields = Fields(body);
     let id = fields.u16()?;
     let name = fields.text()?;
-    let _encoding = fields.text()?;
-    Ok(Schema { id, name, definition: fields.block()? })
+    let encoding = fields.text()?;
+    Ok(Schema { id, name, encoding, definition: fields.block()? })
 }
 
 /// A topic.
@@ -110,12 +111,14 @@ pub(crate) struct Channel<'a> {
     pub(crate) id: u16,
     pub(crate) schema: u16,
     pub(crate) topic: &'a str,
+    pub(crate) encoding: &'a str,
 }
 
 pub(crate) fn channel(body: &[u8]) -> Result<Channel<'_>, Malformed> {
     let mut fields = Fields(body);
     let (id, schema) = (fields.u16()?, fields.u16()?);
-    Ok(Channel { id, schema, topic: fields.text()? })
+    let topic = fields.text()?;
+    Ok(Channel { id, schema, topic, encoding: fields.text()? })
 }
 
 /// What stands before a message's payload.

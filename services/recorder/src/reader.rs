@@ -157,7 +157,13 @@ impl Recording {
                 let Self { path, metadata, .. } = recording;
                 Err(ReadError::Layout { path, program: metadata.program, topic })
             }
-            None => Ok(recording),
+            None => {
+                let renamed = recording.definitions.renamed();
+                let renamed =
+                    renamed.map(|(name, topic)| Damage::Renamed { name: name.into(), topic });
+                recording.damage.extend(renamed.collect::<Vec<_>>());
+                Ok(recording)
+            }
         }
     }
 

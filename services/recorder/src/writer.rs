@@ -1,6 +1,7 @@
 //! Writing a recording.
 
 use crate::cdr::ENCAPSULATION;
+use crate::definitions::{MESSAGE_ENCODING, SCHEMA_ENCODING};
 use crate::scene::{self, Scene};
 use crate::schema::ros2_definition_of;
 use crate::{Metadata, Tally};
@@ -54,15 +55,17 @@ impl<W: Write + Seek> Writer<W> {
         for topic in TOPICS {
             let layout = topic.layout();
             let definition = ros2_definition_of(layout, &metadata.law);
-            let schema = inner.add_schema(layout.type_name, "ros2msg", definition.as_bytes())?;
-            let channel = inner.add_channel(schema, topic.name(), "cdr", &BTreeMap::new())?;
+            let schema =
+                inner.add_schema(layout.type_name, SCHEMA_ENCODING, definition.as_bytes())?;
+            let channel =
+                inner.add_channel(schema, topic.name(), MESSAGE_ENCODING, &BTreeMap::new())?;
             channels.insert(topic, channel);
         }
         let mut scene_channels = [0; scene::TOPICS.len()];
         for (topic, channel) in scene::TOPICS.iter().zip(&mut scene_channels) {
             let definition = topic.definition.as_bytes();
-            let schema = inner.add_schema(topic.type_name, "ros2msg", definition)?;
-            *channel = inner.add_channel(schema, topic.name, "cdr", &BTreeMap::new())?;
+            let schema = inner.add_schema(topic.type_name, SCHEMA_ENCODING, definition)?;
+            *channel = inner.add_channel(schema, topic.name, MESSAGE_ENCODING, &BTreeMap::new())?;
         }
         inner.flush()?;
         Ok(Self {

@@ -221,3 +221,37 @@ fn files_without_anything_are_refused_with_the_reason() {
         assert!(error.contains(why), "{error}");
     }
 }
+
+/// A file of ours without chunks, in which `from` is `to`, as long, in every channel and schema.
+fn with(from: &[u8], to: &[u8]) -> Result<Recording, ReadError> {
+    let (mut all, chunks) = parts();
+    for body in &chunks {
+        for (opcode, mut body) in records(&unpacked(body)) {
+            let at = body.windows(from.len()).position(|bytes| bytes == from);
+            if let (Some(at), true) = (at, opcode != MESSAGE) {
+                body[at..at + to.len()].copy_from_slice(to);
+            }
+            all.push(record(opcode, &body));
+        }
+    }
+    all.push(end());
+    read(&all)
+}
+
+#[test]
+fn a_topic_under_another_name_is_named_as_left_out() {
+    let recording = with(b"vehicle/odometry", b"vehicle/Odometry").expect("a recording");
+    let (name, topic) = ("vehicle/Odometry".to_owned(), Odometry::TOPIC);
+    assert_eq!(recording.survey().damage, [Damage::Renamed { name, topic }]);
+    assert!(sequences(&recording).is_empty());
+}
+
+#[test]
+fn other_encodings_are_not_read_as_ours() {
+    let encodings: [(&[u8], &[u8]); 2] =
+        [(b"\x03\0\0\0cdr", b"\x03\0\0\0xml"), (b"ros2msg", b"ros1msg")];
+    for (ours, other) in encodings {
+        let refused = with(ours, other).expect_err("not ours");
+        assert!(matches!(refused, ReadError::Layout { .. }), "{refused}");
+    }
+}

@@ -1,10 +1,10 @@
 //! `timegap info`: what a recording holds.
 
-use super::{count, open};
+use super::{count, lines, open};
 use clap::Args;
 use group::Error;
 use messages::TOPICS;
-use recorder::{Recording, Survey};
+use recorder::{Damage, Recording, Survey};
 use report::print;
 use runtime::Mode;
 use serde_json::{Value, json};
@@ -132,8 +132,12 @@ fn as_text(recording: &Recording, survey: &Survey) -> String {
             recording.file_bytes() as f64 / f64::from(1 << 20),
         ),
     );
-    for damage in &survey.damage {
-        line("INCOMPLETE", format!("{damage}: `timegap recover` makes it whole"));
+    let advised = |damage: &Damage| match damage.can_be_left_out() {
+        true => format!("{damage}: `timegap recover` makes it whole"),
+        false => damage.to_string(),
+    };
+    for damage in lines(&survey.damage, advised) {
+        line("INCOMPLETE", damage);
     }
     writeln!(text, "\n  {:<22} {:>9} {:>8} {:>6}  type", "topic", "messages", "Hz", "lost")
         .expect("a string takes all");

@@ -80,7 +80,8 @@ pub fn run(arguments: &RecoverArguments) -> Result<ExitCode, Error> {
         survey.end_ns as f64 / 1e9,
         tally.lost()
     );
-    damage.iter().for_each(|damage| text.push_str(&format!("  broken         {damage}\n")));
+    let broken = super::lines(&survey.damage, ToString::to_string);
+    broken.for_each(|line| text.push_str(&format!("  broken         {line}\n")));
     text.push_str(&format!("  results        {}\n", path.display()));
     print::out(&text)?;
     Ok(ExitCode::SUCCESS)
