@@ -37,7 +37,7 @@ impl Source for Disk {
             let reason = format!("is not a regular file of at most {MAX_FILE_BYTES} bytes");
             return Err(std::io::Error::other(reason));
         }
-        std::fs::read_to_string(path)
+        text(std::fs::read(path)?)
     }
 
     fn list(&self, directory: &Path) -> std::io::Result<Vec<PathBuf>> {
@@ -51,6 +51,18 @@ impl Source for Disk {
         files.sort();
         Ok(files)
     }
+}
+
+/// The text of a file's bytes, whatever encoding it declares: of ASCII all are UTF-8 too.
+fn text(bytes: Vec<u8>) -> std::io::Result<String> {
+    let refuse = |what: &str| std::io::Error::other(format!("{what}, expected XML in UTF-8"));
+    if let [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [0, b'<', ..] | [b'<', 0, ..] = bytes[..] {
+        return Err(refuse("is UTF-16 text"));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        refuse(&format!("is not UTF-8 text (byte {at})"))
+    })
 }
 
 /// Reads, checks and keeps files.
@@ -195,5 +207,29 @@ pub(crate) mod memory {
             let files: Vec<PathBuf> = inside.cloned().collect();
             if files.is_empty() { Err(std::io::ErrorKind::NotFound.into()) } else { Ok(files) }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_in_another_encoding_is_refused_with_what_was_expected() {
+        assert_eq!(text(b"<a/>".to_vec()).expect("text"), "<a/>");
+        let utf16 = |order: fn(u16) -> [u8; 2], mark: &str| {
+            format!("{mark}<a/>").encode_utf16().flat_map(order).collect::<Vec<u8>>()
+        };
+        for bytes in [
+            utf16(u16::to_le_bytes, "\u{feff}"),
+            utf16(u16::to_be_bytes, "\u{feff}"),
+            utf16(u16::to_le_bytes, ""),
+            utf16(u16::to_be_bytes, ""),
+        ] {
+            let said = text(bytes).expect_err("not UTF-8").to_string();
+            assert_eq!(said, "is UTF-16 text, expected XML in UTF-8");
+        }
+        let said = text(b"<a b='\xc4'/>".to_vec()).expect_err("Latin-1").to_string();
+        assert_eq!(said, "is not UTF-8 text (byte 6), expected XML in UTF-8");
     }
 }

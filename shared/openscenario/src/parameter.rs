@@ -1,5 +1,6 @@
 //! Parameters: declarations, constraints, scopes.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use crate::error::{Place, ReadError};
@@ -176,6 +177,17 @@ impl AttributeFault<'_> {
     }
 }
 
+/// Most characters of an expression that an error shows.
+const MOST_SHOWN: usize = 200;
+
+/// The begin of a text, as far as it helps to find it.
+fn excerpt(text: &str) -> Cow<'_, str> {
+    match text.char_indices().nth(MOST_SHOWN) {
+        Some((end, _)) => format!("{}…", &text[..end]).into(),
+        None => text.into(),
+    }
+}
+
 fn resolve(
     text: &str,
     fault: &AttributeFault<'_>,
@@ -184,11 +196,12 @@ fn resolve(
     let trimmed = text.trim();
     if let Some(expression) = trimmed.strip_prefix("${") {
         let Some(expression) = expression.strip_suffix('}') else {
-            return Err(fault.error(format!("`{trimmed}` is not closed"), "`}` at the end"));
+            let shown = excerpt(trimmed);
+            return Err(fault.error(format!("`{shown}` is not closed"), "`}` at the end"));
         };
         return evaluate(expression, parameter).map_err(|wrong| match wrong {
             Fault::Expression(reason, expected) => {
-                fault.error(format!("in `{trimmed}`: {reason}"), expected)
+                fault.error(format!("in `{}`: {}", excerpt(trimmed), excerpt(&reason)), expected)
             }
             Fault::Parameter(error) => error,
         });
@@ -408,6 +421,13 @@ mod tests {
 
     fn refusal(declarations: &str, assigned: &[(&str, &str)]) -> String {
         scope(declarations, assigned).expect_err("it is wrong").to_string()
+    }
+
+    #[test]
+    fn an_error_shows_the_begin_of_a_long_expression() {
+        assert_eq!(excerpt("${1 + 2}"), "${1 + 2}");
+        let long = excerpt(&"(".repeat(100_000)).into_owned();
+        assert!(long.ends_with('…') && long.chars().count() == MOST_SHOWN + 1, "{long}");
     }
 
     #[test]

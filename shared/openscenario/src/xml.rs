@@ -117,6 +117,11 @@ fn element(tag: &BytesStart<'_>, line: usize) -> Result<Element, String> {
         let value = attribute
             .normalized_value(XmlVersion::Implicit1_0)
             .map_err(|error| format!("not XML: {error}"))?;
+        // Of the characters below the space XML knows three.
+        if let Some(c) = value.chars().find(|c| *c < ' ' && !matches!(c, '\t' | '\n' | '\r')) {
+            let code = u32::from(c);
+            return Err(format!("not XML: an attribute holds the control character U+{code:04X}"));
+        }
         attributes.push((attribute.key.local_name().as_ref().to_owned(), value.into_owned()));
     }
     let name = tag.local_name().as_ref().to_owned();
@@ -170,6 +175,8 @@ mod tests {
         assert!(refusal("").contains("no element"));
         assert!(refusal("<!DOCTYPE a>\n<A/>").contains("document type"));
         assert!(refusal("<A b=\"1\" b=\"2\"/>").contains("not XML"));
+        assert!(refusal("<A b=\"\0\"/>").contains("U+0000"));
+        assert!(refusal("<A b=\"&#27;[2J\"/>").contains("U+001B"));
         assert!(refusal(&"<A>".repeat(70)).contains("nested more than 64 deep"));
     }
 }
