@@ -57,7 +57,11 @@ impl ScenarioError {
     ) -> Self {
         let start = floor_char_boundary(text, span.start);
         let end = floor_char_boundary(text, span.end.max(start));
-        let line_start = text[..start].rfind('\n').map_or(0, |at| at + 1);
+        // A byte order mark is no character of the first line.
+        let first = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
+        let start = start.max(first);
+        let end = end.max(start);
+        let line_start = text[..start].rfind('\n').map_or(first, |at| at + 1);
         let line_end = text[start..].find('\n').map_or(text.len(), |at| start + at);
         let place = Place::Text {
             source: source.to_owned(),
@@ -150,9 +154,17 @@ fn excerpt(text: &str, column: usize, mark: usize) -> (String, usize, usize) {
     (shown, column - skipped, mark.min(CONTEXT))
 }
 
-/// Replaces control characters, so that a hostile file cannot write to the terminal.
+/// Most characters of a name or a message: lists of what was expected are shorter.
+const LONGEST: usize = 1000;
+
+/// Replaces control characters, so that a hostile file cannot write to the terminal, and what is longer than
+/// helps.
 fn printable(text: &str) -> String {
-    text.chars().map(|c| visible(c, '\u{fffd}')).collect()
+    let shown = |text: &str| text.chars().map(|c| visible(c, '\u{fffd}')).collect::<String>();
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => shown(&text[..end]) + "…",
+        None => shown(text),
+    }
 }
 
 fn visible(c: char, tab: char) -> char {
@@ -195,6 +207,14 @@ mod tests {
     }
 
     #[test]
+    fn a_byte_order_mark_is_no_column() {
+        let error = ScenarioError::at("x", "\u{feff}a = 9", 7..8, "bad");
+        assert_eq!(error.line_and_column(), Some((1, 5)));
+        assert!(error.to_string().ends_with("1 | a = 9\n  |     ^"), "{error}");
+        let _ = ScenarioError::at("x", "\u{feff}", 0..1, "bad").to_string();
+    }
+
+    #[test]
     fn a_position_past_the_end_or_inside_a_character_is_survived() {
         for (start, end) in [(3, 4), (4, 2), (99, 120)] {
             let _ = ScenarioError::at("x", "grün", start..end, "bad").to_string();
@@ -206,6 +226,13 @@ mod tests {
     fn control_characters_do_not_reach_the_terminal() {
         let error = ScenarioError::at("a\u{1b}[2J", "x = \u{1b}]", 4..5, "bad\u{7} thing");
         assert!(!error.to_string().contains(['\u{1b}', '\u{7}']));
+    }
+
+    #[test]
+    fn a_long_key_is_cut_in_the_message_too() {
+        let message = format!("unknown key `{}`", "a".repeat(1_000_000));
+        let shown = ScenarioError::at("x", "a = 1", 0..1, &message).to_string();
+        assert!(shown.len() < 1_500 && shown.contains("aaa…"), "{} bytes", shown.len());
     }
 
     #[test]
