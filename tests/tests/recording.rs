@@ -183,6 +183,27 @@ fn readable_and_recoverable(corner: &Corner) {
 }
 
 #[test]
+fn results_may_have_any_name_and_are_recorded_and_replayed() {
+    use std::os::unix::ffi::OsStrExt;
+    let corner = Corner::new(PROGRAM);
+    for name in [&b"-x"[..], b"a b\nc", b"\xff"] {
+        let directory = std::ffi::OsStr::from_bytes(name);
+        let mut out = std::ffi::OsString::from("--out=");
+        out.push(directory);
+        let run = ["run", "cacc-a", "--mode", "lockstep", "--duration", "1"];
+        let ran = corner.command(&run).arg(out).output().expect("it starts");
+        assert!(ran.status.success(), "{}", text(&ran));
+        assert!(corner.path().join(directory).join("recording.mcap").exists(), "{}", text(&ran));
+        for command in [&["replay"][..], &["info"], &["trace"], &["export", "--csv"], &["recover"]]
+        {
+            let mut asked = corner.command(&[command, &["--json", "--"]].concat());
+            let asked = asked.arg(directory).output().expect("it starts");
+            assert!(asked.status.success(), "{command:?}: {}", text(&asked));
+        }
+    }
+}
+
+#[test]
 fn a_full_disk_ends_the_recording_and_not_the_run() {
     let corner = Corner::new(PROGRAM);
     std::fs::create_dir(corner.path().join("out")).expect("writable");

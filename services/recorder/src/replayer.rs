@@ -7,6 +7,7 @@ use crate::takes::{INPUTS, Take, inputs};
 use messages::{Diagnostics, Map, Odometry, Origin, Powertrain, Preview, RadarTracks, Spat, Topic};
 use runtime::{Group, Played, Player, RuntimeError, Tap, Tapped, log_warnings};
 use serde::{Deserialize, Serialize};
+use std::ffi::OsString;
 use std::io;
 use std::path::Path;
 use std::process::ExitCode;
@@ -38,9 +39,10 @@ pub enum FromReplayer {
 /// Becomes the replayer of a run. `arguments` are the run's root, the recording, which restart of the
 /// controller to serve and for how many cycles.
 #[must_use]
-pub fn replay(arguments: &[String]) -> ExitCode {
+pub fn replay(arguments: &[OsString]) -> ExitCode {
     let [root, file, numbers @ ..] = arguments else { return refuse() };
-    let numbers: Vec<u64> = numbers.iter().map_while(|number| number.parse().ok()).collect();
+    let numbers: Vec<u64> =
+        numbers.iter().map_while(|number| number.to_str()?.parse().ok()).collect();
     let [incarnation, cycles] = numbers[..] else { return refuse() };
     let Ok(incarnation) = u32::try_from(incarnation) else { return refuse() };
     log_warnings();

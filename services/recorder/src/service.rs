@@ -12,6 +12,7 @@ use crate::sequencer::{Placed, Sequencer};
 use crate::{Metadata, Recording, Tally, TopicTally, Writer};
 use runtime::{Group, Mode, RuntimeError, Tap, log_warnings, monotonic_ns};
 use scenario::{Scenario, ScenarioError};
+use std::ffi::OsString;
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -33,7 +34,7 @@ const FLUSH_PERIOD: Duration = Duration::from_secs(1);
 
 /// Becomes the recorder of a run. `arguments` are the run's root and the file to write.
 #[must_use]
-pub fn run(arguments: &[String]) -> ExitCode {
+pub fn run(arguments: &[OsString]) -> ExitCode {
     let [root, file] = arguments else {
         eprintln!("the recorder is a service of timegap: start it with `timegap run`");
         return ExitCode::from(2);

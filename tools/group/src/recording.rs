@@ -9,7 +9,7 @@ use recorder::{FigureName, FromRecorder, LawNames, Recording, Start, ToRecorder}
 use runtime::Program;
 use runtime::scheduling::Granted;
 use scenario::Scenario;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -21,6 +21,7 @@ const PATIENCE: Duration = Duration::from_secs(10);
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct RecordingSummary {
     /// The file.
+    #[serde(serialize_with = "as_text")]
     pub path: PathBuf,
     /// Messages in it.
     pub messages: u64,
@@ -30,6 +31,11 @@ pub struct RecordingSummary {
     pub bytes: u64,
     /// Why it ends before the run's end, if it does.
     pub failed: Option<String>,
+}
+
+/// A path in JSON, which holds text alone: what is none of a name of bytes is replaced.
+fn as_text<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(&path.to_string_lossy())
 }
 
 /// What the numbers of the scenario's law mean.

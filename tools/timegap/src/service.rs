@@ -4,6 +4,7 @@ use clap::Args;
 use group::{Error, Failure};
 use messages::Service;
 use runtime::run_service;
+use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -12,8 +13,9 @@ use std::process::ExitCode;
 pub struct ServiceArguments {
     /// Which one
     pub name: String,
-    /// The service's own arguments
-    pub arguments: Vec<String>,
+    /// The service's own arguments: paths begin and consist of what they like
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    pub arguments: Vec<OsString>,
 }
 
 /// A process that is no service, without its arguments.
@@ -25,6 +27,9 @@ pub enum MissingArguments {
     /// Of a process of the benchmark.
     #[error("a process of `timegap bench` needs its root and job")]
     Bench,
+    /// Text is expected.
+    #[error("`{0}` is not UTF-8 text")]
+    NotText(String),
     /// Of the hog.
     #[error("the hog needs the root of a run, what and how much")]
     Hog,
@@ -34,32 +39,37 @@ impl Failure for MissingArguments {}
 
 /// Becomes one of the group's processes.
 pub fn run(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
-    if arguments.name == "janitor" {
-        return match arguments.arguments.as_slice() {
-            [root] => Ok(group::run_janitor(Path::new(root))),
-            _ => Err(MissingArguments::Janitor.into()),
-        };
-    }
-    if arguments.name == "bench" {
-        return match arguments.arguments.as_slice() {
-            [root, job] => bench::run_peer(Path::new(root), job),
-            _ => Err(MissingArguments::Bench.into()),
-        };
-    }
-    if arguments.name == "hog" {
-        return match arguments.arguments.as_slice() {
-            [_, what, number] if number.parse::<usize>().is_ok() => {
-                Ok(group::run_hog(what, number.parse().expect("checked")))
-            }
-            _ => Err(MissingArguments::Hog.into()),
-        };
-    }
     if arguments.name == "recorder" {
         return Ok(recorder::run(&arguments.arguments));
     }
     if arguments.name == "replayer" {
         return Ok(recorder::replay(&arguments.arguments));
     }
+    let texts = arguments.arguments.iter().map(|argument| {
+        let text = || argument.to_string_lossy().into_owned();
+        argument.to_str().map(str::to_owned).ok_or_else(|| MissingArguments::NotText(text()))
+    });
+    let texts = texts.collect::<Result<Vec<_>, _>>()?;
+    if arguments.name == "janitor" {
+        return match texts.as_slice() {
+            [root] => Ok(group::run_janitor(Path::new(root))),
+            _ => Err(MissingArguments::Janitor.into()),
+        };
+    }
+    if arguments.name == "bench" {
+        return match texts.as_slice() {
+            [root, job] => bench::run_peer(Path::new(root), job),
+            _ => Err(MissingArguments::Bench.into()),
+        };
+    }
+    if arguments.name == "hog" {
+        return match texts.as_slice() {
+            [_, what, number] if number.parse::<usize>().is_ok() => {
+                Ok(group::run_hog(what, number.parse().expect("checked")))
+            }
+            _ => Err(MissingArguments::Hog.into()),
+        };
+    }
     let service: Service = arguments.name.parse()?;
-    Ok(run_service(service, &arguments.arguments, group::entry(service)))
+    Ok(run_service(service, &texts, group::entry(service)))
 }

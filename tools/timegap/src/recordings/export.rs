@@ -79,8 +79,10 @@ pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
     let tables = files.concat();
     let files: Vec<_> = tables.iter().chain(&captured).collect();
     if arguments.json {
-        let files: Vec<_> =
-            files.iter().map(|(path, rows)| json!({"path": path, "rows": rows})).collect();
+        let files: Vec<_> = files
+            .iter()
+            .map(|(path, rows)| json!({"path": path.to_string_lossy(), "rows": rows}))
+            .collect();
         let result = json!({"schema_version": 1, "files": files});
         print::out(&(serde_json::to_string_pretty(&result).expect("plain data") + "\n"))?;
     } else {

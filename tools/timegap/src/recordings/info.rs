@@ -63,7 +63,7 @@ fn as_json(recording: &Recording, survey: &Survey) -> Value {
         .collect();
     json!({
         "schema_version": 1,
-        "path": recording.path(),
+        "path": recording.path().to_string_lossy(),
         "bytes": recording.file_bytes(),
         "ended": recording.tally().is_some(),
         "damage": survey.damage.iter().map(ToString::to_string).collect::<Vec<_>>(),

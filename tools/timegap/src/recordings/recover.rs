@@ -60,7 +60,7 @@ pub fn run(arguments: &RecoverArguments) -> Result<ExitCode, Error> {
     if arguments.json {
         let result = json!({
             "schema_version": 1,
-            "path": path,
+            "path": path.to_string_lossy(),
             "recovered": !whole,
             "messages": tally.messages(),
             "lost_between": tally.lost(),

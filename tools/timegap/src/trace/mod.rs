@@ -44,7 +44,7 @@ pub struct TraceArguments {
 #[derive(Debug, Serialize)]
 struct Written {
     schema_version: u32,
-    file: PathBuf,
+    file: String,
     bytes: usize,
     cycles: usize,
     chains: usize,
@@ -76,7 +76,7 @@ pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Error> {
         print::out(&format!(
             "{}: {} cycles, {} chains, {} deadlines missed, {} incidents, {:.2} MiB\n\
              open it at https://ui.perfetto.dev (it stays on this machine)\n",
-            written.file.display(),
+            written.file,
             written.cycles,
             written.chains,
             written.deadline_misses,
@@ -104,7 +104,7 @@ fn write(
     file.write_all(&start)?;
     let mut written = Written {
         schema_version: 1,
-        file: path.to_owned(),
+        file: path.to_string_lossy().into_owned(),
         bytes: start.len(),
         cycles: 0,
         chains: 0,
