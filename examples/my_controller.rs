@@ -15,7 +15,6 @@ impl Law for TwoSeconds {
         });
         output.set_request(free.min(follow).clamp(-4.0, 2.0));
     }
-
     fn request_bounds_mps2(&self) -> (f64, f64) {
         (-4.0, 2.0)
     }
@@ -32,6 +31,7 @@ static LAW: Descriptor = Descriptor {
     formulation: |_| &ONE,
     gap: GapPolicy::Internal,
     target: TargetSource::Tracked,
+    without_signals: None,
     build: |_| Ok(Box::new(TwoSeconds)),
 };
 

@@ -29,6 +29,8 @@ pub struct Descriptor {
     pub gap: GapPolicy,
     /// What it is told of the target.
     pub target: TargetSource,
+    /// The law that gives the same commands, to the byte, where a scenario has no signals.
+    pub without_signals: Option<&'static Descriptor>,
     /// Builds the law of a scenario, or names the key that it refuses.
     pub build: fn(&Scenario) -> Result<Box<dyn Law>, Problem>,
 }

@@ -11,10 +11,12 @@ mod leftovers;
 mod sample;
 mod scratch;
 mod usage;
+mod workers;
 
 pub use sample::{OtherBytes, ProcessesSample, Repetition, choose};
 pub use scratch::Scratch;
 pub use usage::Growth;
+pub use workers::share;
 
 use group::in_process::Ahead;
 use group::{
@@ -29,8 +31,7 @@ use scenario::Scenario;
 use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{SyncSender, sync_channel};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use usage::Sample;
 
@@ -163,46 +164,29 @@ pub fn run_made(
     bar: &ProgressBar,
     each: &mut Each<'_>,
 ) -> Result<ProcessesSample, Error> {
-    let interrupt = Interrupt::watch()?;
-    let stop = AtomicBool::new(false);
-    let next = AtomicUsize::new(0);
+    let work = |index, going_on: &dyn Fn() -> bool| match (source.make)(index) {
+        Ok(job) => {
+            let result = drive_and_repeat(&job, group, repeated.contains(&index), going_on);
+            (Some(job), result)
+        }
+        Err(error) => (None, Err(error)),
+    };
     let mut sample = ProcessesSample::default();
-    let mut end = Ok(());
-    std::thread::scope(|scope| {
-        // Bounded: drives are large, and their receiver may be slower than the workers.
-        let (sender, results) = sync_channel(at_once);
-        for _ in 0..at_once.min(source.runs) {
-            let sender = sender.clone();
-            let going_on = || !stop.load(Ordering::Relaxed) && !interrupt.came();
-            let plan = Plan { source, group, repeated, next: &next };
-            scope.spawn(move || work(&plan, &going_on, &sender));
+    let mut take = |index, (job, result): (Option<Job>, Result<Done, Error>)| {
+        if let Ok(done) = &result {
+            sample.count(index, done.repetition.as_ref());
         }
-        drop(sender);
-        for (index, job, result) in results {
-            if let Ok(done) = &result {
-                sample.count(index, done.repetition.as_ref());
+        match (job, result) {
+            // A failure of this run alone is its result.
+            (Some(job), result @ (Ok(_) | Err(Error::NotReady { .. } | Error::Runtime(_)))) => {
+                each(index, &job, result)
             }
-            let taken = match (job, result) {
-                // A failure of this run alone is its result.
-                (Some(job), result @ (Ok(_) | Err(Error::NotReady { .. } | Error::Runtime(_)))) => {
-                    each(index, &job, result)
-                }
-                (_, Err(error)) => Err(error),
-                (None, Ok(_)) => unreachable!("only a run that was made has an end"),
-            };
-            match taken {
-                Ok(()) => bar.inc(1),
-                Err(error) => {
-                    stop.store(true, Ordering::Relaxed);
-                    end = std::mem::replace(&mut end, Ok(())).and(Err(error));
-                }
-            }
+            (_, Err(error)) => Err(error),
+            (None, Ok(_)) => unreachable!("only a run that was made has an end"),
         }
-    });
-    if interrupt.came() {
-        return Err(Error::Interrupted);
-    }
-    end.map(|()| sample)
+    };
+    share(source.runs, at_once, bar, &work, &mut take)?;
+    Ok(sample)
 }
 
 /// What a run needs of the machine cannot be had.
@@ -317,40 +301,6 @@ pub fn lockstep_behind(
     let begun = Instant::now();
     let outcome = group::in_process::run_behind(scenario, sealing, ahead, &|| !going_on(), watch)?;
     done(scenario, Mode::Lockstep, outcome, begun, Vec::new())
-}
-
-/// What the workers do.
-struct Plan<'a> {
-    source: &'a Source<'a>,
-    group: &'a GroupOptions,
-    /// Runs to be repeated in a process group.
-    repeated: &'a BTreeSet<usize>,
-    /// The next job.
-    next: &'a AtomicUsize,
-}
-
-fn work(
-    plan: &Plan<'_>,
-    going_on: &dyn Fn() -> bool,
-    results: &SyncSender<(usize, Option<Job>, Result<Done, Error>)>,
-) {
-    while going_on() {
-        let index = plan.next.fetch_add(1, Ordering::Relaxed);
-        if index >= plan.source.runs {
-            return;
-        }
-        let repeat = plan.repeated.contains(&index);
-        let ended = match (plan.source.make)(index) {
-            Ok(job) => {
-                let result = drive_and_repeat(&job, plan.group, repeat, going_on);
-                (index, Some(job), result)
-            }
-            Err(error) => (index, None, Err(error)),
-        };
-        if results.send(ended).is_err() {
-            return;
-        }
-    }
 }
 
 fn drive_and_repeat(

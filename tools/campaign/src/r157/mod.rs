@@ -3,6 +3,7 @@
 pub mod judge;
 pub mod matrix;
 mod page;
+mod plan;
 mod print;
 mod results;
 pub mod scene;
@@ -12,21 +13,16 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, ValueEnum};
-use controller::laws;
+use clap::Args;
 use group::{Error, Failure, GroupOptions};
 use matrix::{Case, Matrix};
-use regulation::{Outcome, Verdict, table};
+use plan::{Kept, Plan, first_scenario};
+use regulation::table;
 use report::output::{OutputDirectory, OutputOptions};
 use results::{Judged, MatrixResult, Results};
 use runtime::Mode;
-use scenario::Scenario;
-use scene::Driver;
-use settled::Settled;
 
-use serde::{Deserialize, Serialize};
-
-use crate::batch::{self, Job, ProcessesSample, Source};
+use crate::batch::{self, ProcessesSample, Repetition};
 use crate::parts::{Merged, Part, PartOptions, Study, name_incomplete};
 
 /// Arguments of `r157`.
@@ -76,80 +72,6 @@ pub fn run(arguments: &R157Arguments) -> Result<ExitCode, Error> {
     if arguments.parts.merge.is_empty() { drive(arguments) } else { merge(arguments) }
 }
 
-/// What is driven: every case of every matrix by every driver, in this order.
-struct Plan {
-    settled: Settled,
-    drivers: Vec<Driver>,
-    matrices: Vec<(Matrix, Vec<Case>)>,
-}
-
-impl Plan {
-    fn of(arguments: &R157Arguments) -> Result<Self, Error> {
-        let drivers = drivers(arguments)?;
-        let mut matrices = arguments.matrix.clone();
-        if matrices.is_empty() {
-            matrices = Matrix::value_variants().to_vec();
-        }
-        matrices.sort_unstable();
-        matrices.dedup();
-        let matrices = matrices.into_iter().map(|matrix| (matrix, cases(matrix, arguments)));
-        let settled = Settled::new(arguments.seed.into());
-        Ok(Self { settled, drivers, matrices: matrices.collect() })
-    }
-
-    fn runs(&self) -> usize {
-        self.matrices.iter().map(|(_, cases)| cases.len() * self.drivers.len()).sum()
-    }
-
-    fn scenario(&self, run: usize) -> Result<Scenario, Error> {
-        let mut before = 0;
-        for (_, cases) in &self.matrices {
-            let place = run - before;
-            if place < cases.len() * self.drivers.len() {
-                let (driver, case) = (place / cases.len(), place % cases.len());
-                return scene::scenario(&cases[case], &self.drivers[driver], &self.settled);
-            }
-            before += cases.len() * self.drivers.len();
-        }
-        unreachable!("the runs are numbered up to their count")
-    }
-
-    /// The models' verdicts and those of all runs; none if one is missing.
-    fn judged(&self, kept: Vec<Option<Kept>>) -> Option<Vec<Judged>> {
-        let mut verdicts = kept.into_iter();
-        let mut all = Vec::new();
-        for (matrix, cases) in &self.matrices {
-            let mut judged = Judged::new(*matrix, cases.clone());
-            for driver in &self.drivers {
-                let of_driver = verdicts.by_ref().take(cases.len());
-                let of_driver =
-                    of_driver.map(|kept| kept.map(Kept::verdict)).collect::<Option<_>>();
-                judged.laws.push((driver.clone(), of_driver?));
-            }
-            all.push(judged);
-        }
-        Some(all)
-    }
-}
-
-/// A verdict in the journal of a part.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Kept {
-    outcome: u8,
-    impact_mps: f64,
-}
-
-impl Kept {
-    fn of(verdict: Verdict) -> Self {
-        Self { outcome: verdict.outcome.digit(), impact_mps: verdict.impact_speed_mps }
-    }
-
-    fn verdict(self) -> Verdict {
-        let outcome = Outcome::from_digit(self.outcome).unwrap_or(Outcome::None);
-        Verdict { outcome, impact_speed_mps: self.impact_mps }
-    }
-}
-
 /// Does the runs that are left of this part.
 fn drive(arguments: &R157Arguments) -> Result<ExitCode, Error> {
     let plan = Plan::of(arguments)?;
@@ -164,15 +86,17 @@ fn drive(arguments: &R157Arguments) -> Result<ExitCode, Error> {
     bar.set_position((part.runs() - left.len()) as u64);
     let repeated = part.repeated(&left, plan.settled.seed());
     let at_once = batch::at_once(None, Mode::Lockstep);
-    let make = |index: usize| plan.scenario(left[index]).map(Job::lockstep);
-    let source = Source { runs: left.len(), make: &make };
-    let mut each = |index: usize, _: &Job, result: Result<batch::Done, Error>| {
-        let done = result?;
-        batch::whole(&done.summary)?;
-        let kept = Kept::of(judge::verdict(&done.drive));
-        part.keep(left[index], kept, done.repetition.as_ref())
+    let mut sample = ProcessesSample::default();
+    let work = |index: usize, going_on: &dyn Fn() -> bool| {
+        plan.drive(left[index], repeated.contains(&index), &arguments.group, going_on)
     };
-    let end = batch::run_made(&repeated, &source, at_once, &arguments.group, &bar, &mut each);
+    let mut each = |index: usize, driven: Result<(Kept, Option<Repetition>), Error>| {
+        let (kept, repetition) = driven?;
+        sample.count(left[index], repetition.as_ref());
+        part.keep(left[index], kept, repetition.as_ref())
+    };
+    let end = batch::share(left.len(), at_once, &bar, &work, &mut each);
+    let end = end.map(|()| sample);
     part.finish(end, left.len(), &bar, &output)?;
     let (shard, done) = (part.shard(), part.runs());
     let (kept, sample) = part.into_results();
@@ -201,13 +125,6 @@ fn merge(arguments: &R157Arguments) -> Result<ExitCode, Error> {
     conclude(arguments, &plan, merged.results, merged.sample, &output)
 }
 
-/// A scenario that tells one version of the models and laws from another.
-fn first_scenario(arguments: &R157Arguments) -> Result<Scenario, Error> {
-    let law = laws::ALL[0].name.to_owned();
-    let driver = Driver { law, aebs: false };
-    scene::scenario(&Matrix::Following.cases()[0], &driver, &Settled::new(arguments.seed.into()))
-}
-
 /// Judges, writes and prints.
 fn conclude(
     arguments: &R157Arguments,
@@ -216,7 +133,7 @@ fn conclude(
     processes_sample: ProcessesSample,
     output: &OutputDirectory,
 ) -> Result<ExitCode, Error> {
-    let judged = plan.judged(kept).expect("every run has its verdict");
+    let judged = plan.judged(&kept).expect("every run has its verdict");
     let matrices: Vec<MatrixResult> = judged.iter().map(Judged::result).collect();
     let ok = matrices.iter().all(MatrixResult::holds);
     let results = Results { schema_version: 1, ok, matrices, processes_sample };
@@ -232,35 +149,6 @@ fn conclude(
     }
     written?;
     Ok(if ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
-}
-
-/// Each law alone and with the emergency brake; nothing for the models alone.
-fn drivers(arguments: &R157Arguments) -> Result<Vec<Driver>, Error> {
-    if arguments.models_only {
-        return Ok(Vec::new());
-    }
-    let laws = batch::laws::own_named(&arguments.controllers)?;
-    let (cases, settled) = (Matrix::CutIn.cases(), Settled::new(1));
-    let mut drivers = Vec::new();
-    for law in laws {
-        let alone = Driver { law, aebs: false };
-        let scenario = scene::scenario(&cases[0], &alone, &settled)?;
-        let with_brake = Driver { aebs: true, ..alone.clone() };
-        drivers.push(alone);
-        // The emergency brake reads the radar's detections.
-        if scenario.perception.gives_detections() {
-            drivers.push(with_brake);
-        }
-    }
-    Ok(drivers)
-}
-
-fn cases(matrix: Matrix, arguments: &R157Arguments) -> Vec<Case> {
-    let cases = matrix.cases();
-    match arguments.sample {
-        Some(count) => matrix::sample(cases, count.get(), u64::from(arguments.seed)),
-        None => cases,
-    }
 }
 
 /// A table of cut-ins is to be written, and no matrix has any.

@@ -24,6 +24,7 @@ pub static ACC_MPC: Descriptor = Descriptor {
     formulation,
     gap: GapPolicy::Scenario(desired_gap),
     target: TargetSource::Tracked,
+    without_signals: None,
     build: |scenario| of(scenario, Signals::Ignored),
 };
 
@@ -37,6 +38,7 @@ pub static CACC_MPC: Descriptor = Descriptor {
     formulation,
     gap: GapPolicy::Scenario(desired_gap),
     target: TargetSource::Tracked,
+    without_signals: Some(&ACC_MPC),
     build: |scenario| of(scenario, Signals::Used),
 };
 

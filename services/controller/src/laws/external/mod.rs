@@ -56,6 +56,7 @@ pub static EXTERNAL: Descriptor = Descriptor {
     formulation: |_| &FORMULATION,
     gap: GapPolicy::Internal,
     target: TargetSource::Tracked,
+    without_signals: None,
     build: |scenario| Ok(Box::new(build(scenario)?)),
 };
 

@@ -108,6 +108,7 @@ pub static QUADRATIC_BOUNDED: Descriptor = Descriptor {
     formulation: |_| &formulation::FORMULATION,
     gap: GapPolicy::Figure("gap_error_m"),
     target: TargetSource::Tracked,
+    without_signals: None,
     build,
 };
 

@@ -87,6 +87,7 @@ pub static SIX_MODE: Descriptor = Descriptor {
     formulation: |_| &law::FORMULATION,
     gap: GapPolicy::Internal,
     target: TargetSource::Tracked,
+    without_signals: None,
     build: |scenario| {
         let parameters = read(&scenario.controller, TABLE.name)?;
         let law = SixMode::new(parameters);

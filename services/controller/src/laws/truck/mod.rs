@@ -75,6 +75,7 @@ pub static PREDICTIVE: Descriptor = Descriptor {
     formulation: |_| &formulation::FORMULATION,
     gap: GapPolicy::Internal,
     target: TargetSource::Measured,
+    without_signals: None,
     build,
 };
 

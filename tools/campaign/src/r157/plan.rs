@@ -1,0 +1,345 @@
+//! What is driven, and what need not be: runs that would be the same to the byte are driven once.
+//!
+//! * The emergency brake reaches nothing but the plant, and the plant only while it brakes or holds. A run in which it
+//!   never did is the run without it.
+//! * Where a scenario has no signals, a law may be another one
+//!   ([`without_signals`](controller::law::Descriptor::without_signals)).
+//!
+//! A run of the study is therefore a case driven by a law, with and without the brake, for all laws that are the same
+//! there. Those that are chosen to be repeated in process groups are driven by every driver on its own, and a verdict
+//! that is not the shared one is a difference like other bytes.
+
+use std::collections::BTreeSet;
+
+use clap::ValueEnum;
+use controller::laws;
+use group::{Error, GroupOptions};
+use regulation::{Outcome, Verdict};
+use scenario::Scenario;
+use serde::{Deserialize, Serialize};
+
+use super::R157Arguments;
+use super::judge;
+use super::matrix::{self, Case, Matrix};
+use super::results::Judged;
+use super::scene::{self, Driver};
+use super::settled::Settled;
+use crate::batch::laws::{LawsError, own_named};
+use crate::batch::{self, Done, Repetition};
+
+/// Laws whose runs are the same.
+struct Laws {
+    /// Their names; the first is driven.
+    names: Vec<String>,
+    /// Whether there are detections for an emergency brake.
+    with_brake: bool,
+}
+
+/// Every case of every matrix by every law, in this order.
+pub struct Plan {
+    /// The gaps of cases with a lead.
+    pub settled: Settled,
+    /// The matrices with their cases.
+    pub matrices: Vec<(Matrix, Vec<Case>)>,
+    /// In the order of the tables.
+    drivers: Vec<Driver>,
+    laws: Vec<Laws>,
+}
+
+/// A verdict in the journal of a part.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct End {
+    outcome: u8,
+    impact_mps: f64,
+}
+
+/// How a case ended with a law.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Kept {
+    alone: End,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    with_brake: Option<End>,
+}
+
+impl Plan {
+    /// The study that the arguments ask for.
+    ///
+    /// # Errors
+    /// [`Error::Scenario`] for an unknown law.
+    pub fn of(arguments: &R157Arguments) -> Result<Self, Error> {
+        let settled = Settled::new(arguments.seed.into());
+        let names = names(arguments)?;
+        let laws = laws_of(&names, &settled)?;
+        let mut matrices = arguments.matrix.clone();
+        if matrices.is_empty() {
+            matrices = Matrix::value_variants().to_vec();
+        }
+        matrices.sort_unstable();
+        matrices.dedup();
+        let matrices = matrices.into_iter().map(|matrix| (matrix, cases(matrix, arguments)));
+        Ok(Self { settled, matrices: matrices.collect(), drivers: drivers_of(names, &laws), laws })
+    }
+
+    /// Number of runs.
+    pub fn runs(&self) -> usize {
+        self.matrices.iter().map(|(_, cases)| cases.len() * self.laws.len()).sum()
+    }
+
+    fn place(&self, run: usize) -> (&Laws, &Case) {
+        let mut before = 0;
+        for (_, cases) in &self.matrices {
+            let place = run - before;
+            if place < cases.len() * self.laws.len() {
+                return (&self.laws[place / cases.len()], &cases[place % cases.len()]);
+            }
+            before += cases.len() * self.laws.len();
+        }
+        unreachable!("the runs are numbered up to their count")
+    }
+
+    /// Drives run number `run`: as often as it takes, or `repeat`ing it with every driver and in process groups.
+    ///
+    /// # Errors
+    /// As [`batch::lockstep`]; [`batch::Aborted`].
+    pub fn drive(
+        &self,
+        run: usize,
+        repeat: bool,
+        group: &GroupOptions,
+        going_on: &dyn Fn() -> bool,
+    ) -> Result<(Kept, Option<Repetition>), Error> {
+        let (laws, case) = self.place(run);
+        let drive = |law: &str, aebs: bool, repeat: bool| -> Result<Done, Error> {
+            let driver = Driver { law: law.to_owned(), aebs };
+            let scenario = scene::scenario(case, &driver, &self.settled)?;
+            let done = batch::lockstep(&scenario, group, repeat, going_on)?;
+            batch::whole(&done.summary)?;
+            Ok(done)
+        };
+        let kept = shared(laws.with_brake, &|aebs| drive(&laws.names[0], aebs, false))?;
+        if !(repeat && batch::in_one_thread(group)) {
+            return Ok((kept, None));
+        }
+        let distinct: BTreeSet<&String> = laws.names.iter().collect();
+        let with_brake: &[bool] = if laws.with_brake { &[false, true] } else { &[false] };
+        let mut repetition = Repetition::Same;
+        for law in distinct {
+            for &aebs in with_brake {
+                let done = drive(law, aebs, true)?;
+                let found = match done.repetition {
+                    Some(different @ Repetition::Different(_)) => different,
+                    _ if kept.end(aebs) != Some(End::of(&done)) => {
+                        let brake = if aebs { "with" } else { "without" };
+                        let what = format!("{law} {brake} emergency brake ends differently alone");
+                        Repetition::Different(what)
+                    }
+                    _ => continue,
+                };
+                if repetition == Repetition::Same {
+                    repetition = found;
+                }
+            }
+        }
+        Ok((kept, Some(repetition)))
+    }
+
+    /// The models' verdicts and those of all drivers; none if a run is missing.
+    pub fn judged(&self, kept: &[Option<Kept>]) -> Option<Vec<Judged>> {
+        let mut first = 0;
+        let mut all = Vec::new();
+        for (matrix, cases) in &self.matrices {
+            let mut judged = Judged::new(*matrix, cases.clone());
+            for driver in &self.drivers {
+                let laws = self.laws.iter().position(|laws| laws.names.contains(&driver.law))?;
+                let begin = first + laws * cases.len();
+                let of_laws = kept[begin..begin + cases.len()].iter();
+                let verdicts = of_laws.map(|kept| kept.as_ref()?.end(driver.aebs));
+                let verdicts = verdicts.map(|end| end.map(End::verdict));
+                judged.laws.push((driver.clone(), verdicts.collect::<Option<_>>()?));
+            }
+            first += cases.len() * self.laws.len();
+            all.push(judged);
+        }
+        Some(all)
+    }
+}
+
+/// A scenario that tells one version of the models and laws from another.
+///
+/// # Errors
+/// As [`scene::scenario`].
+pub fn first_scenario(arguments: &R157Arguments) -> Result<Scenario, Error> {
+    let law = laws::ALL[0].name.to_owned();
+    let driver = Driver { law, aebs: false };
+    scene::scenario(&Matrix::Following.cases()[0], &driver, &Settled::new(arguments.seed.into()))
+}
+
+/// The ends with and without the emergency brake, of one run if it never braked.
+fn shared(with_brake: bool, drive: &dyn Fn(bool) -> Result<Done, Error>) -> Result<Kept, Error> {
+    let braked = with_brake.then(|| drive(true)).transpose()?;
+    let alone = match &braked {
+        Some(done) if done.summary.aebs.interventions == Some(0) => End::of(done),
+        _ => End::of(&drive(false)?),
+    };
+    Ok(Kept { alone, with_brake: braked.as_ref().map(End::of) })
+}
+
+impl End {
+    fn of(done: &Done) -> Self {
+        let verdict = judge::verdict(&done.drive);
+        Self { outcome: verdict.outcome.digit(), impact_mps: verdict.impact_speed_mps }
+    }
+
+    fn verdict(self) -> Verdict {
+        let outcome = Outcome::from_digit(self.outcome).unwrap_or(Outcome::None);
+        Verdict { outcome, impact_speed_mps: self.impact_mps }
+    }
+}
+
+impl Kept {
+    fn end(&self, aebs: bool) -> Option<End> {
+        if aebs { self.with_brake } else { Some(self.alone) }
+    }
+}
+
+fn cases(matrix: Matrix, arguments: &R157Arguments) -> Vec<Case> {
+    let cases = matrix.cases();
+    match arguments.sample {
+        Some(count) => matrix::sample(cases, count.get(), u64::from(arguments.seed)),
+        None => cases,
+    }
+}
+
+/// The laws as they are named; none for the models alone.
+fn names(arguments: &R157Arguments) -> Result<Vec<String>, LawsError> {
+    if arguments.models_only { Ok(Vec::new()) } else { own_named(&arguments.controllers) }
+}
+
+/// Puts laws together that are the same without signals.
+fn laws_of(names: &[String], settled: &Settled) -> Result<Vec<Laws>, Error> {
+    let case = Matrix::CutIn.cases()[0];
+    let mut all: Vec<(&str, Laws)> = Vec::new();
+    for name in names {
+        let driver = Driver { law: name.clone(), aebs: false };
+        let scenario = scene::scenario(&case, &driver, settled)?;
+        let descriptor = laws::of(&scenario).expect("the scenario was checked");
+        let same_as = descriptor.without_signals.unwrap_or(descriptor).name;
+        match all.iter_mut().find(|(name, _)| *name == same_as) {
+            Some((_, laws)) => laws.names.push(name.clone()),
+            None => {
+                // The emergency brake reads the radar's detections.
+                let with_brake = scenario.perception.gives_detections();
+                all.push((same_as, Laws { names: vec![name.clone()], with_brake }));
+            }
+        }
+    }
+    Ok(all.into_iter().map(|(_, laws)| laws).collect())
+}
+
+/// Each law alone and with the emergency brake.
+fn drivers_of(names: Vec<String>, laws: &[Laws]) -> Vec<Driver> {
+    let with_brake =
+        |name: &String| laws.iter().any(|laws| laws.with_brake && laws.names.contains(name));
+    let drivers = names.into_iter().flat_map(|law| {
+        let brake = with_brake(&law).then(|| Driver { law: law.clone(), aebs: true });
+        [Some(Driver { law, aebs: false }), brake]
+    });
+    drivers.flatten().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+    use std::num::NonZeroUsize;
+
+    use clap::{Args, Command, FromArgMatches};
+    use group::in_process::run_watched;
+    use messages::Service;
+    use runtime::report::Details;
+
+    fn arguments(words: &[&str]) -> R157Arguments {
+        let command = R157Arguments::augment_args(Command::new("r157"));
+        let matches = command.get_matches_from([&["r157"], words].concat());
+        R157Arguments::from_arg_matches(&matches).expect("they are arguments")
+    }
+
+    /// The digests of what was sent but for what tells of the brake, and the times that the brake acted.
+    fn drive(case: &Case, law: &str, aebs: bool) -> (BTreeMap<String, String>, u64) {
+        let driver = Driver { law: law.into(), aebs };
+        let scenario = scene::scenario(case, &driver, &Settled::new(1)).expect("a law");
+        let group = run_watched(&scenario, &|| false, &mut |_| {}).expect("it runs");
+        let Details::Plant(plant) = &group.reports[&Service::Plant].details else {
+            panic!("the plant tells of itself")
+        };
+        let reports = group.reports.iter().filter(|(service, _)| **service != Service::Aebs);
+        let sent = reports.flat_map(|(_, report)| &report.sent);
+        let sent = sent.filter(|sent| sent.topic != "health/heartbeat");
+        let digests = sent.map(|sent| (sent.topic.clone(), sent.digest.clone().expect("sealed")));
+        (digests.collect(), plant.aebs.as_ref().map_or(0, |brake| brake.interventions))
+    }
+
+    #[test]
+    fn a_run_in_which_the_brake_never_acted_is_the_run_without_it() {
+        let (mut silent, mut acted) = (0, 0);
+        for matrix in Matrix::value_variants() {
+            for case in matrix::sample(matrix.cases(), 8, 3) {
+                let (with_brake, interventions) = drive(&case, "six-mode", true);
+                let (alone, _) = drive(&case, "six-mode", false);
+                if interventions == 0 {
+                    assert_eq!(with_brake, alone, "{case:?}");
+                    silent += 1;
+                } else {
+                    assert_ne!(with_brake, alone, "{case:?}");
+                    acted += 1;
+                }
+            }
+        }
+        assert!(silent > 0 && acted > 0, "{silent} and {acted}");
+    }
+
+    #[test]
+    fn laws_that_are_the_same_without_signals_send_the_same_bytes() {
+        for law in laws::own() {
+            let Some(same) = law.without_signals else { continue };
+            for matrix in Matrix::value_variants() {
+                for case in matrix::sample(matrix.cases(), 2, 5) {
+                    let (one, other) =
+                        (drive(&case, law.name, true), drive(&case, same.name, true));
+                    assert_eq!(one, other, "{} {case:?}", law.name);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_driver_has_the_verdict_of_a_run_of_its_own() {
+        let sample = NonZeroUsize::new(2);
+        let controllers = ["--controllers", "six-mode,cacc-mpc,acc-mpc"];
+        let plan = Plan::of(&R157Arguments { sample, ..arguments(&controllers) }).expect("laws");
+        assert_eq!(plan.laws.len(), 2, "cacc-mpc and acc-mpc are one");
+        assert_eq!((plan.drivers.len(), plan.runs()), (6, 12));
+        let group = arguments(&[]).group;
+        let drive = |run| plan.drive(run, false, &group, &|| true).expect("it runs").0;
+        let kept: Vec<_> = (0..plan.runs()).map(|run| Some(drive(run))).collect();
+        for judged in plan.judged(&kept).expect("none is missing") {
+            let drivers: Vec<_> =
+                judged.laws.iter().map(|(d, _)| (d.law.as_str(), d.aebs)).collect();
+            let laws = ["six-mode", "cacc-mpc", "acc-mpc"];
+            let expected: Vec<_> =
+                laws.iter().flat_map(|&law| [(law, false), (law, true)]).collect();
+            assert_eq!(drivers, expected);
+            for (driver, verdicts) in &judged.laws {
+                for (case, verdict) in judged.cases.iter().zip(verdicts) {
+                    let scenario = scene::scenario(case, driver, &plan.settled).expect("a law");
+                    let done = batch::lockstep(&scenario, &group, false, &|| true);
+                    let own = judge::verdict(&done.expect("it runs").drive);
+                    assert_eq!(*verdict, own, "{driver:?} {case:?}");
+                }
+            }
+        }
+        let mut missing = kept;
+        missing[7] = None;
+        assert!(plan.judged(&missing).is_none());
+    }
+}
