@@ -97,7 +97,7 @@ impl Neg for Lanes {
 /// What a sweep carries for each state: the linear part of the cost-to-go alone, or `Ψ`'s row and, in the last lane,
 /// that.
 pub(super) trait Row:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
+    Copy + Default + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
 {
     /// Whether `Ψ` is in it.
     const HAS_TERMINAL: bool;

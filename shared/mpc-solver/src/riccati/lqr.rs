@@ -28,11 +28,14 @@
 //! The sweep cannot fail: `r > 0` and the models are convex, so that `δ ≥ r > 0` in exact arithmetic. Numbers
 //! beyond the range of `f64` show in the trajectory, which its callers check.
 
+mod blocks;
+
 use multiversion::multiversion;
 
 use super::lanes::{Lanes, Row, WIDTH};
 use super::matrix::{Factors, Symmetric, product};
 use crate::problem::{Problem, Terminal};
+pub(super) use blocks::{BlockModel, BlockModels};
 
 /// The constant part of a problem, unpacked for the recursion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,16 +63,8 @@ pub(super) enum InputModel {
     Held(f64, f64),
 }
 
-/// The models that turn the problem into a linear-quadratic one. Its unknowns may be the trajectory
-/// itself or a change of one: then there is no disturbance.
+/// The models that turn the problem into a linear-quadratic one.
 pub(super) trait StageModels {
-    /// Whether the disturbances count.
-    const WITH_DISTURBANCE: bool;
-
-    /// Is told that stage `k` is next, `N` first and then downwards, before its models are asked for.
-    #[inline(always)]
-    fn enter(&mut self, _k: usize) {}
-
     /// Model of `u_k`.
     fn input(&self, k: usize) -> InputModel;
 
@@ -270,12 +265,12 @@ impl LinearQuadratic {
     pub(super) fn factor<M: StageModels>(
         &self,
         problem: &Problem,
-        models: &mut M,
+        models: &M,
         sweep: &mut Sweep,
         last: usize,
     ) -> CostToGo {
         let terminal = matches!(problem.terminal, Terminal::Equality(_));
-        match (self.is_last_only, M::WITH_DISTURBANCE && self.has_disturbance, terminal) {
+        match (self.is_last_only, self.has_disturbance, terminal) {
             (true, false, false) => {
                 backward::<true, false, f64, M>(self, problem, models, sweep, last)
             }
@@ -298,7 +293,7 @@ impl LinearQuadratic {
 fn backward<const LAST: bool, const DISTURBED: bool, R: Row, M: StageModels>(
     lq: &LinearQuadratic,
     problem: &Problem,
-    models: &mut M,
+    models: &M,
     sweep: &mut Sweep,
     last: usize,
 ) -> CostToGo {
@@ -309,7 +304,6 @@ fn backward<const LAST: bool, const DISTURBED: bool, R: Row, M: StageModels>(
     let (mut p, start) = if top < n {
         (sweep.hessians[from], sweep.costs[from])
     } else {
-        models.enter(n);
         let mut p = lq.p;
         let gradient = models.state(n, &mut p);
         let [g0, g1, g2] = gradient;
@@ -321,13 +315,12 @@ fn backward<const LAST: bool, const DISTURBED: bool, R: Row, M: StageModels>(
     let [a00, a01, a02, a11, a12, a22] = lq.a.map(R::splat);
     let last_squared = lq.b[2] * lq.b[2];
     for k in (0..top).rev() {
-        models.enter(k);
         let pb = if LAST {
             [lq.b[2] * p[2], lq.b[2] * p[4], lq.b[2] * p[5]]
         } else {
             product(&p, &lq.b)
         };
-        if DISTURBED && M::WITH_DISTURBANCE {
+        if DISTURBED {
             let [l0, l1, l2] = linear;
             let [d0, d1, d2] = d[k];
             if R::HAS_TERMINAL {

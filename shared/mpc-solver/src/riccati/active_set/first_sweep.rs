@@ -28,7 +28,7 @@ impl FirstSweep {
         &mut self,
         problem: &Problem,
         lq: &LinearQuadratic,
-        models: &mut M,
+        models: &M,
         last: usize,
         sweep: &mut Sweep,
     ) -> CostToGo {
@@ -39,7 +39,7 @@ impl FirstSweep {
         let is_fixed = matches!(problem.terminal, Terminal::Equality(_));
         let made_from = Some((*lq, n, is_fixed));
         if self.made_from != made_from {
-            self.cost_to_go = lq.factor(problem, &mut Unconstrained(problem), &mut self.sweep, n);
+            self.cost_to_go = lq.factor(problem, &Unconstrained(problem), &mut self.sweep, n);
             self.made_from = made_from;
         }
         sweep.copy_from(&self.sweep, n);
@@ -51,8 +51,6 @@ impl FirstSweep {
 struct Unconstrained<'a>(&'a Problem);
 
 impl StageModels for Unconstrained<'_> {
-    const WITH_DISTURBANCE: bool = true;
-
     #[inline(always)]
     fn input(&self, k: usize) -> InputModel {
         InputModel::Free(0.0, self.0.r_lin[k])

@@ -213,7 +213,7 @@ impl ActiveSet {
         last_changed: usize,
         point: &mut Point,
     ) -> bool {
-        let mut models = Models {
+        let models = Models {
             problem,
             sides: &self.guess.sides,
             tangents: &self.guess.light,
@@ -222,9 +222,9 @@ impl ActiveSet {
         };
         let cost_to_go = if is_first {
             let last = models.last_modelled(problem.horizon);
-            self.first_sweep.fill(problem, lq, &mut models, last, &mut self.sweep)
+            self.first_sweep.fill(problem, lq, &models, last, &mut self.sweep)
         } else {
-            lq.factor(problem, &mut models, &mut self.sweep, last_changed)
+            lq.factor(problem, &models, &mut self.sweep, last_changed)
         };
         let sides = &self.guess.sides;
         self.response.compute(problem, lq, &self.sweep, sides, self.rows.members());
@@ -348,8 +348,6 @@ impl Models<'_> {
 }
 
 impl StageModels for Models<'_> {
-    const WITH_DISTURBANCE: bool = true;
-
     #[inline(always)]
     fn input(&self, k: usize) -> InputModel {
         let gradient = self.problem.r_lin[k];

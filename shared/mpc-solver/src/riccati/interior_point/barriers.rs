@@ -7,12 +7,14 @@
 use super::input::InputBarrier;
 use super::light::LightBarrier;
 use super::pairs::{Lengths, Limits, Prediction};
+use super::path::PathBlock;
 use super::row::RowBarrier;
 use crate::kkt::Multipliers;
 use crate::limits::MAX_ROWS;
 use crate::problem::Problem;
-use crate::riccati::lanes::{Lanes, WIDTH};
+use crate::riccati::lanes::Lanes;
 use crate::riccati::light_curve::LightCurve;
+use crate::riccati::lqr::BlockModel;
 use crate::riccati::working_set::WorkingSet;
 
 /// Distance of the first inputs from their bounds, part of the range.
@@ -62,32 +64,24 @@ impl Barriers {
         self.input.pairs() + rows + self.light.pairs()
     }
 
-    /// Models the pairs of block `j` for the predictor; returns the sum of the products.
+    /// Adds the pairs of block `j` to its model for the predictor; returns the sum of the products.
     #[inline(always)]
-    pub(super) fn linearize(&mut self, j: usize, states: &[[f64; 3]]) -> Lanes {
-        let mut gap = self.input.linearize(j);
-        let x = states_of(states, j);
+    pub(super) fn linearize(&mut self, j: usize, x: &[Lanes; 3], model: &mut BlockModel) -> Lanes {
+        let mut gap = self.input.linearize(j, model);
         for row in &mut self.rows[..self.count] {
-            gap = gap + row.linearize(j, &x);
+            gap = gap + row.linearize(j, x, model);
         }
-        gap + self.light.linearize(j, &x)
+        gap + self.light.linearize(j, x, model)
     }
 
     /// What the predictor's changes of the trajectory mean for the pairs of block `j`.
     #[inline(always)]
-    pub(super) fn predict(
-        &mut self,
-        j: usize,
-        inputs: &[f64],
-        states: &[[f64; 3]],
-        prediction: &mut Prediction,
-    ) {
-        self.input.predict(j, inputs_of(inputs, j), prediction);
-        let dx = states_of(states, j);
+    pub(super) fn predict(&mut self, j: usize, change: &PathBlock, prediction: &mut Prediction) {
+        self.input.predict(j, change.u, prediction);
         for row in &mut self.rows[..self.count] {
-            row.predict(j, &dx, prediction);
+            row.predict(j, &change.x, prediction);
         }
-        self.light.predict(j, &dx, prediction);
+        self.light.predict(j, &change.x, prediction);
     }
 
     /// Sets the corrector's targets of block `j`: towards products of `tau`, and away from what the predictor has
@@ -105,38 +99,22 @@ impl Barriers {
 
     /// What the step's changes of the trajectory mean for the pairs of block `j`, and how far they let it go.
     #[inline(always)]
-    pub(super) fn correct(
-        &mut self,
-        j: usize,
-        inputs: &[f64],
-        states: &[[f64; 3]],
-        limits: &mut Limits,
-    ) {
-        self.input.correct(j, inputs_of(inputs, j), limits);
-        let dx = states_of(states, j);
+    pub(super) fn correct(&mut self, j: usize, change: &PathBlock, limits: &mut Limits) {
+        self.input.correct(j, change.u, limits);
         for row in &mut self.rows[..self.count] {
-            row.correct(j, &dx, limits);
+            row.correct(j, &change.x, limits);
         }
-        self.light.correct(j, &dx, limits);
+        self.light.correct(j, &change.x, limits);
     }
 
     /// Takes the step in block `j`.
     #[inline(always)]
-    pub(super) fn advance(&mut self, j: usize, inputs: &[f64], lengths: Lengths) {
-        self.input.advance(j, inputs_of(inputs, j), lengths);
+    pub(super) fn advance(&mut self, j: usize, du: Lanes, lengths: Lengths) {
+        self.input.advance(j, du, lengths);
         for row in &mut self.rows[..self.count] {
             row.advance(j, lengths);
         }
         self.light.advance(j, lengths);
-    }
-
-    /// Calls back with `g`, curvature and slope of each modelled function of `g'x_k`.
-    #[inline(always)]
-    pub(super) fn each_state_function(&self, k: usize, mut add: impl FnMut(&[f64; 3], f64, f64)) {
-        for row in &self.rows[..self.count] {
-            row.at(k, &mut add);
-        }
-        self.light.at(k, add);
     }
 
     /// Writes the guess of the active set that the last step suggests.
@@ -165,19 +143,4 @@ impl Barriers {
         }
         self.light.read(&mut multipliers.light);
     }
-}
-
-/// The inputs of block `j`.
-#[inline(always)]
-fn inputs_of(inputs: &[f64], j: usize) -> Lanes {
-    let block = inputs[WIDTH * j..].first_chunk().expect("there is room for whole blocks");
-    Lanes(*block)
-}
-
-/// The states of block `j`, component by component.
-#[inline(always)]
-fn states_of(states: &[[f64; 3]], j: usize) -> [Lanes; 3] {
-    let block: &[[f64; 3]; WIDTH] =
-        states[WIDTH * j..].first_chunk().expect("there is room for whole blocks");
-    std::array::from_fn(|i| Lanes(block.map(|x| x[i])))
 }

@@ -2,6 +2,7 @@
 
 use super::pairs::{Lengths, Limits, Pairs, Prediction, place};
 use crate::riccati::lanes::{Lanes, WIDTH};
+use crate::riccati::lqr::BlockModel;
 use crate::riccati::working_set::Side;
 
 /// The inputs of a block of stages with their pairs `(u − u_min, λ_l)` and `(u_max − u, λ_u)`.
@@ -10,8 +11,6 @@ struct Block {
     u: Lanes,
     lower: Pairs,
     upper: Pairs,
-    /// `W_k`.
-    curvature: Lanes,
 }
 
 /// The inputs. What the last block has beyond the horizon is an input that nothing depends on.
@@ -54,24 +53,22 @@ impl InputBarrier {
         self.blocks[j].u.0[lane]
     }
 
-    /// `W_k`.
+    /// The inputs of a block.
     #[inline(always)]
-    pub(super) fn curvature(&self, k: usize) -> f64 {
-        let (j, lane) = place(k);
-        self.blocks[j].curvature.0[lane]
+    pub(super) fn values(&self, j: usize) -> Lanes {
+        self.blocks[..self.count].get(j).map_or(Lanes::default(), |block| block.u)
     }
 
     /// Models the pairs of a block for the predictor; returns the sum of the products.
     ///
     /// With `t = 0` the multipliers' new values leave nothing but `W du`: there is no slope.
     #[inline(always)]
-    pub(super) fn linearize(&mut self, j: usize) -> Lanes {
-        let Some(Block { lower, upper, curvature, .. }) = self.blocks[..self.count].get_mut(j)
-        else {
+    pub(super) fn linearize(&mut self, j: usize, model: &mut BlockModel) -> Lanes {
+        let Some(Block { lower, upper, .. }) = self.blocks[..self.count].get_mut(j) else {
             return Lanes::default();
         };
         let gap = lower.invert() + upper.invert();
-        *curvature = lower.multiplier * lower.per_slack + upper.multiplier * upper.per_slack;
+        model.curvature = lower.multiplier * lower.per_slack + upper.multiplier * upper.per_slack;
         gap
     }
 

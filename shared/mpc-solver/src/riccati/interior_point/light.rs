@@ -4,6 +4,7 @@ use super::pairs::{Lengths, Limits, ONE, PROXIMAL, Pairs, Prediction, add_slope,
 use crate::problem::{LightCost, LightStage, Softness, dot};
 use crate::riccati::lanes::{Lanes, WIDTH};
 use crate::riccati::light_curve::{LightCurve, LightTangent};
+use crate::riccati::lqr::BlockModel;
 
 /// The light at a block of stages: variable `p`; pairs `(s, α)`, with a finite threshold `(d_th − p, β)`, and, if soft,
 /// `(σ, λ − α)`.
@@ -120,7 +121,7 @@ impl LightBarrier {
 
     /// Models the pairs of a block for the predictor; returns the sum of the products.
     #[inline(always)]
-    pub(super) fn linearize(&mut self, j: usize, x: &[Lanes; 3]) -> Lanes {
+    pub(super) fn linearize(&mut self, j: usize, x: &[Lanes; 3], model: &mut BlockModel) -> Lanes {
         let (cost, is_capped, is_soft) = (Lanes::all(self.cost), self.is_capped, self.is_soft);
         let Some(block) = self.blocks[..self.count].get_mut(j) else { return Lanes::default() };
         let mut gap = block.below.invert();
@@ -148,6 +149,8 @@ impl LightBarrier {
         block.curvature = w;
         block.offset = offset;
         block.slope = alpha + w * offset;
+        // Beyond the light's stages `c` is zero.
+        model.add(&block.gradient, w, -block.slope);
         gap
     }
 
@@ -229,17 +232,6 @@ impl LightBarrier {
             block.violation.advance(lengths);
         }
         block.p = block.p + Lanes::all(lengths.primal) * block.dp;
-    }
-
-    /// Calls back with `c`, curvature and slope if stage `k` is lit.
-    #[inline(always)]
-    pub(super) fn at(&self, k: usize, mut add: impl FnMut(&[f64; 3], f64, f64)) {
-        if k > 0 && k <= self.len {
-            let (j, lane) = place(k);
-            let block = &self.blocks[j];
-            let gradient = block.gradient.map(|lanes| lanes.0[lane]);
-            add(&gradient, block.curvature.0[lane], -block.slope.0[lane]);
-        }
     }
 
     /// The part of the light's graph that stage `k` goes to.

@@ -36,19 +36,22 @@
 mod barriers;
 mod input;
 mod light;
+mod model;
 mod pairs;
+mod path;
 mod row;
 
 use multiversion::multiversion;
 
 use super::lanes::{Lanes, WIDTH};
-use super::lqr::{CostToGo, InputModel, LinearQuadratic, StageModels, Sweep};
-use super::matrix::{Symmetric, add_rank_one, add_slope};
+use super::lqr::{BlockModel, BlockModels, CostToGo, LinearQuadratic, Sweep};
 use super::working_set::WorkingSet;
 use crate::kkt::Multipliers;
-use crate::problem::{Problem, Terminal, dot, quadratic};
+use crate::problem::{Problem, Terminal, quadratic};
 use barriers::Barriers;
-use pairs::{Lengths, Limits, Prediction};
+use model::Cost;
+use pairs::{Lengths, Limits, Prediction, place};
+use path::{PathBlock, path, state};
 
 /// Least first slack of rows and light, m or m/s.
 const START_SLACK: f64 = 3.0;
@@ -78,26 +81,6 @@ impl Step {
     }
 }
 
-/// A trajectory or its change, with room for whole blocks of stages; zero beyond the horizon.
-#[derive(Clone, Debug)]
-struct Path {
-    inputs: Vec<f64>,
-    states: Vec<[f64; 3]>,
-}
-
-impl Path {
-    fn new(max_horizon: usize) -> Self {
-        let room = WIDTH * (max_horizon / WIDTH + 1);
-        Self { inputs: vec![0.0; room], states: vec![[0.0; 3]; room + 1] }
-    }
-
-    /// Forgets what an earlier problem has left beyond the horizon.
-    fn clear(&mut self) {
-        self.inputs.fill(0.0);
-        self.states.fill([0.0; 3]);
-    }
-}
-
 /// The iterate and work memory.
 #[derive(Clone, Debug)]
 pub(super) struct InteriorPoint {
@@ -108,26 +91,27 @@ pub(super) struct InteriorPoint {
     /// What is left of the first iterate's linear residuals, as a part of them: the product of what the steps' shorter
     /// lengths have left.
     residual: f64,
-    /// The states that the inputs of the barriers lead to.
-    states: Vec<[f64; 3]>,
-    predictor: Path,
+    cost: Cost,
+    /// The inputs of the barriers, and the states that they lead to.
+    iterate: Vec<PathBlock>,
+    predictor: Vec<PathBlock>,
     /// Predictor and corrector together.
-    step: Path,
+    step: Vec<PathBlock>,
     /// Constant part of the corrector's change of the inputs.
     constants: Vec<f64>,
 }
 
 impl InteriorPoint {
     pub(super) fn new(max_horizon: usize) -> Self {
-        let Path { states, .. } = Path::new(max_horizon);
         Self {
             barriers: Barriers::new(max_horizon),
             sweep: Sweep::new(max_horizon),
             terminal: [0.0; 3],
             residual: 1.0,
-            states,
-            predictor: Path::new(max_horizon),
-            step: Path::new(max_horizon),
+            cost: Cost::new(max_horizon),
+            iterate: path(max_horizon),
+            predictor: path(max_horizon),
+            step: path(max_horizon),
             constants: vec![0.0; WIDTH * (max_horizon / WIDTH + 1)],
         }
     }
@@ -148,13 +132,20 @@ impl InteriorPoint {
         // In this order NaN becomes `most`.
         let mu = distance * distance * (START_PRODUCT * 0.5 * cost).min(most).max(least);
         self.barriers.start(problem, inputs, states, distance * START_SLACK, mu);
-        self.predictor.clear();
-        self.step.clear();
-        self.states.fill([0.0; 3]);
-        for (k, u) in self.step.inputs[..n].iter_mut().enumerate() {
-            *u = self.barriers.input.value(k);
+        self.cost.start(problem);
+        // What an earlier problem has left beyond the horizon is forgotten.
+        for path in [&mut self.iterate, &mut self.predictor, &mut self.step] {
+            path.fill(PathBlock::default());
         }
-        problem.roll_out(&self.step.inputs, &mut self.states);
+        let mut x = problem.x0;
+        for k in 0..n {
+            let (j, lane) = place(k);
+            let u = self.barriers.input.value(k);
+            self.iterate[j].u.0[lane] = u;
+            self.iterate[j].set_state(lane, &x);
+            x = problem.step(k, &x, u);
+        }
+        self.iterate[n / WIDTH].set_state(n % WIDTH, &x);
         self.terminal = [0.0; 3];
         self.residual = 1.0;
     }
@@ -198,7 +189,7 @@ impl InteriorPoint {
         let fraction = (1.0 - mu.min(0.01)).max(0.5 + 0.5 * predictor).min(0.9995);
         let lengths = limits.lengths(fraction);
         let length = lengths.primal.min(lengths.dual);
-        let end = &self.step.states[problem.horizon];
+        let end = state(&self.step, problem.horizon);
         if !(length > 0.0 && (mu + end[0] + end[1] + end[2]).is_finite()) {
             return None;
         }
@@ -209,9 +200,9 @@ impl InteriorPoint {
     /// The sweep with the model at the iterate, and the sum of the products.
     #[inline(always)]
     fn factor(&mut self, problem: &Problem, lq: &LinearQuadratic) -> (CostToGo, f64) {
-        let Self { barriers, states, sweep, .. } = self;
-        let mut models = Models { problem, barriers, states, gap: Lanes::default() };
-        let cost_to_go = lq.factor(problem, &mut models, sweep, problem.horizon);
+        let Self { barriers, cost, iterate, sweep, .. } = self;
+        let mut models = Models { r: problem.r, barriers, cost, iterate, gap: Lanes::default() };
+        let cost_to_go = lq.factor_blocks(problem, &mut models, sweep);
         (cost_to_go, models.gap.sum())
     }
 
@@ -227,29 +218,29 @@ impl InteriorPoint {
         let y = match &problem.terminal {
             Terminal::Cost => [0.0; 3],
             Terminal::Equality(x_f) => {
-                cost_to_go.terminal_system_of_change(&self.states[n], x_f).multiplier()
+                let end = state(&self.iterate, n);
+                cost_to_go.terminal_system_of_change(&end, x_f).multiplier()
             }
         };
-        let Path { inputs, states } = &mut self.predictor;
+        let path = &mut self.predictor[..=n / WIDTH];
         let mut prediction = Prediction::default();
         let mut x = [0.0; 3];
         for j in 0..=n / WIDTH {
             let gains = block(&self.sweep.gains, WIDTH * j);
-            let du = block_mut(inputs, WIDTH * j);
-            let reached = block_mut(states, WIDTH * j + 1);
             for lane in 0..WIDTH.min(n - WIDTH * j) {
                 let gain = &gains[lane];
                 let offset = gain.offset(&y);
                 let u = -gain.input(offset, &x);
-                du[lane] = u;
+                path[j].u.0[lane] = u;
+                path[j].set_state(lane, &x);
                 x = lq.closed_step::<LAST>(&x, gain, offset, u);
-                reached[lane] = x;
             }
             if j > 0 {
-                self.barriers.predict(j - 1, inputs, states, &mut prediction);
+                self.barriers.predict(j - 1, &path[j - 1], &mut prediction);
             }
         }
-        self.barriers.predict(n / WIDTH, inputs, states, &mut prediction);
+        path[n / WIDTH].set_state(n % WIDTH, &x);
+        self.barriers.predict(n / WIDTH, &path[n / WIDTH], &mut prediction);
         (y, prediction)
     }
 
@@ -295,47 +286,46 @@ impl InteriorPoint {
             Terminal::Cost => [0.0; 3],
             Terminal::Equality(_) => cost_to_go.factors().solve(&t),
         };
-        let Path { inputs, states } = &mut self.step;
+        let path = &mut self.step[..=n / WIDTH];
         let mut limits = Limits::default();
         let mut x = [0.0; 3];
         for j in 0..=n / WIDTH {
             let gains = block(&self.sweep.gains, WIDTH * j);
             let constants = block(&self.constants, WIDTH * j);
-            let first_du = block(&self.predictor.inputs, WIDTH * j);
-            let first_dx = block(&self.predictor.states, WIDTH * j + 1);
-            let du = block_mut(inputs, WIDTH * j);
-            let reached = block_mut(states, WIDTH * j + 1);
             for lane in 0..WIDTH.min(n - WIDTH * j) {
                 let (gain, f) = (&gains[lane], &gains[lane].feedforward);
                 let offset = constants[lane] + (f[0] * y[0] + f[1] * y[1] + f[2] * y[2]);
                 let u = -gain.input(offset, &x);
-                du[lane] = first_du[lane] + u;
+                path[j].u.0[lane] = u;
+                path[j].set_state(lane, &x);
                 x = lq.closed_step::<LAST>(&x, gain, offset, u);
-                for i in 0..3 {
-                    reached[lane][i] = first_dx[lane][i] + x[i];
-                }
             }
             if j > 0 {
-                barriers.correct(j - 1, inputs, states, &mut limits);
+                path[j - 1].add(&self.predictor[j - 1]);
+                barriers.correct(j - 1, &path[j - 1], &mut limits);
             }
         }
-        barriers.correct(n / WIDTH, inputs, states, &mut limits);
+        let last = &mut path[n / WIDTH];
+        last.set_state(n % WIDTH, &x);
+        last.add(&self.predictor[n / WIDTH]);
+        barriers.correct(n / WIDTH, last, &mut limits);
         (y, limits)
     }
 
     /// Takes the step.
     #[inline(always)]
     fn advance(&mut self, problem: &Problem, lengths: Lengths, y: [f64; 3]) {
-        for j in 0..=problem.horizon / WIDTH {
-            self.barriers.advance(j, &self.step.inputs, lengths);
+        let primal = Lanes::all(lengths.primal);
+        let blocks = self.iterate.iter_mut().zip(&self.step[..=problem.horizon / WIDTH]);
+        for (j, (block, change)) in blocks.enumerate() {
+            self.barriers.advance(j, change.u, lengths);
+            block.u = block.u + primal * change.u;
+            for i in 0..3 {
+                block.x[i] = block.x[i] + primal * change.x[i];
+            }
         }
         for (old, new) in self.terminal.iter_mut().zip(y) {
             *old += lengths.dual * (new - *old);
-        }
-        for (x, dx) in self.states.iter_mut().zip(&self.step.states[..=problem.horizon]) {
-            for i in 0..3 {
-                x[i] += lengths.primal * dx[i];
-            }
         }
         self.residual *= 1.0 - lengths.primal.min(lengths.dual);
     }
@@ -375,58 +365,23 @@ fn iterate<const TERMINAL: bool, const LAST: bool>(
     point.iterate_with::<TERMINAL, LAST>(problem, lq)
 }
 
-/// The iterate as models of the stages. The blocks are modelled one ahead of the sweep.
+/// The iterate as models of the stages.
 struct Models<'a> {
-    problem: &'a Problem,
+    r: f64,
     barriers: &'a mut Barriers,
-    states: &'a [[f64; 3]],
+    cost: &'a Cost,
+    iterate: &'a [PathBlock],
     /// Sum of the products of the pairs so far.
     gap: Lanes,
 }
 
-impl Models<'_> {
+impl BlockModels for Models<'_> {
     #[inline(always)]
-    fn prepare(&mut self, j: usize) {
-        self.gap = self.gap + self.barriers.linearize(j, self.states);
-    }
-}
-
-impl StageModels for Models<'_> {
-    const WITH_DISTURBANCE: bool = false;
-
-    #[inline(always)]
-    fn enter(&mut self, k: usize) {
-        let (n, j) = (self.problem.horizon, k / WIDTH);
-        if k == n {
-            self.prepare(j);
-        }
-        if j > 0 && (k == n || k % WIDTH == WIDTH - 1) {
-            self.prepare(j - 1);
-        }
-    }
-
-    #[inline(always)]
-    fn input(&self, k: usize) -> InputModel {
-        let (x, u) = (&self.states[k], self.barriers.input.value(k));
-        let gradient = self.problem.r * u + dot(&self.problem.s, x) + self.problem.r_lin[k];
-        InputModel::Free(self.barriers.input.curvature(k), gradient)
-    }
-
-    #[inline(always)]
-    fn state(&self, k: usize, hessian: &mut Symmetric) -> [f64; 3] {
-        let Problem { q, s, p, .. } = self.problem;
-        let x = &self.states[k];
-        let mut gradient: [f64; 3] = if k < self.problem.horizon {
-            let (u, linear) = (self.barriers.input.value(k), &self.problem.q_lin[k]);
-            std::array::from_fn(|i| dot(&q[i], x) + (s[i] * u + linear[i]))
-        } else {
-            std::array::from_fn(|i| dot(&p[i], x) + self.problem.p_lin[i])
-        };
-        self.barriers.each_state_function(k, |g, curvature, slope| {
-            add_rank_one(hessian, g, curvature);
-            add_slope(&mut gradient, g, slope);
-        });
-        gradient
+    fn block(&mut self, j: usize) -> BlockModel {
+        let path = &self.iterate[j];
+        let mut model = self.cost.model(j, self.r, path);
+        self.gap = self.gap + self.barriers.linearize(j, &path.x, &mut model);
+        model
     }
 }
 

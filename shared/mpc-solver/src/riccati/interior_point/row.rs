@@ -3,6 +3,7 @@
 use super::pairs::{Lengths, Limits, ONE, PROXIMAL, Pairs, Prediction, add_slope, place, product};
 use crate::problem::{Row, Softness, dot};
 use crate::riccati::lanes::{Lanes, WIDTH};
+use crate::riccati::lqr::BlockModel;
 use crate::riccati::row_curve::RowTangent;
 
 /// Finite stand-in for an infinite limit.
@@ -13,6 +14,8 @@ const NO_LIMIT: f64 = 1e9;
 struct Block {
     /// `h`.
     limit: Lanes,
+    /// 1 at the row's stages, 0 beyond: there nothing depends on it.
+    is_in_force: Lanes,
     below: Pairs,
     violation: Pairs,
     /// `W`.
@@ -82,6 +85,7 @@ impl RowBarrier {
             let (j, lane) = place(k);
             let block = &mut self.blocks[j];
             block.limit.0[lane] = limit;
+            block.is_in_force.0[lane] = f64::from(u8::from(is_in_force));
             let s = room.max(least);
             block.below.set(lane, s, mu / s);
             if let Some((penalty, curvature)) = self.penalty {
@@ -106,7 +110,7 @@ impl RowBarrier {
 
     /// Models the pairs of a block for the predictor; returns the sum of the products.
     #[inline(always)]
-    pub(super) fn linearize(&mut self, j: usize, x: &[Lanes; 3]) -> Lanes {
+    pub(super) fn linearize(&mut self, j: usize, x: &[Lanes; 3], model: &mut BlockModel) -> Lanes {
         let (gradient, penalty) = (self.gradient, self.penalty);
         let Some(block) = self.block(j) else { return Lanes::default() };
         let mut gap = block.below.invert();
@@ -128,6 +132,7 @@ impl RowBarrier {
         block.curvature = w;
         block.offset = offset;
         block.slope = m - w * offset;
+        model.add(&gradient, block.is_in_force * w, block.is_in_force * block.slope);
         gap
     }
 
@@ -185,17 +190,6 @@ impl RowBarrier {
         block.below.advance(lengths);
         if is_soft {
             block.violation.advance(lengths);
-        }
-    }
-
-    /// Calls back with `g`, curvature and slope if the row is in force at stage `k`.
-    #[inline(always)]
-    pub(super) fn at(&self, k: usize, mut add: impl FnMut(&[f64; 3], f64, f64)) {
-        if k >= self.from && k < self.end {
-            let (j, lane) = place(k);
-            let block = &self.blocks[j];
-            let gradient = self.gradient.map(|lanes| lanes.0[0]);
-            add(&gradient, block.curvature.0[lane], block.slope.0[lane]);
         }
     }
 

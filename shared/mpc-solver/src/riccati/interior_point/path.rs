@@ -1,0 +1,42 @@
+//! Trajectories in blocks of stages, component by component: the sweeps fill them stage by stage, and what is done with
+//! the pairs reads them lane by lane.
+
+use super::pairs::place;
+use crate::riccati::lanes::{Lanes, WIDTH};
+
+/// Inputs and states of [`WIDTH`] stages, or their changes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PathBlock {
+    pub(super) u: Lanes,
+    pub(super) x: [Lanes; 3],
+}
+
+impl PathBlock {
+    /// Sets the state of a stage.
+    #[inline(always)]
+    pub(super) fn set_state(&mut self, lane: usize, x: &[f64; 3]) {
+        for i in 0..3 {
+            self.x[i].0[lane] = x[i];
+        }
+    }
+
+    /// Adds another trajectory's block.
+    #[inline(always)]
+    pub(super) fn add(&mut self, other: &Self) {
+        self.u = self.u + other.u;
+        for i in 0..3 {
+            self.x[i] = self.x[i] + other.x[i];
+        }
+    }
+}
+
+/// A trajectory of up to so many steps; zero beyond the horizon.
+pub(super) fn path(max_horizon: usize) -> Vec<PathBlock> {
+    vec![PathBlock::default(); max_horizon / WIDTH + 1]
+}
+
+/// `x_k`.
+pub(super) fn state(path: &[PathBlock], k: usize) -> [f64; 3] {
+    let (j, lane) = place(k);
+    path[j].x.map(|lanes| lanes.0[lane])
+}

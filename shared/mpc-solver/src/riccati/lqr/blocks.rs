@@ -1,0 +1,133 @@
+//! The backward sweep of the interior point, in blocks of stages.
+//!
+//! It is the recursion at the head of [`super`] for the change of a trajectory (no disturbance) in which every input is
+//! free. For a block the caller makes the models of its stages, lane by lane; then comes the matrix recursion alone,
+//! and then that of the vectors. `P` waits for one division per stage, and nothing else is in its way; models and
+//! vectors wait for `P` only from block to block, so that the machine works on them beside it. Together, stage by stage,
+//! they would not fit into the registers.
+
+use multiversion::multiversion;
+
+use super::{CostToGo, Gain, LinearQuadratic, Sweep};
+use crate::problem::{Problem, Terminal};
+use crate::riccati::lanes::{Lanes, Row, WIDTH};
+use crate::riccati::matrix::product;
+
+/// Hessians and gradients of [`WIDTH`] stages, cost and models of the inequalities together.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::riccati) struct BlockModel {
+    /// Of the state: entries 00, 01, 02, 11, 12, 22.
+    pub(in crate::riccati) hessian: [Lanes; 6],
+    pub(in crate::riccati) gradient: [Lanes; 3],
+    /// Of the input, without the cost's `r`.
+    pub(in crate::riccati) curvature: Lanes,
+    pub(in crate::riccati) slope: Lanes,
+}
+
+/// Where the models come from.
+pub(in crate::riccati) trait BlockModels {
+    /// The model of the stages from `WIDTH · j` on; asked for once a block, the last one first.
+    fn block(&mut self, j: usize) -> BlockModel;
+}
+
+impl LinearQuadratic {
+    /// The sweep over the whole horizon.
+    pub(in crate::riccati) fn factor_blocks<M: BlockModels>(
+        &self,
+        problem: &Problem,
+        models: &mut M,
+        sweep: &mut Sweep,
+    ) -> CostToGo {
+        let gains = &mut sweep.gains[..problem.horizon];
+        match (problem.terminal, self.is_last_only) {
+            (Terminal::Cost, true) => backward::<true, f64, M>(self, models, gains),
+            (Terminal::Equality(_), true) => backward::<true, Lanes, M>(self, models, gains),
+            (_, false) => backward::<false, Lanes, M>(self, models, gains),
+        }
+    }
+}
+
+/// What the vectors' recursion takes from a stage's model.
+#[derive(Clone, Copy, Debug, Default)]
+struct StageVectors<R> {
+    gradient: [R; 3],
+    slope: R,
+}
+
+/// See [`LinearQuadratic::factor_blocks`].
+#[multiversion(targets("x86_64+avx2"))]
+fn backward<const LAST: bool, R: Row, M: BlockModels>(
+    lq: &LinearQuadratic,
+    models: &mut M,
+    gains: &mut [Gain],
+) -> CostToGo {
+    let (last, end) = (gains.len() / WIDTH, gains.len() % WIDTH);
+    let mut ring = [BlockModel::default(); 2];
+    ring[last % 2] = models.block(last);
+    let terminal = &ring[last % 2];
+    let mut p = std::array::from_fn(|i| terminal.hessian[i].0[end]);
+    let mut linear: [R; 3] = std::array::from_fn(|i| {
+        let mut row = Lanes::default();
+        row.0[i] = 1.0;
+        row.0[3] = terminal.gradient[i].0[end];
+        R::of(row)
+    });
+    let (mut dual, mut reached) = (super::Dual::default(), Lanes::default());
+    let [a00, a01, a02, a11, a12, a22] = lq.a.map(R::splat);
+    let b = lq.b.map(R::splat);
+    let last_squared = lq.b[2] * lq.b[2];
+    let mut vectors = [StageVectors::<R>::default(); WIDTH];
+    for j in (0..=last).rev() {
+        if j > 0 {
+            ring[(j - 1) % 2] = models.block(j - 1);
+        }
+        let model = &ring[j % 2];
+        let count = if j == last { end } else { WIDTH };
+        let gains = &mut gains[WIDTH * j..WIDTH * j + count];
+        let vectors = &mut vectors[..count];
+        for (lane, (gain, stage)) in gains.iter_mut().zip(&mut *vectors).enumerate().rev() {
+            let pb = if LAST {
+                [lq.b[2] * p[2], lq.b[2] * p[4], lq.b[2] * p[5]]
+            } else {
+                product(&p, &lq.b)
+            };
+            let curvature = if LAST { last_squared * p[5] } else { lq.input_of::<LAST>(&pb) };
+            let inverse = 1.0 / ((lq.r + model.curvature.0[lane]) + curvature);
+            let fa = lq.transposed(&pb);
+            let f = [fa[0] + lq.s[0], fa[1] + lq.s[1], fa[2] + lq.s[2]];
+            let apa = lq.congruence(&p);
+            let next = |i: usize| model.hessian[i].0[lane] + apa[i];
+            p = [
+                next(0) - (f[0] * f[0]) * inverse,
+                next(1) - (f[0] * f[1]) * inverse,
+                next(2) - (f[0] * f[2]) * inverse,
+                next(3) - (f[1] * f[1]) * inverse,
+                next(4) - (f[1] * f[2]) * inverse,
+                next(5) - (f[2] * f[2]) * inverse,
+            ];
+            gain.feedback = [f[0] * inverse, f[1] * inverse, f[2] * inverse];
+            gain.inverse = inverse;
+            stage.slope = R::linear(model.slope.0[lane]);
+            stage.gradient = std::array::from_fn(|i| R::linear(model.gradient[i].0[lane]));
+        }
+        for (gain, stage) in gains.iter_mut().zip(&*vectors).rev() {
+            let [l0, l1, l2] = linear;
+            let mut beta = l2 * b[2];
+            if !LAST {
+                beta = beta + (l0 * b[0] + l1 * b[1]);
+            }
+            let pull = beta + stage.slope;
+            let feedforward = pull * R::splat(gain.inverse);
+            gain.feedforward = feedforward.lanes().0;
+            linear = [a00 * l0, a01 * l0 + a11 * l1, a02 * l0 + a12 * l1 + a22 * l2];
+            for i in 0..3 {
+                linear[i] = (linear[i] - R::splat(gain.feedback[i]) * pull) + stage.gradient[i];
+            }
+            if R::HAS_TERMINAL {
+                dual.add(beta.lanes(), feedforward.lanes());
+                reached = reached - beta.lanes() * Lanes::all(feedforward.lanes().0[3]);
+            }
+        }
+    }
+    CostToGo { linear: linear.map(R::lanes), dual, reached }
+}
