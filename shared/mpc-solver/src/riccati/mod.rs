@@ -125,7 +125,7 @@ impl Riccati {
         } else {
             WARM_ROUNDS
         };
-        self.try_active(problem, lq, From::Guess(rounds))
+        self.try_active(problem, lq, From::Previous(rounds))
     }
 
     /// Phase 2. Nothing if the attempt fails.
@@ -171,7 +171,7 @@ impl Riccati {
             if finishes < MAX_FINISHES && step.is_fast() && is_near {
                 finishes += 1;
                 self.interior.suggest(problem, &mut self.active.guess);
-                if let Some(ending) = self.try_active(problem, lq, From::Guess(FINISH_ROUNDS)) {
+                if let Some(ending) = self.try_active(problem, lq, From::Iterate(FINISH_ROUNDS)) {
                     return ending;
                 }
             }
@@ -184,7 +184,7 @@ impl Riccati {
                 if evaluations == MAX_EVALUATIONS {
                     // What is active has shown long since; only digits are missing.
                     self.interior.suggest(problem, &mut self.active.guess);
-                    let polished = self.try_active(problem, lq, From::Guess(FINISH_ROUNDS));
+                    let polished = self.try_active(problem, lq, From::Iterate(FINISH_ROUNDS));
                     return polished.unwrap_or((Status::IterationLimit, found));
                 }
             }

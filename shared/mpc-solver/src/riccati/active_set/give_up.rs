@@ -19,8 +19,13 @@
 //!    active stages is more than [`super::complementarity::MAX_WORKING_ROWS`] multipliers can hold.
 //! 5. Nothing changes but the working rows, and none of them is new: a row that the inputs cannot influence is violated.
 //!
-//! A guess that comes from elsewhere (the interior point, the previous solution) is good or it is not: it is dropped as soon as
-//! a tenth of its inputs change sides in one round when rows are in it by their tangents, else a third.
+//! A guess from the previous solution is good or it is not: it is dropped as soon as a tenth of its inputs change sides in one
+//! round when rows are in it by their tangents, else a third.
+//!
+//! A guess from an iterate of the interior point has three rounds. What a round may change, sides of inputs and parts of the
+//! rows' curves together, is what the rounds left can settle: five with two rounds left, one with one. Of 5,020
+//! attempts on 12,000 random problems 4,081 settled, 16 of them after more than five changes in the first round (of 377) and 23
+//! after more than one in the second (of 581). An attempt that fails is repeated after another iteration.
 
 /// The round from which on the inputs that may change sides are no longer fewer from round to round.
 const LAST_ROUND: u32 = 10;
@@ -54,6 +59,12 @@ impl Progress {
     /// Whether a given guess has turned out wrong.
     pub(super) fn refutes_guess(&self, has_row_tangents: bool) -> bool {
         self.changed > self.horizon / if has_row_tangents { 10 } else { 3 }
+    }
+
+    /// Whether an iterate's guess needs more rounds than the `left` ones, when rows have come to other `parts` of their
+    /// curves.
+    pub(super) fn refutes_iterate(&self, parts: usize, left: u32) -> bool {
+        self.changed + parts > if left > 1 { 5 } else { 1 }
     }
 
     /// Most stages that may violate a row.

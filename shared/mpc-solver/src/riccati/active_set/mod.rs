@@ -67,8 +67,10 @@ pub(super) enum Outcome {
 pub(super) enum From {
     /// From nothing.
     Nothing,
-    /// From the guess at hand, for so many rounds at most.
-    Guess(u32),
+    /// From the guess that an earlier solution has left, for so many rounds at most.
+    Previous(u32),
+    /// From the guess that an iterate of the interior point suggests, for so many rounds at most.
+    Iterate(u32),
 }
 
 /// Primal and dual variables that an attempt fills.
@@ -144,7 +146,7 @@ impl ActiveSet {
         let is_cold = from == From::Nothing;
         let max_rounds = match from {
             From::Nothing => MAX_ROUNDS,
-            From::Guess(rounds) => rounds,
+            From::Previous(rounds) | From::Iterate(rounds) => rounds,
         };
         if is_cold {
             self.guess.clear();
@@ -170,7 +172,7 @@ impl ActiveSet {
             let rows = if self.guess.has_row_tangents {
                 self.renew_row_tangents(problem, point)
             } else if is_cold && round == 1 && !(progress.changed == 0 && off_curve == 0.0) {
-                RowChange { is_complete: false, last_stage: 0 }
+                RowChange::by_working_set(false)
             } else {
                 let most = progress.most_violated(was_first_with_light);
                 match self.rows.update(problem, point.states, most) {
@@ -178,7 +180,7 @@ impl ActiveSet {
                     Update::Stuck if progress.changed == 0 && off_curve <= ON_CURVE => {
                         return (Outcome::GivenUp, round);
                     }
-                    update => RowChange { is_complete: update == Update::Complete, last_stage: 0 },
+                    update => RowChange::by_working_set(update == Update::Complete),
                 }
             };
             if progress.changed == 0 && off_curve <= ON_CURVE && rows.is_complete {
@@ -187,10 +189,10 @@ impl ActiveSet {
                 }
                 return (Outcome::Settled, round);
             }
-            let is_wandering = if is_cold {
-                progress.is_hopeless()
-            } else {
-                progress.refutes_guess(self.guess.has_row_tangents)
+            let is_wandering = match from {
+                From::Nothing => progress.is_hopeless(),
+                From::Previous(_) => progress.refutes_guess(self.guess.has_row_tangents),
+                From::Iterate(_) => progress.refutes_iterate(rows.parts, max_rounds - round),
             };
             if is_wandering {
                 return (Outcome::GivenUp, round);
@@ -280,7 +282,7 @@ impl ActiveSet {
 
     /// New tangents of the rows that are in the guess by them.
     fn renew_row_tangents(&mut self, problem: &Problem, point: &mut Point) -> RowChange {
-        let mut change = RowChange { is_complete: true, last_stage: 0 };
+        let mut change = RowChange::by_working_set(true);
         self.row_tangents_act = false;
         for (j, row) in problem.rows.iter().enumerate() {
             for k in row.from..=row.to {
@@ -296,6 +298,7 @@ impl ActiveSet {
                 self.row_tangents_act |= next.acts();
                 point.multipliers.rows[j][k] = mu;
                 change.is_complete &= distance <= ON_CURVE;
+                change.parts += usize::from(distance >= 1.0);
                 change.last_stage = change.last_stage.max(k);
             }
         }
@@ -323,8 +326,17 @@ impl ActiveSet {
 struct RowChange {
     /// Nothing: all rows hold with the multipliers they have.
     is_complete: bool,
+    /// Stages at which a row has come to another part of its curve.
+    parts: usize,
     /// The last stage with a new tangent.
     last_stage: usize,
+}
+
+impl RowChange {
+    /// No tangent is new.
+    fn by_working_set(is_complete: bool) -> Self {
+        Self { is_complete, parts: 0, last_stage: 0 }
+    }
 }
 
 /// The guess as models of the stages.

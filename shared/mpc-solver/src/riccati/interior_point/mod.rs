@@ -171,7 +171,7 @@ impl InteriorPoint {
         let mu = gap / self.barriers.pairs() as f64;
 
         // Predictor: towards products of zero.
-        let (y, prediction) = self.predict::<LAST>(problem, lq, &cost_to_go);
+        let (y, prediction) = self.predict::<TERMINAL, LAST>(problem, lq, &cost_to_go);
         let Lengths { primal, dual } = prediction.limits.lengths(1.0);
         let predictor = (primal * dual).sqrt();
         let moved = prediction.moved.sum() / gap;
@@ -208,7 +208,7 @@ impl InteriorPoint {
 
     /// The predictor's change of the trajectory; returns its `y`.
     #[inline(always)]
-    fn predict<const LAST: bool>(
+    fn predict<const TERMINAL: bool, const LAST: bool>(
         &mut self,
         problem: &Problem,
         lq: &LinearQuadratic,
@@ -229,7 +229,7 @@ impl InteriorPoint {
             let gains = block(&self.sweep.gains, WIDTH * j);
             for lane in 0..WIDTH.min(n - WIDTH * j) {
                 let gain = &gains[lane];
-                let offset = gain.offset(&y);
+                let offset = if TERMINAL { gain.offset(&y) } else { gain.feedforward[3] };
                 let u = -gain.input(offset, &x);
                 path[j].u.0[lane] = u;
                 path[j].set_state(lane, &x);
@@ -294,7 +294,10 @@ impl InteriorPoint {
             let constants = block(&self.constants, WIDTH * j);
             for lane in 0..WIDTH.min(n - WIDTH * j) {
                 let (gain, f) = (&gains[lane], &gains[lane].feedforward);
-                let offset = constants[lane] + (f[0] * y[0] + f[1] * y[1] + f[2] * y[2]);
+                let mut offset = constants[lane];
+                if TERMINAL {
+                    offset += f[0] * y[0] + f[1] * y[1] + f[2] * y[2];
+                }
                 let u = -gain.input(offset, &x);
                 path[j].u.0[lane] = u;
                 path[j].set_state(lane, &x);

@@ -18,6 +18,15 @@ use crate::riccati::lanes::{Lanes, WIDTH};
 /// curvature from outgrowing the machine's precision while the slack of an active limit goes to zero.
 pub(super) const PROXIMAL: f64 = 1e-12;
 
+/// `1/a` and `1/b` with one division, which takes as long as ten products.
+///
+/// What is inverted here is far from the ends of the range of `f64`, so that the product of two is within it.
+#[inline(always)]
+pub(super) fn reciprocals(a: Lanes, b: Lanes) -> (Lanes, Lanes) {
+    let per_product = ONE / (a * b);
+    (b * per_product, a * per_product)
+}
+
 /// `1` in every lane.
 pub(super) const ONE: Lanes = Lanes::all(1.0);
 
@@ -78,15 +87,26 @@ impl Pairs {
         self.multiplier.0[lane] = multiplier;
     }
 
+    /// `sλ`.
+    #[inline(always)]
+    pub(super) fn products(&self) -> Lanes {
+        self.slack * self.multiplier
+    }
+
     /// Sets `1/s` and `1/λ`; returns the products.
     #[inline(always)]
     pub(super) fn invert(&mut self) -> Lanes {
-        let product = self.slack * self.multiplier;
+        let products = self.products();
         // One division for both.
-        let per_product = ONE / product;
+        self.set_reciprocals(ONE / products);
+        products
+    }
+
+    /// Sets `1/s` and `1/λ` from `1/(sλ)`.
+    #[inline(always)]
+    pub(super) fn set_reciprocals(&mut self, per_product: Lanes) {
         self.per_slack = self.multiplier * per_product;
         self.per_multiplier = self.slack * per_product;
-        product
     }
 
     /// Takes the predictor's `r`.
