@@ -120,6 +120,16 @@ fn solves_random_feasible_problems() {
     solve_random(1_000..11_000);
 }
 
+/// With primal and dual lengths of their own to the end, the iterates of this problem's first start go round in a circle.
+#[test]
+fn a_stalled_interior_point_goes_on_with_a_common_length() {
+    let mut solver = Riccati::new(150);
+    let problem = random::problem(&mut Draw::new(23_192));
+    let report = solver.solve(&problem, Start::Cold);
+    assert_solved(&solver, &problem, &report, "seed 23192");
+    assert!(report.interior_iterations < 60, "{report:?}");
+}
+
 #[test]
 fn same_input_same_bits_whatever_came_before() {
     let mut problem = cacc(100);

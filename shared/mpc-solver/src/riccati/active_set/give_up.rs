@@ -72,3 +72,30 @@ impl Progress {
         if is_first_with_light { 2 * self.horizon / 5 } else { self.horizon / 4 }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn progress(round: u32, changed: usize) -> Progress {
+        let (returns, has_terminal_equality) = (false, false);
+        Progress { round, horizon: 100, changed, returns, free: 60, has_terminal_equality }
+    }
+
+    #[test]
+    fn a_cold_attempt_is_given_up_above_a_line_that_falls_from_round_to_round() {
+        for (round, most) in [(3, 35), (4, 30), (9, 5), (10, 3), (14, 3)] {
+            assert!(!progress(round, most).is_hopeless(), "{round}");
+            assert!(progress(round, most + 1).is_hopeless(), "{round}");
+        }
+        assert!(!progress(2, 100).is_hopeless(), "the first two rounds may change anything");
+    }
+
+    #[test]
+    fn an_iterates_guess_may_change_what_the_rounds_left_can_settle() {
+        assert!(!progress(1, 3).refutes_iterate(2, 2));
+        assert!(progress(1, 3).refutes_iterate(3, 2));
+        assert!(!progress(2, 0).refutes_iterate(1, 1));
+        assert!(progress(2, 1).refutes_iterate(1, 1));
+    }
+}

@@ -1,6 +1,6 @@
 //! Both bounds of all inputs.
 
-use super::pairs::{Lengths, Limits, Pairs, Prediction, place, reciprocals};
+use super::pairs::{Lengths, Limits, Pairs, Prediction, place};
 use crate::riccati::lanes::{Lanes, WIDTH};
 use crate::riccati::lqr::BlockModel;
 use crate::riccati::working_set::Side;
@@ -67,11 +67,7 @@ impl InputBarrier {
         let Some(Block { lower, upper, .. }) = self.blocks[..self.count].get_mut(j) else {
             return Lanes::default();
         };
-        let (below, above) = (lower.products(), upper.products());
-        let (per_below, per_above) = reciprocals(below, above);
-        lower.set_reciprocals(per_below);
-        upper.set_reciprocals(per_above);
-        let gap = below + above;
+        let gap = lower.invert() + upper.invert();
         model.curvature = lower.multiplier * lower.per_slack + upper.multiplier * upper.per_slack;
         gap
     }

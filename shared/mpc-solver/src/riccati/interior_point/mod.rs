@@ -26,6 +26,12 @@
 //! goes to zero with the differences of the lengths, and these do near the solution, where both become 1. What
 //! [`InteriorPoint::remaining_residual`] says is therefore a guide for the next phase, not a proof.
 //!
+//! The light's `w/p² = α + β` is not linear, and steps of which `p` and `α` take different parts can go round in a circle: the one
+//! length is full where the other is short, two tiny steps follow, and after four iterations the mean product is where
+//! it was (seed 23192 of the tests' random problems). So where the mean product has not become smaller for
+//! [`MOST_STALLED`] iterations while the linear residuals are nearly gone, primal and dual go equally far from
+//! then on.
+//!
 //! Each iteration has four sweeps over the stages: backwards and forwards for the predictor, and again for the
 //! corrector. The work on the pairs is done in blocks of [`WIDTH`] stages, lane by lane, one block beside that of the sweep: ahead
 //! of a backward sweep, which needs it, and behind a forward sweep, which it needs. So neither waits for the other.
@@ -63,6 +69,12 @@ const LEAST_TARGET: f64 = 1e-14;
 /// Least part of the mean product that a step aims at.
 const LEAST_CENTRING: f64 = 1e-6;
 
+/// Iterations without a smaller mean product after which both lengths of a step are the same, and what counts as smaller.
+const MOST_STALLED: u32 = 4;
+const SMALLER: f64 = 0.9;
+/// Part of the linear residuals from which on the mean product should fall; before, it may have to rise.
+const NEARLY_FEASIBLE: f64 = 1e-3;
+
 /// What an iteration did.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
@@ -81,6 +93,31 @@ impl Step {
     }
 }
 
+/// How long the mean product has not become smaller.
+#[derive(Clone, Copy, Debug)]
+struct Stall {
+    least: f64,
+    iterations: u32,
+}
+
+impl Default for Stall {
+    fn default() -> Self {
+        Self { least: f64::INFINITY, iterations: 0 }
+    }
+}
+
+impl Stall {
+    /// Takes the mean product of one more iteration; whether it has been too many without progress. They stay too many.
+    fn has_lasted(&mut self, mu: f64) -> bool {
+        if self.iterations < MOST_STALLED {
+            let is_smaller = mu < SMALLER * self.least;
+            self.iterations = if is_smaller { 0 } else { self.iterations + 1 };
+            self.least = self.least.min(mu);
+        }
+        self.iterations >= MOST_STALLED
+    }
+}
+
 /// The iterate and work memory.
 #[derive(Clone, Debug)]
 pub(super) struct InteriorPoint {
@@ -91,6 +128,7 @@ pub(super) struct InteriorPoint {
     /// What is left of the first iterate's linear residuals, as a part of them: the product of what the steps' shorter
     /// lengths have left.
     residual: f64,
+    stall: Stall,
     cost: Cost,
     /// The inputs of the barriers, and the states that they lead to.
     iterate: Vec<PathBlock>,
@@ -108,6 +146,7 @@ impl InteriorPoint {
             sweep: Sweep::new(max_horizon),
             terminal: [0.0; 3],
             residual: 1.0,
+            stall: Stall::default(),
             cost: Cost::new(max_horizon),
             iterate: path(max_horizon),
             predictor: path(max_horizon),
@@ -148,6 +187,7 @@ impl InteriorPoint {
         self.iterate[n / WIDTH].set_state(n % WIDTH, &x);
         self.terminal = [0.0; 3];
         self.residual = 1.0;
+        self.stall = Stall::default();
     }
 
     /// One iteration; nothing if the step cannot be computed, in which case the iterate stays as it was.
@@ -187,7 +227,10 @@ impl InteriorPoint {
 
         // Step.
         let fraction = (1.0 - mu.min(0.01)).max(0.5 + 0.5 * predictor).min(0.9995);
-        let lengths = limits.lengths(fraction);
+        let mut lengths = limits.lengths(fraction);
+        if self.residual < NEARLY_FEASIBLE && self.stall.has_lasted(mu) {
+            lengths = lengths.common();
+        }
         let length = lengths.primal.min(lengths.dual);
         let end = state(&self.step, problem.horizon);
         if !(length > 0.0 && (mu + end[0] + end[1] + end[2]).is_finite()) {
@@ -397,4 +440,17 @@ fn block<T>(path: &[T], first: usize) -> &[T; WIDTH] {
 #[inline(always)]
 fn block_mut<T>(path: &mut [T], first: usize) -> &mut [T; WIDTH] {
     path[first..].first_chunk_mut().expect("there is room for whole blocks")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stall_begins_after_four_iterations_that_do_not_get_below_the_least_product_and_stays() {
+        let mut stall = Stall::default();
+        let found =
+            [8.0, 14.0, 18.0, 7.0, 13.0, 17.0, 34.0, 6.9, 1.0].map(|mu| stall.has_lasted(mu));
+        assert_eq!(found, [false, false, false, false, false, false, false, true, true]);
+    }
 }

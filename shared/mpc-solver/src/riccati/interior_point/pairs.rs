@@ -18,15 +18,6 @@ use crate::riccati::lanes::{Lanes, WIDTH};
 /// curvature from outgrowing the machine's precision while the slack of an active limit goes to zero.
 pub(super) const PROXIMAL: f64 = 1e-12;
 
-/// `1/a` and `1/b` with one division, which takes as long as ten products.
-///
-/// What is inverted here is far from the ends of the range of `f64`, so that the product of two is within it.
-#[inline(always)]
-pub(super) fn reciprocals(a: Lanes, b: Lanes) -> (Lanes, Lanes) {
-    let per_product = ONE / (a * b);
-    (b * per_product, a * per_product)
-}
-
 /// `1` in every lane.
 pub(super) const ONE: Lanes = Lanes::all(1.0);
 
@@ -49,6 +40,14 @@ pub(super) struct Pairs {
 pub(super) struct Lengths {
     pub(super) primal: f64,
     pub(super) dual: f64,
+}
+
+impl Lengths {
+    /// The shorter of the two for both.
+    pub(super) fn common(self) -> Self {
+        let length = self.primal.min(self.dual);
+        Self { primal: length, dual: length }
+    }
 }
 
 /// Reciprocals of the longest possible steps, lane by lane.
@@ -87,26 +86,15 @@ impl Pairs {
         self.multiplier.0[lane] = multiplier;
     }
 
-    /// `sλ`.
-    #[inline(always)]
-    pub(super) fn products(&self) -> Lanes {
-        self.slack * self.multiplier
-    }
-
     /// Sets `1/s` and `1/λ`; returns the products.
     #[inline(always)]
     pub(super) fn invert(&mut self) -> Lanes {
-        let products = self.products();
+        let product = self.slack * self.multiplier;
         // One division for both.
-        self.set_reciprocals(ONE / products);
-        products
-    }
-
-    /// Sets `1/s` and `1/λ` from `1/(sλ)`.
-    #[inline(always)]
-    pub(super) fn set_reciprocals(&mut self, per_product: Lanes) {
+        let per_product = ONE / product;
         self.per_slack = self.multiplier * per_product;
         self.per_multiplier = self.slack * per_product;
+        product
     }
 
     /// Takes the predictor's `r`.
@@ -177,4 +165,24 @@ pub(super) fn add_slope(v: &mut [Lanes; 3], g: &[Lanes; 3], slope: Lanes) {
 #[inline(always)]
 pub(super) fn product(g: &[Lanes; 3], x: &[Lanes; 3]) -> Lanes {
     g[0] * x[0] + g[1] * x[1] + g[2] * x[2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slack_and_multiplier_each_go_as_far_as_they_can() {
+        let mut pairs = Pairs::new(ONE, ONE);
+        pairs.invert();
+        // The slack would reach zero half of the way, the multiplier grows.
+        let mut limits = Limits::default();
+        pairs.correct(Lanes::all(-2.0), &mut limits);
+        let lengths = limits.lengths(0.5);
+        assert_eq!((lengths.primal, lengths.dual), (0.25, 1.0));
+        pairs.advance(lengths);
+        assert_eq!((pairs.slack.0[0], pairs.multiplier.0[0]), (0.5, 2.0));
+        let common = lengths.common();
+        assert_eq!((common.primal, common.dual), (0.25, 0.25));
+    }
 }

@@ -1,8 +1,6 @@
 //! One row, over its stages.
 
-use super::pairs::{
-    Lengths, Limits, ONE, PROXIMAL, Pairs, Prediction, add_slope, place, product, reciprocals,
-};
+use super::pairs::{Lengths, Limits, ONE, PROXIMAL, Pairs, Prediction, add_slope, place, product};
 use crate::problem::{Row, Softness, dot};
 use crate::riccati::lanes::{Lanes, WIDTH};
 use crate::riccati::lqr::BlockModel;
@@ -115,33 +113,22 @@ impl RowBarrier {
     pub(super) fn linearize(&mut self, j: usize, x: &[Lanes; 3], model: &mut BlockModel) -> Lanes {
         let (gradient, penalty) = (self.gradient, self.penalty);
         let Some(block) = self.block(j) else { return Lanes::default() };
-        let mut gap = block.below.products();
-        let Pairs { slack: s, multiplier: m, .. } = block.below;
+        let mut gap = block.below.invert();
+        let Pairs { slack: s, multiplier: m, per_multiplier, .. } = block.below;
         // s + (residual of the slack), to begin with.
         let mut offset = block.limit - product(&gradient, x);
-        // W = μ/(s + PROXIMAL μ), or with the stiffness ν + κσ in numerator and denominator.
-        let mut denominator = s + Lanes::all(PROXIMAL) * m;
-        let w;
+        let mut compliance = s * per_multiplier + Lanes::all(PROXIMAL);
         if let Some((weight, curvature)) = penalty {
+            gap = gap + block.violation.invert();
             let Pairs { slack: sigma, multiplier: nu, .. } = block.violation;
-            let products = block.violation.products();
-            let (per_product, per_other) = reciprocals(gap, products);
-            block.below.set_reciprocals(per_product);
-            block.violation.set_reciprocals(per_other);
-            gap = gap + products;
-            let penalty = Lanes::all(curvature) * sigma;
-            let stiffness = nu + penalty;
-            denominator = denominator * stiffness + sigma * m;
-            let (per_stiffness, per_denominator) = reciprocals(stiffness, denominator);
-            w = (m * stiffness) * per_denominator;
-            block.per_stiffness = per_stiffness;
-            block.price = Lanes::all(weight) + penalty - m;
-            offset = offset + (sigma - sigma * block.price * per_stiffness);
-        } else {
-            let (per_product, per_denominator) = reciprocals(gap, denominator);
-            block.below.set_reciprocals(per_product);
-            w = m * per_denominator;
+            let stiffness = Lanes::all(curvature) * sigma;
+            let soft = ONE / (nu + stiffness);
+            block.per_stiffness = soft;
+            block.price = Lanes::all(weight) + stiffness - m;
+            compliance = compliance + sigma * soft;
+            offset = offset + (sigma - sigma * block.price * soft);
         }
+        let w = ONE / compliance;
         block.curvature = w;
         block.offset = offset;
         block.slope = m - w * offset;
