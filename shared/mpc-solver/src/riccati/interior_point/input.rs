@@ -53,12 +53,6 @@ impl InputBarrier {
         self.blocks[j].u.0[lane]
     }
 
-    /// The inputs of a block.
-    #[inline(always)]
-    pub(super) fn values(&self, j: usize) -> Lanes {
-        self.blocks[..self.count].get(j).map_or(Lanes::default(), |block| block.u)
-    }
-
     /// Models the pairs of a block for the predictor; returns the sum of the products.
     ///
     /// With `t = 0` the multipliers' new values leave nothing but `W du`: there is no slope.
