@@ -92,6 +92,14 @@ fn driver_assistance() {
         2,
         &["there are none", "--matrix cut-in"],
     );
+    refused(&["r157", "--models-only", "--processes"], 2, &["--models-only", "--processes"]);
+    refused(&["list", "--show", "cacc-a", "--param", "A=1"], 2, &["A=1", "--show FILE.xosc"]);
+    refused(&["compare", "cacc-a", "cacc-a"], 2, &["cacc-a is there twice"]);
+    refused(
+        &["string", "cacc-a", "--vehicles", "2", "--param", "controller.name=acc-mpc,six-mode"],
+        2,
+        &["controller.name", "--controllers"],
+    );
     vehicles_wider_than_the_lane();
 }
 
