@@ -35,6 +35,8 @@
 //! Each iteration has four sweeps over the stages: backwards and forwards for the predictor, and again for the
 //! corrector. The work on the pairs is done in blocks of [`WIDTH`] stages, lane by lane, one block beside that of the sweep: ahead
 //! of a backward sweep, which needs it, and behind a forward sweep, which it needs. So neither waits for the other.
+//! Trajectories are stored in such blocks, component by component ([`path`]), and the predictor's backward sweep takes the models of
+//! a block at once ([`model`], [`super::lqr::BlockModel`]).
 //!
 //! The method itself does not end: [`InteriorPoint::iterate`] is one iteration, and [`crate::Riccati`] bounds their number. It
 //! fails when a step cannot be represented, and then leaves the iterate as it was.
@@ -211,7 +213,7 @@ impl InteriorPoint {
         let mu = gap / self.barriers.pairs() as f64;
 
         // Predictor: towards products of zero.
-        let (y, prediction) = self.predict::<TERMINAL, LAST>(problem, lq, &cost_to_go);
+        let (y, prediction) = self.predict::<LAST>(problem, lq, &cost_to_go);
         let Lengths { primal, dual } = prediction.limits.lengths(1.0);
         let predictor = (primal * dual).sqrt();
         let moved = prediction.moved.sum() / gap;
@@ -251,7 +253,7 @@ impl InteriorPoint {
 
     /// The predictor's change of the trajectory; returns its `y`.
     #[inline(always)]
-    fn predict<const TERMINAL: bool, const LAST: bool>(
+    fn predict<const LAST: bool>(
         &mut self,
         problem: &Problem,
         lq: &LinearQuadratic,
@@ -272,7 +274,7 @@ impl InteriorPoint {
             let gains = block(&self.sweep.gains, WIDTH * j);
             for lane in 0..WIDTH.min(n - WIDTH * j) {
                 let gain = &gains[lane];
-                let offset = if TERMINAL { gain.offset(&y) } else { gain.feedforward[3] };
+                let offset = gain.offset(&y);
                 let u = -gain.input(offset, &x);
                 path[j].u.0[lane] = u;
                 path[j].set_state(lane, &x);
@@ -337,10 +339,7 @@ impl InteriorPoint {
             let constants = block(&self.constants, WIDTH * j);
             for lane in 0..WIDTH.min(n - WIDTH * j) {
                 let (gain, f) = (&gains[lane], &gains[lane].feedforward);
-                let mut offset = constants[lane];
-                if TERMINAL {
-                    offset += f[0] * y[0] + f[1] * y[1] + f[2] * y[2];
-                }
+                let offset = constants[lane] + (f[0] * y[0] + f[1] * y[1] + f[2] * y[2]);
                 let u = -gain.input(offset, &x);
                 path[j].u.0[lane] = u;
                 path[j].set_state(lane, &x);
