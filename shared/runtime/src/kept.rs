@@ -12,6 +12,7 @@
 //! place is free, and takes its place by compare-and-swap: the active process and its standby open the file at
 //! the same time. Histograms have memory only where one is asked for.
 
+use super::kept_buckets::KeptBuckets;
 use super::own_file::{open_existing_own, open_own};
 use super::statistics::{BUCKETS, Latencies};
 use super::words::{PAGE_BYTES, SharedWords, WORDS};
@@ -87,7 +88,7 @@ impl Figures {
         let Some(kept) = &self.0 else { return Ok(Latencies::with_room()) };
         let words = kept.slot(0, name).and_then(|slot| kept.buckets(slot));
         let words = words.map_err(RuntimeError::setup(name.to_owned()))?;
-        Ok(Latencies::kept(Buckets { words, records: Arc::clone(&kept.records) }))
+        Ok(Latencies::kept(KeptBuckets::new(words, Arc::clone(&kept.records))))
     }
 }
 
@@ -127,27 +128,6 @@ impl Kept {
 /// Never 0, which is no name.
 fn hash(name: &str) -> u32 {
     xxh3_64(name.as_bytes()) as u32 | 1
-}
-
-/// Buckets of a histogram in shared memory.
-#[derive(Debug)]
-pub(super) struct Buckets {
-    words: SharedWords,
-    records: Arc<AtomicBool>,
-}
-
-impl Buckets {
-    /// Counts one value more.
-    pub(super) fn add(&self, bucket: usize) {
-        if self.records.load(Ordering::Relaxed) {
-            self.words.word(bucket).fetch_add(1, Ordering::Relaxed);
-        }
-    }
-
-    /// Values counted in `bucket`.
-    pub(super) fn count(&self, bucket: usize) -> u64 {
-        self.words.word(bucket).load(Ordering::Relaxed).into()
-    }
 }
 
 /// A count that goes on over all processes of a service in realtime. It wraps at 2³².

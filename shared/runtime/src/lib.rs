@@ -40,6 +40,7 @@ mod group;
 pub mod histogram_log;
 mod in_process;
 mod kept;
+mod kept_buckets;
 mod link;
 mod members;
 mod not_granted;

@@ -1,6 +1,6 @@
 //! Latency histograms and their percentiles.
 
-use crate::kept::Buckets;
+use crate::kept_buckets::KeptBuckets;
 use hdrhistogram::Histogram;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -44,7 +44,7 @@ pub struct Latencies(Counts);
 enum Counts {
     Own(OwnBuckets),
     /// In shared memory, with those of the processes before this one.
-    Kept(Buckets),
+    Kept(KeptBuckets),
 }
 
 /// Buckets in the memory of this process. Only those that were recorded in are looked at: of a run in simulated time
@@ -115,7 +115,7 @@ impl Latencies {
     }
 
     /// One whose counts outlive the process.
-    pub(crate) fn kept(buckets: Buckets) -> Self {
+    pub(crate) fn kept(buckets: KeptBuckets) -> Self {
         Self(Counts::Kept(buckets))
     }
 

@@ -1,7 +1,7 @@
 //! Why a campaign is not done.
 
-use super::file::BUILTIN;
-use crate::{plausibility, radio};
+use super::file::{BUILTIN, RADIO};
+use crate::plausibility;
 use group::Failure;
 use scenario::faults::Kind;
 use std::path::PathBuf;
@@ -16,13 +16,13 @@ pub enum CampaignError {
     )]
     NoneNamed,
     /// The runs have no numbers that their draws come from.
-    #[error("--first is for the campaign `{}` alone", radio::NAME)]
+    #[error("--first is for the campaign `{}` alone", RADIO)]
     FirstOfNone,
     /// Each run has its own seed.
     #[error(
         "--seeds is not for the campaign `{}`, whose run's number is its seed: expected --sample N from \
          --first M on",
-        radio::NAME
+        RADIO
     )]
     NoSeeds,
     /// An option of campaigns whose runs are kept.

@@ -47,6 +47,9 @@ use std::path::{Path, PathBuf};
 /// The campaign as it took effect, in its directory.
 pub const FILE: &str = "campaign.toml";
 
+/// Name of the campaign of radio frames, which has no file.
+pub const RADIO: &str = "radio";
+
 /// Longest description that is taken from a variation file, characters.
 const MAX_LINE: usize = 500;
 /// Longest campaign file, bytes.

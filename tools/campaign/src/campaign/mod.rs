@@ -7,16 +7,16 @@
 //! The verdict is made of the journal's records alone, so that a campaign which was interrupted and
 //! resumed, or done in shards and merged, comes to the same one.
 
-mod arguments;
+pub(crate) mod arguments;
 mod conclusion;
 mod error;
 mod exposure;
-mod file;
+pub(crate) mod file;
 mod job;
 mod launcher_death;
 mod page;
 mod plan;
-mod planned;
+pub(crate) mod planned;
 mod print;
 mod record;
 mod records;
@@ -41,7 +41,6 @@ pub use file::BUILTIN;
 use file::{Campaign, FILE};
 use job::job;
 use plan::Plan;
-pub(crate) use planned::Planned;
 use record::Record;
 use records::Records;
 use shards::{Membership, merge};
@@ -50,7 +49,7 @@ use std::process::ExitCode;
 
 /// Campaigns that come from no file: their names and what they do.
 pub const WITHOUT_FILE: [(&str, &str); 2] = [
-    (radio::NAME, "2,000 drives through signals whose frames are lost, late and falsified"),
+    (file::RADIO, "2,000 drives through signals whose frames are lost, late and falsified"),
     (plausibility::NAME, "how often and how fast the checks of the inputs find a false sender"),
 ];
 
@@ -66,7 +65,7 @@ pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
         refuse_parts(arguments)?;
         return plausibility::run(&arguments.group, arguments.jobs, arguments.json);
     }
-    if arguments.campaign.as_deref() == Some(radio::NAME) {
+    if arguments.campaign.as_deref() == Some(file::RADIO) {
         if arguments.seeds.is_some() {
             return Err(CampaignError::NoSeeds.into());
         }

@@ -1,5 +1,6 @@
 //! `timegap r157`: UN R157's matrices, by its performance models and by our control laws.
 
+pub mod drive;
 pub mod judge;
 pub mod matrix;
 mod page;

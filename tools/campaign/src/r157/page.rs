@@ -5,10 +5,10 @@ use regulation::{Model, Outcome, Verdict};
 use report::chart::{Axis, Cells, Edges, FilledCell, Stroke, Tone};
 use report::html::{Cell, Column, document, figure, section, table};
 
+use super::drive::Driver;
 use super::matrix::Case;
 use super::print;
 use super::results::{Figures, Judged, Results};
-use super::scene::Driver;
 
 /// Half a step of the lateral speeds, m/s.
 const HALF_LATERAL_MPS: f64 = 0.05;

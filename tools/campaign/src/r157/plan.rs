@@ -19,10 +19,11 @@ use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 
 use super::R157Arguments;
+use super::drive::Driver;
 use super::judge;
 use super::matrix::{self, Case, Matrix};
 use super::results::Judged;
-use super::scene::{self, Driver};
+use super::scene;
 use super::settled::Settled;
 use crate::batch::laws::{LawsError, own_named};
 use crate::batch::{self, Done, Repetition};

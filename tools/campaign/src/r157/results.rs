@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use regulation::{Model, Outcome, PerModel, Tally, Verdict, is_mastered_by_both};
 use serde::Serialize;
 
+use super::drive::Driver;
 use super::matrix::{Case, Matrix};
-use super::scene::Driver;
 
 /// Share of the cases that both models master in which a law with the emergency brake may collide.
 const AVOIDABLE_SHARE: f64 = 0.005;

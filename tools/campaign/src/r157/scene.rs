@@ -1,17 +1,16 @@
 //! A case as a scenario for a control law.
 //!
 //! The ego drives at the case's speed, which is also the set speed; behind a lead it begins at the gap that its law
-//! keeps there ([`super::settled`]). The run ends when no contact can follow any more. All vehicles are as long as the
-//! regulation says.
+//! keeps there ([`super::settled`]). The run ends when no contact can follow any more.
 
 use std::fmt::Write;
 
-use controller::laws;
 use group::Error;
 use regulation::cut_in::{CLEARANCE_M, LATERAL_ACCELERATION_MPS2};
 use regulation::{STEP_S, VEHICLE_LENGTH_M, VEHICLE_WIDTH_M, cut_in, cut_out, following};
-use scenario::{Overrides, Scenario};
+use scenario::Scenario;
 
+use super::drive::{Driver, Scene, actor, parse};
 use super::matrix::Case;
 use super::settled::Settled;
 
@@ -20,28 +19,11 @@ const CRUISE_S: f64 = 3.0;
 /// Time before a lead brakes or leaves: law and emergency brake get to know it, the tracker knows it from the start.
 /// At its end gap, speed and acceleration are those after 25 s behind the lead, within 0.05 m, 0.11 m/s and 0.03 m/s².
 pub const RUN_IN_S: f64 = 2.0;
-/// Time gap from which a law closes up or falls back to its own.
-const FIRST_TIME_GAP_S: f64 = 2.0;
-/// Distance added to that.
-const FIRST_DISTANCE_M: f64 = 5.0;
 /// Time after which the ego stands or has matched the speed, from the last point at which something
 /// can happen.
 const AFTER_S: f64 = 4.0;
 /// Deceleration by which every law stops at the latest.
 const GENTLE_MPS2: f64 = 2.5;
-/// The run ends when all that is scripted is over and for this time no vehicle ahead was slower than the ego, none
-/// behind faster, and none beside it: five cycles of every law, in which one that turns to the other again shows it.
-const CLEAR_S: f64 = 0.5;
-
-/// Who drives a case.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Driver {
-    /// The control law.
-    pub law: String,
-    /// With the emergency brake.
-    pub aebs: bool,
-}
-
 /// The scenario of `case` for `driver`.
 ///
 /// # Errors
@@ -55,46 +37,6 @@ pub fn scenario(case: &Case, driver: &Driver, settled: &Settled) -> Result<Scena
         Case::CutOut(case) => cut_out_scene(case, speed_mps, gap_m()?),
     };
     parse(&scene, speed_mps, driver, settled.seed())
-}
-
-/// The ego behind a lead that keeps its speed.
-///
-/// # Errors
-/// [`Error::Scenario`] if there is no such law.
-pub fn behind_a_lead(
-    speed_kmh: u32,
-    driver: &Driver,
-    seed: u64,
-    duration_s: f64,
-) -> Result<Scenario, Error> {
-    let speed_mps = f64::from(speed_kmh) / 3.6;
-    let first_gap_m = FIRST_TIME_GAP_S * speed_mps + FIRST_DISTANCE_M;
-    let actors = actor("lead", first_gap_m, &format!("initial_speed_mps = {speed_mps}"));
-    parse(&Scene { scripted_s: duration_s, duration_s, actors }, speed_mps, driver, seed)
-}
-
-/// What happens around the ego.
-struct Scene {
-    /// Time after which nothing scripted comes any more.
-    scripted_s: f64,
-    duration_s: f64,
-    actors: String,
-}
-
-fn parse(scene: &Scene, speed_mps: f64, driver: &Driver, seed: u64) -> Result<Scenario, Error> {
-    let Scene { scripted_s, duration_s, actors } = scene;
-    let Driver { law, aebs } = driver;
-    let text = format!(
-        "schema_version = 1\nname = \"r157\"\nduration_s = {duration_s}\nseed = {seed}\n\
-         set_speed_mps = {speed_mps}\n\
-         [plant]\ninitial_speed_mps = {speed_mps}\n\
-         length_m = {VEHICLE_LENGTH_M}\n\
-         powertrain = {{ mass_kg = 1600, max_power_kw = 110 }}\n\
-         [aebs]\nenabled = {aebs}\n\
-         [referee]\nends_when_clear = {{ after_s = {scripted_s}, for_s = {CLEAR_S} }}\n\
-         [controller]\nname = \"{law}\"\n{actors}"
-    );
-    Ok(Scenario::parse_with("a case of UN R157", &text, &Overrides::new(), &laws::check)?)
 }
 
 /// The vehicle that comes in. It keeps its speed, so that a motion aside has no part in whether the ego comes nearer.
@@ -169,16 +111,12 @@ fn cut_out_scene(case: &cut_out::Case, speed_mps: f64, gap_m: f64) -> Scene {
     Scene { scripted_s: end_s + STEP_S, duration_s, actors }
 }
 
-fn actor(name: &str, gap_m: f64, keys: &str) -> String {
-    format!(
-        "[[actors]]\nname = \"{name}\"\ngap_m = {gap_m}\nlength_m = {VEHICLE_LENGTH_M}\n{keys}\n"
-    )
-}
-
 #[cfg(test)]
 mod tests {
     use clap::ValueEnum;
+    use controller::laws;
 
+    use super::super::drive::behind_a_lead;
     use super::super::matrix::Matrix;
     use super::super::settled::CLOSES_UP_S;
     use super::*;

@@ -9,7 +9,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use group::{Ended, Error, Failure, Status};
 
-use super::scene::{self, Driver};
+use super::drive::{self, Driver};
 
 /// Time in which a law closes up or falls back to its own gap, s.
 pub const CLOSES_UP_S: f64 = 25.0;
@@ -58,7 +58,7 @@ impl Settled {
             return Ok(*gap_m);
         }
         let driver = Driver { law: law.to_owned(), aebs: false };
-        let scenario = scene::behind_a_lead(speed_kmh, &driver, self.seed, CLOSES_UP_S)?;
+        let scenario = drive::behind_a_lead(speed_kmh, &driver, self.seed, CLOSES_UP_S)?;
         let group = group::in_process::run_unsealed(&scenario, &|| false)?;
         let last = group.drive.steps.iter().rev().find_map(|step| step.gap_m);
         let gap_m = last.filter(|_| group.ended == Ended::Orderly);

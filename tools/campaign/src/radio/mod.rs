@@ -12,7 +12,9 @@ mod draw;
 mod table;
 
 use crate::batch::{self, Done, Job, Source};
-use crate::campaign::{CampaignArguments, Planned};
+use crate::campaign::arguments::CampaignArguments;
+use crate::campaign::file::RADIO;
+use crate::campaign::planned::Planned;
 use crate::parts::{self, Merged, Part, PartOptions, Study, name_incomplete};
 use group::{Error, ScenarioOptions};
 use report::output::OutputDirectory;
@@ -24,9 +26,6 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use table::Table;
-
-/// Its name as a campaign.
-pub const NAME: &str = "radio";
 /// Runs where nothing else is asked for.
 const RUNS: usize = 2_000;
 /// Chooses the runs that are repeated in process groups.
@@ -135,7 +134,7 @@ pub fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     let (mut part, output) = Part::<Kept>::open(&options, &arguments.output, study)?;
     let left = part.left();
     let bar = report::progress::count_bar(part.runs(), arguments.json);
-    bar.set_message(NAME);
+    bar.set_message(RADIO);
     bar.set_position((part.runs() - left.len()) as u64);
     bar.reset_eta();
     let repeated = part.repeated(&left, SAMPLE_SEED);
@@ -171,7 +170,7 @@ pub fn merge(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     let numbers = Numbers::of(&merged.study.arguments()?);
     merged.check(numbers.count, &job(numbers.number(0))?.scenario)?;
     name_incomplete(&merged.incomplete);
-    let output = OutputDirectory::create(&arguments.output, NAME)?;
+    let output = OutputDirectory::create(&arguments.output, RADIO)?;
     conclude(arguments, merged.results, &output, merged.incomplete.is_empty())
 }
 

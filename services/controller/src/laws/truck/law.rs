@@ -20,7 +20,7 @@ use super::limiter;
 use super::map_trust::MapTrust;
 use super::planners::create;
 use super::reference::{Reference, Speeds};
-use super::settings::{PlannerKind, Settings};
+use super::settings::{PlannerKind, REQUESTS_MPS2, Settings};
 use super::spacing::{Mode, Spacing};
 use super::speed_band::{max_speed_mps, min_speed_mps};
 use super::speed_keeper::SpeedKeeper;
@@ -33,8 +33,6 @@ use crate::law::{
 };
 use truck_model::{Demand, GEARS, Motion as TruckMotion};
 
-/// Requests, m/s².
-pub(super) const REQUESTS_MPS2: (f64, f64) = (-6.5, 1.5);
 /// Lowest set speed that is planned for, m/s.
 const PLANNED_FROM_MPS: f64 = 10.0;
 /// Distance from the lead over which its road counts, m (14).

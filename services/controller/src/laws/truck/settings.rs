@@ -4,6 +4,9 @@ use crate::settings::{self, SettingError, within};
 use serde::{Deserialize, Serialize};
 use truck_model::Truck;
 
+/// Least and largest request of the law, m/s².
+pub(super) const REQUESTS_MPS2: (f64, f64) = (-6.5, 1.5);
+
 /// Which planner drives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
