@@ -1,5 +1,5 @@
-//! Rules that hold in the whole workspace: dependence points one way between its crates, and errors are
-//! types.
+//! Rules that hold in the whole workspace: dependence points one way between its crates and between the files of
+//! each, and errors are types.
 
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -101,4 +101,152 @@ fn no_public_function_has_a_text_for_an_error() {
             assert!(!is_text, "{}: pub{signature}", path.display());
         }
     }
+}
+
+/// Modules of a crate by their paths, with what each imports: a name, and the path that it stands for.
+type Modules = BTreeMap<Vec<String>, Vec<(String, Vec<String>)>>;
+
+/// The module of a file below `src`: `a/b.rs` and `a/b/mod.rs` are `[a, b]`.
+fn module(file: &Path) -> Vec<String> {
+    let mut path: Vec<String> =
+        file.iter().map(|part| part.to_string_lossy().trim_end_matches(".rs").to_owned()).collect();
+    if path.last().is_some_and(|last| ["mod", "lib", "main"].contains(&last.as_str())) {
+        path.pop();
+    }
+    path
+}
+
+/// The paths of a `use` tree such as `a::{b, c::{d, e as f}}`, each with the name that it gives.
+fn flat(tree: &str, before: &[String], paths: &mut Vec<(String, Vec<String>)>) {
+    let (mut depth, mut begin) = (0, 0);
+    for (place, letter) in tree.char_indices().chain([(tree.len(), ',')]) {
+        match letter {
+            '{' => depth += 1,
+            '}' => depth -= 1,
+            ',' if depth == 0 => {
+                let part = tree[begin..place].trim();
+                begin = place + 1;
+                let (head, inner) = part.split_once('{').unwrap_or((part, ""));
+                let (head, name) = head.split_once(" as ").unwrap_or((head, ""));
+                let mut path = before.to_vec();
+                path.extend(
+                    head.split("::").map(str::trim).filter(|s| !s.is_empty()).map(Into::into),
+                );
+                if let Some(inner) = inner.strip_suffix('}') {
+                    flat(inner, &path, paths);
+                } else if let Some(last) = path.last().cloned() {
+                    let name = if name.is_empty() { last } else { name.trim().to_owned() };
+                    paths.push((name, path));
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// The paths from the crate's root that `module` imports from its own crate.
+fn imports(text: &str, module: &[String], known: &Modules) -> Vec<(String, Vec<String>)> {
+    let code = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
+    let mut paths = Vec::new();
+    for statement in code.split(';') {
+        let statement = statement.trim_start();
+        let line =
+            statement.rfind("\nuse ").or(statement.rfind("\npub use ")).map_or(0, |at| at + 1);
+        if let Some((head, tree)) = statement[line..].split_once("use ")
+            && (head.is_empty() || head.starts_with("pub"))
+        {
+            flat(&tree.replace('\n', " "), &[], &mut paths);
+        }
+    }
+    let own = |(name, path): (String, Vec<String>)| {
+        let supers = path.iter().take_while(|part| *part == "super").count();
+        let mut from_root = match path[0].as_str() {
+            "crate" => Vec::new(),
+            "self" | "super" => module[..module.len().checked_sub(supers)?].to_vec(),
+            first => {
+                let child = [module, &[first.to_owned()]].concat();
+                known.contains_key(&child).then_some(module.to_vec())?
+            }
+        };
+        let skipped = if path[0] == "crate" || path[0] == "self" { 1 } else { supers };
+        from_root.extend_from_slice(&path[skipped..]);
+        Some((name, from_root))
+    };
+    paths.into_iter().filter_map(own).collect()
+}
+
+/// The module in which what `path` names is defined; names that a module only hands on are followed.
+fn defined_in(path: &[String], known: &Modules, hops: usize) -> Option<Vec<String>> {
+    let length = (0..=path.len()).rev().find(|length| known.contains_key(&path[..*length]))?;
+    let module = path[..length].to_vec();
+    let handed_on = path.get(length).and_then(|name| {
+        known[&module].iter().find(|(given, _)| given == name).map(|(_, from)| from)
+    });
+    match handed_on {
+        Some(from) if hops > 0 && from != path => {
+            let rest = [from, &path[length + 1..]].concat();
+            defined_in(&rest, known, hops - 1)
+        }
+        _ => Some(module),
+    }
+}
+
+#[test]
+fn no_modules_side_by_side_import_each_other_in_a_circle() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace");
+    let (mut arrows, mut circles) = (0, Vec::new());
+    for folder in ["services", "shared", "tools"] {
+        for entry in std::fs::read_dir(root.join(folder)).expect("a folder of the workspace") {
+            let source = entry.expect("an entry").path().join("src");
+            let mut files = Vec::new();
+            sources(&source, &mut files);
+            // Beside a library it only calls that.
+            let is_library = source.join("lib.rs").exists();
+            files.retain(|file| !is_library || *file != source.join("main.rs"));
+            let texts: BTreeMap<Vec<String>, String> = files
+                .iter()
+                .map(|file| {
+                    let below = file.strip_prefix(&source).expect("it is below");
+                    (module(below), std::fs::read_to_string(file).expect("a file of the workspace"))
+                })
+                .collect();
+            let names: Modules = texts.keys().map(|module| (module.clone(), Vec::new())).collect();
+            let known: Modules = texts
+                .iter()
+                .map(|(module, text)| (module.clone(), imports(text, module, &names)))
+                .collect();
+            let of = |module: &Vec<String>| -> Vec<Vec<String>> {
+                let own = texts[module].split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
+                let used =
+                    |(name, _): &&(String, Vec<String>)| own.matches(name.as_str()).count() > 1;
+                let paths = known[module].iter().filter(used);
+                let found = paths.filter_map(|(_, path)| defined_in(path, &known, 5));
+                // A module and those inside it are one place.
+                let is_elsewhere =
+                    |other: &Vec<String>| !module.starts_with(other) && !other.starts_with(module);
+                found.filter(is_elsewhere).collect()
+            };
+            let mut graph: BTreeMap<_, _> = texts.keys().map(|m| (m.clone(), of(m))).collect();
+            arrows += graph.values().map(Vec::len).sum::<usize>();
+            // What imports nothing that is left is in no circle.
+            loop {
+                let free: Vec<_> =
+                    graph.iter().filter(|(_, to)| to.is_empty()).map(|(m, _)| m.clone()).collect();
+                if free.is_empty() {
+                    break;
+                }
+                for module in &free {
+                    graph.remove(module);
+                }
+                for to in graph.values_mut() {
+                    to.retain(|other| !free.contains(other));
+                }
+            }
+            if !graph.is_empty() {
+                circles.push(format!("{}: {graph:?}", source.display()));
+            }
+        }
+    }
+    assert!(arrows > 500, "{arrows} imports were seen");
+    assert!(circles.is_empty(), "{}", circles.join("\n"));
 }

@@ -4,64 +4,13 @@ use crate::counter::Counter;
 use crate::definitions::Definitions;
 use crate::format::{MAGIC, Statistics};
 use crate::outline::{Outline, Segment};
+use crate::record::Timed;
 use crate::records::Records;
 use crate::source::{Source, Window};
 use crate::{Damage, FILE, Metadata, ReadError, Tally, TopicTally};
-use messages::{Header, Message, TOPICS, Topic};
+use messages::{Message, TOPICS, Topic};
 use std::fs::File;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-
-/// One recorded message. It keeps its chunk of the file in memory: copy what must live long.
-#[derive(Clone, Debug)]
-pub struct Record {
-    /// The topic.
-    pub topic: Topic,
-    /// When it was published, ns of run time, as far as its sender's clock can be believed: this is
-    /// the order of the file.
-    pub log_time_ns: i64,
-    /// When its sender says that it published it, ns of run time.
-    pub publish_time_ns: i64,
-    pub(crate) chunk: Arc<Vec<u8>>,
-    pub(crate) range: Range<usize>,
-}
-
-impl Record {
-    /// The bytes of the topic's struct.
-    #[must_use]
-    pub fn bytes(&self) -> &[u8] {
-        &self.chunk[self.range.clone()]
-    }
-
-    /// The header that every message starts with.
-    #[must_use]
-    pub fn header(&self) -> Header {
-        bytemuck::pod_read_unaligned(&self.bytes()[..size_of::<Header>()])
-    }
-
-    /// The message, if `T` is the topic's type.
-    #[must_use]
-    pub fn message<T: Message>(&self) -> Option<T> {
-        (self.topic == T::TOPIC).then(|| bytemuck::pod_read_unaligned(self.bytes()))
-    }
-}
-
-impl PartialEq for Record {
-    fn eq(&self, other: &Self) -> bool {
-        let times = |record: &Self| (record.topic, record.log_time_ns, record.publish_time_ns);
-        times(self) == times(other) && self.bytes() == other.bytes()
-    }
-}
-
-/// A message with the time under which it was recorded.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Timed<T> {
-    /// As of [`Record::log_time_ns`].
-    pub log_time_ns: i64,
-    /// The message.
-    pub message: T,
-}
 
 /// What is in a recording.
 #[derive(Clone, Debug, PartialEq)]

@@ -29,6 +29,7 @@
 
 mod brake;
 mod control;
+mod drive;
 pub mod e2e;
 mod header;
 mod health;
@@ -46,6 +47,7 @@ mod vehicle;
 
 pub use brake::{Brake, BrakeState};
 pub use control::{Command, Diagnostics, FIGURES, PLAN_LEN};
+pub use drive::Drive;
 pub use header::{Header, Origin, Origins};
 pub use health::{Heartbeat, ServiceState};
 pub use law::{
@@ -64,7 +66,7 @@ pub use v2x::{
     Interval, Lane, MAX_INTERVALS, MAX_LANES, MAX_PREVIEW_CELLS, MAX_SIGNALS, Map, PhaseState,
     Preview, Signal, SignalTruth, Spat,
 };
-pub use vehicle::{Drive, EgoTruth, Odometry, Powertrain};
+pub use vehicle::{EgoTruth, Odometry, Powertrain};
 
 /// Declares `$type` to be the message of `$topic`, after checking its layout at compile time.
 macro_rules! message {

@@ -3,8 +3,7 @@
 use messages::{Service, Topic};
 use serde::{Deserialize, Serialize};
 
-use super::file;
-use super::topic::{BiasedField, TopicName};
+use super::topic::{self, BiasedField, TopicName};
 use crate::quantity::{Core, Count, DelayMs, Duration, Megabytes, Probability, Shift};
 
 /// What happens.
@@ -131,7 +130,7 @@ pub enum Falsification {
     /// A figure is off.
     Bias {
         /// The figure that is off.
-        #[serde(flatten, serialize_with = "file::with_topic")]
+        #[serde(flatten, serialize_with = "topic::with_topic")]
         field: BiasedField,
         /// By how much the figure is off, in its unit.
         amount: Shift,

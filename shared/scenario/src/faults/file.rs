@@ -1,7 +1,6 @@
 //! A fault as it stands in a file: one table, whose keys depend on its `kind`.
 
-use serde::ser::SerializeStruct;
-use serde::{Deserialize, Deserializer, Serializer};
+use serde::{Deserialize, Deserializer};
 use toml::de::DeTable;
 
 use super::{
@@ -146,17 +145,6 @@ fn biased_field(keys: &mut impl Keys) -> Result<BiasedField, Problem> {
         keys.refuse("field", &message, expected)?;
     }
     Ok(field)
-}
-
-/// Writes a biased field with its topic beside it.
-pub(super) fn with_topic<S: Serializer>(
-    field: &BiasedField,
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    let mut keys = serializer.serialize_struct("BiasedField", 2)?;
-    keys.serialize_field("topic", field.topic().name())?;
-    keys.serialize_field("field", field)?;
-    keys.end()
 }
 
 impl<'de> Deserialize<'de> for Fault {

@@ -1,7 +1,8 @@
 //! The messages that a fault can act on, and the figures in them.
 
 use messages::Topic;
-use serde::{Deserialize, Serialize};
+use serde::ser::SerializeStruct;
+use serde::{Deserialize, Serialize, Serializer};
 
 /// A figure that a `bias` can falsify.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -27,6 +28,17 @@ impl BiasedField {
             Self::EndS => Topic::Spat,
         }
     }
+}
+
+/// Writes a biased field with its topic beside it.
+pub(super) fn with_topic<S: Serializer>(
+    field: &BiasedField,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    let mut keys = serializer.serialize_struct("BiasedField", 2)?;
+    keys.serialize_field("topic", field.topic().name())?;
+    keys.serialize_field("field", field)?;
+    keys.end()
 }
 
 /// A topic by its name, one whose messages can be disturbed.
