@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::io::{BufWriter, Seek, Write};
 
 /// Uncompressed size of a chunk, the unit in which a file grows. The writer keeps an index of every chunk, some 700 bytes,
-/// until the end: in realtime a chunk is about a second.
+/// until the end.
 const CHUNK_BYTES: u64 = 1024 * 1024;
 /// Simulated time after which a lockstep recording is flushed, ns.
 const FLUSH_PERIOD_NS: i64 = 1_000_000_000;
