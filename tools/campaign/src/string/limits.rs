@@ -72,7 +72,7 @@ impl Point {
 }
 
 impl Limits {
-    /// The points of one law. Numbers are put in their order: neighbours are what a limit lies between.
+    /// The points of one law. Numbers are put in their order: the limit is between two neighbours.
     pub fn new(controller: &str, key: &str, mut points: Vec<Point>) -> Self {
         if points.iter().all(|point| point.value.number().is_some()) {
             let number = |point: &Point| point.value.number().unwrap_or(f64::NAN);
