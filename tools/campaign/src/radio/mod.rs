@@ -26,6 +26,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use table::Table;
+
 /// Runs where nothing else is asked for.
 const RUNS: usize = 2_000;
 /// Chooses the runs that are repeated in process groups.

@@ -1,7 +1,6 @@
 //! A car under the truck's law: a safe gap and a soft stop.
 
-use super::settings::CarGap;
-use super::settings::REQUESTS_MPS2;
+use super::settings::{CarGap, REQUESTS_MPS2};
 use crate::following::kinematics::{Lag, Motion};
 use crate::following::safe_gap::{LeadNow, SafeGap};
 use crate::following::soft_stop::{Room, soften};
