@@ -20,6 +20,9 @@ use messages::Service;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+/// Words from one service's to the next one's: a cache line.
+pub(super) const WORDS_APART: usize = 16;
+
 /// An atomic word: the machine's, or a model checker's.
 pub(super) trait Word {
     /// Reads it, and sees all that was written before the value that it finds.
@@ -99,7 +102,7 @@ pub(super) fn map(group: &Group) -> Result<SharedWords, RuntimeError> {
 
 /// The word of a service, in a cache line of its own.
 pub(super) fn word(page: &SharedWords, service: Service) -> &AtomicU32 {
-    page.word(service.index() * 16)
+    page.word(service.index() * WORDS_APART)
 }
 
 #[cfg(test)]

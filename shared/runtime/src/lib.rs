@@ -32,6 +32,7 @@ mod carried;
 mod checkpoint;
 mod clock;
 mod coroutine;
+mod end_word;
 mod error;
 mod faults;
 mod fence;

@@ -103,10 +103,15 @@ impl Granted {
         self.granted != Policy::Other.to_string()
     }
 
-    /// True if the policy in force is the one that was asked for.
-    pub(super) fn has_policy(&self) -> bool {
-        self.requested == self.granted
+    /// The priority of the loop that asked for `request`; 0 where it was not granted.
+    pub(super) fn priority(&self, request: &Request) -> u8 {
+        if self.requested == self.granted { request.priority() } else { 0 }
     }
+}
+
+/// The priority of a thread that acts on a loop of this one; 0 beside a loop without.
+pub(super) fn above(priority: u8) -> u8 {
+    if priority > 0 { priority.saturating_add(1).min(99) } else { 0 }
 }
 
 /// Applies `request` to the calling thread.

@@ -6,8 +6,9 @@
 //! sends what it has computed for the present period.
 
 use super::account::progress;
+use super::end_word;
 use super::fence;
-use super::scheduling::{Granted, Request, set_below_services, set_fifo_of};
+use super::scheduling::{Granted, Request, above, set_below_services, set_fifo_of};
 use super::waking::WakeWords;
 use super::words::SharedWords;
 use super::{Group, RuntimeError, monotonic_ns};
@@ -83,7 +84,8 @@ impl Order {
         let word = fence::word(&self.page, self.service);
         let took = fence::take_over(word, self.active, self.own);
         if took && self.priority > 0 {
-            set_fifo_of(self.thread, self.priority);
+            // Above the old process's loop, which gives its memory back at its priority on the same core.
+            set_fifo_of(self.thread, above(self.priority));
         }
         self.state.store(if took { TOOK_OVER } else { REPLACED }, Ordering::Release);
         // An address of this process's own: waking cannot fail.
@@ -161,7 +163,7 @@ impl Standby {
         slot: &OrderSlot,
     ) -> Result<Self, RuntimeError> {
         let request = Request::of(scenario, service);
-        let priority = if granted.has_policy() { request.priority() } else { 0 };
+        let priority = granted.priority(&request);
         let order = Arc::new(Order {
             page: fence::map(group)?,
             service,
@@ -210,6 +212,13 @@ impl Standby {
         self.order.noticed.get().copied().filter(|_| took)
     }
 
+    /// Gives the loop the active process's priority, once it has sent what could not wait.
+    pub(super) fn take_priority(&self) {
+        if self.order.priority > 0 {
+            set_fifo_of(self.order.thread, self.order.priority);
+        }
+    }
+
     /// Waits for the take-over, at most for `timeout`; a signal ends the wait early.
     pub(super) fn wait(&self, timeout: Duration) {
         if let Ok(timeout) = timeout.try_into() {
@@ -239,10 +248,12 @@ impl Standby {
 fn watch(order: &Order, pidfd: Option<OwnedFd>, priority: u8) {
     if priority > 0 {
         // Above the loop that it raises.
-        set_fifo_of(gettid().as_raw_pid(), priority.saturating_add(1).min(99));
+        set_fifo_of(gettid().as_raw_pid(), above(priority));
     }
     let words = WakeWords::map(&order.prefix);
-    if let Some(pidfd) = pidfd {
+    if let Some(pidfd) = pidfd
+        && !end_word::wait(&order.page, order.service, order.active)
+    {
         let mut ends = [PollFd::new(&pidfd, PollFlags::IN)];
         while !matches!(poll(&mut ends, None), Ok(1..)) {}
     }

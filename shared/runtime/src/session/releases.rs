@@ -145,6 +145,7 @@ impl Runtime {
             backlog.send_held(step)?;
         }
         let sent_ns = monotonic_ns();
+        standby.take_priority();
         self.standby = None;
         self.silent = (self.cycles, self.skipped);
         for (_, tally) in self.received.iter() {

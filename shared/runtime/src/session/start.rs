@@ -2,7 +2,8 @@
 
 use super::Runtime;
 use crate::account::Account;
-use crate::scheduling::{Granted, Request, apply, in_force};
+use crate::end_word;
+use crate::scheduling::{Granted, Request, above, apply, in_force};
 use crate::standby::{ActiveProcess, Standby};
 use crate::transport::Carrier;
 use crate::{FromService, Mode, RuntimeError};
@@ -39,6 +40,11 @@ impl Runtime {
         };
         if granted.is_realtime() {
             self.link.raise_thread();
+        }
+        if self.account.is_some() && self.group.standby.contains(&self.service) {
+            // Above the loops: it only ever ends.
+            let priority = above(granted.priority(&Request::of(scenario, self.service)));
+            end_word::announce(&self.group, (self.service, self.incarnation), priority)?;
         }
         self.granted = Some(granted.clone());
         self.link.say(FromService::Ready(granted.clone()))?;

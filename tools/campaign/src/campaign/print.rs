@@ -91,6 +91,9 @@ fn totals(verdict: &Verdict) -> String {
     if all.detection_us.is_some() {
         line("detection", times(all.detection_us));
     }
+    if all.take_over_us.is_some() {
+        line("take-overs", format!("{} by a standby that was ready", times(all.take_over_us)));
+    }
     if let Some(overdue) = all.command_overdue_ms {
         line("commands", format!("overdue for at most {overdue:.0} ms"));
     }

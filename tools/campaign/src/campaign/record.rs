@@ -4,7 +4,7 @@ use super::exposure::Struck;
 use super::planned::Planned;
 use super::reference::{Braking, avoids_contact};
 use crate::batch::{Done, Growth, Repetition};
-use group::{Error, FaultRecord};
+use group::{Error, FaultRecord, Recovery};
 use messages::level::{Level, LevelChange};
 use runtime::report::Outcome;
 use scenario::Scenario;
@@ -56,6 +56,9 @@ pub struct Record {
     pub detection_us: Vec<f64>,
     /// From a process fault until the first fresh message of the next process, µs.
     pub recovery_us: Vec<f64>,
+    /// Those of them in which a standby that was ready took over.
+    #[serde(default)]
+    pub take_over_us: Vec<f64>,
     /// Times that the emergency brake braked.
     #[serde(default)]
     pub interventions: u64,
@@ -122,6 +125,7 @@ impl Record {
             recording_lost: false,
             detection_us: Vec::new(),
             recovery_us: Vec::new(),
+            take_over_us: Vec::new(),
             interventions: 0,
             unrecovered: 0,
             rungs_s: BTreeMap::new(),
@@ -177,6 +181,10 @@ impl Record {
             }),
             detection_us: faults.iter().filter_map(|fault| fault.detected_after_us).collect(),
             recovery_us: faults.iter().filter_map(|fault| fault.recovered_after_us).collect(),
+            take_over_us: (faults.iter())
+                .filter(|fault| fault.recovered_by == Some(Recovery::TakeOver))
+                .filter_map(|fault| fault.recovered_after_us)
+                .collect(),
             interventions: summary.aebs.interventions.unwrap_or(0),
             unrecovered: match summary.outcome {
                 Outcome::Completed => unrecovered.count() as u64,

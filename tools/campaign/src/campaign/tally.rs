@@ -45,6 +45,8 @@ pub struct Tally {
     pub min_ttc_s: Option<f64>,
     pub detection_us: Option<Percentiles>,
     pub recovery_us: Option<Percentiles>,
+    /// Of these, where a standby that was ready took over.
+    pub take_over_us: Option<Percentiles>,
     /// Longest time that the plant was without the command that was due, ms.
     pub command_overdue_ms: Option<f64>,
     /// Time of each service on each level of the ladder in all runs, s.
@@ -66,6 +68,7 @@ pub struct Sum {
     /// Made when the first time comes: most campaigns have none.
     detection: Option<Latencies>,
     recovery: Option<Latencies>,
+    take_over: Option<Latencies>,
 }
 
 impl Sum {
@@ -126,6 +129,9 @@ impl Sum {
         for us in &record.recovery_us {
             self.recovery.get_or_insert_default().record_ns((us * 1e3) as i64);
         }
+        for us in &record.take_over_us {
+            self.take_over.get_or_insert_default().record_ns((us * 1e3) as i64);
+        }
     }
 
     /// What the runs come to.
@@ -136,6 +142,7 @@ impl Sum {
         Tally {
             detection_us: percentiles(self.detection),
             recovery_us: percentiles(self.recovery),
+            take_over_us: percentiles(self.take_over),
             ..self.tally
         }
     }
@@ -169,7 +176,7 @@ enum Kind {
 }
 
 /// All figures.
-pub const FIGURES: [Figure; 32] = [
+pub const FIGURES: [Figure; 35] = [
     count("collisions", |t| t.collisions),
     count("avoidable_collisions", |t| t.avoidable_collisions),
     count("red_lights", |t| t.red_lights),
@@ -197,6 +204,9 @@ pub const FIGURES: [Figure; 32] = [
     median("recovery_p50_ms", |t| t.recovery_us.map(|p| p.p50 / 1e3)),
     measure("recovery_p99_ms", |t| t.recovery_us.map(|p| p.p99 / 1e3)),
     measure("recovery_max_ms", |t| t.recovery_us.map(|p| p.max / 1e3)),
+    median("take_over_p50_ms", |t| t.take_over_us.map(|p| p.p50 / 1e3)),
+    measure("take_over_p99_ms", |t| t.take_over_us.map(|p| p.p99 / 1e3)),
+    measure("take_over_max_ms", |t| t.take_over_us.map(|p| p.max / 1e3)),
     measure("command_overdue_ms", |t| t.command_overdue_ms),
     measure("memory_growth_kib", |t| t.memory_growth_kib),
     measure("descriptor_growth", |t| t.descriptor_growth),
