@@ -12,9 +12,9 @@ use runtime::Mode;
 use std::collections::BTreeMap;
 use std::io::{BufWriter, Seek, Write};
 
-/// Uncompressed size of a chunk, the unit in which a file grows. The writer keeps an index of every chunk, some 700 bytes,
-/// until the end.
-const CHUNK_BYTES: u64 = 1024 * 1024;
+/// Uncompressed size of a chunk, the unit in which a file grows: more than a second brings, so that a flush ends most
+/// of them. The writer keeps an index of every chunk, some 1.1 KiB, until the end.
+const CHUNK_BYTES: u64 = 4 * 1024 * 1024;
 /// Simulated time after which a lockstep recording is flushed, ns.
 const FLUSH_PERIOD_NS: i64 = 1_000_000_000;
 

@@ -1,9 +1,9 @@
 //! The second process of a service: attached, computing, silent, until it takes the service over.
 //!
-//! Three threads may order the take-over: one that waits for the end of the active process (by its pidfd),
-//! the link's (the launcher knows that it is gone), and the loop itself (the active one has done no cycle for
-//! too long). All do the same: they take the service's epoch ([`super::fence`]) and wake the loop, which
-//! sends what it has computed for the present period.
+//! Three threads may order the take-over: one that waits for the end of the active process
+//! ([`super::end_word`], or its pidfd), the link's (the launcher knows that it is gone), and the loop itself
+//! (the active one has done no cycle for too long). All do the same: they take the service's epoch
+//! ([`super::fence`]) and wake the loop, which sends what it has computed for the present period.
 
 use super::account::progress;
 use super::end_word;

@@ -168,10 +168,16 @@ fn totals(verdict: &Verdict) -> String {
     text
 }
 
+/// A count as it is, and of what was measured no more than three decimals.
+fn found_text(found: f64) -> String {
+    let rounded = (found * 1e3).round() / 1e3;
+    rounded.to_string()
+}
+
 fn requirements(verdict: &Verdict) -> String {
     let mut text = String::new();
     for requirement in &verdict.requirements {
-        let found = requirement.found.map_or_else(|| "nothing".into(), |found| found.to_string());
+        let found = requirement.found.map_or_else(|| "nothing".into(), found_text);
         let mark = if requirement.ok { "ok" } else { "BROKEN" };
         let (key, limit) = (&requirement.requirement, requirement.limit);
         writeln!(text, "  {mark:<6} {key} = {limit}: {found}").expect("a string takes all");
