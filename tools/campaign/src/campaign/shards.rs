@@ -57,6 +57,7 @@ impl<'a> Membership<'a> {
 
 /// Puts shards together.
 pub fn merge(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
+    parts::refuse_into_part(&arguments.merge, arguments.output.out.as_deref())?;
     let mut whole: Option<(Campaign, Plan)> = None;
     let mut records = Records::default();
     let mut known = BTreeSet::new();

@@ -173,7 +173,8 @@ fn drive(arguments: &CompareArguments) -> Result<ExitCode, Error> {
 
 /// Puts parts together. A page has no pictures then: parts keep figures.
 fn merge(arguments: &CompareArguments) -> Result<ExitCode, Error> {
-    let merged = Merged::<Row>::read("compare", &arguments.parts.merge)?;
+    let merged =
+        Merged::<Row>::read("compare", &arguments.parts.merge, arguments.output.out.as_deref())?;
     let scenarios = scenarios(&merged.study.arguments()?)?;
     merged.check(scenarios.len(), &scenarios[0])?;
     name_incomplete(&merged.incomplete);

@@ -37,6 +37,12 @@ pub enum MergeError {
         /// The one before it.
         before: PathBuf,
     },
+    /// The result would replace one of the parts.
+    #[error("--out {}: it is one of the parts; expected a directory of its own for the result", directory.display())]
+    IntoPart {
+        /// The directory.
+        directory: PathBuf,
+    },
     /// A scenario file was changed after the parts were done.
     #[error(
         "timegap {}: the scenario is another one now than when the parts were done",
@@ -49,6 +55,20 @@ pub enum MergeError {
 }
 
 impl Failure for MergeError {}
+
+/// Refuses to put the result of `parts` in the place of one of them.
+///
+/// # Errors
+/// [`MergeError::IntoPart`].
+pub fn refuse_into_part(parts: &[PathBuf], out: Option<&Path>) -> Result<(), MergeError> {
+    let Some(out) = out else { return Ok(()) };
+    let Ok(place) = out.canonicalize() else { return Ok(()) };
+    let is_part = |part: &PathBuf| part.canonicalize().is_ok_and(|part| part == place);
+    match parts.iter().any(is_part) {
+        true => Err(MergeError::IntoPart { directory: out.into() }),
+        false => Ok(()),
+    }
+}
 
 /// Parts put together.
 pub struct Merged<T> {
@@ -76,11 +96,12 @@ pub struct Incomplete {
 }
 
 impl<T: DeserializeOwned> Merged<T> {
-    /// Reads the parts of one study of the command `name`.
+    /// Reads the parts of one study of the command `name`, whose result goes to `out`.
     ///
     /// # Errors
     /// [`MergeError`], [`JournalError`], or a file cannot be read.
-    pub fn read(name: &str, directories: &[PathBuf]) -> Result<Self, Error> {
+    pub fn read(name: &str, directories: &[PathBuf], out: Option<&Path>) -> Result<Self, Error> {
+        refuse_into_part(directories, out)?;
         let mut study: Option<Study> = None;
         let mut parts: Vec<(Option<Shard>, &Path)> = Vec::new();
         let mut results: Vec<Option<T>> = Vec::new();
@@ -240,7 +261,9 @@ mod tests {
             "{\"run\":1,\"result\":8}\n{\"run\":3,\"result\":9}\n{\"run\":",
         );
         let merged =
-            Merged::<u32>::read("sweep", &[two.clone(), one.clone()]).expect("parts of one");
+            Merged::<u32>::read("sweep", &[two.clone(), one.clone()], None).expect("parts of one");
+        let into = Merged::<u32>::read("sweep", &[two.clone(), one.clone()], Some(&one)).map(drop);
+        assert!(into.expect_err("it is a part").to_string().contains("is one of the parts"));
         assert_eq!(merged.results, [Some(7), Some(8), None, Some(9)]);
         let [left] = merged.incomplete.as_slice() else { panic!("{:?}", merged.incomplete) };
         assert!(left.command.starts_with("timegap sweep a --shard 1/2 --resume "), "{left:?}");
@@ -268,7 +291,7 @@ mod tests {
                 "does not belong",
             ),
         ] {
-            let refused = Merged::<u32>::read("sweep", &[one.clone(), directory]);
+            let refused = Merged::<u32>::read("sweep", &[one.clone(), directory], None);
             let said = refused.err().expect(words).to_string();
             assert!(said.contains(words), "{said}");
         }

@@ -14,7 +14,7 @@ mod merge;
 mod shard;
 mod words;
 
-pub use merge::{Incomplete, MergeError, Merged, incomplete, name_incomplete};
+pub use merge::{Incomplete, MergeError, Merged, incomplete, name_incomplete, refuse_into_part};
 pub use shard::{ArrayJobError, Shard, ShardChoice};
 
 use std::collections::BTreeSet;

@@ -114,7 +114,8 @@ fn drive(arguments: &R157Arguments) -> Result<ExitCode, Error> {
 
 /// Puts parts together; without all of them a matrix has no figures.
 fn merge(arguments: &R157Arguments) -> Result<ExitCode, Error> {
-    let merged = Merged::<Kept>::read("r157", &arguments.parts.merge)?;
+    let merged =
+        Merged::<Kept>::read("r157", &arguments.parts.merge, arguments.output.out.as_deref())?;
     let of_parts: R157Arguments = merged.study.arguments()?;
     let plan = Plan::of(&of_parts)?;
     merged.check(plan.runs(), &first_scenario(&of_parts)?)?;

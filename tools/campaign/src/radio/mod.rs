@@ -167,7 +167,8 @@ pub fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
 /// # Errors
 /// Directories that are no parts of one campaign, or a file that cannot be read or written.
 pub fn merge(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
-    let merged = Merged::<Kept>::read("campaign", &arguments.merge)?;
+    let merged =
+        Merged::<Kept>::read("campaign", &arguments.merge, arguments.output.out.as_deref())?;
     let numbers = Numbers::of(&merged.study.arguments()?);
     merged.check(numbers.count, &job(numbers.number(0))?.scenario)?;
     name_incomplete(&merged.incomplete);

@@ -139,7 +139,8 @@ fn drive(arguments: &SweepArguments) -> Result<ExitCode, Error> {
 
 /// Puts parts together.
 fn merge(arguments: &SweepArguments) -> Result<ExitCode, Error> {
-    let merged = Merged::<Run>::read("sweep", &arguments.parts.merge)?;
+    let merged =
+        Merged::<Run>::read("sweep", &arguments.parts.merge, arguments.output.out.as_deref())?;
     let of_parts: SweepArguments = merged.study.arguments()?;
     let plan = Plan::of(&of_parts)?;
     merged.check(plan.points.len(), &plan.first)?;
