@@ -121,6 +121,11 @@ fn drive(arguments: &SweepArguments) -> Result<ExitCode, Error> {
     };
     let source = Source { runs: left.len(), make: &make };
     let mut each = |index: usize, job: &Job, result: Result<batch::Done, Error>| {
+        // A program that cannot start is no result of a point.
+        let result = match result {
+            Err(error @ Error::NotReady { foreign: true, .. }) => return Err(error),
+            result => result,
+        };
         let run = left[index];
         let repetition = result.as_ref().ok().and_then(|done| done.repetition.clone());
         let seed = job.scenario.seed.value();

@@ -156,7 +156,17 @@ impl Sweep {
         let of_seeds = if seeds > 1 { format!(", {seeds} seeds each") } else { String::new() };
         let controllers = self.controllers.join(", ");
         let (scenario, mode, points) = (&self.scenario, self.mode, self.points.len());
-        format!("{scenario} ({controllers}, {mode}): {points} points{of_seeds}\n{}", table.text())
+        let head = format!("{scenario} ({controllers}, {mode}): {points} points{of_seeds}\n");
+        head + &table.text() + &self.reasons()
+    }
+
+    /// Why runs were aborted, a line for each reason.
+    fn reasons(&self) -> String {
+        let mut reasons: BTreeMap<&str, usize> = BTreeMap::new();
+        for why in self.runs.iter().filter_map(|run| run.aborted_because.as_deref()) {
+            *reasons.entry(why).or_default() += 1;
+        }
+        reasons.iter().map(|(why, runs)| format!("  {runs} aborted: {why}\n")).collect()
     }
 }
 
@@ -185,7 +195,8 @@ mod tests {
         let mut figures = Figures::default();
         figures.0[0] = Some(2.0);
         figures.0[4] = gap_m;
-        Run { values: vec![value.into()], seed, outcome, aborted_because: None, figures }
+        let aborted_because = (outcome == Outcome::Aborted).then(|| "the law ended".to_owned());
+        Run { values: vec![value.into()], seed, outcome, aborted_because, figures }
     }
 
     fn sweep() -> (Sweep, Vec<Param>) {
@@ -225,6 +236,14 @@ mod tests {
         let table = sweep().0.table();
         assert!(table.contains("min gap, m") && !table.contains("L/100 km"), "{table}");
         assert!(table.contains("1 completed, 1 COLLISION"), "{table}");
+    }
+
+    #[test]
+    fn the_table_says_once_why_runs_were_aborted() {
+        let (mut sweep, _) = sweep();
+        sweep.runs.extend([1, 2].map(|seed| run("20", seed, Outcome::Aborted, None)));
+        let table = sweep.table();
+        assert!(table.ends_with("  2 aborted: the law ended\n"), "{table}");
     }
 
     #[test]
