@@ -29,10 +29,13 @@ pub struct Sample {
 
 /// By how much a run's usage grew: the median of its last quarter over that of its second quarter. The
 /// first quarter is left out, in which loops touch their pages for the first time.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Growth {
     /// Resident set of the service that grew most, KiB.
     pub memory_kib: f64,
+    /// Which service that is, by its name in `ps`; empty if none grew.
+    #[serde(default)]
+    pub memory_of: String,
     /// Descriptors of the service that gained most.
     pub descriptors: f64,
     /// Shared memory, KiB.
@@ -120,12 +123,16 @@ impl Growth {
         let names: std::collections::BTreeSet<&String> =
             samples.iter().flat_map(|sample| sample.services.keys()).collect();
         let most = |figure: fn(&Usage) -> u64| {
-            let of = |name: &&String| grown(&|sample| sample.services.get(*name).map(figure));
-            names.iter().filter_map(of).fold(0.0, f64::max)
+            let of = |name: &&&String| grown(&|sample| sample.services.get(**name).map(figure));
+            let grown = names.iter().filter_map(|name| Some((of(&name)?, name.as_str())));
+            grown.fold((0.0, ""), |most, next| if next.0 > most.0 { next } else { most })
         };
+        let (memory_kib, memory_of) = most(|usage| usage.memory_kib);
+        let (descriptors, _) = most(|usage| usage.descriptors);
         Some(Self {
-            memory_kib: most(|usage| usage.memory_kib),
-            descriptors: most(|usage| usage.descriptors),
+            memory_kib,
+            memory_of: memory_of.into(),
+            descriptors,
             shared_memory_kib: grown(&|sample| Some(sample.shared_memory_kib))?,
             shared_memory_objects: grown(&|sample| Some(sample.shared_memory_objects))?,
             all_memory_kib: median(late, &|sample| Some(sample.sum(|usage| usage.memory_kib)))?,
@@ -160,6 +167,7 @@ mod tests {
         let growth = Growth::over(&samples).expect("40 samples");
         let flat = Growth {
             memory_kib: 0.0,
+            memory_of: String::new(),
             descriptors: 0.0,
             shared_memory_kib: 0.0,
             shared_memory_objects: 0.0,
@@ -176,6 +184,7 @@ mod tests {
         let growth = Growth::over(&samples).expect("40 samples");
         // Medians of samples 10 to 19 and 30 to 39 are 20 samples apart.
         assert_eq!((growth.memory_kib, growth.descriptors), (160.0, 20.0));
+        assert_eq!(growth.memory_of, "timegap-plant");
         assert_eq!(growth.shared_memory_kib, 20.0);
     }
 

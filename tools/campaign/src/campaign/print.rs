@@ -157,10 +157,14 @@ fn totals(verdict: &Verdict) -> String {
     if let (Some(memory), Some(descriptors), Some(shared)) =
         (all.memory_growth_kib, all.descriptor_growth, all.shared_memory_growth_kib)
     {
+        let of = match all.memory_growth_of.as_str() {
+            "" => String::new(),
+            name => format!(" ({name})"),
+        };
         line(
             "growth",
             format!(
-                "at most {memory:.0} KiB and {descriptors:.0} descriptors of a service, \
+                "at most {memory:.0} KiB{of} and {descriptors:.0} descriptors of a service, \
                  {shared:.0} KiB of shared memory"
             ),
         );

@@ -56,6 +56,8 @@ pub struct Tally {
     pub all_descriptors: Option<f64>,
     pub all_shared_memory_kib: Option<f64>,
     pub memory_growth_kib: Option<f64>,
+    /// Whose memory grew most, by its name in `ps`.
+    pub memory_growth_of: String,
     pub descriptor_growth: Option<f64>,
     pub shared_memory_growth_kib: Option<f64>,
     pub shared_memory_object_growth: Option<f64>,
@@ -110,7 +112,10 @@ impl Sum {
         keep(&mut tally.min_gap_m, record.min_gap_m, f64::min);
         keep(&mut tally.min_ttc_s, record.min_ttc_s, f64::min);
         keep(&mut tally.command_overdue_ms, record.command_overdue_ms, f64::max);
-        if let Some(growth) = record.growth {
+        if let Some(growth) = &record.growth {
+            if tally.memory_growth_kib.is_none_or(|most| growth.memory_kib > most) {
+                tally.memory_growth_of.clone_from(&growth.memory_of);
+            }
             for (most, found) in [
                 (&mut tally.all_memory_kib, growth.all_memory_kib),
                 (&mut tally.all_descriptors, growth.all_descriptors),
