@@ -12,6 +12,8 @@ const LAUNCHER: &str = "launcher";
 pub struct Usage {
     /// Resident set, KiB.
     pub memory_kib: u64,
+    /// Of these what is not a file's, KiB: pages of the program come and go with the kernel's page cache.
+    pub own_kib: u64,
     /// Open descriptors.
     pub descriptors: u64,
 }
@@ -31,7 +33,7 @@ pub struct Sample {
 /// first quarter is left out, in which loops touch their pages for the first time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Growth {
-    /// Resident set of the service that grew most, KiB.
+    /// Memory of its own of the service that grew most, KiB.
     pub memory_kib: f64,
     /// Which service that is, by its name in `ps`; empty if none grew.
     #[serde(default)]
@@ -60,6 +62,7 @@ impl Sample {
                 // A standby has its service's name.
                 let both = sample.services.entry(name).or_default();
                 both.memory_kib += usage.memory_kib;
+                both.own_kib += usage.own_kib;
                 both.descriptors += usage.descriptors;
             }
         }
@@ -103,10 +106,13 @@ fn service(path: &Path, parent: &str) -> Option<(String, Usage)> {
 /// What the process at `path` has.
 fn usage(path: &Path) -> Option<Usage> {
     let status = std::fs::read_to_string(path.join("status")).ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
-    let memory_kib = line.split_whitespace().next()?.parse().ok()?;
+    let kib = |name: &str| {
+        let line = status.lines().find_map(|line| line.strip_prefix(name))?;
+        line.split_whitespace().next()?.parse::<u64>().ok()
+    };
+    let own_kib = kib("RssAnon:")? + kib("RssShmem:")?;
     let descriptors = std::fs::read_dir(path.join("fd")).ok()?.count() as u64;
-    Some(Usage { memory_kib, descriptors })
+    Some(Usage { memory_kib: kib("VmRSS:")?, own_kib, descriptors })
 }
 
 impl Growth {
@@ -127,7 +133,7 @@ impl Growth {
             let grown = names.iter().filter_map(|name| Some((of(&name)?, name.as_str())));
             grown.fold((0.0, ""), |most, next| if next.0 > most.0 { next } else { most })
         };
-        let (memory_kib, memory_of) = most(|usage| usage.memory_kib);
+        let (memory_kib, memory_of) = most(|usage| usage.own_kib);
         let (descriptors, _) = most(|usage| usage.descriptors);
         Some(Self {
             memory_kib,
@@ -153,8 +159,8 @@ mod tests {
     use super::*;
 
     fn sample(memory_kib: u64, descriptors: u64, shared_memory_kib: u64) -> Sample {
-        let usage = Usage { memory_kib, descriptors };
-        let other = Usage { memory_kib: 900, descriptors: 5 };
+        let usage = Usage { memory_kib, own_kib: memory_kib, descriptors };
+        let other = Usage { memory_kib: 900, own_kib: 100, descriptors: 5 };
         let services = [("timegap-plant".into(), usage), ("timegap-controller".into(), other)];
         Sample { services: services.into(), shared_memory_kib, shared_memory_objects: 7 }
     }
@@ -186,6 +192,16 @@ mod tests {
         assert_eq!((growth.memory_kib, growth.descriptors), (160.0, 20.0));
         assert_eq!(growth.memory_of, "timegap-plant");
         assert_eq!(growth.shared_memory_kib, 20.0);
+    }
+
+    #[test]
+    fn pages_of_the_program_are_no_growth() {
+        let mut samples: Vec<_> = (0..40).map(|_| sample(1000, 20, 300)).collect();
+        for sample in &mut samples[20..] {
+            sample.services.get_mut("timegap-controller").expect("it is there").memory_kib = 5000;
+        }
+        let growth = Growth::over(&samples).expect("40 samples");
+        assert_eq!((growth.memory_kib, growth.all_memory_kib), (0.0, 6000.0));
     }
 
     #[test]
