@@ -1,6 +1,6 @@
 //! A process of the group that is no service: the recorder, the replayer.
 
-use super::processes::{SpawnError, this_program};
+use super::processes::{SpawnError, end_within, this_program};
 use super::root::RunRoot;
 use crate::Error;
 use runtime::{enroll_listener, inherit_only};
@@ -96,16 +96,7 @@ impl Attendant {
     pub fn end(&mut self, grace: Duration) -> Option<ExitStatus> {
         // The end of its input tells it to go.
         self.input = None;
-        let begun = Instant::now();
-        while begun.elapsed() < grace {
-            if let Ok(Some(status)) = self.child.try_wait() {
-                return Some(status);
-            }
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        // Ours and not yet waited for: the id cannot be another's.
-        let _ = self.child.kill();
-        self.child.wait().ok()
+        end_within(&mut self.child, grace)
     }
 }
 

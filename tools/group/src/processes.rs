@@ -198,6 +198,23 @@ fn pid(child: &Child) -> i32 {
     i32::try_from(child.id()).expect("process ids are positive and fit")
 }
 
+/// Time that a janitor with nothing left to do gets to end; a stopped one never would.
+const DISMISSAL: Duration = Duration::from_secs(1);
+
+/// Waits for the end of a process that was told to end, and kills it after `grace`.
+pub fn end_within(child: &mut Child, grace: Duration) -> Option<ExitStatus> {
+    let begun = Instant::now();
+    while begun.elapsed() < grace {
+        if let Ok(Some(status)) = child.try_wait() {
+            return Some(status);
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    // Ours and not yet waited for: the id cannot be another's.
+    let _ = child.kill();
+    child.wait().ok()
+}
+
 /// The janitor's process.
 #[derive(Debug)]
 pub struct Janitor {
@@ -243,7 +260,7 @@ impl Janitor {
     pub fn dismiss(mut self) {
         self.say(DONE);
         drop(self.lines.take());
-        let _ = self.child.wait();
+        let _ = end_within(&mut self.child, DISMISSAL);
     }
 
     fn say(&mut self, line: &str) {
@@ -263,4 +280,18 @@ pub fn this_program(arguments: &[&str]) -> Result<Command, SpawnError> {
     let mut command = Command::new(program);
     command.args(arguments);
     Ok(command)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_janitor_that_does_not_answer_keeps_no_run_from_its_end() {
+        let mut command = Command::new("sleep");
+        let mut child = command.arg("1000").stdin(Stdio::piped()).spawn().expect("a process");
+        let (pid, lines) = (child.id(), child.stdin.take());
+        Janitor { child, lines }.dismiss();
+        assert!(!std::path::Path::new(&format!("/proc/{pid}")).exists(), "it is gone");
+    }
 }

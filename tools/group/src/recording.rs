@@ -141,7 +141,8 @@ impl RecorderProcess {
             }
         };
         if let Some(mut process) = self.process.take() {
-            process.end(PATIENCE);
+            // One that did not answer is not waited for again.
+            process.end(if tally.is_some() { PATIENCE } else { Duration::ZERO });
         }
         let messages = tally.as_ref().map(recorder::Tally::messages);
         let in_file =
