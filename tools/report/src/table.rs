@@ -1,6 +1,7 @@
 //! Text tables and CSV: the one place that knows how rows become text.
 
 use comfy_table::{CellAlignment, Table, presets};
+use std::fmt::Write;
 
 /// What stands where a figure does not apply.
 pub const NONE: &str = "-";
@@ -94,6 +95,28 @@ where
     writer.into_inner().expect("memory takes all")
 }
 
+/// Rows of figures alone, two or more, under `head`, as [`csv()`] writes them with [`field()`]: none of their fields has
+/// to be quoted, so that each is written where it stays.
+pub fn csv_of_figures<H, R>(head: H, rows: impl IntoIterator<Item = R>) -> String
+where
+    H: IntoIterator<Item: AsRef<[u8]>>,
+    R: IntoIterator<Item = Option<f64>>,
+{
+    let mut text = String::from_utf8(csv_row(head)).expect("made of strings");
+    for row in rows {
+        for (place, figure) in row.into_iter().enumerate() {
+            if place > 0 {
+                text.push(',');
+            }
+            if let Some(figure) = figure {
+                write!(text, "{figure}").expect("a string takes all");
+            }
+        }
+        text.push('\n');
+    }
+    text
+}
+
 /// A figure as a field of CSV: all of its digits, or nothing.
 pub fn field(value: Option<f64>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
@@ -120,6 +143,13 @@ mod tests {
         assert_eq!(table.text(), "  name  note\n");
         table.row(["a".to_owned()]);
         assert_eq!(table.text(), "  name\n  a\n");
+    }
+
+    #[test]
+    fn rows_of_figures_are_written_as_other_rows_are() {
+        let rows = [[Some(0.1), None, Some(-1e-7)], [Some(f64::NAN), Some(3.0), Some(1e21)]];
+        let by_fields = rows.map(|row| row.map(field));
+        assert_eq!(csv_of_figures(["a", "b, c", "d"], rows), csv(["a", "b, c", "d"], by_fields));
     }
 
     #[test]

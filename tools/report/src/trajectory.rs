@@ -1,6 +1,6 @@
 //! `trajectory.csv`: the drive, one row per sample of the vehicle's motion.
 
-use crate::table::{self, field};
+use crate::table;
 use group::Drive;
 
 /// Columns before those of the law's own figures.
@@ -23,26 +23,25 @@ const COLUMNS: [&str; 11] = [
 pub fn csv(drive: &Drive, figure_names: &[&str]) -> String {
     let rows = drive.steps.iter().map(|step| {
         let own = [
-            step.time_s.to_string(),
-            step.position_m.to_string(),
-            step.speed_mps.to_string(),
-            step.acceleration_mps2.to_string(),
-            field(step.request_mps2),
-            field(step.gap_m),
-            field(step.lead_speed_mps),
-            step.mode.map_or_else(String::new, |mode| mode.to_string()),
-            step.powertrain.map_or_else(String::new, |powertrain| powertrain.gear.to_string()),
-            field(step.powertrain.map(|powertrain| powertrain.engine_torque_nm)),
-            field(step.powertrain.map(|powertrain| powertrain.fuel_g)),
+            Some(step.time_s),
+            Some(step.position_m),
+            Some(step.speed_mps),
+            Some(step.acceleration_mps2),
+            step.request_mps2,
+            step.gap_m,
+            step.lead_speed_mps,
+            step.mode.map(f64::from),
+            step.powertrain.map(|powertrain| f64::from(powertrain.gear)),
+            step.powertrain.map(|powertrain| powertrain.engine_torque_nm),
+            step.powertrain.map(|powertrain| powertrain.fuel_g),
         ];
-        let figures =
-            (0..figure_names.len()).map(|index| field(step.figures.map(|figures| figures[index])));
+        let figures = (0..figure_names.len()).map(|index| Some(step.figures?[index]));
         own.into_iter().chain(figures)
     });
     let own_names = figure_names.iter().map(|name| {
         if COLUMNS.contains(name) { format!("law_{name}") } else { (*name).to_owned() }
     });
-    table::csv(COLUMNS.map(str::to_owned).into_iter().chain(own_names), rows)
+    table::csv_of_figures(COLUMNS.map(str::to_owned).into_iter().chain(own_names), rows)
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ pub fn decimate(points: impl Iterator<Item = (f64, f64)>) -> Vec<Vec<(f64, f64)>
             }
             continue;
         }
-        if column.points.first().is_some_and(|first| first.0.floor() != x.floor()) {
+        if column.first().is_some_and(|first| first.0.floor() != x.floor()) {
             column.empty_into(&mut run);
         }
         column.take((x, y));
@@ -57,27 +57,45 @@ fn straighten(run: &[(f64, f64)]) -> Vec<(f64, f64)> {
 /// last.
 #[derive(Default)]
 struct Column {
-    points: Vec<(f64, f64)>,
+    /// With room for the one that arrives.
+    points: [(f64, f64); 5],
+    count: usize,
 }
 
 impl Column {
+    fn first(&self) -> Option<(f64, f64)> {
+        (self.count > 0).then_some(self.points[0])
+    }
+
     fn take(&mut self, point: (f64, f64)) {
-        self.points.push(point);
-        if self.points.len() <= 4 {
+        self.points[self.count] = point;
+        self.count += 1;
+        if self.count < self.points.len() {
             return;
         }
-        let inner = 1..self.points.len() - 1;
-        let by_height = |a: &usize, b: &usize| self.points[*a].1.total_cmp(&self.points[*b].1);
-        let lowest = inner.clone().min_by(by_height).expect("three inner points");
-        let highest = inner.clone().max_by(by_height).expect("three inner points");
-        let keep = |index: usize| {
-            index == 0 || index + 1 == self.points.len() || index == lowest || index == highest
-        };
-        self.points = (0..self.points.len()).filter(|&i| keep(i)).map(|i| self.points[i]).collect();
+        // Of the three inner points the one between the extremes goes, or two if all are as high.
+        let (mut lowest, mut highest) = (1, 1);
+        for index in 2..=3 {
+            let height = self.points[index].1;
+            if height.total_cmp(&self.points[lowest].1).is_lt() {
+                lowest = index;
+            }
+            if height.total_cmp(&self.points[highest].1).is_ge() {
+                highest = index;
+            }
+        }
+        self.count = 1;
+        for index in 1..self.points.len() {
+            if index == lowest || index == highest || index + 1 == self.points.len() {
+                self.points[self.count] = self.points[index];
+                self.count += 1;
+            }
+        }
     }
 
     fn empty_into(&mut self, run: &mut Vec<(f64, f64)>) {
-        run.append(&mut self.points);
+        run.extend_from_slice(&self.points[..self.count]);
+        self.count = 0;
     }
 }
 
