@@ -6,8 +6,9 @@
 //!   ([`without_signals`](controller::law::Descriptor::without_signals)).
 //!
 //! A run of the study is therefore a case driven by a law, with and without the brake, for all laws that are the same
-//! there. Those that are chosen to be repeated in process groups are driven by every driver on its own, and a verdict
-//! that is not the shared one is a difference like other bytes.
+//! there. Of those that are chosen to be repeated, the drives that it took are repeated in process groups, by one of
+//! the laws in turn; every other driver drives the case on its own in one process, and a verdict that is not the
+//! shared one is a difference like other bytes.
 
 use std::collections::BTreeSet;
 
@@ -34,6 +35,23 @@ struct Laws {
     names: Vec<String>,
     /// Whether there are detections for an emergency brake.
     with_brake: bool,
+}
+
+impl Laws {
+    /// The drivers of run number `run` where it is repeated, each with whether it drives in a process group too: one of
+    /// the laws does in turn, where the run took a drive of its own.
+    fn repeated(&self, run: usize, brake_acted: bool) -> Vec<(Driver, bool)> {
+        let distinct: BTreeSet<&String> = self.names.iter().collect();
+        let in_turn = run % distinct.len();
+        let with_brake: &[bool] = if self.with_brake { &[false, true] } else { &[false] };
+        let drivers = distinct.into_iter().enumerate().flat_map(|(place, law)| {
+            with_brake.iter().map(move |&aebs| {
+                let was_driven = aebs == self.with_brake || brake_acted;
+                (Driver { law: law.clone(), aebs }, place == in_turn && was_driven)
+            })
+        });
+        drivers.collect()
+    }
 }
 
 /// Every case of every matrix by every law, in this order.
@@ -98,7 +116,7 @@ impl Plan {
         unreachable!("the runs are numbered up to their count")
     }
 
-    /// Drives run number `run`: as often as it takes, or `repeat`ing it with every driver and in process groups.
+    /// Drives run number `run`: as often as it takes, or `repeat`ing it in process groups and with every driver.
     ///
     /// # Errors
     /// As [`batch::lockstep`]; [`batch::Aborted`].
@@ -117,28 +135,25 @@ impl Plan {
             batch::whole(&done.summary)?;
             Ok(done)
         };
-        let kept = shared(laws.with_brake, &|aebs| drive(&laws.names[0], aebs, false))?;
+        let Shared { kept, brake_acted } =
+            Shared::of(laws.with_brake, &|aebs| drive(&laws.names[0], aebs, false))?;
         if !(repeat && batch::in_one_thread(group)) {
             return Ok((kept, None));
         }
-        let distinct: BTreeSet<&String> = laws.names.iter().collect();
-        let with_brake: &[bool] = if laws.with_brake { &[false, true] } else { &[false] };
         let mut repetition = Repetition::Same;
-        for law in distinct {
-            for &aebs in with_brake {
-                let done = drive(law, aebs, true)?;
-                let found = match done.repetition {
-                    Some(different @ Repetition::Different(_)) => different,
-                    _ if kept.end(aebs) != Some(End::of(&done)) => {
-                        let brake = if aebs { "with" } else { "without" };
-                        let what = format!("{law} {brake} emergency brake ends differently alone");
-                        Repetition::Different(what)
-                    }
-                    _ => continue,
-                };
-                if repetition == Repetition::Same {
-                    repetition = found;
+        for (Driver { law, aebs }, in_group) in laws.repeated(run, brake_acted) {
+            let done = drive(&law, aebs, in_group)?;
+            let found = match done.repetition {
+                Some(different @ Repetition::Different(_)) => different,
+                _ if kept.end(aebs) != Some(End::of(&done)) => {
+                    let brake = if aebs { "with" } else { "without" };
+                    let what = format!("{law} {brake} emergency brake ends differently alone");
+                    Repetition::Different(what)
                 }
+                _ => continue,
+            };
+            if repetition == Repetition::Same {
+                repetition = found;
             }
         }
         Ok((kept, Some(repetition)))
@@ -175,14 +190,25 @@ pub fn first_scenario(arguments: &R157Arguments) -> Result<Scenario, Error> {
     scene::scenario(&Matrix::Following.cases()[0], &driver, &Settled::new(arguments.seed.into()))
 }
 
-/// The ends with and without the emergency brake, of one run if it never braked.
-fn shared(with_brake: bool, drive: &dyn Fn(bool) -> Result<Done, Error>) -> Result<Kept, Error> {
-    let braked = with_brake.then(|| drive(true)).transpose()?;
-    let alone = match &braked {
-        Some(done) if done.summary.aebs.interventions == Some(0) => End::of(done),
-        _ => End::of(&drive(false)?),
-    };
-    Ok(Kept { alone, with_brake: braked.as_ref().map(End::of) })
+/// How a case ended with laws that are the same, and what it took.
+struct Shared {
+    kept: Kept,
+    /// The emergency brake braked, so that the case was driven without it too.
+    brake_acted: bool,
+}
+
+impl Shared {
+    /// The ends with and without the emergency brake, of one run if it never braked.
+    fn of(with_brake: bool, drive: &dyn Fn(bool) -> Result<Done, Error>) -> Result<Self, Error> {
+        let braked = with_brake.then(|| drive(true)).transpose()?;
+        let silent = braked.as_ref().filter(|done| done.summary.aebs.interventions == Some(0));
+        let alone = match silent {
+            Some(done) => End::of(done),
+            None => End::of(&drive(false)?),
+        };
+        let brake_acted = with_brake && silent.is_none();
+        Ok(Self { kept: Kept { alone, with_brake: braked.as_ref().map(End::of) }, brake_acted })
+    }
 }
 
 impl End {
@@ -297,6 +323,22 @@ mod tests {
             }
         }
         assert!(silent > 0 && acted > 0, "{silent} and {acted}");
+    }
+
+    #[test]
+    fn the_drives_that_a_run_took_are_repeated_in_groups_by_its_laws_in_turn() {
+        let names = ["b", "a", "a"].map(String::from).to_vec();
+        let laws = |with_brake| Laws { names: names.clone(), with_brake };
+        let in_groups = |laws: &Laws, run, brake_acted| -> Vec<(String, bool)> {
+            let all = laws.repeated(run, brake_acted);
+            assert_eq!(all.len(), if laws.with_brake { 4 } else { 2 }, "every driver drives");
+            let in_groups = all.into_iter().filter(|(_, in_group)| *in_group);
+            in_groups.map(|(driver, _)| (driver.law, driver.aebs)).collect()
+        };
+        let (a, b) = ("a".to_owned(), "b".to_owned());
+        assert_eq!(in_groups(&laws(true), 6, false), [(a.clone(), true)]);
+        assert_eq!(in_groups(&laws(true), 7, true), [(b, false), ("b".into(), true)]);
+        assert_eq!(in_groups(&laws(false), 8, false), [(a, false)]);
     }
 
     #[test]
