@@ -16,8 +16,12 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap");
 const PAIRS: usize = 9;
 /// Simulated time of each, s.
 const DURATION_S: &str = "300";
+/// Seeds of a command with few and with many runs: three are repeated in process groups in each.
+const SEEDS: [usize; 2] = [100, 500];
 /// Runs of the shorter and the longer part of the campaign `messages`.
 const PARTS: [usize; 2] = [60, 460];
+/// Measurements of each number of workers, in turns.
+const ROUNDS: usize = 5;
 
 /// Time of a command.
 #[derive(Clone, Copy)]
@@ -96,14 +100,17 @@ fn main() {
     println!("  process group   {:>14.0}   {:>14.0}", processes[0], processes[1]);
     println!("  ratio           {:>14.1}   {:>14.1}", ratios[0], ratios[1]);
 
-    // What a run costs beside its simulated time: runs of 2 s and of 4 s.
-    let runs = |duration: &str| {
+    // What a run costs beside its simulated time: runs of 2 s and of 4 s. Each command repeats three of its runs in
+    // process groups, whose start costs hundreds of times as much: what differs is runs in one process.
+    let runs = |duration: &str, count: usize| {
         let set = format!("duration_s={duration}");
-        let seeds = ["sweep", "cacc-a", "--param", "controller.name=acc-mpc", "--set", &set];
-        let seeds = [&seeds[..], &["--seeds", "1..400", "--jobs", "1"]].concat();
-        timegap(&seeds).1.processor_s / 400.0
+        let seeds = format!("1..{count}");
+        let sweep = ["sweep", "cacc-a", "--param", "controller.name=acc-mpc", "--set", &set];
+        timegap(&[&sweep[..], &["--seeds", &seeds, "--jobs", "1"]].concat()).1.processor_s
     };
-    let mut between: Vec<f64> = (0..5).map(|_| 2.0 * runs("2") - runs("4")).collect();
+    let [few, many] = SEEDS;
+    let each = |duration: &str| (runs(duration, many) - runs(duration, few)) / (many - few) as f64;
+    let mut between: Vec<f64> = (0..5).map(|_| 2.0 * each("2") - each("4")).collect();
     let between_ms = median(&mut between) * 1e3;
     let met = verdict(between_ms <= 1.0);
     println!(
@@ -115,18 +122,6 @@ fn main() {
         let runs = runs.to_string();
         timegap(&["campaign", "messages", "--sample", &runs, "--jobs", jobs]).1
     };
-    let [short, long] = PARTS;
-    let each = |jobs: &str| {
-        let times: Vec<[f64; 2]> = (0..3)
-            .map(|_| {
-                let (all, few) = (part(jobs, long), part(jobs, short));
-                let runs = (long - short) as f64;
-                [(all.wall_s - few.wall_s) / runs, (all.processor_s - few.processor_s) / runs]
-            })
-            .collect();
-        [0, 1].map(|kind| median(&mut times.iter().map(|time| time[kind]).collect::<Vec<f64>>()))
-    };
-    let (one, two) = (each("1"), each("2"));
     // Two commands of one worker each share nothing but the machine: what they gain is what it gives.
     let both = |runs: usize| {
         let begun = Instant::now();
@@ -136,12 +131,26 @@ fn main() {
         });
         begun.elapsed().as_secs_f64()
     };
-    let mut apart: Vec<f64> =
-        (0..3).map(|_| (both(long) - both(short)) / (2 * (long - short)) as f64).collect();
-    let apart_s = median(&mut apart);
+    let [short, long] = PARTS;
+    let each = |jobs: &str| {
+        let (all, few) = (part(jobs, long), part(jobs, short));
+        let runs = (long - short) as f64;
+        [(all.wall_s - few.wall_s) / runs, (all.processor_s - few.processor_s) / runs]
+    };
+    // In turns, so that all see the same machine.
+    let (mut one, mut two, mut apart) = (vec![], vec![], vec![]);
+    for _ in 0..ROUNDS {
+        one.push(each("1"));
+        two.push(each("2"));
+        apart.push((both(long) - both(short)) / (2 * (long - short)) as f64);
+    }
+    let middle = |times: &[[f64; 2]]| {
+        [0, 1].map(|kind| median(&mut times.iter().map(|time| time[kind]).collect::<Vec<f64>>()))
+    };
+    let (one, two, apart_s) = (middle(&one), middle(&two), median(&mut apart));
     let machine = one[0] / apart_s;
     let (all_s, gain) = (two[0] * 10_000.0, one[0] / two[0]);
-    println!("campaign messages, {} runs, medians of 3, ms per run", long - short);
+    println!("campaign messages, {} runs, medians of {ROUNDS}, ms per run", long - short);
     println!("                      wall   processor");
     println!("  one worker      {:>8.2}    {:>8.2}", one[0] * 1e3, one[1] * 1e3);
     println!("  two workers     {:>8.2}    {:>8.2}", two[0] * 1e3, two[1] * 1e3);
