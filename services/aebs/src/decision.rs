@@ -196,11 +196,13 @@ impl Decision {
             ),
         };
         if braking {
-            let on = contact(&threat, Plan::BrakeOn, 0.0);
-            let off = contact(&steady, Plan::Release, 0.0);
             let near = contact(&steady, Plan::Release, *margin_m + CLEAR_M);
+            let passes_better = || {
+                let on = contact(&threat, Plan::BrakeOn, 0.0);
+                contact(&steady, Plan::Release, 0.0).loss < on.loss
+            };
             assessment.loss = near.loss;
-            assessment.clear = near.probability <= CLEAR || off.loss < on.loss;
+            assessment.clear = near.probability <= CLEAR || passes_better();
             return (near.probability > NONE).then_some(assessment);
         }
         let passing = Threat { passed_m: threat.passed_m + PASS_MARGIN_M, ..threat };
@@ -209,12 +211,13 @@ impl Decision {
         if kept.probability < likely(ego.speed_mps - object.speed_mps) {
             return (kept.probability > NONE).then_some(assessment);
         }
-        let now = contact(&threat, Plan::Brake(0.0), 0.0);
-        let next = contact(&threat, Plan::Brake(*period_s), *margin_m);
+        // Each prediction is made only where those before it leave the question open.
+        let at = |wait_s: f64, clear_m: f64| contact(&threat, Plan::Brake(wait_s), clear_m);
         let share = if kept.probability > CERTAIN { 1.0 } else { BETTER };
-        assessment.brakes = next.probability > REMOTE && now.loss < share * kept.loss;
-        let late = contact(&threat, Plan::Brake(*period_s + *warning_s), *margin_m);
-        assessment.warns = assessment.brakes || late.probability > REMOTE;
+        assessment.brakes =
+            at(*period_s, *margin_m).probability > REMOTE && at(0.0, 0.0).loss < share * kept.loss;
+        assessment.warns =
+            assessment.brakes || at(*period_s + *warning_s, *margin_m).probability > REMOTE;
         Some(assessment)
     }
 
