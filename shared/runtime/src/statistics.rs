@@ -3,7 +3,6 @@
 use crate::kept_buckets::KeptBuckets;
 use hdrhistogram::Histogram;
 use serde::{Deserialize, Serialize};
-use std::ops::Range;
 
 /// Longest duration a histogram tells apart, ns; longer ones are counted as this.
 const HIGHEST_NS: u64 = 60_000_000_000;
@@ -47,28 +46,39 @@ enum Counts {
     Kept(KeptBuckets),
 }
 
-/// Buckets in the memory of this process. Only those that were recorded in are looked at: of a run in simulated time
-/// they are few of thousands.
+/// Buckets of a page: those of one doubling.
+const PAGE: usize = 1 << (DIGIT_BITS - 1);
+const PAGES: usize = BUCKETS.div_ceil(PAGE);
+
+/// Buckets in the memory of this process. Only pages that were recorded in are there: of a run in simulated time they
+/// are few of many, and no memory is cleared for the others.
 #[derive(Clone, Debug, Default)]
 struct OwnBuckets {
-    /// All of them, or none yet.
+    /// The pages, in the order in which they were first recorded in.
     counts: Vec<u64>,
-    recorded: Range<usize>,
+    /// Where each page is among them, counted from 1; 0: nowhere.
+    places: [u8; PAGES],
 }
 
 impl OwnBuckets {
     fn with_room() -> Self {
-        Self { counts: vec![0; BUCKETS], recorded: 0..0 }
+        Self { counts: Vec::with_capacity(PAGES * PAGE), places: [0; PAGES] }
     }
 
     fn add(&mut self, bucket: usize, count: u64) {
-        if self.counts.is_empty() {
-            *self = Self::with_room();
+        let place = &mut self.places[bucket / PAGE];
+        if *place == 0 {
+            // Once for a whole histogram: recording is no place to allocate.
+            self.counts.reserve(PAGES * PAGE - self.counts.len());
+            self.counts.resize(self.counts.len() + PAGE, 0);
+            *place = u8::try_from(self.counts.len() / PAGE).expect("there are few pages");
         }
-        self.counts[bucket] += count;
-        let Range { start, end } = self.recorded;
-        self.recorded =
-            if start == end { bucket..bucket + 1 } else { start.min(bucket)..end.max(bucket + 1) };
+        self.counts[(usize::from(*place) - 1) * PAGE + bucket % PAGE] += count;
+    }
+
+    fn count(&self, bucket: usize) -> u64 {
+        let place = usize::from(self.places[bucket / PAGE]);
+        place.checked_sub(1).map_or(0, |place| self.counts[place * PAGE + bucket % PAGE])
     }
 }
 
@@ -130,15 +140,17 @@ impl Latencies {
 
     /// The buckets with a count, in the order of their durations.
     fn recorded(&self) -> impl Iterator<Item = (usize, u64)> + '_ {
-        let range = match &self.0 {
-            Counts::Own(own) => own.recorded.clone(),
-            Counts::Kept(_) => 0..BUCKETS,
+        let is_there = |page: &usize| match &self.0 {
+            Counts::Own(own) => own.places[*page] > 0,
+            Counts::Kept(_) => true,
         };
-        let count = move |bucket: usize| match &self.0 {
-            Counts::Own(own) => own.counts[bucket],
+        let count = |bucket: usize| match &self.0 {
+            Counts::Own(own) => own.count(bucket),
             Counts::Kept(buckets) => buckets.count(bucket),
         };
-        range.map(move |bucket| (bucket, count(bucket))).filter(|(_, count)| *count > 0)
+        let buckets = |page: usize| page * PAGE..BUCKETS.min((page + 1) * PAGE);
+        let all = (0..PAGES).filter(is_there).flat_map(buckets);
+        all.map(move |bucket| (bucket, count(bucket))).filter(|(_, count)| *count > 0)
     }
 
     /// As the HdrHistogram family has it.
