@@ -5,7 +5,7 @@ use crate::faults::{ChannelFaults, Faults};
 use crate::fence::Fences;
 use crate::link::End;
 use crate::members::Members;
-use crate::transport::{Held, Receiver, SenderId, TransportError};
+use crate::transport::{Receiver, Rooms, SenderId, TransportError};
 use crate::waking::{Ticket, Waiter};
 use crate::{Clock, RuntimeError};
 use messages::e2e::Channel;
@@ -39,11 +39,8 @@ pub(crate) struct Expected {
 pub struct Subscriber<T: Message> {
     port: Rc<dyn Receiver<T>>,
     waiter: Option<Waiter>,
-    newest: Held<T>,
-    /// A sample of a later step than the reader's.
-    ahead: Held<T>,
-    /// The sample that is looked at.
-    incoming: Held<T>,
+    /// The newest sample, the one that is looked at, and one of a later step than the reader's.
+    rooms: Rooms<T>,
     /// Newest step of which a message arrived, whatever the check made of it.
     arrived_step: Option<u64>,
     /// Incarnation and sequence number of the last message of each source.
@@ -77,11 +74,9 @@ impl<T: Message> Subscriber<T> {
         tally: Rc<RefCell<Tally>>,
     ) -> Self {
         Self {
+            rooms: Rooms::new(|| port.room()),
             port,
             waiter,
-            newest: Held::new(),
-            ahead: Held::new(),
-            incoming: Held::new(),
             arrived_step: None,
             last: [(0, 0); Service::ALL.len() + 1],
             channels: Default::default(),
@@ -101,7 +96,7 @@ impl<T: Message> Subscriber<T> {
     /// The newest sample of the last update. A large one is borrowed from its sender.
     #[must_use]
     pub fn newest(&self) -> Option<&T> {
-        self.newest.get()
+        self.rooms.newest()
     }
 
     /// Bytes that were copied so far to take samples.
@@ -123,17 +118,14 @@ impl<T: Message> Subscriber<T> {
         mut each: impl FnMut(&T),
     ) -> Result<(), RuntimeError> {
         loop {
-            if self.ahead.get().is_some() {
-                self.incoming.clear();
-                std::mem::swap(&mut self.incoming, &mut self.ahead);
-            } else if !self.receive()? {
+            if !self.rooms.take_up() && !self.receive()? {
                 break;
             }
-            let Some(sample) = self.incoming.get() else { break };
+            let Some(sample) = self.rooms.incoming().get() else { break };
             // A wrong step is caught by the check; the wait for it is not to last for ever.
             let of_step = sample.header().step;
             if of_step > step {
-                std::mem::swap(&mut self.incoming, &mut self.ahead);
+                self.rooms.put_off();
                 break;
             }
             self.arrived_step = self.arrived_step.max(Some(of_step));
@@ -152,7 +144,7 @@ impl<T: Message> Subscriber<T> {
         if let Some(mut faults) = self.channel_faults.take() {
             let now_ns = self.now_ns();
             while let Some(disturbed) = faults.hand_over(now_ns) {
-                self.incoming.copy(&disturbed.message);
+                self.rooms.incoming_mut().copy(&disturbed.message);
                 let passed = self.check(&mut each);
                 if let Some(number) = disturbed.corrupted_by.filter(|_| passed) {
                     self.faults.went_undetected(number);
@@ -169,7 +161,7 @@ impl<T: Message> Subscriber<T> {
 
     /// Keeps the sample if it passes the end-to-end check; whether it did.
     fn check(&mut self, each: &mut impl FnMut(&T)) -> bool {
-        let Some(sample) = self.incoming.get() else { return false };
+        let Some(sample) = self.rooms.incoming().get() else { return false };
         let header = sample.header();
         let source = match T::TOPIC.sources() {
             [only] => only.to_wire(),
@@ -187,7 +179,7 @@ impl<T: Message> Subscriber<T> {
             return false;
         }
         let (data_id, incarnation) = (T::TOPIC.data_id(source), header.incarnation);
-        let accepted = match self.incoming.is_as_sent() {
+        let accepted = match self.rooms.incoming().is_as_sent() {
             true => channel.accept_as_sent(bytes, data_id, incarnation, &mut tally.e2e),
             false => channel.accept(bytes, data_id, incarnation, &mut tally.e2e),
         };
@@ -203,8 +195,7 @@ impl<T: Message> Subscriber<T> {
             self.heard_ns = now_ns;
         }
         each(sample);
-        std::mem::swap(&mut self.newest, &mut self.incoming);
-        self.incoming.clear();
+        self.rooms.keep();
         true
     }
 
@@ -221,12 +212,12 @@ impl<T: Message> Subscriber<T> {
     /// Takes the next sample of a member of the group; false if there is none.
     fn receive(&mut self) -> Result<bool, RuntimeError> {
         loop {
-            self.incoming.clear();
+            self.rooms.incoming_mut().clear();
             let error = |reason| RuntimeError::Receive { topic: T::TOPIC, reason };
-            let Some(arrival) = self.port.receive(&mut self.incoming).map_err(error)? else {
+            let Some(arrival) = self.port.receive(self.rooms.incoming_mut()).map_err(error)? else {
                 return Ok(false);
             };
-            let Some(sample) = self.incoming.get() else { return Ok(false) };
+            let Some(sample) = self.rooms.incoming().get() else { return Ok(false) };
             let &Header { source, incarnation, sequence, .. } = sample.header();
             if !self.knows(arrival.sender, source, incarnation) {
                 self.tally.borrow_mut().e2e.unknown_sender += 1;
@@ -318,11 +309,10 @@ impl<T: Message> Subscriber<T> {
         loop {
             let ticket = self.ticket();
             let error = |reason| RuntimeError::Receive { topic: T::TOPIC, reason };
-            while self.port.receive(&mut self.incoming).map_err(error)?.is_some() {
+            while self.port.receive(self.rooms.incoming_mut()).map_err(error)?.is_some() {
                 let named = |sample: &T| Origin::of(sample.header()) == origin;
-                if self.incoming.get().is_some_and(named) {
-                    std::mem::swap(&mut self.newest, &mut self.incoming);
-                    self.incoming.clear();
+                if self.rooms.incoming().get().is_some_and(named) {
+                    self.rooms.keep();
                     return Ok(());
                 }
             }

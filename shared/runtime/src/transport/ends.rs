@@ -91,6 +91,11 @@ pub struct Arrival {
 
 /// Receives messages of one type.
 pub trait Receiver<T: Message>: Connect + Input {
+    /// Room for one message.
+    fn room(&self) -> Held<T> {
+        Held::new()
+    }
+
     /// Takes the oldest message not yet taken into `held`.
     fn receive(&self, held: &mut Held<T>) -> Result<Option<Arrival>, TransportError>;
 

@@ -21,7 +21,7 @@ pub(super) const fn is_copied<T>() -> bool {
 /// Room for one received message.
 #[derive(Debug)]
 pub struct Held<T: Message> {
-    /// Room for a copy, from the start where messages of this type are copied.
+    /// Room for a copy, from the start where messages are copied.
     copy: Option<Box<T>>,
     state: State<T>,
 }
@@ -38,6 +38,11 @@ impl<T: Message> Held<T> {
     /// Room without a message.
     pub(crate) fn new() -> Self {
         Self { copy: is_copied::<T>().then(|| Box::new(T::zeroed())), state: State::Empty }
+    }
+
+    /// The same of a port whose messages are borrowed, whatever their size.
+    pub(super) fn of_borrowed() -> Self {
+        Self { copy: None, state: State::Empty }
     }
 
     /// The message.
@@ -77,7 +82,62 @@ impl<T: Message> Held<T> {
     }
 
     /// Gives the message back to its sender.
+    #[inline]
     pub(crate) fn clear(&mut self) {
-        self.state = State::Empty;
+        if !matches!(self.state, State::Empty) {
+            self.state = State::Empty;
+        }
+    }
+}
+
+/// The rooms of a port. What is in them stays where it is; the rooms change their parts.
+#[derive(Debug)]
+pub struct Rooms<T: Message> {
+    rooms: [Held<T>; 3],
+    newest: usize,
+    incoming: usize,
+    ahead: usize,
+}
+
+impl<T: Message> Rooms<T> {
+    /// Three rooms as `make` makes them.
+    pub(crate) fn new(make: impl Fn() -> Held<T>) -> Self {
+        Self { rooms: [make(), make(), make()], newest: 0, incoming: 1, ahead: 2 }
+    }
+
+    /// The newest message that was kept.
+    pub(crate) fn newest(&self) -> Option<&T> {
+        self.rooms[self.newest].get()
+    }
+
+    /// The message that is looked at.
+    pub(crate) fn incoming(&self) -> &Held<T> {
+        &self.rooms[self.incoming]
+    }
+
+    /// Room for the message to be looked at.
+    pub(crate) fn incoming_mut(&mut self) -> &mut Held<T> {
+        &mut self.rooms[self.incoming]
+    }
+
+    /// Makes the incoming message the newest.
+    pub(crate) fn keep(&mut self) {
+        std::mem::swap(&mut self.newest, &mut self.incoming);
+        self.incoming_mut().clear();
+    }
+
+    /// Puts the incoming message off.
+    pub(crate) fn put_off(&mut self) {
+        std::mem::swap(&mut self.ahead, &mut self.incoming);
+    }
+
+    /// Makes a message that was put off the incoming one; false if there is none.
+    pub(crate) fn take_up(&mut self) -> bool {
+        if self.rooms[self.ahead].get().is_none() {
+            return false;
+        }
+        self.incoming_mut().clear();
+        std::mem::swap(&mut self.ahead, &mut self.incoming);
+        true
     }
 }

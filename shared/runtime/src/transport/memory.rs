@@ -215,6 +215,10 @@ impl<T: Message> Input for MemoryReceiver<T> {
 }
 
 impl<T: Message> Receiver<T> for MemoryReceiver<T> {
+    fn room(&self) -> Held<T> {
+        Held::of_borrowed()
+    }
+
     fn receive(&self, held: &mut Held<T>) -> Result<Option<Arrival>, TransportError> {
         let Some((message, sender)) = self.queue.borrow_mut().pop_front() else { return Ok(None) };
         self.moved.set(self.moved.get() + 1);
