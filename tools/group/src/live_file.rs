@@ -8,6 +8,7 @@ use scenario::Scenario;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use std::path::Path;
+use std::sync::LazyLock;
 use std::time::SystemTime;
 
 /// The file, there for as long as this lives.
@@ -29,7 +30,7 @@ struct Live<'a> {
     /// Type and sender of each topic.
     topics: Map<String, Value>,
     /// Fields of each type: type, offset and meaning.
-    types: Map<String, Value>,
+    types: &'static Map<String, Value>,
     /// What the numbers in the messages stand for.
     names: Value,
 }
@@ -46,7 +47,7 @@ impl<'a> LiveFile<'a> {
             started_unix_ns: now_unix_ns - (monotonic_ns() - start_ns),
             layout_version: LAYOUT_VERSION,
             topics: topics(scenario),
-            types: types(),
+            types: &TYPES,
             names: names(scenario),
         };
         let text = serde_json::to_string_pretty(&live).expect("plain data");
@@ -80,13 +81,17 @@ fn topics(scenario: &Scenario) -> Map<String, Value> {
     TOPICS.into_iter().map(entry).collect()
 }
 
-fn types() -> Map<String, Value> {
+/// The same in every run: the meanings are searched for in the sources, which takes milliseconds.
+static TYPES: LazyLock<Map<String, Value>> = LazyLock::new(|| {
     let mut types = Map::new();
     TOPICS.into_iter().for_each(|topic| collect(topic.layout(), &mut types));
     types
-}
+});
 
 fn collect(layout: &'static Layout, types: &mut Map<String, Value>) {
+    if types.contains_key(layout.name) {
+        return;
+    }
     let fields = layout.fields.iter().map(|field| {
         let element = match field.shape.element {
             Element::Scalar(Scalar::U8) => "u8",
