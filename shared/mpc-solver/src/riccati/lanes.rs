@@ -29,6 +29,13 @@ impl Lanes {
         Self(std::array::from_fn(|i| if a[i] > b[i] { a[i] } else { b[i] }))
     }
 
+    /// The same for the lesser.
+    #[inline(always)]
+    pub(super) fn lesser(self, other: Self) -> Self {
+        let (a, b) = (self.0, other.0);
+        Self(std::array::from_fn(|i| if a[i] < b[i] { a[i] } else { b[i] }))
+    }
+
     #[inline(always)]
     pub(super) fn sum(self) -> f64 {
         let [a, b, c, d] = self.0;

@@ -4,11 +4,15 @@
 //! beyond. As for the light ([`super::light_curve`]), a tangent stands for the curve in one round, and the point
 //! reached on it says which part comes next. The vertical part is a steep line through the multiplier that the
 //! round before has found, so that the multiplier settles and the limit is met exactly.
+//!
+//! How steep that line is, is a matter of digits. Steeper, fewer rounds are needed. But the line turns the rounding of `z`, some
+//! 1e-14 m, into an error of the multiplier, and the optimality conditions ask for 1e-8 of the largest one: so the slope
+//! is [`STIFFNESS`] times that ([`super::working_set::WorkingSet::row_stiffness`]).
 
 use crate::problem::{Row, Softness};
 
-/// Slope that stands for the vertical part, cost per unit of the limit squared.
-const STIFFNESS: f64 = 1e8;
+/// Slope that stands for the vertical part, in largest multipliers per unit of the limit.
+pub(super) const STIFFNESS: f64 = 3e4;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Region {
@@ -31,9 +35,9 @@ pub(super) struct RowTangent {
 }
 
 impl RowTangent {
-    /// On the vertical part.
-    pub(super) fn edge(multiplier: f64) -> Self {
-        Self { region: Region::Edge, multiplier, slope: STIFFNESS }
+    /// On the vertical part, for which a line of this slope stands.
+    pub(super) fn edge(multiplier: f64, stiffness: f64) -> Self {
+        Self { region: Region::Edge, multiplier, slope: stiffness }
     }
 
     /// Beyond the limit of a soft row.
@@ -54,20 +58,21 @@ impl RowTangent {
     }
 
     /// Takes the point at `z` back to the curve: the new tangent, the multiplier of the point, and its
-    /// distance from the curve in units of the limit (1 or more when it changes to another part).
-    pub(super) fn project(&self, row: &Row, z: f64, unit: f64) -> (Self, f64, f64) {
+    /// distance from the curve in units of the limit (1 or more when it changes to another part). `stiffness` is the slope that
+    /// stands for the vertical part.
+    pub(super) fn project(&self, row: &Row, z: f64, unit: f64, stiffness: f64) -> (Self, f64, f64) {
         let mu = self.at(z);
         let (penalty, curvature) = match row.softness {
             Softness::Hard => (f64::INFINITY, 0.0),
             Softness::Soft { linear, quadratic } => (linear, quadratic),
         };
         let next = match self.region {
-            Region::Clear if z > 1e-10 * unit => Self::edge(0.0),
+            Region::Clear if z > 1e-10 * unit => Self::edge(0.0, stiffness),
             Region::Clear => *self,
             Region::Edge if mu < 0.0 => Self::default(),
             Region::Edge if mu > penalty => Self::beyond(penalty, curvature),
-            Region::Edge => Self::edge(mu),
-            Region::Beyond if z < 0.0 => Self::edge(penalty),
+            Region::Edge => Self::edge(mu, stiffness),
+            Region::Beyond if z < 0.0 => Self::edge(penalty, stiffness),
             Region::Beyond => *self,
         };
         let distance = if next.region != self.region {
@@ -90,7 +95,7 @@ mod tests {
         let mut tangent = RowTangent::default();
         for _ in 0..20 {
             let z = (a - tangent.multiplier) / (1.0 + tangent.slope);
-            let (next, mu, distance) = tangent.project(row, z, 1.0);
+            let (next, mu, distance) = tangent.project(row, z, 1.0, 1e8);
             if distance < 1e-12 {
                 return (z, mu);
             }

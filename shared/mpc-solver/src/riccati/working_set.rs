@@ -5,7 +5,7 @@
 //! survives from solve to solve for the warm start.
 
 use super::light_curve::LightTangent;
-use super::row_curve::RowTangent;
+use super::row_curve::{RowTangent, STIFFNESS};
 use crate::limits::MAX_ROWS;
 use crate::problem::{Problem, Terminal};
 
@@ -33,6 +33,8 @@ pub(super) struct WorkingSet {
     pub(super) rows: [Vec<RowTangent>; MAX_ROWS],
     /// Whether rows are in the guess by their tangents.
     pub(super) has_row_tangents: bool,
+    /// Slope of the rows' tangents at their limits.
+    pub(super) row_stiffness: f64,
 }
 
 impl WorkingSet {
@@ -43,6 +45,7 @@ impl WorkingSet {
             light: vec![LightTangent::default(); max_horizon],
             rows: std::array::from_fn(|_| vec![RowTangent::default(); max_horizon + 1]),
             has_row_tangents: false,
+            row_stiffness: STIFFNESS,
         }
     }
 

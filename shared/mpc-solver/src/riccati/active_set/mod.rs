@@ -42,7 +42,7 @@ use crate::kkt::Multipliers;
 use crate::problem::{LightStage, Problem, Terminal, dot};
 use first_sweep::FirstSweep;
 use forward::{Policy, Trajectory};
-use give_up::Progress;
+use give_up::{Approach, Progress};
 use response::RowResponse;
 use rows::{Update, WorkingRows};
 
@@ -159,6 +159,7 @@ impl ActiveSet {
         let mut has_light = problem.light_len == 0 || !is_cold;
         // The last stage at which the guess differs from that of the sweep before.
         let mut last_changed = n;
+        let mut approach = Approach::new(ON_CURVE);
         for round in 1..=max_rounds {
             if !self.minimise(problem, lq, round == 1, has_light, last_changed, point) {
                 return (Outcome::GivenUp, round);
@@ -172,6 +173,10 @@ impl ActiveSet {
             let rows = if self.guess.has_row_tangents {
                 self.renew_row_tangents(problem, point)
             } else if is_cold && round == 1 && !(progress.changed == 0 && off_curve == 0.0) {
+                let most = progress.most_violated(problem.light_len > 0);
+                if rows::are_violated(problem, point.states, most) {
+                    return (Outcome::GivenUp, round);
+                }
                 RowChange::by_working_set(false)
             } else {
                 let most = progress.most_violated(was_first_with_light);
@@ -192,13 +197,22 @@ impl ActiveSet {
             let is_wandering = match from {
                 From::Nothing => progress.is_hopeless(),
                 From::Previous(_) => progress.refutes_guess(self.guess.has_row_tangents),
-                From::Iterate(_) => progress.refutes_iterate(rows.parts, max_rounds - round),
+                From::Iterate(_) => {
+                    let left = max_rounds - round;
+                    let is_at_rest = progress.changed == 0 && rows.parts == 0;
+                    approach.is_too_slow(is_at_rest, rows.distance, left)
+                        || progress.refutes_iterate(rows.parts, left)
+                }
             };
             if is_wandering {
                 return (Outcome::GivenUp, round);
             }
             last_changed = self
-                .renew_sides(problem, progress.changed <= 1 && off_curve <= ON_CURVE)
+                .renew_sides(
+                    problem,
+                    progress.changed <= 1 && off_curve <= ON_CURVE,
+                    rows.last_acting,
+                )
                 .max(problem.light_len)
                 .max(rows.last_stage);
         }
@@ -284,6 +298,7 @@ impl ActiveSet {
     fn renew_row_tangents(&mut self, problem: &Problem, point: &mut Point) -> RowChange {
         let mut change = RowChange::by_working_set(true);
         self.row_tangents_act = false;
+        let stiffness = self.guess.row_stiffness;
         for (j, row) in problem.rows.iter().enumerate() {
             for k in row.from..=row.to {
                 let h = problem.limits[j][k];
@@ -293,11 +308,15 @@ impl ActiveSet {
                     point.multipliers.rows[j][k] = 0.0;
                     continue;
                 }
-                let (next, mu, distance) = slot.project(row, z, h.abs().max(1.0));
+                let (next, mu, distance) = slot.project(row, z, h.abs().max(1.0), stiffness);
                 *slot = next;
                 self.row_tangents_act |= next.acts();
+                if mu > 0.0 {
+                    change.last_acting = k.max(change.last_acting);
+                }
                 point.multipliers.rows[j][k] = mu;
                 change.is_complete &= distance <= ON_CURVE;
+                change.distance = change.distance.max(distance);
                 change.parts += usize::from(distance >= 1.0);
                 change.last_stage = change.last_stage.max(k);
             }
@@ -305,11 +324,12 @@ impl ActiveSet {
         change
     }
 
-    /// Takes over the sides of the last trajectory; returns the last stage at which they differ.
-    fn renew_sides(&mut self, problem: &Problem, is_at_rest: bool) -> usize {
+    /// Takes over the sides of the last trajectory, of which rows by their tangents act up to `acting`; returns the last stage
+    /// at which they differ.
+    fn renew_sides(&mut self, problem: &Problem, is_at_rest: bool, acting: usize) -> usize {
         let n = problem.horizon;
         let (sides, next) = (&mut self.guess.sides[..n], &mut self.next_sides[..n]);
-        let from = self.rows.last_acting_stage();
+        let from = self.rows.last_acting_stage().max(acting);
         let bounds = (problem.u_min, problem.u_max);
         // A switch that was opened and has closed again, all else being at rest, is right as it is.
         let settled = self.freed_switch.filter(|_| is_at_rest);
@@ -330,12 +350,16 @@ struct RowChange {
     parts: usize,
     /// The last stage with a new tangent.
     last_stage: usize,
+    /// The last stage at which a row in the guess by its tangents acts.
+    last_acting: usize,
+    /// The largest distance of a row from its curve.
+    distance: f64,
 }
 
 impl RowChange {
     /// No tangent is new.
     fn by_working_set(is_complete: bool) -> Self {
-        Self { is_complete, parts: 0, last_stage: 0 }
+        Self { is_complete, parts: 0, last_stage: 0, last_acting: 0, distance: 0.0 }
     }
 }
 

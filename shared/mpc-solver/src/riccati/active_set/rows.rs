@@ -176,3 +176,40 @@ impl WorkingRows {
         }
     }
 }
+
+/// Whether more than `most` stages of a trajectory violate a row.
+pub(super) fn are_violated(problem: &Problem, states: &[[f64; 3]], most: usize) -> bool {
+    let mut violated = 0;
+    for (row, limits) in problem.rows.iter().zip(&problem.limits) {
+        if row.from <= row.to {
+            let stages = states[row.from..=row.to].iter().zip(&limits[row.from..=row.to]);
+            let z = stages.map(|(x, h)| dot(&row.gradient, x) - h);
+            violated += z.map(|z| usize::from(z > 0.0)).sum::<usize>();
+        }
+    }
+    violated > most
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::{Row, Softness};
+
+    #[test]
+    fn rows_are_violated_where_they_are_in_force() {
+        let softness = Softness::Hard;
+        let row = Row { gradient: [0.0, 1.0, 0.0], from: 2, to: 4, limit: 1.0, softness };
+        let problem = Problem::builder(5)
+            .dynamics([[1.0, 0.1, 0.0], [0.0, 1.0, 0.1], [0.0, 0.0, 0.8]], [0.0, 0.0, 0.2])
+            .input_cost(1.0)
+            .input_bounds(-1.0, 1.0)
+            .row(row)
+            .row(Row { from: 5, to: 5, ..row })
+            .build()
+            .expect("a valid problem");
+        // Of the first row stages 2 and 3, of the second its only one.
+        let states = [9.0, 9.0, 1.5, 2.0, 1.0, 1.1].map(|speed| [0.0, speed, 0.0]);
+        assert!(are_violated(&problem, &states, 2));
+        assert!(!are_violated(&problem, &states, 3));
+    }
+}

@@ -9,7 +9,8 @@
 //! A switch moves by one stage, and further by half as many as it would take to make up for what the free input was
 //! asked for beyond its bound: each stage that changes from one bound to the other gives the range between them.
 //!
-//! Ahead of a row that acts the costate jumps, and neighbours at opposite bounds can be right. Should they be right
+//! Ahead of a row that acts, in the working set or by its tangent, the costate jumps, and neighbours at opposite bounds can be
+//! right. Should they be right
 //! elsewhere, the sweep that finds the sides unchanged settles before this rule is asked, and a switch at which freeing one
 //! of the two has only brought the sides back is left closed.
 

@@ -6,7 +6,7 @@
 
 use super::input::InputBarrier;
 use super::light::LightBarrier;
-use super::pairs::{Lengths, Limits, Prediction};
+use super::pairs::{Lengths, Limits, Prediction, Targets};
 use super::path::PathBlock;
 use super::row::RowBarrier;
 use crate::kkt::Multipliers;
@@ -15,6 +15,7 @@ use crate::problem::Problem;
 use crate::riccati::lanes::Lanes;
 use crate::riccati::light_curve::LightCurve;
 use crate::riccati::lqr::BlockModel;
+use crate::riccati::row_curve::STIFFNESS;
 use crate::riccati::working_set::WorkingSet;
 
 /// Distance of the first inputs from their bounds, part of the range.
@@ -84,16 +85,15 @@ impl Barriers {
         self.light.predict(j, &change.x, prediction);
     }
 
-    /// Sets the corrector's targets of block `j`: towards products of `tau`, and away from what the predictor has
-    /// neglected, of which the part `trust` counts. Returns what they add to the gradients on inputs and states.
+    /// Sets the corrector's targets of block `j`: see [`Targets`]. Returns what they add to the gradients on inputs and states.
     #[inline(always)]
-    pub(super) fn set_targets(&mut self, j: usize, tau: f64, trust: f64) -> (Lanes, [Lanes; 3]) {
-        let slope = self.input.set_targets(j, tau, trust);
+    pub(super) fn set_targets(&mut self, j: usize, targets: Targets) -> (Lanes, [Lanes; 3]) {
+        let slope = self.input.set_targets(j, targets);
         let mut added = [Lanes::default(); 3];
         for row in &mut self.rows[..self.count] {
-            row.set_targets(j, tau, trust, &mut added);
+            row.set_targets(j, targets, &mut added);
         }
-        self.light.set_targets(j, tau, trust, &mut added);
+        self.light.set_targets(j, targets, &mut added);
         (slope, added)
     }
 
@@ -117,8 +117,8 @@ impl Barriers {
         self.light.advance(j, lengths);
     }
 
-    /// Writes the guess of the active set that the last step suggests.
-    pub(super) fn suggest(&self, problem: &Problem, guess: &mut WorkingSet) {
+    /// Writes the guess of the active set that the last step suggests; `terminal` is the multiplier of the terminal equality.
+    pub(super) fn suggest(&self, problem: &Problem, guess: &mut WorkingSet, terminal: &[f64; 3]) {
         for (k, side) in guess.sides[..problem.horizon].iter_mut().enumerate() {
             *side = self.input.side(k);
         }
@@ -129,9 +129,12 @@ impl Barriers {
             }
         }
         guess.has_row_tangents = self.count > 0;
+        let rows = self.rows[..self.count].iter().map(RowBarrier::largest_multiplier);
+        let scale = terminal.iter().map(|y| y.abs()).chain(rows).fold(1.0, f64::max);
+        guess.row_stiffness = STIFFNESS * scale;
         for (row, tangents) in self.rows[..self.count].iter().zip(&mut guess.rows) {
             for (k, tangent) in tangents[..=problem.horizon].iter_mut().enumerate() {
-                *tangent = row.tangent(k);
+                *tangent = row.tangent(k, guess.row_stiffness);
             }
         }
     }

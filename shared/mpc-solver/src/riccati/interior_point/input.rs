@@ -1,6 +1,6 @@
 //! Both bounds of all inputs.
 
-use super::pairs::{Lengths, Limits, Pairs, Prediction, place};
+use super::pairs::{Lengths, Limits, Pairs, Prediction, Targets, place};
 use crate::riccati::lanes::{Lanes, WIDTH};
 use crate::riccati::lqr::BlockModel;
 use crate::riccati::working_set::Side;
@@ -76,12 +76,12 @@ impl InputBarrier {
 
     /// Sets the corrector's targets of a block; returns what they add to the gradient on its inputs.
     #[inline(always)]
-    pub(super) fn set_targets(&mut self, j: usize, tau: f64, trust: f64) -> Lanes {
+    pub(super) fn set_targets(&mut self, j: usize, targets: Targets) -> Lanes {
         let Some(Block { lower, upper, .. }) = self.blocks[..self.count].get_mut(j) else {
             return Lanes::default();
         };
-        lower.set_targets(tau, trust);
-        upper.set_targets(tau, trust);
+        lower.set_targets(targets);
+        upper.set_targets(targets);
         upper.target * upper.per_slack - lower.target * lower.per_slack
     }
 

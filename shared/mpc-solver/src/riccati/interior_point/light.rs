@@ -1,6 +1,8 @@
 //! The light, over its stages.
 
-use super::pairs::{Lengths, Limits, ONE, PROXIMAL, Pairs, Prediction, add_slope, place, product};
+use super::pairs::{
+    Lengths, Limits, ONE, PROXIMAL, Pairs, Prediction, Targets, add_slope, place, product,
+};
 use crate::problem::{LightCost, LightStage, Softness, dot};
 use crate::riccati::lanes::{Lanes, WIDTH};
 use crate::riccati::light_curve::{LightCurve, LightTangent};
@@ -176,18 +178,18 @@ impl LightBarrier {
 
     /// Sets the corrector's targets of a block, and adds what they add to the gradient.
     #[inline(always)]
-    pub(super) fn set_targets(&mut self, j: usize, tau: f64, trust: f64, added: &mut [Lanes; 3]) {
+    pub(super) fn set_targets(&mut self, j: usize, targets: Targets, added: &mut [Lanes; 3]) {
         let (is_capped, is_soft) = (self.is_capped, self.is_soft);
         let Some(block) = self.blocks[..self.count].get_mut(j) else { return };
         let Block { below, capped, violation, .. } = block;
-        below.set_targets(tau, trust);
+        below.set_targets(targets);
         let mut moved = below.target * below.per_multiplier;
         if is_capped {
-            capped.set_targets(tau, trust);
+            capped.set_targets(targets);
             moved = moved - capped.target * capped.per_slack * block.compliance;
         }
         if is_soft {
-            violation.set_targets(tau, trust);
+            violation.set_targets(targets);
             moved = moved - violation.target * violation.per_multiplier;
         }
         block.slope = moved * block.curvature;

@@ -58,7 +58,7 @@ use crate::kkt::Multipliers;
 use crate::problem::{Problem, Terminal, quadratic};
 use barriers::Barriers;
 use model::Cost;
-use pairs::{Lengths, Limits, Prediction, place};
+use pairs::{Lengths, Limits, Prediction, Targets, place};
 use path::{PathBlock, path, state};
 
 /// Least first slack of rows and light, m or m/s.
@@ -70,6 +70,13 @@ const START_PRODUCTS: (f64, f64) = (1.0, 1e6);
 const LEAST_TARGET: f64 = 1e-14;
 /// Least part of the mean product that a step aims at.
 const LEAST_CENTRING: f64 = 1e-6;
+
+/// Most of what the predictor has neglected that a target makes up for, in mean products ([`pairs`]).
+const MOST_NEGLECTED: f64 = 30.0;
+/// Part of the longest possible step that is left out while the products are large, and what is left out more when the
+/// predictor cannot go at all. The pair that hinders is then the farther from zero, and hinders the next step less.
+const MARGIN: f64 = 0.01;
+const SHORT_MARGIN: f64 = 0.1;
 
 /// Iterations without a smaller mean product after which both lengths of a step are the same, and what counts as smaller.
 const MOST_STALLED: u32 = 4;
@@ -213,7 +220,7 @@ impl InteriorPoint {
         let mu = gap / self.barriers.pairs() as f64;
 
         // Predictor: towards products of zero.
-        let (y, prediction) = self.predict::<LAST>(problem, lq, &cost_to_go);
+        let (y, prediction) = self.predict::<TERMINAL, LAST>(problem, lq, &cost_to_go);
         let Lengths { primal, dual } = prediction.limits.lengths(1.0);
         let predictor = (primal * dual).sqrt();
         let moved = prediction.moved.sum() / gap;
@@ -223,13 +230,15 @@ impl InteriorPoint {
 
         // Corrector: towards products of τ. A short predictor step says little about the products at full length; that
         // the root of its length counts, rather than the length, was measured: it saves some 3 % of the iterations.
-        let tau = (mu * (left * left * left).clamp(LEAST_CENTRING, 1.0)).max(LEAST_TARGET);
-        let trust = predictor.sqrt();
-        let (dy, limits) = self.correct::<TERMINAL, LAST>(problem, lq, &cost_to_go, (tau, trust));
+        let targets = Targets {
+            product: (mu * (left * left * left).clamp(LEAST_CENTRING, 1.0)).max(LEAST_TARGET),
+            trust: predictor.sqrt(),
+            most: MOST_NEGLECTED * mu,
+        };
+        let (dy, limits) = self.correct::<TERMINAL, LAST>(problem, lq, &cost_to_go, targets);
 
         // Step.
-        let fraction = (1.0 - mu.min(0.01)).max(0.5 + 0.5 * predictor).min(0.9995);
-        let mut lengths = limits.lengths(fraction);
+        let mut lengths = limits.lengths(fraction_of_longest(mu, predictor));
         if self.residual < NEARLY_FEASIBLE && self.stall.has_lasted(mu) {
             lengths = lengths.common();
         }
@@ -253,7 +262,7 @@ impl InteriorPoint {
 
     /// The predictor's change of the trajectory; returns its `y`.
     #[inline(always)]
-    fn predict<const LAST: bool>(
+    fn predict<const TERMINAL: bool, const LAST: bool>(
         &mut self,
         problem: &Problem,
         lq: &LinearQuadratic,
@@ -274,7 +283,7 @@ impl InteriorPoint {
             let gains = block(&self.sweep.gains, WIDTH * j);
             for lane in 0..WIDTH.min(n - WIDTH * j) {
                 let gain = &gains[lane];
-                let offset = gain.offset(&y);
+                let offset = if TERMINAL { gain.offset(&y) } else { gain.feedforward[3] };
                 let u = -gain.input(offset, &x);
                 path[j].u.0[lane] = u;
                 path[j].set_state(lane, &x);
@@ -297,17 +306,17 @@ impl InteriorPoint {
         problem: &Problem,
         lq: &LinearQuadratic,
         cost_to_go: &CostToGo,
-        (tau, trust): (f64, f64),
+        targets: Targets,
     ) -> ([f64; 3], Limits) {
         let n = problem.horizon;
         let barriers = &mut self.barriers;
         let mut v = [0.0; 3];
         let mut t = [0.0; 3];
-        let mut next = barriers.set_targets(n / WIDTH, tau, trust);
+        let mut next = barriers.set_targets(n / WIDTH, targets);
         for j in (0..=n / WIDTH).rev() {
             let (slopes, added) = next;
             if j > 0 {
-                next = barriers.set_targets(j - 1, tau, trust);
+                next = barriers.set_targets(j - 1, targets);
             }
             let added_at = |lane: usize| added.map(|lanes| lanes.0[lane]);
             if j == n / WIDTH {
@@ -339,7 +348,10 @@ impl InteriorPoint {
             let constants = block(&self.constants, WIDTH * j);
             for lane in 0..WIDTH.min(n - WIDTH * j) {
                 let (gain, f) = (&gains[lane], &gains[lane].feedforward);
-                let offset = constants[lane] + (f[0] * y[0] + f[1] * y[1] + f[2] * y[2]);
+                let mut offset = constants[lane];
+                if TERMINAL {
+                    offset += f[0] * y[0] + f[1] * y[1] + f[2] * y[2];
+                }
                 let u = -gain.input(offset, &x);
                 path[j].u.0[lane] = u;
                 path[j].set_state(lane, &x);
@@ -377,7 +389,7 @@ impl InteriorPoint {
 
     /// Writes the guess of the active set that the last step suggests.
     pub(super) fn suggest(&self, problem: &Problem, guess: &mut WorkingSet) {
-        self.barriers.suggest(problem, guess);
+        self.barriers.suggest(problem, guess, &self.terminal);
     }
 
     /// What is left of the first iterate's linear residuals, as a part of them.
@@ -398,6 +410,14 @@ impl InteriorPoint {
         self.barriers.read(multipliers);
         multipliers.terminal = self.terminal;
     }
+}
+
+/// Part of the longest possible step that is taken.
+#[inline(always)]
+fn fraction_of_longest(mu: f64, predictor: f64) -> f64 {
+    let short = 1.0 - predictor;
+    let margin = MARGIN + SHORT_MARGIN * (short * short);
+    (1.0 - mu.min(margin)).max(0.5 + 0.5 * predictor).min(0.9995)
 }
 
 /// An iteration, compiled for wide registers too: what it calls is inlined.
@@ -444,6 +464,14 @@ fn block_mut<T>(path: &mut [T], first: usize) -> &mut [T; WIDTH] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn more_is_left_out_of_a_step_where_the_predictor_is_short() {
+        assert_eq!(fraction_of_longest(1e3, 1.0), 0.9995);
+        assert_eq!(fraction_of_longest(1e3, 0.9), 1.0 - (MARGIN + SHORT_MARGIN * 0.1_f64.powi(2)));
+        assert_eq!(fraction_of_longest(1e3, 0.0), 1.0 - MARGIN - SHORT_MARGIN);
+        assert_eq!(fraction_of_longest(1e-3, 0.0), 0.999);
+    }
 
     #[test]
     fn a_stall_begins_after_four_iterations_that_do_not_get_below_the_least_product_and_stays() {

@@ -8,7 +8,10 @@
 //! sλ(1 + a r)(1 − b − b r) = (1 − b) sλ + (a − b) sλ r − a b n,     n = sλ r(1 + r)
 //! ```
 //!
-//! What the predictor has neglected is `n`; it gives the corrector's target, `t = τ + n`.
+//! What the predictor has neglected is `n`; it gives the corrector's target, `t = τ + n`. But `n` is what a full step would
+//! neglect. Where the predictor can go but a small part of the way, single pairs have an `n` of thousands of mean products, and to
+//! make up for it spoils the step of all others. So only a part of `n` counts, and no more than a multiple of the mean
+//! product.
 
 use crate::riccati::lanes::{Lanes, WIDTH};
 
@@ -33,6 +36,17 @@ pub(super) struct Pairs {
     relative: Lanes,
     /// After the predictor `n`, after that `t`.
     pub(super) target: Lanes,
+}
+
+/// The corrector's targets `t = τ + part of n`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Targets {
+    /// `τ`.
+    pub(super) product: f64,
+    /// Part of `n` that counts.
+    pub(super) trust: f64,
+    /// Most of `n` that counts.
+    pub(super) most: f64,
 }
 
 /// Lengths of a step: of the trajectory, the slacks and what goes with them, and of the multipliers.
@@ -112,8 +126,10 @@ impl Pairs {
 
     /// Sets the corrector's targets.
     #[inline(always)]
-    pub(super) fn set_targets(&mut self, tau: f64, trust: f64) {
-        self.target = Lanes::all(tau) + Lanes::all(trust) * self.target;
+    pub(super) fn set_targets(&mut self, targets: Targets) {
+        let Targets { product, trust, most } = targets;
+        let neglected = self.target.lesser(Lanes::all(most));
+        self.target = Lanes::all(product) + Lanes::all(trust) * neglected;
     }
 
     /// Takes the step's `r`.
@@ -170,6 +186,16 @@ pub(super) fn product(g: &[Lanes; 3], x: &[Lanes; 3]) -> Lanes {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_target_makes_up_for_what_was_neglected_up_to_a_limit() {
+        let mut pairs = Pairs::new(ONE, ONE);
+        for (neglected, target) in [(-1.0, 0.5), (2.0, 2.0), (100.0, 3.0)] {
+            pairs.target = Lanes::all(neglected);
+            pairs.set_targets(Targets { product: 1.0, trust: 0.5, most: 4.0 });
+            assert_eq!(pairs.target.0, [target; WIDTH]);
+        }
+    }
 
     #[test]
     fn slack_and_multiplier_each_go_as_far_as_they_can() {

@@ -1,6 +1,8 @@
 //! One row, over its stages.
 
-use super::pairs::{Lengths, Limits, ONE, PROXIMAL, Pairs, Prediction, add_slope, place, product};
+use super::pairs::{
+    Lengths, Limits, ONE, PROXIMAL, Pairs, Prediction, Targets, add_slope, place, product,
+};
 use crate::problem::{Row, Softness, dot};
 use crate::riccati::lanes::{Lanes, WIDTH};
 use crate::riccati::lqr::BlockModel;
@@ -153,14 +155,14 @@ impl RowBarrier {
 
     /// Sets the corrector's targets of a block, and adds what they add to the gradient.
     #[inline(always)]
-    pub(super) fn set_targets(&mut self, j: usize, tau: f64, trust: f64, added: &mut [Lanes; 3]) {
+    pub(super) fn set_targets(&mut self, j: usize, targets: Targets, added: &mut [Lanes; 3]) {
         let (gradient, is_soft) = (self.gradient, self.penalty.is_some());
         let Some(block) = self.block(j) else { return };
         let below = &mut block.below;
-        below.set_targets(tau, trust);
+        below.set_targets(targets);
         let mut moved = below.target * below.per_multiplier;
         if is_soft {
-            block.violation.set_targets(tau, trust);
+            block.violation.set_targets(targets);
             moved = moved - block.violation.target * block.per_stiffness;
         }
         block.slope = block.curvature * moved;
@@ -194,7 +196,7 @@ impl RowBarrier {
     }
 
     /// The part of the row's graph that stage `k` goes to.
-    pub(super) fn tangent(&self, k: usize) -> RowTangent {
+    pub(super) fn tangent(&self, k: usize, stiffness: f64) -> RowTangent {
         if k < self.from || k >= self.end {
             return RowTangent::default();
         }
@@ -205,8 +207,17 @@ impl RowBarrier {
             Some((penalty, curvature)) if !violation.is_active(lane) => {
                 RowTangent::beyond(penalty, curvature)
             }
-            _ => RowTangent::edge(below.multiplier.0[lane]),
+            _ => RowTangent::edge(below.multiplier.0[lane], stiffness),
         }
+    }
+
+    /// The largest multiplier.
+    pub(super) fn largest_multiplier(&self) -> f64 {
+        let blocks = &self.blocks[self.first_block..self.end_block];
+        blocks
+            .iter()
+            .fold(Lanes::default(), |top, block| block.below.multiplier.greater(top))
+            .largest()
     }
 
     /// Copies the multipliers of its stages out.
