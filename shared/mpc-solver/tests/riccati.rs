@@ -308,8 +308,8 @@ fn the_answers_have_the_same_bits_with_wide_registers_and_without() {
 
 /// `cargo test --release -p mpc-solver --test riccati -- --ignored --nocapture 100_000`: about a minute.
 ///
-/// Three of some 400,000 problems end at the machine's precision, with residuals above 1e-8 (seeds 1,145,649, 1,199,001
-/// and 1,366,765): they are not called solved, and their inputs are usable.
+/// Two of some 400,000 problems end at the machine's precision, with residuals above 1e-8 (seeds 1,144,342 and 1,199,001):
+/// they are not called solved, and their inputs are usable.
 #[test]
 #[ignore = "takes a minute"]
 fn solves_100_000_random_feasible_problems_of_each_class() {
@@ -338,5 +338,5 @@ fn solves_100_000_random_feasible_problems_of_each_class() {
         "no row acts, no light; light; rows; rows and light: {counts:?}, at most {most_iterations:?} \
          iterations; imprecise: {imprecise:?}"
     );
-    assert!(imprecise.len() <= 3, "{imprecise:?}");
+    assert!(imprecise.len() <= 2, "{imprecise:?}");
 }

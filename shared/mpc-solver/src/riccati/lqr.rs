@@ -37,6 +37,26 @@ use super::matrix::{Factors, Symmetric, product};
 use crate::problem::{Problem, Terminal};
 pub(super) use blocks::{BlockModel, BlockModels};
 
+/// What is known of the dynamics at compile time: a product with one and a sum with zero are no work, and what waits for
+/// them comes earlier. The bits are the same.
+pub(super) type Shape = u8;
+/// Nothing.
+pub(super) const GENERAL: Shape = 0;
+/// The first two states integrate: `a_00 = a_11 = 1`.
+pub(super) const INTEGRATING: Shape = 1;
+/// The same, and the input acts on the last state only.
+pub(super) const CHAIN: Shape = 2;
+
+fn shape_of(problem: &Problem) -> Shape {
+    let is_integrating = [problem.a[0][0], problem.a[1][1]] == [1.0; 2];
+    let is_last_only = problem.b[..2] == [0.0; 2];
+    match (is_integrating, is_last_only) {
+        (true, true) => CHAIN,
+        (true, false) => INTEGRATING,
+        _ => GENERAL,
+    }
+}
+
 /// The constant part of a problem, unpacked for the recursion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LinearQuadratic {
@@ -46,8 +66,7 @@ pub(super) struct LinearQuadratic {
     s: [f64; 3],
     r: f64,
     p: Symmetric,
-    /// Whether the input acts on the last state only.
-    pub(super) is_last_only: bool,
+    pub(super) shape: Shape,
     /// Whether any `d_k` is not zero.
     pub(super) has_disturbance: bool,
     /// Whether any linear cost or `d_k` is not zero.
@@ -168,41 +187,53 @@ impl LinearQuadratic {
             s: problem.s,
             r: problem.r,
             p: upper(&problem.p),
-            is_last_only: problem.b[0] == 0.0 && problem.b[1] == 0.0,
+            shape: shape_of(problem),
             has_disturbance,
             has_linear_terms,
         }
     }
 
+    /// `a_00 x` and `a_11 x`.
+    #[inline(always)]
+    fn kept<const SHAPE: Shape>(&self, x: [f64; 2]) -> [f64; 2] {
+        if SHAPE != GENERAL { x } else { [self.a[0] * x[0], self.a[3] * x[1]] }
+    }
+
     /// `A'v`.
     #[inline(always)]
-    pub(super) fn transposed(&self, v: &[f64; 3]) -> [f64; 3] {
-        let [a00, a01, a02, a11, a12, a22] = self.a;
-        [a00 * v[0], a01 * v[0] + a11 * v[1], a02 * v[0] + a12 * v[1] + a22 * v[2]]
+    pub(super) fn transposed<const SHAPE: Shape>(&self, v: &[f64; 3]) -> [f64; 3] {
+        let [_, a01, a02, _, a12, a22] = self.a;
+        let [v0, v1] = self.kept::<SHAPE>([v[0], v[1]]);
+        [v0, a01 * v[0] + v1, a02 * v[0] + a12 * v[1] + a22 * v[2]]
     }
 
     /// `A x + B u`.
     #[inline(always)]
-    pub(super) fn step<const LAST: bool>(&self, x: &[f64; 3], u: f64) -> [f64; 3] {
-        let [a00, a01, a02, a11, a12, a22] = self.a;
+    pub(super) fn step<const SHAPE: Shape>(&self, x: &[f64; 3], u: f64) -> [f64; 3] {
+        let [_, a01, a02, _, a12, a22] = self.a;
         let b = &self.b;
-        let first = a00 * x[0] + a01 * x[1] + a02 * x[2];
-        let second = a11 * x[1] + a12 * x[2];
+        let [x0, x1] = self.kept::<SHAPE>([x[0], x[1]]);
+        let first = x0 + a01 * x[1] + a02 * x[2];
+        let second = x1 + a12 * x[2];
         let third = a22 * x[2] + b[2] * u;
-        if LAST { [first, second, third] } else { [first + b[0] * u, second + b[1] * u, third] }
+        if SHAPE == CHAIN {
+            [first, second, third]
+        } else {
+            [first + b[0] * u, second + b[1] * u, third]
+        }
     }
 
     /// `A x + B u` with `u = −(F x + offset)`: the last state, on which the next input waits, comes from the last
     /// column of `A − B F` and does not wait for `u`.
     #[inline(always)]
-    pub(super) fn closed_step<const LAST: bool>(
+    pub(super) fn closed_step<const SHAPE: Shape>(
         &self,
         x: &[f64; 3],
         gain: &Gain,
         offset: f64,
         u: f64,
     ) -> [f64; 3] {
-        let [first, second, _] = self.step::<LAST>(x, u);
+        let [first, second, _] = self.step::<SHAPE>(x, u);
         let rest = offset + (gain.feedback[0] * x[0] + gain.feedback[1] * x[1]);
         let closed = self.a[5] - self.b[2] * gain.feedback[2];
         [first, second, closed * x[2] - self.b[2] * rest]
@@ -211,19 +242,21 @@ impl LinearQuadratic {
     /// `A'v + added − F'(B'v + slope)/δ`, the costate one stage earlier. As in [`Self::closed_step`], the last
     /// component comes from the closed loop.
     #[inline(always)]
-    pub(super) fn closed_costate<const LAST: bool>(
+    pub(super) fn closed_costate<const SHAPE: Shape>(
         &self,
         v: &[f64; 3],
         gain: &Gain,
         slope: f64,
         added: &[f64; 3],
     ) -> [f64; 3] {
-        let [a00, a01, a02, a11, a12, a22] = self.a;
+        let [_, a01, a02, _, a12, a22] = self.a;
+        let [v0, v1] = self.kept::<SHAPE>([v[0], v[1]]);
         let (f, last) = (&gain.feedback, self.b[2]);
-        let rest = if LAST { slope } else { slope + (self.b[0] * v[0] + self.b[1] * v[1]) };
+        let rest =
+            if SHAPE == CHAIN { slope } else { slope + (self.b[0] * v[0] + self.b[1] * v[1]) };
         // Everything but the last component of `v` first: it is the one that has just been computed.
-        let first = (a00 * v[0] + added[0]) - f[0] * rest;
-        let second = (a01 * v[0] + a11 * v[1] + added[1]) - f[1] * rest;
+        let first = (v0 + added[0]) - f[0] * rest;
+        let second = (a01 * v[0] + v1 + added[1]) - f[1] * rest;
         let third = (a02 * v[0] + a12 * v[1] + added[2]) - f[2] * rest;
         [
             first - (f[0] * last) * v[2],
@@ -234,28 +267,25 @@ impl LinearQuadratic {
 
     /// `B'v`.
     #[inline(always)]
-    pub(super) fn input_of<const LAST: bool>(&self, v: &[f64; 3]) -> f64 {
+    pub(super) fn input_of<const SHAPE: Shape>(&self, v: &[f64; 3]) -> f64 {
         let last = self.b[2] * v[2];
-        if LAST { last } else { self.b[0] * v[0] + self.b[1] * v[1] + last }
+        if SHAPE == CHAIN { last } else { self.b[0] * v[0] + self.b[1] * v[1] + last }
     }
 
     /// `A'P A`.
     #[inline(always)]
-    fn congruence(&self, p: &Symmetric) -> Symmetric {
-        let [a00, a01, a02, a11, a12, a22] = self.a;
+    fn congruence<const SHAPE: Shape>(&self, p: &Symmetric) -> Symmetric {
+        let [_, a01, a02, _, a12, a22] = self.a;
         let [p00, p01, p02, p11, p12, p22] = *p;
-        let m01 = a01 * p00 + a11 * p01;
+        let [m00, k11] = self.kept::<SHAPE>([p00, p11]);
+        let [k00, k01] = self.kept::<SHAPE>([m00, p01]);
+        let m01 = a01 * p00 + k01;
         let m02 = a02 * p00 + a12 * p01 + a22 * p02;
         let m12 = a02 * p01 + a12 * p11 + a22 * p12;
         let m22 = a02 * p02 + a12 * p12 + a22 * p22;
-        [
-            a00 * (a00 * p00),
-            a00 * m01,
-            a00 * m02,
-            a01 * m01 + a11 * (a01 * p01 + a11 * p11),
-            a01 * m02 + a11 * m12,
-            a02 * m02 + a12 * m12 + a22 * m22,
-        ]
+        let [n01, n11] = self.kept::<SHAPE>([m01, a01 * p01 + k11]);
+        let [n02, n12] = self.kept::<SHAPE>([m02, m12]);
+        [k00, n01, n02, a01 * m01 + n11, a01 * m02 + n12, a02 * m02 + a12 * m12 + a22 * m22]
     }
 
     /// The backward sweep.
@@ -270,27 +300,33 @@ impl LinearQuadratic {
         last: usize,
     ) -> CostToGo {
         let terminal = matches!(problem.terminal, Terminal::Equality(_));
-        match (self.is_last_only, self.has_disturbance, terminal) {
-            (true, false, false) => {
-                backward::<true, false, f64, M>(self, problem, models, sweep, last)
+        match (self.shape, self.has_disturbance, terminal) {
+            (CHAIN, false, false) => {
+                backward::<CHAIN, false, f64, M>(self, problem, models, sweep, last)
             }
-            (true, false, true) => {
-                backward::<true, false, Lanes, M>(self, problem, models, sweep, last)
+            (CHAIN, false, true) => {
+                backward::<CHAIN, false, Lanes, M>(self, problem, models, sweep, last)
             }
-            (true, true, false) => {
-                backward::<true, true, f64, M>(self, problem, models, sweep, last)
+            (CHAIN, true, false) => {
+                backward::<CHAIN, true, f64, M>(self, problem, models, sweep, last)
             }
-            (true, true, true) => {
-                backward::<true, true, Lanes, M>(self, problem, models, sweep, last)
+            (CHAIN, true, true) => {
+                backward::<CHAIN, true, Lanes, M>(self, problem, models, sweep, last)
             }
-            (false, _, _) => backward::<false, true, Lanes, M>(self, problem, models, sweep, last),
+            (INTEGRATING, _, false) => {
+                backward::<INTEGRATING, true, f64, M>(self, problem, models, sweep, last)
+            }
+            (INTEGRATING, _, true) => {
+                backward::<INTEGRATING, true, Lanes, M>(self, problem, models, sweep, last)
+            }
+            _ => backward::<GENERAL, true, Lanes, M>(self, problem, models, sweep, last),
         }
     }
 }
 
 /// See [`LinearQuadratic::factor`].
 #[multiversion(targets("x86_64+avx2"))]
-fn backward<const LAST: bool, const DISTURBED: bool, R: Row, M: StageModels>(
+fn backward<const SHAPE: Shape, const DISTURBED: bool, R: Row, M: StageModels>(
     lq: &LinearQuadratic,
     problem: &Problem,
     models: &M,
@@ -315,7 +351,7 @@ fn backward<const LAST: bool, const DISTURBED: bool, R: Row, M: StageModels>(
     let [a00, a01, a02, a11, a12, a22] = lq.a.map(R::splat);
     let last_squared = lq.b[2] * lq.b[2];
     for k in (0..top).rev() {
-        let pb = if LAST {
+        let pb = if SHAPE == CHAIN {
             [lq.b[2] * p[2], lq.b[2] * p[4], lq.b[2] * p[5]]
         } else {
             product(&p, &lq.b)
@@ -339,24 +375,26 @@ fn backward<const LAST: bool, const DISTURBED: bool, R: Row, M: StageModels>(
         };
         // From `P` to the next one the shortest way leads through this: one product and the division, then another
         // product. What stands between does not wait for the division.
-        let curvature = if LAST { last_squared * p[5] } else { lq.input_of::<LAST>(&pb) };
+        let curvature =
+            if SHAPE == CHAIN { last_squared * p[5] } else { lq.input_of::<SHAPE>(&pb) };
         let inverse = 1.0 / ((lq.r + extra) + curvature);
-        let fa = lq.transposed(&pb);
+        let fa = lq.transposed::<SHAPE>(&pb);
         let f = [fa[0] + lq.s[0], fa[1] + lq.s[1], fa[2] + lq.s[2]];
         let mut next = lq.q;
         let mut gradient = models.state(k, &mut next);
-        let apa = lq.congruence(&p);
+        let apa = lq.congruence::<SHAPE>(&p);
         for i in 0..6 {
             next[i] += apa[i];
         }
         let [l0, l1, l2] = linear;
         let mut beta = l2 * R::splat(lq.b[2]);
-        if !LAST {
+        if SHAPE != CHAIN {
             beta = beta + (l0 * R::splat(lq.b[0]) + l1 * R::splat(lq.b[1]));
         }
         let pull = beta + R::linear(slope);
         let feedforward = pull * R::splat(inverse);
-        linear = [a00 * l0, a01 * l0 + a11 * l1, a02 * l0 + a12 * l1 + a22 * l2];
+        let (k0, k1) = if SHAPE != GENERAL { (l0, l1) } else { (a00 * l0, a11 * l1) };
+        linear = [k0, a01 * l0 + k1, a02 * l0 + a12 * l1 + a22 * l2];
         let feedback = [f[0] * inverse, f[1] * inverse, f[2] * inverse];
         gains[k] = Gain { feedback, inverse, feedforward: feedforward.lanes().0 };
         if let InputModel::Held(u, _) = model {

@@ -12,7 +12,7 @@ use super::complementarity::MAX_WORKING_ROWS;
 use super::response::RowResponse;
 use super::rows::WorkingRow;
 use crate::problem::Problem;
-use crate::riccati::lqr::{LinearQuadratic, Sweep};
+use crate::riccati::lqr::{CHAIN, GENERAL, INTEGRATING, LinearQuadratic, Shape, Sweep};
 use crate::riccati::working_set::Side;
 
 /// What the sweep is made of.
@@ -36,16 +36,17 @@ pub(super) struct Trajectory<'a> {
 impl Policy<'_> {
     /// Fills the trajectory.
     pub(super) fn simulate(&self, problem: &Problem, trajectory: &mut Trajectory) {
-        match (self.lq.is_last_only, self.lq.has_disturbance) {
-            (true, false) => sweep_forward::<true, false>(self, problem, trajectory),
-            (true, true) => sweep_forward::<true, true>(self, problem, trajectory),
-            (false, _) => sweep_forward::<false, true>(self, problem, trajectory),
+        match (self.lq.shape, self.lq.has_disturbance) {
+            (CHAIN, false) => sweep_forward::<CHAIN, false>(self, problem, trajectory),
+            (CHAIN, true) => sweep_forward::<CHAIN, true>(self, problem, trajectory),
+            (INTEGRATING, _) => sweep_forward::<INTEGRATING, true>(self, problem, trajectory),
+            _ => sweep_forward::<GENERAL, true>(self, problem, trajectory),
         }
     }
 }
 
 #[multiversion(targets("x86_64+avx2"))]
-fn sweep_forward<const LAST: bool, const DISTURBED: bool>(
+fn sweep_forward<const SHAPE: Shape, const DISTURBED: bool>(
     policy: &Policy,
     problem: &Problem,
     trajectory: &mut Trajectory,
@@ -78,11 +79,11 @@ fn sweep_forward<const LAST: bool, const DISTURBED: bool>(
         // Branches rather than a minimum and a maximum: the sides come in long runs, and a predicted
         // branch does not wait for `v`.
         let (next, u, side) = if v > hi {
-            (lq.step::<LAST>(&x, hi), hi, Side::Upper)
+            (lq.step::<SHAPE>(&x, hi), hi, Side::Upper)
         } else if v < lo {
-            (lq.step::<LAST>(&x, lo), lo, Side::Lower)
+            (lq.step::<SHAPE>(&x, lo), lo, Side::Lower)
         } else {
-            (lq.closed_step::<LAST>(&x, gain, offset, v), v, Side::Free)
+            (lq.closed_step::<SHAPE>(&x, gain, offset, v), v, Side::Free)
         };
         unclamped[k] = v;
         sides[k] = side;

@@ -15,7 +15,7 @@ use multiversion::multiversion;
 use super::complementarity::MAX_WORKING_ROWS;
 use super::rows::WorkingRow;
 use crate::problem::{Problem, dot};
-use crate::riccati::lqr::{LinearQuadratic, Sweep};
+use crate::riccati::lqr::{CHAIN, GENERAL, LinearQuadratic, Shape, Sweep};
 use crate::riccati::working_set::Side;
 
 /// The columns and what they add up to.
@@ -53,17 +53,17 @@ impl RowResponse {
         sides: &[Side],
         rows: &[WorkingRow],
     ) {
-        match (lq.is_last_only, rows.len()) {
+        match (lq.shape, rows.len()) {
             (_, 0) => self.reach = 0,
-            (true, 0..=4) => columns::<4, true>(self, problem, lq, sweep, sides, rows),
-            (true, _) => columns::<8, true>(self, problem, lq, sweep, sides, rows),
-            (false, _) => columns::<8, false>(self, problem, lq, sweep, sides, rows),
+            (CHAIN, 0..=4) => columns::<4, CHAIN>(self, problem, lq, sweep, sides, rows),
+            (CHAIN, _) => columns::<8, CHAIN>(self, problem, lq, sweep, sides, rows),
+            _ => columns::<8, GENERAL>(self, problem, lq, sweep, sides, rows),
         }
     }
 }
 
 #[multiversion(targets("x86_64+avx2"))]
-fn columns<const L: usize, const LAST: bool>(
+fn columns<const L: usize, const SHAPE: Shape>(
     response: &mut RowResponse,
     problem: &Problem,
     lq: &LinearQuadratic,
@@ -91,12 +91,12 @@ fn columns<const L: usize, const LAST: bool>(
         let gain = &gains[k];
         let mut f = [0.0; L];
         for c in 0..L {
-            f[c] = lq.input_of::<LAST>(&[v[0][c], v[1][c], v[2][c]]);
+            f[c] = lq.input_of::<SHAPE>(&[v[0][c], v[1][c], v[2][c]]);
             t[c] += v[0][c] * d[k][0] + v[1][c] * d[k][1] + v[2][c] * d[k][2];
         }
         let mut next = [[0.0; L]; 3];
         for c in 0..L {
-            let w = lq.transposed(&[v[0][c], v[1][c], v[2][c]]);
+            let w = lq.transposed::<SHAPE>(&[v[0][c], v[1][c], v[2][c]]);
             for i in 0..3 {
                 next[i][c] = w[i];
             }

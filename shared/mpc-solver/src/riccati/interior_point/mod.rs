@@ -52,7 +52,9 @@ mod row;
 use multiversion::multiversion;
 
 use super::lanes::{Lanes, WIDTH};
-use super::lqr::{BlockModel, BlockModels, CostToGo, LinearQuadratic, Sweep};
+use super::lqr::{
+    BlockModel, BlockModels, CHAIN, CostToGo, GENERAL, INTEGRATING, LinearQuadratic, Shape, Sweep,
+};
 use super::working_set::WorkingSet;
 use crate::kkt::Multipliers;
 use crate::problem::{Problem, Terminal, quadratic};
@@ -201,16 +203,18 @@ impl InteriorPoint {
 
     /// One iteration; nothing if the step cannot be computed, in which case the iterate stays as it was.
     pub(super) fn iterate(&mut self, problem: &Problem, lq: &LinearQuadratic) -> Option<Step> {
-        match (problem.terminal, lq.is_last_only) {
-            (Terminal::Cost, true) => iterate::<false, true>(self, problem, lq),
-            (Terminal::Equality(_), true) => iterate::<true, true>(self, problem, lq),
+        match (lq.shape, problem.terminal) {
+            (CHAIN, Terminal::Cost) => iterate::<false, CHAIN>(self, problem, lq),
+            (CHAIN, Terminal::Equality(_)) => iterate::<true, CHAIN>(self, problem, lq),
+            (INTEGRATING, Terminal::Cost) => iterate::<false, INTEGRATING>(self, problem, lq),
+            (INTEGRATING, Terminal::Equality(_)) => iterate::<true, INTEGRATING>(self, problem, lq),
             // Rare enough not to deserve code of its own: the terminal columns are not used.
-            (_, false) => iterate::<true, false>(self, problem, lq),
+            _ => iterate::<true, GENERAL>(self, problem, lq),
         }
     }
 
     #[inline(always)]
-    fn iterate_with<const TERMINAL: bool, const LAST: bool>(
+    fn iterate_with<const TERMINAL: bool, const SHAPE: Shape>(
         &mut self,
         problem: &Problem,
         lq: &LinearQuadratic,
@@ -220,7 +224,7 @@ impl InteriorPoint {
         let mu = gap / self.barriers.pairs() as f64;
 
         // Predictor: towards products of zero.
-        let (y, prediction) = self.predict::<TERMINAL, LAST>(problem, lq, &cost_to_go);
+        let (y, prediction) = self.predict::<TERMINAL, SHAPE>(problem, lq, &cost_to_go);
         let Lengths { primal, dual } = prediction.limits.lengths(1.0);
         let predictor = (primal * dual).sqrt();
         let moved = prediction.moved.sum() / gap;
@@ -235,7 +239,7 @@ impl InteriorPoint {
             trust: predictor.sqrt(),
             most: MOST_NEGLECTED * mu,
         };
-        let (dy, limits) = self.correct::<TERMINAL, LAST>(problem, lq, &cost_to_go, targets);
+        let (dy, limits) = self.correct::<TERMINAL, SHAPE>(problem, lq, &cost_to_go, targets);
 
         // Step.
         let mut lengths = limits.lengths(fraction_of_longest(mu, predictor));
@@ -262,7 +266,7 @@ impl InteriorPoint {
 
     /// The predictor's change of the trajectory; returns its `y`.
     #[inline(always)]
-    fn predict<const TERMINAL: bool, const LAST: bool>(
+    fn predict<const TERMINAL: bool, const SHAPE: Shape>(
         &mut self,
         problem: &Problem,
         lq: &LinearQuadratic,
@@ -287,7 +291,7 @@ impl InteriorPoint {
                 let u = -gain.input(offset, &x);
                 path[j].u.0[lane] = u;
                 path[j].set_state(lane, &x);
-                x = lq.closed_step::<LAST>(&x, gain, offset, u);
+                x = lq.closed_step::<SHAPE>(&x, gain, offset, u);
             }
             if j > 0 {
                 self.barriers.predict(j - 1, &path[j - 1], &mut prediction);
@@ -301,7 +305,7 @@ impl InteriorPoint {
     /// Adds to the predictor what the corrector's slopes make: the recursion again, for the vectors only. Returns the
     /// change of `y`, and how far the pairs let the step go.
     #[inline(always)]
-    fn correct<const TERMINAL: bool, const LAST: bool>(
+    fn correct<const TERMINAL: bool, const SHAPE: Shape>(
         &mut self,
         problem: &Problem,
         lq: &LinearQuadratic,
@@ -326,14 +330,14 @@ impl InteriorPoint {
             let constants = block_mut(&mut self.constants, WIDTH * j);
             for lane in (0..WIDTH.min(n - WIDTH * j)).rev() {
                 let (gain, slope) = (&gains[lane], slopes.0[lane]);
-                let f = lq.input_of::<LAST>(&v) + slope;
+                let f = lq.input_of::<SHAPE>(&v) + slope;
                 constants[lane] = f * gain.inverse;
                 if TERMINAL {
                     for i in 0..3 {
                         t[i] -= gain.feedforward[i] * f;
                     }
                 }
-                v = lq.closed_costate::<LAST>(&v, gain, slope, &added_at(lane));
+                v = lq.closed_costate::<SHAPE>(&v, gain, slope, &added_at(lane));
             }
         }
         let y = match problem.terminal {
@@ -355,7 +359,7 @@ impl InteriorPoint {
                 let u = -gain.input(offset, &x);
                 path[j].u.0[lane] = u;
                 path[j].set_state(lane, &x);
-                x = lq.closed_step::<LAST>(&x, gain, offset, u);
+                x = lq.closed_step::<SHAPE>(&x, gain, offset, u);
             }
             if j > 0 {
                 path[j - 1].add(&self.predictor[j - 1]);
@@ -422,12 +426,12 @@ fn fraction_of_longest(mu: f64, predictor: f64) -> f64 {
 
 /// An iteration, compiled for wide registers too: what it calls is inlined.
 #[multiversion(targets("x86_64+avx2"))]
-fn iterate<const TERMINAL: bool, const LAST: bool>(
+fn iterate<const TERMINAL: bool, const SHAPE: Shape>(
     point: &mut InteriorPoint,
     problem: &Problem,
     lq: &LinearQuadratic,
 ) -> Option<Step> {
-    point.iterate_with::<TERMINAL, LAST>(problem, lq)
+    point.iterate_with::<TERMINAL, SHAPE>(problem, lq)
 }
 
 /// The iterate as models of the stages.

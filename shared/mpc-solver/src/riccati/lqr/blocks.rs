@@ -8,7 +8,7 @@
 
 use multiversion::multiversion;
 
-use super::{CostToGo, Gain, LinearQuadratic, Sweep};
+use super::{CHAIN, CostToGo, GENERAL, Gain, INTEGRATING, LinearQuadratic, Shape, Sweep};
 use crate::problem::{Problem, Terminal};
 use crate::riccati::lanes::{Lanes, Row, WIDTH};
 use crate::riccati::matrix::product;
@@ -39,10 +39,14 @@ impl LinearQuadratic {
         sweep: &mut Sweep,
     ) -> CostToGo {
         let gains = &mut sweep.gains[..problem.horizon];
-        match (problem.terminal, self.is_last_only) {
-            (Terminal::Cost, true) => backward::<true, f64, M>(self, models, gains),
-            (Terminal::Equality(_), true) => backward::<true, Lanes, M>(self, models, gains),
-            (_, false) => backward::<false, Lanes, M>(self, models, gains),
+        match (self.shape, problem.terminal) {
+            (CHAIN, Terminal::Cost) => backward::<CHAIN, f64, M>(self, models, gains),
+            (CHAIN, Terminal::Equality(_)) => backward::<CHAIN, Lanes, M>(self, models, gains),
+            (INTEGRATING, Terminal::Cost) => backward::<INTEGRATING, f64, M>(self, models, gains),
+            (INTEGRATING, Terminal::Equality(_)) => {
+                backward::<INTEGRATING, Lanes, M>(self, models, gains)
+            }
+            _ => backward::<GENERAL, Lanes, M>(self, models, gains),
         }
     }
 }
@@ -56,7 +60,7 @@ struct StageVectors<R> {
 
 /// See [`LinearQuadratic::factor_blocks`].
 #[multiversion(targets("x86_64+avx2"))]
-fn backward<const LAST: bool, R: Row, M: BlockModels>(
+fn backward<const SHAPE: Shape, R: Row, M: BlockModels>(
     lq: &LinearQuadratic,
     models: &mut M,
     gains: &mut [Gain],
@@ -86,16 +90,17 @@ fn backward<const LAST: bool, R: Row, M: BlockModels>(
         let gains = &mut gains[WIDTH * j..WIDTH * j + count];
         let vectors = &mut vectors[..count];
         for (lane, (gain, stage)) in gains.iter_mut().zip(&mut *vectors).enumerate().rev() {
-            let pb = if LAST {
+            let pb = if SHAPE == CHAIN {
                 [lq.b[2] * p[2], lq.b[2] * p[4], lq.b[2] * p[5]]
             } else {
                 product(&p, &lq.b)
             };
-            let curvature = if LAST { last_squared * p[5] } else { lq.input_of::<LAST>(&pb) };
+            let curvature =
+                if SHAPE == CHAIN { last_squared * p[5] } else { lq.input_of::<SHAPE>(&pb) };
             let inverse = 1.0 / ((lq.r + model.curvature.0[lane]) + curvature);
-            let fa = lq.transposed(&pb);
+            let fa = lq.transposed::<SHAPE>(&pb);
             let f = [fa[0] + lq.s[0], fa[1] + lq.s[1], fa[2] + lq.s[2]];
-            let apa = lq.congruence(&p);
+            let apa = lq.congruence::<SHAPE>(&p);
             let next = |i: usize| model.hessian[i].0[lane] + apa[i];
             p = [
                 next(0) - (f[0] * f[0]) * inverse,
@@ -113,13 +118,14 @@ fn backward<const LAST: bool, R: Row, M: BlockModels>(
         for (gain, stage) in gains.iter_mut().zip(&*vectors).rev() {
             let [l0, l1, l2] = linear;
             let mut beta = l2 * b[2];
-            if !LAST {
+            if SHAPE != CHAIN {
                 beta = beta + (l0 * b[0] + l1 * b[1]);
             }
             let pull = beta + stage.slope;
             let feedforward = pull * R::splat(gain.inverse);
             gain.feedforward = feedforward.lanes().0;
-            linear = [a00 * l0, a01 * l0 + a11 * l1, a02 * l0 + a12 * l1 + a22 * l2];
+            let (k0, k1) = if SHAPE != GENERAL { (l0, l1) } else { (a00 * l0, a11 * l1) };
+            linear = [k0, a01 * l0 + k1, a02 * l0 + a12 * l1 + a22 * l2];
             for i in 0..3 {
                 linear[i] = (linear[i] - R::splat(gain.feedback[i]) * pull) + stage.gradient[i];
             }
