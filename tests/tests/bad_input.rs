@@ -371,10 +371,36 @@ fn few_open_files() {
 
 fn unknown_commands_and_faults_without_meaning() {
     refused(&["rnu"], 2, &["'rnu'", "'run'"]);
+    refused(&["campaign", "nosuch"], 2, &["messages", "radio", "plausibility"]);
     refused(&["inject", "nowhere", "kill", "controller", "--for", "2"], 2, &["for"]);
     refused_scenario(
         "[[faults]]\nkind = \"kill\"\nservice = \"plant\"\nat_s = 1\nfor_s = 2\n",
         &["mine.toml:8:1", "^", "for_s"],
+    );
+}
+
+/// Two files that are cut off before their first message are not equal.
+fn recordings_without_a_message_that_can_be_read() {
+    let corner = Corner::new(PROGRAM);
+    let run = ["run", "cacc-a", "--mode", "lockstep", "--duration", "1", "--record", "--out", "x"];
+    let output = corner.run(&run);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output));
+    let bytes = std::fs::read(corner.path().join("x/recording.mcap")).expect("it was recorded");
+    // Records of MCAP: an opcode, a length of eight bytes, the content; 6 is a chunk of messages.
+    let mut at = 8;
+    while bytes[at] != 6 {
+        let length = u64::from_le_bytes(bytes[at + 1..at + 9].try_into().expect("eight bytes"));
+        at += 9 + usize::try_from(length).expect("it is in memory");
+    }
+    for (name, length) in [("a.mcap", at + 20), ("b.mcap", at + 30)] {
+        std::fs::write(corner.path().join(name), &bytes[..length]).expect("our own directory");
+    }
+    let output = corner.run(&["diff", "a.mcap", "b.mcap"]);
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output));
+    assert!(
+        text(&output).contains("a.mcap: damaged before its first message"),
+        "{}",
+        text(&output)
     );
 }
 
@@ -384,7 +410,7 @@ fn a_full_standard_output() {
     for arguments in [["list"].as_slice(), &["run", "cacc-a", "--mode", "lockstep", "--json"]] {
         let full = std::fs::File::options().write(true).open("/dev/full").expect("it is there");
         let output = corner.command(arguments).stdout(full).output().expect("it starts");
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", text(&output));
+        assert_eq!(output.status.code(), Some(3), "{arguments:?}: {}", text(&output));
         assert!(text(&output).contains("standard output"), "{}", text(&output));
     }
 }
@@ -488,6 +514,10 @@ fn main() -> ExitCode {
             unknown_commands_and_faults_without_meaning,
         ),
         case("a_full_standard_output", a_full_standard_output),
+        case(
+            "recordings_without_a_message_that_can_be_read",
+            recordings_without_a_message_that_can_be_read,
+        ),
         case("a_foreign_base_directory", a_foreign_base_directory),
         needing(cases::mount_namespace, "full_shared_memory", full_shared_memory),
         needing(cases::mount_namespace, "read_only_shared_memory", read_only_shared_memory),

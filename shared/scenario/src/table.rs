@@ -6,6 +6,9 @@ use std::ops::Range;
 
 type Field<'a> = (Range<usize>, &'a str);
 
+/// What some programs begin a file of UTF-8 with.
+const BYTE_ORDER_MARK: char = '\u{feff}';
+
 /// A CSV text: a line of names, then lines of numbers. Empty lines and those that start with `#`
 /// are passed over.
 pub(super) struct Table<'a> {
@@ -19,8 +22,8 @@ impl<'a> Table<'a> {
     /// Splits `text`; `source` stands for it in errors.
     pub(super) fn split(source: &'a str, text: &'a str) -> Self {
         let mut table = Self { source, text, names: Vec::new(), rows: Vec::new() };
-        let mut offset = 0;
-        for line in text.split_inclusive('\n') {
+        let mut offset = text.len() - text.trim_start_matches(BYTE_ORDER_MARK).len();
+        for line in text[offset..].split_inclusive('\n') {
             let bare = line.trim_end_matches(['\n', '\r']);
             if !bare.trim().is_empty() && !bare.starts_with('#') {
                 let fields = split(offset, bare);

@@ -463,7 +463,8 @@ fn a_road_from_a_file_is_embedded_and_its_faults_are_shown_in_it() {
     assert!(missing.contains("hilly.toml:4:12") && missing.contains("hills.csv"), "{missing}");
 
     let road = directory.join("hills.csv");
-    std::fs::write(&road, "distance_m,height_m\n0,10\n50,11\n100,9.5\n").expect("our own");
+    let marked = "\u{feff}distance_m,height_m\n0,10\n50,11\n100,9.5\n";
+    std::fs::write(&road, marked).expect("our own");
     let opened = open().expect("a right road");
     let again = Scenario::parse("effective.toml", &opened.to_toml()).expect("what took effect");
     assert_eq!(again.road.profile(), opened.road.profile());

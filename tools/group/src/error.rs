@@ -7,6 +7,7 @@ use recorder::ReadError;
 use runtime::RuntimeError;
 use scenario::storyboard::OpenError;
 use scenario::{Problem, ScenarioError};
+use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -105,12 +106,18 @@ pub enum Error {
     Interrupted,
 }
 
+/// True if there is no room: the machine's fault, not that of who named the place.
+fn is_full(reason: &std::io::Error) -> bool {
+    matches!(reason.kind(), ErrorKind::StorageFull | ErrorKind::QuotaExceeded)
+}
+
 impl Error {
     /// Exit status as promised by `--help`.
     #[must_use]
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::Operation(failure) => failure.status() as u8,
+            Self::Path { reason, .. } if is_full(reason) => 3,
             Self::Scenario(_)
             | Self::OpenScenario(_)
             | Self::Path { .. }

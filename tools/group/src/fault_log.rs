@@ -9,7 +9,7 @@ use serde::Serialize;
 pub struct FaultRecord {
     /// Run time at which it began, s.
     pub t_s: f64,
-    /// Kind of the fault, or `died`, `hung` or `flooded` for one that was not asked for.
+    /// Kind of the fault, or `died`, `hung`, `flooded` or `not ready` for one that was not asked for.
     pub kind: String,
     /// The service that it acts on.
     pub service: Option<Service>,

@@ -34,8 +34,14 @@ impl Supervisor<'_> {
         process.is_settled = true;
         self.keep_account(who, has_told);
         if is_active {
-            let kind = if exit == Exit::Flooded { "flooded" } else { "died" };
-            self.faults.log.detected(service, kind, incarnation + 1, None, now_ns);
+            let kind = match exit {
+                Exit::Flooded => "flooded",
+                Exit::NotReady => "not ready",
+                _ => "died",
+            };
+            // Where the launcher was held up itself, nothing says when in that time it was.
+            let since_ns = course.unseen_since(now_ns);
+            self.faults.log.detected(service, kind, incarnation + 1, since_ns, now_ns);
             self.faults.replaced(service);
         }
         if is_active && (self.launch.mode == Mode::Lockstep || course.ended != Ended::Orderly) {

@@ -35,9 +35,18 @@ pub(super) struct Course {
     is_stopping: bool,
     /// When a service that has not reported is taken for hung.
     deadline: Option<Instant>,
+    /// The last time in which the launcher did not look, run time in ns.
+    held_up: Option<(i64, i64)>,
 }
 
 impl Course {
+    /// Since when what is found at `now_ns` may have been so; `None` if the launcher looked all the time.
+    pub(super) fn unseen_since(&self, now_ns: i64) -> Option<i64> {
+        let (from_ns, until_ns) = self.held_up?;
+        // What happened meanwhile is taken one by one.
+        (now_ns - until_ns < STALLED_NS).then_some(from_ns)
+    }
+
     fn ending(&mut self) {
         self.is_stopping = true;
         self.deadline = Some(Instant::now() + REPORT_GRACE);
@@ -56,8 +65,12 @@ impl Supervisor<'_> {
         let length_ns = table.step_ns * i64::try_from(table.last_step).expect("runs are finite");
         let length = Duration::from_nanos(length_ns.unsigned_abs());
         let end = Instant::now() + length + self.launch.start_delay + REPORT_GRACE;
-        let mut course =
-            Course { ended: Ended::Orderly, is_stopping: false, deadline: realtime.then_some(end) };
+        let mut course = Course {
+            ended: Ended::Orderly,
+            is_stopping: false,
+            deadline: realtime.then_some(end),
+            held_up: None,
+        };
         let mut looked_ns = self.now_ns();
         while self.members.iter().any(|member| member.report.is_none()) {
             let event = self.events.recv_timeout(self.until_next_look(realtime));
@@ -68,6 +81,7 @@ impl Supervisor<'_> {
             let now_ns = self.now_ns();
             let stalled_ns = now_ns - looked_ns;
             if stalled_ns > STALLED_NS {
+                course.held_up = Some((looked_ns, now_ns));
                 // What was to be heard meanwhile still waits to be taken.
                 let stalled = Duration::from_nanos(stalled_ns.unsigned_abs());
                 course.deadline = course.deadline.map(|deadline| deadline + stalled);
@@ -280,5 +294,22 @@ impl Supervisor<'_> {
             };
             expected.then(|| member.service())
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_found_after_the_launcher_was_held_up_may_be_as_old_as_its_last_look() {
+        let held_up = Some((1_500_000_000, 2_600_000_000));
+        let mut course =
+            Course { ended: Ended::Orderly, is_stopping: false, deadline: None, held_up };
+        assert_eq!(course.unseen_since(2_600_000_000), Some(1_500_000_000));
+        assert_eq!(course.unseen_since(2_650_000_000), Some(1_500_000_000));
+        assert_eq!(course.unseen_since(2_800_000_000), None, "all was taken by then");
+        course.held_up = None;
+        assert_eq!(course.unseen_since(2_600_000_000), None);
     }
 }

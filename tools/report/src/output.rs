@@ -212,7 +212,12 @@ impl OutputDirectory {
     #[must_use]
     pub fn places(&self) -> String {
         let page = self.path.join(crate::FILE);
-        format!("results: {}\nreport:  {}\n", self.path.display(), page.display())
+        let report = match page.exists() {
+            true => format!("report:  {}\n", page.display()),
+            // A full disk.
+            false => String::new(),
+        };
+        format!("results: {}\n{report}", self.path.display())
     }
 
     /// Keeps the directory also if no result is written into it. Results that were to be replaced are gone then.

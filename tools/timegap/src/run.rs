@@ -128,7 +128,12 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
         print::out(&(json + "\n"))?;
     } else {
         let results = format!("  {:<14} {}\n", "results", output.path().display());
-        let page = format!("  {:<14} {}\n", "report", output.path().join(report::FILE).display());
+        let page = match written {
+            Ok(()) => {
+                format!("  {:<14} {}\n", "report", output.path().join(report::FILE).display())
+            }
+            Err(_) => String::new(),
+        };
         print::out(&(print::summary(&summary) + &results + &page))?;
     }
     // Print first, then fail on a full disk.

@@ -123,8 +123,9 @@ pub struct Campaign {
 pub enum FileError {
     /// It is neither built in nor a file.
     #[error(
-        "{argument}: no built-in campaign and no file of this name, expected a path or {}",
-        BUILTIN.map(|builtin| builtin.name).join(", ")
+        "{argument}: no built-in campaign and no file of this name, expected a path or {}, {}",
+        BUILTIN.map(|builtin| builtin.name).join(", "),
+        super::WITHOUT_FILE.map(|(name, _)| name).join(", ")
     )]
     Unknown {
         /// The argument.

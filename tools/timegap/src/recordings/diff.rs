@@ -2,7 +2,7 @@
 
 use super::{open, tell};
 use clap::Args;
-use group::Error;
+use group::{Error, Failure};
 use messages::Service;
 use messages::Topic;
 use recorder::{Damage, Record, Recording};
@@ -28,6 +28,11 @@ pub struct DiffArguments {
 pub fn run(arguments: &DiffArguments) -> Result<ExitCode, Error> {
     let (a, b) = (open(&arguments.a)?, open(&arguments.b)?);
     let comparison = compare(&a, &b);
+    if comparison.messages == 0
+        && let Some(damaged) = [&a, &b].into_iter().find(|file| !file.damage().is_empty())
+    {
+        return Err(NothingToCompare { path: damaged.path().to_owned() }.into());
+    }
     if arguments.json {
         print::out(&(serde_json::to_string_pretty(&comparison).expect("plain data") + "\n"))?;
     } else {
@@ -36,6 +41,15 @@ pub fn run(arguments: &DiffArguments) -> Result<ExitCode, Error> {
     Ok(if comparison.equal { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
+/// Two recordings of which one is damaged before its first message.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: damaged before its first message, expected a recording with messages", path.display())]
+struct NothingToCompare {
+    path: PathBuf,
+}
+
+impl Failure for NothingToCompare {}
+
 /// What a comparison found.
 #[derive(Debug, Serialize)]
 struct Comparison {
@@ -43,6 +57,8 @@ struct Comparison {
     equal: bool,
     /// Messages compared.
     messages: u64,
+    /// What of the first and of the second recording could not be read: it was not compared.
+    damage: [Vec<String>; 2],
     /// The first divergence in time.
     first: Option<Divergence>,
     /// How many senders' messages on a topic diverge.
@@ -113,6 +129,10 @@ fn compare(a: &Recording, b: &Recording) -> Comparison {
         tell(recording, recording.damage());
         tell(recording, damage);
     }
+    let told = |recording: &Recording, damage: &[Damage]| -> Vec<String> {
+        recording.damage().iter().chain(damage).map(ToString::to_string).collect()
+    };
+    let damage = [told(a, &damage[0]), told(b, &damage[1])];
     let messages = streams.values().map(|stream| stream.counts[0].max(stream.counts[1])).sum();
     let diverging: BTreeMap<Key, u64> =
         streams.iter().filter_map(|(key, stream)| Some((*key, stream.divergence()?))).collect();
@@ -126,6 +146,7 @@ fn compare(a: &Recording, b: &Recording) -> Comparison {
         schema_version: 1,
         equal: first.is_none(),
         messages,
+        damage,
         first,
         diverging_streams: diverging.len(),
     }
@@ -206,7 +227,11 @@ fn divergence(
 
 fn as_text(comparison: &Comparison) -> String {
     let Some(first) = &comparison.first else {
-        return format!("equal: {} messages, byte for byte\n", comparison.messages);
+        let of_what = match comparison.damage.iter().all(Vec::is_empty) {
+            true => "",
+            false => " of what can be read",
+        };
+        return format!("equal: {} messages{of_what}, byte for byte\n", comparison.messages);
     };
     let value = |value: &Option<String>| value.clone().unwrap_or_else(|| "no message".into());
     let field = first.field.as_ref().map_or_else(String::new, |field| format!(", {field}"));
