@@ -29,6 +29,10 @@ const QUEUE: usize = 256;
 /// Longest time for a session to be opened; zenoh's own patience has no bound with some links.
 const PATIENCE: Duration = Duration::from_secs(10);
 
+/// Time without a packet after which the subscriptions are declared again: where two peers declare in the instant in
+/// which the link between them opens, zenoh may lose a declaration, and would then never send.
+const RENEWAL: Duration = Duration::from_secs(2);
+
 /// Opens a session and both ends.
 pub(crate) fn open(
     configuration: Option<&Path>,
@@ -58,33 +62,28 @@ pub(crate) fn open(
     };
     let (frames, questions) = (publisher(FRAMES)?, publisher(QUESTIONS)?);
     let (arrivals, heard) = sync_channel(QUEUE);
-    let subscriber = |key: String| {
-        let (arrivals, shared) = (arrivals.clone(), Arc::clone(shared));
-        (session.declare_subscriber(key))
-            .callback(move |sample| {
-                let bytes = sample.payload().to_bytes();
-                if bytes.len() > MAX_PACKET {
-                    Counts::count(&shared.counts.malformed);
-                } else if arrivals.try_send(Arrival::Packet(bytes.into_owned())).is_err() {
-                    Counts::count(&shared.counts.dropped);
-                }
-            })
-            .allowed_origin(Locality::Remote)
-            .wait()
-            .map_err(fail)
-    };
     let other = match identity.start_ns {
         Some(_) => QUESTIONS.to_owned(),
         None => answers_to(identity.sender),
     };
-    let subscribers = [subscriber(FRAMES.to_owned())?, subscriber(other)?];
+    let keys = [FRAMES.to_owned(), other];
+    let mut endpoint = ZenohEndpoint {
+        heard,
+        questions,
+        session,
+        keys,
+        arrivals: arrivals.clone(),
+        shared: Arc::clone(shared),
+        subscribers: Vec::new(),
+        silent: Duration::ZERO,
+    };
+    endpoint.subscribe().map_err(fail)?;
     let (queue, departures) = sync_channel::<Vec<u8>>(QUEUE);
     let counts = Arc::clone(shared);
     std::thread::Builder::new()
         .name("radio-send".into())
         .spawn(move || send_all(&departures, &frames, &counts))
         .map_err(OpenError::SetUp)?;
-    let endpoint = ZenohEndpoint { heard, questions, session, _subscribers: subscribers };
     Ok((endpoint, ZenohOutlet { queue, arrivals }))
 }
 
@@ -142,18 +141,56 @@ pub(crate) struct ZenohEndpoint {
     heard: Receiver<Arrival>,
     questions: Publisher<'static>,
     session: Session,
-    _subscribers: [Subscriber<()>; 2],
+    /// What it listens to.
+    keys: [String; 2],
+    arrivals: SyncSender<Arrival>,
+    shared: Arc<Shared>,
+    subscribers: Vec<Subscriber<()>>,
+    /// Time since the last packet, or since the last declaration.
+    silent: Duration,
+}
+
+impl ZenohEndpoint {
+    /// Declares the subscriptions, in the place of those that there are.
+    fn subscribe(&mut self) -> Result<(), zenoh::Error> {
+        self.silent = Duration::ZERO;
+        self.subscribers.clear();
+        for key in &self.keys {
+            let (arrivals, shared) = (self.arrivals.clone(), Arc::clone(&self.shared));
+            let subscriber = (self.session.declare_subscriber(key.clone()))
+                .callback(move |sample| {
+                    let bytes = sample.payload().to_bytes();
+                    if bytes.len() > MAX_PACKET {
+                        Counts::count(&shared.counts.malformed);
+                    } else if arrivals.try_send(Arrival::Packet(bytes.into_owned())).is_err() {
+                        Counts::count(&shared.counts.dropped);
+                    }
+                })
+                .allowed_origin(Locality::Remote)
+                .wait()?;
+            self.subscribers.push(subscriber);
+        }
+        Ok(())
+    }
 }
 
 impl Endpoint for ZenohEndpoint {
     fn hear(&mut self, timeout: Duration, buffer: &mut [u8]) -> Heard {
         match self.heard.recv_timeout(timeout) {
             Ok(Arrival::Packet(packet)) => {
+                self.silent = Duration::ZERO;
                 buffer[..packet.len()].copy_from_slice(&packet);
                 Heard::Packet(packet.len(), Origin::Zenoh)
             }
             Ok(Arrival::Close) | Err(RecvTimeoutError::Disconnected) => Heard::Closed,
-            Err(RecvTimeoutError::Timeout) => Heard::Nothing,
+            Err(RecvTimeoutError::Timeout) => {
+                self.silent += timeout;
+                if self.silent >= RENEWAL {
+                    // A session that takes none now is asked again.
+                    let _ = self.subscribe();
+                }
+                Heard::Nothing
+            }
         }
     }
 
