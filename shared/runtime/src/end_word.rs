@@ -65,9 +65,7 @@ pub(super) fn announce(
         .name("end".into())
         .stack_size(64 * 1024)
         .spawn(move || {
-            if priority > 0 {
-                set_fifo_of(gettid().as_raw_pid(), priority);
-            }
+            set_fifo_of(gettid().as_raw_pid(), priority);
             own(word(&page, service, incarnation));
             // The other end waits.
             let _ = sender.send(());
@@ -107,11 +105,7 @@ fn own(word: &AtomicU32) {
 
 /// Waits for the end of a service's process; false if it announces none.
 pub(super) fn wait(page: &SharedWords, service: Service, incarnation: u32) -> bool {
-    wait_for_owner(word(page, service, incarnation))
-}
-
-/// Waits for the end of a word's owner; false if it has none.
-fn wait_for_owner(word: &AtomicU32) -> bool {
+    let word = word(page, service, incarnation);
     loop {
         let owner = word.load(Ordering::SeqCst);
         if owner == 0 || owner & OWNER_DIED != 0 {

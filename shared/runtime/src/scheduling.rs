@@ -192,9 +192,12 @@ pub(super) fn set_below_services(scenario: &Scenario) {
     }
 }
 
-/// Gives thread `thread` of this process `SCHED_FIFO` with this priority, where the machine grants it.
+/// Gives thread `thread` of this process `SCHED_FIFO` with this priority, where the machine grants it; 0 leaves it as
+/// it is.
 pub fn set_fifo_of(thread: i32, priority: u8) {
-    let _ = set_policy_of(thread, libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK, priority);
+    if priority > 0 {
+        let _ = set_policy_of(thread, libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK, priority);
+    }
 }
 
 /// What the calling thread has without asking.

@@ -83,7 +83,7 @@ impl Order {
         }
         let word = fence::word(&self.page, self.service);
         let took = fence::take_over(word, self.active, self.own);
-        if took && self.priority > 0 {
+        if took {
             // Above the old process's loop, which gives its memory back at its priority on the same core.
             set_fifo_of(self.thread, above(self.priority));
         }
@@ -214,9 +214,7 @@ impl Standby {
 
     /// Gives the loop the active process's priority, once it has sent what could not wait.
     pub(super) fn take_priority(&self) {
-        if self.order.priority > 0 {
-            set_fifo_of(self.order.thread, self.order.priority);
-        }
+        set_fifo_of(self.order.thread, self.order.priority);
     }
 
     /// Waits for the take-over, at most for `timeout`; a signal ends the wait early.
@@ -246,10 +244,8 @@ impl Standby {
 
 /// Waits for the end of the active process. One that has no pidfd was gone before.
 fn watch(order: &Order, pidfd: Option<OwnedFd>, priority: u8) {
-    if priority > 0 {
-        // Above the loop that it raises.
-        set_fifo_of(gettid().as_raw_pid(), above(priority));
-    }
+    // Above the loop that it raises.
+    set_fifo_of(gettid().as_raw_pid(), above(priority));
     let words = WakeWords::map(&order.prefix);
     if let Some(pidfd) = pidfd
         && !end_word::wait(&order.page, order.service, order.active)
