@@ -190,38 +190,3 @@ fn what_is_wrong_is_one_error_with_its_place() {
     assert!(corner.roots().is_empty());
     assert!(!corner.path().join("runs").exists());
 }
-
-/// ASAM's scenarios are not part of this repository: run where `OPENSCENARIO_FILES` names the folders.
-#[test]
-fn the_standards_own_scenarios_run() {
-    let Ok(folders) = std::env::var("OPENSCENARIO_FILES") else {
-        use std::io::Write;
-        let word = "SKIPPED: OPENSCENARIO_FILES names no folder with OpenSCENARIO files";
-        let _ = writeln!(std::io::stderr(), "{word}");
-        return;
-    };
-    let corner = Corner::new(PROGRAM);
-    let mut ran = 0;
-    for folder in folders.split(':') {
-        for entry in std::fs::read_dir(folder).expect("a readable folder") {
-            let path = entry.expect("it is readable").path();
-            let storyboard =
-                std::fs::read_to_string(&path).is_ok_and(|t| t.contains("<Storyboard>"));
-            if !storyboard {
-                continue;
-            }
-            let arguments = ["run", &path.to_string_lossy(), "--mode", "lockstep", "--json"];
-            let output = corner.run(&arguments);
-            let summary: Value = serde_json::from_slice(&output.stdout)
-                .unwrap_or_else(|_| panic!("{}: {}", path.display(), text(&output)));
-            println!(
-                "{}: {} after {} s",
-                path.display(),
-                summary["outcome"],
-                summary["duration_s"]
-            );
-            ran += 1;
-        }
-    }
-    assert!(ran > 0, "no scenario in {folders}");
-}
