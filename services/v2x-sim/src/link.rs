@@ -190,6 +190,7 @@ fn station(report: radio::StationReport) -> StationReport {
         lost: report.lost,
         duplicates: report.duplicates,
         reordered: report.reordered,
+        implausible: report.implausible,
         clock_offset_us: report.clock.map(|clock| clock.offset_us),
         clock_uncertainty_us: report.clock.map(|clock| clock.uncertainty_us),
         shortest_round_trip_us: report.clock.map(|clock| clock.shortest_round_trip_us),

@@ -46,6 +46,9 @@ pub struct StationReport {
     pub duplicates: u64,
     /// Frames that another overtook.
     pub reordered: u64,
+    /// Frames that were not taken because their number was far from all others.
+    #[serde(default)]
+    pub implausible: u64,
     /// Its clock against this host's; null: it did not answer, so that the difference is unknown.
     pub clock: Option<ClockComparison>,
 }

@@ -1,41 +1,82 @@
 //! What came of a sender's numbered frames: received, lost, received twice, out of order.
 
-/// The numbers heard of one sender. The last 64 are told apart; what comes later than that is late.
+/// A number farther than this from all that were heard is not believed alone (RFC 3550, appendix A.1, does so with
+/// `MAX_DROPOUT`): one packet with a wrong number, by mistake or on purpose, would make old all that follow.
+const FAR: u64 = 3_000;
+/// Numbers that are told apart; what is overtaken by more is late.
+const WINDOW: u64 = 64;
+
+/// The numbers heard of one sender.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Numbers {
     first: u64,
     highest: u64,
     /// Bit k: `highest - k` was received.
     window: u64,
+    /// Received since `first`.
+    counted: u64,
     received: u64,
+    /// Lost before `first`.
+    lost: u64,
     duplicates: u64,
     reordered: u64,
+    /// The last number if it was far from all others, and how many there were of these.
+    far: Option<u64>,
+    implausible: u64,
 }
 
 impl Numbers {
     /// Takes a number; true if the frame is heard for the first time.
     pub(crate) fn take(&mut self, number: u64) -> bool {
         if self.received == 0 {
-            *self = Self { first: number, highest: number, window: 1, received: 1, ..*self };
+            self.begin(number);
             return true;
         }
+        if number.abs_diff(self.highest) > FAR {
+            return self.take_far(number);
+        }
+        self.far = None;
         if number > self.highest {
             let ahead = number - self.highest;
-            self.window = if ahead < 64 { self.window << ahead } else { 0 } | 1;
+            self.window = if ahead < WINDOW { self.window << ahead } else { 0 } | 1;
             self.highest = number;
-            self.received += 1;
+            self.count();
             return true;
         }
         let behind = self.highest - number;
-        let seen = behind >= 64 || self.window & (1 << behind) != 0;
+        let seen = behind >= WINDOW || self.window & (1 << behind) != 0;
         if seen || number < self.first {
             self.duplicates += 1;
             return false;
         }
         self.window |= 1 << behind;
-        self.received += 1;
+        self.count();
         self.reordered += 1;
         true
+    }
+
+    /// Takes a number far from all others: the next one after it confirms it, and counting begins anew.
+    fn take_far(&mut self, number: u64) -> bool {
+        let follows = |far: u64| (1..WINDOW).contains(&number.wrapping_sub(far));
+        if self.far.is_some_and(follows) {
+            self.lost = self.lost();
+            self.begin(number);
+            return true;
+        }
+        self.far = Some(number);
+        self.implausible += 1;
+        false
+    }
+
+    fn begin(&mut self, number: u64) {
+        (self.first, self.highest, self.window) = (number, number, 1);
+        (self.counted, self.far) = (0, None);
+        self.count();
+    }
+
+    fn count(&mut self) {
+        self.counted += 1;
+        self.received += 1;
     }
 
     pub(crate) fn received(&self) -> u64 {
@@ -44,7 +85,11 @@ impl Numbers {
 
     /// Frames between the first and the last heard that never came.
     pub(crate) fn lost(&self) -> u64 {
-        if self.received == 0 { 0 } else { self.highest - self.first - (self.received - 1) }
+        if self.received == 0 {
+            0
+        } else {
+            self.lost + self.highest - self.first - (self.counted - 1)
+        }
     }
 
     pub(crate) fn duplicates(&self) -> u64 {
@@ -53,6 +98,11 @@ impl Numbers {
 
     pub(crate) fn reordered(&self) -> u64 {
         self.reordered
+    }
+
+    /// Frames that were not taken because their number was far from all others.
+    pub(crate) fn implausible(&self) -> u64 {
+        self.implausible
     }
 }
 
@@ -84,5 +134,16 @@ mod tests {
     fn after_a_long_gap_old_numbers_are_not_taken_again() {
         assert_eq!(after(&[1, 1000, 1]).1, [2, 998, 1, 0]);
         assert_eq!(after(&[u64::MAX - 1, u64::MAX]).1, [2, 0, 0, 0]);
+    }
+
+    #[test]
+    fn one_wrong_number_silences_no_sender() {
+        let (new, counts) = after(&[1, 2, u64::MAX, 3, 4, 1 << 40, 5]);
+        assert_eq!(new, [true, true, false, true, true, false, true]);
+        assert_eq!(counts, [5, 0, 0, 0]);
+        // Two that fit together are a new beginning, and so are two of the old ones after it.
+        let (new, counts) = after(&[1, 3, 1 << 40, (1 << 40) + 1, (1 << 40) + 3, 5, 6, 7]);
+        assert_eq!(new, [true, true, false, true, true, false, true, true]);
+        assert_eq!(counts, [6, 2, 0, 0]);
     }
 }

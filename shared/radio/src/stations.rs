@@ -104,6 +104,7 @@ impl Stations {
             lost: station.numbers.lost(),
             duplicates: station.numbers.duplicates(),
             reordered: station.numbers.reordered(),
+            implausible: station.numbers.implausible(),
             clock: station.clock.report(now_ns),
         });
         reports.collect()

@@ -122,6 +122,9 @@ pub struct StationReport {
     pub duplicates: u64,
     /// Frames that another overtook.
     pub reordered: u64,
+    /// Frames that were not taken because their number was far from all others.
+    #[serde(default)]
+    pub implausible: u64,
     /// Its clock minus the vehicle's, µs; null: a vehicle's, or not known.
     pub clock_offset_us: Option<f64>,
     /// The true difference is at most this far from that, µs.
