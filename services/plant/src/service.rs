@@ -13,7 +13,7 @@ use crate::surroundings::Surroundings;
 use crate::timeliness::Timeliness;
 use crate::times::{self, CONTROL_PATH};
 use crate::truck::Truck;
-use crate::truth;
+use crate::truth::{self, Lengths};
 use messages::level::{Level, LevelLog};
 use messages::{
     self, BrakeState, Command, EgoTruth, Header, Odometry, Origins, PLAN_LEN, Powertrain, Service,
@@ -153,7 +153,7 @@ impl Plant {
             signal_chain: SignalChain::open(runtime.figures())?,
             odometry: runtime.publisher()?,
             truth: runtime.publisher()?,
-            surroundings: Surroundings::default(),
+            surroundings: Surroundings::new(Lengths::of(scenario)),
             powertrain: (scenario.plant.vehicle.is_truck())
                 .then(|| runtime.publisher())
                 .transpose()?,
@@ -333,7 +333,7 @@ impl Plant {
         let count = self.signals.newest().map_or(0, |newest| truth::signals(newest, &mut signals));
         let state = self.ego.state();
         let ahead = (self.vehicles.newest())
-            .and_then(|newest| truth::ahead(newest, state.position_m, release.time_s));
+            .and_then(|newest| self.surroundings.ahead(newest, state.position_m, release.time_s));
         let now_ns = release.scheduled_ns.unsigned_abs();
         self.referee.observe(now_ns, &state, ahead.as_ref(), &signals[..count])
     }

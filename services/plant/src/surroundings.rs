@@ -1,8 +1,9 @@
 //! What the ego meets, by the ground truth: for faults that wait for a phase of the drive, and for the
 //! account of what a campaign's drives met. Nothing that drives uses it.
 
+use crate::ahead::Ahead;
 use crate::longitudinal::State;
-use crate::truth;
+use crate::truth::{self, Lengths};
 use messages::{PhaseState, SignalTruth, VehicleTruth};
 
 /// Slowest closing speed for which there is a time to collision, m/s.
@@ -29,14 +30,20 @@ pub(crate) struct Meets {
 }
 
 /// Looks around, once in each period, and remembers where the others were.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Surroundings {
+    lengths: Lengths,
     /// The sample before the newest one.
     last: Option<VehicleTruth>,
     cut_in: bool,
 }
 
 impl Surroundings {
+    /// Of vehicles of these lengths.
+    pub(crate) fn new(lengths: Lengths) -> Self {
+        Self { lengths, last: None, cut_in: false }
+    }
+
     /// What an ego in `state` meets at `time_s`.
     pub(crate) fn of(
         &mut self,
@@ -48,7 +55,7 @@ impl Surroundings {
         if let Some(vehicles) = vehicles {
             self.observe(state, vehicles);
         }
-        let ahead = vehicles.and_then(|vehicles| truth::ahead(vehicles, state.position_m, time_s));
+        let ahead = vehicles.and_then(|vehicles| self.ahead(vehicles, state.position_m, time_s));
         let closing_mps = ahead.map_or(0.0, |ahead| state.speed_mps - ahead.speed_mps);
         let time_to_collision_s = match ahead {
             Some(ahead) if closing_mps > MIN_CLOSING_MPS => ahead.gap_m.max(0.0) / closing_mps,
@@ -58,6 +65,16 @@ impl Surroundings {
             .and_then(|signals| next_line(signals, state.position_m, time_s))
             .unwrap_or((f64::INFINITY, 0));
         Meets { time_to_collision_s, stop_line_m, signal_state, cut_in: self.cut_in }
+    }
+
+    /// The vehicle ahead of an ego at `position_m`, or in contact with it.
+    pub(crate) fn ahead(
+        &self,
+        vehicles: &VehicleTruth,
+        position_m: f64,
+        time_s: f64,
+    ) -> Option<Ahead> {
+        truth::ahead(vehicles, &self.lengths, position_m, time_s)
     }
 
     fn observe(&mut self, state: &State, now: &VehicleTruth) {
@@ -104,6 +121,13 @@ mod tests {
 
     const EGO: State = State { position_m: 100.0, speed_mps: 20.0, acceleration_mps2: 0.0 };
 
+    fn new() -> Surroundings {
+        let text = "schema_version = 1\nname = \"x\"\n[[actors]]\nname = \"a\"\ngap_m = 9\ninitial_speed_mps = 10\n";
+        let scenario =
+            scenario::Scenario::parse("x", text).unwrap_or_else(|error| panic!("{error}"));
+        Surroundings::new(Lengths::of(&scenario))
+    }
+
     fn vehicle(time_s: f64, lateral_m: f64, in_lane: u64) -> VehicleTruth {
         let mut truth = VehicleTruth::zeroed();
         truth.header.acquisition_ns = (time_s * 1e9) as i64;
@@ -116,7 +140,7 @@ mod tests {
 
     #[test]
     fn a_vehicle_that_comes_over_cuts_in_until_it_has_arrived() {
-        let mut around = Surroundings::default();
+        let mut around = new();
         let meets = |around: &mut Surroundings, time_s, lateral_m| {
             around.of(&EGO, time_s, Some(&vehicle(time_s, lateral_m, 0)), None)
         };
@@ -142,7 +166,7 @@ mod tests {
         truth.signals[1].intervals[0].likely_end_s = 5.0;
         truth.signals[1].intervals[1].state = PhaseState::StopAndRemain.to_wire();
         truth.signals[1].intervals[1].likely_end_s = 9.0;
-        let at = |time_s| Surroundings::default().of(&EGO, time_s, None, Some(&truth));
+        let at = |time_s| new().of(&EGO, time_s, None, Some(&truth));
         assert_eq!((at(4.9).stop_line_m, at(4.9).signal_state), (50.0, 6));
         assert_eq!(at(5.0).signal_state, 3);
     }

@@ -3,32 +3,66 @@
 use crate::ahead::Ahead;
 use crate::referee::{MAX_SIGNALS, SignalTruth};
 use messages::{self, PhaseState, VehicleTruth};
+use scenario::Scenario;
 use scenario::v2x::Phase;
 
-/// A vehicle whose rear is farther behind the ego's front than this is beside or behind it, m.
-const BEHIND_M: f64 = 5.0;
+/// How long the ego and the others are, m. The truth tells where the others' rears are alone.
+#[derive(Clone, Debug)]
+pub(crate) struct Lengths {
+    ego_m: f64,
+    /// In the scenario's order, which the truth keeps.
+    others_m: Vec<f64>,
+    shortest_m: f64,
+}
+
+impl Lengths {
+    /// Those of the scenario's vehicles.
+    pub(crate) fn of(scenario: &Scenario) -> Self {
+        let others_m: Vec<f64> =
+            scenario.actors.iter().map(|actor| actor.length_m.value()).collect();
+        let shortest_m = others_m.iter().copied().reduce(f64::min).unwrap_or(0.0);
+        Self { ego_m: scenario.plant.length_m.value(), others_m, shortest_m }
+    }
+
+    /// How far the rear of one of `count` vehicles may be behind the ego's front while it is not behind the ego, m.
+    fn beside_m(&self, index: usize, count: usize) -> f64 {
+        let all_are_there = count == self.others_m.len();
+        // Where some are not on the road it is not known which: no contact is invented.
+        let length_m = if all_are_there { self.others_m[index] } else { self.shortest_m };
+        self.ego_m + length_m
+    }
+}
 
 /// The nearest vehicle ahead in the ego's lane at `time_s`, each moved on from its sample at
-/// constant acceleration.
+/// constant acceleration. One whose body overlaps with the ego's, from whichever side it came, counts: its gap is
+/// negative.
 #[must_use]
-pub(crate) fn ahead(truth: &VehicleTruth, position_m: f64, time_s: f64) -> Option<Ahead> {
+pub(crate) fn ahead(
+    truth: &VehicleTruth,
+    lengths: &Lengths,
+    position_m: f64,
+    time_s: f64,
+) -> Option<Ahead> {
     let age_s = time_s - truth.header.acquisition_ns as f64 / 1e9;
     let count = usize::try_from(truth.count).map_or(0, |count| count.min(truth.vehicles.len()));
     truth.vehicles[..count]
         .iter()
-        .filter(|vehicle| vehicle.in_lane != 0)
-        .map(|vehicle| {
+        .enumerate()
+        .filter(|(_, vehicle)| vehicle.in_lane != 0)
+        .map(|(index, vehicle)| {
             let (v, a) = (vehicle.speed_mps, vehicle.acceleration_mps2);
             // Braking ends at standstill.
             let moving_s = if a < 0.0 { age_s.min(v / -a) } else { age_s };
-            Ahead {
+            let ahead = Ahead {
                 gap_m: vehicle.rear_position_m + v * moving_s + 0.5 * a * moving_s * moving_s
                     - position_m,
                 speed_mps: v + a * moving_s,
                 acceleration_mps2: a,
-            }
+            };
+            (lengths.beside_m(index, count), ahead)
         })
-        .filter(|ahead| ahead.gap_m > -BEHIND_M)
+        .filter(|(beside_m, ahead)| ahead.gap_m > -beside_m)
+        .map(|(_, ahead)| ahead)
         .min_by(|a, b| a.gap_m.total_cmp(&b.gap_m))
 }
 
@@ -68,6 +102,11 @@ mod tests {
     use bytemuck::Zeroable;
     use messages::VehicleTruthItem;
 
+    fn lengths(others_m: &[f64]) -> Lengths {
+        let shortest_m = others_m.iter().copied().fold(f64::INFINITY, f64::min);
+        Lengths { ego_m: 5.0, others_m: others_m.to_vec(), shortest_m }
+    }
+
     #[test]
     fn the_nearest_in_lane_counts_and_is_moved_on() {
         let mut truth = VehicleTruth::zeroed();
@@ -82,10 +121,30 @@ mod tests {
         truth.vehicles[0] = vehicle(1, 60.0, 10.0, 0.0);
         truth.vehicles[1] = vehicle(0, 20.0, 10.0, 0.0);
         truth.vehicles[2] = vehicle(1, 30.0, 1.0, -2.0);
-        let at = |time_s| ahead(&truth, 10.0, time_s).expect("two are in lane");
+        let lengths = lengths(&[4.0, 4.0, 4.0]);
+        let at = |time_s| ahead(&truth, &lengths, 10.0, time_s).expect("two are in lane");
         assert_eq!((at(0.0).gap_m, at(0.0).speed_mps), (20.0, 1.0));
         // Stops after 0.5 s and 0.25 m.
         assert_eq!((at(2.0).gap_m, at(2.0).speed_mps), (20.25, 0.0));
-        assert_eq!(ahead(&truth, 100.0, 0.0), None, "all are behind");
+        assert_eq!(ahead(&truth, &lengths, 100.0, 0.0), None, "all are behind");
+    }
+
+    #[test]
+    fn a_body_beside_or_behind_that_overlaps_is_in_contact() {
+        let mut truth = VehicleTruth::zeroed();
+        truth.count = 2;
+        truth.vehicles[0].rear_position_m = 300.0;
+        (truth.vehicles[1].in_lane, truth.vehicles[1].rear_position_m) = (1, 91.0);
+        let gap = |lengths: &Lengths, position_m| {
+            ahead(&truth, lengths, position_m, 0.0).map(|ahead| ahead.gap_m)
+        };
+        // The ego is 5 m long: its rear is at 95 m, the front of a vehicle of 4.1 m at 95.1 m.
+        let long = lengths(&[12.0, 4.1]);
+        assert_eq!(gap(&long, 100.0), Some(-9.0));
+        assert_eq!(gap(&long, 100.2), None, "its front is behind the ego's rear");
+        // One is not on the road: which of the others this is is not known.
+        let three = lengths(&[12.0, 4.1, 3.0]);
+        assert_eq!(gap(&three, 100.0), None);
+        assert_eq!(gap(&three, 98.5), Some(-7.5));
     }
 }
