@@ -102,6 +102,24 @@ impl SettingError {
         }
     }
 
+    /// The same of another key, in whose unit numbers are `scale` times as large.
+    #[must_use]
+    pub fn of_key(self, key: &'static str, scale: f64) -> Self {
+        // A thousandth has no exact form: what was typed is shown.
+        let of = |value: f64| (value * scale * 1e6).round() / 1e6;
+        match self {
+            Self::OutOfRange { value, least, most, .. } => {
+                Self::OutOfRange { key, value: of(value), least: of(least), most: of(most) }
+            }
+            Self::NotAbove { value, above, most, .. } => {
+                Self::NotAbove { key, value: of(value), above: of(above), most: of(most) }
+            }
+            Self::NotBelow { value, other, limit, .. } => {
+                Self::NotBelow { key, value: of(value), other, limit: of(limit) }
+            }
+        }
+    }
+
     /// The error at its place in a scenario file: `table` is the dotted path of the law's table.
     #[must_use]
     pub fn in_table(&self, table: &str) -> Problem {

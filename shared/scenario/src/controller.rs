@@ -34,9 +34,10 @@ pub struct Controller {
     pub spacing_policy: SpacingPolicy,
     /// Solver of the predictive laws.
     pub solver: Solver,
-    /// Steps of the prediction.
+    /// Steps of the prediction; `acc-mpc` and `cacc-mpc` take 10 to 128.
     pub horizon: Steps,
-    /// Step of the prediction, ms; absent: the period, or 100 ms where that is shorter than 50 ms.
+    /// Step of the prediction, ms; absent: the period, or 100 ms where that is shorter than 50 ms. `acc-mpc` and
+    /// `cacc-mpc` take 10 to 500 ms.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub prediction_step_ms: Option<PeriodMs>,
     /// Time headway t_h, s.

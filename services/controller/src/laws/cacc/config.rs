@@ -108,17 +108,19 @@ impl Config {
         self.road.check_within(self.min_request_mps2, self.max_request_mps2)
     }
 
-    /// The scenario's key for one of these settings, below `controller`.
+    /// An error in the words and units of the scenario's keys below `controller`.
     #[must_use]
-    pub fn scenario_key(key: &'static str, controller: &Controller) -> &'static str {
-        match key {
-            "horizon_steps" => "horizon",
-            "step_s" if controller.prediction_step_ms.is_some() => "prediction_step_ms",
-            "step_s" => "period_ms",
-            "actuator_lag_s" => "model_time_constant_s",
-            "buffer_m" | "road.standstill_gap_m" => "standstill_distance_m",
-            other => other,
-        }
+    pub fn in_scenario(error: SettingError, controller: &Controller) -> SettingError {
+        let (key, scale) = match error.key() {
+            "horizon_steps" => ("horizon", 1.0),
+            "step_s" if controller.prediction_step_ms.is_some() => ("prediction_step_ms", 1e3),
+            // Without a step of its own the prediction has the controller's.
+            "step_s" => ("period_ms", 1e3),
+            "actuator_lag_s" => ("model_time_constant_s", 1.0),
+            "buffer_m" | "road.standstill_gap_m" => ("standstill_distance_m", 1.0),
+            other => (other, 1.0),
+        };
+        error.of_key(key, scale)
     }
 }
 
@@ -129,6 +131,18 @@ mod tests {
     #[test]
     fn the_default_is_valid() {
         assert_eq!(Config::default().check(), Ok(()));
+    }
+
+    #[test]
+    fn errors_are_in_the_words_and_units_of_the_scenario() {
+        let said = |config: Config| {
+            let error = config.check().expect_err("out of range");
+            Config::in_scenario(error, &Controller::default()).to_string()
+        };
+        let slow = said(Config { step_s: 1.0, ..Config::default() });
+        assert_eq!(slow, "period_ms = 1000 is out of range, expected a number from 10 to 500");
+        let long = said(Config { horizon_steps: 1000, ..Config::default() });
+        assert_eq!(long, "horizon = 1000 is out of range, expected a number from 10 to 128");
     }
 
     #[test]

@@ -111,8 +111,7 @@ fn of(scenario: &Scenario, signals: Signals) -> Result<Box<dyn Law>, Problem> {
     match build(signals, &config) {
         Ok(law) => Ok(law),
         Err(BuildError::Setting(error)) => {
-            let key = Config::scenario_key(error.key(), controller);
-            Err(Problem::said(format!("controller.{key}"), &error.to_string()))
+            Err(Config::in_scenario(error, controller).in_table("controller"))
         }
         Err(BuildError::Problem(error)) => {
             Err(Problem::new("controller", error.to_string(), "weights of a convex problem"))
