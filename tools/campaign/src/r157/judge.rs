@@ -18,14 +18,17 @@ pub fn verdict(drive: &Drive) -> Verdict {
         let count = usize::try_from(seen.count).map_or(0, |count| count.min(seen.vehicles.len()));
         let next = truths.peek().filter(|next| next.count == seen.count);
         for (index, vehicle) in seen.vehicles[..count].iter().enumerate() {
-            let rear_m = vehicle.rear_position_m + vehicle.speed_mps * since_s;
+            let gap_m = vehicle.rear_position_m + vehicle.speed_mps * since_s - step.position_m;
+            if gap_m >= 0.0 {
+                continue;
+            }
             let lateral_m = next.map_or(vehicle.lateral_m, |next| {
                 let ns = next.header.acquisition_ns - seen.header.acquisition_ns;
                 let share = (since_s / (ns as f64 * 1e-9)).clamp(0.0, 1.0);
                 vehicle.lateral_m + share * (next.vehicles[index].lateral_m - vehicle.lateral_m)
             });
             let clearance_m = lateral_m.abs() - VEHICLE_WIDTH_M;
-            let outcome = contact(rear_m - step.position_m, clearance_m);
+            let outcome = contact(gap_m, clearance_m);
             if outcome.is_collision() {
                 return Verdict { outcome, impact_speed_mps: step.speed_mps - vehicle.speed_mps };
             }
