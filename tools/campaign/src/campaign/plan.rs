@@ -133,6 +133,11 @@ impl Plan {
         self.drawn.as_ref().map_or(self.all, Vec::len)
     }
 
+    /// Runs of the whole campaign, of which a sample does a part.
+    pub fn whole(&self) -> usize {
+        self.all
+    }
+
     /// Combinations of a variation that break a constraint of its scenario.
     pub fn left_out(&self) -> usize {
         self.variants.as_ref().map_or(0, |variants| variants.left_out)

@@ -142,8 +142,10 @@ impl Verdict {
     ) -> Self {
         let Sums { all, combinations, scenarios, controllers, faults, processes_sample } = sums;
         let all = all.tally();
+        let share = planned as f64 / plan.whole().max(1) as f64;
+        let limits = campaign.require.iter();
         let requirements: Vec<_> =
-            campaign.require.iter().map(|(key, limit)| judge(key, *limit, &all)).collect();
+            limits.map(|(key, limit)| judge(key, *limit, share, &all)).collect();
         let met = requirements.iter().all(|requirement| requirement.ok);
         let same = processes_sample.different == 0;
         let met_nothing = !campaign.faults.is_empty()
@@ -209,8 +211,10 @@ fn figure(key: &str) -> (&'static Figure, bool) {
     (figure, bound == "min_")
 }
 
-fn judge(key: &str, limit: f64, all: &Tally) -> Requirement {
+/// Judges `share` of a campaign's runs: of what has to happen so often in all of them, a part is due.
+fn judge(key: &str, limit: f64, share: f64, all: &Tally) -> Requirement {
     let (figure, least) = figure(key);
+    let limit = if least && figure.is_count() { (limit * share).floor() } else { limit };
     let found = figure.value(all);
     let ok = found.is_some_and(|value| within(value, limit, least));
     Requirement { requirement: key.into(), limit, found, ok }
@@ -306,6 +310,18 @@ mod tests {
         assert!(!few.ok && few.failures.is_empty());
         let nothing = verdict("min_ttc_s = 1", WHOLE);
         assert!(!nothing.ok && nothing.requirements[0].found.is_none());
+    }
+
+    #[test]
+    fn of_a_sample_its_share_of_a_least_number_is_required() {
+        let text =
+            format!("{FILE}seeds = 2\nsample = 2\n[require]\nmin_kills = 9\nmin_gap_m = 3\n");
+        let campaign: Campaign = toml::from_str(&text).expect("a campaign");
+        let plan = plan::plan(&campaign).expect("a plan");
+        assert_eq!((plan.len(), plan.whole()), (2, 4));
+        let limits = of_records(&campaign, &plan, &[]).requirements;
+        let limit = |key: &str| limits.iter().find(|r| r.requirement == key).map(|r| r.limit);
+        assert_eq!((limit("min_kills"), limit("min_gap_m")), (Some(4.0), Some(3.0)));
     }
 
     #[test]
