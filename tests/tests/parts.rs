@@ -195,6 +195,25 @@ fn a_killed_part_goes_on_with_what_it_kept() {
     corner.expect_nothing_left(&[]);
 }
 
+fn nothing_is_gone_on_with_that_was_not_begun() {
+    let corner = Corner::new(PROGRAM);
+    let sweep = |name: &'static str| {
+        ["sweep", name, "--param", "runtime.extra_delay_ms=0..100/50", "--duration", "1"]
+    };
+    succeed(
+        &corner,
+        &["run", "following", "--mode", "lockstep", "--duration", "1", "--out", "run"],
+    );
+    succeed(&corner, &[&sweep("cut-in")[..], &["--out", "sweep"]].concat());
+    for (place, held) in [("run", "report.html"), ("sweep", "sweep.json")] {
+        let before = file(&corner, &format!("{place}/{held}"));
+        let output = corner.run(&[&sweep("following")[..], &["--resume", place]].concat());
+        assert_eq!(output.status.code(), Some(2), "{}", text(&output));
+        assert!(text(&output).contains("no part.json"), "{}", text(&output));
+        assert_eq!(file(&corner, &format!("{place}/{held}")), before, "replaced");
+    }
+}
+
 /// A full disk: an error, and what was kept goes on when there is room again.
 fn a_journal_survives_a_full_disk() {
     let corner = Corner::new(PROGRAM);
@@ -414,6 +433,10 @@ fn main() -> ExitCode {
         ),
         case("outside_an_array_job_auto_is_refused", outside_an_array_job_auto_is_refused),
         case("journals_that_do_not_fit_are_refused", journals_that_do_not_fit_are_refused),
+        case(
+            "nothing_is_gone_on_with_that_was_not_begun",
+            nothing_is_gone_on_with_that_was_not_begun,
+        ),
         case("a_killed_part_goes_on_with_what_it_kept", a_killed_part_goes_on_with_what_it_kept),
         needing(
             cases::mount_namespace,

@@ -98,6 +98,19 @@ pub enum OutputError {
         /// One of the results.
         first: &'static str,
     },
+    /// What is in it was not begun in parts.
+    #[error(
+        "{} holds results ({first}) but no {expected}: nothing in it can be gone on with, choose another directory",
+        path.display()
+    )]
+    NotBegun {
+        /// The directory.
+        path: PathBuf,
+        /// One of the results.
+        first: &'static str,
+        /// The file that says what was begun.
+        expected: &'static str,
+    },
 }
 
 impl Failure for OutputError {}
@@ -124,12 +137,19 @@ impl OutputDirectory {
         Ok(output)
     }
 
-    /// Opens the directory of a command that was broken off, with what it holds.
+    /// Opens the directory of a command that was broken off, with what it holds; `begun` is the file that says
+    /// what that is.
     ///
     /// # Errors
-    /// If it cannot be written or belongs to a command that is running.
-    pub fn resume(path: &Path) -> Result<Self, Error> {
+    /// If it cannot be written, belongs to a command that is running, or holds results without that file.
+    pub fn resume(path: &Path, begun: &'static str) -> Result<Self, Error> {
         let output = Self::take(path)?;
+        let first = RESULTS.into_iter().find(|name| is_ours(&path.join(name)));
+        if let Some(first) = first.filter(|_| !path.join(begun).exists()) {
+            return Err(
+                OutputError::NotBegun { path: path.to_owned(), first, expected: begun }.into()
+            );
+        }
         output.is_used.set(true);
         Ok(output)
     }

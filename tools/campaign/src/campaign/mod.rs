@@ -101,7 +101,7 @@ fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     let plan = plan::plan(&campaign)?;
     check(&campaign, &plan)?;
     let output = match &arguments.resume {
-        Some(directory) => OutputDirectory::resume(directory)?,
+        Some(directory) => OutputDirectory::resume(directory, FILE)?,
         None => OutputDirectory::create(&arguments.output, campaign.name.as_str())?,
     };
     output.write(FILE, campaign.to_toml().as_bytes())?;

@@ -158,7 +158,7 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
         let shard = options.shard.map(ShardChoice::resolve).transpose()?;
         let name = study.words.first().cloned().unwrap_or_default();
         let directory = match &options.resume {
-            Some(path) => OutputDirectory::resume(path)?,
+            Some(path) => OutputDirectory::resume(path, FILE)?,
             None => OutputDirectory::create(output, &name)?,
         };
         let mut part = Self {
