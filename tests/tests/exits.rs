@@ -117,6 +117,25 @@ fn a_plant_that_is_gone_ends_the_run_with_its_last_figures() {
     }
 }
 
+/// In lockstep all wait for the one that is stopped: it is named, and how far the drive came.
+#[test]
+fn a_stopped_service_is_named_in_lockstep() {
+    let corner = corner(3000.0, "");
+    for service in ["controller", "plant"] {
+        let running = start(&corner, &["--mode", "lockstep", "--force"]);
+        send(corner.wait_for_process(&format!("timegap-{service}")), Signal::STOP);
+        let (status, summary) = finish(running);
+        assert_eq!((status, &summary["outcome"]), (Some(1), &"aborted".into()), "{summary}");
+        let why = summary["aborted_because"].as_str().unwrap_or_default();
+        assert!(why.contains(service) && why.contains("hung"), "{why}");
+        let services = summary["services"].as_array().expect("a list");
+        let stopped = services.iter().find(|one| one["name"] == service).expect("it is listed");
+        assert_eq!(stopped["exit"], "hung", "{stopped}");
+        assert!(summary["duration_s"].as_f64() > Some(0.0), "{summary}");
+        corner.expect_nothing_left(&[]);
+    }
+}
+
 /// Late at the plant is late, whatever the controller says of itself.
 #[test]
 fn commands_that_do_not_come_are_missed_at_the_plant() {

@@ -16,6 +16,8 @@ const MOST_OF_IT: i64 = 4;
 pub struct Share {
     /// It runs or waits for the processor at this moment.
     runnable: bool,
+    /// It was stopped.
+    stopped: bool,
     /// Time on the processor, ns.
     ran_ns: i64,
     /// Time in the run queue, up to the last time that it left it, ns.
@@ -39,7 +41,18 @@ impl Share {
         let mut next = || numbers.next().flatten();
         let (ran_ns, queued_ns) = (next()?, next()?);
         // A kernel without the account writes zeros, even of a process that has just been running.
-        (ran_ns > 0).then_some(Self { runnable: state == 'R', ran_ns, queued_ns })
+        (ran_ns > 0).then_some(Self {
+            runnable: state == 'R',
+            stopped: matches!(state, 'T' | 't'),
+            ran_ns,
+            queued_ns,
+        })
+    }
+
+    /// True if the process goes on only when it is told to, or had the processor for most of the `elapsed_ns`
+    /// since it had `before`: others that wait for its messages do neither.
+    pub fn holds_up(self, before: Self, elapsed_ns: i64) -> bool {
+        self.stopped || 2 * (self.ran_ns - before.ran_ns) > elapsed_ns
     }
 
     /// True if a process that had `self` some `silent_ns` ago and has `now` was kept from the
@@ -73,6 +86,16 @@ mod tests {
         assert!(!starved(share('T', 100, 50)), "stopped");
         assert!(!starved(share('R', 440, 55)), "in an endless loop");
         assert!(!starved(share('R', 250, 200)), "the same on a busy machine");
+    }
+
+    #[test]
+    fn the_stopped_and_the_spinning_hold_others_up() {
+        let before = share('S', 100, 50);
+        let holds_up = |now: Share| now.holds_up(before, 50 * MS);
+        assert!(holds_up(share('T', 100, 50)), "stopped");
+        assert!(holds_up(share('R', 140, 55)), "in an endless loop");
+        assert!(!holds_up(share('S', 100, 50)), "waits");
+        assert!(!holds_up(share('R', 102, 50)), "tells that it waited");
     }
 
     #[test]

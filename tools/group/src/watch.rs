@@ -6,6 +6,7 @@ use super::events::{Event, Who};
 use super::exits::Exit;
 use super::launch::{Ended, Moment};
 use super::recording::RecorderProcess;
+use super::starvation::Share;
 use super::succession::{self, Phase};
 use super::supervisor::Supervisor;
 use crate::Error;
@@ -22,6 +23,8 @@ const LOOK: Duration = Duration::from_millis(20);
 const CLOSE_LOOK: Duration = Duration::from_millis(1);
 /// The same in lockstep, where senders wait for room in the launcher's own buffer.
 const LOCKSTEP_LOOK: Duration = Duration::from_millis(2);
+/// Time over which the services are looked at when one waited in vain in lockstep.
+const CULPRIT_LOOK: Duration = Duration::from_millis(50);
 /// The launcher looked so late that the silence may have been its own, ns.
 const STALLED_NS: i64 = 100_000_000;
 
@@ -196,8 +199,14 @@ impl Supervisor<'_> {
             }
             Event::Said(who, FromService::Failed(how)) => {
                 self.wrote.push((who.service, how.clone()));
-                if self.launch.mode == Mode::Lockstep {
-                    self.break_off(who.service, how, course);
+                if self.launch.mode == Mode::Lockstep && course.ended == Ended::Orderly {
+                    match self.holds_up(who.service) {
+                        Some(culprit) => {
+                            self.kill(culprit, Exit::Hung);
+                            self.break_off(culprit.service, Exit::Hung.to_string(), course);
+                        }
+                        None => self.break_off(who.service, how, course),
+                    }
                 }
             }
             Event::Gone(who) if self.member(who.service).report.is_none() => {
@@ -254,6 +263,25 @@ impl Supervisor<'_> {
             self.order_all(&ToService::Abort);
             course.ending();
         }
+    }
+
+    /// In lockstep each service waits for the others: the process that a service which gave up waited for, in the
+    /// end, if the kernel tells.
+    fn holds_up(&mut self, gave_up: Service) -> Option<Who> {
+        let others = self.members.iter_mut().filter(|member| member.service() != gave_up);
+        let looked: Vec<(Who, i32, Share)> = others
+            .filter_map(|member| {
+                let (service, incarnation) = (member.service(), member.incarnation());
+                let pid = member.pid_of(incarnation);
+                Some((Who { service, incarnation }, pid, Share::of(pid)?))
+            })
+            .collect();
+        let before_ns = monotonic_ns();
+        std::thread::sleep(CULPRIT_LOOK);
+        let elapsed_ns = monotonic_ns() - before_ns;
+        let holds_up =
+            |pid, before| Share::of(pid).is_some_and(|now| now.holds_up(before, elapsed_ns));
+        looked.into_iter().find(|&(_, pid, before)| holds_up(pid, before)).map(|(who, ..)| who)
     }
 
     fn check_heartbeats(&mut self, log: &mut DriveLog, now_ns: i64) {

@@ -201,7 +201,9 @@ impl Summary {
         let deadline_misses = controller
             .filter(|_| mode == Mode::Realtime)
             .map(|controller| controller.deadline_misses);
-        let duration_s = plant.map_or(0.0, |plant| plant.duration_s);
+        // Without the plant's word what was heard of it counts.
+        let heard_s = group.drive.steps.last().map_or(0.0, |step| step.time_s);
+        let duration_s = plant.map_or(heard_s, |plant| plant.duration_s);
         let ran_s = group.ran_for.as_secs_f64();
         let (outcome, aborted_because) = outcome(&group.ended, plant);
         Self {
