@@ -175,6 +175,16 @@ fn what_is_no_recording_is_refused() {
     let foreign = corner.run(&["trace", "x.mcap"]);
     assert_eq!(foreign.status.code(), Some(2), "{}", text(&foreign));
     assert!(text(&foreign).contains("x.mcap"));
+    let run = ["run", "following", "--mode", "lockstep", "--duration", "1", "--out", "short"];
+    assert!(corner.run(&run).status.success());
+    let recording = corner.path().join("short/recording.mcap");
+    let before = std::fs::read(&recording).expect("recorded");
+    for command in ["trace", "replay", "recover"] {
+        let output = corner.run(&[command, "short", "--out", "short/../short/recording.mcap"]);
+        assert_eq!(output.status.code(), Some(2), "{command}: {}", text(&output));
+        assert!(text(&output).contains("is the recording itself"), "{}", text(&output));
+        assert_eq!(std::fs::read(&recording).expect("it is there"), before, "{command}");
+    }
 }
 
 fn main() -> ExitCode {

@@ -8,21 +8,55 @@ pub mod layouts;
 pub mod recover;
 pub mod replay;
 
-use group::Error;
+use group::{Error, Failure, is_alive};
 use recorder::{Damage, Recording};
-use std::path::Path;
+use runtime::Group;
+use std::path::{Path, PathBuf};
 
 /// Opens the recording of a run's directory, or a file.
 fn open(path: &Path) -> Result<Recording, Error> {
     Ok(Recording::open(path)?)
 }
 
+/// A result would replace the recording that it is made of.
+#[derive(Debug, thiserror::Error)]
+#[error("{} is the recording itself, expected another file for the result", .0.display())]
+pub struct OntoItself(PathBuf);
+
+impl Failure for OntoItself {}
+
+/// Refuses to write a result over the recording.
+///
+/// # Errors
+/// [`OntoItself`].
+pub fn expect_another_file(recording: &Recording, out: &Path) -> Result<(), Error> {
+    let same = std::fs::canonicalize(out)
+        .and_then(|out| Ok(out == std::fs::canonicalize(recording.path())?))
+        // What is not there yet is not the recording.
+        .unwrap_or(false);
+    if same { Err(OntoItself(out.to_owned()).into()) } else { Ok(()) }
+}
+
 /// Says on standard error what of a recording could not be read. The exit status of a command whose result is
 /// not whole then is 1.
 fn tell(recording: &Recording, damage: &[Damage]) {
-    for line in lines(damage, ToString::to_string) {
+    let goes_on = is_being_recorded(recording.path());
+    let said = |damage: &Damage| match damage {
+        Damage::CutOff { .. } if goes_on => STILL_RECORDED.to_owned(),
+        damage => damage.to_string(),
+    };
+    for line in lines(damage, said) {
         eprintln!("{}: {line}", recording.path().display());
     }
+}
+
+/// What is said of the open end of a recording whose run goes on.
+const STILL_RECORDED: &str = "is still being recorded: what comes later is missing";
+
+/// True if the run whose recording this is goes on.
+fn is_being_recorded(path: &Path) -> bool {
+    let live = std::fs::read_to_string(path.with_file_name("live.json")).unwrap_or_default();
+    serde_json::from_str(&live).is_ok_and(|group: Group| is_alive(&group.root))
 }
 
 /// Most damages that are told one by one.

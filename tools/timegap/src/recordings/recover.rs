@@ -1,11 +1,10 @@
 //! `timegap recover`: a recording that was cut off, made whole.
 
-use super::{count, open};
+use super::{count, expect_another_file, is_being_recorded, open};
 use clap::Args;
-use group::{Error, Failure, is_alive};
+use group::{Error, Failure};
 use recorder::{Recording, Recovered};
 use report::print;
-use runtime::Group;
 use serde_json::json;
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -43,6 +42,9 @@ pub fn run(arguments: &RecoverArguments) -> Result<ExitCode, Error> {
     let broken = open(&arguments.run)?;
     if arguments.out.is_none() && is_being_recorded(broken.path()) {
         return Err(RecoverError::InProgress(broken.path().to_owned()).into());
+    }
+    if let Some(out) = &arguments.out {
+        expect_another_file(&broken, out)?;
     }
     let survey = broken.survey();
     let is_asked_for = arguments.out.is_some() || !survey.damage.is_empty();
@@ -85,12 +87,6 @@ pub fn run(arguments: &RecoverArguments) -> Result<ExitCode, Error> {
     text.push_str(&format!("  results        {}\n", path.display()));
     print::out(&text)?;
     Ok(ExitCode::SUCCESS)
-}
-
-/// True if the run whose recording this is goes on.
-fn is_being_recorded(path: &Path) -> bool {
-    let live = std::fs::read_to_string(path.with_file_name("live.json")).unwrap_or_default();
-    serde_json::from_str(&live).is_ok_and(|group: Group| is_alive(&group.root))
 }
 
 /// Writes the whole file beside the broken one, then puts it in its place or where it was asked for.

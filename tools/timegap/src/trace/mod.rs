@@ -11,6 +11,7 @@ mod encode;
 mod proto;
 mod timeline;
 
+use crate::recordings::expect_another_file;
 use clap::Args;
 use encode::{Frame, begin, events};
 use group::Error;
@@ -61,6 +62,7 @@ pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Error> {
         Some(file) => file.clone(),
         None => recording.path().with_file_name("trace.pftrace"),
     };
+    expect_another_file(&recording, &file)?;
     let (written, damage) = write(&recording, &scenario, &file).map_err(|reason| Error::Path {
         action: "write",
         path: file.clone(),

@@ -18,7 +18,7 @@ mod comparison;
 mod difference;
 mod unit;
 
-use super::{count, open, tell};
+use super::{count, expect_another_file, open, tell};
 use clap::{Args, ValueEnum};
 use comparison::{Comparison, Pairs, Row};
 use controller::laws;
@@ -140,6 +140,7 @@ fn replay_controller(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
     }
     let path =
         arguments.out.clone().unwrap_or_else(|| recording.path().with_file_name("replay.csv"));
+    expect_another_file(&recording, &path)?;
     let bar = count_bar(usize::try_from(cycles).unwrap_or(usize::MAX), arguments.json);
     let program = arguments.service.as_ref().map(|(_, program)| program);
     let mut table = Table::begin(path);
