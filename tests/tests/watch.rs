@@ -23,30 +23,41 @@ fn terminal() -> (OwnedFd, File) {
 
 /// The terminal is not the run's controlling one, so that no SIGHUP comes to its help.
 #[test]
-fn a_watched_run_ends_with_its_terminal() {
+fn a_run_ends_with_its_terminal() {
     let corner = Corner::new(PROGRAM);
-    let (master, slave) = terminal();
-    let end = || Stdio::from(slave.try_clone().expect("a descriptor"));
-    let mut run = corner
-        .command(&["run", "following", "--duration", "600", "--out", "out", "--watch"])
-        .stdin(end())
-        .stderr(end())
-        .spawn()
-        .expect("it starts");
-    drop(slave);
-    assert!(wait_for(|| corner.path().join("out/live.json").exists()), "never drove");
-    drop(master);
-    let mut status = None;
-    let ended = wait_for(|| {
-        status = run.try_wait().expect("our own child");
-        status.is_some()
-    });
-    if !ended {
-        run.kill().expect("our own child");
-        run.wait().expect("our own child");
+    for (name, options, prints_there) in
+        [("watched", ["--watch"].as_slice(), false), ("printing", &[], true)]
+    {
+        let (master, slave) = terminal();
+        let end = || Stdio::from(slave.try_clone().expect("a descriptor"));
+        let command = ["run", "following", "--duration", "600", "--out", name];
+        let mut command = corner.command(&[&command, options].concat());
+        command.stdin(end()).stderr(end());
+        if prints_there {
+            command.stdout(end());
+        }
+        let mut run = command.spawn().expect("it starts");
+        drop(command);
+        drop(slave);
+        assert!(wait_for(|| corner.path().join(name).join("live.json").exists()), "never drove");
+        if prints_there {
+            // What a closed terminal sends to those that it controls.
+            let pid = Pid::from_raw(i32::try_from(run.id()).expect("fits")).expect("not zero");
+            kill_process(pid, Signal::HUP).expect("our own process, not yet waited for");
+        }
+        drop(master);
+        let mut status = None;
+        let ended = wait_for(|| {
+            status = run.try_wait().expect("our own child");
+            status.is_some()
+        });
+        if !ended {
+            run.kill().expect("our own child");
+            run.wait().expect("our own child");
+        }
+        assert_eq!(status.and_then(|status| status.code()), Some(130), "{name}: as after Ctrl-C");
+        corner.expect_nothing_left(&[]);
     }
-    assert_eq!(status.and_then(|status| status.code()), Some(130), "as after Ctrl-C");
-    corner.expect_nothing_left(&[]);
 }
 
 /// `nohup` starts programs with SIGHUP ignored.

@@ -106,9 +106,14 @@ pub enum Error {
     Interrupted,
 }
 
-/// True if there is no room: the machine's fault, not that of who named the place.
-fn is_full(reason: &std::io::Error) -> bool {
+/// True if there is no room, or the device failed: the machine's fault, not that of the place's name.
+fn is_the_machines(reason: &std::io::Error) -> bool {
+    /// A disk that fails, and a terminal that was closed (`EIO`).
+    const DEVICE: i32 = rustix::io::Errno::IO.raw_os_error();
+    /// `ErrorKind::FileTooLarge`: beyond `ulimit -f`.
+    const LIMIT: i32 = rustix::io::Errno::FBIG.raw_os_error();
     matches!(reason.kind(), ErrorKind::StorageFull | ErrorKind::QuotaExceeded)
+        || matches!(reason.raw_os_error(), Some(DEVICE | LIMIT))
 }
 
 impl Error {
@@ -117,7 +122,7 @@ impl Error {
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::Operation(failure) => failure.status() as u8,
-            Self::Path { reason, .. } if is_full(reason) => 3,
+            Self::Path { reason, .. } if is_the_machines(reason) => 3,
             Self::Scenario(_)
             | Self::OpenScenario(_)
             | Self::Path { .. }

@@ -25,6 +25,7 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     #[cfg(feature = "count-allocations")]
     allocations::report();
+    file_size_limit_is_an_error();
     let command = Cli::read().command;
     if !matches!(command, Command::Service(_)) {
         log_warnings();
@@ -66,4 +67,11 @@ fn main() -> ExitCode {
         }
         error.exit_code()
     })
+}
+
+/// Beyond a limit on the size of files (`ulimit -f`) a write fails, with a message, and does not end the process.
+fn file_size_limit_is_an_error() {
+    let passed = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
+    // Refused by no kernel that has the signal; without it the process ends, as it would have.
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, passed);
 }

@@ -124,8 +124,8 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     for (service, line) in &group.wrote {
         print::note(&format!("{service}: {line}"));
     }
-    if arguments.json {
-        print::out(&(json + "\n"))?;
+    let printed = if arguments.json {
+        print::out(&(json + "\n"))
     } else {
         let results = format!("  {:<14} {}\n", "results", output.path().display());
         let page = match written {
@@ -134,7 +134,11 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
             }
             Err(_) => String::new(),
         };
-        print::out(&(print::summary(&summary) + &results + &page))?;
+        print::out(&(print::summary(&summary) + &results + &page))
+    };
+    // A terminal that is closed interrupts the run and takes no more text.
+    if group.ended != Ended::Interrupted {
+        printed?;
     }
     // Print first, then fail on a full disk.
     written?;
