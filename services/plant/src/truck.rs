@@ -292,7 +292,7 @@ mod tests {
 
     #[test]
     fn a_positive_request_releases_the_brakes_at_once_and_an_emergency_does_not() {
-        // In the lowest gear that the model has, 49 t start on grades of up to 3.7 %.
+        // In the lowest gear that the model has the engine balances 49 t on 3.7 %.
         for percent in [-8.0, 0.0, 2.0] {
             let mut truck = slope(percent, "");
             for _ in 0..1200 {

@@ -5,8 +5,8 @@ use super::decimate::decimate;
 use super::svg::{Anchor, Svg, text_width};
 use super::{Key, Mark, Picture, Stroke, Tone, Width};
 
-/// Room left of the axes, px: the same in all pictures, so that those below each other line up.
-pub const LEFT: f64 = 52.0;
+/// Room left of the axes, px: the same in all pictures, so that those below each other line up. "99.99 %" fits.
+pub const LEFT: f64 = 60.0;
 /// Room right of the axes, px.
 pub const RIGHT: f64 = 14.0;
 /// Room above the axes: the unit and the marks' numbers.
