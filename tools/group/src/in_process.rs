@@ -81,7 +81,7 @@ pub fn run_behind(
     let begun = Instant::now();
     let mut run = InProcess::new(scenario, sealing);
     let mut log = DriveLog::in_process(&run)?;
-    let told = for_services(scenario);
+    let told = for_services(scenario, false);
     let mut perception = Some(|runtime| perception_sim::run_behind(runtime, ahead));
     for &service in scenario.services() {
         match perception.take_if(|_| service == Service::PerceptionSim) {

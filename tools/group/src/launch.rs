@@ -119,9 +119,12 @@ pub struct Moment<'a> {
 }
 
 /// The scenario as the services read it: with the gap that the law aims at, so that the referee can
-/// measure against it without knowing any law.
-pub(super) fn for_services(scenario: &Scenario) -> Scenario {
+/// measure against it without knowing any law. What a program in the controller's place aims at is known only
+/// if the scenario says it.
+pub(super) fn for_services(scenario: &Scenario, is_replaced: bool) -> Scenario {
     let mut scenario = scenario.clone();
-    scenario.referee.desired_gap = laws::desired_gap(&scenario);
+    if !is_replaced {
+        scenario.referee.desired_gap = laws::desired_gap(&scenario);
+    }
     scenario
 }

@@ -54,6 +54,7 @@ pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Grou
     let (sender, events) = channel();
     let signals = follow_signals(sender.clone())?;
     control::listen(root.path(), sender.clone())?;
+    let is_replaced = launch.programs.contains_key(&Service::Controller);
     let group = Group {
         root: root.path().to_owned(),
         prefix: root.prefix().to_owned(),
@@ -61,7 +62,7 @@ pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Grou
         timetable,
         standby,
         patience_ns: 10_000_000_000,
-        scenario: for_services(&launch.scenario).to_toml(),
+        scenario: for_services(&launch.scenario, is_replaced).to_toml(),
     };
     let mut supervisor = Supervisor {
         faults: Faults::of(&launch.scenario),
