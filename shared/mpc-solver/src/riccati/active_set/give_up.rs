@@ -34,6 +34,9 @@
 /// The round from which on the inputs that may change sides are no longer fewer from round to round.
 const LAST_ROUND: u32 = 10;
 
+/// Fewest free inputs with which three conditions at the end can be met and one is left to choose.
+const LEAST_FREE: usize = 4;
+
 /// What a round has led to.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Progress {
@@ -55,9 +58,10 @@ impl Progress {
         let n = self.horizon;
         let left = LAST_ROUND.saturating_sub(self.round) as usize;
         let alternates = self.changed > (left * n / 20).max(n / 30);
-        let is_bang_bang =
-            self.has_terminal_equality && self.free < 4 || self.round >= 7 && self.free < n / 4;
-        self.changed > 0 && self.round >= 3 && (alternates || is_bang_bang || self.returns)
+        let is_bang_bang = self.round >= 7 && self.free < n / 4;
+        let is_over_determined = self.has_terminal_equality && self.free < LEAST_FREE;
+        let wanders = self.round >= 3 && (alternates || is_bang_bang || self.returns);
+        self.changed > 0 && (is_over_determined || wanders)
     }
 
     /// Whether a given guess has turned out wrong.
@@ -74,6 +78,32 @@ impl Progress {
     /// Most stages that may violate a row.
     pub(super) fn most_violated(&self, is_first_with_light: bool) -> usize {
         if is_first_with_light { 2 * self.horizon / 5 } else { self.horizon / 4 }
+    }
+}
+
+/// Rounds without a new least number of changed sides after which a cold attempt has stalled.
+const MOST_STALLED: u32 = 3;
+/// Most changes that one or two switches on their way make.
+const FEW_CHANGES: usize = 2;
+
+/// How the number of changed sides goes down from round to round.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Descent {
+    least: usize,
+    /// Rounds since it was reached first.
+    rounds: u32,
+}
+
+impl Descent {
+    pub(super) fn new() -> Self {
+        Self { least: usize::MAX, rounds: 0 }
+    }
+
+    /// Takes what one more round has changed; whether there has been no progress for too long.
+    pub(super) fn has_stalled(&mut self, changed: usize) -> bool {
+        self.rounds = if changed < self.least { 0 } else { self.rounds + 1 };
+        self.least = self.least.min(changed);
+        self.rounds >= MOST_STALLED && changed > FEW_CHANGES
     }
 }
 

@@ -42,7 +42,7 @@ use crate::kkt::Multipliers;
 use crate::problem::{LightStage, Problem, Terminal, dot};
 use first_sweep::FirstSweep;
 use forward::{Policy, Trajectory};
-use give_up::{Approach, Progress};
+use give_up::{Approach, Descent, Progress};
 use response::RowResponse;
 use rows::{Update, WorkingRows};
 
@@ -160,6 +160,7 @@ impl ActiveSet {
         // The last stage at which the guess differs from that of the sweep before.
         let mut last_changed = n;
         let mut approach = Approach::new(ON_CURVE);
+        let mut descent = Descent::new();
         for round in 1..=max_rounds {
             if !self.minimise(problem, lq, round == 1, has_light, last_changed, point) {
                 return (Outcome::GivenUp, round);
@@ -195,7 +196,10 @@ impl ActiveSet {
                 return (Outcome::Settled, round);
             }
             let is_wandering = match from {
-                From::Nothing => progress.is_hopeless(),
+                From::Nothing => {
+                    let has_stalled = descent.has_stalled(progress.changed);
+                    progress.is_hopeless() || progress.has_terminal_equality && has_stalled
+                }
                 From::Previous(_) => progress.refutes_guess(self.guess.has_row_tangents),
                 From::Iterate(_) => {
                     let left = max_rounds - round;
