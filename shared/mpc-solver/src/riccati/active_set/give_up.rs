@@ -10,16 +10,18 @@
 //!    30, 25, …) to a thirtieth in the tenth: the guess alternates between patterns, or it comes nearer so slowly that the interior
 //!    point is there before it. Of 4,117 random problems it ends 25 attempts that would have settled, and 218 that would not, four
 //!    rounds earlier in the mean.
-//! 2. The terminal equality is left with fewer than four free inputs, from the third round on, or with fewer than a
-//!    quarter of them free from the seventh on: near the time-optimal solution every round moves a switch by one
-//!    stage, and there are many stages to go.
+//! 2. The terminal equality is left with fewer than four free inputs, or any problem with fewer than a quarter of them free
+//!    from the seventh round on: near the time-optimal solution every round moves a switch by one
+//!    stage, and there are many stages to go. Of 554 random problems left with fewer than four by the first round 5 settled.
 //! 3. The inputs are at the same sides as two rounds before, and not at those of the last round: two guesses that lead to
 //!    each other.
-//! 4. More than a quarter of the stages violate a row (in the first two rounds of a problem with the light: two fifths): an arc of
+//! 4. More than a quarter of the stages violate a row (in the second round of a problem with the light: two fifths): an arc of
 //!    active stages is more than [`super::complementarity::MAX_WORKING_ROWS`] multipliers can hold. In the first round, which
-//!    knows neither rows nor light, this ends 67 % of the attempts on random problems in which a row will act, with the light 50 %;
-//!    of these 6,048 attempts 25 would have settled, the others would have ended a round later or more.
-//! 5. Nothing changes but the working rows, and none of them is new: a row that the inputs cannot influence is violated.
+//!    knows neither rows nor light, a twentieth is enough, with the light a fifth: what then settles with so many rounds is
+//!    mostly no faster than the interior point.
+//! 5. With a terminal equality and without the light: three rounds have brought no new least number of changed sides, and more
+//!    than two still change: the sides go round in a circle. With the light, the rounds in between can belong to its margins.
+//! 6. Nothing changes but the working rows, and none of them is new: a row that the inputs cannot influence is violated.
 //!
 //! A guess from the previous solution is good or it is not: it is dropped as soon as a tenth of its inputs change sides in one
 //! round when rows are in it by their tangents, else a third.
@@ -73,6 +75,11 @@ impl Progress {
     /// curves.
     pub(super) fn refutes_iterate(&self, parts: usize, left: u32) -> bool {
         self.changed + parts > if left > 1 { 5 } else { 1 }
+    }
+
+    /// Most stages at which the first trajectory of a cold attempt may violate a row.
+    pub(super) fn most_violated_at_first(&self, has_light: bool) -> usize {
+        self.horizon / if has_light { 5 } else { 20 }
     }
 
     /// Most stages that may violate a row.
@@ -148,6 +155,25 @@ mod tests {
             assert!(progress(round, most + 1).is_hopeless(), "{round}");
         }
         assert!(!progress(2, 100).is_hopeless(), "the first two rounds may change anything");
+    }
+
+    #[test]
+    fn a_terminal_equality_needs_more_free_inputs_than_it_has_conditions() {
+        let with_free = |free| Progress { free, has_terminal_equality: true, ..progress(1, 90) };
+        assert!(with_free(3).is_hopeless());
+        assert!(!with_free(4).is_hopeless());
+        assert!(!Progress { changed: 0, ..with_free(3) }.is_hopeless(), "nothing is left to do");
+    }
+
+    #[test]
+    fn sides_that_change_no_less_for_three_rounds_have_stalled() {
+        let has_stalled = |changed: &[usize]| {
+            let mut descent = Descent::new();
+            changed.iter().map(|&changed| descent.has_stalled(changed)).collect::<Vec<_>>()
+        };
+        assert_eq!(has_stalled(&[40, 6, 7, 6, 9]), [false, false, false, false, true]);
+        assert_eq!(has_stalled(&[40, 6, 7, 6, 5, 8]), [false; 6], "a new least number");
+        assert_eq!(has_stalled(&[40, 2, 2, 2, 2, 2]), [false; 6], "a switch on its way");
     }
 
     #[test]
