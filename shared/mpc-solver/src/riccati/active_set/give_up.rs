@@ -15,10 +15,10 @@
 //!    stage, and there are many stages to go. Of 554 random problems left with fewer than four by the first round 5 settled.
 //! 3. The inputs are at the same sides as two rounds before, and not at those of the last round: two guesses that lead to
 //!    each other.
-//! 4. More than a quarter of the stages violate a row (in the second round of a problem with the light: two fifths): an arc of
+//! 4. More than a quarter of the stages violate a row (in the first two rounds of a problem with the light: two fifths): an arc of
 //!    active stages is more than [`super::complementarity::MAX_WORKING_ROWS`] multipliers can hold. In the first round, which
-//!    knows neither rows nor light, a twentieth is enough, with the light a fifth: what then settles with so many rounds is
-//!    mostly no faster than the interior point.
+//!    knows neither rows nor light, this ends 67 % of the attempts on random problems in which a row will act, with the light 50 %;
+//!    of these 6,048 attempts 25 would have settled, the others would have ended a round later or more.
 //! 5. With a terminal equality and without the light: three rounds have brought no new least number of changed sides, and more
 //!    than two still change: the sides go round in a circle. With the light, the rounds in between can belong to its margins.
 //! 6. Nothing changes but the working rows, and none of them is new: a row that the inputs cannot influence is violated.
@@ -75,11 +75,6 @@ impl Progress {
     /// curves.
     pub(super) fn refutes_iterate(&self, parts: usize, left: u32) -> bool {
         self.changed + parts > if left > 1 { 5 } else { 1 }
-    }
-
-    /// Most stages at which the first trajectory of a cold attempt may violate a row.
-    pub(super) fn most_violated_at_first(&self, has_light: bool) -> usize {
-        self.horizon / if has_light { 5 } else { 20 }
     }
 
     /// Most stages that may violate a row.

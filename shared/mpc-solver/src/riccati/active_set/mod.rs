@@ -174,7 +174,7 @@ impl ActiveSet {
             let rows = if self.guess.has_row_tangents {
                 self.renew_row_tangents(problem, point)
             } else if is_cold && round == 1 && !(progress.changed == 0 && off_curve == 0.0) {
-                let most = progress.most_violated_at_first(problem.light_len > 0);
+                let most = progress.most_violated(problem.light_len > 0);
                 if rows::are_violated(problem, point.states, most) {
                     return (Outcome::GivenUp, round);
                 }
