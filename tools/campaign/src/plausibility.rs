@@ -184,6 +184,9 @@ struct Found {
 /// The whole table.
 #[derive(Clone, Debug, Serialize)]
 struct Table {
+    schema_version: u32,
+    /// No check found something where nothing was.
+    ok: bool,
     quiet_s: f64,
     drives: usize,
     checks: BTreeMap<String, Quiet>,
@@ -199,7 +202,14 @@ pub fn run(
     jobs: Option<NonZeroUsize>,
     json: bool,
 ) -> Result<ExitCode, Error> {
-    let mut table = Table { quiet_s: 0.0, drives: 0, checks: BTreeMap::new(), faults: Vec::new() };
+    let mut table = Table {
+        schema_version: 1,
+        ok: false,
+        quiet_s: 0.0,
+        drives: 0,
+        checks: BTreeMap::new(),
+        faults: Vec::new(),
+    };
     let at_once = batch::at_once(jobs, runtime::Mode::Lockstep);
     let mut planned: Vec<(Option<usize>, f64, Job)> = Vec::new();
     let whole_s: f64 = SCENARIOS.iter().map(|(_, length_s)| length_s).sum();
@@ -244,14 +254,14 @@ pub fn run(
     for found in &mut table.faults {
         found.after_s.sort_by(f64::total_cmp);
     }
+    table.ok = table.checks.values().all(|check| check.false_alarms == 0);
     if json {
         let text = serde_json::to_string_pretty(&table).expect("plain data") + "\n";
         report::print::out(&text)?;
     } else {
         report::print::out(&table.text())?;
     }
-    let quiet = table.checks.values().all(|check| check.false_alarms == 0);
-    Ok(if quiet { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    Ok(if table.ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 fn job(name: &str, seed: u32, length_s: f64, fault: Option<String>) -> Result<Job, Error> {

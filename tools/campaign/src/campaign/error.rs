@@ -11,8 +11,9 @@ use std::path::PathBuf;
 pub enum CampaignError {
     /// Nothing says which.
     #[error(
-        "no campaign is named, expected a file or one of {}",
-        BUILTIN.map(|builtin| builtin.name).join(", ")
+        "no campaign is named, expected a file or one of {}, {RADIO}, {}",
+        BUILTIN.map(|builtin| builtin.name).join(", "),
+        plausibility::NAME
     )]
     NoneNamed,
     /// The runs have no numbers that their draws come from.

@@ -11,6 +11,7 @@ const LAST_LINE_M: f64 = 1_000.0;
 /// What came of all runs.
 #[derive(Clone, Debug, Serialize)]
 pub struct Table {
+    schema_version: u32,
     /// No run crossed a red light, touched another vehicle or ended before its time.
     pub ok: bool,
     runs: usize,
@@ -40,6 +41,7 @@ impl Table {
         let sum = |figure: fn(&Kept) -> f64| runs.iter().map(figure).sum::<f64>();
         let failures = runs.iter().filter(|run| !run.holds()).map(Kept::failure);
         Self {
+            schema_version: 1,
             ok: runs.iter().all(Kept::holds),
             runs: runs.len(),
             outcomes,
