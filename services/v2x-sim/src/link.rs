@@ -26,10 +26,10 @@ pub(crate) struct Link {
     handed_on_ns: Option<i64>,
 }
 
-/// Frames of one cycle. Where there is no room for all, roadside units come before vehicles.
+/// Frames of one cycle. Where there is no room for all, they go by rank.
 struct Batch {
-    /// With whether a roadside unit sent each.
-    frames: Vec<(Frame, bool)>,
+    /// With whose each is.
+    frames: Vec<(Frame, Rank)>,
     left_out: u64,
 }
 
@@ -124,15 +124,14 @@ impl Link {
                 self.before_start += 1;
                 continue;
             }
-            // Vehicles say who they are, and no start.
-            let is_of_unit = frame.start_ns.is_some() || frame.sender.is_none();
-            if is_of_unit {
+            let rank = Rank::of(&frame);
+            if rank > Rank::Vehicle {
                 self.clock = frame.clock.or(self.clock);
             }
             if let Some((start_ns, clock)) = frame.start_ns.zip(frame.clock) {
                 self.unit = Some(UnitClock::new(start_ns, clock.offset_ns, self.utc_start_ns));
             }
-            self.batch.offer(frame, is_of_unit);
+            self.batch.offer(frame, rank);
         }
     }
 
@@ -158,16 +157,38 @@ impl Batch {
         self.left_out = 0;
     }
 
-    fn offer(&mut self, frame: Frame, is_of_unit: bool) {
+    fn offer(&mut self, frame: Frame, rank: Rank) {
         if self.frames.len() < MAX_FRAMES {
-            self.frames.push((frame, is_of_unit));
+            self.frames.push((frame, rank));
             return;
         }
         self.left_out += 1;
-        let last_vehicle = self.frames.iter().rposition(|(_, is_of_unit)| !is_of_unit);
-        if let Some(place) = last_vehicle.filter(|_| is_of_unit) {
-            self.frames.remove(place);
-            self.frames.push((frame, true));
+        let lowest = self.frames.iter().map(|(_, rank)| *rank).min();
+        if let Some(lowest) = lowest.filter(|lowest| *lowest < rank) {
+            let last = self.frames.iter().rposition(|(_, rank)| *rank == lowest);
+            self.frames.remove(last.expect("one of them has the lowest rank"));
+            self.frames.push((frame, rank));
+        }
+    }
+}
+
+/// Whose frames go first where there is no room for all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Rank {
+    /// A vehicle: it says who it is, and no start.
+    Vehicle,
+    /// It does not say who it is: another maker's unit, or anything else that sends.
+    Unnamed,
+    /// A roadside unit that says when its programs began.
+    RoadsideUnit,
+}
+
+impl Rank {
+    fn of(frame: &Frame) -> Self {
+        match (frame.start_ns, frame.sender) {
+            (Some(_), _) => Self::RoadsideUnit,
+            (None, None) => Self::Unnamed,
+            (None, Some(_)) => Self::Vehicle,
         }
     }
 }
@@ -201,24 +222,35 @@ fn station(report: radio::StationReport) -> StationReport {
 mod tests {
     use super::*;
 
-    fn offer(batch: &mut Batch, number: u8, is_of_unit: bool) {
-        batch.offer(Frame::new(&[number], 0).expect("it is short"), is_of_unit);
+    fn offer(batch: &mut Batch, number: u8, rank: Rank) {
+        batch.offer(Frame::new(&[number], 0).expect("it is short"), rank);
     }
 
     #[test]
     fn roadside_units_find_room_among_vehicles() {
         let mut batch = Batch { frames: Vec::new(), left_out: 0 };
         let most = MAX_FRAMES as u8;
-        (0..most).for_each(|number| offer(&mut batch, number, number == 0));
-        offer(&mut batch, 100, false);
-        offer(&mut batch, 101, true);
+        let first = |number| if number == 0 { Rank::RoadsideUnit } else { Rank::Vehicle };
+        (0..most).for_each(|number| offer(&mut batch, number, first(number)));
+        offer(&mut batch, 100, Rank::Vehicle);
+        offer(&mut batch, 101, Rank::RoadsideUnit);
         let numbers = |batch: &Batch| -> Vec<u8> {
             batch.frames.iter().map(|(frame, _)| frame.bytes()[0]).collect()
         };
         let kept: Vec<u8> = (0..most - 1).chain([101]).collect();
         assert_eq!((numbers(&batch), batch.left_out), (kept, 2));
-        (0..most).for_each(|number| offer(&mut batch, 200 + number, true));
-        assert!(batch.frames.iter().all(|(_, is_of_unit)| *is_of_unit));
+        (0..most).for_each(|number| offer(&mut batch, 200 + number, Rank::RoadsideUnit));
+        assert!(batch.frames.iter().all(|(_, rank)| *rank == Rank::RoadsideUnit));
         assert_eq!((batch.frames[0].0.bytes(), batch.left_out), (&[0][..], 18));
+    }
+
+    #[test]
+    fn a_flood_of_what_has_no_name_leaves_room_for_roadside_units() {
+        let mut batch = Batch { frames: Vec::new(), left_out: 0 };
+        (0..100).for_each(|number| offer(&mut batch, number, Rank::Unnamed));
+        (200..203).for_each(|number| offer(&mut batch, number, Rank::RoadsideUnit));
+        (0..100).for_each(|number| offer(&mut batch, number, Rank::Unnamed));
+        let units = batch.frames.iter().filter(|(_, rank)| *rank == Rank::RoadsideUnit);
+        assert_eq!((units.count(), batch.left_out), (3, 203 - MAX_FRAMES as u64));
     }
 }
