@@ -92,7 +92,7 @@ pub struct Diagnostics {
     pub quality: u32,
     /// Iterations of the solver.
     pub solver_iterations: u32,
-    /// [`Level`](crate::level::Level) of the controller, as a number.
+    /// `Level` of the controller, as a number.
     pub rung: u32,
     /// 1 while the driver is asked to take over.
     pub takeover: u32,

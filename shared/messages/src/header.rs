@@ -96,7 +96,7 @@ pub struct Header {
     pub publish_ns: i64,
     /// Which restart of the source sent it: 0 for the first process.
     pub incarnation: u32,
-    /// Service that sent it, [`crate::Service`] as a number.
+    /// Service that sent it, `Service` as a number.
     pub source: u32,
     /// Stamps of the inputs it was computed from.
     pub origins: Origins,

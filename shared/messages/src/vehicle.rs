@@ -62,7 +62,7 @@ pub struct EgoTruth {
     pub time_to_collision_s: f64,
     /// Distance to the next stop line ahead, m, infinite without one.
     pub stop_line_m: f64,
-    /// What its signal shows, [`PhaseState`](crate::PhaseState) as a number; 0 without one.
+    /// What its signal shows, `PhaseState` as a number; 0 without one.
     pub signal_state: u32,
     /// 1 while a vehicle ahead moves sideways towards the ego's lane.
     pub cut_in: u32,
