@@ -102,22 +102,35 @@ impl SettingError {
         }
     }
 
-    /// The same of another key, in whose unit numbers are `scale` times as large.
+    /// The same with its keys renamed.
     #[must_use]
-    pub fn of_key(self, key: &'static str, scale: f64) -> Self {
-        // A thousandth has no exact form: what was typed is shown.
-        let of = |value: f64| (value * scale * 1e6).round() / 1e6;
-        match self {
-            Self::OutOfRange { value, least, most, .. } => {
-                Self::OutOfRange { key, value: of(value), least: of(least), most: of(most) }
-            }
-            Self::NotAbove { value, above, most, .. } => {
-                Self::NotAbove { key, value: of(value), above: of(above), most: of(most) }
-            }
-            Self::NotBelow { value, other, limit, .. } => {
-                Self::NotBelow { key, value: of(value), other, limit: of(limit) }
-            }
+    pub fn renamed(mut self, name: impl Fn(&'static str) -> &'static str) -> Self {
+        if let Self::NotBelow { other, .. } = &mut self {
+            *other = name(other);
         }
+        match &mut self {
+            Self::OutOfRange { key, .. }
+            | Self::NotAbove { key, .. }
+            | Self::NotBelow { key, .. } => *key = name(key),
+        }
+        self
+    }
+
+    /// The same with its numbers, which are in seconds, in milliseconds.
+    #[must_use]
+    pub fn in_ms(mut self) -> Self {
+        // A thousandth has no exact form: what was typed is shown.
+        let scale = |number: &mut f64| *number = (*number * 1e9).round() / 1e6;
+        match &mut self {
+            Self::OutOfRange { value, least, most, .. } => [value, least, most].map(scale),
+            Self::NotAbove { value, above, most, .. } => [value, above, most].map(scale),
+            Self::NotBelow { value, limit, .. } => {
+                scale(value);
+                scale(limit);
+                [(); 3]
+            }
+        };
+        self
     }
 
     /// The error at its place in a scenario file: `table` is the dotted path of the law's table.

@@ -111,16 +111,16 @@ impl Config {
     /// An error in the words and units of the scenario's keys below `controller`.
     #[must_use]
     pub fn in_scenario(error: SettingError, controller: &Controller) -> SettingError {
-        let (key, scale) = match error.key() {
-            "horizon_steps" => ("horizon", 1.0),
-            "step_s" if controller.prediction_step_ms.is_some() => ("prediction_step_ms", 1e3),
+        let error = if error.key() == "step_s" { error.in_ms() } else { error };
+        error.renamed(|key| match key {
+            "horizon_steps" => "horizon",
+            "step_s" if controller.prediction_step_ms.is_some() => "prediction_step_ms",
             // Without a step of its own the prediction has the controller's.
-            "step_s" => ("period_ms", 1e3),
-            "actuator_lag_s" => ("model_time_constant_s", 1.0),
-            "buffer_m" | "road.standstill_gap_m" => ("standstill_distance_m", 1.0),
-            other => (other, 1.0),
-        };
-        error.of_key(key, scale)
+            "step_s" => "period_ms",
+            "actuator_lag_s" => "model_time_constant_s",
+            "buffer_m" | "road.standstill_gap_m" => "standstill_distance_m",
+            other => other,
+        })
     }
 }
 
@@ -143,6 +143,12 @@ mod tests {
         assert_eq!(slow, "period_ms = 1000 is out of range, expected a number from 10 to 500");
         let long = said(Config { horizon_steps: 1000, ..Config::default() });
         assert_eq!(long, "horizon = 1000 is out of range, expected a number from 10 to 128");
+        let beyond = said(Config { step_s: 0.4, actuator_lag_s: 0.3, ..Config::default() });
+        let expected =
+            "period_ms = 400 is too large, expected a number below model_time_constant_s (300)";
+        assert_eq!(beyond, expected);
+        let small = said(Config { actuator_lag_s: 1e-9, ..Config::default() });
+        assert!(small.starts_with("model_time_constant_s = 0.000000001 is"), "{small}");
     }
 
     #[test]
