@@ -1,6 +1,6 @@
 //! `timegap info`: what a recording holds.
 
-use super::{STILL_RECORDED, count, is_being_recorded, lines, open};
+use super::{count, in_words, lines, open};
 use clap::Args;
 use group::Error;
 use messages::TOPICS;
@@ -132,15 +132,11 @@ fn as_text(recording: &Recording, survey: &Survey) -> String {
             recording.file_bytes() as f64 / f64::from(1 << 20),
         ),
     );
-    let goes_on = is_being_recorded(recording.path());
-    let advised = |damage: &Damage| match damage {
-        Damage::CutOff { .. } if goes_on => STILL_RECORDED.to_owned(),
-        damage if damage.can_be_left_out() => {
-            format!("{damage}: `timegap recover` makes it whole")
-        }
-        damage => damage.to_string(),
+    let advised = |damage: &Damage| match damage.can_be_left_out() {
+        true => format!("{damage}: `timegap recover` makes it whole"),
+        false => damage.to_string(),
     };
-    for damage in lines(&survey.damage, advised) {
+    for damage in lines(&survey.damage, in_words(recording, advised)) {
         line("INCOMPLETE", damage);
     }
     writeln!(text, "\n  {:<22} {:>9} {:>8} {:>6}  type", "topic", "messages", "Hz", "lost")

@@ -39,19 +39,25 @@ pub fn expect_another_file(recording: &Recording, out: &Path) -> Result<(), Erro
 
 /// Says on standard error what of a recording could not be read. The exit status of a command whose result is
 /// not whole then is 1.
-fn tell(recording: &Recording, damage: &[Damage]) {
-    let goes_on = is_being_recorded(recording.path());
-    let said = |damage: &Damage| match damage {
-        Damage::CutOff { .. } if goes_on => STILL_RECORDED.to_owned(),
-        damage => damage.to_string(),
-    };
-    for line in lines(damage, said) {
+pub fn tell(recording: &Recording, damage: &[Damage]) {
+    for line in lines(damage, in_words(recording, ToString::to_string)) {
         eprintln!("{}: {line}", recording.path().display());
     }
 }
 
-/// What is said of the open end of a recording whose run goes on.
-const STILL_RECORDED: &str = "is still being recorded: what comes later is missing";
+/// A damage in words: the open end of a recording whose run goes on is none, all else is as `of_damage` says.
+fn in_words(
+    recording: &Recording,
+    of_damage: impl Fn(&Damage) -> String,
+) -> impl Fn(&Damage) -> String {
+    let goes_on = is_being_recorded(recording.path());
+    move |damage| match damage {
+        Damage::CutOff { .. } if goes_on => {
+            "is still being recorded: what comes later is missing".to_owned()
+        }
+        damage => of_damage(damage),
+    }
+}
 
 /// True if the run whose recording this is goes on.
 fn is_being_recorded(path: &Path) -> bool {

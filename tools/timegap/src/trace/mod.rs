@@ -11,7 +11,7 @@ mod encode;
 mod proto;
 mod timeline;
 
-use crate::recordings::expect_another_file;
+use crate::recordings::{expect_another_file, tell};
 use clap::Args;
 use encode::{Frame, begin, events};
 use group::Error;
@@ -68,9 +68,7 @@ pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Error> {
         path: file.clone(),
         reason,
     })?;
-    for damage in recording.damage().iter().chain(&damage) {
-        eprintln!("{}: {damage}", recording.path().display());
-    }
+    tell(&recording, &[recording.damage(), &damage].concat());
     if arguments.json {
         let json = serde_json::to_string_pretty(&written).expect("plain data");
         print::out(&(json + "\n"))?;
