@@ -1,5 +1,5 @@
 //! What the ego meets, by the ground truth: for faults that wait for a phase of the drive, and for the
-//! account of what a campaign's drives met. Nothing that drives uses it.
+//! account of what a campaign's drives met; the vehicle ahead for the referee too. Nothing that drives uses it.
 
 use crate::ahead::Ahead;
 use crate::longitudinal::State;

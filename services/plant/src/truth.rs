@@ -12,23 +12,23 @@ pub(crate) struct Lengths {
     ego_m: f64,
     /// In the scenario's order, which the truth keeps.
     others_m: Vec<f64>,
-    shortest_m: f64,
 }
 
 impl Lengths {
     /// Those of the scenario's vehicles.
     pub(crate) fn of(scenario: &Scenario) -> Self {
-        let others_m: Vec<f64> =
-            scenario.actors.iter().map(|actor| actor.length_m.value()).collect();
-        let shortest_m = others_m.iter().copied().reduce(f64::min).unwrap_or(0.0);
-        Self { ego_m: scenario.plant.length_m.value(), others_m, shortest_m }
+        let others_m = scenario.actors.iter().map(|actor| actor.length_m.value()).collect();
+        Self { ego_m: scenario.plant.length_m.value(), others_m }
     }
 
     /// How far the rear of one of `count` vehicles may be behind the ego's front while it is not behind the ego, m.
     fn beside_m(&self, index: usize, count: usize) -> f64 {
-        let all_are_there = count == self.others_m.len();
-        // Where some are not on the road it is not known which: no contact is invented.
-        let length_m = if all_are_there { self.others_m[index] } else { self.shortest_m };
+        let length_m = if count == self.others_m.len() {
+            self.others_m[index]
+        } else {
+            // Some are not on the road, and it is not known which: no contact is invented.
+            self.others_m.iter().copied().reduce(f64::min).unwrap_or(0.0)
+        };
         self.ego_m + length_m
     }
 }
@@ -103,8 +103,7 @@ mod tests {
     use messages::VehicleTruthItem;
 
     fn lengths(others_m: &[f64]) -> Lengths {
-        let shortest_m = others_m.iter().copied().fold(f64::INFINITY, f64::min);
-        Lengths { ego_m: 5.0, others_m: others_m.to_vec(), shortest_m }
+        Lengths { ego_m: 5.0, others_m: others_m.to_vec() }
     }
 
     #[test]

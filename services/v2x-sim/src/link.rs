@@ -163,10 +163,10 @@ impl Batch {
             return;
         }
         self.left_out += 1;
-        let lowest = self.frames.iter().map(|(_, rank)| *rank).min();
-        if let Some(lowest) = lowest.filter(|lowest| *lowest < rank) {
-            let last = self.frames.iter().rposition(|(_, rank)| *rank == lowest);
-            self.frames.remove(last.expect("one of them has the lowest rank"));
+        // The last one of the lowest rank.
+        let lowest = self.frames.iter().enumerate().rev().min_by_key(|(_, (_, rank))| *rank);
+        if let Some((place, _)) = lowest.filter(|(_, (_, lowest))| *lowest < rank) {
+            self.frames.remove(place);
             self.frames.push((frame, rank));
         }
     }

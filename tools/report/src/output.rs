@@ -125,7 +125,7 @@ impl OutputDirectory {
         let mut output = Self::take(path)?;
         // Of a command that was killed before it had a result.
         output.put_back()?;
-        let found: Vec<_> = RESULTS.into_iter().filter(|name| is_ours(&path.join(name))).collect();
+        let found: Vec<_> = results_in(path).collect();
         match found.first() {
             None => {}
             Some(_) if options.force => output.put_aside(&found)?,
@@ -144,8 +144,7 @@ impl OutputDirectory {
     /// If it cannot be written, belongs to a command that is running, or holds results without that file.
     pub fn resume(path: &Path, begun: &'static str) -> Result<Self, Error> {
         let output = Self::take(path)?;
-        let first = RESULTS.into_iter().find(|name| is_ours(&path.join(name)));
-        if let Some(first) = first.filter(|_| !path.join(begun).exists()) {
+        if let Some(first) = results_in(path).next().filter(|_| !path.join(begun).exists()) {
             return Err(
                 OutputError::NotBegun { path: path.to_owned(), first, expected: begun }.into()
             );
@@ -214,7 +213,7 @@ impl OutputDirectory {
     /// Puts back what was put aside.
     fn put_back(&self) -> Result<(), Error> {
         let aside = self.path.join(REPLACED);
-        for name in RESULTS.into_iter().filter(|name| is_ours(&aside.join(name))) {
+        for name in results_in(&aside) {
             let to = self.path.join(name);
             remove(&to)?;
             std::fs::rename(aside.join(name), &to).map_err(error(&to))?;
@@ -353,10 +352,9 @@ impl Drop for OutputDirectory {
             return;
         }
         if self.is_cleared {
-            for path in RESULTS.map(|name| self.path.join(name)).iter().filter(|path| is_ours(path))
-            {
+            for name in results_in(&self.path) {
                 // What cannot be removed stays; the command has failed anyway.
-                let _ = remove(path);
+                let _ = remove(&self.path.join(name));
             }
             let _ = self.put_back();
         }
@@ -369,6 +367,11 @@ impl Drop for OutputDirectory {
 
 fn error(path: &Path) -> impl Fn(std::io::Error) -> Error + Copy + '_ {
     move |reason| Error::Path { action: "write results to", path: path.to_owned(), reason }
+}
+
+/// The results that a directory holds.
+fn results_in(directory: &Path) -> impl Iterator<Item = &'static str> {
+    RESULTS.into_iter().filter(move |name| is_ours(&directory.join(name)))
 }
 
 /// True if there is a file or a directory: links and devices are the user's.
