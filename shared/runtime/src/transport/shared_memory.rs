@@ -5,6 +5,7 @@ use super::error::TransportError;
 use super::held::Held;
 use super::loan::{Loan, Place};
 use super::payload::{PAYLOAD_TOPIC, Payload, Stamp};
+use crate::checkpoint::MOST_BYTES as MOST_STATE_BYTES;
 use crate::kept::MOST_BYTES as MOST_KEPT_BYTES;
 use crate::link::End;
 use crate::members::Members;
@@ -57,7 +58,7 @@ pub fn shared_memory_bytes(timetable: &Timetable, standby: &[Service]) -> u64 {
     let publishers = |topic: Topic| topic.sources().iter().map(|&s| of(s)).max().unwrap_or(all);
     let bytes = |topic: Topic| publishers(topic) * messages(topic) * topic.message_bytes();
     let payload: usize = TOPICS.into_iter().map(bytes).sum();
-    (payload + MANAGEMENT + Service::ALL.len() * MOST_KEPT_BYTES) as u64
+    (payload + MANAGEMENT + Service::ALL.len() * (MOST_KEPT_BYTES + MOST_STATE_BYTES)) as u64
 }
 
 impl<T: Message> Sender<T> for iceoryx2::port::publisher::Publisher<Ipc, T, ()> {
