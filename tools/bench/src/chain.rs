@@ -88,7 +88,8 @@ fn options(stage: &Stage, cell: &Cell, seconds: f64) -> ScenarioOptions {
         Scheduling::Fifo => "fifo",
         Scheduling::Other => "other",
     };
-    let (others, controller) = stage.placed(cell.conditions.placement);
+    // The radar and the plant are released at the same instants: on one core one waits for the other.
+    let (radar, controller) = stage.placed(cell.conditions.placement);
     ScenarioOptions {
         duration: Some(seconds.to_string()),
         set: vec![
@@ -101,9 +102,9 @@ fn options(stage: &Stage, cell: &Cell, seconds: f64) -> ScenarioOptions {
             "supervision.restart=never".into(),
             "supervision.heartbeat_timeout_ms=10000".into(),
             format!("runtime.scheduling={scheduling}"),
-            format!("runtime.services.plant.core={others}"),
-            format!("runtime.services.perception-sim.core={others}"),
-            format!("runtime.services.v2x-sim.core={others}"),
+            format!("runtime.services.plant.core={controller}"),
+            format!("runtime.services.perception-sim.core={radar}"),
+            format!("runtime.services.v2x-sim.core={radar}"),
             format!("runtime.services.controller.core={controller}"),
         ],
         ..ScenarioOptions::default()
