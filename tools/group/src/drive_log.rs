@@ -2,6 +2,7 @@
 
 use crate::cycles::CycleHistory;
 use crate::drive::{Drive, DriveStep, PowertrainStep};
+use crate::kept_steps::{KeptSteps, MOST_IN_REALTIME};
 use messages::Service;
 use messages::{
     Brake, Command, Diagnostics, EgoTruth, Header, Heartbeat, PhaseState, Powertrain, RadarTracks,
@@ -13,10 +14,6 @@ use runtime::{Group, InProcess, Mode, Observed, Observer, RuntimeError, Timetabl
 
 /// Messages of a topic that room is made for from the start.
 const MOST_ROOM: u64 = 100_000;
-
-/// Steps of a realtime run that are kept in full: ten minutes at the usual period of the plant. Of a
-/// longer run fewer and fewer steps are kept, evenly, so that the launcher does not grow with it.
-const MOST_STEPS: usize = 60_000;
 
 /// Listens to a group from before its start.
 #[derive(Debug)]
@@ -43,10 +40,7 @@ pub struct DriveLog {
     signal_ages: Latencies,
     /// In realtime the supervisor takes the signs of life.
     supervised: bool,
-    /// Every so many steps are kept: in lockstep all.
-    keeps: u64,
-    /// Steps between two that have a sample of every topic.
-    whole_stride: u64,
+    kept: KeptSteps,
     signs: Vec<Sign>,
     /// The newest incarnation heard of each service.
     incarnations: [u32; Service::ALL.len()],
@@ -95,7 +89,8 @@ impl DriveLog {
         // Room for the whole run, as far as it is not too long a one to be sure of.
         let room = |service| {
             let messages = timetable.last_step / timetable.stride(service) + 1;
-            let most = if mode == Mode::Realtime { MOST_STEPS as u64 + 1_000 } else { MOST_ROOM };
+            let most =
+                if mode == Mode::Realtime { MOST_IN_REALTIME as u64 + 1_000 } else { MOST_ROOM };
             usize::try_from(messages.min(most)).expect("a small number")
         };
         let (perception, controller) =
@@ -127,8 +122,7 @@ impl DriveLog {
             history: CycleHistory::new(controller),
             signal_ages: Latencies::default(),
             supervised: mode == Mode::Realtime,
-            keeps: 1,
-            whole_stride: least_common_multiple(perception, controller),
+            kept: KeptSteps::new(mode, perception, controller),
             signs: Vec::new(),
             incarnations: [0; Service::ALL.len()],
             first_messages: Vec::new(),
@@ -141,25 +135,23 @@ impl DriveLog {
         Ok(this)
     }
 
-    /// Thins out what was heard of a realtime run when it has come to its bound.
+    /// Thins out what was heard of a long drive.
     fn bound(&mut self) {
-        if !self.supervised || self.egos.len() < MOST_STEPS {
-            return;
+        while self.kept.thin_out(self.egos.len()) {
+            let kept = self.kept;
+            self.egos.retain(|message| kept.has(message.header.step));
+            self.truths.retain(|message| kept.has(message.header.step));
+            self.powertrains.retain(|(step, _)| kept.has(*step));
+            self.requests.retain(|(step, _)| kept.has(*step));
+            self.cycles.retain(|message| kept.has(message.header.step));
         }
-        self.keeps = if self.keeps == 1 { self.whole_stride.max(2) } else { 2 * self.keeps };
-        let keeps = self.keeps;
-        self.egos.retain(|message| message.header.step.is_multiple_of(keeps));
-        self.truths.retain(|message| message.header.step.is_multiple_of(keeps));
-        self.powertrains.retain(|(step, _)| step.is_multiple_of(keeps));
-        self.requests.retain(|(step, _)| step.is_multiple_of(keeps));
-        self.cycles.retain(|message| message.header.step.is_multiple_of(keeps));
     }
 
     /// Takes what arrived.
     pub fn drain(&mut self) -> Result<(), RuntimeError> {
         self.bound();
-        let keeps = self.keeps;
-        let is_kept = |header: &Header| header.step.is_multiple_of(keeps);
+        let kept = self.kept;
+        let is_kept = |header: &Header| kept.has(header.step);
         let (incarnations, first) = (&mut self.incarnations, &mut self.first_messages);
         let mut note = |service: Service, header: &Header| {
             let newest = &mut incarnations[service.index()];
@@ -255,8 +247,8 @@ impl DriveLog {
         self.observer.remove_dead();
     }
 
-    /// What was heard so far: motion of the ego, the other vehicles, control cycles. Of a long realtime
-    /// run they are thinned out, so that a place in them does not stay the same step's.
+    /// What was heard so far: motion of the ego, the other vehicles, control cycles. Of a long run
+    /// they are thinned out, so that a place in them does not stay the same step's.
     pub fn heard(&self) -> (&[EgoTruth], &[VehicleTruth], &[Diagnostics]) {
         (&self.egos, &self.truths, &self.cycles)
     }
@@ -300,6 +292,7 @@ impl DriveLog {
     /// Takes the rest and joins the topics by step.
     pub fn finish(mut self) -> Result<Drive, RuntimeError> {
         self.drain()?;
+        self.bound();
         let mut received = vec![
             self.ego.received(),
             self.truth.received(),
@@ -352,14 +345,6 @@ fn touch<T: Copy + bytemuck::Zeroable>(room: &mut Vec<T>) {
     room.clear();
 }
 
-fn least_common_multiple(a: u64, b: u64) -> u64 {
-    let (mut divisor, mut rest) = (a, b);
-    while rest > 0 {
-        (divisor, rest) = (rest, divisor % rest);
-    }
-    a / divisor * b
-}
-
 /// The item of `step` from a sequence in order of steps; earlier ones are passed over.
 fn take_step<'a, T>(
     items: &mut std::iter::Peekable<std::slice::Iter<'a, T>>,
@@ -373,13 +358,6 @@ fn take_step<'a, T>(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn kept_steps_have_a_sample_of_every_topic() {
-        assert_eq!(least_common_multiple(5, 10), 10);
-        assert_eq!(least_common_multiple(4, 6), 12);
-        assert_eq!(least_common_multiple(1, 1), 1);
-    }
 
     #[test]
     fn items_are_joined_by_step() {

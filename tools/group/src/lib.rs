@@ -30,6 +30,7 @@ mod faults;
 pub mod in_process;
 mod injection;
 mod janitor;
+mod kept_steps;
 mod launch;
 mod life;
 mod live_file;
