@@ -38,7 +38,9 @@ impl KeptSteps {
 
     /// Whether `count` steps are more than are kept. If so, fewer are from now on.
     pub fn thin_out(&mut self, count: usize) -> bool {
-        let thins_out = count >= self.most;
+        // Thinned out, they have a sample of every topic each: fewer of them take the same memory.
+        let most = if self.every == 1 { self.most } else { MOST_IN_REALTIME };
+        let thins_out = count >= most;
         if thins_out {
             self.every = if self.every == 1 { self.whole_stride.max(2) } else { 2 * self.every };
         }
@@ -79,7 +81,7 @@ mod tests {
             (steps.len(), kept)
         };
         let (count, kept) = left(1);
-        assert!(count < MOST_IN_LOCKSTEP && kept.every == 20, "{count} {kept:?}");
+        assert!(count < MOST_IN_REALTIME && kept.every == 80, "{count} {kept:?}");
         assert_eq!(left(64), (count, kept));
         assert_eq!(left(20_000), (count, kept));
     }
