@@ -22,8 +22,8 @@
 //! | row | go (comfortable requests only) | hold (all requests) |
 //! |---|---|---|
 //! | 0 | `p <= ceiling` (lead, closed lines) | the same |
-//! | 1 | `v <= v_max` | the same |
-//! | 2 | `v >= 0` | the same |
+//! | 1 | `v <= v_max + 0.1 m/s` | the same |
+//! | 2 | `v >= -0.1 m/s` | the same |
 //! | 3 | `p >= line` at the last stage of green | `a >= -comfort` |
 //!
 //! All rows are soft with an exact linear price: a measured state, a cut-in or a jumping countdown
@@ -49,6 +49,9 @@ const PASS_PRICE: f64 = 3000.0;
 const TERMINAL: f64 = 5.0;
 /// How far beyond the line a pass must get, m.
 const PASS_M: f64 = 0.3;
+/// By how much the limits of the speed are beyond what the reference drives, m/s. A reference on a limit, above all one
+/// that stands, would make the limit hold without a force: no method finds such a solution quickly.
+const SPEED_MARGIN_MPS: f64 = 0.1;
 
 const CEILING: usize = 0;
 const FAST: usize = 1;
@@ -150,9 +153,9 @@ impl Programs {
             let v_lead = lead.speed_mps[k];
             let offset = lead.position_m[k] - t_h * v_lead - s0;
             problem.row_limits_mut(CEILING)[k] = reference.ceiling_m[k] - offset;
-            let fastest = fastest_mps.max(reference.motion[k].speed_mps) + 0.1;
-            problem.row_limits_mut(FAST)[k] = fastest - v_lead;
-            problem.row_limits_mut(SLOW)[k] = v_lead;
+            let fastest = fastest_mps.max(reference.motion[k].speed_mps);
+            problem.row_limits_mut(FAST)[k] = fastest + SPEED_MARGIN_MPS - v_lead;
+            problem.row_limits_mut(SLOW)[k] = v_lead + SPEED_MARGIN_MPS;
         }
     }
 }
