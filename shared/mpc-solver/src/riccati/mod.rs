@@ -49,8 +49,10 @@ const MAX_ITERATIONS: u32 = 60;
 const MU_TOLERANCE: f64 = 1e-6;
 /// Part of the first iterate's linear residuals that counts as none.
 const RESIDUAL_TOLERANCE: f64 = 1e-9;
-/// Evaluations of the optimality conditions without success after which the machine's precision is at its end.
+/// Evaluations of the optimality conditions without progress after which the machine's precision is at its end, and what
+/// is progress. Where limits hold without a force, an iteration brings less than a digit.
 const MAX_EVALUATIONS: u32 = 8;
+const PROGRESS: f64 = 0.7;
 /// Part of the linear residuals and of the mean product that may be left when the active set tries to finish; how often it
 /// may, and for how many rounds.
 const FINISH_RESIDUAL: f64 = 1e-3;
@@ -81,6 +83,13 @@ const STARTS: [InteriorStart; 3] = [
 
 /// How a phase ended.
 type Ending = (Status, Residuals);
+
+/// How the iterations from one start of the interior point ended.
+enum Descent {
+    Ended(Ending),
+    /// Another start may do better.
+    Stuck,
+}
 
 /// The solver; see the head of the crate for its problem.
 #[derive(Clone, Debug)]
@@ -138,26 +147,22 @@ impl Riccati {
     fn interior(&mut self, problem: &Problem, lq: &LinearQuadratic) -> Ending {
         let n = problem.horizon;
         self.inputs[..n].copy_from_slice(&self.active.early_inputs()[..n]);
-        let mut last = (Status::IterationLimit, Residuals::default());
         for start in &STARTS {
             problem.roll_out(&self.inputs, &mut self.states);
             let (inputs, states) = (&self.inputs[..n], &self.states[..=n]);
             self.interior.start(problem, inputs, states, start.distance);
-            last = self.descend(problem, lq, start.trial);
-            if last.0 != Status::IterationLimit {
-                break;
+            if let Descent::Ended(ending) = self.descend(problem, lq, start.trial) {
+                return ending;
             }
             self.inputs.fill(0.5 * (problem.u_min + problem.u_max));
         }
-        if last.0 == Status::IterationLimit {
-            last.1 = self.take_iterate(problem);
-        }
-        last
+        (Status::IterationLimit, self.take_iterate(problem))
     }
 
     /// Iterations of the interior point from one start.
-    fn descend(&mut self, problem: &Problem, lq: &LinearQuadratic, trial: Option<u32>) -> Ending {
-        let (mut finishes, mut evaluations, mut first_mu) = (0, 0, 0.0);
+    fn descend(&mut self, problem: &Problem, lq: &LinearQuadratic, trial: Option<u32>) -> Descent {
+        let (mut finishes, mut first_mu) = (0, 0.0);
+        let (mut evaluations, mut least) = (0, f64::INFINITY);
         self.multipliers.clear();
         for iteration in 1..=MAX_ITERATIONS {
             self.iterations += 1;
@@ -172,20 +177,23 @@ impl Riccati {
                 finishes += 1;
                 self.interior.suggest(problem, &mut self.active.guess);
                 if let Some(ending) = self.try_active(problem, lq, From::Iterate(FINISH_ROUNDS)) {
-                    return ending;
+                    return Descent::Ended(ending);
                 }
             }
             if step.mu < MU_TOLERANCE && residual < RESIDUAL_TOLERANCE {
                 let found = self.take_iterate(problem);
                 if found.max() <= TOLERANCE {
-                    return (Status::Solved, found);
+                    return Descent::Ended((Status::Solved, found));
                 }
-                evaluations += 1;
+                evaluations = if found.max() < PROGRESS * least { 0 } else { evaluations + 1 };
+                least = least.min(found.max());
                 if evaluations == MAX_EVALUATIONS {
                     // What is active has shown long since; only digits are missing.
                     self.interior.suggest(problem, &mut self.active.guess);
                     let polished = self.try_active(problem, lq, From::Iterate(FINISH_ROUNDS));
-                    return polished.unwrap_or((Status::IterationLimit, found));
+                    let ending = polished
+                        .unwrap_or_else(|| (Status::IterationLimit, self.take_iterate(problem)));
+                    return Descent::Ended(ending);
                 }
             }
             let is_stuck = trial == Some(iteration) && residual > 1.0 - LEAST_PROGRESS;
@@ -193,14 +201,14 @@ impl Riccati {
             if is_stuck || is_hindered && iteration % INFEASIBILITY_INTERVAL == 0 {
                 let found = self.take_iterate(problem);
                 if infeasibility::is_proved(problem, &self.multipliers) {
-                    return (Status::Infeasible, found);
+                    return Descent::Ended((Status::Infeasible, found));
                 }
             }
             if is_stuck {
                 break;
             }
         }
-        (Status::IterationLimit, Residuals::default())
+        Descent::Stuck
     }
 
     /// An attempt of the active set; nothing if it is given up, or does not meet the tolerance.

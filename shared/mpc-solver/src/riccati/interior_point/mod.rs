@@ -68,8 +68,9 @@ const START_SLACK: f64 = 3.0;
 /// First products, part of the quadratic cost of the first trajectory, and their limits.
 const START_PRODUCT: f64 = 1e-2;
 const START_PRODUCTS: (f64, f64) = (1.0, 1e6);
-/// Least target product: less would not improve the answer, only the conditioning suffers.
-const LEAST_TARGET: f64 = 1e-14;
+/// Least target product. Where a limit holds without a force, slack and multiplier are both the root of it, and the optimality
+/// conditions ask for 1e-8 of them.
+const LEAST_TARGET: f64 = 1e-20;
 /// Least part of the mean product that a step aims at.
 const LEAST_CENTRING: f64 = 1e-6;
 
