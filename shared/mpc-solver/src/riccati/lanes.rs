@@ -36,13 +36,13 @@ impl Lanes {
         Self(std::array::from_fn(|i| if a[i] < b[i] { a[i] } else { b[i] }))
     }
 
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn sum(self) -> f64 {
         let [a, b, c, d] = self.0;
         (a + b) + (c + d)
     }
 
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn largest(self) -> f64 {
         let [a, b, c, d] = self.0;
         a.max(b).max(c.max(d))
