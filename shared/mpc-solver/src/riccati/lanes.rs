@@ -51,8 +51,8 @@ impl Lanes {
     /// The first three moved on by one place: `(a, b, c, d)` becomes `(b, c, a, d)`.
     #[inline(always)]
     pub(super) fn rotated(self) -> Self {
-        let [a, b, c, d] = self.0;
-        Self([b, c, a, d])
+        let [a, b, c, _] = self.0;
+        Self([b, c, a, a])
     }
 }
 
