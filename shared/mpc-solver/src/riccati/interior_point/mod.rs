@@ -317,13 +317,14 @@ impl InteriorPoint {
         let barriers = &mut self.barriers;
         let mut v = [0.0; 3];
         let mut t = [0.0; 3];
-        let mut next = barriers.set_targets(n / WIDTH, targets);
+        let mut ring = [(Lanes::default(), [Lanes::default(); 3]); 2];
+        ring[n / WIDTH % 2] = barriers.set_targets(n / WIDTH, targets);
         for j in (0..=n / WIDTH).rev() {
-            let (slopes, added) = next;
             if j > 0 {
-                next = barriers.set_targets(j - 1, targets);
+                ring[(j - 1) % 2] = barriers.set_targets(j - 1, targets);
             }
-            let added_at = |lane: usize| added.map(|lanes| lanes.0[lane]);
+            let (slopes, added) = &ring[j % 2];
+            let added_at = |lane: usize| [0, 1, 2].map(|i: usize| added[i].0[lane]);
             if j == n / WIDTH {
                 v = added_at(n % WIDTH);
             }
