@@ -22,6 +22,9 @@ pub(super) enum Side {
     Upper = 1,
 }
 
+/// Stages that are compared at once.
+const PIECE: usize = 16;
+
 /// The guess, stage by stage.
 #[derive(Clone, Debug)]
 pub(super) struct WorkingSet {
@@ -90,6 +93,26 @@ impl WorkingSet {
         }
         middle
     }
+}
+
+/// At how many stages two guesses differ.
+pub(super) fn differences(a: &[Side], b: &[Side]) -> usize {
+    let differs = |(a, b): (&Side, &Side)| u32::from(*a as i8 != *b as i8);
+    a.iter().zip(b).map(differs).sum::<u32>() as usize
+}
+
+/// The last stage at which two guesses differ.
+pub(super) fn last_difference(a: &[Side], b: &[Side]) -> Option<usize> {
+    let mut end = a.len().min(b.len());
+    // What is the same mostly comes in long runs: they are skipped in pieces.
+    while end > 0 {
+        let first = end.saturating_sub(PIECE);
+        if differences(&a[first..end], &b[first..end]) > 0 {
+            return (first..end).rev().find(|&k| a[k] != b[k]);
+        }
+        end = first;
+    }
+    None
 }
 
 /// The middle of the longest run of free inputs; the end if there is none.

@@ -37,7 +37,7 @@ use super::light_curve::{LightCurve, LightTangent};
 use super::lqr::{InputModel, LinearQuadratic, StageModels, Sweep};
 use super::matrix::{Symmetric, add_rank_one, add_slope};
 use super::row_curve::RowTangent;
-use super::working_set::{Side, WorkingSet};
+use super::working_set::{Side, WorkingSet, differences, last_difference};
 use crate::kkt::Multipliers;
 use crate::problem::{LightStage, Problem, Terminal, dot};
 use first_sweep::FirstSweep;
@@ -270,13 +270,12 @@ impl ActiveSet {
     fn progress(&self, problem: &Problem, round: u32) -> Progress {
         let n = problem.horizon;
         let (before, after) = (&self.guess.sides[..n], &self.next_sides[..n]);
-        let changed = |(a, b): (&Side, &Side)| u32::from(*a as i8 != *b as i8);
         let free = |side: &Side| u32::from(*side as i8 == Side::Free as i8);
         Progress {
             round,
             horizon: n,
-            returns: round > 2 && self.sides_before[..n] == *after,
-            changed: before.iter().zip(after).map(changed).sum::<u32>() as usize,
+            returns: round > 2 && differences(&self.sides_before[..n], after) == 0,
+            changed: differences(before, after),
             free: after.iter().map(free).sum::<u32>() as usize,
             has_terminal_equality: matches!(problem.terminal, Terminal::Equality(_)),
         }
@@ -340,7 +339,7 @@ impl ActiveSet {
         let settled = self.freed_switch.filter(|_| is_at_rest);
         self.freed_switch =
             switching::free_switches(next, sides, &self.unclamped, from, settled, bounds);
-        let last = (0..n).rev().find(|&k| sides[k] != next[k]).unwrap_or(0);
+        let last = last_difference(sides, next).unwrap_or(0);
         self.sides_before[..n].copy_from_slice(sides);
         sides.copy_from_slice(next);
         last

@@ -5,6 +5,8 @@
 //! begin with, because a row that holds at the worst stage mostly holds at its neighbours; the rounds that
 //! follow move or split it.
 
+use multiversion::multiversion;
+
 use super::complementarity::MAX_WORKING_ROWS;
 use crate::limits::MAX_ROWS;
 use crate::problem::{Problem, dot};
@@ -98,14 +100,19 @@ impl WorkingRows {
             if row.from > row.to {
                 continue;
             }
-            let limits = &problem.limits[j][row.from..=row.to];
-            let stages = (row.from..).zip(&states[row.from..=row.to]).zip(limits);
+            let (states, limits) =
+                (&states[row.from..=row.to], &problem.limits[j][row.from..=row.to]);
+            // Mostly none, which is sooner seen without the runs.
+            let count = count_violated(&row.gradient, states, limits);
+            if count == 0 {
+                continue;
+            }
+            violated += count;
             // The worst of the present run, if its violation is positive.
             let mut worst = (0, 0.0);
-            for ((k, x), h) in stages {
-                let z = dot(&row.gradient, x) - h;
-                if z > 0.0 && z > TOLERANCE * h.abs().max(1.0) {
-                    violated += 1;
+            for (i, (x, h)) in states.iter().zip(limits).enumerate() {
+                let (k, z) = (row.from + i, dot(&row.gradient, x) - h);
+                if is_violated(z, *h) {
                     if z > worst.1 {
                         worst = (k, z);
                     }
@@ -175,6 +182,19 @@ impl WorkingRows {
             multipliers[member.row][member.stage] = member.multiplier;
         }
     }
+}
+
+/// Whether a row with limit `h` is violated by `z`.
+#[inline(always)]
+fn is_violated(z: f64, h: f64) -> bool {
+    z > TOLERANCE * h.abs().max(1.0)
+}
+
+/// At how many of these stages a row is violated.
+#[multiversion(targets("x86_64+avx2"))]
+fn count_violated(gradient: &[f64; 3], states: &[[f64; 3]], limits: &[f64]) -> usize {
+    let stages = states.iter().zip(limits);
+    stages.map(|(x, h)| usize::from(is_violated(dot(gradient, x) - h, *h))).sum()
 }
 
 /// Whether more than `most` stages of a trajectory violate a row.

@@ -39,6 +39,9 @@ pub(super) fn free_switches(
         (SHARE * taken_over).clamp(0.0, MOST_STAGES) as usize
     };
     let first = from.max(1);
+    if !has_switch(&sides[first - 1..]) {
+        return None;
+    }
     let mut last = None;
     let mut k = first;
     while k < sides.len() {
@@ -69,6 +72,13 @@ pub(super) fn free_switches(
         k = k.max(freed) + 1;
     }
     last
+}
+
+/// Whether any neighbours are at opposite bounds; without a branch for each stage.
+fn has_switch(sides: &[Side]) -> bool {
+    let opposite = Side::Lower as i8 ^ Side::Upper as i8;
+    let pairs = sides.iter().zip(sides.iter().skip(1));
+    pairs.fold(false, |found, (left, right)| found | (*left as i8 ^ *right as i8 == opposite))
 }
 
 #[cfg(test)]
