@@ -199,8 +199,9 @@ impl Riccati {
             let is_stuck = trial == Some(iteration) && residual > 1.0 - LEAST_PROGRESS;
             let is_hindered = residual > RESIDUAL_TOLERANCE && step.length < HINDERED;
             if is_stuck || is_hindered && iteration % INFEASIBILITY_INTERVAL == 0 {
-                let found = self.take_iterate(problem);
+                self.interior.read_multipliers(&mut self.multipliers);
                 if infeasibility::is_proved(problem, &self.multipliers) {
+                    let found = self.take_iterate(problem);
                     return Descent::Ended((Status::Infeasible, found));
                 }
             }
@@ -235,7 +236,8 @@ impl Riccati {
 
     /// Takes the interior point's iterate for the solution.
     fn take_iterate(&mut self, problem: &Problem) -> Residuals {
-        self.interior.read(problem, &mut self.inputs, &mut self.multipliers);
+        self.interior.read_inputs(problem, &mut self.inputs);
+        self.interior.read_multipliers(&mut self.multipliers);
         problem.roll_out(&self.inputs, &mut self.states);
         self.residuals(problem)
     }

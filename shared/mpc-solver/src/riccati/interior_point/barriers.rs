@@ -12,7 +12,7 @@ use super::row::RowBarrier;
 use crate::kkt::Multipliers;
 use crate::limits::MAX_ROWS;
 use crate::problem::Problem;
-use crate::riccati::lanes::Lanes;
+use crate::riccati::lanes::{Lanes, WIDTH};
 use crate::riccati::light_curve::LightCurve;
 use crate::riccati::lqr::BlockModel;
 use crate::riccati::row_curve::STIFFNESS;
@@ -119,23 +119,19 @@ impl Barriers {
 
     /// Writes the guess of the active set that the last step suggests; `terminal` is the multiplier of the terminal equality.
     pub(super) fn suggest(&self, problem: &Problem, guess: &mut WorkingSet, terminal: &[f64; 3]) {
-        for (k, side) in guess.sides[..problem.horizon].iter_mut().enumerate() {
-            *side = self.input.side(k);
+        let sides = &mut guess.sides[..problem.horizon];
+        for (j, sides) in sides.chunks_mut(WIDTH).enumerate() {
+            sides.copy_from_slice(&self.input.sides(j)[..sides.len()]);
         }
         if let Some(cost) = &problem.light {
-            let curve = LightCurve::new(cost);
-            for (k, tangent) in (1..).zip(&mut guess.light[..problem.light_len]) {
-                *tangent = self.light.tangent(&curve, k);
-            }
+            self.light.suggest(&LightCurve::new(cost), &mut guess.light[..problem.light_len]);
         }
         guess.has_row_tangents = self.count > 0;
         let rows = self.rows[..self.count].iter().map(RowBarrier::largest_multiplier);
         let scale = terminal.iter().map(|y| y.abs()).chain(rows).fold(1.0, f64::max);
         guess.row_stiffness = STIFFNESS * scale;
         for (row, tangents) in self.rows[..self.count].iter().zip(&mut guess.rows) {
-            for (k, tangent) in tangents[..=problem.horizon].iter_mut().enumerate() {
-                *tangent = row.tangent(k, guess.row_stiffness);
-            }
+            row.suggest(guess.row_stiffness, &mut tangents[..=problem.horizon]);
         }
     }
 

@@ -102,15 +102,13 @@ impl InputBarrier {
         block.u = block.u + Lanes::all(lengths.primal) * du;
     }
 
-    /// The bound that `u_k` goes to.
-    pub(super) fn side(&self, k: usize) -> Side {
-        let (j, lane) = place(k);
-        if self.blocks[j].upper.is_active(lane) {
-            Side::Upper
-        } else if self.blocks[j].lower.is_active(lane) {
-            Side::Lower
-        } else {
-            Side::Free
-        }
+    /// The bounds that the inputs of a block go to.
+    pub(super) fn sides(&self, j: usize) -> [Side; WIDTH] {
+        let (upper, lower) = (self.blocks[j].upper.are_active(), self.blocks[j].lower.are_active());
+        std::array::from_fn(|lane| match (upper[lane], lower[lane]) {
+            (true, _) => Side::Upper,
+            (false, true) => Side::Lower,
+            (false, false) => Side::Free,
+        })
     }
 }

@@ -236,18 +236,24 @@ impl LightBarrier {
         block.p = block.p + Lanes::all(lengths.primal) * block.dp;
     }
 
-    /// The part of the light's graph that stage `k` goes to.
-    pub(super) fn tangent(&self, curve: &LightCurve, k: usize) -> LightTangent {
-        let (j, lane) = place(k);
-        let block = &self.blocks[j];
-        if !block.below.is_active(lane) {
-            curve.clear()
-        } else if self.is_capped && block.capped.is_active(lane) {
-            curve.edge(block.below.multiplier.0[lane])
-        } else if self.is_soft && !block.violation.is_active(lane) {
-            curve.straight()
-        } else {
-            curve.hyperbola_at(block.p.0[lane])
+    /// The parts of the light's graph that the stages go to, from stage 1 on.
+    pub(super) fn suggest(&self, curve: &LightCurve, tangents: &mut [LightTangent]) {
+        for (j, block) in self.blocks[..self.count].iter().enumerate() {
+            let acts = block.below.are_active();
+            let (is_capped, is_kept) = (block.capped.are_active(), block.violation.are_active());
+            let first = WIDTH * j;
+            for k in first.max(1)..(first + WIDTH).min(self.len + 1) {
+                let lane = k - first;
+                tangents[k - 1] = if !acts[lane] {
+                    curve.clear()
+                } else if self.is_capped && is_capped[lane] {
+                    curve.edge(block.below.multiplier.0[lane])
+                } else if self.is_soft && !is_kept[lane] {
+                    curve.straight()
+                } else {
+                    curve.hyperbola_at(block.p.0[lane])
+                };
+            }
         }
     }
 

@@ -403,16 +403,15 @@ impl InteriorPoint {
         self.residual
     }
 
-    /// Copies the iterate out; the inputs are within their bounds.
-    pub(super) fn read(
-        &self,
-        problem: &Problem,
-        inputs: &mut [f64],
-        multipliers: &mut Multipliers,
-    ) {
+    /// Copies the inputs of the iterate out, within their bounds.
+    pub(super) fn read_inputs(&self, problem: &Problem, inputs: &mut [f64]) {
         for (k, out) in inputs[..problem.horizon].iter_mut().enumerate() {
             *out = self.barriers.input.value(k).max(problem.u_min).min(problem.u_max);
         }
+    }
+
+    /// Copies its multipliers out.
+    pub(super) fn read_multipliers(&self, multipliers: &mut Multipliers) {
         self.barriers.read(multipliers);
         multipliers.terminal = self.terminal;
     }

@@ -114,7 +114,6 @@ impl Pairs {
     /// Takes the predictor's `r`.
     #[inline(always)]
     pub(super) fn predict(&mut self, relative: Lanes, prediction: &mut Prediction) {
-        self.relative = relative;
         let Limits { primal, dual } = &mut prediction.limits;
         *primal = (-relative).greater(*primal);
         *dual = (ONE + relative).greater(*dual);
@@ -146,10 +145,12 @@ impl Pairs {
         self.target * (self.per_slack * self.per_multiplier) - (ONE + self.relative)
     }
 
-    /// Whether the slack of a lane, rather than its multiplier, goes to zero: by Tapia's indicator, which of
+    /// Lane by lane whether the slack, rather than its multiplier, goes to zero: by Tapia's indicator, which of
     /// the two has shrunk more in the last step.
-    pub(super) fn is_active(&self, lane: usize) -> bool {
-        self.relative.0[lane] < self.change().0[lane]
+    #[inline(always)]
+    pub(super) fn are_active(&self) -> [bool; WIDTH] {
+        let (slack, multiplier) = (self.relative.0, self.change().0);
+        std::array::from_fn(|lane| slack[lane] < multiplier[lane])
     }
 
     /// Takes the step.

@@ -195,19 +195,23 @@ impl RowBarrier {
         }
     }
 
-    /// The part of the row's graph that stage `k` goes to.
-    pub(super) fn tangent(&self, k: usize, stiffness: f64) -> RowTangent {
-        if k < self.from || k >= self.end {
-            return RowTangent::default();
-        }
-        let (j, lane) = place(k);
-        let Block { below, violation, .. } = &self.blocks[j];
-        match self.penalty {
-            _ if !below.is_active(lane) => RowTangent::default(),
-            Some((penalty, curvature)) if !violation.is_active(lane) => {
-                RowTangent::beyond(penalty, curvature)
+    /// The parts of the row's graph that the stages go to.
+    pub(super) fn suggest(&self, stiffness: f64, tangents: &mut [RowTangent]) {
+        tangents.fill(RowTangent::default());
+        for j in self.first_block..self.end_block {
+            let Block { below, violation, .. } = &self.blocks[j];
+            let (acts, is_kept) = (below.are_active(), violation.are_active());
+            let first = WIDTH * j;
+            for k in first.max(self.from)..(first + WIDTH).min(self.end) {
+                let lane = k - first;
+                tangents[k] = match self.penalty {
+                    _ if !acts[lane] => continue,
+                    Some((penalty, curvature)) if !is_kept[lane] => {
+                        RowTangent::beyond(penalty, curvature)
+                    }
+                    _ => RowTangent::edge(below.multiplier.0[lane], stiffness),
+                };
             }
-            _ => RowTangent::edge(below.multiplier.0[lane], stiffness),
         }
     }
 
