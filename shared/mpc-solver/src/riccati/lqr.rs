@@ -46,11 +46,15 @@ pub(super) const GENERAL: Shape = 0;
 pub(super) const INTEGRATING: Shape = 1;
 /// The same, and the input acts on the last state only.
 pub(super) const CHAIN: Shape = 2;
+/// The same with `a_02 = 0` (a constant gap) and `s = 0` (no cost of jerk).
+pub(super) const PLAIN: Shape = 3;
 
 fn shape_of(problem: &Problem) -> Shape {
     let is_integrating = [problem.a[0][0], problem.a[1][1]] == [1.0; 2];
     let is_last_only = problem.b[..2] == [0.0; 2];
+    let is_plain = problem.a[0][2] == 0.0 && problem.s == [0.0; 3];
     match (is_integrating, is_last_only) {
+        (true, true) if is_plain => PLAIN,
         (true, true) => CHAIN,
         (true, false) => INTEGRATING,
         _ => GENERAL,
@@ -199,12 +203,25 @@ impl LinearQuadratic {
         if SHAPE != GENERAL { x } else { [self.a[0] * x[0], self.a[3] * x[1]] }
     }
 
+    /// `a_02 x + rest`.
+    #[inline(always)]
+    fn ahead<const SHAPE: Shape>(&self, x: f64, rest: f64) -> f64 {
+        if SHAPE == PLAIN { rest } else { self.a[2] * x + rest }
+    }
+
+    /// `F` from `A'P B`.
+    #[inline(always)]
+    fn crossed<const SHAPE: Shape>(&self, [f0, f1, f2]: [f64; 3]) -> [f64; 3] {
+        let s = &self.s;
+        if SHAPE == PLAIN { [f0, f1, f2] } else { [f0 + s[0], f1 + s[1], f2 + s[2]] }
+    }
+
     /// `A'v`.
     #[inline(always)]
     pub(super) fn transposed<const SHAPE: Shape>(&self, v: &[f64; 3]) -> [f64; 3] {
-        let [_, a01, a02, _, a12, a22] = self.a;
+        let [_, a01, _, _, a12, a22] = self.a;
         let [v0, v1] = self.kept::<SHAPE>([v[0], v[1]]);
-        [v0, a01 * v[0] + v1, a02 * v[0] + a12 * v[1] + a22 * v[2]]
+        [v0, a01 * v[0] + v1, self.ahead::<SHAPE>(v[0], a12 * v[1]) + a22 * v[2]]
     }
 
     /// `A x + B u`.
@@ -213,10 +230,11 @@ impl LinearQuadratic {
         let [_, a01, a02, _, a12, a22] = self.a;
         let b = &self.b;
         let [x0, x1] = self.kept::<SHAPE>([x[0], x[1]]);
-        let first = x0 + a01 * x[1] + a02 * x[2];
+        let speed = x0 + a01 * x[1];
+        let first = if SHAPE == PLAIN { speed } else { speed + a02 * x[2] };
         let second = x1 + a12 * x[2];
         let third = a22 * x[2] + b[2] * u;
-        if SHAPE == CHAIN {
+        if SHAPE >= CHAIN {
             [first, second, third]
         } else {
             [first + b[0] * u, second + b[1] * u, third]
@@ -249,16 +267,17 @@ impl LinearQuadratic {
         slope: f64,
         added: &[f64; 3],
     ) -> [f64; 3] {
-        let [_, a01, a02, _, a12, a22] = self.a;
+        let [_, a01, _, _, a12, a22] = self.a;
         let [v0, v1] = self.kept::<SHAPE>([v[0], v[1]]);
         let (f, last) = (&gain.feedback, self.b[2]);
         let rest =
-            if SHAPE == CHAIN { slope } else { slope + (self.b[0] * v[0] + self.b[1] * v[1]) };
+            if SHAPE >= CHAIN { slope } else { slope + (self.b[0] * v[0] + self.b[1] * v[1]) };
         // What does not wait for `v` first.
         [
             (v0 + (added[0] - f[0] * rest)) - (f[0] * last) * v[2],
             (v1 + (added[1] - f[1] * rest)) + (a01 * v[0] - (f[1] * last) * v[2]),
-            ((added[2] - f[2] * rest) + (a02 * v[0] + a12 * v[1])) + (a22 - f[2] * last) * v[2],
+            ((added[2] - f[2] * rest) + self.ahead::<SHAPE>(v[0], a12 * v[1]))
+                + (a22 - f[2] * last) * v[2],
         ]
     }
 
@@ -266,23 +285,24 @@ impl LinearQuadratic {
     #[inline(always)]
     pub(super) fn input_of<const SHAPE: Shape>(&self, v: &[f64; 3]) -> f64 {
         let last = self.b[2] * v[2];
-        if SHAPE == CHAIN { last } else { self.b[0] * v[0] + self.b[1] * v[1] + last }
+        if SHAPE >= CHAIN { last } else { self.b[0] * v[0] + self.b[1] * v[1] + last }
     }
 
     /// `A'P A`.
     #[inline(always)]
     fn congruence<const SHAPE: Shape>(&self, p: &Symmetric) -> Symmetric {
-        let [_, a01, a02, _, a12, a22] = self.a;
+        let [_, a01, _, _, a12, a22] = self.a;
+        let ahead = |x: f64, rest: f64| self.ahead::<SHAPE>(x, rest);
         let [p00, p01, p02, p11, p12, p22] = *p;
         let [m00, k11] = self.kept::<SHAPE>([p00, p11]);
         let [k00, k01] = self.kept::<SHAPE>([m00, p01]);
         let m01 = a01 * p00 + k01;
-        let m02 = a02 * p00 + a12 * p01 + a22 * p02;
-        let m12 = a02 * p01 + a12 * p11 + a22 * p12;
-        let m22 = a02 * p02 + a12 * p12 + a22 * p22;
+        let m02 = ahead(p00, a12 * p01) + a22 * p02;
+        let m12 = ahead(p01, a12 * p11) + a22 * p12;
+        let m22 = ahead(p02, a12 * p12) + a22 * p22;
         let [n01, n11] = self.kept::<SHAPE>([m01, a01 * p01 + k11]);
         let [n02, n12] = self.kept::<SHAPE>([m02, m12]);
-        [k00, n01, n02, a01 * m01 + n11, a01 * m02 + n12, a02 * m02 + a12 * m12 + a22 * m22]
+        [k00, n01, n02, a01 * m01 + n11, a01 * m02 + n12, ahead(m02, a12 * m12) + a22 * m22]
     }
 
     /// The backward sweep.
@@ -298,6 +318,18 @@ impl LinearQuadratic {
     ) -> CostToGo {
         let terminal = matches!(problem.terminal, Terminal::Equality(_));
         match (self.shape, self.has_disturbance, terminal) {
+            (PLAIN, false, false) => {
+                backward::<PLAIN, false, f64, M>(self, problem, models, sweep, last)
+            }
+            (PLAIN, false, true) => {
+                backward::<PLAIN, false, Lanes, M>(self, problem, models, sweep, last)
+            }
+            (PLAIN, true, false) => {
+                backward::<PLAIN, true, f64, M>(self, problem, models, sweep, last)
+            }
+            (PLAIN, true, true) => {
+                backward::<PLAIN, true, Lanes, M>(self, problem, models, sweep, last)
+            }
             (CHAIN, false, false) => {
                 backward::<CHAIN, false, f64, M>(self, problem, models, sweep, last)
             }
@@ -348,7 +380,7 @@ fn backward<const SHAPE: Shape, const DISTURBED: bool, R: Row, M: StageModels>(
     let [a00, a01, a02, a11, a12, a22] = lq.a.map(R::splat);
     let last_squared = lq.b[2] * lq.b[2];
     for k in (0..top).rev() {
-        let pb = if SHAPE == CHAIN {
+        let pb = if SHAPE >= CHAIN {
             [lq.b[2] * p[2], lq.b[2] * p[4], lq.b[2] * p[5]]
         } else {
             product(&p, &lq.b)
@@ -373,10 +405,9 @@ fn backward<const SHAPE: Shape, const DISTURBED: bool, R: Row, M: StageModels>(
         // From `P` to the next one the shortest way leads through this: one product and the division, then another
         // product. What stands between does not wait for the division.
         let curvature =
-            if SHAPE == CHAIN { last_squared * p[5] } else { lq.input_of::<SHAPE>(&pb) };
+            if SHAPE >= CHAIN { last_squared * p[5] } else { lq.input_of::<SHAPE>(&pb) };
         let inverse = 1.0 / ((lq.r + extra) + curvature);
-        let fa = lq.transposed::<SHAPE>(&pb);
-        let f = [fa[0] + lq.s[0], fa[1] + lq.s[1], fa[2] + lq.s[2]];
+        let f = lq.crossed::<SHAPE>(lq.transposed::<SHAPE>(&pb));
         let mut next = lq.q;
         let mut gradient = models.state(k, &mut next);
         let apa = lq.congruence::<SHAPE>(&p);
@@ -385,13 +416,14 @@ fn backward<const SHAPE: Shape, const DISTURBED: bool, R: Row, M: StageModels>(
         }
         let [l0, l1, l2] = linear;
         let mut beta = l2 * R::splat(lq.b[2]);
-        if SHAPE != CHAIN {
+        if SHAPE < CHAIN {
             beta = beta + (l0 * R::splat(lq.b[0]) + l1 * R::splat(lq.b[1]));
         }
         let pull = beta + R::linear(slope);
         let feedforward = pull * R::splat(inverse);
         let (k0, k1) = if SHAPE != GENERAL { (l0, l1) } else { (a00 * l0, a11 * l1) };
-        linear = [k0, a01 * l0 + k1, a02 * l0 + a12 * l1 + a22 * l2];
+        let ahead = if SHAPE == PLAIN { a12 * l1 } else { a02 * l0 + a12 * l1 };
+        linear = [k0, a01 * l0 + k1, ahead + a22 * l2];
         let feedback = [f[0] * inverse, f[1] * inverse, f[2] * inverse];
         gains[k] = Gain { feedback, inverse, feedforward: feedforward.lanes().0 };
         if let InputModel::Held(u, _) = model {

@@ -12,7 +12,7 @@ use super::complementarity::MAX_WORKING_ROWS;
 use super::response::RowResponse;
 use super::rows::WorkingRow;
 use crate::problem::Problem;
-use crate::riccati::lqr::{CHAIN, GENERAL, INTEGRATING, LinearQuadratic, Shape, Sweep};
+use crate::riccati::lqr::{CHAIN, GENERAL, INTEGRATING, LinearQuadratic, PLAIN, Shape, Sweep};
 use crate::riccati::working_set::Side;
 
 /// What the sweep is made of.
@@ -37,6 +37,8 @@ impl Policy<'_> {
     /// Fills the trajectory.
     pub(super) fn simulate(&self, problem: &Problem, trajectory: &mut Trajectory) {
         match (self.lq.shape, self.lq.has_disturbance) {
+            (PLAIN, false) => sweep_forward::<PLAIN, false>(self, problem, trajectory),
+            (PLAIN, true) => sweep_forward::<PLAIN, true>(self, problem, trajectory),
             (CHAIN, false) => sweep_forward::<CHAIN, false>(self, problem, trajectory),
             (CHAIN, true) => sweep_forward::<CHAIN, true>(self, problem, trajectory),
             (INTEGRATING, _) => sweep_forward::<INTEGRATING, true>(self, problem, trajectory),

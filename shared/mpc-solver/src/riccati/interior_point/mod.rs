@@ -53,7 +53,8 @@ use multiversion::multiversion;
 
 use super::lanes::{Lanes, WIDTH};
 use super::lqr::{
-    BlockModel, BlockModels, CHAIN, CostToGo, GENERAL, INTEGRATING, LinearQuadratic, Shape, Sweep,
+    BlockModel, BlockModels, CHAIN, CostToGo, GENERAL, INTEGRATING, LinearQuadratic, PLAIN, Shape,
+    Sweep,
 };
 use super::working_set::WorkingSet;
 use crate::kkt::Multipliers;
@@ -205,6 +206,8 @@ impl InteriorPoint {
     /// One iteration; nothing if the step cannot be computed, in which case the iterate stays as it was.
     pub(super) fn iterate(&mut self, problem: &Problem, lq: &LinearQuadratic) -> Option<Step> {
         match (lq.shape, problem.terminal) {
+            (PLAIN, Terminal::Cost) => iterate::<false, PLAIN>(self, problem, lq),
+            (PLAIN, Terminal::Equality(_)) => iterate::<true, PLAIN>(self, problem, lq),
             (CHAIN, Terminal::Cost) => iterate::<false, CHAIN>(self, problem, lq),
             (CHAIN, Terminal::Equality(_)) => iterate::<true, CHAIN>(self, problem, lq),
             (INTEGRATING, Terminal::Cost) => iterate::<false, INTEGRATING>(self, problem, lq),

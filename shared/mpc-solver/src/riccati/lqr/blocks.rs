@@ -8,7 +8,7 @@
 
 use multiversion::multiversion;
 
-use super::{CHAIN, CostToGo, GENERAL, Gain, INTEGRATING, LinearQuadratic, Shape, Sweep};
+use super::{CHAIN, CostToGo, GENERAL, Gain, INTEGRATING, LinearQuadratic, PLAIN, Shape, Sweep};
 use crate::problem::{Problem, Terminal};
 use crate::riccati::lanes::{Lanes, Row, WIDTH};
 use crate::riccati::matrix::product;
@@ -40,6 +40,8 @@ impl LinearQuadratic {
     ) -> CostToGo {
         let gains = &mut sweep.gains[..problem.horizon];
         match (self.shape, problem.terminal) {
+            (PLAIN, Terminal::Cost) => backward::<PLAIN, f64, M>(self, models, gains),
+            (PLAIN, Terminal::Equality(_)) => backward::<PLAIN, Lanes, M>(self, models, gains),
             (CHAIN, Terminal::Cost) => backward::<CHAIN, f64, M>(self, models, gains),
             (CHAIN, Terminal::Equality(_)) => backward::<CHAIN, Lanes, M>(self, models, gains),
             (INTEGRATING, Terminal::Cost) => backward::<INTEGRATING, f64, M>(self, models, gains),
@@ -90,16 +92,15 @@ fn backward<const SHAPE: Shape, R: Row, M: BlockModels>(
         let gains = &mut gains[WIDTH * j..WIDTH * j + count];
         let vectors = &mut vectors[..count];
         for (lane, (gain, stage)) in gains.iter_mut().zip(&mut *vectors).enumerate().rev() {
-            let pb = if SHAPE == CHAIN {
+            let pb = if SHAPE >= CHAIN {
                 [lq.b[2] * p[2], lq.b[2] * p[4], lq.b[2] * p[5]]
             } else {
                 product(&p, &lq.b)
             };
             let curvature =
-                if SHAPE == CHAIN { last_squared * p[5] } else { lq.input_of::<SHAPE>(&pb) };
+                if SHAPE >= CHAIN { last_squared * p[5] } else { lq.input_of::<SHAPE>(&pb) };
             let inverse = 1.0 / ((lq.r + model.curvature.0[lane]) + curvature);
-            let fa = lq.transposed::<SHAPE>(&pb);
-            let f = [fa[0] + lq.s[0], fa[1] + lq.s[1], fa[2] + lq.s[2]];
+            let f = lq.crossed::<SHAPE>(lq.transposed::<SHAPE>(&pb));
             let apa = lq.congruence::<SHAPE>(&p);
             let next = |i: usize| model.hessian[i].0[lane] + apa[i];
             p = [
@@ -118,14 +119,15 @@ fn backward<const SHAPE: Shape, R: Row, M: BlockModels>(
         for (gain, stage) in gains.iter_mut().zip(&*vectors).rev() {
             let [l0, l1, l2] = linear;
             let mut beta = l2 * b[2];
-            if SHAPE != CHAIN {
+            if SHAPE < CHAIN {
                 beta = beta + (l0 * b[0] + l1 * b[1]);
             }
             let pull = beta + stage.slope;
             let feedforward = pull * R::splat(gain.inverse);
             gain.feedforward = feedforward.lanes().0;
             let (k0, k1) = if SHAPE != GENERAL { (l0, l1) } else { (a00 * l0, a11 * l1) };
-            linear = [k0, a01 * l0 + k1, a02 * l0 + a12 * l1 + a22 * l2];
+            let ahead = if SHAPE == PLAIN { a12 * l1 } else { a02 * l0 + a12 * l1 };
+            linear = [k0, a01 * l0 + k1, ahead + a22 * l2];
             for i in 0..3 {
                 linear[i] = (linear[i] - R::splat(gain.feedback[i]) * pull) + stage.gradient[i];
             }
