@@ -29,6 +29,9 @@
 //! beyond the range of `f64` show in the trajectory, which its callers check.
 
 mod blocks;
+mod shape;
+#[cfg(test)]
+mod tests;
 
 use multiversion::multiversion;
 
@@ -36,30 +39,8 @@ use super::lanes::{Lanes, Row, WIDTH};
 use super::matrix::{Factors, Symmetric, product};
 use crate::problem::{Problem, Terminal};
 pub(super) use blocks::{BlockModel, BlockModels};
-
-/// What is known of the dynamics at compile time: a product with one and a sum with zero are no work, and what waits for
-/// them comes earlier. The bits are the same.
-pub(super) type Shape = u8;
-/// Nothing.
-pub(super) const GENERAL: Shape = 0;
-/// The first two states integrate: `a_00 = a_11 = 1`.
-pub(super) const INTEGRATING: Shape = 1;
-/// The same, and the input acts on the last state only.
-pub(super) const CHAIN: Shape = 2;
-/// The same with `a_02 = 0` (a constant gap) and `s = 0` (no cost of jerk).
-pub(super) const PLAIN: Shape = 3;
-
-fn shape_of(problem: &Problem) -> Shape {
-    let is_integrating = [problem.a[0][0], problem.a[1][1]] == [1.0; 2];
-    let is_last_only = problem.b[..2] == [0.0; 2];
-    let is_plain = problem.a[0][2] == 0.0 && problem.s == [0.0; 3];
-    match (is_integrating, is_last_only) {
-        (true, true) if is_plain => PLAIN,
-        (true, true) => CHAIN,
-        (true, false) => INTEGRATING,
-        _ => GENERAL,
-    }
-}
+use shape::shape_of;
+pub(super) use shape::{CHAIN, GENERAL, INTEGRATING, PLAIN, Shape};
 
 /// The constant part of a problem, unpacked for the recursion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -321,25 +302,20 @@ impl LinearQuadratic {
             (PLAIN, false, false) => {
                 backward::<PLAIN, false, f64, M>(self, problem, models, sweep, last)
             }
-            (PLAIN, false, true) => {
-                backward::<PLAIN, false, Lanes, M>(self, problem, models, sweep, last)
-            }
             (PLAIN, true, false) => {
                 backward::<PLAIN, true, f64, M>(self, problem, models, sweep, last)
-            }
-            (PLAIN, true, true) => {
-                backward::<PLAIN, true, Lanes, M>(self, problem, models, sweep, last)
             }
             (CHAIN, false, false) => {
                 backward::<CHAIN, false, f64, M>(self, problem, models, sweep, last)
             }
-            (CHAIN, false, true) => {
-                backward::<CHAIN, false, Lanes, M>(self, problem, models, sweep, last)
-            }
             (CHAIN, true, false) => {
                 backward::<CHAIN, true, f64, M>(self, problem, models, sweep, last)
             }
-            (CHAIN, true, true) => {
+            // With a terminal equality plain dynamics are not worth code of their own: it was slower.
+            (PLAIN | CHAIN, false, true) => {
+                backward::<CHAIN, false, Lanes, M>(self, problem, models, sweep, last)
+            }
+            (PLAIN | CHAIN, true, true) => {
                 backward::<CHAIN, true, Lanes, M>(self, problem, models, sweep, last)
             }
             (INTEGRATING, _, false) => {

@@ -159,6 +159,20 @@ mod tests {
     }
 
     #[test]
+    fn the_last_difference_is_found_in_any_piece() {
+        for n in [1, 15, 16, 17, 40] {
+            let same = vec![Upper; n];
+            assert_eq!(last_difference(&same, &same), None);
+            for k in 0..n {
+                let mut other = same.clone();
+                other[..=k].fill(Free);
+                assert_eq!(last_difference(&same, &other), Some(k), "{k} of {n}");
+                assert_eq!(differences(&same, &other), k + 1);
+            }
+        }
+    }
+
+    #[test]
     fn a_shift_beyond_the_horizon_frees_everything() {
         let mut set = WorkingSet::new(8);
         set.sides.fill(Upper);
