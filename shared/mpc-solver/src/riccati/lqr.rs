@@ -253,12 +253,14 @@ impl LinearQuadratic {
         let (f, last) = (&gain.feedback, self.b[2]);
         let rest =
             if SHAPE >= CHAIN { slope } else { slope + (self.b[0] * v[0] + self.b[1] * v[1]) };
-        // What does not wait for `v` first.
+        // Everything but the last component of `v` first: it is the one that has just been computed.
+        let first = (v0 + added[0]) - f[0] * rest;
+        let second = (a01 * v[0] + v1 + added[1]) - f[1] * rest;
+        let third = (self.ahead::<SHAPE>(v[0], a12 * v[1]) + added[2]) - f[2] * rest;
         [
-            (v0 + (added[0] - f[0] * rest)) - (f[0] * last) * v[2],
-            (v1 + (added[1] - f[1] * rest)) + (a01 * v[0] - (f[1] * last) * v[2]),
-            ((added[2] - f[2] * rest) + self.ahead::<SHAPE>(v[0], a12 * v[1]))
-                + (a22 - f[2] * last) * v[2],
+            first - (f[0] * last) * v[2],
+            second - (f[1] * last) * v[2],
+            third + (a22 - f[2] * last) * v[2],
         ]
     }
 
