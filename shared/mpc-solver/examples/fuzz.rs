@@ -20,8 +20,9 @@ use mpc_solver::{
 };
 use random::Draw;
 
-/// Most iterations a solve can take: two attempts of the active set, three starts of the interior point.
-const MOST_ITERATIONS: u32 = 243;
+/// Most iterations a solve can take: two attempts of the active set, three starts of the interior point with 60 iterations and
+/// four attempts of five rounds to finish each.
+const MOST_ITERATIONS: u32 = 12 + 15 + 3 * (60 + 4 * 5);
 
 #[derive(Default)]
 struct Tally {

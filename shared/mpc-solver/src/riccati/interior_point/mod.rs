@@ -320,6 +320,7 @@ impl InteriorPoint {
         let barriers = &mut self.barriers;
         let mut v = [0.0; 3];
         let mut t = [0.0; 3];
+        // In memory, where single lanes are read from.
         let mut ring = [(Lanes::default(), [Lanes::default(); 3]); 2];
         ring[n / WIDTH % 2] = barriers.set_targets(n / WIDTH, targets);
         for j in (0..=n / WIDTH).rev() {
