@@ -2,12 +2,16 @@
 
 use scenario::Problem;
 use scenario::controller::Controller;
+use scenario::schema::{self, Key, Shape};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 
 /// A law's own table in a scenario file, as a type. Every key has a default.
 pub trait Settings: Default + DeserializeOwned + Serialize {
+    /// The text of the file that declares it, whose comments say what the keys mean: `include_str!`.
+    const SOURCE: &'static str;
+
     /// Checks every value.
     ///
     /// # Errors
@@ -30,8 +34,8 @@ pub fn read<T: Settings>(controller: &Controller, table: &str) -> Result<T, Prob
 pub struct Table {
     /// Name below `[controller]`.
     pub name: &'static str,
-    /// The keys with their defaults.
-    pub defaults: fn() -> toml::Table,
+    /// The keys with their types, ranges, defaults and meanings.
+    pub keys: fn() -> Vec<Key>,
     /// Reads the table and checks what does not depend on other keys.
     pub check: fn(&Controller, &str) -> Result<(), Problem>,
 }
@@ -42,19 +46,33 @@ impl Table {
     pub const fn of<T: Settings>(name: &'static str) -> Self {
         Self {
             name,
-            defaults: || {
-                toml::Table::try_from(T::default()).expect("settings are plain numbers and words")
-            },
-            check: |controller, name| read::<T>(controller, name).map(|_| ()),
+            keys: keys::<T>,
+            check: |controller, name| read::<T>(controller, name).map(drop),
         }
     }
+}
+
+/// The keys of a law's table, with the ranges that its check holds them to.
+fn keys<T: Settings>() -> Vec<Key> {
+    let mut keys = schema::of_law::<T>(T::SOURCE);
+    for key in &mut keys {
+        let Shape::Number { range, .. } = &mut key.shape else { continue };
+        // No range holds it: what refuses it names the range.
+        let wrong = toml::Table::from_iter([(key.name.clone(), f64::NAN.into())]);
+        let refusal = T::deserialize(wrong).ok().and_then(|settings| settings.check().err());
+        if let Some(refusal) = refusal.filter(|refusal| refusal.key() == key.name) {
+            key.expected = Some(refusal.expected());
+            *range = refusal.range();
+        }
+    }
+    keys
 }
 
 /// A setting that a law refuses. The key is relative to the law's table.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum SettingError {
     /// Outside its range.
-    #[error("{key} = {value} is out of range, expected a number from {least} to {most}")]
+    #[error("{key} = {value} is out of range, expected {}", self.expected())]
     OutOfRange {
         /// The key.
         key: &'static str,
@@ -66,7 +84,7 @@ pub enum SettingError {
         most: f64,
     },
     /// Not above its lower bound, or above the upper one.
-    #[error("{key} = {value} is out of range, expected a number above {above} and at most {most}")]
+    #[error("{key} = {value} is out of range, expected {}", self.expected())]
     NotAbove {
         /// The key.
         key: &'static str,
@@ -78,7 +96,7 @@ pub enum SettingError {
         most: f64,
     },
     /// Not below the value of another key.
-    #[error("{key} = {value} is too large, expected a number below {other} ({limit})")]
+    #[error("{key} = {value} is too large, expected {}", self.expected())]
     NotBelow {
         /// The key.
         key: &'static str,
@@ -99,6 +117,28 @@ impl SettingError {
             Self::OutOfRange { key, .. }
             | Self::NotAbove { key, .. }
             | Self::NotBelow { key, .. } => key,
+        }
+    }
+
+    /// What is accepted, in words.
+    #[must_use]
+    pub fn expected(&self) -> String {
+        match self {
+            Self::OutOfRange { least, most, .. } => format!("a number from {least} to {most}"),
+            Self::NotAbove { above, most, .. } => {
+                format!("a number above {above} and at most {most}")
+            }
+            Self::NotBelow { other, limit, .. } => format!("a number below {other} ({limit})"),
+        }
+    }
+
+    /// The ends of the range, where it depends on no other key.
+    #[must_use]
+    pub fn range(&self) -> Option<(f64, f64)> {
+        match *self {
+            Self::OutOfRange { least, most, .. } => Some((least, most)),
+            Self::NotAbove { above, most, .. } => Some((above, most)),
+            Self::NotBelow { .. } => None,
         }
     }
 

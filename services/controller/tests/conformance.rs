@@ -98,7 +98,7 @@ fn sound(law: &dyn Law, formulation: &Formulation, input: &Input, output: &Outpu
 }
 
 fn uniform(rng: &mut Pcg64, low: f64, high: f64) -> f64 {
-    low + (high - low) * (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+    low + (high - low) * random::uniform(rng)
 }
 
 fn signal(distance_m: f64, phases: &[(Phase, f64)]) -> SignalAhead {

@@ -8,6 +8,7 @@ use controller::laws;
 use group::{Error, Failure, ScenarioOptions};
 use report::print;
 use scenario::builtin;
+use scenario::schema::Key;
 use std::process::ExitCode;
 
 /// Arguments of `list`.
@@ -78,7 +79,7 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
         return Ok(ExitCode::SUCCESS);
     }
     let scenarios = builtin::ALL.iter().map(|builtin| (builtin.name, builtin.summary));
-    let controllers = laws::ALL.into_iter().map(|law| (law.name, law.description));
+    let controllers = laws::ALL.iter().map(|law| (law.name, law.description));
     let campaigns = campaign::BUILTIN.iter().map(|builtin| (builtin.name, builtin.summary));
     let campaigns = campaigns.chain(campaign::WITHOUT_FILE);
     if arguments.json {
@@ -86,7 +87,7 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
         let list = serde_json::json!({
             "schema_version": 1,
             "scenarios": scenarios.map(entry).collect::<Vec<_>>(),
-            "controllers": laws::ALL.map(controller),
+            "controllers": laws::ALL.iter().copied().map(controller).collect::<Vec<_>>(),
             "campaigns": campaigns.map(entry).collect::<Vec<_>>(),
         });
         let json = serde_json::to_string_pretty(&list).expect("plain data");
@@ -102,6 +103,10 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
     campaigns.for_each(|(name, line)| text.push_str(&format!("  {name:<26} {line}\n")));
     print::out(&text)?;
     Ok(ExitCode::SUCCESS)
+}
+
+fn defaults(keys: &[Key]) -> toml::Table {
+    keys.iter().filter_map(|key| Some((key.name.clone(), key.default.clone()?))).collect()
 }
 
 /// All that is known of a law without building it.
@@ -121,7 +126,7 @@ fn controller(law: &Descriptor) -> serde_json::Value {
         "description": law.description,
         "source": law.source,
         "table": law.table.map(|table| table.name),
-        "defaults": law.table.map(|table| (table.defaults)()),
+        "defaults": law.table.map(|table| defaults(&(table.keys)())),
         "formulations": law.formulations.iter().map(formulation).collect::<Vec<_>>(),
     })
 }

@@ -1,15 +1,40 @@
 //! The scenario file and the messages as data and as pages: `timegap list --schema`, and the references in
 //! `docs`, which a test compares with what stands here.
 
+use controller::law::Descriptor;
+use controller::laws;
 use messages::{Element, LAYOUT_VERSION, Layout, Scalar, TOPICS};
 use recorder::schema as layouts;
 use scenario::schema::{self, Key, Shape};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 
+/// The keys of a scenario file, with the tables of the laws.
+fn keys() -> Vec<Key> {
+    let mut keys = schema::keys();
+    let of_laws = laws::tables().into_iter().map(|table| {
+        let is_its = |law: &&&Descriptor| law.table.is_some_and(|own| own.name == table.name);
+        let names = laws::ALL.iter().filter(is_its).map(|law| format!("`{}`", law.name));
+        Key {
+            name: table.name.to_owned(),
+            shape: Shape::Table((table.keys)()),
+            expected: None,
+            is_required: false,
+            default: None,
+            meaning: format!("Settings of {}.", names.collect::<Vec<_>>().join(", ")),
+        }
+    });
+    for key in keys.iter_mut().filter(|key| key.name == "controller") {
+        if let Shape::Table(own) = &mut key.shape {
+            own.extend(of_laws.clone());
+        }
+    }
+    keys
+}
+
 /// A JSON Schema of the scenario file, for editors.
 pub fn json_schema() -> Value {
-    let mut root = table(&schema::keys());
+    let mut root = table(&keys());
     root["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
     root["title"] = json!("timegap scenario");
     root
@@ -97,7 +122,7 @@ pub fn scenario_page() -> String {
          file; a test compares. Units are part of the names: `_m`, `_mps`, `_mps2`, `_s`, `_ms`. A key \
          without a default is either required or absent. For editors: `timegap list --schema`.\n",
     );
-    section(&mut page, "", &schema::keys());
+    section(&mut page, "", &keys());
     page
 }
 
@@ -280,5 +305,38 @@ mod tests {
             (&json!(["kind", "service"]), &json!(null))
         );
         assert_eq!(schema["additionalProperties"], false);
+        let six_mode = &schema["properties"]["controller"]["properties"]["six_mode"]["properties"];
+        assert_eq!(six_mode["variant"]["enum"], json!(["literal", "robust"]));
+        assert_eq!(
+            (&six_mode["dwell_s"]["maximum"], &six_mode["dwell_s"]["default"]),
+            (&json!(10.0), &json!(0.8))
+        );
+    }
+
+    /// Follows the keys of `value` through the schema; forms of which one must fit are left out.
+    fn known(schema: &Value, value: &Value, path: &str) {
+        for (index, element) in value.as_array().into_iter().flatten().enumerate() {
+            known(&schema["items"], element, &format!("{path}[{index}]"));
+        }
+        let (Some(entries), Some(properties)) =
+            (value.as_object(), schema["properties"].as_object())
+        else {
+            return;
+        };
+        for (key, value) in entries {
+            let path = format!("{path}.{key}");
+            let below =
+                properties.get(key).unwrap_or_else(|| panic!("{path} is not in the schema"));
+            known(below, value, &path);
+        }
+    }
+
+    #[test]
+    fn the_schema_knows_every_key_of_the_built_in_scenarios() {
+        let schema = json_schema();
+        for builtin in scenario::builtin::ALL {
+            let text: toml::Table = builtin.text.parse().expect("it is TOML");
+            known(&schema, &serde_json::to_value(text).expect("plain data"), builtin.name);
+        }
     }
 }

@@ -7,11 +7,12 @@ pub mod six_mode;
 pub mod truck;
 
 use crate::law::{Descriptor, Formulation, GapPolicy, Law};
+use crate::settings::Table;
 use scenario::referee::DesiredGap;
 use scenario::{Problem, Scenario, accepted};
 
 /// Every law, in the order of `timegap list`.
-pub static ALL: [&Descriptor; 6] = [
+pub static ALL: &[&Descriptor] = &[
     &cacc::ACC_MPC,
     &cacc::CACC_MPC,
     &six_mode::SIX_MODE,
@@ -22,13 +23,21 @@ pub static ALL: [&Descriptor; 6] = [
 
 /// The laws that need no program of the user's.
 pub fn own() -> impl Iterator<Item = &'static Descriptor> {
-    ALL.into_iter().filter(|law| !std::ptr::eq(*law, &external::EXTERNAL))
+    ALL.iter().copied().filter(|law| !std::ptr::eq(*law, &external::EXTERNAL))
 }
 
 /// The law of that name.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static Descriptor> {
-    ALL.into_iter().find(|law| law.name == name)
+    ALL.iter().copied().find(|law| law.name == name)
+}
+
+/// The tables below `[controller]` that laws read, each once.
+#[must_use]
+pub fn tables() -> Vec<Table> {
+    let mut tables: Vec<_> = ALL.iter().filter_map(|law| law.table).collect();
+    tables.dedup_by_key(|table| table.name);
+    tables
 }
 
 /// The law that a scenario names.
@@ -70,13 +79,11 @@ pub fn check(scenario: &Scenario) -> Result<(), Problem> {
     let controller = &scenario.controller;
     let law = of(scenario)?;
     for name in controller.tables.names() {
-        let tables = || ALL.into_iter().filter_map(|law| law.table);
-        match tables().find(|table| table.name == name) {
+        let tables = tables();
+        match tables.iter().find(|table| table.name == name) {
             Some(table) => (table.check)(controller, name)?,
             None => {
-                let mut names: Vec<_> = tables().map(|table| table.name).collect();
-                names.dedup();
-                let known = accepted(name, names);
+                let known = accepted(name, tables.iter().map(|table| table.name));
                 let sentence = format!("unknown key `{name}`, expected {known}");
                 return Err(controller.tables.refuse(name, &sentence));
             }
@@ -121,10 +128,12 @@ pub fn gap_error_figure(scenario: &Scenario) -> Option<usize> {
         GapPolicy::Scenario(_) | GapPolicy::Internal => None,
     }
 }
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use scenario::Overrides;
+    use scenario::schema::Shape;
 
     fn refused(lines: &str) -> String {
         let text = format!("schema_version = 1\nname = \"mine\"\n[controller]\n{lines}");
@@ -135,10 +144,28 @@ mod tests {
 
     #[test]
     fn names_and_tables_are_found_once() {
-        for law in ALL {
+        for &law in ALL {
             assert!(std::ptr::eq(find(law.name).expect("it is in the list"), law));
             assert!(!law.formulations.is_empty() && !law.description.contains('\n'));
         }
+    }
+
+    #[test]
+    fn every_key_of_a_table_has_a_meaning_a_default_and_a_range() {
+        let mut ranges = 0;
+        for table in tables() {
+            for key in (table.keys)() {
+                let place = format!("{}.{}", table.name, key.name);
+                assert!(!key.meaning.is_empty(), "{place}");
+                assert!(key.default.is_some() || place == "quadratic_bounded.design", "{place}");
+                if let Shape::Number { range, .. } = key.shape {
+                    ranges += usize::from(range.is_some());
+                    let says = key.expected.is_some() || key.meaning.contains("; from ");
+                    assert!(says, "{place} does not say its range");
+                }
+            }
+        }
+        assert!(ranges > 40, "{ranges}");
     }
 
     #[test]

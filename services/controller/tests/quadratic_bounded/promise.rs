@@ -16,7 +16,7 @@ use rand_pcg::Pcg64;
 type Disturbance = SVector<f64, DISTURBANCES>;
 
 fn uniform(rng: &mut Pcg64, low: f64, high: f64) -> f64 {
-    low + (high - low) * (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+    low + (high - low) * random::uniform(rng)
 }
 
 /// A point of the sphere, by rejection from the cube.

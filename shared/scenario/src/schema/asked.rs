@@ -35,7 +35,7 @@ impl Asked {
         let is_value = matches!(node.form, Form::Number | Form::Whole | Form::Text);
         let expected = node.expected.clone().filter(|text| is_value && text.contains(' '));
         let (required, defaults) = (BTreeSet::new(), toml::Value::Boolean(false));
-        let forms = Forms { known: &known, required: &required, defaults: &defaults };
+        let forms = Forms { known: &known, required: &required, defaults: &defaults, source: None };
         self.keys.push(Key {
             name: key.to_owned(),
             shape: forms.shape("", self.top),

@@ -11,6 +11,8 @@ mod trace;
 use crate::Scenario;
 use crate::faults::{Kind, keys_of};
 use asked::Asked;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use std::collections::BTreeSet;
 use trace::{Form, Knowledge, Refusal, range, words};
 
@@ -23,7 +25,7 @@ pub enum Shape {
     Number {
         /// True for whole numbers.
         is_whole: bool,
-        /// Smallest and largest, both allowed; none where any will do.
+        /// Smallest and largest; none where any will do. [`Key::expected`] says where an end is not allowed.
         range: Option<(f64, f64)>,
     },
     /// A text.
@@ -73,11 +75,24 @@ pub fn keys() -> Vec<Key> {
     let all: Vec<String> = known.nodes.keys().filter(|path| is_key(path)).cloned().collect();
     let (known, required) = required(known, &all);
     let defaults = defaults(&known, &all, &required);
-    let form = Forms { known: &known, required: &required, defaults: &defaults };
+    let form = Forms { known: &known, required: &required, defaults: &defaults, source: None };
     let mut keys = form.keys("", "");
     let after_actors = keys.iter().position(|key| key.name == "actors").map_or(0, |i| i + 1);
     keys.insert(after_actors, faults());
     keys
+}
+
+/// The keys of a table that a control law reads into `T`, which is declared in the text `source`.
+///
+/// # Panics
+/// If `T` reads a form that `trace` does not know.
+#[must_use]
+pub fn of_law<T: DeserializeOwned + Default + Serialize>(source: &'static str) -> Vec<Key> {
+    let (known, _): (_, T) = trace::learn();
+    let defaults = toml::Value::try_from(T::default()).expect("plain numbers and words");
+    let required = BTreeSet::new();
+    let source = Some(source);
+    Forms { known: &known, required: &required, defaults: &defaults, source }.keys("", "")
 }
 
 /// The list of faults, which is read key by key.
@@ -140,6 +155,8 @@ struct Forms<'a> {
     known: &'a Knowledge,
     required: &'a BTreeSet<String>,
     defaults: &'a toml::Value,
+    /// Where the type is declared that is read; none: in this crate.
+    source: Option<&'static str>,
 }
 
 impl Forms<'_> {
@@ -163,8 +180,11 @@ impl Forms<'_> {
                     expected: node.expected.clone().filter(|text| is_value && text.contains(' ')),
                     is_required: self.required.contains(&below),
                     default: self.default(&below),
-                    meaning: notes::of(if path.is_empty() { "" } else { top }, name, key)
-                        .unwrap_or_default(),
+                    meaning: match self.source {
+                        Some(source) => messages::notes::in_source(source, name, key),
+                        None => notes::of(if path.is_empty() { "" } else { top }, name, key),
+                    }
+                    .unwrap_or_default(),
                 }
             })
             .collect()

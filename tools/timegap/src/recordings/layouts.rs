@@ -107,7 +107,7 @@ fn messages_as_json() -> Value {
             (enumeration.name.to_owned(), values.into())
         })
         .collect();
-    let laws: Vec<_> = laws::ALL.into_iter().flat_map(law).collect();
+    let laws: Vec<_> = laws::ALL.iter().copied().flat_map(law).collect();
     json!({
         "schema_version": 1,
         "layout_version": LAYOUT_VERSION,

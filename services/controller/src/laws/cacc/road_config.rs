@@ -11,15 +11,15 @@ pub struct RoadConfig {
     /// Desired gap to a standing lead, m.
     #[serde(skip)]
     pub standstill_gap_m: f64,
-    /// Gap that is never given up knowingly, m.
+    /// Gap that is never given up knowingly, m; from 0.1 to `standstill_distance_m`.
     pub min_gap_m: f64,
     /// Where to stop, ahead of the line, m.
     pub stop_margin_m: f64,
-    /// Largest acceleration, m/s².
+    /// Largest acceleration, m/s²; from 0.2 to `max_request_mps2`.
     pub acceleration_mps2: f64,
-    /// Largest deceleration that still counts as comfortable, m/s².
+    /// Largest deceleration that still counts as comfortable, m/s²; from 0.5 to -`min_request_mps2`.
     pub comfort_deceleration_mps2: f64,
-    /// Deceleration that the reference driver aims at, m/s².
+    /// Deceleration that the reference driver aims at, m/s²; from 0.2 to `comfort_deceleration_mps2`.
     pub reference_deceleration_mps2: f64,
     /// Hardest deceleration of the lead that the safety filter reckons with, m/s²; the gap grows
     /// beyond the time headway where that asks for more (above 28 m/s with the defaults).
@@ -65,6 +65,8 @@ impl Default for RoadConfig {
 }
 
 impl Settings for RoadConfig {
+    const SOURCE: &'static str = include_str!("road_config.rs");
+
     fn check(&self) -> Result<(), SettingError> {
         within("stop_margin_m", self.stop_margin_m, 0.3, 20.0)?;
         within("lead_deceleration_mps2", self.lead_deceleration_mps2, 0.5, 12.0)?;

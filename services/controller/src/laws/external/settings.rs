@@ -20,6 +20,8 @@ impl Default for Settings {
 }
 
 impl settings::Settings for Settings {
+    const SOURCE: &'static str = include_str!("settings.rs");
+
     fn check(&self) -> Result<(), SettingError> {
         within("patience_s", self.patience_s, 0.1, 600.0)?;
         within("silence_s", self.silence_s, 0.01, 600.0)

@@ -36,6 +36,8 @@ impl Default for Settings {
 }
 
 impl settings::Settings for Settings {
+    const SOURCE: &'static str = include_str!("settings.rs");
+
     fn check(&self) -> Result<(), SettingError> {
         within("sensor_range_m", self.sensor_range_m, 1.0, 1000.0)?;
         within("gap_error_limit_m", self.gap_error_limit_m, 0.0, 1000.0)?;

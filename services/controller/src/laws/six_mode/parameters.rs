@@ -162,6 +162,8 @@ impl Parameters {
 }
 
 impl Settings for Parameters {
+    const SOURCE: &'static str = include_str!("parameters.rs");
+
     fn check(&self) -> Result<(), SettingError> {
         above("braking_mps2", self.braking_mps2, 0.0, 12.0)?;
         above("lead_braking_mps2", self.lead_braking_mps2, 0.0, 15.0)?;

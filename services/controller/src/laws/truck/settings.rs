@@ -65,6 +65,8 @@ impl Default for Keys {
 }
 
 impl settings::Settings for Keys {
+    const SOURCE: &'static str = include_str!("settings.rs");
+
     fn check(&self) -> Result<(), SettingError> {
         within("mean_speed", self.mean_speed, 0.8, 1.2)?;
         within("lead_deceleration_mps2", self.lead_deceleration_mps2, 0.5, 12.0)
