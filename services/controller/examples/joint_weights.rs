@@ -15,7 +15,7 @@ use controller::laws::cacc::paper::PaperLaw;
 use controller::laws::cacc::published::{Calibration, Row, Runs, rows};
 use controller::laws::cacc::scenes::{self, Recording, Scene};
 use controller::laws::cacc::weights::{JOINT, Weights};
-use rand_core::{Rng, SeedableRng};
+use rand_core::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use scenario::controller::SpacingPolicy;
 
@@ -89,7 +89,7 @@ impl Search {
     }
 
     fn unit(&mut self) -> f64 {
-        (self.random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+        random::uniform(&mut self.random)
     }
 
     /// The best of a sample of the box.

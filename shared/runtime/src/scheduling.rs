@@ -51,21 +51,13 @@ impl Request {
     #[must_use]
     pub fn of(scenario: &Scenario, service: Service) -> Self {
         let services = &scenario.runtime.services;
-        let (placement, priority) = match service {
-            Service::Plant => (services.plant, services.plant_priority()),
-            Service::PerceptionSim => (services.perception_sim, services.perception_sim_priority()),
-            Service::V2xSim => (services.v2x_sim, services.v2x_sim_priority()),
-            Service::Controller => (services.controller, services.controller_priority()),
-            Service::Aebs => (services.aebs, services.aebs_priority()),
-            Service::Obu => (services.obu, services.obu_priority()),
-        };
         let default = usable_cores().last().copied();
         Self {
             policy: match scenario.runtime.scheduling {
-                Scheduling::Fifo => Policy::Fifo(priority),
+                Scheduling::Fifo => Policy::Fifo(services.priority(service)),
                 Scheduling::Other => Policy::Other,
             },
-            core: placement.core.map(|core| core.value().into()).or(default),
+            core: services.of(service).core.map(|core| core.value().into()).or(default),
             lock_memory: scenario.runtime.lock_memory,
         }
     }

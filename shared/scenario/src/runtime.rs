@@ -20,6 +20,7 @@
 //! A law that computes for a large part of its period is interrupted by plant and radar there; it may be
 //! better off on a core of its own (`runtime.services.controller.core = 0`).
 
+use messages::Service;
 use serde::{Deserialize, Serialize};
 
 use super::quantity::{Core, DelayMs, Priority, Probability};
@@ -100,39 +101,28 @@ pub struct Placement {
 }
 
 impl Services {
-    /// Priority of the plant under SCHED_FIFO.
+    /// Where `service` runs.
     #[must_use]
-    pub fn plant_priority(&self) -> u8 {
-        self.plant.priority.unwrap_or(Priority::of(82)).value()
+    pub const fn of(&self, service: Service) -> Placement {
+        match service {
+            Service::Plant => self.plant,
+            Service::PerceptionSim => self.perception_sim,
+            Service::V2xSim => self.v2x_sim,
+            Service::Controller => self.controller,
+            Service::Aebs => self.aebs,
+            Service::Obu => self.obu,
+        }
     }
 
-    /// Priority of perception under SCHED_FIFO.
+    /// Priority of `service` under SCHED_FIFO: its own, else by rate, then by the order of the chain.
     #[must_use]
-    pub fn perception_sim_priority(&self) -> u8 {
-        self.perception_sim.priority.unwrap_or(Priority::of(81)).value()
-    }
-
-    /// Priority of the emergency brake under SCHED_FIFO.
-    #[must_use]
-    pub fn aebs_priority(&self) -> u8 {
-        self.aebs.priority.unwrap_or(Priority::of(80)).value()
-    }
-
-    /// Priority of the controller under SCHED_FIFO.
-    #[must_use]
-    pub fn controller_priority(&self) -> u8 {
-        self.controller.priority.unwrap_or(Priority::of(79)).value()
-    }
-
-    /// Priority of the on-board unit under SCHED_FIFO.
-    #[must_use]
-    pub fn obu_priority(&self) -> u8 {
-        self.obu.priority.unwrap_or(Priority::of(80)).value()
-    }
-
-    /// Priority of the roadside unit under SCHED_FIFO.
-    #[must_use]
-    pub fn v2x_sim_priority(&self) -> u8 {
-        self.v2x_sim.priority.unwrap_or(Priority::of(80)).value()
+    pub fn priority(&self, service: Service) -> u8 {
+        let usual = match service {
+            Service::Plant => 82,
+            Service::PerceptionSim => 81,
+            Service::V2xSim | Service::Aebs | Service::Obu => 80,
+            Service::Controller => 79,
+        };
+        self.of(service).priority.map_or(usual, Priority::value)
     }
 }

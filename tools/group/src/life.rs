@@ -164,7 +164,7 @@ pub fn complete(whole: &mut ServiceReport, group: &Group, scenario: &Scenario, l
                 whole.details = Details::Obu(Box::new(report));
             }
         }
-        _ => {}
+        (Service::Plant | Service::PerceptionSim | Service::V2xSim | Service::Obu, _) => {}
     }
 }
 

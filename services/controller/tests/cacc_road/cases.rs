@@ -12,7 +12,7 @@
 //! it then really drove and as it was to be expected (going on as it did at the event), and all the
 //! way a gap from which full braking survives a lead that brakes at 4 m/s².
 
-use rand_core::{Rng, SeedableRng};
+use rand_core::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
 use crate::world::{Event, Lead, PERIOD_S, Signal, World};
@@ -42,7 +42,7 @@ impl Random {
     }
 
     pub(crate) fn unit(&mut self) -> f64 {
-        (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+        random::uniform(&mut self.0)
     }
 
     pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {

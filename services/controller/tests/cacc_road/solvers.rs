@@ -35,7 +35,7 @@ impl Fake {
         self.state ^= self.state << 13;
         self.state ^= self.state >> 7;
         self.state ^= self.state << 17;
-        (self.state >> 11) as f64 / (1u64 << 53) as f64
+        random::unit(self.state)
     }
 }
 

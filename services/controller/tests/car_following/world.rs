@@ -1,7 +1,6 @@
 //! A car behind one vehicle: actuator lag, a noisy radar with latency, a tracker, and a law.
 
 use controller::law::{Ego, Input, Law, Output, Plan, Target};
-use rand_core::Rng;
 use rand_pcg::Pcg64;
 
 use crate::tracker::Tracker;
@@ -191,7 +190,7 @@ impl World {
     }
 
     fn uniform(&mut self) -> f64 {
-        (self.rng.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
+        random::uniform(&mut self.rng)
     }
 
     /// Irwin and Hall: the sum of twelve uniform numbers has a variance of one.

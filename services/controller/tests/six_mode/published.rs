@@ -7,7 +7,6 @@
 use super::plant::{Actor, DT, advance_ego, ask, input};
 use controller::law::Ego;
 use controller::laws::six_mode::{Parameters, SixMode};
-use rand_core::Rng;
 use rand_pcg::Pcg32;
 
 const PERIOD: f64 = 0.05;
@@ -29,8 +28,7 @@ struct Row {
 
 /// Uniform noise of the given standard deviation.
 fn noise(rng: &mut Pcg32, deviation: f64) -> f64 {
-    let unit = (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
-    (2.0 * unit - 1.0) * deviation * 3f64.sqrt()
+    (2.0 * random::uniform(rng) - 1.0) * deviation * 3f64.sqrt()
 }
 
 /// Runs the scenario; `seed` adds noise of 0.3 m and 0.1 m/s.

@@ -19,7 +19,7 @@ impl Draw {
 
     /// Uniform in `[lo, hi)`.
     pub(crate) fn uniform(&mut self, lo: f64, hi: f64) -> f64 {
-        lo + (hi - lo) * ((self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64)
+        lo + (hi - lo) * random::uniform(&mut self.0)
     }
 
     /// `10^x`, `x` uniform in `[lo, hi)`.

@@ -172,7 +172,7 @@ mod tests {
     }
 
     /// One fault of each kind, with every key that it knows.
-    const EACH: [&str; 15] = [
+    const EACH: [&str; Kind::ALL.len()] = [
         "kind = \"kill\"\nservice = \"plant\"\nat_s = 1",
         "kind = \"stop\"\nservice = \"plant\"\nfor_s = 0.5",
         "kind = \"restart-storm\"\nservice = \"controller\"\ntimes = 4\nafter_start_ms = 3",

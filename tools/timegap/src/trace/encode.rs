@@ -123,7 +123,7 @@ fn tracks(frame: &Frame) -> Vec<TrackDescriptor> {
         },
         child(INCIDENTS, "faults".into()),
     ];
-    let in_order = [
+    let in_order: [Service; Service::ALL.len()] = [
         Service::PerceptionSim,
         Service::V2xSim,
         Service::Obu,
