@@ -74,7 +74,7 @@ pub struct BenchArguments {
     /// Only an idle machine under the best scheduling it grants, in at most a minute; judges no p99
     #[arg(long)]
     pub quick: bool,
-    /// Also compare with what one would take instead: iceoryx2's own services, unix datagrams, TCP; built
+    /// Also compare with the alternatives: iceoryx2's own services, unix datagrams, TCP; built
     /// with the feature "peers" also zenoh, and CycloneDDS where its library was found
     #[arg(long)]
     pub peers: bool,

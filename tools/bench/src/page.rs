@@ -145,7 +145,7 @@ fn intervals(report: &Report) -> String {
     format!("<div class=\"grid\">\n{}</div>\n", figure(&bands))
 }
 
-/// The intervals of what one would take instead, over a message through the services' ports.
+/// The intervals of the alternatives, over a message through the services' ports.
 fn peers(report: &Report) -> String {
     let peers = report.paired.iter().filter(|row| row.comparison.is_peer());
     let peers: Vec<_> = peers.filter_map(|row| Some((row, row.ci95?))).collect();

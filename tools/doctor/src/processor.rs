@@ -98,7 +98,7 @@ pub fn clock_source(current: Option<&str>, available: Option<&str>) -> Finding {
     /// Sources that are read without a system call.
     const FAST: [&str; 4] = ["tsc", "kvm-clock", "hyperv_clocksource_tsc_page", "arch_sys_counter"];
     let Some(current) = current.map(str::trim) else {
-        return Finding::ok(CHECK, "not told by this system");
+        return Finding::ok(CHECK, "not reported by this system");
     };
     if FAST.contains(&current) {
         return Finding::ok(CHECK, current);
@@ -119,7 +119,7 @@ pub fn clock_source(current: Option<&str>, available: Option<&str>) -> Finding {
 pub fn steal(before: &str, after: &str) -> Finding {
     const CHECK: &str = "stolen time";
     let (Some(before), Some(after)) = (times(before), times(after)) else {
-        return Finding::ok(CHECK, "not told by this system");
+        return Finding::ok(CHECK, "not reported by this system");
     };
     let share = |stolen: u64, all: u64| 100.0 * stolen as f64 / all.max(1) as f64;
     let ever = share(after.0, after.1);

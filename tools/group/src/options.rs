@@ -44,7 +44,7 @@ pub struct GroupOptions {
 /// Clock by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ModeName {
-    /// The wall's clock.
+    /// Wall-clock time.
     Realtime,
     /// Simulated time.
     Lockstep,

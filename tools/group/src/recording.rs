@@ -157,7 +157,7 @@ impl RecorderProcess {
     }
 
     fn give_up(&mut self, reason: String) {
-        tracing::warn!("the recorder is gone, the run goes on without it: {reason}");
+        tracing::warn!("the recorder is gone, the run continues without it: {reason}");
         self.process = None;
         self.failed = Some(reason);
     }

@@ -237,7 +237,7 @@ pub fn pictures(run: &RunPicture) -> String {
 fn times(summary: &Summary, run: &RunPicture) -> String {
     if summary.mode == "lockstep" {
         let note = "<p class=\"quiet\">In lockstep all stamps are simulated time: latencies say \
-                    nothing about a machine. The law alone is timed on the wall's clock.</p>\n";
+                    nothing about a machine. The law alone is timed by the wall clock.</p>\n";
         return note.to_owned() + &timing::percentiles(summary);
     }
     let count = summary.timing.reaction_time_us.map_or(0, |p| p.count);

@@ -54,7 +54,7 @@ pub enum Command {
     Recover(RecoverArguments),
     /// Write a recording as tables
     Export(ExportArguments),
-    /// Feed a recorded run's inputs to the controller or the on-board unit again and compare what it says
+    /// Feed a recorded run's inputs to the controller or the on-board unit again and compare its output
     Replay(ReplayArguments),
     /// Show the first difference between two recordings
     Diff(DiffArguments),
@@ -62,9 +62,9 @@ pub enum Command {
     Layouts(LayoutsArguments),
     /// Design a controller offline (cargo feature `synthesize`)
     Synthesize(crate::synthesize::SynthesizeArguments),
-    /// Check what this machine grants, what the rest costs, and how to get it
+    /// Check whether this machine meets real time, and print how to mend what it lacks
     Doctor(doctor::DoctorArguments),
-    /// Inject a fault into a run that is going on
+    /// Inject a fault into a run in progress
     Inject(crate::inject::InjectArguments),
     /// List the scenarios, controllers and campaigns
     List(crate::list::ListArguments),

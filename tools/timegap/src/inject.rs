@@ -1,6 +1,7 @@
-//! `timegap inject`: inject a fault into a run that is going on.
+//! `timegap inject`: inject a fault into a run in progress.
 
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use group::{Error, Failure, control};
 use messages::{Service, Topic, UnknownService};
 use report::print;
@@ -17,8 +18,8 @@ use toml::Value;
 pub struct InjectArguments {
     /// Results directory of the run
     pub run: PathBuf,
-    /// Kind of the fault: kill, stop, restart-storm, kill-helper, hog, memory, delay, drop, duplicate, reorder,
-    /// corrupt, freeze, bias, stale, clock-step
+    /// Kind of the fault
+    #[arg(value_parser = kind())]
     pub kind: Kind,
     /// The service or the topic that it acts on; `kill-helper`: recorder, janitor or launcher
     pub target: Option<String>,
@@ -63,6 +64,13 @@ pub struct InjectArguments {
     pub json: bool,
 }
 
+/// Reads the name of a kind.
+fn kind() -> impl TypedValueParser<Value = Kind> {
+    let of = |name: String| Kind::ALL.into_iter().find(|kind| kind.name() == name);
+    PossibleValuesParser::new(Kind::ALL.map(Kind::name))
+        .map(move |name| of(name).expect("the parser takes no other"))
+}
+
 const EXAMPLES: &str = "Examples:
   timegap inject runs/20261121-120000-following kill controller
   timegap inject RUN stop perception-sim --for 0.2
@@ -79,7 +87,7 @@ pub enum InjectError {
     #[error("{}", in_options(.0))]
     Fault(#[source] Problem),
     /// The directory is not that of a run that goes on.
-    #[error("{} holds no run that is going on ({}: {reason})", results.display(), path.display())]
+    #[error("{} holds no run in progress ({}: {reason})", results.display(), path.display())]
     NoRun {
         /// The directory.
         results: PathBuf,
@@ -99,7 +107,7 @@ pub enum InjectError {
         reason: serde_json::Error,
     },
     /// The run does not answer.
-    #[error("{} is not going on: {reason}", run.display())]
+    #[error("{} is not in progress: {reason}", run.display())]
     Over {
         /// Its results.
         run: PathBuf,

@@ -30,7 +30,7 @@ pub struct RunArguments {
     pub parameters: Vec<String>,
     #[command(flatten)]
     pub scenario_options: ScenarioOptions,
-    /// Hear roadside units of other hosts, and send to them: udp://ADDRESS:PORT, zenoh, zenoh:FILE.json5;
+    /// Receive from roadside units of other hosts, and send to them: udp://ADDRESS:PORT, zenoh, zenoh:FILE.json5;
     /// or play a capture: pcap:FILE
     #[arg(long, value_name = "ADDRESS")]
     pub radio: Option<String>,

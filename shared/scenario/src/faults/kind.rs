@@ -89,20 +89,6 @@ impl std::fmt::Display for Kind {
     }
 }
 
-/// A name of no kind of fault.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown fault `{0}`, expected one of {names}", names = Kind::ALL.map(Kind::name).join(", "))]
-pub struct UnknownKind(String);
-
-impl std::str::FromStr for Kind {
-    type Err = UnknownKind;
-
-    fn from_str(name: &str) -> Result<Self, UnknownKind> {
-        let found = Self::ALL.into_iter().find(|kind| kind.name() == name);
-        found.ok_or_else(|| UnknownKind(name.to_owned()))
-    }
-}
-
 impl Effect {
     /// Its kind.
     #[must_use]

@@ -16,7 +16,7 @@ pub use effect::{
 };
 pub use file::read;
 pub(super) use file::{keys_of, take_from, written};
-pub use kind::{Kind, UnknownKind};
+pub use kind::Kind;
 pub use topic::{BiasedField, NoSuchTopic, TopicName};
 
 use serde::Serialize;

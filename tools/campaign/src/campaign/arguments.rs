@@ -1,11 +1,10 @@
-//! What the command is told.
+//! The arguments of `campaign`.
 
-use crate::parts::ShardChoice;
+use crate::parts::PartOptions;
 use clap::Args;
 use group::GroupOptions;
 use report::output::OutputOptions;
 use std::num::{NonZeroU32, NonZeroUsize};
-use std::path::PathBuf;
 
 /// Arguments of `campaign`.
 #[derive(Debug, Args)]
@@ -16,26 +15,20 @@ and falsified (2,000 runs, or --sample N from --first M on)."
 )]
 pub struct CampaignArguments {
     /// A campaign file, an OpenSCENARIO parameter variation (.xosc), or the name of a built-in campaign
+    #[arg(conflicts_with = "merge")]
     pub campaign: Option<String>,
     /// Do only N of the runs, drawn by the first seed
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", conflicts_with = "merge")]
     pub sample: Option<NonZeroUsize>,
     /// Begin with run number N: `radio` alone
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", conflicts_with = "merge")]
     pub first: Option<NonZeroUsize>,
     /// Runs of every combination, instead of what the file says
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", conflicts_with = "merge")]
     pub seeds: Option<NonZeroU32>,
-    /// Do only part I of N of the runs, or the part that the array job's environment names (`auto`,
-    /// or `auto/N` where that does not tell the number); `--merge` puts the parts together
-    #[arg(long, value_name = "I/N|auto")]
-    pub shard: Option<ShardChoice>,
-    /// Go on with the campaign in this directory; begin it there if there is none
-    #[arg(long, value_name = "DIR", conflicts_with = "out")]
-    pub resume: Option<PathBuf>,
-    /// Put the shards in these directories together
-    #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with_all = ["campaign", "seeds", "sample", "first", "shard", "resume"])]
-    pub merge: Vec<PathBuf>,
+    /// In parts.
+    #[command(flatten)]
+    pub parts: PartOptions,
     /// Runs at once [default: one per core; 1 in realtime]
     #[arg(long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,

@@ -74,10 +74,10 @@ pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     if arguments.first.is_some() {
         return Err(CampaignError::FirstOfNone.into());
     }
-    if radio::holds_parts(&arguments.merge) {
+    if radio::holds_parts(&arguments.parts.merge) {
         return radio::merge(arguments);
     }
-    if arguments.merge.is_empty() { drive(arguments) } else { merge(arguments) }
+    if arguments.parts.merge.is_empty() { drive(arguments) } else { merge(arguments) }
 }
 
 /// What chooses runs, of a campaign that has one table of them all.
@@ -86,8 +86,8 @@ fn refuse_parts(arguments: &CampaignArguments) -> Result<(), CampaignError> {
         ("--sample", arguments.sample.is_some()),
         ("--first", arguments.first.is_some()),
         ("--seeds", arguments.seeds.is_some()),
-        ("--shard", arguments.shard.is_some()),
-        ("--resume", arguments.resume.is_some()),
+        ("--shard", arguments.parts.shard.is_some()),
+        ("--resume", arguments.parts.resume.is_some()),
     ];
     match given.into_iter().find(|(_, is_given)| *is_given) {
         Some((option, _)) => Err(CampaignError::NotForAll(option)),
@@ -100,7 +100,7 @@ fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     let campaign = open(arguments)?;
     let plan = plan::plan(&campaign)?;
     check(&campaign, &plan)?;
-    let output = match &arguments.resume {
+    let output = match &arguments.parts.resume {
         Some(directory) => OutputDirectory::resume(directory, FILE)?,
         None => OutputDirectory::create(&arguments.output, campaign.name.as_str())?,
     };
@@ -162,7 +162,9 @@ fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     bar.finish_and_clear();
     if end.is_err() {
         let (done, directory) = (records.len(), output.path().display());
-        eprintln!("{done} of {all} runs are kept: timegap campaign --resume {directory} goes on");
+        eprintln!(
+            "{done} of {all} runs are kept; to continue: timegap campaign --resume {directory}"
+        );
     }
     end?;
     conclude(arguments, &campaign, (&plan, all), records, &output)
@@ -190,7 +192,7 @@ fn check(campaign: &Campaign, plan: &Plan) -> Result<(), Error> {
 
 /// The campaign that the arguments mean.
 fn open(arguments: &CampaignArguments) -> Result<Campaign, Error> {
-    let kept = arguments.resume.as_deref().map(|directory| directory.join(FILE));
+    let kept = arguments.parts.resume.as_deref().map(|directory| directory.join(FILE));
     let kept = kept.filter(|path| path.exists());
     let begun = kept.as_deref().map(Campaign::read).transpose()?;
     let mut asked = match (&arguments.campaign, &begun) {
@@ -199,12 +201,12 @@ fn open(arguments: &CampaignArguments) -> Result<Campaign, Error> {
         (None, None) => return Err(CampaignError::NoneNamed.into()),
     };
     asked.seeds = arguments.seeds.unwrap_or(asked.seeds);
-    let shard = arguments.shard.map(ShardChoice::resolve).transpose()?;
+    let shard = arguments.parts.shard.map(ShardChoice::resolve).transpose()?;
     asked.shard = shard.or(asked.shard);
     asked.sample = arguments.sample.or(asked.sample);
     match begun {
         Some(begun) if begun != asked => {
-            let directory = arguments.resume.clone().unwrap_or_default();
+            let directory = arguments.parts.resume.clone().unwrap_or_default();
             Err(CampaignError::OtherBegun { directory }.into())
         }
         _ => Ok(asked),

@@ -57,12 +57,12 @@ impl<'a> Membership<'a> {
 
 /// Puts shards together.
 pub fn merge(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
-    parts::refuse_into_part(&arguments.merge, arguments.output.out.as_deref())?;
+    parts::refuse_into_part(&arguments.parts.merge, arguments.output.out.as_deref())?;
     let mut whole: Option<(Campaign, Plan)> = None;
     let mut records = Records::default();
     let mut known = BTreeSet::new();
     let mut held: Vec<(Option<Shard>, &Path)> = Vec::new();
-    for directory in &arguments.merge {
+    for directory in &arguments.parts.merge {
         let part = Campaign::read(&directory.join(FILE))?;
         let shard = part.shard;
         let other =
@@ -90,7 +90,7 @@ pub fn merge(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
         held.push((shard, directory));
     }
     let (campaign, plan) = whole.expect("clap asks for at least one directory");
-    let first = &arguments.merge[0];
+    let first = &arguments.parts.merge[0];
     let planned: BTreeSet<usize> = plan.numbers().collect();
     let highest = planned.last().map_or(0, |last| last + 1);
     // What is not planned is nothing to be done.

@@ -37,13 +37,13 @@ pub const FILE: &str = "part.json";
 #[derive(Clone, Debug, Default, Args)]
 pub struct PartOptions {
     /// Do only part I of N of the runs, or the part that the array job's environment names (`auto`,
-    /// or `auto/N` where that does not tell the number); `--merge` puts the parts together
+    /// or `auto/N` where that does not give the number); `--merge` joins the parts
     #[arg(long, value_name = "I/N|auto")]
     pub shard: Option<ShardChoice>,
-    /// Go on with the study in this directory; begin it there if there is none
+    /// Continue the study in this directory; begin it there if there is none
     #[arg(long, value_name = "DIR", conflicts_with = "out")]
     pub resume: Option<PathBuf>,
-    /// Put the parts in these directories together
+    /// Join the parts in these directories
     #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with_all = ["shard", "resume"])]
     pub merge: Vec<PathBuf>,
 }
@@ -266,13 +266,13 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
         }
         bar.finish_and_clear();
         if end.is_err() {
-            self.say_how_to_go_on(directory);
+            self.print_how_to_continue(directory);
         }
         end.map(|_| ())
     }
 
-    /// What a person does when the runs ended early.
-    fn say_how_to_go_on(&self, directory: &OutputDirectory) {
+    /// Prints the command that continues runs which ended early.
+    fn print_how_to_continue(&self, directory: &OutputDirectory) {
         if self.journal.is_some() {
             let done = self.results.iter().flatten().count();
             let (all, command) = (self.runs(), words::quoted(&self.study.words));
@@ -281,7 +281,7 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
                 .map_or_else(String::new, |shard| format!(" --shard {}", String::from(shard)));
             let path = directory.path().display();
             eprintln!(
-                "{done} of {all} runs are kept: timegap {command}{shard} --resume {path} goes on"
+                "{done} of {all} runs are kept; to continue: timegap {command}{shard} --resume {path}"
             );
         }
     }

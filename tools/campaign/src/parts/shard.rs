@@ -90,7 +90,7 @@ pub enum ArrayJobError {
     None,
     /// The engine does not say how many tasks the job has.
     #[error(
-        "--shard auto: {engine} does not tell the number of its tasks, expected --shard auto/N"
+        "--shard auto: {engine} does not give the number of its tasks, expected --shard auto/N"
     )]
     NoCount {
         /// The engine.

@@ -15,7 +15,7 @@ use crate::batch::{self, Done, Job, Source};
 use crate::campaign::arguments::CampaignArguments;
 use crate::campaign::file::RADIO;
 use crate::campaign::planned::Planned;
-use crate::parts::{self, Merged, Part, PartOptions, Study, name_incomplete};
+use crate::parts::{self, Merged, Part, Study, name_incomplete};
 use group::{Error, ScenarioOptions};
 use report::output::OutputDirectory;
 use runtime::Mode;
@@ -130,8 +130,7 @@ pub fn holds_parts(directories: &[PathBuf]) -> bool {
 pub fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     let numbers = Numbers::of(arguments);
     let study = Study::of_this_command(numbers.count, &job(numbers.number(0))?.scenario);
-    let options =
-        PartOptions { shard: arguments.shard, resume: arguments.resume.clone(), merge: Vec::new() };
+    let options = arguments.parts.clone();
     let (mut part, output) = Part::<Kept>::open(&options, &arguments.output, study)?;
     let left = part.left();
     let bar = report::progress::count_bar(part.runs(), arguments.json);
@@ -168,7 +167,7 @@ pub fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
 /// Directories that are no parts of one campaign, or a file that cannot be read or written.
 pub fn merge(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     let merged =
-        Merged::<Kept>::read("campaign", &arguments.merge, arguments.output.out.as_deref())?;
+        Merged::<Kept>::read("campaign", &arguments.parts.merge, arguments.output.out.as_deref())?;
     let numbers = Numbers::of(&merged.study.arguments()?);
     merged.check(numbers.count, &job(numbers.number(0))?.scenario)?;
     name_incomplete(&merged.incomplete);

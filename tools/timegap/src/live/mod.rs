@@ -32,10 +32,10 @@ const PORT: &str = "8170";
 /// How a run is looked at while it goes on.
 #[derive(Clone, Debug, Default, Args)]
 pub struct LiveOptions {
-    /// Show the run in the terminal while it goes on; q ends it, and so does the terminal's end
+    /// Show the running simulation in the terminal; q ends it, and so does closing the terminal
     #[arg(long)]
     pub watch: bool,
-    /// Show the run to browsers of this machine while it goes on, on this port (0: any); the address
+    /// Show the running simulation to browsers of this machine, on this port (0: any); the address
     /// that is printed holds a token without which nothing is served
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = PORT)]
     pub serve: Option<u16>,

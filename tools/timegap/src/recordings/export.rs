@@ -40,7 +40,7 @@ message's own, by their dotted path. Nested arrays count from 0: `tracks.0.range
 detections, up to 1,024 in a message, have a table of their own with a row for each, \
 `radar_detections.detections.csv`, and so have frames on air, `radio_frames.frames.csv`. Behind a number \
 that has a name stands the name: `rung` and `rung.name`; figures of the law have theirs in place of \
-their number. A damaged recording is exported as far as it goes: said, and status 1. In Python:
+their number. Of a damaged recording what can be read is exported, with a note and status 1. In Python:
 
     import pandas as pd
     odometry = pd.read_csv(\"runs/mine/csv/vehicle_odometry.csv\")

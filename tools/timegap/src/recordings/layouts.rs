@@ -42,7 +42,7 @@ pub struct Language {
 }
 
 const SUBSCRIBE: &str = "\
-To listen to a run that is going on from Python (pip install iceoryx2==0.10.0): write the module to \
+To listen to a run in progress from Python (pip install iceoryx2==0.10.0): write the module to \
 a file, take `root` and `prefix` from live.json in the run's results, and open the topic:
 
     import json, ctypes, iceoryx2 as iox2, timegap_messages as messages

@@ -15,7 +15,7 @@ use std::process::ExitCode;
 pub struct RecoverArguments {
     /// A run's directory of results, or a recording
     pub run: PathBuf,
-    /// Where to write the whole recording [default: in the broken one's place, which is kept beside
+    /// Where to write the repaired recording [default: in place of the damaged one, which is kept beside
     /// it as *.broken]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
