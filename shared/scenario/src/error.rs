@@ -97,15 +97,6 @@ impl ScenarioError {
     pub fn expected(&self) -> Option<&str> {
         self.expected.as_deref()
     }
-
-    /// Line and column of the fault, both from 1, where it has a place in a file.
-    #[must_use]
-    pub fn line_and_column(&self) -> Option<(usize, usize)> {
-        match *self.place {
-            Place::Text { line, column, numbered: true, .. } => Some((line, column)),
-            _ => None,
-        }
-    }
 }
 
 impl fmt::Display for ScenarioError {
@@ -195,21 +186,20 @@ mod tests {
              2 | period_ms = -50 # ms\n  \
                |             ^^^ expected more"
         );
-        assert_eq!(error.line_and_column(), Some((2, 13)));
     }
 
     #[test]
     fn columns_count_characters_and_marks_stay_on_their_line() {
         let text = "name = \"grün\" x\nnext";
         let error = ScenarioError::at("x", text, 15..text.len(), "bad");
-        assert_eq!(error.line_and_column(), Some((1, 15)));
+        assert!(error.to_string().starts_with("error: x:1:15: bad\n"), "{error}");
         assert!(error.to_string().ends_with("              ^"), "{error}");
     }
 
     #[test]
     fn a_byte_order_mark_is_no_column() {
         let error = ScenarioError::at("x", "\u{feff}a = 9", 7..8, "bad");
-        assert_eq!(error.line_and_column(), Some((1, 5)));
+        assert!(error.to_string().starts_with("error: x:1:5: bad\n"), "{error}");
         assert!(error.to_string().ends_with("1 | a = 9\n  |     ^"), "{error}");
         let _ = ScenarioError::at("x", "\u{feff}", 0..1, "bad").to_string();
     }

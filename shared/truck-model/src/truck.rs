@@ -193,19 +193,6 @@ impl Truck {
         let rpm = self.engine_rpm(speed_mps, gear).max(IDLE_RPM);
         self.engine.fuel_gps(rpm, net_torque_nm + self.auxiliary_torque_nm(rpm))
     }
-
-    /// Kinetic energy after `length_m` of constant force and grade, J (equation 4).
-    #[must_use]
-    pub fn kinetic_energy_after_j(
-        &self,
-        kinetic_energy_j: f64,
-        force_n: f64,
-        grade: f64,
-        length_m: f64,
-    ) -> f64 {
-        let limit_j = (force_n - self.road_resistance_n(grade)) / self.drag_per_m;
-        limit_j + (kinetic_energy_j - limit_j) * libm::exp(-self.drag_per_m * length_m)
-    }
 }
 
 fn cosine(grade: f64) -> f64 {
@@ -225,19 +212,6 @@ mod tests {
             let found = truck.inertial_mass_kg() / truck.parameters().mass_kg;
             assert!((found - factor).abs() < 5e-4, "{}: {found}", preset.name());
         }
-    }
-
-    #[test]
-    fn closed_form_agrees_with_small_steps() {
-        let truck = Truck::preset(Preset::Jh6At49T);
-        let (force_n, grade, length_m) = (7000.0, -0.004, 600.0);
-        let mut k = truck.kinetic_energy_j(20.0);
-        let closed = truck.kinetic_energy_after_j(k, force_n, grade, length_m);
-        for _ in 0..600_000 {
-            let drag_n = truck.drag_per_m() * k;
-            k += 1e-3 * (force_n - truck.road_resistance_n(grade) - drag_n);
-        }
-        assert!((closed / k - 1.0).abs() < 1e-5, "{closed} {k}");
     }
 
     #[test]

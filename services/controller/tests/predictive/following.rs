@@ -110,7 +110,10 @@ fn it_burns_less_than_an_ordinary_acc_and_keeps_a_second_of_headway() {
                 let mut acc = OrdinaryAcc::new(&truck, SET_MPS, SET_MPS + 5.0 / 3.6);
                 let ours = chase(&truck, &road, 20.0, &lead, noise, 1100.0, &mut law);
                 let theirs = chase(&truck, &road, 20.0, &lead, noise, 1100.0, &mut acc);
-                let fuel = |chase: &Chase| chase.corrected_g_per_km(energy_gpj);
+                // At equal kinetic energy at both ends, g/km.
+                let fuel = |chase: &Chase| {
+                    1e3 * (chase.fuel_g - energy_gpj * chase.gained_j) / chase.length_m
+                };
                 let percent = 100.0 * (fuel(&ours) / fuel(&theirs) - 1.0);
                 println!(
                     "{} road {seed}: {percent:.1} %, headway {:.2} s, service brakes {:.2} and {:.2} MJ",

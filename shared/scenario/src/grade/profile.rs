@@ -94,9 +94,6 @@ pub struct GradeProfile {
 }
 
 impl GradeProfile {
-    /// A level road.
-    pub const LEVEL: Self = Self { points: Vec::new() };
-
     /// A profile through `points`, in order of distance.
     ///
     /// # Errors
@@ -204,7 +201,8 @@ mod tests {
         assert_eq!(road.mean_grade(100.0, 300.0), 0.005);
         assert_eq!(road.mean_grade(150.0, 150.0), 0.03);
         assert_eq!(road.end_m(), 300.0);
-        assert_eq!(GradeProfile::LEVEL.grade(5.0) + GradeProfile::LEVEL.height_m(5.0), 0.0);
+        let level = GradeProfile::default();
+        assert_eq!(level.grade(5.0) + level.height_m(5.0), 0.0);
     }
 
     #[test]

@@ -100,12 +100,6 @@ impl QuadraticBounded {
         self.mode
     }
 
-    /// The controller state xc.
-    #[must_use]
-    pub fn controller_state(&self) -> &State {
-        &self.xc
-    }
-
     /// One sample of the increment law.
     fn update(&mut self, input: &Checked, too_slow: bool) {
         let p = self.design.parameters();

@@ -102,12 +102,6 @@ impl Chase {
     pub fn least_gap_m(&self) -> f64 {
         self.moments.iter().map(|moment| moment.gap_m).fold(f64::INFINITY, f64::min)
     }
-
-    /// Fuel at equal kinetic energy at both ends, g/km.
-    #[must_use]
-    pub fn corrected_g_per_km(&self, energy_gpj: f64) -> f64 {
-        1e3 * (self.fuel_g - energy_gpj * self.gained_j) / self.length_m
-    }
 }
 
 /// Drives behind a lead for `duration_s`, or to the road's end.

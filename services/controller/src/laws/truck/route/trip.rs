@@ -71,12 +71,6 @@ impl Trip {
     pub fn corrected_l_per_100_km(&self, energy_gpj: f64) -> f64 {
         1e5 * (self.fuel_g - energy_gpj * self.gained_j) / FUEL_DENSITY_GPL / self.length_m
     }
-
-    /// Mean speed, m/s.
-    #[must_use]
-    pub fn mean_speed_mps(&self) -> f64 {
-        self.length_m / self.time_s
-    }
 }
 
 /// Drives a truck over a road; `None` when it got stuck.
