@@ -209,7 +209,7 @@ impl Loop {
                 self.estimate.believe(odometry, release.time_s);
                 Some(odometry)
             }
-            None => self.estimate.go_on(radar, commanded_mps2, release.time_s),
+            None => self.estimate.advance(radar, commanded_mps2, release.time_s),
         };
         let samples = Samples {
             odometry: ego,

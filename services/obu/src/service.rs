@@ -151,7 +151,7 @@ impl Unit {
         self.receiver.forget(now_ns, ego_m);
         let silent = SILENT_NS * i64::from(runtime.is_restarted());
         if now_ns >= *self.speaks_from_ns.get_or_insert(now_ns + silent) {
-            self.tell(&release, ego_m)?;
+            self.publish(&release, ego_m)?;
         }
         self.send_cam(&release, &moment)?;
         let state = if self.hears(now_ns) { ServiceState::Running } else { ServiceState::Degraded };
@@ -194,7 +194,7 @@ impl Unit {
 
     /// Hands on what is known of the signals ahead. Its acquisition is when the oldest timing was made;
     /// where no signal is ahead, the release, as long as the radio lives.
-    fn tell(&mut self, release: &Release, ego_m: f64) -> Result<(), RuntimeError> {
+    fn publish(&mut self, release: &Release, ego_m: f64) -> Result<(), RuntimeError> {
         let now_ns = release.scheduled_ns;
         let origins = self.origins();
         let mut map = self.map.loan()?;

@@ -37,7 +37,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     let mut plant = Plant::open(&mut runtime, &scenario)?;
     runtime.begin(&scenario)?;
     if runtime.is_restarted() {
-        plant.go_on(&mut runtime);
+        plant.restore(&mut runtime);
     }
     runtime.run_cycles(|runtime| plant.cycle(runtime))?;
     let report = plant.report();
@@ -181,7 +181,7 @@ impl Plant {
     }
 
     /// Goes on from where the process before this one was.
-    fn go_on(&mut self, runtime: &mut Runtime) {
+    fn restore(&mut self, runtime: &mut Runtime) {
         let Some(kept) = self.checkpoint.as_mut().and_then(Checkpoint::restore) else { return };
         runtime.resume_after(kept.step);
         self.ego.restore(kept.ego);

@@ -45,17 +45,17 @@ impl Batch {
 
 /// The tapped topics, each by its type.
 pub(crate) struct Taps {
-    topics: Vec<Box<dyn Hear>>,
+    topics: Vec<Box<dyn Drain>>,
     // Ports before the node that owns them.
     _tap: Tap,
 }
 
-trait Hear {
-    fn hear(&self, into: &mut Batch) -> Result<(), RuntimeError>;
+trait Drain {
+    fn drain_into(&self, into: &mut Batch) -> Result<(), RuntimeError>;
 }
 
-impl<T: Message> Hear for Tapped<T> {
-    fn hear(&self, into: &mut Batch) -> Result<(), RuntimeError> {
+impl<T: Message> Drain for Tapped<T> {
+    fn drain_into(&self, into: &mut Batch) -> Result<(), RuntimeError> {
         for _ in 0..TURN {
             if !self.take(|message| into.push(message))? {
                 break;
@@ -68,7 +68,7 @@ impl<T: Message> Hear for Tapped<T> {
 impl Taps {
     /// Taps every topic.
     pub(crate) fn open(tap: Tap) -> Result<Self, RuntimeError> {
-        let topics: Vec<Box<dyn Hear>> = vec![
+        let topics: Vec<Box<dyn Drain>> = vec![
             Box::new(tap.on::<Odometry>()?),
             Box::new(tap.on::<Powertrain>()?),
             Box::new(tap.on::<RadarDetections>()?),
@@ -94,7 +94,7 @@ impl Taps {
     pub(crate) fn take(&self) -> Result<Batch, RuntimeError> {
         let mut batch = Batch::default();
         for topic in &self.topics {
-            topic.hear(&mut batch)?;
+            topic.drain_into(&mut batch)?;
         }
         Ok(batch)
     }

@@ -114,7 +114,7 @@ impl<W: Write + Seek> Writer<W> {
         }
         self.inner.write_to_known_channel(&header, &self.payload)?;
         let log_time = header.log_time;
-        self.scene.hear(topic, log_time_ns, message);
+        self.scene.take(topic, log_time_ns, message);
         for drawn in self.scene.drawn() {
             let header = MessageHeader {
                 channel_id: self.scene_channels[drawn.topic],

@@ -16,7 +16,7 @@ pub(crate) enum Origin {
 
 /// What came of waiting for a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Heard {
+pub(crate) enum Received {
     /// A packet of that many bytes is in the buffer.
     Packet(usize, Origin),
     /// Nothing yet: the time is over, or the wait was interrupted.
@@ -37,10 +37,10 @@ pub(crate) enum Purpose {
 /// The receiving end, which the receive thread owns.
 pub(crate) trait Endpoint: Send {
     /// Waits for a packet, at most `timeout`.
-    fn hear(&mut self, timeout: Duration, buffer: &mut [u8]) -> Heard;
+    fn receive(&mut self, timeout: Duration, buffer: &mut [u8]) -> Received;
 
     /// Sends a question or an answer. What cannot be sent is not: it is asked again.
-    fn tell(&mut self, to: Origin, purpose: Purpose, packet: &[u8]);
+    fn send(&mut self, to: Origin, purpose: Purpose, packet: &[u8]);
 }
 
 /// The sending end, which the carrier's owner has. It never waits.

@@ -2,7 +2,7 @@
 
 use crate::clock::Exchange;
 use crate::counts::Counts;
-use crate::endpoint::{Endpoint, Heard, Origin, Purpose};
+use crate::endpoint::{Endpoint, Origin, Purpose, Received};
 use crate::envelope::{Content, Envelope, MAX_PACKET, Packet};
 use crate::frame::Frame;
 use crate::stations::Stations;
@@ -60,10 +60,10 @@ impl Listener {
         let mut buffer = vec![0; 65_536];
         loop {
             let wait = if self.identity.start_ns.is_none() { self.ask() } else { LONGEST_WAIT };
-            match self.endpoint.hear(wait, &mut buffer) {
-                Heard::Packet(length, origin) => self.take(&buffer[..length], origin),
-                Heard::Nothing => {}
-                Heard::Closed => return,
+            match self.endpoint.receive(wait, &mut buffer) {
+                Received::Packet(length, origin) => self.take(&buffer[..length], origin),
+                Received::Nothing => {}
+                Received::Closed => return,
             }
         }
     }
@@ -76,14 +76,14 @@ impl Listener {
                 return stations.until_question().unwrap_or(LONGEST_WAIT).min(LONGEST_WAIT);
             };
             drop(stations);
-            self.tell(origin, Purpose::Question, Content::Question);
+            self.send(origin, Purpose::Question, Content::Question);
         }
     }
 
-    fn tell(&mut self, to: Origin, purpose: Purpose, content: Content<'_>) {
+    fn send(&mut self, to: Origin, purpose: Purpose, content: Content<'_>) {
         let mut room = [0; MAX_PACKET];
         let length = self.identity.envelope(0).write(content, &mut room);
-        self.endpoint.tell(to, purpose, &room[..length]);
+        self.endpoint.send(to, purpose, &room[..length]);
     }
 
     fn take(&mut self, packet: &[u8], origin: Origin) {
@@ -114,7 +114,7 @@ impl Listener {
                 if self.identity.start_ns.is_some() {
                     let (to, asked_ns) = (envelope.sender, envelope.sent_ns);
                     let answer = Content::Answer { to, asked_ns, heard_ns: now_ns };
-                    self.tell(origin, Purpose::Answer(to), answer);
+                    self.send(origin, Purpose::Answer(to), answer);
                 }
             }
             Packet::Ours(envelope, Content::Answer { to, asked_ns, heard_ns }) => {

@@ -8,7 +8,7 @@
 //! Questions go to the socket that a frame came from, and answers to that of the question, so that a
 //! group does not carry them.
 
-use crate::endpoint::{Endpoint, Heard, Origin, Outlet, Purpose};
+use crate::endpoint::{Endpoint, Origin, Outlet, Purpose, Received};
 use crate::error::{OpenError, SendError};
 use rustix::event::{EventfdFlags, PollFd, PollFlags, Timespec, eventfd, poll};
 use rustix::fd::OwnedFd;
@@ -122,7 +122,7 @@ impl UdpEndpoint {
 }
 
 impl Endpoint for UdpEndpoint {
-    fn hear(&mut self, timeout: Duration, buffer: &mut [u8]) -> Heard {
+    fn receive(&mut self, timeout: Duration, buffer: &mut [u8]) -> Received {
         let taken = self.take(buffer).or_else(|| {
             let group = self.group.as_ref().unwrap_or(&self.own);
             let mut sources = [
@@ -137,18 +137,18 @@ impl Endpoint for UdpEndpoint {
         });
         let mut closing = [PollFd::new(&self.closing, PollFlags::IN)];
         if poll(&mut closing, Some(&Timespec::default())).is_ok_and(|ready| ready > 0) {
-            return Heard::Closed;
+            return Received::Closed;
         }
-        let Some((length, from)) = taken else { return Heard::Nothing };
+        let Some((length, from)) = taken else { return Received::Nothing };
         if let Target::LastHeard(last) = &self.target
             && let Ok(mut last) = last.lock()
         {
             *last = Some(from);
         }
-        Heard::Packet(length, Origin::Socket(from))
+        Received::Packet(length, Origin::Socket(from))
     }
 
-    fn tell(&mut self, to: Origin, _purpose: Purpose, packet: &[u8]) {
+    fn send(&mut self, to: Origin, _purpose: Purpose, packet: &[u8]) {
         match to {
             Origin::Socket(to) => {
                 // What is lost is asked again.

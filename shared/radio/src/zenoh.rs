@@ -6,7 +6,7 @@
 //! that a thread makes them.
 
 use crate::counts::Counts;
-use crate::endpoint::{Endpoint, Heard, Origin, Outlet, Purpose};
+use crate::endpoint::{Endpoint, Origin, Outlet, Purpose, Received};
 use crate::envelope::MAX_PACKET;
 use crate::error::{OpenError, SendError};
 use crate::listener::{Identity, Shared};
@@ -175,26 +175,26 @@ impl ZenohEndpoint {
 }
 
 impl Endpoint for ZenohEndpoint {
-    fn hear(&mut self, timeout: Duration, buffer: &mut [u8]) -> Heard {
+    fn receive(&mut self, timeout: Duration, buffer: &mut [u8]) -> Received {
         match self.heard.recv_timeout(timeout) {
             Ok(Arrival::Packet(packet)) => {
                 self.silent = Duration::ZERO;
                 buffer[..packet.len()].copy_from_slice(&packet);
-                Heard::Packet(packet.len(), Origin::Zenoh)
+                Received::Packet(packet.len(), Origin::Zenoh)
             }
-            Ok(Arrival::Close) | Err(RecvTimeoutError::Disconnected) => Heard::Closed,
+            Ok(Arrival::Close) | Err(RecvTimeoutError::Disconnected) => Received::Closed,
             Err(RecvTimeoutError::Timeout) => {
                 self.silent += timeout;
                 if self.silent >= RENEWAL {
                     // A session that takes none now is asked again.
                     let _ = self.subscribe();
                 }
-                Heard::Nothing
+                Received::Nothing
             }
         }
     }
 
-    fn tell(&mut self, to: Origin, purpose: Purpose, packet: &[u8]) {
+    fn send(&mut self, to: Origin, purpose: Purpose, packet: &[u8]) {
         // What is lost is asked again.
         let _ = match (to, purpose) {
             (Origin::Socket(_), _) => return,

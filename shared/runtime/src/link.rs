@@ -222,7 +222,7 @@ impl Link {
     }
 
     /// Tells the launcher something.
-    pub(super) fn say(&self, message: FromService) -> Result<(), RuntimeError> {
+    pub(super) fn send(&self, message: FromService) -> Result<(), RuntimeError> {
         if let Way::Memory(desk, _) = &self.way {
             desk.said.borrow_mut().push_back(message);
             return Ok(());

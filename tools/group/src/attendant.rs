@@ -59,7 +59,7 @@ impl Attendant {
     }
 
     /// Tells it something. One that is gone does not hear it.
-    pub fn say(&mut self, message: &impl Serialize) {
+    pub fn send(&mut self, message: &impl Serialize) {
         let line = serde_json::to_string(message).expect("link messages are plain data");
         if let Some(input) = &mut self.input
             && writeln!(input, "{line}").is_err()
@@ -69,7 +69,7 @@ impl Attendant {
     }
 
     /// What it says next, if it does so in time.
-    pub fn hear<T: DeserializeOwned>(&mut self, within: Duration) -> Option<T> {
+    pub fn receive<T: DeserializeOwned>(&mut self, within: Duration) -> Option<T> {
         let deadline = Instant::now() + within;
         loop {
             let left = deadline.saturating_duration_since(Instant::now());

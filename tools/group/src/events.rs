@@ -47,10 +47,10 @@ pub struct Who {
 /// Something that happened.
 #[derive(Debug)]
 pub enum Event {
-    /// A process said something.
-    Said(Who, FromService),
+    /// A message of a process.
+    Message(Who, FromService),
     /// A process wrote a line that is no message: a warning, a panic.
-    Wrote(Who, String),
+    Output(Who, String),
     /// A process writes more than a service does.
     Flooded(Who),
     /// A process is gone, or closed its output; its status waits to be taken.
@@ -100,7 +100,7 @@ fn follow_stream(who: Who, stream: impl Read, events: &Sender<Event>) {
             Ok(_) => {}
         }
         let event = match serde_json::from_slice(&line) {
-            Ok(message) => Event::Said(who, message),
+            Ok(message) => Event::Message(who, message),
             Err(_) => {
                 chatter += line.len() as u64;
                 lines += 1;
@@ -110,7 +110,7 @@ fn follow_stream(who: Who, stream: impl Read, events: &Sender<Event>) {
                 if lines > KEPT_LINES {
                     continue;
                 }
-                Event::Wrote(who, kept(&line))
+                Event::Output(who, kept(&line))
             }
         };
         if events.send(event).is_err() {
@@ -205,8 +205,8 @@ mod tests {
     #[test]
     fn messages_and_text_are_told_apart() {
         let found = events("{\"ended\":7}\nwarning: \u{1b}x\n\n".as_bytes());
-        assert!(matches!(found[0], Event::Said(_, FromService::Ended(7))), "{found:?}");
-        assert!(matches!(&found[1], Event::Wrote(_, line) if line.starts_with("warning")));
+        assert!(matches!(found[0], Event::Message(_, FromService::Ended(7))), "{found:?}");
+        assert!(matches!(&found[1], Event::Output(_, line) if line.starts_with("warning")));
     }
 
     #[test]

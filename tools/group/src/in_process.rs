@@ -90,7 +90,7 @@ pub fn run_behind(
         }
     }
     let mut course = Course::default();
-    run.take_turns(&mut |service, said| course.hear(service, said));
+    run.take_turns(&mut |service, said| course.receive(service, said));
     if let Some((service, how)) = course.failed.take() {
         run.abort();
         let what = format!("failed: {how}");
@@ -103,7 +103,7 @@ pub fn run_behind(
     let mut faults = Faults::of(scenario);
     let step_ns = run.timetable().step_ns;
     loop {
-        let alive = run.take_turns(&mut |service, said| course.hear(service, said));
+        let alive = run.take_turns(&mut |service, said| course.receive(service, said));
         log.drain()?;
         if !alive {
             break;
@@ -164,7 +164,7 @@ struct Course {
 }
 
 impl Course {
-    fn hear(&mut self, service: Service, said: FromService) {
+    fn receive(&mut self, service: Service, said: FromService) {
         match said {
             FromService::Ready(_) | FromService::TookOver(_) => {}
             FromService::Report(report) => {

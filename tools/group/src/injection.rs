@@ -41,7 +41,7 @@ impl Supervisor<'_> {
                 Act::KillHelper(helper) => self.kill_helper(helper),
                 Act::Stop(service) => self.member(service).process().stop(),
                 Act::Continue(service) => {
-                    self.member(service).process().go_on();
+                    self.member(service).process().resume();
                     continue;
                 }
                 Act::Hog(core) => disturbance = self.disturb(Disturbance::hog(self.root, core)),

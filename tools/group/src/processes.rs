@@ -136,7 +136,7 @@ impl Process {
     }
 
     /// Lets it go on.
-    pub fn go_on(&mut self) {
+    pub fn resume(&mut self) {
         self.signal(Signal::CONT);
     }
 
@@ -242,7 +242,7 @@ impl Janitor {
 
     /// Tells it which process group the services form.
     pub fn watch(&mut self, group: i32) {
-        self.say(&group.to_string());
+        self.write_line(&group.to_string());
     }
 
     /// Kills it.
@@ -258,12 +258,12 @@ impl Janitor {
 
     /// Ends it: the launcher has cleaned up.
     pub fn dismiss(mut self) {
-        self.say(DONE);
+        self.write_line(DONE);
         drop(self.lines.take());
         let _ = end_within(&mut self.child, DISMISSAL);
     }
 
-    fn say(&mut self, line: &str) {
+    fn write_line(&mut self, line: &str) {
         if let Some(lines) = &mut self.lines
             && writeln!(lines, "{line}").is_err()
         {

@@ -47,11 +47,11 @@ impl Supervisor<'_> {
                 return Err(self.not_ready(first, format!("was not ready within {timeout} s")));
             }
             match self.events.recv_timeout(left) {
-                Ok(Event::Said(who, FromService::Ready(granted))) => {
+                Ok(Event::Message(who, FromService::Ready(granted))) => {
                     waiting.retain(|waiting| *waiting != who);
                     self.granted.insert(who.service.name().into(), granted);
                 }
-                Ok(Event::Said(who, FromService::Failed(reason))) => {
+                Ok(Event::Message(who, FromService::Failed(reason))) => {
                     return Err(self.not_ready(who.service, format!("failed: {reason}")));
                 }
                 Ok(Event::Flooded(who)) => {
@@ -71,14 +71,14 @@ impl Supervisor<'_> {
                     return Err(self.not_ready(service, what));
                 }
                 Ok(Event::Signal) => return Err(Error::Interrupted),
-                Ok(Event::Wrote(who, line)) => self.wrote.push((who.service, line)),
+                Ok(Event::Output(who, line)) => self.wrote.push((who.service, line)),
                 Ok(Event::Inject(_, reply)) => {
                     let message = "the run has not begun".into();
                     // The client may be gone.
                     let _ = reply.send(control::Answer { ok: false, message });
                 }
                 // The timeout is looked at above.
-                Ok(Event::Said(..) | Event::Knock) | Err(_) => {}
+                Ok(Event::Message(..) | Event::Knock) | Err(_) => {}
             }
         }
         Ok(())

@@ -78,8 +78,8 @@ impl RecorderProcess {
     /// Makes it connect to all services, which must be ready, and waits until it did.
     pub fn connect(&mut self) {
         let Some(process) = &mut self.process else { return };
-        process.say(&ToRecorder::Connect);
-        match process.hear(PATIENCE) {
+        process.send(&ToRecorder::Connect);
+        match process.receive(PATIENCE) {
             Some(FromRecorder::Ready) => {}
             Some(FromRecorder::Failed(reason)) => self.give_up(reason),
             Some(FromRecorder::Report(_)) | None => self.give_up("it did not get ready".into()),
@@ -100,7 +100,7 @@ impl RecorderProcess {
             let programs =
                 programs.map(|(service, program)| (service.name().into(), program.clone()));
             let programs = programs.collect();
-            process.say(&ToRecorder::Start(Start { start_ns, scheduling, programs, law }));
+            process.send(&ToRecorder::Start(Start { start_ns, scheduling, programs, law }));
         }
     }
 
@@ -117,7 +117,7 @@ impl RecorderProcess {
         if !process.is_gone() {
             return false;
         }
-        let reason = match process.hear(Duration::ZERO) {
+        let reason = match process.receive(Duration::ZERO) {
             Some(FromRecorder::Failed(reason)) => reason,
             _ => process
                 .end(Duration::ZERO)
@@ -130,8 +130,8 @@ impl RecorderProcess {
     /// Lets it write what has been sent, and ends it.
     pub fn finish(mut self) -> RecordingSummary {
         let reported = self.process.as_mut().and_then(|process| {
-            process.say(&ToRecorder::Finish);
-            process.hear(PATIENCE)
+            process.send(&ToRecorder::Finish);
+            process.receive(PATIENCE)
         });
         let (tally, failed) = match reported {
             Some(FromRecorder::Report(report)) => (Some(report.tally), report.failed),

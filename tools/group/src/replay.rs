@@ -148,64 +148,70 @@ impl Cast {
         heard: &mut dyn FnMut(Replayed<'_>),
     ) -> Result<(), Error> {
         let tap = Tap::join(group, "launcher")?;
-        let mut ear = Ear { commands: tap.on()?, diagnostics: tap.on()?, cycles: 0, heard };
+        let mut listener =
+            Listener { commands: tap.on()?, diagnostics: tap.on()?, cycles: 0, heard };
         self.wait_until_ready(events)?;
         // A receiver that has not looked is not connected.
-        ear.listen()?;
+        listener.listen()?;
         self.controller
             .order(&ToService::Start(StartOrder { start_ns: monotonic_ns(), standby_for: None }));
-        self.replayer.say(&ToReplayer::Start);
+        self.replayer.send(&ToReplayer::Start);
         loop {
             let event = events.recv_timeout(POLL);
-            ear.listen()?;
-            match event {
-                Ok(Event::Said(_, FromService::Report(_))) => break,
-                Ok(Event::Said(_, FromService::Failed(how))) => {
-                    return Err(broken(how, self.foreign));
-                }
-                Ok(Event::Gone(_)) => {
-                    let (status, _) = self.controller.end(EXIT_GRACE);
-                    return Err(broken(Exit::of(status).to_string(), self.foreign));
-                }
-                Ok(Event::Signal) => return Err(Error::Interrupted),
-                Ok(Event::Wrote(_, line)) => eprintln!("controller: {line}"),
-                _ => {}
+            listener.listen()?;
+            if let Ok(event) = event
+                && let Some(FromService::Report(_)) = self.message(event)?
+            {
+                break;
             }
             if self.replayer.is_gone() {
-                return Err(match self.replayer.hear(Duration::ZERO) {
+                return Err(match self.replayer.receive(Duration::ZERO) {
                     Some(FromReplayer::Failed(why)) => ReplayerError::Failed(why).into(),
                     _ => ReplayerError::Ended.into(),
                 });
             }
         }
-        ear.listen()?;
-        match ear.cycles == take.cycles {
+        listener.listen()?;
+        match listener.cycles == take.cycles {
             true => Ok(()),
-            false => Err(broken(format!("it ran {} cycles", ear.cycles), self.foreign)),
+            false => Err(broken(format!("it ran {} cycles", listener.cycles), self.foreign)),
         }
     }
 
     fn wait_until_ready(&mut self, events: &Receiver<Event>) -> Result<(), Error> {
         loop {
-            match events.recv_timeout(READY) {
-                Ok(Event::Said(_, FromService::Ready(_))) => break,
-                Ok(Event::Said(_, FromService::Failed(how))) => {
-                    return Err(broken(how, self.foreign));
-                }
-                Ok(Event::Gone(_)) => {
-                    let (status, _) = self.controller.end(EXIT_GRACE);
-                    return Err(broken(Exit::of(status).to_string(), self.foreign));
-                }
-                Ok(Event::Signal) => return Err(Error::Interrupted),
-                Ok(Event::Wrote(_, line)) => eprintln!("controller: {line}"),
-                Ok(_) => {}
-                Err(_) => return Err(broken("it did not get ready".into(), self.foreign)),
+            let Ok(event) = events.recv_timeout(READY) else {
+                return Err(broken("it did not get ready".into(), self.foreign));
+            };
+            if let Some(FromService::Ready(_)) = self.message(event)? {
+                break;
             }
         }
-        match self.replayer.hear(READY) {
+        match self.replayer.receive(READY) {
             Some(FromReplayer::Ready) => Ok(()),
             Some(FromReplayer::Failed(why)) => Err(ReplayerError::Failed(why).into()),
             None => Err(ReplayerError::NotReady.into()),
+        }
+    }
+
+    /// The controller's message in an event.
+    ///
+    /// # Errors
+    /// The controller failed or is gone, or the replay is interrupted.
+    fn message(&mut self, event: Event) -> Result<Option<FromService>, Error> {
+        match event {
+            Event::Message(_, FromService::Failed(how)) => Err(broken(how, self.foreign)),
+            Event::Message(_, message) => Ok(Some(message)),
+            Event::Gone(_) => {
+                let (status, _) = self.controller.end(EXIT_GRACE);
+                Err(broken(Exit::of(status).to_string(), self.foreign))
+            }
+            Event::Signal => Err(Error::Interrupted),
+            Event::Output(_, line) => {
+                eprintln!("controller: {line}");
+                Ok(None)
+            }
+            Event::Flooded(_) | Event::Inject(..) | Event::Knock => Ok(None),
         }
     }
 
@@ -222,14 +228,14 @@ fn broken(what: String, foreign: bool) -> Error {
 }
 
 /// Hears the controller.
-struct Ear<'a> {
+struct Listener<'a> {
     commands: Tapped<Command>,
     diagnostics: Tapped<Diagnostics>,
     cycles: u64,
     heard: &'a mut dyn FnMut(Replayed<'_>),
 }
 
-impl Ear<'_> {
+impl Listener<'_> {
     fn listen(&mut self) -> Result<(), Error> {
         let Self { commands, diagnostics, cycles, heard } = self;
         while commands.take(|command| heard(Replayed::Command(command)))? {}

@@ -36,9 +36,9 @@ pub fn replay_unit(
     let mut run = InProcess::new(scenario, Sealing::Sealed);
     run.start_scheduled(Service::Obu, scenario, releases, obu::run)?;
     let mut ports = Ports::open(&run)?;
-    let mut ear = Ear::open(&run.tap())?;
+    let mut listener = Listener::open(&run.tap())?;
     let mut said = Said::default();
-    run.take_turns(&mut |_, message| said.hear(message));
+    run.take_turns(&mut |_, message| said.receive(message));
     run.begin();
     let mut cycles = recording.unit_cycles(take);
     loop {
@@ -47,16 +47,16 @@ pub fn replay_unit(
             let odometry = cycle.map.header.origins.odometry;
             ports.odometry.send(odometry, cycle.odometry.as_deref())?;
         }
-        let is_alive = run.take_turns(&mut |_, message| said.hear(message));
-        ear.listen(heard)?;
+        let is_alive = run.take_turns(&mut |_, message| said.receive(message));
+        listener.listen(heard)?;
         if !is_alive {
             break;
         }
     }
     match said {
         Said { failed: Some(how), .. } => Err(broken(how)),
-        Said { report: Some(report), .. } if ear.cycles == take.cycles => Ok(report),
-        Said { .. } => Err(broken(format!("it ran {} cycles", ear.cycles))),
+        Said { report: Some(report), .. } if listener.cycles == take.cycles => Ok(report),
+        Said { .. } => Err(broken(format!("it ran {} cycles", listener.cycles))),
     }
 }
 
@@ -73,7 +73,7 @@ struct Said {
 }
 
 impl Said {
-    fn hear(&mut self, message: FromService) {
+    fn receive(&mut self, message: FromService) {
         match message {
             FromService::Report(report) => {
                 if let Details::Obu(report) = report.details {
@@ -120,14 +120,14 @@ impl<T: messages::Message> Port<T> {
 }
 
 /// Hears the unit.
-struct Ear {
+struct Listener {
     map: Tapped<Map>,
     spat: Tapped<Spat>,
     sent: Tapped<RadioSent>,
     cycles: u64,
 }
 
-impl Ear {
+impl Listener {
     fn open(tap: &Tap) -> Result<Self, RuntimeError> {
         Ok(Self { map: tap.on()?, spat: tap.on()?, sent: tap.on()?, cycles: 0 })
     }

@@ -175,7 +175,7 @@ impl Supervisor<'_> {
     fn take(&mut self, event: Event, log: &mut DriveLog, course: &mut Course, now_ns: i64) {
         match event {
             // A standby's report says nothing of the run.
-            Event::Said(who, FromService::Report(report)) if self.is_active(who) => {
+            Event::Message(who, FromService::Report(report)) if self.is_active(who) => {
                 let service = who.service;
                 if course.ended == Ended::Orderly && self.is_early(service, log, course, now_ns) {
                     let member = self.member(service);
@@ -186,18 +186,18 @@ impl Supervisor<'_> {
                     self.member(service).report = Some(*report);
                 }
             }
-            Event::Said(_, FromService::Ended(step)) => {
+            Event::Message(_, FromService::Ended(step)) => {
                 self.order_all(&ToService::StopAfter(step));
                 course.ending();
             }
-            Event::Said(who, FromService::Ready(granted)) => {
+            Event::Message(who, FromService::Ready(granted)) => {
                 self.granted.insert(who.service.name().into(), granted);
                 self.follow(who.service, succession::Event::Ready(who.incarnation), course, now_ns);
             }
-            Event::Said(who, FromService::TookOver(take_over)) => {
+            Event::Message(who, FromService::TookOver(take_over)) => {
                 self.on_take_over(who, take_over, course, now_ns);
             }
-            Event::Said(who, FromService::Failed(how)) => {
+            Event::Message(who, FromService::Failed(how)) => {
                 self.wrote.push((who.service, how.clone()));
                 if self.launch.mode == Mode::Lockstep && course.ended == Ended::Orderly {
                     match self.holds_up(who.service) {
@@ -218,13 +218,13 @@ impl Supervisor<'_> {
                 self.order_all(&ToService::Abort);
                 course.ending();
             }
-            Event::Wrote(who, line) => self.wrote.push((who.service, line)),
+            Event::Output(who, line) => self.wrote.push((who.service, line)),
             Event::Inject(fault, reply) => {
                 let answer = self.inject(*fault, log, now_ns);
                 // The client may be gone.
                 let _ = reply.send(answer);
             }
-            Event::Said(_, FromService::Report(_))
+            Event::Message(_, FromService::Report(_))
             | Event::Gone(_)
             | Event::Signal
             | Event::Knock => {}

@@ -187,7 +187,7 @@ impl RoadsideUnit {
                 if stop.load(Ordering::Relaxed) {
                     return Ok(());
                 }
-                self.hear();
+                self.receive();
                 std::thread::sleep(left.min(SLICE));
             }
             let time_ns = u64::try_from(due.as_nanos()).unwrap_or(u64::MAX);
@@ -205,7 +205,7 @@ impl RoadsideUnit {
         }
     }
 
-    fn hear(&mut self) {
+    fn receive(&mut self) {
         while let Some(frame) = self.carrier.receive(0) {
             let Ok(its::Frame { message: Message::Cam(cam), source }) =
                 its::Frame::decode(frame.bytes())
@@ -237,7 +237,7 @@ impl RoadsideUnit {
     }
 
     fn summary(&mut self, scenario: &Scenario) -> RsuSummary {
-        self.hear();
+        self.receive();
         let report = self.carrier.report();
         let sent = |kind| self.sent.get(&kind).copied().unwrap_or(0);
         RsuSummary {

@@ -32,7 +32,7 @@ impl EgoEstimate {
 
     /// The motion at `time_s` without odometry, with the radar's scan if it is believed and the request
     /// of the last command, m/s². `None` when too much time has passed.
-    pub fn go_on(
+    pub fn advance(
         &mut self,
         radar: Option<&RadarTracks>,
         commanded_mps2: f64,
@@ -73,7 +73,7 @@ mod tests {
     #[test]
     fn it_goes_on_with_the_radars_speed_and_shortly_without() {
         let mut estimate = EgoEstimate::default();
-        assert!(estimate.go_on(None, 0.0, 0.0).is_none(), "nothing to go on from");
+        assert!(estimate.advance(None, 0.0, 0.0).is_none(), "nothing to go on from");
         let mut odometry = Odometry::zeroed();
         (odometry.position_m, odometry.speed_mps) = (100.0, 20.0);
         estimate.believe(&odometry, 0.0);
@@ -83,11 +83,11 @@ mod tests {
             let time_s = 0.1 * f64::from(k);
             scan.header.acquisition_ns = (time_s * 1e9) as i64;
             scan.ego_speed_mps = 20.0 - 2.0 * time_s;
-            assert!(estimate.go_on(Some(&scan), -2.0, time_s).is_some());
+            assert!(estimate.advance(Some(&scan), -2.0, time_s).is_some());
         }
-        let now = *estimate.go_on(None, -2.0, 5.0).expect("it was there just now");
+        let now = *estimate.advance(None, -2.0, 5.0).expect("it was there just now");
         assert!((now.position_m - 175.0).abs() < 1.0 && (now.speed_mps - 10.0).abs() < 0.2);
-        assert!(estimate.go_on(None, -2.0, 6.4).is_some());
-        assert!(estimate.go_on(None, -2.0, 6.6).is_none());
+        assert!(estimate.advance(None, -2.0, 6.4).is_some());
+        assert!(estimate.advance(None, -2.0, 6.6).is_none());
     }
 }

@@ -125,7 +125,7 @@ impl Scene {
     }
 
     /// Takes note of a message that was recorded at `now_ns` of run time.
-    pub(crate) fn hear(&mut self, topic: Topic, now_ns: i64, message: &[u8]) {
+    pub(crate) fn take(&mut self, topic: Topic, now_ns: i64, message: &[u8]) {
         match topic {
             Topic::VehicleTruth => self.vehicles = Some(bytemuck::pod_read_unaligned(message)),
             Topic::SignalTruth => self.signals = Some(bytemuck::pod_read_unaligned(message)),

@@ -123,6 +123,6 @@ impl Runtime {
     /// [`RuntimeError::Link`].
     pub fn end_run(&mut self) -> Result<(), RuntimeError> {
         self.link.end.set_before(self.step + 1);
-        self.link.say(FromService::Ended(self.step))
+        self.link.send(FromService::Ended(self.step))
     }
 }

@@ -152,6 +152,6 @@ impl Runtime {
             tally.borrow_mut().begin_anew();
         }
         self.figures.set_recording(true);
-        self.link.say(FromService::TookOver(TakeOver { cause, noticed_ns, sent_ns }))
+        self.link.send(FromService::TookOver(TakeOver { cause, noticed_ns, sent_ns }))
     }
 }

@@ -28,7 +28,7 @@ impl Runtime {
             fault_statistics: self.faults.statistics(),
             details,
         };
-        self.link.say(FromService::Report(Box::new(report)))?;
+        self.link.send(FromService::Report(Box::new(report)))?;
         self.link.wait_for_the_end();
         Ok(())
     }

@@ -47,7 +47,7 @@ impl Runtime {
             end_word::announce(&self.group, (self.service, self.incarnation), priority)?;
         }
         self.granted = Some(granted.clone());
-        self.link.say(FromService::Ready(granted.clone()))?;
+        self.link.send(FromService::Ready(granted.clone()))?;
         let order = self.link.wait_for_start()?;
         self.clock.start(order.start_ns);
         // All services' ports exist now.

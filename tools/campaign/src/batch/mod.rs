@@ -113,7 +113,7 @@ pub fn run(
     let chosen = sample::choose(seed, candidates.len());
     let repeated = chosen.into_iter().map(|index| candidates[index]).collect();
     let sample = run_repeating(&repeated, jobs, at_once, group, bar, each)?;
-    sample.tell(jobs.len(), bar);
+    sample.print(jobs.len(), bar);
     let sample = sample.agreed(|index| {
         let scenario = &jobs[index].scenario;
         let (name, law) = (scenario.name.as_str(), scenario.controller.name.as_str());

@@ -95,7 +95,7 @@ impl ProcessesSample {
     }
 
     /// Says on standard error that runs were repeated, of `all`, and what came of it.
-    pub fn tell(&self, all: usize, bar: &ProgressBar) {
+    pub fn print(&self, all: usize, bar: &ProgressBar) {
         let found = match self.different {
             0 => "the same bytes".to_owned(),
             different => format!("{different} gave other bytes"),

@@ -146,7 +146,7 @@ fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     };
     let end = batch::run_made(&repeated, &source, at_once, group, &bar, &mut each);
     if let Ok(sample) = &end {
-        sample.tell(left.len(), &bar);
+        sample.print(left.len(), &bar);
     }
     let end = end.map(drop).and_then(|()| {
         let interrupt = Interrupt::watch()?;

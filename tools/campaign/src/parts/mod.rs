@@ -262,7 +262,7 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
         directory: &OutputDirectory,
     ) -> Result<(), Error> {
         if let Ok(sample) = &end {
-            sample.tell(count, bar);
+            sample.print(count, bar);
         }
         bar.finish_and_clear();
         if end.is_err() {

@@ -146,7 +146,7 @@ impl<'a> Runner<'a> {
     /// [`OtherBytes`] if one of them gave other bytes.
     pub fn finish(self) -> Result<ProcessesSample, OtherBytes> {
         let sample = self.sample.into_inner().unwrap_or_else(PoisonError::into_inner);
-        sample.tell(self.runs, &self.bar);
+        sample.print(self.runs, &self.bar);
         self.bar.finish_and_clear();
         sample.agreed(|_| String::new())
     }

@@ -122,6 +122,6 @@ fn finish(
 ) -> Result<ProcessesSample, OtherBytes> {
     let sample = drives.into_sample();
     bar.finish_and_clear();
-    sample.tell(runs, bar);
+    sample.print(runs, bar);
     sample.agreed(|_| String::new())
 }

@@ -155,7 +155,7 @@ fn feed(hub: &Mutex<Hub>, updates: &Receiver<Update>) {
     let mut how: Arc<str> = "the run was broken off".into();
     for update in updates {
         match update {
-            Update::Frame(frame) => lock(hub).tell(&frame),
+            Update::Frame(frame) => lock(hub).broadcast(&frame),
             Update::Ended(ending) => {
                 how = ending;
                 break;
@@ -171,7 +171,7 @@ fn feed(hub: &Mutex<Hub>, updates: &Receiver<Update>) {
 }
 
 impl Hub {
-    fn tell(&mut self, frame: &Frame) {
+    fn broadcast(&mut self, frame: &Frame) {
         let json = serde_json::to_string(frame).expect("a frame is plain data");
         let message: Arc<str> = format!("data: {json}\n\n").into();
         self.send(&message);

@@ -1,6 +1,6 @@
 //! `timegap diff`: where two recordings part.
 
-use super::{open, tell};
+use super::{open, print_damage};
 use clap::Args;
 use group::{Error, Failure};
 use messages::Service;
@@ -126,8 +126,8 @@ impl Stream {
 fn compare(a: &Recording, b: &Recording) -> Comparison {
     let (streams, damage) = streams(a, b);
     for (recording, damage) in [a, b].into_iter().zip(&damage) {
-        tell(recording, recording.damage());
-        tell(recording, damage);
+        print_damage(recording, recording.damage());
+        print_damage(recording, damage);
     }
     let told = |recording: &Recording, damage: &[Damage]| -> Vec<String> {
         recording.damage().iter().chain(damage).map(ToString::to_string).collect()

@@ -1,7 +1,7 @@
 //! `timegap export`: a recording as tables, its frames as a capture.
 
 use super::capture::Capture;
-use super::{count, open, tell};
+use super::{count, open, print_damage};
 use clap::Args;
 use group::Error;
 use messages::names::{self, Enumeration};
@@ -95,7 +95,7 @@ pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
             print::out(&format!("{} in {}\n", count(*frames, "frame"), path.display()))?;
         }
     }
-    tell(&recording, &damage);
+    print_damage(&recording, &damage);
     Ok(if damage.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 

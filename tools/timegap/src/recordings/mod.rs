@@ -39,7 +39,7 @@ pub fn expect_another_file(recording: &Recording, out: &Path) -> Result<(), Erro
 
 /// Says on standard error what of a recording could not be read. The exit status of a command whose result is
 /// not whole then is 1.
-pub fn tell(recording: &Recording, damage: &[Damage]) {
+pub fn print_damage(recording: &Recording, damage: &[Damage]) {
     for line in lines(damage, in_words(recording, ToString::to_string)) {
         eprintln!("{}: {line}", recording.path().display());
     }

@@ -49,7 +49,7 @@ pub fn run(arguments: &RecoverArguments) -> Result<ExitCode, Error> {
     let survey = broken.survey();
     let is_asked_for = arguments.out.is_some() || !survey.damage.is_empty();
     if survey.tally.messages() == 0 && is_asked_for {
-        super::tell(&broken, &survey.damage);
+        super::print_damage(&broken, &survey.damage);
         return Err(RecoverError::Empty(broken.path().to_owned()).into());
     }
     let damage: Vec<_> = survey.damage.iter().map(ToString::to_string).collect();

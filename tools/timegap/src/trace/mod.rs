@@ -11,7 +11,7 @@ mod encode;
 mod proto;
 mod timeline;
 
-use crate::recordings::{expect_another_file, tell};
+use crate::recordings::{expect_another_file, print_damage};
 use clap::Args;
 use encode::{Frame, begin, events};
 use group::Error;
@@ -68,7 +68,7 @@ pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Error> {
         path: file.clone(),
         reason,
     })?;
-    tell(&recording, &[recording.damage(), &damage].concat());
+    print_damage(&recording, &[recording.damage(), &damage].concat());
     if arguments.json {
         let json = serde_json::to_string_pretty(&written).expect("plain data");
         print::out(&(json + "\n"))?;

@@ -120,28 +120,28 @@ impl External {
     }
 
     /// Asks and hears, until `deadline`.
-    fn ask(&mut self, input: &Input, deadline: Instant) -> Result<Heard, ChannelError> {
-        let Some(channel) = &mut self.channel else { return Ok(Heard::NoProgram) };
+    fn ask(&mut self, input: &Input, deadline: Instant) -> Result<Reply, ChannelError> {
+        let Some(channel) = &mut self.channel else { return Ok(Reply::NoProgram) };
         // An answer to an earlier question comes too late to be used.
         if channel.unanswered_since().is_some() && channel.answer(Instant::now())?.is_none() {
             let owed =
                 channel.unanswered_since().is_some_and(|since| since.elapsed() > self.silence);
             return match owed {
                 true => Err(ChannelError::Silent { patience: self.silence }),
-                false => Ok(Heard::Late),
+                false => Ok(Reply::Late),
             };
         }
         channel.ask(&question(input, channel.next_number(), self.forget))?;
         self.forget = false;
         Ok(match channel.answer(deadline)? {
-            Some(answer) => Heard::Answer(Box::new(answer)),
-            None => Heard::Late,
+            Some(answer) => Reply::Answer(Box::new(answer)),
+            None => Reply::Late,
         })
     }
 }
 
 /// What came of a question.
-enum Heard {
+enum Reply {
     Answer(Box<messages::LawAnswer>),
     Late,
     NoProgram,
@@ -186,11 +186,11 @@ impl Hosted for External {
                 if let Some(host) = &self.host {
                     host.replace(error);
                 }
-                Heard::NoProgram
+                Reply::NoProgram
             }
         };
         match heard {
-            Heard::Answer(answer) => match accept(&answer, self.bounds, output) {
+            Reply::Answer(answer) => match accept(&answer, self.bounds, output) {
                 Ok(()) => {
                     self.counts.answers += 1;
                     (self.on_backup, output.mode_reason) = (false, Reason::Answered as u32);
@@ -200,11 +200,11 @@ impl Hosted for External {
                     self.drive_by_backup(Reason::Refused, input, output);
                 }
             },
-            Heard::Late if left.is_none() => {
+            Reply::Late if left.is_none() => {
                 return Err(self.explain(ChannelError::Silent { patience }));
             }
-            Heard::Late => self.drive_by_backup(Reason::Late, input, output),
-            Heard::NoProgram => self.drive_by_backup(Reason::NoProgram, input, output),
+            Reply::Late => self.drive_by_backup(Reason::Late, input, output),
+            Reply::NoProgram => self.drive_by_backup(Reason::NoProgram, input, output),
         }
         Ok(())
     }

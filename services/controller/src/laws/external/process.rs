@@ -99,7 +99,7 @@ impl Process {
         std::thread::Builder::new()
             .name("law-words".into())
             .stack_size(128 << 10)
-            .spawn(move || hear(errors, &words))?;
+            .spawn(move || read_errors(errors, &words))?;
         Ok(Channel::new(questions.into(), answers.into())?)
     }
 
@@ -161,7 +161,7 @@ impl Process {
 }
 
 /// Hands the first lines of a program's standard error on, and keeps the last ones.
-fn hear(errors: ChildStderr, words: &Mutex<VecDeque<String>>) {
+fn read_errors(errors: ChildStderr, words: &Mutex<VecDeque<String>>) {
     let mut reader = BufReader::new(errors);
     let (mut line, mut lines) = (Vec::new(), 0);
     loop {

@@ -18,7 +18,7 @@ mod comparison;
 mod difference;
 mod unit;
 
-use super::{count, expect_another_file, open, tell};
+use super::{count, expect_another_file, open, print_damage};
 use clap::{Args, ValueEnum};
 use comparison::{Comparison, Pairs, Row};
 use controller::laws;
@@ -135,7 +135,7 @@ fn replay_controller(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
     let takes = recording.takes();
     let cycles: u64 = takes.iter().map(|take| take.cycles).sum();
     if cycles == 0 {
-        tell(&recording, recording.damage());
+        print_damage(&recording, recording.damage());
         return Err(ReplayError::Empty(recording.path().to_owned()).into());
     }
     let path =
@@ -161,7 +161,7 @@ fn replay_controller(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
         print::out(&(as_text(&comparison) + &format!("  results        {}\n", path.display())))?;
     }
     let damage = recording.survey().damage;
-    tell(&recording, &damage);
+    print_damage(&recording, &damage);
     written?;
     let is_right = (changed || comparison.identical) && damage.is_empty();
     Ok(if is_right { ExitCode::SUCCESS } else { ExitCode::FAILURE })

@@ -6,7 +6,7 @@
 
 use super::difference::{Difference, not_compared, places};
 use super::{ReplayArguments, ReplayError, scenario};
-use crate::recordings::{count, open, tell};
+use crate::recordings::{count, open, print_damage};
 use group::{Error, UnitSaid, replay_unit};
 use messages::{Map, Message, Place, RadioSent, Service, Spat};
 use recorder::{Recording, UnitCycle};
@@ -67,7 +67,7 @@ pub(super) fn run(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
     let (scenario, changed) = scenario(&recording, arguments)?;
     let take = recording.unit_take();
     if take.with_frames == 0 || !scenario.services().contains(&Service::Obu) {
-        tell(&recording, recording.damage());
+        print_damage(&recording, recording.damage());
         return Err(ReplayError::NoFrames(recording.path().to_owned()).into());
     }
     let bar = count_bar(usize::try_from(take.cycles).unwrap_or(usize::MAX), arguments.json);
@@ -99,7 +99,7 @@ pub(super) fn run(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
         print::out(&as_text(&comparison))?;
     }
     let damage = recording.survey().damage;
-    tell(&recording, &damage);
+    print_damage(&recording, &damage);
     let is_right = (changed || comparison.identical) && damage.is_empty();
     Ok(if is_right { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
