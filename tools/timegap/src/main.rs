@@ -1,4 +1,17 @@
 //! The `timegap` command: an adaptive-cruise stack as real processes over shared memory.
+//!
+//! # Where to start
+//!
+//! | to | read |
+//! | --- | --- |
+//! | use the command | `README.md`, `docs/tutorial.md`, `timegap --help` |
+//! | write a law | [`controller::law::Law`], with an example; then [`controller::law::Descriptor`] and [`controller::laws`] |
+//! | put a program of your own in a service's place | [`runtime`], with an example; `examples/my_controller.rs` |
+//! | know what is sent | [`messages`], `docs/reference-messages.md` |
+//! | know what a scenario may set | [`scenario`], `docs/reference-scenario.md` |
+//! | run a group from a program | [`group::in_process`], [`group`] |
+//! | solve the problem of a predictive law | `mpc_solver`, with examples |
+//! | change timegap | `ARCHITECTURE.md`, `CONTRIBUTING.md` |
 
 #[cfg(feature = "count-allocations")]
 mod allocations;
