@@ -57,12 +57,13 @@ pub fn run(arguments: &DoctorArguments) -> Result<ExitCode, Error> {
     } else {
         print::out(&(finding::table(&report.findings) + &conclusion(&report) + "\n"))?;
     }
+    Ok(ExitCode::from(status(&report)))
+}
+
+/// The exit status: 3 where nothing can run, 1 with a bad finding.
+fn status(report: &Report) -> u8 {
     let bad = report.findings.iter().any(|finding| finding.verdict == Verdict::Bad);
-    Ok(match (can_run, bad) {
-        (false, _) => ExitCode::from(3),
-        (true, true) => ExitCode::FAILURE,
-        (true, false) => ExitCode::SUCCESS,
-    })
+    if report.can_run { u8::from(bad) } else { 3 }
 }
 
 fn examine(host: &Host) -> Vec<Finding> {
@@ -131,10 +132,14 @@ mod tests {
         let mut report =
             Report { schema_version: 1, ok: false, can_run: true, host, findings: vec![bad] };
         assert!(conclusion(&report).contains("not to be trusted"));
+        assert_eq!(status(&report), 1);
         report.findings.push(fatal);
         report.can_run = false;
         assert!(conclusion(&report).contains("nothing can run"));
+        assert_eq!(status(&report), 3);
         let table = finding::table(&report.findings);
         assert!(table.contains("BAD") && table.contains("fix:   put it back"), "{table}");
+        let good = Report { can_run: true, findings: Vec::new(), ..report };
+        assert_eq!(status(&good), 0);
     }
 }

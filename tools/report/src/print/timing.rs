@@ -95,3 +95,23 @@ fn longest(chain: &WorstChain) -> String {
         chain.solver_iterations,
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_deadline_is_named_and_counted() {
+        let timing = Timing {
+            deadline_us: Some(100_000.0),
+            deadline_misses: Some(1),
+            cycles: Some(600),
+            missed_at_plant: Some(3),
+            due_at_plant: Some(599),
+            ..Timing::default()
+        };
+        let said = deadlines(&timing).expect("there is a deadline");
+        let counts = "control cycle 1 of 600, command late at the plant 3 of 599;";
+        assert!(said.starts_with("100.00 ms, missed: ") && said.contains(counts), "{said}");
+    }
+}
