@@ -1,7 +1,9 @@
 //! Options that several commands share.
 
+use crate::Failure;
 use clap::{Args, ValueEnum};
 use messages::{Service, UnknownService};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// What a scenario can be changed by.
@@ -39,6 +41,29 @@ pub struct GroupOptions {
     /// Run every service as a process of its own, in lockstep too
     #[arg(long)]
     pub processes: bool,
+}
+
+/// Two programs in the place of one service.
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+#[error("--service {0}: a program is given twice, expected one in its place")]
+pub struct TwoPrograms(Service);
+
+impl Failure for TwoPrograms {}
+
+impl GroupOptions {
+    /// Each service with the program in its place.
+    ///
+    /// # Errors
+    /// [`TwoPrograms`].
+    pub fn programs(&self) -> Result<BTreeMap<Service, PathBuf>, TwoPrograms> {
+        let mut programs = BTreeMap::new();
+        for (service, program) in &self.programs {
+            if programs.insert(*service, program.clone()).is_some() {
+                return Err(TwoPrograms(*service));
+            }
+        }
+        Ok(programs)
+    }
 }
 
 /// Clock by name.
@@ -96,5 +121,17 @@ mod tests {
         assert_eq!((service, program), (Service::Controller, PathBuf::from("./mine")));
         let refused = service_program("radar=./mine").expect_err("no service");
         assert!(refused.to_string().contains("perception-sim"), "{refused}");
+    }
+
+    #[test]
+    fn a_service_has_one_program_in_its_place() {
+        let programs = |arguments: &[&str]| {
+            let programs = arguments.iter().map(|a| service_program(a).expect("a known service"));
+            let programs = programs.collect();
+            GroupOptions { programs, ready_timeout: 1.0, processes: false }.programs()
+        };
+        assert_eq!(programs(&["controller=a", "plant=b"]).map(|all| all.len()), Ok(2));
+        let refused = programs(&["controller=a", "controller=b"]);
+        assert_eq!(refused, Err(TwoPrograms(Service::Controller)));
     }
 }

@@ -122,7 +122,7 @@ pub fn drive(
     let launching = Launch {
         mode,
         scenario: scenario.clone(),
-        programs: options.programs.iter().cloned().collect(),
+        programs: options.programs()?,
         ready_timeout: Duration::from_secs_f64(options.ready_timeout),
         start_delay,
         live_file: keep.live_file,

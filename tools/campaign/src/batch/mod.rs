@@ -280,6 +280,7 @@ pub fn in_one_thread(group: &GroupOptions) -> bool {
 /// # Errors
 /// What is in the way.
 pub fn check(scenario: &Scenario, mode: Mode, group: &GroupOptions) -> Result<(), Error> {
+    group.programs()?;
     match carrier(group, mode) {
         Carrier::Memory => Ok(group::check_in_process(scenario)?),
         Carrier::SharedMemory => Ok(()),

@@ -30,7 +30,7 @@ pub struct CampaignArguments {
     #[command(flatten)]
     pub parts: PartOptions,
     /// Runs at once [default: one per core; 1 in realtime]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", conflicts_with = "merge")]
     pub jobs: Option<NonZeroUsize>,
     /// How each run's processes are started.
     #[command(flatten)]

@@ -4,9 +4,10 @@ mod columns;
 mod page;
 
 use crate::batch::{self, Job, ProcessesSample, Source};
-use crate::parts::{Merged, Part, PartOptions, Study, name_incomplete};
+use crate::parts::{self, Merged, Part, PartOptions, Study, name_incomplete};
 use clap::Args;
 use group::{Error, Failure, GroupOptions, ModeName, ScenarioOptions};
+use messages::Service;
 use report::RunPicture;
 use report::output::{OutputDirectory, OutputOptions};
 use report::print;
@@ -55,8 +56,12 @@ impl Braking {
     }
 }
 
+/// Words that the parts have said already, by their names.
+const WITHOUT_MERGE: [&str; 4] = ["scenarios", "controllers", "mode", "set"];
+
 /// Arguments of `compare`.
 #[derive(Debug, Args)]
+#[command(mut_arg("merge", |merge| merge.conflicts_with_all(WITHOUT_MERGE).conflicts_with_all(parts::OF_RUNS)))]
 pub struct CompareArguments {
     /// Names of built-in scenarios, or TOML files
     #[arg(required_unless_present = "merge")]
@@ -98,9 +103,25 @@ pub struct Twice {
 
 impl Failure for Twice {}
 
+/// Every row would be of the same program.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "--service controller=PROGRAM: the program drives in the place of each of {laws} laws, so that their rows are \
+     the same, expected one law by --controllers"
+)]
+pub struct OneProgram {
+    laws: usize,
+}
+
+impl Failure for OneProgram {}
+
 /// The runs: each scenario with each controller, read before anything runs.
 fn scenarios(arguments: &CompareArguments) -> Result<Vec<Scenario>, Error> {
     let controllers = batch::laws::named(&arguments.controllers)?;
+    let mut programs = arguments.group.programs.iter();
+    if controllers.len() > 1 && programs.any(|(service, _)| *service == Service::Controller) {
+        return Err(OneProgram { laws: controllers.len() }.into());
+    }
     let twice = |(place, name): &(usize, &String)| arguments.scenarios[..*place].contains(name);
     if let Some((_, name)) = arguments.scenarios.iter().enumerate().find(twice) {
         return Err(Twice { name: name.clone() }.into());
@@ -228,6 +249,7 @@ fn table(rows: &[Row]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use clap::FromArgMatches;
     use report::{Following, Trip};
     use runtime::report::ControlFigures;
 
@@ -263,5 +285,19 @@ mod tests {
             }
             assert!(!text.contains("-0.0") && !text.contains("−0.0"), "{text}");
         }
+    }
+
+    #[test]
+    fn one_program_is_not_compared_with_itself() {
+        let arguments = |words: &[&str]| {
+            let command = CompareArguments::augment_args(clap::Command::new("compare"));
+            let matches = command.get_matches_from([&["compare", "cacc-a"], words].concat());
+            CompareArguments::from_arg_matches(&matches).expect("they are arguments")
+        };
+        let program = ["--service", "controller=./mine"];
+        let said = scenarios(&arguments(&program)).expect_err("many laws").to_string();
+        assert!(said.contains("expected one law by --controllers"), "{said}");
+        let one = [&program[..], &["--controllers", "acc-mpc"]].concat();
+        assert_eq!(scenarios(&arguments(&one)).expect("one law").len(), 1);
     }
 }

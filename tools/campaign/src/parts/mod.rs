@@ -48,6 +48,9 @@ pub struct PartOptions {
     pub merge: Vec<PathBuf>,
 }
 
+/// Words that say how runs are driven, of which a merge drives none.
+pub const OF_RUNS: [&str; 3] = ["programs", "ready_timeout", "processes"];
+
 /// Why a directory is not the part that is asked for.
 #[derive(Debug, thiserror::Error)]
 pub enum PartError {

@@ -24,10 +24,14 @@ use results::{Judged, MatrixResult, Results};
 use runtime::Mode;
 
 use crate::batch::{self, ProcessesSample, Repetition};
-use crate::parts::{Merged, Part, PartOptions, Study, name_incomplete};
+use crate::parts::{self, Merged, Part, PartOptions, Study, name_incomplete};
+
+/// Words that the parts have said already, by their names.
+const WITHOUT_MERGE: [&str; 4] = ["matrix", "controllers", "sample", "seed"];
 
 /// Arguments of `r157`.
 #[derive(Debug, Args)]
+#[command(mut_arg("merge", |merge| merge.conflicts_with_all(WITHOUT_MERGE).conflicts_with_all(parts::OF_RUNS)))]
 pub struct R157Arguments {
     /// Matrices, by commas [default: all]
     #[arg(long, value_enum, value_name = "NAME,...", value_delimiter = ',')]
@@ -44,9 +48,9 @@ pub struct R157Arguments {
     /// Draw this many cases of each matrix [default: all]
     #[arg(long, value_name = "N")]
     pub sample: Option<NonZeroUsize>,
-    /// Seed of the drawn cases and of the sensors' noise
-    #[arg(long, value_name = "S", default_value_t = 1)]
-    pub seed: u32,
+    /// Seed of the drawn cases and of the sensors' noise [default: 1]
+    #[arg(long, value_name = "S")]
+    pub seed: Option<u32>,
     /// Write the models' outcomes of the cut-ins as a table
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,

@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 
 use clap::ValueEnum;
 use controller::laws;
-use group::{Error, GroupOptions};
+use group::{Error, Failure, GroupOptions};
 use regulation::{Outcome, Verdict};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
@@ -84,9 +84,10 @@ impl Plan {
     /// The study that the arguments ask for.
     ///
     /// # Errors
-    /// [`Error::Scenario`] for an unknown law.
+    /// [`Error::Scenario`] for an unknown law; [`Refused`].
     pub fn of(arguments: &R157Arguments) -> Result<Self, Error> {
-        let settled = Settled::new(arguments.seed.into());
+        refuse(arguments)?;
+        let settled = Settled::new(seed(arguments).into());
         let names = names(arguments)?;
         let laws = laws_of(&names, &settled)?;
         let mut matrices = arguments.matrix.clone();
@@ -94,7 +95,6 @@ impl Plan {
             matrices = Matrix::value_variants().to_vec();
         }
         matrices.sort_unstable();
-        matrices.dedup();
         let matrices = matrices.into_iter().map(|matrix| (matrix, cases(matrix, arguments)));
         Ok(Self { settled, matrices: matrices.collect(), drivers: drivers_of(names, &laws), laws })
     }
@@ -187,7 +187,7 @@ impl Plan {
 pub fn first_scenario(arguments: &R157Arguments) -> Result<Scenario, Error> {
     let law = laws::ALL[0].name.to_owned();
     let driver = Driver { law, aebs: false };
-    scene::scenario(&Matrix::Following.cases()[0], &driver, &Settled::new(arguments.seed.into()))
+    scene::scenario(&Matrix::Following.cases()[0], &driver, &Settled::new(seed(arguments).into()))
 }
 
 /// How a case ended with laws that are the same, and what it took.
@@ -229,10 +229,39 @@ impl Kept {
     }
 }
 
+/// Why what is asked for is no study.
+#[derive(Debug, thiserror::Error)]
+pub enum Refused {
+    /// A matrix would count twice.
+    #[error("--matrix: {} is there twice, expected each once", .0.name())]
+    Twice(Matrix),
+    /// There is no random number in the study.
+    #[error("--seed {0}: the models have no noise, and no cases are drawn without --sample")]
+    Seed(u32),
+}
+
+impl Failure for Refused {}
+
+fn refuse(arguments: &R157Arguments) -> Result<(), Refused> {
+    let matrices = arguments.matrix.iter().enumerate();
+    let mut twice = matrices.filter(|(place, matrix)| arguments.matrix[..*place].contains(matrix));
+    if let Some((_, matrix)) = twice.next() {
+        return Err(Refused::Twice(*matrix));
+    }
+    match (arguments.models_only, arguments.sample, arguments.seed) {
+        (true, None, Some(seed)) => Err(Refused::Seed(seed)),
+        _ => Ok(()),
+    }
+}
+
+fn seed(arguments: &R157Arguments) -> u32 {
+    arguments.seed.unwrap_or(1)
+}
+
 fn cases(matrix: Matrix, arguments: &R157Arguments) -> Vec<Case> {
     let cases = matrix.cases();
     match arguments.sample {
-        Some(count) => matrix::sample(cases, count.get(), u64::from(arguments.seed)),
+        Some(count) => matrix::sample(cases, count.get(), seed(arguments).into()),
         None => cases,
     }
 }
@@ -353,6 +382,19 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_matrix_that_is_there_twice_and_a_seed_of_nothing_are_refused() {
+        for (words, what) in [
+            (&["--matrix", "cut-in", "--matrix", "cut-in"][..], "--matrix: cut-in is there twice"),
+            (&["--models-only", "--seed", "7"], "--seed 7: the models have no noise"),
+        ] {
+            let said = Plan::of(&arguments(words)).err().expect(what).to_string();
+            assert!(said.contains(what), "{said}");
+        }
+        let drawn = ["--models-only", "--seed", "7", "--sample", "2"];
+        assert!(Plan::of(&arguments(&drawn)).is_ok());
     }
 
     #[test]

@@ -71,6 +71,14 @@ pub enum StringError {
     /// It has too many cars.
     #[error("--vehicles {0}: expected at most {MAX_VEHICLES} cars")]
     Vehicles(usize),
+    /// Some laws would drive no car.
+    #[error("--controllers: {laws} laws, and --vehicles {vehicles}: expected a car for each law")]
+    Laws {
+        /// Laws that are named.
+        laws: usize,
+        /// Cars.
+        vehicles: usize,
+    },
     /// The frequencies cannot be read.
     #[error(
         "--frequencies {list}: {reason}, expected A..B/N, N frequencies from A to B Hz, or a,b,c"
@@ -151,6 +159,10 @@ impl Task {
             [] => vec![arguments.scenario_options.controller.clone()],
             names => names.iter().cloned().map(Some).collect(),
         };
+        // A limit is found of each law, in however short a string.
+        if laws.len() > vehicles && arguments.param.is_none() {
+            return Err(StringError::Laws { laws: laws.len(), vehicles }.into());
+        }
         let open = |law: &Option<String>, keys: &[String]| {
             let options =
                 ScenarioOptions { controller: law.clone(), ..arguments.scenario_options.clone() };
@@ -176,6 +188,7 @@ impl Task {
                 if param.key == "controller.name" {
                     return Err(StringError::SweptLaw { key: param.key }.into());
                 }
+                param::refuse_if_set(&param.key, &arguments.scenario_options)?;
                 let mut distinct: Vec<&Option<String>> = Vec::new();
                 for law in &laws {
                     if !distinct.contains(&law) {

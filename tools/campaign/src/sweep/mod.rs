@@ -10,7 +10,7 @@ mod results;
 mod words;
 
 use crate::batch::{self, Job, ProcessesSample, Source};
-use crate::parts::{Merged, Part, PartOptions, Study, name_incomplete};
+use crate::parts::{self, Merged, Part, PartOptions, Study, name_incomplete};
 use clap::Args;
 use group::{Error, Failure, GroupOptions, ModeName, ScenarioOptions};
 use param::{Param, ValuesError};
@@ -25,8 +25,13 @@ use std::process::ExitCode;
 /// Most runs of a sweep.
 const MAX_RUNS: usize = 100_000;
 
+/// Words that the parts have said already, by their names.
+const WITHOUT_MERGE: [&str; 9] =
+    ["scenario", "params", "seeds", "controller", "seed", "duration", "set", "mode", "jobs"];
+
 /// Arguments of `sweep`.
 #[derive(Debug, Args)]
+#[command(mut_arg("merge", |merge| merge.conflicts_with_all(WITHOUT_MERGE).conflicts_with_all(parts::OF_RUNS)))]
 pub struct SweepArguments {
     /// Name of a built-in scenario (see `timegap list`), or a TOML file
     #[arg(required_unless_present = "merge")]
@@ -230,6 +235,7 @@ fn points(arguments: &SweepArguments) -> Result<(Vec<Param>, Vec<Vec<String>>), 
         if params.iter().any(|known: &Param| known.key == param.key) {
             return Err(SweepError::Twice { key: param.key }.into());
         }
+        param::refuse_if_set(&param.key, &arguments.scenario_options)?;
         params.push(param);
     }
     let mut all = params.clone();

@@ -1,6 +1,6 @@
 //! What is swept: keys of a scenario, each with its values, and their grid.
 
-use group::Failure;
+use group::{Failure, ScenarioOptions};
 
 /// Most values of one key.
 const MAX_VALUES: usize = 10_000;
@@ -71,6 +71,36 @@ impl Param {
         let (key, list) = argument.split_once('=').ok_or_else(|| refuse(ValuesError::NoKey))?;
         let values = values(list, None).map_err(refuse)?;
         Ok(Self { key: key.trim().into(), values })
+    }
+}
+
+/// A key whose values are swept has another value by an option.
+#[derive(Debug, thiserror::Error)]
+#[error("--param {key}: {option} says what it is, expected the key in one of them")]
+pub struct KeySetElsewhere {
+    key: String,
+    option: String,
+}
+
+impl Failure for KeySetElsewhere {}
+
+/// Refuses an option that says what a swept key is.
+///
+/// # Errors
+/// [`KeySetElsewhere`].
+pub fn refuse_if_set(key: &str, options: &ScenarioOptions) -> Result<(), KeySetElsewhere> {
+    let by_name = [
+        ("controller.name", "--controller", options.controller.as_ref()),
+        ("duration_s", "--duration", options.duration.as_ref()),
+        ("seed", "--seed", options.seed.as_ref()),
+    ];
+    let by_name = by_name.into_iter().filter(|(of, ..)| *of == key);
+    let by_name = by_name.filter_map(|(_, option, value)| Some(format!("{option} {}", value?)));
+    let of_key = |set: &&String| set.split_once('=').is_some_and(|(of, _)| of.trim() == key);
+    let by_set = options.set.iter().filter(of_key).map(|set| format!("--set {set}"));
+    match by_name.chain(by_set).next() {
+        Some(option) => Err(KeySetElsewhere { key: key.to_owned(), option }),
+        None => Ok(()),
     }
 }
 
@@ -198,6 +228,22 @@ mod tests {
             let said = refusal(argument);
             assert!(said.contains(what) && said.contains("expected KEY=A..B/STEP"), "{said}");
         }
+    }
+
+    #[test]
+    fn a_swept_key_that_an_option_sets_too_is_refused() {
+        let options = ScenarioOptions {
+            controller: Some("acc-mpc".into()),
+            set: vec!["a.b = 3".into()],
+            ..ScenarioOptions::default()
+        };
+        for (key, option) in [("controller.name", "--controller acc-mpc"), ("a.b", "--set a.b = 3")]
+        {
+            let said = refuse_if_set(key, &options).expect_err(key).to_string();
+            assert!(said.contains(&format!("--param {key}: {option} says")), "{said}");
+        }
+        assert!(refuse_if_set("a.c", &options).is_ok());
+        assert!(refuse_if_set("duration_s", &options).is_ok());
     }
 
     #[test]
