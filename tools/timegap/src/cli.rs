@@ -8,7 +8,10 @@ use crate::recordings::recover::RecoverArguments;
 use crate::recordings::replay::ReplayArguments;
 use crate::trace::TraceArguments;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use std::error::Error;
+use std::ffi::OsString;
+use std::num::{IntErrorKind, ParseIntError};
 
 /// Runs an adaptive-cruise stack as processes over shared memory, measures it, and injects faults.
 #[derive(Debug, Parser)]
@@ -79,16 +82,50 @@ pub enum Command {
 impl Cli {
     /// Reads the command line. Help and errors end the process, worded by clap.
     pub fn read() -> Self {
-        Self::try_parse().unwrap_or_else(|error| suggest(error).exit())
+        Self::of(std::env::args_os()).unwrap_or_else(|error| explain(error).exit())
     }
+
+    /// A word such as `-1` is a value, so that it is refused as the value of its option and not as an option.
+    fn of<T: Into<OsString> + Clone>(
+        words: impl IntoIterator<Item = T>,
+    ) -> Result<Self, clap::Error> {
+        let command =
+            Self::command().mut_subcommands(|command| command.allow_negative_numbers(true));
+        Self::from_arg_matches(&command.try_get_matches_from(words)?)
+    }
+}
+
+/// Adds what was expected where clap does not say it.
+fn explain(error: clap::Error) -> clap::Error {
+    match error.kind() {
+        ErrorKind::InvalidSubcommand => suggest(error),
+        ErrorKind::ValueValidation => expect_a_number(error),
+        _ => error,
+    }
+}
+
+/// Says of an option's value that is no whole number that one was expected.
+fn expect_a_number(error: clap::Error) -> clap::Error {
+    let reason = error.source().and_then(|reason| reason.downcast_ref::<ParseIntError>());
+    let (Some(reason), Some(option), Some(value)) =
+        (reason, error.get(ContextKind::InvalidArg), error.get(ContextKind::InvalidValue))
+    else {
+        return error;
+    };
+    let expected = match reason.kind() {
+        IntErrorKind::Zero => "a whole number of 1 or more",
+        IntErrorKind::PosOverflow => "a smaller whole number",
+        _ => "a whole number without a sign",
+    };
+    let said = format!("invalid value '{value}' for '{option}': expected {expected}");
+    Cli::command().error(ErrorKind::ValueValidation, said)
 }
 
 /// Adds the nearest commands to the error about an unknown one. clap's own measure of likeness knows no
 /// transposed letters in words as short as ours.
 fn suggest(mut error: clap::Error) -> clap::Error {
-    let given = match error.get(ContextKind::InvalidSubcommand) {
-        Some(ContextValue::String(given)) if error.kind() == ErrorKind::InvalidSubcommand => given,
-        _ => return error,
+    let Some(ContextValue::String(given)) = error.get(ContextKind::InvalidSubcommand) else {
+        return error;
     };
     let near = nearest(given);
     if !near.is_empty() {
@@ -123,6 +160,57 @@ mod tests {
             assert!(text.contains(&format!("'{meant}'")), "{given}: {text}");
         }
         assert_eq!(nearest("xyzzy"), Vec::<String>::new());
+    }
+
+    fn refusal(line: &str) -> String {
+        let error = Cli::of(line.split(' ')).expect_err(line);
+        assert_eq!(error.exit_code(), 2, "{line}");
+        explain(error).to_string()
+    }
+
+    #[test]
+    fn a_negative_number_is_refused_as_the_value_of_its_option() {
+        for (line, option, expected) in [
+            ("timegap campaign kills --seeds -1", "--seeds <N>", "without a sign"),
+            ("timegap campaign kills --jobs 0", "--jobs <N>", "1 or more"),
+            ("timegap r157 --seed 1e9", "--seed <S>", "without a sign"),
+            ("timegap campaign kills --seeds 4294967296", "--seeds <N>", "a smaller whole number"),
+        ] {
+            let said = refusal(line);
+            let says = format!("for '{option}': expected a");
+            assert!(said.contains(&says) && said.contains(expected), "{said}");
+        }
+        assert!(Cli::of(["timegap", "run", "--seed", "-1"]).is_ok(), "the scenario tells of it");
+    }
+
+    #[test]
+    fn words_that_would_be_ignored_are_refused() {
+        for (line, one, other) in [
+            ("timegap layouts --law --msg x", "--law", "--msg <DIR>"),
+            ("timegap compare cacc-a --merge x", "--merge <DIR>", "[SCENARIOS]"),
+            ("timegap compare --merge x --controllers acc-mpc", "--merge <DIR>", "--controllers"),
+            ("timegap compare --merge x --set seed=1", "--merge <DIR>", "--set"),
+            ("timegap sweep cacc-a --merge x", "--merge <DIR>", "[SCENARIO]"),
+            ("timegap sweep --merge x --seeds 1,2", "--merge <DIR>", "--seeds"),
+            ("timegap sweep --merge x --jobs 2", "--merge <DIR>", "--jobs"),
+            ("timegap r157 --merge x --sample 2", "--merge <DIR>", "--sample"),
+            ("timegap r157 --merge x --processes", "--merge <DIR>", "--processes"),
+            ("timegap campaign --merge x --jobs 2", "--merge <DIR>", "--jobs"),
+        ] {
+            let said = refusal(line);
+            let says = said.contains("cannot be used with") && said.contains(one);
+            assert!(says && said.contains(other), "{line}: {said}");
+        }
+        for line in ["timegap compare --merge x y --json", "timegap r157 --merge x --out z --force"]
+        {
+            assert!(Cli::of(line.split(' ')).is_ok(), "{line}");
+        }
+    }
+
+    #[test]
+    fn an_export_without_a_format_says_which_there_are() {
+        assert!(refusal("timegap export x").contains("<--csv|--pcap>"));
+        assert!(Cli::of(["timegap", "export", "x", "--csv", "--pcap"]).is_ok());
     }
 
     #[test]

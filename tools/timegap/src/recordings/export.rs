@@ -2,7 +2,7 @@
 
 use super::capture::Capture;
 use super::{count, open, print_damage};
-use clap::Args;
+use clap::{ArgGroup, Args};
 use group::Error;
 use messages::names::{self, Enumeration};
 use messages::{Element, Place, TOPICS, Topic, Value};
@@ -17,11 +17,12 @@ use std::process::ExitCode;
 /// Arguments of `export`.
 #[derive(Debug, Args)]
 #[command(after_long_help = PANDAS)]
+#[command(group = ArgGroup::new("formats").args(["csv", "pcap"]).required(true).multiple(true))]
 pub struct ExportArguments {
     /// A run's directory of results, or a recording
     pub run: PathBuf,
     /// One CSV file per topic: a row per message, a column per value, units in the names
-    #[arg(long, required_unless_present = "pcap")]
+    #[arg(long)]
     pub csv: bool,
     /// The frames that arrived by radio and that the vehicle sent, as a capture for Wireshark, `radio.pcap`
     #[arg(long)]

@@ -19,7 +19,7 @@ pub struct LayoutsArguments {
     #[command(flatten)]
     pub language: Language,
     /// What a law of your own is asked and answers, in the place of the messages (see docs/tutorial.md)
-    #[arg(long)]
+    #[arg(long, conflicts_with = "msg")]
     pub law: bool,
 }
 
