@@ -2,6 +2,7 @@
 
 mod draw;
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use crate::error::ReadError;
@@ -95,21 +96,38 @@ impl Variation {
 
 fn all(node: Node<'_>) -> Result<Combinations, ReadError> {
     let mut choices: Vec<Vec<Vec<Assignment>>> = Vec::new();
+    let mut known = BTreeSet::new();
     for distribution in node.children() {
-        choices.push(match distribution.name() {
+        let choice: Vec<Vec<Assignment>> = match distribution.name() {
             "DeterministicSingleParameterDistribution" => single(distribution)?,
             _ => distribution
                 .child("ValueSetDistribution")?
                 .children()
                 .map(|set| set.children().map(assignment).collect())
                 .collect::<Result<_, _>>()?,
-        });
+        };
+        for set in &choice {
+            let mut before = known.clone();
+            for assignment in set {
+                refuse_twice(&distribution, !before.insert(assignment.name.clone()), assignment)?;
+            }
+        }
+        known.extend(choice.iter().flatten().map(|assignment| assignment.name.clone()));
+        choices.push(choice);
     }
     let count = choices.iter().try_fold(1usize, |count, c| count.checked_mul(c.len()));
     match count {
         Some(count) if !choices.is_empty() && count <= MAX_RUNS => Ok(Combinations::All(choices)),
         _ => Err(too_many(node)),
     }
+}
+
+/// A parameter that is varied in two places has no value: one would be taken, and each drive counted several times.
+fn refuse_twice(node: &Node<'_>, twice: bool, of: &Assignment) -> Result<(), ReadError> {
+    if twice {
+        return Err(node.refuse(format!("parameter `{}` is varied twice", of.name), "each once"));
+    }
+    Ok(())
 }
 
 fn too_many(node: Node<'_>) -> ReadError {
@@ -176,7 +194,10 @@ fn drawn(node: Node<'_>) -> Result<Combinations, ReadError> {
                     "a range that most values are in",
                 ));
             };
-            run.push(Assignment { name: name.clone(), value });
+            let drawn = Assignment { name: name.clone(), value };
+            let twice = run.iter().any(|known: &Assignment| known.name == drawn.name);
+            refuse_twice(&distribution, twice, &drawn)?;
+            run.push(drawn);
         }
     }
     Ok(Combinations::Drawn(values))

@@ -93,6 +93,8 @@ fn what_gives_no_runs_is_refused() {
     let step = "<DistributionRange stepWidth=\"0\"><Range lowerLimit=\"0\" upperLimit=\"1\"/></DistributionRange>";
     for (body, expected) in [
         (format!("<Deterministic>{}</Deterministic>", single_of("v", step)), "`stepWidth` of `DistributionRange`: 0, expected more than 0"),
+        (format!("<Deterministic>{0}{0}</Deterministic>", single_of("v", "<DistributionSet><Element value=\"1\"/></DistributionSet>")), "parameter `v` is varied twice, expected each once"),
+        (format!("<Stochastic numberOfTestRuns=\"2\">{0}{0}</Stochastic>", "<StochasticDistribution parameterName=\"a\"><UniformDistribution><Range lowerLimit=\"0\" upperLimit=\"1\"/></UniformDistribution></StochasticDistribution>"), "parameter `a` is varied twice"),
         ("<Deterministic/>".to_owned(), "no combinations"),
         ("<Stochastic numberOfTestRuns=\"0\"><StochasticDistribution parameterName=\"a\"><UniformDistribution><Range lowerLimit=\"0\" upperLimit=\"1\"/></UniformDistribution></StochasticDistribution></Stochastic>".to_owned(), "no combinations"),
         ("<Stochastic numberOfTestRuns=\"1\"><StochasticDistribution parameterName=\"a\"><NormalDistribution expectedValue=\"0\" variance=\"1\"><Range lowerLimit=\"90\" upperLimit=\"91\"/></NormalDistribution></StochasticDistribution></Stochastic>".to_owned(), "holds next to none"),
