@@ -6,6 +6,9 @@ const FAR: u64 = 3_000;
 /// Numbers that are told apart; what is overtaken by more is late.
 const WINDOW: u64 = 64;
 
+/// Late numbers in a row that follow each other before they are the sender's: its other ones were wrong.
+const AGREEING: u32 = 3;
+
 /// The numbers heard of one sender.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Numbers {
@@ -23,6 +26,8 @@ pub(crate) struct Numbers {
     /// The last number if it was far from all others, and how many there were of these.
     far: Option<u64>,
     implausible: u64,
+    /// The last number if it was late, and how many late ones in a row follow each other.
+    late: Option<(u64, u32)>,
 }
 
 impl Numbers {
@@ -36,6 +41,16 @@ impl Numbers {
             return self.take_far(number);
         }
         self.far = None;
+        let is_late =
+            number < self.first || (number < self.highest && self.highest - number >= WINDOW);
+        if is_late && self.agrees(number) {
+            self.lost = self.lost();
+            self.begin(number);
+            return true;
+        }
+        if !is_late {
+            self.late = None;
+        }
         if number > self.highest {
             let ahead = number - self.highest;
             self.window = if ahead < WINDOW { self.window << ahead } else { 0 } | 1;
@@ -68,9 +83,20 @@ impl Numbers {
         false
     }
 
+    /// Takes a late number: true if it and those before it are in order, with none of the later numbers between.
+    fn agrees(&mut self, number: u64) -> bool {
+        let follows = |last: u64| (1..WINDOW).contains(&number.wrapping_sub(last));
+        let in_a_row = match self.late {
+            Some((last, in_a_row)) if follows(last) => in_a_row + 1,
+            _ => 1,
+        };
+        self.late = Some((number, in_a_row));
+        in_a_row >= AGREEING
+    }
+
     fn begin(&mut self, number: u64) {
         (self.first, self.highest, self.window) = (number, number, 1);
-        (self.counted, self.far) = (0, None);
+        (self.counted, self.far, self.late) = (0, None, None);
         self.count();
     }
 
@@ -145,5 +171,14 @@ mod tests {
         let (new, counts) = after(&[1, 3, 1 << 40, (1 << 40) + 1, (1 << 40) + 3, 5, 6, 7]);
         assert_eq!(new, [true, true, false, true, true, false, true, true]);
         assert_eq!(counts, [6, 2, 0, 0]);
+    }
+
+    #[test]
+    fn a_wrong_number_not_far_ahead_silences_its_sender_for_two_frames() {
+        let (new, _) = after(&[1, 2, 2900, 3, 4, 5, 6, 7]);
+        assert_eq!(new, [true, true, true, false, false, true, true, true]);
+        // Copies of old frames among the sender's own are no new beginning.
+        let (new, _) = after(&[1, 2, 3, 4, 1000, 2, 1001, 3, 1002, 4, 1003]);
+        assert_eq!(new[5..], [false, true, false, true, false, true]);
     }
 }
