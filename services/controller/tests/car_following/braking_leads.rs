@@ -1,4 +1,4 @@
-//! Leads that brake with 3 to 9 m/s² at 8 to 36 m/s, after settled following.
+//! Leads that brake with 3 to 9 m/s² at 8 to 36 m/s, after settled following, at once or after they have pulled away.
 
 use controller::laws;
 use rand_core::Rng;
@@ -11,6 +11,14 @@ use crate::world::{Perception, STEP_S, Vehicle, World, avoidable};
 const REACTION_S: f64 = 0.35;
 /// Time for which the law settles before the lead brakes, s.
 const SETTLE_S: f64 = 20.0;
+
+/// What a lead does before it brakes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Before {
+    Settled,
+    /// It pulls away with 1.5 to 3 m/s² for 2 to 6 s, and is the faster when it brakes.
+    PullsAway,
+}
 
 /// What became of the leads.
 #[derive(Debug, Default)]
@@ -28,7 +36,7 @@ fn law(keys: &str) -> Box<dyn controller::law::Law> {
     laws::build(&scenario).unwrap_or_else(|problem| panic!("{keys}: {problem:?}"))
 }
 
-fn braking_leads(keys: &str, perception: Perception, cases: u64) -> Tally {
+fn braking_leads(keys: &str, perception: Perception, before: Before, cases: u64) -> Tally {
     let mut tally = Tally::default();
     for seed in 0..cases {
         let mut rng = Pcg64::new(u128::from(seed), 5);
@@ -46,6 +54,12 @@ fn braking_leads(keys: &str, perception: Perception, cases: u64) -> Tally {
         let steps = ((SETTLE_S + uniform(0.0, 0.1)) / STEP_S) as u32;
         for _ in 0..steps {
             world.advance(0.0);
+        }
+        if before == Before::PullsAway {
+            let (pull_mps2, pull_s) = (uniform(1.5, 3.0), uniform(2.0, 6.0));
+            for _ in 0..(pull_s / STEP_S) as u32 {
+                world.advance(pull_mps2);
+            }
         }
         let headway_s = world.gap_m() / world.ego.speed_mps;
         tally.settled_s += headway_s / cases as f64;
@@ -68,13 +82,17 @@ fn braking_leads(keys: &str, perception: Perception, cases: u64) -> Tally {
 
 /// Leads for each law.
 const CASES: u64 = 500;
+/// The same of leads that pull away first.
+const PULLING_AWAY: u64 = 250;
 
 /// No collision that the law's own brakes avoid after the reaction time.
 fn none_is_avoidable(keys: &str, perception: Perception) {
-    let tally = braking_leads(keys, perception, CASES);
-    println!("{keys}: {tally:?}");
-    assert!(tally.avoidable.is_empty(), "{keys}: seeds {:?}", tally.avoidable);
-    assert!(tally.collisions * 5 < CASES as u32, "{keys}: {} collisions", tally.collisions);
+    for (before, cases) in [(Before::Settled, CASES), (Before::PullsAway, PULLING_AWAY)] {
+        let tally = braking_leads(keys, perception, before, cases);
+        println!("{keys}, {before:?}: {tally:?}");
+        assert!(tally.avoidable.is_empty(), "{keys}, {before:?}: seeds {:?}", tally.avoidable);
+        assert!(tally.collisions * 5 < cases as u32, "{keys}: {} collisions", tally.collisions);
+    }
 }
 
 #[test]

@@ -45,32 +45,66 @@ pub(super) fn graded(
     request: f64,
     period: f64,
 ) -> f64 {
-    let target_mps2 = if target_mps2.is_finite() { target_mps2 } else { 0.0 };
-    let lead = LeadNow {
-        gap_m: s.gap_m,
-        speed_mps: (s.speed_mps + s.relative_mps).max(0.0),
-        acceleration_mps2: target_mps2,
-    };
-    let own = Motion {
-        position_m: 0.0,
-        speed_mps: ego.speed_mps,
-        acceleration_mps2: ego.acceleration_mps2.clamp(-p.braking_mps2, p.acceleration_mps2),
-    };
-    let held = |time_s: f64, least_m: f64| {
-        let bounds = (-p.braking_mps2, -p.approach_limit_mps2);
-        SafeGap::new(Lag { tau_s: LAG_S }, time_s, bounds, least_m, p.lead_braking_mps2)
-    };
+    let (lead, own) = (lead_now(s, target_mps2), own_motion(p, ego));
     let nearest = |safe: &SafeGap, request: f64| {
         let worst_mps2 = safe.worst_mps2(&lead);
         safe.lower(request, |u| safe.stays_behind(u, own, &lead, worst_mps2))
     };
-    // What is seen is as old as the filter makes it.
-    let late_s = period + p.filter_time_s;
-    let stop_m = p.standstill_gap_m + p.least_band_m + p.warning_hysteresis_m;
-    let patient = held((p.reaction_time_s - LAG_S).max(late_s), stop_m);
-    let wanted = nearest(&patient, -p.approach_limit_mps2);
+    let late_s = late_s(p, period);
+    let wanted = nearest(&patient(p, period), -p.approach_limit_mps2);
     let soft = wanted.max(request - comfortable_jerk_mps3(ego.speed_mps) * period);
-    nearest(&held(late_s, p.standstill_gap_m), soft)
+    nearest(&held(p, late_s, p.standstill_gap_m), soft)
+}
+
+/// Whether a target that brakes harder than the law does for comfort asks for this mode already, whatever the boundaries
+/// say, which go by its speed alone: `demand`, held for what t1 leaves beside the actuator's lag, would leave too little
+/// room for full braking. Behind a target that was the faster the speeds still say nothing when it is nearly too late.
+#[must_use]
+pub(super) fn is_needed(
+    p: &Parameters,
+    s: &Situation,
+    ego: &Ego,
+    target_mps2: f64,
+    demand: f64,
+    period: f64,
+) -> bool {
+    let patient = patient(p, period);
+    let lead = lead_now(s, target_mps2);
+    lead.acceleration_mps2 < -p.approach_limit_mps2
+        && !patient.stays_behind(demand, own_motion(p, ego), &lead, patient.worst_mps2(&lead))
+}
+
+fn lead_now(s: &Situation, target_mps2: f64) -> LeadNow {
+    LeadNow {
+        gap_m: s.gap_m,
+        speed_mps: (s.speed_mps + s.relative_mps).max(0.0),
+        acceleration_mps2: if target_mps2.is_finite() { target_mps2 } else { 0.0 },
+    }
+}
+
+fn own_motion(p: &Parameters, ego: &Ego) -> Motion {
+    Motion {
+        position_m: 0.0,
+        speed_mps: ego.speed_mps,
+        acceleration_mps2: ego.acceleration_mps2.clamp(-p.braking_mps2, p.acceleration_mps2),
+    }
+}
+
+/// How late full braking may follow, at the least, s: what is seen is as old as the filter makes it.
+fn late_s(p: &Parameters, period: f64) -> f64 {
+    period + p.filter_time_s
+}
+
+/// Full braking once t1 has passed, to where mode 4 ends at standstill.
+fn patient(p: &Parameters, period: f64) -> SafeGap {
+    let stop_m = p.standstill_gap_m + p.least_band_m + p.warning_hysteresis_m;
+    held(p, (p.reaction_time_s - LAG_S).max(late_s(p, period)), stop_m)
+}
+
+/// Full braking after a request that is held for `time_s`, to a gap of `least_m`.
+fn held(p: &Parameters, time_s: f64, least_m: f64) -> SafeGap {
+    let bounds = (-p.braking_mps2, -p.approach_limit_mps2);
+    SafeGap::new(Lag { tau_s: LAG_S }, time_s, bounds, least_m, p.lead_braking_mps2)
 }
 
 /// Fall of the request that passengers do not mind, m/s³.

@@ -97,6 +97,11 @@ impl SixMode {
         self.parameters.variant == Variant::Robust
     }
 
+    /// Whether it brakes as hard as needed, not fully, in the avoid mode.
+    fn has_graded_braking(&self) -> bool {
+        self.robust() && self.parameters.spacing == Spacing::TimeGap
+    }
+
     /// The target, if it is within range, as the law sees it.
     fn observe(&mut self, input: &Checked) -> Option<Situation> {
         let robust = self.robust();
@@ -116,7 +121,12 @@ impl SixMode {
     }
 
     /// Decides the mode and returns its demand, m/s². `None`: the table has no row, all stays.
-    fn decide(&mut self, cruise: f64, seen: Option<(Situation, Boundaries)>) -> Option<f64> {
+    fn decide(
+        &mut self,
+        cruise: f64,
+        input: &Checked,
+        seen: Option<(Situation, Boundaries)>,
+    ) -> Option<f64> {
         let p = &self.parameters;
         let Some((s, b)) = seen else {
             self.enter(Mode::Cruise, Reason::NoTarget);
@@ -131,6 +141,14 @@ impl SixMode {
             Variant::Literal => demand.max(self.request_bounds_mps2().0),
             Variant::Robust => demand.min(cruise),
         };
+        if self.has_graded_braking() && mode != Mode::Avoid {
+            let target_mps2 = input.target.map_or(0.0, |target| target.acceleration_mps2);
+            if avoid::is_needed(p, &s, &input.ego, target_mps2, demand, input.period) {
+                let fully = -p.braking_mps2;
+                self.enter(Mode::Avoid, Reason::TargetBraking);
+                return Some(fully);
+            }
+        }
         self.enter(mode, reason);
         Some(demand)
     }
@@ -157,10 +175,7 @@ impl SixMode {
 
     /// The demand of the avoid mode, as hard as needed; the paper's spacing brakes fully.
     fn grade(&self, demand: f64, cruise: f64, input: &Checked, s: &Situation) -> f64 {
-        if self.parameters.spacing == Spacing::Paper
-            || !self.robust()
-            || self.mode != Some(Mode::Avoid)
-        {
+        if !self.has_graded_braking() || self.mode != Some(Mode::Avoid) {
             return demand;
         }
         let target_mps2 = input.target.map_or(0.0, |target| target.acceleration_mps2);
@@ -189,7 +204,7 @@ impl SixMode {
 
     /// The demand with a soft end of a stop; the paper's spacing has none.
     fn soften(&self, demand: f64, ego: &Ego, seen: Option<Situation>) -> f64 {
-        if self.parameters.spacing == Spacing::Paper || !self.robust() {
+        if !self.has_graded_braking() {
             return demand;
         }
         let (speed_mps, acceleration_mps2) = (ego.speed_mps, ego.acceleration_mps2);
@@ -241,7 +256,7 @@ impl Law for SixMode {
                 (s, b)
             });
             let cruise = requests::cruise(&self.parameters, input.set_speed, input.ego.speed_mps);
-            let decided = self.decide(cruise, seen);
+            let decided = self.decide(cruise, &input, seen);
             if let Some(demand) = decided {
                 let demand = self.mean(demand);
                 let demand = match seen {

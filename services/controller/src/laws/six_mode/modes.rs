@@ -50,6 +50,8 @@ pub enum Reason {
     GapAboveFollowing,
     /// None of the other conditions.
     SpeedsMatched,
+    /// The target brakes so hard that what is asked for would leave too little room.
+    TargetBraking,
 }
 
 impl Reason {
@@ -62,6 +64,7 @@ impl Reason {
         "closing faster than k",
         "gap above R_j and opening",
         "speeds matched",
+        "target brakes hard",
     ];
 
     /// Index into [`Reason::NAMES`].
