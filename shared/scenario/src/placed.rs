@@ -165,7 +165,7 @@ impl<'de> Deserializer<'de> for &'de Placed {
     fn deserialize_enum<V: Visitor<'de>>(
         self,
         _: &'static str,
-        _: &'static [&'static str],
+        words: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Refusal> {
         let read = match &self.content {
@@ -176,14 +176,42 @@ impl<'de> Deserializer<'de> for &'de Placed {
             Content::Table(table) if table.len() == 1 => {
                 visitor.visit_enum(MapAccessDeserializer::new(Entries::of(table)))
             }
-            _ => return self.deserialize_any(visitor),
+            Content::Table(table) => {
+                Err(Refusal::not_one(&format!("a table of {} keys", table.len()), words))
+            }
+            Content::Array(_) => Err(Refusal::not_one("a list", words)),
+            Content::Scalar(other) => Err(Refusal::not_one(other.type_str(), words)),
+            Content::Unreadable(found) => Err(Refusal::not_one(found, words)),
         };
         read.map_err(|error| error.at(&self.place))
     }
 
+    /// serde leaves the elements behind the last unread.
+    fn deserialize_tuple<V: Visitor<'de>>(
+        self,
+        count: usize,
+        visitor: V,
+    ) -> Result<V::Value, Refusal> {
+        match &self.content {
+            Content::Array(array) if array.len() != count => {
+                Err(Refusal::invalid_length(array.len(), &visitor).at(&self.place))
+            }
+            _ => self.deserialize_any(visitor),
+        }
+    }
+
+    fn deserialize_tuple_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        count: usize,
+        visitor: V,
+    ) -> Result<V::Value, Refusal> {
+        self.deserialize_tuple(count, visitor)
+    }
+
     forward_to_deserialize_any! {
         bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit
-        unit_struct seq tuple tuple_struct map struct identifier ignored_any
+        unit_struct seq map struct identifier ignored_any
     }
 }
 

@@ -20,6 +20,12 @@ impl Refusal {
         Self { message: message.into(), expected: expected.into(), place: None }
     }
 
+    /// What was found is not one of the kinds with these names.
+    pub(super) fn not_one(found: &str, words: &[&str]) -> Self {
+        let words = accepted("", words.iter().copied());
+        Self::new(format!("invalid type: {found}"), format!("exactly one of {words}"))
+    }
+
     pub(super) fn message(&self) -> &str {
         &self.message
     }

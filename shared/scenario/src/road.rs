@@ -108,6 +108,7 @@ pub(super) fn one_source(is_written: impl Fn(&str) -> bool) -> Result<(), Proble
 
 /// A point of a road: `[distance_m, height_m]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(expecting = "a point [distance_m, height_m]")]
 pub struct RoadPoint(pub Distance, pub Height);
 
 /// A hilly highway of a seed.

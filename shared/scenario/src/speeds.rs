@@ -6,4 +6,5 @@ use super::quantity::{Speed, Time};
 
 /// A point of a speed table: `[time_s, speed_mps]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(expecting = "a point [time_s, speed_mps]")]
 pub struct SpeedPoint(pub Time, pub Speed);

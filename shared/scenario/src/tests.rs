@@ -100,6 +100,50 @@ fn refusals_of_single_values() {
 }
 
 #[test]
+fn lists_and_kinds_of_a_wrong_shape_are_told_in_the_words_of_a_scenario() {
+    let of_actor = |rest: &str| format!("[[actors]]\nname = \"a\"\ngap_m = 50\n{rest}");
+    let cases = [
+        (
+            of_actor("profile.speeds = [[0, 20, 99]]"),
+            "6:19: invalid length 3",
+            "a point [time_s, speed_mps]",
+        ),
+        (
+            of_actor("profile.speeds = [[0]]"),
+            "6:19: invalid length 1",
+            "a point [time_s, speed_mps]",
+        ),
+        (
+            of_actor("profile.speeds = [{ time_s = 0 }]"),
+            "6:19: invalid type: map",
+            "a point [time_s, speed_mps]",
+        ),
+        (
+            of_actor("profile = 3"),
+            "6:11: invalid type: integer",
+            "exactly one of `constant`, `steps`",
+        ),
+        (
+            of_actor("[[actors.events]]\nwhen = { time_s = 1, gap_below_m = 3 }"),
+            "7:8: invalid type: a table of 2 keys",
+            "exactly one of `time_s`, `gap_below_m`",
+        ),
+        (
+            "[road]\npoints = [[0, 0, 3]]".to_owned(),
+            "4:11: invalid length 3",
+            "a point [distance_m, height_m]",
+        ),
+        ("[referee]\ndesired_gap = 4".to_owned(), "4:15: invalid type: integer", "exactly one of "),
+    ];
+    for (rest, found, expected) in cases {
+        let shown = refusal(&rest);
+        let right =
+            shown.starts_with(&format!("error: x.toml:{found}")) && shown.contains(expected);
+        assert!(right, "{rest}\n{shown}");
+    }
+}
+
+#[test]
 fn unknown_keys_are_refused_at_every_level() {
     let cases = [
         "colour = 1",
