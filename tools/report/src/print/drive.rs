@@ -8,12 +8,11 @@ use runtime::report::Outcome;
 pub(super) fn drive(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     let control = &summary.control.figures;
     if let Some(crossed) = control.stop_line_crossing_s {
-        let past = control.past_stop_line_at_switch_m.map_or_else(String::new, |past| {
-            format!(", {past:.1} m past it when the light changed")
-        });
+        let past = control.past_stop_line_at_switch_m;
+        let past = past.map_or_else(String::new, |past| format!(", {}", at_switch(past)));
         line("stop line", format!("crossed at {crossed:.2} s{past}"));
     } else if let Some(past) = control.past_stop_line_at_switch_m {
-        line("stop line", format!("{:.1} m before it when the light changed", -past));
+        line("stop line", at_switch(past));
     }
     if let Some(trip) = trip(&summary.control.trip) {
         line("trip", trip);
@@ -66,6 +65,12 @@ pub(super) fn drive(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
         let more = if more > 0 { format!(", and {more} more") } else { String::new() };
         line("modes", shown.join(", ") + &more);
     }
+}
+
+/// Where the ego was when the light changed, m past the line.
+fn at_switch(past_m: f64) -> String {
+    let side = if past_m < 0.0 { "before" } else { "past" };
+    format!("{:.1} m {side} it when the light changed", past_m.abs())
 }
 
 /// The way through the signals in words; one that did not pass them all has only the bound.
@@ -138,6 +143,12 @@ fn smallest_gap(outcome: Outcome, gap_m: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_side_of_the_line_is_told_in_words() {
+        assert_eq!(at_switch(-0.54), "0.5 m before it when the light changed");
+        assert_eq!(at_switch(78.1), "78.1 m past it when the light changed");
+    }
 
     #[test]
     fn a_gap_is_never_a_negative_zero() {
