@@ -241,30 +241,51 @@ fn answer(hub: &Mutex<Hub>, stream: &TcpStream, served: &Served) -> std::io::Res
         .find_map(|(name, value)| name.eq_ignore_ascii_case("host").then(|| value.trim()));
     let host = host.map(|host| host.rsplit_once(':').map_or(host, |(host, _)| host));
     let local = host.is_some_and(|host| matches!(host, "127.0.0.1" | "localhost"));
-    let Some(path) = first.strip_prefix("GET ").and_then(|rest| rest.split(' ').next()) else {
-        return respond(stream, "405 Method Not Allowed", "text/plain", "only GET is answered\n");
+    let mut words = first.split(' ');
+    let (body, path) = match (words.next(), words.next()) {
+        (Some("GET"), Some(path)) => (Body::Sent, path),
+        (Some("HEAD"), Some(path)) => (Body::Left, path),
+        _ => {
+            let text = "only GET and HEAD are answered\n";
+            return respond(stream, "405 Method Not Allowed", "text/plain", text, Body::Sent);
+        }
     };
     let below = path.strip_prefix('/').and_then(|path| path.strip_prefix(&*served.token));
     match below {
-        Some("/") if local => respond(stream, "200 OK", "text/html; charset=utf-8", &served.page),
-        Some("/events") if local => stream_events(hub, stream),
-        _ => respond(
-            stream,
-            "403 Forbidden",
-            "text/plain",
-            "open the whole address that the run printed\n",
-        ),
+        Some("/") if local => {
+            respond(stream, "200 OK", "text/html; charset=utf-8", &served.page, body)
+        }
+        Some("/events") if local && body == Body::Sent => stream_events(hub, stream),
+        Some("/events") if local => respond(stream, "200 OK", "text/event-stream", "", body),
+        _ => {
+            let text = "open the whole address that the run printed\n";
+            respond(stream, "403 Forbidden", "text/plain", text, body)
+        }
     }
 }
 
-fn respond(mut stream: &TcpStream, status: &str, kind: &str, body: &str) -> std::io::Result<()> {
+/// Whether an answer has its text, or only says how long it would be.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Body {
+    Sent,
+    Left,
+}
+
+fn respond(
+    mut stream: &TcpStream,
+    status: &str,
+    kind: &str,
+    text: &str,
+    body: Body,
+) -> std::io::Result<()> {
+    let sent = if body == Body::Sent { text } else { "" };
     write!(
         stream,
         "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {}\r\n\
-         Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\n\
+         Allow: GET, HEAD\r\nCache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\n\
          Content-Security-Policy: default-src 'none'; style-src 'unsafe-inline'; \
-         script-src 'unsafe-inline'; connect-src 'self'\r\nConnection: close\r\n\r\n{body}",
-        body.len()
+         script-src 'unsafe-inline'; connect-src 'self'\r\nConnection: close\r\n\r\n{sent}",
+        text.len()
     )?;
     stream.flush()
 }
@@ -348,6 +369,30 @@ mod tests {
         }
         server.finish();
         assert!(TcpStream::connect(address).is_err(), "nothing is left");
+    }
+
+    #[test]
+    fn a_head_has_no_body_and_other_methods_are_told_what_is_answered() {
+        let (_sender, updates) = sync_channel(1);
+        let server = Server::start("a <run>", 0, updates).expect("a free port");
+        let answer_to = |method: &str, path: &str| {
+            let mut stream = TcpStream::connect(server.address).expect("it listens");
+            let path = format!("/{}/{path}", server.token);
+            write!(stream, "{method} {path} HTTP/1.1\r\nHost: localhost\r\n\r\n")
+                .expect("it reads");
+            let mut text = String::new();
+            stream.read_to_string(&mut text).expect("it answers and closes");
+            text
+        };
+        let page = answer_to("GET", "");
+        let head = answer_to("HEAD", "");
+        assert!(head.ends_with("\r\n\r\n") && page.starts_with(&head), "{head}");
+        assert!(answer_to("HEAD", "events").contains("text/event-stream"));
+        let other = answer_to("POST", "");
+        assert!(
+            other.starts_with("HTTP/1.1 405 ") && other.contains("\r\nAllow: GET, HEAD\r\n"),
+            "{other}"
+        );
     }
 
     #[test]
