@@ -10,7 +10,7 @@ const SLOWEST_MPS: f64 = 1.0;
 /// Time gaps while a vehicle was ahead, s; null without one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Following {
-    /// Shortest time gap, s.
+    /// Shortest time gap, s; 0 in a contact.
     pub min_time_gap_s: Option<f64>,
     /// Median over the samples of the drive, s.
     pub median_time_gap_s: Option<f64>,
@@ -21,7 +21,7 @@ impl Following {
     pub fn of(steps: &[DriveStep]) -> Self {
         let moving = steps.iter().filter(|step| step.speed_mps >= SLOWEST_MPS);
         let mut gaps_s: Vec<f64> =
-            moving.filter_map(|step| Some(step.gap_m? / step.speed_mps)).collect();
+            moving.filter_map(|step| Some(step.gap_m?.max(0.0) / step.speed_mps)).collect();
         gaps_s.sort_by(f64::total_cmp);
         let median = match gaps_s.len() {
             0 => None,
@@ -49,5 +49,6 @@ mod tests {
         assert_eq!(following.min_time_gap_s, Some(1.5));
         assert_eq!(following.median_time_gap_s, Some(2.0));
         assert_eq!(Following::of(&steps[3..]), Following::default());
+        assert_eq!(Following::of(&[step(Some(-1.4), 10.0)]).min_time_gap_s, Some(0.0));
     }
 }
