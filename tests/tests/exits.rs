@@ -26,6 +26,13 @@ fn start(corner: &Corner, more: &[&str]) -> Child {
     child
 }
 
+/// How often a process has waited: in lockstep several times in a step.
+fn waits(pid: i32) -> Option<u64> {
+    let status = std::fs::read_to_string(format!("/proc/{pid}/status")).ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("voluntary_ctxt_switches:"))?;
+    line.trim().parse().ok()
+}
+
 fn finish(child: Child) -> (Option<i32>, Value) {
     let output = child.wait_with_output().expect("our own child");
     let summary =
@@ -123,7 +130,10 @@ fn a_stopped_service_is_named_in_lockstep() {
     let corner = corner(3000.0, "");
     for service in ["controller", "plant"] {
         let running = start(&corner, &["--mode", "lockstep", "--force"]);
-        send(corner.wait_for_process(&format!("timegap-{service}")), Signal::STOP);
+        let pid = corner.wait_for_process(&format!("timegap-{service}"));
+        // Stopped in its first step, it would have driven nowhere.
+        assert!(wait_for(|| waits(pid) > Some(2000)), "it does not drive");
+        send(pid, Signal::STOP);
         let (status, summary) = finish(running);
         assert_eq!((status, &summary["outcome"]), (Some(1), &"aborted".into()), "{summary}");
         let why = summary["aborted_because"].as_str().unwrap_or_default();
