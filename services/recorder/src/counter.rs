@@ -26,7 +26,11 @@ impl Counter {
         let before = if last.0 == header.incarnation { last.1 } else { 0 };
         let expected = before.saturating_add(1);
         let is_next = header.sequence == expected;
-        if !is_next && profile7::check(message, topic.data_id(header.source)).is_err() {
+        let is_intact = || {
+            let protected = profile7::protected(message, topic.layout().bytes_in_use(message));
+            profile7::check(protected, topic.data_id(header.source)).is_ok()
+        };
+        if !is_next && !is_intact() {
             return;
         }
         tally.lost = tally.lost.saturating_add(header.sequence.saturating_sub(expected));

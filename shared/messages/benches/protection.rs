@@ -1,15 +1,18 @@
 //! What the end-to-end protection costs a message, and the copy that a reader makes of a small one before
 //! it checks it: `cargo bench -p messages`.
 //!
-//! Each figure is the median of many batches of protecting, checking or copying one message of a topic.
+//! Each figure is the median of many batches of protecting, checking or copying one message of a topic: whole, and, of those
+//! of which only the elements in use are protected, with [`ELEMENTS`] of them.
 
-use messages::TOPICS;
 use messages::e2e::{Channel, Outcomes, profile7};
+use messages::{TOPICS, Topic};
 use std::hint::black_box;
 use std::time::Instant;
 
 const BATCHES: usize = 2001;
 const BATCH: u32 = 200;
+/// About what a scan of the radar holds.
+const ELEMENTS: u64 = 64;
 
 fn median_ns(mut work: impl FnMut(u32)) -> f64 {
     let mut batches: Vec<f64> = (0..BATCHES)
@@ -29,18 +32,35 @@ fn main() {
     let head = ["topic", "bytes", "protect, ns", "check, ns", "copy, ns"];
     println!("{:<22} {:>6} {:>12} {:>12} {:>12}", head[0], head[1], head[2], head[3], head[4]);
     for topic in TOPICS {
-        let mut message = vec![0x5a; topic.message_bytes()];
-        let protect = median_ns(|counter| {
-            profile7::protect(black_box(&mut message), 7, counter);
-        });
-        let (mut channel, mut outcomes) = (Channel::default(), Outcomes::default());
-        let check = median_ns(|_| {
-            black_box(channel.accept(black_box(&message), 7, 0, &mut outcomes));
-        });
-        let mut room = vec![0; message.len()];
-        let copy = median_ns(|_| black_box(&mut room).copy_from_slice(black_box(&message)));
-        let (name, bytes) = (topic.name(), message.len());
-        println!("{name:<22} {bytes:>6} {protect:>12.0} {check:>12.0} {copy:>12.0}");
+        row(topic.name(), topic.message_bytes());
+        let in_use = bytes_with(topic, ELEMENTS);
+        if in_use < topic.message_bytes() {
+            row(&format!("  {ELEMENTS} elements"), in_use);
+        }
     }
     println!("medians of {BATCHES} batches of {BATCH} messages each");
+}
+
+/// Bytes in use of a message with so many elements.
+fn bytes_with(topic: Topic, elements: u64) -> usize {
+    let layout = topic.layout();
+    let mut message = vec![0; layout.bytes];
+    if let Some(count) = layout.fields.iter().find(|field| field.name == "count") {
+        message[count.offset..count.offset + 8].copy_from_slice(&elements.to_le_bytes());
+    }
+    layout.bytes_in_use(&message)
+}
+
+fn row(name: &str, bytes: usize) {
+    let mut message = vec![0x5a; bytes];
+    let protect = median_ns(|counter| {
+        profile7::protect(black_box(&mut message), 7, counter);
+    });
+    let (mut channel, mut outcomes) = (Channel::default(), Outcomes::default());
+    let check = median_ns(|_| {
+        black_box(channel.accept(black_box(&message), 7, 0, &mut outcomes));
+    });
+    let mut room = vec![0; message.len()];
+    let copy = median_ns(|_| black_box(&mut room).copy_from_slice(black_box(&message)));
+    println!("{name:<22} {bytes:>6} {protect:>12.0} {check:>12.0} {copy:>12.0}");
 }

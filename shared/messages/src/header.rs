@@ -83,7 +83,7 @@ impl Origins {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable, ZeroCopySend)]
 #[type_name("timegap_msgs/msg/Header")]
 pub struct Header {
-    /// End-to-end protection of the whole message.
+    /// End-to-end protection of the message.
     pub protection: Protection,
     /// Number of this message on its topic from its source, counted from 1 in each incarnation.
     pub sequence: u64,

@@ -74,6 +74,9 @@ pub struct Field {
     pub shape: Shape,
 }
 
+/// Largest message that its readers copy, and of which every byte is protected, bytes.
+pub const SMALL_BYTES: usize = 4 << 10;
+
 /// A struct of the messages.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Layout {
@@ -151,6 +154,26 @@ impl Layout {
             index += 1;
         }
         assert!(end == self.bytes && end.is_multiple_of(8), "padding at the end");
+    }
+
+    /// Bytes from the start of `message` that are in use, which its end-to-end protection covers. If the struct is larger
+    /// than [`SMALL_BYTES`] and ends with `count` and an array, the first `count` elements of that array are the last of
+    /// them; all bytes otherwise.
+    ///
+    /// # Panics
+    /// If `message` is shorter than the struct.
+    #[must_use]
+    pub fn bytes_in_use(&self, message: &[u8]) -> usize {
+        let [.., Field { name: "count", offset, .. }, array] = self.fields else {
+            return self.bytes;
+        };
+        if self.bytes <= SMALL_BYTES {
+            return self.bytes;
+        }
+        let Some(capacity) = array.shape.len else { return self.bytes };
+        let count: u64 = bytemuck::pod_read_unaligned(&message[*offset..offset + 8]);
+        let count = usize::try_from(count).map_or(capacity, |count| count.min(capacity));
+        array.offset + count * array.shape.element.bytes()
     }
 
     /// All scalars of the struct in order, by their dotted path: `header.sequence`,
@@ -280,7 +303,7 @@ pub(crate) use layout;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Command, Message, TOPICS, Topic};
+    use crate::{Command, Message, RadarDetections, Spat, TOPICS, Topic};
     use bytemuck::Zeroable;
     use std::collections::BTreeSet;
 
@@ -294,6 +317,21 @@ mod tests {
             let paths: BTreeSet<_> = places.iter().map(|place| &place.path).collect();
             assert_eq!(paths.len(), places.len(), "{}: paths are unique", layout.name);
         }
+    }
+
+    #[test]
+    fn what_is_in_use_ends_with_the_last_element_that_counts() {
+        let mut scan = RadarDetections::zeroed();
+        let layout = Topic::RadarDetections.layout();
+        let empty = size_of::<RadarDetections>() - size_of_val(&scan.detections);
+        let whole = size_of::<RadarDetections>();
+        for (count, bytes) in [(0, empty), (3, empty + 3 * 48), (1024, whole), (u64::MAX, whole)] {
+            scan.count = count;
+            assert_eq!(layout.bytes_in_use(bytemuck::bytes_of(&scan)), bytes, "{count}");
+        }
+        // A small one.
+        let layout = Topic::Spat.layout();
+        assert_eq!(layout.bytes_in_use(bytemuck::bytes_of(&Spat::zeroed())), size_of::<Spat>());
     }
 
     #[test]

@@ -54,7 +54,7 @@ pub use law::{
     LAW_CELLS, LAW_FIGURES, LAW_INTERVALS, LAW_MODES, LAW_PLAN, LAW_RECORDS, LAW_SIGNALS,
     LawAnswer, LawInput, LawInterval, LawSignal,
 };
-pub use layout::{Element, Field, Laid, Layout, Place, Scalar, Shape, Value};
+pub use layout::{Element, Field, Laid, Layout, Place, SMALL_BYTES, Scalar, Shape, Value};
 pub use perception::{
     Detection, MAX_DETECTIONS, MAX_TRACKS, RadarDetections, RadarTracks, Track, TrackedTarget,
     VehicleTruth, VehicleTruthItem,

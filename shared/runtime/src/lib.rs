@@ -21,7 +21,7 @@
 //!
 //! Messages are written where they will be read: a publisher loans memory in shared memory
 //! ([`Publisher::loan`]), protects the message there and hands it over. Readers borrow what is larger than
-//! [`COPIED_BYTES`] and copy what is not before they check it.
+//! [`SMALL_BYTES`](messages::SMALL_BYTES) and copy what is not before they check it.
 //!
 //! `unsafe` is allowed in `coroutine`, `scheduling`, `spawn`, `usage` and `words`, for system calls that no
 //! crate wraps, and in `transport` (`pooled`, and where loaned bytes become a message) and `probe`.
@@ -95,9 +95,7 @@ pub use spawn::{die_with_this_thread, inherit_only};
 pub use standby::{ActiveProcess, Cause, TakeOver};
 pub use tap::{Tap, Tapped};
 pub use timetable::Timetable;
-pub use transport::{
-    COPIED_BYTES, Carrier, Loan, Sealing, TransportError, domain, shared_memory_bytes,
-};
+pub use transport::{Carrier, Loan, Sealing, TransportError, domain, shared_memory_bytes};
 pub(crate) use transport::{Receiver, Sender, Transport};
 pub use usage::Usage;
 pub use words::SharedWords;

@@ -2,10 +2,13 @@
 //!
 //! | bytes | field |
 //! | --- | --- |
-//! | 0..8 | CRC-64 (ECMA-182, reflected, "CRC-64/XZ") over all other bytes of the message |
-//! | 8..12 | length of the message, bytes |
+//! | 0..8 | CRC-64 (ECMA-182, reflected, "CRC-64/XZ") over all other bytes that are protected |
+//! | 8..12 | length: bytes that are protected, from the start of the message |
 //! | 12..16 | counter |
 //! | 16..20 | data ID |
+//!
+//! Protected are the bytes in use ([`Layout::bytes_in_use`](crate::Layout::bytes_in_use)): of a large message that ends with a
+//! counted array not the elements behind the last one that counts, which no reader looks at.
 //!
 //! The CRC is computed by carry-less multiplications where the processor has them and from tables where it
 //! has not: a CRC is exact, so that its bits do not depend on the way.
@@ -24,7 +27,7 @@ const _: () = assert!(size_of::<Protection>() == 24);
 pub struct Protection {
     /// CRC-64, big-endian.
     pub crc: [u8; 8],
-    /// Length of the message, bytes, big-endian.
+    /// Bytes of the message that are protected, big-endian.
     pub length: [u8; 4],
     /// Counter, big-endian.
     pub counter: [u8; 4],
@@ -45,6 +48,16 @@ pub enum Corrupted {
     Length,
     /// It belongs to another channel.
     DataId,
+}
+
+/// The protected part of a message of which `in_use` bytes are in use: these, or all of it where the message says so
+/// (recordings of versions that protected every byte).
+#[must_use]
+pub fn protected(message: &[u8], in_use: usize) -> &[u8] {
+    let says_all = message.get(8..12).is_some_and(|length| {
+        u32::try_from(message.len()).is_ok_and(|all| length == all.to_be_bytes())
+    });
+    if says_all { message } else { &message[..in_use] }
 }
 
 /// CRC-64/XZ of `bytes`.
@@ -143,6 +156,20 @@ mod tests {
         assert_eq!(check_as_sent(&later, 0x0a0b_0c0d), Ok(9));
         seal(&mut later);
         assert_eq!(later, at_once);
+    }
+
+    #[test]
+    fn what_carries_nothing_is_not_protected_unless_the_message_says_so() {
+        let mut message = [7; 64];
+        protect(&mut message[..40], 0x0a0b_0c0d, 9);
+        assert_eq!(protected(&message, 40).len(), 40);
+        assert_eq!(check(protected(&message, 40), 0x0a0b_0c0d), Ok(9));
+        // Another number of elements than was protected.
+        assert_eq!(check(protected(&message, 48), 0x0a0b_0c0d), Err(Corrupted::Crc));
+        protect(&mut message, 0x0a0b_0c0d, 9);
+        assert_eq!(check(protected(&message, 40), 0x0a0b_0c0d), Ok(9));
+        message[50] ^= 1;
+        assert_eq!(check(protected(&message, 40), 0x0a0b_0c0d), Err(Corrupted::Crc));
     }
 
     #[test]

@@ -41,11 +41,12 @@ impl<T: Message> ChannelFaults<T> {
         faults: &Faults,
         now_ns: i64,
     ) -> bool {
+        let in_use = T::LAYOUT.bytes_in_use(bytemuck::bytes_of(message));
         // What is checked as a copy is checked by its CRC too.
         let copy = || {
             let mut copy = *message;
             if sealing == Sealing::Unsealed {
-                profile7::seal(bytemuck::bytes_of_mut(&mut copy));
+                profile7::seal(&mut bytemuck::bytes_of_mut(&mut copy)[..in_use]);
             }
             copy
         };
@@ -67,13 +68,15 @@ impl<T: Message> ChannelFaults<T> {
                 Disturbance::Corrupt { bits } => {
                     corrupted_by = Some(activation.number);
                     let bytes = bytemuck::bytes_of_mut(changed.get_or_insert_with(copy));
+                    // Nothing reads what is behind it.
+                    let bytes = &mut bytes[..in_use];
                     for k in 0..bits.value() {
                         let bit = activation.draw(2 + u64::from(k)) % (8 * bytes.len() as u64);
                         let bit = usize::try_from(bit).expect("messages are short");
                         bytes[bit / 8] ^= 1 << (bit % 8);
                     }
                     // Flips can meet in one bit and undo each other: then nothing would be corrupt.
-                    if bytes == bytemuck::bytes_of(&copy()) {
+                    if *bytes == bytemuck::bytes_of(&copy())[..in_use] {
                         bytes[0] ^= 1;
                     }
                 }

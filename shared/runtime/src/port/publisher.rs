@@ -141,6 +141,8 @@ impl<T: Message> Outlet<T> {
         // The counter is the sequence number's low half: it wraps.
         let data_id = T::TOPIC.data_id(source);
         let (bytes, counter) = (bytemuck::bytes_of_mut(&mut *message), sequence as u32);
+        let in_use = T::LAYOUT.bytes_in_use(bytes);
+        let bytes = &mut bytes[..in_use];
         match self.port.sealing() {
             Sealing::Sealed => profile7::protect(bytes, data_id, counter),
             Sealing::Unsealed => profile7::mark(bytes, data_id, counter),

@@ -8,7 +8,7 @@ use crate::members::Members;
 use crate::transport::{Receiver, Rooms, SenderId, TransportError};
 use crate::waking::{Ticket, Waiter};
 use crate::{Clock, RuntimeError};
-use messages::e2e::Channel;
+use messages::e2e::{Channel, profile7};
 use messages::{Header, Message, Origin, Service};
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -173,6 +173,7 @@ impl<T: Message> Subscriber<T> {
             return false;
         };
         let bytes = bytemuck::bytes_of(sample);
+        let bytes = profile7::protected(bytes, T::LAYOUT.bytes_in_use(bytes));
         if self.fences.as_ref().is_some_and(|f| !f.accept(source, header.incarnation)) {
             // Of a process that its standby has replaced.
             tally.e2e.wrong_sequence += 1;

@@ -1,21 +1,18 @@
 //! A message after it arrived: a small one copied, a large one where its sender wrote it.
 //!
-//! A message of up to [`COPIED_BYTES`] is copied before it is checked, so that a faulty sender cannot
+//! A message of up to [`SMALL_BYTES`] bytes is copied before it is checked, so that a faulty sender cannot
 //! write into it after the check. A larger one is borrowed: copying the radar's detections would cost
 //! more than carrying them. In the memory of one process a message that was sent can be read only, and
 //! every one is borrowed.
 
 use super::pooled::PooledIpc as Ipc;
 use iceoryx2::sample::Sample;
-use messages::Message;
+use messages::{Message, SMALL_BYTES};
 use std::rc::Rc;
-
-/// Largest message that is copied when it arrives, bytes.
-pub const COPIED_BYTES: usize = 4 << 10;
 
 /// True if messages of type `T` are copied when they arrive.
 pub(super) const fn is_copied<T>() -> bool {
-    size_of::<T>() <= COPIED_BYTES
+    size_of::<T>() <= SMALL_BYTES
 }
 
 /// Room for one received message.

@@ -11,7 +11,7 @@ mod shared_memory;
 
 pub use ends::{Connect, Input, Receiver, Sealing, Sender, SenderId};
 pub use error::TransportError;
-pub use held::{COPIED_BYTES, Held, Rooms};
+pub use held::{Held, Rooms};
 pub use loan::Loan;
 pub(super) use memory::{Bus, Seat};
 pub(super) use payload::{PAYLOAD_TOPIC, Payload, Stamp};
