@@ -27,7 +27,9 @@ pub(super) struct LightCurve {
     stiffness: f64,
 }
 
+/// A whole word: a tangent with a byte and seven unused ones is copied in pieces, and each load waits for the stores before it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u64)]
 enum Region {
     /// `D ≥ d_th`, `α = 0`.
     #[default]

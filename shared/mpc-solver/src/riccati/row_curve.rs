@@ -14,7 +14,9 @@ use crate::problem::{Row, Softness};
 /// Slope that stands for the vertical part, in largest multipliers per unit of the limit.
 pub(super) const STIFFNESS: f64 = 3e4;
 
+/// A whole word: a tangent with a byte and seven unused ones is copied in pieces, and each load waits for the stores before it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u64)]
 enum Region {
     /// `z ≤ 0`, `μ = 0`.
     #[default]

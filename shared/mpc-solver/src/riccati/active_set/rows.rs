@@ -110,15 +110,20 @@ impl WorkingRows {
             violated += count;
             // The worst of the present run, if its violation is positive.
             let mut worst = (0, 0.0);
+            let mut left = count;
             for (i, (x, h)) in states.iter().zip(limits).enumerate() {
                 let (k, z) = (row.from + i, dot(&row.gradient, x) - h);
                 if is_violated(z, *h) {
+                    left -= 1;
                     if z > worst.1 {
                         worst = (k, z);
                     }
                 } else if worst.1 > 0.0 {
                     update = self.enter(j, worst.0, update);
                     worst = (0, 0.0);
+                }
+                if left == 0 {
+                    break;
                 }
             }
             if worst.1 > 0.0 {
