@@ -33,7 +33,7 @@
 //! min_gap_m = 1.0
 //! ```
 
-use super::tally::{FIGURES, Figure};
+use super::tally::{FIGURES, Figure, limit_of_part};
 use super::variation::Variants;
 use crate::parts::Shard;
 use group::{Error, Failure};
@@ -271,6 +271,15 @@ pub const BUILTIN: [Builtin; 5] = [
 ];
 
 impl Campaign {
+    /// Other seeds than the file's. Of fewer its share of the required least numbers is asked for.
+    pub(super) fn limit_seeds(&mut self, seeds: NonZeroU32) {
+        let share = (f64::from(seeds.get()) / f64::from(self.seeds.get())).min(1.0);
+        for (key, limit) in &mut self.require {
+            *limit = limit_of_part(key, *limit, share);
+        }
+        self.seeds = seeds;
+    }
+
     /// The built-in campaign of that name, or the file at that path.
     pub fn open(argument: &str) -> Result<Self, Error> {
         if let Some(builtin) = BUILTIN.iter().find(|builtin| builtin.name == argument) {
@@ -423,6 +432,17 @@ mod tests {
             let again = Campaign::parse("again", &campaign.to_toml());
             assert_eq!(again.expect("it was written by us"), campaign);
         }
+    }
+
+    #[test]
+    fn of_fewer_seeds_their_share_of_a_least_number_is_required() {
+        let mut campaign = Campaign::open("messages").expect("it is built in");
+        let least = |campaign: &Campaign| campaign.require["min_critical_faults"];
+        let (all, seeds) = (least(&campaign), campaign.seeds.get());
+        campaign.limit_seeds(NonZeroU32::new(2 * seeds).expect("some"));
+        assert_eq!(least(&campaign), all);
+        campaign.limit_seeds(NonZeroU32::new(seeds / 5).expect("some"));
+        assert_eq!((least(&campaign), campaign.require["max_red_lights"]), (all / 10.0, 0.0));
     }
 
     #[test]

@@ -200,7 +200,9 @@ fn open(arguments: &CampaignArguments) -> Result<Campaign, Error> {
         (None, Some(begun)) => begun.clone(),
         (None, None) => return Err(CampaignError::NoneNamed.into()),
     };
-    asked.seeds = arguments.seeds.unwrap_or(asked.seeds);
+    if let Some(seeds) = arguments.seeds {
+        asked.limit_seeds(seeds);
+    }
     let shard = arguments.parts.shard.map(ShardChoice::resolve).transpose()?;
     asked.shard = shard.or(asked.shard);
     asked.sample = arguments.sample.or(asked.sample);

@@ -262,3 +262,16 @@ impl Figure {
         }
     }
 }
+
+/// The figure of a `max_` or `min_` key, and whether it is the least that it may be.
+pub(super) fn figure(key: &str) -> (&'static Figure, bool) {
+    let (bound, name) = key.split_at(4);
+    let figure = Figure::named(name).expect("the campaign's keys were checked when it was read");
+    (figure, bound == "min_")
+}
+
+/// What a requirement asks of a share of the runs: of a least number that share.
+pub(super) fn limit_of_part(key: &str, limit: f64, share: f64) -> f64 {
+    let (figure, least) = figure(key);
+    if least && figure.is_count() { (limit * share).floor() } else { limit }
+}

@@ -4,7 +4,7 @@ use super::exposure::Exposure;
 use super::file::Campaign;
 use super::plan::Plan;
 use super::record::Record;
-use super::tally::{Figure, Sum, Tally, within};
+use super::tally::{Sum, Tally, figure, limit_of_part, within};
 use crate::batch::ProcessesSample;
 use runtime::Mode;
 use serde::Serialize;
@@ -204,17 +204,10 @@ impl Verdict {
     }
 }
 
-/// The figure of a `max_` or `min_` key, and whether it is the least that it may be.
-fn figure(key: &str) -> (&'static Figure, bool) {
-    let (bound, name) = key.split_at(4);
-    let figure = Figure::named(name).expect("the campaign's keys were checked when it was read");
-    (figure, bound == "min_")
-}
-
 /// Judges `share` of a campaign's runs: of what has to happen so often in all of them, a part is due.
 fn judge(key: &str, limit: f64, share: f64, all: &Tally) -> Requirement {
+    let limit = limit_of_part(key, limit, share);
     let (figure, least) = figure(key);
-    let limit = if least && figure.is_count() { (limit * share).floor() } else { limit };
     let found = figure.value(all);
     let ok = found.is_some_and(|value| within(value, limit, least));
     Requirement { requirement: key.into(), limit, found, ok }
