@@ -120,6 +120,20 @@ pub enum ReadError {
     },
 }
 
+impl ReadError {
+    /// The same for a value that was given in a file: says where.
+    pub(crate) fn given_at(self, place: &Place) -> Self {
+        match self {
+            Self::Override { name, value, reason, expected } => Self::Meaning {
+                place: place.clone(),
+                reason: format!("parameter {name}={value}: {reason}"),
+                expected,
+            },
+            other => other,
+        }
+    }
+}
+
 /// Lists names as `a`, `b` or `c`.
 pub(crate) fn one_of<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let names: Vec<String> = names.into_iter().map(|name| format!("`{name}`")).collect();

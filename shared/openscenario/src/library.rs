@@ -134,7 +134,9 @@ impl<'a> Library<'a> {
                     ));
                 }
                 let assigned = assignments(reference)?;
-                let scope = Scope::default().with(&document.file, element, &assigned)?;
+                let scope = Scope::default()
+                    .with(&document.file, element, &assigned)
+                    .map_err(|error| error.given_at(&reference.place()))?;
                 return take(Node { file: &document.file, element, scope: &scope });
             }
         }

@@ -220,9 +220,9 @@ impl Scenario {
         overrides: &Overrides,
         check: &dyn Fn(&Self) -> Result<(), Problem>,
     ) -> Result<Self, storyboard::OpenError> {
-        let text = storyboard::translate(path, parameters)?;
-        let source = format!("{} as a scenario", path.display());
-        Ok(Self::build(&source, &text, overrides, Place::BuiltIn, check)?)
+        let translation = storyboard::Translation::of(path, parameters)?;
+        let built = Self::build("", &translation.text, overrides, Place::BuiltIn, check);
+        Ok(built.map_err(|error| translation.in_its_file(error))?)
     }
 
     fn build(

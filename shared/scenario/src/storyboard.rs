@@ -11,7 +11,8 @@ use std::path::Path;
 use openscenario::model::condition::{Condition, Test, Trigger};
 use openscenario::model::{Drive, Script};
 use openscenario::parameter::Rule;
-use openscenario::{Assignment, Disk, ReadError, World, WorldError, read};
+use openscenario::read::{self, Lines};
+use openscenario::{Assignment, Disk, ReadError, World, WorldError};
 use serde::{Deserialize, Serialize};
 
 use super::actor::{MAX_ACTORS, Profile};
@@ -49,10 +50,10 @@ pub enum OpenError {
     #[error("error: {0}")]
     Read(#[from] ReadError),
     /// Its beginning makes no sense.
-    #[error("error: {file}: {cause}")]
+    #[error("error: {place}: {cause}")]
     Start {
-        /// The file.
-        file: String,
+        /// The file, with the line where it says how the entity begins.
+        place: String,
         /// What is wrong.
         cause: WorldError,
     },
@@ -69,38 +70,89 @@ pub enum OpenError {
     Scenario(#[from] ScenarioError),
 }
 
-/// The text of a scenario that runs an OpenSCENARIO file.
-pub(super) fn translate(path: &Path, parameters: &[Assignment]) -> Result<String, OpenError> {
-    let file = path.display().to_string();
-    let read = read::scenario(path, &Disk, parameters)?;
-    let world = World::new(read.script.clone())
-        .map_err(|cause| OpenError::Start { file: file.clone(), cause })?;
-    let script = read.script;
-    let count = script.entities.len() - 1;
-    if count > MAX_ACTORS {
-        return Err(OpenError::Actors { file, count });
+/// An OpenSCENARIO file as the text of a scenario.
+pub(super) struct Translation {
+    pub(super) text: String,
+    file: String,
+    lines: Lines,
+    ego: usize,
+    /// Names of all entities.
+    entities: Vec<String>,
+    /// The entity behind each actor.
+    actors: Vec<usize>,
+}
+
+impl Translation {
+    /// Reads the file, and writes the scenario that runs it.
+    pub(super) fn of(path: &Path, parameters: &[Assignment]) -> Result<Self, OpenError> {
+        let file = path.display().to_string();
+        let read = read::scenario(path, &Disk, parameters)?;
+        let (script, lines) = (read.script, read.lines);
+        let world = World::new(script.clone()).map_err(|cause| {
+            let entity = cause.entity().and_then(|name| script.entity(name));
+            let place = match entity {
+                Some(entity) => format!("{file}:{}", lines.starts[entity]),
+                None => file.clone(),
+            };
+            OpenError::Start { place, cause }
+        })?;
+        let count = script.entities.len() - 1;
+        if count > MAX_ACTORS {
+            return Err(OpenError::Actors { file, count });
+        }
+        let ego = world.motion(script.ego);
+        let printable: String = read.description.chars().filter(|c| !c.is_control()).collect();
+        let entities = script.entities.iter().map(|entity| entity.name.clone()).collect();
+        let (ego_index, scripted) = (script.ego, scripted(&script).collect());
+        let translated = Translated {
+            schema_version: SCHEMA_VERSION,
+            name: word(path.file_stem().and_then(|stem| stem.to_str()), "scenario"),
+            description: printable.chars().take(MAX_LINE).collect(),
+            duration_s: ends_after(&script).unwrap_or(DEFAULT_DURATION_S),
+            set_speed_mps: ego.speed_mps,
+            plant: TranslatedEgo {
+                initial_speed_mps: ego.speed_mps,
+                length_m: script.entities[script.ego].body.length_m,
+            },
+            actors: actors(&script, &world),
+            storyboard: Storyboard {
+                source: file.clone(),
+                notices: read.notices,
+                parameters: read.parameters.into_iter().collect(),
+                script,
+            },
+        };
+        let text = toml::to_string(&translated).expect("a script has a form in TOML");
+        Ok(Self { text, file, lines, ego: ego_index, entities, actors: scripted })
     }
-    let ego = world.motion(script.ego);
-    let printable: String = read.description.chars().filter(|c| !c.is_control()).collect();
-    let translated = Translated {
-        schema_version: SCHEMA_VERSION,
-        name: word(path.file_stem().and_then(|stem| stem.to_str()), "scenario"),
-        description: printable.chars().take(MAX_LINE).collect(),
-        duration_s: ends_after(&script).unwrap_or(DEFAULT_DURATION_S),
-        set_speed_mps: ego.speed_mps,
-        plant: TranslatedEgo {
-            initial_speed_mps: ego.speed_mps,
-            length_m: script.entities[script.ego].body.length_m,
-        },
-        actors: actors(&script, &world),
-        storyboard: Storyboard {
-            source: file,
-            notices: read.notices,
-            parameters: read.parameters.into_iter().collect(),
-            script,
-        },
-    };
-    Ok(toml::to_string(&translated).expect("a script has a form in TOML"))
+
+    /// An error of the scenario, at the place in the OpenSCENARIO file that it comes from.
+    pub(super) fn in_its_file(&self, error: ScenarioError) -> ScenarioError {
+        let Some((line, text)) = error.line() else { return error };
+        let key = text.split(" = ").next().unwrap_or_default();
+        let headings = || self.text.lines().take(line).filter(|line| line.starts_with('['));
+        let entity = match headings().last() {
+            None if key == "set_speed_mps" => Some(self.ego),
+            Some("[plant]") => Some(self.ego),
+            Some("[[actors]]") => self
+                .actors
+                .get(headings().filter(|line| *line == "[[actors]]").count() - 1)
+                .copied(),
+            _ => None,
+        };
+        let (line, of) = match entity {
+            Some(entity) if key == "length_m" => {
+                (Some(self.lines.entities[entity]), format!("`{}`", self.entities[entity]))
+            }
+            Some(entity) => {
+                (Some(self.lines.starts[entity]), format!("`{}` in Init", self.entities[entity]))
+            }
+            None if key == "duration_s" => (self.lines.stop, "the `StopTrigger`".to_owned()),
+            None => (None, "the file".to_owned()),
+        };
+        let place = line.map_or(self.file.clone(), |line| format!("{}:{line}", self.file));
+        error.translated(&place, &format!("{of} makes a scenario with {}", text.trim()))
+    }
 }
 
 /// What a translated file sets of a scenario; all else has its default.
@@ -132,15 +184,19 @@ struct TranslatedActor {
     profile: Profile,
 }
 
+/// The entities that the storyboard moves.
+fn scripted(script: &Script) -> impl Iterator<Item = usize> {
+    let is_scripted = |&index: &usize| script.entities[index].drive == Drive::Scripted;
+    (0..script.entities.len()).filter(is_scripted)
+}
+
 /// The entities that the storyboard moves, as actors: where they are at the start.
 fn actors(script: &Script, world: &World) -> Vec<TranslatedActor> {
     let ego = world.extent(script.ego);
     let forward = world.motion(script.ego).direction() > 0.0;
     let mut actors: Vec<TranslatedActor> = Vec::new();
-    for (index, entity) in script.entities.iter().enumerate() {
-        if entity.drive == Drive::External {
-            continue;
-        }
+    for index in scripted(script) {
+        let entity = &script.entities[index];
         let (motion, extent) = (world.motion(index), world.extent(index));
         let gap_m = match forward {
             true => extent.from_s_m - ego.to_s_m,
@@ -265,5 +321,21 @@ mod tests {
     fn names_become_words() {
         assert_eq!(word(Some("Lead vehicle 1"), "x"), "Lead-vehicle-1");
         assert_eq!(word(Some(""), "x"), "x");
+    }
+
+    #[test]
+    fn what_does_not_fit_a_scenario_is_told_of_the_file_that_was_written() {
+        const FILE: &str = "crossing_pedestrian.xosc";
+        let directory = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/openscenario");
+        let path = Path::new(directory).join(FILE);
+        let assigned = Assignment { name: "Ego_Speed_mps".to_owned(), value: "200".to_owned() };
+        let said =
+            Scenario::open_openscenario(&path, &[assigned], &Default::default(), &|_| Ok(()))
+                .expect_err("too fast")
+                .to_string();
+        let place = format!(
+            "{FILE}:30: `Ego` in Init makes a scenario with initial_speed_mps = 200.0: 200 is out of range, expected "
+        );
+        assert!(said.contains(&place), "{said}");
     }
 }

@@ -31,6 +31,19 @@ pub struct Scenario {
     pub parameters: Vec<(String, String)>,
     /// What a person should know of how it is simulated, a sentence each.
     pub notices: Vec<String>,
+    /// Where in the scenario file its parts are.
+    pub lines: Lines,
+}
+
+/// Lines of the scenario file, from 1.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Lines {
+    /// Where each entity is declared.
+    pub entities: Vec<usize>,
+    /// Where Init says of each entity how it begins; where it is declared when Init does not.
+    pub starts: Vec<usize>,
+    /// Where the storyboard's stop trigger is.
+    pub stop: Option<usize>,
 }
 
 /// Reads a scenario file with its catalogs and its road. `assigned` values take the place of the
@@ -156,6 +169,7 @@ impl<'a> Reader<'a> {
         let storyboard = root.child("Storyboard")?;
         let init = self.init(storyboard.child("Init")?)?;
         let stories = self.stories(storyboard)?;
+        let lines = self.lines(storyboard)?;
         let stop = match storyboard.child_if("StopTrigger") {
             Some(trigger) => Some(self.trigger(trigger)?),
             None => None,
@@ -189,7 +203,19 @@ impl<'a> Reader<'a> {
             description: header.text_if("description")?.unwrap_or_default(),
             parameters: root.scope.iter().map(|(name, v)| (name.to_owned(), v.text())).collect(),
             notices: self.notices.into_inner(),
+            lines,
         })
+    }
+
+    fn lines(&self, storyboard: Node<'_>) -> Result<Lines, ReadError> {
+        let objects = self.root.child("Entities")?.named("ScenarioObject");
+        let entities: Vec<usize> = objects.map(|object| object.element.line).collect();
+        let mut starts = entities.clone();
+        for private in storyboard.child("Init")?.child("Actions")?.named("Private") {
+            starts[self.entity_ref(private)?] = private.element.line;
+        }
+        let stop = storyboard.child_if("StopTrigger").map(|trigger| trigger.element.line);
+        Ok(Lines { entities, starts, stop })
     }
 
     fn notice(&self, text: String) {

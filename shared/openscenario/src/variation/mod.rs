@@ -2,10 +2,10 @@
 
 mod draw;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use crate::error::ReadError;
+use crate::error::{Place, ReadError};
 use crate::library::Source;
 use crate::node::Node;
 use crate::parameter::{Assignment, Scope};
@@ -24,6 +24,8 @@ pub struct Variation {
     pub scenario: PathBuf,
     /// The description of the header.
     pub description: String,
+    /// Where each parameter is first varied.
+    places: BTreeMap<String, Place>,
     combinations: Combinations,
 }
 
@@ -58,7 +60,21 @@ impl Variation {
             _ => drawn(kind)?,
         };
         let description = root.child("FileHeader")?.text_if("description")?.unwrap_or_default();
-        Ok(Self { scenario, description, combinations })
+        let mut places = BTreeMap::new();
+        locate(kind, &mut places)?;
+        Ok(Self { scenario, description, places, combinations })
+    }
+
+    /// An error about a value that this file gives to a parameter of its scenario, with the place in this file.
+    #[must_use]
+    pub fn locate(&self, error: ReadError) -> ReadError {
+        match &error {
+            ReadError::Override { name, .. } => match self.places.get(name) {
+                Some(place) => error.given_at(place),
+                None => error,
+            },
+            _ => error,
+        }
     }
 
     /// How many combinations there are.
@@ -92,6 +108,15 @@ impl Variation {
             }
         }
     }
+}
+
+fn locate(node: Node<'_>, places: &mut BTreeMap<String, Place>) -> Result<(), ReadError> {
+    for name in ["parameterName", "parameterRef"] {
+        if let Some(name) = node.text_if(name)? {
+            places.entry(name).or_insert_with(|| node.place());
+        }
+    }
+    node.children().try_for_each(|child| locate(child, places))
 }
 
 fn all(node: Node<'_>) -> Result<Combinations, ReadError> {

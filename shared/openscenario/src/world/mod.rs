@@ -76,6 +76,19 @@ pub enum WorldError {
     },
 }
 
+impl WorldError {
+    /// The entity that it is about.
+    #[must_use]
+    pub fn entity(&self) -> Option<&str> {
+        match self {
+            Self::Index { .. } | Self::Element(_) => None,
+            Self::Placement { entity, .. }
+            | Self::Width { entity, .. }
+            | Self::Speed { entity } => Some(entity),
+        }
+    }
+}
+
 /// Everything that a world remembers: restored into a world of the same script, it goes on the same way.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {

@@ -40,7 +40,8 @@ impl Variants {
         let template = read::Template::open(&variation.scenario, &Disk).map_err(refuse)?;
         let mut admitted = Vec::new();
         for index in 0..variation.len() {
-            if template.admits(&variation.get(index)).map_err(refuse)? {
+            let admitted_so = template.admits(&variation.get(index));
+            if admitted_so.map_err(|error| refuse(variation.locate(error)))? {
                 admitted.push(index);
             }
         }
@@ -147,6 +148,7 @@ mod tests {
         let files = Files::new("unfit", &VARIATION.replace("\"v\"", "\"w\""));
         let said =
             of_variation(&files.0.join("v.xosc")).expect_err("no such parameter").to_string();
-        assert!(said.contains("parameter w=10") && said.contains("does not declare it"), "{said}");
+        assert!(said.contains("v.xosc:3: parameter w=10"), "{said}");
+        assert!(said.contains("a.xosc does not declare it, expected `v` or `m`"), "{said}");
     }
 }
