@@ -133,7 +133,8 @@ pub struct AccelerationPiece {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CsvFile {
-    /// Path of the file; a relative one starts at the scenario file's directory.
+    /// Path of the file; a relative one starts at the scenario file's directory, with `--set` also at the
+    /// present one.
     pub file: PathBuf,
     /// What the file held when the scenario was opened; not read again when present.
     #[serde(default)]

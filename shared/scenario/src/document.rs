@@ -103,6 +103,12 @@ impl<'a> Document<'a> {
         self.locate(path).1
     }
 
+    /// Whether the key was set on the command line.
+    pub(super) fn is_set(&self, path: &str) -> bool {
+        let (span, written) = self.locate(path);
+        written && span.start > self.text.len()
+    }
+
     /// The place of the key's value, or of the nearest table above it, and which of the two it is.
     fn locate(&self, path: &str) -> (Range<usize>, bool) {
         let mut span = self.root.span();
@@ -125,7 +131,13 @@ impl<'a> Document<'a> {
 
     fn lay_over(&mut self, option: &'a Override, base: usize) -> Result<(), ScenarioError> {
         let mut value = option.value()?;
-        self.make_way_for_profile(option.path());
+        match (option.path(), value.get_ref()) {
+            (path @ [_, _, _, (kind, _), ..], _) => self.make_way_for_profile(path, kind),
+            (path @ [_, _, _], DeValue::Table(table)) => {
+                table.keys().for_each(|kind| self.make_way_for_profile(path, kind.get_ref()));
+            }
+            _ => {}
+        }
         shift(&mut value, base + option.value_start());
         set_in_table(self.root.get_mut(), option.path(), value, base).map_err(
             |(span, message, expected)| {
@@ -136,8 +148,8 @@ impl<'a> Document<'a> {
 
     /// An actor has one profile: one that an option sets replaces the file's, and a table of speeds
     /// the initial speed with it.
-    fn make_way_for_profile(&mut self, path: &Path) {
-        let [(actors, _), (index, _), (key, _), (kind, _), ..] = path else { return };
+    fn make_way_for_profile(&mut self, path: &Path, kind: &str) {
+        let [(actors, _), (index, _), (key, _), ..] = path else { return };
         if (actors.as_str(), key.as_str()) != ("actors", "profile") {
             return;
         }
@@ -152,7 +164,7 @@ impl<'a> Document<'a> {
                 profile.insert(key, value);
             }
         }
-        if matches!(kind.as_str(), "cycle" | "speeds" | "csv") {
+        if matches!(kind, "cycle" | "speeds" | "csv") {
             actor.remove("initial_speed_mps");
         }
     }

@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::string::FromUtf8Error;
 
 use super::Scenario;
@@ -45,21 +45,21 @@ pub(super) fn read(path: &Path) -> Result<String, TextFileError> {
     Ok(String::from_utf8(bytes)?)
 }
 
-/// Fills in what the scenario takes from files: the actors' speed tables, the road.
+/// Fills in what the scenario takes from files: the actors' speed tables, the road. `own` is the scenario
+/// file's directory.
 pub(super) fn load(
     scenario: &mut Scenario,
     document: &Document<'_>,
-    directory: &Path,
+    own: Option<&Path>,
 ) -> Result<(), ScenarioError> {
     for (index, actor) in scenario.actors.iter_mut().enumerate() {
         let Profile::Csv(csv) = &mut actor.profile else { continue };
-        if !csv.points.is_empty() {
-            continue;
-        }
-        let path = directory.join(&csv.file);
+        let key = format!("actors.{index}.profile.csv.file");
+        let is_set = is_set(document, &key, &format!("actors.{index}.profile.csv.points"));
+        let Some(path) = to_read(&csv.file, own, is_set, csv.points.is_empty()) else { continue };
         let text = read(&path).map_err(|reason| {
             document.problem(&Problem::new(
-                format!("actors.{index}.profile.csv.file"),
+                key,
                 format!("{} {reason}", path.display()),
                 "a CSV file with the columns time_s and speed_mps",
             ))
@@ -67,9 +67,9 @@ pub(super) fn load(
         csv.points = parse_csv(&path.display().to_string(), &text)?;
     }
     if let Road::Csv { file, points } = &mut scenario.road
-        && points.is_empty()
+        && let is_set = is_set(document, "road.csv", "road.points")
+        && let Some(path) = to_read(file, own, is_set, points.is_empty())
     {
-        let path = directory.join(file);
         let text = read(&path).map_err(|reason| {
             document.problem(&Problem::new(
                 "road.csv",
@@ -81,6 +81,21 @@ pub(super) fn load(
         *points = road::points_of(&profile);
     }
     Ok(())
+}
+
+/// Whether a file was set on the command line, and its points were not: those that are there are another's.
+fn is_set(document: &Document<'_>, file: &str, points: &str) -> bool {
+    document.is_set(file) && !document.is_set(points)
+}
+
+/// Where a file is that has to be read. A relative path starts at the directory `own`; one that was set on the
+/// command line starts at the present directory unless that file is in `own`.
+fn to_read(file: &Path, own: Option<&Path>, is_set: bool, is_unread: bool) -> Option<PathBuf> {
+    let beside = own.map(|own| own.join(file));
+    match is_set {
+        true => Some(beside.filter(|path| path.is_file()).unwrap_or_else(|| file.to_owned())),
+        false => beside.filter(|_| is_unread),
+    }
 }
 
 /// Reads the columns `time_s` and `speed_mps` of a CSV text; other columns are passed over.
@@ -114,6 +129,7 @@ pub(super) fn parse_csv(source: &str, text: &str) -> Result<Vec<SpeedPoint>, Sce
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::overrides::Overrides;
 
     fn refusal(text: &str) -> String {
         parse_csv("lead.csv", text).expect_err("the table is wrong").to_string()
@@ -159,5 +175,40 @@ mod tests {
     #[test]
     fn a_directory_is_not_a_scenario() {
         assert!(matches!(read(Path::new("/")), Err(TextFileError::Irregular)));
+    }
+
+    /// Also over a built-in scenario, which has no directory, and in the place of another file's points.
+    #[test]
+    fn a_file_that_is_set_on_the_command_line_is_read_from_the_present_directory() {
+        let here = std::env::current_dir().expect("it is there");
+        let directory = std::env::temp_dir().join(format!("timegap-set-{}", std::process::id()));
+        std::fs::create_dir_all(&directory).expect("writable");
+        std::fs::write(directory.join("road.csv"), "distance_m,height_m\n0,0\n400,4\n")
+            .expect("writable");
+        let up = "../".repeat(here.components().count());
+        let relative = format!("{up}{}", directory.join("road.csv").display());
+        let mut overrides = Overrides::new();
+        overrides.set(&format!("road={{csv=\"{relative}\"}}")).expect("an option");
+        let opened = Scenario::open("truck-hills", &overrides, &|_| Ok(())).expect("a scenario");
+        let Road::Csv { points, .. } = &opened.road else { panic!("{:?}", opened.road) };
+        assert_eq!(points.len(), 2);
+        let kept = directory.join("scenario.toml");
+        let other = opened.to_toml().replace("400.0", "500.0");
+        std::fs::write(&kept, other).expect("writable");
+        let mut overrides = Overrides::new();
+        overrides.set("road.csv=road.csv").expect("an option");
+        let again = Scenario::open(&kept.to_string_lossy(), &overrides, &|_| Ok(()));
+        let Road::Csv { points: read, .. } = again.expect("a scenario").road else { panic!() };
+        assert_eq!(&read, points);
+        std::fs::write(directory.join("lead.csv"), "time_s,speed_mps\n0,20\n9,20\n")
+            .expect("writable");
+        let lead = format!("{up}{}", directory.join("lead.csv").display());
+        let mut overrides = Overrides::new();
+        overrides
+            .set(&format!("actors[0].profile={{csv={{file=\"{lead}\"}}}}"))
+            .expect("an option");
+        let driven = Scenario::open("following", &overrides, &|_| Ok(())).expect("a scenario");
+        assert_eq!(driven.actors[0].profile.points().map(<[_]>::len), Some(2));
+        std::fs::remove_dir_all(&directory).expect("ours");
     }
 }

@@ -256,9 +256,7 @@ impl Scenario {
         scenario.follow_a_delay(|path| document.has(path));
         scenario.controller.place_command(directory);
         scenario.v2x.radio.place(directory);
-        if let Some(directory) = directory {
-            files::load(&mut scenario, &document, directory)?;
-        }
+        files::load(&mut scenario, &document, directory)?;
         check::all(&scenario).map_err(|problem| document.problem(&problem))?;
         check(&scenario).map_err(|problem| document.problem(&problem))?;
         Ok(scenario)

@@ -52,7 +52,7 @@ pub struct RoadKeys {
     /// A road that comes with the program.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub builtin: Option<BuiltinRoad>,
-    /// A CSV file; a relative path starts at the scenario file's directory.
+    /// A CSV file; a relative path starts at the scenario file's directory, with `--set` also at the present one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub csv: Option<PathBuf>,
     /// A road made by a random generator.
