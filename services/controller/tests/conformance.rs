@@ -351,6 +351,43 @@ fn a_car_right_ahead_is_braked_for() {
     });
 }
 
+#[test]
+fn a_car_that_stands_stays_at_a_set_speed_of_0() {
+    let far = Target {
+        track_id: 1,
+        gap_m: 80.0,
+        relative_speed_mps: 5.0,
+        acceleration_mps2: 0.0,
+        age_s: 0.02,
+    };
+    for target in [None, Some(far)] {
+        for_each(|law, _| {
+            let mut ego = Ego::default();
+            for k in 0..300 {
+                let signals = Default::default();
+                let input = Input { ego, target, set_speed_mps: 0.0, signals, ..ordinary(k) };
+                let request = ask(law, &input).plan_mps2[0];
+                for _ in 0..10 {
+                    ego.acceleration_mps2 += 0.01 / 0.5 * (request - ego.acceleration_mps2);
+                    let speed_mps = ego.speed_mps + 0.01 * ego.acceleration_mps2;
+                    if speed_mps <= 0.0 {
+                        (ego.speed_mps, ego.acceleration_mps2) = (0.0, 0.0);
+                    } else {
+                        (ego.speed_mps, ego.position_m) =
+                            (speed_mps, ego.position_m + 0.01 * speed_mps);
+                    }
+                }
+                assert!(
+                    ego.speed_mps <= 0.01,
+                    "{} m/s after {} s",
+                    ego.speed_mps,
+                    0.1 * f64::from(k)
+                );
+            }
+        });
+    }
+}
+
 /// Requests and the rest of every output, as bits.
 fn fingerprint(law: &mut dyn Law, seed: u64) -> Vec<u64> {
     let mut rng = Pcg64::new(u128::from(seed), 1);

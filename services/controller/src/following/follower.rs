@@ -6,7 +6,7 @@
 use super::driver::{Driver, Obstacle};
 use super::kinematics::{Lag, Motion};
 use super::safe_gap::{LeadNow, SafeGap};
-use super::soft_stop::{Room, soften};
+use super::soft_stop::{Room, soften, within_set_speed};
 
 /// What a follower is made with.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +35,7 @@ impl Follower {
         let driver = &self.driver;
         let Some(lead) = lead else {
             let free = driver.free_mps2(ego.speed_mps, desired_mps);
+            let free = within_set_speed(free, desired_mps);
             return soften(free, ego, self.lag.tau_s, Room::FREE);
         };
         let obstacle = Obstacle {
@@ -48,7 +49,7 @@ impl Follower {
         let bounds = (-driver.hardest_mps2, -driver.deceleration_mps2);
         let reckoned = self.lead_deceleration_mps2;
         let safe = SafeGap::new(self.lag, period_s, bounds, self.min_gap_m, reckoned);
-        let request = safe.apply(wanted, ego, lead);
+        let request = safe.apply(within_set_speed(wanted, desired_mps), ego, lead);
         let wanted_m = lead.room_m(self.min_gap_m);
         let room = Room { wanted_m, spare_m: 0.5 * self.min_gap_m };
         soften(request, ego, self.lag.tau_s, room)

@@ -44,6 +44,11 @@ impl Room {
     pub(crate) const FREE: Self = Self { wanted_m: f64::INFINITY, spare_m: 0.0 };
 }
 
+/// The request at a set speed: at one of 0 a vehicle never accelerates. The driver's model keeps a little more.
+pub(crate) fn within_set_speed(request_mps2: f64, set_speed_mps: f64) -> f64 {
+    if set_speed_mps > 0.0 { request_mps2 } else { request_mps2.min(0.0) }
+}
+
 /// The request with a soft end of the stop, if there is one within `room`.
 pub(crate) fn soften(request_mps2: f64, ego: Motion, tau_s: f64, room: Room) -> f64 {
     let (v, a) = (ego.speed_mps, ego.acceleration_mps2);

@@ -7,7 +7,7 @@ use super::modes::{self, Mode, Reason, Situation};
 use super::parameters::{Parameters, Spacing, Variant};
 use super::requests;
 use crate::following::kinematics::Motion;
-use crate::following::soft_stop::{Room, soften};
+use crate::following::soft_stop::{Room, soften, within_set_speed};
 use crate::law::{Ego, Figure, Formulation, Input, Law, Output, Quality, Target};
 use crate::settings::{SettingError, Settings as _};
 
@@ -263,6 +263,7 @@ impl Law for SixMode {
                     Some((s, _)) => self.grade(demand, cruise, &input, &s),
                     None => demand,
                 };
+                let demand = within_set_speed(demand, input.set_speed);
                 let demand = self.soften(demand, &input.ego, seen.map(|(s, _)| s));
                 self.request = self.limit(demand, input.period);
             }

@@ -63,7 +63,7 @@ use super::config::Config;
 use super::plan::PlanMemory;
 use crate::following::kinematics::{Lag, Motion};
 use crate::following::safe_gap::LeadNow;
-use crate::following::soft_stop::{Room, soften};
+use crate::following::soft_stop::{Room, soften, within_set_speed};
 use crate::law::{Input, Law, MAX_SIGNALS, Output, Quality};
 
 /// Speed that stands for "no limit", m/s.
@@ -310,6 +310,7 @@ impl RoadLaw {
             // It waits at the line.
             safe = safe.min(0.0);
         }
+        safe = within_set_speed(safe, seen.desired_mps);
         let min_gap_m = self.config.road.min_gap_m;
         let lead_m = seen.lead.map_or(f64::INFINITY, |lead| lead.room_m(min_gap_m));
         let to_line_m = line_m - LINE_ROOM_M;
