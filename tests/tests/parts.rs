@@ -94,7 +94,7 @@ fn a_comparison_and_a_matrix_in_parts_give_the_figures_of_one_machine() {
     let corner = Corner::new(PROGRAM);
     let compare = ["compare", "cut-in", "cacc-a", "--controllers", "acc-mpc,six-mode"];
     let matrix =
-        ["r157", "--matrix", "following,cut-out", "--controllers", "acc-mpc", "--sample", "3"];
+        ["r157", "--matrix", "cut-in,cut-out", "--controllers", "acc-mpc", "--sample", "3"];
     for (name, study) in [("compare", &compare[..]), ("r157", &matrix[..])] {
         let whole = format!("{name}-whole");
         let output = corner.run(&[study, &["--out", &whole]].concat());
@@ -118,6 +118,10 @@ fn a_comparison_and_a_matrix_in_parts_give_the_figures_of_one_machine() {
         };
         assert_eq!(json(&whole), json(&merged), "{name}");
     }
+    let table = ["--csv", "cut-ins.csv", "--out", "again"];
+    let merged = corner.run(&[&["r157", "--merge", "r157-1", "r157-2"], &table[..]].concat());
+    assert!(matches!(merged.status.code(), Some(0 | 1)), "{}", text(&merged));
+    assert_eq!(file(&corner, "cut-ins.csv").lines().count(), 4, "a heading and three cases");
 }
 
 fn outside_an_array_job_auto_is_refused() {

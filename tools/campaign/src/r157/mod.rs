@@ -11,7 +11,7 @@ pub mod scene;
 pub mod settled;
 
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
@@ -80,9 +80,7 @@ pub fn run(arguments: &R157Arguments) -> Result<ExitCode, Error> {
 /// Does the runs that are left of this part.
 fn drive(arguments: &R157Arguments) -> Result<ExitCode, Error> {
     let plan = Plan::of(arguments)?;
-    if let Some(path) = &arguments.csv {
-        write_table(path, &plan.matrices)?;
-    }
+    write_table(arguments.csv.as_deref(), &plan.matrices)?;
     let runs = plan.runs();
     let study = Study::of_this_command(runs, &first_scenario(arguments)?);
     let (mut part, output) = Part::<Kept>::open(&arguments.parts, &arguments.output, study)?;
@@ -122,6 +120,7 @@ fn merge(arguments: &R157Arguments) -> Result<ExitCode, Error> {
         Merged::<Kept>::read("r157", &arguments.parts.merge, arguments.output.out.as_deref())?;
     let of_parts: R157Arguments = merged.study.arguments()?;
     let plan = Plan::of(&of_parts)?;
+    write_table(arguments.csv.as_deref(), &plan.matrices)?;
     merged.check(plan.runs(), &first_scenario(&of_parts)?)?;
     name_incomplete(&merged.incomplete);
     if !merged.incomplete.is_empty() {
@@ -164,7 +163,8 @@ pub struct NoCutIns;
 
 impl Failure for NoCutIns {}
 
-fn write_table(path: &std::path::Path, matrices: &[(Matrix, Vec<Case>)]) -> Result<(), Error> {
+fn write_table(path: Option<&Path>, matrices: &[(Matrix, Vec<Case>)]) -> Result<(), Error> {
+    let Some(path) = path else { return Ok(()) };
     let cut_ins: Vec<_> = matrices
         .iter()
         .flat_map(|(_, cases)| cases)
