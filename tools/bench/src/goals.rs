@@ -35,7 +35,9 @@ pub struct Goal {
     pub name: String,
     /// Cores of both.
     pub placement: Placement,
-    /// Figure of ours: µs, or events per million cycles.
+    /// Unit of both figures: µs, or events per million cycles.
+    pub unit: &'static str,
+    /// Figure of ours.
     pub ours: f64,
     /// The same figure of the floor.
     pub floor: f64,
@@ -66,7 +68,7 @@ impl Goal {
         let ci95 = [finite(low), finite(high)];
         let caveats = Vec::new();
         let ratio = finite(ratio);
-        Self { name, placement, ours, floor, ratio, ci95, limit, n, verdict, caveats }
+        Self { name, placement, unit: "µs", ours, floor, ratio, ci95, limit, n, verdict, caveats }
     }
 }
 
@@ -117,6 +119,7 @@ pub fn of_chain(period_us: u32, placement: Placement, blocks: &[(f64, f64)]) -> 
 pub fn of_misses(placement: Placement, ours: Events, floor: Events) -> Option<Goal> {
     let name = "deadline misses per million at 1 ms over the floor's".to_owned();
     let goal = Goal::new(name, placement, 1.0, statistics::rates(ours, floor)?);
+    let goal = Goal { unit: "per million", ..goal };
     Some(if ours.events == 0 { Goal { verdict: Verdict::Met, ..goal } } else { goal })
 }
 

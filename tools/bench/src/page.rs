@@ -83,8 +83,8 @@ fn goals(report: &Report) -> String {
             vec![
                 Cell::Plain(goal.name.clone()),
                 Cell::Plain(goal.placement.name().replace('_', " ")),
-                Cell::Plain(number(goal.ours, 1)),
-                Cell::Plain(number(goal.floor, 1)),
+                Cell::Plain(format!("{} {}", number(goal.ours, 1), goal.unit)),
+                Cell::Plain(format!("{} {}", number(goal.floor, 1), goal.unit)),
                 Cell::Plain(ratio(goal.ratio)),
                 Cell::Plain(interval(goal.ci95)),
                 Cell::Plain(number(goal.limit, 2)),
@@ -105,14 +105,15 @@ fn goals(report: &Report) -> String {
         ("ratio", Column::Number),
         ("95 % interval", Column::Number),
         ("limit", Column::Number),
-        ("n", Column::MoreNumber),
+        ("samples", Column::MoreNumber),
         ("verdict", Column::Text),
     ];
     table(&head, &rows)
 }
 
-/// Largest ratio that the intervals' axis shows, over the limit.
+/// Least end of the intervals' axis, and its largest, as a ratio over the limit.
 const WIDEST: f64 = 2.0;
+const WIDEST_OF_ALL: f64 = 5.0;
 
 /// The intervals as bars, each over its goal's limit: what ends left of 1 is met, what begins right of
 /// it is missed.
@@ -120,8 +121,10 @@ fn intervals(report: &Report) -> String {
     if report.goals.is_empty() {
         return String::new();
     }
+    let ends = report.goals.iter().filter_map(|goal| Some((goal.ci95[1]? / goal.limit).ceil()));
+    let widest = ends.fold(WIDEST, f64::max).min(WIDEST_OF_ALL);
     let row = |goal: &Goal| {
-        let place = |end: Option<f64>| end.map_or(WIDEST, |end| (end / goal.limit).min(WIDEST));
+        let place = |end: Option<f64>| end.map_or(widest, |end| (end / goal.limit).min(widest));
         let [low, high] = goal.ci95;
         let tone = match goal.verdict {
             Verdict::Met => Tone::Go,
@@ -137,8 +140,9 @@ fn intervals(report: &Report) -> String {
         }
     };
     let bands = Bands {
-        title: "95 % intervals over their limits".into(),
-        x: Axis::linear("ratio over its limit", 0.0, WIDEST),
+        title: "95 % intervals of the ratios over their limits: met left of 1, missed right of it"
+            .into(),
+        x: Axis::linear("ratio over its limit", 0.0, widest),
         rows: report.goals.iter().map(row).collect(),
         marks: vec![Mark { x: 1.0, number: 1 }],
     };
@@ -241,8 +245,17 @@ fn picture(
             Some(Distribution { label, tone, stroke, latencies })
         })
         .collect();
-    let conditions = conditions.replace(':', ", ").replace('_', " ").replace("us", " µs");
-    distributions(&format!("{title}: {conditions}"), &drawn)
+    distributions(&format!("{title}: {}", conditions_in_words(conditions)), &drawn)
+}
+
+/// The conditions in a histogram's tag, `fifo:same_core:idle:1000us`.
+fn conditions_in_words(tag: &str) -> String {
+    let words = tag.replace(':', ", ").replace('_', " ");
+    let period = words.rsplit_once(", ").and_then(|(conditions, period)| {
+        let us: f64 = period.strip_suffix("us")?.parse().ok()?;
+        Some(format!("{conditions}, every {} ms", us / 1e3))
+    });
+    period.unwrap_or(words)
 }
 
 /// Bytes copied and time for each size.
@@ -271,8 +284,8 @@ fn hand_overs(rows: &[TransportRow]) -> String {
     let head = [
         ("conditions", Column::MoreText),
         ("what", Column::Text),
-        ("bytes", Column::Number),
-        ("copied", Column::Number),
+        ("size, bytes", Column::Number),
+        ("copied, bytes", Column::Number),
         ("p50", Column::Number),
         ("p99", Column::MoreNumber),
         ("samples", Column::MoreNumber),
@@ -338,4 +351,18 @@ fn deadlines(rows: &[DeadlineRow]) -> String {
         ("of its cycles", Column::MoreNumber),
     ];
     table(&head, &cells)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn conditions_are_told_with_their_period_in_ms() {
+        assert_eq!(
+            conditions_in_words("fifo:same_core:idle:500us"),
+            "fifo, same core, idle, every 0.5 ms"
+        );
+        assert_eq!(conditions_in_words("fifo:two_cores"), "fifo, two cores");
+    }
 }

@@ -171,8 +171,8 @@ fn goals(report: &Report, text: &mut String) {
     for goal in &report.goals {
         table.row([
             format!("{}, {}", goal.name, goal.placement.name()),
-            number(Some(goal.ours)),
-            number(Some(goal.floor)),
+            format!("{} {}", number(Some(goal.ours)), goal.unit),
+            format!("{} {}", number(Some(goal.floor)), goal.unit),
             ratio(goal.ratio),
             interval(goal.ci95),
             format!("{:.2}", goal.limit),

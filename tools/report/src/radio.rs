@@ -3,6 +3,7 @@
 use crate::duration::{duration, percentiles};
 use crate::html::{Column, section, table};
 use crate::summary::Summary;
+use crate::timing;
 use runtime::report::ObuReport;
 use runtime::statistics::Percentiles;
 
@@ -33,41 +34,37 @@ pub(crate) fn lines(summary: &Summary) -> Vec<(&'static str, String)> {
 
 /// The page's section; nothing where no signal came by radio.
 pub(crate) fn page(summary: &Summary) -> String {
-    let mut rows: Vec<Vec<String>> = Vec::new();
-    if let Some(radio) = &summary.radio {
-        for (verdict, count) in radio.verdicts.iter().filter(|(_, count)| **count > 0) {
-            rows.push(vec![format!("frames {}", verdict.replace('_', " ")), count.to_string()]);
-        }
+    let mut counts = String::new();
+    let radio = summary.radio.as_ref();
+    if let Some(radio) = radio {
+        let verdicts = radio.verdicts.iter().filter(|(_, count)| **count > 0);
+        let mut rows: Vec<Vec<String>> = verdicts
+            .map(|(verdict, count)| {
+                vec![format!("frames {}", verdict.replace('_', " ")), count.to_string()]
+            })
+            .collect();
         rows.push(vec!["frames without room in a batch".into(), radio.left_out.to_string()]);
         rows.push(vec!["own CAMs sent".into(), radio.cams_sent.to_string()]);
-        let times = [
-            ("time on air", radio.air_us),
-            ("age of the signal timing handed on", radio.age_us),
-            ("time to decode and check a frame", radio.decode_us),
-        ];
-        rows.extend(times.into_iter().filter_map(|(name, p)| row(name, p)));
+        let of = format!("of {} frames", radio.frames);
+        counts = table(&[("signals by radio", Column::Text), (&*of, Column::Number)], &rows)
+            + "<p>No frame is signed (IEEE 1609.2): that a sender is who it says is not proven.</p>\n";
     }
-    let reaction = summary.timing.signal_reaction_us;
-    rows.extend(row("signal's change to the first actuation that knows of it", reaction));
-    for (name, _, of_part) in hops(summary) {
-        rows.extend(row(&format!("of it: {name}"), of_part));
-    }
-    if rows.is_empty() {
+    let hops = hops(summary).map(|(name, _, of_part)| (format!("… {name}"), of_part));
+    let times = [
+        ("Time on air", radio.and_then(|radio| radio.air_us)),
+        ("Age of the signal timing handed on", radio.and_then(|radio| radio.age_us)),
+        ("Time to decode and check a frame", radio.and_then(|radio| radio.decode_us)),
+        (
+            "Signal's change to the first actuation that knows of it",
+            summary.timing.signal_reaction_us,
+        ),
+    ];
+    let hops = hops.iter().map(|(name, of_part)| (name.as_str(), *of_part));
+    let times = timing::table(times.into_iter().chain(hops));
+    if counts.is_empty() && times.is_empty() {
         return String::new();
     }
-    let count = match &summary.radio {
-        Some(radio) => format!("of {} frames", radio.frames),
-        None => String::new(),
-    };
-    let note =
-        "<p>No frame is signed (IEEE 1609.2): that a sender is who it says is not proven.</p>";
-    let note = if summary.radio.is_some() { note } else { "" };
-    let head = [("signals by radio", Column::Text), (&*count, Column::Number)];
-    section("Radio", &(table(&head, &rows) + note))
-}
-
-fn row(name: &str, figure: Option<Percentiles>) -> Option<Vec<String>> {
-    figure.map(|figure| vec![name.to_owned(), percentiles(&figure)])
+    section("Radio", &(counts + &times))
 }
 
 fn verdicts(radio: &ObuReport) -> String {

@@ -190,7 +190,7 @@ fn zeros(curve: &QuantileCurve) -> String {
 pub fn percentiles(summary: &Summary) -> String {
     let timing = &summary.timing;
     let hops = &timing.hops_us;
-    let rows: Vec<Vec<String>> = [
+    table([
         ("Reaction time, radar to first actuation", timing.reaction_time_us),
         ("… without the designed waits", timing.net_reaction_us),
         ("… radar to start of the control cycle", hops.radar_to_controller),
@@ -199,12 +199,17 @@ pub fn percentiles(summary: &Summary) -> String {
         ("Data age at every actuation", timing.data_age_us),
         ("Release jitter of the controller", timing.release_jitter_us),
         ("The law alone", timing.solve_us),
-    ]
-    .into_iter()
-    // In simulated time, what takes none says nothing.
-    .filter_map(|(name, percentiles)| Some((name, percentiles.filter(|p| p.max > 0.0)?)))
-    .map(|(name, percentiles)| row(name, &percentiles))
-    .collect();
+    ])
+}
+
+/// Percentiles, a row each; empty where nothing was timed.
+pub fn table<'a>(timed: impl IntoIterator<Item = (&'a str, Option<Percentiles>)>) -> String {
+    let rows: Vec<Vec<String>> = timed
+        .into_iter()
+        // In simulated time, what takes none says nothing.
+        .filter_map(|(name, percentiles)| Some((name, percentiles.filter(|p| p.max > 0.0)?)))
+        .map(|(name, percentiles)| row(name, &percentiles))
+        .collect();
     if rows.is_empty() {
         return String::new();
     }
