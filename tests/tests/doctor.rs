@@ -9,6 +9,8 @@ fn every_finding_has_its_shape() {
     let corner = Corner::new(PROGRAM);
     let report = corner.json(&["doctor"]);
     assert_eq!(report["can_run"], true, "these tests run here");
+    let uid = rustix::process::geteuid().as_raw();
+    assert!(!corner.path().join(format!("timegap-{uid}")).exists(), "it leaves nothing");
     let findings = report["findings"].as_array().expect("a list");
     assert!(findings.len() >= 16);
     for finding in findings {

@@ -79,7 +79,9 @@ pub fn shared_memory() -> Result<Room, RoomError> {
     group::shared_memory_room().map(|(size, free)| Room { size, free })
 }
 
-/// Directory for the sockets of all runs, made if need be.
+/// Directory for the sockets of all runs. It is made, and removed again unless runs are in it.
 pub fn base() -> Result<PathBuf, RootError> {
-    group::base()
+    let base = group::base()?;
+    let _ = std::fs::remove_dir(&base);
+    Ok(base)
 }
