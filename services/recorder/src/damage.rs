@@ -55,11 +55,9 @@ pub enum Damage {
         /// What is wrong with it.
         reason: String,
     },
-    /// A part of the file is too far from the order of log times to be merged, and was left out.
+    /// Parts of the file are too far from the order of log times to be put in it, and were left out.
     Disorder {
-        /// Where it begins.
-        offset: u64,
-        /// Its length, bytes.
+        /// Their length, bytes.
         bytes: u64,
     },
     /// Messages of a topic are no little-endian CDR of the topic's type, and were left out.
@@ -89,7 +87,7 @@ impl Damage {
     /// True where `timegap recover` writes a file without it.
     #[must_use]
     pub fn can_be_left_out(&self) -> bool {
-        matches!(self, Self::CutOff { .. } | Self::Chunk { .. } | Self::Disorder { .. })
+        matches!(self, Self::CutOff { .. } | Self::Chunk { .. })
     }
 }
 
@@ -103,9 +101,10 @@ impl fmt::Display for Damage {
             Self::Chunk { offset, bytes, reason } => {
                 write!(f, "{bytes} bytes from byte {offset} on are damaged ({reason})")
             }
-            Self::Disorder { offset, bytes } => write!(
+            Self::Disorder { bytes } => write!(
                 f,
-                "{bytes} bytes from byte {offset} on are too far out of the order of log times"
+                "{bytes} bytes are left out, and count as lost: the file is too far out of the order of log times, \
+                 expected sorted by log time (`mcap sort`)"
             ),
             Self::Payload { topic, messages } => {
                 let topic = topic.name();

@@ -11,17 +11,16 @@ use crate::source::{Source, Spot, Window};
 use crate::unpack::{LONGEST_CHUNK, UnpackError, unpack};
 use crate::{Damage, Record};
 use messages::Topic;
-use std::collections::VecDeque;
+use std::cmp::Ordering;
+use std::collections::{BinaryHeap, VecDeque};
 use std::io;
 use std::ops::Range;
 use std::sync::Arc;
 
 /// Bytes of messages outside chunks that are taken at once.
 const RUN_BYTES: usize = 1 << 20;
-/// Most bytes of chunks that are in memory to be merged.
+/// Most bytes of the file that are in memory to be merged.
 const MOST_MERGED: usize = 96 << 20;
-/// Most parts of the file that are merged.
-const MOST_PARTS: usize = 256;
 
 /// The messages of a recording, in the order of their log times.
 #[derive(Debug)]
@@ -32,7 +31,12 @@ pub struct Records {
     definitions: Definitions,
     /// Parts of the file that were not begun, earliest first.
     waiting: VecDeque<Segment>,
-    open: Vec<Part>,
+    /// The part with the next message on top.
+    open: BinaryHeap<Part>,
+    /// Parts that were begun so far.
+    begun: u64,
+    /// Bytes of the file that the open parts hold.
+    held: usize,
     damage: Vec<Damage>,
 }
 
@@ -56,6 +60,7 @@ enum BrokenPart {
 /// A part of the file that is being read.
 #[derive(Debug)]
 struct Part {
+    number: u64,
     window: Window,
     at: u64,
     to: u64,
@@ -88,7 +93,9 @@ impl Records {
             topics: topics.to_vec(),
             definitions: definitions.clone(),
             waiting,
-            open: Vec::new(),
+            open: BinaryHeap::new(),
+            begun: 0,
+            held: 0,
             damage: Vec::new(),
         }
     }
@@ -107,30 +114,48 @@ impl Records {
     /// Opens the parts of the file whose messages may be next.
     fn open_parts(&mut self) {
         loop {
-            let now = self.open.iter().filter_map(Part::log_time).min();
+            let now = self.open.peek().and_then(Part::log_time);
             let is_due = |segment: &Segment| now.is_none_or(|now| segment.first <= now);
             let Some(segment) = self.waiting.front().copied().filter(is_due) else { return };
             self.waiting.pop_front();
-            let held: usize = self.open.iter().map(|part| part.bytes.len()).sum();
-            if held > MOST_MERGED || self.open.len() >= MOST_PARTS {
-                self.damage.push(Damage::Disorder {
-                    offset: segment.from,
-                    bytes: segment.to - segment.from,
-                });
+            if self.held > MOST_MERGED {
+                self.leave_out(segment);
                 continue;
             }
-            let mut part = Part {
+            self.begun += 1;
+            let part = Part {
+                number: self.begun,
                 window: Window::new(&self.source),
                 at: segment.from,
                 to: segment.to,
                 bytes: Arc::default(),
                 entries: VecDeque::new(),
             };
-            self.fill(&mut part);
-            if !part.entries.is_empty() {
-                self.open.push(part);
+            self.go_on(part);
+        }
+    }
+
+    /// Reads on in `part`, and keeps it open if it has messages.
+    fn go_on(&mut self, mut part: Part) {
+        self.fill(&mut part);
+        if part.at >= part.to {
+            part.window = Window::new(&self.source);
+        }
+        if !part.entries.is_empty() {
+            self.held += part.held();
+            self.open.push(part);
+        }
+    }
+
+    fn leave_out(&mut self, segment: Segment) {
+        let left_out = segment.to - segment.from;
+        for damage in &mut self.damage {
+            if let Damage::Disorder { bytes } = damage {
+                *bytes += left_out;
+                return;
             }
         }
+        self.damage.push(Damage::Disorder { bytes: left_out });
     }
 
     /// Reads on in `part` until it has messages or is at its end.
@@ -262,7 +287,32 @@ impl Part {
     fn log_time(&self) -> Option<u64> {
         self.entries.front().map(|entry| entry.log_time)
     }
+
+    fn held(&self) -> usize {
+        self.bytes.len() + self.window.held() + self.entries.capacity() * size_of::<Entry>()
+    }
 }
+
+/// Greater is earlier; of messages of one instant, that of the part which was begun earlier.
+impl Ord for Part {
+    fn cmp(&self, other: &Self) -> Ordering {
+        (other.log_time(), other.number).cmp(&(self.log_time(), self.number))
+    }
+}
+
+impl PartialOrd for Part {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Part {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Part {}
 
 impl Iterator for Records {
     type Item = Record;
@@ -271,19 +321,15 @@ impl Iterator for Records {
         if !self.waiting.is_empty() || self.open.is_empty() {
             self.open_parts();
         }
-        let parts = self.open.iter().enumerate();
-        // The first of equals: the one that begins earlier.
-        let (index, _) = parts.min_by_key(|(_, part)| part.log_time())?;
-        let part = &mut self.open[index];
+        let mut part = self.open.pop()?;
         let entry = part.entries.pop_front().expect("an open part has messages");
         let bytes = Arc::clone(&part.bytes);
         if part.entries.is_empty() {
-            let mut part = self.open.remove(index);
+            self.held -= part.held();
             part.bytes = Arc::default();
-            self.fill(&mut part);
-            if !part.entries.is_empty() {
-                self.open.insert(index, part);
-            }
+            self.go_on(part);
+        } else {
+            self.open.push(part);
         }
         Some(Record {
             topic: entry.topic,

@@ -12,7 +12,7 @@ const CHUNK: u8 = 6;
 const MESSAGE: u8 = 5;
 const METADATA: u8 = 12;
 const DATA_END: u8 = 15;
-const COUNT: u64 = 50;
+const COUNT: u64 = 600;
 
 /// A record of the format.
 fn record(opcode: u8, body: &[u8]) -> Vec<u8> {
@@ -139,6 +139,22 @@ fn messages_come_in_the_order_of_their_log_times() {
         assert_eq!(sequences(&recording), (1..=COUNT).collect::<Vec<_>>());
         assert_eq!(recording.survey().damage, []);
     }
+}
+
+/// Each pair of messages spans half of the file: all of them have to be open at once.
+#[test]
+fn a_file_that_was_shuffled_is_read_in_order() {
+    let (mut all, chunks) = parts();
+    let (definitions, messages) = chunks.split_first().expect("chunks");
+    all.push(unpacked(definitions));
+    let messages: Vec<_> = messages.iter().map(|body| unpacked(body)).collect();
+    let (first, second) = messages.split_at(messages.len() / 2);
+    all.extend(first.iter().zip(second).flat_map(|(a, b)| [a.clone(), b.clone()]));
+    all.push(end());
+    let recording = read(&all).expect("a recording");
+    assert_eq!(sequences(&recording), (1..=COUNT).collect::<Vec<_>>());
+    let survey = recording.survey();
+    assert_eq!((survey.tally.lost(), survey.damage), (0, Vec::new()));
 }
 
 #[test]
