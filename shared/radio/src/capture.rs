@@ -56,6 +56,17 @@ pub enum CaptureError {
         /// What is wrong with it.
         reason: String,
     },
+    /// Packets of a pcapng capture are in blocks without a stamp.
+    #[error(
+        "{unstamped} of {packets} packets are simple packet blocks, which do not say when they are due, \
+         expected enhanced packet blocks"
+    )]
+    Unstamped {
+        /// How many.
+        unstamped: u64,
+        /// How many packets there are.
+        packets: u64,
+    },
     /// No packet is a frame.
     #[error(
         "none of {packets} packets is a GeoNetworking frame (EtherType 0x8947, at most {max} bytes)",
@@ -132,9 +143,13 @@ impl Capture {
             is_truncated: false,
         };
         let mut interfaces: Vec<Interface> = Vec::new();
-        let mut packets = 0;
+        let (mut packets, mut unstamped) = (0, 0);
         loop {
             let next = match reader.next() {
+                Ok((length, PcapBlockOwned::NG(Block::SimplePacket(_)))) => {
+                    (packets, unstamped) = (packets + 1, unstamped + 1);
+                    Next::Consume(length)
+                }
                 Ok((length, block)) => {
                     this.block(block, &mut interfaces, &mut packets)?;
                     Next::Consume(length)
@@ -167,6 +182,9 @@ impl Capture {
                 }
                 Next::End => break,
             }
+        }
+        if unstamped > 0 {
+            return Err(CaptureError::Unstamped { unstamped, packets });
         }
         if this.frames.is_empty() {
             return Err(CaptureError::NoFrames { packets });
@@ -228,7 +246,7 @@ impl Capture {
                 let data = packet.data.get(..length).unwrap_or(packet.data);
                 self.packet(interface.link, stamp_ns, data, whole, *packets)
             }
-            // Packets without a stamp, statistics, comments.
+            // Statistics, comments.
             PcapBlockOwned::NG(_) => Ok(()),
         }
     }

@@ -97,6 +97,19 @@ fn another_link_type_is_one_error() {
 }
 
 #[test]
+fn packets_without_a_stamp_are_counted_in_one_error() {
+    let mut file = pcapng(147, &[(SECOND, b"a")]);
+    for _ in 0..2 {
+        // Length of the packet, then the packet.
+        file.extend([3_u32, 20, 1].map(u32::to_be_bytes).concat());
+        file.extend(b"b\0\0\0");
+        file.extend(20_u32.to_be_bytes());
+    }
+    let error = open(&file).expect_err("it is not known when they are due").to_string();
+    assert!(error.starts_with("2 of 3 packets are simple packet blocks"), "{error}");
+}
+
+#[test]
 fn a_capture_that_is_cut_off_ends_before_the_cut() {
     let (one, two) = (ethernet(0x8947, b"one"), ethernet(0x8947, b"two"));
     let classic = pcap(1, &[(1, 0, &one), (2, 0, &two)]);
