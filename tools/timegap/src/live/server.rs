@@ -28,6 +28,8 @@ const MAX_CLIENTS: usize = 16;
 const BACKLOG: usize = 4096;
 /// Longest request that is read, bytes.
 const MAX_REQUEST: usize = 8192;
+/// Most of the rest of a longer one that is taken before the connection is closed, bytes.
+const MAX_DRAINED: usize = 1 << 20;
 /// Time for a whole request.
 const REQUEST_TIME: Duration = Duration::from_secs(2);
 /// A browser that takes nothing for so long is let go.
@@ -212,14 +214,17 @@ fn admit(hub: &Arc<Mutex<Hub>>, stream: TcpStream, served: &Served) -> bool {
     true
 }
 
-/// Reads a request up to the empty line that ends it.
-fn request(mut stream: &TcpStream) -> std::io::Result<String> {
+/// Reads a request up to the empty line that ends it; none when it is too long.
+fn request(mut stream: &TcpStream) -> std::io::Result<Option<String>> {
     let begun = Instant::now();
     let (mut text, mut chunk) = (Vec::new(), [0; 1024]);
     while !text.windows(4).any(|end| end == b"\r\n\r\n") {
         let left = REQUEST_TIME.saturating_sub(begun.elapsed());
-        if left.is_zero() || text.len() > MAX_REQUEST {
+        if left.is_zero() {
             return Err(ErrorKind::TimedOut.into());
+        }
+        if text.len() > MAX_REQUEST {
+            return Ok(None);
         }
         stream.set_read_timeout(Some(left))?;
         match stream.read(&mut chunk)? {
@@ -227,13 +232,32 @@ fn request(mut stream: &TcpStream) -> std::io::Result<String> {
             count => text.extend_from_slice(&chunk[..count]),
         }
     }
-    Ok(String::from_utf8_lossy(&text).into_owned())
+    Ok(Some(String::from_utf8_lossy(&text).into_owned()))
+}
+
+/// Takes the rest of what was sent: a connection that is closed before takes the answer with it.
+fn drain(mut stream: &TcpStream) -> std::io::Result<()> {
+    stream.shutdown(Shutdown::Write)?;
+    stream.set_read_timeout(Some(PATIENCE))?;
+    let mut left = MAX_DRAINED;
+    let mut chunk = [0; 4096];
+    while left > 0 {
+        match stream.read(&mut chunk)? {
+            0 => return Ok(()),
+            count => left = left.saturating_sub(count),
+        }
+    }
+    Ok(())
 }
 
 /// Answers one request.
 fn answer(hub: &Mutex<Hub>, stream: &TcpStream, served: &Served) -> std::io::Result<()> {
     stream.set_write_timeout(Some(PATIENCE))?;
-    let request = request(stream)?;
+    let Some(request) = request(stream)? else {
+        let (status, text) = ("431 Request Header Fields Too Large", "the request is too long\n");
+        respond(stream, status, "text/plain", text, Body::Sent)?;
+        return drain(stream);
+    };
     let mut lines = request.lines();
     let first = lines.next().unwrap_or_default();
     let host = lines
@@ -393,6 +417,14 @@ mod tests {
             other.starts_with("HTTP/1.1 405 ") && other.contains("\r\nAllow: GET, HEAD\r\n"),
             "{other}"
         );
+    }
+
+    #[test]
+    fn a_request_that_is_too_long_is_told_so() {
+        let (_sender, updates) = sync_channel(1);
+        let server = Server::start("a run", 0, updates).expect("a free port");
+        let answer = get(server.address, "/", &"x".repeat(20 * MAX_REQUEST));
+        assert!(answer.starts_with("HTTP/1.1 431 "), "{answer}");
     }
 
     #[test]
