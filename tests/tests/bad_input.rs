@@ -355,18 +355,25 @@ fn a_pipe_as_a_scenario() {
     refused_in(&corner, &["run", "pipe.toml"], 2, &["pipe.toml", "not a regular file"]);
 }
 
-fn few_open_files() {
+fn low_limits_of_the_machine() {
     let corner = Corner::new(PROGRAM);
-    let output = Command::new("sh")
-        .args(["-c", "ulimit -n 32; exec \"$0\" run cacc-a --mode lockstep", PROGRAM])
-        .current_dir(corner.path())
-        .env("XDG_RUNTIME_DIR", corner.path())
-        .output()
-        .expect("a shell starts");
-    let said = text(&output);
-    assert_eq!(output.status.code(), Some(3), "{said}");
-    assert!(said.contains("32 files") && said.contains("ulimit -n"), "{said}");
-    assert!(!corner.path().join("runs").exists(), "nothing is left of a run that never was");
+    for (limit, words) in [
+        ("-n 32", ["32 files", "ulimit -n"]),
+        ("-v 1000000", ["1000000 KiB of address space", "ulimit -v"]),
+        ("-s 256", ["256 KiB", "ulimit -s"]),
+    ] {
+        let line = format!("ulimit {limit}; exec \"$0\" run cacc-a --mode lockstep");
+        let output = Command::new("sh")
+            .args(["-c", &line, PROGRAM])
+            .current_dir(corner.path())
+            .env("XDG_RUNTIME_DIR", corner.path())
+            .output()
+            .expect("a shell starts");
+        let said = text(&output);
+        assert_eq!(output.status.code(), Some(3), "{limit}: {said}");
+        assert!(words.iter().all(|word| said.contains(word)), "{limit}: {said}");
+        assert!(!corner.path().join("runs").exists(), "nothing is left of a run that never was");
+    }
 }
 
 fn unknown_commands_and_faults_without_meaning() {
@@ -509,7 +516,7 @@ fn main() -> ExitCode {
         case("a_service_that_never_becomes_ready", a_service_that_never_becomes_ready),
         case("a_service_that_floods_its_output", a_service_that_floods_its_output),
         case("a_pipe_as_a_scenario", a_pipe_as_a_scenario),
-        case("few_open_files", few_open_files),
+        case("low_limits_of_the_machine", low_limits_of_the_machine),
         case(
             "unknown_commands_and_faults_without_meaning",
             unknown_commands_and_faults_without_meaning,

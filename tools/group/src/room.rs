@@ -12,6 +12,9 @@ pub(super) const SHARED_MEMORY: &str = "/dev/shm";
 /// Files that a process of a group may need to have open. The launcher of `truck-follow` with a recorder has
 /// 78, its recorder 76, its controller 57.
 const OPEN_FILES: u64 = 128;
+/// Address space that a process of a group may need, bytes. The launcher of `corridor` has 1,060 MiB: each thread
+/// reserves some, and uses next to none of it.
+const ADDRESS_SPACE: u64 = 1536 << 20;
 
 /// Why the machine has no room for a run.
 #[derive(Debug, thiserror::Error)]
@@ -45,6 +48,16 @@ pub enum RoomError {
         /// Files that a process may have open.
         allowed: u64,
     },
+    /// A process may have too little address space: it would end at an allocation, without a word.
+    #[error(
+        "a process may have {allowed_kib} KiB of address space and one of a run needs up to {needed_kib} KiB: \
+         raise the limit with `ulimit -v unlimited`",
+        needed_kib = ADDRESS_SPACE / 1024
+    )]
+    AddressSpace {
+        /// Address space that a process may have, KiB.
+        allowed_kib: u64,
+    },
 }
 
 /// Checks that shared memory can be written and has room for `needed` bytes (a page that cannot be had
@@ -59,6 +72,7 @@ pub fn check_room(needed: u64) -> Result<(), RoomError> {
         let [free_kib, needed_kib] = [free, needed].map(|bytes| bytes.div_ceil(1024));
         return Err(RoomError::Full { free_kib, needed_kib });
     }
+    check_address_space()?;
     check_open_files()
 }
 
@@ -80,6 +94,15 @@ fn check_writable() -> Result<(), RoomError> {
     let path = Path::new(SHARED_MEMORY).join(name);
     let made = std::fs::OpenOptions::new().write(true).create_new(true).mode(0o600).open(&path);
     made.and_then(|_| std::fs::remove_file(&path)).map_err(RoomError::NotWritable)
+}
+
+fn check_address_space() -> Result<(), RoomError> {
+    match getrlimit(Resource::As).current {
+        Some(allowed) if allowed < ADDRESS_SPACE => {
+            Err(RoomError::AddressSpace { allowed_kib: allowed / 1024 })
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Raises the limit of open files as far as the machine allows, and checks that it is enough.

@@ -30,14 +30,34 @@ mod trace;
 
 use clap::CommandFactory;
 use cli::{Cli, Command};
-use group::Error;
+use group::{Error, Status};
 use report::print::note;
 use runtime::log_warnings;
+use rustix::process::{Resource, getrlimit};
 use std::process::ExitCode;
+
+/// Least stack, bytes: the first thread's is the only one that a limit of the machine bounds.
+const STACK: u64 = 1 << 20;
 
 fn main() -> ExitCode {
     #[cfg(feature = "count-allocations")]
     allocations::report();
+    match getrlimit(Resource::Stack).current {
+        Some(allowed) if allowed < STACK => {
+            let (allowed, needed) = (allowed / 1024, STACK / 1024);
+            note(&format!(
+                "error: the stack may have {allowed} KiB and up to {needed} KiB are needed: raise the limit with \
+                 `ulimit -s {needed}`"
+            ));
+            ExitCode::from(Status::Machine as u8)
+        }
+        _ => run_command(),
+    }
+}
+
+/// Apart from `main`, so that its stack is not needed where there is none.
+#[inline(never)]
+fn run_command() -> ExitCode {
     file_size_limit_is_an_error();
     let command = Cli::read().command;
     if !matches!(command, Command::Service(_)) {
