@@ -409,13 +409,14 @@ pub struct ControlFigures {
     pub max_abs_gap_error_m: Option<f64>,
     /// Smallest time to collision, s.
     pub min_ttc_s: Option<f64>,
-    /// Real minus desired gap at the end, m.
+    /// Real minus desired gap at the end, m: negative where the ego is too close.
     pub final_gap_error_m: Option<f64>,
     /// Ego minus lead speed at the end, or minus the set speed without a lead, m/s.
     pub final_speed_error_mps: Option<f64>,
-    /// Largest magnitude of the jerk, m/s³.
+    /// Largest magnitude of the jerk, m/s³; without the step of the acceleration at which the ego comes to a
+    /// stand.
     pub max_abs_jerk_mps3: Option<f64>,
-    /// Root mean square of the jerk over time, m/s³.
+    /// Root mean square of the jerk over time, m/s³; without that step.
     pub rms_jerk_mps3: Option<f64>,
     /// Smallest acceleration, m/s².
     pub min_accel_mps2: Option<f64>,

@@ -112,8 +112,7 @@ fn defaults(keys: &[Key]) -> toml::Table {
 /// All that is known of a law without building it.
 fn controller(law: &Descriptor) -> serde_json::Value {
     let formulation = |formulation: &&Formulation| {
-        let figure =
-            |figure: &Figure| serde_json::json!({"name": figure.name, "unit": figure.unit});
+        let figure = |figure: &Figure| serde_json::json!({"name": figure.name, "unit": figure.unit, "meaning": figure.meaning});
         serde_json::json!({
             "name": formulation.name,
             "modes": formulation.modes,

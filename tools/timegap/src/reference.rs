@@ -251,7 +251,30 @@ pub fn messages_page() -> String {
     for layout in layouts::all() {
         structure(&mut page, layout);
     }
+    figures(&mut page);
     page
+}
+
+/// What the laws' figures are, whose names do not say their sign.
+fn figures(page: &mut String) {
+    page.push_str(
+        "\n## Figures of the laws\n\nEntries of `figures` of the diagnostics, and columns of `trajectory.csv`. Their \
+         signs are those of each law's source. In `summary.json`, `final_gap_error_m` is the real minus the desired \
+         gap for every law (negative: too close), and the jerks leave out the step of the acceleration at which the \
+         ego comes to a stand.\n\n| law | formulation | figure | unit | meaning |\n| --- | --- | --- | --- | --- |\n",
+    );
+    for law in laws::ALL {
+        for formulation in law.formulations {
+            for figure in formulation.figures {
+                writeln!(
+                    page,
+                    "| `{}` | {} | `{}` | {} | {} |",
+                    law.name, formulation.name, figure.name, figure.unit, figure.meaning
+                )
+                .expect("a string takes all");
+            }
+        }
+    }
 }
 
 fn names(services: &[messages::Service], none: &str) -> String {

@@ -68,13 +68,21 @@ pub struct Figure {
     pub name: &'static str,
     /// Unit.
     pub unit: &'static str,
+    /// What it is, and its sign, where the name does not say so; else empty.
+    pub meaning: &'static str,
 }
 
 impl Figure {
     /// A figure.
     #[must_use]
     pub const fn new(name: &'static str, unit: &'static str) -> Self {
-        Self { name, unit }
+        Self { name, unit, meaning: "" }
+    }
+
+    /// The same with what it is.
+    #[must_use]
+    pub const fn meaning(self, meaning: &'static str) -> Self {
+        Self { meaning, ..self }
     }
 }
 

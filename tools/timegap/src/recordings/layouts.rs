@@ -1,7 +1,7 @@
 //! `timegap layouts`: the messages in the languages of those who read them.
 
 use clap::Args;
-use controller::law::Descriptor;
+use controller::law::{Descriptor, Figure};
 use controller::laws;
 use group::Error;
 use messages::names::{self, ENUMERATIONS};
@@ -130,8 +130,10 @@ fn law(law: &Descriptor) -> Vec<Value> {
     formulations
         .map(|formulation| {
             let figures = formulation.figures.iter();
-            let figures: Vec<_> =
-                figures.map(|figure| json!({ "name": figure.name, "unit": figure.unit })).collect();
+            let figure = |figure: &Figure| {
+                json!({ "name": figure.name, "unit": figure.unit, "meaning": figure.meaning })
+            };
+            let figures: Vec<_> = figures.map(figure).collect();
             json!({
                 "law": law.name,
                 "formulation": formulation.name,

@@ -58,8 +58,8 @@ pub static FORMULATION: Formulation = Formulation {
     modes: &["cruise", "follow", "follow-with-light"],
     reasons: &["start", "target-lost", "target-found", "light-ahead", "light-over"],
     figures: &[
-        Figure::new("gap_error_m", "m"),
-        Figure::new("speed_error_mps", "m/s"),
+        Figure::new("gap_error_m", "m").meaning("desired minus real gap; positive: too close"),
+        Figure::new("speed_error_mps", "m/s").meaning("speed minus the target's"),
         Figure::new("objective", "1"),
         Figure::new("solver_residual", "1"),
     ],

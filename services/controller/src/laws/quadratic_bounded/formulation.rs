@@ -15,9 +15,9 @@ pub static FORMULATION: Formulation = Formulation {
     ],
     figures: &[
         Figure::new("lyapunov", "1"),
-        Figure::new("gap_error_m", "m"),
-        Figure::new("gap_error_used_m", "m"),
-        Figure::new("speed_error_mps", "m/s"),
+        Figure::new("gap_error_m", "m").meaning("real minus desired gap; negative: too close"),
+        Figure::new("gap_error_used_m", "m").meaning("the same within the certified range"),
+        Figure::new("speed_error_mps", "m/s").meaning("target's speed minus speed"),
         Figure::new("gap_error_rate_mps", "m/s"),
         Figure::new("increment_mps2", "m/s²"),
         Figure::new("cruise_increment_mps2", "m/s²"),

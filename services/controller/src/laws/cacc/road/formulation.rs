@@ -19,8 +19,8 @@ pub static FORMULATION: Formulation = Formulation {
         "signal-unknown",
     ],
     figures: &[
-        Figure::new("gap_error_m", "m"),
-        Figure::new("speed_error_mps", "m/s"),
+        Figure::new("gap_error_m", "m").meaning("desired minus real gap; positive: too close"),
+        Figure::new("speed_error_mps", "m/s").meaning("speed minus the target's"),
         Figure::new("filter_correction_mps2", "m/s²"),
         Figure::new("solver_residual", "1"),
         Figure::new("pass_shortfall_m", "m"),
