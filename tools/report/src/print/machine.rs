@@ -1,11 +1,12 @@
 //! What the messages, the faults and the machine did to the run.
 
 use crate::duration::duration;
-use crate::summary::Summary;
+use crate::summary::{Summary, TopicCounts};
 use group::Recovery;
 use messages::level::Level;
 use runtime::scheduling::Asked;
 use scenario::faults::Helper;
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 pub(super) fn messages(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
@@ -14,6 +15,22 @@ pub(super) fn messages(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     if sent > 0 {
         line("messages", format!("{sent} sent on {} topics, {lost} lost", summary.messages.len()));
     }
+    for text in losses(&summary.messages) {
+        line("", text);
+    }
+}
+
+/// Who lost messages of which topic: a reader that is late finds the oldest of them overwritten.
+fn losses(topics: &BTreeMap<String, TopicCounts>) -> impl Iterator<Item = String> {
+    topics.iter().flat_map(|(topic, counts)| {
+        let lost_by = counts.lost_by.iter();
+        lost_by.map(move |(reader, lost)| {
+            format!(
+                "{reader} read {topic} too late: its queue was full, {lost} of {} lost",
+                counts.sent
+            )
+        })
+    })
 }
 
 /// Most faults that are told one by one.
@@ -122,4 +139,25 @@ fn refusals(summary: &Summary) -> Option<String> {
     }
     (!refused.is_empty())
         .then(|| format!("{} (`timegap doctor` shows how to get it)", refused.join("; ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_loss_is_told_with_its_topic_and_its_reader() {
+        let late = TopicCounts {
+            sent: 600,
+            lost_by: [("controller", 6)].into(),
+            ..TopicCounts::default()
+        };
+        let topics =
+            [("v2x/map".to_owned(), TopicCounts::default()), ("vehicle/odometry".to_owned(), late)];
+        let said: Vec<_> = losses(&topics.into()).collect();
+        assert_eq!(
+            said,
+            ["controller read vehicle/odometry too late: its queue was full, 6 of 600 lost"]
+        );
+    }
 }

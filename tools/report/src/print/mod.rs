@@ -131,7 +131,8 @@ pub fn outcome_word(outcome: Outcome) -> &'static str {
 
 fn recording(recording: &RecordingSummary) -> String {
     let lost = match recording.lost {
-        Some(lost) => format!("{lost} lost"),
+        Some(0) => "0 lost".into(),
+        Some(lost) => format!("{lost} lost (the recorder read too late)"),
         None => "losses not counted".into(),
     };
     let failed =

@@ -159,6 +159,8 @@ pub struct TopicCounts {
     pub received: Option<u64>,
     /// Most messages that one of the topic's readers missed.
     pub lost: Option<u64>,
+    /// Messages that each reader missed since it read too late, for those that did.
+    pub lost_by: BTreeMap<&'static str, u64>,
     /// Messages that the topic's readers refused; null if it has no readers.
     pub e2e_errors: Option<u64>,
     /// Outcomes of the end-to-end check, summed over the topic's readers.
@@ -383,11 +385,18 @@ fn messages(
             }
         }
     }
-    let received = reports.values().flat_map(|report| &report.received).chain(&drive.received);
-    for ReceivedTopic { topic, received, lost, e2e, .. } in received {
+    let of_services = reports.values().flat_map(|report| {
+        report.received.iter().map(|received| (report.service.name(), received))
+    });
+    let of_launcher = drive.received.iter().map(|received| ("launcher", received));
+    for (reader, received) in of_services.chain(of_launcher) {
+        let ReceivedTopic { topic, received, lost, e2e, .. } = received;
         let counts = topics.entry(topic.clone()).or_default();
         counts.received = Some(counts.received.map_or(*received, |least| least.min(*received)));
         counts.lost = Some(counts.lost.map_or(*lost, |most| most.max(*lost)));
+        if *lost > 0 {
+            counts.lost_by.insert(reader, *lost);
+        }
         counts.e2e.add(e2e);
         counts.e2e_errors = Some(counts.e2e.refused());
     }
