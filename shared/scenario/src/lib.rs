@@ -154,7 +154,7 @@ pub struct Scenario {
     #[serde(default)]
     pub actors: Vec<Actor>,
     /// What goes wrong.
-    #[serde(skip_deserializing, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, deserialize_with = "faults::taken", skip_serializing_if = "Vec::is_empty")]
     pub faults: Vec<Fault>,
     /// The storyboard that moves the actors with the profile `storyboard`; comes from an OpenSCENARIO
     /// file.

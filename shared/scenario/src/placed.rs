@@ -200,6 +200,21 @@ impl<'de> Deserializer<'de> for &'de Placed {
         }
     }
 
+    /// serde takes a list for the fields in their order.
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Refusal> {
+        match &self.content {
+            Content::Array(_) => {
+                Err(Refusal::invalid_type(Unexpected::Other("a list"), &visitor).at(&self.place))
+            }
+            _ => self.deserialize_any(visitor),
+        }
+    }
+
     fn deserialize_tuple_struct<V: Visitor<'de>>(
         self,
         _: &'static str,
@@ -211,7 +226,7 @@ impl<'de> Deserializer<'de> for &'de Placed {
 
     forward_to_deserialize_any! {
         bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit
-        unit_struct seq map struct identifier ignored_any
+        unit_struct seq map identifier ignored_any
     }
 }
 

@@ -66,6 +66,13 @@ impl de::Error for Refusal {
     }
 
     fn invalid_type(found: Unexpected<'_>, expected: &dyn Expected) -> Self {
+        // Of an enum: what was meant is in the kind's own keys.
+        if found == Unexpected::UnitVariant {
+            return Self::new(
+                "the kind without what it is to be",
+                "a table with its name as the key",
+            );
+        }
         Self::new(format!("invalid type: {found}"), in_words(expected))
     }
 

@@ -134,6 +134,17 @@ fn lists_and_kinds_of_a_wrong_shape_are_told_in_the_words_of_a_scenario() {
             "a point [distance_m, height_m]",
         ),
         ("[referee]\ndesired_gap = 4".to_owned(), "4:15: invalid type: integer", "exactly one of "),
+        (
+            of_actor("profile = \"cycle\""),
+            "6:11: the kind without what it is to be",
+            "a table with its name as the key",
+        ),
+        ("[[plant]]\nperiod_ms = 5".to_owned(), "3:1: invalid type: a list", "a table"),
+        (
+            "[[fault]]\nkind = \"kill\"".to_owned(),
+            "3:3: unknown key `fault`",
+            "(did you mean `faults`?)",
+        ),
     ];
     for (rest, found, expected) in cases {
         let shown = refusal(&rest);

@@ -77,6 +77,7 @@ pub fn keys() -> Vec<Key> {
     let defaults = defaults(&known, &all, &required);
     let form = Forms { known: &known, required: &required, defaults: &defaults, source: None };
     let mut keys = form.keys("", "");
+    keys.retain(|key| key.name != "faults");
     let after_actors = keys.iter().position(|key| key.name == "actors").map_or(0, |i| i + 1);
     keys.insert(after_actors, faults());
     keys
