@@ -210,7 +210,7 @@ fn fault(record: &FaultRecord) -> FaultMark {
     let whom = record.service.map(Service::name).or(record.topic);
     let whom = whom.or(record.helper.map(Helper::name)).unwrap_or_default();
     let after = |what: &str, us: Option<f64>| {
-        us.map(|us| format!("{what} after {}", crate::print::duration(us)))
+        us.map(|us| format!("{what} after {}", crate::duration::duration(us)))
     };
     let outcome = [
         record.messages.map(|messages| format!("{messages} messages")),

@@ -3,7 +3,7 @@
 use super::chart::{Axis, Bands, Curve, Plot, Row, Span, Stroke, Tone};
 use super::html::{Cell, Column, stacked_table};
 use super::picture::RunPicture;
-use crate::print::duration;
+use crate::duration::duration;
 use crate::summary::Summary;
 use runtime::report::{HopTimes, WorstChain};
 use runtime::statistics::{Latencies, Percentiles, QuantileCurve};
