@@ -3,7 +3,7 @@
 use campaign::campaign;
 use clap::Args;
 
-use controller::law::{Descriptor, Figure, Formulation};
+use controller::law::{Descriptor, Formulation};
 use controller::laws;
 use group::{Error, Failure, ScenarioOptions};
 use report::print;
@@ -112,12 +112,11 @@ fn defaults(keys: &[Key]) -> toml::Table {
 /// All that is known of a law without building it.
 fn controller(law: &Descriptor) -> serde_json::Value {
     let formulation = |formulation: &&Formulation| {
-        let figure = |figure: &Figure| serde_json::json!({"name": figure.name, "unit": figure.unit, "meaning": figure.meaning});
         serde_json::json!({
             "name": formulation.name,
             "modes": formulation.modes,
             "reasons": formulation.reasons,
-            "figures": formulation.figures.iter().map(figure).collect::<Vec<_>>(),
+            "figures": formulation.figures,
         })
     };
     serde_json::json!({

@@ -3,6 +3,7 @@
 use scenario::controller::Controller;
 use scenario::referee::DesiredGap;
 use scenario::{Problem, Scenario};
+use serde::Serialize;
 
 use super::Law;
 use crate::settings::Table;
@@ -62,7 +63,7 @@ impl Formulation {
 }
 
 /// A number that a law shows in `control/diagnostics`; no figure steers anything.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Figure {
     /// Name, with the unit as its ending.
     pub name: &'static str,

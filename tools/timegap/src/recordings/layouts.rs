@@ -1,7 +1,7 @@
 //! `timegap layouts`: the messages in the languages of those who read them.
 
 use clap::Args;
-use controller::law::{Descriptor, Figure};
+use controller::law::Descriptor;
 use controller::laws;
 use group::Error;
 use messages::names::{self, ENUMERATIONS};
@@ -129,17 +129,12 @@ fn law(law: &Descriptor) -> Vec<Value> {
     let formulations = law.formulations.iter();
     formulations
         .map(|formulation| {
-            let figures = formulation.figures.iter();
-            let figure = |figure: &Figure| {
-                json!({ "name": figure.name, "unit": figure.unit, "meaning": figure.meaning })
-            };
-            let figures: Vec<_> = figures.map(figure).collect();
             json!({
                 "law": law.name,
                 "formulation": formulation.name,
                 "modes": formulation.modes,
                 "reasons": formulation.reasons,
-                "figures": figures,
+                "figures": formulation.figures,
             })
         })
         .collect()
