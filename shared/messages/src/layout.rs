@@ -164,12 +164,12 @@ impl Layout {
     /// If `message` is shorter than the struct.
     #[must_use]
     pub fn bytes_in_use(&self, message: &[u8]) -> usize {
-        let [.., Field { name: "count", offset, .. }, array] = self.fields else {
-            return self.bytes;
-        };
         if self.bytes <= SMALL_BYTES {
             return self.bytes;
         }
+        let [.., Field { name: "count", offset, .. }, array] = self.fields else {
+            return self.bytes;
+        };
         let Some(capacity) = array.shape.len else { return self.bytes };
         let count: u64 = bytemuck::pod_read_unaligned(&message[*offset..offset + 8]);
         let count = usize::try_from(count).map_or(capacity, |count| count.min(capacity));
