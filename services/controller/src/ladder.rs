@@ -7,11 +7,14 @@
 //! Under no fault is a law told of a target or a light by a sample that is
 //! older than the level's bound; and no level is without a way back to full function.
 
+use self::blind::LastSeen;
 use crate::law::{Ego, Input, MAX_PLAN, Output, Quality, Target};
 use crate::sampling::SignalTrust;
 use messages::level::Level;
 use scenario::Scenario;
 use scenario::perception::RadarModel;
+
+mod blind;
 
 /// Periods of its source after which an input is stale.
 const STALE_PERIODS: f64 = 3.0;
@@ -21,10 +24,6 @@ const SHORTEST_STALE_S: f64 = 0.1;
 const PREDICT_S: f64 = 1.0;
 /// For how long announced signal timing is believed without a new announcement, s.
 const BELIEVE_SIGNALS_S: f64 = 5.0;
-/// Braking when it is not known what is ahead, m/s².
-const COMFORTABLE_MPS2: f64 = -2.0;
-/// How fast that braking sets in, m/s³.
-const COMFORTABLE_JERK_MPS3: f64 = 2.5;
 
 /// Ages of the newest samples that can be believed, s; none without one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -46,7 +45,7 @@ pub struct Ages {
 pub enum Admission {
     /// The law steps, with the input as it now is.
     Law,
-    /// Comfortable braking, see [`Ladder::brake`].
+    /// Braking for what was last seen, see [`Ladder::brake`].
     Brake,
     /// No command.
     Silence,
@@ -196,15 +195,18 @@ impl Ladder {
         self.level
     }
 
-    /// Comfortable braking to standstill, in place of the law; harder where the last request was.
-    pub fn brake(&self, period_s: f64, output: &mut Output) {
+    /// Braking to standstill, in place of the law: comfortable, harder where the last request was or where
+    /// what was last seen ahead asks for it.
+    pub fn brake(&self, ego: &Ego, period_s: f64, output: &mut Output) {
         *output = Output { mode: output.mode, quality: Quality::Backup, ..Output::default() };
-        let mut request = self.last_request_mps2.min(0.0);
-        let hardest = request.min(COMFORTABLE_MPS2);
-        for place in &mut output.plan_mps2 {
-            request = (request - COMFORTABLE_JERK_MPS3 * period_s).max(hardest);
-            *place = request;
-        }
+        let request = self.last_request_mps2.min(0.0);
+        let last = self.last_target.as_ref().map(|(target, position_m, speed_mps, _)| LastSeen {
+            position_m: *position_m,
+            speed_mps: *speed_mps,
+            acceleration_mps2: target.acceleration_mps2,
+        });
+        let deceleration = blind::deceleration_mps2(ego, last.as_ref()).max(-request);
+        blind::fill(&mut output.plan_mps2, request, deceleration, period_s);
         output.plan_len = MAX_PLAN;
     }
 

@@ -242,7 +242,9 @@ impl Loop {
                 self.step(runtime, &release, &input)?;
                 self.solve.record_ns(monotonic_ns() - begun);
             }
-            Admission::Brake => self.ladder.brake(self.setting.period_s, &mut self.output),
+            Admission::Brake => {
+                self.ladder.brake(&input.ego, self.setting.period_s, &mut self.output);
+            }
             // An empty plan is no command, and says so: in lockstep the plant waits for a message.
             Admission::Silence => {
                 let mode = self.output.mode;

@@ -9,7 +9,7 @@
 //! | [`Level::LeadPredicted`] | controller | no valid `radar/tracks` for three of its periods and the radar's latency | two releases in a row with a fresh one |
 //! | [`Level::LeadLost`] | controller | the same for 1 s longer, or at the start none yet for as long | five releases in a row with a fresh one |
 //! | [`Level::EgoEstimated`] | controller | no valid `vehicle/odometry` for 0.1 s, or one that contradicts itself, the radar or the commands: the radar's measurement of the ego's speed takes its place for up to 10 s, the commands for up to 1.5 s | a fresh one that contradicts nothing |
-//! | [`Level::Silent`] | controller | the same for longer, or at the start | two releases in a row with odometry or an estimate |
+//! | [`Level::Silent`] | controller | the same for longer, or at the start | two releases in a row with odometry |
 //! | [`Level::PlanFollowed`] | plant | a control period passed without a new valid command | a valid command |
 //! | [`Level::StopInLane`] | plant | the plan was followed for `plant.fallback.follow_plan_s`, or the launcher asked for it | a valid command; never, if the launcher asked |
 //! | [`Level::Emergency`] | plant | the emergency brake brakes, or holds the brakes | it has let go |
@@ -34,7 +34,7 @@ pub enum Level {
     SolveFailed = 2,
     /// The target is predicted from its last state.
     LeadPredicted = 3,
-    /// What is ahead is unknown: comfortable braking, the driver is asked to take over.
+    /// What is ahead is unknown: braking for what was last seen, the driver is asked to take over.
     LeadLost = 4,
     /// No command: the ego's own motion is not known.
     Silent = 5,

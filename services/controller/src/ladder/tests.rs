@@ -117,9 +117,11 @@ fn without_odometry_there_is_no_command() {
 fn comfortable_braking_sets_in_gently_and_lasts() {
     let ladder = ladder();
     let mut output = Output::default();
-    ladder.brake(PERIOD_S, &mut output);
+    ladder.brake(&input(0.0).ego, PERIOD_S, &mut output);
     assert_eq!(output.plan_len, MAX_PLAN);
-    assert!(output.plan_mps2[0] > -0.3 && output.plan_mps2[MAX_PLAN - 1] == COMFORTABLE_MPS2);
+    assert!(
+        output.plan_mps2[0] > -0.3 && output.plan_mps2[MAX_PLAN - 1] == -blind::COMFORTABLE_MPS2
+    );
     assert!(output.plan_mps2.windows(2).all(|w| w[1] <= w[0] && w[0] - w[1] < 0.26));
 }
 
@@ -130,7 +132,7 @@ fn hard_braking_goes_on_when_the_lead_is_lost() {
     output.plan_mps2[0] = -5.0;
     output.plan_len = 1;
     ladder.settle(&output, true);
-    ladder.brake(PERIOD_S, &mut output);
+    ladder.brake(&input(0.0).ego, PERIOD_S, &mut output);
     assert!(output.plan_mps2.iter().all(|request| *request == -5.0));
 }
 

@@ -1,0 +1,101 @@
+//! Braking while it is not known what is ahead.
+//!
+//! A vehicle whose rear was last seen at `p` with the speed `v_l`, and which brakes with `b` since then, comes to
+//! stand at `p + v_l²/(2 b)`. To stand `MARGIN_M` behind it the ego, at `x` with the speed `v`, needs
+//!
+//! ```text
+//! d(b) = v² / (2 (p + v_l²/(2 b) - x - MARGIN_M))
+//! ```
+//!
+//! The request is the hardest of three decelerations: the comfortable one; `d` of the braking that was seen; and
+//! `d` of the hardest braking that is reckoned with, at most that of a minimum risk manoeuvre.
+
+use crate::law::Ego;
+
+/// Comfortable braking, m/s².
+pub(super) const COMFORTABLE_MPS2: f64 = 2.0;
+/// How fast comfortable braking sets in, m/s³.
+const COMFORTABLE_JERK_MPS3: f64 = 2.5;
+/// How fast harder braking sets in, m/s³ (UN R157, annex 4, appendix 3).
+const HARD_JERK_MPS3: f64 = 12.65;
+/// Hardest braking of what was ahead, m/s² (full braking of UN R157's models).
+const WORST_MPS2: f64 = 6.0;
+/// Deceleration of a minimum risk manoeuvre, m/s² (UN R157, 5.5.1).
+const MINIMUM_RISK_MPS2: f64 = 4.0;
+/// From here on a vehicle counts as braking, m/s².
+const BRAKES_MPS2: f64 = 0.5;
+/// Distance that is left at standstill, m.
+const MARGIN_M: f64 = 3.0;
+/// Least distance to stop in that is reckoned with, m.
+const LEAST_ROOM_M: f64 = 0.5;
+
+/// A vehicle as it was when it was last seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LastSeen {
+    /// Place of its rear, m.
+    pub position_m: f64,
+    /// Speed, m/s.
+    pub speed_mps: f64,
+    /// Acceleration, m/s².
+    pub acceleration_mps2: f64,
+}
+
+impl LastSeen {
+    /// Deceleration with which the ego comes to stand behind it if it brakes with `braking`, m/s².
+    fn needed_mps2(&self, ego: &Ego, braking: f64) -> f64 {
+        let stands_m = self.position_m + 0.5 * self.speed_mps * self.speed_mps / braking;
+        let room_m = (stands_m - ego.position_m - MARGIN_M).max(LEAST_ROOM_M);
+        0.5 * ego.speed_mps * ego.speed_mps / room_m
+    }
+}
+
+/// Deceleration to ask for, m/s².
+pub(super) fn deceleration_mps2(ego: &Ego, last: Option<&LastSeen>) -> f64 {
+    let Some(last) = last else { return COMFORTABLE_MPS2 };
+    let seen = -last.acceleration_mps2;
+    let to_what_was_seen = if seen > BRAKES_MPS2 { last.needed_mps2(ego, seen) } else { 0.0 };
+    let to_the_worst = last.needed_mps2(ego, WORST_MPS2.max(seen)).min(MINIMUM_RISK_MPS2);
+    COMFORTABLE_MPS2.max(to_what_was_seen).max(to_the_worst)
+}
+
+/// Fills a plan that goes from the request `from_mps2` to a deceleration and keeps it.
+pub(super) fn fill(plan_mps2: &mut [f64], from_mps2: f64, deceleration: f64, period_s: f64) {
+    let jerk = if deceleration > COMFORTABLE_MPS2 { HARD_JERK_MPS3 } else { COMFORTABLE_JERK_MPS3 };
+    let mut request = from_mps2;
+    for place in plan_mps2 {
+        request = (request - jerk * period_s).max(-deceleration);
+        *place = request;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EGO: Ego = Ego { position_m: 0.0, speed_mps: 20.0, acceleration_mps2: 0.0 };
+
+    fn last(position_m: f64, speed_mps: f64, acceleration_mps2: f64) -> LastSeen {
+        LastSeen { position_m, speed_mps, acceleration_mps2 }
+    }
+
+    #[test]
+    fn where_nothing_was_ahead_braking_is_comfortable() {
+        assert_eq!(deceleration_mps2(&EGO, None), COMFORTABLE_MPS2);
+        assert_eq!(deceleration_mps2(&EGO, Some(&last(200.0, 20.0, 0.0))), COMFORTABLE_MPS2);
+    }
+
+    #[test]
+    fn behind_a_vehicle_that_may_brake_it_is_as_hard_as_needed_up_to_a_minimum_risk_manoeuvre() {
+        // It would stand at 36.4 + 33.3 m: 66.7 m to stop in.
+        let needed = deceleration_mps2(&EGO, Some(&last(36.4, 20.0, 0.0)));
+        assert!((needed - 3.0).abs() < 0.01, "{needed}");
+        assert_eq!(deceleration_mps2(&EGO, Some(&last(10.0, 20.0, 0.0))), MINIMUM_RISK_MPS2);
+    }
+
+    #[test]
+    fn behind_a_vehicle_that_was_braking_it_is_as_hard_as_needed() {
+        // It stands at 18 + 25 m: 40 m to stop in.
+        let needed = deceleration_mps2(&EGO, Some(&last(18.0, 20.0, -8.0)));
+        assert!((needed - 5.0).abs() < 1e-9, "{needed}");
+    }
+}
