@@ -1,7 +1,8 @@
 //! The ego's motion while its odometry is missing or cannot be believed.
 //!
-//! It goes on from odometry's last word: at the speed that the radar measures by what stands beside the
-//! road, and without that at the speed that the commands make, for a short time.
+//! It goes on from the last odometry: at the speed that the radar measures by what stands beside the
+//! road, and without that at the speed that the commands make, for a short time. What was lost comes back by
+//! odometry alone: the radar measures no position, and stop lines are kept by position.
 
 use messages::{Odometry, RadarTracks};
 
@@ -61,7 +62,10 @@ impl EgoEstimate {
         now.header.acquisition_ns = (time_s * 1e9) as i64;
         let holds =
             time_s - self.believed_s <= BY_RADAR_S && time_s - self.measured_s <= BY_COMMANDS_S;
-        holds.then_some(&*now)
+        if !holds {
+            self.now = None;
+        }
+        self.now.as_ref()
     }
 }
 
@@ -89,5 +93,9 @@ mod tests {
         assert!((now.position_m - 175.0).abs() < 1.0 && (now.speed_mps - 10.0).abs() < 0.2);
         assert!(estimate.advance(None, -2.0, 6.4).is_some());
         assert!(estimate.advance(None, -2.0, 6.6).is_none());
+        scan.header.acquisition_ns = 6_700_000_000;
+        assert!(estimate.advance(Some(&scan), -2.0, 6.7).is_none(), "where it is, is not known");
+        estimate.believe(&odometry, 7.0);
+        assert!(estimate.advance(None, 0.0, 7.1).is_some());
     }
 }
