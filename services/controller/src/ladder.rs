@@ -45,7 +45,8 @@ pub struct Ages {
 pub enum Admission {
     /// The law steps, with the input as it now is.
     Law,
-    /// Braking for what was last seen, see [`Ladder::brake`].
+    /// Braking for what was last seen, see [`Ladder::brake`]; also the last command before silence, of which the
+    /// plant follows the plan.
     Brake,
     /// No command.
     Silence,
@@ -90,6 +91,8 @@ pub struct Ladder {
     /// Time of the last release with a fresh radar sample, or of the first release, s.
     remembered_s: Option<f64>,
     last_request_mps2: f64,
+    /// The ego in the last cycle, if it was known.
+    last_ego: Option<Ego>,
     level: Level,
 }
 
@@ -117,6 +120,7 @@ impl Ladder {
             last_target: None,
             remembered_s: None,
             last_request_mps2: 0.0,
+            last_ego: None,
             level: Level::Full,
         }
     }
@@ -154,8 +158,11 @@ impl Ladder {
     /// Settles what else the law may be told.
     pub fn admit(&mut self, input: &mut Input) -> Admission {
         if self.level == Level::Silent {
-            return Admission::Silence;
+            let Some(ego) = self.last_ego.take() else { return Admission::Silence };
+            input.ego = ego;
+            return Admission::Brake;
         }
+        self.last_ego = Some(input.ego);
         let bound_s = self.stale_radar_s + PREDICT_S;
         if self.radar_is_fresh {
             self.remember(input);

@@ -36,7 +36,7 @@ pub enum Level {
     LeadPredicted = 3,
     /// What is ahead is unknown: braking for what was last seen, the driver is asked to take over.
     LeadLost = 4,
-    /// No command: the ego's own motion is not known.
+    /// No command, but for a last one that brakes: the ego's own motion is not known.
     Silent = 5,
     /// The plant follows the rest of the last plan.
     PlanFollowed = 6,

@@ -4,11 +4,11 @@
 //! stand at `p + v_l²/(2 b)`. To stand `MARGIN_M` behind it the ego, at `x` with the speed `v`, needs
 //!
 //! ```text
-//! d(b) = v² / (2 (p + v_l²/(2 b) - x - MARGIN_M))
+//! d = v² / (2 (p + v_l²/(2 b) - x - MARGIN_M))
 //! ```
 //!
-//! The request is the hardest of three decelerations: the comfortable one; `d` of the braking that was seen; and
-//! `d` of the hardest braking that is reckoned with, at most that of a minimum risk manoeuvre.
+//! `b` is full braking, and `v_l` what the radar measured less what it is late by. The request is comfortable where that is enough. Behind a vehicle that was braking when
+//! it was last seen it is as hard as needed, behind another at most that of a minimum risk manoeuvre.
 
 use crate::law::Ego;
 
@@ -23,7 +23,9 @@ const WORST_MPS2: f64 = 6.0;
 /// Deceleration of a minimum risk manoeuvre, m/s² (UN R157, 5.5.1).
 const MINIMUM_RISK_MPS2: f64 = 4.0;
 /// From here on a vehicle counts as braking, m/s².
-const BRAKES_MPS2: f64 = 0.5;
+const BRAKES_MPS2: f64 = 1.0;
+/// By how much the speed of what brakes is measured late, s.
+const SEEN_LATE_S: f64 = 0.2;
 /// Distance that is left at standstill, m.
 const MARGIN_M: f64 = 3.0;
 /// Least distance to stop in that is reckoned with, m.
@@ -43,7 +45,8 @@ pub(super) struct LastSeen {
 impl LastSeen {
     /// Deceleration with which the ego comes to stand behind it if it brakes with `braking`, m/s².
     fn needed_mps2(&self, ego: &Ego, braking: f64) -> f64 {
-        let stands_m = self.position_m + 0.5 * self.speed_mps * self.speed_mps / braking;
+        let speed_mps = (self.speed_mps - braking * SEEN_LATE_S).max(0.0);
+        let stands_m = self.position_m + 0.5 * speed_mps * speed_mps / braking;
         let room_m = (stands_m - ego.position_m - MARGIN_M).max(LEAST_ROOM_M);
         0.5 * ego.speed_mps * ego.speed_mps / room_m
     }
@@ -53,9 +56,8 @@ impl LastSeen {
 pub(super) fn deceleration_mps2(ego: &Ego, last: Option<&LastSeen>) -> f64 {
     let Some(last) = last else { return COMFORTABLE_MPS2 };
     let seen = -last.acceleration_mps2;
-    let to_what_was_seen = if seen > BRAKES_MPS2 { last.needed_mps2(ego, seen) } else { 0.0 };
-    let to_the_worst = last.needed_mps2(ego, WORST_MPS2.max(seen)).min(MINIMUM_RISK_MPS2);
-    COMFORTABLE_MPS2.max(to_what_was_seen).max(to_the_worst)
+    let most = if seen > BRAKES_MPS2 { f64::INFINITY } else { MINIMUM_RISK_MPS2 };
+    last.needed_mps2(ego, WORST_MPS2.max(seen)).min(most).max(COMFORTABLE_MPS2)
 }
 
 /// Fills a plan that goes from the request `from_mps2` to a deceleration and keeps it.
@@ -87,15 +89,18 @@ mod tests {
     #[test]
     fn behind_a_vehicle_that_may_brake_it_is_as_hard_as_needed_up_to_a_minimum_risk_manoeuvre() {
         // It would stand at 36.4 + 33.3 m: 66.7 m to stop in.
-        let needed = deceleration_mps2(&EGO, Some(&last(36.4, 20.0, 0.0)));
+        let needed = deceleration_mps2(&EGO, Some(&last(36.4, 21.2, 0.0)));
         assert!((needed - 3.0).abs() < 0.01, "{needed}");
         assert_eq!(deceleration_mps2(&EGO, Some(&last(10.0, 20.0, 0.0))), MINIMUM_RISK_MPS2);
     }
 
     #[test]
     fn behind_a_vehicle_that_was_braking_it_is_as_hard_as_needed() {
-        // It stands at 18 + 25 m: 40 m to stop in.
-        let needed = deceleration_mps2(&EGO, Some(&last(18.0, 20.0, -8.0)));
-        assert!((needed - 5.0).abs() < 1e-9, "{needed}");
+        // It would stand at 9.7 + 33.3 m: 40 m to stop in.
+        let needed = deceleration_mps2(&EGO, Some(&last(9.667, 21.2, -2.0)));
+        assert!((needed - 5.0).abs() < 0.01, "{needed}");
+        // One that brakes with 8 m/s² stands at 18 + 25 m.
+        let harder = deceleration_mps2(&EGO, Some(&last(18.0, 21.6, -8.0)));
+        assert!((harder - 5.0).abs() < 1e-9, "{harder}");
     }
 }
