@@ -48,13 +48,17 @@ pub struct TopicName(pub Topic);
 
 impl TopicName {
     /// Topics whose messages can be disturbed.
-    pub const ALL: [Topic; 6] = [
+    pub const ALL: [Topic; 10] = [
         Topic::Odometry,
+        Topic::Powertrain,
+        Topic::RadarDetections,
         Topic::RadarTracks,
         Topic::RadioFrames,
         Topic::Spat,
         Topic::Map,
+        Topic::Preview,
         Topic::Command,
+        Topic::Brake,
     ];
 }
 
