@@ -151,7 +151,9 @@ impl Translation {
             None => (None, "the file".to_owned()),
         };
         let place = line.map_or(self.file.clone(), |line| format!("{}:{line}", self.file));
-        error.translated(&place, &format!("{of} makes a scenario with {}", text.trim()))
+        // The heading of a table has no value to show.
+        let written = text.split_once(" = ").map_or(String::new(), |_| format!(" with {text}"));
+        error.translated(&place, &format!("{of} makes a scenario{written}"))
     }
 }
 
@@ -274,7 +276,8 @@ pub(super) fn check(scenario: &Scenario) -> Result<(), Problem> {
             "storyboard.script.entities",
             format!("{moved} entities for {actors} of {} actors", scenario.actors.len()),
             "one actor with the profile `storyboard` for each entity that it moves, and no others",
-        ));
+        )
+        .against("actors"));
     }
     Ok(())
 }
@@ -337,5 +340,16 @@ mod tests {
             "{FILE}:30: `Ego` in Init makes a scenario with initial_speed_mps = 200.0: 200 is out of range, expected "
         );
         assert!(said.contains(&place), "{said}");
+    }
+
+    #[test]
+    fn an_option_that_leaves_no_actors_is_named() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/openscenario/cut_in.xosc");
+        let mut overrides = crate::Overrides::new();
+        overrides.set("actors=[]").expect("an option");
+        let said = Scenario::open_openscenario(Path::new(path), &[], &overrides, &|_| Ok(()))
+            .expect_err("the storyboard moves one")
+            .to_string();
+        assert!(said.starts_with("error: --set actors=[]: 1 entities for 0 of 0 actors"), "{said}");
     }
 }
