@@ -117,8 +117,9 @@ fn expect_a_number(error: clap::Error) -> clap::Error {
         IntErrorKind::PosOverflow => "a smaller whole number",
         _ => "a whole number without a sign",
     };
-    let said = format!("invalid value '{value}' for '{option}': expected {expected}");
-    Cli::command().error(ErrorKind::ValueValidation, said)
+    // Without a usage line: that of the whole program is of no help here.
+    let said = format!("invalid value '{value}' for '{option}': expected {expected}\n");
+    clap::Error::raw(ErrorKind::ValueValidation, said)
 }
 
 /// Adds the nearest commands to the error about an unknown one. clap's own measure of likeness knows no
