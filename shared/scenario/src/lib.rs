@@ -335,6 +335,18 @@ impl<'a> Place<'a> {
     }
 }
 
+/// Reads another file of the same form, such as a campaign, into its type. `source` stands for it in errors.
+///
+/// # Errors
+/// When the text is no TOML, or does not fit the type; shows the line and what was expected.
+pub fn read_as<T: serde::de::DeserializeOwned>(
+    source: &str,
+    text: &str,
+) -> Result<T, ScenarioError> {
+    let none = Overrides::new();
+    Document::parse(source, text, &none)?.read(|_| ()).map(|(value, ())| value)
+}
+
 /// Reads a table of a vehicle's speed over time, with a heading `time_s,speed_mps`. `source` stands for
 /// it in errors.
 ///

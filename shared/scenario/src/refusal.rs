@@ -107,10 +107,16 @@ fn in_words(expected: &dyn Expected) -> String {
     match name.as_str() {
         "f64" => "a number".to_owned(),
         "i64" | "u64" | "i32" | "u32" | "u16" | "u8" | "usize" => "a whole number".to_owned(),
+        "a nonzero usize" | "a nonzero u64" | "a nonzero u32" => {
+            "a whole number of 1 or more".to_owned()
+        }
         "a map" => "a table".to_owned(),
         "a sequence" => "an array".to_owned(),
         "a boolean" => "true or false".to_owned(),
         other if other.starts_with("struct ") => "a table".to_owned(),
+        other if other.starts_with("an array of length ") => {
+            other.replace("an array of length ", "a list of ") + " values"
+        }
         _ => name,
     }
 }

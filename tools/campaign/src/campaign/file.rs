@@ -159,9 +159,6 @@ impl Failure for FileError {}
 /// What is wrong with the text of a campaign.
 #[derive(Debug, thiserror::Error)]
 pub enum CampaignProblem {
-    /// A key or a value is.
-    #[error("{}", .0.to_string().trim_end())]
-    Toml(#[from] toml::de::Error),
     /// Another version of the schema.
     #[error("schema_version = {0} is not known, expected 1")]
     Version(u32),
@@ -283,7 +280,7 @@ impl Campaign {
     /// The built-in campaign of that name, or the file at that path.
     pub fn open(argument: &str) -> Result<Self, Error> {
         if let Some(builtin) = BUILTIN.iter().find(|builtin| builtin.name == argument) {
-            return Ok(Self::parse(&format!("built-in {argument}"), builtin.text)?);
+            return Self::parse(&format!("built-in {argument}"), builtin.text);
         }
         let path = Path::new(argument);
         if !path.exists() {
@@ -324,16 +321,16 @@ impl Campaign {
             return Err(FileError::TooLong { path: path.to_owned() }.into());
         }
         let text = std::fs::read_to_string(path).map_err(error)?;
-        Ok(Self::parse(&path.display().to_string(), &text)?)
+        Self::parse(&path.display().to_string(), &text)
     }
 
-    fn parse(file: &str, text: &str) -> Result<Self, FileError> {
-        Self::read_text(text)
-            .map_err(|problem| FileError::Campaign { file: file.to_owned(), problem })
+    fn parse(file: &str, text: &str) -> Result<Self, Error> {
+        let campaign: Self = scenario::read_as(file, text)?;
+        let checked = Self::check(campaign);
+        Ok(checked.map_err(|problem| FileError::Campaign { file: file.to_owned(), problem })?)
     }
 
-    fn read_text(text: &str) -> Result<Self, CampaignProblem> {
-        let campaign: Self = toml::from_str(text)?;
+    fn check(campaign: Self) -> Result<Self, CampaignProblem> {
         if campaign.schema_version != 1 {
             return Err(CampaignProblem::Version(campaign.schema_version));
         }
@@ -449,11 +446,11 @@ mod tests {
     fn faults_in_the_file_are_shown_with_their_place() {
         let head = "schema_version = 1\nname = \"x\"\nscenarios = [\"cacc-a\"]\n";
         for (text, words) in [
-            ("", ["c.toml", "missing field"]),
-            (&format!("{head}colour = 1\n"), ["line 4", "colour"]),
-            (&format!("{head}mode = \"fast\"\n"), ["line 4", "realtime"]),
-            (&format!("{head}seeds = 0\n"), ["line 4", "nonzero"]),
-            (&format!("{head}shard = \"3/2\"\n"), ["line 4", "I from 1 to N"]),
+            ("", ["c.toml:1:1", "missing key"]),
+            (&format!("{head}colour = 1\n"), ["c.toml:4:1", "colour"]),
+            (&format!("{head}mode = \"fast\"\n"), ["c.toml:4:8", "realtime"]),
+            (&format!("{head}seeds = 0\n"), ["c.toml:4:9", "expected a whole number of 1 or more"]),
+            (&format!("{head}shard = \"3/2\"\n"), ["c.toml:4:9", "I from 1 to N"]),
             (&format!("{head}[require]\nmax_fun = 1\n"), ["max_fun", "collisions"]),
             (&format!("{head}[require]\ncollisions = 1\n"), ["collisions", "max_ or min_"]),
             (&format!("{head}[require]\nmax_collisions = nan\n"), ["NaN", "a number"]),
