@@ -20,6 +20,7 @@ use super::growing::{Giver, Growing};
 use super::measure::{Measured, measure};
 use super::motion::Motion;
 use super::scene::{Place, Plan};
+use super::wave::Amplitudes;
 use crate::batch::{self, Done, Interrupt, ProcessesSample, Repetition};
 
 /// Points of a trace, for the pictures.
@@ -38,8 +39,8 @@ pub struct Driven {
     pub figures: ControlFigures,
     /// Norms of its speeds and gaps.
     pub measured: Measured,
-    /// Behind a sine: amplitudes of its speed and of the speed of the vehicle ahead, m/s.
-    pub amplitudes: Option<[f64; 2]>,
+    /// What it made of a sine.
+    pub amplitudes: Option<Amplitudes>,
     /// Time, s, position of its front bumper from the first car's start, m, and speed, m/s; empty
     /// behind a sine.
     pub trace: Vec<[f64; 3]>,

@@ -11,8 +11,9 @@ use controller::laws;
 use group::Drive;
 use scenario::Scenario;
 
-/// Below this norm a signal is no disturbance: its gain would be noise over nothing, m/s or m.
-const QUIET: f64 = 1e-6;
+/// Below this largest deviation a signal is no disturbance, and its gain one of noise over noise, m/s or m: cars
+/// behind a constant speed deviate by 0.1 m/s by their radars' noise.
+const QUIET: f64 = 0.2;
 
 /// Two norms of a signal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -37,9 +38,12 @@ impl Norms {
 
     /// How much larger this is than `before`; none where there was nothing to amplify.
     pub fn over(self, before: Option<Self>) -> (Option<f64>, Option<f64>) {
-        let ratio = |now: f64, before: f64| (before > QUIET).then(|| now / before);
-        let before = before.unwrap_or_default();
-        (ratio(self.l2, before.l2), ratio(self.max, before.max))
+        let before = before.filter(|before| before.max > QUIET);
+        let ratio = |now: f64, before: Option<f64>| before.map(|before| now / before);
+        (
+            ratio(self.l2, before.map(|norms| norms.l2)),
+            ratio(self.max, before.map(|norms| norms.max)),
+        )
     }
 }
 
@@ -135,5 +139,7 @@ mod tests {
         let norms = Norms { l2: 1.0, max: 1.0 };
         assert_eq!(norms.over(None), (None, None));
         assert_eq!(norms.over(Some(Norms::default())), (None, None));
+        // The hundredth car: what it has ahead is the noise of the radars before it.
+        assert_eq!(norms.over(Some(Norms { l2: 0.2, max: 0.08 })), (None, None));
     }
 }

@@ -50,7 +50,13 @@ pub fn text(results: &Results) -> String {
 
 /// The string in a sentence.
 pub fn verdict(results: &Results) -> String {
-    let stable = if results.string_stable { "string stable" } else { "NOT string stable" };
+    let is_measured =
+        results.peak.is_some() || results.vehicles.iter().any(|car| car.speed_gain_l2.is_some());
+    let stable = match results.string_stable {
+        true if is_measured => "string stable",
+        true => "string stable, with no disturbance to amplify",
+        false => "NOT string stable",
+    };
     let peak = results.peak.map_or_else(String::new, |peak| {
         format!(", peak gain {:.3} at {:.4} Hz", peak.gain, peak.hz)
     });

@@ -149,8 +149,9 @@ fn the_measured_gain_is_that_of_the_closed_loop() {
         let behind = plan.behind_wave(hz).expect("a wave");
         let driven = group::in_process::run(&behind.laws[0]).expect("it drives");
         let wave = Wave::of(&plan.laws[0], plan.vehicles, hz).expect("a wave");
-        let [speed, ahead] = wave.amplitudes(&driven.drive).expect("to the end");
-        let (measured, theory) = (speed / ahead, transfer(gains, tau_s, period_s, hz));
+        let found = wave.amplitudes(&driven.drive).expect("to the end");
+        let (measured, theory) =
+            (found.car_mps / found.ahead_mps, transfer(gains, tau_s, period_s, hz));
         assert!(
             (measured / theory - 1.0).abs() < 0.02,
             "period {period} s: measured {measured:.4}, transfer function {theory:.4}"

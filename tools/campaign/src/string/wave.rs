@@ -7,14 +7,15 @@
 //! v(t) ~ m + p cos(2 pi f t) + q sin(2 pi f t),     amplitude = sqrt(p² + q²)
 //! ```
 //!
-//! over whole periods. The fit asks for no sampling in step with the sine.
+//! over whole periods. The fit asks for no sampling in step with the sine. What a car moves beside that, by its
+//! radar's noise, is fitted in the same way at the neighbouring frequencies of the same window.
 
 use std::f64::consts::TAU;
 
 use group::Drive;
 use scenario::Scenario;
 
-use super::measure::samples;
+use super::measure::{Sample, samples};
 
 /// Largest amplitude of the speed, m/s.
 const MAX_AMPLITUDE_MPS: f64 = 1.0;
@@ -81,71 +82,106 @@ impl Wave {
 
     /// Length of the run, s.
     pub fn duration_s(&self) -> f64 {
-        let periods = (LEAST_MEASURED_S * self.hz).ceil();
-        self.settle_s + periods / self.hz
+        self.settle_s + self.periods() / self.hz
     }
 
-    /// Amplitudes of the car's speed and of the speed of the vehicle ahead, m/s; none if the drive
-    /// ended before.
-    pub fn amplitudes(&self, drive: &Drive) -> Option<[f64; 2]> {
+    /// Whole periods that are measured.
+    fn periods(&self) -> f64 {
+        (LEAST_MEASURED_S * self.hz).ceil()
+    }
+
+    /// What the car made of the sine; none if the drive ended before.
+    pub fn amplitudes(&self, drive: &Drive) -> Option<Amplitudes> {
         let reached_s = drive.steps.last()?.time_s;
         if reached_s < self.duration_s() - 1.0 {
             return None;
         }
-        let settled = samples(drive).filter(|sample| sample.time_s >= self.settle_s);
-        let mut fit = Fit::default();
-        for sample in settled {
-            let angle = TAU * self.hz * sample.time_s;
-            let deviations = [sample.speed_mps, sample.ahead_mps].map(|mps| mps - self.centre_mps);
-            fit.add([1.0, libm::cos(angle), libm::sin(angle)], deviations);
-        }
-        fit.amplitudes()
+        let settled: Vec<_> =
+            samples(drive).filter(|sample| sample.time_s >= self.settle_s).collect();
+        let of = |speed: fn(&Sample) -> f64, sample: &Sample| speed(sample) - self.centre_mps;
+        let ahead = fit(self.hz, settled.iter().map(|at| (at.time_s, of(|at| at.ahead_mps, at))))?;
+        let car = fit(self.hz, settled.iter().map(|at| (at.time_s, of(|at| at.speed_mps, at))))?;
+        let rest =
+            || settled.iter().map(|at| (at.time_s, of(|at| at.speed_mps, at) - car.at(at.time_s)));
+        let periods = self.periods();
+        let beside = [periods - 2.0, periods - 1.0, periods + 1.0, periods + 2.0];
+        let noise = (beside.into_iter().filter(|&other| other > 0.0))
+            .map(|other| Some(fit(self.hz * other / periods, rest())?.amplitude()))
+            .collect::<Option<Vec<_>>>()?;
+        let square = noise.iter().map(|mps| mps * mps).sum::<f64>() / noise.len() as f64;
+        Some(Amplitudes {
+            car_mps: car.amplitude(),
+            ahead_mps: ahead.amplitude(),
+            noise_mps: libm::sqrt(square),
+        })
     }
 }
 
-/// Normal equations of `[1, cos, sin]` for two signals.
-#[derive(Clone, Copy, Debug, Default)]
-struct Fit {
-    matrix: [[f64; 3]; 3],
-    right: [[f64; 2]; 3],
+/// What a car made of a sine, m/s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Amplitudes {
+    /// Of its speed.
+    pub car_mps: f64,
+    /// Of the speed of the vehicle ahead.
+    pub ahead_mps: f64,
+    /// Of its speed at the neighbouring frequencies, root mean square.
+    pub noise_mps: f64,
 }
 
-impl Fit {
-    fn add(&mut self, basis: [f64; 3], values: [f64; 2]) {
-        for (i, left) in basis.into_iter().enumerate() {
-            for (j, other) in basis.into_iter().enumerate() {
-                self.matrix[i][j] += left * other;
-            }
-            for (sum, value) in self.right[i].iter_mut().zip(values) {
-                *sum += left * value;
-            }
-        }
+/// `mean + cosine cos(2 pi f t) + sine sin(2 pi f t)`.
+#[derive(Clone, Copy, Debug)]
+struct Sine {
+    hz: f64,
+    coefficients: [f64; 3],
+}
+
+impl Sine {
+    fn at(&self, time_s: f64) -> f64 {
+        self.coefficients.iter().zip(basis(self.hz, time_s)).map(|(c, b)| c * b).sum()
     }
 
-    /// By Gauss's elimination; the matrix is positive definite when three samples differ.
-    fn amplitudes(mut self) -> Option<[f64; 2]> {
-        for k in 0..3 {
-            let pivot = self.matrix[k][k];
-            if pivot.is_nan() || pivot <= 1e-9 {
-                return None;
-            }
-            for row in k + 1..3 {
-                let factor = self.matrix[row][k] / pivot;
-                for column in k..3 {
-                    self.matrix[row][column] -= factor * self.matrix[k][column];
-                }
-                for signal in 0..2 {
-                    self.right[row][signal] -= factor * self.right[k][signal];
-                }
-            }
-        }
-        let solve = |signal: usize| {
-            let q = self.right[2][signal] / self.matrix[2][2];
-            let p = (self.right[1][signal] - self.matrix[1][2] * q) / self.matrix[1][1];
-            libm::hypot(p, q)
-        };
-        Some([solve(0), solve(1)])
+    fn amplitude(&self) -> f64 {
+        libm::hypot(self.coefficients[1], self.coefficients[2])
     }
+}
+
+fn basis(hz: f64, time_s: f64) -> [f64; 3] {
+    let angle = TAU * hz * time_s;
+    [1.0, libm::cos(angle), libm::sin(angle)]
+}
+
+/// The sine of a frequency that is nearest to a signal, by Gauss's elimination; the matrix is positive
+/// definite when three samples differ.
+fn fit(hz: f64, signal: impl Iterator<Item = (f64, f64)>) -> Option<Sine> {
+    let (mut matrix, mut right) = ([[0.0; 3]; 3], [0.0; 3]);
+    for (time_s, value) in signal {
+        let basis = basis(hz, time_s);
+        for i in 0..3 {
+            for j in 0..3 {
+                matrix[i][j] += basis[i] * basis[j];
+            }
+            right[i] += basis[i] * value;
+        }
+    }
+    for k in 0..3 {
+        let pivot: f64 = matrix[k][k];
+        if pivot.is_nan() || pivot <= 1e-9 {
+            return None;
+        }
+        for row in k + 1..3 {
+            let factor = matrix[row][k] / pivot;
+            for column in k..3 {
+                matrix[row][column] -= factor * matrix[k][column];
+            }
+            right[row] -= factor * right[k];
+        }
+    }
+    let mut coefficients = [0.0; 3];
+    for k in (0..3).rev() {
+        let known: f64 = (k + 1..3).map(|column| matrix[k][column] * coefficients[column]).sum();
+        coefficients[k] = (right[k] - known) / matrix[k][k];
+    }
+    Some(Sine { hz, coefficients })
 }
 
 #[cfg(test)]
@@ -168,10 +204,30 @@ mod tests {
         };
         let steps = (wave.duration_s() / 0.05) as u32;
         let drive = Drive { steps: (0..=steps).map(step).collect(), ..Drive::default() };
-        let [speed, ahead] = wave.amplitudes(&drive).expect("it was driven to the end");
-        assert!((speed - 0.8).abs() < 1e-9 && (ahead - 1.0).abs() < 1e-9, "{speed} {ahead}");
+        let found = wave.amplitudes(&drive).expect("it was driven to the end");
+        let Amplitudes { car_mps, ahead_mps, noise_mps } = found;
+        assert!((car_mps - 0.8).abs() < 1e-9 && (ahead_mps - 1.0).abs() < 1e-9, "{found:?}");
+        assert!(noise_mps < 1e-9, "{found:?}");
         let short = Drive { steps: drive.steps[..800].to_vec(), ..Drive::default() };
         assert_eq!(wave.amplitudes(&short), None);
+    }
+
+    #[test]
+    fn what_a_car_moves_beside_the_sine_is_its_noise() {
+        let wave = Wave { hz: 0.3, centre_mps: 20.0, settle_s: 60.0 };
+        // Of the four neighbouring frequencies one has 0.01 m/s.
+        let other_hz = wave.hz * (wave.periods() + 1.0) / wave.periods();
+        let step = |k: u32| {
+            let time_s = f64::from(k) * 0.05;
+            let speed_mps = 20.0 + 0.01 * libm::sin(TAU * other_hz * time_s);
+            let lead_speed_mps = Some(20.0 - 0.2 * libm::cos(TAU * wave.hz * time_s));
+            DriveStep { time_s, speed_mps, lead_speed_mps, ..DriveStep::default() }
+        };
+        let steps = (wave.duration_s() / 0.05) as u32;
+        let drive = Drive { steps: (0..=steps).map(step).collect(), ..Drive::default() };
+        let found = wave.amplitudes(&drive).expect("it was driven to the end");
+        assert!((found.noise_mps - 0.005).abs() < 1e-4, "{found:?}");
+        assert!(found.car_mps < 1e-4, "{found:?}");
     }
 
     #[test]
