@@ -34,7 +34,21 @@ pub fn page(results: &Results, judged: &[Judged]) -> String {
     for judged in judged {
         body += &pictures(judged);
     }
-    document("UN R157", "cut-in, following and cut-out", results.ok, &verdict, &body)
+    document("UN R157", &scope(judged), results.ok, &verdict, &body)
+}
+
+/// The matrices, and how much of each was driven.
+fn scope(judged: &[Judged]) -> String {
+    let each = judged.iter().map(|judged| {
+        let (name, cases, all) =
+            (judged.matrix.name(), judged.cases.len(), judged.matrix.cases().len());
+        if cases == all {
+            name.to_owned()
+        } else {
+            format!("{name}: a sample, {cases} of {all} cases")
+        }
+    });
+    each.collect::<Vec<_>>().join("; ")
 }
 
 fn figures(figures: &Figures) -> String {
@@ -168,8 +182,18 @@ fn picture(panel: &Panel) -> Cells {
 
 #[cfg(test)]
 mod tests {
+    use super::super::matrix::Matrix;
     use super::*;
     use regulation::PerModel;
+
+    #[test]
+    fn the_heading_says_which_matrices_were_driven_and_how_much_of_each() {
+        let mut following = Judged::new(Matrix::Following, Matrix::Following.cases());
+        assert_eq!(scope(std::slice::from_ref(&following)), "following");
+        let all = following.cases.len();
+        following.cases.truncate(2);
+        assert_eq!(scope(&[following]), format!("following: a sample, 2 of {all} cases"));
+    }
 
     #[test]
     fn a_panel_without_a_collision_is_not_drawn() {
