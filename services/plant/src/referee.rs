@@ -185,8 +185,13 @@ impl Referee {
         // jerk of the drive: it would grow without bound as the period shrinks.
         let comes_to_stand =
             |last: &Sample| last.ego.speed_mps > 0.0 && sample.ego.speed_mps <= 0.0;
+        // A truck's sample at which it first stands still has its last step's mean acceleration.
+        let felt = |state: &State| match state.speed_mps <= 0.0 {
+            true => state.acceleration_mps2.max(0.0),
+            false => state.acceleration_mps2,
+        };
         if let Some(last) = self.last.filter(|last| !comes_to_stand(last)) {
-            let rise = acceleration - last.ego.acceleration_mps2;
+            let rise = felt(&sample.ego) - felt(&last.ego);
             let period_s = sample.time_s - last.time_s;
             let jerk = (rise / period_s).abs();
             figures.max_abs_jerk_mps3 = larger(figures.max_abs_jerk_mps3, jerk);
@@ -466,16 +471,19 @@ mod tests {
 
     #[test]
     fn the_step_of_the_acceleration_at_a_stop_is_no_jerk() {
-        let mut referee = Referee::new(&scenario("following"));
-        let motion = [(0.05, -2.5), (0.025, -2.5), (0.0, 0.0), (0.0, 0.0), (0.001, 0.1)];
-        for (index, (speed, acceleration)) in (0..).zip(motion) {
-            referee.observe(index * PERIOD_NS, &state(0.0, speed, acceleration), None, &[]);
+        // A car's acceleration ends with its last step, a truck's one sample later.
+        for last in [0.0, -1.5] {
+            let mut referee = Referee::new(&scenario("following"));
+            let motion = [(0.05, -2.5), (0.025, -2.5), (0.0, last), (0.0, 0.0), (0.001, 0.1)];
+            for (index, (speed, acceleration)) in (0..).zip(motion) {
+                referee.observe(index * PERIOD_NS, &state(0.0, speed, acceleration), None, &[]);
+            }
+            let jerk = referee.figures().max_abs_jerk_mps3.expect("five samples");
+            assert!(
+                (jerk - 10.0).abs() < 1e-9,
+                "moving off counts, coming to a stand does not: {jerk}"
+            );
         }
-        let jerk = referee.figures().max_abs_jerk_mps3.expect("five samples");
-        assert!(
-            (jerk - 10.0).abs() < 1e-9,
-            "moving off counts, coming to a stand does not: {jerk}"
-        );
     }
 
     #[test]

@@ -91,6 +91,8 @@ impl Truck {
         let most_brake_n = -mass_kg * plant.min_acceleration_mps2.value();
         let hold_n =
             (mass_kg * GRAVITY_MPS2 * HOLD_GRADE / HOLD_GRADE.hypot(1.0)).min(most_brake_n);
+        // One that begins at a stand is held already.
+        let brake_n = if motion.speed_mps > 0.0 { 0.0 } else { hold_n };
         Ok(Some(Self {
             model,
             believed,
@@ -102,7 +104,7 @@ impl Truck {
             most_brake_n,
             hold_n,
             hold_growth_n: mass_kg * HOLD_JERK_MPS3 * step_s,
-            brake_n: 0.0,
+            brake_n,
             braked_s: 0.0,
         }))
     }
@@ -180,7 +182,7 @@ impl Truck {
     pub fn powertrain(&self) -> Powertrain {
         let motion = &self.motion;
         let grade = self.road.grade(motion.position_m);
-        let engine_speed_rpm = self.model.engine_rpm(motion.speed_mps, motion.gear);
+        let engine_speed_rpm = self.model.running_rpm(motion.speed_mps, motion.gear);
         Powertrain {
             gear: motion.gear,
             since_shift_s: motion.since_shift_s,
@@ -288,6 +290,44 @@ mod tests {
                 assert_eq!(truck.state(), State { acceleration_mps2: 0.0, ..stands });
             }
         }
+    }
+
+    #[test]
+    fn it_begins_with_the_acceleration_that_its_engine_leaves_and_a_stand_is_held() {
+        for percent in [-8.0, -1.0, 0.0, 1.0, 8.0] {
+            let mut truck = slope(percent, "");
+            let began = truck.state().acceleration_mps2;
+            truck.step(&acceleration(0.0), None);
+            let jerk = (truck.state().acceleration_mps2 - began) / 0.01;
+            assert!(jerk.abs() < 5.0, "{percent} %: {jerk} m/s³");
+            assert_eq!(began == 0.0, percent.abs() < 2.0, "{percent} %: {began} m/s²");
+            let end_m = 500.0 + 5.0 * percent;
+            let keys = format!(
+                "schema_version = 1\nname = \"x\"\nplant.vehicle = \"jh6-49t\"\n\
+                 road.points = [[0, 500], [500, {end_m}]]"
+            );
+            let scenario = Scenario::parse("x", &keys).expect("a right scenario");
+            let mut stands = Truck::new(&scenario).expect("a road").expect("a truck");
+            for _ in 0..500 {
+                stands.step(&acceleration(0.0), None);
+            }
+            assert_eq!(stands.state(), State::default(), "{percent} %");
+        }
+    }
+
+    #[test]
+    fn an_engine_idles_at_a_stand_and_its_fuel_flow_is_what_it_burns() {
+        let mut truck = truck("");
+        for _ in 0..1200 {
+            truck.step(&acceleration(-4.0), None);
+        }
+        assert_eq!(truck.state().speed_mps, 0.0);
+        let before = truck.powertrain();
+        truck.step(&acceleration(-4.0), None);
+        let after = truck.powertrain();
+        assert_eq!(before.engine_speed_rpm, 600.0);
+        let burnt_gps = (after.fuel_g - before.fuel_g) / 0.01;
+        assert!(burnt_gps > 0.1 && (burnt_gps - before.fuel_gps).abs() < 1e-9, "{burnt_gps} g/s");
     }
 
     #[test]

@@ -81,20 +81,26 @@ pub struct Motion {
 
 impl Motion {
     /// A truck at `speed_mps`, in the highest gear that turns its engine at 1000 rpm or more, with the
-    /// torque that holds its speed on `grade`.
+    /// torque that holds its speed on `grade`; where the engine cannot, with the acceleration that is left. One that
+    /// stands does so, whatever the grade.
     #[must_use]
     pub fn new(truck: &Truck, position_m: f64, speed_mps: f64, grade: f64) -> Self {
         let gear =
             (0..GEARS).rev().find(|&g| truck.engine_rpm(speed_mps, g) >= 1000.0).unwrap_or(0);
-        let rpm = truck.engine_rpm(speed_mps, gear).max(IDLE_RPM);
+        let rpm = truck.running_rpm(speed_mps, gear);
         let hold_nm = truck.engine_torque_nm(0.0, speed_mps, gear, grade);
         let engine = truck.engine();
+        let engine_torque_nm = hold_nm.clamp(engine.drag_torque_nm(rpm), engine.max_torque_nm(rpm));
+        let auxiliary_nm = truck.auxiliary_torque_nm(rpm);
+        let force_n = |torque_nm: f64| truck.force_n(torque_nm - auxiliary_nm, gear);
+        let lacking_n =
+            if speed_mps > 0.0 { force_n(engine_torque_nm) - force_n(hold_nm) } else { 0.0 };
         Self {
             position_m,
             speed_mps,
-            acceleration_mps2: 0.0,
+            acceleration_mps2: lacking_n / truck.inertial_mass_kg(),
             gear,
-            engine_torque_nm: hold_nm.clamp(engine.drag_torque_nm(rpm), engine.max_torque_nm(rpm)),
+            engine_torque_nm,
             since_shift_s: MIN_BETWEEN_SHIFTS_S,
             shifts: 0,
             fuel_g: 0.0,

@@ -109,6 +109,12 @@ impl Truck {
         self.crank_radians_per_m[gear] * speed_mps / RADPS_PER_RPM
     }
 
+    /// Engine speed, rpm: below its idle speed the clutch slips or is open.
+    #[must_use]
+    pub fn running_rpm(&self, speed_mps: f64, gear: usize) -> f64 {
+        self.engine_rpm(speed_mps, gear).max(IDLE_RPM)
+    }
+
     /// Torque that the auxiliaries take at an engine speed, N m.
     #[must_use]
     pub fn auxiliary_torque_nm(&self, engine_rpm: f64) -> f64 {
@@ -183,14 +189,14 @@ impl Truck {
     ) -> f64 {
         let force_n =
             self.inertial_mass_kg * acceleration_mps2 + self.resistance_n(speed_mps, grade);
-        let rpm = self.engine_rpm(speed_mps, gear).max(IDLE_RPM);
+        let rpm = self.running_rpm(speed_mps, gear);
         self.net_torque_nm(force_n, gear) + self.auxiliary_torque_nm(rpm)
     }
 
     /// Fuel flow at a net torque with the clutch closed, g/s (equation 5).
     #[must_use]
     pub fn fuel_gps(&self, speed_mps: f64, gear: usize, net_torque_nm: f64) -> f64 {
-        let rpm = self.engine_rpm(speed_mps, gear).max(IDLE_RPM);
+        let rpm = self.running_rpm(speed_mps, gear);
         self.engine.fuel_gps(rpm, net_torque_nm + self.auxiliary_torque_nm(rpm))
     }
 }
