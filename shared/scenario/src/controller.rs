@@ -36,7 +36,7 @@ pub struct Controller {
     pub solver: Solver,
     /// Steps of the prediction; `acc-mpc` and `cacc-mpc` take 10 to 128.
     pub horizon: Steps,
-    /// Step of the prediction, ms; absent: the period, or 100 ms where that is shorter than 50 ms. `acc-mpc` and
+    /// Step of the prediction, ms; absent: the period, or 100 ms where that is below 50 or above 500 ms. `acc-mpc` and
     /// `cacc-mpc` take 10 to 500 ms.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub prediction_step_ms: Option<PeriodMs>,
@@ -64,10 +64,11 @@ impl Controller {
         self.deadline_ms.unwrap_or(self.period_ms)
     }
 
-    /// Step of the prediction: as set, else the period, or 100 ms where that is shorter than 50 ms.
+    /// Step of the prediction: as set, else the period, or 100 ms where that is below 50 or above 500 ms.
     #[must_use]
     pub fn prediction_step(&self) -> PeriodMs {
-        let usual = if self.period_ms.value() < 50 { PeriodMs::of(100) } else { self.period_ms };
+        let is_a_step = (50..=500).contains(&self.period_ms.value());
+        let usual = if is_a_step { self.period_ms } else { PeriodMs::of(100) };
         self.prediction_step_ms.unwrap_or(usual)
     }
 

@@ -126,6 +126,8 @@ impl Config {
 
 #[cfg(test)]
 mod tests {
+    use scenario::quantity::PeriodMs;
+
     use super::*;
 
     #[test]
@@ -139,8 +141,19 @@ mod tests {
             let error = config.check().expect_err("out of range");
             Config::in_scenario(error, &Controller::default()).to_string()
         };
-        let slow = said(Config { step_s: 1.0, ..Config::default() });
-        assert_eq!(slow, "period_ms = 1000 is out of range, expected a number from 10 to 500");
+        let set =
+            Controller { prediction_step_ms: Some(PeriodMs::of(1000)), ..Controller::default() };
+        let slow = Config { step_s: 1.0, ..Config::default() }.check().expect_err("out of range");
+        assert_eq!(
+            Config::in_scenario(slow, &set).to_string(),
+            "prediction_step_ms = 1000 is out of range, expected a number from 10 to 500"
+        );
+        for period_ms in [1, 100, 500, 501, 1000, 10_000] {
+            let period_ms = PeriodMs::of(period_ms);
+            let controller = Controller { period_ms, ..Controller::default() };
+            let config = Config::of(&controller, RoadConfig::default());
+            assert!(config.step_s <= 0.5, "{period_ms:?}: {}", config.step_s);
+        }
         let long = said(Config { horizon_steps: 1000, ..Config::default() });
         assert_eq!(long, "horizon = 1000 is out of range, expected a number from 10 to 128");
         let beyond = said(Config { step_s: 0.4, actuator_lag_s: 0.3, ..Config::default() });
