@@ -216,7 +216,13 @@ impl Loop {
             radar,
             spat,
             map: self.map.newest(),
-            powertrain: self.truck.as_ref().and_then(|truck| truck.powertrain.newest()),
+            powertrain: self.truck.as_ref().and_then(|truck| {
+                truck.powertrain.newest().filter(|powertrain| {
+                    // The grade is what it shows beyond odometry's acceleration of the same time.
+                    fresh.is_some()
+                        && age(powertrain.header.acquisition_ns) <= self.ladder.stale_odometry_s()
+                })
+            }),
             preview: self.truck.as_ref().and_then(|truck| truck.preview.newest()),
         };
         let ages = Ages {

@@ -103,8 +103,8 @@ impl Predictive {
         self.state.price.lag_s()
     }
 
-    /// The powertrain; without a report the gear that the speed suggests.
-    fn powertrain(&self, input: &Input) -> Powertrain {
+    /// The powertrain; without a report the gear that the speed suggests, and the map's grade.
+    fn powertrain(&self, input: &Input, map_grade: Option<f64>) -> Powertrain {
         let reported = input.powertrain.filter(|powertrain| {
             powertrain.gear < GEARS
                 && powertrain.engine_torque_nm.abs() < BELIEVABLE
@@ -116,7 +116,7 @@ impl Predictive {
                 gear: motion.gear,
                 since_shift_s: motion.since_shift_s,
                 engine_torque_nm: motion.engine_torque_nm,
-                grade: 0.0,
+                grade: map_grade.unwrap_or(0.0),
             }
         })
     }
@@ -262,9 +262,9 @@ impl Law for Predictive {
         }
         let dt_s = input.period_s;
         let ego = &input.ego;
-        let powertrain = self.powertrain(input);
         let preview = input.preview.filter(Preview::is_sound);
         let map_grade = preview.and_then(|preview| preview.grade(ego.position_m));
+        let powertrain = self.powertrain(input, map_grade);
         self.state.trust.update(map_grade, powertrain.grade, dt_s);
         let target = self.state.filter.update(input.target.as_ref(), ego.acceleration_mps2, dt_s);
 
