@@ -1,9 +1,10 @@
 //! The page of a campaign: what was required and found, how long detection and recovery took, and
 //! the runs to blame.
 
+use super::print::found_text;
 use super::record::Record;
 use super::tally::Tally;
-use super::verdict::Verdict;
+use super::verdict::{Requirement, Verdict};
 use report::chart::{Stroke, Tone, number};
 use report::html::{Cell, Column, Tile, document, figure, section, table, tiles};
 use report::{Distribution, distributions};
@@ -38,7 +39,7 @@ pub fn page(verdict: &Verdict, times: &Times) -> String {
     );
     let body = [
         tiles(&figures(&verdict.all)),
-        section("Requirements", &requirements(verdict)),
+        section("Requirements", &requirements(&verdict.requirements)),
         section("Detection and recovery", &pictures(times)),
         section("Runs", &combinations(verdict)),
         failures(verdict),
@@ -69,14 +70,13 @@ fn figures(all: &Tally) -> Vec<Tile> {
     tiles
 }
 
-fn requirements(verdict: &Verdict) -> String {
-    let rows: Vec<_> = (verdict.requirements.iter())
+fn requirements(all: &[Requirement]) -> String {
+    let rows: Vec<_> = (all.iter())
         .map(|requirement| {
-            let found =
-                requirement.found.map_or_else(|| "nothing".into(), |found| number(found, 2));
+            let found = requirement.found.map_or_else(|| "nothing".into(), found_text);
             vec![
                 Cell::Plain(requirement.requirement.clone()),
-                Cell::Plain(number(requirement.limit, 2)),
+                Cell::Plain(requirement.limit.to_string()),
                 Cell::Plain(found),
                 if requirement.ok {
                     Cell::Good("holds".into())
@@ -177,4 +177,25 @@ fn failures(verdict: &Verdict) -> String {
     let head =
         [("run", Column::Number), ("why", Column::Text), ("command that repeats it", Column::Text)];
     section("Failures", &table(&head, &rows))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_count_is_whole_and_a_limit_that_is_just_missed_is_seen_to_be() {
+        let requirement = |key: &str, limit, found| Requirement {
+            requirement: key.into(),
+            limit,
+            found: Some(found),
+            ok: found <= limit,
+        };
+        let table = requirements(&[
+            requirement("max_collisions", 3.0, 0.0),
+            requirement("max_take_over_p50_ms", 1.0, 1.004),
+        ]);
+        assert!(table.contains(">3<") && table.contains(">0<"), "{table}");
+        assert!(table.contains(">1<") && table.contains(">1.004<"), "{table}");
+    }
 }

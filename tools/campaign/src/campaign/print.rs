@@ -173,7 +173,7 @@ fn totals(verdict: &Verdict) -> String {
 }
 
 /// A count as it is, and of what was measured no more than three decimals.
-fn found_text(found: f64) -> String {
+pub fn found_text(found: f64) -> String {
     let rounded = (found * 1e3).round() / 1e3;
     rounded.to_string()
 }
