@@ -25,8 +25,8 @@ pub enum ReadError {
     },
     /// Its messages have other layouts than this program's.
     #[error(
-        "{} was recorded by {program} with other messages (`{topic}` differs): read it with that \
-         version", path.display()
+        "{} was recorded by {} with other messages (`{topic}` differs): read it with that \
+         version", path.display(), program.escape_debug()
     )]
     Layout {
         /// The file.
@@ -44,6 +44,11 @@ pub enum Damage {
     /// The file ends before its end: the recorder was killed, or the disk was full.
     CutOff {
         /// Bytes behind the last whole record.
+        bytes: u64,
+    },
+    /// The file goes on behind its end, as one to which another was appended.
+    BehindEnd {
+        /// Bytes behind the end.
         bytes: u64,
     },
     /// A chunk, or another record, is damaged and was left out.
@@ -87,7 +92,7 @@ impl Damage {
     /// True where `timegap recover` writes a file without it.
     #[must_use]
     pub fn can_be_left_out(&self) -> bool {
-        matches!(self, Self::CutOff { .. } | Self::Chunk { .. })
+        matches!(self, Self::CutOff { .. } | Self::BehindEnd { .. } | Self::Chunk { .. })
     }
 }
 
@@ -97,6 +102,9 @@ impl fmt::Display for Damage {
             Self::CutOff { bytes: 0 } => f.write_str("the recording was never ended"),
             Self::CutOff { bytes } => {
                 write!(f, "the recording was never ended; its last {bytes} bytes are no whole part")
+            }
+            Self::BehindEnd { bytes } => {
+                write!(f, "{bytes} bytes behind the recording's end are left out")
             }
             Self::Chunk { offset, bytes, reason } => {
                 write!(f, "{bytes} bytes from byte {offset} on are damaged ({reason})")

@@ -21,6 +21,7 @@ pub(crate) const MESSAGE_HEAD: usize = 22;
 
 /// Kinds of record that are read; all others are passed over.
 pub(crate) mod opcode {
+    pub(crate) const FOOTER: u8 = 0x02;
     pub(crate) const SCHEMA: u8 = 0x03;
     pub(crate) const CHANNEL: u8 = 0x04;
     pub(crate) const MESSAGE: u8 = 0x05;

@@ -2,7 +2,7 @@
 //! and to read the messages in the order of their log times afterwards.
 
 use crate::definitions::Definitions;
-use crate::format::{self, Fields, Malformed, Statistics, opcode};
+use crate::format::{self, Fields, MAGIC, Malformed, Statistics, opcode};
 use crate::source::{Source, Spot, Window};
 use crate::{Damage, Metadata, Tally};
 use std::io;
@@ -40,8 +40,8 @@ impl Outline {
     pub(crate) fn of(source: &Source) -> io::Result<Self> {
         let mut outline = Self::default();
         let mut window = Window::of_heads(source);
-        let mut at = format::MAGIC.len() as u64;
-        let mut ended = false;
+        let mut at = MAGIC.len() as u64;
+        let (mut ended, mut footed) = (false, false);
         while let Some(spot) = window.spot(at)? {
             if spot.opcode == opcode::DATA_END {
                 ended = true;
@@ -51,9 +51,18 @@ impl Outline {
                 outline.data(&mut window, spot)?;
             }
             at = spot.end();
+            footed = ended && spot.opcode == opcode::FOOTER;
+            if footed {
+                break;
+            }
         }
-        if !ended {
-            outline.damage.push(Damage::CutOff { bytes: source.length() - at });
+        let left = source.length() - at;
+        let magic = MAGIC.len() as u64;
+        let is_whole = footed && left >= magic && window.bytes(at, MAGIC.len())? == MAGIC;
+        match left.checked_sub(magic).filter(|_| is_whole) {
+            Some(0) => {}
+            Some(bytes) => outline.damage.push(Damage::BehindEnd { bytes }),
+            None => outline.damage.push(Damage::CutOff { bytes: left }),
         }
         Ok(outline)
     }

@@ -103,6 +103,20 @@ fn a_file_that_was_never_ended_keeps_what_was_flushed() {
 }
 
 #[test]
+fn a_file_that_is_cut_or_goes_on_behind_its_messages_is_said_so() {
+    let whole = file(true);
+    let of = |file: &[u8]| read(file).expect("a recording").damage().to_vec();
+    // The magic bytes, the footer, the summary: a reader that begins at the end needs all of them.
+    for missing in [1, 8, 9, 36, 37, 60, 500] {
+        let damage = of(&whole[..whole.len() - missing]);
+        assert!(matches!(damage[..], [Damage::CutOff { .. }]), "{missing} bytes: {damage:?}");
+    }
+    let bytes = whole.len() as u64;
+    assert_eq!(of(&[&whole[..], &whole].concat()), [Damage::BehindEnd { bytes }]);
+    assert_eq!(of(&[&whole[..], b"x"].concat()), [Damage::BehindEnd { bytes: 1 }]);
+}
+
+#[test]
 fn every_prefix_is_read_as_far_as_it_goes() {
     let whole = file(true);
     let all: Vec<_> = read(&whole).expect("whole").records().map(|r| r.bytes().to_vec()).collect();

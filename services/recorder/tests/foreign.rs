@@ -8,6 +8,7 @@ use scenario::{Overrides, Scenario};
 use std::io::{Cursor, Write};
 use std::path::PathBuf;
 
+const FOOTER: u8 = 2;
 const CHUNK: u8 = 6;
 const MESSAGE: u8 = 5;
 const METADATA: u8 = 12;
@@ -97,7 +98,7 @@ fn parts() -> (Vec<Vec<u8>>, Vec<Vec<u8>>) {
 }
 
 fn end() -> Vec<u8> {
-    record(DATA_END, &[0; 4])
+    [record(DATA_END, &[0; 4]), record(FOOTER, &[0; 20]), b"\x89MCAP0\r\n".to_vec()].concat()
 }
 
 #[test]
