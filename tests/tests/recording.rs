@@ -230,9 +230,9 @@ fn a_damaged_recording_is_used_as_far_as_it_goes_and_said() {
     let whole = std::fs::read(&file).expect("just recorded");
     let cut = &whole[..whole.len() * 2 / 3];
     std::fs::write(&file, cut).expect("ours");
-    for command in [&["export", "out", "--csv"][..], &["replay", "out"]] {
+    for command in [&["export", "out", "--csv"][..], &["replay", "out"], &["trace", "out"]] {
         let output = corner.run(command);
-        assert_eq!(output.status.code(), Some(1), "{}", text(&output));
+        assert_eq!(output.status.code(), Some(1), "{command:?}: {}", text(&output));
         assert!(text(&output).contains("never ended"), "{}", text(&output));
     }
     assert_eq!(corner.json(&["info", "out"])["ended"], false);

@@ -68,7 +68,8 @@ pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Error> {
         path: file.clone(),
         reason,
     })?;
-    print_damage(&recording, &[recording.damage(), &damage].concat());
+    let damage = [recording.damage(), &damage].concat();
+    print_damage(&recording, &damage);
     if arguments.json {
         let json = serde_json::to_string_pretty(&written).expect("plain data");
         print::out(&(json + "\n"))?;
@@ -84,7 +85,7 @@ pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Error> {
             written.bytes as f64 / f64::from(1 << 20),
         ))?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(if damage.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 /// Length of the parts in which a recording is gone through, ns of run time.
