@@ -222,6 +222,19 @@ fn a_full_disk_ends_the_recording_and_not_the_run() {
 }
 
 #[test]
+fn a_full_disk_is_named_by_recover_and_leaves_no_part_of_a_file() {
+    let corner = Corner::new(PROGRAM);
+    let run = ["run", "cacc-a", "--mode", "lockstep", "--duration", "2", "--out", "out"];
+    assert!(corner.run(&run).status.success());
+    let part = corner.path().join("out/whole.mcap.part");
+    std::os::unix::fs::symlink("/dev/full", &part).expect("writable");
+    let output = corner.run(&["recover", "out", "--out", "out/whole.mcap"]);
+    assert_eq!(output.status.code(), Some(3), "{}", text(&output));
+    assert!(text(&output).contains("No space left on device"), "{}", text(&output));
+    assert!(part.symlink_metadata().is_err(), "it is removed");
+}
+
+#[test]
 fn a_damaged_recording_is_used_as_far_as_it_goes_and_said() {
     let corner = Corner::new(PROGRAM);
     let run = ["run", "cut-in", "--mode", "lockstep", "--duration", "4", "--out", "out"];

@@ -3,7 +3,7 @@
 use crate::counter::Counter;
 use crate::{Damage, Metadata, Recording, Tally, Writer};
 use mcap::McapError;
-use std::io::{Seek, Write};
+use std::io::{self, Seek, Write};
 
 /// What a recovery found.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -20,7 +20,15 @@ pub struct Recovered {
 ///
 /// # Errors
 /// If `file` cannot be written.
-pub fn recover<W: Write + Seek>(recording: &Recording, file: W) -> Result<Recovered, McapError> {
+pub fn recover<W: Write + Seek>(recording: &Recording, file: W) -> io::Result<Recovered> {
+    rewrite(recording, file).map_err(|error| match error {
+        // The system's own reason: a full disk is told from a bad file.
+        McapError::Io(reason) => reason,
+        error => io::Error::other(error),
+    })
+}
+
+fn rewrite<W: Write + Seek>(recording: &Recording, file: W) -> Result<Recovered, McapError> {
     let metadata = recording.metadata();
     // A recording of before is written with the log times of today.
     let metadata = Metadata { epoch_ns: metadata.started_unix_ns, ..metadata.clone() };

@@ -113,7 +113,7 @@ fn rewrite(broken: &Recording, out: Option<&Path>) -> Result<(PathBuf, recorder:
 
 fn write(broken: &Recording, part: &Path) -> std::io::Result<Recovered> {
     let file = File::create(part)?;
-    let recovered = recorder::recover(broken, &file).map_err(std::io::Error::other)?;
+    let recovered = recorder::recover(broken, &file)?;
     file.sync_all()?;
     Ok(recovered)
 }
