@@ -361,6 +361,7 @@ fn low_limits_of_the_machine() {
         ("-n 32", ["32 files", "ulimit -n"]),
         ("-v 1000000", ["1000000 KiB of address space", "ulimit -v"]),
         ("-s 256", ["256 KiB", "ulimit -s"]),
+        ("-f 1000", ["a process may write files of", "ulimit -f"]),
     ] {
         let line = format!("ulimit {limit}; exec \"$0\" run cacc-a --mode lockstep");
         let output = Command::new("sh")

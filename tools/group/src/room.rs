@@ -48,6 +48,17 @@ pub enum RoomError {
         /// Files that a process may have open.
         allowed: u64,
     },
+    /// A process may write too small files, and shared memory is files.
+    #[error(
+        "a process may write files of {allowed_kib} KiB and a run may use {needed_kib} KiB of shared memory: \
+         raise the limit with `ulimit -f unlimited`"
+    )]
+    FileSize {
+        /// Size of a file that a process may write, KiB.
+        allowed_kib: u64,
+        /// Needed, KiB.
+        needed_kib: u64,
+    },
     /// A process may have too little address space: it would end at an allocation, without a word.
     #[error(
         "a process may have {allowed_kib} KiB of address space and one of a run needs up to {needed_kib} KiB: \
@@ -68,9 +79,12 @@ pub enum RoomError {
 pub fn check_room(needed: u64) -> Result<(), RoomError> {
     check_writable()?;
     let (_, free) = shared_memory_room()?;
+    let needed_kib = needed.div_ceil(1024);
     if free < needed {
-        let [free_kib, needed_kib] = [free, needed].map(|bytes| bytes.div_ceil(1024));
-        return Err(RoomError::Full { free_kib, needed_kib });
+        return Err(RoomError::Full { free_kib: free.div_ceil(1024), needed_kib });
+    }
+    if let Some(allowed) = getrlimit(Resource::Fsize).current.filter(|allowed| *allowed < needed) {
+        return Err(RoomError::FileSize { allowed_kib: allowed / 1024, needed_kib });
     }
     check_address_space()?;
     check_open_files()

@@ -8,6 +8,7 @@ use rustix::fs::{FlockOperation, flock};
 use std::fs::{DirBuilder, File};
 use std::io;
 use std::os::fd::{AsFd, BorrowedFd};
+use std::os::unix::ffi::OsStrExt;
 use std::os::unix::fs::{DirBuilderExt, MetadataExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicI64, Ordering};
@@ -180,10 +181,16 @@ pub fn base() -> Result<PathBuf, RootError> {
     if own { Ok(base) } else { Err(RootError::NotOwn { path: base }) }
 }
 
-/// True if `path` is a directory of this user, and short enough for the names of sockets below it.
+/// True if `path` is a directory of this user, short enough for the names of sockets below it and of
+/// characters that iceoryx2 takes in a path.
 fn is_usable(path: &Path, uid: u32) -> bool {
     path.is_absolute()
         && path.as_os_str().len() <= LONGEST_BASE
+        && path
+            .as_os_str()
+            .as_bytes()
+            .iter()
+            .all(|b| b.is_ascii_alphanumeric() || b"/._-".contains(b))
         && path.metadata().is_ok_and(|found| found.is_dir() && found.uid() == uid)
 }
 
@@ -228,6 +235,16 @@ mod tests {
         std::fs::create_dir_all(&long).expect("the temporary directory is writable");
         assert!(!is_usable(&long, uid));
         std::fs::remove_dir(&long).expect("ours");
+        let short = Path::new("/tmp").join(format!("{:x}", std::process::id()));
+        for name in ["%ü", "\n"] {
+            let odd = short.with_extension(name);
+            std::fs::create_dir_all(&odd).expect("/tmp is writable");
+            assert!(!is_usable(&odd, uid), "{odd:?}");
+            std::fs::remove_dir(&odd).expect("ours");
+        }
+        std::fs::create_dir_all(&short).expect("/tmp is writable");
+        assert!(is_usable(&short, uid));
+        std::fs::remove_dir(&short).expect("ours");
     }
 
     #[test]
