@@ -56,6 +56,8 @@ impl<'a> LiveFile<'a> {
         if let Err(error) = std::fs::write(&half, text).and_then(|()| std::fs::rename(&half, path))
         {
             tracing::warn!("cannot write {}: {error}", path.display());
+            // It may never have been made.
+            let _ = std::fs::remove_file(&half);
         }
         Self(path)
     }

@@ -132,6 +132,7 @@ pub fn outcome_word(outcome: Outcome) -> &'static str {
 fn recording(recording: &RecordingSummary) -> String {
     let lost = match recording.lost {
         Some(0) => "0 lost".into(),
+        Some(lost) if recording.failed.is_some() => format!("{lost} lost"),
         Some(lost) => format!("{lost} lost (the recorder read too late)"),
         None => "losses not counted".into(),
     };
