@@ -2,6 +2,7 @@
 //!
 //! | what happens | seen by | `services[].exit` | in realtime | in lockstep |
 //! | --- | --- | --- | --- | --- |
+//! | it ends before all are ready, or does not get ready in time | the end of its output, `--ready-timeout` | | no run, no results: status 3, of a program of the user's 2 | the same |
 //! | it reports at the run's end and leaves | its report | `ok` | the run goes on to its end | the same |
 //! | it reports or leaves with status 0 before that | its report, the end of its output | `left before the run's end` | aborted; with `restart = "always"` replaced | aborted |
 //! | SIGTERM, SIGINT, SIGKILL, a crash by a signal | the end of its output | `killed by SIG…` | replaced | aborted |
