@@ -155,7 +155,7 @@ impl Table {
             let value = column.place.read(record.bytes());
             cell(file, value)?;
             if let (Some(names), Value::Unsigned(number)) = (&column.names, value) {
-                write!(file, ",{}", names.of(number))?;
+                write!(file, ",{}", text(names.of(number)))?;
             }
         }
         file.write_all(b"\n")
@@ -178,6 +178,11 @@ fn cell(file: &mut BufWriter<File>, value: Value) -> std::io::Result<()> {
         Value::Float(value) if value.is_nan() => file.write_all(b",nan"),
         value => write!(file, ",{value}"),
     }
+}
+
+/// A name that the file gives, as one that ends no cell and no line.
+fn text(name: &str) -> String {
+    name.chars().map(|c| if matches!(c, ',' | '"') || c.is_control() { '_' } else { c }).collect()
 }
 
 /// An array that is too long for columns: a table of its own, with a row for each valid entry.
@@ -285,7 +290,7 @@ impl Column {
             .strip_prefix("figures.")
             .and_then(|index| law.figures.get(index.parse::<usize>().ok()?));
         match figure {
-            Some(figure) => into.push_str(&format!(",figures.{}", figure.name)),
+            Some(figure) => into.push_str(&format!(",figures.{}", text(&figure.name))),
             None => into.push_str(&format!(",{path}")),
         }
         if self.names.is_some() {

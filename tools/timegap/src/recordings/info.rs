@@ -1,6 +1,6 @@
 //! `timegap info`: what a recording holds.
 
-use super::{count, in_words, lines, open};
+use super::{count, in_words, lines, open, printable};
 use clap::Args;
 use group::Error;
 use messages::TOPICS;
@@ -92,12 +92,13 @@ fn as_text(recording: &Recording, survey: &Survey) -> String {
     let (metadata, tally) = (recording.metadata(), &survey.tally);
     let mut text = format!(
         "{} · {} · {} · seed {}\n",
-        metadata.scenario_name,
-        metadata.controller,
+        printable(&metadata.scenario_name),
+        printable(&metadata.controller),
         metadata.mode.name(),
         metadata.seed
     );
     let mut line = |label: &str, value: String| {
+        let (label, value) = (printable(label), printable(&value));
         writeln!(text, "  {label:<14} {value}").expect("a string takes all");
     };
     let at = jiff::Timestamp::from_nanosecond(metadata.started_unix_ns.into())
@@ -154,4 +155,35 @@ fn as_text(recording: &Recording, survey: &Survey) -> String {
         .expect("a string takes all");
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use recorder::{LawNames, Metadata, Tally, Writer};
+    use scenario::{Overrides, Scenario};
+    use std::io::Cursor;
+
+    #[test]
+    fn what_a_file_says_of_itself_does_not_reach_the_terminal_as_control_characters() {
+        let scenario = Scenario::open("cacc-a", &Overrides::new(), &|_| Ok(())).expect("built in");
+        let scheduling = serde_json::json!({
+            "requested": "", "granted": "\u{1b}[2J", "core": null, "memory_locked": false, "refused": []
+        });
+        let granted = serde_json::from_value(scheduling).expect("a grant");
+        let services = [("\u{1b}]0;title\u{7}".to_owned(), granted)].into();
+        let of_run = Metadata::new(&scenario, Mode::Realtime, 0, services, LawNames::default());
+        let metadata = Metadata {
+            scenario_name: "\u{1b}[31mred\nanother line".into(),
+            program: "\u{9b}31m".into(),
+            ..of_run
+        };
+        let mut file = Cursor::new(Vec::new());
+        let writer = Writer::begin(&mut file, &metadata).expect("memory");
+        writer.finish(&Tally::default()).expect("memory");
+        let recording = Recording::of_bytes("x.mcap".into(), file.get_ref()).expect("a recording");
+        let text = as_text(&recording, &recording.survey());
+        assert!(!text.contains(|c: char| c.is_control() && c != '\n'), "{text:?}");
+        assert!(text.starts_with("\u{fffd}[31mred\u{fffd}another line"), "{text:?}");
+    }
 }

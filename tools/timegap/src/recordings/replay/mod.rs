@@ -18,7 +18,7 @@ mod comparison;
 mod difference;
 mod unit;
 
-use super::{count, expect_another_file, open, print_damage};
+use super::{count, expect_another_file, open, print_damage, printable};
 use clap::{Args, ValueEnum};
 use comparison::{Comparison, Pairs, Row};
 use controller::laws;
@@ -97,8 +97,8 @@ pub enum ReplayError {
         "{} was driven by the program `{}` (sha256 {}), expected --service controller=PROGRAM, or \
          --controller NAME to compare it with another law",
         recording.display(),
-        program.command,
-        program.sha256
+        program.command.escape_debug(),
+        program.sha256.escape_debug()
     )]
     Program {
         /// The recording.
@@ -135,7 +135,7 @@ fn replay_controller(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
     let takes = recording.takes();
     let cycles: u64 = takes.iter().map(|take| take.cycles).sum();
     if cycles == 0 {
-        print_damage(&recording, recording.damage());
+        print_damage(&recording, &recording.survey().damage);
         return Err(ReplayError::Empty(recording.path().to_owned()).into());
     }
     let path =
@@ -275,7 +275,8 @@ fn as_text(comparison: &Comparison) -> String {
     } else {
         format!("{} recorded, {} replayed", c.recorded_controller, c.replayed_controller)
     };
-    let mut text = format!("{} · {laws} · {}\n", c.scenario, c.mode);
+    let (scenario, laws) = (printable(&c.scenario), printable(&laws));
+    let mut text = format!("{scenario} · {laws} · {}\n", c.mode);
     let mut line = |label: &str, value: String| {
         writeln!(text, "  {label:<14} {value}").expect("a string takes all");
     };

@@ -6,7 +6,7 @@
 
 use super::difference::{Difference, not_compared, places};
 use super::{ReplayArguments, ReplayError, scenario};
-use crate::recordings::{count, open, print_damage};
+use crate::recordings::{count, open, print_damage, printable};
 use group::{Error, UnitSaid, replay_unit};
 use messages::{Map, Message, Place, RadioSent, Service, Spat};
 use recorder::{Recording, UnitCycle};
@@ -67,7 +67,7 @@ pub(super) fn run(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
     let (scenario, changed) = scenario(&recording, arguments)?;
     let take = recording.unit_take();
     if take.with_frames == 0 || !scenario.services().contains(&Service::Obu) {
-        print_damage(&recording, recording.damage());
+        print_damage(&recording, &recording.survey().damage);
         return Err(ReplayError::NoFrames(recording.path().to_owned()).into());
     }
     let bar = count_bar(usize::try_from(take.cycles).unwrap_or(usize::MAX), arguments.json);
@@ -203,7 +203,7 @@ impl<R: Iterator<Item = UnitCycle>> Pairs<R> {
 
 fn as_text(comparison: &Comparison) -> String {
     let c = comparison;
-    let mut text = format!("{} · on-board unit · {}\n", c.scenario, c.mode);
+    let mut text = format!("{} · on-board unit · {}\n", printable(&c.scenario), c.mode);
     let mut line = |label: &str, value: String| {
         writeln!(text, "  {label:<14} {value}").expect("a string takes all");
     };
