@@ -335,16 +335,22 @@ impl<'a> Place<'a> {
     }
 }
 
-/// Reads another file of the same form, such as a campaign, into its type. `source` stands for it in errors.
+/// Reads another file of the same form, such as a campaign, into its type, and has it checked. `source` stands
+/// for it in errors.
 ///
 /// # Errors
-/// When the text is no TOML, or does not fit the type; shows the line and what was expected.
+/// When the text is no TOML, does not fit the type or does not pass the check; shows the line and what was
+/// expected.
 pub fn read_as<T: serde::de::DeserializeOwned>(
     source: &str,
     text: &str,
+    check: impl FnOnce(&T) -> Result<(), Problem>,
 ) -> Result<T, ScenarioError> {
     let none = Overrides::new();
-    Document::parse(source, text, &none)?.read(|_| ()).map(|(value, ())| value)
+    let document = Document::parse(source, text, &none)?;
+    let (value, ()) = document.read(|_| ())?;
+    check(&value).map_err(|problem| document.problem(&problem))?;
+    Ok(value)
 }
 
 /// Reads a table of a vehicle's speed over time, with a heading `time_s,speed_mps`. `source` stands for

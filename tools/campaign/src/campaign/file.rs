@@ -38,6 +38,7 @@ use super::variation::Variants;
 use crate::parts::Shard;
 use group::{Error, Failure};
 use runtime::Mode;
+use scenario::Problem;
 use scenario::name::{Line, Name, NotALine, NotAName};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -137,15 +138,6 @@ pub enum FileError {
         /// The file.
         path: PathBuf,
     },
-    /// It is no campaign.
-    #[error("{file}: {problem}")]
-    Campaign {
-        /// The file, or what is built in.
-        file: String,
-        /// What is wrong with it.
-        #[source]
-        problem: CampaignProblem,
-    },
     /// A variation file gives its campaign no name.
     #[error(transparent)]
     Name(NotAName),
@@ -155,65 +147,6 @@ pub enum FileError {
 }
 
 impl Failure for FileError {}
-
-/// What is wrong with the text of a campaign.
-#[derive(Debug, thiserror::Error)]
-pub enum CampaignProblem {
-    /// Another version of the schema.
-    #[error("schema_version = {0} is not known, expected 1")]
-    Version(u32),
-    /// There is nothing to run.
-    #[error("scenarios = [] runs nothing, expected at least one")]
-    NoScenario,
-    /// The time between two samples.
-    #[error("sample_every_s is out of range, expected 0.1 to 3600 s")]
-    SamplePeriod,
-    /// A recording of simulated time.
-    #[error("record = true needs mode = \"realtime\"")]
-    Record,
-    /// Settings of a scenario that is not run.
-    #[error("settings.{name}: expected the name of one of the scenarios")]
-    SettingsOfNone {
-        /// The name.
-        name: String,
-    },
-    /// No faults can be drawn so.
-    #[error(
-        "faults_per_run = [{least}, {most}] draws nothing, expected two numbers up to \
-         {MAX_FAULTS_PER_RUN}, the smaller first, and [[faults]] to draw from"
-    )]
-    FaultsPerRun {
-        /// The first number.
-        least: u32,
-        /// The second.
-        most: u32,
-    },
-    /// A requirement names no figure.
-    #[error(
-        "`{key}` requires no figure, expected max_ or min_ and one of {}",
-        FIGURES.map(|figure| figure.name).join(", ")
-    )]
-    NoFigure {
-        /// The key.
-        key: String,
-    },
-    /// No run can keep a limit, or every run keeps it.
-    #[error("{key} = {limit} is no limit of a number of things, expected 0 or more")]
-    NegativeCount {
-        /// The key.
-        key: String,
-        /// Its value.
-        limit: f64,
-    },
-    /// A requirement is no number.
-    #[error("{key} = {limit} is no limit, expected a number")]
-    NoLimit {
-        /// The key.
-        key: String,
-        /// Its value.
-        limit: f64,
-    },
-}
 
 fn lockstep() -> Mode {
     Mode::Lockstep
@@ -325,49 +258,54 @@ impl Campaign {
     }
 
     fn parse(file: &str, text: &str) -> Result<Self, Error> {
-        let campaign: Self = scenario::read_as(file, text)?;
-        let checked = Self::check(campaign);
-        Ok(checked.map_err(|problem| FileError::Campaign { file: file.to_owned(), problem })?)
+        Ok(scenario::read_as(file, text, Self::check)?)
     }
 
-    fn check(campaign: Self) -> Result<Self, CampaignProblem> {
-        if campaign.schema_version != 1 {
-            return Err(CampaignProblem::Version(campaign.schema_version));
+    fn check(&self) -> Result<(), Problem> {
+        if self.schema_version != 1 {
+            let message = format!("version {} of the schema is not known", self.schema_version);
+            return Err(Problem::new("schema_version", message, "1"));
         }
-        if campaign.scenarios.is_empty() && campaign.variation.is_none() {
-            return Err(CampaignProblem::NoScenario);
+        if self.scenarios.is_empty() && self.variation.is_none() {
+            return Err(Problem::new("scenarios", "nothing is run", "at least one scenario"));
         }
-        if campaign.sample_every_s.is_some_and(|every| !(0.1..=3600.0).contains(&every)) {
-            return Err(CampaignProblem::SamplePeriod);
+        if let Some(every) = self.sample_every_s.filter(|every| !(0.1..=3600.0).contains(every)) {
+            let message = format!("{every} is out of range");
+            return Err(Problem::new("sample_every_s", message, "0.1 to 3600 s"));
         }
-        if let Some(name) = campaign.settings.keys().find(|name| !campaign.scenarios.contains(name))
+        if let Some(name) = self.settings.keys().find(|name| !self.scenarios.contains(name)) {
+            let message = format!("`{}` is not run", name.escape_debug());
+            return Err(Problem::new("settings", message, "the name of one of the scenarios"));
+        }
+        if self.record && self.mode != Mode::Realtime {
+            let message = "a run in simulated time keeps no recording";
+            return Err(Problem::new("record", message, "mode = \"realtime\""));
+        }
+        if let Some([least, most]) = self.faults_per_run
+            && (least > most || most == 0 || most > MAX_FAULTS_PER_RUN || self.faults.is_empty())
         {
-            return Err(CampaignProblem::SettingsOfNone { name: name.clone() });
+            let expected = format!(
+                "two numbers up to {MAX_FAULTS_PER_RUN}, the smaller first, and [[faults]] to draw from"
+            );
+            return Err(Problem::new("faults_per_run", "nothing can be drawn", expected));
         }
-        if campaign.record && campaign.mode != Mode::Realtime {
-            return Err(CampaignProblem::Record);
-        }
-        if let Some([least, most]) = campaign.faults_per_run
-            && (least > most
-                || most == 0
-                || most > MAX_FAULTS_PER_RUN
-                || campaign.faults.is_empty())
-        {
-            return Err(CampaignProblem::FaultsPerRun { least, most });
-        }
-        for (key, &limit) in &campaign.require {
+        for (key, &limit) in &self.require {
+            let path = format!("require.{key}");
             let name = key.strip_prefix("max_").or_else(|| key.strip_prefix("min_"));
             let Some(figure) = name.and_then(Figure::named) else {
-                return Err(CampaignProblem::NoFigure { key: key.clone() });
+                let figures = FIGURES.map(|figure| figure.name).join(", ");
+                let expected = format!("max_ or min_ and one of {figures}");
+                return Err(Problem::new(path, "it requires no figure", expected));
             };
             if !limit.is_finite() {
-                return Err(CampaignProblem::NoLimit { key: key.clone(), limit });
+                return Err(Problem::new(path, format!("{limit} is no limit"), "a number"));
             }
             if limit < 0.0 && figure.is_count() {
-                return Err(CampaignProblem::NegativeCount { key: key.clone(), limit });
+                let message = format!("{limit} is no limit of a number of things");
+                return Err(Problem::new(path, message, "0 or more"));
             }
         }
-        Ok(campaign)
+        Ok(())
     }
 
     /// The campaign as it took effect; reading it gives an equal one.
@@ -451,16 +389,13 @@ mod tests {
             (&format!("{head}mode = \"fast\"\n"), ["c.toml:4:8", "realtime"]),
             (&format!("{head}seeds = 0\n"), ["c.toml:4:9", "expected a whole number of 1 or more"]),
             (&format!("{head}shard = \"3/2\"\n"), ["c.toml:4:9", "I from 1 to N"]),
-            (&format!("{head}[require]\nmax_fun = 1\n"), ["max_fun", "collisions"]),
-            (&format!("{head}[require]\ncollisions = 1\n"), ["collisions", "max_ or min_"]),
-            (&format!("{head}[require]\nmax_collisions = nan\n"), ["NaN", "a number"]),
-            (
-                &format!("{head}[require]\nmax_collisions = -1\n"),
-                ["max_collisions = -1", "0 or more"],
-            ),
-            (&format!("{head}faults_per_run = [2, 4]\n"), ["faults_per_run", "to draw from"]),
-            (&head.replace("= 1", "= 2"), ["schema_version = 2", "expected 1"]),
-            (&head.replace("\"cacc-a\"", ""), ["scenarios = []", "at least one"]),
+            (&format!("{head}[require]\nmax_fun = 1\n"), ["c.toml:5:11", "one of collisions"]),
+            (&format!("{head}[require]\ncollisions = 1\n"), ["c.toml:5:14", "max_ or min_"]),
+            (&format!("{head}[require]\nmax_collisions = nan\n"), ["c.toml:5:18", "a number"]),
+            (&format!("{head}[require]\nmax_collisions = -1\n"), ["c.toml:5:18", "0 or more"]),
+            (&format!("{head}faults_per_run = [2, 4]\n"), ["c.toml:4:18", "to draw from"]),
+            (&head.replace("= 1", "= 2"), ["c.toml:1:18", "expected 1"]),
+            (&head.replace("\"cacc-a\"", ""), ["c.toml:3:13", "at least one"]),
         ] {
             let said = refusal(text);
             assert!(words.iter().all(|word| said.contains(word)), "{text}\n{said}");
