@@ -1,6 +1,7 @@
 //! The journal of a study: one line of JSON per finished run, handed to the system at once, so that
 //! it survives the end of this process, and brought to the disk a few times a second. A line that a
-//! crash cut off is dropped; its run is done again.
+//! crash cut off is dropped; its run is done again. The last key of a line is the checksum of what stands before
+//! it: a digit that is another one would else be a result.
 
 use group::{Error, Failure};
 use serde::Serialize;
@@ -9,6 +10,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use xxhash_rust::xxh3::xxh3_64;
 
 /// Name of the journal in a directory of results.
 pub const FILE: &str = "runs.jsonl";
@@ -92,7 +94,7 @@ impl Journal {
     /// # Errors
     /// [`Error::Path`] if it cannot be written.
     pub fn add(&mut self, record: &impl Serialize) -> Result<Place, Error> {
-        let line = serde_json::to_string(record).expect("records are plain data") + "\n";
+        let line = sealed(serde_json::to_string(record).expect("records are plain data")) + "\n";
         let mut written = self.file.write_all(line.as_bytes());
         if self.synced.elapsed() >= SYNC_PERIOD {
             written = written.and_then(|()| self.file.sync_data());
@@ -120,6 +122,33 @@ pub fn as_read_back<T: Serialize + DeserializeOwned>(record: &T) -> T {
     serde_json::from_str(&line).expect("what was written can be read")
 }
 
+/// What stands before a line's checksum, 16 digits, and behind it.
+const BEFORE_CHECKSUM: &str = ",\"xxh3\":\"";
+const BEHIND_CHECKSUM: &str = "\"}";
+
+/// A record, an object, with its checksum.
+fn sealed(record: String) -> String {
+    let checksum = xxh3_64(record.as_bytes());
+    match record.strip_suffix('}') {
+        Some(open) => format!("{open}{BEFORE_CHECKSUM}{checksum:016x}{BEHIND_CHECKSUM}"),
+        None => record,
+    }
+}
+
+/// The line of a journal, when its checksum is right or when it has none, as one of before.
+fn unsealed(line: &[u8]) -> serde_json::Result<&[u8]> {
+    let text = line.trim_ascii_end().strip_suffix(BEHIND_CHECKSUM.as_bytes());
+    let split = text.and_then(|text| text.split_at_checked(text.len().checked_sub(16)?));
+    let Some((record, checksum)) = split else { return Ok(line) };
+    let Some(record) = record.strip_suffix(BEFORE_CHECKSUM.as_bytes()) else { return Ok(line) };
+    let found = format!("{:016x}", xxh3_64(&[record, b"}"].concat()));
+    if found.as_bytes() == checksum {
+        Ok(line)
+    } else {
+        Err(serde::de::Error::custom("its checksum is wrong"))
+    }
+}
+
 /// Hands over the records of a journal, line by line; returns the length of its whole lines, bytes.
 ///
 /// # Errors
@@ -137,7 +166,7 @@ pub fn read<T: DeserializeOwned>(
         if !line.ends_with(b"\n") {
             break;
         }
-        let record = serde_json::from_slice(&line).map_err(|reason| {
+        let record = unsealed(&line).and_then(serde_json::from_slice).map_err(|reason| {
             let path = path.to_owned();
             JournalError::NoRecord { path, line: number, reason }
         })?;
@@ -183,6 +212,21 @@ mod tests {
         assert_eq!(journal.add(&4).expect("writable"), Place { offset: 5, length: 2 });
         assert_eq!(open(&directory).expect("readable").1, [1, 22, 4]);
         std::fs::remove_dir_all(&directory).expect("ours");
+    }
+
+    #[test]
+    fn a_line_with_any_other_byte_is_no_record() {
+        let record = serde_json::json!({"run": 17, "gap_m": 1.25, "why": "\"}"});
+        let line = sealed(record.to_string());
+        assert_eq!(unsealed(line.as_bytes()).expect("it is right"), line.as_bytes());
+        let digits = line.len() - BEHIND_CHECKSUM.len() - 16;
+        for at in 0..digits - BEFORE_CHECKSUM.len() {
+            let mut other = line.clone().into_bytes();
+            other[at] ^= 1;
+            assert!(unsealed(&other).is_err(), "byte {at}");
+        }
+        let before = record.to_string();
+        assert_eq!(unsealed(before.as_bytes()).expect("no checksum"), before.as_bytes());
     }
 
     #[test]
