@@ -270,8 +270,13 @@ pub(super) fn figure(key: &str) -> (&'static Figure, bool) {
     (figure, bound == "min_")
 }
 
+/// True if a requirement asks for so many of a thing in all runs together.
+pub(super) fn is_least_number(key: &str) -> bool {
+    let (figure, least) = figure(key);
+    least && figure.is_count()
+}
+
 /// What a requirement asks of a share of the runs: of a least number that share.
 pub(super) fn limit_of_part(key: &str, limit: f64, share: f64) -> f64 {
-    let (figure, least) = figure(key);
-    if least && figure.is_count() { (limit * share).floor() } else { limit }
+    if is_least_number(key) { (limit * share).floor() } else { limit }
 }

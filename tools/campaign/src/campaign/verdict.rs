@@ -4,7 +4,7 @@ use super::exposure::Exposure;
 use super::file::Campaign;
 use super::plan::Plan;
 use super::record::Record;
-use super::tally::{Sum, Tally, figure, limit_of_part, within};
+use super::tally::{Sum, Tally, figure, is_least_number, limit_of_part, within};
 use crate::batch::ProcessesSample;
 use runtime::Mode;
 use serde::Serialize;
@@ -143,12 +143,15 @@ impl Verdict {
         let Sums { all, combinations, scenarios, controllers, faults, processes_sample } = sums;
         let all = all.tally();
         let share = planned as f64 / plan.whole().max(1) as f64;
-        let limits = campaign.require.iter();
+        // What has to happen so often in all runs says nothing of one part: the merged whole is judged by it.
+        let is_part = campaign.shard.is_some();
+        let limits = campaign.require.iter().filter(|(key, _)| !(is_part && is_least_number(key)));
         let requirements: Vec<_> =
             limits.map(|(key, limit)| judge(key, *limit, share, &all)).collect();
         let met = requirements.iter().all(|requirement| requirement.ok);
         let same = processes_sample.different == 0;
-        let met_nothing = !campaign.faults.is_empty()
+        let met_nothing = !is_part
+            && !campaign.faults.is_empty()
             && all.critical_faults == 0
             && !campaign.require.contains_key("min_critical_faults");
         let combinations =
@@ -336,6 +339,21 @@ mod tests {
         assert_eq!(judged("max_collisions = 0", 1), (true, false));
         assert_eq!(judged("min_critical_faults = 3", 1), (false, false));
         assert_eq!(judged("min_critical_faults = 0", 0), (true, false));
+    }
+
+    #[test]
+    fn a_part_is_not_judged_by_least_numbers_of_the_whole() {
+        let fault = "[[faults]]\nkind = \"drop\"\ntopic = \"radar/tracks\"\n";
+        let require = "[require]\nmin_critical_faults = 1\nmin_gap_m = 3\nmax_collisions = 0\n";
+        let text = format!("{FILE}shard = \"1/2\"\n{require}{fault}");
+        let campaign: Campaign = toml::from_str(&text).expect("a campaign");
+        let plan = plan::plan(&campaign).expect("a plan");
+        let records =
+            plan.numbers().map(|run| record(&plan.get(run), Outcome::Completed, 5.0, &[]));
+        let verdict = of_records(&campaign, &plan, &records.collect::<Vec<_>>());
+        assert!(verdict.ok && !verdict.met_nothing, "{verdict:?}");
+        let judged: Vec<_> = verdict.requirements.iter().map(|r| r.requirement.as_str()).collect();
+        assert_eq!(judged, ["max_collisions", "min_gap_m"]);
     }
 
     #[test]
