@@ -14,9 +14,10 @@ use crate::law::Ego;
 
 /// Comfortable braking, m/s².
 pub(super) const COMFORTABLE_MPS2: f64 = 2.0;
-/// How fast braking sets in, m/s³.
+/// How fast comfortable braking sets in, a minimum risk manoeuvre, m/s³.
 const COMFORTABLE_JERK_MPS3: f64 = 2.5;
-/// How fast it sets in where more than a minimum risk manoeuvre is needed, m/s³ (UN R157, annex 4, appendix 3).
+const MINIMUM_RISK_JERK_MPS3: f64 = 5.0;
+/// How fast harder braking sets in, m/s³ (UN R157, annex 4, appendix 3).
 const HARD_JERK_MPS3: f64 = 12.65;
 /// Hardest braking of what was ahead, m/s² (full braking of UN R157's models).
 const WORST_MPS2: f64 = 6.0;
@@ -62,8 +63,11 @@ pub(super) fn deceleration_mps2(ego: &Ego, last: Option<&LastSeen>) -> f64 {
 
 /// Fills a plan that goes from the request `from_mps2` to a deceleration and keeps it.
 pub(super) fn fill(plan_mps2: &mut [f64], from_mps2: f64, deceleration: f64, period_s: f64) {
-    let jerk =
-        if deceleration > MINIMUM_RISK_MPS2 { HARD_JERK_MPS3 } else { COMFORTABLE_JERK_MPS3 };
+    let jerk = match deceleration {
+        d if d <= COMFORTABLE_MPS2 => COMFORTABLE_JERK_MPS3,
+        d if d <= MINIMUM_RISK_MPS2 => MINIMUM_RISK_JERK_MPS3,
+        _ => HARD_JERK_MPS3,
+    };
     let mut request = from_mps2;
     for place in plan_mps2 {
         request = (request - jerk * period_s).max(-deceleration);
