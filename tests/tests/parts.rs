@@ -157,10 +157,14 @@ fn journals_that_do_not_fit_are_refused() {
     let journal = corner.path().join("2/runs.jsonl");
     let good = std::fs::read_to_string(&journal).expect("a journal");
     let first = good.lines().next().expect("a run").to_owned() + "\n";
+    // Lines of before have no checksum.
+    let plain = |line: &str| line.split(",\"xxh3\"").next().expect("a record").to_owned() + "}\n";
+    let plain: String = good.lines().map(plain).collect();
     for (bad, words) in [
         (format!("{good}{first}"), "is there twice"),
-        (good.replacen("\"run\":1", "\"run\":0", 1), "does not belong to this part"),
-        (good.replacen("\"run\":1", "\"run\":999", 1), "does not belong to this part"),
+        (good.replacen("\"run\":1", "\"run\":0", 1), "its checksum is wrong"),
+        (plain.replacen("\"run\":1", "\"run\":0", 1), "does not belong to this part"),
+        (plain.replacen("\"run\":1", "\"run\":999", 1), "does not belong to this part"),
         (format!("{{}}\n{good}"), "runs.jsonl:1"),
         (format!("\u{1}\u{2}\n{good}"), "expected the record of a run"),
     ] {
