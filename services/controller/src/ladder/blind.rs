@@ -7,15 +7,17 @@
 //! d = v² / (2 (p + v_l²/(2 b) - x - MARGIN_M))
 //! ```
 //!
-//! `b` is full braking, and `v_l` what the radar measured less what it is late by. The request is comfortable where that is enough. Behind a vehicle that was braking when
-//! it was last seen it is as hard as needed, behind another at most that of a minimum risk manoeuvre.
+//! `b` is full braking, and `v_l` what the radar measured less what it is late by. The request is comfortable
+//! where that is enough. Behind a vehicle that was braking when it was last seen it is as hard as needed, behind
+//! another at most that of a minimum risk manoeuvre.
 
 use crate::law::Ego;
 
 /// Comfortable braking, m/s².
 pub(super) const COMFORTABLE_MPS2: f64 = 2.0;
-/// How fast comfortable braking sets in, a minimum risk manoeuvre, m/s³.
+/// How fast comfortable braking sets in, m/s³.
 const COMFORTABLE_JERK_MPS3: f64 = 2.5;
+/// How fast a minimum risk manoeuvre sets in, m/s³.
 const MINIMUM_RISK_JERK_MPS3: f64 = 5.0;
 /// How fast harder braking sets in, m/s³ (UN R157, annex 4, appendix 3).
 const HARD_JERK_MPS3: f64 = 12.65;

@@ -153,33 +153,32 @@ fn basis(hz: f64, time_s: f64) -> [f64; 3] {
 /// The sine of a frequency that is nearest to a signal, by Gauss's elimination; the matrix is positive
 /// definite when three samples differ.
 fn fit(hz: f64, signal: impl Iterator<Item = (f64, f64)>) -> Option<Sine> {
-    let (mut matrix, mut right) = ([[0.0; 3]; 3], [0.0; 3]);
+    // Each row with its right-hand side.
+    let mut rows = [[0.0; 4]; 3];
     for (time_s, value) in signal {
         let basis = basis(hz, time_s);
-        for i in 0..3 {
-            for j in 0..3 {
-                matrix[i][j] += basis[i] * basis[j];
+        for (row, of) in rows.iter_mut().zip(basis) {
+            for (sum, other) in row.iter_mut().zip(basis.into_iter().chain([value])) {
+                *sum += of * other;
             }
-            right[i] += basis[i] * value;
         }
     }
-    for k in 0..3 {
-        let pivot: f64 = matrix[k][k];
-        if pivot.is_nan() || pivot <= 1e-9 {
+    for pivot in 0..3 {
+        let by: [f64; 4] = rows[pivot];
+        if by[pivot].is_nan() || by[pivot] <= 1e-9 {
             return None;
         }
-        for row in k + 1..3 {
-            let factor = matrix[row][k] / pivot;
-            for column in k..3 {
-                matrix[row][column] -= factor * matrix[k][column];
+        for row in &mut rows[pivot + 1..] {
+            let factor = row[pivot] / by[pivot];
+            for (value, other) in row.iter_mut().zip(by) {
+                *value -= factor * other;
             }
-            right[row] -= factor * right[k];
         }
     }
     let mut coefficients = [0.0; 3];
     for k in (0..3).rev() {
-        let known: f64 = (k + 1..3).map(|column| matrix[k][column] * coefficients[column]).sum();
-        coefficients[k] = (right[k] - known) / matrix[k][k];
+        let known: f64 = rows[k].iter().zip(coefficients).map(|(a, c)| a * c).sum();
+        coefficients[k] = (rows[k][3] - known) / rows[k][k];
     }
     Some(Sine { hz, coefficients })
 }
