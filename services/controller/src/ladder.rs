@@ -86,8 +86,8 @@ pub struct Ladder {
     radar_is_fresh: bool,
     signals: Recovery,
     solve: Recovery,
-    /// The target at the last fresh sample: position of its rear, speed, acceleration, time, s.
-    last_target: Option<(Target, f64, f64, f64)>,
+    /// The target at the last fresh sample.
+    last_target: Option<LastSeen>,
     /// Time of the last release with a fresh radar sample, or of the first release, s.
     remembered_s: Option<f64>,
     last_request_mps2: f64,
@@ -207,12 +207,8 @@ impl Ladder {
     pub fn brake(&self, ego: &Ego, period_s: f64, output: &mut Output) {
         *output = Output { mode: output.mode, quality: Quality::Backup, ..Output::default() };
         let request = self.last_request_mps2.min(0.0);
-        let last = self.last_target.as_ref().map(|(target, position_m, speed_mps, _)| LastSeen {
-            position_m: *position_m,
-            speed_mps: *speed_mps,
-            acceleration_mps2: target.acceleration_mps2,
-        });
-        let deceleration = blind::deceleration_mps2(ego, last.as_ref()).max(-request);
+        let last = self.last_target.as_ref();
+        let deceleration = blind::deceleration_mps2(ego, last).max(-request);
         blind::fill(&mut output.plan_mps2, request, deceleration, period_s);
         output.plan_len = MAX_PLAN;
     }
@@ -220,15 +216,19 @@ impl Ladder {
     fn remember(&mut self, input: &Input) {
         self.remembered_s = Some(input.time_s);
         self.last_target = input.target.map(|target| {
-            let position_m = input.ego.position_m + target.gap_m;
             let speed_mps = input.ego.speed_mps + target.relative_speed_mps;
-            (target, position_m, speed_mps.max(0.0), input.time_s)
+            LastSeen {
+                target,
+                position_m: input.ego.position_m + target.gap_m,
+                speed_mps: speed_mps.max(0.0),
+                time_s: input.time_s,
+            }
         });
     }
 
     /// The last target as it would be now: it goes on braking if it braked, and else keeps its speed.
     fn predicted(&self, ego: &Ego, time_s: f64) -> Option<Target> {
-        let (target, position_m, speed_mps, then_s) = self.last_target?;
+        let LastSeen { target, position_m, speed_mps, time_s: then_s } = self.last_target?;
         let (age_s, braking) = (time_s - then_s, (-target.acceleration_mps2).max(0.0));
         let moving_s = if braking > 0.0 { age_s.min(speed_mps / braking) } else { age_s };
         let position_m = position_m + speed_mps * moving_s - 0.5 * braking * moving_s * moving_s;

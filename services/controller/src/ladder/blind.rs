@@ -11,7 +11,8 @@
 //! where that is enough. Behind a vehicle that was braking when it was last seen it is as hard as needed, behind
 //! another at most that of a minimum risk manoeuvre.
 
-use crate::law::Ego;
+use crate::following::safe_gap::LeadNow;
+use crate::law::{Ego, Target};
 
 /// Comfortable braking, m/s².
 pub(super) const COMFORTABLE_MPS2: f64 = 2.0;
@@ -34,31 +35,35 @@ const MARGIN_M: f64 = 3.0;
 /// Least distance to stop in that is reckoned with, m.
 const LEAST_ROOM_M: f64 = 0.5;
 
-/// A vehicle as it was when it was last seen.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A target as it was when it was last seen.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct LastSeen {
+    /// The target.
+    pub target: Target,
     /// Place of its rear, m.
     pub position_m: f64,
-    /// Speed, m/s.
+    /// Its speed, m/s.
     pub speed_mps: f64,
-    /// Acceleration, m/s².
-    pub acceleration_mps2: f64,
+    /// When that was, s.
+    pub time_s: f64,
 }
 
 impl LastSeen {
     /// Deceleration with which the ego comes to stand behind it if it brakes with `braking`, m/s².
     fn needed_mps2(&self, ego: &Ego, braking: f64) -> f64 {
-        let speed_mps = (self.speed_mps - braking * SEEN_LATE_S).max(0.0);
-        let stands_m = self.position_m + 0.5 * speed_mps * speed_mps / braking;
-        let room_m = (stands_m - ego.position_m - MARGIN_M).max(LEAST_ROOM_M);
-        0.5 * ego.speed_mps * ego.speed_mps / room_m
+        let lead = LeadNow {
+            gap_m: self.position_m - ego.position_m,
+            speed_mps: (self.speed_mps - braking * SEEN_LATE_S).max(0.0),
+            acceleration_mps2: -braking,
+        };
+        0.5 * ego.speed_mps * ego.speed_mps / lead.room_m(MARGIN_M).max(LEAST_ROOM_M)
     }
 }
 
 /// Deceleration to ask for, m/s².
 pub(super) fn deceleration_mps2(ego: &Ego, last: Option<&LastSeen>) -> f64 {
     let Some(last) = last else { return COMFORTABLE_MPS2 };
-    let seen = -last.acceleration_mps2;
+    let seen = -last.target.acceleration_mps2;
     let most = if seen > BRAKES_MPS2 { f64::INFINITY } else { MINIMUM_RISK_MPS2 };
     last.needed_mps2(ego, WORST_MPS2.max(seen)).min(most).max(COMFORTABLE_MPS2)
 }
@@ -84,7 +89,8 @@ mod tests {
     const EGO: Ego = Ego { position_m: 0.0, speed_mps: 20.0, acceleration_mps2: 0.0 };
 
     fn last(position_m: f64, speed_mps: f64, acceleration_mps2: f64) -> LastSeen {
-        LastSeen { position_m, speed_mps, acceleration_mps2 }
+        let target = Target { acceleration_mps2, ..Target::default() };
+        LastSeen { target, position_m, speed_mps, time_s: 0.0 }
     }
 
     #[test]
