@@ -40,6 +40,25 @@ impl Lanes {
         Self(std::array::from_fn(|i| if a[i] < b[i] { a[i] } else { b[i] }))
     }
 
+    /// Lane by lane the number of `self` where `condition` holds, else the other one.
+    #[inline(always)]
+    pub(super) fn where_or(self, condition: [bool; WIDTH], other: Self) -> Self {
+        let (a, b) = (self.0, other.0);
+        Self(std::array::from_fn(|i| if condition[i] { a[i] } else { b[i] }))
+    }
+
+    /// The square roots.
+    #[inline(always)]
+    pub(super) fn sqrt(self) -> Self {
+        Self(self.0.map(f64::sqrt))
+    }
+
+    /// The numbers without their signs.
+    #[inline(always)]
+    pub(super) fn abs(self) -> Self {
+        Self(self.0.map(f64::abs))
+    }
+
     /// The sum of all; not inlined, see the head of the module.
     #[inline(never)]
     pub(super) fn sum(self) -> f64 {

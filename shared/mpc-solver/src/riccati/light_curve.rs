@@ -8,6 +8,7 @@
 //! domain, the other cross zero; so neither does, and no line search is needed. (Circuit simulators bring diodes
 //! back to their characteristics in the same way.)
 
+use super::lanes::{Lanes, WIDTH};
 use crate::problem::{LightCost, Softness};
 
 /// The curve's constants.
@@ -161,6 +162,46 @@ impl LightCurve {
             0.0
         };
         (next, alpha, distance)
+    }
+
+    /// [`Self::project`] for neighbours that are all on the hyperbola and stay there, with the same operations; nothing for
+    /// others.
+    #[inline(always)]
+    pub(super) fn project_on_hyperbola(
+        &self,
+        tangents: &mut [LightTangent; WIDTH],
+        margins: Lanes,
+    ) -> Option<(Lanes, Lanes)> {
+        let of = |number: fn(&LightTangent) -> f64| Lanes(tangents.each_ref().map(number));
+        let (margin, slope) = (of(|tangent| tangent.margin), of(|tangent| tangent.slope));
+        let reached = of(|tangent| tangent.alpha) - slope * (margins - margin);
+        let grows: [bool; WIDTH] = std::array::from_fn(|i| margins.0[i] >= margin.0[i]);
+        let stays = |i: usize| {
+            let is_above_knee =
+                if grows[i] { margins.0[i] > self.knee } else { reached.0[i] < self.penalty };
+            let is_on_it = tangents[i].region as u64 == Region::Hyperbola as u64;
+            is_on_it & (margins.0[i] < self.threshold) & is_above_knee
+        };
+        if !(stays(0) & stays(1) & stays(2) & stays(3)) {
+            return None;
+        }
+        let weight = Lanes::all(self.weight);
+        let divided = Lanes::all(1.0).where_or(grows, weight) / margins.where_or(grows, reached);
+        let next_margin = margins.where_or(grows, divided.sqrt());
+        let next_alpha = (weight * (divided * divided)).where_or(grows, reached);
+        let twice = Lanes::all(2.0) * next_alpha;
+        let per_weight = Lanes::all(self.per_weight);
+        let next_slope =
+            (twice * divided).where_or(grows, twice * (next_margin * reached) * per_weight);
+        let per_alpha = next_margin * next_margin * per_weight;
+        let off = (next_alpha - reached).abs();
+        let distance = off.greater(next_slope * (margins - next_margin).abs()) * per_alpha;
+        for (i, tangent) in tangents.iter_mut().enumerate() {
+            tangent.margin = next_margin.0[i];
+            tangent.alpha = next_alpha.0[i];
+            tangent.slope = next_slope.0[i];
+        }
+        Some((reached, distance))
     }
 }
 
