@@ -5,9 +5,13 @@
 //! multiply-add would round once instead of twice), so that the bits do not depend on the machine; a test of
 //! the crate runs both.
 //!
-//! That four numbers share a register is the compiler's finding, from where they go: lane by lane to memory or to each other.
+//! That four of [`Lanes`] share a register is the compiler's finding, from where they go: lane by lane to memory or to each other.
 //! What mixes lanes at the end of a loop, a sum of all or the greatest, therefore is a function of its own: inlined, it made the
-//! compiler pair the lanes in the order of that sum and treat the loop number by number (a third slower).
+//! compiler pair the lanes in the order of that sum and treat the loop number by number (a third slower). A loop that mixes
+//! them at each stage is written for any [`Vector`], and takes the registers themselves ([`wide`]) where the machine has them.
+
+#[cfg(target_arch = "x86_64")]
+pub(super) mod wide;
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -24,6 +28,12 @@ impl Lanes {
     #[inline(always)]
     pub(super) const fn all(value: f64) -> Self {
         Self([value; WIDTH])
+    }
+
+    /// The numbers of any vector.
+    #[inline(always)]
+    pub(super) fn from_vector<V: Vector>(vector: V) -> Self {
+        Self(vector.to_array())
     }
 
     /// Lane by lane the greater of two numbers, as one instruction; the other one where `self` is not a number.
@@ -127,10 +137,53 @@ impl Neg for Lanes {
     }
 }
 
+/// Four numbers that an algorithm is written for once: as [`Lanes`], or as the machine's own register.
+pub(super) trait Vector:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
+{
+    fn from_array(numbers: [f64; WIDTH]) -> Self;
+
+    fn to_array(self) -> [f64; WIDTH];
+
+    /// The same number everywhere.
+    fn all(value: f64) -> Self;
+
+    /// Everywhere what is in one lane.
+    #[inline(always)]
+    fn lane(self, i: usize) -> Self {
+        Self::all(self.to_array()[i])
+    }
+
+    /// The first three moved on by one place, see [`Lanes::rotated`].
+    fn rotated(self) -> Self;
+}
+
+impl Vector for Lanes {
+    #[inline(always)]
+    fn from_array(numbers: [f64; WIDTH]) -> Self {
+        Self(numbers)
+    }
+
+    #[inline(always)]
+    fn to_array(self) -> [f64; WIDTH] {
+        self.0
+    }
+
+    #[inline(always)]
+    fn all(value: f64) -> Self {
+        Self::all(value)
+    }
+
+    #[inline(always)]
+    fn rotated(self) -> Self {
+        self.rotated()
+    }
+}
+
 /// What a sweep carries for each state: the linear part of the cost-to-go alone, or `Ψ`'s row and, in the last lane,
 /// that.
-pub(super) trait Row:
-    Copy + Default + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
+pub(super) trait Row<V>:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
 {
     /// Whether `Ψ` is in it.
     const HAS_TERMINAL: bool;
@@ -142,13 +195,13 @@ pub(super) trait Row:
     fn linear(value: f64) -> Self;
 
     /// From all four numbers.
-    fn of(lanes: Lanes) -> Self;
+    fn of(lanes: V) -> Self;
 
     /// All four numbers, zero where there is no `Ψ`.
-    fn lanes(self) -> Lanes;
+    fn lanes(self) -> V;
 }
 
-impl Row for f64 {
+impl<V: Vector> Row<V> for f64 {
     const HAS_TERMINAL: bool = false;
 
     #[inline(always)]
@@ -162,17 +215,17 @@ impl Row for f64 {
     }
 
     #[inline(always)]
-    fn of(lanes: Lanes) -> Self {
-        lanes.0[3]
+    fn of(lanes: V) -> Self {
+        lanes.to_array()[3]
     }
 
     #[inline(always)]
-    fn lanes(self) -> Lanes {
-        Lanes([0.0, 0.0, 0.0, self])
+    fn lanes(self) -> V {
+        V::from_array([0.0, 0.0, 0.0, self])
     }
 }
 
-impl Row for Lanes {
+impl<V: Vector> Row<V> for V {
     const HAS_TERMINAL: bool = true;
 
     #[inline(always)]
@@ -182,16 +235,16 @@ impl Row for Lanes {
 
     #[inline(always)]
     fn linear(value: f64) -> Self {
-        Self([0.0, 0.0, 0.0, value])
+        Self::from_array([0.0, 0.0, 0.0, value])
     }
 
     #[inline(always)]
-    fn of(lanes: Lanes) -> Self {
+    fn of(lanes: V) -> Self {
         lanes
     }
 
     #[inline(always)]
-    fn lanes(self) -> Lanes {
+    fn lanes(self) -> V {
         self
     }
 }

@@ -28,16 +28,17 @@
 //! The sweep cannot fail: `r > 0` and the models are convex, so that `δ ≥ r > 0` in exact arithmetic. Numbers
 //! beyond the range of `f64` show in the trajectory, which its callers check.
 
+mod backward;
 mod blocks;
+mod dynamics;
 mod shape;
 #[cfg(test)]
 mod tests;
 
-use multiversion::multiversion;
-
-use super::lanes::{Lanes, Row, WIDTH};
-use super::matrix::{Factors, Symmetric, product};
+use super::lanes::{Lanes, Vector, WIDTH};
+use super::matrix::{Factors, Rows, Symmetric};
 use crate::problem::{Problem, Terminal};
+use backward::Stages;
 pub(super) use blocks::{BlockModel, BlockModels};
 use shape::shape_of;
 pub(super) use shape::{CHAIN, GENERAL, INTEGRATING, PLAIN, Shape};
@@ -74,7 +75,7 @@ pub(super) trait StageModels {
 
     /// Adds to `hessian` what the modelled functions of `x_k` add to the cost's, and returns the gradient: the cost's and
     /// theirs.
-    fn state(&self, k: usize, hessian: &mut Symmetric) -> [f64; 3];
+    fn state<V: Vector>(&self, k: usize, hessian: &mut Rows<V>) -> [f64; 3];
 }
 
 /// The minimising input of a stage: `u = −(feedback·x + constant + terminal·y)`.
@@ -101,15 +102,15 @@ pub(super) struct CostToGo {
 
 /// A sum of `β'β/δ`: its diagonal, and the entries 01, 12, 02; the last lanes mean nothing.
 #[derive(Clone, Copy, Debug, Default)]
-struct Dual {
-    diagonal: Lanes,
-    beside: Lanes,
+struct Dual<V = Lanes> {
+    diagonal: V,
+    beside: V,
 }
 
-impl Dual {
+impl<V: Vector> Dual<V> {
     /// Adds `β'γ`, which is symmetric.
     #[inline(always)]
-    fn add(&mut self, beta: Lanes, gamma: Lanes) {
+    fn add(&mut self, beta: V, gamma: V) {
         self.diagonal = self.diagonal + beta * gamma;
         self.beside = self.beside + beta.rotated() * gamma;
     }
@@ -299,146 +300,21 @@ impl LinearQuadratic {
         sweep: &mut Sweep,
         last: usize,
     ) -> CostToGo {
+        let stages = Stages { lq: self, problem, models, last };
         let terminal = matches!(problem.terminal, Terminal::Equality(_));
         match (self.shape, self.has_disturbance, terminal) {
-            (PLAIN, false, false) => {
-                backward::<PLAIN, false, f64, M>(self, problem, models, sweep, last)
-            }
-            (PLAIN, true, false) => {
-                backward::<PLAIN, true, f64, M>(self, problem, models, sweep, last)
-            }
-            (CHAIN, false, false) => {
-                backward::<CHAIN, false, f64, M>(self, problem, models, sweep, last)
-            }
-            (CHAIN, true, false) => {
-                backward::<CHAIN, true, f64, M>(self, problem, models, sweep, last)
-            }
+            (PLAIN, false, false) => stages.sweep::<PLAIN, false, false>(sweep),
+            (PLAIN, true, false) => stages.sweep::<PLAIN, true, false>(sweep),
+            (CHAIN, false, false) => stages.sweep::<CHAIN, false, false>(sweep),
+            (CHAIN, true, false) => stages.sweep::<CHAIN, true, false>(sweep),
             // With a terminal equality plain dynamics are not worth code of their own: it was slower.
-            (PLAIN | CHAIN, false, true) => {
-                backward::<CHAIN, false, Lanes, M>(self, problem, models, sweep, last)
-            }
-            (PLAIN | CHAIN, true, true) => {
-                backward::<CHAIN, true, Lanes, M>(self, problem, models, sweep, last)
-            }
-            (INTEGRATING, _, false) => {
-                backward::<INTEGRATING, true, f64, M>(self, problem, models, sweep, last)
-            }
-            (INTEGRATING, _, true) => {
-                backward::<INTEGRATING, true, Lanes, M>(self, problem, models, sweep, last)
-            }
-            _ => backward::<GENERAL, true, Lanes, M>(self, problem, models, sweep, last),
+            (PLAIN | CHAIN, false, true) => stages.sweep::<CHAIN, false, true>(sweep),
+            (PLAIN | CHAIN, true, true) => stages.sweep::<CHAIN, true, true>(sweep),
+            (INTEGRATING, _, false) => stages.sweep::<INTEGRATING, true, false>(sweep),
+            (INTEGRATING, _, true) => stages.sweep::<INTEGRATING, true, true>(sweep),
+            _ => stages.sweep::<GENERAL, true, true>(sweep),
         }
     }
-}
-
-/// See [`LinearQuadratic::factor`].
-#[multiversion(targets("x86_64+avx2"))]
-fn backward<const SHAPE: Shape, const DISTURBED: bool, R: Row, M: StageModels>(
-    lq: &LinearQuadratic,
-    problem: &Problem,
-    models: &M,
-    sweep: &mut Sweep,
-    last: usize,
-) -> CostToGo {
-    let n = problem.horizon;
-    let d = &problem.d[..n];
-    let gains = &mut sweep.gains[..n];
-    let (top, from) = resume(n, last);
-    let (mut p, start) = if top < n {
-        (sweep.hessians[from], sweep.costs[from])
-    } else {
-        let mut p = lq.p;
-        let gradient = models.state(n, &mut p);
-        let [g0, g1, g2] = gradient;
-        let linear = [[1.0, 0.0, 0.0, g0], [0.0, 1.0, 0.0, g1], [0.0, 0.0, 1.0, g2]];
-        (p, CostToGo { linear: linear.map(Lanes), ..CostToGo::default() })
-    };
-    let CostToGo { linear, mut dual, mut reached } = start;
-    let mut linear = linear.map(R::of);
-    let [a00, a01, a02, a11, a12, a22] = lq.a.map(R::splat);
-    let last_squared = lq.b[2] * lq.b[2];
-    for k in (0..top).rev() {
-        let pb = if SHAPE >= CHAIN {
-            [lq.b[2] * p[2], lq.b[2] * p[4], lq.b[2] * p[5]]
-        } else {
-            product(&p, &lq.b)
-        };
-        if DISTURBED {
-            let [l0, l1, l2] = linear;
-            let [d0, d1, d2] = d[k];
-            if R::HAS_TERMINAL {
-                let moved = l0 * R::splat(d0) + l1 * R::splat(d1) + l2 * R::splat(d2);
-                reached = reached + moved.lanes();
-            }
-            let carried = product(&p, &d[k]);
-            for i in 0..3 {
-                linear[i] = linear[i] + R::linear(carried[i]);
-            }
-        }
-        let model = models.input(k);
-        let (extra, slope) = match model {
-            InputModel::Free(extra, slope) => (extra, slope),
-            InputModel::Held(_, slope) => (0.0, slope),
-        };
-        // From `P` to the next one the shortest way leads through this: one product and the division, then another
-        // product. What stands between does not wait for the division.
-        let curvature =
-            if SHAPE >= CHAIN { last_squared * p[5] } else { lq.input_of::<SHAPE>(&pb) };
-        let inverse = 1.0 / ((lq.r + extra) + curvature);
-        let f = lq.crossed::<SHAPE>(lq.transposed::<SHAPE>(&pb));
-        let mut next = lq.q;
-        let mut gradient = models.state(k, &mut next);
-        let apa = lq.congruence::<SHAPE>(&p);
-        for i in 0..6 {
-            next[i] += apa[i];
-        }
-        let [l0, l1, l2] = linear;
-        let mut beta = l2 * R::splat(lq.b[2]);
-        if SHAPE < CHAIN {
-            beta = beta + (l0 * R::splat(lq.b[0]) + l1 * R::splat(lq.b[1]));
-        }
-        let pull = beta + R::linear(slope);
-        let feedforward = pull * R::splat(inverse);
-        let (k0, k1) = if SHAPE != GENERAL { (l0, l1) } else { (a00 * l0, a11 * l1) };
-        let ahead = if SHAPE == PLAIN { a12 * l1 } else { a02 * l0 + a12 * l1 };
-        linear = [k0, a01 * l0 + k1, ahead + a22 * l2];
-        let feedback = [f[0] * inverse, f[1] * inverse, f[2] * inverse];
-        gains[k] = Gain { feedback, inverse, feedforward: feedforward.lanes().0 };
-        if let InputModel::Held(u, _) = model {
-            p = next;
-            for i in 0..3 {
-                gradient[i] += f[i] * u;
-            }
-            if R::HAS_TERMINAL {
-                reached = reached + (beta * R::splat(u)).lanes();
-            }
-        } else {
-            p = [
-                next[0] - (f[0] * f[0]) * inverse,
-                next[1] - (f[0] * f[1]) * inverse,
-                next[2] - (f[0] * f[2]) * inverse,
-                next[3] - (f[1] * f[1]) * inverse,
-                next[4] - (f[1] * f[2]) * inverse,
-                next[5] - (f[2] * f[2]) * inverse,
-            ];
-            for i in 0..3 {
-                linear[i] = linear[i] - R::splat(feedback[i]) * pull;
-            }
-            if R::HAS_TERMINAL {
-                dual.add(beta.lanes(), feedforward.lanes());
-                let constant = R::splat(feedforward.lanes().0[3]);
-                reached = reached - (beta * constant).lanes();
-            }
-        }
-        for i in 0..3 {
-            linear[i] = linear[i] + R::linear(gradient[i]);
-        }
-        if k % STRIDE == 0 {
-            sweep.hessians[k / STRIDE] = p;
-            sweep.costs[k / STRIDE] = CostToGo { linear: linear.map(R::lanes), dual, reached };
-        }
-    }
-    CostToGo { linear: linear.map(R::lanes), dual, reached }
 }
 
 /// Where a sweep that keeps everything above stage `last` begins: the stage, and its stored entry.

@@ -7,8 +7,9 @@
 //! solves before it.
 
 use crate::problem::{Problem, Terminal};
+use crate::riccati::lanes::Vector;
 use crate::riccati::lqr::{CostToGo, InputModel, LinearQuadratic, StageModels, Sweep};
-use crate::riccati::matrix::Symmetric;
+use crate::riccati::matrix::Rows;
 
 /// The sweep, and the matrices that it was made from.
 #[derive(Clone, Debug)]
@@ -57,7 +58,7 @@ impl StageModels for Unconstrained<'_> {
     }
 
     #[inline(always)]
-    fn state(&self, k: usize, _: &mut Symmetric) -> [f64; 3] {
+    fn state<V: Vector>(&self, k: usize, _: &mut Rows<V>) -> [f64; 3] {
         if k < self.0.horizon { self.0.q_lin[k] } else { self.0.p_lin }
     }
 }

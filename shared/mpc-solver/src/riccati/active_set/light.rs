@@ -44,9 +44,7 @@ pub(super) fn project(
         }
         let neighbours: Option<&mut [LightTangent; WIDTH]> = tangents[piece].first_chunk_mut();
         let Some(neighbours) = neighbours else { break };
-        if let Some((reached, distances)) =
-            curve.project_on_hyperbola(neighbours, Lanes(margins))
-        {
+        if let Some((reached, distances)) = curve.project_on_hyperbola(neighbours, Lanes(margins)) {
             for (i, alpha) in reached.0.iter().enumerate() {
                 alphas[first + i] = *alpha;
             }

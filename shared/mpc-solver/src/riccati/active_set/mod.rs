@@ -33,9 +33,10 @@ mod response;
 mod rows;
 mod switching;
 
+use super::lanes::Vector;
 use super::light_curve::{LightCurve, LightTangent};
 use super::lqr::{InputModel, LinearQuadratic, StageModels, Sweep};
-use super::matrix::{Symmetric, add_rank_one, add_slope};
+use super::matrix::{Rows, add_slope};
 use super::row_curve::RowTangent;
 use super::working_set::{Side, WorkingSet, differences, last_difference};
 use crate::kkt::Multipliers;
@@ -399,25 +400,24 @@ impl StageModels for Models<'_> {
     }
 
     #[inline(always)]
-    fn state(&self, k: usize, hessian: &mut Symmetric) -> [f64; 3] {
+    fn state<V: Vector>(&self, k: usize, hessian: &mut Rows<V>) -> [f64; 3] {
         let problem = self.problem;
         let mut gradient = if k < problem.horizon { problem.q_lin[k] } else { problem.p_lin };
-        let mut add = |g: &[f64; 3], curvature: f64, slope: f64| {
-            add_rank_one(hessian, g, curvature);
-            add_slope(&mut gradient, g, slope);
-        };
         if k == 0 {
             return gradient;
         }
         if k <= self.stages.len() {
             let (stage, tangent) = (&self.stages[k - 1], &self.tangents[k - 1]);
-            add(&stage.gradient, tangent.slope, -tangent.at_origin(stage.offset));
+            let [c0, c1, c2] = stage.gradient;
+            hessian.add_rank_one(V::from_array([c0, c1, c2, stage.offset]), tangent.slope);
+            add_slope(&mut gradient, &stage.gradient, -tangent.at_origin(stage.offset));
         }
         for (j, tangents) in self.rows.iter().enumerate() {
             let tangent = &tangents[k];
             if tangent.acts() {
-                let slope = tangent.at(-problem.limits[j][k]);
-                add(&problem.rows[j].gradient, tangent.slope, slope);
+                let g = &problem.rows[j].gradient;
+                hessian.add_rank_one(V::from_array([g[0], g[1], g[2], 0.0]), tangent.slope);
+                add_slope(&mut gradient, g, tangent.at(-problem.limits[j][k]));
             }
         }
         gradient

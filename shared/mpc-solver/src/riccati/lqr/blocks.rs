@@ -62,7 +62,7 @@ struct StageVectors<R> {
 
 /// See [`LinearQuadratic::factor_blocks`].
 #[multiversion(targets("x86_64+avx2"))]
-fn backward<const SHAPE: Shape, R: Row, M: BlockModels>(
+fn backward<const SHAPE: Shape, R: Row<Lanes> + Default, M: BlockModels>(
     lq: &LinearQuadratic,
     models: &mut M,
     gains: &mut [Gain],

@@ -9,7 +9,7 @@ impl StageModels for Alternating<'_> {
         if k % 5 == 3 { InputModel::Held(0.5, slope) } else { InputModel::Free(0.0, slope) }
     }
 
-    fn state(&self, k: usize, _: &mut Symmetric) -> [f64; 3] {
+    fn state<V: Vector>(&self, k: usize, _: &mut Rows<V>) -> [f64; 3] {
         if k < self.0.horizon { self.0.q_lin[k] } else { self.0.p_lin }
     }
 }
