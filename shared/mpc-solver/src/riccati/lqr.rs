@@ -307,9 +307,10 @@ impl LinearQuadratic {
             (PLAIN, true, false) => stages.sweep::<PLAIN, true, false>(sweep),
             (CHAIN, false, false) => stages.sweep::<CHAIN, false, false>(sweep),
             (CHAIN, true, false) => stages.sweep::<CHAIN, true, false>(sweep),
-            // With a terminal equality plain dynamics are not worth code of their own: it was slower.
-            (PLAIN | CHAIN, false, true) => stages.sweep::<CHAIN, false, true>(sweep),
-            (PLAIN | CHAIN, true, true) => stages.sweep::<CHAIN, true, true>(sweep),
+            (PLAIN, false, true) => stages.sweep::<PLAIN, false, true>(sweep),
+            (CHAIN, false, true) => stages.sweep::<CHAIN, false, true>(sweep),
+            (PLAIN, true, true) => stages.sweep::<PLAIN, true, true>(sweep),
+            (CHAIN, true, true) => stages.sweep::<CHAIN, true, true>(sweep),
             (INTEGRATING, _, false) => stages.sweep::<INTEGRATING, true, false>(sweep),
             (INTEGRATING, _, true) => stages.sweep::<INTEGRATING, true, true>(sweep),
             _ => stages.sweep::<GENERAL, true, true>(sweep),

@@ -11,8 +11,8 @@ use crate::riccati::matrix::Rows;
 pub(super) struct Dynamics<V> {
     a: [V; 6],
     b: [V; 3],
-    /// The columns of `A'`.
-    columns: [V; 3],
+    /// The diagonal of `A'` and the two below it, in the rows where they are.
+    diagonals: [V; 3],
     s: V,
 }
 
@@ -25,10 +25,10 @@ impl<V: Vector> Dynamics<V> {
         Self {
             a: [V::all(a00), V::all(a01), V::all(a02), V::all(a11), V::all(a12), V::all(a22)],
             b: [V::all(b0), V::all(b1), V::all(b2)],
-            columns: [
-                V::from_array([a00, a01, a02, 0.0]),
-                V::from_array([0.0, a11, a12, 0.0]),
-                V::from_array([0.0, 0.0, a22, 0.0]),
+            diagonals: [
+                V::from_array([a00, a11, a22, 0.0]),
+                V::from_array([0.0, a01, a12, 0.0]),
+                V::from_array([0.0, 0.0, a02, 0.0]),
             ],
             s: V::from_array([s0, s1, s2, 0.0]),
         }
@@ -44,9 +44,14 @@ impl<V: Vector> Dynamics<V> {
     /// `F = A'P B + s'`.
     #[inline(always)]
     pub(super) fn crossed<const SHAPE: Shape>(&self, pb: V) -> V {
-        let [c0, c1, c2] = self.columns;
-        let f = (c0 * pb.lane(0) + c1 * pb.lane(1)) + c2 * pb.lane(2);
-        if SHAPE == PLAIN { f } else { f + self.s }
+        let [kept, beside, corner] = self.diagonals;
+        let [p0, p1, p2, _] = pb.to_array();
+        let ahead = beside * V::from_array([p0, p0, p1, p2]);
+        if SHAPE == PLAIN {
+            ahead + kept * pb
+        } else {
+            ((corner * pb.lane(0) + ahead) + kept * pb) + self.s
+        }
     }
 
     /// `A' M` for the rows of `M`.
