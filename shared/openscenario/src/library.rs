@@ -82,6 +82,7 @@ pub(crate) const LOCATIONS: &[(&str, &str)] = &[
     ("Controller", "ControllerCatalog"),
     ("Trajectory", "TrajectoryCatalog"),
     ("Maneuver", "ManeuverCatalog"),
+    ("Environment", "EnvironmentCatalog"),
 ];
 
 impl<'a> Library<'a> {
@@ -133,6 +134,7 @@ impl<'a> Library<'a> {
                         one_of(kinds.iter().copied()),
                     ));
                 }
+                subset::check_part(&document.file, element)?;
                 let assigned = assignments(reference)?;
                 let scope = Scope::default()
                     .with(&document.file, element, &assigned)
@@ -163,7 +165,7 @@ impl<'a> Library<'a> {
         for file in self.source.list(&path).map_err(|error| unreadable(&path, error))? {
             let text = self.source.read(&file).map_err(|error| unreadable(&file, error))?;
             let document = xml::parse(&file.display().to_string(), &text)?;
-            subset::check(&document)?;
+            subset::check_head(&document)?;
             documents.push(document);
         }
         let documents = Rc::new(documents);
@@ -177,7 +179,9 @@ fn assignments(reference: Node<'_>) -> Result<Vec<Assignment>, ReadError> {
     let Some(list) = reference.child_if("ParameterAssignments") else { return Ok(Vec::new()) };
     list.children()
         .map(|node| {
-            let name = node.text("parameterRef")?.trim_start_matches('$').to_owned();
+            // The name of the entry's parameter, with its `$` or without; not a parameter of the scenario.
+            let name = node.element.attribute("parameterRef").unwrap_or_default();
+            let name = name.trim_start_matches('$').to_owned();
             Ok(Assignment { name, value: node.text("value")? })
         })
         .collect()

@@ -31,30 +31,66 @@ impl Reader<'_> {
             },
             "TeleportAction" => self.position_in(kind).map(Action::Teleport),
             "RoutingAction" => self.trajectory(inner()),
-            "ControllerAction" => {
-                if kind.children().next().is_none() {
-                    return Err(kind.refuse(
-                        "`ControllerAction` is empty",
-                        "`AssignControllerAction` or `ActivateControllerAction`",
-                    ));
-                }
-                if let Some(assign) = kind.child_if("AssignControllerAction")
-                    && let Some(reference) = assign.child_if("CatalogReference")
-                {
-                    let locations = self.root.child_if("CatalogLocations");
-                    let found = &mut |_: Node<'_>| Ok(());
-                    self.library.entry(reference, locations, &["Controller"], found)?;
-                }
-                Ok(Action::Nothing)
-            }
+            "ControllerAction" => self.controller(kind),
             _ => Ok(Action::Nothing),
         }
+    }
+
+    /// Checks a `ControllerAction`, which does nothing.
+    fn controller(&self, node: Node<'_>) -> Result<Action, ReadError> {
+        if node.children().next().is_none() {
+            return Err(node.refuse(
+                "`ControllerAction` is empty",
+                "`AssignControllerAction` or `ActivateControllerAction`",
+            ));
+        }
+        if let Some(assign) = node.child_if("AssignControllerAction") {
+            let holder = assign.child_if("ObjectController").unwrap_or(assign);
+            if let Some(reference) = holder.child_if("CatalogReference") {
+                let locations = self.root.child_if("CatalogLocations");
+                let found = &mut |_: Node<'_>| Ok(());
+                self.library.entry(reference, locations, &["Controller"], found)?;
+            }
+        }
+        if let Some(overridden) = node.child_if("OverrideControllerValueAction") {
+            for value in overridden.children() {
+                if value.boolean("active")? {
+                    let reason = format!("`{}` would be overridden", value.name());
+                    return Err(value.fault("active").error(reason, "false"));
+                }
+            }
+        }
+        Ok(Action::Nothing)
+    }
+
+    /// Checks an `EnvironmentAction`, which does nothing.
+    fn environment(&self, what: Node<'_>) -> Result<Action, ReadError> {
+        let check = |environment: Node<'_>| {
+            let Some(road) = environment.child_if("RoadCondition") else { return Ok(()) };
+            match road.number("frictionScaleFactor")? {
+                1.0 => Ok(()),
+                factor => Err(road
+                    .fault("frictionScaleFactor")
+                    .error(format!("{factor} would change the brakes"), "1")),
+            }
+        };
+        if what.name() == "CatalogReference" {
+            let locations = self.root.child_if("CatalogLocations");
+            self.library.entry(what, locations, &["Environment"], &mut |entry| check(entry))?;
+        } else {
+            let scope = what.scope.with(what.file, what.element, &[])?;
+            check(Node { scope: &scope, ..what })?;
+        }
+        Ok(Action::Nothing)
     }
 
     /// What a `GlobalAction` does.
     pub(super) fn global(&self, node: Node<'_>) -> Result<Action, ReadError> {
         let kind = node.children().next().expect("the subset demands one");
         let what = kind.children().next().expect("the subset demands one");
+        if kind.name() == "EnvironmentAction" {
+            return self.environment(what);
+        }
         if kind.name() == "EntityAction" {
             let entity = self.entity_ref(kind)?;
             if entity == self.ego {

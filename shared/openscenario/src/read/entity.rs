@@ -33,15 +33,19 @@ impl Reader<'_> {
             self.entities.push(entity);
         }
         controlled.dedup();
-        let named = self.entities.iter().position(|e| e.name.eq_ignore_ascii_case("ego"));
+        let called = |name: &str| {
+            self.entities.iter().position(|entity| entity.name.eq_ignore_ascii_case(name))
+        };
+        let named = called("ego").or_else(|| called("hero"));
         self.ego = match (named, controlled.as_slice()) {
             (Some(ego), _) => ego,
             (None, [only]) => *only,
+            (None, []) if self.entities.len() == 1 => 0,
             (None, _) => {
                 let names = one_of(self.entities.iter().map(|entity| entity.name.as_str()));
                 return Err(list.refuse(
                     format!("none of {names} is known to be the ego"),
-                    "an entity called `Ego`, or exactly one with an `ObjectController`",
+                    "an entity called `Ego` or `hero`, or exactly one with an `ObjectController`",
                 ));
             }
         };
@@ -136,6 +140,14 @@ fn described(node: Node<'_>, name: String) -> Result<Entity, ReadError> {
         "Pedestrian" => Category::Pedestrian,
         _ => Category::MiscObject,
     };
+    if let Some(trailer) = node.child_if("Trailer") {
+        let pulled = trailer.child("TrailerRef")?;
+        let name = pulled.text("entityRef")?;
+        if !name.is_empty() {
+            let reason = format!("`{name}` would be pulled as a trailer");
+            return Err(pulled.fault("entityRef").error(reason, "none (an empty reference)"));
+        }
+    }
     let bounding = node.child("BoundingBox")?;
     let (center, dimensions) = (bounding.child("Center")?, bounding.child("Dimensions")?);
     let extent = |attribute| match dimensions.magnitude(attribute)? {

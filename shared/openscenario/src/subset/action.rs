@@ -2,6 +2,9 @@
 
 use super::Rule;
 
+const OVERRIDE: &str = "see `OverrideControllerValueAction`";
+const UNUSED: &str = "read, without effect";
+
 /// What storyboards do.
 pub const ACTIONS: &[Rule] = &[
     Rule::new(
@@ -15,7 +18,7 @@ pub const ACTIONS: &[Rule] = &[
         "GlobalAction",
         "",
         "",
-        "EntityAction ParameterAction VariableAction",
+        "EntityAction ParameterAction VariableAction EnvironmentAction",
         "an action of the world",
     ),
     Rule::new(
@@ -190,7 +193,7 @@ pub const ACTIONS: &[Rule] = &[
     Rule::new(
         "ControllerAction",
         "",
-        "AssignControllerAction? ActivateControllerAction?",
+        "AssignControllerAction? OverrideControllerValueAction? ActivateControllerAction?",
         "",
         "the ego's stack drives from the start: assigned and activated controllers change nothing, and the action is complete at once",
     ),
@@ -198,9 +201,22 @@ pub const ACTIONS: &[Rule] = &[
         "AssignControllerAction",
         "activateLateral? activateLongitudinal? activateAnimation? activateLighting?",
         "",
-        "Controller CatalogReference",
+        "Controller ObjectController CatalogReference",
         "see `ControllerAction`",
     ),
+    Rule::new(
+        "OverrideControllerValueAction",
+        "",
+        "Throttle? Brake? Clutch? ParkingBrake? SteeringWheel? Gear?",
+        "",
+        "of none of them: active=\"false\" only",
+    ),
+    Rule::new("Throttle", "active value? maxRate?", "", "", OVERRIDE),
+    Rule::new("Brake", "active value? maxRate?", "", "", OVERRIDE),
+    Rule::new("Clutch", "active value? maxRate?", "", "", OVERRIDE),
+    Rule::new("ParkingBrake", "active value? maxRate?", "", "", OVERRIDE),
+    Rule::new("SteeringWheel", "active value? maxRate?", "", "", OVERRIDE),
+    Rule::new("Gear", "active number?", "", "", OVERRIDE),
     Rule::new(
         "ActivateControllerAction",
         "lateral? longitudinal? animation? lighting? controllerRef? objectControllerRef?",
@@ -230,6 +246,47 @@ pub const ACTIONS: &[Rule] = &[
         "",
         "SetAction ModifyAction",
         "changes what `ParameterCondition` sees",
+    ),
+    Rule::new(
+        "EnvironmentAction",
+        "",
+        "",
+        "Environment CatalogReference",
+        "weather and time of day have no effect, and the action is complete at once",
+    ),
+    Rule::new(
+        "Environment",
+        "name",
+        "ParameterDeclarations? TimeOfDay? Weather? RoadCondition?",
+        "",
+        "see `EnvironmentAction`",
+    ),
+    Rule::new("TimeOfDay", "animation dateTime", "", "", UNUSED),
+    Rule::new(
+        "Weather",
+        "cloudState? fractionalCloudCover? atmosphericPressure? temperature?",
+        "Sun? Fog? Precipitation? Wind? DomeImage?",
+        "",
+        UNUSED,
+    ),
+    Rule::new("Sun", "azimuth elevation intensity? illuminance?", "", "", UNUSED),
+    Rule::new("Fog", "visualRange", "BoundingBox?", "", UNUSED),
+    Rule::new(
+        "Precipitation",
+        "precipitationType intensity? precipitationIntensity?",
+        "",
+        "",
+        UNUSED,
+    ),
+    Rule::new("Wind", "direction speed", "", "", UNUSED),
+    Rule::new("DomeImage", "azimuthOffset?", "DomeFile", "", UNUSED),
+    Rule::new("DomeFile", "filepath", "", "", UNUSED),
+    Rule::new(
+        "RoadCondition",
+        "frictionScaleFactor wetness?",
+        "Properties?",
+        "",
+        "a friction factor of 1 only",
     ),
     Rule::new("VariableAction", "variableRef", "", "SetAction ModifyAction", "changes a variable"),
     Rule::new("SetAction", "value", "", "", "the new value"),

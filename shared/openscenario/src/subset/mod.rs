@@ -75,6 +75,23 @@ fn names(list: &str) -> impl Iterator<Item = &str> {
 /// # Errors
 /// At the first element or attribute that the subset does not have, or that is missing.
 pub fn check(document: &Document) -> Result<(), ReadError> {
+    check_head(document)?;
+    check_part(&document.file, &document.root)
+}
+
+/// Holds an element and what is inside it against the table: of a catalog only the entries that are used.
+///
+/// # Errors
+/// As [`check`].
+pub fn check_part(file: &str, part: &Element) -> Result<(), ReadError> {
+    element(file, part)
+}
+
+/// Whether a file is of the format, in a version of the subset.
+///
+/// # Errors
+/// If it is not.
+pub fn check_head(document: &Document) -> Result<(), ReadError> {
     if document.root.name != "OpenSCENARIO" {
         return Err(ReadError::Element {
             place: Place { file: document.file.clone(), line: document.root.line },
@@ -84,8 +101,7 @@ pub fn check(document: &Document) -> Result<(), ReadError> {
             expected: "`OpenSCENARIO`".to_owned(),
         });
     }
-    version(document)?;
-    element(&document.file, &document.root)
+    version(document)
 }
 
 fn version(document: &Document) -> Result<(), ReadError> {

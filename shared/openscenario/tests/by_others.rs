@@ -1,0 +1,125 @@
+//! What files by other authors hold, and what it means here.
+
+#![allow(
+    clippy::result_large_err,
+    reason = "an error ends the reading of a file; its size costs nothing"
+)]
+
+mod common;
+
+use std::path::Path;
+
+use common::*;
+use openscenario::ReadError;
+use openscenario::read::{Scenario, scenario};
+
+const BOX: &str = "<BoundingBox><Center x=\"1\" y=\"0\" z=\"1\"/><Dimensions width=\"2\" length=\"4\" height=\"1.5\"/></BoundingBox>";
+
+/// Reads a scenario whose lead is the entry `car` of a catalog, with these parameters assigned.
+fn with_catalog(entries: &str, assigned: &str) -> Result<Scenario, ReadError> {
+    let locations = "<CatalogLocations><VehicleCatalog><Directory path=\"cars\"/></VehicleCatalog></CatalogLocations>";
+    let text = Parts { head: locations.to_owned(), ..Parts::default() }.text();
+    let lead = text.find("name=\"Lead\"").expect("there is a lead");
+    let at = lead + text[lead..].find("<Vehicle").expect("it is described");
+    let end = at + text[at..].find("</Vehicle>").expect("it ends") + "</Vehicle>".len();
+    let reference = format!(
+        "<CatalogReference catalogName=\"c\" entryName=\"car\"><ParameterAssignments>{assigned}</ParameterAssignments></CatalogReference>"
+    );
+    let text = format!("{}{reference}{}", &text[..at], &text[end..]);
+    let catalog = format!(
+        "<OpenSCENARIO>\n<FileHeader revMajor=\"1\" revMinor=\"3\"/>\n<Catalog name=\"c\">{entries}</Catalog></OpenSCENARIO>"
+    );
+    let files =
+        [("dir/a.xosc", text), ("dir/cars/c.xosc", catalog), ("dir/road.xodr", ROAD.into())];
+    let files = files.into_iter().map(|(path, text)| (path.into(), text)).collect();
+    scenario(Path::new("dir/a.xosc"), &Files(files), &[])
+}
+
+/// A car that may pull what its parameter names.
+fn car() -> String {
+    format!(
+        "<Vehicle name=\"car\" vehicleCategory=\"car\"><ParameterDeclarations>\
+         <ParameterDeclaration name=\"Pulled\" parameterType=\"string\" value=\"\"/></ParameterDeclarations>{BOX}\
+         <TrailerHitch dx=\"-1.2\"/><Trailer><TrailerRef entityRef=\"$Pulled\"/></Trailer></Vehicle>"
+    )
+}
+
+#[test]
+fn of_a_catalog_only_the_entry_in_use_has_to_be_in_the_subset() {
+    let other =
+        "<Vehicle name=\"other\" vehicleCategory=\"car\"><Wings/></Vehicle><Route name=\"r\"/>";
+    with_catalog(&format!("{other}{}", car()), "").expect("the car is in the subset");
+    let winged = car().replace("<TrailerHitch dx=\"-1.2\"/>", "<Wings/>");
+    let shown = with_catalog(&winged, "").expect_err("it has wings").to_string();
+    assert!(
+        shown.starts_with("dir/cars/c.xosc:3: element `Wings` in `Vehicle` is not supported"),
+        "{shown}"
+    );
+}
+
+#[test]
+fn a_car_that_could_pull_a_trailer_pulls_none() {
+    let assign = |value: &str, name: &str| {
+        format!("<ParameterAssignment parameterRef=\"{name}\" value=\"{value}\"/>")
+    };
+    with_catalog(&car(), &assign("", "Pulled")).expect("no trailer");
+    // The name may be given with the sign of its uses.
+    let shown = with_catalog(&car(), &assign("box", "$Pulled")).expect_err("a trailer").to_string();
+    assert!(shown.contains("`box` would be pulled as a trailer, expected none"), "{shown}");
+}
+
+#[test]
+fn a_controller_action_of_version_1_0_holds_two_that_do_nothing() {
+    let action = |active: &str| {
+        format!(
+            "<ControllerAction><AssignControllerAction><Controller name=\"c\"><Properties/></Controller></AssignControllerAction>\
+             <OverrideControllerValueAction><Throttle value=\"0\" active=\"false\"/><Brake value=\"0\" active=\"{active}\"/>\
+             <Gear number=\"0\" active=\"false\"/></OverrideControllerValueAction></ControllerAction>"
+        )
+    };
+    let parts = |active: &str| Parts {
+        init: private("Lead", &[&place(-1, 60.0), &action(active)]),
+        ..Parts::default()
+    };
+    parts("false").read().expect("nothing is overridden");
+    let shown = parts("true").refusal();
+    assert!(
+        shown.contains("`active` of `Brake`: `Brake` would be overridden, expected false"),
+        "{shown}"
+    );
+}
+
+#[test]
+fn weather_has_no_effect_and_a_slippery_road_is_refused() {
+    let parts = |friction: &str| Parts {
+        init: format!(
+            "<GlobalAction><EnvironmentAction><Environment name=\"e\"><TimeOfDay animation=\"false\" dateTime=\"2020-01-01T12:00:00\"/>\
+             <Weather cloudState=\"free\"><Sun intensity=\"1\" azimuth=\"0\" elevation=\"1\"/><Fog visualRange=\"1000\"/>\
+             <Precipitation precipitationType=\"dry\" intensity=\"0\"/></Weather><RoadCondition frictionScaleFactor=\"{friction}\"/>\
+             </Environment></EnvironmentAction></GlobalAction>{}",
+            private("Lead", &[&place(-1, 60.0)])
+        ),
+        ..Parts::default()
+    };
+    parts("1.0").read().expect("a dry road");
+    let shown = parts("0.5").refusal();
+    assert!(shown.contains("0.5 would change the brakes, expected 1"), "{shown}");
+}
+
+#[test]
+fn the_ego_may_be_the_hero_or_the_only_entity() {
+    let text = Parts::default().text().replace("\"Ego\"", "\"Hero\"");
+    let read = |text: String| {
+        let files = [("dir/a.xosc", text), ("dir/road.xodr", ROAD.to_owned())];
+        let files = files.into_iter().map(|(path, text)| (path.into(), text)).collect();
+        scenario(Path::new("dir/a.xosc"), &Files(files), &[])
+    };
+    read(text).expect("the hero is the ego");
+    let alone = format!(
+        "<OpenSCENARIO><FileHeader revMajor=\"1\" revMinor=\"1\"/><RoadNetwork><LogicFile filepath=\"road.xodr\"/></RoadNetwork>\
+         <Entities><ScenarioObject name=\"Car\"><Vehicle name=\"v\" vehicleCategory=\"car\">{BOX}</Vehicle></ScenarioObject></Entities>\
+         <Storyboard><Init><Actions>{}</Actions></Init><StopTrigger/></Storyboard></OpenSCENARIO>",
+        private("Car", &[&place(-1, 10.0), &speed("step", "time", 0.0, 20.0)])
+    );
+    read(alone).expect("the only entity is the ego");
+}
