@@ -27,8 +27,16 @@ pub struct Road {
     /// Where its reference line begins and points, when it is straight.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub straight: Option<Line>,
+    /// Its steepest slope, up or down, as height over way; it has no effect.
+    #[serde(default, skip_serializing_if = "is_level")]
+    pub steepest_slope: f64,
     /// Its lanes from right to left, without the centre lane.
     pub lanes: Vec<Lane>,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "the form that serde asks for")]
+fn is_level(slope: &f64) -> bool {
+    *slope == 0.0
 }
 
 /// A straight reference line.
@@ -71,6 +79,7 @@ impl Road {
             id: "0".to_owned(),
             length_m: None,
             straight: Some(straight),
+            steepest_slope: 0.0,
             lanes: ids.map(lane).collect(),
         }
     }
@@ -140,7 +149,7 @@ impl Reader<'_> {
     fn road(&self, road: &Element) -> Result<Road, ReadError> {
         let length_m = self.number(road, "length")?;
         let straight = self.line(road, length_m)?;
-        self.level(road)?;
+        let steepest_slope = self.steepest_slope(road, length_m)?;
         let lanes = road.child("lanes");
         let Some(lanes) = lanes else {
             return Err(self.element(road, "OpenDRIVE", "has no lanes", "`lanes`"));
@@ -173,7 +182,7 @@ impl Reader<'_> {
         }
         read.sort_by(|a, b| a.center_m.total_cmp(&b.center_m));
         let id = road.attribute("id").unwrap_or_default().to_owned();
-        Ok(Road { id, length_m: Some(length_m), straight, lanes: read })
+        Ok(Road { id, length_m: Some(length_m), straight, steepest_slope, lanes: read })
     }
 
     /// The lanes of one side, from the reference line outwards.
@@ -236,18 +245,27 @@ impl Reader<'_> {
         Ok(straight.then_some(start))
     }
 
-    /// A road with grades is refused: cars know none.
-    fn level(&self, road: &Element) -> Result<(), ReadError> {
-        let Some(profile) = road.child("elevationProfile") else { return Ok(()) };
-        for piece in &profile.children {
-            for slope in ["b", "c", "d"] {
-                if self.number(piece, slope)? != 0.0 {
-                    let expected = "a level road";
-                    return Err(self.element(piece, "elevationProfile", "has a grade", expected));
-                }
+    /// The largest slope of the pieces of the elevation, up or down: `b + 2 c x + 3 d x²`.
+    fn steepest_slope(&self, road: &Element, length_m: f64) -> Result<f64, ReadError> {
+        let Some(profile) = road.child("elevationProfile") else { return Ok(0.0) };
+        let pieces: Vec<_> = profile.children.iter().filter(|e| e.name == "elevation").collect();
+        let mut steepest: f64 = 0.0;
+        for (i, piece) in pieces.iter().enumerate() {
+            let start_m = self.number(piece, "s")?;
+            let end_m = match pieces.get(i + 1) {
+                Some(next) => self.number(next, "s")?,
+                None => length_m,
+            };
+            let [b, c, d] =
+                [self.number(piece, "b")?, self.number(piece, "c")?, self.number(piece, "d")?];
+            let piece_m = (end_m - start_m).max(0.0);
+            // At the ends, and where the slope of a cubic turns.
+            let turn_m = if d == 0.0 { 0.0 } else { (-c / (3.0 * d)).clamp(0.0, piece_m) };
+            for x in [0.0, turn_m, piece_m] {
+                steepest = steepest.max((b + (2.0 * c + 3.0 * d * x) * x).abs());
             }
         }
-        Ok(())
+        Ok(steepest)
     }
 
     /// The value of a polynomial that must be constant.
@@ -333,6 +351,24 @@ mod tests {
     fn a_curved_road_is_unrolled_and_says_so() {
         let curved = STRAIGHT.replace("<line/>", "<arc curvature=\"0.001\"/>");
         assert_eq!(road(&curved).expect("its lanes are constant").straight, None);
+    }
+
+    #[test]
+    fn a_road_with_grades_is_read_with_its_steepest_slope() {
+        let with = |pieces: &str| {
+            let profile = format!("<elevationProfile>{pieces}</elevationProfile>\n<planView");
+            road(&STRAIGHT.replacen("<planView", &profile, 1)).expect("grades are read")
+        };
+        assert_eq!(with("").steepest_slope, 0.0);
+        let first = "<elevation s=\"0\" a=\"3\" b=\"0.01\" c=\"0\" d=\"0\"/>";
+        assert_eq!(with(first).steepest_slope, 0.01);
+        // At its end, 50 m on, the second one falls with 2 * 0.0004 * 50.
+        let second = "<elevation s=\"50\" a=\"3.5\" b=\"0\" c=\"-0.0004\" d=\"0\"/>";
+        assert!((with(&format!("{first}{second}")).steepest_slope - 0.04).abs() < 1e-12);
+        // 3 d x² + 2 c x is largest at x = -c / (3 d) = 25 m: c²/(3 d) = 0.03.
+        let hill = "<elevation s=\"0\" a=\"0\" b=\"0\" c=\"0.0012\" d=\"-0.000016\"/>";
+        let far = "<elevation s=\"60\" a=\"0\" b=\"0\" c=\"0\" d=\"0\"/>";
+        assert!((with(&format!("{hill}{far}")).steepest_slope - 0.03).abs() < 1e-12);
     }
 
     #[test]

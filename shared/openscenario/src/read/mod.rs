@@ -181,6 +181,13 @@ impl<'a> Reader<'a> {
                 road.id
             ));
         }
+        if road.steepest_slope > 0.0 {
+            self.notice(format!(
+                "road `{}` has grades of up to {:.1} %: they have no effect",
+                road.id,
+                100.0 * road.steepest_slope
+            ));
+        }
         let script = Script {
             road,
             ego: self.ego,
