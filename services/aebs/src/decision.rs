@@ -27,14 +27,14 @@ const UNSEEN_S: f64 = 0.3;
 /// The ego is clear of a threat when, without brakes, it would come no nearer than the margin and this, m.
 const CLEAR_M: f64 = 0.5;
 /// A pass that leaves less than this behind it counts as a contact, m: as much as its end is uncertain.
-const PASS_MARGIN_M: f64 = 0.5;
+const PASS_MARGIN_M: f64 = 1.0;
 /// Below this speed the ego stands, m/s.
 const STANDSTILL_MPS: f64 = 0.05;
 /// Least probability of a contact to brake for, over the closing speed, m/s, linear in between: the milder
 /// the contact, the surer it has to be.
 const LIKELY: [(f64, f64); 3] = [(0.0, 0.65), (12.0, 0.35), (30.0, 0.2)];
 /// Braking is worth while if its expected loss is less than this share of that without.
-const BETTER: f64 = 0.5;
+const BETTER: f64 = 0.6;
 /// A contact of this probability is as good as certain: to make it milder is reason enough.
 const CERTAIN: f64 = 0.9;
 /// A contact of this probability is not to be feared yet: braking can begin later.
@@ -46,7 +46,7 @@ const NONE: f64 = 0.01;
 /// The loss of a contact at this speed difference is twice that of the lightest one, m/s.
 const SEVERE_MPS: f64 = 60.0;
 /// A rate of the filter's row stands for those around it, with this standard deviation, m/s.
-const RATE_SIGMA_MPS: f64 = 0.08;
+const RATE_SIGMA_MPS: f64 = 0.055;
 /// Lateral motion slower than this may be wandering within the lane, m/s.
 const WANDERING_MPS: f64 = 0.8;
 /// The slower it is, the sooner it ceases: rate of that at standstill, 1/s.
