@@ -11,6 +11,7 @@ pub(crate) mod arguments;
 mod conclusion;
 mod error;
 mod exposure;
+mod exposure_table;
 pub(crate) mod file;
 mod job;
 mod launcher_death;

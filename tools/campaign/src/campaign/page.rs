@@ -1,6 +1,7 @@
 //! The page of a campaign: what was required and found, how long detection and recovery took, and
 //! the runs to blame.
 
+use super::exposure_table;
 use super::print::found_text;
 use super::record::Record;
 use super::tally::Tally;
@@ -42,6 +43,7 @@ pub fn page(verdict: &Verdict, times: &Times) -> String {
         section("Requirements", &requirements(&verdict.requirements)),
         section("Detection and recovery", &pictures(times)),
         section("Runs", &combinations(verdict)),
+        exposure_table::section(&verdict.exposure),
         failures(verdict),
     ]
     .concat();
@@ -53,6 +55,11 @@ fn figures(all: &Tally) -> Vec<Tile> {
     let count = |label, count: u64| Tile { label, value: count.to_string(), note: String::new() };
     let mut tiles = vec![
         count("Runs", all.runs),
+        Tile {
+            label: "Faults in critical phases",
+            value: all.critical_faults.to_string(),
+            note: format!("of {}", all.faults_struck),
+        },
         count("Processes killed", all.kills),
         count("Collisions", all.collisions),
         count("Emergency brakings", all.interventions),

@@ -1,5 +1,6 @@
 //! A verdict as text, and the runs as CSV.
 
+use super::exposure_table;
 use super::record::Record;
 use super::tally::Tally;
 use super::verdict::Verdict;
@@ -68,7 +69,7 @@ pub fn verdict(verdict: &Verdict) -> String {
         ]));
     }
     text.push_str(&rows_of_text.text());
-    text + &totals(verdict) + &requirements(verdict)
+    text + &totals(verdict) + &exposure_table::text(&verdict.exposure) + &requirements(verdict)
 }
 
 fn times(times: Option<Percentiles>) -> String {
@@ -107,26 +108,6 @@ fn totals(verdict: &Verdict) -> String {
         let (struck, critical) = (all.faults_struck, all.critical_faults);
         let phases = if phases.is_empty() { "none".into() } else { phases.join(", ") };
         line("faults", format!("{struck} struck, {critical} in critical phases: {phases}"));
-    }
-    for met in &verdict.exposure {
-        let ttc = met.min_ttc_s.map_or_else(|| "none".into(), |ttc| format!("{ttc:.1} s"));
-        line(
-            "drives meet",
-            format!(
-                "{} {}: braking {:.1} m/s², least TTC {ttc}, {} lights on red, {} on yellow, \
-                 {} standstills, {:.0} s, {} cut-ins, {:.0} s, critical {:.0} %",
-                met.scenario,
-                met.controller,
-                met.hardest_braking_mps2,
-                met.reds_met,
-                met.yellows_met,
-                met.standstills,
-                met.standstill_s,
-                met.cut_ins,
-                met.cut_in_s,
-                100.0 * met.critical_share,
-            ),
-        );
     }
     if all.kills > 0 {
         let (double, starting) = (all.double_kills, all.starting_kills);
