@@ -56,7 +56,14 @@ pub fn governor(governors: &[(usize, String)]) -> Finding {
     }
 }
 
+/// What holds the idle states off while it runs: a file whose reader asks for a latency of 0 µs.
+const HOLD_IDLE_STATES_OFF: &str = "sudo sh -c 'exec 3>/dev/cpu_dma_latency; printf \"\\0\\0\\0\\0\" >&3; \
+                                    exec sleep infinity' &";
+
 /// The deepest idle state that a core may fall into.
+///
+/// A virtual core that halts is given back to the host: its state's own latency is that of leaving it, not of
+/// being scheduled again.
 pub fn idle_states(states: &[IdleState]) -> Finding {
     const CHECK: &str = "idle states";
     let enabled = states.iter().filter(|state| !state.disabled);
@@ -64,6 +71,11 @@ pub fn idle_states(states: &[IdleState]) -> Finding {
         return Finding::ok(CHECK, "none: this system does not choose them");
     };
     let found = format!("down to {}, left in {} µs", deepest.name, deepest.latency_us);
+    if deepest.name.starts_with("haltpoll") {
+        let costs =
+            "an idle core is given back to the host, and a wake-up on it waits for the host";
+        return Finding::warn(CHECK, found, costs, Some(HOLD_IDLE_STATES_OFF.into()));
+    }
     if deepest.latency_us < DEEP_US {
         return Finding::ok(CHECK, found);
     }
@@ -198,6 +210,15 @@ mod tests {
         assert_eq!(idle_states(&states).verdict, Verdict::Ok);
         assert_eq!(isolation(&[0, 1, 2, 3], Some("2-3\n")).verdict, Verdict::Ok);
         assert_eq!(kernel("6.12-rt", true).verdict, Verdict::Ok);
+    }
+
+    #[test]
+    fn a_virtual_core_that_halts() {
+        let states = [state(0, "POLL", 0, false), state(1, "haltpoll idle", 1, false)];
+        let fix = idle_states(&states).fix.expect("a way to hold it off");
+        assert!(fix.contains(r#"printf "\0\0\0\0" >&3"#), "{fix}");
+        let states = [state(0, "POLL", 0, false), state(1, "haltpoll idle", 1, true)];
+        assert_eq!(idle_states(&states).verdict, Verdict::Ok);
     }
 
     #[test]
