@@ -103,8 +103,9 @@ impl Objects {
             self.list.clear();
         }
         for index in 0..self.list.len() {
-            let object = self.list[index];
-            self.list[index].is_behind = self.list.iter().any(|nearer| object.is_hidden_by(nearer));
+            let object = &self.list[index];
+            let is_behind = self.list.iter().any(|nearer| object.is_hidden_by(nearer));
+            self.list[index].is_behind = is_behind;
         }
         for object in &mut self.list {
             object.move_on(period_s, ego_mps);

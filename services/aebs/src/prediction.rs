@@ -10,6 +10,11 @@ const STEP_S: f64 = 0.02;
 /// Longest prediction, s: a car at 70 m/s with 0.85 g stands before.
 const LONGEST_S: f64 = 10.0;
 
+/// After so many steps it is asked whether the ego can come near at all.
+const STEPS_TO_LOOK: u32 = 16;
+/// What is farther than this is far, whatever the rounding errors of a prediction, m.
+const SURELY_M: f64 = 1e-3;
+
 /// What the vehicle's emergency brakes give.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Authority {
@@ -87,6 +92,18 @@ impl Authority {
     /// When the ego is beside `threat`, or nearer behind it than `clear_m`; `None`: never, or it has passed.
     #[must_use]
     pub fn beside(&self, ego: &Ego, threat: &Threat, plan: Plan, clear_m: f64) -> Option<Beside> {
+        self.predict(ego, threat, plan, clear_m, true)
+    }
+
+    /// The same; what surely stays far is carried on to the end unless the prediction `looks_ahead`.
+    fn predict(
+        &self,
+        ego: &Ego,
+        threat: &Threat,
+        plan: Plan,
+        clear_m: f64,
+        looks_ahead: bool,
+    ) -> Option<Beside> {
         let begins_s = match plan {
             Plan::Keep | Plan::Release => f64::INFINITY,
             Plan::Brake(wait_s) => wait_s + self.dead_time_s,
@@ -98,7 +115,7 @@ impl Authority {
             Plan::Keep | Plan::Brake(_) | Plan::BrakeOn => ego.acceleration_mps2,
         };
         let mut beside: Option<Beside> = None;
-        let mut time_s = 0.0;
+        let (mut time_s, mut steps) = (0.0, 0_u32);
         while time_s < LONGEST_S {
             let closing = speed - other;
             if gap_m < clear_m && gap_m > -threat.passed_m {
@@ -118,6 +135,16 @@ impl Authority {
             let settled = closing <= 0.0 && threat.acceleration_mps2 >= acceleration.min(0.0);
             if settled && gap_m >= clear_m {
                 break;
+            }
+            if looks_ahead && steps.is_multiple_of(STEPS_TO_LOOK) && beside.is_none() {
+                // No plan lets the ego accelerate more than it does now. So the gap is at no time less than the
+                // present one and this bound of the last one.
+                let growth = acceleration.max(0.0) - threat.acceleration_mps2.min(0.0);
+                let left_s = LONGEST_S + STEP_S - time_s;
+                let closed_m = (closing.max(-other) + 0.5 * growth * left_s) * left_s;
+                if gap_m - closed_m.max(0.0) > clear_m + SURELY_M {
+                    break;
+                }
             }
             let before = acceleration;
             let braked_s = (time_s + STEP_S - begins_s).min(STEP_S);
@@ -147,6 +174,7 @@ impl Authority {
             gap_m += 0.5 * STEP_S * (other + next_other - speed - next);
             (speed, other) = (next, next_other);
             time_s += STEP_S;
+            steps += 1;
         }
         beside
     }
@@ -213,6 +241,19 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn what_surely_stays_far_is_the_same_with_the_whole_prediction(
+            gap in 0.5..80.0_f64, v in 0.0..40.0_f64, closing in -5.0..15.0_f64,
+            a in -6.0..3.0_f64, other_a in -8.0..3.0_f64, clear in 0.0..3.0_f64, plan in 0..4,
+        ) {
+            let ego = Ego { speed_mps: v, acceleration_mps2: a };
+            let threat = Threat { acceleration_mps2: other_a, ..threat(gap, v - closing) };
+            let plans = [Plan::Keep, Plan::Release, Plan::Brake(0.5), Plan::BrakeOn];
+            let predict =
+                |looks| BRAKES.predict(&ego, &threat, plans[plan as usize], clear, looks);
+            prop_assert_eq!(predict(true), predict(false));
+        }
+
         #[test]
         fn braking_later_never_comes_later_to_the_contact(
             gap in 1.0..120.0_f64, v in 1.0..40.0_f64, other in 0.0..40.0_f64,
