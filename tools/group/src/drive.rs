@@ -1,6 +1,6 @@
 //! A drive, sample by sample.
 
-use messages::{PhaseState, VehicleTruth};
+use messages::{EgoTruth, PhaseState, VehicleTruth};
 use runtime::report::ReceivedTopic;
 use runtime::statistics::Percentiles;
 
@@ -54,6 +54,40 @@ pub struct DriveStep {
     pub figures: Option<[f64; messages::FIGURES]>,
     /// What a truck's engine and gearbox do.
     pub powertrain: Option<PowertrainStep>,
+}
+
+impl DriveStep {
+    /// What the ego's true motion says, and nothing of other topics.
+    #[must_use]
+    pub fn of(ego: &EgoTruth) -> Self {
+        Self {
+            step: ego.header.step,
+            time_s: ego.header.acquisition_ns as f64 / 1e9,
+            position_m: ego.position_m,
+            speed_mps: ego.speed_mps,
+            acceleration_mps2: ego.acceleration_mps2,
+            applied_mps2: ego.request_mps2,
+            time_to_collision_s: ego.time_to_collision_s,
+            stop_line_m: ego.stop_line_m,
+            signal: (ego.signal_state != 0).then(|| PhaseState::from_wire(ego.signal_state)),
+            cut_in: ego.cut_in != 0,
+            ..Self::default()
+        }
+    }
+
+    /// What faults may wait for.
+    #[must_use]
+    pub fn meets(&self) -> messages::Drive {
+        let red = self.signal == Some(PhaseState::StopAndRemain);
+        messages::Drive {
+            position_m: self.position_m,
+            speed_mps: self.speed_mps,
+            acceleration_mps2: self.acceleration_mps2,
+            time_to_collision_s: self.time_to_collision_s,
+            red_line_m: if red { self.stop_line_m } else { f64::INFINITY },
+            cut_in: self.cut_in,
+        }
+    }
 }
 
 /// A truck's engine and gearbox at one step.

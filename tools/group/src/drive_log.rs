@@ -3,9 +3,10 @@
 use crate::cycles::CycleHistory;
 use crate::drive::{Drive, DriveStep, PowertrainStep};
 use crate::kept_steps::{KeptSteps, MOST_IN_REALTIME};
+use bytemuck::Zeroable;
 use messages::Service;
 use messages::{
-    Brake, Command, Diagnostics, EgoTruth, Header, Heartbeat, PhaseState, Powertrain, RadarTracks,
+    Brake, Command, Diagnostics, EgoTruth, Header, Heartbeat, Powertrain, RadarTracks,
     ServiceState, SignalTruth, Spat, VehicleTruth,
 };
 use runtime::report::ControlFigures;
@@ -28,7 +29,7 @@ pub struct DriveLog {
     /// Heard in realtime alone, for the first messages of restarted services.
     others: Option<Others>,
     observer: Observer,
-    egos: Vec<EgoTruth>,
+    steps: Vec<DriveStep>,
     powertrains: Vec<(u64, PowertrainStep)>,
     truths: Vec<VehicleTruth>,
     requests: Vec<(u64, f64)>,
@@ -112,7 +113,7 @@ impl DriveLog {
                 Mode::Lockstep => None,
             },
             observer,
-            egos: Vec::with_capacity(room(Service::Plant)),
+            steps: Vec::with_capacity(room(Service::Plant)),
             powertrains: Vec::new(),
             truths: Vec::with_capacity(room(Service::PerceptionSim)),
             requests: Vec::with_capacity(room(Service::Controller)),
@@ -128,18 +129,18 @@ impl DriveLog {
             first_messages: Vec::new(),
         };
         if this.supervised {
-            touch(&mut this.egos);
-            touch(&mut this.truths);
-            touch(&mut this.cycles);
+            touch(&mut this.steps, DriveStep::default());
+            touch(&mut this.truths, VehicleTruth::zeroed());
+            touch(&mut this.cycles, Diagnostics::zeroed());
         }
         Ok(this)
     }
 
     /// Thins out what was heard of a long drive.
     fn bound(&mut self) {
-        while self.kept.thin_out(self.egos.len()) {
+        while self.kept.thin_out(self.steps.len()) {
             let kept = self.kept;
-            self.egos.retain(|message| kept.has(message.header.step));
+            self.steps.retain(|step| kept.has(step.step));
             self.truths.retain(|message| kept.has(message.header.step));
             self.powertrains.retain(|(step, _)| kept.has(*step));
             self.requests.retain(|(step, _)| kept.has(*step));
@@ -163,10 +164,10 @@ impl DriveLog {
         self.ego.drain(|m| {
             note(Service::Plant, &m.header);
             // The newest is needed as it is; it takes the place of one that is not to be kept.
-            if self.egos.last().is_some_and(|last| !is_kept(&last.header)) {
-                self.egos.pop();
+            if self.steps.last().is_some_and(|last| !kept.has(last.step)) {
+                self.steps.pop();
             }
-            self.egos.push(*m);
+            self.steps.push(DriveStep::of(m));
         })?;
         self.powertrain.drain(|m| {
             let step = PowertrainStep {
@@ -239,7 +240,7 @@ impl DriveLog {
 
     /// What the ego does and meets.
     pub fn ego(&self) -> Option<messages::Drive> {
-        self.egos.last().map(messages::Drive::of)
+        self.steps.last().map(DriveStep::meets)
     }
 
     /// Removes what a dead process left on the topics, so that no sender waits for it.
@@ -247,18 +248,18 @@ impl DriveLog {
         self.observer.remove_dead();
     }
 
-    /// What was heard so far: motion of the ego, the other vehicles, control cycles. Of a long run
-    /// they are thinned out, so that a place in them does not stay the same step's.
-    pub fn heard(&self) -> (&[EgoTruth], &[VehicleTruth], &[Diagnostics]) {
-        (&self.egos, &self.truths, &self.cycles)
+    /// What was heard so far: motion of the ego without what other topics say of it, the other vehicles,
+    /// control cycles. Of a long run they are thinned out, so that a place in them does not stay the same step's.
+    pub fn heard(&self) -> (&[DriveStep], &[VehicleTruth], &[Diagnostics]) {
+        (&self.steps, &self.truths, &self.cycles)
     }
 
     /// Figures of the drive as far as it was heard: gap and acceleration.
     pub fn figures(&self) -> ControlFigures {
-        let accelerations = || self.egos.iter().map(|ego| ego.acceleration_mps2);
+        let accelerations = || self.steps.iter().map(|step| step.acceleration_mps2);
         let mut truths = self.truths.iter().peekable();
-        let gaps = self.egos.iter().filter_map(|ego| {
-            let truth = take_step(&mut truths, ego.header.step, |truth| truth.header.step)?;
+        let gaps = self.steps.iter().filter_map(|ego| {
+            let truth = take_step(&mut truths, ego.step, |truth| truth.header.step)?;
             truth.nearest_ahead(ego.position_m).map(|(gap_m, _)| gap_m)
         });
         ControlFigures {
@@ -271,7 +272,7 @@ impl DriveLog {
 
     /// Run time that the vehicle was last heard of, s.
     pub fn reached_s(&self) -> f64 {
-        self.egos.last().map_or(0.0, |ego| ego.header.acquisition_ns as f64 / 1e9)
+        self.steps.last().map_or(0.0, |step| step.time_s)
     }
 
     /// Commands that were published after the deadline of their cycle.
@@ -286,7 +287,7 @@ impl DriveLog {
 
     /// Newest step that the vehicle was heard of.
     pub fn reached(&self) -> u64 {
-        self.egos.last().map_or(0, |ego| ego.header.step)
+        self.steps.last().map_or(0, |step| step.step)
     }
 
     /// Takes the rest and joins the topics by step.
@@ -307,40 +308,27 @@ impl DriveLog {
         let mut truths = self.truths.iter().peekable();
         let mut requests = self.requests.iter().peekable();
         let mut cycles = self.cycles.iter().peekable();
-        let steps = self.egos.iter().map(|ego| {
-            let step = ego.header.step;
+        for ego in &mut self.steps {
+            let step = ego.step;
             let truth = take_step(&mut truths, step, |truth| truth.header.step);
             let lead = truth.and_then(|truth| truth.nearest_ahead(ego.position_m));
             let cycle = take_step(&mut cycles, step, |cycle| cycle.header.step);
-            DriveStep {
-                step,
-                time_s: ego.header.acquisition_ns as f64 / 1e9,
-                position_m: ego.position_m,
-                speed_mps: ego.speed_mps,
-                acceleration_mps2: ego.acceleration_mps2,
-                applied_mps2: ego.request_mps2,
-                time_to_collision_s: ego.time_to_collision_s,
-                stop_line_m: ego.stop_line_m,
-                signal: (ego.signal_state != 0).then(|| PhaseState::from_wire(ego.signal_state)),
-                cut_in: ego.cut_in != 0,
-                request_mps2: take_step(&mut requests, step, |request| request.0).map(|r| r.1),
-                gap_m: lead.map(|(gap_m, _)| gap_m),
-                lead_speed_mps: lead.map(|(_, speed_mps)| speed_mps),
-                mode: cycle.map(|cycle| cycle.mode),
-                quality: cycle.map(|cycle| cycle.quality),
-                figures: cycle.map(|cycle| cycle.figures),
-                powertrain: take_step(&mut powertrains, step, |p| p.0).map(|p| p.1),
-            }
-        });
-        let steps = steps.collect();
+            ego.request_mps2 = take_step(&mut requests, step, |request| request.0).map(|r| r.1);
+            ego.gap_m = lead.map(|(gap_m, _)| gap_m);
+            ego.lead_speed_mps = lead.map(|(_, speed_mps)| speed_mps);
+            ego.mode = cycle.map(|cycle| cycle.mode);
+            ego.quality = cycle.map(|cycle| cycle.quality);
+            ego.figures = cycle.map(|cycle| cycle.figures);
+            ego.powertrain = take_step(&mut powertrains, step, |p| p.0).map(|p| p.1);
+        }
         let signal_age_us = self.signal_ages.percentiles_us();
-        Ok(Drive { steps, vehicles: self.truths, received, signal_age_us })
+        Ok(Drive { steps: self.steps, vehicles: self.truths, received, signal_age_us })
     }
 }
 
 /// Writes to all the room that was made, so that the pages are there from the start.
-fn touch<T: Copy + bytemuck::Zeroable>(room: &mut Vec<T>) {
-    room.resize(room.capacity(), T::zeroed());
+fn touch<T: Copy>(room: &mut Vec<T>, anything: T) {
+    room.resize(room.capacity(), anything);
     std::hint::black_box(room.as_mut_slice());
     room.clear();
 }

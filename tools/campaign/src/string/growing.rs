@@ -140,8 +140,7 @@ impl<'a> Giver<'a> {
     pub fn watch(&mut self, moment: &Moment<'_>) {
         let (steps, _, _) = moment.drive.heard();
         while let Some(step) = steps.get(self.next) {
-            let time_s = step.header.acquisition_ns as f64 / 1e9;
-            self.portion.push(motion::point(time_s, step.speed_mps));
+            self.portion.push(motion::point(step.time_s, step.speed_mps));
             self.next += self.stride;
         }
         if self.portion.len() >= PORTION {

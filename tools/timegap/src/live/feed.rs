@@ -139,7 +139,7 @@ impl LiveFeed {
     }
 
     fn frame(&mut self, moment: &Moment<'_>) -> Frame {
-        let (odometries, truths, cycles) = moment.drive.heard();
+        let (steps, truths, cycles) = moment.drive.heard();
         let first_cycle = cycles.partition_point(|message| {
             self.cycle_step.is_some_and(|last| message.header.step <= last)
         });
@@ -149,15 +149,15 @@ impl LiveFeed {
             self.level = Level::from_wire(cycle.rung).unwrap_or(self.level);
         }
         let after = |step: u64| self.step.is_some_and(|last| step <= last);
-        let first = odometries.partition_point(|message| after(message.header.step));
+        let first = steps.partition_point(|ego| after(ego.step));
         let first_truth = truths.partition_point(|message| {
             self.truth_step.is_some_and(|last| message.header.step <= last)
         });
         let mut truths = truths[first_truth..].iter().peekable();
         let mut requests = cycles[first_cycle..].iter().peekable();
         let mut points = Vec::new();
-        for odometry in &odometries[first..] {
-            let step = odometry.header.step;
+        for ego in &steps[first..] {
+            let step = ego.step;
             while let Some(cycle) = requests.next_if(|cycle| cycle.header.step <= step) {
                 self.last.request_mps2 = Some(cycle.request_mps2);
             }
@@ -166,20 +166,20 @@ impl LiveFeed {
             while let Some(truth) = truths.next_if(|truth| truth.header.step <= step) {
                 self.truth_step = Some(truth.header.step);
                 fresh = true;
-                let ahead = truth.nearest_ahead(odometry.position_m);
+                let ahead = truth.nearest_ahead(ego.position_m);
                 self.last.gap_m = ahead.map(|(gap_m, _)| gap_m);
                 self.last.lead_speed_mps = ahead.map(|(_, speed_mps)| speed_mps);
             }
-            self.last.t_s = odometry.header.acquisition_ns as f64 / 1e9;
-            self.last.speed_mps = odometry.speed_mps;
-            self.last.acceleration_mps2 = odometry.acceleration_mps2;
+            self.last.t_s = ego.time_s;
+            self.last.speed_mps = ego.speed_mps;
+            self.last.acceleration_mps2 = ego.acceleration_mps2;
             if fresh {
                 points.push(self.last);
             }
         }
         let stride = points.len().div_ceil(MAX_POINTS).max(1);
         let points = points.into_iter().step_by(stride).collect();
-        self.step = odometries.last().map(|message| message.header.step).or(self.step);
+        self.step = steps.last().map(|ego| ego.step).or(self.step);
         self.cycle_step = cycles.last().map(|message| message.header.step).or(self.cycle_step);
         let events = moment.faults[self.faults..].iter().map(event).collect();
         self.faults = moment.faults.len();
