@@ -162,11 +162,13 @@ impl Layout {
     ///
     /// # Panics
     /// If `message` is shorter than the struct.
+    #[inline]
     #[must_use]
     pub fn bytes_in_use(&self, message: &[u8]) -> usize {
-        if self.bytes <= SMALL_BYTES {
-            return self.bytes;
-        }
+        if self.bytes <= SMALL_BYTES { self.bytes } else { self.bytes_that_count(message) }
+    }
+
+    fn bytes_that_count(&self, message: &[u8]) -> usize {
         let [.., Field { name: "count", offset, .. }, array] = self.fields else {
             return self.bytes;
         };

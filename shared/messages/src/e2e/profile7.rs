@@ -52,6 +52,7 @@ pub enum Corrupted {
 
 /// The protected part of a message of which `in_use` bytes are in use: these, or all of it where the message says so
 /// (recordings of versions that protected every byte).
+#[inline]
 #[must_use]
 pub fn protected(message: &[u8], in_use: usize) -> &[u8] {
     let says_all = message.get(8..12).is_some_and(|length| {
@@ -78,6 +79,7 @@ pub fn protect(message: &mut [u8], data_id: u32, counter: u32) {
 ///
 /// # Panics
 /// As [`protect`].
+#[inline]
 pub fn mark(message: &mut [u8], data_id: u32, counter: u32) {
     let length = u32::try_from(message.len()).expect("messages are short");
     message[8..12].copy_from_slice(&length.to_be_bytes());
@@ -113,6 +115,7 @@ pub fn check(message: &[u8], data_id: u32) -> Result<u32, Corrupted> {
 ///
 /// # Errors
 /// As [`check`], but for the CRC.
+#[inline]
 pub fn check_as_sent(message: &[u8], data_id: u32) -> Result<u32, Corrupted> {
     if message.len() < 20 {
         return Err(Corrupted::Length);

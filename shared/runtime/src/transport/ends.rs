@@ -57,20 +57,25 @@ pub trait Sender<T: Message>: Connect {
     }
 }
 
-/// A sending port, unique on this host.
+/// A sending port, unique on this host: the high and the low half of 128 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SenderId(pub(super) u128);
+pub struct SenderId(u64, u64);
 
 impl SenderId {
+    /// Port `id` of iceoryx2.
+    pub(super) fn of_port(id: u128) -> Self {
+        Self((id >> 64) as u64, id as u64)
+    }
+
     /// Port `number` of a member of a run in one process.
     pub(super) fn in_process(member: u32, number: u64) -> Self {
-        Self(u128::from(member) << 64 | u128::from(number))
+        Self(u64::from(member), number)
     }
 
     /// The process that made it: iceoryx2's ids are seconds, nanoseconds, process, counter. In one
     /// process, the member.
     pub(crate) fn pid(self) -> u32 {
-        (self.0 >> 64) as u32
+        self.0 as u32
     }
 }
 

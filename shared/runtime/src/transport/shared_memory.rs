@@ -97,7 +97,7 @@ impl<T: Message> Receiver<T> for iceoryx2::port::subscriber::Subscriber<Ipc, T, 
         let Some(sample) = Self::receive(self).map_err(TransportError::iceoryx2)? else {
             return Ok(None);
         };
-        let sender = SenderId(sample.origin().value());
+        let sender = SenderId::of_port(sample.origin().value());
         Ok(Some(Arrival { sender, copied_bytes: held.take_sample(sample) }))
     }
 }
@@ -192,7 +192,7 @@ impl SharedMemory {
             })
             .create()
             .map_err(refused(T::TOPIC))?;
-        if SenderId(port.id().value()).pid() != std::process::id() {
+        if SenderId::of_port(port.id().value()).pid() != std::process::id() {
             return Err(RuntimeError::Topic { topic: T::TOPIC, reason: TransportError::PortId });
         }
         Ok(Rc::new(port))
@@ -265,7 +265,7 @@ impl Listeners {
         if let Some((_, belongs)) = known.iter().flatten().find(|(id, _)| *id == port) {
             return *belongs;
         }
-        let belongs = self.members.is_in_group(SenderId(port).pid());
+        let belongs = self.members.is_in_group(SenderId::of_port(port).pid());
         known.rotate_left(1);
         known[REMEMBERED_LISTENERS - 1] = Some((port, belongs));
         belongs
