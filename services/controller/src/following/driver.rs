@@ -72,6 +72,7 @@ pub struct Obstacle {
 
 impl Driver {
     /// Acceleration with nothing ahead, m/s².
+    #[inline]
     #[must_use]
     pub fn free_mps2(&self, speed_mps: f64, desired_mps: f64) -> f64 {
         let (v, v0) = (speed_mps.max(0.0), desired_mps.max(0.1));
@@ -86,12 +87,25 @@ impl Driver {
     /// Acceleration behind `obstacle`, m/s².
     #[must_use]
     pub fn follow_mps2(&self, speed_mps: f64, desired_mps: f64, obstacle: &Obstacle) -> f64 {
+        let free = self.free_mps2(speed_mps, desired_mps);
+        self.follow_below_mps2(free, speed_mps, desired_mps, obstacle)
+    }
+
+    /// The same where [`Self::free_mps2`] at these speeds is known.
+    #[inline]
+    #[must_use]
+    pub fn follow_below_mps2(
+        &self,
+        free: f64,
+        speed_mps: f64,
+        desired_mps: f64,
+        obstacle: &Obstacle,
+    ) -> f64 {
         let (v, a) = (speed_mps.max(0.0), self.acceleration_mps2);
         let closing = v - obstacle.speed_mps;
         let braking = v * closing / (2.0 * (a * self.deceleration_mps2).sqrt());
         let desired = obstacle.standstill_m + (v * obstacle.headway_s + braking).max(0.0);
         let z = desired / obstacle.gap_m.max(0.1);
-        let free = self.free_mps2(v, desired_mps);
         let wanted = if v <= desired_mps {
             if z >= 1.0 {
                 a * (1.0 - z * z)

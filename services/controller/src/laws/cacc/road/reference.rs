@@ -126,7 +126,8 @@ impl SafeGapTable {
 
     fn at(&self, speed_mps: f64) -> f64 {
         let place = speed_mps.clamp(0.0, (SPEEDS - 2) as f64);
-        let (low, share) = (place as usize, place.fract());
+        let low = place as usize;
+        let share = place - low as f64;
         self.gap_m[low] + share * (self.gap_m[low + 1] - self.gap_m[low])
     }
 }
@@ -141,7 +142,8 @@ impl Scene<'_> {
     /// position.
     fn request(&self, k: usize, here: Motion, nearest: Gate) -> (f64, f64) {
         let v = here.speed_mps;
-        let mut request = self.driver.free_mps2(v, self.desired_mps);
+        let free = self.driver.free_mps2(v, self.desired_mps);
+        let mut request = free;
         if self.lead.present {
             let lead = Obstacle {
                 gap_m: self.lead.position_m[k] - here.position_m,
@@ -150,7 +152,7 @@ impl Scene<'_> {
                 headway_s: self.headway_at(v),
                 standstill_m: self.standstill_m,
             };
-            request = request.min(self.driver.follow_mps2(v, self.desired_mps, &lead));
+            request = free.min(self.driver.follow_below_mps2(free, v, self.desired_mps, &lead));
         }
         let time = self.now_s + k as f64 * self.lag.step_s;
         let mut ceiling = f64::INFINITY;
@@ -171,13 +173,14 @@ impl Scene<'_> {
                 },
             };
             ceiling = ceiling.min(line.at_m - self.origin_m - self.stop_margin_m);
-            request = request.min(self.before_line(v, distance, opens.map(|at| at - time)));
+            request = request.min(self.before_line(free, v, distance, opens.map(|at| at - time)));
         }
         (request, ceiling)
     }
 
-    /// Request in front of a closed line that opens in so many seconds.
-    fn before_line(&self, v: f64, distance: f64, opens_in_s: Option<f64>) -> f64 {
+    /// Request in front of a closed line that opens in so many seconds, at a speed at which the driver asks for
+    /// `free` on an open road.
+    fn before_line(&self, free: f64, v: f64, distance: f64, opens_in_s: Option<f64>) -> f64 {
         let line = Obstacle {
             gap_m: distance,
             speed_mps: 0.0,
@@ -185,7 +188,7 @@ impl Scene<'_> {
             headway_s: LINE_HEADWAY_S,
             standstill_m: self.stop_margin_m,
         };
-        let stop = self.driver.follow_mps2(v, self.desired_mps, &line);
+        let stop = self.driver.follow_below_mps2(free, v, self.desired_mps, &line);
         let Some(left) = opens_in_s else { return stop };
         let b = self.driver.deceleration_mps2;
         let wait = left + GLIDE_LAG_S;
