@@ -28,6 +28,15 @@ use scenario::Scenario;
 use scenario::v2x::Phase;
 use serde::{Deserialize, Serialize};
 
+/// In the place of a signal that there is not.
+const DARK: SignalTruth = SignalTruth {
+    id: 0,
+    stop_line_m: 0.0,
+    phase: Phase::Red,
+    ends_ns: None,
+    next_phase: Phase::Red,
+};
+
 /// Runs the plant in its group, to the end of the run or of its storyboard, or to the first violation.
 ///
 /// # Errors
@@ -60,6 +69,8 @@ struct Plant {
     command: Subscriber<Command>,
     vehicles: Subscriber<VehicleTruth>,
     signals: Subscriber<messages::SignalTruth>,
+    /// Room for the signals as the referee watches them.
+    shown: [SignalTruth; MAX_SIGNALS],
     braking: Option<Braking>,
     delivery: Delivery,
     timeliness: Timeliness,
@@ -160,6 +171,7 @@ impl Plant {
             command: runtime.subscriber()?,
             vehicles: runtime.subscriber()?,
             signals: runtime.subscriber()?,
+            shown: [DARK; MAX_SIGNALS],
             braking: Braking::open(runtime, scenario)?,
             delivery: Delivery::new(scenario),
             timeliness: Timeliness::new(
@@ -322,20 +334,13 @@ impl Plant {
 
     /// What the referee makes of the state at the release.
     fn judge(&mut self, release: &Release) -> Option<Violation> {
-        const DARK: SignalTruth = SignalTruth {
-            id: 0,
-            stop_line_m: 0.0,
-            phase: Phase::Red,
-            ends_ns: None,
-            next_phase: Phase::Red,
-        };
-        let mut signals = [DARK; MAX_SIGNALS];
-        let count = self.signals.newest().map_or(0, |newest| truth::signals(newest, &mut signals));
+        let newest = self.signals.newest();
+        let count = newest.map_or(0, |newest| truth::signals(newest, &mut self.shown));
         let state = self.ego.state();
         let ahead = (self.vehicles.newest())
             .and_then(|newest| self.surroundings.ahead(newest, state.position_m, release.time_s));
         let now_ns = release.scheduled_ns.unsigned_abs();
-        self.referee.observe(now_ns, &state, ahead.as_ref(), &signals[..count])
+        self.referee.observe(now_ns, &state, ahead.as_ref(), &self.shown[..count])
     }
 
     /// Whether the run ends because the ego is clear of all others.
