@@ -90,13 +90,17 @@ impl Struck {
                 (None, None) => record.t_s + PROCESS_FAULT_S,
             };
             let from = steps.partition_point(|step| step.time_s < record.t_s).saturating_sub(1);
-            let during = || steps[from..].iter().take_while(|step| step.time_s <= end_s);
-            let met: Vec<Phase> = Phase::ALL
-                .into_iter()
-                .filter(|phase| during().any(|step| phase.holds(step)))
-                .collect();
-            struck.critical += u64::from(!met.is_empty());
-            for phase in met {
+            let mut met = [false; Phase::ALL.len()];
+            for step in &steps[from..] {
+                if step.time_s > end_s {
+                    break;
+                }
+                for (phase, met) in Phase::ALL.iter().zip(&mut met) {
+                    *met |= phase.holds(step);
+                }
+            }
+            struck.critical += u64::from(met.contains(&true));
+            for (phase, _) in Phase::ALL.iter().zip(met).filter(|(_, met)| *met) {
                 *struck.phases.entry(phase.name().to_owned()).or_insert(0) += 1;
             }
         }
