@@ -18,6 +18,10 @@
 //! sides from the start of the step (He et al. 2024); a step that is longer than the plant's period
 //! is sampled along its straight lines, so that its ends are the paper's values whatever the period.
 //!
+//! While the emergency brake holds the vehicle's acceleration below a, the lag goes on by itself, without drive:
+//! when the brake lets go, what the controller commands acts again, and nothing of the brake is left. `paper-euler`,
+//! which has no emergency brake in its paper, puts the ceiling on the request.
+//!
 //! The vehicle never moves backwards: at standstill speed and (negative) acceleration are zero.
 
 use scenario::plant::{Integrator, Plant};
@@ -49,8 +53,9 @@ pub struct Vehicle {
 /// The integrator and what it keeps between samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 enum Motion {
-    /// `substeps` steps of `step_s` in a period; `decay` is e^(-h/tau).
-    Fine { substeps: u32, step_s: f64, decay: f64 },
+    /// `substeps` steps of `step_s` in a period; `decay` is e^(-h/tau). `lag_mps2` is the acceleration of
+    /// the lag, which is the vehicle's unless the emergency brake holds that below it.
+    Fine { substeps: u32, step_s: f64, decay: f64, lag_mps2: f64 },
     /// A step of `samples` periods, begun at `base`; `taken` of them are done, in which the request
     /// has the integral `request_integral` (m/s).
     PaperEuler { samples: u32, taken: u32, period_s: f64, base: State, request_integral: f64 },
@@ -71,7 +76,8 @@ impl Vehicle {
             Integrator::Fine => {
                 let step_s = 1e-3 * f64::from(step_ms);
                 let decay = libm::exp(-step_s / tau_s);
-                Motion::Fine { substeps: period_ms / step_ms, step_s, decay }
+                let lag_mps2 = state.acceleration_mps2;
+                Motion::Fine { substeps: period_ms / step_ms, step_s, decay, lag_mps2 }
             }
             Integrator::PaperEuler => Motion::PaperEuler {
                 samples: step_ms / period_ms,
@@ -103,18 +109,23 @@ impl Vehicle {
     pub fn step_below(&mut self, request_mps2: f64, ceiling_mps2: Option<f64>) {
         let ceiling = ceiling_mps2.map(|ceiling| ceiling.max(self.min_mps2));
         match &mut self.motion {
-            Motion::Fine { substeps, step_s, decay } => {
-                let (substeps, step_s, decay) = (*substeps, *step_s, *decay);
+            Motion::Fine { substeps, step_s, decay, lag_mps2 } => {
+                let (substeps, step_s, decay, mut lag_mps2) =
+                    (*substeps, *step_s, *decay, *lag_mps2);
                 for _ in 0..substeps {
                     let request = self.attainable(request_mps2, self.state.speed_mps);
-                    let free = exact_step(self.state, request, self.tau_s, step_s, decay);
+                    let unbraked = State { acceleration_mps2: lag_mps2, ..self.state };
+                    let free = exact_step(unbraked, request, self.tau_s, step_s, decay);
+                    lag_mps2 = free.acceleration_mps2;
                     self.state = match ceiling {
-                        Some(ceiling) if ceiling < free.acceleration_mps2 => {
+                        Some(ceiling) if ceiling < lag_mps2 => {
+                            lag_mps2 = lag_mps2.min(0.0);
                             braked_step(self.state, ceiling, step_s)
                         }
                         _ => free,
                     };
                 }
+                self.keep_lag(lag_mps2);
             }
             Motion::PaperEuler { base, .. } => {
                 let speed_mps = base.speed_mps;
@@ -128,6 +139,12 @@ impl Vehicle {
     #[must_use]
     pub fn state(&self) -> State {
         self.state
+    }
+
+    fn keep_lag(&mut self, mps2: f64) {
+        if let Motion::Fine { lag_mps2, .. } = &mut self.motion {
+            *lag_mps2 = mps2;
+        }
     }
 
     fn attainable(&self, request_mps2: f64, speed_mps: f64) -> f64 {
@@ -386,5 +403,24 @@ mod tests {
                 prop_assert!((-9.0 - 1e-9..=5.0 + 1e-9).contains(&after.acceleration_mps2));
             }
         }
+    }
+
+    #[test]
+    fn what_the_emergency_brake_does_is_over_when_it_lets_go() {
+        let initial_speed_mps = Speed::of(30.0);
+        let mut vehicle = Vehicle::new(&Plant { initial_speed_mps, ..Plant::default() });
+        for _ in 0..50 {
+            vehicle.step_below(1.0, Some(-8.0));
+        }
+        assert_eq!(vehicle.state().acceleration_mps2, -8.0);
+        vehicle.step(0.0);
+        assert_eq!(vehicle.state().acceleration_mps2, 0.0, "there was no drive under the brake");
+        // What the controller brakes with itself is still there.
+        for _ in 0..100 {
+            vehicle.step_below(-2.0, Some(-8.0));
+        }
+        vehicle.step(-2.0);
+        let State { speed_mps, acceleration_mps2, .. } = vehicle.state();
+        assert!(speed_mps > 10.0 && (-2.0..-1.0).contains(&acceleration_mps2));
     }
 }
