@@ -7,7 +7,7 @@ use super::detection_tracker::model_of;
 use super::lateral;
 use super::list::{Track, TrackList};
 use super::longitudinal::{Filter, Measured, Model, Step};
-use super::path::{Across, Membership, PathLimits, passed_s};
+use super::path::{Across, Approach, Membership, PathLimits};
 use crate::radar::object_list::{Measurement, Scan};
 use crate::radar::scene::Ego;
 
@@ -150,11 +150,11 @@ impl ObjectTracker {
             lateral_m: known.across.position_m(),
             speed_mps: known.across.speed_mps(),
             speed_sigma_mps: known.across.speed_sigma_mps(),
-            passed_s: passed_s(
-                known.along.estimate().gap_m,
-                known.along.estimate().relative_speed_mps,
-                ASSUMED_LENGTH_M,
-            ),
+            approach: Approach {
+                gap_m: known.along.estimate().gap_m,
+                relative_speed_mps: known.along.estimate().relative_speed_mps,
+                length_m: ASSUMED_LENGTH_M,
+            },
         };
         self.limits.observe(&mut known.membership, &across, step.dt_s());
         ObjectTrack { measurement, measured: true, unseen_s: 0.0, ..known }

@@ -4,8 +4,9 @@
 //! `confirm_s`, and leaves it when it is beyond `leave_half_width_m`: a vehicle on the line between
 //! two lanes does not flicker, and one noisy scan makes no target. A track also counts as within the
 //! entry limit when its lateral motion will take its body before the ego's in less than `predict_s`: a
-//! cut-in is recognised before the bodies overlap. One that the ego will have passed by then stays out: to
-//! brake for it would make the contact.
+//! cut-in is recognised before the bodies overlap. One that the ego will have passed by then stays out, and one
+//! that it will be beside by then even if it brakes as hard as a cruise control does: there braking only makes
+//! the time beside it longer.
 
 use scenario::perception::TargetSelection;
 
@@ -18,6 +19,10 @@ const BELIEVED_SIGMA: f64 = 2.0;
 
 /// Length that is assumed of the ego, m.
 const EGO_LENGTH_M: f64 = 4.5;
+/// Hardest braking of an adaptive cruise control, m/s² (ISO 15622).
+const HARDEST_MPS2: f64 = 5.0;
+/// Time until its braking acts: confirmation, control cycle and the actuator's lag, s.
+const LATE_S: f64 = 0.5;
 
 /// Limits of the path.
 #[derive(Clone, Copy, Debug)]
@@ -37,15 +42,42 @@ pub struct Across {
     pub speed_mps: f64,
     /// Standard deviation of the lateral speed, m/s.
     pub speed_sigma_mps: f64,
-    /// Time until the ego has passed it if both keep their speeds, s; infinite if it does not.
-    pub passed_s: f64,
+    /// How the ego comes nearer to it.
+    pub approach: Approach,
+}
+
+/// How the ego comes nearer to a track along the road.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Approach {
+    /// Bumper-to-bumper distance, m.
+    pub gap_m: f64,
+    /// Speed of the track minus the ego's, m/s.
+    pub relative_speed_mps: f64,
+    /// Length of the track, m.
+    pub length_m: f64,
 }
 
 impl Across {
     /// A position without a motion.
     #[must_use]
     pub fn resting(lateral_m: f64) -> Self {
-        Self { lateral_m, speed_mps: 0.0, speed_sigma_mps: 0.0, passed_s: f64::INFINITY }
+        let approach =
+            Approach { gap_m: f64::INFINITY, relative_speed_mps: 0.0, length_m: EGO_LENGTH_M };
+        Self { lateral_m, speed_mps: 0.0, speed_sigma_mps: 0.0, approach }
+    }
+}
+
+impl Approach {
+    /// Whether the ego has passed the track in `time_s` if both keep their speeds.
+    fn is_passed_in(&self, time_s: f64) -> bool {
+        self.gap_m + self.relative_speed_mps * time_s < -(self.length_m + EGO_LENGTH_M)
+    }
+
+    /// Whether the ego is not behind the track in `time_s` even if it brakes.
+    fn is_beside_in(&self, time_s: f64) -> bool {
+        let braked_s = (time_s - LATE_S).max(0.0);
+        let gained_m = 0.5 * HARDEST_MPS2 * braked_s * braked_s;
+        self.gap_m + self.relative_speed_mps * time_s + gained_m < 0.0
     }
 }
 
@@ -94,7 +126,7 @@ impl PathLimits {
         let inward_mps = -across.speed_mps * across.lateral_m.signum();
         inward_mps > LEAST_LATERAL_SPEED_MPS.max(BELIEVED_SIGMA * across.speed_sigma_mps)
             && across.lateral_m.abs() - inward_mps * self.predict_s < VEHICLE_WIDTH_M
-            && !passes_first(across, inward_mps)
+            && !braking_is_vain(across, inward_mps)
     }
 
     /// A track that was taken into the path for its motion goes on with it, if more slowly.
@@ -103,20 +135,16 @@ impl PathLimits {
         let reach_m = 2.0 * self.predict_s * inward_mps;
         inward_mps > 0.5 * LEAST_LATERAL_SPEED_MPS
             && across.lateral_m.abs() - reach_m < VEHICLE_WIDTH_M
-            && !passes_first(across, inward_mps)
+            && !braking_is_vain(across, inward_mps)
     }
 }
 
-/// The ego passes the track before its body comes before the ego's: to brake would make the contact.
-fn passes_first(across: &Across, inward_mps: f64) -> bool {
-    (across.lateral_m.abs() - VEHICLE_WIDTH_M) / inward_mps > across.passed_s
-}
-
-/// Time until an ego is past a track, s.
-#[must_use]
-pub fn passed_s(gap_m: f64, relative_speed_mps: f64, length_m: f64) -> f64 {
-    let way_m = gap_m + length_m + EGO_LENGTH_M;
-    if relative_speed_mps < 0.0 { way_m / -relative_speed_mps } else { f64::INFINITY }
+/// To brake is of no use: when the track's body comes before the ego's, the ego has passed it, or is beside it
+/// even if it brakes.
+fn braking_is_vain(across: &Across, inward_mps: f64) -> bool {
+    let comes_s = (across.lateral_m.abs() - VEHICLE_WIDTH_M) / inward_mps;
+    comes_s > 0.0
+        && (across.approach.is_passed_in(comes_s) || across.approach.is_beside_in(comes_s))
 }
 
 impl Membership {
@@ -190,20 +218,22 @@ mod tests {
     }
 
     #[test]
-    fn what_is_passed_before_it_comes_in_stays_out() {
-        let within = |gap_m: f64, lateral_m: f64| {
-            let passed_s = passed_s(gap_m, -10.0, 4.5);
-            let across = Across { lateral_m, speed_mps: -1.0, speed_sigma_mps: 0.1, passed_s };
+    fn what_braking_does_not_help_against_stays_out() {
+        let within = |gap_m: f64, relative_speed_mps: f64, lateral_m: f64| {
+            let approach = Approach { gap_m, relative_speed_mps, length_m: 4.5 };
+            let across = Across { lateral_m, speed_mps: -1.0, speed_sigma_mps: 0.1, approach };
             let mut membership = Membership::default();
             for _ in 0..2 {
                 limits().observe(&mut membership, &across, 0.05);
             }
             membership.in_path()
         };
-        // 0.9 m to the side take 0.9 s; from 1 m the pass takes 1 s, from behind the bumper less.
-        assert!(within(1.0, 2.7) && !within(-1.0, 2.7));
-        assert!(within(-1.0, 1.5), "it is in the way already");
-        assert_eq!(passed_s(20.0, 0.5, 4.5), f64::INFINITY, "it goes away");
+        // 0.9 m to the side take 0.9 s, in which the cruise control wins 0.4 m.
+        assert!(!within(-1.0, -10.0, 2.7), "it is passed by then");
+        assert!(!within(8.4, -10.0, 2.7), "the ego is beside it by then");
+        assert!(within(8.8, -10.0, 2.7), "the ego stays behind it if it brakes");
+        assert!(within(-1.0, -10.0, 1.5), "it is in the way already");
+        assert!(within(1.0, 0.5, 2.7), "it goes away");
     }
 
     #[test]

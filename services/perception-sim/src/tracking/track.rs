@@ -4,7 +4,7 @@ use super::abreast::Abreast;
 use super::association::{Outline, Point, WIDEST_M};
 use super::lateral;
 use super::longitudinal::{Filter, Measured, Model, Step};
-use super::path::{Across, Membership, passed_s};
+use super::path::{Across, Approach, Membership};
 
 /// Length and width of a vehicle of which nothing is known yet, m.
 const FIRST_LENGTH_M: f64 = 4.5;
@@ -334,11 +334,11 @@ impl DetectedTrack {
             lateral_m: self.across.position_m(),
             speed_mps: self.across.speed_mps(),
             speed_sigma_mps: self.across.speed_sigma_mps(),
-            passed_s: passed_s(
-                self.along.estimate().gap_m,
-                self.along.estimate().relative_speed_mps,
-                self.length_m,
-            ),
+            approach: Approach {
+                gap_m: self.along.estimate().gap_m,
+                relative_speed_mps: self.along.estimate().relative_speed_mps,
+                length_m: self.length_m,
+            },
         }
     }
 
