@@ -45,6 +45,7 @@ mod filter;
 mod formulation;
 mod gates;
 mod lead;
+mod own_lag;
 mod planner;
 mod program;
 mod reference;
@@ -56,6 +57,7 @@ use self::decision::{Choice, Situation, choose};
 use self::filter::{Filter, Rule};
 pub use self::formulation::FORMULATION;
 use self::formulation::reason_index;
+use self::own_lag::OwnLag;
 use self::planner::{Planner, Seen};
 use self::program::Deadline;
 use self::signals::{Line, SignalMemory};
@@ -92,6 +94,7 @@ struct State {
     signals: SignalMemory,
     chosen: Option<(u32, Choice)>,
     plan: PlanMemory,
+    own: OwnLag,
     /// What the plan in memory was made for.
     planned: Option<Choice>,
     mode: Option<u32>,
@@ -149,12 +152,15 @@ impl RoadLaw {
         let mut lines = [Line::default(); MAX_SIGNALS];
         let count = self.state.signals.lines().len();
         lines[..count].copy_from_slice(self.state.signals.lines());
+        let moves = Motion {
+            position_m: 0.0,
+            speed_mps: ego.speed_mps.clamp(0.0, NO_LIMIT_MPS),
+            acceleration_mps2: ego.acceleration_mps2.clamp(-15.0, 15.0),
+        };
+        let acceleration_mps2 = self.state.own.begin_mps2(moves.acceleration_mps2);
         Some(Seen {
-            ego: Motion {
-                position_m: 0.0,
-                speed_mps: ego.speed_mps.clamp(0.0, NO_LIMIT_MPS),
-                acceleration_mps2: ego.acceleration_mps2.clamp(-15.0, 15.0),
-            },
+            ego: moves,
+            begin: Motion { acceleration_mps2, ..moves },
             lead,
             lines,
             count,
@@ -203,7 +209,7 @@ impl RoadLaw {
             };
             let row = deadline.filter(|&stage| stage <= n).map(|stage| Deadline { stage, line_m });
             self.planner.candidate(Choice::Pass, input, seen, gate, row);
-            let arrival = self.planner.arrival(Choice::Pass, seen.ego, line_m);
+            let arrival = self.planner.arrival(Choice::Pass, seen.begin, line_m);
             reaches = match (deadline, arrival) {
                 (Some(stage), Some(arrival)) => arrival <= stage,
                 (Some(stage), None) => stage > n,
@@ -219,7 +225,7 @@ impl RoadLaw {
             let driver = &self.planner.candidate_of(Choice::Pass).reference;
             let in_time = |k| deadline.is_some_and(|stage| k <= stage);
             untouched = reaches && driver.reaches(line_m, n).is_some_and(in_time);
-            shortfall_m = self.planner.shortfall(seen.ego, line_m, deadline);
+            shortfall_m = self.planner.shortfall(seen.begin, line_m, deadline);
             output.figures[4] = shortfall_m;
         }
         let (mut pass_cost, mut stop_cost) = (0.0, f64::INFINITY);
@@ -232,8 +238,8 @@ impl RoadLaw {
                 .map_or(reference::Gate::Closed, |next| reference::Gate::ClosedUntil(next.from_s));
             self.planner.candidate(Choice::Stop, input, seen, gate, None);
             if green.is_some() {
-                pass_cost = self.planner.cost(Choice::Pass, seen.ego);
-                stop_cost = self.planner.cost(Choice::Stop, seen.ego);
+                pass_cost = self.planner.cost(Choice::Pass, seen.begin);
+                stop_cost = self.planner.cost(Choice::Stop, seen.begin);
                 output.figures[5] = pass_cost;
                 output.figures[6] = stop_cost;
             }
@@ -328,6 +334,8 @@ impl RoadLaw {
             }
         }
         output.plan_mps2[0] = safe;
+        let lag = Lag { tau_s: self.config.actuator_lag_s };
+        self.state.own.ask(safe, seen.ego.acceleration_mps2, lag, input.period_s);
         gates[..count].first().is_some_and(|gate| gate.rule == Rule::Stop)
     }
 }
@@ -379,6 +387,7 @@ impl State {
             signals: SignalMemory::default(),
             chosen: None,
             plan: PlanMemory::new(config.step_s),
+            own: OwnLag::default(),
             planned: None,
             mode: None,
             reason: 0,

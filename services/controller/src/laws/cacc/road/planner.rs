@@ -18,6 +18,8 @@ use crate::laws::cacc::paper::usable;
 /// The measured scene of one cycle.
 pub(super) struct Seen {
     pub(super) ego: Motion,
+    /// Where a plan begins: the ego, without what another system brakes.
+    pub(super) begin: Motion,
     pub(super) lead: Option<LeadNow>,
     pub(super) lines: [Line; MAX_SIGNALS],
     pub(super) count: usize,
@@ -121,7 +123,7 @@ impl Planner {
             lines: &seen.lines[..seen.count],
         };
         let candidate = if choice == Choice::Pass { pass } else { stop };
-        candidate.reference.roll_out(&scene, seen.ego, gate);
+        candidate.reference.roll_out(&scene, seen.begin, gate);
         let emergency =
             candidate.reference.hardest_mps2 > self.config.road.comfort_deceleration_mps2;
         let problem = if choice == Choice::Pass && !emergency {
