@@ -32,11 +32,16 @@ impl Case {
 
     /// How the case ends when `model` drives the ego from the distance that it keeps behind the lead;
     /// `None` if the model keeps none.
+    pub fn drive(&self, model: Model) -> Option<Verdict> {
+        let distance_m = model.following_distance_m(mps(self.speed_kmh))?;
+        Some(self.drive_from(model, distance_m))
+    }
+
+    /// How the case ends when `model` drives the ego from `distance_m` behind the lead.
     ///
     /// The model drives on until it sees the standing vehicle, or that the lead has hit it.
-    pub fn drive(&self, model: Model) -> Option<Verdict> {
+    pub fn drive_from(&self, model: Model, distance_m: f64) -> Verdict {
         let mut speed_mps = mps(self.speed_kmh);
-        let distance_m = model.following_distance_m(speed_mps)?;
         let mut ego = Travel::from_m(0.0);
         let mut lead = Lead::new(self, distance_m);
         let standing = Travel::from_m(
@@ -62,13 +67,13 @@ impl Case {
                 .contact_with(&ego)
                 .unwrap_or_else(|| contact(standing.gap_to_m(&ego), -VEHICLE_WIDTH_M));
             if outcome.is_collision() {
-                return Some(Verdict { outcome, impact_speed_mps: speed_mps });
+                return Verdict { outcome, impact_speed_mps: speed_mps };
             }
             if speed_mps == 0.0 {
                 break;
             }
         }
-        Some(Verdict::NONE)
+        Verdict::NONE
     }
 }
 

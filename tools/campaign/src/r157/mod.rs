@@ -2,6 +2,8 @@
 
 pub mod drive;
 pub mod judge;
+mod judged;
+mod limits;
 pub mod matrix;
 mod page;
 mod plan;
@@ -16,11 +18,12 @@ use std::process::ExitCode;
 
 use clap::Args;
 use group::{Error, Failure, GroupOptions};
+use judged::Judged;
 use matrix::{Case, Matrix};
 use plan::{Kept, Plan, first_scenario};
 use regulation::table;
 use report::output::{OutputDirectory, OutputOptions};
-use results::{Judged, MatrixResult, Results};
+use results::{MatrixResult, Results};
 use runtime::Mode;
 
 use crate::batch::{self, ProcessesSample, Repetition};
@@ -138,7 +141,7 @@ fn conclude(
     processes_sample: ProcessesSample,
     output: &OutputDirectory,
 ) -> Result<ExitCode, Error> {
-    let judged = plan.judged(&kept).expect("every run has its verdict");
+    let judged = plan.judged(&kept)?.expect("every run has its verdict");
     let matrices: Vec<MatrixResult> = judged.iter().map(Judged::result).collect();
     let ok = matrices.iter().all(MatrixResult::holds);
     let results = Results { schema_version: 1, ok, matrices, processes_sample };

@@ -6,9 +6,11 @@ use report::chart::{Axis, Cells, Edges, FilledCell, Stroke, Tone};
 use report::html::{Cell, Column, document, figure, section, table};
 
 use super::drive::Driver;
+use super::judged::{Driven, Judged};
+use super::limits::Limit;
 use super::matrix::Case;
 use super::print;
-use super::results::{Figures, Judged, Results};
+use super::results::{Figures, LawResult, Results};
 
 /// Half a step of the lateral speeds, m/s.
 const HALF_LATERAL_MPS: f64 = 0.05;
@@ -24,12 +26,10 @@ pub fn page(results: &Results, judged: &[Judged]) -> String {
     };
     let mut body = String::new();
     for matrix in &results.matrices {
-        if matrix.parts.is_empty() {
-            body += &section(matrix.matrix, &figures(&matrix.all));
-        }
         for (part, of_part) in matrix.parts.iter().rev() {
             body += &section(&format!("{}, {part}", matrix.matrix), &figures(of_part));
         }
+        body += &section(matrix.matrix, &figures(&matrix.all));
     }
     for judged in judged {
         body += &pictures(judged);
@@ -52,7 +52,7 @@ fn scope(judged: &[Judged]) -> String {
 }
 
 fn figures(figures: &Figures) -> String {
-    let head = [
+    let mut head = vec![
         ("driver", Column::Text),
         ("collisions", Column::Number),
         ("rear-end", Column::Number),
@@ -61,40 +61,56 @@ fn figures(figures: &Figures) -> String {
         ("impact, m/s", Column::MoreNumber),
         ("model's impact, m/s", Column::MoreNumber),
     ];
-    let dash = || Cell::Plain("–".into());
+    let from_its_gap = figures.laws.iter().any(|law| law.from_its_gap.is_some());
+    if from_its_gap {
+        head.push(("careful-driver from its gap", Column::Number));
+        head.push(("avoidable from it", Column::Number));
+    }
     let mut rows = Vec::new();
     for (model, collisions) in &figures.models {
-        rows.push(vec![
+        let mut row = vec![
             Cell::Plain((*model).to_owned()),
             Cell::Plain(print::number(*collisions)),
             Cell::Plain(print::number(figures.models_rear_end[model])),
-            dash(),
-            dash(),
-            dash(),
-            dash(),
-        ]);
+        ];
+        row.resize_with(head.len(), || Cell::Plain("–".into()));
+        rows.push(row);
     }
     for law in &figures.laws {
-        let avoidable = print::share(law.avoidable.both, figures.mastered_by_both);
-        rows.push(vec![
+        let judged = |limits: &[Limit], text: String| judged_cell(figures, law, limits, text);
+        let mut row = vec![
             Cell::Plain(print::driver(law)),
-            Cell::Plain(law.collisions.to_string()),
+            judged(&[Limit::NoCollision, Limit::ThirdOfRegulation], law.collisions.to_string()),
             Cell::Plain(law.rear_end.to_string()),
-            match (law.aebs, figures.holds(law)) {
-                (false, _) => Cell::Plain(avoidable),
-                (true, true) => Cell::Good(avoidable),
-                (true, false) => Cell::Bad(avoidable),
-            },
+            judged(
+                &[Limit::MasteredByBoth],
+                print::share(law.avoidable.both, figures.mastered_by_both),
+            ),
             Cell::Plain(print::number(law.avoidable.both_within_a_step)),
             Cell::Plain(print::speed(law.mean_impact_mps)),
             Cell::Plain(print::speed(law.model_impact_mps)),
-        ]);
+        ];
+        if let Some(model) = &law.from_its_gap {
+            row.push(Cell::Plain(model.collisions.to_string()));
+            let avoidable = print::share(model.avoidable, model.mastered);
+            row.push(judged(&[Limit::MasteredFromItsGap], avoidable));
+        }
+        rows.push(row);
     }
     let sizes = format!(
         "<p class=\"quiet\">{} cases, {} mastered by both models</p>",
         figures.cases, figures.mastered_by_both
     );
     sizes + &table(&head, &rows)
+}
+
+/// A figure, which is good or bad where one of the limits applies.
+fn judged_cell(figures: &Figures, law: &LawResult, limits: &[Limit], text: String) -> Cell {
+    match limits.iter().find_map(|limit| figures.holds_limit(law, *limit)) {
+        None => Cell::Plain(text),
+        Some(true) => Cell::Good(text),
+        Some(false) => Cell::Bad(text),
+    }
 }
 
 /// A section with the collision cells of each driver of the cut-ins; of `regulation` without a law.
@@ -128,7 +144,7 @@ fn pictures(judged: &Judged) -> String {
         return of("Collisions of regulation", outcomes.collect());
     }
     (judged.laws.iter())
-        .map(|(Driver { law, aebs }, verdicts)| {
+        .map(|Driven { driver: Driver { law, aebs }, verdicts, .. }| {
             let heading = format!(
                 "Collisions of {law}{}",
                 if *aebs { " with the emergency brake" } else { "" }

@@ -15,15 +15,15 @@ use std::collections::BTreeSet;
 use clap::ValueEnum;
 use controller::laws;
 use group::{Error, Failure, GroupOptions};
-use regulation::{Outcome, Verdict};
+use regulation::{Model, Outcome, Verdict};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 
 use super::R157Arguments;
 use super::drive::Driver;
 use super::judge;
+use super::judged::{Driven, Judged};
 use super::matrix::{self, Case, Matrix};
-use super::results::Judged;
 use super::scene;
 use super::settled::Settled;
 use crate::batch::laws::{LawsError, own_named};
@@ -160,23 +160,43 @@ impl Plan {
     }
 
     /// The models' verdicts and those of all drivers; none if a run is missing.
-    pub fn judged(&self, kept: &[Option<Kept>]) -> Option<Vec<Judged>> {
+    ///
+    /// # Errors
+    /// As [`Settled::gap_m`], for the gaps from which cut-outs are judged.
+    pub fn judged(&self, kept: &[Option<Kept>]) -> Result<Option<Vec<Judged>>, Error> {
         let mut first = 0;
         let mut all = Vec::new();
         for (matrix, cases) in &self.matrices {
             let mut judged = Judged::new(*matrix, cases.clone());
             for driver in &self.drivers {
-                let laws = self.laws.iter().position(|laws| laws.names.contains(&driver.law))?;
-                let begin = first + laws * cases.len();
+                let found = self.laws.iter().position(|laws| laws.names.contains(&driver.law));
+                let place = found.expect("every driver's law is one of the plan's");
+                let begin = first + place * cases.len();
                 let of_laws = kept[begin..begin + cases.len()].iter();
                 let verdicts = of_laws.map(|kept| kept.as_ref()?.end(driver.aebs));
                 let verdicts = verdicts.map(|end| end.map(End::verdict));
-                judged.laws.push((driver.clone(), verdicts.collect::<Option<_>>()?));
+                let Some(verdicts) = verdicts.collect() else { return Ok(None) };
+                let from_its_gap = self.from_its_gap(&self.laws[place], cases)?;
+                judged.laws.push(Driven { driver: driver.clone(), verdicts, from_its_gap });
             }
             first += cases.len() * self.laws.len();
             all.push(judged);
         }
-        Some(all)
+        Ok(Some(all))
+    }
+
+    /// How `careful-driver` ends cut-outs from the gap that a law keeps; `None` for other cases.
+    fn from_its_gap(&self, laws: &Laws, cases: &[Case]) -> Result<Option<Vec<Verdict>>, Error> {
+        let cut_outs = cases.iter().filter_map(|case| match case {
+            Case::CutOut(case) => Some(case),
+            Case::CutIn(_) | Case::Following(_) => None,
+        });
+        let verdicts = cut_outs.map(|case| {
+            let gap_m = self.settled.gap_m(&laws.names[0], case.speed_kmh)?;
+            Ok(case.drive_from(Model::CarefulDriver, gap_m))
+        });
+        let verdicts: Vec<Verdict> = verdicts.collect::<Result<_, Error>>()?;
+        Ok((!verdicts.is_empty()).then_some(verdicts))
     }
 }
 
@@ -407,14 +427,15 @@ mod tests {
         let group = arguments(&[]).group;
         let drive = |run| plan.drive(run, false, &group, &|| true).expect("it runs").0;
         let kept: Vec<_> = (0..plan.runs()).map(|run| Some(drive(run))).collect();
-        for judged in plan.judged(&kept).expect("none is missing") {
+        for judged in plan.judged(&kept).expect("it runs").expect("none is missing") {
             let drivers: Vec<_> =
-                judged.laws.iter().map(|(d, _)| (d.law.as_str(), d.aebs)).collect();
+                judged.laws.iter().map(|d| (d.driver.law.as_str(), d.driver.aebs)).collect();
             let laws = ["six-mode", "cacc-mpc", "acc-mpc"];
             let expected: Vec<_> =
                 laws.iter().flat_map(|&law| [(law, false), (law, true)]).collect();
             assert_eq!(drivers, expected);
-            for (driver, verdicts) in &judged.laws {
+            for Driven { driver, verdicts, from_its_gap } in &judged.laws {
+                assert_eq!(from_its_gap.is_some(), judged.matrix == Matrix::CutOut);
                 for (case, verdict) in judged.cases.iter().zip(verdicts) {
                     let scenario = scene::scenario(case, driver, &plan.settled).expect("a law");
                     let done = batch::lockstep(&scenario, &group, false, &|| true);
@@ -425,6 +446,6 @@ mod tests {
         }
         let mut missing = kept;
         missing[7] = None;
-        assert!(plan.judged(&missing).is_none());
+        assert!(plan.judged(&missing).expect("it runs").is_none());
     }
 }

@@ -8,24 +8,28 @@ use super::results::{Figures, LawResult, Results};
 pub fn text(results: &Results) -> String {
     let mut text = String::new();
     for matrix in &results.matrices {
-        if matrix.parts.is_empty() {
-            block(&mut text, matrix.matrix, &matrix.all);
-        }
-        // Low before high.
+        // Low before high, then both together.
         for (part, figures) in matrix.parts.iter().rev() {
             block(&mut text, &format!("{}, {part}", matrix.matrix), figures);
         }
+        block(&mut text, matrix.matrix, &matrix.all);
     }
     text
 }
 
 fn block(text: &mut String, name: &str, figures: &Figures) {
     let Figures { cases, mastered_by_both, .. } = figures;
-    writeln!(text, "{name}: {cases} cases, {mastered_by_both} mastered by both models")
-        .expect("a string takes all");
-    writeln!(
-        text,
-        "  {:<24} {:>10} {:>9} {:>18} {:>14} {:>12} {:>12}",
+    let mut line = |words: std::fmt::Arguments<'_>| {
+        text.write_fmt(words).expect("a string takes all");
+        text.push('\n');
+    };
+    line(format_args!("{name}: {cases} cases, {mastered_by_both} mastered by both models"));
+    let (mut from, mut avoidable) = ("", "");
+    if figures.laws.iter().any(|law| law.from_its_gap.is_some()) {
+        (from, avoidable) = (" careful-driver from its gap", " avoidable from it");
+    }
+    line(format_args!(
+        "  {:<24} {:>10} {:>9} {:>18} {:>14} {:>12} {:>12}{from}{avoidable}",
         "",
         "collisions",
         "rear-end",
@@ -33,18 +37,21 @@ fn block(text: &mut String, name: &str, figures: &Figures) {
         "within a step",
         "impact, m/s",
         "model's, m/s"
-    )
-    .expect("a string takes all");
+    ));
     for (model, collisions) in &figures.models {
         let rear_ends = figures.models_rear_end[model];
-        writeln!(text, "  {model:<24} {:>10} {:>9}", number(*collisions), number(rear_ends))
-            .expect("a string takes all");
+        let (collisions, rear_ends) = (number(*collisions), number(rear_ends));
+        line(format_args!("  {model:<24} {collisions:>10} {rear_ends:>9}"));
     }
     for law in &figures.laws {
+        let by_gap = law.from_its_gap.as_ref().map_or_else(String::new, |model| {
+            let share = share(model.avoidable, model.mastered);
+            let (wide, narrow) = (from.len(), avoidable.len());
+            format!("{:>wide$}{share:>narrow$}", model.collisions)
+        });
         let mark = if figures.holds(law) { "" } else { "  MISSED" };
-        writeln!(
-            text,
-            "  {:<24} {:>10} {:>9} {:>18} {:>14} {:>12} {:>12}{mark}",
+        line(format_args!(
+            "  {:<24} {:>10} {:>9} {:>18} {:>14} {:>12} {:>12}{by_gap}{mark}",
             driver(law),
             law.collisions,
             law.rear_end,
@@ -52,8 +59,7 @@ fn block(text: &mut String, name: &str, figures: &Figures) {
             number(law.avoidable.both_within_a_step),
             speed(law.mean_impact_mps),
             speed(law.model_impact_mps),
-        )
-        .expect("a string takes all");
+        ));
     }
 }
 
