@@ -176,7 +176,7 @@ impl Plan {
                 let verdicts = of_laws.map(|kept| kept.as_ref()?.end(driver.aebs));
                 let verdicts = verdicts.map(|end| end.map(End::verdict));
                 let Some(verdicts) = verdicts.collect() else { return Ok(None) };
-                let from_its_gap = self.from_its_gap(&self.laws[place], cases)?;
+                let from_its_gap = self.yardstick(&self.laws[place], cases)?;
                 judged.laws.push(Driven { driver: driver.clone(), verdicts, from_its_gap });
             }
             first += cases.len() * self.laws.len();
@@ -186,7 +186,7 @@ impl Plan {
     }
 
     /// How `careful-driver` ends cut-outs from the gap that a law keeps; `None` for other cases.
-    fn from_its_gap(&self, laws: &Laws, cases: &[Case]) -> Result<Option<Vec<Verdict>>, Error> {
+    fn yardstick(&self, laws: &Laws, cases: &[Case]) -> Result<Option<Vec<Verdict>>, Error> {
         let cut_outs = cases.iter().filter_map(|case| match case {
             Case::CutOut(case) => Some(case),
             Case::CutIn(_) | Case::Following(_) => None,
