@@ -1,86 +1,46 @@
 //! The tables of the predictive truck, without processes:
 //! `cargo run --release -p controller --example predictive_tables`, with `-- families` the table of road
-//! families alone, with `-- held-back` the same on other roads.
+//! families alone, with `-- held-back` the same on other roads; `-- export FOLDER` writes these roads as CSV
+//! files, which scenarios can drive, too; `-- road FILE` drives one of such a file.
 //!
 //! Fuel is against constant speed at equal trip time, with the kinetic energy at the end corrected.
 
+mod families;
+
 use controller::laws::truck::PlannerKind::{DynamicProgramming, PaperN2};
 use controller::laws::truck::route::{Comparison, Map, Road, Trip};
+use families::FAMILIES;
 use rand_core::Rng;
 use rand_pcg::Pcg64;
 use scenario::grade::{Alignment, GradeProfile, HILLS_60KM, Point, generate};
+use std::ops::RangeInclusive;
 use truck_model::{Preset, Truck};
 
 /// Set speed, m/s.
 const SET_MPS: f64 = 75.0 / 3.6;
 
 /// Roads of each family on which the planners were worked on, and roads that were held back.
-const FAMILY_SEEDS: std::ops::RangeInclusive<u64> = 1..=4;
-const HELD_BACK_SEEDS: std::ops::RangeInclusive<u64> = 101..=104;
-
-/// A kind of roads of 60 km: hills, and waves under them.
-struct Family {
-    name: &'static str,
-    hills: Kind,
-    waves: Option<Kind>,
-}
-
-/// Standard deviation of the tangents' grades, largest grade, shortest and longest tangent, m, length of the
-/// vertical curves, m.
-type Kind = (f64, f64, [f64; 2], f64);
+const FAMILY_SEEDS: RangeInclusive<u64> = 1..=4;
+const HELD_BACK_SEEDS: RangeInclusive<u64> = 101..=104;
 
 /// Of a road by `paper-n2`, `dynamic-programming` and the full-route plan: the change of fuel, %, and the
 /// losses, % of the baseline's fuel.
 type Figures = [(f64, [f64; 3]); 3];
 
-const HILLS: Kind = (0.0138, 0.03, [300.0, 1500.0], 300.0);
-
-const FAMILIES: [Family; 5] = [
-    Family { name: "hills, like the given road", hills: HILLS, waves: None },
-    Family {
-        name: "motorway, long mild grades",
-        hills: (0.009, 0.022, [1500.0, 5000.0], 600.0),
-        waves: None,
-    },
-    Family { name: "steep ridges", hills: (0.028, 0.055, [500.0, 2000.0], 250.0), waves: None },
-    Family { name: "flat with noise", hills: (0.004, 0.012, [100.0, 400.0], 100.0), waves: None },
-    Family {
-        name: "short hills on long waves",
-        hills: (0.015, 0.035, [250.0, 900.0], 300.0),
-        waves: Some((0.009, 0.03, [4000.0, 15_000.0], 2000.0)),
-    },
-];
-
-impl Family {
-    fn road(&self, seed: u64) -> Road {
-        let alone = |(grade_sigma, max_grade, tangent_m, curve_m): Kind, seed: u64| {
-            let length_m = 60_000.0;
-            let alignment =
-                Alignment { length_m, grade_sigma, max_grade, tangent_m, curve_m, closed: true };
-            Road::from_profile(&generate(&alignment, seed))
-        };
-        let hills = alone(self.hills, seed);
-        let Some(waves) = self.waves else { return hills };
-        let waves = alone(waves, seed + 1000);
-        let pairs = hills.grades().iter().zip(waves.grades());
-        Road::new(hills.cell_m(), pairs.map(|(hill, wave)| hill + wave).collect())
-    }
-}
-
 fn main() {
-    let part = std::env::args().nth(1);
-    let seeds = match part.as_deref() {
-        Some("held-back") => HELD_BACK_SEEDS,
-        _ => FAMILY_SEEDS,
-    };
-    println!("families of roads of 60 km, fuel in percent against constant speed");
-    for preset in Preset::ALL {
-        families(preset, seeds.clone());
+    let mut arguments = std::env::args().skip(1);
+    let part = arguments.next();
+    match (part.as_deref(), arguments.next()) {
+        (Some("families"), _) => return all_families(FAMILY_SEEDS),
+        (Some("held-back"), _) => return all_families(HELD_BACK_SEEDS),
+        (Some("export"), Some(folder)) => return export(&folder),
+        (Some("road"), Some(file)) => {
+            let text = std::fs::read_to_string(file).expect("a file that can be read");
+            return Preset::ALL.into_iter().for_each(|preset| savings(preset, &road(&text)));
+        }
+        _ => all_families(FAMILY_SEEDS),
     }
-    if part.is_some() {
-        return;
-    }
-    let given = given_road();
+    let given = road(HILLS_60KM);
     for preset in Preset::ALL {
         savings(preset, &given);
     }
@@ -94,11 +54,40 @@ fn main() {
     }
 }
 
-fn given_road() -> Road {
+fn all_families(seeds: RangeInclusive<u64>) {
+    println!("families of roads of 60 km, fuel in percent against constant speed");
+    for preset in Preset::ALL {
+        families(preset, seeds.clone());
+    }
+}
+
+/// Writes every road of the families as a file of distances and heights.
+fn export(folder: &str) {
+    for family in &FAMILIES {
+        for seed in FAMILY_SEEDS.chain(HELD_BACK_SEEDS) {
+            let road = family.road(seed);
+            let mut text = String::from("distance_m,height_m\n0,0\n");
+            let mut height_m = 0.0;
+            for (cell, grade) in road.grades().iter().enumerate() {
+                height_m += road.cell_m() * grade;
+                let distance_m = road.cell_m() * (cell + 1) as f64;
+                text += &format!("{distance_m},{height_m:.4}\n");
+            }
+            let file =
+                std::path::Path::new(folder).join(format!("{}-{seed}.csv", family.file_name()));
+            std::fs::write(file, text).expect("a folder that can be written to");
+        }
+    }
+}
+
+/// The road of lines of distance and height.
+fn road(text: &str) -> Road {
     let numbers = |line: &str| -> Vec<f64> { line.split(',').flat_map(str::parse).collect() };
-    let rows = HILLS_60KM.lines().map(numbers).filter(|row| row.len() == 2);
+    let rows = text.lines().map(numbers).filter(|row| row.len() == 2);
     let points = rows.map(|row| Point { distance_m: row[0], height_m: row[1] }).collect();
-    Road::from_profile(&GradeProfile::new(points).expect("the road that is shipped is sound"))
+    Road::from_profile(
+        &GradeProfile::new(points).expect("distances that increase, and grades of roads"),
+    )
 }
 
 fn savings(preset: Preset, road: &Road) {
@@ -169,7 +158,7 @@ fn generated(preset: Preset) {
 
 /// Savings on each family: the means, and the largest distance to the full-route plan; then where the means
 /// come from.
-fn families(preset: Preset, seeds: std::ops::RangeInclusive<u64>) {
+fn families(preset: Preset, seeds: RangeInclusive<u64>) {
     println!(
         "{:<10} {:<28} {:>5} {:>9} {:>9} {:>9} {:>9} {:>9}   n2: brakes, air, driveline; route: the same",
         "", "", "roads", "n2", "dp", "bound", "n2-bound", "dp-bound"
