@@ -74,20 +74,6 @@ impl DriveStep {
             ..Self::default()
         }
     }
-
-    /// What faults may wait for.
-    #[must_use]
-    pub fn meets(&self) -> messages::Drive {
-        let red = self.signal == Some(PhaseState::StopAndRemain);
-        messages::Drive {
-            position_m: self.position_m,
-            speed_mps: self.speed_mps,
-            acceleration_mps2: self.acceleration_mps2,
-            time_to_collision_s: self.time_to_collision_s,
-            red_line_m: if red { self.stop_line_m } else { f64::INFINITY },
-            cut_in: self.cut_in,
-        }
-    }
 }
 
 /// A truck's engine and gearbox at one step.

@@ -30,6 +30,8 @@ pub struct DriveLog {
     others: Option<Others>,
     observer: Observer,
     steps: Vec<DriveStep>,
+    /// What the ego does and meets in the last of them.
+    meets: Option<messages::Drive>,
     powertrains: Vec<(u64, PowertrainStep)>,
     truths: Vec<VehicleTruth>,
     requests: Vec<(u64, f64)>,
@@ -114,6 +116,7 @@ impl DriveLog {
             },
             observer,
             steps: Vec::with_capacity(room(Service::Plant)),
+            meets: None,
             powertrains: Vec::new(),
             truths: Vec::with_capacity(room(Service::PerceptionSim)),
             requests: Vec::with_capacity(room(Service::Controller)),
@@ -168,6 +171,7 @@ impl DriveLog {
                 self.steps.pop();
             }
             self.steps.push(DriveStep::of(m));
+            self.meets = Some(messages::Drive::of(m));
         })?;
         self.powertrain.drain(|m| {
             let step = PowertrainStep {
@@ -240,7 +244,7 @@ impl DriveLog {
 
     /// What the ego does and meets.
     pub fn ego(&self) -> Option<messages::Drive> {
-        self.steps.last().map(DriveStep::meets)
+        self.meets
     }
 
     /// Removes what a dead process left on the topics, so that no sender waits for it.
