@@ -33,7 +33,7 @@ pub struct Echo {
 pub struct Antenna {
     /// S/N of 1 m² at 100 m on the axis, as a ratio.
     snr_at_reference: f64,
-    /// Two-way loss exponent: exp(-loss · azimuth²).
+    /// Two-way loss exponent: 2^(-loss · azimuth²).
     loss_per_rad2: f64,
     /// Half of the field of view, rad.
     pub half_field_of_view_rad: f64,
@@ -55,7 +55,7 @@ impl Antenna {
         let half_field_of_view_rad = 0.5 * field_of_view_deg.min(180.0).to_radians();
         Self {
             snr_at_reference: ratio(snr_at_100_m_db),
-            loss_per_rad2: 0.1 * std::f64::consts::LN_10 * edge_loss_db
+            loss_per_rad2: 0.1 * std::f64::consts::LOG2_10 * edge_loss_db
                 / (half_field_of_view_rad * half_field_of_view_rad),
             half_field_of_view_rad,
             max_range_m,
@@ -93,7 +93,7 @@ impl Antenna {
     pub fn power_of_square_metre(&self, range_m: f64, azimuth_rad: f64) -> f64 {
         let near = REFERENCE_M / range_m.max(0.1);
         let square = near * near;
-        let gain = libm::exp(-self.loss_per_rad2 * azimuth_rad * azimuth_rad);
+        let gain = libm::exp2(-self.loss_per_rad2 * azimuth_rad * azimuth_rad);
         self.snr_at_reference * square * square * gain
     }
 }

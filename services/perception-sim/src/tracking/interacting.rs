@@ -112,7 +112,8 @@ impl<const N: usize, const M: usize> Bank<N, M> {
         }
         let nearest = distances.iter().copied().fold(f64::INFINITY, f64::min);
         for model in 0..M {
-            let likelihood = factors[model].sqrt() * libm::exp(nearest - distances[model]);
+            let farther = std::f64::consts::LOG2_E * (nearest - distances[model]);
+            let likelihood = factors[model].sqrt() * libm::exp2(farther);
             self.weights[model] *= likelihood;
         }
         let total: f64 = self.weights.iter().sum();
