@@ -62,6 +62,8 @@ pub struct RecorderProcess {
     path: PathBuf,
     process: Option<Attendant>,
     failed: Option<String>,
+    /// A fault of the scenario ended it: its end is expected.
+    was_killed: bool,
 }
 
 impl RecorderProcess {
@@ -72,7 +74,7 @@ impl RecorderProcess {
             Ok(process) => (Some(process), None),
             Err(error) => (None, Some(error.to_string())),
         };
-        Self { path: path.to_owned(), process, failed }
+        Self { path: path.to_owned(), process, failed, was_killed: false }
     }
 
     /// Makes it connect to all services, which must be ready, and waits until it did.
@@ -104,10 +106,11 @@ impl RecorderProcess {
         }
     }
 
-    /// Kills it.
+    /// Kills it, as a fault does.
     pub fn kill(&mut self) {
         if let Some(process) = &mut self.process {
             process.kill();
+            self.was_killed = true;
         }
     }
 
@@ -157,7 +160,9 @@ impl RecorderProcess {
     }
 
     fn give_up(&mut self, reason: String) {
-        tracing::warn!("the recorder is gone, the run continues without it: {reason}");
+        if !self.was_killed {
+            tracing::warn!("the recorder is gone, the run continues without it: {reason}");
+        }
         self.process = None;
         self.failed = Some(reason);
     }
