@@ -9,7 +9,8 @@
 //! levels of the grid.
 
 use super::beyond::{self, Beyond};
-use super::energy_grid::{Costs, EnergyGrid, LOWEST, PLANNED_GEARS, SLOWNESS_GPM, Values};
+use super::energy_grid::{Costs, EnergyGrid, LOWEST, PLANNED_GEARS, SLOWNESS_GPM, Stage, Values};
+use super::plan_steps::{self, PlanSteps};
 use super::prices::Prices;
 use super::speed_band::SpeedBand;
 use crate::law::{MAX_SEGMENTS, Plan, PlanRequest, Planner};
@@ -22,28 +23,13 @@ const CHANGE_GPN: f64 = 2e-5;
 /// Lowest speed of the grid, as a share of the set speed (50 km/h at 75 km/h).
 const LOWEST_SPEED: f64 = 50.0 / 75.0;
 
-/// Resolution of the program.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Resolution {
-    /// Nodes over kinetic energy.
-    pub nodes: usize,
-    /// Length of a step, m.
-    pub step_m: f64,
-    /// Number of steps, at most [`MAX_SEGMENTS`].
-    pub steps: usize,
-}
-
-impl Default for Resolution {
-    fn default() -> Self {
-        Self { nodes: 70, step_m: 100.0, steps: 20 }
-    }
-}
+/// Nodes over kinetic energy.
+const NODES: usize = 70;
 
 /// The planner.
 #[derive(Clone, Debug)]
 pub struct DynamicProgramming {
     truck: Truck,
-    resolution: Resolution,
     grid: EnergyGrid,
     prices: Prices,
     /// Set and highest speed that the grid is laid out for.
@@ -53,20 +39,15 @@ pub struct DynamicProgramming {
 
 impl DynamicProgramming {
     /// A planner for `truck`.
-    ///
-    /// # Panics
-    /// If the resolution has fewer than two nodes, no step, or more than [`MAX_SEGMENTS`].
     #[must_use]
-    pub fn new(truck: &Truck, resolution: Resolution) -> Self {
-        assert!(resolution.nodes >= 2 && (1..=MAX_SEGMENTS).contains(&resolution.steps));
-        let values = || [(); PLANNED_GEARS].map(|()| vec![0.0; resolution.nodes]);
+    pub fn new(truck: &Truck) -> Self {
+        let values = || [(); PLANNED_GEARS].map(|()| vec![0.0; NODES]);
         Self {
             truck: *truck,
-            resolution,
-            grid: EnergyGrid::new(truck, resolution.nodes),
+            grid: EnergyGrid::new(truck, NODES),
             prices: Prices::default(),
             laid_out_for: (0.0, 0.0),
-            values: (0..=resolution.steps + beyond::STEPS).map(|_| values()).collect(),
+            values: (0..=MAX_SEGMENTS + beyond::STEPS).map(|_| values()).collect(),
         }
     }
 
@@ -87,15 +68,16 @@ impl DynamicProgramming {
 
     /// Values at the horizon: those of the guessed road after it. Where the map ends before the horizon, the
     /// way does, too, and nothing is guessed.
-    fn values_at_horizon(&mut self, request: &PlanRequest, steps: usize) {
-        let guessed = if steps == self.resolution.steps { beyond::STEPS } else { 0 };
-        self.value_at_the_end(steps + guessed, request.set_speed_mps);
-        let horizon_m = request.position_m + self.resolution.step_m * steps as f64;
-        let road = Beyond::new(&request.preview, request.position_m, horizon_m);
+    fn values_at_horizon(&mut self, request: &PlanRequest, steps: &PlanSteps) {
+        let preview = &request.preview;
+        let reaches = preview.end_m() >= request.position_m + plan_steps::HORIZON_M;
+        let (last, guessed) = (steps.len(), if reaches { beyond::STEPS } else { 0 });
+        self.value_at_the_end(last + guessed, request.set_speed_mps);
+        let road = Beyond::new(preview, request.position_m, steps.end_m());
         for step in (0..guessed).rev() {
             let stage = self.grid.stage(beyond::STEP_M, road.grade(step));
-            let (here, next) = self.values.split_at_mut(steps + step + 1);
-            self.grid.backward(stage, &next[0], &mut here[steps + step]);
+            let (here, next) = self.values.split_at_mut(last + step + 1);
+            self.grid.backward(stage, &next[0], &mut here[last + step]);
         }
     }
 
@@ -111,18 +93,15 @@ impl DynamicProgramming {
     }
 
     /// Follows the values from the truck's state to the horizon.
-    fn roll_out(&mut self, request: &PlanRequest, steps: usize, plan: &mut Plan) -> bool {
-        let length_m = self.resolution.step_m;
-        let mut position_m = request.position_m;
+    fn roll_out(&mut self, request: &PlanRequest, steps: &PlanSteps, plan: &mut Plan) -> bool {
         let mut energy_j = self.truck.kinetic_energy_j(request.speed_mps);
         let mut gear = request.gear;
         let rpm = self.truck.engine_rpm(request.speed_mps, gear);
         let net_nm = request.engine_torque_nm - self.truck.auxiliary_torque_nm(rpm);
         let mut force_n = self.truck.force_n(net_nm, gear);
-        for step in 0..steps {
-            let end_m = position_m + length_m;
-            let Some(grade) = request.preview.mean_grade(position_m, end_m) else { return false };
-            let stage = self.grid.stage(length_m, grade);
+        for step in 0..steps.len() {
+            let Some(stage) = self.stage(request, steps, step) else { return false };
+            let (_, end_m) = steps.step_m(step);
             let next = &self.values[step + 1];
             let before = (force_n, CHANGE_GPN);
             let Some(choice) = self.grid.choose(stage, energy_j, gear, next, before) else {
@@ -134,19 +113,22 @@ impl DynamicProgramming {
             let torque_nm =
                 self.truck.net_torque_nm(force_n, gear) + self.truck.auxiliary_torque_nm(rpm);
             plan.push(end_m, torque_nm, Some(gear), self.truck.speed_mps(energy_j));
-            position_m = end_m;
         }
         true
+    }
+
+    fn stage(&self, request: &PlanRequest, steps: &PlanSteps, step: usize) -> Option<Stage> {
+        let (from_m, to_m) = steps.step_m(step);
+        let grade = request.preview.mean_grade(from_m, to_m)?;
+        Some(self.grid.stage(to_m - from_m, grade))
     }
 }
 
 impl Planner for DynamicProgramming {
     fn plan(&mut self, request: &PlanRequest, plan: &mut Plan) -> bool {
         plan.begin(request);
-        let known_m = request.preview.end_m() - request.position_m;
-        let steps = (known_m / self.resolution.step_m).max(0.0) as usize;
-        let steps = steps.min(self.resolution.steps);
-        if steps == 0 {
+        let steps = PlanSteps::new(&request.preview, request.position_m);
+        if steps.len() == 0 {
             return false;
         }
         self.lay_out(request);
@@ -155,16 +137,13 @@ impl Planner for DynamicProgramming {
         if !(low_j..=1.05 * high_j).contains(&energy_j) || request.gear < LOWEST {
             return false;
         }
-        self.values_at_horizon(request, steps);
-        for step in (1..steps).rev() {
-            let from_m = request.position_m + self.resolution.step_m * step as f64;
-            let to_m = from_m + self.resolution.step_m;
-            let Some(grade) = request.preview.mean_grade(from_m, to_m) else { return false };
-            let stage = self.grid.stage(self.resolution.step_m, grade);
+        self.values_at_horizon(request, &steps);
+        for step in (1..steps.len()).rev() {
+            let Some(stage) = self.stage(request, &steps, step) else { return false };
             let (here, next) = self.values.split_at_mut(step + 1);
             self.grid.backward(stage, &next[0], &mut here[step]);
         }
-        let done = self.roll_out(request, steps, plan);
+        let done = self.roll_out(request, &steps, plan);
         if done {
             plan.binding = 1;
         } else {

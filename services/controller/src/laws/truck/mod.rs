@@ -18,7 +18,7 @@
 //! |---|---|---|
 //! | road classes, reconstruction | steps 1, 2 | `road_classes` |
 //! | rolling optimisation, n = 2 | steps 3 to 6 | `paper_n2` |
-//! | dynamic programming | the better planner | `dynamic_programming`, `energy_grid`, `beyond` |
+//! | dynamic programming | the better planner | `dynamic_programming`, `plan_steps`, `energy_grid`, `beyond` |
 //! | servo of the mean speed | beta | `time_price`, `reference` |
 //! | gap, modes | (14) to (16) | `spacing` |
 //! | accelerations, brakes | (17), (18) | `following` |
@@ -37,6 +37,7 @@ mod law;
 mod limiter;
 mod map_trust;
 mod paper_n2;
+mod plan_steps;
 mod planners;
 mod prices;
 mod reference;
@@ -50,7 +51,7 @@ mod target_filter;
 mod time_price;
 mod tracking;
 
-pub use dynamic_programming::{DynamicProgramming, Resolution};
+pub use dynamic_programming::DynamicProgramming;
 pub use law::Predictive;
 pub use paper_n2::PaperN2;
 pub use planners::create;

@@ -1,6 +1,6 @@
 //! The planners by their kind.
 
-use super::dynamic_programming::{DynamicProgramming, Resolution};
+use super::dynamic_programming::DynamicProgramming;
 use super::paper_n2::PaperN2;
 use super::settings::PlannerKind;
 use crate::law::{Plan, PlanRequest, Planner};
@@ -10,9 +10,7 @@ use truck_model::Truck;
 #[must_use]
 pub fn create(kind: PlannerKind, truck: &Truck) -> Box<dyn Planner> {
     match kind {
-        PlannerKind::DynamicProgramming => {
-            Box::new(DynamicProgramming::new(truck, Resolution::default()))
-        }
+        PlannerKind::DynamicProgramming => Box::new(DynamicProgramming::new(truck)),
         PlannerKind::PaperN2 => Box::new(PaperN2::new(truck)),
         PlannerKind::ConstantSpeed => Box::new(NoPlan),
     }

@@ -11,8 +11,8 @@ use truck_model::{Demand, GEARS, Truck};
 
 /// Lowest speed of the grid, as a share of the set speed.
 const SLOWEST_SPEED: f64 = 45.0 / 75.0;
-/// Length of a step, m.
-const STEP_M: f64 = 100.0;
+/// Length of a step, m: no grade changes within one on a road of 50 m cells.
+const STEP_M: f64 = 50.0;
 
 /// Knows the whole road and the values on it.
 #[derive(Clone, Debug)]
