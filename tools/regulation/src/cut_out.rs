@@ -30,6 +30,21 @@ impl Case {
         f64::from(self.lateral_tenths_mps) * 0.1
     }
 
+    /// Whether the lead hits the standing vehicle and stands there: whether they touch at the end of a step.
+    pub fn lead_hits(&self) -> bool {
+        let mut lead = Lead::new(self, 0.0);
+        let standing = self.standing_from(0.0);
+        while !lead.stands && lead.clearance_m() < 0.0 {
+            lead.step(&standing);
+        }
+        lead.stands
+    }
+
+    /// The standing vehicle of an ego that begins at 0, `distance_m` behind the lead.
+    fn standing_from(&self, distance_m: f64) -> Travel {
+        Travel::from_m(distance_m + f64::from(self.standing_distance_m) + 2.0 * VEHICLE_LENGTH_M)
+    }
+
     /// How the case ends when `model` drives the ego from the distance that it keeps behind the lead;
     /// `None` if the model keeps none.
     pub fn drive(&self, model: Model) -> Option<Verdict> {
@@ -44,9 +59,7 @@ impl Case {
         let mut speed_mps = mps(self.speed_kmh);
         let mut ego = Travel::from_m(0.0);
         let mut lead = Lead::new(self, distance_m);
-        let standing = Travel::from_m(
-            distance_m + f64::from(self.standing_distance_m) + 2.0 * VEHICLE_LENGTH_M,
-        );
+        let standing = self.standing_from(distance_m);
         let mut driver = Driver::new(model, Situation::InLane);
         for _ in 0..(LONGEST_S / STEP_S) as u32 {
             let obstacle = if lead.known_to_stand && lead.clearance_m() < 0.0 {
@@ -136,5 +149,23 @@ impl Lead {
     fn contact_with(&self, ego: &Travel) -> Option<Outcome> {
         let outcome = contact(self.travel.gap_to_m(ego), self.clearance_m());
         (self.stands && outcome.is_collision()).then_some(outcome)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lead_hits_if_it_touches_at_the_end_of_a_step() {
+        let hits = |speed_kmh, standing_distance_m, lateral_tenths_mps| {
+            Case { speed_kmh, standing_distance_m, lateral_tenths_mps }.lead_hits()
+        };
+        // 3.74 s to the standing vehicle and 3.8 s to be clear of it: no step ends in between.
+        assert!(!hits(50, 52, 5));
+        // 3.6 s: the step that ends at 3.7 s does.
+        assert!(hits(70, 70, 5));
+        assert!(!hits(100, 147, 29), "it is clear long before");
+        assert_eq!(matrix().filter(Case::lead_hits).count(), 1595);
     }
 }

@@ -81,15 +81,14 @@ fn following_scene(case: &following::Case, speed_mps: f64, gap_m: f64) -> Scene 
     }
 }
 
-/// The lead that leaves and the vehicle that stands in front of it. A lead that does not get past stands
-/// there.
+/// The lead that leaves and the vehicle that stands in front of it. A lead that does not get past in the matrix's steps
+/// stands where it touches the other.
 fn cut_out_scene(case: &cut_out::Case, speed_mps: f64, gap_m: f64) -> Scene {
     let lateral_mps = case.lateral_mps();
     let standing_m =
         gap_m + VEHICLE_LENGTH_M + speed_mps * RUN_IN_S + f64::from(case.standing_distance_m);
     let reaches_s = f64::from(case.standing_distance_m) / speed_mps;
-    let clear_s = VEHICLE_WIDTH_M / lateral_mps;
-    let hits = reaches_s < clear_s;
+    let hits = case.lead_hits();
     let leaves_s = if hits { reaches_s } else { (VEHICLE_WIDTH_M + CLEARANCE_M) / lateral_mps };
     let end_s = RUN_IN_S + leaves_s;
     let profile = if hits {
@@ -115,6 +114,8 @@ fn cut_out_scene(case: &cut_out::Case, speed_mps: f64, gap_m: f64) -> Scene {
 mod tests {
     use clap::ValueEnum;
     use controller::laws;
+    use perception_sim::radar::scene::Ego;
+    use perception_sim::traffic::Traffic;
 
     use super::super::drive::behind_a_lead;
     use super::super::matrix::Matrix;
@@ -160,6 +161,25 @@ mod tests {
         let lateral_m = |at_s| other.lateral_offset_m.value() * (1.0 - motion.progress(at_s).0);
         assert!((lateral_m(time_s) - 3.5).abs() < 1e-9);
         assert!((lateral_m(time_s + 1.0) - 2.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_lead_that_hits_the_standing_vehicle_stands_at_it_and_another_drives_on() {
+        // 2.18 s to the standing vehicle, 2.11 s to be clear of it; the other is not, and touches it after 1.26 s.
+        for (standing_distance_m, stands) in [(67, false), (39, true)] {
+            let case = cut_out::Case { speed_kmh: 110, standing_distance_m, lateral_tenths_mps: 9 };
+            let scenario = scenario(&Case::CutOut(case), &driver("acc-mpc"), &Settled::new(1));
+            let scenario = scenario.expect("the case is right");
+            let mut traffic = Traffic::new(&scenario);
+            let ego = Ego::default();
+            for step in 0..600 {
+                traffic.advance(step * 10_000_000, &ego);
+            }
+            let [lead, standing] = [0, 1].map(|place| traffic.vehicles()[place]);
+            let between_m = standing.rear_position_m - lead.rear_position_m - VEHICLE_LENGTH_M;
+            assert_eq!(lead.speed_mps == 0.0, stands, "{lead:?}");
+            assert_eq!((-0.2..0.001).contains(&between_m), stands, "{between_m}");
+        }
     }
 
     /// Gap, m, speed, m/s, and acceleration, m/s², when the lead has driven evenly for `time_s`.
