@@ -5,7 +5,7 @@ use crate::filter::Lateral;
 /// Below this speed over ground an object stands, m/s.
 pub(crate) const STANDING_MPS: f64 = 1.0;
 /// Half of the width that is assumed of every vehicle, m.
-const HALF_WIDTH_M: f64 = 0.95;
+pub(crate) const HALF_WIDTH_M: f64 = 0.95;
 /// Length of an object of which only the face was seen, m.
 const LEAST_LENGTH_M: f64 = 4.3;
 /// What is behind the farthest point that reflects, m.
@@ -38,8 +38,8 @@ pub struct Object {
     pub length_m: f64,
     /// It counts.
     pub is_confirmed: bool,
-    /// The middle of its face is behind a nearer object, or it is a part of that one's side.
-    pub(crate) is_behind: bool,
+    /// The side on which its face is behind a nearer object, 1 left, -1 right, or 0: neither.
+    pub(crate) hidden_side: f64,
     /// Scans in which it was seen.
     pub(crate) scans: u32,
     /// Whether it was seen in each of the last scans, the newest in the lowest bit.
@@ -66,7 +66,7 @@ impl Object {
             half_width_m,
             length_m: LEAST_LENGTH_M,
             is_confirmed: true,
-            is_behind: false,
+            hidden_side: 0.0,
             scans: 1,
             history: u32::MAX,
             unseen_s: 0.0,
@@ -103,25 +103,43 @@ impl Object {
         surely_m > 0.0 && off_m < surely_m * view_tangent
     }
 
-    /// True if the straight line to the middle of its face passes through `nearer`, or if it goes on where the
-    /// side of that one ends: a long vehicle comes out as several.
-    pub(crate) fn is_hidden_by(&self, nearer: &Self) -> bool {
-        let (x_m, y_m) = (self.distance_m, self.lateral.position_m);
-        let (begin_m, end_m) = (nearer.distance_m, nearer.distance_m + nearer.length_m);
-        if begin_m + BLIND_MARGIN_M >= x_m || end_m + PLACES_M < 0.0 {
-            return false;
+    /// The side on which `nearer` hides its face, 1 left, -1 right: where the line to one of its corners passes
+    /// through `nearer`, and to the other does not; or the outer one, where both do or only that to its middle, or
+    /// where it goes on as the side of `nearer` ends: a long vehicle comes out as several. 0: it hides neither.
+    pub(crate) fn side_hidden_by(&self, nearer: &Self) -> f64 {
+        let middle_m = self.lateral.position_m;
+        let end_m = nearer.distance_m + nearer.length_m;
+        if nearer.distance_m + BLIND_MARGIN_M >= self.distance_m || end_m + PLACES_M < 0.0 {
+            return 0.0;
         }
-        let middle_m = nearer.lateral.position_m;
-        let goes_on = x_m - end_m < PLACES_M
-            && (y_m - middle_m).abs() < 2.0 * nearer.half_width_m
+        let goes_on = self.distance_m - end_m < PLACES_M
+            && (middle_m - nearer.lateral.position_m).abs() < 2.0 * nearer.half_width_m
             && (self.speed_mps - nearer.speed_mps).abs() < STANDING_MPS;
-        if goes_on || x_m <= 0.0 || end_m <= 0.0 {
-            return goes_on;
+        let outer = self.shown_side().map_or(0.0, |(side, _)| side);
+        if goes_on {
+            return outer;
+        }
+        let [left, middle, right] =
+            [SIDE_M, 0.0, -SIDE_M].map(|off_m| nearer.hides(self.distance_m, middle_m + off_m));
+        match (left, right) {
+            (true, false) => 1.0,
+            (false, true) => -1.0,
+            _ if middle => outer,
+            _ => 0.0,
+        }
+    }
+
+    /// True if the straight line to a place passes through it.
+    fn hides(&self, x_m: f64, y_m: f64) -> bool {
+        let (begin_m, end_m) = (self.distance_m, self.distance_m + self.length_m);
+        if x_m <= 0.0 || end_m <= 0.0 {
+            return false;
         }
         let slope = y_m / x_m;
         let (begin_y_m, end_y_m) = (slope * begin_m.max(0.0), slope * end_m.min(x_m));
         let (right_m, left_m) = (begin_y_m.min(end_y_m), begin_y_m.max(end_y_m));
-        left_m > middle_m - nearer.half_width_m && right_m < middle_m + nearer.half_width_m
+        let middle_m = self.lateral.position_m;
+        left_m > middle_m - self.half_width_m && right_m < middle_m + self.half_width_m
     }
 
     /// True if all of it that reflects is outside of the field of view, beside the ego.
@@ -159,7 +177,7 @@ impl Object {
             half_width_m: HALF_WIDTH_M,
             length_m: LEAST_LENGTH_M,
             is_confirmed: false,
-            is_behind: false,
+            hidden_side: 0.0,
             scans: 0,
             history: 0,
             unseen_s: 0.0,

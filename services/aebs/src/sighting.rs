@@ -179,8 +179,7 @@ pub(crate) fn correct(object: &mut Object, sums: &Sums, period_s: f64, shows_its
         object.distance_m += gain * (face_m - object.distance_m);
     }
     // Of a face behind another object the inner part is seen, or what is farther along that one's side.
-    let hidden_side =
-        object.shown_side().filter(|_| object.is_behind && !first).map_or(0.0, |(side, _)| side);
+    let hidden_side = if first { 0.0 } else { object.hidden_side };
     let shows_its_face = first || shows_its_face;
     if let Some((middle_m, variance_m2)) =
         sums.lateral(object.distance_m, shows_its_face, hidden_side)
