@@ -11,8 +11,12 @@
 //!                                              Decision: monitor ─► warn ─► brake ─► hold
 //! ```
 //!
+//! Beside the objects as they are it looks at each that is about to hit another one as it will stand there
+//! ([`Objects::threats`](objects::Objects::threats)).
+//!
 //! Everything but `service` is plain code: state and time are arguments.
 
+mod collision_ahead;
 pub mod decision;
 pub mod filter;
 pub mod object;

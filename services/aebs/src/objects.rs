@@ -25,6 +25,7 @@
 //! An object counts once it was seen in three of four scans; one that stands, in four of five, and not
 //! beyond the neighbouring lanes: what stands beside the road is left out.
 
+use crate::collision_ahead::where_it_stands;
 use crate::object::Object;
 use crate::point::Point;
 use crate::sighting::{Sums, correct};
@@ -66,6 +67,13 @@ impl Objects {
     /// The objects that count, as of the last scan.
     pub fn confirmed(&self) -> impl Iterator<Item = &Object> {
         self.list.iter().filter(|object| object.is_confirmed)
+    }
+
+    /// Those, and each that is about to hit another one ([`mod@crate::collision_ahead`]) as it will stand there.
+    pub fn threats(&self) -> impl Iterator<Item = Object> {
+        let hits =
+            |first| self.confirmed().filter_map(move |second| where_it_stands(first, second));
+        self.confirmed().copied().chain(self.confirmed().flat_map(hits))
     }
 
     /// Takes the detections, nearest first, that were acquired at `scan_ns` by an ego of `ego_mps`. A

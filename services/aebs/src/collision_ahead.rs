@@ -1,0 +1,116 @@
+//! A vehicle ahead that is about to hit another one in the ego's path stands there at once: nearer than the other, by
+//! its own length.
+//!
+//! Which of the two the ego then has to stop behind is a probability: the sum over the lateral speeds of the first
+//! ([`crate::filter`]) of how probable it is that it is still before the second when it gets there. On the way it
+//! keeps its acceleration; one that brakes enough to stop short hits nothing. From the contact on it moves with the
+//! second.
+//!
+//! The ego has to stop behind the second anyway. To stop behind the first costs a vehicle's length of room, not to do
+//! it a contact: so it need not be likely.
+
+use crate::filter::Lateral;
+use crate::object::{HALF_WIDTH_M, Object};
+
+/// Slower than this above the other's speed it is no collision, m/s.
+const LEAST_CLOSING_MPS: f64 = 2.0;
+/// A collision that is less probable than this is left out.
+const LEAST_PROBABILITY: f64 = 0.15;
+/// A rate of the filter's row stands for those around it, with this standard deviation, m/s.
+const RATE_SIGMA_MPS: f64 = 0.055;
+/// Longest time over which a lateral motion is carried on, s.
+const HORIZON_S: f64 = 3.0;
+/// Least standard deviation of the distance between two middles across the lanes, m.
+const LEAST_SIGMA_M: f64 = 1e-3;
+
+/// `first` as it will be where it hits `second`; `None` if it will not, or not in the ego's path.
+#[must_use]
+pub(crate) fn where_it_stands(first: &Object, second: &Object) -> Option<Object> {
+    let time_s = time_to_contact_s(first, second)?;
+    if second.lateral.position_m.abs() > second.half_width_m + HALF_WIDTH_M {
+        return None;
+    }
+    let reach_m = first.half_width_m + second.half_width_m;
+    let second_sigma_m = second.lateral.position_sigma_m();
+    let carried_s = time_s.min(HORIZON_S);
+    let (mut probability, mut moment_m) = (0.0, 0.0);
+    for h in first.lateral.hypotheses() {
+        let position_m = h.position_m + h.rate_mps * carried_s;
+        let spread_m = RATE_SIGMA_MPS * carried_s;
+        let sigma_m = libm::hypot(libm::hypot(h.sigma_m, spread_m), second_sigma_m);
+        let off_m = (position_m - second.lateral.position_m).abs();
+        let deviates = (reach_m - off_m) / sigma_m.max(LEAST_SIGMA_M);
+        let touches = 0.5 * libm::erfc(-deviates * std::f64::consts::FRAC_1_SQRT_2);
+        probability += h.probability * touches;
+        moment_m += h.probability * touches * position_m;
+    }
+    (probability > LEAST_PROBABILITY).then(|| Object {
+        distance_m: second.distance_m - first.length_m,
+        speed_mps: second.speed_mps,
+        acceleration_mps2: second.acceleration_mps2,
+        lateral: Lateral::known(moment_m / probability, 0.0),
+        ..*first
+    })
+}
+
+/// Time until the front of `first` is at the rear of `second`, s; `None` if it does not come there.
+fn time_to_contact_s(first: &Object, second: &Object) -> Option<f64> {
+    let closing_mps = first.speed_mps - second.speed_mps;
+    if first.distance_m >= second.distance_m || closing_mps < LEAST_CLOSING_MPS {
+        return None;
+    }
+    let room_m = (second.distance_m - first.distance_m - first.length_m).max(0.0);
+    let braking_mps2 = (-first.acceleration_mps2).max(0.0);
+    // It gets there if it is still faster by then.
+    let left = closing_mps * closing_mps - 2.0 * braking_mps2 * room_m;
+    (left > 0.0).then(|| 2.0 * room_m / (closing_mps + left.sqrt()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A lead at 20 m with 25 m/s, and what stands 50 m before it.
+    fn lead(offset_m: f64, lateral_mps: f64) -> Object {
+        Object::at(20.0, 25.0, offset_m, lateral_mps, 0.95)
+    }
+
+    fn standing(offset_m: f64) -> Object {
+        Object::at(74.3, 0.0, offset_m, 0.0, 0.95)
+    }
+
+    #[test]
+    fn a_lead_that_stays_in_the_way_stands_a_length_before_what_it_hits() {
+        // 50 m at 25 m/s take 2 s, in which 0.4 m/s to the side are 0.8 m.
+        let there = where_it_stands(&lead(0.5, 0.4), &standing(0.0)).expect("it hits it");
+        assert!((there.distance_m - 70.0).abs() < 1e-9 && there.speed_mps == 0.0, "{there:?}");
+        assert!((there.lateral.position_m - 1.3).abs() < 0.05, "{there:?}");
+        assert!(there.lateral.rate_mps.abs() < 1e-6, "{there:?}");
+    }
+
+    #[test]
+    fn one_that_is_out_of_the_way_by_then_hits_nothing() {
+        assert_eq!(where_it_stands(&lead(0.5, 1.0), &standing(0.0)), None);
+        assert!(where_it_stands(&lead(0.5, 0.6), &standing(0.0)).is_some());
+        assert_eq!(where_it_stands(&lead(0.5, 0.6), &standing(-0.5)), None, "that is farther");
+    }
+
+    #[test]
+    fn one_that_brakes_enough_or_is_no_faster_hits_nothing() {
+        // 25 m/s need 6.25 m/s² in 50 m.
+        for (braking_mps2, hits) in [(0.0, true), (5.5, true), (6.5, false)] {
+            let braking = Object { acceleration_mps2: -braking_mps2, ..lead(0.0, 0.0) };
+            let there = where_it_stands(&braking, &standing(0.0));
+            assert_eq!(there.is_some(), hits, "{braking_mps2}");
+        }
+        let slow = Object { speed_mps: 1.0, ..lead(0.0, 0.0) };
+        assert_eq!(where_it_stands(&slow, &standing(0.0)), None);
+        assert_eq!(where_it_stands(&standing(0.0), &lead(0.0, 0.0)), None, "it is behind");
+    }
+
+    #[test]
+    fn a_collision_beside_the_path_is_none_of_the_egos() {
+        assert_eq!(where_it_stands(&lead(3.5, 0.0), &standing(3.5)), None);
+        assert!(where_it_stands(&lead(1.5, 0.0), &standing(1.5)).is_some());
+    }
+}
