@@ -6,8 +6,7 @@
 //! keeps its acceleration; one that brakes enough to stop short hits nothing. From the contact on it moves with the
 //! second.
 //!
-//! The ego has to stop behind the second anyway. To stop behind the first costs a vehicle's length of room, not to do
-//! it a contact: so it need not be likely.
+//! With that probability the first is an object where it will stand.
 
 use crate::filter::Lateral;
 use crate::object::{HALF_WIDTH_M, Object};
@@ -15,7 +14,7 @@ use crate::object::{HALF_WIDTH_M, Object};
 /// Slower than this above the other's speed it is no collision, m/s.
 const LEAST_CLOSING_MPS: f64 = 2.0;
 /// A collision that is less probable than this is left out.
-const LEAST_PROBABILITY: f64 = 0.15;
+const LEAST_PROBABILITY: f64 = 0.05;
 /// A rate of the filter's row stands for those around it, with this standard deviation, m/s.
 const RATE_SIGMA_MPS: f64 = 0.055;
 /// Longest time over which a lateral motion is carried on, s.
@@ -49,6 +48,7 @@ pub(crate) fn where_it_stands(first: &Object, second: &Object) -> Option<Object>
         speed_mps: second.speed_mps,
         acceleration_mps2: second.acceleration_mps2,
         lateral: Lateral::known(moment_m / probability, 0.0),
+        probability,
         ..*first
     })
 }
@@ -85,13 +85,15 @@ mod tests {
         let there = where_it_stands(&lead(0.5, 0.4), &standing(0.0)).expect("it hits it");
         assert!((there.distance_m - 70.0).abs() < 1e-9 && there.speed_mps == 0.0, "{there:?}");
         assert!((there.lateral.position_m - 1.3).abs() < 0.05, "{there:?}");
+        assert!(there.probability > 0.99, "{there:?}");
         assert!(there.lateral.rate_mps.abs() < 1e-6, "{there:?}");
     }
 
     #[test]
     fn one_that_is_out_of_the_way_by_then_hits_nothing() {
         assert_eq!(where_it_stands(&lead(0.5, 1.0), &standing(0.0)), None);
-        assert!(where_it_stands(&lead(0.5, 0.6), &standing(0.0)).is_some());
+        let there = where_it_stands(&lead(0.5, 0.7), &standing(0.0)).expect("it may hit it");
+        assert!((0.4..0.6).contains(&there.probability), "{there:?}");
         assert_eq!(where_it_stands(&lead(0.5, 0.6), &standing(-0.5)), None, "that is farther");
     }
 

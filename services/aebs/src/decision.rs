@@ -246,7 +246,7 @@ impl Decision {
             let in_s = if inward_mps > 0.0 { (offset_m - reach_m) / inward_mps } else { 0.0 };
             let wanders = (1.0 - h.rate_mps.abs() / WANDERING_MPS).max(0.0);
             let goes_on = libm::exp(-CEASES * wanders * in_s.max(0.0));
-            let probability = h.probability * touches * goes_on;
+            let probability = object.probability * h.probability * touches * goes_on;
             let closing_mps = beside.closing_mps(in_s);
             contact.probability += probability;
             contact.loss += probability * (1.0 + closing_mps.abs() / SEVERE_MPS);

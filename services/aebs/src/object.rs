@@ -38,6 +38,8 @@ pub struct Object {
     pub length_m: f64,
     /// It counts.
     pub is_confirmed: bool,
+    /// How probable it is that it is there.
+    pub probability: f64,
     /// The side on which its face is behind a nearer object, 1 left, -1 right, or 0: neither.
     pub(crate) hidden_side: f64,
     /// Scans in which it was seen.
@@ -66,6 +68,7 @@ impl Object {
             half_width_m,
             length_m: LEAST_LENGTH_M,
             is_confirmed: true,
+            probability: 1.0,
             hidden_side: 0.0,
             scans: 1,
             history: u32::MAX,
@@ -103,9 +106,12 @@ impl Object {
         surely_m > 0.0 && off_m < surely_m * view_tangent
     }
 
-    /// The side on which `nearer` hides its face, 1 left, -1 right: where the line to one of its corners passes
-    /// through `nearer`, and to the other does not; or the outer one, where both do or only that to its middle, or
-    /// where it goes on as the side of `nearer` ends: a long vehicle comes out as several. 0: it hides neither.
+    /// The side on which `nearer` hides its face, 1 left, -1 right, or 0: neither.
+    ///
+    /// That is the outer side where the line to its middle passes through `nearer`, or where it goes on as the side of
+    /// `nearer` ends: a long vehicle comes out as several. Otherwise it is the side of the one corner to which the line
+    /// passes through `nearer`, of an object that is in the ego's path already: one beside the path that seems
+    /// to reach behind what is in it may as well be seen as a whole.
     pub(crate) fn side_hidden_by(&self, nearer: &Self) -> f64 {
         let middle_m = self.lateral.position_m;
         let end_m = nearer.distance_m + nearer.length_m;
@@ -115,18 +121,14 @@ impl Object {
         let goes_on = self.distance_m - end_m < PLACES_M
             && (middle_m - nearer.lateral.position_m).abs() < 2.0 * nearer.half_width_m
             && (self.speed_mps - nearer.speed_mps).abs() < STANDING_MPS;
-        let outer = self.shown_side().map_or(0.0, |(side, _)| side);
-        if goes_on {
-            return outer;
+        if goes_on || nearer.hides(self.distance_m, middle_m) {
+            return self.shown_side().map_or(0.0, |(side, _)| side);
         }
-        let [left, middle, right] =
-            [SIDE_M, 0.0, -SIDE_M].map(|off_m| nearer.hides(self.distance_m, middle_m + off_m));
-        match (left, right) {
-            (true, false) => 1.0,
-            (false, true) => -1.0,
-            _ if middle => outer,
-            _ => 0.0,
+        if middle_m.abs() > self.half_width_m + HALF_WIDTH_M {
+            return 0.0;
         }
+        let is_hidden = |side: f64| nearer.hides(self.distance_m, middle_m + side * SIDE_M);
+        f64::from(is_hidden(1.0)) - f64::from(is_hidden(-1.0))
     }
 
     /// True if the straight line to a place passes through it.
@@ -177,6 +179,7 @@ impl Object {
             half_width_m: HALF_WIDTH_M,
             length_m: LEAST_LENGTH_M,
             is_confirmed: false,
+            probability: 1.0,
             hidden_side: 0.0,
             scans: 0,
             history: 0,

@@ -18,9 +18,10 @@
 //! side are apart from one another in range, and as exact as the radar's azimuth: a vehicle beside the path
 //! is located by the side that it shows.
 //!
-//! Where a nearer object stands before one side of its face, only the other shows: its middle is up to half a width
-//! farther to the hidden side than what is seen. Of a vehicle longer than [`REACH_M`] what is farther along its side
-//! comes out as objects of their own; there the hidden side is the outer one.
+//! Where a nearer object stands before its face, only one side of it shows: of an object beside the path the inner
+//! one, of one in the path that whose corner is free. Its middle is up to half a width farther to the other side than
+//! what is seen. Of a vehicle longer than [`REACH_M`] what is farther along its side comes out as objects of their own,
+//! of which the inner side is seen.
 //!
 //! An object counts once it was seen in three of four scans; one that stands, in four of five, and not
 //! beyond the neighbouring lanes: what stands beside the road is left out.
