@@ -71,18 +71,22 @@ fn main() -> ExitCode {
             found.iter().filter(|(.., verdict)| holds(verdict)).count()
         };
         println!(
-            "{kind:?}: {} scenes, {} with interventions, {} collisions, {} avoidable, {} with false targets",
+            "{kind:?}: {} scenes, {} with interventions, {} collisions, {} avoidable, {} with false targets, \
+             {} with braking",
             found.len(),
             count(|verdict| verdict.interventions > 0),
             count(|verdict| verdict.collided),
             count(|verdict| verdict.avoidable),
             count(|verdict| verdict.false_targets > 0),
+            count(|verdict| verdict.brakes),
         );
         for (number, law, verdict) in &found {
-            let wrong = if kind == Kind::BrakingLead {
-                verdict.avoidable
-            } else {
-                verdict.collided || verdict.interventions > 0
+            let wrong = match kind {
+                Kind::BrakingLead => verdict.avoidable,
+                Kind::CutOut => verdict.collided,
+                Kind::CutIn | Kind::Stop | Kind::Pass | Kind::Queue | Kind::LedQueue => {
+                    verdict.collided || verdict.interventions > 0
+                }
             };
             if wrong {
                 println!("  {number} with {law}: {verdict:?}");

@@ -7,9 +7,13 @@
 //! | [`Kind::Stop`] | a lead brakes to standstill with 0.5 to 2.5 m/s², waits and moves off |
 //! | [`Kind::Pass`] | slower vehicles in both neighbouring lanes wander in theirs and are passed |
 //! | [`Kind::Queue`] | vehicles that stand or crawl beside an empty lane, in a column or in pairs abreast |
+//! | [`Kind::LedQueue`] | the same behind a lead that drives past them |
+//! | [`Kind::CutOut`] | after settled following a lead leaves before a vehicle that stands or is slow, 1 to 3 s before it would be there |
 //! | [`Kind::BrakingLead`] | after settled following a lead brakes with 3 to 9 m/s² |
 //!
 //! A scene is a function of its kind and its number alone.
+
+mod beyond;
 
 use std::fmt::Write;
 
@@ -30,6 +34,8 @@ const SETTLE_S: f64 = 20.0;
 const REACTION_S: f64 = 0.35;
 /// Deceleration of the yardstick with the emergency brake, m/s².
 const YARDSTICK_MPS2: f64 = 6.0;
+/// Braking that is not comfortable, m/s².
+const BRAKES_MPS2: f64 = 2.0;
 
 /// A kind of scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, clap::ValueEnum)]
@@ -44,6 +50,10 @@ pub enum Kind {
     BrakingLead,
     /// Queues in the neighbouring lanes.
     Queue,
+    /// Queues in the neighbouring lanes, behind a lead.
+    LedQueue,
+    /// A lead that leaves before a standing or slow vehicle.
+    CutOut,
 }
 
 /// What came of a scene.
@@ -58,6 +68,8 @@ pub struct Verdict {
     pub interventions: u64,
     /// Times that the ego's target was no vehicle in its path, where the radar is judged.
     pub false_targets: u64,
+    /// The ego slowed down with more than 2 m/s².
+    pub brakes: bool,
 }
 
 /// The draws of one scene.
@@ -85,7 +97,9 @@ impl Kind {
             Self::Stop => stop(&mut draws),
             Self::Pass => pass(&mut draws),
             Self::BrakingLead => braking_lead(&mut draws),
-            Self::Queue => queue(&mut draws),
+            Self::Queue => queue_of(&mut draws, 8),
+            Self::LedQueue => beyond::led_queue(&mut draws),
+            Self::CutOut => beyond::cut_out(&mut draws),
         };
         let text = format!(
             "schema_version = 1\nname = \"everyday\"\nduration_s = {duration_s}\nseed = {number}\n\
@@ -113,6 +127,7 @@ impl Kind {
             collided,
             avoidable,
             interventions: summary.aebs.interventions.unwrap_or(0),
+            brakes: group.drive.steps.iter().any(|step| step.acceleration_mps2 < -BRAKES_MPS2),
             false_targets: summary.perception.map_or(0, |perception| perception.false_targets),
         })
     }
@@ -181,9 +196,9 @@ fn pass(draws: &mut Draws) -> Scene {
     (speed_mps, speed_mps, 20.0, actors)
 }
 
-/// Eight vehicles, cars and lorries, at one speed: in a column on one side, in turn left and right, or in
+/// Vehicles, cars and lorries, at one speed: in a column on one side, in turn left and right, or in
 /// pairs exactly abreast.
-fn queue(draws: &mut Draws) -> Scene {
+fn queue_of(draws: &mut Draws, count: u32) -> Scene {
     let speed_mps = draws.between(8.0, 36.0);
     let crawling = draws.between(0.0, 1.0) < 0.5;
     let other_mps = if crawling { draws.between(1.0, 0.4 * speed_mps) } else { 0.0 };
@@ -192,7 +207,7 @@ fn queue(draws: &mut Draws) -> Scene {
     let room_m = draws.between(4.0, 40.0);
     let (mut gap_m, mut duration_s) = (120.0, 10.0);
     let mut actors = String::new();
-    for number in 0..8 {
+    for number in 0..count {
         let lorry = draws.between(0.0, 1.0) < 0.3;
         let length_m = if lorry { draws.between(8.0, 18.0) } else { 4.5 };
         let lateral_m = if in_turn && number % 2 == 1 { -side * lane_m } else { side * lane_m };
@@ -294,10 +309,11 @@ fn avoids(drive: &Drive, yardstick: &Yardstick) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use clap::ValueEnum;
 
     #[test]
     fn every_scene_is_a_scenario_and_a_function_of_its_number() {
-        for kind in [Kind::CutIn, Kind::Stop, Kind::Pass, Kind::BrakingLead, Kind::Queue] {
+        for &kind in Kind::value_variants() {
             for number in 0..200 {
                 let scene = |number| {
                     kind.scenario(number, "acc-mpc", true).unwrap_or_else(|error| panic!("{error}"))
