@@ -51,7 +51,7 @@ fn main() {
                 elapsed_ms
             })
             .collect();
-        print(&format!("{}: the bound, 600 nodes", preset.name()), &mut times_ms);
+        print(&format!("{}: full-route plan, 600 nodes", preset.name()), &mut times_ms);
     }
 }
 

@@ -24,7 +24,7 @@
 //! | accelerations, brakes | (17), (18) | `following` |
 //! | radar filter | | `target_filter` |
 //! | a car under this law | | `car_safety` |
-//! | whole trips, baselines, the bound | the tables | [`route`] |
+//! | whole trips, baselines, the full-route plan | the tables | [`route`] |
 
 mod beyond;
 mod car_safety;

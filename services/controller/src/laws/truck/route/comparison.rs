@@ -11,7 +11,7 @@ const MEAN_SPEEDS: (f64, f64) = (0.97, 1.07);
 const TIME_PRICES: (f64, f64) = (0.9, 2.4);
 /// Range of a driver's aim over the set speed.
 const AIMS: (f64, f64) = (0.9, 1.12);
-/// Nodes of the bound.
+/// Nodes of the full-route plan.
 const BOUND_NODES: usize = 300;
 
 /// A truck, a road and the trip at constant speed.
