@@ -8,38 +8,31 @@
 //!
 //! With that probability the first is an object where it will stand.
 
-use crate::filter::Lateral;
-use crate::object::{HALF_WIDTH_M, Object};
+use crate::decision::Path;
+use crate::filter::{Lateral, overlap};
+use crate::object::Object;
 
 /// Slower than this above the other's speed it is no collision, m/s.
 const LEAST_CLOSING_MPS: f64 = 2.0;
 /// A collision that is less probable than this is left out.
 const LEAST_PROBABILITY: f64 = 0.05;
-/// A rate of the filter's row stands for those around it, with this standard deviation, m/s.
-const RATE_SIGMA_MPS: f64 = 0.055;
-/// Longest time over which a lateral motion is carried on, s.
-const HORIZON_S: f64 = 3.0;
-/// Least standard deviation of the distance between two middles across the lanes, m.
-const LEAST_SIGMA_M: f64 = 1e-3;
 
-/// `first` as it will be where it hits `second`; `None` if it will not, or not in the ego's path.
+/// `first` as it will be where it hits `second`; `None` if it will not, or not in the ego's `path`.
 #[must_use]
-pub(crate) fn where_it_stands(first: &Object, second: &Object) -> Option<Object> {
+pub(crate) fn where_it_stands(first: &Object, second: &Object, path: Path) -> Option<Object> {
     let time_s = time_to_contact_s(first, second)?;
-    if second.lateral.position_m.abs() > second.half_width_m + HALF_WIDTH_M {
+    if second.lateral.position_m.abs() > second.half_width_m + path.half_width_m {
         return None;
     }
     let reach_m = first.half_width_m + second.half_width_m;
     let second_sigma_m = second.lateral.position_sigma_m();
-    let carried_s = time_s.min(HORIZON_S);
+    let carried_s = time_s.min(path.horizon_s);
     let (mut probability, mut moment_m) = (0.0, 0.0);
     for h in first.lateral.hypotheses() {
         let position_m = h.position_m + h.rate_mps * carried_s;
-        let spread_m = RATE_SIGMA_MPS * carried_s;
-        let sigma_m = libm::hypot(libm::hypot(h.sigma_m, spread_m), second_sigma_m);
         let off_m = (position_m - second.lateral.position_m).abs();
-        let deviates = (reach_m - off_m) / sigma_m.max(LEAST_SIGMA_M);
-        let touches = 0.5 * libm::erfc(-deviates * std::f64::consts::FRAC_1_SQRT_2);
+        let sigma_m = libm::hypot(h.sigma_after_m(carried_s), second_sigma_m);
+        let touches = overlap(reach_m, off_m, sigma_m);
         probability += h.probability * touches;
         moment_m += h.probability * touches * position_m;
     }
@@ -69,6 +62,19 @@ fn time_to_contact_s(first: &Object, second: &Object) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const PATH: Path = Path { half_width_m: 0.95, horizon_s: 3.0 };
+
+    fn where_it_stands(first: &Object, second: &Object) -> Option<Object> {
+        super::where_it_stands(first, second, PATH)
+    }
+
+    #[test]
+    fn a_lateral_motion_is_carried_on_as_far_as_the_path_says() {
+        // Out of the way after 2 s with 1 m/s, not after 0.5 s.
+        let short = Path { horizon_s: 0.5, ..PATH };
+        assert!(super::where_it_stands(&lead(0.5, 1.0), &standing(0.0), short).is_some());
+    }
 
     /// A lead at 20 m with 25 m/s, and what stands 50 m before it.
     fn lead(offset_m: f64, lateral_mps: f64) -> Object {

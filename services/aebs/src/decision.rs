@@ -16,6 +16,7 @@
 //! before the last point, so that their braking keeps this system silent. Source of the order of warning and
 //! braking: UN R152, paragraphs 5.2.1 and 6.4.
 
+use crate::filter::overlap;
 use crate::object::Object;
 use crate::prediction::{Authority, Beside, Ego, Plan, Threat};
 use messages::BrakeState;
@@ -45,14 +46,10 @@ const CLEAR: f64 = 0.1;
 const NONE: f64 = 0.01;
 /// The loss of a contact at this speed difference is twice that of the lightest one, m/s.
 const SEVERE_MPS: f64 = 60.0;
-/// A rate of the filter's row stands for those around it, with this standard deviation, m/s.
-const RATE_SIGMA_MPS: f64 = 0.055;
 /// Lateral motion slower than this may be wandering within the lane, m/s.
 const WANDERING_MPS: f64 = 0.8;
 /// The slower it is, the sooner it ceases: rate of that at standstill, 1/s.
 const CEASES: f64 = 0.6;
-/// Least standard deviation of a position, m.
-const LEAST_SIGMA_M: f64 = 1e-3;
 /// Something leaves once its middle is this far off the ego's axis, m.
 const LEAVING_OFFSET_M: f64 = 0.8;
 
@@ -126,6 +123,12 @@ impl Decision {
     #[must_use]
     pub fn new(settings: Settings) -> Self {
         Self { settings, state: BrakeState::Monitoring, waited_s: 0.0 }
+    }
+
+    /// The ego's swept path.
+    #[must_use]
+    pub fn path(&self) -> Path {
+        self.settings.path
     }
 
     /// Takes the objects as they are now, once in each period.
@@ -239,10 +242,7 @@ impl Decision {
                 false if offset_m > LEAVING_OFFSET_M => offset_m - moved_m,
                 false => offset_m,
             };
-            let spread_m = RATE_SIGMA_MPS * time_s.min(horizon_s);
-            let sigma_m = libm::hypot(h.sigma_m, spread_m).max(LEAST_SIGMA_M);
-            let deviates = (reach_m - then_m) / sigma_m;
-            let touches = 0.5 * libm::erfc(-deviates * std::f64::consts::FRAC_1_SQRT_2);
+            let touches = overlap(reach_m, then_m, h.sigma_after_m(time_s.min(horizon_s)));
             let in_s = if inward_mps > 0.0 { (offset_m - reach_m) / inward_mps } else { 0.0 };
             let wanders = (1.0 - h.rate_mps.abs() / WANDERING_MPS).max(0.0);
             let goes_on = libm::exp(-CEASES * wanders * in_s.max(0.0));

@@ -42,6 +42,10 @@ const MOST_VARY: f64 = 0.3;
 const KNOWN_M2: f64 = 1e-4;
 /// Least probability of a state.
 const LEAST: f64 = 1e-9;
+/// A rate of the row stands for those around it, with this standard deviation, m/s.
+const RATE_SIGMA_MPS: f64 = 0.055;
+/// Least standard deviation of a distance across the lanes, m.
+const LEAST_SIGMA_M: f64 = 1e-3;
 
 /// What is known of one state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -72,6 +76,20 @@ pub struct Hypothesis {
     pub position_m: f64,
     /// Standard deviation of the position, m.
     pub sigma_m: f64,
+}
+
+impl Hypothesis {
+    /// Standard deviation of the position when the rate was carried on for `time_s`, m.
+    pub(crate) fn sigma_after_m(&self, time_s: f64) -> f64 {
+        libm::hypot(self.sigma_m, RATE_SIGMA_MPS * time_s)
+    }
+}
+
+/// Probability that two overlap whose half widths are `reach_m` together and whose middles are `off_m` apart, with
+/// a standard deviation of `sigma_m`.
+pub(crate) fn overlap(reach_m: f64, off_m: f64, sigma_m: f64) -> f64 {
+    let deviates = (reach_m - off_m) / sigma_m.max(LEAST_SIGMA_M);
+    0.5 * libm::erfc(-deviates * std::f64::consts::FRAC_1_SQRT_2)
 }
 
 /// The rate of a state, m/s.

@@ -5,7 +5,7 @@ use crate::filter::Lateral;
 /// Below this speed over ground an object stands, m/s.
 pub(crate) const STANDING_MPS: f64 = 1.0;
 /// Half of the width that is assumed of every vehicle, m.
-pub(crate) const HALF_WIDTH_M: f64 = 0.95;
+const HALF_WIDTH_M: f64 = 0.95;
 /// Length of an object of which only the face was seen, m.
 const LEAST_LENGTH_M: f64 = 4.3;
 /// What is behind the farthest point that reflects, m.

@@ -27,6 +27,7 @@
 //! beyond the neighbouring lanes: what stands beside the road is left out.
 
 use crate::collision_ahead::where_it_stands;
+use crate::decision::Path;
 use crate::object::Object;
 use crate::point::Point;
 use crate::sighting::{Sums, correct};
@@ -70,10 +71,12 @@ impl Objects {
         self.list.iter().filter(|object| object.is_confirmed)
     }
 
-    /// Those, and each that is about to hit another one ([`mod@crate::collision_ahead`]) as it will stand there.
-    pub fn threats(&self) -> impl Iterator<Item = Object> {
-        let hits =
-            |first| self.confirmed().filter_map(move |second| where_it_stands(first, second));
+    /// Those, and each that is about to hit another one in the ego's `path` ([`mod@crate::collision_ahead`]) as it
+    /// will stand there.
+    pub fn threats(&self, path: Path) -> impl Iterator<Item = Object> {
+        let hits = move |first| {
+            self.confirmed().filter_map(move |second| where_it_stands(first, second, path))
+        };
         self.confirmed().copied().chain(self.confirmed().flat_map(hits))
     }
 

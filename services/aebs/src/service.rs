@@ -156,7 +156,8 @@ impl Aebs {
         let speed_mps = ego.speed_mps;
         self.objects.take_scan(scanned_ns, scan.ego_speed_mps, scan.detections());
         let mean_mps = 0.5 * (scan.ego_speed_mps + speed_mps);
-        let now = self.objects.threats().map(|object| object.moved_on(age_s, mean_mps));
+        let threats = self.objects.threats(self.decision.path());
+        let now = threats.map(|object| object.moved_on(age_s, mean_mps));
         Some(self.decision.step(&ego, now))
     }
 

@@ -178,7 +178,7 @@ pub(crate) fn correct(object: &mut Object, sums: &Sums, period_s: f64, shows_its
         let gain = if first { 1.0 } else { DISTANCE_GAIN };
         object.distance_m += gain * (face_m - object.distance_m);
     }
-    // Of a face behind another object the inner part is seen, or what is farther along that one's side.
+    // Of a face that another object half hides the other side is seen, or what is farther along that one's side.
     let hidden_side = if first { 0.0 } else { object.hidden_side };
     let shows_its_face = first || shows_its_face;
     if let Some((middle_m, variance_m2)) =

@@ -173,7 +173,7 @@ fn instants(scenario: &Scenario, drive: &Drive) -> Instants {
         let found = objects.confirmed().any(|object| is_it(object.distance_m, object.speed_mps));
         note(&mut instants.object_s, found);
         let own = OwnMotion { speed_mps, acceleration_mps2 };
-        let demand = decision.step(&own, objects.threats());
+        let demand = decision.step(&own, objects.threats(decision.path()));
         note(&mut instants.aebs_s, demand.deceleration_mps2 > 0.0);
     }
     instants

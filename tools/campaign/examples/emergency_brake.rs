@@ -354,7 +354,7 @@ impl Brakes for Aebs {
             let received = radar.scan(&scene, &mut self.detections);
             let detections = &self.detections[..received.count];
             self.objects.take_scan(time_ns, view.ego.speed_mps, detections);
-            self.decision.step(&ego, self.objects.threats())
+            self.decision.step(&ego, self.objects.threats(self.decision.path()))
         } else {
             let other = &view.other;
             let inside = view.gap_m() > 0.0;

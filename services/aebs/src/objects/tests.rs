@@ -171,7 +171,8 @@ fn what_is_half_hidden_by_a_leaving_lead_is_in_the_middle_of_the_path() {
     let object = objects.confirmed().find(|object| object.stands()).expect("it is seen");
     // Only its right corner and its middle were.
     assert!(object.lateral.position_m.abs() < 0.4, "{object:?}");
-    let stands = objects.threats().filter(Object::stands).count();
+    let path = Path { half_width_m: 0.95, horizon_s: 3.0 };
+    let stands = objects.threats(path).filter(Object::stands).count();
     assert_eq!(stands, 2, "and the lead will stand before it");
 }
 
