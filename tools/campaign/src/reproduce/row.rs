@@ -85,9 +85,18 @@ pub const EXACT: Tolerance = within(0.0, "exact");
 pub struct Row {
     /// Scenario and figure, joined by dots.
     pub id: String,
+    /// Variant of law, scene and weights that the row belongs to; empty where there is only one.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub set: String,
     /// Set of weights, where there are several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub weights: Option<String>,
+    /// Sentence, figure or equation of the paper behind the expected value, shortened.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub source: Option<&'static str>,
+    /// Inferred value that the row depends on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inferred: Option<&'static str>,
     /// Source of the expected value.
     pub kind: Kind,
     /// Unit of the numbers.
@@ -157,7 +166,10 @@ impl Row {
     ) -> Self {
         Self {
             id: id.into(),
+            set: String::new(),
             weights: None,
+            source: None,
+            inferred: None,
             kind,
             unit,
             paper: None,
@@ -185,7 +197,10 @@ impl Row {
         };
         Self {
             id: id.into(),
+            set: String::new(),
             weights: None,
+            source: None,
+            inferred: None,
             kind,
             unit,
             paper: (kind == Kind::Paper).then_some(value),
@@ -202,6 +217,21 @@ impl Row {
     /// The same row with what a number cannot say.
     pub fn with_note(self, note: &'static str) -> Self {
         Self { note: Some(note), ..self }
+    }
+
+    /// The same row with the sentence, figure or equation of the paper behind it.
+    pub fn from_source(self, source: &'static str) -> Self {
+        Self { source: Some(source), ..self }
+    }
+
+    /// The same row in a set: a variant of law, scene and weights.
+    pub fn in_set(self, set: &str) -> Self {
+        Self { set: set.into(), ..self }
+    }
+
+    /// The same row with the inferred value that it depends on.
+    pub fn depending_on(self, inferred: &'static str) -> Self {
+        Self { inferred: Some(inferred), ..self }
     }
 
     /// Result of the comparison.
@@ -249,7 +279,10 @@ pub fn tally(rows: &[Row]) -> String {
 /// The rows as a table.
 pub fn table(name: &str, rows: &[Row]) -> String {
     let mut text = format!("{name}: {} within their tolerance\n", tally(rows));
-    for rows in rows.chunk_by(|a, b| a.weights == b.weights) {
+    for rows in rows.chunk_by(|a, b| (&a.set, &a.weights) == (&b.set, &b.weights)) {
+        if !rows[0].set.is_empty() {
+            text.push_str(&format!("  {}\n", rows[0].set));
+        }
         if let Some(weights) = &rows[0].weights {
             text.push_str(&format!("  weights: {weights}\n"));
         }
