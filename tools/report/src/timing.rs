@@ -67,14 +67,9 @@ pub fn distributions(title: &str, drawn: &[Distribution<'_>]) -> Option<Plot> {
 fn cumulative(title: &str, count: u64, drawn: Vec<Curve>) -> Option<Plot> {
     let x = Axis::durations("latency", drawn.iter().flat_map(|c| &c.points).map(|p| p.0));
     (!drawn.is_empty()).then(|| Plot {
-        title: title.to_owned(),
-        x,
         y: Axis::percentiles("share of the samples at or below", count),
         height: 320.0,
-        strips: Vec::new(),
-        curves: drawn,
-        marks: Vec::new(),
-        more_keys: Vec::new(),
+        ..Plot::over(title, x, "", drawn)
     })
 }
 

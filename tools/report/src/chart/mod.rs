@@ -21,7 +21,7 @@ mod svg;
 pub use axis::{Axis, number};
 pub use bands::{Bands, Row, Span};
 pub use cells::{Cells, Edges, FilledCell};
-pub use plot::{Curve, Plot, Strip};
+pub use plot::{Curve, Plot, Point, Strip};
 pub use ribbons::{Ribbon, Ribbons, SHADES};
 
 /// What a picture is drawn for.

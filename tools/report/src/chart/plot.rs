@@ -73,6 +73,17 @@ pub struct Strip {
     pub spans: Vec<(f64, f64, Tone)>,
 }
 
+/// A labelled point: a value that a paper prints.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// Value on the horizontal axis.
+    pub x: f64,
+    /// Value on the vertical axis.
+    pub y: f64,
+    /// Name and value, for the reader.
+    pub label: String,
+}
+
 /// Curves over two axes.
 #[derive(Clone, Debug)]
 pub struct Plot {
@@ -88,6 +99,8 @@ pub struct Plot {
     pub strips: Vec<Strip>,
     /// The curves; of those with the same stroke the first is on top.
     pub curves: Vec<Curve>,
+    /// Labelled points, on top of the curves.
+    pub points: Vec<Point>,
     /// Marked places on the horizontal axis.
     pub marks: Vec<Mark>,
     /// Entries of the legend beside the curves'.
@@ -114,6 +127,7 @@ impl Plot {
             height: 180.0,
             strips: Vec::new(),
             curves,
+            points: Vec::new(),
             marks: Vec::new(),
             more_keys: Vec::new(),
         }
@@ -122,6 +136,13 @@ impl Plot {
     /// The same with the run's marks.
     pub fn marked(self, marks: &[Mark]) -> Self {
         Self { marks: marks.to_vec(), ..self }
+    }
+
+    /// The same with labelled points; the vertical axis holds them too.
+    pub fn with_points(self, points: Vec<Point>) -> Self {
+        let curves = self.curves.iter().flat_map(|curve| &curve.points).map(|point| point.1);
+        let y = Axis::holding(&self.y.label, curves.chain(points.iter().map(|point| point.y)));
+        Self { y, points, ..self }
     }
 }
 
@@ -173,6 +194,10 @@ impl Picture for Plot {
             let (tone, stroke) = (curve.tone.class(), curve.stroke.class());
             let class = format!("line {tone} {stroke}{wider}{thin}");
             svg.curve(&class, &decimate(places));
+        }
+        for point in &self.points {
+            let (x, y) = (area.x(self.x.share(point.x)), area.y(self.y.share(point.y)));
+            svg.ring((x, y), &point.label);
         }
         badges(&mut svg, &self.marks, |x| area.x(self.x.share(x)), 10.0);
         svg.finish()
@@ -307,6 +332,14 @@ mod tests {
         let svg = plot(Vec::new()).svg(Width::Narrow);
         assert!(svg.contains("m/s") && svg.contains("time, s") && !svg.contains("NaN"), "{svg}");
         assert!(plot(Vec::new()).keys().is_empty(), "nothing drawn, nothing explained");
+    }
+
+    #[test]
+    fn a_point_widens_the_axis_and_is_drawn() {
+        let points = vec![Point { x: 5.0, y: 30.0, label: "printed: 30".into() }];
+        let plot = plot(vec![(0.0, 1.0), (10.0, 2.0)]).with_points(points);
+        assert!(plot.y.share(30.0) <= 1.0, "{:?}", plot.y);
+        assert!(plot.svg(Width::Wide).contains("<title>printed: 30</title>"));
     }
 
     #[test]

@@ -102,6 +102,16 @@ impl Svg {
         ));
     }
 
+    /// A ring with a tooltip.
+    pub fn ring(&mut self, at: (f64, f64), title: &str) {
+        self.add(format_args!(
+            "<circle class=\"ring\" cx=\"{:.1}\" cy=\"{:.1}\" r=\"4\"><title>{}</title></circle>",
+            at.0,
+            at.1,
+            escape(title)
+        ));
+    }
+
     /// A numbered disc.
     pub fn badge(&mut self, at: (f64, f64), number: usize) {
         self.add(format_args!(
