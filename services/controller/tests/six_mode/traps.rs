@@ -4,6 +4,7 @@
 
 use super::plant::{Actor, DT, advance_ego, ask, input};
 use controller::law::{Ego, Input, Output, Target};
+use controller::laws::six_mode::deceleration::border_m;
 use controller::laws::six_mode::{Boundaries, Mode, Parameters, SIX_MODE, SixMode, Spacing};
 
 const PERIOD: f64 = 0.1;
@@ -97,9 +98,9 @@ fn trap_3_approach_without_bound_before_the_gentlest_level() {
     let p = cured();
     let edge = Boundaries::robust(&p, 25.0, -8.0).warning_m;
     let demand = |law: &mut SixMode, gap: f64| ask(law, &seen(25.0, gap, -8.0)).figures[6];
-    // Just above R_w the literal law brakes fully, just below it with 0.5 m/s².
+    // Just above R_w the literal law brakes fully, just below it with the gentlest level of region 2.
     assert_eq!(demand(&mut literal(), edge + 0.05), -p.braking_mps2);
-    assert_eq!(demand(&mut literal(), edge - 0.05), -0.5);
+    assert_eq!(demand(&mut literal(), edge - 0.05), -1.25);
     assert_eq!(demand(&mut robust(), edge + 0.05), -1.0);
     assert_eq!(demand(&mut robust(), edge - 0.05), -0.5);
 }
@@ -210,10 +211,11 @@ fn the_output_names_mode_reason_and_boundaries() {
 /// The decelerate mode's output is the mean of the last four demands.
 #[test]
 fn decelerate_averages_four_samples() {
+    let p = Parameters::literal();
     let mut law = literal();
-    let b = Boundaries::literal(&Parameters::literal(), 20.0, -1.0);
-    let gap = |band: f64| b.warning_m - (band + 0.5) / 8.0 * (b.warning_m - b.braking_m);
-    let outputs = feed(&mut law, [0.0, 2.0, 4.0, 6.0, 7.0].map(|i| seen(20.0, gap(i), -1.0)));
+    let b = Boundaries::literal(&p, 20.0, -1.0);
+    let gap = |part: usize| 0.5 * (border_m(&p, -1.0, &b, part) + border_m(&p, -1.0, &b, part + 1));
+    let outputs = feed(&mut law, [2, 4, 6, 7, 7].map(|part| seen(20.0, gap(part), -1.0)));
     let requests: Vec<f64> = outputs.iter().map(Output::request_mps2).collect();
-    assert_eq!(requests, [-0.5, -0.875, -4.0 / 3.0, -1.8125, -2.625]);
+    assert_eq!(requests, [-1.25, -1.75, -6.75 / 3.0, -2.625, -3.25]);
 }

@@ -62,19 +62,22 @@ impl Boundaries {
     }
 }
 
-/// R_x, a fit over speed in km/h; continuous at 80 km/h.
+/// R_x, the paper's fit of its table 1 over speed in km/h; continuous at 80 km/h. The table says 70 m at 60 km/h, the
+/// printed fit gives 75 m. Eq (5) lost its sign of comparison above 80 km/h.
 fn desired(speed: f64) -> f64 {
     let kmh = 3.6 * speed;
     if kmh < 80.0 { 1.25 * kmh } else { 2.5 * kmh - 100.0 }
 }
 
-/// What eq (1) adds to R_x while closing; nothing while opening, eq (5).
+/// What eq (1) adds to R_x while closing; nothing while opening, eq (5). Printed is `t1 V_a`, a speed that the paper
+/// does not define: |V_r| is the way closed in t1, and alone is continuous with eq (5) at V_r = 0.
 fn closing_allowance(p: &Parameters, relative: f64) -> f64 {
     let closing = (-relative).max(0.0);
     closing * closing / (2.0 * p.warning_deceleration_mps2) + p.reaction_time_s * closing
 }
 
-/// R_b: both brake to a stop, eqs (2) and (3); or the ego has stopped first, eq (4).
+/// R_b: both brake to a stop, eqs (2) and (3); or the ego has stopped first, eq (4). Eq (3) lost the square of its
+/// third term, which is that of eq (2). Eq (4) adds `a_p t_h²/2` to the way of a target that brakes: it is subtracted.
 fn braking(p: &Parameters, speed: f64, relative: f64) -> f64 {
     let lead = (speed + relative).max(0.0);
     let ego_stop_s = speed / p.braking_mps2 + p.reaction_time_s;
@@ -88,7 +91,7 @@ fn braking(p: &Parameters, speed: f64, relative: f64) -> f64 {
     ego_way - lead_way + p.standstill_gap_m
 }
 
-/// R_j, eq (6): empirical, with a pole at V_r = -2 m/s.
+/// R_j, eq (6) as printed: empirical, with a pole at V_r = -2 m/s. V_r/18 × 90 is 5 V_r, V_h/21 × 90 is 30/7 V_h.
 fn following(p: &Parameters, speed: f64, relative: f64) -> f64 {
     5.0 * relative
         + 30.0 / 7.0 * speed

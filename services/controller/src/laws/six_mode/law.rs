@@ -2,6 +2,7 @@
 
 use super::avoid::{self, LAG_S};
 use super::boundaries::Boundaries;
+use super::deceleration::{LEVELS_MPS2, PARTS};
 use super::filter::TargetFilter;
 use super::modes::{self, Mode, Reason, Situation};
 use super::parameters::{Parameters, Spacing, Variant};
@@ -289,8 +290,8 @@ impl Law for SixMode {
     }
 
     fn request_bounds_mps2(&self) -> (f64, f64) {
-        let least = requests::LEVELS[requests::LEVELS.len() - 1];
-        (least.min(-self.parameters.braking_mps2), self.parameters.acceleration_mps2)
+        let least = LEVELS_MPS2[PARTS - 1];
+        (least.min(-self.parameters.braking_mps2), self.parameters.largest_mps2())
     }
 }
 

@@ -1,7 +1,7 @@
 //! Six-mode switching cruise control (`six-mode`).
 //!
-//! Wang, Liu, Zhang, Tong: "A multi-mode adaptive cruise control strategy", 2014,
-//! doi 10.3963/j.issn 1674-4861.2014.04.026. Boundaries in gap and relative speed divide driving
+//! Wang, Liu, Zhang, Tong: "Simulation Test of a New Six-mode Switching Controller for Enhanced Adapt
+//! Cruise Control", 2014, doi 10.3963/j.issn 1674-4861.2014.04.026. Boundaries in gap and relative speed divide driving
 //! into six modes; each mode has a simple law of its own. With V_h and V_p the speeds of ego and
 //! target, V_r = V_p - V_h and R the gap:
 //!
@@ -9,8 +9,8 @@
 //! | --- | --- | --- | --- |
 //! | 1 cruise | no target in range | no target in range | (7): 1, or k1 (V_set - V_h) near V_set |
 //! | 2 approach | R >= R_w, closing at k or more | | (8): -V_r²/(2 (R - R_w)) |
-//! | 3 steady | R >= R_w, closing below k | R_w <= R < R_j | (9), (10): -0.1, 0.4, or k3 V_r |
-//! | 4 decelerate | R_b < R < R_w | R_b < R < R_w | eight levels, -0.5 to -3.75, mean of four |
+//! | 3 steady | R >= R_w, closing below k | R_w <= R < R_j | -0.1 in place of (9), 0.4, or (10): k3 V_r |
+//! | 4 decelerate | R_b < R < R_w | R_b < R < R_w | eight levels, -0.5 to -3.75, mean of four ([`deceleration`]) |
 //! | 5 avoid | R <= R_b | R <= R_b | -a_h; [`Spacing::TimeGap`]: as hard as needed |
 //! | 6 accelerate | | R >= R_j | 1 |
 //!
@@ -34,9 +34,16 @@
 //!
 //! # Two variants
 //!
-//! [`Variant::Literal`] is the paper, corrected only where the print is impossible (a lost square,
-//! a lost minus, a sign, an undefined symbol); its requests are clamped to the law's bounds and
-//! nothing else is added. [`Variant::Robust`], the default, cures what makes it undrivable:
+//! [`Variant::Literal`] is the paper, corrected only where the print is impossible:
+//!
+//! | printed | repaired in |
+//! | --- | --- |
+//! | (1) `t1 V_a`, an undefined symbol; (3) without its square; (4) with the wrong sign; (5) without `>=` | `boundaries.rs` |
+//! | (7) `V_r` for the set speed's error; (8) without its minus; (9) without its k2 | `requests.rs` |
+//! | figure 3 without the borders between its regions | `deceleration.rs` |
+//!
+//! Its requests are clamped to the law's bounds and nothing else is added. The mean of four takes the demands of the
+//! last four cycles, in whatever mode: the paper says "the three computed before". [`Variant::Robust`], the default, cures what makes it undrivable:
 //!
 //! | trap of the literal law | cure |
 //! | --- | --- |
@@ -61,6 +68,7 @@
 
 mod avoid;
 mod boundaries;
+pub mod deceleration;
 mod filter;
 mod law;
 mod modes;
@@ -70,7 +78,7 @@ mod requests;
 pub use boundaries::Boundaries;
 pub use law::SixMode;
 pub use modes::{Mode, Reason, Situation};
-pub use parameters::{Parameters, Spacing, Variant};
+pub use parameters::{Parameters, Parts, Spacing, Variant};
 
 use crate::law::{Descriptor, GapPolicy, TargetSource};
 use crate::settings::{Table, read};

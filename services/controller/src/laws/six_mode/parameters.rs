@@ -4,6 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::settings::{SettingError, Settings, above, below, within};
 
+/// The paper's acceleration below the set speed and in the accelerate mode, m/s².
+const PAPER_ACCELERATION_MPS2: f64 = 1.0;
+
 /// Which reading of the paper drives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -24,6 +27,17 @@ pub enum Spacing {
     /// R_x is a time gap; above R_w the gap is regulated.
     #[default]
     TimeGap,
+}
+
+/// How the decelerate mode is divided; the literal variant has the paper's regions in any case.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Parts {
+    /// Figure 3: three regions of relative speed and gap, in eight parts.
+    Regions,
+    /// Eight equal slices of the way from R_w to R_b, whatever the relative speed.
+    #[default]
+    EqualSlices,
 }
 
 /// Parameters of the six-mode law; the default is the driving default.
@@ -55,8 +69,10 @@ pub struct Parameters {
     /// k3: gain of the steady law, 1/s.
     pub steady_gain_per_s: f64,
 
-    /// Request of the accelerate mode and largest request of all, m/s² (the paper's is 1).
+    /// Request of the accelerate mode and largest request of all, m/s² (literal: the paper's 1).
     pub acceleration_mps2: f64,
+    /// How the decelerate mode is divided into its eight levels.
+    pub deceleration_parts: Parts,
     /// Where R_x and R_j are (trap 6).
     pub spacing: Spacing,
     /// Time gap in R_x under `spacing = "time-gap"`, s.
@@ -108,6 +124,7 @@ impl Default for Parameters {
             cruise_gain_per_s: 1.0,
             steady_gain_per_s: 0.02,
             acceleration_mps2: 1.8,
+            deceleration_parts: Parts::EqualSlices,
             spacing: Spacing::TimeGap,
             time_gap_s: 1.5,
             margin_m: 4.0,
@@ -133,7 +150,15 @@ impl Parameters {
     /// The literal variant of the paper with the driving default's values.
     #[must_use]
     pub fn literal() -> Self {
-        Self { variant: Variant::Literal, acceleration_mps2: 1.0, ..Self::default() }
+        Self { variant: Variant::Literal, ..Self::default() }
+    }
+
+    /// Largest request, m/s²: the literal law has the paper's.
+    pub(super) fn largest_mps2(&self) -> f64 {
+        match self.variant {
+            Variant::Literal => PAPER_ACCELERATION_MPS2,
+            Variant::Robust => self.acceleration_mps2,
+        }
     }
 
     /// The values that reproduce the published run.
@@ -224,10 +249,8 @@ mod tests {
 
     #[test]
     fn unknown_keys_are_refused_and_missing_ones_default() {
-        let p: Parameters = serde_json::from_str(
-            r#"{"variant":"literal","braking_mps2":4.0,"acceleration_mps2":1.0}"#,
-        )
-        .expect("valid");
+        let p: Parameters =
+            serde_json::from_str(r#"{"variant":"literal","braking_mps2":4.0}"#).expect("valid");
         assert_eq!(p, Parameters { braking_mps2: 4.0, ..Parameters::literal() });
         let e = serde_json::from_str::<Parameters>(r#"{"braking":4.0}"#).expect_err("unknown key");
         assert!(e.to_string().contains("braking"), "{e}");

@@ -1,29 +1,29 @@
 //! The acceleration that each mode asks for, m/s².
 
 use super::boundaries::Boundaries;
+use super::deceleration::level_mps2;
 use super::modes::{Mode, Situation};
 use super::parameters::{Parameters, Spacing, Variant};
-
-/// The eight levels of the decelerate mode, from R_w down to R_b.
-pub(super) const LEVELS: [f64; 8] = [-0.5, -0.75, -1.25, -1.75, -2.25, -2.75, -3.25, -3.75];
 
 /// Set-speed error up to which the cruise law is proportional, m/s (1 km/h).
 const CRUISE_BAND: f64 = 1.0 / 3.6;
 /// Hardest braking of the cruise law.
 const CRUISE_BRAKING: f64 = -1.0;
-/// Steady mode (1), slightly closing, eq (9).
+/// Steady mode (1), slightly closing: replaces eq (9), whose k2 is not printed and whose value the paper found within
+/// -0.08 and -0.12.
 const STEADY_CLOSING: f64 = -0.1;
-/// Steady mode (2), slightly opening, eq (9).
+/// Steady mode (2), slightly opening: a number of the text, without an equation.
 const STEADY_OPENING: f64 = 0.4;
 
-/// Eq (7): reach and keep the set speed.
+/// Eq (7): reach and keep the set speed. Printed is `a = k1 V_r`, but no target gives a V_r there, and the text speaks of
+/// the set speed: V_set - V_h is meant.
 #[must_use]
 pub(super) fn cruise(p: &Parameters, set_speed: f64, speed: f64) -> f64 {
     let error = set_speed - speed;
     if error > CRUISE_BAND {
-        p.acceleration_mps2
+        p.largest_mps2()
     } else {
-        (p.cruise_gain_per_s * error).clamp(CRUISE_BRAKING, p.acceleration_mps2)
+        (p.cruise_gain_per_s * error).clamp(CRUISE_BRAKING, p.largest_mps2())
     }
 }
 
@@ -37,14 +37,14 @@ pub(super) fn following(p: &Parameters, mode: Mode, s: &Situation, b: &Boundarie
     match mode {
         Mode::Approach => approach(p, s, b),
         Mode::Steady => steady(p, s, b),
-        Mode::Decelerate => LEVELS[level(s.gap_m, b)],
+        Mode::Decelerate => level_mps2(p, s, b),
         Mode::Avoid => -p.braking_mps2,
-        Mode::Accelerate | Mode::Cruise => p.acceleration_mps2,
+        Mode::Accelerate | Mode::Cruise => p.largest_mps2(),
     }
 }
 
-/// Eq (8): the constant deceleration that matches speeds at R_w. The literal law divides by what
-/// is left of the way, whatever it is (trap 3).
+/// Eq (8): the constant deceleration that matches speeds at R_w. Its minus is not printed: the mode brakes. The literal
+/// law divides by what is left of the way, whatever it is (trap 3).
 fn approach(p: &Parameters, s: &Situation, b: &Boundaries) -> f64 {
     let way = s.gap_m - b.warning_m;
     let square = s.relative_mps * s.relative_mps;
@@ -57,8 +57,8 @@ fn approach(p: &Parameters, s: &Situation, b: &Boundaries) -> f64 {
     }
 }
 
-/// Eqs (9) and (10). The robust law lets the push of eq (9) fade towards R_w, which itself grows
-/// with the ego's speed: otherwise steady and decelerate take turns for ever (trap 6).
+/// Steady driving: the numbers beside eq (9), and eq (10). "Speeds very close" is k_c, which is not printed. The robust
+/// law lets the push fade towards R_w, which itself grows with the ego's speed: otherwise steady and decelerate take turns for ever (trap 6).
 fn steady(p: &Parameters, s: &Situation, b: &Boundaries) -> f64 {
     let relative = s.relative_mps;
     if p.variant == Variant::Robust && p.spacing == Spacing::TimeGap {
@@ -79,13 +79,6 @@ fn steady(p: &Parameters, s: &Situation, b: &Boundaries) -> f64 {
     }
 }
 
-/// Which of the eight equal bands between R_w and R_b the gap is in, 0 at R_w.
-fn level(gap: f64, b: &Boundaries) -> usize {
-    let s = (b.warning_m - gap) / (b.warning_m - b.braking_m);
-    // The cast saturates: below 0 and NaN give band 0.
-    ((8.0 * s) as usize).min(LEVELS.len() - 1)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -100,16 +93,6 @@ mod tests {
     }
 
     #[test]
-    fn the_eight_levels_divide_the_band_equally() {
-        let b = Boundaries { warning_m: 18.0, braking_m: 10.0, ..Boundaries::default() };
-        for (i, gap) in [17.9, 16.9, 15.9, 14.9, 13.9, 12.9, 11.9, 10.9].into_iter().enumerate() {
-            assert_eq!(level(gap, &b), i);
-        }
-        assert_eq!(level(10.0, &b), 7);
-        assert_eq!(level(19.0, &b), 0);
-    }
-
-    #[test]
     fn approach_is_equation_8() {
         let s = Situation { gap_m: 130.0, speed_mps: 20.0, relative_mps: -4.0 };
         let b = Boundaries { warning_m: 110.0, ..Boundaries::default() };
@@ -119,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn steady_follows_equations_9_and_10() {
+    fn steady_follows_the_numbers_beside_equation_9_and_equation_10() {
         let p = Parameters { spacing: Spacing::Paper, ..Parameters::default() };
         let b = Boundaries { warning_m: 40.0, ..Boundaries::default() };
         let at = |p: &Parameters, gap_m, relative_mps| {
