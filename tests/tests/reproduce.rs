@@ -1,22 +1,20 @@
 //! The papers' figures through the real processes, as the commands print them.
 
 use serde_json::Value;
+use std::collections::BTreeSet;
 use system_tests::{Corner, text};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 
-/// Rows of one paper. Status 1 is allowed: a row may be outside, and then it says so.
-fn rows(corner: &Corner, paper: &str) -> (bool, Vec<Value>) {
-    let output = corner.run(&["reproduce", paper, "--out", "out", "--json"]);
-    let status = output.status.code();
-    assert!(matches!(status, Some(0 | 1)), "{}", text(&output));
-    let result: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
-    let ok = result["ok"].as_bool().expect("a verdict");
-    assert_eq!(status == Some(0), ok, "the exit status is the verdict");
-    let papers = result["papers"].as_array().expect("a list");
-    assert_eq!((papers.len(), papers[0]["paper"].as_str()), (1, Some(paper)));
-    (ok, papers[0]["rows"].as_array().expect("a list").clone())
-}
+/// Claims of the papers, each with its row.
+const PAPERS: &str = include_str!("../../docs/papers.md");
+/// Papers in the order of the results, with their headings.
+const SECTIONS: [(&str, &str); 4] = [
+    ("six-mode", "## Six-mode (2014)"),
+    ("quadratic-bounded", "## Quadratic-bounded (2015)"),
+    ("predictive", "## Predictive truck"),
+    ("cacc", "## CACC at signals (2024)"),
+];
 
 /// The row's `ok` is what its numbers say.
 fn consistent(row: &Value) {
@@ -37,50 +35,76 @@ fn consistent(row: &Value) {
     assert_eq!(row["ok"].as_bool(), Some(within), "{row}");
 }
 
-#[test]
-fn six_mode() {
-    let corner = Corner::new(PROGRAM);
-    let (ok, rows) = rows(&corner, "six-mode");
-    rows.iter().for_each(consistent);
-    assert!(ok, "{rows:#?}");
-    assert_eq!(rows.iter().filter(|row| row["unit"] == "s").count(), 6, "six switches");
-    let picture = std::fs::read_to_string(corner.path().join("out/report.html")).expect("drawn");
-    assert!(picture.contains("switch.6-1_s"), "every row is on the page");
-    assert!(picture.contains("<svg") && picture.contains("vehicle ahead"));
+/// Section of `docs/papers.md`.
+struct Section<'a> {
+    /// Ids named beside the claims.
+    named: BTreeSet<&'a str>,
+    /// Id and set of the rows that are known to be outside.
+    outside: BTreeSet<(&'a str, &'a str)>,
 }
 
-#[test]
-fn quadratic_bounded() {
-    let corner = Corner::new(PROGRAM);
-    let (ok, rows) = rows(&corner, "quadratic-bounded");
-    rows.iter().for_each(consistent);
-    assert!(ok, "{rows:#?}");
-    assert!(rows.iter().any(|row| row["id"] == "cut-in.hardest_braking_mps2"));
+/// Ids in a cell: its words in backticks.
+fn ids(cell: &str) -> impl Iterator<Item = &str> {
+    cell.split('`').skip(1).step_by(2)
 }
 
-#[test]
-fn cacc() {
-    let corner = Corner::new(PROGRAM);
-    let (_, rows) = rows(&corner, "cacc");
-    rows.iter().for_each(consistent);
-    let find = |weights: &str, id: &str| {
-        let row = rows.iter().find(|row| row["weights"] == weights && row["id"] == id);
-        row.unwrap_or_else(|| panic!("no row {id} with {weights} weights"))
-    };
-    // What the task demands outright: crossing times and distances.
-    for weights in ["joint", "single"] {
-        for id in ["A.cacc.cross_s", "A.acc.cross_s", "T3.acc.cross_s", "T3.cacc.cross_s"] {
-            assert_eq!(find(weights, id)["ok"], true, "{}", find(weights, id));
-        }
-        for id in ["C.cacc.to_line_m", "C.acc.to_line_m"] {
-            assert_eq!(find(weights, id)["ok"], true, "{}", find(weights, id));
+/// Reads the section below `heading`.
+fn section<'a>(document: &'a str, heading: &str) -> Section<'a> {
+    let (_, section) = document.split_once(heading).unwrap_or_else(|| panic!("no {heading}"));
+    let section = section.split("\n## ").next().expect("what is before the next heading");
+    let mut read = Section { named: BTreeSet::new(), outside: BTreeSet::new() };
+    let mut is_outside = false;
+    for line in section.lines().filter(|line| line.starts_with('|')) {
+        let cells: Vec<_> = line.trim_matches('|').split(" | ").map(str::trim).collect();
+        let [first, second, third] = cells[..] else { panic!("not three cells: {line}") };
+        match first {
+            "claim" => is_outside = false,
+            "row outside its tolerance" => is_outside = true,
+            rule if rule.starts_with("---") => (),
+            _ if third.is_empty() => panic!("neither a row nor a reason: {line}"),
+            _ if is_outside => read.outside.extend(ids(first).map(|id| (id, second))),
+            _ => read.named.extend(ids(third)),
         }
     }
-    let crossing = find("joint", "A.cacc.cross_s");
-    assert_eq!(
-        (crossing["paper"].as_f64(), crossing["tolerance"].as_f64()),
-        (Some(4.0), Some(0.25))
-    );
+    read
+}
+
+/// All papers in one command. Status 1 is allowed: rows that are outside are listed with their
+/// reasons in `docs/papers.md`, and the list and the run agree.
+#[test]
+fn every_paper_has_the_rows_that_its_table_names() {
+    let corner = Corner::new(PROGRAM);
+    let output = corner.run(&["reproduce", "--out", "out", "--json"]);
+    let status = output.status.code();
+    assert!(matches!(status, Some(0 | 1)), "{}", text(&output));
+    let result: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+    assert_eq!(result["ok"].as_bool(), Some(status == Some(0)), "the exit status is the verdict");
+    let page = std::fs::read_to_string(corner.path().join("out/report.html")).expect("drawn");
+    let papers = result["papers"].as_array().expect("a list");
+    assert_eq!(papers.len(), SECTIONS.len());
+    let mut all_ok = true;
+    for (paper, (name, heading)) in papers.iter().zip(SECTIONS) {
+        assert_eq!(paper["paper"], name);
+        let rows = paper["rows"].as_array().expect("a list");
+        rows.iter().for_each(consistent);
+        let id = |row: &'_ Value| row["id"].as_str().expect("an id").to_owned();
+        let ids: BTreeSet<String> = rows.iter().map(id).collect();
+        assert!(ids.iter().all(|id| page.contains(id.as_str())), "{name}: a row is not drawn");
+        let section = section(PAPERS, heading);
+        let unknown: Vec<_> = section.named.iter().filter(|id| !ids.contains(**id)).collect();
+        assert!(unknown.is_empty(), "{heading} names rows that do not exist: {unknown:?}");
+        let of_paper = rows.iter().filter(|row| row["kind"] == "paper").map(id);
+        let missing: BTreeSet<_> =
+            of_paper.filter(|id| !section.named.contains(id.as_str())).collect();
+        assert!(missing.is_empty(), "{heading} lacks rows of the paper: {missing:?}");
+        let outside = rows.iter().filter(|row| row["ok"] == false);
+        let outside: BTreeSet<_> =
+            outside.map(|row| (id(row), row["set"].as_str().unwrap_or_default())).collect();
+        let outside = outside.iter().map(|(id, set)| (id.as_str(), *set)).collect();
+        assert_eq!(section.outside, outside, "{heading}: rows outside, as listed and as run");
+        all_ok &= section.outside.is_empty();
+    }
+    assert_eq!(result["ok"], all_ok);
 }
 
 #[test]

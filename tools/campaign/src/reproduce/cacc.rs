@@ -35,7 +35,7 @@ pub fn reproduce(runner: &Runner<'_>) -> Result<Part, Error> {
         for row in published::rows(&runs, calibration) {
             let tolerance = within(row.tolerance, reason(row.id));
             let row_of_paper = Row::near(row.id, row.unit, paper(row.paper), row.ours, tolerance);
-            part.rows.push(Row { weights: Some(row.weights.to_string()), ..row_of_paper });
+            part.rows.push(row_of_paper.in_set(&format!("{calibration} weights")));
         }
     }
     Ok(part)

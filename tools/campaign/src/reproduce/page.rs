@@ -1,61 +1,113 @@
 //! The page of a reproduction: the expected figures beside ours, and what was driven for them.
 
-use super::row::{Row, Verdict, tally};
+use super::row::{Row, Verdict};
+use super::tally::{in_words, tally};
 use super::{Gallery, Paper, Reproduction};
 use report::chart::{escape, number};
 use report::html::{Cell, Column, document, figure, section, table};
 use report::run_pictures;
 
-/// What the sources mean.
-const SOURCES: &str = "<p class=\"quiet\">Sources: <b>paper</b>, printed by the paper; \
+/// Meaning of the kinds.
+const SOURCES: &str = "<p class=\"quiet\">Kinds: <b>paper</b>, printed by the paper; \
     <b>reconstruction</b>, from a reference implementation of what the paper does not print; \
-    <b>requirement</b>, demanded of the controller.</p>\n";
+    <b>requirement</b>, demanded of the controller. A figure counts as within its tolerance \
+    where it is within it in every set.</p>\n";
 
 /// The page.
 pub fn page(reproduction: &Reproduction) -> String {
-    let rows = || reproduction.papers.iter().flat_map(|paper| &paper.rows);
-    let compared = rows().filter(|row| row.verdict() != Verdict::Shown).count();
-    let within = rows().filter(|row| row.verdict() == Verdict::Within).count();
-    let verdict = format!("{within} of {compared} figures within their tolerance");
     let papers: String = reproduction.papers.iter().map(paper).collect();
+    let verdict = reproduction.papers.iter().map(in_short).collect::<Vec<_>>().join("; ");
     document(
         "Reproduction of the papers",
         "every run in lockstep",
         reproduction.ok,
         &verdict,
-        &(SOURCES.to_owned() + &papers),
+        &(overview(&reproduction.papers) + SOURCES + &papers),
     )
 }
 
-fn paper(paper: &Paper) -> String {
-    let heading = format!("{}: {}", paper.paper, tally(&paper.rows));
-    let several = paper.rows.iter().any(|row| row.weights.is_some());
-    let mut head = vec![
-        ("figure", Column::Text),
-        ("source", Column::Text),
-        ("expected", Column::Number),
-        ("ours", Column::Number),
-        ("unit", Column::Text),
-        ("tolerance", Column::MoreNumber),
-        ("", Column::Text),
-        ("reason of the tolerance", Column::MoreText),
-        ("note", Column::MoreText),
-    ];
-    if several {
-        head.insert(1, ("weights", Column::MoreText));
-    }
-    let rows: Vec<_> = paper.rows.iter().map(|row| cells(row, several)).collect();
-    section(&heading, &(table(&head, &rows) + &pictures(paper) + &drives(paper)))
+/// The printed figures of a paper that come out.
+fn in_short(paper: &Paper) -> String {
+    format!("{}: {}", paper.paper, in_words(&paper.tally))
 }
 
-fn cells(row: &Row, several: bool) -> Vec<Cell> {
+/// Every set with its figures, and the rows that are outside their tolerance.
+fn overview(papers: &[Paper]) -> String {
+    let head = [
+        ("paper", Column::Text),
+        ("set", Column::Text),
+        ("within their tolerance", Column::Text),
+        ("outside", Column::Text),
+    ];
+    let mut rows = Vec::new();
+    for paper in papers {
+        for set in sets(&paper.rows) {
+            let outside = set.iter().filter(|row| row.verdict() == Verdict::Outside);
+            let outside: Vec<_> = outside.map(|row| row.id.as_str()).collect();
+            rows.push(vec![
+                Cell::Plain(paper.paper.into()),
+                Cell::Plain(set[0].set.clone()),
+                Cell::Plain(in_words(&tally(set))),
+                Cell::Bad(outside.join(", ")),
+            ]);
+        }
+    }
+    section("What comes out", &table(&head, &rows))
+}
+
+/// The rows of a paper, set by set.
+fn sets(rows: &[Row]) -> impl Iterator<Item = &[Row]> {
+    rows.chunk_by(|a, b| a.set == b.set)
+}
+
+fn paper(paper: &Paper) -> String {
+    let tables: String = sets(&paper.rows)
+        .map(|rows| {
+            let heading = &rows[0].set;
+            let heading = match heading.as_str() {
+                "" => String::new(),
+                set => format!("<h3>{}</h3>\n", escape(set)),
+            };
+            heading + &rows_of_a_set(rows)
+        })
+        .collect();
+    section(&in_short(paper), &(pictures(paper) + &tables + &drives(paper)))
+}
+
+/// Columns of a set's table; one in which every cell is empty is left out.
+const COLUMNS: [(&str, Column); 11] = [
+    ("figure", Column::Text),
+    ("kind", Column::Text),
+    ("expected", Column::Number),
+    ("ours", Column::Number),
+    ("unit", Column::Text),
+    ("tolerance", Column::MoreNumber),
+    ("", Column::Text),
+    ("source", Column::MoreText),
+    ("inferred value behind it", Column::MoreText),
+    ("note", Column::MoreText),
+    ("reason of the tolerance", Column::MoreText),
+];
+
+fn rows_of_a_set(rows: &[Row]) -> String {
+    let rows: Vec<_> = rows.iter().map(cells).collect();
+    let is_empty = |cell: &Cell| *cell == Cell::Plain(String::new());
+    let is_shown = |column: usize| rows.iter().any(|row| !is_empty(&row[column]));
+    let shown: Vec<usize> = (0..COLUMNS.len()).filter(|column| is_shown(*column)).collect();
+    let head: Vec<_> = shown.iter().map(|&column| COLUMNS[column]).collect();
+    let cells = |row: &[Cell; 11]| shown.iter().map(|&column| row[column].clone()).collect();
+    table(&head, &rows.iter().map(cells).collect::<Vec<_>>())
+}
+
+fn cells(row: &Row) -> [Cell; 11] {
     let value = |value: Option<f64>| value.map_or_else(|| "–".into(), |value| number(value, 2));
+    let text = |text: Option<&str>| Cell::Plain(text.unwrap_or_default().into());
     let verdict = match row.verdict() {
         Verdict::Within => Cell::Good("within".into()),
         Verdict::Outside => Cell::Bad("OUTSIDE".into()),
         Verdict::Shown => Cell::Plain(String::new()),
     };
-    let mut cells = vec![
+    [
         Cell::Plain(row.id.clone()),
         Cell::Plain(row.kind.name().into()),
         Cell::Plain(row.expectation()),
@@ -63,13 +115,11 @@ fn cells(row: &Row, several: bool) -> Vec<Cell> {
         Cell::Plain(row.unit.into()),
         Cell::Plain(row.tolerance_in_words()),
         verdict,
-        Cell::Plain(row.tolerance_reason.unwrap_or_default().into()),
-        Cell::Plain(row.note.unwrap_or_default().into()),
-    ];
-    if several {
-        cells.insert(1, Cell::Plain(row.weights.clone().unwrap_or_default()));
-    }
-    cells
+        text(row.source),
+        text(row.inferred),
+        text(row.note),
+        text(row.tolerance_reason),
+    ]
 }
 
 /// The paper's own pictures.
