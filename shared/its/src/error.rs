@@ -49,7 +49,36 @@ pub enum DecodeError {
     },
     /// The payload is not the message that its header names.
     #[error("no message in unaligned PER: {0}")]
-    Payload(String),
+    Payload(#[from] PayloadError),
+}
+
+/// Why a payload is not the message that its header names.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum PayloadError {
+    /// A number is outside the standard's bounds.
+    #[error("{what} {value}, expected {least} to {most}")]
+    Range {
+        /// The field.
+        what: &'static str,
+        /// What it has.
+        value: i64,
+        /// Its lowest value.
+        least: i64,
+        /// Its highest value.
+        most: i64,
+    },
+    /// A field needs more bits than there are.
+    #[error("it ends inside the field that begins at bit {bit}")]
+    Ends {
+        /// First bit of the field.
+        bit: u64,
+    },
+    /// A length in fragments of 16 Ki.
+    #[error("a length of 16384 or more, which no frame has room for")]
+    Length,
+    /// A CAM of a roadside unit, or of another kind of station.
+    #[error("a CAM that is not a vehicle's")]
+    OtherStation,
 }
 
 /// Why a message has no bytes.

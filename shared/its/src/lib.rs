@@ -12,8 +12,8 @@
 //! | SPATEM, MAPEM | ETSI TS 103 301 V2.2.1, ISO TS 19091, SAE J2735 | [`spatem`], [`mapem`] |
 //! | CAM | ETSI EN 302 637-2 V1.4.1 | [`cam`], [`triggers`] |
 //!
-//! Messages are encoded here, with the parts that they have, and decoded by types that are generated from the
-//! standards' ASN.1, with all parts that others may send.
+//! A message is sent with the parts that this crate's types have. Others may send all parts of the standards, and
+//! additions of later versions: the decoder checks those and passes over them.
 //!
 //! The crate is pure: time is an argument, and it opens no port. Bytes from outside are never trusted:
 //! [`Frame::decode`] returns an error, which says what is wrong, for whatever is no frame of these kinds;
@@ -31,5 +31,5 @@ pub mod spatem;
 pub mod time;
 pub mod triggers;
 
-pub use error::{DecodeError, EncodeError};
+pub use error::{DecodeError, EncodeError, PayloadError};
 pub use frame::{Frame, MAX_FRAME_BYTES, Message, MessageKind};

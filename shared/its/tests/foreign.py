@@ -30,6 +30,18 @@ elif sys.argv[1] == "is":
     request = {"timeStamp": 99, "second": 1000, "requestor": {"id": ("stationID", 77)}}
     srem.set_val({"header": {"protocolVersion": 2, "messageID": 9, "stationID": 77}, "srm": request})
     print("srem", srem.to_uper().hex())
+
+    # A SPATEM of a later version, whose events and movements have additions that nobody knows yet.
+    spatem = ITS_IS.GLOBAL.MOD["SPATEM-PDU-Descriptions"]["SPATEM"]
+    events = [
+        {"eventState": state, "timing": {"minEndTime": end}, "_ext_2": b"later"}
+        for state, end in [("stop-And-Remain", 100), ("protected-Movement-Allowed", 200)]
+    ]
+    movements = [{"signalGroup": group, "state-time-speed": events, "_ext_5": b"much later"} for group in (9, 10)]
+    crossing = {"id": {"id": 501}, "revision": 3, "status": (0, 16), "timeStamp": 30000, "states": movements}
+    header = {"protocolVersion": 2, "messageID": 4, "stationID": 77}
+    spatem.set_val({"header": header, "spat": {"intersections": [crossing]}})
+    print("spatem_later", spatem.to_uper().hex())
 else:
     from pycrate_asn1dir import ITS_CAM_2
 

@@ -284,8 +284,12 @@ fn another_profile_is_named_and_not_read() {
 fn foreign(name: &str) -> Vec<u8> {
     let mut lines = include_str!("foreign.txt").lines().filter_map(|line| line.split_once(' '));
     let (_, hex) = lines.find(|(found, _)| *found == name).expect("it is there");
-    let byte = |at: usize| u8::from_str_radix(&hex[at..at + 2], 16).expect("hexadecimal");
-    (0..hex.len()).step_by(2).map(byte).collect()
+    unhex(hex)
+}
+
+fn unhex(text: &str) -> Vec<u8> {
+    let byte = |at: usize| u8::from_str_radix(&text[at..at + 2], 16).expect("hexadecimal");
+    (0..text.len()).step_by(2).map(byte).collect()
 }
 
 fn framed(port: u16, payload: &[u8]) -> Vec<u8> {
@@ -324,4 +328,41 @@ fn a_cam_of_others_is_read() {
         (cam.station_id, cam.position.longitude, cam.motion.speed),
         (4711, 91_010_000, 1000)
     );
+}
+
+#[test]
+fn additions_of_a_later_version_are_passed_over() {
+    let frame = framed(2004, &foreign("spatem_later"));
+    let Ok(Message::Spatem(spatem)) = Frame::decode(&frame).map(|frame| frame.message) else {
+        panic!("a SPATEM")
+    };
+    let movements = &spatem.intersections[0].movements;
+    let ends = |movement: &MovementState| {
+        let end = |event: &MovementEvent| event.timing.map(|timing| timing.min_end.value());
+        movement.events.iter().map(|event| (event.state, end(event))).collect::<Vec<_>>()
+    };
+    let expected = [
+        (MovementPhase::StopAndRemain, Some(100)),
+        (MovementPhase::ProtectedMovementAllowed, Some(200)),
+    ];
+    for (movement, group) in movements.iter().zip([9, 10]) {
+        assert_eq!((movement.signal_group, ends(movement)), (group, expected.to_vec()));
+    }
+    assert_eq!(movements.len(), 2);
+}
+
+/// Messages with all parts of the standards, and falsified ones: `vectors.txt` has what a decoder reads in them
+/// that is generated from the standards' ASN.1 (`cargo test -p its --features oracle`).
+#[test]
+fn messages_of_all_parts_are_read_as_a_generated_decoder_reads_them() {
+    let (mut read, mut refused) = (0, 0);
+    for line in include_str!("vectors.txt").lines() {
+        let [port, payload, expected] =
+            line.splitn(3, ' ').collect::<Vec<_>>().try_into().expect("port, bytes, message");
+        let frame = framed(port.parse().expect("a port"), &unhex(payload));
+        let message = Frame::decode(&frame).map(|frame| frame.message).ok();
+        assert_eq!(format!("{message:?}"), expected, "{payload}");
+        if message.is_some() { read += 1 } else { refused += 1 }
+    }
+    assert!(read > 30 && refused > 10, "{read} {refused}");
 }

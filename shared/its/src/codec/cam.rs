@@ -1,14 +1,39 @@
 //! CAM.
 
-use super::spatem::header;
-use super::uper::Writer;
-use super::{flags, from_uper};
+use super::container::{
+    ACCELERATION, ACCELERATION_CONFIDENCE, ACCELERATION_CONTROL, LANE_POSITION, OTHER_ACCELERATION,
+    PATH_HISTORY, PERFORMANCE_CLASS, SPECIAL_VEHICLE, STEERING_WHEEL, TOLLING_ZONE,
+};
+use super::uper::{Number, Part, Reader, Source, Writer};
+use super::{LATITUDE, LONGITUDE, read_header, write_header};
 use crate::cam::{Cam, LowFrequency, Motion};
 use crate::geodesy::Position;
-use crate::{DecodeError, EncodeError, MessageKind};
-use c_its_parser::standards::cam_1_4_1::cam_pdu_descriptions as pdu;
-use c_its_parser::standards::cdd_1_3_1_1::its_container as its;
-use its::VehicleRole as R;
+use crate::{EncodeError, MessageKind, PayloadError};
+
+const GENERATION_TIME: Number = Number::new("generation time", 0, 65_535);
+const STATION_TYPE: Number = Number::new("station type", 0, 255);
+const AXIS: Number = Number::new("axis", 0, 4095);
+const ORIENTATION: Number = Number::new("orientation", 0, 3601);
+const ALTITUDE: Number = Number::new("altitude", -100_000, 800_001);
+const ALTITUDE_CONFIDENCE: Number = Number::new("altitude's confidence", 0, 15);
+const KIND_OF_STATION: Number = Number::new("kind of station", 0, 1);
+const HEADING: Number = Number::new("heading", 0, 3601);
+const HEADING_CONFIDENCE: Number = Number::new("heading's confidence", 1, 127);
+const SPEED: Number = Number::new("speed", 0, 16_383);
+const SPEED_CONFIDENCE: Number = Number::new("speed's confidence", 1, 127);
+const DRIVE_DIRECTION: Number = Number::new("drive direction", 0, 2);
+const LENGTH: Number = Number::new("length", 1, 1023);
+const TRAILER: Number = Number::new("trailer", 0, 4);
+const WIDTH: Number = Number::new("width", 1, 62);
+const CURVATURE: Number = Number::new("curvature", -1023, 1023);
+const CURVATURE_CONFIDENCE: Number = Number::new("curvature's confidence", 0, 7);
+const CURVATURE_CALCULATION: Number = Number::new("curvature's calculation", 0, 2);
+const YAW_RATE: Number = Number::new("yaw rate", -32_766, 32_767);
+const YAW_RATE_CONFIDENCE: Number = Number::new("yaw rate's confidence", 0, 8);
+const ROLE: Number = Number::new("vehicle role", 0, 15);
+const PATH_POINTS: Number = Number::new("points of the path", 0, 40);
+/// Size of `ExteriorLights`.
+const LIGHT_BITS: u32 = 8;
 
 /// The standard's values for what is not known.
 const NO_AXIS: u16 = 4095;
@@ -25,116 +50,132 @@ const NO_CURVATURE_CALCULATION: u8 = 2;
 const NO_YAW_RATE_CONFIDENCE: u8 = 8;
 /// `DriveDirection`.
 const FORWARD: u8 = 0;
-
-/// Roles in the order of their numbers.
-const ROLES: [R; 16] = [
-    R::default,
-    R::publicTransport,
-    R::specialTransport,
-    R::dangerousGoods,
-    R::roadWork,
-    R::rescue,
-    R::emergency,
-    R::safetyCar,
-    R::agriculture,
-    R::commercial,
-    R::military,
-    R::roadOperator,
-    R::taxi,
-    R::reserved1,
-    R::reserved2,
-    R::reserved3,
-];
+/// `HighFrequencyContainer`: not a roadside unit's.
+const VEHICLE: u8 = 0;
 
 pub(crate) fn encode(message: &Cam) -> Result<Vec<u8>, EncodeError> {
-    let mut to = header(MessageKind::Cam, message.station_id)?;
-    to.number("generation time", message.generation_delta, 0..=65_535)?;
+    let mut to = write_header(MessageKind::Cam, message.station_id)?;
+    to.number(GENERATION_TIME, message.generation_delta)?;
     // CamParameters: lowFrequencyContainer, specialVehicleContainer.
     to.not_extended();
     to.present([message.low_frequency.is_some(), false]);
-    basic(&mut to, message)?;
-    // HighFrequencyContainer: that of a vehicle.
+    write_basic(&mut to, message)?;
     to.not_extended();
-    to.number("kind of station", 0, 0..=1)?;
-    high_frequency(&mut to, &message.motion)?;
+    to.number(KIND_OF_STATION, VEHICLE)?;
+    write_motion(&mut to, &message.motion)?;
     if let Some(slow) = message.low_frequency {
         // LowFrequencyContainer: that of a vehicle, the only one.
         to.not_extended();
-        to.number("vehicle role", slow.role, 0..=15)?;
-        to.flags(slow.lights.into(), 8);
-        to.number("points of the path", 0, 0..=40)?;
+        to.number(ROLE, slow.role)?;
+        to.flags(slow.lights.into(), LIGHT_BITS);
+        to.number(PATH_POINTS, 0)?;
     }
     Ok(to.finish())
 }
 
-fn basic(to: &mut Writer, message: &Cam) -> Result<(), EncodeError> {
-    let Position { latitude, longitude } = message.position;
-    to.not_extended();
-    to.number("station type", message.station_type, 0..=255)?;
-    to.number("latitude", latitude, -900_000_000..=900_000_001)?;
-    to.number("longitude", longitude, -1_800_000_000..=1_800_000_001)?;
-    to.number("axis", NO_AXIS, 0..=4095)?;
-    to.number("axis", NO_AXIS, 0..=4095)?;
-    to.number("orientation", NO_ORIENTATION, 0..=3601)?;
-    to.number("altitude", NO_ALTITUDE, -100_000..=800_001)?;
-    to.number("altitude's confidence", NO_ALTITUDE_CONFIDENCE, 0..=15)
+pub(crate) fn decode(payload: &[u8]) -> Result<Cam, PayloadError> {
+    read(&mut Reader::new(payload))
 }
 
-fn high_frequency(to: &mut Writer, motion: &Motion) -> Result<(), EncodeError> {
-    // accelerationControl, lanePosition, steeringWheelAngle, lateralAcceleration, verticalAcceleration,
-    // performanceClass, cenDsrcTollingZone.
-    to.present([false; 7]);
-    to.number("heading", motion.heading, 0..=3601)?;
-    to.number("heading's confidence", NO_HEADING_CONFIDENCE, 1..=127)?;
-    to.number("speed", motion.speed, 0..=16_383)?;
-    to.number("speed's confidence", NO_SPEED_CONFIDENCE, 1..=127)?;
-    to.number("drive direction", FORWARD, 0..=2)?;
-    to.number("length", motion.length, 1..=1023)?;
-    to.number("trailer", NO_TRAILER_KNOWN, 0..=4)?;
-    to.number("width", motion.width, 1..=62)?;
-    to.number("acceleration", motion.acceleration, -160..=161)?;
-    to.number("acceleration's confidence", NO_ACCELERATION_CONFIDENCE, 0..=102)?;
-    to.number("curvature", NO_CURVATURE, -1023..=1023)?;
-    to.number("curvature's confidence", NO_CURVATURE_CONFIDENCE, 0..=7)?;
-    to.not_extended();
-    to.number("curvature's calculation", NO_CURVATURE_CALCULATION, 0..=2)?;
-    to.number("yaw rate", motion.yaw_rate, -32_766..=32_767)?;
-    to.number("yaw rate's confidence", NO_YAW_RATE_CONFIDENCE, 0..=8)
-}
-
-pub(crate) fn decode(payload: &[u8]) -> Result<Cam, DecodeError> {
-    let pdu::CAM { header, cam } = from_uper(payload)?;
-    let parameters = &cam.cam_parameters;
-    let basic = &parameters.basic_container;
-    let pdu::HighFrequencyContainer::basicVehicleContainerHighFrequency(fast) =
-        &parameters.high_frequency_container
-    else {
-        return Err(DecodeError::Payload("a CAM that is not a vehicle's".to_owned()));
-    };
-    Ok(Cam {
-        station_id: header.station_id.0,
-        generation_delta: cam.generation_delta_time.0,
-        station_type: basic.station_type.0,
-        position: Position {
-            latitude: basic.reference_position.latitude.0,
-            longitude: basic.reference_position.longitude.0,
-        },
-        motion: Motion {
-            heading: fast.heading.heading_value.0,
-            speed: fast.speed.speed_value.0,
-            acceleration: fast.longitudinal_acceleration.longitudinal_acceleration_value.0,
-            yaw_rate: fast.yaw_rate.yaw_rate_value.0,
-            length: fast.vehicle_length.vehicle_length_value.0,
-            width: fast.vehicle_width.0,
-        },
-        low_frequency: parameters.low_frequency_container.as_ref().map(read_low_frequency),
+pub(super) fn read(from: &mut impl Source) -> Result<Cam, PayloadError> {
+    let station_id = read_header(from)?;
+    let generation_delta = from.number(GENERATION_TIME)?;
+    from.extensible(|from, [slow, special]| {
+        let (station_type, position) = read_basic(from)?;
+        if from.extended()? || from.number::<u8>(KIND_OF_STATION)? != VEHICLE {
+            return Err(PayloadError::OtherStation);
+        }
+        let motion = read_motion(from)?;
+        let low_frequency = slow.then(|| read_low_frequency(from)).transpose()?;
+        from.skip(special, &SPECIAL_VEHICLE)?;
+        Ok(Cam { station_id, generation_delta, station_type, position, motion, low_frequency })
     })
 }
 
-fn read_low_frequency(slow: &pdu::LowFrequencyContainer) -> LowFrequency {
-    let pdu::LowFrequencyContainer::basicVehicleContainerLowFrequency(slow) = slow else {
-        return LowFrequency { role: 0, lights: 0 };
-    };
-    let role = ROLES.iter().position(|role| *role == slow.vehicle_role).unwrap_or(0);
-    LowFrequency { role: role as u8, lights: flags(&slow.exterior_lights.0) as u8 }
+fn write_basic(to: &mut Writer, message: &Cam) -> Result<(), EncodeError> {
+    let Position { latitude, longitude } = message.position;
+    to.not_extended();
+    to.number(STATION_TYPE, message.station_type)?;
+    to.number(LATITUDE, latitude)?;
+    to.number(LONGITUDE, longitude)?;
+    to.number(AXIS, NO_AXIS)?;
+    to.number(AXIS, NO_AXIS)?;
+    to.number(ORIENTATION, NO_ORIENTATION)?;
+    to.number(ALTITUDE, NO_ALTITUDE)?;
+    to.number(ALTITUDE_CONFIDENCE, NO_ALTITUDE_CONFIDENCE)
+}
+
+/// `BasicContainer`: type of the station, and where it is.
+fn read_basic(from: &mut impl Source) -> Result<(u8, Position), PayloadError> {
+    from.extensible(|from, []| {
+        let station_type = from.number(STATION_TYPE)?;
+        let (latitude, longitude) = (from.number(LATITUDE)?, from.number(LONGITUDE)?);
+        for number in [AXIS, AXIS, ORIENTATION, ALTITUDE, ALTITUDE_CONFIDENCE] {
+            from.whole(number)?;
+        }
+        Ok((station_type, Position { latitude, longitude }))
+    })
+}
+
+fn write_motion(to: &mut Writer, motion: &Motion) -> Result<(), EncodeError> {
+    // accelerationControl, lanePosition, steeringWheelAngle, lateralAcceleration, verticalAcceleration,
+    // performanceClass, cenDsrcTollingZone.
+    to.present([false; 7]);
+    to.number(HEADING, motion.heading)?;
+    to.number(HEADING_CONFIDENCE, NO_HEADING_CONFIDENCE)?;
+    to.number(SPEED, motion.speed)?;
+    to.number(SPEED_CONFIDENCE, NO_SPEED_CONFIDENCE)?;
+    to.number(DRIVE_DIRECTION, FORWARD)?;
+    to.number(LENGTH, motion.length)?;
+    to.number(TRAILER, NO_TRAILER_KNOWN)?;
+    to.number(WIDTH, motion.width)?;
+    to.number(ACCELERATION, motion.acceleration)?;
+    to.number(ACCELERATION_CONFIDENCE, NO_ACCELERATION_CONFIDENCE)?;
+    to.number(CURVATURE, NO_CURVATURE)?;
+    to.number(CURVATURE_CONFIDENCE, NO_CURVATURE_CONFIDENCE)?;
+    to.not_extended();
+    to.number(CURVATURE_CALCULATION, NO_CURVATURE_CALCULATION)?;
+    to.number(YAW_RATE, motion.yaw_rate)?;
+    to.number(YAW_RATE_CONFIDENCE, NO_YAW_RATE_CONFIDENCE)
+}
+
+fn read_motion(from: &mut impl Source) -> Result<Motion, PayloadError> {
+    from.sequence(|from, [controls, lane, wheel, lateral, vertical, performance, tolling]| {
+        let heading = from.number(HEADING)?;
+        from.whole(HEADING_CONFIDENCE)?;
+        let speed = from.number(SPEED)?;
+        from.whole(SPEED_CONFIDENCE)?;
+        from.whole(DRIVE_DIRECTION)?;
+        let length = from.number(LENGTH)?;
+        from.whole(TRAILER)?;
+        let width = from.number(WIDTH)?;
+        let acceleration = from.number(ACCELERATION)?;
+        from.whole(ACCELERATION_CONFIDENCE)?;
+        from.whole(CURVATURE)?;
+        from.whole(CURVATURE_CONFIDENCE)?;
+        from.skip(true, &Part::ExtensibleEnumeration(CURVATURE_CALCULATION))?;
+        let yaw_rate = from.number(YAW_RATE)?;
+        from.whole(YAW_RATE_CONFIDENCE)?;
+        from.skip(controls, &ACCELERATION_CONTROL)?;
+        from.skip(lane, &LANE_POSITION)?;
+        from.skip(wheel, &STEERING_WHEEL)?;
+        from.skip(lateral, &OTHER_ACCELERATION)?;
+        from.skip(vertical, &OTHER_ACCELERATION)?;
+        from.skip(performance, &PERFORMANCE_CLASS)?;
+        from.skip(tolling, &TOLLING_ZONE)?;
+        Ok(Motion { heading, speed, acceleration, yaw_rate, length, width })
+    })
+}
+
+/// A vehicle's; another one of a later version counts as a vehicle's that says nothing.
+fn read_low_frequency(from: &mut impl Source) -> Result<LowFrequency, PayloadError> {
+    if from.extended()? {
+        from.pass_small()?;
+        from.pass_open()?;
+        return Ok(LowFrequency { role: 0, lights: 0 });
+    }
+    let role = from.number(ROLE)?;
+    let lights = from.flags("lights", LIGHT_BITS)? as u8;
+    from.skip(true, &PATH_HISTORY)?;
+    Ok(LowFrequency { role, lights })
 }

@@ -1,21 +1,40 @@
-//! Between this crate's messages and those that are generated from the standards' ASN.1.
+//! Messages in unaligned PER, and back.
+//!
+//! A message is sent with the parts that this crate's types have. Others may send all parts of the standard:
+//! those that are not kept are checked by the tables of `dsrc` (SPATEM, MAPEM) and `container` (CAM).
 
 pub(crate) mod cam;
+mod container;
+mod dsrc;
 pub(crate) mod mapem;
+#[cfg(all(test, feature = "oracle"))]
+mod oracle;
 pub(crate) mod spatem;
 mod uper;
 
-use crate::DecodeError;
-use rasn::types::FixedBitString;
+use crate::{EncodeError, MessageKind, PayloadError};
+use uper::{Number, Source, Writer};
 
 /// Version of the messages that are sent.
-const PROTOCOL_VERSION: u8 = 2;
+const SENT_VERSION: u8 = 2;
+const PROTOCOL_VERSION: Number = Number::new("protocol version", 0, 255);
+const MESSAGE_ID: Number = Number::new("message id", 0, 255);
+const STATION_ID: Number = Number::new("station id", 0, 4_294_967_295);
+const LATITUDE: Number = Number::new("latitude", -900_000_000, 900_000_001);
+const LONGITUDE: Number = Number::new("longitude", -1_800_000_000, 1_800_000_001);
 
-fn from_uper<T: rasn::Decode>(payload: &[u8]) -> Result<T, DecodeError> {
-    rasn::uper::decode(payload).map_err(|e| DecodeError::Payload(e.kind.to_string()))
+/// A message with its `ItsPduHeader`.
+fn write_header(kind: MessageKind, station_id: u32) -> Result<Writer, EncodeError> {
+    let mut to = Writer::default();
+    to.number(PROTOCOL_VERSION, SENT_VERSION)?;
+    to.number(MESSAGE_ID, kind.message_id())?;
+    to.number(STATION_ID, station_id)?;
+    Ok(to)
 }
 
-/// A bit string of the standard: its bit n is bit n of the flags.
-fn flags<const N: usize>(bits: &FixedBitString<N>) -> u16 {
-    (0..N.min(16)).map(|n| u16::from(bits[n]) << n).sum()
+/// Reads `ItsPduHeader`, of which the frame has checked version and id: the station's id.
+fn read_header(from: &mut impl Source) -> Result<u32, PayloadError> {
+    from.whole(PROTOCOL_VERSION)?;
+    from.whole(MESSAGE_ID)?;
+    from.number(STATION_ID)
 }

@@ -1,154 +1,182 @@
 //! SPATEM.
 
-use super::uper::Writer;
-use super::{PROTOCOL_VERSION, flags, from_uper};
+use super::dsrc::{
+    ADVISORY_SPEEDS, ENABLED_LANES, MANEUVER_ASSIST, MINUTE, NAME, REGION, REGIONALS, REVISION,
+    SIGNAL_GROUP,
+};
+use super::uper::{Number, Reader, Source, Writer};
+use super::{read_header, write_header};
 use crate::spatem::{
     IntersectionState, MovementEvent, MovementPhase, MovementState, Spatem, Timing,
 };
 use crate::time::{Stamp, TimeMark};
-use crate::{DecodeError, EncodeError, MessageKind};
-use c_its_parser::standards::dsrc_2_2_1::etsi_its_dsrc as dsrc;
-use c_its_parser::standards::spatem_2_2_1::spatem_pdu_descriptions::SPATEM;
-use dsrc::MovementPhaseState as P;
+use crate::{EncodeError, MessageKind, PayloadError};
 
-/// Every state with the generated one.
-const PHASES: [(MovementPhase, P); 10] = [
-    (MovementPhase::Unavailable, P::unavailable),
-    (MovementPhase::Dark, P::dark),
-    (MovementPhase::StopThenProceed, P::stop_Then_Proceed),
-    (MovementPhase::StopAndRemain, P::stop_And_Remain),
-    (MovementPhase::PreMovement, P::pre_Movement),
-    (MovementPhase::PermissiveMovementAllowed, P::permissive_Movement_Allowed),
-    (MovementPhase::ProtectedMovementAllowed, P::protected_Movement_Allowed),
-    (MovementPhase::PermissiveClearance, P::permissive_clearance),
-    (MovementPhase::ProtectedClearance, P::protected_clearance),
-    (MovementPhase::CautionConflictingTraffic, P::caution_Conflicting_Traffic),
-];
+/// Entries of a list of intersections.
+pub(super) const INTERSECTIONS: Number = Number::new("intersections", 1, 32);
+const INTERSECTION_ID: Number = Number::new("intersection", 0, 65_535);
+const MILLISECOND: Number = Number::new("millisecond", 0, 65_535);
+const SIGNAL_GROUPS: Number = Number::new("signal groups", 1, 255);
+const PHASES: Number = Number::new("phases", 1, 16);
+const PHASE: Number = Number::new("phase", 0, MovementPhase::ALL.len() as i64 - 1);
+const START: Number = mark("start");
+const MIN_END: Number = mark("earliest end");
+const MAX_END: Number = mark("latest end");
+const LIKELY_END: Number = mark("likely end");
+const CONFIDENCE: Number = Number::new("confidence", 0, 15);
+const NEXT: Number = mark("next time");
+/// Size of `IntersectionStatusObject`.
+const STATUS_BITS: u32 = 16;
+
+const fn mark(what: &'static str) -> Number {
+    Number::new(what, 0, 36_001)
+}
 
 pub(crate) fn encode(message: &Spatem) -> Result<Vec<u8>, EncodeError> {
-    let mut to = header(MessageKind::Spatem, message.station_id)?;
+    let mut to = write_header(MessageKind::Spatem, message.station_id)?;
     // SPAT: timeStamp, name, regional.
     to.not_extended();
     to.present([false; 3]);
-    to.list("intersections", &message.intersections, 1..=32, intersection)?;
+    to.list(INTERSECTIONS, &message.intersections, write_intersection)?;
     Ok(to.finish())
 }
 
-pub(crate) fn decode(payload: &[u8]) -> Result<Spatem, DecodeError> {
-    let SPATEM { header, spat } = from_uper(payload)?;
-    Ok(Spatem {
-        station_id: header.station_id.0,
-        intersections: spat
-            .intersections
-            .0
-            .iter()
-            .map(|state| read_intersection(state, spat.time_stamp.as_ref()))
-            .collect(),
+pub(crate) fn decode(payload: &[u8]) -> Result<Spatem, PayloadError> {
+    read(&mut Reader::new(payload))
+}
+
+pub(super) fn read(from: &mut impl Source) -> Result<Spatem, PayloadError> {
+    let station_id = read_header(from)?;
+    from.extensible(|from, [stamped, named, regional]| {
+        let minute = from.some_number(stamped, MINUTE)?;
+        from.skip(named, &NAME)?;
+        let intersections = from.list(INTERSECTIONS, |from| read_intersection(from, minute))?;
+        from.skip(regional, &REGIONALS)?;
+        Ok(Spatem { station_id, intersections })
     })
 }
 
-/// A message with its `ItsPduHeader`.
-pub(super) fn header(kind: MessageKind, station_id: u32) -> Result<Writer, EncodeError> {
-    let mut to = Writer::default();
-    to.number("protocol version", PROTOCOL_VERSION, 0..=255)?;
-    to.number("message id", kind.message_id(), 0..=255)?;
-    to.number("station id", station_id, 0..=4_294_967_295)?;
-    Ok(to)
-}
-
 /// `IntersectionReferenceID`.
-pub(super) fn reference(to: &mut Writer, region: Option<u16>, id: u16) -> Result<(), EncodeError> {
+pub(super) fn write_reference(
+    to: &mut Writer,
+    region: Option<u16>,
+    id: u16,
+) -> Result<(), EncodeError> {
     to.present([region.is_some()]);
-    to.some_number("region", region, 0..=65_535)?;
-    to.number("intersection", id, 0..=65_535)
+    to.some_number(REGION, region)?;
+    to.number(INTERSECTION_ID, id)
 }
 
-fn intersection(to: &mut Writer, state: &IntersectionState) -> Result<(), EncodeError> {
+/// Region and id of an intersection.
+pub(super) fn read_reference(from: &mut impl Source) -> Result<(Option<u16>, u16), PayloadError> {
+    from.sequence(|from, [regional]| {
+        Ok((from.some_number(regional, REGION)?, from.number(INTERSECTION_ID)?))
+    })
+}
+
+fn write_intersection(to: &mut Writer, state: &IntersectionState) -> Result<(), EncodeError> {
     to.not_extended();
     let stamp = state.stamp;
     // name, moy, timeStamp, enabledLanes, maneuverAssistList, regional.
     to.present([false, stamp.is_some(), stamp.is_some(), false, false, false]);
-    reference(to, state.region, state.id)?;
-    to.number("revision", state.revision, 0..=127)?;
-    to.flags(state.status, 16);
-    to.some_number("minute", stamp.map(|stamp| stamp.minute_of_year), 0..=527_040)?;
-    to.some_number("millisecond", stamp.map(|stamp| stamp.millisecond), 0..=65_535)?;
-    to.list("signal groups", &state.movements, 1..=255, movement)
+    write_reference(to, state.region, state.id)?;
+    to.number(REVISION, state.revision)?;
+    to.flags(state.status, STATUS_BITS);
+    to.some_number(MINUTE, stamp.map(|stamp| stamp.minute_of_year))?;
+    to.some_number(MILLISECOND, stamp.map(|stamp| stamp.millisecond))?;
+    to.list(SIGNAL_GROUPS, &state.movements, write_movement)
 }
 
-fn movement(to: &mut Writer, state: &MovementState) -> Result<(), EncodeError> {
+/// The minute may stand in the intersection, or once in front of all (`common_minute`).
+fn read_intersection(
+    from: &mut impl Source,
+    common_minute: Option<u32>,
+) -> Result<IntersectionState, PayloadError> {
+    from.extensible(|from, [named, own_minute, timed, enabled, assisted, regional]| {
+        from.skip(named, &NAME)?;
+        let (region, id) = read_reference(from)?;
+        let revision = from.number(REVISION)?;
+        let status = from.flags("status", STATUS_BITS)?;
+        let minute = from.some_number(own_minute, MINUTE)?.or(common_minute);
+        let millisecond = from.some_number(timed, MILLISECOND)?;
+        from.skip(enabled, &ENABLED_LANES)?;
+        let movements = from.list(SIGNAL_GROUPS, read_movement)?;
+        from.skip(assisted, &MANEUVER_ASSIST)?;
+        from.skip(regional, &REGIONALS)?;
+        let stamp = minute
+            .zip(millisecond)
+            .map(|(minute_of_year, millisecond)| Stamp { minute_of_year, millisecond });
+        Ok(IntersectionState { region, id, revision, status, stamp, movements })
+    })
+}
+
+fn write_movement(to: &mut Writer, state: &MovementState) -> Result<(), EncodeError> {
     to.not_extended();
     // movementName, maneuverAssistList, regional.
     to.present([false; 3]);
-    to.number("signal group", state.signal_group, 0..=255)?;
-    to.list("phases", &state.events, 1..=16, event)
+    to.number(SIGNAL_GROUP, state.signal_group)?;
+    to.list(PHASES, &state.events, write_event)
 }
 
-fn event(to: &mut Writer, event: &MovementEvent) -> Result<(), EncodeError> {
+fn read_movement(from: &mut impl Source) -> Result<MovementState, PayloadError> {
+    from.extensible(|from, [named, assisted, regional]| {
+        from.skip(named, &NAME)?;
+        let signal_group = from.number(SIGNAL_GROUP)?;
+        let events = from.list(PHASES, read_event)?;
+        from.skip(assisted, &MANEUVER_ASSIST)?;
+        from.skip(regional, &REGIONALS)?;
+        Ok(MovementState { signal_group, events })
+    })
+}
+
+fn write_event(to: &mut Writer, event: &MovementEvent) -> Result<(), EncodeError> {
     to.not_extended();
     // timing, speeds, regional.
     to.present([event.timing.is_some(), false, false]);
-    to.number("phase", event.state as u8, 0..=9)?;
-    event.timing.as_ref().map_or(Ok(()), |details| timing(to, details))
+    to.number(PHASE, event.state as u8)?;
+    event.timing.as_ref().map_or(Ok(()), |timing| write_timing(to, timing))
 }
 
-fn timing(to: &mut Writer, timing: &Timing) -> Result<(), EncodeError> {
-    let Timing { start, min_end, max_end, likely_end, confidence, next } = timing;
+fn read_event(from: &mut impl Source) -> Result<MovementEvent, PayloadError> {
+    from.extensible(|from, [timed, advised, regional]| {
+        let state = MovementPhase::ALL[from.number::<usize>(PHASE)?];
+        let timing = timed.then(|| read_timing(from)).transpose()?;
+        from.skip(advised, &ADVISORY_SPEEDS)?;
+        from.skip(regional, &REGIONALS)?;
+        Ok(MovementEvent { state, timing })
+    })
+}
+
+fn write_timing(to: &mut Writer, timing: &Timing) -> Result<(), EncodeError> {
+    let Timing { start, min_end, max_end, likely_end, confidence, next } = *timing;
     let there = [start.is_some(), max_end.is_some(), likely_end.is_some()];
     to.present(there);
     to.present([confidence.is_some(), next.is_some()]);
-    let mut mark = |what: &str, mark: &Option<TimeMark>| {
-        to.some_number(what, mark.map(TimeMark::value), 0..=36_001)
-    };
-    mark("start", start)?;
-    mark("earliest end", &Some(*min_end))?;
-    mark("latest end", max_end)?;
-    mark("likely end", likely_end)?;
-    to.some_number("confidence", *confidence, 0..=15)?;
-    to.some_number("next time", next.map(TimeMark::value), 0..=36_001)
+    to.some_number(START, start.map(TimeMark::value))?;
+    to.number(MIN_END, min_end.value())?;
+    to.some_number(MAX_END, max_end.map(TimeMark::value))?;
+    to.some_number(LIKELY_END, likely_end.map(TimeMark::value))?;
+    to.some_number(CONFIDENCE, confidence)?;
+    to.some_number(NEXT, next.map(TimeMark::value))
 }
 
-/// The minute may stand in the intersection or once in front of all.
-fn read_intersection(
-    state: &dsrc::IntersectionState,
-    minute: Option<&dsrc::MinuteOfTheYear>,
-) -> IntersectionState {
-    let minute = state.moy.as_ref().or(minute);
-    let stamp = minute.zip(state.time_stamp.as_ref());
-    IntersectionState {
-        region: state.id.region.as_ref().map(|region| region.0),
-        id: state.id.id.0,
-        revision: state.revision.0,
-        status: flags(&state.status.0),
-        stamp: stamp
-            .map(|(minute, second)| Stamp { minute_of_year: minute.0, millisecond: second.0 }),
-        movements: state.states.0.iter().map(read_movement).collect(),
-    }
+fn read_timing(from: &mut impl Source) -> Result<Timing, PayloadError> {
+    from.sequence(|from, [started, latest, likely, confident, again]| {
+        Ok(Timing {
+            start: read_mark(from, started, START)?,
+            min_end: read_mark(from, true, MIN_END)?.unwrap_or(TimeMark::UNKNOWN),
+            max_end: read_mark(from, latest, MAX_END)?,
+            likely_end: read_mark(from, likely, LIKELY_END)?,
+            confidence: from.some_number(confident, CONFIDENCE)?,
+            next: read_mark(from, again, NEXT)?,
+        })
+    })
 }
 
-fn read_movement(state: &dsrc::MovementState) -> MovementState {
-    MovementState {
-        signal_group: state.signal_group.0,
-        events: state.state_time_speed.0.iter().map(read_event).collect(),
-    }
-}
-
-fn read_event(event: &dsrc::MovementEvent) -> MovementEvent {
-    let found = PHASES.into_iter().find(|(_, state)| *state == event.event_state);
-    MovementEvent {
-        state: found.map_or(MovementPhase::Unavailable, |(phase, _)| phase),
-        timing: event.timing.as_ref().map(read_timing),
-    }
-}
-
-fn read_timing(timing: &dsrc::TimeChangeDetails) -> Timing {
-    let mark = |mark: &dsrc::TimeMark| TimeMark::new(mark.0).unwrap_or(TimeMark::UNKNOWN);
-    Timing {
-        start: timing.start_time.as_ref().map(mark),
-        min_end: mark(&timing.min_end_time),
-        max_end: timing.max_end_time.as_ref().map(mark),
-        likely_end: timing.likely_time.as_ref().map(mark),
-        confidence: timing.confidence.as_ref().map(|confidence| confidence.0),
-        next: timing.next_time.as_ref().map(mark),
-    }
+fn read_mark(
+    from: &mut impl Source,
+    there: bool,
+    number: Number,
+) -> Result<Option<TimeMark>, PayloadError> {
+    Ok(from.some_number(there, number)?.and_then(TimeMark::new))
 }

@@ -1,0 +1,26 @@
+//! Unaligned PER (ITU-T X.691), as far as the three messages need it.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `number` | a whole number's name and bounds, one declaration for both directions |
+//! | `writer` | fields to bits |
+//! | `source`, `reader` | fields from bits; the ways in which a type can be extended |
+//! | `part` | parts that are checked and not kept, as tables |
+//!
+//! A frame has at most 1,500 bytes. Every list has a bound of its own, and the tables of `part` contain no
+//! circle: neither memory nor depth can be asked for by a message.
+
+mod number;
+mod part;
+mod reader;
+mod source;
+mod writer;
+
+#[cfg(all(test, feature = "oracle"))]
+pub(super) mod dice;
+
+pub(super) use number::Number;
+pub(super) use part::{Form, Part, optional, required};
+pub(super) use reader::Reader;
+pub(super) use source::Source;
+pub(super) use writer::Writer;

@@ -1,0 +1,118 @@
+//! Parts of messages that are checked and not kept.
+
+use super::{Number, Source};
+use crate::PayloadError;
+
+/// A part, as the standard describes it. Text is a list of characters, octets are a list of numbers.
+#[derive(Debug)]
+pub(in crate::codec) enum Part {
+    /// A number, an enumeration, or a bit string of a fixed size.
+    Whole(Number),
+    /// A number that a later version may take out of its bounds.
+    ExtensibleNumber(Number),
+    /// An enumeration to which a later version may add.
+    ExtensibleEnumeration(Number),
+    /// A bit string of so many bits, or of another length in a later version.
+    ExtensibleBits(u32),
+    /// A list with the bounds of its count.
+    List(Number, &'static Part),
+    /// Fields in their order.
+    Sequence(Form, &'static [Field]),
+    /// One of several.
+    Choice(Form, &'static [&'static Part]),
+    /// Octets behind their length, as of a regional extension.
+    Open,
+}
+
+/// Whether a later version may add to a type.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::codec) enum Form {
+    Fixed,
+    Extensible,
+}
+
+/// A field of a sequence.
+#[derive(Debug)]
+pub(in crate::codec) struct Field {
+    optional: bool,
+    part: Part,
+}
+
+/// A field that is always there.
+pub(in crate::codec) const fn required(part: Part) -> Field {
+    Field { optional: false, part }
+}
+
+/// A field that has a bit.
+pub(in crate::codec) const fn optional(part: Part) -> Field {
+    Field { optional: true, part }
+}
+
+impl Part {
+    /// A number from `least` to `most`.
+    pub(in crate::codec) const fn whole(what: &'static str, least: i64, most: i64) -> Self {
+        Self::Whole(Number::new(what, least, most))
+    }
+
+    /// A bit string of a fixed size.
+    pub(in crate::codec) const fn bits(what: &'static str, size: u32) -> Self {
+        Self::whole(what, 0, (1 << size) - 1)
+    }
+
+    /// Checks it and passes over it.
+    pub(super) fn skip(&self, from: &mut impl Source) -> Result<(), PayloadError> {
+        match self {
+            Self::Whole(number) => from.whole(*number).map(drop),
+            Self::ExtensibleNumber(number) => {
+                if from.bit()? {
+                    from.pass_open()
+                } else {
+                    from.whole(*number).map(drop)
+                }
+            }
+            Self::ExtensibleEnumeration(number) => {
+                if from.extended()? {
+                    from.pass_small()
+                } else {
+                    from.whole(*number).map(drop)
+                }
+            }
+            Self::ExtensibleBits(size) => {
+                let bits = if from.bit()? { from.length()? } else { (*size).into() };
+                from.pass(bits)
+            }
+            Self::List(count, entry) => {
+                let count = from.count(*count)?;
+                (0..count).try_for_each(|_| entry.skip(from))
+            }
+            Self::Sequence(form, fields) => skip_sequence(from, *form, fields),
+            Self::Choice(form, alternatives) => skip_choice(from, *form, alternatives),
+            Self::Open => from.pass_open(),
+        }
+    }
+}
+
+fn skip_sequence(from: &mut impl Source, form: Form, fields: &[Field]) -> Result<(), PayloadError> {
+    let extended = form == Form::Extensible && from.extended()?;
+    let optional = fields.iter().filter(|field| field.optional).count();
+    let bitmap = from.whole(Number::new("optional parts", 0, (1 << optional) - 1))?;
+    let mut there = (0..optional).rev().map(|bit| bitmap >> bit & 1 == 1);
+    for Field { optional, part } in fields {
+        let there = !optional || there.next().unwrap_or(false);
+        from.skip(there, part)?;
+    }
+    if extended { from.pass_additions() } else { Ok(()) }
+}
+
+fn skip_choice(
+    from: &mut impl Source,
+    form: Form,
+    alternatives: &[&Part],
+) -> Result<(), PayloadError> {
+    if form == Form::Extensible && from.extended()? {
+        from.pass_small()?;
+        return from.pass_open();
+    }
+    let number = Number::new("alternative", 0, alternatives.len() as i64 - 1);
+    alternatives[from.whole(number)? as usize].skip(from)
+}

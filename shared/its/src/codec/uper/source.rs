@@ -1,0 +1,181 @@
+//! Fields one after another, and the ways in which a type of the standards can be extended.
+
+use super::{Number, Part};
+use crate::PayloadError;
+
+const BIT: Number = Number::new("bit", 0, 1);
+/// Clause 11.6, the short form; clause 11.9.3.4 counts from one.
+const SMALL: Number = Number::new("small number", 0, 63);
+const SHORT_LENGTH: Number = Number::new("length", 0, 127);
+const LONG_LENGTH: Number = Number::new("length", 0, 16_383);
+
+/// Fields in the order of the message. A decoder asks for each with its bounds, so that a test can answer in
+/// place of bytes.
+pub(in crate::codec) trait Source: Sized {
+    /// A whole number within its bounds.
+    ///
+    /// # Errors
+    /// [`PayloadError`]: outside its bounds, or the message ends.
+    fn whole(&mut self, number: Number) -> Result<i64, PayloadError>;
+
+    /// Passes over bits of any content.
+    ///
+    /// # Errors
+    /// [`PayloadError::Ends`].
+    fn pass(&mut self, bits: u64) -> Result<(), PayloadError>;
+
+    /// How many entries a list has.
+    ///
+    /// # Errors
+    /// As [`Self::whole`].
+    fn count(&mut self, number: Number) -> Result<i64, PayloadError> {
+        self.whole(number)
+    }
+
+    /// Whether a type has content of a later version.
+    ///
+    /// # Errors
+    /// [`PayloadError::Ends`].
+    fn extended(&mut self) -> Result<bool, PayloadError> {
+        self.bit()
+    }
+
+    /// A length without bounds (clause 11.9), in octets, bits or entries.
+    ///
+    /// # Errors
+    /// [`PayloadError::Length`]: 16 Ki and more come in fragments, which no frame has room for.
+    fn length(&mut self) -> Result<u64, PayloadError> {
+        if !self.bit()? {
+            return self.number(SHORT_LENGTH);
+        }
+        if !self.bit()? {
+            return self.number(LONG_LENGTH);
+        }
+        Err(PayloadError::Length)
+    }
+
+    /// As [`Self::whole`], in the type of the field.
+    ///
+    /// # Errors
+    /// As [`Self::whole`].
+    fn number<T: TryFrom<i64>>(&mut self, number: Number) -> Result<T, PayloadError> {
+        let value = self.whole(number)?;
+        T::try_from(value).map_err(|_| out_of_range(number, value))
+    }
+
+    /// A number that is there if its bit said so.
+    ///
+    /// # Errors
+    /// As [`Self::whole`].
+    fn some_number<T: TryFrom<i64>>(
+        &mut self,
+        there: bool,
+        number: Number,
+    ) -> Result<Option<T>, PayloadError> {
+        there.then(|| self.number(number)).transpose()
+    }
+
+    /// One flag.
+    ///
+    /// # Errors
+    /// [`PayloadError::Ends`].
+    fn bit(&mut self) -> Result<bool, PayloadError> {
+        Ok(self.whole(BIT)? == 1)
+    }
+
+    /// A bit string of a fixed size up to 16: its bit n is bit n of the flags.
+    ///
+    /// # Errors
+    /// [`PayloadError::Ends`].
+    fn flags(&mut self, what: &'static str, size: u32) -> Result<u16, PayloadError> {
+        let bits: u16 = self.number(Number::new(what, 0, (1 << size) - 1))?;
+        Ok(bits.reverse_bits() >> (u16::BITS - size))
+    }
+
+    /// A sequence that cannot be extended, with which of its optional parts are there.
+    ///
+    /// # Errors
+    /// What `read` returns, and [`PayloadError::Ends`].
+    fn sequence<T, const N: usize>(
+        &mut self,
+        read: impl FnOnce(&mut Self, [bool; N]) -> Result<T, PayloadError>,
+    ) -> Result<T, PayloadError> {
+        let mut there = [false; N];
+        for part in &mut there {
+            *part = self.bit()?;
+        }
+        read(self, there)
+    }
+
+    /// A sequence that can be extended: what later versions add is passed over.
+    ///
+    /// # Errors
+    /// What `read` returns, and [`PayloadError`] in the additions.
+    fn extensible<T, const N: usize>(
+        &mut self,
+        read: impl FnOnce(&mut Self, [bool; N]) -> Result<T, PayloadError>,
+    ) -> Result<T, PayloadError> {
+        let extended = self.extended()?;
+        let value = self.sequence(read)?;
+        if extended {
+            self.pass_additions()?;
+        }
+        Ok(value)
+    }
+
+    /// A list.
+    ///
+    /// # Errors
+    /// What `each` returns, and [`PayloadError`] in the count.
+    fn list<T>(
+        &mut self,
+        count: Number,
+        mut each: impl FnMut(&mut Self) -> Result<T, PayloadError>,
+    ) -> Result<Vec<T>, PayloadError> {
+        let count = self.count(count)?;
+        (0..count).map(|_| each(self)).collect()
+    }
+
+    /// The additions of an extended sequence (clauses 19.7 to 19.9): which there are, and each behind its length.
+    ///
+    /// # Errors
+    /// [`PayloadError`].
+    fn pass_additions(&mut self) -> Result<(), PayloadError> {
+        let known = if self.bit()? { self.length()? } else { self.number::<u64>(SMALL)? + 1 };
+        let mut there = 0;
+        for _ in 0..known {
+            there += u32::from(self.bit()?);
+        }
+        (0..there).try_for_each(|_| self.pass_open())
+    }
+
+    /// The number of an enumeration's or choice's alternative of a later version (clause 11.6).
+    ///
+    /// # Errors
+    /// [`PayloadError`].
+    fn pass_small(&mut self) -> Result<(), PayloadError> {
+        if self.bit()? { self.pass_open() } else { self.whole(SMALL).map(drop) }
+    }
+
+    /// An open type, or a number without bounds: octets behind their length.
+    ///
+    /// # Errors
+    /// [`PayloadError`].
+    fn pass_open(&mut self) -> Result<(), PayloadError> {
+        let octets = self.length()?;
+        self.pass(8 * octets)
+    }
+
+    /// Checks a part and keeps nothing of it, if its bit said that it is there.
+    ///
+    /// # Errors
+    /// [`PayloadError`].
+    fn skip(&mut self, there: bool, part: &Part) -> Result<(), PayloadError> {
+        if there { part.skip(self) } else { Ok(()) }
+    }
+}
+
+pub(super) fn out_of_range(number: Number, value: i64) -> PayloadError {
+    let Number { what, least, most } = number;
+    PayloadError::Range { what, value, least, most }
+}
