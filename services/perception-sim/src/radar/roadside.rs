@@ -42,7 +42,7 @@ impl Roadside {
             (ego.position_m / cell_m, (ego.position_m + antenna.max_range_m) / cell_m);
         for cell in first.floor() as i64..=last.floor() as i64 {
             for (side, sign) in [(0, 1.0), (1, -1.0)] {
-                let object = hash(seed, STREAM + 2 * cell as u64 + side);
+                let object = hash(seed, STREAM.wrapping_add_signed(2 * cell + side));
                 let x_m = (cell as f64 + fixed(object, 0)) * cell_m - ego.position_m;
                 let y_m = sign * (self.offset_m + DEPTH_M * fixed(object, 1));
                 // Drawn also for what is out of sight: the others' draws do not depend on it.
