@@ -34,23 +34,23 @@ pub enum Command {
     /// Run the roadside units of a scenario alone, for vehicles on other hosts
     Rsu(crate::rsu::RsuArguments),
     /// Run a paper's scenarios in lockstep and print its published figures beside ours
-    Reproduce(campaign::reproduce::ReproduceArguments),
+    Reproduce(papers::ReproduceArguments),
     /// Measure latency, jitter and deadline misses beside the machine's own floor
     Bench(bench::BenchArguments),
     /// Drive the same scenarios with several controllers and compare them
-    Compare(campaign::compare::CompareArguments),
+    Compare(comparison::compare::CompareArguments),
     /// Drive UN R157's cut-in, following and cut-out matrices with its models and our controllers
-    R157(campaign::r157::R157Arguments),
+    R157(regulation::r157::R157Arguments),
     /// Run ISO 15622's tests of adaptive cruise control and print their limits as rows
-    Iso15622(campaign::iso15622::Iso15622Arguments),
+    Iso15622(regulation::iso15622::Iso15622Arguments),
     /// Convert a recorded run to a trace for Perfetto
     Trace(TraceArguments),
     /// Drive many seeded runs with faults and give one verdict
-    Campaign(campaign::campaign::CampaignArguments),
+    Campaign(campaign::CampaignArguments),
     /// Drive a string of cars, each behind the true motion of the one before, and print the gains
-    String(campaign::string::StringArguments),
+    String(string::StringArguments),
     /// Drive a scenario for all values of a key and print a figure of each
-    Sweep(campaign::sweep::SweepArguments),
+    Sweep(comparison::sweep::SweepArguments),
     /// Show what a recording holds
     Info(InfoArguments),
     /// Repair a truncated recording

@@ -1,8 +1,6 @@
 //! `timegap list`: what there is to run.
 
-use campaign::campaign;
 use clap::Args;
-
 use controller::law::{Descriptor, Formulation};
 use controller::laws;
 use group::{Error, Failure, ScenarioOptions};

@@ -1,0 +1,271 @@
+//! What a campaign keeps of a run.
+
+use super::exposure::Struck;
+use super::planned::Planned;
+use super::reference::{Braking, avoids_contact};
+use frame::batch::{Done, Growth, Repetition};
+use group::{Error, FaultRecord, Recovery};
+use messages::level::{Level, LevelChange};
+use runtime::report::Outcome;
+use scenario::Scenario;
+use scenario::faults::{Helper, Kind};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Two kills so near to each other are one double kill, s.
+const DOUBLE_S: f64 = 0.005;
+
+/// One run, in one line of the journal.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// Its number in the campaign.
+    pub run: usize,
+    pub scenario: String,
+    pub controller: String,
+    /// What went wrong, in a word.
+    pub fault: String,
+    pub seed: u32,
+    /// Parameters of an OpenSCENARIO file.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parameters: Vec<String>,
+    pub outcome: Outcome,
+    /// Why the outcome is `aborted`.
+    pub aborted_because: Option<String>,
+    /// It ended in a collision that a reference which brakes perfectly would have avoided.
+    pub avoidable: bool,
+    pub duration_s: f64,
+    pub min_gap_m: Option<f64>,
+    pub min_ttc_s: Option<f64>,
+    /// Processes killed.
+    pub kills: u64,
+    /// Pairs of services that were killed within [`DOUBLE_S`], processes that were killed before they took
+    /// part, and processes that are no service.
+    #[serde(default)]
+    pub double_kills: u64,
+    #[serde(default)]
+    pub starting_kills: u64,
+    #[serde(default)]
+    pub helper_kills: u64,
+    /// The launcher was killed, and the group ended with it.
+    #[serde(default)]
+    pub launcher_died: bool,
+    /// A recording that cannot be read, or ends early although the recorder was not killed.
+    #[serde(default)]
+    pub recording_lost: bool,
+    /// From a process fault until the launcher knew, µs.
+    pub detection_us: Vec<f64>,
+    /// From a process fault until the first fresh message of the next process, µs.
+    pub recovery_us: Vec<f64>,
+    /// Those of them in which a standby that was ready took over.
+    #[serde(default)]
+    pub take_over_us: Vec<f64>,
+    /// Times that the emergency brake braked.
+    #[serde(default)]
+    pub interventions: u64,
+    /// Process faults of a run that reached its end without a recovery.
+    pub unrecovered: u64,
+    /// Time of each service on each level of the ladder, s.
+    pub rungs_s: BTreeMap<String, f64>,
+    /// Services that were not on the first level at the end of a completed run.
+    pub degraded: Vec<String>,
+    /// Longest time that the plant was without the command that was due, ms.
+    pub command_overdue_ms: Option<f64>,
+    pub messages_lost: u64,
+    /// Messages disturbed by faults, over all their receivers.
+    pub disturbed: u64,
+    /// Messages corrupted by faults.
+    pub corrupted: u64,
+    pub undetected: u64,
+    /// Faults that acted, those that acted in a critical phase, and how many in each phase.
+    #[serde(default)]
+    pub faults: u64,
+    #[serde(default)]
+    pub critical_faults: u64,
+    #[serde(default)]
+    pub phases: BTreeMap<String, u64>,
+    /// What the run left behind.
+    pub leaks: Vec<String>,
+    /// Growth of memory and descriptors, where it was sampled.
+    pub growth: Option<Growth>,
+    /// Of a run in one process that was repeated in a process group: whether it gave the same bytes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub same_in_processes: Option<bool>,
+}
+
+impl Record {
+    /// What came of a planned run.
+    pub fn new(planned: &Planned, scenario: &Scenario, result: Result<Done, Error>) -> Self {
+        let blank = Self::blank(planned, scenario);
+        match result {
+            Ok(done) => blank.of(scenario, &done),
+            Err(error) => Self { aborted_because: Some(error.to_string()), ..blank },
+        }
+    }
+
+    /// Of a run that was aborted and measured nothing.
+    pub fn blank(planned: &Planned, scenario: &Scenario) -> Self {
+        Self {
+            run: planned.run,
+            scenario: planned.scenario.clone(),
+            controller: scenario.controller.name.as_str().into(),
+            fault: planned.fault.clone(),
+            seed: planned.seed,
+            parameters: planned.parameters.clone(),
+            outcome: Outcome::Aborted,
+            aborted_because: None,
+            avoidable: false,
+            duration_s: 0.0,
+            min_gap_m: None,
+            min_ttc_s: None,
+            kills: 0,
+            double_kills: 0,
+            starting_kills: 0,
+            helper_kills: 0,
+            launcher_died: false,
+            recording_lost: false,
+            detection_us: Vec::new(),
+            recovery_us: Vec::new(),
+            take_over_us: Vec::new(),
+            interventions: 0,
+            unrecovered: 0,
+            rungs_s: BTreeMap::new(),
+            degraded: Vec::new(),
+            command_overdue_ms: None,
+            messages_lost: 0,
+            disturbed: 0,
+            corrupted: 0,
+            undetected: 0,
+            faults: 0,
+            critical_faults: 0,
+            phases: BTreeMap::new(),
+            leaks: Vec::new(),
+            growth: None,
+            same_in_processes: None,
+        }
+    }
+
+    fn of(self, scenario: &Scenario, done: &Done) -> Self {
+        let summary = &done.summary;
+        let fallback = &scenario.plant.fallback;
+        let braking = Braking {
+            comfortable_mps2: fallback.stop_deceleration_mps2.value(),
+            emergency_mps2: scenario.aebs.deceleration_mps2.value(),
+        };
+        let collided = summary.outcome == Outcome::Collision;
+        let kills = [Kind::Kill, Kind::RestartStorm, Kind::KillHelper].map(Kind::name);
+        let faults = &summary.faults;
+        let killed = faults.iter().filter(|fault| kills.contains(&fault.kind.as_str()));
+        let recorder_killed = faults.iter().any(|fault| fault.helper == Some(Helper::Recorder));
+        let corrupted = faults.iter().filter(|fault| fault.kind == Kind::Corrupt.name());
+        let corrupted = corrupted.filter_map(|fault| fault.messages).sum();
+        let unrecovered = faults.iter().filter(|fault| {
+            fault.detected_after_us.is_some() && fault.recovered_after_us.is_none()
+        });
+        let struck = Struck::of(scenario, faults, &done.drive.steps);
+        Self {
+            faults: struck.faults,
+            critical_faults: struck.critical,
+            phases: struck.phases,
+            outcome: summary.outcome,
+            aborted_because: summary.aborted_because.clone(),
+            avoidable: collided && avoids_contact(&done.drive.steps, &braking),
+            duration_s: summary.duration_s,
+            min_gap_m: summary.control.figures.min_gap_m,
+            min_ttc_s: summary.control.figures.min_ttc_s,
+            kills: killed.clone().count() as u64,
+            double_kills: double_kills(killed.clone()),
+            starting_kills: killed.clone().filter(|fault| fault.while_starting).count() as u64,
+            helper_kills: killed.filter(|fault| fault.helper.is_some()).count() as u64,
+            recording_lost: summary.recording.as_ref().is_some_and(|recording| {
+                recording.messages == 0 || (recording.failed.is_some() && !recorder_killed)
+            }),
+            detection_us: faults.iter().filter_map(|fault| fault.detected_after_us).collect(),
+            recovery_us: faults.iter().filter_map(|fault| fault.recovered_after_us).collect(),
+            take_over_us: (faults.iter())
+                .filter(|fault| fault.recovered_by == Some(Recovery::TakeOver))
+                .filter_map(|fault| fault.recovered_after_us)
+                .collect(),
+            interventions: summary.aebs.interventions.unwrap_or(0),
+            unrecovered: match summary.outcome {
+                Outcome::Completed => unrecovered.count() as u64,
+                // No service is restarted after the end or in the safe state.
+                _ => 0,
+            },
+            rungs_s: (summary.rungs.iter())
+                .flat_map(|(service, rungs)| rungs.time_s.iter().map(move |r| (service, r)))
+                .map(|(service, (rung, time_s))| (format!("{service} {rung}"), *time_s))
+                .collect(),
+            degraded: match summary.outcome {
+                Outcome::Completed => (summary.rungs.iter())
+                    .filter_map(|(service, rungs)| Some((service, rungs.changes.last()?.to)))
+                    .filter(|(_, last)| *last != Level::Full)
+                    .map(|(service, last)| format!("{service} ended on {}", last.name()))
+                    .collect(),
+                _ => Vec::new(),
+            },
+            command_overdue_ms: (summary.rungs.get("plant"))
+                .map(|rungs| overdue_ms(&rungs.changes, summary.duration_s)),
+            messages_lost: summary.messages.values().filter_map(|topic| topic.lost).sum(),
+            disturbed: faults.iter().filter_map(|fault| fault.messages).sum(),
+            corrupted,
+            undetected: faults.iter().map(|fault| fault.undetected).sum(),
+            leaks: done.leftovers.clone(),
+            growth: Growth::over(&done.samples),
+            same_in_processes: done
+                .repetition
+                .as_ref()
+                .map(|repetition| *repetition == Repetition::Same),
+            ..self
+        }
+    }
+}
+
+/// Pairs of neighbours in time that struck two services at nearly the same instant.
+fn double_kills<'a>(killed: impl Iterator<Item = &'a FaultRecord>) -> u64 {
+    let mut killed: Vec<_> = killed.filter(|fault| fault.service.is_some()).collect();
+    killed.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
+    let pairs = killed
+        .windows(2)
+        .filter(|pair| pair[1].t_s - pair[0].t_s <= DOUBLE_S && pair[0].service != pair[1].service);
+    pairs.count() as u64
+}
+
+/// Longest time without the command that was due, ms, of a plant whose levels changed so in `duration_s`: it follows
+/// the last plan or stops in lane. Where none came any more it lasts to the end.
+fn overdue_ms(changes: &[LevelChange], duration_s: f64) -> f64 {
+    let is_without = |level| matches!(level, Level::PlanFollowed | Level::StopInLane);
+    let mut since_s = None;
+    let mut longest_s: f64 = 0.0;
+    for change in changes {
+        if is_without(change.to) {
+            since_s.get_or_insert(change.t_s);
+        } else if let Some(since_s) = since_s.take() {
+            longest_s = longest_s.max(change.t_s - since_s);
+        }
+    }
+    let at_the_end_s = since_s.map_or(0.0, |since_s| duration_s - since_s);
+    longest_s.max(at_the_end_s) * 1e3
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_longest_time_without_a_command_counts_from_end_to_end() {
+        let change = |t_s, from, to| LevelChange { t_s, from, to };
+        let changes = [
+            change(0.5, Level::Full, Level::Emergency),
+            change(0.9, Level::Emergency, Level::Full),
+            change(1.0, Level::Full, Level::PlanFollowed),
+            change(1.25, Level::PlanFollowed, Level::Full),
+            change(2.0, Level::Full, Level::PlanFollowed),
+            change(2.25, Level::PlanFollowed, Level::StopInLane),
+            change(2.5, Level::StopInLane, Level::Full),
+            change(9.0, Level::Full, Level::PlanFollowed),
+        ];
+        assert_eq!(overdue_ms(&changes, 9.25), 500.0, "the emergency brake's time is not counted");
+        assert_eq!(overdue_ms(&changes, 30.0), 21_000.0, "to the end, where none came any more");
+        assert_eq!(overdue_ms(&[], 30.0), 0.0);
+    }
+}

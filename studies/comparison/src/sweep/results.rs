@@ -1,0 +1,286 @@
+//! What a sweep found: every run, and every point folded over its seeds.
+
+use super::figure::{self, ALL, Values};
+use frame::batch::ProcessesSample;
+use frame::param::Param;
+use group::Error;
+use report::print;
+use report::summary::Summary;
+use report::table::{self, Align, NONE, TextTable};
+use runtime::Mode;
+use runtime::report::Outcome;
+use serde::de::{Deserialize, Deserializer};
+use serde::ser::{Serialize, SerializeMap, Serializer};
+use std::collections::BTreeMap;
+
+/// The whole sweep.
+#[derive(Debug, serde::Serialize)]
+pub struct Sweep {
+    schema_version: u32,
+    pub scenario: String,
+    /// Controllers of the runs: one, unless the controller is swept.
+    pub controllers: Vec<String>,
+    pub mode: &'static str,
+    /// Swept keys.
+    pub params: Vec<String>,
+    /// The grid's points that were reached, in its order.
+    pub points: Vec<Point>,
+    /// Every run, in the grid's order.
+    pub runs: Vec<Run>,
+    /// Runs in one process that were repeated in process groups.
+    pub processes_sample: ProcessesSample,
+}
+
+/// A point of the grid, folded over its seeds.
+#[derive(Debug, serde::Serialize)]
+pub struct Point {
+    pub values: Vec<String>,
+    pub seeds: usize,
+    /// Runs that reached the scenario's end.
+    pub completed: usize,
+    pub figures: Figures,
+}
+
+/// One run.
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+pub struct Run {
+    values: Vec<String>,
+    seed: u64,
+    pub outcome: Outcome,
+    /// Why the outcome is `aborted`.
+    aborted_because: Option<String>,
+    figures: Figures,
+}
+
+/// Figures by their names in results.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Figures(pub Values);
+
+impl Serialize for Figures {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(ALL.len()))?;
+        for (figure, value) in ALL.iter().zip(self.0) {
+            map.serialize_entry(figure.name, &value)?;
+        }
+        map.end()
+    }
+}
+
+impl<'de> Deserialize<'de> for Figures {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let named = BTreeMap::<String, Option<f64>>::deserialize(deserializer)?;
+        let value = |index: usize| named.get(ALL[index].name).copied().flatten();
+        Ok(Self(std::array::from_fn(value)))
+    }
+}
+
+impl Run {
+    /// A run with these keys set: a seed among them is not a value.
+    pub fn new(keys: &[String], seed: u64, result: Result<Summary, Error>) -> Self {
+        let values = keys.iter().filter_map(|key| key.split_once('='));
+        let values = values.filter(|(key, _)| *key != "seed").map(|(_, value)| value.to_owned());
+        let (outcome, aborted_because, figures) = match result {
+            Ok(summary) => {
+                let figures = Figures(figure::values(&summary));
+                (summary.outcome, summary.aborted_because, figures)
+            }
+            Err(error) => (Outcome::Aborted, Some(error.to_string()), Figures::default()),
+        };
+        Self { values: values.collect(), seed, outcome, aborted_because, figures }
+    }
+}
+
+impl Sweep {
+    /// How often the emergency brake had to help, in all runs.
+    pub fn interventions(&self) -> u64 {
+        let place = ALL.iter().position(|figure| figure.name == figure::INTERVENTIONS);
+        let place = place.expect("it is one of the figures");
+        self.runs.iter().filter_map(|run| run.figures.0[place]).map(|times| times as u64).sum()
+    }
+
+    /// Puts the runs, in the grid's order, together.
+    pub fn new(
+        scenario: &str,
+        controllers: Vec<String>,
+        mode: Mode,
+        params: &[Param],
+        runs: Vec<Run>,
+    ) -> Self {
+        let points = runs.chunk_by(|a, b| a.values == b.values).map(|seeds| Point {
+            values: seeds[0].values.clone(),
+            seeds: seeds.len(),
+            completed: seeds.iter().filter(|run| run.outcome == Outcome::Completed).count(),
+            figures: Figures(std::array::from_fn(|index| {
+                ALL[index].fold.over(seeds.iter().map(|run| run.figures.0[index]))
+            })),
+        });
+        Self {
+            schema_version: 1,
+            scenario: scenario.into(),
+            controllers,
+            mode: mode.name(),
+            params: params.iter().map(|param| param.key.clone()).collect(),
+            points: points.collect(),
+            runs,
+            processes_sample: ProcessesSample::default(),
+        }
+    }
+
+    /// One row per run; a figure that does not apply is empty.
+    pub fn csv(&self) -> String {
+        let names = ALL.iter().map(|figure| figure.name);
+        let head = self.params.iter().map(String::as_str).chain(["seed", "outcome"]).chain(names);
+        let rows = self.runs.iter().map(|run| {
+            let outcome = serde_json::to_value(run.outcome).expect("plain data");
+            let outcome = outcome.as_str().unwrap_or_default().to_owned();
+            let figures = run.figures.0.iter().map(|value| table::field(*value));
+            let first = run.values.iter().cloned().chain([run.seed.to_string(), outcome]);
+            first.chain(figures).collect::<Vec<_>>()
+        });
+        table::csv(head, rows)
+    }
+
+    /// One row per point, as text.
+    pub fn table(&self) -> String {
+        let params = self.params.iter().map(|key| (key.as_str(), Align::Right));
+        let figures = ALL.iter().map(|figure| (figure.heading, Align::Right));
+        let mut table = TextTable::new(params.chain(figures).chain([("outcome", Align::Left)]));
+        for (point, runs) in self.points.iter().zip(self.runs.chunk_by(|a, b| a.values == b.values))
+        {
+            let figure =
+                |value: &Option<f64>| value.map_or_else(|| NONE.into(), |v| format!("{v:.2}"));
+            let figures = point.figures.0.iter().map(figure);
+            table.row(point.values.iter().cloned().chain(figures).chain([outcomes(runs)]));
+        }
+        let seeds = self.points.iter().map(|point| point.seeds).max().unwrap_or(0);
+        let of_seeds = if seeds > 1 { format!(", {seeds} seeds each") } else { String::new() };
+        let controllers = self.controllers.join(", ");
+        let (scenario, mode, points) = (&self.scenario, self.mode, self.points.len());
+        let head = format!("{scenario} ({controllers}, {mode}): {points} points{of_seeds}\n");
+        head + &table.text() + &self.reasons()
+    }
+
+    /// Why runs were aborted, a line for each reason.
+    fn reasons(&self) -> String {
+        let mut reasons: BTreeMap<&str, usize> = BTreeMap::new();
+        for why in self.runs.iter().filter_map(|run| run.aborted_because.as_deref()) {
+            *reasons.entry(why).or_default() += 1;
+        }
+        reasons.iter().map(|(why, runs)| format!("  {runs} aborted: {why}\n")).collect()
+    }
+}
+
+/// How the runs of one point ended: `completed`, or how many did what else.
+fn outcomes(runs: &[Run]) -> String {
+    let mut kinds: Vec<(Outcome, usize)> = Vec::new();
+    for run in runs {
+        match kinds.iter_mut().find(|(outcome, _)| *outcome == run.outcome) {
+            Some((_, count)) => *count += 1,
+            None => kinds.push((run.outcome, 1)),
+        }
+    }
+    let word = |(outcome, count): &(Outcome, usize)| match runs.len() {
+        1 => print::outcome_word(*outcome).to_owned(),
+        _ => format!("{count} {}", print::outcome_word(*outcome)),
+    };
+    kinds.iter().map(word).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sweep::page;
+
+    fn run(value: &str, seed: u64, outcome: Outcome, gap_m: Option<f64>) -> Run {
+        let mut figures = Figures::default();
+        figures.0[0] = Some(2.0);
+        figures.0[4] = gap_m;
+        let aborted_because = (outcome == Outcome::Aborted).then(|| "the law ended".to_owned());
+        Run { values: vec![value.into()], seed, outcome, aborted_because, figures }
+    }
+
+    fn sweep() -> (Sweep, Vec<Param>) {
+        let params = vec![Param::parse("runtime.extra_delay_ms=0..20/20").expect("good")];
+        let runs = vec![
+            run("0", 1, Outcome::Completed, Some(9.0)),
+            run("0", 2, Outcome::Completed, Some(7.0)),
+            run("20", 1, Outcome::Completed, None),
+            run("20", 2, Outcome::Collision, Some(-0.1)),
+        ];
+        (Sweep::new("x", vec!["acc-mpc".into()], Mode::Lockstep, &params, runs), params)
+    }
+
+    #[test]
+    fn seeds_are_folded_into_their_point() {
+        let (sweep, _) = sweep();
+        let json = serde_json::to_value(&sweep).expect("plain data");
+        assert_eq!(json["points"][0]["figures"]["min_gap_m"], 7.0);
+        assert_eq!(json["points"][1]["figures"]["min_gap_m"], -0.1);
+        assert_eq!(json["points"][1]["completed"], 1);
+        assert_eq!(json["runs"].as_array().map(Vec::len), Some(4));
+        assert!(json["runs"][2]["figures"]["min_gap_m"].is_null());
+    }
+
+    #[test]
+    fn the_csv_has_a_row_per_run_and_empty_fields_where_nothing_applies() {
+        let (sweep, _) = sweep();
+        let csv = sweep.csv();
+        let lines: Vec<_> = csv.lines().collect();
+        assert!(lines[0].starts_with("runtime.extra_delay_ms,seed,outcome,rms_gap_error_m,"));
+        assert_eq!(lines[3], "20,1,completed,2,,,,,,,,,,,,,,,");
+        assert!(lines[4].starts_with("20,2,collision,2,,,,-0.1,"));
+    }
+
+    #[test]
+    fn the_table_leaves_empty_columns_out_and_names_what_went_wrong() {
+        let table = sweep().0.table();
+        assert!(table.contains("min gap, m") && !table.contains("L/100 km"), "{table}");
+        assert!(table.contains("1 completed, 1 COLLISION"), "{table}");
+    }
+
+    #[test]
+    fn the_table_says_once_why_runs_were_aborted() {
+        let (mut sweep, _) = sweep();
+        sweep.runs.extend([1, 2].map(|seed| run("20", seed, Outcome::Aborted, None)));
+        let table = sweep.table();
+        assert!(table.ends_with("  2 aborted: the law ended\n"), "{table}");
+    }
+
+    #[test]
+    fn the_page_names_the_controller_and_its_legends_are_words() {
+        let (sweep, _) = sweep();
+        let page = page::page(&sweep);
+        assert!(page.contains("acc-mpc"), "{page}");
+        let (head, _) = page.split_once("<h2>Points</h2>").expect("a table of points");
+        assert!(!head.contains("rms_gap_error_m") && !head.contains("min_gap_m"), "{head}");
+        assert!(sweep.table().starts_with("x (acc-mpc, lockstep)"), "{}", sweep.table());
+    }
+
+    #[test]
+    fn a_count_has_an_axis_from_zero() {
+        let (mut sweep, _) = sweep();
+        let missed = ALL.iter().position(|figure| figure.name == "deadline_misses");
+        for point in &mut sweep.points {
+            point.figures.0[missed.expect("a figure")] = Some(0.0);
+        }
+        let plots = page::plots(&sweep);
+        let plot = plots.iter().find(|plot| plot.title == "deadlines missed").expect("drawn");
+        assert_eq!(plot.y.share(0.0), 0.0, "{:?}", plot.y);
+    }
+
+    #[test]
+    fn the_pictures_are_over_the_first_key_that_is_a_number() {
+        let (sweep, _) = sweep();
+        let plots = page::plots(&sweep);
+        assert!(plots.iter().any(|plot| plot.title == "smallest gap" && plot.y.label == "m"));
+        assert!(
+            plots.iter().all(|plot| plot.x.label == "extra delay, ms (runtime.extra_delay_ms)")
+        );
+        let params = [Param::parse("controller.name=a,b").expect("good")];
+        let runs =
+            vec![run("a", 1, Outcome::Completed, None), run("b", 1, Outcome::Completed, None)];
+        assert!(
+            page::plots(&Sweep::new("x", Vec::new(), Mode::Lockstep, &params, runs)).is_empty()
+        );
+    }
+}

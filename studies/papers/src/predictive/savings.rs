@@ -1,0 +1,293 @@
+//! The saving table: fuel on the given road at equal trip time.
+
+use super::Trip;
+use super::computed::{self, Baseline};
+use super::pictures;
+use crate::row::{Kind, Row, Tolerance, reconstruction, requirement, within};
+use crate::runner::{Driven, Part, Runner, together};
+use group::Error;
+use scenario::grade::GradeProfile;
+use truck_model::Preset;
+
+/// Drives of one planner until its trip time is that of the baseline.
+pub const MAX_ATTEMPTS: usize = 3;
+/// Largest difference of trip times that counts as none, percent.
+const EQUAL_TIME_PERCENT: f64 = 0.1;
+
+/// Fuel that the reconstruction gives for a preset: the baseline in L/100 km, then percent against it.
+struct Reconstructed {
+    preset: Preset,
+    constant_speed: f64,
+    paper_n2: f64,
+    dynamic_programming: f64,
+    full_route: f64,
+    human_sigma_2_5: f64,
+    human_sigma_4: f64,
+}
+
+const RECONSTRUCTED: [Reconstructed; 2] = [
+    Reconstructed {
+        preset: Preset::Jh6At49T,
+        constant_speed: 34.25,
+        paper_n2: -5.05,
+        dynamic_programming: -7.6,
+        full_route: -7.8,
+        human_sigma_2_5: 1.6,
+        human_sigma_4: 2.8,
+    },
+    Reconstructed {
+        preset: Preset::Jh6At25T,
+        constant_speed: 21.81,
+        paper_n2: -2.15,
+        dynamic_programming: -3.3,
+        full_route: -3.4,
+        human_sigma_2_5: 2.1,
+        human_sigma_4: 3.6,
+    },
+];
+
+/// Planners against the reconstruction's, percentage points.
+const PLAN_POINTS: Tolerance = within(
+    0.3,
+    "another implementation of a planner on a grid; the n = 2 scheme is given as a range 0.1 to 0.3 wide",
+);
+/// Two plans of the same truck and road, percentage points.
+const ROUTE_POINTS: Tolerance =
+    within(0.3, "two kilometres ahead should cost no more; the grids of both plans err by less");
+/// Human driver models, percentage points.
+const HUMAN_POINTS: Tolerance =
+    within(1.0, "means over a few seeds of a random driver whose slowdowns are not specified");
+/// Trip times, percent.
+const SAME_TIME: Tolerance =
+    within(EQUAL_TIME_PERCENT, "0.1 % of trip time is worth about 0.1 % of fuel");
+
+/// What is wrong in the robustness table: its name and the keys that make it so.
+const WRONG: [(&str, &[&str]); 4] = [
+    ("mass_15_percent_more", &["plant.mass_factor=1.15"]),
+    ("mass_15_percent_less", &["plant.mass_factor=0.85"]),
+    ("map_shifted_60_m", &["v2x.preview.shift_m=60"]),
+    ("grade_noise_0.25_percent", &["v2x.preview.noise_percent=0.25"]),
+];
+/// Drives of the robustness table, at most.
+pub const ROBUSTNESS_RUNS: usize = WRONG.len() * (1 + MAX_ATTEMPTS);
+
+/// Drives and computes everything that the saving table needs.
+pub fn reproduce(runner: &Runner<'_>) -> Result<Part, Error> {
+    let presets = together(RECONSTRUCTED.iter().map(|expected| || preset(runner, expected)));
+    let mut part = Part::default();
+    let mut baselines = Vec::new();
+    for result in presets {
+        let (of_preset, baseline) = result?;
+        part.extend(of_preset);
+        baselines.push(baseline);
+    }
+    part.rows.extend(robustness(runner, baselines[0])?);
+    Ok(part)
+}
+
+/// The rows of one preset, and its trip at constant speed.
+fn preset(runner: &Runner<'_>, expected: &Reconstructed) -> Result<(Part, Option<Trip>), Error> {
+    let preset = expected.preset;
+    let (baseline, constant) = constant_speed(runner, preset, &[])?;
+    let name = |what: &str| format!("{}.{what}", preset.name());
+    let litres = baseline.map(|trip| trip.corrected_l_per_100km);
+    let one_percent =
+        within(0.01 * expected.constant_speed, "1 %: the road's heights are known within 3 %");
+    let mut rows = vec![
+        Row::near(
+            &name("constant_speed_l_per_100km"),
+            "L",
+            reconstruction(expected.constant_speed),
+            litres,
+            one_percent,
+        )
+        .with_note("driven; the baseline of the rows below"),
+    ];
+    let planners =
+        [("paper-n2", expected.paper_n2), ("dynamic-programming", expected.dynamic_programming)];
+    let driven = together(
+        planners.map(|(planner, _)| move || at_equal_time(runner, preset, planner, &[], baseline)),
+    );
+    let mut of_planners = Vec::new();
+    for ((planner, value), driven) in planners.into_iter().zip(driven) {
+        let (trip, driven) = driven?;
+        let change = trip.zip(baseline).map(|(trip, baseline)| trip.against(&baseline));
+        rows.push(
+            Row::near(&name(planner), "%", reconstruction(value), change, PLAN_POINTS)
+                .with_note("driven; fuel against constant speed"),
+        );
+        rows.extend(conditions(&name(planner), trip, baseline));
+        of_planners.push((planner, change, driven));
+    }
+    let change = of_planners.last().and_then(|(_, change, _)| *change);
+    let road = constant.scenario.road.profile().unwrap_or_default();
+    rows.extend(computed(runner, expected, &road, change));
+    rows.push(generated(runner, preset));
+    let trips: Vec<(&'static str, &Driven)> = std::iter::once(("constant speed", &constant))
+        .chain(of_planners.iter().map(|(planner, _, driven)| (*planner, driven)))
+        .collect();
+    let pictures = vec![pictures::trips(preset, &trips)];
+    // The pictures show the drives, over distance.
+    Ok((Part { rows, drives: Vec::new(), pictures }, baseline))
+}
+
+/// The trip at constant speed.
+fn constant_speed(
+    runner: &Runner<'_>,
+    preset: Preset,
+    wrong: &[&str],
+) -> Result<(Option<Trip>, Driven), Error> {
+    let driven = drive(runner, preset, "constant-speed", 1.0, wrong)?;
+    Ok((Trip::of(preset, &driven.drive.steps), driven))
+}
+
+/// Drives at mean speeds that approach the baseline's trip time; the last trip.
+fn at_equal_time(
+    runner: &Runner<'_>,
+    preset: Preset,
+    planner: &str,
+    wrong: &[&str],
+    baseline: Option<Trip>,
+) -> Result<(Option<Trip>, Driven), Error> {
+    let mut mean_speed = 1.0;
+    let mut attempt = 1;
+    loop {
+        let driven = drive(runner, preset, planner, mean_speed, wrong)?;
+        let trip = Trip::of(preset, &driven.drive.steps);
+        let Some((trip, baseline)) = trip.zip(baseline) else { return Ok((trip, driven)) };
+        let slower_percent = trip.slower_than(&baseline);
+        if slower_percent.abs() <= 0.5 * EQUAL_TIME_PERCENT || attempt == MAX_ATTEMPTS {
+            return Ok((Some(trip), driven));
+        }
+        // The law servoes the mean speed: trip time goes about as one over it.
+        mean_speed *= 1.0 + slower_percent / 100.0;
+        attempt += 1;
+    }
+}
+
+fn drive(
+    runner: &Runner<'_>,
+    preset: Preset,
+    planner: &str,
+    mean_speed: f64,
+    wrong: &[&str],
+) -> Result<Driven, Error> {
+    let mut keys = vec![
+        format!("plant.vehicle=\"{}\"", preset.name()),
+        format!("controller.predictive.planner=\"{planner}\""),
+        format!("controller.predictive.mean_speed={mean_speed}"),
+        "duration_s=2960".to_owned(),
+    ];
+    keys.extend(wrong.iter().map(ToString::to_string));
+    let keys: Vec<&str> = keys.iter().map(String::as_str).collect();
+    runner.drive("truck-hills", &keys)
+}
+
+/// What makes a comparison fair.
+fn conditions(name: &str, trip: Option<Trip>, baseline: Option<Trip>) -> Vec<Row> {
+    let slower = trip.zip(baseline).map(|(trip, baseline)| trip.slower_than(&baseline).abs());
+    let correction = trip.map(|trip| trip.correction_l_per_100km);
+    vec![
+        Row::near(&format!("{name}.trip_time"), "%", requirement(0.0), slower, SAME_TIME)
+            .with_note("difference of trip times"),
+        Row::shown(
+            &format!("{name}.end_energy_correction"),
+            "L",
+            Kind::Requirement,
+            correction,
+            "per 100 km, in the figure above",
+        ),
+    ]
+}
+
+/// The full-route plan and the human driver models, computed on the same truck and road.
+fn computed(
+    runner: &Runner<'_>,
+    expected: &Reconstructed,
+    road: &GradeProfile,
+    driven: Option<f64>,
+) -> Vec<Row> {
+    const AGAINST: &str = "computed; fuel against constant speed, computed alike";
+    let preset = expected.preset;
+    let name = |what: &str| format!("{}.{what}", preset.name());
+    let baseline = runner.compute(|| Baseline::drive(preset, road));
+    let route = runner.compute(|| baseline.as_ref().and_then(Baseline::full_route_percent));
+    let human = runner.compute(|| baseline.as_ref().map_or([None; 2], Baseline::human_percent));
+    let above = driven.zip(route).map(|(driven, route)| driven - route);
+    let litres = baseline.as_ref().map(Baseline::litres);
+    let [calm, restless] = [expected.human_sigma_2_5, expected.human_sigma_4].map(reconstruction);
+    vec![
+        Row::shown(
+            &name("constant_speed_computed_l_per_100km"),
+            "L",
+            Kind::Reconstruction,
+            litres,
+            "computed",
+        ),
+        Row::near(
+            &name("full_route"),
+            "%",
+            reconstruction(expected.full_route),
+            route,
+            PLAN_POINTS,
+        )
+        .with_note("computed; the full-route plan against constant speed, computed alike"),
+        Row::near(
+            &name("dynamic-programming.above_full_route"),
+            "%",
+            requirement(0.0),
+            above,
+            ROUTE_POINTS,
+        )
+        .with_note("driven less the computed full-route plan, percentage points"),
+        Row::near(&name("human_sigma_2.5"), "%", calm, human[0], HUMAN_POINTS).with_note(AGAINST),
+        Row::near(&name("human_sigma_4"), "%", restless, human[1], HUMAN_POINTS).with_note(AGAINST),
+    ]
+}
+
+/// How far the planner is from the full-route plan on roads of other seeds: the farthest of them, on
+/// either side.
+fn generated(runner: &Runner<'_>, preset: Preset) -> Row {
+    let above = together((1..=computed::GENERATED).map(|seed| {
+        move || {
+            runner.compute(|| {
+                let baseline = Baseline::drive(preset, &computed::generated(seed))?;
+                Some(baseline.planned_percent()? - baseline.full_route_percent()?)
+            })
+        }
+    }));
+    let above = above.into_iter().collect::<Option<Vec<f64>>>();
+    let farthest = above.and_then(|all| all.into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs())));
+    let id = format!("{}.dynamic-programming.above_full_route_generated", preset.name());
+    Row::near(&id, "%", requirement(0.0), farthest, ROUTE_POINTS)
+        .with_note("computed; the farthest of ten generated roads, percentage points")
+}
+
+/// What is left of the saving when the law's truck or map is wrong.
+fn robustness(runner: &Runner<'_>, right: Option<Trip>) -> Result<Vec<Row>, Error> {
+    let preset = RECONSTRUCTED[0].preset;
+    let rows = together(WRONG.map(|(what, keys)| {
+        move || {
+            // A wrong mass changes the baseline, a wrong map does not.
+            let baseline = if what.starts_with("mass") {
+                constant_speed(runner, preset, keys)?.0
+            } else {
+                right
+            };
+            let (trip, _) = at_equal_time(runner, preset, "dynamic-programming", keys, baseline)?;
+            // Unequal trip times are not compared.
+            let equal = trip
+                .zip(baseline)
+                .filter(|(trip, baseline)| trip.slower_than(baseline).abs() <= EQUAL_TIME_PERCENT);
+            let change = equal.map(|(trip, baseline)| trip.against(&baseline));
+            Ok(Row::shown(
+                &format!("{}.{what}", preset.name()),
+                "%",
+                Kind::Requirement,
+                change,
+                "driven; dynamic-programming against constant speed of the same truck",
+            ))
+        }
+    }));
+    rows.into_iter().collect()
+}

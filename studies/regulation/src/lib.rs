@@ -1,0 +1,63 @@
+//! UN Regulation No. 157 (automated lane keeping): when is a collision preventable?
+//!
+//! Two vehicles of 4.3 m by 1.9 m. The ego has the speed `v`, the other `v_o`; `d` is the distance
+//! from bumper to bumper, `s` the clearance between the vehicles' sides (negative once they overlap
+//! laterally), `w` the other's lateral speed. A *model* says when an attentive driver, or a defined
+//! system, would have begun to brake, and how hard:
+//!
+//! | model | begins when | brakes |
+//! | --- | --- | --- |
+//! | [`Model::CarefulDriver`] | `s <= 0` and `d/(v-v_o) <= 2 s` | 0.75 s later, up to 0.774 g |
+//! | [`Model::Regulation`] | `s <= 0.5 m` and `d/(v-v_o) < (v-v_o)/(2·6) + 0.45 s` | 0.35 s later, 6 m/s² |
+//! | [`Model::Rss`] | both safe distances are fallen short of | 0.75 s later, up to 0.774 g |
+//! | [`Model::Fuzzy`] | a proactive or a critical measure is above 0 | 0.75 s later, by the measure |
+//!
+//! [`Driver`] is a model with its memory: a plain function of (state, what is seen, one step of
+//! 0.1 s). Three matrices of cases ([`cut_in`], [`following`], [`cut_out`]) are driven by the models
+//! to an [`Outcome`]. A case is *mastered* by a model if its outcome is [`Outcome::None`]; a system
+//! should master what both of the regulation's models master.
+//!
+//! [`r157`] drives our laws through these matrices and judges them by the models, [`iso15622`] runs the tests of
+//! adaptive cruise control, and [`everyday`] draws scenes in which an emergency brake has nothing to do.
+//!
+//! Sources: UN R157, paragraph 5.2.5.2 and annex 4, appendix 3; Mattas and others, "Fuzzy surrogate
+//! safety metrics for real-time assessment of rear-end collision risk", Accident Analysis &
+//! Prevention 148 (2020) 105794; Shalev-Shwartz and others, "On a formal model of safe and scalable
+//! self-driving cars" (2017).
+
+#![forbid(unsafe_code)]
+
+mod contact;
+pub mod cut_in;
+pub mod cut_out;
+pub mod everyday;
+pub mod following;
+pub mod iso15622;
+mod models;
+mod outcome;
+mod per_model;
+pub mod picture;
+pub mod r157;
+pub mod table;
+mod tally;
+mod travel;
+
+pub use contact::contact;
+pub use models::{Driver, Model, Situation, UnknownModel, View};
+pub use outcome::{Outcome, Verdict};
+pub use per_model::PerModel;
+pub use tally::{Tally, is_mastered_by_both};
+
+/// Length of every vehicle \[m\].
+pub const VEHICLE_LENGTH_M: f64 = 4.3;
+/// Width of every vehicle \[m\].
+pub const VEHICLE_WIDTH_M: f64 = 1.9;
+/// Time step of all scenes \[s\].
+pub const STEP_S: f64 = 0.1;
+/// Acceleration of gravity \[m/s²\].
+pub const GRAVITY_MPS2: f64 = 9.81;
+
+/// Speeds in the matrices are whole kilometres an hour.
+fn mps(kmh: u32) -> f64 {
+    f64::from(kmh) / 3.6
+}

@@ -1,0 +1,81 @@
+//! An ego at constant speed among scripted vehicles, as a scenario. All vehicles are as long as the regulation says.
+
+use crate::VEHICLE_LENGTH_M;
+use controller::laws;
+use group::Error;
+use scenario::{Overrides, Scenario};
+
+/// Time gap from which a law closes up or falls back to its own.
+const FIRST_TIME_GAP_S: f64 = 2.0;
+/// Distance added to that.
+const FIRST_DISTANCE_M: f64 = 5.0;
+/// The run ends when all that is scripted is over and for this time no vehicle ahead was slower than the ego, none
+/// behind faster, and none beside it: five cycles of every law, in which one that turns to the other again shows it.
+const CLEAR_S: f64 = 0.5;
+
+/// Who drives a case.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Driver {
+    /// The control law.
+    pub law: String,
+    /// With the emergency brake.
+    pub aebs: bool,
+}
+
+/// The ego behind a lead that keeps its speed.
+///
+/// # Errors
+/// [`Error::Scenario`] if there is no such law.
+pub fn behind_a_lead(
+    speed_kmh: u32,
+    driver: &Driver,
+    seed: u64,
+    duration_s: f64,
+) -> Result<Scenario, Error> {
+    let speed_mps = f64::from(speed_kmh) / 3.6;
+    let first_gap_m = FIRST_TIME_GAP_S * speed_mps + FIRST_DISTANCE_M;
+    let actors = actor("lead", first_gap_m, &format!("initial_speed_mps = {speed_mps}"));
+    parse(&Scene { scripted_s: duration_s, duration_s, actors }, speed_mps, driver, seed)
+}
+
+/// What happens around the ego.
+pub(super) struct Scene {
+    /// Time after which nothing scripted comes any more, s.
+    pub(super) scripted_s: f64,
+    /// Length of the run, s.
+    pub(super) duration_s: f64,
+    /// The vehicles, as TOML.
+    pub(super) actors: String,
+}
+
+/// The scenario of an ego that drives at `speed_mps` in `scene`.
+///
+/// # Errors
+/// [`Error::Scenario`] if there is no such law.
+pub(super) fn parse(
+    scene: &Scene,
+    speed_mps: f64,
+    driver: &Driver,
+    seed: u64,
+) -> Result<Scenario, Error> {
+    let Scene { scripted_s, duration_s, actors } = scene;
+    let Driver { law, aebs } = driver;
+    let text = format!(
+        "schema_version = 1\nname = \"r157\"\nduration_s = {duration_s}\nseed = {seed}\n\
+         set_speed_mps = {speed_mps}\n\
+         [plant]\ninitial_speed_mps = {speed_mps}\n\
+         length_m = {VEHICLE_LENGTH_M}\n\
+         powertrain = {{ mass_kg = 1600, max_power_kw = 110 }}\n\
+         [aebs]\nenabled = {aebs}\n\
+         [referee]\nends_when_clear = {{ after_s = {scripted_s}, for_s = {CLEAR_S} }}\n\
+         [controller]\nname = \"{law}\"\n{actors}"
+    );
+    Ok(Scenario::parse_with("a case of UN R157", &text, &Overrides::new(), &laws::check)?)
+}
+
+/// A vehicle `gap_m` ahead of the ego, with these keys, as TOML.
+pub(super) fn actor(name: &str, gap_m: f64, keys: &str) -> String {
+    format!(
+        "[[actors]]\nname = \"{name}\"\ngap_m = {gap_m}\nlength_m = {VEHICLE_LENGTH_M}\n{keys}\n"
+    )
+}

@@ -1,0 +1,451 @@
+//! What is driven, and what need not be: runs that would be the same to the byte are driven once.
+//!
+//! * The emergency brake reaches nothing but the plant, and the plant only while it brakes or holds. A run in which it
+//!   never did is the run without it.
+//! * Where a scenario has no signals, a law may be another one
+//!   ([`without_signals`](controller::law::Descriptor::without_signals)).
+//!
+//! A run of the study is therefore a case driven by a law, with and without the brake, for all laws that are the same
+//! there. Of those that are chosen to be repeated, the drives that it took are repeated in process groups, by one of
+//! the laws in turn; every other driver drives the case on its own in one process, and a verdict that is not the
+//! shared one is a difference like other bytes.
+
+use std::collections::BTreeSet;
+
+use crate::{Model, Outcome, Verdict};
+use clap::ValueEnum;
+use controller::laws;
+use group::{Error, Failure, GroupOptions};
+use scenario::Scenario;
+use serde::{Deserialize, Serialize};
+
+use super::R157Arguments;
+use super::drive::Driver;
+use super::judge;
+use super::judged::{Driven, Judged};
+use super::matrix::{self, Case, Matrix};
+use super::scene;
+use super::settled::Settled;
+use frame::batch::laws::{LawsError, own_named};
+use frame::batch::{self, Done, Repetition};
+
+/// Laws whose runs are the same.
+struct Laws {
+    /// Their names; the first is driven.
+    names: Vec<String>,
+    /// Whether there are detections for an emergency brake.
+    with_brake: bool,
+}
+
+impl Laws {
+    /// The drivers of run number `run` where it is repeated, each with whether it drives in a process group too: one of
+    /// the laws does in turn, where the run took a drive of its own.
+    fn repeated(&self, run: usize, brake_acted: bool) -> Vec<(Driver, bool)> {
+        let distinct: BTreeSet<&String> = self.names.iter().collect();
+        let in_turn = run % distinct.len();
+        let with_brake: &[bool] = if self.with_brake { &[false, true] } else { &[false] };
+        let drivers = distinct.into_iter().enumerate().flat_map(|(place, law)| {
+            with_brake.iter().map(move |&aebs| {
+                let was_driven = aebs == self.with_brake || brake_acted;
+                (Driver { law: law.clone(), aebs }, place == in_turn && was_driven)
+            })
+        });
+        drivers.collect()
+    }
+}
+
+/// Every case of every matrix by every law, in this order.
+pub struct Plan {
+    /// The gaps of cases with a lead.
+    pub settled: Settled,
+    /// The matrices with their cases.
+    pub matrices: Vec<(Matrix, Vec<Case>)>,
+    /// In the order of the tables.
+    drivers: Vec<Driver>,
+    laws: Vec<Laws>,
+}
+
+/// A verdict in the journal of a part.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct End {
+    outcome: u8,
+    impact_mps: f64,
+}
+
+/// How a case ended with a law.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Kept {
+    alone: End,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    with_brake: Option<End>,
+}
+
+impl Plan {
+    /// The study that the arguments ask for.
+    ///
+    /// # Errors
+    /// [`Error::Scenario`] for an unknown law; [`Refused`].
+    pub fn of(arguments: &R157Arguments) -> Result<Self, Error> {
+        refuse(arguments)?;
+        let settled = Settled::new(seed(arguments).into());
+        let names = names(arguments)?;
+        let laws = laws_of(&names, &settled)?;
+        let mut matrices = arguments.matrix.clone();
+        if matrices.is_empty() {
+            matrices = Matrix::value_variants().to_vec();
+        }
+        matrices.sort_unstable();
+        let matrices = matrices.into_iter().map(|matrix| (matrix, cases(matrix, arguments)));
+        Ok(Self { settled, matrices: matrices.collect(), drivers: drivers_of(names, &laws), laws })
+    }
+
+    /// Number of runs.
+    pub fn runs(&self) -> usize {
+        self.matrices.iter().map(|(_, cases)| cases.len() * self.laws.len()).sum()
+    }
+
+    fn place(&self, run: usize) -> (&Laws, &Case) {
+        let mut before = 0;
+        for (_, cases) in &self.matrices {
+            let place = run - before;
+            if place < cases.len() * self.laws.len() {
+                return (&self.laws[place / cases.len()], &cases[place % cases.len()]);
+            }
+            before += cases.len() * self.laws.len();
+        }
+        unreachable!("the runs are numbered up to their count")
+    }
+
+    /// Drives run number `run`: as often as it takes, or `repeat`ing it in process groups and with every driver.
+    ///
+    /// # Errors
+    /// As [`batch::lockstep`]; [`batch::Aborted`].
+    pub fn drive(
+        &self,
+        run: usize,
+        repeat: bool,
+        group: &GroupOptions,
+        going_on: &dyn Fn() -> bool,
+    ) -> Result<(Kept, Option<Repetition>), Error> {
+        let (laws, case) = self.place(run);
+        let drive = |law: &str, aebs: bool, repeat: bool| -> Result<Done, Error> {
+            let driver = Driver { law: law.to_owned(), aebs };
+            let scenario = scene::scenario(case, &driver, &self.settled)?;
+            let done = batch::lockstep(&scenario, group, repeat, going_on)?;
+            batch::whole(&done.summary)?;
+            Ok(done)
+        };
+        let Shared { kept, brake_acted } =
+            Shared::of(laws.with_brake, &|aebs| drive(&laws.names[0], aebs, false))?;
+        if !(repeat && batch::in_one_thread(group)) {
+            return Ok((kept, None));
+        }
+        let mut repetition = Repetition::Same;
+        for (Driver { law, aebs }, in_group) in laws.repeated(run, brake_acted) {
+            let done = drive(&law, aebs, in_group)?;
+            let found = match done.repetition {
+                Some(different @ Repetition::Different(_)) => different,
+                _ if kept.end(aebs) != Some(End::of(&done)) => {
+                    let brake = if aebs { "with" } else { "without" };
+                    let what = format!("{law} {brake} emergency brake ends differently alone");
+                    Repetition::Different(what)
+                }
+                _ => continue,
+            };
+            if repetition == Repetition::Same {
+                repetition = found;
+            }
+        }
+        Ok((kept, Some(repetition)))
+    }
+
+    /// The models' verdicts and those of all drivers; none if a run is missing.
+    ///
+    /// # Errors
+    /// As [`Settled::gap_m`], for the gaps from which cut-outs are judged.
+    pub fn judged(&self, kept: &[Option<Kept>]) -> Result<Option<Vec<Judged>>, Error> {
+        let mut first = 0;
+        let mut all = Vec::new();
+        for (matrix, cases) in &self.matrices {
+            let mut judged = Judged::new(*matrix, cases.clone());
+            for driver in &self.drivers {
+                let found = self.laws.iter().position(|laws| laws.names.contains(&driver.law));
+                let place = found.expect("every driver's law is one of the plan's");
+                let begin = first + place * cases.len();
+                let of_laws = kept[begin..begin + cases.len()].iter();
+                let verdicts = of_laws.map(|kept| kept.as_ref()?.end(driver.aebs));
+                let verdicts = verdicts.map(|end| end.map(End::verdict));
+                let Some(verdicts) = verdicts.collect() else { return Ok(None) };
+                let from_its_gap = self.yardstick(&self.laws[place], cases)?;
+                judged.laws.push(Driven { driver: driver.clone(), verdicts, from_its_gap });
+            }
+            first += cases.len() * self.laws.len();
+            all.push(judged);
+        }
+        Ok(Some(all))
+    }
+
+    /// How `careful-driver` ends cut-outs from the gap that a law keeps; `None` for other cases.
+    fn yardstick(&self, laws: &Laws, cases: &[Case]) -> Result<Option<Vec<Verdict>>, Error> {
+        let cut_outs = cases.iter().filter_map(|case| match case {
+            Case::CutOut(case) => Some(case),
+            Case::CutIn(_) | Case::Following(_) => None,
+        });
+        let verdicts = cut_outs.map(|case| {
+            let gap_m = self.settled.gap_m(&laws.names[0], case.speed_kmh)?;
+            Ok(case.drive_from(Model::CarefulDriver, gap_m))
+        });
+        let verdicts: Vec<Verdict> = verdicts.collect::<Result<_, Error>>()?;
+        Ok((!verdicts.is_empty()).then_some(verdicts))
+    }
+}
+
+/// A scenario that tells one version of the models and laws from another.
+///
+/// # Errors
+/// As [`scene::scenario`].
+pub fn first_scenario(arguments: &R157Arguments) -> Result<Scenario, Error> {
+    let law = laws::ALL[0].name.to_owned();
+    let driver = Driver { law, aebs: false };
+    scene::scenario(&Matrix::Following.cases()[0], &driver, &Settled::new(seed(arguments).into()))
+}
+
+/// How a case ended with laws that are the same, and what it took.
+struct Shared {
+    kept: Kept,
+    /// The emergency brake braked, so that the case was driven without it too.
+    brake_acted: bool,
+}
+
+impl Shared {
+    /// The ends with and without the emergency brake, of one run if it never braked.
+    fn of(with_brake: bool, drive: &dyn Fn(bool) -> Result<Done, Error>) -> Result<Self, Error> {
+        let braked = with_brake.then(|| drive(true)).transpose()?;
+        let silent = braked.as_ref().filter(|done| done.summary.aebs.interventions == Some(0));
+        let alone = match silent {
+            Some(done) => End::of(done),
+            None => End::of(&drive(false)?),
+        };
+        let brake_acted = with_brake && silent.is_none();
+        Ok(Self { kept: Kept { alone, with_brake: braked.as_ref().map(End::of) }, brake_acted })
+    }
+}
+
+impl End {
+    fn of(done: &Done) -> Self {
+        let verdict = judge::verdict(&done.drive);
+        Self { outcome: verdict.outcome.digit(), impact_mps: verdict.impact_speed_mps }
+    }
+
+    fn verdict(self) -> Verdict {
+        let outcome = Outcome::from_digit(self.outcome).unwrap_or(Outcome::None);
+        Verdict { outcome, impact_speed_mps: self.impact_mps }
+    }
+}
+
+impl Kept {
+    fn end(&self, aebs: bool) -> Option<End> {
+        if aebs { self.with_brake } else { Some(self.alone) }
+    }
+}
+
+/// Why what is asked for is no study.
+#[derive(Debug, thiserror::Error)]
+pub enum Refused {
+    /// A matrix would count twice.
+    #[error("--matrix: {} is there twice, expected each once", .0.name())]
+    Twice(Matrix),
+    /// There is no random number in the study.
+    #[error("--seed {0}: the models have no noise, and no cases are drawn without --sample")]
+    Seed(u32),
+}
+
+impl Failure for Refused {}
+
+fn refuse(arguments: &R157Arguments) -> Result<(), Refused> {
+    let matrices = arguments.matrix.iter().enumerate();
+    let mut twice = matrices.filter(|(place, matrix)| arguments.matrix[..*place].contains(matrix));
+    if let Some((_, matrix)) = twice.next() {
+        return Err(Refused::Twice(*matrix));
+    }
+    match (arguments.models_only, arguments.sample, arguments.seed) {
+        (true, None, Some(seed)) => Err(Refused::Seed(seed)),
+        _ => Ok(()),
+    }
+}
+
+fn seed(arguments: &R157Arguments) -> u32 {
+    arguments.seed.unwrap_or(1)
+}
+
+fn cases(matrix: Matrix, arguments: &R157Arguments) -> Vec<Case> {
+    let cases = matrix.cases();
+    match arguments.sample {
+        Some(count) => matrix::sample(cases, count.get(), seed(arguments).into()),
+        None => cases,
+    }
+}
+
+/// The laws as they are named; none for the models alone.
+fn names(arguments: &R157Arguments) -> Result<Vec<String>, LawsError> {
+    if arguments.models_only { Ok(Vec::new()) } else { own_named(&arguments.controllers) }
+}
+
+/// Puts laws together that are the same without signals.
+fn laws_of(names: &[String], settled: &Settled) -> Result<Vec<Laws>, Error> {
+    let case = Matrix::CutIn.cases()[0];
+    let mut all: Vec<(&str, Laws)> = Vec::new();
+    for name in names {
+        let driver = Driver { law: name.clone(), aebs: false };
+        let scenario = scene::scenario(&case, &driver, settled)?;
+        let descriptor = laws::of(&scenario).expect("the scenario was checked");
+        let same_as = descriptor.without_signals.unwrap_or(descriptor).name;
+        match all.iter_mut().find(|(name, _)| *name == same_as) {
+            Some((_, laws)) => laws.names.push(name.clone()),
+            None => {
+                // The emergency brake reads the radar's detections.
+                let with_brake = scenario.perception.gives_detections();
+                all.push((same_as, Laws { names: vec![name.clone()], with_brake }));
+            }
+        }
+    }
+    Ok(all.into_iter().map(|(_, laws)| laws).collect())
+}
+
+/// Each law alone and with the emergency brake.
+fn drivers_of(names: Vec<String>, laws: &[Laws]) -> Vec<Driver> {
+    let with_brake =
+        |name: &String| laws.iter().any(|laws| laws.with_brake && laws.names.contains(name));
+    let drivers = names.into_iter().flat_map(|law| {
+        let brake = with_brake(&law).then(|| Driver { law: law.clone(), aebs: true });
+        [Some(Driver { law, aebs: false }), brake]
+    });
+    drivers.flatten().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+    use std::num::NonZeroUsize;
+
+    use clap::{Args, Command, FromArgMatches};
+    use group::in_process::run_watched;
+    use messages::Service;
+    use runtime::report::Details;
+
+    fn arguments(words: &[&str]) -> R157Arguments {
+        let command = R157Arguments::augment_args(Command::new("r157"));
+        let matches = command.get_matches_from([&["r157"], words].concat());
+        R157Arguments::from_arg_matches(&matches).expect("they are arguments")
+    }
+
+    /// The digests of what was sent but for what tells of the brake, and the times that the brake acted.
+    fn drive(case: &Case, law: &str, aebs: bool) -> (BTreeMap<String, String>, u64) {
+        let driver = Driver { law: law.into(), aebs };
+        let scenario = scene::scenario(case, &driver, &Settled::new(1)).expect("a law");
+        let group = run_watched(&scenario, &|| false, &mut |_| {}).expect("it runs");
+        let Details::Plant(plant) = &group.reports[&Service::Plant].details else {
+            panic!("the plant tells of itself")
+        };
+        let reports = group.reports.iter().filter(|(service, _)| **service != Service::Aebs);
+        let sent = reports.flat_map(|(_, report)| &report.sent);
+        let sent = sent.filter(|sent| sent.topic != "health/heartbeat");
+        let digests = sent.map(|sent| (sent.topic.clone(), sent.digest.clone().expect("sealed")));
+        (digests.collect(), plant.aebs.as_ref().map_or(0, |brake| brake.interventions))
+    }
+
+    #[test]
+    fn a_run_in_which_the_brake_never_acted_is_the_run_without_it() {
+        let (mut silent, mut acted) = (0, 0);
+        for matrix in Matrix::value_variants() {
+            for case in matrix::sample(matrix.cases(), 8, 3) {
+                let (with_brake, interventions) = drive(&case, "six-mode", true);
+                let (alone, _) = drive(&case, "six-mode", false);
+                if interventions == 0 {
+                    assert_eq!(with_brake, alone, "{case:?}");
+                    silent += 1;
+                } else {
+                    assert_ne!(with_brake, alone, "{case:?}");
+                    acted += 1;
+                }
+            }
+        }
+        assert!(silent > 0 && acted > 0, "{silent} and {acted}");
+    }
+
+    #[test]
+    fn the_drives_that_a_run_took_are_repeated_in_groups_by_its_laws_in_turn() {
+        let names = ["b", "a", "a"].map(String::from).to_vec();
+        let laws = |with_brake| Laws { names: names.clone(), with_brake };
+        let in_groups = |laws: &Laws, run, brake_acted| -> Vec<(String, bool)> {
+            let all = laws.repeated(run, brake_acted);
+            assert_eq!(all.len(), if laws.with_brake { 4 } else { 2 }, "every driver drives");
+            let in_groups = all.into_iter().filter(|(_, in_group)| *in_group);
+            in_groups.map(|(driver, _)| (driver.law, driver.aebs)).collect()
+        };
+        let (a, b) = ("a".to_owned(), "b".to_owned());
+        assert_eq!(in_groups(&laws(true), 6, false), [(a.clone(), true)]);
+        assert_eq!(in_groups(&laws(true), 7, true), [(b, false), ("b".into(), true)]);
+        assert_eq!(in_groups(&laws(false), 8, false), [(a, false)]);
+    }
+
+    #[test]
+    fn laws_that_are_the_same_without_signals_send_the_same_bytes() {
+        for law in laws::own() {
+            let Some(same) = law.without_signals else { continue };
+            for matrix in Matrix::value_variants() {
+                for case in matrix::sample(matrix.cases(), 2, 5) {
+                    let (one, other) =
+                        (drive(&case, law.name, true), drive(&case, same.name, true));
+                    assert_eq!(one, other, "{} {case:?}", law.name);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_matrix_that_is_there_twice_and_a_seed_of_nothing_are_refused() {
+        for (words, what) in [
+            (&["--matrix", "cut-in", "--matrix", "cut-in"][..], "--matrix: cut-in is there twice"),
+            (&["--models-only", "--seed", "7"], "--seed 7: the models have no noise"),
+        ] {
+            let said = Plan::of(&arguments(words)).err().expect(what).to_string();
+            assert!(said.contains(what), "{said}");
+        }
+        let drawn = ["--models-only", "--seed", "7", "--sample", "2"];
+        assert!(Plan::of(&arguments(&drawn)).is_ok());
+    }
+
+    #[test]
+    fn every_driver_has_the_verdict_of_a_run_of_its_own() {
+        let sample = NonZeroUsize::new(2);
+        let controllers = ["--controllers", "six-mode,cacc-mpc,acc-mpc"];
+        let plan = Plan::of(&R157Arguments { sample, ..arguments(&controllers) }).expect("laws");
+        assert_eq!(plan.laws.len(), 2, "cacc-mpc and acc-mpc are one");
+        assert_eq!((plan.drivers.len(), plan.runs()), (6, 12));
+        let group = arguments(&[]).group;
+        let drive = |run| plan.drive(run, false, &group, &|| true).expect("it runs").0;
+        let kept: Vec<_> = (0..plan.runs()).map(|run| Some(drive(run))).collect();
+        for judged in plan.judged(&kept).expect("it runs").expect("none is missing") {
+            let drivers: Vec<_> =
+                judged.laws.iter().map(|d| (d.driver.law.as_str(), d.driver.aebs)).collect();
+            let laws = ["six-mode", "cacc-mpc", "acc-mpc"];
+            let expected: Vec<_> =
+                laws.iter().flat_map(|&law| [(law, false), (law, true)]).collect();
+            assert_eq!(drivers, expected);
+            for Driven { driver, verdicts, from_its_gap } in &judged.laws {
+                assert_eq!(from_its_gap.is_some(), judged.matrix == Matrix::CutOut);
+                for (case, verdict) in judged.cases.iter().zip(verdicts) {
+                    let scenario = scene::scenario(case, driver, &plan.settled).expect("a law");
+                    let done = batch::lockstep(&scenario, &group, false, &|| true);
+                    let own = judge::verdict(&done.expect("it runs").drive);
+                    assert_eq!(*verdict, own, "{driver:?} {case:?}");
+                }
+            }
+        }
+        let mut missing = kept;
+        missing[7] = None;
+        assert!(plan.judged(&missing).expect("it runs").is_none());
+    }
+}

@@ -1,0 +1,284 @@
+//! What the command is asked for.
+
+use std::num::NonZeroUsize;
+
+use clap::Args;
+use group::{Error, Failure, GroupOptions, ScenarioOptions};
+use report::output::OutputOptions;
+use runtime::Mode;
+
+use super::scene::Plan;
+use frame::batch;
+use frame::param::{self, Param, ValuesError};
+
+/// Frequencies that are swept unless others are given.
+const USUAL_FREQUENCIES: &str = "0.005..0.5/13";
+/// Lowest frequency: a longer period would outlast the run's longest duration, Hz.
+const LOWEST_HZ: f64 = 1e-4;
+/// Highest frequency: a car's speed hardly moves at it, Hz.
+const HIGHEST_HZ: f64 = 5.0;
+/// Most frequencies of a sweep.
+const MAX_FREQUENCIES: usize = 1_000;
+/// Most cars of a string.
+const MAX_VEHICLES: usize = 1_000;
+/// Most runs of the command.
+const MAX_RUNS: usize = 1_000_000;
+
+/// Arguments of `string`.
+#[derive(Debug, Args)]
+pub struct StringArguments {
+    /// Name of a built-in scenario (see `timegap list`), or a TOML file: what the first car meets
+    pub scenario: String,
+    /// Cars in the string
+    #[arg(long, value_name = "N")]
+    pub vehicles: NonZeroUsize,
+    /// Control laws by commas, repeated along the string [default: the scenario's]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', conflicts_with = "controller")]
+    pub controllers: Vec<String>,
+    /// Sweep a sine of the lead's speed: N frequencies from A to B, or a list, in Hz
+    /// [default without a value: 0.005..0.5/13]
+    #[arg(
+        long,
+        value_name = "A..B/N",
+        num_args = 0..=1,
+        default_missing_value = USUAL_FREQUENCIES
+    )]
+    pub frequencies: Option<String>,
+    /// Find the value of a key at which each law ceases to be string stable: `KEY=A..B/STEP` or
+    /// `KEY=a,b,c`
+    #[arg(long = "param", value_name = "KEY=VALUES")]
+    pub param: Option<String>,
+    /// What all cars have in common.
+    #[command(flatten)]
+    pub scenario_options: ScenarioOptions,
+    /// Cars driven at once, each a moment behind the one before it [default: one per core]
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<NonZeroUsize>,
+    /// How each run's processes are started.
+    #[command(flatten)]
+    pub group: GroupOptions,
+    /// Where the results go, and in which form.
+    #[command(flatten)]
+    pub output: OutputOptions,
+    /// Print the results as JSON, and nothing else, on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Why a string is not driven.
+#[derive(Debug, thiserror::Error)]
+pub enum StringError {
+    /// It has too many cars.
+    #[error("--vehicles {0}: expected at most {MAX_VEHICLES} cars")]
+    Vehicles(usize),
+    /// Some laws would drive no car.
+    #[error("--controllers: {laws} laws, and --vehicles {vehicles}: expected a car for each law")]
+    Laws {
+        /// Laws that are named.
+        laws: usize,
+        /// Cars.
+        vehicles: usize,
+    },
+    /// The frequencies cannot be read.
+    #[error(
+        "--frequencies {list}: {reason}, expected A..B/N, N frequencies from A to B Hz, or a,b,c"
+    )]
+    Frequencies {
+        /// The argument.
+        list: String,
+        /// What is wrong with it.
+        #[source]
+        reason: FrequenciesError,
+    },
+    /// The key is what the sentence about each value is of.
+    #[error("--param {key}: each law has a limit of its own, expected laws by --controllers")]
+    SweptLaw {
+        /// The key.
+        key: String,
+    },
+    /// The sweeps are too large.
+    #[error("the sweeps have more than {MAX_RUNS} runs")]
+    TooManyRuns,
+}
+
+impl Failure for StringError {}
+
+/// What is wrong with a list or range of frequencies.
+#[derive(Debug, thiserror::Error)]
+pub enum FrequenciesError {
+    /// A list is none.
+    #[error(transparent)]
+    List(#[from] ValuesError),
+    /// No car follows at such a frequency.
+    #[error("{0} Hz is not from {LOWEST_HZ} to {HIGHEST_HZ} Hz")]
+    OutOfRange(f64),
+    /// A range without the number of its frequencies.
+    #[error("the range has no number N")]
+    NoCount,
+    /// The number of frequencies.
+    #[error("N is not from 2 to {MAX_FREQUENCIES}")]
+    Count,
+    /// A range that does not rise.
+    #[error("the range begins at its end or after it")]
+    Backwards,
+}
+
+/// What is driven, read and checked.
+#[derive(Debug)]
+pub struct Task {
+    /// The string behind what the scenario says.
+    pub plan: Plan,
+    /// Frequencies at which the string is driven, Hz.
+    pub frequencies: Vec<f64>,
+    /// The swept key, and each law's scenarios over its values.
+    pub sweep: Option<(Param, Vec<Swept>)>,
+    /// Frequencies of the sweep of a key, Hz.
+    pub sweep_frequencies: Vec<f64>,
+}
+
+/// A law with a string of one car for each value of the swept key.
+#[derive(Debug)]
+pub struct Swept {
+    /// Name of the law.
+    pub controller: String,
+    /// In the order of the values.
+    pub plans: Vec<Plan>,
+}
+
+impl Task {
+    /// Reads the arguments.
+    ///
+    /// # Errors
+    /// [`StringError`] or an error of the scenario.
+    pub fn read(arguments: &StringArguments) -> Result<Self, Error> {
+        let vehicles = arguments.vehicles.get();
+        if vehicles > MAX_VEHICLES {
+            return Err(StringError::Vehicles(vehicles).into());
+        }
+        let laws: Vec<Option<String>> = match arguments.controllers.as_slice() {
+            [] => vec![arguments.scenario_options.controller.clone()],
+            names => names.iter().cloned().map(Some).collect(),
+        };
+        // A limit is found of each law, in however short a string.
+        if laws.len() > vehicles && arguments.param.is_none() {
+            return Err(StringError::Laws { laws: laws.len(), vehicles }.into());
+        }
+        let open = |law: &Option<String>, keys: &[String]| {
+            let options =
+                ScenarioOptions { controller: law.clone(), ..arguments.scenario_options.clone() };
+            let scenario = group::open_with(&arguments.scenario, &options, "--param", keys)?;
+            batch::check(&scenario, Mode::Lockstep, &arguments.group)?;
+            Ok::<_, Error>(scenario)
+        };
+        let scenarios = laws.iter().map(|law| open(law, &[])).collect::<Result<Vec<_>, _>>()?;
+        let plan = Plan { laws: scenarios, vehicles, wave: None };
+        let frequencies = match &arguments.frequencies {
+            Some(list) => frequencies(list)?,
+            None => Vec::new(),
+        };
+        let sweep_frequencies = if frequencies.is_empty() {
+            self::frequencies(USUAL_FREQUENCIES)?
+        } else {
+            frequencies.clone()
+        };
+        let sweep = match &arguments.param {
+            None => None,
+            Some(argument) => {
+                let param = Param::parse(argument)?;
+                if param.key == "controller.name" {
+                    return Err(StringError::SweptLaw { key: param.key }.into());
+                }
+                param::refuse_if_set(&param.key, &arguments.scenario_options)?;
+                let mut distinct: Vec<&Option<String>> = Vec::new();
+                for law in &laws {
+                    if !distinct.contains(&law) {
+                        distinct.push(law);
+                    }
+                }
+                let mut swept = Vec::new();
+                for law in distinct {
+                    let mut plans = Vec::new();
+                    for value in &param.values {
+                        let scenario = open(law, &[format!("{}={value}", param.key)])?;
+                        plans.push(Plan { laws: vec![scenario], vehicles: 1, wave: None });
+                    }
+                    let controller = plans[0].laws[0].controller.name.as_str().to_owned();
+                    swept.push(Swept { controller, plans });
+                }
+                Some((param, swept))
+            }
+        };
+        let task = Self { plan, frequencies, sweep, sweep_frequencies };
+        if task.runs() > MAX_RUNS {
+            return Err(StringError::TooManyRuns.into());
+        }
+        Ok(task)
+    }
+
+    /// Runs in all: one for each car of each string.
+    pub fn runs(&self) -> usize {
+        let swept = self.sweep.as_ref().map_or(0, |(param, laws)| param.values.len() * laws.len());
+        self.plan.vehicles * (1 + self.frequencies.len()) + swept * self.sweep_frequencies.len()
+    }
+}
+
+/// `A..B/N`: N frequencies from A to B, evenly on a logarithmic scale; or a list by commas.
+fn frequencies(list: &str) -> Result<Vec<f64>, StringError> {
+    spread(list).map_err(|reason| StringError::Frequencies { list: list.to_owned(), reason })
+}
+
+fn spread(list: &str) -> Result<Vec<f64>, FrequenciesError> {
+    let number = |text: &str| match text.trim().parse::<f64>() {
+        Ok(hz) if (LOWEST_HZ..=HIGHEST_HZ).contains(&hz) => Ok(hz),
+        Ok(hz) => Err(FrequenciesError::OutOfRange(hz)),
+        Err(_) => Err(ValuesError::NotANumber(text.trim().to_owned()).into()),
+    };
+    let Some((from, rest)) = list.split_once("..") else {
+        let all = param::values(list, None)?;
+        let mut all = all.iter().map(|hz| number(hz)).collect::<Result<Vec<_>, _>>()?;
+        all.sort_by(f64::total_cmp);
+        return Ok(all);
+    };
+    let (to, count) = rest.split_once('/').ok_or(FrequenciesError::NoCount)?;
+    let (from, to) = (number(from)?, number(to)?);
+    let count = match count.trim().parse::<usize>() {
+        Ok(count) if (2..=MAX_FREQUENCIES).contains(&count) => count,
+        _ => return Err(FrequenciesError::Count),
+    };
+    if from >= to {
+        return Err(FrequenciesError::Backwards);
+    }
+    let ratio = libm::log(to / from) / (count - 1) as f64;
+    let inner = (1..count - 1).map(|k| from * libm::exp(ratio * k as f64));
+    Ok(std::iter::once(from).chain(inner).chain([to]).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_range_of_frequencies_has_both_ends_and_even_ratios() {
+        let all = frequencies("0.005..0.5/5").expect("a range");
+        assert_eq!((all.len(), all[0], all[4]), (5, 0.005, 0.5));
+        assert!(all.windows(2).all(|pair| (pair[1] / pair[0] - 100f64.powf(0.25)).abs() < 1e-9));
+        assert_eq!(frequencies("0.2,0.1").expect("a list"), [0.1, 0.2]);
+    }
+
+    #[test]
+    fn a_bad_range_is_refused_with_what_was_expected() {
+        for (list, what) in [
+            ("0.1..0.5", "has no number N"),
+            ("0.5..0.1/3", "begins at its end"),
+            ("0.1..0.5/1", "N is not from 2"),
+            ("0.1..0.5/x", "N is not from 2"),
+            ("0..0.5/3", "0 Hz is not from"),
+            ("a,b", "`a` is not a number"),
+            ("0.1,,0.2", "a value is missing"),
+            ("nan", "NaN Hz is not from"),
+        ] {
+            let said = frequencies(list).expect_err(list).to_string();
+            assert!(said.contains(what) && said.contains("expected A..B/N"), "{said}");
+        }
+    }
+}

@@ -1,0 +1,221 @@
+//! What a string did, for programs: JSON and CSV.
+
+use report::table;
+use runtime::report::{ControlFigures, Outcome};
+use serde::Serialize;
+
+use super::STABLE_GAIN;
+use super::arguments::Task;
+use super::drive::Driven;
+use super::limits::Limits;
+use super::response::{Response, peak};
+use frame::batch::ProcessesSample;
+
+/// The results of the command.
+#[derive(Debug, Serialize)]
+pub struct Results {
+    schema_version: u32,
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Laws, in the order in which they are repeated along the string.
+    pub controllers: Vec<String>,
+    /// Seed of the first car; each of the others has its own.
+    pub seed: u64,
+    /// Length of the scenario, s.
+    pub duration_s: f64,
+    /// The cars, first to last.
+    pub vehicles: Vec<Vehicle>,
+    /// Norm of the last car's speed over the norm of the speed of the vehicle ahead of the first.
+    pub head_to_tail_gain: Option<f64>,
+    /// The same of the largest deviations.
+    pub head_to_tail_gain_max: Option<f64>,
+    /// Smallest gap of all cars, m.
+    pub min_gap_m: Option<f64>,
+    /// No car amplifies: no frequency where there are some, else not the scenario's disturbance.
+    pub string_stable: bool,
+    /// The highest point of the gain curve.
+    pub peak: Option<Peak>,
+    /// The string behind a sine of each frequency.
+    pub frequencies: Vec<Response>,
+    /// Where each law ceases to be string stable.
+    pub limits: Vec<Limits>,
+    /// Runs in one process that were repeated in process groups.
+    pub processes_sample: ProcessesSample,
+}
+
+/// The highest point of a gain curve.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Peak {
+    /// Frequency, Hz.
+    pub hz: f64,
+    /// Gain.
+    pub gain: f64,
+}
+
+/// What one car did.
+#[derive(Clone, Debug, Serialize)]
+pub struct Vehicle {
+    /// Place in the string, from 1.
+    pub index: usize,
+    /// Its law.
+    pub controller: String,
+    /// How its drive ended.
+    pub outcome: Outcome,
+    /// A car ahead of it collided, so that it had a vehicle before it that braked to a stand.
+    pub behind_collision: bool,
+    /// Norm of its speed over that of the vehicle ahead.
+    pub speed_gain_l2: Option<f64>,
+    /// The same of the largest deviations.
+    pub speed_gain_max: Option<f64>,
+    /// Norm of its gap error over that of the car before it.
+    pub gap_error_gain_l2: Option<f64>,
+    /// The same of the largest errors.
+    pub gap_error_gain_max: Option<f64>,
+    /// Smallest gap, m.
+    pub min_gap_m: Option<f64>,
+    /// Largest gap error, m.
+    pub max_abs_gap_error_m: Option<f64>,
+    /// Largest magnitude of the jerk, m/s³.
+    pub max_abs_jerk_mps3: Option<f64>,
+    /// Root mean square of the jerk, m/s³.
+    pub rms_jerk_mps3: Option<f64>,
+}
+
+impl Results {
+    /// Puts together what was driven.
+    pub fn new(
+        task: &Task,
+        cars: &[Driven],
+        frequencies: Vec<Response>,
+        limits: Vec<Limits>,
+        processes_sample: ProcessesSample,
+    ) -> Self {
+        let vehicles = vehicles(cars);
+        let whole = vehicles.iter().all(|vehicle| vehicle.outcome == Outcome::Completed);
+        let ends = cars.first().zip(cars.last()).filter(|_| whole);
+        let (head_to_tail_gain, head_to_tail_gain_max) = ends
+            .and_then(|(first, last)| Some(last.measured.speed?.over(first.measured.ahead)))
+            .unwrap_or_default();
+        let amplifies = |vehicle: &Vehicle| vehicle.speed_gain_l2.is_some_and(|g| g > STABLE_GAIN);
+        let peak = peak(&frequencies).map(|(hz, gain)| Peak { hz, gain });
+        let string_stable = whole
+            && match frequencies.as_slice() {
+                [] => !vehicles.iter().any(amplifies),
+                _ => peak.is_some_and(|peak| peak.gain <= STABLE_GAIN),
+            };
+        let first = &task.plan.laws[0];
+        Self {
+            schema_version: 1,
+            scenario: first.name.as_str().to_owned(),
+            controllers: task
+                .plan
+                .laws
+                .iter()
+                .map(|scenario| scenario.controller.name.as_str().to_owned())
+                .collect(),
+            seed: task.plan.seed(),
+            duration_s: first.duration_s.value(),
+            min_gap_m: vehicles.iter().filter_map(|vehicle| vehicle.min_gap_m).reduce(f64::min),
+            vehicles,
+            head_to_tail_gain,
+            head_to_tail_gain_max,
+            string_stable,
+            peak,
+            frequencies,
+            limits,
+            processes_sample,
+        }
+    }
+
+    /// Every car of the string reached the scenario's end.
+    pub fn all_completed(&self) -> bool {
+        self.vehicles.iter().all(|vehicle| vehicle.outcome == Outcome::Completed)
+    }
+
+    /// A row for each car; a figure that does not apply is empty.
+    pub fn csv(&self) -> String {
+        let head = [
+            "index",
+            "controller",
+            "outcome",
+            "behind_collision",
+            "speed_gain_l2",
+            "speed_gain_max",
+            "gap_error_gain_l2",
+            "gap_error_gain_max",
+            "min_gap_m",
+            "max_abs_gap_error_m",
+            "max_abs_jerk_mps3",
+            "rms_jerk_mps3",
+        ];
+        let rows = self.vehicles.iter().map(|vehicle| {
+            let outcome = serde_json::to_value(vehicle.outcome).expect("plain data");
+            let figures = [
+                vehicle.speed_gain_l2,
+                vehicle.speed_gain_max,
+                vehicle.gap_error_gain_l2,
+                vehicle.gap_error_gain_max,
+                vehicle.min_gap_m,
+                vehicle.max_abs_gap_error_m,
+                vehicle.max_abs_jerk_mps3,
+                vehicle.rms_jerk_mps3,
+            ];
+            let words = [
+                vehicle.index.to_string(),
+                vehicle.controller.clone(),
+                outcome.as_str().unwrap_or_default().to_owned(),
+                vehicle.behind_collision.to_string(),
+            ];
+            words.into_iter().chain(figures.map(table::field)).collect::<Vec<_>>()
+        });
+        table::csv(head, rows)
+    }
+
+    /// A row for each frequency: of the string, then of each law at each value of the swept key.
+    pub fn gains_csv(&self) -> String {
+        let head = ["string", "key", "value", "hz", "gain", "head_to_tail_gain"];
+        let row = |string: &str, key: &str, value: &str, response: &Response| {
+            let figures = [Some(response.hz), response.gain, response.head_to_tail_gain];
+            let words = [string, key, value].map(str::to_owned);
+            words.into_iter().chain(figures.map(table::field)).collect::<Vec<_>>()
+        };
+        let own = self.frequencies.iter().map(|response| row("whole", "", "", response));
+        let swept = self.limits.iter().flat_map(|limits| {
+            limits.points.iter().flat_map(move |point| {
+                let curve = point.frequencies.iter();
+                curve.map(move |at| row(&limits.controller, &limits.key, &point.value.0, at))
+            })
+        });
+        table::csv(head, own.chain(swept))
+    }
+}
+
+fn vehicles(cars: &[Driven]) -> Vec<Vehicle> {
+    let mut before: Option<&Driven> = None;
+    let mut behind_collision = false;
+    let mut vehicles = Vec::with_capacity(cars.len());
+    for car in cars {
+        let measured = &car.measured;
+        let speed = measured.speed.map(|speed| speed.over(measured.ahead)).unwrap_or_default();
+        let gap_before = before.and_then(|before| before.measured.gap_error);
+        let gap = measured.gap_error.map(|error| error.over(gap_before)).unwrap_or_default();
+        let ControlFigures { min_gap_m, max_abs_jerk_mps3, rms_jerk_mps3, .. } = car.figures;
+        vehicles.push(Vehicle {
+            index: car.place.index + 1,
+            controller: car.controller.clone(),
+            outcome: car.outcome,
+            behind_collision,
+            speed_gain_l2: speed.0,
+            speed_gain_max: speed.1,
+            gap_error_gain_l2: gap.0,
+            gap_error_gain_max: gap.1,
+            min_gap_m,
+            max_abs_gap_error_m: measured.gap_error.map(|error| error.max),
+            max_abs_jerk_mps3,
+            rms_jerk_mps3,
+        });
+        behind_collision |= car.outcome == Outcome::Collision;
+        before = Some(car);
+    }
+    vehicles
+}
