@@ -118,8 +118,8 @@ const SHOWN: &str = "({ frames: Number(document.body.dataset.frames ?? 0),
     over: document.body.dataset.over === 'true',
     status: document.getElementById('status').textContent,
     mode: document.getElementById('mode').textContent,
-    points: Object.fromEntries([...document.querySelectorAll('[data-field]')]
-        .map((curve) => [curve.dataset.field, curve.getAttribute('d').split(/[ML]/).length - 1])) })";
+    points: Object.fromEntries(STRIPS.flatMap(({ curves, plot }) => curves.map(([, , field], index) =>
+        [field, plot.data.at(-1 - index)[1].filter((value) => value !== null).length]))) })";
 
 fn the_page_draws_updates_and_survives_the_end_of_the_run() {
     let program = browser().expect("looked for before");

@@ -1,6 +1,7 @@
-//! Pictures of the drive: speed, gap, acceleration, road, modes. All share the axis of time.
+//! Pictures of the drive: speed, gap, time gap, time to collision, acceleration, jerk, road, modes. All
+//! share the axis of time.
 
-use super::chart::{Axis, Bands, Curve, Key, Mark, Plot, Row, Span, Strip, Stroke, Tone};
+use super::chart::{Axis, Bands, Curve, Mark, Plot, Row, Span, Strip, Stroke, Tone};
 use super::picture::{Phased, RunPicture};
 use scenario::v2x::Phase;
 
@@ -54,6 +55,73 @@ pub fn gap(run: &RunPicture) -> Option<Plot> {
         ];
         Plot::over_time("Gap to the vehicle ahead", run.duration_s, "m", curves).marked(&marks(run))
     })
+}
+
+/// Longest time gap and time to collision that are drawn, s: longer ones say nothing about following.
+const LONGEST_S: f64 = 10.0;
+
+/// Time gap to the vehicle ahead beside that of the desired gap; none without a vehicle ahead.
+pub fn time_gap(run: &RunPicture) -> Option<Plot> {
+    let mut speeds = run.speed_mps.iter().peekable();
+    let desired = run.desired_gap_m.iter().filter_map(|(time_s, gap_m)| {
+        while speeds.next_if(|speed| speed.0 < *time_s).is_some() {}
+        let speed_mps = speeds.peek()?.1;
+        Some((*time_s, if speed_mps >= 1.0 { gap_m / speed_mps } else { f64::NAN }))
+    });
+    let curves = vec![
+        Curve::new("time gap", EGO, short(&run.time_gap_s)),
+        Curve::new("desired", Tone::Muted, short(&desired.collect::<Vec<_>>()))
+            .stroke(Stroke::Dashed),
+    ];
+    is_drawn(&run.time_gap_s).then(|| from_zero(run, "Time gap", "s", curves))
+}
+
+/// Time to collision; none where the ego never came closer to a vehicle ahead.
+pub fn time_to_collision(run: &RunPicture) -> Option<Plot> {
+    let points = &run.time_to_collision_s;
+    let curve = Curve::new("time to collision", EGO, short(points));
+    is_drawn(points).then(|| from_zero(run, "Time to collision", "s", vec![curve]))
+}
+
+/// Jerk of the ego.
+pub fn jerk(run: &RunPicture) -> Plot {
+    let curve = Curve::new("jerk", EGO, run.jerk_mps3.clone());
+    Plot { height: 120.0, ..Plot::over_time("Jerk", run.duration_s, "m/s³", vec![curve]) }
+        .marked(&marks(run))
+}
+
+/// Height and grade of the road below the ego; nothing of a level road.
+pub fn profile(run: &RunPicture) -> Vec<Plot> {
+    let plot = |title: &str, unit: &str, points: &[(f64, f64)]| {
+        let curve = Curve::new(title, Tone::Muted, points.to_vec());
+        Plot { height: 120.0, ..Plot::over_time(title, run.duration_s, unit, vec![curve]) }
+    };
+    if run.height_m.is_empty() {
+        return Vec::new();
+    }
+    vec![
+        plot("Height of the road", "m", &run.height_m).marked(&marks(run)),
+        plot("Grade of the road", "%", &run.grade_percent).marked(&marks(run)),
+    ]
+}
+
+/// True if a time that is short enough to be drawn is among the points.
+fn is_drawn(points: &[(f64, f64)]) -> bool {
+    points.iter().any(|point| point.1 <= LONGEST_S)
+}
+
+/// The points with holes where a time is too long to be drawn.
+fn short(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let cut = |value: f64| if value <= LONGEST_S { value } else { f64::NAN };
+    points.iter().map(|(time_s, value)| (*time_s, cut(*value))).collect()
+}
+
+/// A plot whose vertical axis begins at 0.
+fn from_zero(run: &RunPicture, title: &str, unit: &str, curves: Vec<Curve>) -> Plot {
+    let plot = Plot::over_time(title, run.duration_s, unit, curves);
+    let values = plot.curves.iter().flat_map(|curve| &curve.points).map(|point| point.1);
+    let y = Axis::holding(unit, values.chain([0.0]));
+    Plot { y, ..plot }.marked(&marks(run))
 }
 
 /// Acceleration and request.
@@ -141,7 +209,7 @@ pub fn road(run: &RunPicture) -> Plot {
     {
         let tone = phase_tone(phase);
         if plot.strips.iter().any(|strip| strip.spans.iter().any(|span| span.2 == tone)) {
-            plot.more_keys.push(Key { label: label.into(), tone, stroke: None });
+            plot.strip_keys.push((label.into(), tone));
         }
     }
     plot.y = Axis::linear("m along the road", start, above);
@@ -214,7 +282,7 @@ fn marks(run: &RunPicture) -> Vec<Mark> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chart::{Picture, Width};
+    use crate::chart::{Picture, script_json};
     use crate::picture::{ActorPath, FaultMark, SignalPhases};
 
     /// A run that has everything: a fault, a cut-in, a signal, a bounded request.
@@ -233,6 +301,9 @@ mod tests {
             applied_mps2: over(|t| t.cos()),
             lead_speed_mps: over(|t| if t < 5.0 { f64::NAN } else { 14.0 }),
             gap_m: over(|t| if t < 5.0 { f64::NAN } else { 40.0 - t }),
+            time_gap_s: over(|t| if t < 5.0 { f64::NAN } else { 2.0 }),
+            time_to_collision_s: over(|t| if t < 5.0 { f64::INFINITY } else { 12.0 - t }),
+            jerk_mps3: over(|t| t.cos()),
             actors: vec![ActorPath {
                 name: "<car>".into(),
                 in_lane_m: over(|t| if t < 5.0 { f64::NAN } else { 40.0 + 14.0 * t }),
@@ -262,24 +333,28 @@ mod tests {
     #[test]
     fn the_road_shows_signals_and_cars_beside_the_lane() {
         let plot = road(&synthetic());
-        let labels: Vec<_> = plot.keys().into_iter().map(|key| key.label).collect();
-        for label in ["ego, front", "<car>, rear, beside the lane", "green", "red (thick)"] {
-            assert!(labels.iter().any(|known| known == label), "{labels:?}");
+        let text = script_json(&plot.chart());
+        for label in ["ego, front", "\\u003ccar>, rear, beside the lane", "green", "red (thick)"] {
+            assert!(text.contains(&format!("\"label\":\"{label}\"")), "{label} in {text}");
         }
-        assert!(!labels.iter().any(|label| label == "yellow"), "it never was");
-        let svg = plot.svg(Width::Wide);
-        assert!(svg.contains("signal 1") && !svg.contains("NaN"), "{svg}");
+        assert!(!text.contains("yellow"), "it never was");
+        assert!(text.contains("signal 1"), "{text}");
     }
 
     #[test]
     fn faults_are_marked_in_every_picture() {
         let run = synthetic();
-        let pictures: [&dyn Picture; 4] =
-            [&speed(&run), &gap(&run).expect("a gap"), &acceleration(&run), &road(&run)];
+        let pictures: [&dyn Picture; 7] = [
+            &speed(&run),
+            &gap(&run).expect("a gap"),
+            &time_gap(&run).expect("a time gap"),
+            &time_to_collision(&run).expect("it came closer"),
+            &acceleration(&run),
+            &jerk(&run),
+            &road(&run),
+        ];
         for picture in pictures {
-            for width in Width::ALL {
-                assert_eq!(picture.svg(width).matches("class=\"badge\"").count(), 1);
-            }
+            assert_eq!(picture.chart().marks, [(3.0, 1)], "{}", picture.title());
         }
     }
 
@@ -290,14 +365,19 @@ mod tests {
         assert_eq!(names, ["mode of the law", "level of the controller"]);
         assert!(modes(&RunPicture::default()).is_none());
         assert!(gap(&RunPicture::default()).is_none());
+        assert!(time_gap(&RunPicture::default()).is_none());
+        assert!(time_to_collision(&RunPicture::default()).is_none());
     }
 
     #[test]
-    fn a_truck_shows_its_gears_and_a_car_does_not() {
-        assert!(powertrain(&synthetic()).is_empty());
+    fn a_truck_shows_its_gears_and_hills_and_a_car_does_not() {
+        assert!(powertrain(&synthetic()).is_empty() && profile(&synthetic()).is_empty());
         let truck = RunPicture { gear: vec![(0.0, 8.0), (5.0, 9.0)], ..synthetic() };
         let titles: Vec<_> = powertrain(&truck).into_iter().map(|plot| plot.title).collect();
         assert_eq!(titles, ["Gear"]);
+        let height_m = vec![(0.0, 50.0), (10.0, 53.0)];
+        let hill = RunPicture { height_m, grade_percent: vec![(0.0, 2.0)], ..synthetic() };
+        assert_eq!(profile(&hill).len(), 2);
     }
 
     #[test]

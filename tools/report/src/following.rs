@@ -7,6 +7,12 @@ use serde::{Deserialize, Serialize};
 /// grows without saying anything about following.
 const SLOWEST_MPS: f64 = 1.0;
 
+/// Time gap at a sample, s; 0 in a contact, none below 1 m/s.
+pub fn time_gap_s(step: &DriveStep) -> Option<f64> {
+    let moves = step.speed_mps >= SLOWEST_MPS;
+    step.gap_m.filter(|_| moves).map(|gap_m| gap_m.max(0.0) / step.speed_mps)
+}
+
 /// Time gaps while a vehicle was ahead, s; null without one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Following {
@@ -19,9 +25,7 @@ pub struct Following {
 impl Following {
     /// Of the samples that have a gap, at 1 m/s and faster.
     pub fn of(steps: &[DriveStep]) -> Self {
-        let moving = steps.iter().filter(|step| step.speed_mps >= SLOWEST_MPS);
-        let mut gaps_s: Vec<f64> =
-            moving.filter_map(|step| Some(step.gap_m?.max(0.0) / step.speed_mps)).collect();
+        let mut gaps_s: Vec<f64> = steps.iter().filter_map(time_gap_s).collect();
         gaps_s.sort_by(f64::total_cmp);
         let median = match gaps_s.len() {
             0 => None,

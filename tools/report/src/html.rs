@@ -5,18 +5,44 @@
 //! is given. A macro crate would check the nesting of tags and add a compiler stage; the test of the
 //! finished page and the conformance of those five functions do the same for less.
 
-use super::chart::{Picture, Width, escape};
+use super::chart::{Picture, escape, script_json};
 use std::fmt::Write;
+
+/// Licence of the library that draws the charts.
+const LICENCE: &str = include_str!("../assets/uplot/LICENSE");
+/// What a page without scripts says in the place of its charts.
+const NO_SCRIPT: &str = "<noscript><style>.chart { display: none; }</style><p class=\"quiet\">The \
+                         charts need JavaScript; verdict and tables are complete without \
+                         it.</p></noscript>\n";
+/// Room that a chart takes beside its axes, px.
+const CHART_FRAME_PX: f64 = 118.0;
+
+/// Style sheet of a page with charts.
+pub fn style() -> String {
+    format!("{}\n{}", include_str!("../assets/uplot/uPlot.min.css"), include_str!("style.css"))
+}
+
+/// The scripts that draw the charts: the library below its licence, and ours.
+pub fn scripts() -> String {
+    let library = include_str!("../assets/uplot/uPlot.iife.min.js");
+    // Its first comment is its address, and a page names no place outside itself.
+    let library = library.split_once("*/").map_or(library, |(_, code)| code);
+    let ours = include_str!("../assets/charts.js");
+    format!(
+        "<script>/*! uPlot 1.6.32\n\n{LICENCE}*/{library}</script>\n<script>\n{ours}</script>\n"
+    )
+}
 
 /// The frame of a page. It loads nothing: what it needs is in it.
 fn page(title: &str, body: &str) -> String {
+    let scripts = if body.contains("<figure ") { scripts() } else { String::new() };
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{}</title>\n<style>\n{}</style>\n</head>\n<body>\n<main>\n{body}</main>\n</body>\n\
-         </html>\n",
+         <title>{}</title>\n<style>\n{}</style>\n</head>\n<body>\n<main>\n{body}</main>\n{scripts}\
+         </body>\n</html>\n",
         escape(title),
-        include_str!("style.css"),
+        style(),
     )
 }
 
@@ -24,9 +50,10 @@ fn page(title: &str, body: &str) -> String {
 pub fn document(title: &str, about: &str, good: bool, verdict: &str, body: &str) -> String {
     let class = if good { "good" } else { "bad" };
     let (heading, about, verdict) = (escape(title), escape(about), escape(verdict));
+    let no_script = if body.contains("<figure ") { NO_SCRIPT } else { "" };
     let body = format!(
         "<header>\n<h1>{heading}</h1>\n<p class=\"quiet\">{about}</p>\n\
-         <p class=\"verdict {class}\">{verdict}</p>\n</header>\n{body}\
+         <p class=\"verdict {class}\">{verdict}</p>\n{no_script}</header>\n{body}\
          <footer>timegap {}</footer>\n",
         env!("CARGO_PKG_VERSION"),
     );
@@ -38,21 +65,15 @@ pub fn section(heading: &str, body: &str) -> String {
     format!("<section>\n<h2>{}</h2>\n{body}</section>\n", escape(heading))
 }
 
-/// A picture with its title and legend, at every width.
+/// A picture with its title, as data that the page's script draws.
 pub fn figure(picture: &dyn Picture) -> String {
-    let keys: String = picture.keys().iter().map(super::chart::Key::html).collect();
-    let keys = if keys.is_empty() { keys } else { format!("<span class=\"keys\">{keys}</span>") };
-    let drawn: String = Width::ALL
-        .into_iter()
-        .map(|width| {
-            // The class goes to the picture itself, so that a hidden one is hidden from readers too.
-            let class = format!("<svg class=\"{}\" ", width.class());
-            picture.svg(width).replacen("<svg ", &class, 1) + "\n"
-        })
-        .collect();
+    let (title, chart) = (escape(picture.title()), picture.chart());
+    let height = chart.height + CHART_FRAME_PX;
     format!(
-        "<figure class=\"card\">\n<figcaption><h3>{}</h3>{keys}</figcaption>\n{drawn}</figure>\n",
-        escape(picture.title())
+        "<figure class=\"card chart\">\n<figcaption><h3>{title}</h3></figcaption>\n\
+         <div class=\"plot\" role=\"img\" aria-label=\"{title}\" style=\"min-height:{height:.0}px\">\
+         </div>\n<script type=\"application/json\">{}</script>\n</figure>\n",
+        script_json(&chart),
     )
 }
 
@@ -164,6 +185,7 @@ fn classed_table<C: Clone + Into<Cell>>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chart::{Curve, Plot, Tone};
 
     /// Relative luminance (WCAG 2.2).
     fn luminance(colour: &str) -> f64 {
@@ -182,7 +204,7 @@ mod tests {
 
     /// The colours of a theme by name: 0 light, 1 dark.
     fn colours(theme: usize) -> std::collections::BTreeMap<&'static str, &'static str> {
-        let block = include_str!("style.css").split(":root {").nth(theme + 1).expect("two themes");
+        let block = include_str!("style.css").split(":root").nth(theme + 1).expect("two themes");
         let block = block.split('}').next().expect("a block ends");
         let pairs = block.split(';').filter_map(|pair| pair.trim().split_once(": #"));
         pairs
@@ -214,12 +236,23 @@ mod tests {
     }
 
     #[test]
-    fn a_page_loads_nothing_and_runs_nothing() {
-        let text =
-            page("a <title>", &table(&[("x", Column::Text)], &[vec!["<img src=y>".to_owned()]]));
-        for sign in ["<script", "http:", "https:", "@import", "url(", "<img", "<link"] {
+    fn a_page_loads_nothing_and_says_what_it_needs() {
+        let evil = "</script><img src=y>";
+        let curve = Curve::new(evil, Tone::Series(0), vec![(0.0, 1.0), (1.0, 2.0)]);
+        let plot = Plot::over_time(evil, 1.0, "m", vec![curve]);
+        let body =
+            table(&[("x", Column::Text)], &[vec!["<img src=y>".to_owned()]]) + &figure(&plot);
+        let text = document("a <title>", "", true, "", &body);
+        for sign in ["http:", "https:", "@import", "url(", "<img", "<link", "src=\""] {
             assert!(!text.contains(sign), "{sign}");
         }
         assert!(text.contains("a &lt;title&gt;"));
+        for sign in ["<noscript>", "Permission is hereby granted", "Leon Sorokin"] {
+            assert!(text.contains(sign), "{sign}");
+        }
+        // Library, ours, data.
+        assert_eq!(text.matches("</script>").count(), 3);
+        let bare = document("a", "", true, "", "<p>no chart</p>");
+        assert!(!bare.contains("<script"), "no chart, no script");
     }
 }

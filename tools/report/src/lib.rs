@@ -1,11 +1,12 @@
 //! Results of a run for people: `report.html`, text tables, CSV, the summary.
 //!
 //! ```text
-//! results ─► RunPicture (series) ─► Plot, Bands (pictures) ─► figures, tables ─► one page
+//! results ─► RunPicture (series) ─► Plot, Bands (pictures) ─► Chart (data) ─► one page
 //! ```
 //!
-//! The verdict and the figures come first, then the pictures, then how the machine ran it. A page
-//! loads nothing and runs no script; it is read on a desk, on a telephone, in the dark and on paper.
+//! The verdict and the figures come first, then the charts, then how the machine ran it. A page
+//! loads nothing: uPlot and one script of ours stand in it and draw the charts from data. Without
+//! scripts it shows verdict and tables. It is read on a desk, on a telephone, in the dark and on paper.
 
 pub mod chart;
 mod compare;

@@ -1,5 +1,6 @@
 //! What the pictures of a run are drawn from: plain series over run time, wherever they came from.
 
+use crate::following;
 use controller::laws;
 use group::{Drive, DriveStep, FaultRecord, GroupOutcome};
 use messages::Service;
@@ -9,6 +10,7 @@ use runtime::report::{Details, WorstChain};
 use runtime::statistics::QuantileCurve;
 use scenario::Scenario;
 use scenario::faults::Helper;
+use scenario::grade::GradeProfile;
 use scenario::v2x::Phase;
 use std::collections::BTreeMap;
 use v2x_sim::program::Program;
@@ -41,6 +43,16 @@ pub struct RunPicture {
     pub gap_m: Points,
     /// Gap that the law aims at, m.
     pub desired_gap_m: Points,
+    /// Time gap to it, s, at 1 m/s and faster.
+    pub time_gap_s: Points,
+    /// Time to collision with it, s, while it comes closer.
+    pub time_to_collision_s: Points,
+    /// Rate of the ego's acceleration between two samples, m/s³.
+    pub jerk_mps3: Points,
+    /// Height of the road below the ego, m; empty on a level road.
+    pub height_m: Points,
+    /// Its grade there, %, positive uphill.
+    pub grade_percent: Points,
     /// Gear of a truck, counted from 1.
     pub gear: Points,
     /// Torque of its engine at the crankshaft, kN m.
@@ -167,6 +179,12 @@ impl RunPicture {
             3 => "fall-back".to_owned(),
             _ => "backup".to_owned(),
         };
+        let road = scenario.road.profile().ok().filter(|road| !road.points().is_empty());
+        let of_road = |value: &dyn Fn(&GradeProfile, f64) -> f64| -> Points {
+            let road = road.iter();
+            let along = |road| steps.iter().map(move |s| (s.time_s, value(road, s.position_m)));
+            road.flat_map(along).collect()
+        };
         Self {
             duration_s,
             set_speed_mps: scenario.set_speed_mps.value(),
@@ -179,6 +197,11 @@ impl RunPicture {
             lead_speed_mps: ahead(|step| step.lead_speed_mps),
             gap_m: ahead(|step| step.gap_m),
             desired_gap_m: desired_gap(scenario, drive),
+            time_gap_s: ahead(following::time_gap_s),
+            time_to_collision_s: series(|step| Some(step.time_to_collision_s)),
+            jerk_mps3: jerk(steps),
+            height_m: of_road(&GradeProfile::height_m),
+            grade_percent: of_road(&|road, position_m| 100.0 * road.grade(position_m)),
             gear: series(|step| step.powertrain.map(|p| f64::from(p.gear))),
             engine_torque_knm: series(|step| step.powertrain.map(|p| p.engine_torque_nm / 1e3)),
             service_brake_kn: series(|step| step.powertrain.map(|p| p.service_brake_n / 1e3)),
@@ -221,6 +244,22 @@ fn fault(record: &FaultRecord) -> FaultMark {
     let outcome: Vec<_> = outcome.into_iter().flatten().collect();
     let label = format!("{} {whom}", record.kind).trim_end().to_owned();
     FaultMark { t_s: record.t_s, label, outcome: outcome.join(", ") }
+}
+
+/// The rise of the acceleration over the time between two samples, at the later one. As for the referee,
+/// the step with which a vehicle comes to a stand is no jerk of the drive.
+fn jerk(steps: &[DriveStep]) -> Points {
+    let felt = |step: &DriveStep| match step.speed_mps <= 0.0 {
+        true => step.acceleration_mps2.max(0.0),
+        false => step.acceleration_mps2,
+    };
+    let rate = |pair: &[DriveStep]| {
+        let comes_to_stand = pair[0].speed_mps > 0.0 && pair[1].speed_mps <= 0.0;
+        let rise = felt(&pair[1]) - felt(&pair[0]);
+        if comes_to_stand { f64::NAN } else { rise / (pair[1].time_s - pair[0].time_s) }
+    };
+    let pairs = steps.windows(2).filter(|pair| pair[1].time_s > pair[0].time_s);
+    pairs.map(|pair| (pair[1].time_s, rate(pair))).collect()
 }
 
 /// Gap that the law aims at, where there is a vehicle ahead.

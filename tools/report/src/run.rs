@@ -221,16 +221,16 @@ pub fn pictures(run: &RunPicture) -> String {
         let drawn: String = pictures.iter().map(|picture| figure(*picture)).collect();
         format!("<div class=\"stack\">\n{drawn}</div>\n")
     };
-    let (speed, acceleration, road) =
-        (drive::speed(run), drive::acceleration(run), drive::road(run));
-    let (gap, modes) = (drive::gap(run), drive::modes(run));
+    let (speed, acceleration) = (drive::speed(run), drive::acceleration(run));
+    let (jerk, road, modes) = (drive::jerk(run), drive::road(run), drive::modes(run));
+    let following = [drive::gap(run), drive::time_gap(run), drive::time_to_collision(run)];
+    let (profile, powertrain) = (drive::profile(run), drive::powertrain(run));
     let mut left: Vec<&dyn Picture> = vec![&speed];
-    left.extend(gap.as_ref().map(|gap| gap as &dyn Picture));
-    left.push(&acceleration);
+    left.extend(following.iter().flatten().map(|plot| plot as &dyn Picture));
+    left.extend([&acceleration as &dyn Picture, &jerk]);
     let mut right: Vec<&dyn Picture> = vec![&road];
     right.extend(modes.as_ref().map(|modes| modes as &dyn Picture));
-    let powertrain = drive::powertrain(run);
-    right.extend(powertrain.iter().map(|plot| plot as &dyn Picture));
+    right.extend(profile.iter().chain(&powertrain).map(|plot| plot as &dyn Picture));
     format!("<div class=\"grid\">\n{}{}</div>\n", stack(&left), stack(&right))
 }
 

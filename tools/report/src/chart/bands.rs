@@ -1,14 +1,13 @@
 //! Rows of labelled spans over one axis.
 
 use super::axis::Axis;
-use super::plot::{BOTTOM, LEFT, RIGHT, badges, horizontal_ticks};
-use super::svg::{Anchor, Svg, text_width};
-use super::{Key, Mark, Picture, Tone, Width};
+use super::data::{Chart, Series};
+use super::{Mark, Picture, Tone};
 
-/// Height of a row's bar, px.
-const BAR: f64 = 20.0;
-/// Height of a row with its name above the bar, px.
-const ROW: f64 = BAR + 22.0;
+/// Height of a row, px: its name above its bar.
+const ROW_PX: f64 = 42.0;
+/// Lower and upper edge of a row's bar, as shares of the row.
+const BAR: (f64, f64) = (0.12, 0.6);
 
 /// A part of a row.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,45 +49,29 @@ impl Picture for Bands {
         &self.title
     }
 
-    /// Every label once, in order of appearance.
-    fn keys(&self) -> Vec<Key> {
-        let mut keys: Vec<Key> = Vec::new();
-        for span in self.rows.iter().flat_map(|row| &row.spans) {
-            let key = Key { label: span.label.clone(), tone: span.tone, stroke: None };
-            if !keys.contains(&key) {
-                keys.push(key);
-            }
-        }
-        keys
-    }
-
-    fn svg(&self, width: Width) -> String {
-        let (left, right) = (LEFT, width.px() - RIGHT);
-        let top = if self.marks.is_empty() { 0.0 } else { 22.0 };
-        let bottom = top + ROW * self.rows.len() as f64 + 6.0;
-        let place = |x: f64| left + self.x.share(x).clamp(0.0, 1.0) * (right - left);
-        let label = format!("{} over {}", self.title, self.x.label);
-        let mut svg = Svg::new(width.px(), bottom + BOTTOM, &label);
+    /// A series for each label and colour, in order of appearance.
+    fn chart(&self) -> Chart {
+        let count = self.rows.len() as f64;
+        let y = Axis::linear("", 0.0, count.max(1.0));
+        let mut kinds: Vec<((&str, Tone), Vec<[(f64, f64); 2]>)> = Vec::new();
         for (index, row) in self.rows.iter().enumerate() {
-            let y = top + ROW * index as f64;
-            svg.text("row", Anchor::Start, (left, y + 14.0), &row.name);
+            let floor = count - 1.0 - index as f64;
             for span in &row.spans {
-                let (from, to) = (place(span.from), place(span.to));
-                let class = format!("band {}", span.tone.class());
-                // A span of no length is still seen.
-                let size = ((to - from).max(1.0), BAR);
-                svg.rect(&class, (from, y + 20.0), size, &span.label);
-                if text_width(&span.label) + 8.0 <= to - from {
-                    svg.text("inside", Anchor::Start, (from + 5.0, y + 34.0), &span.label);
+                let corners = [(span.from, floor + BAR.0), (span.to, floor + BAR.1)];
+                let kind = (span.label.as_str(), span.tone);
+                match kinds.iter_mut().find(|(known, _)| *known == kind) {
+                    Some((_, boxes)) => boxes.push(corners),
+                    None => kinds.push((kind, vec![corners])),
                 }
             }
         }
-        for mark in &self.marks {
-            svg.line("mark", (place(mark.x), top), (place(mark.x), bottom));
-        }
-        badges(&mut svg, &self.marks, place, 10.0);
-        horizontal_ticks(&mut svg, &self.x, (left, right), bottom);
-        svg.finish()
+        let mut chart = Chart::new(&self.x, &y, ROW_PX * count).marked(&self.marks);
+        chart.y.rows = Some(self.rows.iter().map(|row| row.name.clone()).collect());
+        let series = kinds
+            .iter()
+            .map(|((label, tone), boxes)| Series::boxes(label, *tone, boxes, (&self.x, &y)));
+        chart.series = series.collect();
+        chart
     }
 }
 
@@ -96,23 +79,23 @@ impl Picture for Bands {
 mod tests {
     use super::*;
 
-    fn bands() -> Bands {
+    #[test]
+    fn spans_of_one_label_are_one_series() {
         let span = |from, to, label: &str, tone| Span { from, to, label: label.into(), tone };
-        let modes = vec![
+        let spans = vec![
             span(0.0, 9.0, "cruise", Tone::Series(0)),
             span(9.0, 9.01, "follow", Tone::Series(1)),
             span(9.01, 10.0, "cruise", Tone::Series(0)),
         ];
-        let rows = vec![Row { name: "mode".into(), spans: modes }];
-        Bands { title: "Modes".into(), x: Axis::time(10.0), rows, marks: Vec::new() }
-    }
-
-    #[test]
-    fn a_label_is_written_only_where_it_fits_and_explained_once() {
-        let svg = bands().svg(Width::Narrow);
-        assert_eq!(svg.matches(">cruise</text>").count(), 1, "{svg}");
-        assert_eq!(svg.matches(">follow</text>").count(), 0, "{svg}");
-        assert!(svg.contains("<title>follow</title>"), "{svg}");
-        assert_eq!(bands().keys().len(), 2);
+        let rows = vec![Row { name: "mode".into(), spans }];
+        let bands = Bands { title: "Modes".into(), x: Axis::time(10.0), rows, marks: Vec::new() };
+        let chart = bands.chart();
+        let label = |series: &Series| match series {
+            Series::Box { label, .. } => label.clone(),
+            other => panic!("{other:?}"),
+        };
+        let labels: Vec<_> = chart.series.iter().map(label).collect();
+        assert_eq!(labels, ["cruise", "follow"]);
+        assert_eq!(chart.y.rows.as_deref(), Some(&["mode".to_owned()][..]));
     }
 }

@@ -1,14 +1,13 @@
 //! Cells of a grid over two axes, with straight edges drawn over them.
 
 use super::axis::Axis;
-use super::plot::{BOTTOM, LEFT, RIGHT, horizontal_ticks};
-use super::svg::{Anchor, Svg};
-use super::{Key, Picture, Stroke, Tone, Width};
+use super::data::{Chart, Series};
+use super::{Picture, Stroke, Tone};
 
 /// Height of the grid, px.
 const HEIGHT: f64 = 200.0;
-/// Space above it for the vertical axis's label, px.
-const TOP: f64 = 22.0;
+/// Width of an edge, px.
+const EDGE_PX: f64 = 2.0;
 
 /// A filled cell: its lower left and upper right corner on the axes.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,73 +55,52 @@ impl Picture for Cells {
         &self.title
     }
 
-    fn keys(&self) -> Vec<Key> {
-        let kinds = self.kinds.iter().map(|(label, tone)| Key {
-            label: label.clone(),
-            tone: *tone,
-            stroke: None,
+    fn chart(&self) -> Chart {
+        let axes = (&self.x, &self.y);
+        let kinds = self.kinds.iter().enumerate().map(|(kind, (label, tone))| {
+            let cells = self.cells.iter().filter(|cell| cell.kind == kind);
+            let boxes: Vec<_> = cells.map(|cell| [cell.from, cell.to]).collect();
+            Series::boxes(label, *tone, &boxes, axes)
         });
-        let edges = self.edges.iter().map(|edges| Key {
-            label: edges.label.clone(),
-            tone: edges.tone,
-            stroke: Some(edges.stroke),
+        let edges = self.edges.iter().map(|edges| {
+            // A hole after each piece.
+            let points = edges.pieces.iter().flat_map(|[from, to]| [*from, *to, (to.0, f64::NAN)]);
+            let points: Vec<_> = points.collect();
+            Series::line((&edges.label, edges.tone, edges.stroke), (EDGE_PX, false), &points, axes)
         });
-        kinds.chain(edges).collect()
-    }
-
-    fn svg(&self, width: Width) -> String {
-        let (left, right, bottom) = (LEFT, width.px() - RIGHT, TOP + HEIGHT);
-        let x = |value: f64| left + self.x.share(value) * (right - left);
-        let y = |value: f64| bottom - self.y.share(value) * HEIGHT;
-        let label = format!("{}: {} over {}", self.title, self.y.label, self.x.label);
-        let mut svg = Svg::new(width.px(), bottom + BOTTOM, &label);
-        svg.text("unit", Anchor::Start, (4.0, 13.0), &self.y.label);
-        for tick in self.y.ticks(5) {
-            let at = bottom - tick.share * HEIGHT;
-            svg.line("grid-line", (left, at), (right, at));
-            svg.text("tick", Anchor::End, (left - 6.0, at + 4.0), &tick.label);
-        }
-        for cell in &self.cells {
-            let tone = self.kinds.get(cell.kind).map_or(Tone::Muted, |kind| kind.1);
-            let corner = (x(cell.from.0), y(cell.to.1));
-            let size = (x(cell.to.0) - x(cell.from.0), y(cell.from.1) - y(cell.to.1));
-            svg.rect(&format!("fill {}", tone.class()), corner, size, "");
-        }
-        for edges in &self.edges {
-            let class = format!("line {} {}", edges.stroke.class(), edges.tone.class());
-            let place = |end: &(f64, f64)| (x(end.0), y(end.1));
-            let runs: Vec<_> =
-                edges.pieces.iter().map(|piece| piece.iter().map(place).collect()).collect();
-            svg.curve(&class, &runs);
-        }
-        horizontal_ticks(&mut svg, &self.x, (left, right), bottom);
-        svg.finish()
+        Chart { series: kinds.chain(edges).collect(), ..Chart::new(&self.x, &self.y, HEIGHT) }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::data::Column;
     use super::*;
 
     #[test]
-    fn a_cell_and_an_edge_stand_where_their_values_are() {
+    fn cells_and_edges_are_series_at_their_values() {
         let cells = Cells {
             title: "Collisions".into(),
-            x: Axis::linear("distance, m", 0.0, 10.0),
+            x: Axis::linear("distance, m", 0.0, 20.0),
             y: Axis::linear("lateral speed, m/s", 0.0, 2.0),
-            kinds: vec![("rear-end".into(), Tone::Alarm)],
+            kinds: vec![("rear-end".into(), Tone::Alarm), ("side".into(), Tone::Clear)],
             cells: vec![FilledCell { from: (0.0, 0.0), to: (5.0, 1.0), kind: 0 }],
             edges: vec![Edges {
                 label: "model".into(),
                 tone: Tone::Series(1),
                 stroke: Stroke::Solid,
-                pieces: vec![[(5.0, 0.0), (5.0, 1.0)]],
+                pieces: vec![[(5.0, 0.0), (5.0, 1.0)], [(5.0, 1.0), (6.0, 1.0)]],
             }],
         };
-        let svg = cells.svg(Width::Narrow);
-        let middle = LEFT + (Width::Narrow.px() - RIGHT - LEFT) / 2.0;
-        assert!(svg.contains(&format!("x=\"{LEFT:.1}\" y=\"{:.1}\"", TOP + 100.0)), "{svg}");
-        assert!(svg.contains(&format!("M{middle:.1} {:.1}L{middle:.1}", TOP + 200.0)), "{svg}");
-        assert_eq!(cells.keys().len(), 2);
+        let chart = cells.chart();
+        let [Series::Box { x2, .. }, Series::Box { x: none, .. }, Series::Line { y, .. }] =
+            chart.series.as_slice()
+        else {
+            panic!("{chart:?}")
+        };
+        assert_eq!(*x2, Column::Differences { d: 3, v: vec![Some(5000)] });
+        assert_eq!(*none, Column::Differences { d: 3, v: vec![] });
+        let v = vec![Some(0), Some(10_000), None, Some(0), Some(0), None];
+        assert_eq!(*y, Column::Differences { d: 4, v });
     }
 }

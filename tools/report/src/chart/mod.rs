@@ -1,58 +1,30 @@
-//! Pictures as SVG that takes its colours from the page's style sheet, so that one picture serves
-//! light, dark and paper.
+//! Pictures as data, which the page's script draws: see `assets/charts.js`.
 //!
-//! * [`Plot`]: curves over two axes, linear, logarithmic or by percentiles, with background bands,
-//!   reference levels, numbered marks and strips (a signal's phases at its stop line).
+//! * [`Plot`]: curves over two axes, linear, logarithmic or by percentiles, with labelled points,
+//!   numbered marks and strips (a signal's phases at its stop line). A curve need not be a function
+//!   of the horizontal value.
 //! * [`Cells`]: filled cells of a grid over two axes, with edges.
 //! * [`Bands`]: rows of labelled spans over one axis: modes over time, the parts of a chain.
 //! * [`Ribbons`]: rows coloured by a value along one axis: speeds of many vehicles over time.
 //!
-//! A picture is drawn once for each [`Width`], since text that is scaled down cannot be read; the
-//! style sheet shows the one that fits. Legends are text of the page and wrap like it.
+//! A picture becomes a [`Chart`]: series over two axes, with as many points as a screen can show.
+//! The script takes every colour from the page's style sheet, so that one page serves light, dark
+//! and paper.
 
 mod axis;
 mod bands;
 mod cells;
+mod data;
 mod decimate;
 mod plot;
 mod ribbons;
-mod svg;
 
 pub use axis::{Axis, number};
 pub use bands::{Bands, Row, Span};
 pub use cells::{Cells, Edges, FilledCell};
+pub use data::{Chart, escape, script_json};
 pub use plot::{Curve, Plot, Point, Strip};
-pub use ribbons::{Ribbon, Ribbons, SHADES};
-
-/// What a picture is drawn for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Width {
-    /// A desk or a sheet of paper.
-    Wide,
-    /// A telephone.
-    Narrow,
-}
-
-impl Width {
-    /// Both, in the order in which a page has them.
-    pub const ALL: [Self; 2] = [Self::Wide, Self::Narrow];
-
-    /// Width of the picture, px.
-    pub const fn px(self) -> f64 {
-        match self {
-            Self::Wide => 680.0,
-            Self::Narrow => 350.0,
-        }
-    }
-
-    /// Class that the style sheet shows or hides.
-    pub const fn class(self) -> &'static str {
-        match self {
-            Self::Wide => "wide",
-            Self::Narrow => "narrow",
-        }
-    }
-}
+pub use ribbons::{Ribbon, Ribbons};
 
 /// A colour by its meaning; the style sheet knows how it looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,12 +41,10 @@ pub enum Tone {
     Stop,
     /// A fault.
     Alarm,
-    /// A step of the scale from low to high, the same in light and dark.
-    Shade(usize),
 }
 
 impl Tone {
-    const fn class(self) -> &'static str {
+    const fn name(self) -> &'static str {
         match self {
             Self::Series(index) => ["t0", "t1", "t2", "t3", "t4", "t5", "t6", "t7"][index % 8],
             Self::Muted => "muted",
@@ -82,7 +52,6 @@ impl Tone {
             Self::Clear => "clear",
             Self::Stop => "stop",
             Self::Alarm => "alarm",
-            Self::Shade(step) => ["q0", "q1", "q2", "q3", "q4", "q5", "q6", "q7"][step % SHADES],
         }
     }
 }
@@ -90,7 +59,7 @@ impl Tone {
 /// How a curve is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stroke {
-    /// For what is.
+    /// For what is. Several solid curves of one picture get dashes of their own.
     Solid,
     /// For what should be.
     Dashed,
@@ -99,41 +68,12 @@ pub enum Stroke {
 }
 
 impl Stroke {
-    const fn class(self) -> &'static str {
+    const fn name(self) -> &'static str {
         match self {
             Self::Solid => "solid",
             Self::Dashed => "dashed",
             Self::Dotted => "dotted",
         }
-    }
-}
-
-/// An entry of a legend.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Key {
-    /// What it says.
-    pub label: String,
-    /// Colour.
-    pub tone: Tone,
-    /// Stroke of a curve; none for an area.
-    pub stroke: Option<Stroke>,
-}
-
-impl Key {
-    /// The entry as HTML: a sample and its label.
-    pub fn html(&self) -> String {
-        let sample = match self.stroke {
-            Some(stroke) => {
-                format!("<path class=\"line {}\" d=\"M0 5H22\"/>", stroke.class())
-            }
-            None => "<rect class=\"fill\" width=\"22\" height=\"10\" rx=\"2\"/>".to_owned(),
-        };
-        format!(
-            "<span class=\"key\"><svg class=\"{}\" width=\"22\" height=\"10\" aria-hidden=\"true\">\
-             {sample}</svg>{}</span>",
-            self.tone.class(),
-            svg::escape(&self.label),
-        )
     }
 }
 
@@ -147,14 +87,10 @@ pub struct Mark {
     pub number: usize,
 }
 
-/// Anything that can be drawn at both widths.
+/// Anything that can be drawn.
 pub trait Picture {
     /// Title, with the unit where one axis has all.
     fn title(&self) -> &str;
-    /// Legend; empty where nothing needs one.
-    fn keys(&self) -> Vec<Key>;
-    /// The picture as an SVG element.
-    fn svg(&self, width: Width) -> String;
+    /// The picture as data.
+    fn chart(&self) -> Chart;
 }
-
-pub use svg::escape;

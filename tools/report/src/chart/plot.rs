@@ -1,25 +1,25 @@
 //! Curves over two axes.
 
 use super::axis::Axis;
-use super::decimate::decimate;
-use super::svg::{Anchor, Svg, text_width};
-use super::{Key, Mark, Picture, Stroke, Tone, Width};
+use super::data::{Chart, Column, Series, Text};
+use super::{Mark, Picture, Stroke, Tone};
+use serde::Serialize;
 
-/// Room left of the axes, px: the same in all pictures, so that those below each other line up. "99.99 %" fits.
-pub const LEFT: f64 = 60.0;
-/// Room right of the axes, px.
-pub const RIGHT: f64 = 14.0;
-/// Room above the axes: the unit and the marks' numbers.
-const TOP: f64 = 24.0;
-/// Room below the axes: ticks and label.
-pub const BOTTOM: f64 = 38.0;
+/// Width of a curve, px.
+const LINE_PX: f64 = 2.0;
+/// Width of one of many curves, px.
+const THIN_PX: f64 = 1.1;
+/// How much wider a curve is for each that may cover it, px.
+const COVERED_PX: f64 = 4.0;
+/// Most curves by which one is widened.
+const MOST_COVERING: usize = 4;
 
 /// A curve.
 #[derive(Clone, Debug)]
 pub struct Curve {
     /// Name for the legend.
     pub name: String,
-    /// Points; one that is not finite breaks the curve.
+    /// Points in any order of their horizontal values; one that is not finite breaks the curve.
     pub points: Vec<(f64, f64)>,
     /// Colour.
     pub tone: Tone,
@@ -74,7 +74,7 @@ pub struct Strip {
 }
 
 /// A labelled point: a value that a paper prints.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Point {
     /// Value on the horizontal axis.
     pub x: f64,
@@ -103,8 +103,8 @@ pub struct Plot {
     pub points: Vec<Point>,
     /// Marked places on the horizontal axis.
     pub marks: Vec<Mark>,
-    /// Entries of the legend beside the curves'.
-    pub more_keys: Vec<Key>,
+    /// Names of the colours of the strips, for the legend.
+    pub strip_keys: Vec<(String, Tone)>,
 }
 
 impl Plot {
@@ -129,7 +129,7 @@ impl Plot {
             curves,
             points: Vec::new(),
             marks: Vec::new(),
-            more_keys: Vec::new(),
+            strip_keys: Vec::new(),
         }
     }
 
@@ -151,148 +151,49 @@ impl Picture for Plot {
         &self.title
     }
 
-    fn keys(&self) -> Vec<Key> {
-        let curves = self.curves.iter().map(|curve| Key {
-            label: curve.name.clone(),
-            tone: curve.tone,
-            stroke: Some(curve.stroke),
+    fn chart(&self) -> Chart {
+        let axes = (&self.x, &self.y);
+        let lines = self.curves.iter().map(|curve| {
+            let covering = curve.covered_by.min(MOST_COVERING) as f64;
+            let width = if curve.is_thin { THIN_PX } else { LINE_PX + COVERED_PX * covering };
+            let name = (curve.name.as_str(), curve.tone, curve.stroke);
+            Series::line(name, (width, curve.steps), &curve.points, axes)
         });
-        let mut keys: Vec<Key> = Vec::new();
-        for key in curves.chain(self.more_keys.iter().cloned()) {
-            if !keys.contains(&key) {
-                keys.push(key);
-            }
+        let bars = self.strip_keys.iter().map(|(label, tone)| self.bar(label, *tone));
+        let texts = self.strips.iter();
+        let texts = texts.map(|strip| Text { y: strip.y, label: strip.label.clone() });
+        Chart {
+            series: lines.chain(bars).collect(),
+            points: self.points.clone(),
+            texts: texts.collect(),
+            ..Chart::new(&self.x, &self.y, self.height).marked(&self.marks)
         }
-        // The title has said it.
-        if matches!(keys.as_slice(), [key] if key.label == self.title) { Vec::new() } else { keys }
-    }
-
-    fn svg(&self, width: Width) -> String {
-        // A narrow picture is not a tower.
-        let height = self.height.min(0.95 * width.px());
-        let area = Area::new(width.px(), height);
-        let label = format!("{}: {} over {}", self.title, self.y.label, self.x.label);
-        let mut svg = Svg::new(width.px(), TOP + height + BOTTOM, &label);
-        area.grid(&mut svg, &self.x, &self.y);
-        for strip in &self.strips {
-            self.strip(&mut svg, &area, strip);
-        }
-        for mark in &self.marks {
-            let x = area.x(self.x.share(mark.x));
-            svg.line("mark", (x, TOP), (x, TOP + height));
-        }
-        // Broken strokes last: what is under them still shows.
-        let (solid, broken): (Vec<_>, Vec<_>) =
-            self.curves.iter().rev().partition(|curve| curve.stroke == Stroke::Solid);
-        for curve in solid.into_iter().chain(broken) {
-            let points = stairs(curve);
-            let places =
-                points.iter().map(|(x, y)| (area.x(self.x.share(*x)), area.y(self.y.share(*y))));
-            let wider = ["", " wide-1", " wide-2", " wide-3", " wide-4"];
-            let wider = wider[curve.covered_by.min(wider.len() - 1)];
-            let thin = if curve.is_thin { " thin" } else { "" };
-            let (tone, stroke) = (curve.tone.class(), curve.stroke.class());
-            let class = format!("line {tone} {stroke}{wider}{thin}");
-            svg.curve(&class, &decimate(places));
-        }
-        for point in &self.points {
-            let (x, y) = (area.x(self.x.share(point.x)), area.y(self.y.share(point.y)));
-            svg.ring((x, y), &point.label);
-        }
-        badges(&mut svg, &self.marks, |x| area.x(self.x.share(x)), 10.0);
-        svg.finish()
     }
 }
 
 impl Plot {
-    fn strip(&self, svg: &mut Svg, area: &Area, strip: &Strip) {
-        let y = area.y(self.y.share(strip.y));
-        for (from, to, tone) in &strip.spans {
-            let (from, to) = (area.x(self.x.share(*from)), area.x(self.x.share(*to).min(1.0)));
-            // What stops is thick, what lets pass is thin: without colours too.
-            let half = match tone {
-                Tone::Stop => 3.5,
-                Tone::Clear => 2.2,
-                _ => 1.2,
-            };
-            let class = format!("fill {}", tone.class());
-            svg.rect(&class, (from, y - half), (to - from, 2.0 * half), "");
-        }
-        svg.text("small halo", Anchor::Start, (area.left + 4.0, y - 7.0), &strip.label);
-    }
-}
-
-/// Numbers of the marks in a line above the axes; close ones stand beside each other.
-pub fn badges(svg: &mut Svg, marks: &[Mark], place: impl Fn(f64) -> f64, y: f64) {
-    let mut free = f64::NEG_INFINITY;
-    for mark in marks {
-        let x = place(mark.x).max(free);
-        svg.badge((x, y), mark.number);
-        free = x + 17.0;
-    }
-}
-
-/// The points of a curve, with the corners of a staircase where it is one.
-fn stairs(curve: &Curve) -> Vec<(f64, f64)> {
-    if !curve.steps {
-        return curve.points.clone();
-    }
-    let corners = curve.points.windows(2).flat_map(|pair| [pair[0], (pair[1].0, pair[0].1)]);
-    corners.chain(curve.points.last().copied()).collect()
-}
-
-/// Where the axes are, px.
-pub struct Area {
-    left: f64,
-    right: f64,
-    top: f64,
-    bottom: f64,
-}
-
-impl Area {
-    fn new(width: f64, height: f64) -> Self {
-        Self { left: LEFT, right: width - RIGHT, top: TOP, bottom: TOP + height }
-    }
-
-    fn x(&self, share: f64) -> f64 {
-        self.left + share * (self.right - self.left)
-    }
-
-    fn y(&self, share: f64) -> f64 {
-        self.bottom - share * (self.bottom - self.top)
-    }
-
-    fn grid(&self, svg: &mut Svg, x: &Axis, y: &Axis) {
-        for tick in y.ticks(((self.bottom - self.top) as usize / 25).min(10)) {
-            let at = self.y(tick.share);
-            svg.line("grid-line", (self.left, at), (self.right, at));
-            svg.text("tick", Anchor::End, (self.left - 6.0, at + 4.0), &tick.label);
-        }
-        for tick in x.ticks((self.right - self.left) as usize / 62) {
-            let at = self.x(tick.share);
-            svg.line("grid-line", (at, self.top), (at, self.bottom));
-        }
-        horizontal_ticks(svg, x, (self.left, self.right), self.bottom);
-        svg.text("unit", Anchor::Start, (4.0, 13.0), &y.label);
-    }
-}
-
-/// Ticks and label of a horizontal axis between two places, below `y`.
-pub fn horizontal_ticks(svg: &mut Svg, axis: &Axis, (left, right): (f64, f64), y: f64) {
-    let ticks = axis.ticks((right - left) as usize / 62);
-    let mut free = f64::NEG_INFINITY;
-    for tick in ticks {
-        let at = left + tick.share * (right - left);
-        svg.line("grid-line", (at, y), (at, y + 4.0));
-        // A label that would touch its neighbour or the edge is left out; its tick stays.
-        let half = text_width(&tick.label) / 2.0;
-        if at - half >= free && at + half <= right + RIGHT {
-            svg.text("tick", Anchor::Middle, (at, y + 17.0), &tick.label);
-            free = at + half + 6.0;
+    /// The spans of one colour in all strips.
+    fn bar(&self, label: &str, tone: Tone) -> Series {
+        let spans = self.strips.iter().flat_map(|strip| {
+            let spans = strip.spans.iter().filter(move |span| span.2 == tone);
+            spans.map(|(from, to, _)| (*from, strip.y, *to))
+        });
+        let spans: Vec<_> = spans.collect();
+        // What stops is thick, what lets pass is thin: without colours too.
+        let px = match tone {
+            Tone::Stop => 7.0,
+            Tone::Clear => 4.4,
+            _ => 2.4,
+        };
+        Series::Bar {
+            label: label.into(),
+            tone: tone.name(),
+            px,
+            x: Column::new(spans.iter().map(|span| span.0), &self.x),
+            y: Column::new(spans.iter().map(|span| span.1), &self.y),
+            x2: Column::new(spans.iter().map(|span| span.2), &self.x),
         }
     }
-    svg.line("base", (left, y), (right, y));
-    svg.text("unit", Anchor::End, (right, y + 33.0), &axis.label);
 }
 
 #[cfg(test)]
@@ -303,59 +204,32 @@ mod tests {
         Plot::over_time("Speed", 10.0, "m/s", vec![Curve::new("ego", Tone::Series(0), points)])
     }
 
-    /// Coordinates of all paths of curves.
-    fn coordinates(svg: &str) -> Vec<(f64, f64)> {
-        let path = svg.split("class=\"line").nth(1).and_then(|rest| rest.split("d=\"").nth(1));
-        let path = path.and_then(|rest| rest.split('"').next()).unwrap_or_default();
-        path.split(['M', 'L'])
-            .filter_map(|pair| pair.split_once(' '))
-            .map(|(x, y)| (x.parse().expect("a number"), y.parse().expect("a number")))
-            .collect()
-    }
-
     #[test]
-    fn curves_stay_inside_the_axes_at_every_width() {
-        for width in Width::ALL {
-            let points = (0..1000).map(|i| (f64::from(i) / 100.0, f64::from(i % 37) - 20.0));
-            let svg = plot(points.collect()).svg(width);
-            let drawn = coordinates(&svg);
-            assert!(drawn.len() > 50, "{svg}");
-            for (x, y) in drawn {
-                assert!(x >= LEFT - 0.1 && x <= width.px() - RIGHT + 0.1, "{x}");
-                assert!((TOP - 0.1..=TOP + 180.1).contains(&y), "{y}");
-            }
-        }
+    fn a_curve_is_a_series_of_few_points_and_wider_below_others() {
+        let points = (0..1000).map(|i| (f64::from(i) / 100.0, f64::from(i) / 100.0)).collect();
+        let mut plot = plot(points);
+        plot.curves[0].covered_by = 1;
+        let chart = plot.chart();
+        let [Series::Line { x: Column::Differences { v, .. }, width, .. }] =
+            chart.series.as_slice()
+        else {
+            panic!("{chart:?}")
+        };
+        assert!(v.len() < 40 && *width > LINE_PX, "{chart:?}");
     }
 
     #[test]
     fn a_plot_of_nothing_still_has_its_axes() {
-        let svg = plot(Vec::new()).svg(Width::Narrow);
-        assert!(svg.contains("m/s") && svg.contains("time, s") && !svg.contains("NaN"), "{svg}");
-        assert!(plot(Vec::new()).keys().is_empty(), "nothing drawn, nothing explained");
+        let text = super::super::script_json(&plot(Vec::new()).chart());
+        assert!(text.contains("m/s") && text.contains("time, s"), "{text}");
+        assert!(plot(Vec::new()).chart().series.is_empty(), "nothing drawn, nothing explained");
     }
 
     #[test]
-    fn a_point_widens_the_axis_and_is_drawn() {
+    fn a_point_widens_the_axis() {
         let points = vec![Point { x: 5.0, y: 30.0, label: "printed: 30".into() }];
         let plot = plot(vec![(0.0, 1.0), (10.0, 2.0)]).with_points(points);
         assert!(plot.y.share(30.0) <= 1.0, "{:?}", plot.y);
-        assert!(plot.svg(Width::Wide).contains("<title>printed: 30</title>"));
-    }
-
-    #[test]
-    fn a_staircase_has_corners() {
-        let curve = Curve::new("u", Tone::Series(0), vec![(0.0, 1.0), (1.0, 2.0)]).steps();
-        assert_eq!(stairs(&curve), [(0.0, 1.0), (1.0, 1.0), (1.0, 2.0)]);
-    }
-
-    #[test]
-    fn close_marks_do_not_cover_each_other() {
-        let mut svg = Svg::new(100.0, 100.0, "");
-        let marks = [1, 2, 3].map(|number| Mark { x: 50.0, number });
-        badges(&mut svg, &marks, |x| x, 10.0);
-        let text = svg.finish();
-        for x in ["cx=\"50.0\"", "cx=\"67.0\"", "cx=\"84.0\""] {
-            assert!(text.contains(x), "{text}");
-        }
+        assert_eq!(plot.chart().points.len(), 1);
     }
 }

@@ -147,9 +147,10 @@ fn lock(hub: &Mutex<Hub>) -> MutexGuard<'_, Hub> {
 }
 
 fn page(title: &str) -> String {
-    PAGE.replace("/*STYLE*/", include_str!("../../../report/src/style.css"))
+    PAGE.replace("WINDOW_S", &WINDOW_S.to_string())
         .replace("TITLE", &report::chart::escape(title))
-        .replace("WINDOW_S", &WINDOW_S.to_string())
+        .replace("/*STYLE*/", &report::html::style())
+        .replace("/*SCRIPTS*/", &report::html::scripts())
 }
 
 /// Hands the updates to all clients until the run is over.

@@ -1,0 +1,294 @@
+//! A chart as the page's script takes it: series and marks as data, and what makes them safe inside
+//! a page.
+
+use super::axis::{Axis, Format, Scale};
+use super::decimate::kept;
+use super::{Mark, Point, Stroke, Tone};
+use serde::Serialize;
+
+/// Columns into which points fall along the horizontal axis, more than a screen shows, so that
+/// zooming in shows more.
+const COLUMNS: f64 = 2_000.0;
+/// Places that are told apart along the vertical axis.
+const PLACES: f64 = 1_000.0;
+/// Multiples of a value's last decimal along an axis, at least.
+const STEPS: f64 = 20_000.0;
+
+/// A chart.
+#[derive(Debug, Serialize)]
+pub struct Chart {
+    /// Horizontal axis.
+    pub x: AxisData,
+    /// Vertical axis.
+    pub y: AxisData,
+    /// Height of the axes, px.
+    pub height: f64,
+    /// What is drawn, first series first in the legend.
+    pub series: Vec<Series>,
+    /// Rows coloured by a value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map: Option<Map>,
+    /// Places on the horizontal axis and their numbers.
+    pub marks: Vec<(f64, usize)>,
+    /// Labelled points.
+    pub points: Vec<Point>,
+    /// Texts at values of the vertical axis.
+    pub texts: Vec<Text>,
+}
+
+impl Chart {
+    /// A chart without series.
+    pub fn new(x: &Axis, y: &Axis, height: f64) -> Self {
+        let (marks, points, texts) = (Vec::new(), Vec::new(), Vec::new());
+        let (x, y) = (AxisData::from(x), AxisData::from(y));
+        Self { x, y, height, series: Vec::new(), map: None, marks, points, texts }
+    }
+
+    /// The same with marks.
+    pub fn marked(self, marks: &[Mark]) -> Self {
+        Self { marks: marks.iter().map(|mark| (mark.x, mark.number)).collect(), ..self }
+    }
+}
+
+/// An axis.
+#[derive(Debug, Serialize)]
+pub struct AxisData {
+    label: String,
+    low: f64,
+    high: f64,
+    scale: &'static str,
+    format: &'static str,
+    /// Number of nines of a distribution's axis.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    nines: Option<u32>,
+    /// Names of the rows that an axis has instead of values, first one on top.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rows: Option<Vec<String>>,
+}
+
+impl From<&Axis> for AxisData {
+    fn from(axis: &Axis) -> Self {
+        let (low, high, scale, nines) = match axis.scale {
+            Scale::Linear { low, high } => (low, high, "linear", None),
+            Scale::Log { low, high } => (low, high, "log", None),
+            Scale::Percentile { nines } => (0.0, 1.0, "percentile", Some(nines)),
+        };
+        let format = match axis.format {
+            Format::Number => "number",
+            Format::Count => "count",
+            Format::DurationUs => "duration",
+            Format::Percent => "percent",
+        };
+        Self { label: axis.label.clone(), low, high, scale, format, nines, rows: None }
+    }
+}
+
+/// What one entry of the legend stands for.
+#[derive(Debug, Serialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+pub enum Series {
+    /// A line through points.
+    Line {
+        /// Name.
+        label: String,
+        /// Colour.
+        tone: &'static str,
+        /// Stroke.
+        stroke: &'static str,
+        /// Width, px.
+        width: f64,
+        /// Holds each value until the next point.
+        steps: bool,
+        /// Horizontal values.
+        x: Column,
+        /// Vertical values.
+        y: Column,
+    },
+    /// Boxes between a lower left and an upper right corner.
+    Box {
+        /// Name.
+        label: String,
+        /// Colour.
+        tone: &'static str,
+        /// Left edges.
+        x: Column,
+        /// Lower edges.
+        y: Column,
+        /// Right edges.
+        x2: Column,
+        /// Upper edges.
+        y2: Column,
+    },
+    /// Bars of a fixed height at values of the vertical axis.
+    Bar {
+        /// Name.
+        label: String,
+        /// Colour.
+        tone: &'static str,
+        /// Height, px.
+        px: f64,
+        /// Left ends.
+        x: Column,
+        /// Middles.
+        y: Column,
+        /// Right ends.
+        x2: Column,
+    },
+}
+
+impl Series {
+    /// A line with as many of its points as a screen can show.
+    pub fn line(
+        (label, tone, stroke): (&str, Tone, Stroke),
+        (width, steps): (f64, bool),
+        points: &[(f64, f64)],
+        (x, y): (&Axis, &Axis),
+    ) -> Self {
+        let (x, y) = columns(points, steps, (x, y), (COLUMNS, PLACES));
+        let (tone, stroke) = (tone.name(), stroke.name());
+        Self::Line { label: label.into(), tone, stroke, width, steps, x, y }
+    }
+
+    /// Boxes by their lower left and upper right corners.
+    pub fn boxes(
+        label: &str,
+        tone: Tone,
+        boxes: &[[(f64, f64); 2]],
+        (x, y): (&Axis, &Axis),
+    ) -> Self {
+        let column = |axis: &Axis, value: fn(&[(f64, f64); 2]) -> f64| {
+            Column::new(boxes.iter().map(value), axis)
+        };
+        Self::Box {
+            label: label.into(),
+            tone: tone.name(),
+            x: column(x, |corners| corners[0].0),
+            y: column(y, |corners| corners[0].1),
+            x2: column(x, |corners| corners[1].0),
+            y2: column(y, |corners| corners[1].1),
+        }
+    }
+}
+
+/// The columns of the points that `columns` by `places` px of a screen can show.
+pub fn columns(
+    points: &[(f64, f64)],
+    steps: bool,
+    (x, y): (&Axis, &Axis),
+    (columns, places): (f64, f64),
+) -> (Column, Column) {
+    let px: Vec<_> = points
+        .iter()
+        .map(|point| (x.share(point.0) * columns, y.share(point.1) * places))
+        .collect();
+    let kept: Vec<_> = kept(&px, steps).into_iter().map(|index| points[index]).collect();
+    (
+        Column::new(kept.iter().map(|point| point.0), x),
+        Column::new(kept.iter().map(|point| point.1), y),
+    )
+}
+
+/// Rows coloured by a value that holds until the next one.
+#[derive(Debug, Serialize)]
+pub struct Map {
+    /// Least value.
+    pub low: f64,
+    /// Largest value.
+    pub high: f64,
+    /// Unit of the values.
+    pub unit: String,
+    /// Places and values of each row, first one on top.
+    pub rows: Vec<(Column, Column)>,
+}
+
+/// A text at a value of the vertical axis.
+#[derive(Debug, Serialize)]
+pub struct Text {
+    /// Value.
+    pub y: f64,
+    /// What it says.
+    pub label: String,
+}
+
+/// Values in order. One that is not finite is null: a hole.
+#[derive(Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Column {
+    /// Differences of whole multiples of 10^-d: few digits for smooth values.
+    Differences {
+        /// Decimals.
+        d: usize,
+        /// The differences, from 0 on.
+        v: Vec<Option<i64>>,
+    },
+    /// Values to five digits, for axes that are not linear.
+    Values(Vec<Option<f64>>),
+}
+
+impl Column {
+    /// Values along an axis.
+    pub fn new(values: impl Iterator<Item = f64>, axis: &Axis) -> Self {
+        let values = values.map(|value| value.is_finite().then_some(value));
+        let Scale::Linear { low, high } = axis.scale else {
+            let round = |value: f64| format!("{value:.4e}").parse().unwrap_or(value);
+            return Self::Values(values.map(|value| value.map(round)).collect());
+        };
+        let d = (STEPS / (high - low)).log10().ceil().clamp(0.0, 9.0) as usize;
+        let unit = 10_f64.powi(d as i32);
+        let mut before = 0;
+        let difference = |value: f64| {
+            let multiple = (value * unit).round() as i64;
+            multiple - std::mem::replace(&mut before, multiple)
+        };
+        let mut difference = difference;
+        Self::Differences { d, v: values.map(|value| value.map(&mut difference)).collect() }
+    }
+}
+
+/// Text safe inside HTML, in attributes too.
+pub fn escape(text: &str) -> String {
+    let mut safe = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '&' => safe.push_str("&amp;"),
+            '<' => safe.push_str("&lt;"),
+            '>' => safe.push_str("&gt;"),
+            '"' => safe.push_str("&quot;"),
+            '\'' => safe.push_str("&#39;"),
+            _ => safe.push(character),
+        }
+    }
+    safe
+}
+
+/// JSON safe inside a `script` element: nothing in it ends the element or a line of a script.
+pub fn script_json(value: &impl Serialize) -> String {
+    let text = serde_json::to_string(value).expect("a chart is JSON");
+    // All of these stand in strings only.
+    text.replace('<', "\\u003c").replace('\u{2028}', "\\u2028").replace('\u{2029}', "\\u2029")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_column_is_differences_and_a_hole_is_null() {
+        let axis = Axis::linear("", 0.0, 20.0);
+        let column = Column::new([1.5, f64::NAN, 1.501, 1.4].into_iter(), &axis);
+        let v = vec![Some(1500), None, Some(1), Some(-101)];
+        assert_eq!(column, Column::Differences { d: 3, v });
+        let durations = Axis::durations("", [1.0, 1e5].into_iter());
+        let column = Column::new([1.23456789, 98_765.4].into_iter(), &durations);
+        assert_eq!(column, Column::Values(vec![Some(1.2346), Some(98_765.0)]));
+    }
+
+    #[test]
+    fn data_cannot_end_its_script_and_markup_stays_text() {
+        let text = script_json(&"</script><!--\u{2028}\u{2029}\"");
+        assert_eq!(text, r#""\u003c/script>\u003c!--\u2028\u2029\"""#);
+        let back: String = serde_json::from_str(&text).expect("still JSON");
+        assert_eq!(back, "</script><!--\u{2028}\u{2029}\"");
+        assert_eq!(escape("<b title='x'>&"), "&lt;b title=&#39;x&#39;&gt;&amp;");
+    }
+}
