@@ -146,8 +146,9 @@ pub fn powertrain(run: &RunPicture) -> Vec<Plot> {
         let curve = Curve::new(title, tone, points.to_vec()).steps();
         Plot { height: 120.0, ..Plot::over_time(title, run.duration_s, unit, vec![curve]) }
     };
+    let gears = Axis::counts("number", run.gear.iter().map(|point| point.1));
     let plots = [
-        plot("Gear", "number", EGO, &run.gear),
+        Plot { y: gears, ..plot("Gear", "number", EGO, &run.gear) },
         plot("Engine torque", "kN m", REQUEST, &run.engine_torque_knm),
         plot("Service brakes", "kN", AHEAD, &run.service_brake_kn),
     ];
@@ -213,7 +214,7 @@ pub fn road(run: &RunPicture) -> Plot {
         }
     }
     plot.y = Axis::linear("m along the road", start, above);
-    plot.height = 560.0;
+    plot.height = 400.0;
     plot.marked(&marks(run))
 }
 

@@ -1,6 +1,6 @@
 //! The page of one run.
 
-use super::chart::{Picture, escape};
+use super::chart::escape;
 use super::html::{Column, Tile, document, figure, section, stacked_table, table, tiles};
 use super::picture::RunPicture;
 use super::{drive, timing};
@@ -217,21 +217,14 @@ fn faults(run: &RunPicture) -> String {
 
 /// The pictures of the drive.
 pub fn pictures(run: &RunPicture) -> String {
-    let stack = |pictures: &[&dyn Picture]| {
-        let drawn: String = pictures.iter().map(|picture| figure(*picture)).collect();
-        format!("<div class=\"stack\">\n{drawn}</div>\n")
-    };
-    let (speed, acceleration) = (drive::speed(run), drive::acceleration(run));
-    let (jerk, road, modes) = (drive::jerk(run), drive::road(run), drive::modes(run));
     let following = [drive::gap(run), drive::time_gap(run), drive::time_to_collision(run)];
-    let (profile, powertrain) = (drive::profile(run), drive::powertrain(run));
-    let mut left: Vec<&dyn Picture> = vec![&speed];
-    left.extend(following.iter().flatten().map(|plot| plot as &dyn Picture));
-    left.extend([&acceleration as &dyn Picture, &jerk]);
-    let mut right: Vec<&dyn Picture> = vec![&road];
-    right.extend(modes.as_ref().map(|modes| modes as &dyn Picture));
-    right.extend(profile.iter().chain(&powertrain).map(|plot| plot as &dyn Picture));
-    format!("<div class=\"grid\">\n{}{}</div>\n", stack(&left), stack(&right))
+    let plots = [drive::speed(run)].into_iter().chain(following.into_iter().flatten());
+    let motion = plots.chain([drive::acceleration(run), drive::jerk(run), drive::road(run)]);
+    let below = drive::profile(run).into_iter().chain(drive::powertrain(run));
+    let drawn: String = motion.map(|plot| figure(&plot)).collect();
+    let modes = drive::modes(run).map_or_else(String::new, |modes| figure(&modes));
+    let below: String = below.map(|plot| figure(&plot)).collect();
+    format!("<div class=\"columns\">\n{drawn}{modes}{below}</div>\n")
 }
 
 fn times(summary: &Summary, run: &RunPicture) -> String {

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 /// Columns into which points fall along the horizontal axis, more than a screen shows, so that
 /// zooming in shows more.
-const COLUMNS: f64 = 2_000.0;
+const COLUMNS: f64 = 4_000.0;
 /// Places that are told apart along the vertical axis.
 const PLACES: f64 = 1_000.0;
 /// Multiples of a value's last decimal along an axis, at least.
