@@ -317,6 +317,9 @@
       }));
       return chart;
     }
+    // uPlot wants a series.
+    if (!chart.series.length)
+      chart.series.push({ kind: "line", label: "no data", tone: "muted", stroke: "solid", width: 1, x: [], y: [] });
     const rank = (series) => series.kind === "line" && series.stroke !== "solid";
     chart.series.forEach((series, index) => {
       series.order = index;
