@@ -27,9 +27,12 @@ fn consistent(row: &Value) {
         return;
     };
     assert!(row["tolerance_reason"].is_string(), "{row}");
-    let bound = row["check"] == "at_most";
     let within = row["ours"].as_f64().is_some_and(|ours| {
-        let off = if bound { ours - expected } else { (ours - expected).abs() };
+        let off = match row["check"].as_str() {
+            Some("at_most") => ours - expected,
+            Some("at_least") => expected - ours,
+            _ => (ours - expected).abs(),
+        };
         off <= tolerance + 1e-9
     });
     assert_eq!(row["ok"].as_bool(), Some(within), "{row}");

@@ -68,7 +68,7 @@ fn cells(row: &Row, inferred: &[&str]) -> [String; 7] {
     [
         in_two_lines(&row.id),
         row.ours.map_or_else(|| NONE.into(), |ours| number(ours, 2)),
-        row.expectation().replace("at most", "≤"),
+        row.expectation().replace("at most", "≤").replace("at least", "≥"),
         row.tolerance_in_words(),
         row.unit.to_owned(),
         mark.to_owned(),

@@ -8,12 +8,12 @@
 //! tolerance makes it false and the exit status 1. Nothing is excused here. Which rows are known to
 //! fail, and why, is written in `docs/papers.md`, which a test compares with a run.
 
-mod cacc;
+pub mod cacc;
 mod console;
 mod page;
 mod predictive;
 mod quadratic_bounded;
-mod row;
+pub mod row;
 mod runner;
 mod six_mode;
 mod tally;

@@ -44,6 +44,8 @@ pub enum Check {
     Near,
     /// Ours is no larger than the expected value and the tolerance.
     AtMost,
+    /// Ours is no smaller than the expected value less the tolerance.
+    AtLeast,
     /// Not compared.
     Shown,
 }
@@ -158,6 +160,17 @@ impl Row {
         Self::compared(id, unit, expected, ours, tolerance, Check::AtMost)
     }
 
+    /// A figure that must not be below the expected one by more than the tolerance.
+    pub fn at_least(
+        id: &str,
+        unit: &'static str,
+        expected: Expected,
+        ours: Option<f64>,
+        tolerance: Tolerance,
+    ) -> Self {
+        Self::compared(id, unit, expected, ours, tolerance, Check::AtLeast)
+    }
+
     /// A figure without a number to compare it with.
     pub fn shown(
         id: &str,
@@ -194,6 +207,7 @@ impl Row {
     ) -> Self {
         let off = |ours: f64| match check {
             Check::AtMost => ours - value,
+            Check::AtLeast => value - ours,
             Check::Near | Check::Shown => (ours - value).abs(),
         };
         Self {
@@ -246,7 +260,11 @@ impl Row {
     /// The expected value in words: a bound says that it is one.
     pub fn expectation(&self) -> String {
         let value = self.expected.map_or_else(|| NONE.into(), |value| number(value, 2));
-        if self.check == Check::AtMost { format!("at most {value}") } else { value }
+        match self.check {
+            Check::AtMost => format!("at most {value}"),
+            Check::AtLeast => format!("at least {value}"),
+            Check::Near | Check::Shown => value,
+        }
     }
 
     /// The tolerance in words; nothing where none applies.
@@ -254,6 +272,7 @@ impl Row {
         match (self.check, self.tolerance) {
             (_, None) => String::new(),
             (Check::AtMost, Some(tolerance)) => format!("+ {tolerance:.2}"),
+            (Check::AtLeast, Some(tolerance)) => format!("− {tolerance:.2}"),
             (_, Some(tolerance)) => format!("± {tolerance:.2}"),
         }
     }
@@ -273,6 +292,8 @@ mod tests {
         assert_eq!(near(None), Verdict::Outside);
         let most = Row::at_most("a", "s", requirement(30.0), Some(24.0), TENTH);
         assert_eq!(most.verdict(), Verdict::Within);
+        let least = |ours| Row::at_least("a", "s", paper(6.0), Some(ours), TENTH).verdict();
+        assert_eq!((least(5.9), least(5.8)), (Verdict::Within, Verdict::Outside));
         let shown = Row::shown("a", "m", Kind::Paper, Some(1.0), "large");
         assert_eq!(shown.verdict(), Verdict::Shown);
     }

@@ -9,10 +9,8 @@ pub mod config;
 mod descriptors;
 pub mod paper;
 mod plan;
-pub mod published;
 pub mod road;
 pub mod road_config;
-pub mod scenes;
 pub mod weights;
 
 pub use descriptors::{ACC_MPC, BuildError, CACC_MPC, Signals, build};

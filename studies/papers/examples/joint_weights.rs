@@ -1,7 +1,7 @@
 //! Searches one weight set for all of the paper's scenarios.
 //!
 //! ```text
-//! cargo run --release -p controller --example joint_weights -- [EVALUATIONS] [SEED]
+//! cargo run --release -p papers --example joint_weights -- [EVALUATIONS] [SEED]
 //! ```
 //!
 //! Score: the mean over all published figures of `((ours - paper) / joint tolerance)²`. Searched:
@@ -12,9 +12,9 @@
 
 use controller::laws::cacc::config::Config;
 use controller::laws::cacc::paper::PaperLaw;
-use controller::laws::cacc::published::{Calibration, Row, Runs, rows};
-use controller::laws::cacc::scenes::{self, Recording, Scene};
 use controller::laws::cacc::weights::{JOINT, Weights};
+use papers::cacc::{self, Calibration, PRINTED, Recording, Runs, Scene};
+use papers::row::Row;
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use scenario::controller::SpacingPolicy;
@@ -33,7 +33,7 @@ fn main() {
     let budget = arguments.next().map_or(3000, |a| a.parse().expect("EVALUATIONS is a number"));
     let seed = arguments.next().map_or(1, |a| a.parse().expect("SEED is a number"));
 
-    let given = point(&JOINT, scenes::TABLE_3_LEAD_JOINT_MPS2);
+    let given = point(&JOINT, cacc::TABLE_3_LEAD_JOINT_MPS2);
     let mut search = Search::new(budget, seed, given);
     println!("given: score {:.4}", search.best.1);
     let mut round = 0;
@@ -60,7 +60,7 @@ fn report(name: &str, at: &Point) {
         println!(
             "  {:26} {:7.2} {:7.2} {}",
             row.id,
-            row.paper,
+            row.paper.unwrap_or(f64::NAN),
             ours,
             if row.ok { "" } else { "out" }
         );
@@ -192,8 +192,9 @@ fn score(rows: &[Row]) -> f64 {
     let sum: f64 = rows
         .iter()
         .map(|row| {
-            let tolerance = if row.tolerance > 0.0 { row.tolerance } else { 0.5 };
-            let z = row.ours.map_or(10.0, |ours| (ours - row.paper) / tolerance);
+            let tolerance = row.tolerance.filter(|tolerance| *tolerance > 0.0).unwrap_or(0.5);
+            let off = row.ours.zip(row.paper).map(|(ours, paper)| ours - paper);
+            let z = off.map_or(10.0, |off| off / tolerance);
             (z * z).min(100.0)
         })
         .sum();
@@ -202,26 +203,27 @@ fn score(rows: &[Row]) -> f64 {
 
 fn evaluate(at: &Point) -> Vec<Row> {
     let (set, lead) = weights(at);
-    let table_3 = scenes::table_3(lead);
+    let table_3 = cacc::table_3(lead);
     let runs = [
-        drive(&scenes::A, set, false),
-        drive(&scenes::A, set, true),
-        drive(&scenes::B, set, true),
-        drive(&scenes::C, set, false),
-        drive(&scenes::C, set, true),
+        drive(&cacc::A, set, false),
+        drive(&cacc::A, set, true),
+        drive(&cacc::B, set, true),
+        drive(&cacc::C, set, false),
+        drive(&cacc::C, set, true),
         drive(&table_3, set, false),
         drive(&table_3, set, true),
     ];
     let runs = Runs {
         a_acc: Some(runs[0].trajectory()),
         a_cacc: Some(runs[1].trajectory()),
+        b_acc: None,
         b_cacc: Some(runs[2].trajectory()),
         c_acc: Some(runs[3].trajectory()),
         c_cacc: Some(runs[4].trajectory()),
         t3_acc: Some(runs[5].trajectory()),
         t3_cacc: Some(runs[6].trajectory()),
     };
-    rows(&runs, Calibration::Joint)
+    PRINTED.iter().map(|figure| figure.row(&runs, Calibration::Joint)).collect()
 }
 
 fn drive(scene: &Scene, set: Weights, light: bool) -> Recording {
@@ -236,5 +238,5 @@ fn drive(scene: &Scene, set: Weights, light: bool) -> Recording {
     };
     let solver = config.create_solver();
     let mut law = PaperLaw::new(&config, &set, light, solver).expect("the weights are positive");
-    scenes::run(scene, &mut law)
+    cacc::run(scene, &mut law)
 }

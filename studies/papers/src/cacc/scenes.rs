@@ -7,8 +7,10 @@
 //! This is what the figures and the reference trajectories were made with; the process group runs
 //! the same scenarios through its own plant. In Table 3 the ego cannot reverse.
 
-use super::published::Trajectory;
-use crate::law::{Ego, Input, Law, MAX_SIGNALS, Output, Phase, PhaseInterval, SignalAhead, Target};
+use super::trajectory::Trajectory;
+use controller::law::{
+    Ego, Input, Law, MAX_SIGNALS, Output, Phase, PhaseInterval, SignalAhead, Target,
+};
 
 /// Step of plant and controller, s.
 const STEP_S: f64 = 0.1;
