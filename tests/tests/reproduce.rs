@@ -46,9 +46,9 @@ struct Section<'a> {
     outside: BTreeSet<(&'a str, &'a str)>,
 }
 
-/// Ids in a cell: its words in backticks.
+/// Ids in a cell: its words in backticks that have a dot.
 fn ids(cell: &str) -> impl Iterator<Item = &str> {
-    cell.split('`').skip(1).step_by(2)
+    cell.split('`').skip(1).step_by(2).filter(|word| word.contains('.'))
 }
 
 /// Reads the section below `heading`.
