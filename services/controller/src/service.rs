@@ -118,7 +118,7 @@ impl Loop {
         scenario: &Scenario,
         descriptor: &'static Descriptor,
     ) -> Result<Self, RuntimeError> {
-        let mut law = (descriptor.build)(scenario)?;
+        let mut law = (descriptor.build)(&crate::law::Reader::new(scenario))?;
         let period_ns = i64::from(scenario.controller.period_ms.value()) * 1_000_000;
         let release = scenario.controller.release;
         let mut output = Output::default();

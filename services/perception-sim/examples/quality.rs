@@ -217,7 +217,7 @@ fn scene(seed: u32, keys: &[&str]) -> Scenario {
         };
         overrides.set(&key).unwrap_or_else(|error| panic!("{error}"));
     }
-    let scenario = Scenario::parse_with("scene", &text, &overrides, &|_| Ok(()));
+    let scenario = Scenario::parse_with("scene", &text, &overrides, &|_| Ok(Default::default()));
     scenario.unwrap_or_else(|error| panic!("{error}"))
 }
 

@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn measure<T: Message>(messages: u64) -> Result<(), Box<dyn Error>> {
-    let scenario = Scenario::open("cacc-a", &Overrides::new(), &|_| Ok(()))?;
+    let scenario = Scenario::open("cacc-a", &Overrides::new(), &|_| Ok(Default::default()))?;
     let metadata = Metadata::new(&scenario, Mode::Realtime, 0, [].into(), LawNames::default());
     let path = std::env::temp_dir().join(format!("timegap-throughput-{}", std::process::id()));
     let mut writer = Writer::begin(File::create(&path)?, &metadata)?;

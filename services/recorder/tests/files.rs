@@ -10,7 +10,8 @@ use std::path::PathBuf;
 const MESSAGES: u64 = 600;
 
 fn metadata() -> Metadata {
-    let scenario = Scenario::open("cacc-a", &Overrides::new(), &|_| Ok(())).expect("built in");
+    let scenario =
+        Scenario::open("cacc-a", &Overrides::new(), &|_| Ok(Default::default())).expect("built in");
     let granted = serde_json::from_str(
         r#"{"requested":"fifo:80","granted":"other","core":1,"memory_locked":false,"refused":[]}"#,
     )

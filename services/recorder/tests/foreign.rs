@@ -22,7 +22,8 @@ fn record(opcode: u8, body: &[u8]) -> Vec<u8> {
 
 /// A file of ours with one message in each chunk, as its records.
 fn ours() -> Vec<(u8, Vec<u8>)> {
-    let scenario = Scenario::open("cacc-a", &Overrides::new(), &|_| Ok(())).expect("built in");
+    let scenario =
+        Scenario::open("cacc-a", &Overrides::new(), &|_| Ok(Default::default())).expect("built in");
     let metadata = Metadata::new(&scenario, Mode::Realtime, 0, [].into(), LawNames::default());
     let mut file = Vec::new();
     let mut writer = Writer::begin(Cursor::new(&mut file), &metadata).expect("memory");

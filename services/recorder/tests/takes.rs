@@ -12,7 +12,8 @@ use std::path::PathBuf;
 /// A recording in which cycle `k` uses odometry `k`, without the messages that `lost` names
 /// by topic and number. Cycle 2 is a silent one.
 fn recording(cycles: &[(u32, u64)], lost: &[(Topic, u64)]) -> Recording {
-    let scenario = Scenario::open("cacc-a", &Overrides::new(), &|_| Ok(())).expect("built in");
+    let scenario =
+        Scenario::open("cacc-a", &Overrides::new(), &|_| Ok(Default::default())).expect("built in");
     let metadata = Metadata::new(&scenario, Mode::Realtime, 0, [].into(), LawNames::default());
     let mut file = Vec::new();
     let mut writer = Writer::begin(Cursor::new(&mut file), &metadata).expect("memory");

@@ -11,7 +11,8 @@ use std::path::PathBuf;
 /// A recording in which cycle `k`, of this process, uses batch `k`, without the messages that `lost` names by
 /// topic and number.
 fn recording(processes: &[u32], lost: &[(Topic, u64)]) -> Recording {
-    let scenario = Scenario::open("corridor", &Overrides::new(), &|_| Ok(())).expect("built in");
+    let scenario = Scenario::open("corridor", &Overrides::new(), &|_| Ok(Default::default()))
+        .expect("built in");
     let metadata = Metadata::new(&scenario, Mode::Lockstep, 0, [].into(), LawNames::default());
     let mut file = Vec::new();
     let mut writer = Writer::begin(Cursor::new(&mut file), &metadata).expect("memory");

@@ -23,6 +23,7 @@ pub(super) struct Document<'a> {
     source: &'a str,
     text: &'a str,
     options: Vec<(usize, &'a str)>,
+    is_shared: bool,
     root: Spanned<DeTable<'a>>,
 }
 
@@ -42,7 +43,8 @@ impl<'a> Document<'a> {
             let span = error.span().unwrap_or(0..0);
             ScenarioError::at(source, text, span, error.message())
         })?;
-        let mut document = Self { source, text, options: Vec::new(), root };
+        let is_shared = overrides.are_shared();
+        let mut document = Self { source, text, options: Vec::new(), is_shared, root };
         let mut base = text.len() + 1;
         for option in overrides.iter() {
             document.lay_over(option, base)?;
@@ -107,6 +109,31 @@ impl<'a> Document<'a> {
     pub(super) fn is_set(&self, path: &str) -> bool {
         let (span, written) = self.locate(path);
         written && span.start > self.text.len()
+    }
+
+    /// Whether a written key may be meant for another choice than the present one: the file serves
+    /// several, or a key that chooses was set on the command line and this one was not.
+    pub(super) fn is_for_another(&self, choosing: &[&str], path: &str) -> bool {
+        let is_chosen_anew = choosing.iter().any(|choosing| self.is_set(choosing));
+        self.is_shared || (is_chosen_anew && !self.is_set(path))
+    }
+
+    /// Dotted paths of the values that were written below `table`; an array is one value.
+    pub(super) fn written_below(&self, table: &str) -> Vec<String> {
+        fn collect(path: &str, table: &DeTable<'_>, into: &mut Vec<String>) {
+            for (key, value) in table.iter() {
+                let path = format!("{path}.{}", key.get_ref());
+                match value.get_ref() {
+                    DeValue::Table(table) => collect(&path, table, into),
+                    _ => into.push(path),
+                }
+            }
+        }
+        let mut paths = Vec::new();
+        if let Some(DeValue::Table(found)) = self.root.get_ref().get(table).map(Spanned::get_ref) {
+            collect(table, found, &mut paths);
+        }
+        paths
     }
 
     /// The place of the key's value, or of the nearest table above it, and which of the two it is.

@@ -189,7 +189,8 @@ mod tests {
         let relative = format!("{up}{}", directory.join("road.csv").display());
         let mut overrides = Overrides::new();
         overrides.set(&format!("road={{csv=\"{relative}\"}}")).expect("an option");
-        let opened = Scenario::open("truck-hills", &overrides, &|_| Ok(())).expect("a scenario");
+        let opened = Scenario::open("truck-hills", &overrides, &|_| Ok(Default::default()))
+            .expect("a scenario");
         let Road::Csv { points, .. } = &opened.road else { panic!("{:?}", opened.road) };
         assert_eq!(points.len(), 2);
         let kept = directory.join("scenario.toml");
@@ -197,7 +198,8 @@ mod tests {
         std::fs::write(&kept, other).expect("writable");
         let mut overrides = Overrides::new();
         overrides.set("road.csv=road.csv").expect("an option");
-        let again = Scenario::open(&kept.to_string_lossy(), &overrides, &|_| Ok(()));
+        let again =
+            Scenario::open(&kept.to_string_lossy(), &overrides, &|_| Ok(Default::default()));
         let Road::Csv { points: read, .. } = again.expect("a scenario").road else { panic!() };
         assert_eq!(&read, points);
         std::fs::write(directory.join("lead.csv"), "time_s,speed_mps\n0,20\n9,20\n")
@@ -207,7 +209,8 @@ mod tests {
         overrides
             .set(&format!("actors[0].profile={{csv={{file=\"{lead}\"}}}}"))
             .expect("an option");
-        let driven = Scenario::open("following", &overrides, &|_| Ok(())).expect("a scenario");
+        let driven = Scenario::open("following", &overrides, &|_| Ok(Default::default()))
+            .expect("a scenario");
         assert_eq!(driven.actors[0].profile.points().map(<[_]>::len), Some(2));
         std::fs::remove_dir_all(&directory).expect("ours");
     }

@@ -70,6 +70,7 @@ mod law_tables;
 mod overrides;
 mod placed;
 mod problem;
+mod reads;
 mod refusal;
 mod table;
 
@@ -79,6 +80,7 @@ pub use error::ScenarioError;
 pub use law_tables::LawTables;
 pub use overrides::Overrides;
 pub use problem::Problem;
+pub use reads::Reads;
 
 use actor::Actor;
 use aebs::Aebs;
@@ -160,6 +162,9 @@ pub struct Scenario {
     /// file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub storyboard: Option<Storyboard>,
+    /// Remarks on keys without effect, for the person who starts a run.
+    #[serde(skip)]
+    pub notes: Vec<String>,
 }
 
 impl Scenario {
@@ -168,7 +173,9 @@ impl Scenario {
     /// # Errors
     /// When the text is not a scenario, or names files, which only [`Scenario::open`] reads.
     pub fn parse(source_name: &str, text: &str) -> Result<Self, ScenarioError> {
-        Self::build(source_name, text, &Overrides::new(), Place::TakenEffect, &|_| Ok(()))
+        Self::build(source_name, text, &Overrides::new(), Place::TakenEffect, &|_| {
+            Ok(Reads::everything())
+        })
     }
 
     /// Reads a scenario from its text with `overrides` laid over it. `check` is asked last.
@@ -179,7 +186,7 @@ impl Scenario {
         source_name: &str,
         text: &str,
         overrides: &Overrides,
-        check: &dyn Fn(&Self) -> Result<(), Problem>,
+        check: &dyn Fn(&Self) -> Result<Reads, Problem>,
     ) -> Result<Self, ScenarioError> {
         Self::build(source_name, text, overrides, Place::TakenEffect, check)
     }
@@ -192,7 +199,7 @@ impl Scenario {
     pub fn open(
         argument: &str,
         overrides: &Overrides,
-        check: &dyn Fn(&Self) -> Result<(), Problem>,
+        check: &dyn Fn(&Self) -> Result<Reads, Problem>,
     ) -> Result<Self, ScenarioError> {
         if let Some(builtin) = builtin::find(argument) {
             let source = format!("built-in {argument}");
@@ -218,7 +225,7 @@ impl Scenario {
         path: &Path,
         parameters: &[openscenario::Assignment],
         overrides: &Overrides,
-        check: &dyn Fn(&Self) -> Result<(), Problem>,
+        check: &dyn Fn(&Self) -> Result<Reads, Problem>,
     ) -> Result<Self, storyboard::OpenError> {
         let translation = storyboard::Translation::of(path, parameters)?;
         let built = Self::build("", &translation.text, overrides, Place::BuiltIn, check);
@@ -230,7 +237,7 @@ impl Scenario {
         text: &str,
         overrides: &Overrides,
         place: Place<'_>,
-        check: &dyn Fn(&Self) -> Result<(), Problem>,
+        check: &dyn Fn(&Self) -> Result<Reads, Problem>,
     ) -> Result<Self, ScenarioError> {
         let document = Document::parse(source, text, overrides)?;
         if let Some(version) = document.integer("schema_version")
@@ -258,8 +265,21 @@ impl Scenario {
         scenario.v2x.radio.place(directory);
         files::load(&mut scenario, &document, directory)?;
         check::all(&scenario).map_err(|problem| document.problem(&problem))?;
-        check(&scenario).map_err(|problem| document.problem(&problem))?;
+        let reads = check(&scenario).map_err(|problem| document.problem(&problem))?;
+        if !matches!(place, Place::TakenEffect) {
+            let notes = reads.judge(&document).and_then(|mut notes| {
+                notes.extend(reads::judge_radar(&document, &scenario.perception)?);
+                Ok(notes)
+            });
+            scenario.notes = notes.map_err(|problem| document.problem(&problem))?;
+        }
         Ok(scenario)
+    }
+
+    /// Remarks for the person who starts a run: on keys without effect and on the storyboard.
+    pub fn notices(&self) -> impl Iterator<Item = &str> {
+        let storyboard = self.storyboard.iter().flat_map(|storyboard| &storyboard.notices);
+        self.notes.iter().chain(storyboard).map(String::as_str)
     }
 
     /// True if the emergency brake is on.

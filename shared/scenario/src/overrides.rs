@@ -15,6 +15,7 @@ const MAX_SEGMENTS: usize = 16;
 #[derive(Clone, Debug, Default)]
 pub struct Overrides {
     list: Vec<Override>,
+    are_shared: bool,
 }
 
 /// One key and its value, as given in an option of the command line.
@@ -85,6 +86,17 @@ impl Overrides {
         let option = format!("{option} {value}");
         let path = path.split('.').map(|name| (name.to_owned(), 0..value_start - 1)).collect();
         self.list.push(Override { option, path, value_start });
+    }
+
+    /// The same for a file that is run with several laws: a key that one of them does not read is
+    /// noted, not refused.
+    #[must_use]
+    pub fn shared(self) -> Self {
+        Self { are_shared: true, ..self }
+    }
+
+    pub(super) fn are_shared(&self) -> bool {
+        self.are_shared
     }
 
     pub(super) fn iter(&self) -> impl Iterator<Item = &Override> {

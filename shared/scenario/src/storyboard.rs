@@ -332,10 +332,11 @@ mod tests {
         let directory = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/openscenario");
         let path = Path::new(directory).join(FILE);
         let assigned = Assignment { name: "Ego_Speed_mps".to_owned(), value: "200".to_owned() };
-        let said =
-            Scenario::open_openscenario(&path, &[assigned], &Default::default(), &|_| Ok(()))
-                .expect_err("too fast")
-                .to_string();
+        let said = Scenario::open_openscenario(&path, &[assigned], &Default::default(), &|_| {
+            Ok(Default::default())
+        })
+        .expect_err("too fast")
+        .to_string();
         let place = format!(
             "{FILE}:30: `Ego` in Init makes a scenario with initial_speed_mps = 200.0: 200 is out of range, expected "
         );
@@ -347,9 +348,11 @@ mod tests {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/openscenario/cut_in.xosc");
         let mut overrides = crate::Overrides::new();
         overrides.set("actors=[]").expect("an option");
-        let said = Scenario::open_openscenario(Path::new(path), &[], &overrides, &|_| Ok(()))
-            .expect_err("the storyboard moves one")
-            .to_string();
+        let said = Scenario::open_openscenario(Path::new(path), &[], &overrides, &|_| {
+            Ok(Default::default())
+        })
+        .expect_err("the storyboard moves one")
+        .to_string();
         assert!(said.starts_with("error: --set actors=[]: 1 entities for 0 of 0 actors"), "{said}");
     }
 }

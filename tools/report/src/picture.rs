@@ -364,7 +364,7 @@ mod tests {
 
     #[test]
     fn a_signal_shows_its_program_and_ends_with_the_run() {
-        let scenario = Scenario::open("corridor", &Default::default(), &|_| Ok(()));
+        let scenario = Scenario::open("corridor", &Default::default(), &|_| Ok(Default::default()));
         let scenario = scenario.expect("built in");
         let signals = signals(&scenario, 100.0);
         assert_eq!(signals.len(), 3);

@@ -6,6 +6,7 @@ use scenario::{Problem, Scenario};
 use serde::Serialize;
 
 use super::Law;
+use super::reader::Reader;
 use crate::settings::Table;
 
 /// A law as data: the registry ([`crate::laws::ALL`]) is a list of these.
@@ -32,8 +33,8 @@ pub struct Descriptor {
     pub target: TargetSource,
     /// The law that gives the same commands, to the byte, where a scenario has no signals.
     pub without_signals: Option<&'static Descriptor>,
-    /// Builds the law of a scenario, or names the key that it refuses.
-    pub build: fn(&Scenario) -> Result<Box<dyn Law>, Problem>,
+    /// Builds the law from the keys that it reads, or names the key that it refuses.
+    pub build: fn(&Reader<'_>) -> Result<Box<dyn Law>, Problem>,
 }
 
 /// One formulation of a law: the meaning of the numbers in its output.

@@ -11,6 +11,7 @@ mod input;
 mod output;
 mod planning;
 mod preview;
+pub(crate) mod reader;
 
 pub use descriptor::{Descriptor, Figure, Formulation, GapPolicy, TargetSource};
 pub use hosted::{Hosted, HostedError};
@@ -20,6 +21,7 @@ pub use input::{
 pub use output::{MAX_FIGURES, MAX_PLAN, Output, Quality, TorqueRequest};
 pub use planning::{MAX_SEGMENTS, Plan, PlanRequest, Planner, Planning, Segment};
 pub use preview::{MAX_CELLS, Preview};
+pub use reader::Reader;
 
 /// A cruise controller.
 ///

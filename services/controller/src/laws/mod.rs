@@ -6,10 +6,10 @@ pub mod quadratic_bounded;
 pub mod six_mode;
 pub mod truck;
 
-use crate::law::{Descriptor, Formulation, GapPolicy, Law};
+use crate::law::{Descriptor, Formulation, GapPolicy, Law, Reader};
 use crate::settings::Table;
 use scenario::referee::DesiredGap;
-use scenario::{Problem, Scenario, accepted};
+use scenario::{Problem, Reads, Scenario, accepted};
 
 /// Every law, in the order of `timegap list`.
 pub static ALL: &[&Descriptor] = &[
@@ -57,7 +57,7 @@ pub fn of(scenario: &Scenario) -> Result<&'static Descriptor, Problem> {
 /// # Errors
 /// Names the key that the law refuses.
 pub fn build(scenario: &Scenario) -> Result<Box<dyn Law>, Problem> {
-    (of(scenario)?.build)(scenario)
+    (of(scenario)?.build)(&Reader::new(scenario))
 }
 
 /// The program of the user's that the scenario's law hosts, if it hosts one.
@@ -71,11 +71,12 @@ pub fn program(scenario: &Scenario) -> Result<Option<runtime::Program>, Problem>
     }
 }
 
-/// Checks the law's name, the tables of all laws, and that the scenario's law accepts its settings.
+/// Checks the law's name, the tables of all laws, and that the scenario's law accepts its settings; gives the
+/// keys that the law reads.
 ///
 /// # Errors
 /// Names the first key that is wrong.
-pub fn check(scenario: &Scenario) -> Result<(), Problem> {
+pub fn check(scenario: &Scenario) -> Result<Reads, Problem> {
     let controller = &scenario.controller;
     let law = of(scenario)?;
     for name in controller.tables.names() {
@@ -89,7 +90,9 @@ pub fn check(scenario: &Scenario) -> Result<(), Problem> {
             }
         }
     }
-    (law.build)(scenario).map(|_| ())
+    let reader = Reader::new(scenario);
+    (law.build)(&reader)?;
+    Ok(reader.reads())
 }
 
 /// The formulation that a scenario chooses; `None` when this registry does not know its law.

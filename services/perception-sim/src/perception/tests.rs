@@ -12,7 +12,8 @@ fn scenario(name: &str, keys: &[&str]) -> Scenario {
     for key in keys {
         overrides.set(key).unwrap_or_else(|error| panic!("{error}"));
     }
-    Scenario::open(name, &overrides, &|_| Ok(())).unwrap_or_else(|error| panic!("{error}"))
+    Scenario::open(name, &overrides, &|_| Ok(Default::default()))
+        .unwrap_or_else(|error| panic!("{error}"))
 }
 
 const OBJECT_LIST: &str = "perception.radar.model=\"object-list\"";

@@ -6,7 +6,7 @@ use super::Scenario;
 use super::aebs::LEAST_DECELERATION_MPS2;
 use super::controller::Release;
 use super::faults::{Fault, Target};
-use super::perception::{MAX_LATENCY_SCANS, Perception, Radar, RadarModel};
+use super::perception::MAX_LATENCY_SCANS;
 use super::plant::Integrator;
 use super::problem::Problem;
 use super::quantity::Acceleration;
@@ -201,7 +201,6 @@ fn perception(scenario: &Scenario) -> Result<(), Problem> {
             format!("at most {} ms", MAX_LATENCY_SCANS * period),
         );
     }
-    object_list_keys(perception)?;
     let tracker = &perception.tracker;
     if tracker.confirm_hits > tracker.confirm_scans || tracker.confirm_scans.value() > 32 {
         return Err(Problem::new(
@@ -223,29 +222,6 @@ fn perception(scenario: &Scenario) -> Result<(), Problem> {
             format!("at least {}", selection.enter_half_width_m.value()),
         )
         .against("perception.target_selection.enter_half_width_m"));
-    }
-    Ok(())
-}
-
-/// In the model `detections` the accuracy is not a key.
-fn object_list_keys(perception: &Perception) -> Result<(), Problem> {
-    if perception.model() != RadarModel::Detections {
-        return Ok(());
-    }
-    let (radar, usual) = (&perception.radar, Radar::default());
-    for (key, value, usual) in [
-        ("range_sigma_m", radar.range_sigma_m, usual.range_sigma_m),
-        ("range_rate_sigma_mps", radar.range_rate_sigma_mps, usual.range_rate_sigma_mps),
-        ("azimuth_sigma_deg", radar.azimuth_sigma_deg, usual.azimuth_sigma_deg),
-    ] {
-        if value != usual {
-            return Err(Problem::new(
-                format!("perception.radar.{key}"),
-                format!("{key} has no effect in the model `detections`"),
-                "perception.radar.model = \"object-list\", or the keys of perception.radar.detections",
-            )
-            .against("perception.radar.model"));
-        }
     }
     Ok(())
 }

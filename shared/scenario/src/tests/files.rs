@@ -17,11 +17,11 @@ fn a_speed_table_in_a_file_becomes_part_of_the_effective_scenario() {
         ),
     );
     let path = directory.join("drive.toml").display().to_string();
-    let opened = Scenario::open(&path, &Overrides::new(), &|_| Ok(()));
+    let opened = Scenario::open(&path, &Overrides::new(), &|_| Ok(Default::default()));
     write("lead.csv", "time_s,speed_mps\n0,10\n0,12.5\n");
-    let refused = Scenario::open(&path, &Overrides::new(), &|_| Ok(()));
+    let refused = Scenario::open(&path, &Overrides::new(), &|_| Ok(Default::default()));
     std::fs::remove_file(directory.join("lead.csv")).expect("it was written above");
-    let missing = Scenario::open(&path, &Overrides::new(), &|_| Ok(()));
+    let missing = Scenario::open(&path, &Overrides::new(), &|_| Ok(Default::default()));
     std::fs::remove_dir_all(&directory).expect("it was made above");
 
     let scenario = opened.unwrap_or_else(|error| panic!("{error}"));
@@ -43,7 +43,8 @@ fn a_road_from_a_file_is_embedded_and_its_faults_are_shown_in_it() {
     std::fs::write(&place, scenario).expect("our own");
     let open = || {
         let path = place.to_string_lossy();
-        Scenario::open(&path, &Overrides::new(), &|_| Ok(())).map_err(|error| error.to_string())
+        Scenario::open(&path, &Overrides::new(), &|_| Ok(Default::default()))
+            .map_err(|error| error.to_string())
     };
     let missing = open().expect_err("no road yet");
     assert!(missing.contains("hilly.toml:4:12") && missing.contains("hills.csv"), "{missing}");

@@ -20,7 +20,7 @@ fn open(text: &str, arguments: &[&str]) -> Result<Scenario, ScenarioError> {
     for argument in arguments {
         overrides.set(argument)?;
     }
-    Scenario::build("x.toml", text, &overrides, Place::BuiltIn, &|_| Ok(()))
+    Scenario::build("x.toml", text, &overrides, Place::BuiltIn, &|_| Ok(Default::default()))
 }
 
 #[test]
@@ -36,7 +36,7 @@ fn two_lines_are_a_scenario() {
 #[test]
 fn every_built_in_scenario_is_right_and_carries_its_name_and_summary() {
     for builtin in builtin::ALL {
-        let scenario = Scenario::open(builtin.name, &Overrides::new(), &|_| Ok(()))
+        let scenario = Scenario::open(builtin.name, &Overrides::new(), &|_| Ok(Default::default()))
             .unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(scenario.name.as_str(), builtin.name);
         assert_eq!(scenario.description.as_str(), builtin.summary);
@@ -117,8 +117,10 @@ fn a_lead_drives_a_standard_cycle() {
 fn a_radar_has_one_model() {
     let model = |keys: &str| {
         let text = format!("schema_version = 1\nname = \"x\"\n[perception]\n{keys}");
-        Scenario::build("x.toml", &text, &Overrides::new(), Place::BuiltIn, &|_| Ok(()))
-            .map(|scenario| (scenario.perception.model(), scenario.to_toml()))
+        Scenario::build("x.toml", &text, &Overrides::new(), Place::BuiltIn, &|_| {
+            Ok(Default::default())
+        })
+        .map(|scenario| (scenario.perception.model(), scenario.to_toml()))
     };
     for one in
         ["ideal = true\n", "radar.model = \"ideal\"\n", "ideal = true\nradar.model = \"ideal\"\n"]
@@ -126,8 +128,10 @@ fn a_radar_has_one_model() {
         let (found, effective) = model(one).expect("one model");
         assert_eq!(found, perception::RadarModel::Ideal, "{one}");
         // What took effect can be opened again.
-        Scenario::build("x.toml", &effective, &Overrides::new(), Place::BuiltIn, &|_| Ok(()))
-            .expect(one);
+        Scenario::build("x.toml", &effective, &Overrides::new(), Place::BuiltIn, &|_| {
+            Ok(Default::default())
+        })
+        .expect(one);
     }
     for other in ["detections", "object-list"] {
         let error =

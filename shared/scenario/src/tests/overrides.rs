@@ -111,7 +111,10 @@ fn a_laws_table_keeps_its_places_also_on_the_command_line() {
     }
     let read = |scenario: &Scenario| {
         let table: Result<Table, Problem> = scenario.controller.tables.read("mine");
-        table.map(|table| assert!(table.gain_per_s >= 0.0))
+        table.map(|table| {
+            assert!(table.gain_per_s >= 0.0);
+            Reads::everything()
+        })
     };
     let text = format!("{SHORT}[controller.mine]\ngain_per_s = 1\n");
     let shown = |text: &str, argument: &str| {

@@ -238,10 +238,12 @@ fn hostile_documents_are_refused_in_order() {
 
 #[test]
 fn an_unknown_scenario_lists_the_known_ones() {
-    let error = Scenario::open("cacc-d", &Overrides::new(), &|_| Ok(())).expect_err("no such");
+    let error = Scenario::open("cacc-d", &Overrides::new(), &|_| Ok(Default::default()))
+        .expect_err("no such");
     let shown = error.to_string();
     assert!(shown.contains("cacc-a, cacc-b") && shown.contains("did you mean cacc-a?"), "{shown}");
-    let error = Scenario::open("no/such.toml", &Overrides::new(), &|_| Ok(())).expect_err("none");
+    let error = Scenario::open("no/such.toml", &Overrides::new(), &|_| Ok(Default::default()))
+        .expect_err("none");
     assert!(error.to_string().contains("no/such.toml: cannot be opened"), "{error}");
 }
 

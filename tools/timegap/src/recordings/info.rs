@@ -166,7 +166,8 @@ mod tests {
 
     #[test]
     fn what_a_file_says_of_itself_does_not_reach_the_terminal_as_control_characters() {
-        let scenario = Scenario::open("cacc-a", &Overrides::new(), &|_| Ok(())).expect("built in");
+        let scenario = Scenario::open("cacc-a", &Overrides::new(), &|_| Ok(Default::default()))
+            .expect("built in");
         let scheduling = serde_json::json!({
             "requested": "", "granted": "\u{1b}[2J", "core": null, "memory_locked": false, "refused": []
         });

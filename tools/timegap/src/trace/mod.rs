@@ -221,7 +221,8 @@ mod tests {
 
     #[test]
     fn times_at_the_end_of_their_range_end_too() {
-        let scenario = Scenario::open("cacc-a", &Overrides::new(), &|_| Ok(())).expect("built in");
+        let scenario = Scenario::open("cacc-a", &Overrides::new(), &|_| Ok(Default::default()))
+            .expect("built in");
         let metadata = Metadata::new(&scenario, Mode::Lockstep, 0, [].into(), LawNames::default());
         let corner = std::env::temp_dir().join(format!("timegap-trace-{}", std::process::id()));
         std::fs::create_dir_all(&corner).expect("a directory");

@@ -1,11 +1,14 @@
 //! Settings of the two model-predictive laws.
 
 use mpc_solver::{Kind, Solver};
+use scenario::Problem;
 use scenario::controller::{Controller, Solver as SolverName, SpacingPolicy};
 
+use super::descriptors::{Signals, TABLE};
 use super::road_config::RoadConfig;
 use super::weights::{JOINT, Weights};
-use crate::law::MAX_PLAN;
+use crate::law::reader::key;
+use crate::law::{MAX_PLAN, Reader};
 use crate::settings::{SettingError, below, within};
 
 /// Settings of `acc-mpc` and `cacc-mpc`.
@@ -54,30 +57,66 @@ impl Default for Config {
 }
 
 impl Config {
-    /// The settings of a scenario, with `road` from its table.
-    #[must_use]
-    pub fn of(controller: &Controller, road: RoadConfig) -> Self {
-        let standstill_m = controller.standstill_distance_m.value();
-        let weights = &controller.weights;
+    /// The settings of a scenario, in the formulation that its spacing policy chooses.
+    ///
+    /// # Errors
+    /// The place of the first wrong key of the law's table.
+    pub fn of(reader: &Reader<'_>, signals: Signals) -> Result<Self, Problem> {
+        match key!(reader, spacing_policy) {
+            SpacingPolicy::ConstantTimeHeadway => {
+                if signals == Signals::Ignored {
+                    let of_signals = ["stop_margin_m", "pass_margin_s", "hysteresis"];
+                    reader.without(TABLE.name, &of_signals);
+                }
+                Self::of_road(reader)
+            }
+            spacing_policy => {
+                let mut weights = Weights {
+                    gap_error_per_m2: key!(reader, weights.q1).value(),
+                    speed_error_s2_per_m2: key!(reader, weights.q2).value(),
+                    acceleration_s4_per_m2: key!(reader, weights.q3).value(),
+                    request_s4_per_m2: key!(reader, weights.r).value(),
+                    ..JOINT
+                };
+                if signals == Signals::Used {
+                    weights.light_m = key!(reader, weights.light_weight).value();
+                    weights.light_threshold_m = key!(reader, weights.light_threshold_m).value();
+                }
+                // The driver that takes over in the end.
+                let keys = ["acceleration_mps2", "reference_deceleration_mps2"];
+                let road = reader.part_of_table(TABLE.name, &keys)?;
+                Ok(Self { spacing_policy, weights, road, ..Self::shared(reader) }.at_standstill())
+            }
+        }
+    }
+
+    /// The settings of the formulation for the road.
+    ///
+    /// # Errors
+    /// The place of the first wrong key of the law's table.
+    pub fn of_road(reader: &Reader<'_>) -> Result<Self, Problem> {
+        let road = reader.table(TABLE.name)?;
+        Ok(Self { road, ..Self::shared(reader) }.at_standstill())
+    }
+
+    /// The same with one gap at standstill for both formulations.
+    fn at_standstill(self) -> Self {
+        Self { road: RoadConfig { standstill_gap_m: self.buffer_m, ..self.road }, ..self }
+    }
+
+    /// The settings that all formulations have.
+    fn shared(reader: &Reader<'_>) -> Self {
+        let step = reader.key("prediction_step_ms", Controller::prediction_step);
         Self {
-            spacing_policy: controller.spacing_policy,
-            solver: controller.solver,
-            horizon_steps: controller.horizon.value().into(),
-            step_s: f64::from(controller.prediction_step().value()) / 1e3,
-            actuator_lag_s: controller.model_time_constant_s.value(),
-            min_request_mps2: controller.min_request_mps2.value(),
-            max_request_mps2: controller.max_request_mps2.value(),
-            time_headway_s: controller.time_headway_s.value(),
-            buffer_m: standstill_m,
-            weights: Weights {
-                gap_error_per_m2: weights.q1.value(),
-                speed_error_s2_per_m2: weights.q2.value(),
-                acceleration_s4_per_m2: weights.q3.value(),
-                request_s4_per_m2: weights.r.value(),
-                light_m: weights.light_weight.value(),
-                light_threshold_m: weights.light_threshold_m.value(),
-            },
-            road: RoadConfig { standstill_gap_m: standstill_m, ..road },
+            solver: key!(reader, solver),
+            horizon_steps: key!(reader, horizon).value().into(),
+            step_s: f64::from(step.value()) / 1e3,
+            actuator_lag_s: key!(reader, model_time_constant_s).value(),
+            min_request_mps2: key!(reader, min_request_mps2).value(),
+            max_request_mps2: key!(reader, max_request_mps2).value(),
+            time_headway_s: key!(reader, time_headway_s).value(),
+            buffer_m: key!(reader, standstill_distance_m).value(),
+            ..Self::default()
         }
     }
 
@@ -126,6 +165,7 @@ impl Config {
 
 #[cfg(test)]
 mod tests {
+    use scenario::Scenario;
     use scenario::quantity::PeriodMs;
 
     use super::*;
@@ -150,8 +190,10 @@ mod tests {
         );
         for period_ms in [1, 100, 500, 501, 1000, 10_000] {
             let period_ms = PeriodMs::of(period_ms);
-            let controller = Controller { period_ms, ..Controller::default() };
-            let config = Config::of(&controller, RoadConfig::default());
+            let text =
+                format!("schema_version=1\nname=\"a\"\ncontroller.period_ms={}", period_ms.value());
+            let scenario = Scenario::parse("a", &text).expect("a scenario");
+            let config = Config::of_road(&Reader::new(&scenario)).expect("the defaults");
             assert!(config.step_s <= 0.5, "{period_ms:?}: {}", config.step_s);
         }
         let long = said(Config { horizon_steps: 1000, ..Config::default() });

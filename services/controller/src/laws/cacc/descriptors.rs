@@ -11,8 +11,8 @@ use super::config::Config;
 use super::paper::{self, PaperLaw};
 use super::road::{self, RoadLaw};
 use super::road_config::RoadConfig;
-use crate::law::{Descriptor, Formulation, GapPolicy, Law, TargetSource};
-use crate::settings::{SettingError, Table, read};
+use crate::law::{Descriptor, Formulation, GapPolicy, Law, Reader, TargetSource};
+use crate::settings::{SettingError, Table};
 
 /// Model-predictive following.
 pub static ACC_MPC: Descriptor = Descriptor {
@@ -25,7 +25,7 @@ pub static ACC_MPC: Descriptor = Descriptor {
     gap: GapPolicy::Scenario(desired_gap),
     target: TargetSource::Tracked,
     without_signals: None,
-    build: |scenario| of(scenario, Signals::Ignored),
+    build: |reader| of(reader, Signals::Ignored),
 };
 
 /// The same with signalised intersections.
@@ -39,11 +39,11 @@ pub static CACC_MPC: Descriptor = Descriptor {
     gap: GapPolicy::Scenario(desired_gap),
     target: TargetSource::Tracked,
     without_signals: Some(&ACC_MPC),
-    build: |scenario| of(scenario, Signals::Used),
+    build: |reader| of(reader, Signals::Used),
 };
 
 const SOURCE: &str = "He, Xi, Huang, Chen and Huang, 2024, doi 10.3969/j.issn.2095-1469.2024.06.06";
-const TABLE: Table = Table::of::<RoadConfig>("road");
+pub(super) const TABLE: Table = Table::of::<RoadConfig>("road");
 const FORMULATIONS: &[&Formulation] = &[&road::FORMULATION, &paper::FORMULATION];
 
 /// What a law does about signals.
@@ -105,13 +105,12 @@ fn desired_gap(scenario: &Scenario) -> DesiredGap {
     }
 }
 
-fn of(scenario: &Scenario, signals: Signals) -> Result<Box<dyn Law>, Problem> {
-    let controller = &scenario.controller;
-    let config = Config::of(controller, read(controller, TABLE.name)?);
+fn of(reader: &Reader<'_>, signals: Signals) -> Result<Box<dyn Law>, Problem> {
+    let config = Config::of(reader, signals)?;
     match build(signals, &config) {
         Ok(law) => Ok(law),
         Err(BuildError::Setting(error)) => {
-            Err(Config::in_scenario(error, controller).in_table("controller"))
+            Err(Config::in_scenario(error, &reader.scenario().controller).in_table("controller"))
         }
         Err(BuildError::Problem(error)) => {
             Err(Problem::new("controller", error.to_string(), "weights of a convex problem"))

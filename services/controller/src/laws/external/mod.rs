@@ -33,14 +33,13 @@ pub use law::External;
 pub use settings::Settings;
 
 use super::cacc::config::Config;
-use super::cacc::road_config::RoadConfig;
 use super::cacc::{self, Signals};
-use crate::law::{Descriptor, Figure, Formulation, GapPolicy, TargetSource};
-use crate::settings::{Table, read};
+use crate::law::reader::key;
+use crate::law::{Descriptor, Figure, Formulation, GapPolicy, Reader, TargetSource};
+use crate::settings::Table;
 use bounds::Bounds;
 use process::Plan;
 use runtime::{Program, ProgramError, executable};
-use scenario::controller::SpacingPolicy;
 use scenario::{Problem, Scenario};
 use std::time::Duration;
 
@@ -57,7 +56,7 @@ pub static EXTERNAL: Descriptor = Descriptor {
     gap: GapPolicy::Internal,
     target: TargetSource::Tracked,
     without_signals: None,
-    build: |scenario| Ok(Box::new(build(scenario)?)),
+    build: |reader| Ok(Box::new(build(reader)?)),
 };
 
 static FORMULATION: Formulation = Formulation {
@@ -92,27 +91,25 @@ fn refused(error: &ProgramError) -> Problem {
     Problem::said("controller.command", &error.to_string())
 }
 
-fn build(scenario: &Scenario) -> Result<External, Problem> {
-    let controller = &scenario.controller;
-    let settings: Settings = read(controller, TABLE.name)?;
-    let directory = controller.directory.clone().unwrap_or_default();
-    executable(&controller.command, &directory).map_err(|error| refused(&error))?;
-    let road: RoadConfig = read(controller, "road")?;
-    let config = Config {
-        spacing_policy: SpacingPolicy::ConstantTimeHeadway,
-        ..Config::of(controller, road)
-    };
+fn build(reader: &Reader<'_>) -> Result<External, Problem> {
+    let settings: Settings = reader.table(TABLE.name)?;
+    let command = key!(reader, command);
+    let directory = key!(reader, directory).unwrap_or_default();
+    executable(&command, &directory).map_err(|error| refused(&error))?;
+    let of_backup = reader.of_backup();
+    let config = Config::of_road(&of_backup)?;
+    reader.keep_backup(of_backup);
     let backup = cacc::build(Signals::Used, &config)
         .map_err(|error| Problem::new("controller", error.to_string(), "settings of a backup"))?;
     let bounds = Bounds {
-        least_mps2: controller.min_request_mps2.value(),
-        most_mps2: controller.max_request_mps2.value(),
+        least_mps2: key!(reader, min_request_mps2).value(),
+        most_mps2: key!(reader, max_request_mps2).value(),
     };
     let plan = Plan {
-        command: controller.command.clone(),
+        command,
         directory,
         patience: Duration::from_secs_f64(settings.patience_s),
-        supervision: scenario.supervision,
+        supervision: reader.scenario().supervision,
     };
     let silence = Duration::from_secs_f64(settings.silence_s);
     Ok(External::new(plan, silence, bounds, backup))

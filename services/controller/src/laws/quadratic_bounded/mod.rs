@@ -92,9 +92,9 @@ pub use law::{Mode, QuadraticBounded};
 pub use model::{DISTURBANCES, DisturbanceMatrix, Parameters, RULES, STATES, State, StateMatrix};
 pub use settings::Settings;
 
-use crate::law::{Descriptor, GapPolicy, Law, TargetSource};
-use crate::settings::{Table, read};
-use scenario::{Problem, Scenario};
+use crate::law::{Descriptor, GapPolicy, Law, Reader, TargetSource};
+use crate::settings::Table;
+use scenario::Problem;
 
 const TABLE: Table = Table::of::<Settings>("quadratic_bounded");
 
@@ -112,8 +112,8 @@ pub static QUADRATIC_BOUNDED: Descriptor = Descriptor {
     build,
 };
 
-fn build(scenario: &Scenario) -> Result<Box<dyn Law>, Problem> {
-    let settings: Settings = read(&scenario.controller, TABLE.name)?;
+fn build(reader: &Reader<'_>) -> Result<Box<dyn Law>, Problem> {
+    let settings: Settings = reader.table(TABLE.name)?;
     let design = match &settings.design {
         None => Design::shipped(),
         Some(path) => Design::open(path).map_err(|error| {

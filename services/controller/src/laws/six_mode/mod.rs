@@ -81,7 +81,7 @@ pub use modes::{Mode, Reason, Situation};
 pub use parameters::{Parameters, Parts, Spacing, Variant};
 
 use crate::law::{Descriptor, GapPolicy, TargetSource};
-use crate::settings::{Table, read};
+use crate::settings::Table;
 
 const TABLE: Table = Table::of::<Parameters>("six_mode");
 
@@ -96,8 +96,9 @@ pub static SIX_MODE: Descriptor = Descriptor {
     gap: GapPolicy::Internal,
     target: TargetSource::Tracked,
     without_signals: None,
-    build: |scenario| {
-        let parameters = read(&scenario.controller, TABLE.name)?;
+    build: |reader| {
+        let parameters: Parameters = reader.table(TABLE.name)?;
+        reader.without(TABLE.name, parameters.unused());
         let law = SixMode::new(parameters);
         Ok(Box::new(law.map_err(|error| error.in_table("controller.six_mode"))?))
     },

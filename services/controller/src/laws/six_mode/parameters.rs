@@ -147,6 +147,36 @@ impl Default for Parameters {
 }
 
 impl Parameters {
+    /// The keys that the chosen variant and spacing do not use.
+    #[must_use]
+    pub(super) fn unused(&self) -> &'static [&'static str] {
+        match (self.variant, self.spacing) {
+            (Variant::Literal, _) => &[
+                "spacing",
+                "time_gap_s",
+                "margin_m",
+                "least_band_m",
+                "approach_limit_mps2",
+                "approach_floor_m",
+                "following_hysteresis_m",
+                "sign_band_mps",
+                "opening_fade_m",
+                "braking_hysteresis_m",
+                "warning_hysteresis_m",
+                "threshold_hysteresis_mps",
+                "dwell_s",
+                "filter_time_s",
+                "range_hysteresis_m",
+                "jerk_limit_mps3",
+                "emergency_jerk_limit_mps3",
+            ],
+            (Variant::Robust, Spacing::Paper) => &["time_gap_s", "margin_m"],
+            (Variant::Robust, Spacing::TimeGap) => {
+                &["steady_band_mps", "steady_gain_per_s", "following_hysteresis_m"]
+            }
+        }
+    }
+
     /// The literal variant of the paper with the driving default's values.
     #[must_use]
     pub fn literal() -> Self {

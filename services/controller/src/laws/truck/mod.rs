@@ -59,9 +59,10 @@ pub use prices::Prices;
 pub use settings::{CarGap, Keys, PlannerKind, Settings};
 pub use speed_band::SpeedBand;
 
-use crate::law::{Descriptor, GapPolicy, Law, TargetSource};
-use crate::settings::{Table, read};
-use scenario::{Problem, Scenario};
+use crate::law::reader::key;
+use crate::law::{Descriptor, GapPolicy, Law, Reader, TargetSource};
+use crate::settings::Table;
+use scenario::Problem;
 use truck_model::{Preset, Truck};
 
 const TABLE: Table = Table::of::<Keys>("predictive");
@@ -81,13 +82,17 @@ pub static PREDICTIVE: Descriptor = Descriptor {
 };
 
 /// The truck as the law believes it to be; on a car it drives as the heavier one would.
-fn build(scenario: &Scenario) -> Result<Box<dyn Law>, Problem> {
-    let Keys { planner, mean_speed, lead_deceleration_mps2 } =
-        read(&scenario.controller, TABLE.name)?;
-    let vehicle = scenario.plant.vehicle;
+fn build(reader: &Reader<'_>) -> Result<Box<dyn Law>, Problem> {
+    let Keys { planner, mean_speed, lead_deceleration_mps2 } = reader.table(TABLE.name)?;
+    let vehicle = reader.plant().vehicle;
     let preset = Preset::named(vehicle.as_str()).unwrap_or(Preset::Jh6At49T);
     let settings = Settings::new(&Truck::preset(preset), planner);
-    let lag_s = scenario.controller.model_time_constant_s.value();
-    let car = (!vehicle.is_truck()).then_some(CarGap { lag_s, lead_deceleration_mps2 });
+    if vehicle.is_truck() {
+        reader.without(TABLE.name, &["lead_deceleration_mps2"]);
+    }
+    let car = (!vehicle.is_truck()).then(|| {
+        let lag_s = key!(reader, model_time_constant_s).value();
+        CarGap { lag_s, lead_deceleration_mps2 }
+    });
     Ok(Box::new(Predictive::new(&Settings { mean_speed, car, ..settings })))
 }
