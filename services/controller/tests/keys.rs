@@ -119,7 +119,7 @@ struct Scene {
 
 const STEPS: u32 = 450;
 
-fn scenes() -> [Scene; 7] {
+fn scenes() -> [Scene; 8] {
     let base = Scene { speed_mps: 20.0, set_mps: 30.0, lead: None, motion: |_| 0.0, signal: None };
     let phases =
         |green, yellow, red| [(Phase::Red, red), (Phase::Green, green), (Phase::Yellow, yellow)];
@@ -136,6 +136,12 @@ fn scenes() -> [Scene; 7] {
         Scene {
             lead: Some((40.0, 20.0, 0.0)),
             signal: Some((330.0, phases(16.0, 19.0, 2.0))),
+            ..base
+        },
+        Scene {
+            speed_mps: 15.0,
+            lead: Some((34.5, 15.0, 0.0)),
+            signal: Some((70.0, phases(4.5, 7.5, 0.0))),
             ..base
         },
         Scene { speed_mps: 10.0, lead: Some((20.0, 22.0, 0.0)), ..base },
@@ -290,8 +296,11 @@ fn differs(scenario: &Scenario, recorded: &Record) -> bool {
 }
 
 /// Keys that no scene here can show, with the reason.
-const RARE: [(&str, &str, &str); 1] =
-    [("cacc-mpc", "road.hysteresis", "acts where two programs cost nearly the same")];
+const RARE: [(&str, &str, &str); 3] = [
+    ("acc-mpc", "max_request_mps2", "limits road.acceleration_mps2, which bounds the request"),
+    ("cacc-mpc", "max_request_mps2", "limits road.acceleration_mps2, which bounds the request"),
+    ("cacc-mpc", "road.hysteresis", "acts where two programs cost nearly the same"),
+];
 
 /// Keys of one law whose effect is not what its descriptor says.
 fn wrong(law: &str, variant: &[&str]) -> Vec<String> {
@@ -325,4 +334,60 @@ fn a_key_acts_if_and_only_if_the_law_reads_it() {
         judged.into_iter().flat_map(|thread| thread.join().expect("it judges")).collect()
     });
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn no_built_in_scenario_has_a_key_without_effect() {
+    for builtin in scenario::builtin::ALL {
+        let scenario = Scenario::open(builtin.name, &Overrides::new(), &laws::check);
+        let notes = scenario.unwrap_or_else(|error| panic!("{error}")).notes;
+        // It serves comparisons: the cars' laws read the headway that stands there.
+        let is_for_others = builtin.name == "truck-traffic";
+        assert_eq!(notes.is_empty(), !is_for_others, "{}: {notes:?}", builtin.name);
+    }
+}
+
+fn opened(set: &[&str], law: Option<&str>, is_shared: bool) -> Result<Vec<String>, String> {
+    let mut overrides = Overrides::new();
+    if is_shared {
+        overrides = overrides.shared();
+    }
+    if let Some(law) = law {
+        overrides.option("--controller", "controller.name", law);
+    }
+    set.iter().for_each(|argument| overrides.set(argument).expect("KEY=VALUE"));
+    let opened = Scenario::open("cacc-a", &overrides, &laws::check);
+    opened.map(|scenario| scenario.notes).map_err(|error| error.to_string())
+}
+
+#[test]
+fn a_key_that_was_written_for_this_law_is_refused_where_it_stands() {
+    let refused = opened(&["controller.time_headway_s=2"], Some("six-mode"), false);
+    let shown = refused.expect_err("six-mode reads no headway of [controller]");
+    assert!(shown.contains("--set controller.time_headway_s=2"), "{shown}");
+    assert!(shown.contains("no effect with the law `six-mode`") && shown.contains('^'), "{shown}");
+    let variant = ["controller.six_mode.variant=literal", "controller.six_mode.dwell_s=1"];
+    let shown = opened(&variant, Some("six-mode"), false).expect_err("the literal law has none");
+    assert!(shown.contains("dwell_s") && shown.contains("this variant"), "{shown}");
+}
+
+#[test]
+fn a_file_of_another_law_is_noted_and_runs() {
+    let noted = opened(&[], Some("six-mode"), false).expect("the file is for cacc-mpc");
+    assert!(
+        noted.iter().any(|note| note.contains("no effect with the law `six-mode`")),
+        "{noted:?}"
+    );
+    let shared = opened(&["controller.time_headway_s=2"], Some("six-mode"), true);
+    assert!(shared.expect("several laws are driven")[0].contains("time_headway_s"));
+}
+
+#[test]
+fn keys_of_another_radar_are_refused_or_noted() {
+    let radar = "perception.radar.range_sigma_m=0.5";
+    let detections = ["perception.ideal=false", "perception.radar.model=detections"];
+    let shown =
+        opened(&[&detections[..], &[radar]].concat(), None, false).expect_err("no such key");
+    assert!(shown.contains("no effect in the radar model `detections`"), "{shown}");
+    assert!(opened(&["perception.tracker.coast_s=1"], None, false).is_err());
 }

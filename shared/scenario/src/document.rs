@@ -15,6 +15,9 @@ use super::overrides::{Override, Overrides};
 use super::placed::Placed;
 use super::problem::Problem;
 
+/// First line of a scenario that a run keeps.
+pub(super) const KEPT: &str = "# As it took effect: every key is written.\n";
+
 /// Longest text of a scenario, bytes.
 pub const MAX_TEXT_BYTES: usize = 1 << 20;
 
@@ -111,10 +114,16 @@ impl<'a> Document<'a> {
         written && span.start > self.text.len()
     }
 
+    /// Whether a run has kept the text.
+    pub(super) fn is_kept(&self) -> bool {
+        self.text.starts_with(KEPT)
+    }
+
     /// Whether a written key may be meant for another choice than the present one: the file serves
-    /// several, or a key that chooses was set on the command line and this one was not.
+    /// several, as built-in ones and those of runs do, or a key that chooses was set on the command line and this one was not.
     pub(super) fn is_for_another(&self, choosing: &[&str], path: &str) -> bool {
-        let is_chosen_anew = choosing.iter().any(|choosing| self.is_set(choosing));
+        let serves_many = self.source.starts_with("built-in ") || self.is_kept();
+        let is_chosen_anew = serves_many || choosing.iter().any(|choosing| self.is_set(choosing));
         self.is_shared || (is_chosen_anew && !self.is_set(path))
     }
 

@@ -271,7 +271,9 @@ impl Scenario {
                 notes.extend(reads::judge_radar(&document, &scenario.perception)?);
                 Ok(notes)
             });
-            scenario.notes = notes.map_err(|problem| document.problem(&problem))?;
+            let notes = notes.map_err(|problem| document.problem(&problem))?;
+            // A file that a run has kept has every key, read or not.
+            scenario.notes = if document.is_kept() { Vec::new() } else { notes };
         }
         Ok(scenario)
     }
@@ -330,7 +332,8 @@ impl Scenario {
     /// The scenario as it took effect: parsing this text gives an equal scenario.
     #[must_use]
     pub fn to_toml(&self) -> String {
-        toml::to_string(self).expect("every value of a scenario has a form in TOML")
+        let keys = toml::to_string(self).expect("every value of a scenario has a form in TOML");
+        document::KEPT.to_owned() + &keys
     }
 }
 

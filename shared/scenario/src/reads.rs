@@ -91,7 +91,9 @@ impl Reads {
                 let message = format!("{key} has no effect with the law `{law}`");
                 let expected = match self.idle.contains(key) {
                     true => "a key that this variant of the law reads".to_owned(),
-                    false => format!("a key that `{law}` reads, or a law that reads this one"),
+                    false => format!(
+                        "a key that `{law}` reads; a file for several laws runs with --controller"
+                    ),
                 };
                 return Err(Problem::new(path, message, expected));
             }

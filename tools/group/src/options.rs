@@ -27,6 +27,9 @@ pub struct ScenarioOptions {
     /// How the signals reach the vehicle, for `v2x.radio`: an option of the commands that drive in realtime.
     #[arg(skip)]
     pub radio: Option<String>,
+    /// Refuses a set key that the law does not read; a study of several laws notes it instead.
+    #[arg(skip)]
+    pub is_for_one_law: bool,
 }
 
 /// How a group is brought up.

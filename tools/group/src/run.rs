@@ -42,7 +42,8 @@ pub fn open_with(
     option: &str,
     keys: &[String],
 ) -> Result<Scenario, Error> {
-    let mut overrides = Overrides::new();
+    let overrides = Overrides::new();
+    let mut overrides = if options.is_for_one_law { overrides } else { overrides.shared() };
     if let Some(controller) = &options.controller {
         overrides.option("--controller", "controller.name", controller);
     }

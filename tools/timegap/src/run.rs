@@ -60,10 +60,11 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     let options = ScenarioOptions {
         parameters: arguments.parameters.clone(),
         radio: arguments.radio.clone(),
+        is_for_one_law: true,
         ..arguments.scenario_options.clone()
     };
     let scenario = open(&arguments.scenario, &options)?;
-    for notice in scenario.storyboard.iter().flat_map(|storyboard| &storyboard.notices) {
+    for notice in scenario.notices() {
         eprintln!("note: {notice}");
     }
     check_targets(&scenario)?;
