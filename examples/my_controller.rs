@@ -21,7 +21,7 @@ impl Law for TwoSeconds {
 }
 
 static ONE: Formulation =
-    Formulation { name: "one", modes: &["drive"], reasons: &[], figures: &[] };
+    Formulation { name: "one", caution: None, modes: &["drive"], reasons: &[], figures: &[] };
 static LAW: Descriptor = Descriptor {
     name: "two-seconds",
     description: "keeps a time headway of two seconds",

@@ -13,8 +13,9 @@ use rand_pcg::Pcg64;
 use scenario::Scenario;
 
 /// Laws with settings of `[controller]` that make something else of them.
-const VARIANTS: [(&str, &str); 6] = [
+const VARIANTS: [(&str, &str); 7] = [
     ("six-mode", "six_mode.variant = \"literal\""),
+    ("quadratic-bounded", "quadratic_bounded.gains = \"printed\""),
     ("acc-mpc", "spacing_policy = \"constant-distance\""),
     ("cacc-mpc", "spacing_policy = \"constant-distance\""),
     ("cacc-mpc", "spacing_policy = \"measured-headway\""),

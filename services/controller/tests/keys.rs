@@ -12,7 +12,7 @@ use scenario::schema::{self, Key, Shape};
 use scenario::{Overrides, Scenario};
 
 /// Laws with the keys that choose a variant, and the vehicle that they drive.
-const SUBJECTS: [(&str, &[&str]); 10] = [
+const SUBJECTS: [(&str, &[&str]); 11] = [
     ("acc-mpc", &[]),
     ("acc-mpc", &["controller.spacing_policy=constant-distance"]),
     ("cacc-mpc", &[]),
@@ -21,6 +21,7 @@ const SUBJECTS: [(&str, &[&str]); 10] = [
     ("six-mode", &["controller.six_mode.variant=literal"]),
     ("six-mode", &["controller.six_mode.spacing=paper"]),
     ("quadratic-bounded", &[]),
+    ("quadratic-bounded", &["controller.quadratic_bounded.gains=printed"]),
     ("predictive", &[]),
     ("predictive", &["plant.vehicle=jh6-49t"]),
 ];

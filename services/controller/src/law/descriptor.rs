@@ -42,6 +42,8 @@ pub struct Descriptor {
 pub struct Formulation {
     /// Name, for people.
     pub name: &'static str,
+    /// A word of caution that every summary of a run shows; none where none is needed.
+    pub caution: Option<&'static str>,
     /// Modes, in the order of [`Output::mode`](super::Output::mode).
     pub modes: &'static [&'static str],
     /// Reasons for a mode change, in the order of [`Output::mode_reason`](super::Output::mode_reason).

@@ -4,7 +4,7 @@
 //! where it names an upper bound ("steady by about 30 s") the bound is what is checked.
 
 use super::scenario::{CUT_IN, DEPART, FOLLOW, KMH, Row, first, run};
-use controller::laws::quadratic_bounded::{Design, Settings};
+use controller::laws::quadratic_bounded::{Design, GainSource, Settings};
 
 #[track_caller]
 fn about(ours: f64, paper: f64, tolerance: f64) {
@@ -72,4 +72,42 @@ fn cut_in() {
     assert!(least > -0.25);
     // The page's reference design: -0.78. The paper says "large": see the module's documentation.
     assert!((-0.9..-0.7).contains(&hardest));
+}
+
+/// A scenario under the printed gains: the paper's output equation without its lost xc.
+fn printed(scenario: &super::scenario::Scenario) -> Vec<Row> {
+    let settings = Settings { gains: GainSource::Printed, ..Settings::default() };
+    run(scenario, &Design::shipped(), &settings)
+}
+
+#[test]
+fn follow_with_the_printed_gains() {
+    let rows = printed(&FOLLOW);
+    about(first(&rows, 0.0, |r| r.follows), 10.0, 0.5);
+    let unsteady = rows.iter().filter(|r| r.time < 40.0);
+    let unsteady = unsteady.filter(|r| r.gap_error.abs() >= 2.0 || r.speed_error.abs() >= 0.3);
+    let last = unsteady.fold(0.0, |_, r| r.time);
+    println!("steady from {last:.1} s on");
+    assert!(last < 30.0);
+}
+
+#[test]
+fn depart_with_the_printed_gains() {
+    let rows = printed(&DEPART);
+    let switch = first(&rows, 20.0, |r| !r.follows);
+    let range = first(&rows, 20.0, |r| r.gap > 150.0);
+    println!("cruise from {switch:.1} s on (paper 27.5), out of range at {range:.1} s (about 54)");
+    assert!((switch - 28.8).abs() < 0.3 && (range - 57.8).abs() < 0.5);
+    assert!(rows.iter().all(|r| r.speed < 110.05 * KMH));
+}
+
+#[test]
+fn cut_in_with_the_printed_gains() {
+    let rows = printed(&CUT_IN);
+    about(first(&rows, 17.0, |r| r.request < -0.02), 18.0, 0.3);
+    let hardest = rows.iter().fold(0.0, |m: f64, r| m.min(r.acceleration));
+    let least = rows.iter().filter(|r| r.time > 18.0).map(|r| r.gap_error);
+    let least = least.fold(f64::INFINITY, f64::min);
+    println!("hardest braking {hardest:.3} m/s², least gap error {least:.3} m");
+    assert!((hardest - -1.07).abs() < 0.02 && least > -0.25);
 }

@@ -55,6 +55,7 @@ const USABLE_RESIDUAL: f64 = 1e-4;
 /// The meaning of the numbers in the output.
 pub static FORMULATION: Formulation = Formulation {
     name: "paper",
+    caution: None,
     modes: &["cruise", "follow", "follow-with-light"],
     reasons: &["start", "target-lost", "target-found", "light-ahead", "light-over"],
     figures: &[

@@ -61,6 +61,7 @@ pub static EXTERNAL: Descriptor = Descriptor {
 
 static FORMULATION: Formulation = Formulation {
     name: "program",
+    caution: None,
     modes: &[
         "mode-0", "mode-1", "mode-2", "mode-3", "mode-4", "mode-5", "mode-6", "mode-7", "backup",
     ],

@@ -2,7 +2,7 @@
 //!
 //! | the law drives while | it hands over when |
 //! |---|---|
-//! | V of the lead that it follows is at most 1 | V > 1.05 |
+//! | V of the lead that it follows is at most 1; with printed gains, the urgency | it is above 1.05 |
 //! | the speed is between those of the two rules, and the lead's not below | it is not |
 //! | the lead brakes within the design's bound | it brakes harder by 0.1 m/s² |
 //!
@@ -15,10 +15,10 @@ use crate::following::driver::Driver;
 use crate::following::follower::Follower;
 use crate::following::kinematics::Lag;
 
-/// V at which the law hands over.
-const LEAVES_AT_V: f64 = 1.05;
-/// V below which it may take over again.
-const RETURNS_AT_V: f64 = 0.9;
+/// Excess at which the law hands over.
+const LEAVES_AT: f64 = 1.05;
+/// Excess below which it may take over again.
+const RETURNS_AT: f64 = 0.9;
 /// Margin on the speeds before it takes over again, m/s.
 const SPEED_MARGIN_MPS: f64 = 0.5;
 /// Braking of the lead beyond the bound at which the law hands over, m/s²: the tracker's noise.
@@ -33,10 +33,10 @@ const MIN_GAP_M: f64 = 2.0;
 /// What decides between law and fall-back.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct State {
-    /// V of the state that the law would act on.
-    pub(super) lyapunov: f64,
+    /// V of the state that the law would act on, or the urgency of the printed gains; the range ends at 1.
+    pub(super) excess: f64,
     /// The same from a reset controller state.
-    pub(super) lyapunov_after_reset: f64,
+    pub(super) excess_after_reset: f64,
     /// Speed of the ego, m/s.
     pub(super) speed_mps: f64,
     /// Speed of the lead, m/s, infinite without one.
@@ -59,14 +59,14 @@ impl Envelope {
         let (low, high) = (p.least_speed_mps, p.greatest_speed_mps);
         let braking = -state.lead_mps2;
         if !self.outside {
-            let holds = state.lyapunov <= LEAVES_AT_V
+            let holds = state.excess <= LEAVES_AT
                 && (low..=high).contains(&state.speed_mps)
                 && state.lead_mps >= low
                 && braking <= p.lead_acceleration_mps2 + LEAD_MARGIN_MPS2;
             *self = Self { outside: !holds, inside_s: 0.0 };
             return self.outside;
         }
-        let holds = state.lyapunov_after_reset <= RETURNS_AT_V
+        let holds = state.excess_after_reset <= RETURNS_AT
             && (low + SPEED_MARGIN_MPS..=high - SPEED_MARGIN_MPS).contains(&state.speed_mps)
             && state.lead_mps >= low + SPEED_MARGIN_MPS
             && braking <= p.lead_acceleration_mps2;
@@ -103,8 +103,8 @@ mod tests {
     use super::*;
 
     const INSIDE: State = State {
-        lyapunov: 0.5,
-        lyapunov_after_reset: 0.4,
+        excess: 0.5,
+        excess_after_reset: 0.4,
         speed_mps: 20.0,
         lead_mps: 20.0,
         lead_mps2: 0.0,
@@ -114,7 +114,7 @@ mod tests {
     fn each_condition_ends_the_laws_range_at_once() {
         let p = Parameters::reference();
         let outside = [
-            State { lyapunov: 1.1, ..INSIDE },
+            State { excess: 1.1, ..INSIDE },
             State { speed_mps: 4.9, ..INSIDE },
             State { speed_mps: 36.1, ..INSIDE },
             State { lead_mps: 4.9, ..INSIDE },

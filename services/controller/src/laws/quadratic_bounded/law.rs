@@ -4,7 +4,8 @@ use super::certificate::{ClosedMatrix, ClosedState, extended};
 use super::design::Design;
 use super::envelope::{self, Envelope};
 use super::model::{State, StateMatrix};
-use super::settings::Settings;
+use super::printed;
+use super::settings::{GainSource, Settings};
 use crate::following::kinematics::Motion;
 use crate::following::safe_gap::LeadNow;
 use crate::law::{Input, Law, Output, Quality};
@@ -43,6 +44,13 @@ struct Candidate {
     /// [x; xc] as the law takes it.
     z: ClosedState,
     increment: f64,
+}
+
+impl Candidate {
+    /// The increment of the printed gains, without xc.
+    fn printed(x: &State) -> Self {
+        Self { z: extended(x, &State::zeros()), increment: printed::increment(x) }
+    }
 }
 
 /// The quadratic-bounded law.
@@ -109,8 +117,8 @@ impl QuadraticBounded {
             self.request = acceleration.clamp(-p.request_bound_mps2, p.request_bound_mps2);
         }
         let desired = p.desired_gap_m(speed);
-        let cruise =
-            self.cruise(State::new(0.0, set_speed - speed, acceleration, self.request), speed);
+        let virtual_lead = State::new(0.0, set_speed - speed, acceleration, self.request);
+        let cruise = self.cruise(virtual_lead, speed);
         let followed = target.filter(|t| t.gap_m <= self.settings.sensor_range_m);
         let follow = followed.map(|t| {
             let error_m = t.gap_m - desired;
@@ -121,19 +129,17 @@ impl QuadraticBounded {
             Some(f) if f.increment < cruise.increment => (Mode::Follow, Reason::LeadDemandsLess, f),
             Some(_) => (Mode::Cruise, Reason::CruiseDemandsLess, cruise),
         };
+        let [excess, excess_after_reset] = self.excess(&chosen.z, followed.as_ref());
         let state = envelope::State {
-            lyapunov: self.design.lyapunov(&chosen.z),
-            lyapunov_after_reset: {
-                let x = State::from_fn(|i, _| chosen.z[i]);
-                (x.transpose() * self.design.x_inverse() * x)[(0, 0)]
-            },
+            excess,
+            excess_after_reset,
             speed_mps: speed,
             lead_mps: followed.map_or(f64::INFINITY, |t| speed + t.relative_mps),
             lead_mps2: followed.map_or(0.0, |t| t.acceleration_mps2),
         };
         let p = self.design.parameters();
         if self.envelope.is_left(p, &state, p.sample_time_s) {
-            self.fall_back(input, state.lyapunov);
+            self.fall_back(input, excess);
             return;
         }
         if self.mode != Some(mode) {
@@ -145,14 +151,14 @@ impl QuadraticBounded {
             .clamp(-p.request_bound_mps2, p.request_bound_mps2);
         let increment = request - self.request;
         self.request = request;
-        self.xc = self.next_controller_state(&chosen.z, speed);
-
-        let v = self.design.lyapunov(&chosen.z);
-        self.quality = if v > 1.0 || too_slow { Quality::Relaxed } else { Quality::Full };
+        if !self.is_printed() {
+            self.xc = self.next_controller_state(&chosen.z, speed);
+        }
+        self.quality = if excess > 1.0 || too_slow { Quality::Relaxed } else { Quality::Full };
         let true_gap_error = target.map_or(0.0, |t| t.gap_m - desired);
         let rate = chosen.z[1] - p.gap_derivative_s(speed) * acceleration;
         self.figures = [
-            v,
+            excess,
             true_gap_error,
             chosen.z[0],
             chosen.z[1],
@@ -163,8 +169,25 @@ impl QuadraticBounded {
         ];
     }
 
+    fn is_printed(&self) -> bool {
+        self.settings.gains == GainSource::Printed
+    }
+
+    /// How far the state is on its way out of the range of the law, which ends at 1; and the same from a
+    /// reset controller state. V of a certified design, the urgency of the printed gains.
+    fn excess(&self, z: &ClosedState, lead: Option<&Lead>) -> [f64; 2] {
+        if self.is_printed() {
+            let p = self.design.parameters();
+            return [lead.map_or(0.0, |lead| printed::urgency(p, lead.gap_m, lead.relative_mps));
+                2];
+        }
+        let x = State::from_fn(|i, _| z[i]);
+        let after_reset = (x.transpose() * self.design.x_inverse() * x)[(0, 0)];
+        [self.design.lyapunov(z), after_reset]
+    }
+
     /// One sample of the fall-back.
-    fn fall_back(&mut self, input: &Checked, lyapunov: f64) {
+    fn fall_back(&mut self, input: &Checked, excess: f64) {
         let p = self.design.parameters();
         let speed_mps = input.speed;
         let braking_mps2 = self.settings.fall_back_braking_mps2;
@@ -189,13 +212,16 @@ impl QuadraticBounded {
         let gap_error_m = target.map_or(0.0, |t| t.gap_m - p.desired_gap_m(speed_mps));
         let speed_error_mps = target.map_or(0.0, |t| t.relative_mps);
         let rate_mps = speed_error_mps - p.gap_derivative_s(speed_mps) * input.acceleration;
-        let shown = [lyapunov, gap_error_m, gap_error_m, speed_error_mps, rate_mps, increment];
+        let shown = [excess, gap_error_m, gap_error_m, speed_error_mps, rate_mps, increment];
         self.figures = [0.0; 8];
         self.figures[..6].copy_from_slice(&shown);
     }
 
     /// The virtual lead: no gap error, and a speed that keeps V within its limit.
     fn cruise(&self, mut x: State, speed: f64) -> Candidate {
+        if self.is_printed() {
+            return Candidate::printed(&x);
+        }
         let (low, high) = self.admissible(Mode::Cruise, &x, 1);
         x[1] = x[1].clamp(low, high);
         self.candidate(Mode::Cruise, &x, speed)
@@ -204,8 +230,12 @@ impl QuadraticBounded {
     /// The real lead, its gap error cut off above: without that a lead that is far away and slower
     /// would be outside of what the design promises anything about.
     fn follow(&self, mut x: State, speed: f64) -> Candidate {
+        x[0] = x[0].min(self.settings.gap_error_limit_m);
+        if self.is_printed() {
+            return Candidate::printed(&x);
+        }
         let (_, high) = self.admissible(Mode::Follow, &x, 0);
-        x[0] = x[0].min(high).min(self.settings.gap_error_limit_m);
+        x[0] = x[0].min(high);
         self.candidate(Mode::Follow, &x, speed)
     }
 

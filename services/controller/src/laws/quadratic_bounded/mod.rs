@@ -81,6 +81,7 @@ mod error;
 mod formulation;
 mod law;
 mod model;
+mod printed;
 mod settings;
 #[cfg(feature = "synthesize")]
 pub mod synthesis;
@@ -90,7 +91,7 @@ pub use design::Design;
 pub use error::{Condition, DesignError, Failure};
 pub use law::{Mode, QuadraticBounded};
 pub use model::{DISTURBANCES, DisturbanceMatrix, Parameters, RULES, STATES, State, StateMatrix};
-pub use settings::Settings;
+pub use settings::{GainSource, Settings};
 
 use crate::law::{Descriptor, GapPolicy, Law, Reader, TargetSource};
 use crate::settings::Table;
@@ -101,11 +102,17 @@ const TABLE: Table = Table::of::<Settings>("quadratic_bounded");
 /// The law as data.
 pub static QUADRATIC_BOUNDED: Descriptor = Descriptor {
     name: "quadratic-bounded",
-    description: "output feedback that keeps all indices within bounds (Gao et al. 2015)",
+    description: "output feedback with a proven invariant ellipsoid (Gao et al. 2015)",
     source: "Gao, Yan, Li, Hu, 2015",
     table: Some(TABLE),
-    formulations: &[&formulation::FORMULATION],
-    formulation: |_| &formulation::FORMULATION,
+    formulations: &[&formulation::CERTIFIED, &formulation::PRINTED],
+    formulation: |controller| {
+        let settings = controller.tables.read::<Settings>(TABLE.name).unwrap_or_default();
+        match settings.gains {
+            GainSource::Certified => &formulation::CERTIFIED,
+            GainSource::Printed => &formulation::PRINTED,
+        }
+    },
     gap: GapPolicy::Figure("gap_error_m"),
     target: TargetSource::Tracked,
     without_signals: None,
@@ -114,6 +121,7 @@ pub static QUADRATIC_BOUNDED: Descriptor = Descriptor {
 
 fn build(reader: &Reader<'_>) -> Result<Box<dyn Law>, Problem> {
     let settings: Settings = reader.table(TABLE.name)?;
+    reader.without(TABLE.name, settings.unused());
     let design = match &settings.design {
         None => Design::shipped(),
         Some(path) => Design::open(path).map_err(|error| {

@@ -3,10 +3,23 @@
 use crate::settings::{self, SettingError, within};
 use serde::{Deserialize, Serialize};
 
+/// Where the gains come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GainSource {
+    /// The design, which is proven at every start.
+    #[default]
+    Certified,
+    /// The paper's output equation, of which nothing is proven: for study.
+    Printed,
+}
+
 /// Settings of the law outside its design, as `[controller.quadratic_bounded]` holds them.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
+    /// Where the gains come from: the certified design, or the paper as it is printed.
+    pub gains: GainSource,
     /// Path of a design file; absent: the design that comes with the law.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub design: Option<String>,
@@ -25,12 +38,23 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
+            gains: GainSource::Certified,
             design: None,
             sensor_range_m: 150.0,
             gap_error_limit_m: 20.0,
             envelope_limit: 0.98,
             fall_back_braking_mps2: 6.0,
             lead_deceleration_mps2: 9.0,
+        }
+    }
+}
+
+impl Settings {
+    /// The key that the chosen gains do not use: without a V there is nothing to keep within it.
+    pub(super) fn unused(&self) -> &'static [&'static str] {
+        match self.gains {
+            GainSource::Certified => &[],
+            GainSource::Printed => &["envelope_limit"],
         }
     }
 }

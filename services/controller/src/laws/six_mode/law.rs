@@ -24,6 +24,7 @@ const FARTHEST: f64 = 1e6;
 /// The meaning of the numbers in the output.
 pub(super) static FORMULATION: Formulation = Formulation {
     name: "six modes",
+    caution: None,
     modes: Mode::NAMES,
     reasons: Reason::NAMES,
     figures: &[

@@ -5,6 +5,7 @@ use crate::law::{Figure, Formulation};
 /// The meaning of the numbers in the output.
 pub static FORMULATION: Formulation = Formulation {
     name: "truck",
+    caution: None,
     modes: &["cruise", "predictive", "follow", "warn"],
     reasons: &[
         "none",

@@ -6,6 +6,7 @@ use crate::law::{Figure, Formulation};
 /// The meaning of the numbers in the output.
 pub static FORMULATION: Formulation = Formulation {
     name: "road",
+    caution: None,
     modes: &["cruise", "follow", "pass", "stop"],
     reasons: &[
         "start",
