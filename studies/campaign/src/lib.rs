@@ -178,7 +178,7 @@ fn check(campaign: &Campaign, plan: &Plan) -> Result<(), Error> {
     for place in (0..plan.len()).step_by(stride) {
         let job = job(campaign, &plan.get(plan.number(place)))?;
         // What a person should know of how OpenSCENARIO files are run.
-        notices.extend(job.scenario.storyboard.into_iter().flat_map(|story| story.notices));
+        notices.extend(job.scenario.notices().map(str::to_owned));
     }
     fault_free(campaign, plan)?;
     for notice in notices {
