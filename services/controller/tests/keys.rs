@@ -297,9 +297,14 @@ fn differs(scenario: &Scenario, recorded: &Record) -> bool {
 }
 
 /// Keys that no scene here can show, with the reason.
-const RARE: [(&str, &str, &str); 3] = [
+const RARE: [(&str, &str, &str); 4] = [
     ("acc-mpc", "max_request_mps2", "limits road.acceleration_mps2, which bounds the request"),
     ("cacc-mpc", "max_request_mps2", "limits road.acceleration_mps2, which bounds the request"),
+    (
+        "quadratic-bounded",
+        "quadratic_bounded.lead_deceleration_mps2",
+        "acts in the fall-back, which the printed gains seldom need",
+    ),
     ("cacc-mpc", "road.hysteresis", "acts where two programs cost nearly the same"),
 ];
 

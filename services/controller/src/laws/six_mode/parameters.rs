@@ -152,6 +152,8 @@ impl Parameters {
     pub(super) fn unused(&self) -> &'static [&'static str] {
         match (self.variant, self.spacing) {
             (Variant::Literal, _) => &[
+                "acceleration_mps2",
+                "deceleration_parts",
                 "spacing",
                 "time_gap_s",
                 "margin_m",
