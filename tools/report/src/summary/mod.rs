@@ -35,6 +35,9 @@ pub struct Summary {
     pub scenario: String,
     /// Name of the control law.
     pub controller: String,
+    /// A word of caution about the law, such as "uncertified"; left out where none is needed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub caution: Option<&'static str>,
     /// Clock: `realtime` or `lockstep`.
     pub mode: &'static str,
     /// What carried the messages.
@@ -212,6 +215,7 @@ impl Summary {
             schema_version: 1,
             scenario: scenario.name.as_str().into(),
             controller: law_that_drove(scenario, group, controller),
+            caution: group.formulation(scenario).and_then(|formulation| formulation.caution),
             mode: mode.name(),
             carrier: group.carrier,
             seed: scenario.seed.value(),
@@ -306,12 +310,13 @@ fn law_that_drove(
 }
 
 impl Summary {
-    /// The law that drove, with the command of a program of the user's.
+    /// The law that drove, with its caution or the command of a program of the user's.
     #[must_use]
     pub fn driver(&self) -> String {
-        match self.program() {
-            Some(program) => format!("{} ({})", self.controller, program.command),
-            None => self.controller.clone(),
+        match (self.program(), self.caution) {
+            (Some(program), _) => format!("{} ({})", self.controller, program.command),
+            (None, Some(caution)) => format!("{} ({caution})", self.controller),
+            (None, None) => self.controller.clone(),
         }
     }
 

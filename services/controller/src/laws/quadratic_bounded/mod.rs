@@ -4,7 +4,10 @@
 //! output feedback", 2015. Four indices describe what a driver wants: safety (gap error, speed
 //! error), comfort (acceleration, request), handiness (change of the request) and efficiency (rate
 //! of the gap error). The law keeps each inside its bound for every bounded acceleration of the
-//! lead: the state cannot leave an ellipsoid that is within all bounds.
+//! lead: the state cannot leave an ellipsoid that is within all bounds. That is said of the state that the law
+//! takes: a gap error beyond the ellipsoid is cut off first, so the real one can be larger.
+//!
+//! `gains = "printed"` takes the output gains of the paper in the place of the design (`printed`).
 //!
 //! # Model
 //!
