@@ -3,6 +3,7 @@
 pub mod cacc;
 pub mod external;
 pub mod quadratic_bounded;
+pub mod signal_stop;
 pub mod six_mode;
 pub mod truck;
 
@@ -15,6 +16,7 @@ use scenario::{Problem, Reads, Scenario, accepted};
 pub static ALL: &[&Descriptor] = &[
     &cacc::ACC_MPC,
     &cacc::CACC_MPC,
+    &signal_stop::ACC_SIGNAL_STOP,
     &six_mode::SIX_MODE,
     &quadratic_bounded::QUADRATIC_BOUNDED,
     &truck::PREDICTIVE,

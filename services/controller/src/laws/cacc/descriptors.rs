@@ -87,7 +87,7 @@ fn formulation(controller: &Controller) -> &'static Formulation {
     }
 }
 
-fn desired_gap(scenario: &Scenario) -> DesiredGap {
+pub(in crate::laws) fn desired_gap(scenario: &Scenario) -> DesiredGap {
     let controller = &scenario.controller;
     let time_headway_s = controller.time_headway_s;
     let standstill_m = controller.standstill_distance_m.value();
@@ -109,11 +109,16 @@ fn of(reader: &Reader<'_>, signals: Signals) -> Result<Box<dyn Law>, Problem> {
     let config = Config::of(reader, signals)?;
     match build(signals, &config) {
         Ok(law) => Ok(law),
-        Err(BuildError::Setting(error)) => {
-            Err(Config::in_scenario(error, &reader.scenario().controller).in_table("controller"))
-        }
-        Err(BuildError::Problem(error)) => {
-            Err(Problem::new("controller", error.to_string(), "weights of a convex problem"))
+        Err(error) => Err(in_scenario(error, &reader.scenario().controller)),
+    }
+}
+
+/// The error in the words and units of the scenario's keys.
+pub(in crate::laws) fn in_scenario(error: BuildError, controller: &Controller) -> Problem {
+    match error {
+        BuildError::Setting(error) => Config::in_scenario(error, controller).in_table("controller"),
+        BuildError::Problem(error) => {
+            Problem::new("controller", error.to_string(), "weights of a convex problem")
         }
     }
 }

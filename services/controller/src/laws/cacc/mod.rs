@@ -14,3 +14,4 @@ pub mod road_config;
 pub mod weights;
 
 pub use descriptors::{ACC_MPC, BuildError, CACC_MPC, Signals, build};
+pub(super) use descriptors::{desired_gap, in_scenario};
