@@ -2,6 +2,7 @@
 
 mod cases;
 mod comfort;
+mod efficiency;
 mod later_signals;
 mod scenes;
 mod solvers;

@@ -13,30 +13,37 @@ use crate::{law, law_with};
 
 /// What a run looked like.
 #[derive(Debug, Default)]
-struct Run {
+pub(crate) struct Run {
     world: Option<World>,
-    hardest_mps2: f64,
-    fastest_mps: f64,
+    pub(crate) hardest_mps2: f64,
+    pub(crate) fastest_mps: f64,
+    /// Lowest speed until the last crossing.
+    pub(crate) slowest_mps: f64,
     max_jerk_mps3: f64,
     /// Times at which the lines were crossed, s.
-    crossings_s: Vec<f64>,
+    pub(crate) crossings_s: Vec<f64>,
     /// Names of the modes that occurred, in order.
     modes: Vec<&'static str>,
 }
 
 impl Run {
-    fn world(&self) -> &World {
+    pub(crate) fn world(&self) -> &World {
         self.world.as_ref().expect("a finished run has its world")
     }
 }
 
 /// Drives for `seconds` with events at their times; a breach fails the test.
-fn run(world: World, seconds: f64, events: &[(f64, Event)]) -> Run {
+pub(crate) fn run(world: World, seconds: f64, events: &[(f64, Event)]) -> Run {
     run_law(&mut law(), world, seconds, events)
 }
 
-fn run_law(law: &mut dyn Law, mut world: World, seconds: f64, events: &[(f64, Event)]) -> Run {
-    let mut run = Run::default();
+pub(crate) fn run_law(
+    law: &mut dyn Law,
+    mut world: World,
+    seconds: f64,
+    events: &[(f64, Event)],
+) -> Run {
+    let mut run = Run { slowest_mps: f64::INFINITY, ..Run::default() };
     let mut output = Output::default();
     let mut next = 0;
     while world.time_s < seconds - 1e-6 {
@@ -48,6 +55,9 @@ fn run_law(law: &mut dyn Law, mut world: World, seconds: f64, events: &[(f64, Ev
         world.step(law, &mut output).expect("no breach");
         run.hardest_mps2 = run.hardest_mps2.min(world.ego.acceleration_mps2);
         run.fastest_mps = run.fastest_mps.max(world.ego.speed_mps);
+        if run.crossings_s.len() < world.signals.len() {
+            run.slowest_mps = run.slowest_mps.min(world.ego.speed_mps);
+        }
         let jerk = (world.ego.acceleration_mps2 - before.acceleration_mps2).abs() / 0.1;
         if world.ego.speed_mps > 0.1 && before.speed_mps > 0.1 {
             run.max_jerk_mps3 = run.max_jerk_mps3.max(jerk);
@@ -64,7 +74,7 @@ fn run_law(law: &mut dyn Law, mut world: World, seconds: f64, events: &[(f64, Ev
     run
 }
 
-fn with_signal(
+pub(crate) fn with_signal(
     v: f64,
     set: f64,
     line_m: f64,
@@ -77,13 +87,19 @@ fn with_signal(
     world
 }
 
-fn with_lead(mut world: World, gap_m: f64, speed_mps: f64) -> World {
+pub(crate) fn with_lead(mut world: World, gap_m: f64, speed_mps: f64) -> World {
     world.apply(Event::LeadAppears { gap_m, speed_mps });
     world
 }
 
 fn short_of_line(run: &Run) -> f64 {
     run.world().signals[0].line_m - run.world().ego.position_m
+}
+
+/// It is slow, and stops comfortably before the line where that does not open.
+fn glides_to_line(run: &Run) -> bool {
+    let (short, v) = (short_of_line(run), run.world().ego.speed_mps);
+    short > 0.5 + 0.5 * v + v * v / 6.0 && v < 8.0 && short < 60.0
 }
 
 #[test]
@@ -115,12 +131,14 @@ fn it_approaches_a_standing_vehicle_comfortably() {
 #[test]
 fn it_stops_short_of_a_red_line_and_starts_at_green() {
     let world = with_signal(15.0, 15.0, 200.0, [20.0, 3.0, 20.0], 2, 25.0);
-    let stopped = run(world.clone(), 24.0, &[]);
+    // While the phase is not known, the line is closed without an end.
+    let (lost, heard) = ((0.1, Event::Silence { unknown: true }), (24.0, Event::Heard));
+    let stopped = run(world.clone(), 24.0, &[lost]);
     let short = short_of_line(&stopped);
     assert!((0.5..=2.0).contains(&short), "{short}");
     assert_eq!(stopped.world().ego.speed_mps, 0.0);
     assert!(stopped.hardest_mps2 > -3.0, "{stopped:?}");
-    let run = run(world, 40.0, &[]);
+    let run = run(world, 40.0, &[lost, heard]);
     assert!(run.crossings_s[0] > 25.0 && run.crossings_s[0] < 28.0, "{run:?}");
 }
 
@@ -143,8 +161,7 @@ fn it_accelerates_to_pass_when_that_is_enough() {
 fn it_stops_when_green_is_out_of_reach() {
     let run = run(with_signal(12.0, 13.0, 100.0, [20.0, 3.0, 20.0], 0, 5.0), 20.0, &[]);
     assert!(run.crossings_s.is_empty());
-    let short = short_of_line(&run);
-    assert!((0.5..=2.0).contains(&short), "{short}");
+    assert!(glides_to_line(&run), "{run:?}");
     assert!(run.hardest_mps2 > -3.0, "{run:?}");
 }
 
@@ -175,7 +192,7 @@ fn a_lead_that_runs_through_late_is_not_followed() {
     let world = with_signal(14.0, 14.0, 110.0, [30.0, 3.0, 20.0], 0, 4.0);
     let run = run(with_lead(world, 26.0, 14.0), 20.0, &[]);
     assert!(run.crossings_s.is_empty());
-    assert!((0.5..=2.0).contains(&short_of_line(&run)), "{}", short_of_line(&run));
+    assert!(glides_to_line(&run), "{run:?}");
     assert!(run.hardest_mps2 > -3.05, "{run:?}");
 }
 
@@ -183,8 +200,8 @@ fn a_lead_that_runs_through_late_is_not_followed() {
 fn a_lead_that_leaves_reveals_the_red_light() {
     let world = with_signal(10.0, 20.0, 250.0, [30.0, 3.0, 30.0], 2, 40.0);
     let run = run(with_lead(world, 25.0, 10.0), 35.0, &[(5.0, Event::LeadLeaves)]);
-    assert!(run.crossings_s.is_empty() && run.fastest_mps > 12.0);
-    assert!((0.5..=2.0).contains(&short_of_line(&run)), "{}", short_of_line(&run));
+    assert!(run.crossings_s.is_empty());
+    assert!(glides_to_line(&run), "{run:?}");
     assert!(run.hardest_mps2 > -3.0, "{run:?}");
 }
 

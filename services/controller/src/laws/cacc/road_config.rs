@@ -28,6 +28,13 @@ pub struct RoadConfig {
     pub lead_decay_s: f64,
     /// A pass must reach the line this long before the end of green, s.
     pub pass_margin_s: f64,
+    /// Reaction time in a stop for yellow, s. The line may be crossed in yellow where a stop with it and the comfort
+    /// deceleration, begun at the end of green, would end beyond the line; 0: only where a stop begun at once would.
+    pub yellow_reaction_s: f64,
+    /// Weight `w` of the light's penalty `w/D`, with `D` how far the line is passed at the end of green, m.
+    pub light_weight_m: f64,
+    /// Margin `D` beyond which the light costs nothing, m.
+    pub light_threshold_m: f64,
     /// Once decided, the other program must be better by this share of its cost to be taken.
     pub hysteresis: f64,
     /// Weight on the gap error's distance from the reference, 1/m².
@@ -54,6 +61,9 @@ impl Default for RoadConfig {
             lead_deceleration_mps2: 7.0,
             lead_decay_s: 1.5,
             pass_margin_s: 0.5,
+            yellow_reaction_s: 1.0,
+            light_weight_m: 1500.0,
+            light_threshold_m: 25.0,
             hysteresis: 0.2,
             gap_weight_per_m2: 0.2,
             speed_weight_s2_per_m2: 1.0,
@@ -72,6 +82,9 @@ impl Settings for RoadConfig {
         within("lead_deceleration_mps2", self.lead_deceleration_mps2, 0.5, 12.0)?;
         within("lead_decay_s", self.lead_decay_s, 0.05, 20.0)?;
         within("pass_margin_s", self.pass_margin_s, 0.0, 10.0)?;
+        within("yellow_reaction_s", self.yellow_reaction_s, 0.0, 2.0)?;
+        within("light_weight_m", self.light_weight_m, 0.0, 1e6)?;
+        within("light_threshold_m", self.light_threshold_m, 0.1, 1e3)?;
         within("hysteresis", self.hysteresis, 0.0, 10.0)?;
         within("gap_weight_per_m2", self.gap_weight_per_m2, 0.0, 1e6)?;
         within("speed_weight_s2_per_m2", self.speed_weight_s2_per_m2, 0.0, 1e6)?;

@@ -22,6 +22,17 @@
 //! the vehicle can still stop before each line that is not to be passed, can still stop behind a
 //! lead that brakes as hard as is reckoned with, and crosses a line that is passed before red.
 //!
+//! A pass is not only to reach the line: the paper's penalty `w/D` on the margin `D`, by which the line is passed at the
+//! end of green, pulls it ahead. Its slope at the reference's margin is a linear cost of the position there:
+//!
+//! ```text
+//! minimise ... - (w / D_ref²) p_K     while 0 < D_ref < d_th,    K the stage at which green ends
+//! ```
+//!
+//! So the vehicle closes up to its lead before the line and falls back behind it. Each cycle takes the slope
+//! anew, and the program stays quadratic. A red that ends is glided to (see the reference), so that the line is
+//! crossed rolling.
+//!
 //! The lines behind the nearest are in the references and in the filter, and become the nearest in turn. Programs
 //! of their own would gain a green that this drive misses, and there is none: from a standstill, a glide or a
 //! running start, in front of two later lines 40 to 250 m apart, each green that the drive without them reaches is
@@ -39,6 +50,7 @@
 //! | `tau_l` | `RoadConfig::lead_decay_s` | s |
 //! | `q_e`, `q_v`, `q_a`, `q_j`, `r` | the weights of `RoadConfig` | see there |
 //! | margin | `RoadConfig::stop_margin_m` | m |
+//! | `w`, `d_th` | `RoadConfig::light_weight_m`, `light_threshold_m` | m |
 
 mod decision;
 mod filter;
@@ -60,7 +72,7 @@ use self::formulation::reason_index;
 use self::own_lag::OwnLag;
 use self::planner::{Planner, Seen};
 use self::program::Deadline;
-use self::signals::{Line, SignalMemory};
+use self::signals::{Green, Line, SignalMemory};
 use super::config::Config;
 use super::plan::PlanMemory;
 use crate::following::kinematics::{Lag, Motion};
@@ -194,9 +206,13 @@ impl RoadLaw {
             Some(Choice::Pass) => LAST_MARGIN_S,
             _ => self.config.road.pass_margin_s,
         };
-        let deadline = green.and_then(|green| {
-            let stage = ((green.to_s - margin - now) / self.planner.lag.step_s).floor();
+        let stage_at = |time_s: f64| {
+            let stage = ((time_s - now) / self.planner.lag.step_s).floor();
             (stage >= 1.0).then(|| (stage.min(1e6)) as usize)
+        };
+        let deadline = green.and_then(|green| {
+            let latest_s = green.to_s + self.yellow_s(&green, seen.ego.speed_mps);
+            stage_at(latest_s - margin)
         });
         let n = self.config.horizon_steps;
         let (mut reaches, mut clears, mut untouched) = (false, false, false);
@@ -207,7 +223,10 @@ impl RoadLaw {
             } else {
                 reference::Gate::ClosedUntil(green.from_s)
             };
-            let row = deadline.filter(|&stage| stage <= n).map(|stage| Deadline { stage, line_m });
+            let row = deadline.filter(|&stage| stage <= n).map(|stage| {
+                let switch = stage_at(green.to_s).filter(|&switch| switch <= n);
+                Deadline { stage, switch, line_m }
+            });
             self.planner.candidate(Choice::Pass, input, seen, gate, row);
             let arrival = self.planner.arrival(Choice::Pass, seen.begin, line_m);
             reaches = match (deadline, arrival) {
@@ -261,6 +280,17 @@ impl RoadLaw {
         let (choice, reason) = choose(&situation, self.config.road.hysteresis);
         self.state.chosen = Some((line.id, choice));
         Decision { choice: Some(choice), reason: reason_index(reason), shortfall_m }
+    }
+
+    /// Time after the end of green in which the line may still be crossed at a speed, s: a driver who brakes for the
+    /// yellow would not stop before the line.
+    fn yellow_s(&self, green: &Green, speed_mps: f64) -> f64 {
+        let road = &self.config.road;
+        if road.yellow_reaction_s == 0.0 {
+            return 0.0;
+        }
+        let stop_s = road.yellow_reaction_s + speed_mps / (2.0 * road.comfort_deceleration_mps2);
+        stop_s.min(green.clear_s - green.to_s - road.pass_margin_s).max(0.0)
     }
 
     /// Writes the chosen plan, the previous one or the driver's, and filters its first request.

@@ -108,6 +108,7 @@ impl Planner {
         let Work { lead, pass, stop } = &mut *self.work;
         let scene = Scene {
             driver: self.driver,
+            glide_mps2: self.config.road.comfort_deceleration_mps2,
             lag: self.lag,
             horizon: self.config.horizon_steps,
             now_s: input.time_s,

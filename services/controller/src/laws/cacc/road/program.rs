@@ -39,8 +39,11 @@ use crate::laws::cacc::road_config::RoadConfig;
 
 /// Price of a metre beyond the ceiling.
 const CEILING_PRICE: f64 = 300.0;
-/// Price of a m/s above the limit or below zero.
-const SPEED_PRICE: f64 = 100.0;
+/// Price of a m/s above the limit: no green is worth speeding. A m/s over
+/// the whole horizon costs 100 000, and gains 10 m, which are worth 30 000 at [`PASS_PRICE`].
+const FAST_PRICE: f64 = 1000.0;
+/// Price of a m/s below zero.
+const SLOW_PRICE: f64 = 100.0;
 /// Price of a m/s² beyond the comfort bound.
 const COMFORT_PRICE: f64 = 30.0;
 /// Price of a metre short of the line at the end of green.
@@ -49,9 +52,16 @@ const PASS_PRICE: f64 = 3000.0;
 const TERMINAL: f64 = 5.0;
 /// How far beyond the line a pass must get, m.
 const PASS_M: f64 = 0.3;
+/// Margin below which the light's price grows no more, m: there the pass itself is at stake.
+const LEAST_MARGIN_M: f64 = 4.0;
+/// Band of speed below the limit in which the light's pull fades, m/s.
+const PULL_BAND_MPS: f64 = 1.0;
 /// By how much the limits of the speed are beyond what the reference drives, m/s. A reference on a limit, above all one
 /// that stands, would make the limit hold without a force: no method finds such a solution quickly.
 const SPEED_MARGIN_MPS: f64 = 0.1;
+
+/// The same for a reference above the limit, m/s.
+const EXCESS_MARGIN_MPS: f64 = 0.02;
 
 const CEILING: usize = 0;
 const FAST: usize = 1;
@@ -62,6 +72,8 @@ const PASS: usize = 3;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Deadline {
     pub(super) stage: usize,
+    /// The stage at which green ends, within the horizon.
+    pub(super) switch: Option<usize>,
     /// Position of the line, the ego's front bumper now being zero, m.
     pub(super) line_m: f64,
 }
@@ -72,6 +84,8 @@ pub(super) struct Programs {
     pub(super) hold: Problem,
     weights: [f64; 3],
     request_weight: f64,
+    light_weight_m: f64,
+    light_threshold_m: f64,
     headway_s: f64,
     standstill_m: f64,
     step_s: f64,
@@ -91,6 +105,8 @@ impl Programs {
             hold: problem(config, lag, config.min_request_mps2, comfort)?,
             weights: weights(road),
             request_weight: road.request_weight_s4_per_m2,
+            light_weight_m: road.light_weight_m,
+            light_threshold_m: road.light_threshold_m,
             headway_s: config.time_headway_s,
             standstill_m: road.standstill_gap_m,
             step_s: lag.step_s,
@@ -108,12 +124,37 @@ impl Programs {
         let (t_h, s0) = (self.headway_s, self.standstill_m);
         self.fill(true, reference, lead, fastest_mps);
         match deadline {
-            Some(Deadline { stage, line_m }) => {
+            Some(Deadline { stage, switch, line_m }) => {
+                if let Some(switch) = switch {
+                    let margin_m = reference.motion[switch].position_m - line_m;
+                    let slower = fastest_mps - reference.motion[0].speed_mps;
+                    let share = (slower / PULL_BAND_MPS).clamp(0.0, 1.0);
+                    self.pull(switch, share * self.light_price(margin_m));
+                }
                 let offset = lead.position_m[stage] - t_h * lead.speed_mps[stage] - s0;
                 self.go.set_row_stages(PASS, stage, stage);
                 self.go.row_limits_mut(PASS)[stage] = offset - (line_m + PASS_M);
             }
             None => self.go.set_row_stages(PASS, 1, 0),
+        }
+    }
+
+    /// What a metre of the margin `D` at the end of green is worth: the slope of `w/D` at the reference's margin.
+    fn light_price(&self, margin_m: f64) -> f64 {
+        let margin_m = margin_m.max(LEAST_MARGIN_M);
+        if margin_m < self.light_threshold_m {
+            self.light_weight_m / (margin_m * margin_m)
+        } else {
+            0.0
+        }
+    }
+
+    /// Rewards a position ahead at a stage of `go`, by `price` a metre.
+    fn pull(&mut self, stage: usize, price: f64) {
+        let gradient = [1.0, -self.headway_s, 0.0].map(|g| -price * g);
+        let add = |to: &mut [f64; 3]| to.iter_mut().zip(gradient).for_each(|(to, g)| *to += g);
+        if let Some(stage) = self.go.state_gradients_mut().get_mut(stage) {
+            add(stage);
         }
     }
 
@@ -153,8 +194,10 @@ impl Programs {
             let v_lead = lead.speed_mps[k];
             let offset = lead.position_m[k] - t_h * v_lead - s0;
             problem.row_limits_mut(CEILING)[k] = reference.ceiling_m[k] - offset;
-            let fastest = fastest_mps.max(reference.motion[k].speed_mps);
-            problem.row_limits_mut(FAST)[k] = fastest + SPEED_MARGIN_MPS - v_lead;
+            // Above the limit nothing may become faster: a limit that followed would be driven up, cycle by cycle.
+            let above = reference.motion[k].speed_mps.min(reference.motion[0].speed_mps);
+            let fastest = (fastest_mps + SPEED_MARGIN_MPS).max(above + EXCESS_MARGIN_MPS);
+            problem.row_limits_mut(FAST)[k] = fastest - v_lead;
             problem.row_limits_mut(SLOW)[k] = v_lead + SPEED_MARGIN_MPS;
         }
     }
@@ -190,8 +233,8 @@ fn problem(
         .jerk_cost(road.jerk_weight_s6_per_m2, config.actuator_lag_s)
         .input_bounds(min_mps2, road.acceleration_mps2)
         .row(row([1.0, -t_h, 0.0], n, CEILING_PRICE))
-        .row(row([0.0, 1.0, 0.0], n, SPEED_PRICE))
-        .row(row([0.0, -1.0, 0.0], n, SPEED_PRICE))
+        .row(row([0.0, 1.0, 0.0], n, FAST_PRICE))
+        .row(row([0.0, -1.0, 0.0], n, SLOW_PRICE))
         .row(fourth)
         .build()
 }

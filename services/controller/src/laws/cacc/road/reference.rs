@@ -8,7 +8,9 @@
 //! d = v* (D + h) + v*² / (2 b)    ->    v* = b (sqrt((D + h)² + 2 d / b) - (D + h))
 //! ```
 //!
-//! so that it glides to a light about to turn green instead of braking for it.
+//! so that it glides to a light about to turn green instead of braking for it. It slows down to that speed early:
+//! then it is still rolling when the light opens. Here `b` is the comfort deceleration, which is needed only where
+//! the light does not open as announced. Behind a lead that waits at the line, that lead's place and start count.
 
 use super::lead::Prediction;
 use super::signals::Line;
@@ -23,6 +25,10 @@ const LINE_HEADWAY_S: f64 = 1.0;
 const GLIDE_LAG_S: f64 = 0.5;
 /// Band of speed above `v*` over which gliding fades into braking, m/s.
 const GLIDE_BAND_MPS: f64 = 1.0;
+/// A lead slower than this in front of a closed line waits there, m/s.
+const WAITS_MPS: f64 = 0.5;
+/// Time from green to the start of a waiting driver, s: the reaction that traffic engineers reckon with (ITE 2020).
+const START_S: f64 = 1.0;
 /// Slowest speed at which a later line's arrival is estimated, m/s.
 const CREEP_MPS: f64 = 1.0;
 
@@ -41,6 +47,8 @@ pub(super) enum Gate {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scene<'a> {
     pub(super) driver: Driver,
+    /// Deceleration with which a glide could still stop, m/s².
+    pub(super) glide_mps2: f64,
     pub(super) lag: LagStep,
     pub(super) horizon: usize,
     pub(super) now_s: f64,
@@ -156,11 +164,13 @@ impl Scene<'_> {
         }
         let time = self.now_s + k as f64 * self.lag.step_s;
         let mut ceiling = f64::INFINITY;
+        let mut is_next = true;
         for (j, line) in self.lines.iter().enumerate() {
             let distance = line.at_m - self.origin_m - here.position_m;
             if distance <= 0.0 {
                 continue;
             }
+            let glides = std::mem::replace(&mut is_next, false);
             let opens = match (j, nearest) {
                 (0, Gate::Open) => continue,
                 (0, Gate::Closed) => None,
@@ -173,14 +183,37 @@ impl Scene<'_> {
                 },
             };
             ceiling = ceiling.min(line.at_m - self.origin_m - self.stop_margin_m);
-            request = request.min(self.before_line(free, v, distance, opens.map(|at| at - time)));
+            let (room, wait_s) = self.queue(k, here, distance);
+            let opens_in_s = opens.map(|at| at - time + wait_s);
+            request =
+                request.min(self.before_line(free, v, distance.min(room), opens_in_s, glides));
         }
         (request, ceiling)
     }
 
+    /// The room before a closed line, m, and by how much later than the line it opens, s: a lead that waits there has
+    /// to start first.
+    fn queue(&self, k: usize, here: Motion, distance: f64) -> (f64, f64) {
+        let gap = self.lead.position_m[k] - here.position_m;
+        let waits = self.lead.present && gap < distance && self.lead.speed_mps[k] < WAITS_MPS;
+        if waits {
+            (gap - self.standstill_m + self.stop_margin_m, START_S)
+        } else {
+            (distance, 0.0)
+        }
+    }
+
     /// Request in front of a closed line that opens in so many seconds, at a speed at which the driver asks for
     /// `free` on an open road.
-    fn before_line(&self, free: f64, v: f64, distance: f64, opens_in_s: Option<f64>) -> f64 {
+    /// Only the next line is glided to: slowing down for a later one could cost a green before it.
+    fn before_line(
+        &self,
+        free: f64,
+        v: f64,
+        distance: f64,
+        opens_in_s: Option<f64>,
+        glides: bool,
+    ) -> f64 {
         let line = Obstacle {
             gap_m: distance,
             speed_mps: 0.0,
@@ -190,14 +223,15 @@ impl Scene<'_> {
         };
         let stop = self.driver.follow_below_mps2(free, v, self.desired_mps, &line);
         let Some(left) = opens_in_s else { return stop };
-        let b = self.driver.deceleration_mps2;
+        let b = self.glide_mps2;
         let wait = left + GLIDE_LAG_S;
         let room = (distance - self.stop_margin_m).max(0.0);
         let glide = b * ((wait * wait + 2.0 * room / b).sqrt() - wait);
-        // Above the glide speed the line is to be braked for as if it stayed closed.
+        let gliding = self.driver.free_mps2(v, glide.min(self.desired_mps));
+        // Above the glide speed the line is to be braked for as if it stayed closed, and at least as for the glide.
         let share = (1.0 + (glide - v) / GLIDE_BAND_MPS).clamp(0.0, 1.0);
-        let free = self.driver.free_mps2(v, glide.min(self.desired_mps));
-        stop + share * (free - stop).max(0.0)
+        let request = stop + share * (gliding - stop).max(0.0);
+        if glides { request.min(gliding) } else { request }
     }
 
     /// A line behind the nearest is open when it is green now and will be on arrival.
@@ -231,6 +265,7 @@ mod tests {
         lead.update(Some(&standing), 0.1, 0.9);
         let scene = Scene {
             driver: Driver { acceleration_mps2: 2.0, deceleration_mps2: 1.7, hardest_mps2: 4.9 },
+            glide_mps2: 3.0,
             lag: lag.discretise(0.1),
             horizon: 100,
             now_s: 0.0,

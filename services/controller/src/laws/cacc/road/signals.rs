@@ -9,6 +9,9 @@ use crate::law::{Input, MAX_PHASES, MAX_SIGNALS, Phase, SignalAhead};
 /// Ids of signals: that of the intersection times this, plus the signal group's.
 const GROUPS: u32 = 256;
 
+/// Two announcements of one end differ by no more than this, s.
+const SAME_END_S: f64 = 0.35;
+
 /// A time during which a line may be crossed, on the clock of [`Input::time_s`], s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Green {
@@ -51,6 +54,7 @@ impl Line {
     }
 
     fn read(&mut self, signal: &SignalAhead, now_s: f64) {
+        let before = self.greens;
         let intervals = &signal.intervals[..signal.count.min(MAX_PHASES)];
         let mut from = now_s;
         let mut count = 0;
@@ -71,7 +75,11 @@ impl Line {
                     greens[count - 1].clear_s = to;
                 }
                 Phase::Yellow if first => {
-                    greens[count] = Green { from_s: from, to_s: from, clear_s: to };
+                    // The green that this yellow follows ended when it was last announced to.
+                    let same = |green: &&Green| (green.clear_s - to).abs() <= SAME_END_S;
+                    let known = before[..self.count].iter().find(same);
+                    let to_s = known.map_or(from, |green| green.to_s.min(from));
+                    greens[count] = Green { from_s: to_s, to_s, clear_s: to };
                     count += 1;
                 }
                 Phase::Yellow | Phase::Red => {}
@@ -203,6 +211,21 @@ mod tests {
             Green { from_s: 15.0, to_s: 35.0, clear_s: 38.0 },
         ];
         assert_eq!(line.greens(), expected);
+    }
+
+    #[test]
+    fn a_yellow_keeps_the_end_of_its_green() {
+        let mut memory = SignalMemory::default();
+        let green = [(Phase::Green, 2.0), (Phase::Yellow, 5.0), (Phase::Red, 20.0)];
+        memory.update(&input(0.0, 0.0, Some(signal(50.0, &green))));
+        for time_s in [3.0, 3.5] {
+            let yellow = [(Phase::Yellow, 5.0 - time_s), (Phase::Red, 17.0)];
+            memory.update(&input(10.0, time_s, Some(signal(40.0, &yellow))));
+            assert_eq!(
+                memory.lines()[0].greens()[0],
+                Green { from_s: 2.0, to_s: 2.0, clear_s: 5.0 }
+            );
+        }
     }
 
     #[test]
