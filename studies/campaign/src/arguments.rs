@@ -11,7 +11,8 @@ use std::num::{NonZeroU32, NonZeroUsize};
 #[command(
     after_help = "Built-in campaigns: kills, messages, restarts, soak, takeovers. `plausibility` prints how often and how \
 fast the controller's checks of its inputs find a false sender, `radio` what becomes of frames that are lost, late \
-and falsified (2,000 runs, or --sample N from --first M on)."
+and falsified (2,000 runs, or --sample N from --first M on), `signals` trips through corridors of signals, `cacc-mpc` \
+against an ACC that stops for them (500 corridors, or --seeds N from --first M on)."
 )]
 pub struct CampaignArguments {
     /// A campaign file, an OpenSCENARIO parameter variation (.xosc), or the name of a built-in campaign
@@ -20,7 +21,7 @@ pub struct CampaignArguments {
     /// Do only N of the runs, drawn by the first seed
     #[arg(long, value_name = "N", conflicts_with = "merge")]
     pub sample: Option<NonZeroUsize>,
-    /// Begin with run number N: `radio` alone
+    /// Begin with run or corridor number N: `radio` and `signals` alone
     #[arg(long, value_name = "N", conflicts_with = "merge")]
     pub first: Option<NonZeroUsize>,
     /// Runs of every combination, instead of what the file says

@@ -2,6 +2,7 @@
 
 use super::file::{BUILTIN, RADIO};
 use crate::plausibility;
+use crate::signals;
 use group::Failure;
 use scenario::faults::Kind;
 use std::path::PathBuf;
@@ -11,13 +12,14 @@ use std::path::PathBuf;
 pub enum CampaignError {
     /// Nothing says which.
     #[error(
-        "no campaign is named, expected a file or one of {}, {RADIO}, {}",
+        "no campaign is named, expected a file or one of {}, {RADIO}, {}, {}",
         BUILTIN.map(|builtin| builtin.name).join(", "),
+        signals::NAME,
         plausibility::NAME
     )]
     NoneNamed,
     /// The runs have no numbers that their draws come from.
-    #[error("--first is for the campaign `{}` alone", RADIO)]
+    #[error("--first is for the campaigns `{}` and `{}` alone", RADIO, signals::NAME)]
     FirstOfNone,
     /// Each run has its own seed.
     #[error(
@@ -27,8 +29,13 @@ pub enum CampaignError {
     )]
     NoSeeds,
     /// An option of campaigns whose runs are kept.
-    #[error("{0} is not for the campaign `{name}`, which always does all of its runs", name = plausibility::NAME)]
-    NotForAll(&'static str),
+    #[error("{option} is not for the campaign `{name}`, which always does all of its runs")]
+    NotForAll {
+        /// The option.
+        option: &'static str,
+        /// The campaign.
+        name: &'static str,
+    },
     /// The directory is another one's.
     #[error(
         "{} holds another campaign, or another shard of it, expected the one that it began with",

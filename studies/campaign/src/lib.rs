@@ -25,6 +25,7 @@ mod record;
 mod records;
 mod reference;
 mod shards;
+mod signals;
 mod tally;
 mod variation;
 mod verdict;
@@ -49,8 +50,9 @@ use std::collections::BTreeSet;
 use std::process::ExitCode;
 
 /// Campaigns that come from no file: their names and what they do.
-pub const WITHOUT_FILE: [(&str, &str); 2] = [
+pub const WITHOUT_FILE: [(&str, &str); 3] = [
     (file::RADIO, "2,000 drives through signals whose frames are lost, late and falsified"),
+    (signals::NAME, "500 corridors of signals, `cacc-mpc` against an ACC that stops for them"),
     (plausibility::NAME, "how often and how fast the checks of the inputs find a false sender"),
 ];
 
@@ -63,7 +65,7 @@ const SAMPLE_SEED: u64 = 1;
 /// Runs the command.
 pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     if arguments.campaign.as_deref() == Some(plausibility::NAME) {
-        refuse_parts(arguments)?;
+        refuse_options(arguments, plausibility::NAME, &[])?;
         return plausibility::run(&arguments.group, arguments.jobs, arguments.json);
     }
     if arguments.campaign.as_deref() == Some(file::RADIO) {
@@ -71,6 +73,10 @@ pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
             return Err(CampaignError::NoSeeds.into());
         }
         return radio::drive(arguments);
+    }
+    if arguments.campaign.as_deref() == Some(signals::NAME) {
+        refuse_options(arguments, signals::NAME, &["--first", "--seeds"])?;
+        return signals::run(arguments);
     }
     if arguments.first.is_some() {
         return Err(CampaignError::FirstOfNone.into());
@@ -81,8 +87,12 @@ pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     if arguments.parts.merge.is_empty() { drive(arguments) } else { merge(arguments) }
 }
 
-/// What chooses runs, of a campaign that has one table of them all.
-fn refuse_parts(arguments: &CampaignArguments) -> Result<(), CampaignError> {
+/// Refuses the options that choose runs, but those that `name` takes: it has one table of all its runs.
+fn refuse_options(
+    arguments: &CampaignArguments,
+    name: &'static str,
+    takes: &[&str],
+) -> Result<(), CampaignError> {
     let given = [
         ("--sample", arguments.sample.is_some()),
         ("--first", arguments.first.is_some()),
@@ -90,8 +100,8 @@ fn refuse_parts(arguments: &CampaignArguments) -> Result<(), CampaignError> {
         ("--shard", arguments.parts.shard.is_some()),
         ("--resume", arguments.parts.resume.is_some()),
     ];
-    match given.into_iter().find(|(_, is_given)| *is_given) {
-        Some((option, _)) => Err(CampaignError::NotForAll(option)),
+    match given.into_iter().find(|(option, is_given)| *is_given && !takes.contains(option)) {
+        Some((option, _)) => Err(CampaignError::NotForAll { option, name }),
         None => Ok(()),
     }
 }

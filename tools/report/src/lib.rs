@@ -32,7 +32,7 @@ pub use following::Following;
 pub use picture::RunPicture;
 pub use run::{page as run_page, pictures as run_pictures};
 pub use timing::{Distribution, distributions};
-pub use trip::Trip;
+pub use trip::{Passing, Trip, nothing_ahead};
 
 /// Name of the page in the results' directory.
 pub const FILE: &str = "report.html";

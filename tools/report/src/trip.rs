@@ -8,7 +8,7 @@
 use group::DriveStep;
 use scenario::Scenario;
 use scenario::plant::Plant;
-use scenario::v2x::Phase;
+use scenario::v2x::{Phase, Signal};
 use serde::{Deserialize, Serialize};
 use v2x_sim::program::Program;
 
@@ -46,32 +46,80 @@ impl Trip {
 
 /// When the last stop line can be passed at the earliest, s.
 fn fastest(scenario: &Scenario) -> Option<f64> {
-    let plant = &scenario.plant;
-    if plant.vehicle.is_truck() {
-        return None;
-    }
-    let limit_mps = scenario.speed_limit_mps.map_or(f64::INFINITY, |limit| limit.value());
-    let top_mps = scenario.set_speed_mps.value().min(limit_mps);
-    let (mut time_s, mut place_m) = (0.0, 0.0);
-    let mut speed_mps = plant.initial_speed_mps.value().min(top_mps);
+    let mut ego = Passing::start(scenario);
     let ahead = scenario.v2x.signals.iter().filter(|signal| signal.stop_line_m.value() > 0.0);
     for signal in ahead {
-        let line_m = signal.stop_line_m.value();
-        while place_m < line_m {
+        ego = ego.past(scenario, signal, &nothing_ahead)?;
+    }
+    Some(ego.time_s)
+}
+
+/// A place on the fastest legal trip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passing {
+    /// Run time, s.
+    pub time_s: f64,
+    /// Position of the front, m.
+    pub place_m: f64,
+    /// Speed, m/s.
+    pub speed_mps: f64,
+}
+
+impl Passing {
+    /// The start of a scenario.
+    #[must_use]
+    pub fn start(scenario: &Scenario) -> Self {
+        let speed_mps = scenario.plant.initial_speed_mps.value();
+        Self { time_s: 0.0, place_m: 0.0, speed_mps }
+    }
+
+    /// The earliest passing of a stop line ahead, never beyond what is `ahead` at a time, m; `None` for trucks, and
+    /// where it stays red.
+    #[must_use]
+    pub fn past(
+        self,
+        scenario: &Scenario,
+        signal: &Signal,
+        ahead: &dyn Fn(f64) -> f64,
+    ) -> Option<Self> {
+        let program = Program::new(signal);
+        let at = self.along(scenario, signal.stop_line_m.value(), ahead)?;
+        let time_s = opens_s(&program, at.time_s)?;
+        Some(Self { time_s, ..at })
+    }
+
+    /// The earliest passing of a place ahead, without signals; `None` for trucks, and where it cannot be reached.
+    #[must_use]
+    pub fn along(self, scenario: &Scenario, to_m: f64, ahead: &dyn Fn(f64) -> f64) -> Option<Self> {
+        let plant = &scenario.plant;
+        if plant.vehicle.is_truck() {
+            return None;
+        }
+        let limit_mps = scenario.speed_limit_mps.map_or(f64::INFINITY, |limit| limit.value());
+        let top_mps = scenario.set_speed_mps.value().min(limit_mps);
+        let Self { mut time_s, mut place_m, speed_mps } = self;
+        let mut speed_mps = speed_mps.min(top_mps);
+        while place_m < to_m {
             let next_mps = (speed_mps + STEP_S * acceleration_mps2(plant, speed_mps)).min(top_mps);
-            let way_m = 0.5 * STEP_S * (speed_mps + next_mps);
-            if time_s > LONGEST_S || way_m <= 0.0 {
+            let free_m = 0.5 * STEP_S * (speed_mps + next_mps);
+            let room_m = (ahead(time_s + STEP_S) - place_m).max(0.0);
+            if time_s > LONGEST_S || free_m <= 0.0 {
                 return None;
             }
-            let share = ((line_m - place_m) / way_m).min(1.0);
+            let way_m = free_m.min(room_m);
+            let share = if way_m > 0.0 { ((to_m - place_m) / way_m).min(1.0) } else { 1.0 };
             time_s += share * STEP_S;
             place_m += way_m;
-            speed_mps = next_mps;
+            speed_mps = if way_m < free_m { way_m / STEP_S } else { next_mps };
         }
-        place_m = line_m;
-        time_s = opens_s(&Program::new(signal), time_s)?;
+        Some(Self { time_s, place_m: to_m, speed_mps })
     }
-    Some(time_s)
+}
+
+/// Nothing ahead, for [`Passing`].
+#[must_use]
+pub fn nothing_ahead(_: f64) -> f64 {
+    f64::INFINITY
 }
 
 /// The hardest acceleration at a speed, m/s².

@@ -289,7 +289,8 @@ impl RoadLaw {
         if road.yellow_reaction_s == 0.0 {
             return 0.0;
         }
-        let stop_s = road.yellow_reaction_s + speed_mps / (2.0 * road.comfort_deceleration_mps2);
+        let lag_s = road.yellow_reaction_s + self.config.actuator_lag_s;
+        let stop_s = lag_s + speed_mps / (2.0 * road.comfort_deceleration_mps2);
         stop_s.min(green.clear_s - green.to_s - road.pass_margin_s).max(0.0)
     }
 

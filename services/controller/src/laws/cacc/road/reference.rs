@@ -29,6 +29,8 @@ const GLIDE_BAND_MPS: f64 = 1.0;
 const WAITS_MPS: f64 = 0.5;
 /// Time from green to the start of a waiting driver, s: the reaction that traffic engineers reckon with (ITE 2020).
 const START_S: f64 = 1.0;
+/// Share of its acceleration that the driver has on average on the way to its speed.
+const LATER_SHARE: f64 = 0.7;
 /// Slowest speed at which a later line's arrival is estimated, m/s.
 const CREEP_MPS: f64 = 1.0;
 
@@ -234,12 +236,21 @@ impl Scene<'_> {
         if glides { request.min(gliding) } else { request }
     }
 
-    /// A line behind the nearest is open when it is green now and will be on arrival.
+    /// A line behind the nearest is open when it is green now and will be on arrival. On the way the driver gains
+    /// speed.
     fn later_line(&self, line: &Line, time: f64, distance: f64, v: f64) -> Gate {
         if !line.known {
             return Gate::Closed;
         }
-        let arrival = time + distance / v.max(CREEP_MPS) + self.pass_margin_s;
+        let (a, top) = (LATER_SHARE * self.driver.acceleration_mps2, self.desired_mps.max(v));
+        let gaining_s = (top - v) / a;
+        let gained_m = 0.5 * (v + top) * gaining_s;
+        let way_s = if gained_m < distance {
+            gaining_s + (distance - gained_m) / top.max(CREEP_MPS)
+        } else {
+            ((v * v + 2.0 * a * distance).sqrt() - v) / a
+        };
+        let arrival = time + way_s + self.pass_margin_s;
         for green in line.greens() {
             if arrival > green.to_s {
                 continue;

@@ -9,6 +9,8 @@ use crate::law::{Input, MAX_PHASES, MAX_SIGNALS, Phase, SignalAhead};
 /// Ids of signals: that of the intersection times this, plus the signal group's.
 const GROUPS: u32 = 256;
 
+/// A phase that is missing for no longer than this is the one that was announced, s.
+const BRIDGED_S: f64 = 0.25;
 /// Two announcements of one end differ by no more than this, s.
 const SAME_END_S: f64 = 0.35;
 
@@ -83,17 +85,18 @@ impl Line {
                     count += 1;
                 }
                 Phase::Yellow | Phase::Red => {}
-                Phase::Unknown if first => {
-                    self.known = false;
-                    return;
-                }
+                Phase::Unknown if first => break,
                 Phase::Unknown => break,
             }
             first = false;
             from = to;
         }
-        self.known = !first;
-        if self.known {
+        // Between the end of green and the next message, the yellow that was announced for then holds.
+        let heard_s = self.heard_s;
+        let was_open = |green: &Green| green.from_s <= heard_s && now_s < green.clear_s;
+        let bridged = now_s - heard_s <= BRIDGED_S && self.greens().first().is_some_and(was_open);
+        self.known = !first || bridged;
+        if !first {
             self.heard_s = now_s;
             self.greens = greens;
             self.count = count;
@@ -226,6 +229,24 @@ mod tests {
                 Green { from_s: 2.0, to_s: 2.0, clear_s: 5.0 }
             );
         }
+    }
+
+    #[test]
+    fn a_gap_between_two_messages_is_bridged_for_what_was_open_alone() {
+        let unknown = || Some(signal(50.0, &[(Phase::Unknown, 9.0)]));
+        let told = |phases: &[(Phase, f64)]| {
+            let mut memory = SignalMemory::default();
+            memory.update(&input(0.0, 0.0, Some(signal(50.0, phases))));
+            memory
+        };
+        let mut green = told(&[(Phase::Green, 0.1), (Phase::Yellow, 3.0)]);
+        green.update(&input(0.0, 0.2, unknown()));
+        assert!(green.lines()[0].known && green.lines()[0].shown(0.2).is_some());
+        green.update(&input(0.0, 0.4, unknown()));
+        assert!(!green.lines()[0].known);
+        let mut red = told(&[(Phase::Red, 0.1), (Phase::Green, 9.0)]);
+        red.update(&input(0.0, 0.2, unknown()));
+        assert!(!red.lines()[0].known);
     }
 
     #[test]
