@@ -65,7 +65,14 @@ impl Config {
         match key!(reader, spacing_policy) {
             SpacingPolicy::ConstantTimeHeadway => {
                 if signals == Signals::Ignored {
-                    let of_signals = ["stop_margin_m", "pass_margin_s", "hysteresis"];
+                    let of_signals = [
+                        "stop_margin_m",
+                        "pass_margin_s",
+                        "yellow_reaction_s",
+                        "light_weight_m",
+                        "light_threshold_m",
+                        "hysteresis",
+                    ];
                     reader.without(TABLE.name, &of_signals);
                 }
                 Self::of_road(reader)
