@@ -10,6 +10,7 @@ use crate::laws::cacc::config::Config;
 /// The meaning of the numbers in the output.
 pub static FORMULATION: Formulation = Formulation {
     name: "signal-stop",
+    caution: None,
     modes: &["cruise", "follow", "go-on", "stop"],
     reasons: &["start", "target-lost", "target-found", "too-late-to-stop", "closed"],
     figures: &[
