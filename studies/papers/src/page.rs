@@ -126,7 +126,7 @@ fn cells(row: &Row) -> [Cell; 11] {
 fn pictures(paper: &Paper) -> String {
     let gallery = |gallery: &Gallery| {
         let plots: String = gallery.plots.iter().map(|plot| figure(plot)).collect();
-        format!("<h3>{}</h3>\n{plots}", escape(&gallery.heading))
+        format!("<h3>{}</h3>\n<div class=\"columns\">{plots}</div>\n", escape(&gallery.heading))
     };
     paper.pictures.iter().map(gallery).collect()
 }
