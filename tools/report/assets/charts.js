@@ -243,6 +243,25 @@
     ctx.font = FONT.replace("12px", 12 * ratio + "px");
     ctx.textBaseline = "alphabetic";
     ctx.setLineDash([]);
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(bbox.left - 9 * ratio, 0, bbox.width + 18 * ratio, ctx.canvas.height);
+    ctx.clip();
+    let free = -Infinity;
+    for (const [at, label] of chart.marks) {
+      const x = u.valToPos(at, "x", true);
+      ctx.strokeStyle = colour("alarm"); ctx.lineWidth = 1.2 * ratio;
+      ctx.setLineDash([3 * ratio, 3 * ratio]);
+      ctx.beginPath(); ctx.moveTo(x, bbox.top); ctx.lineTo(x, bbox.top + bbox.height); ctx.stroke();
+      ctx.setLineDash([]);
+      // Close numbers stand beside each other.
+      const middle = Math.max(x, free);
+      free = middle + 17 * ratio;
+      ctx.fillStyle = colour("alarm");
+      ctx.beginPath(); ctx.arc(middle, 10 * ratio, 8 * ratio, 0, 7); ctx.fill();
+      write(String(label), middle, 14 * ratio, "center", "card");
+    }
+    ctx.restore();
     if (!chart.y.rows) write(chart.y.label, 4 * ratio, 13 * ratio, "left", "quiet");
     (chart.y.rows || []).forEach((name, row) =>
       write(name, bbox.left, u.valToPos(chart.y.high - row - 0.36, "y", true), "left", "text", true));
@@ -265,20 +284,6 @@
       ctx.strokeStyle = colour("text"); ctx.lineWidth = 2 * ratio; ctx.stroke();
       const left = across > bbox.left + bbox.width * 0.7;
       if (chart.points.length <= 12) write(label, across + (left ? -8 : 8) * ratio, up + 4 * ratio, left ? "right" : "left", "text", true);
-    }
-    let free = -Infinity;
-    for (const [at, label] of chart.marks) {
-      const x = u.valToPos(at, "x", true);
-      ctx.strokeStyle = colour("alarm"); ctx.lineWidth = 1.2 * ratio;
-      ctx.setLineDash([3 * ratio, 3 * ratio]);
-      ctx.beginPath(); ctx.moveTo(x, bbox.top); ctx.lineTo(x, bbox.top + bbox.height); ctx.stroke();
-      ctx.setLineDash([]);
-      // Close numbers stand beside each other.
-      const middle = Math.max(x, free);
-      free = middle + 17 * ratio;
-      ctx.fillStyle = colour("alarm");
-      ctx.beginPath(); ctx.arc(middle, 10 * ratio, 8 * ratio, 0, 7); ctx.fill();
-      write(String(label), middle, 14 * ratio, "center", "card");
     }
     ctx.restore();
   };
