@@ -1,5 +1,6 @@
 //! What the whole-system tests share: a command in a corner of its own, and what it leaves there.
 
+pub mod browser;
 pub mod cases;
 pub mod fuzz;
 pub mod python;
