@@ -173,25 +173,27 @@
     return ctx.createPattern(tile, "repeat");
   };
 
-  // The sample of a point nearest to the pointer: along x, or in the plane where x turns back.
-  const nearest = (u, own, series) => {
+  // The point of a line under the pointer: along x, or the nearest one where x turns back.
+  const sample = (u, own, series) => {
     const [x, y] = u.data[own], at = u.posToVal(u.cursor.left, "x");
     if (series.turns) {
       let best = null, least = 30 ** 2;
       x.forEach((value, index) => {
         if (y[index] === null) return;
         const across = u.valToPos(value, "x") - u.cursor.left, up = u.valToPos(y[index], "y") - u.cursor.top;
-        if (across ** 2 + up ** 2 < least) { least = across ** 2 + up ** 2; best = index; }
+        if (across ** 2 + up ** 2 < least) { least = across ** 2 + up ** 2; best = { x: value, y: y[index] }; }
       });
       return best;
     }
     let low = 0, high = x.length - 1;
-    if (high < 0 || at < x[low] - 1e-9 || at > x[high] + 1e-9) return null;
+    if (high < 0 || at < x[low] || at > x[high]) return null;
     while (high - low > 1) {
       const middle = (low + high) >> 1;
       if (x[middle] <= at) low = middle; else high = middle;
     }
-    return series.steps || at - x[low] <= x[high] - at ? low : high;
+    if (y[low] === null || (y[high] === null && !series.steps)) return null;
+    const share = series.steps || x[high] === x[low] ? 0 : (at - x[low]) / (x[high] - x[low]);
+    return { x: at, y: y[low] + share * (y[high] - y[low]) };
   };
 
   // What the boxes and rows say under the pointer.
@@ -224,10 +226,16 @@
     return parts.sort((a, b) => b[0] - a[0]).map((part) => part[1]);
   };
 
-  const pointer = (u, chart, output) => {
+  const pointer = (u, chart, output, dots) => {
     const inside = u.cursor.left >= 0;
     const parts = inside ? [`${chart.x.label}: ${told(chart.x, u.posToVal(u.cursor.left, "x"))}`, ...under(u, chart)] : [];
     output.textContent = parts.join(" · ");
+    u.setLegend(null, false);
+    dots.forEach((dot, index) => {
+      const shown = dot && inside && u.series[index + 1].show && sample(u, index + 1, chart.series[index]);
+      if (dot) dot.hidden = !shown;
+      if (shown) dot.style.transform = `translate(${u.valToPos(shown.x, "x")}px, ${u.valToPos(shown.y, "y")}px)`;
+    });
   };
 
   // Texts, marks and points over the series.
@@ -307,7 +315,7 @@
       const dash = DECLARED[series.stroke] || DASHES[solid.indexOf(series.tone) % DASHES.length];
       return { ...common, paths: linePath(series), width: series.width, cap: dash.length ? "butt" : "round",
         dash: dash.map((length) => length * uPlot.pxRatio), stroke: () => colour(series.tone),
-        value: (u, _, own, sample) => told(chart.y, sample === null ? null : u.data[own][1][sample]) };
+        value: (u, _, own, index) => told(chart.y, index === null ? null : sample(u, own, series)?.y) };
     });
   };
 
@@ -352,6 +360,7 @@
     };
     const wide = mount.clientWidth >= 500;
     const linked = (type) => type === "mousemove" || type === "mouseleave";
+    const dots = [];
     const u = new uPlot({
       mode: 2, width: mount.clientWidth, height: chart.height + 70, padding: [24, chart.x.format === "duration" ? 22 : 14, 0, 0],
       scales: { x: scale(chart.x), y: scale(chart.y, Boolean(chart.map)) },
@@ -369,21 +378,24 @@
       cursor: {
         y: false, drag: { x: !chart.live, y: false, dist: 4 },
         bind: chart.live ? { dblclick: () => null } : {},
-        dataIdx: (u, index) => {
-          const series = chart.series[index - 1];
-          return series.kind === "line" ? nearest(u, index, series) : null;
-        },
-        points: { size: 8, fill: (u, index) => `var(--${chart.series[index - 1].tone})` },
+        dataIdx: (u, own) => (chart.series[own - 1].kind === "line" && sample(u, own, chart.series[own - 1]) ? 0 : null),
+        points: { show: false },
         sync: { key, scales: ["x", null], filters: { pub: linked, sub: linked } },
       },
       hooks: {
         setScale: [zoomed],
-        setCursor: [(u) => pointer(u, chart, output)],
+        setCursor: [(u) => pointer(u, chart, output, dots)],
         draw: [(u) => over(u, chart)],
       },
     }, [null, ...chart.series.map((series) => [series.x, series.y])], mount);
     u.root.querySelectorAll(".u-series").forEach((row, index) => { row.style.order = chart.series[index].order; });
     whole.onclick = () => u.setScale("x", { min: low, max: high });
+    dots.push(...chart.series.map((series) => {
+      if (series.kind !== "line") return null;
+      const dot = element("i", u.over, { className: "dot", hidden: true });
+      dot.style.background = `var(--${series.tone})`;
+      return dot;
+    }));
     output.className = "pointer";
     u.root.append(output);
     touch(u.over);
