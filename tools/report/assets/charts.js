@@ -315,7 +315,7 @@
       const dash = DECLARED[series.stroke] || DASHES[solid.indexOf(series.tone) % DASHES.length];
       return { ...common, paths: linePath(series), width: series.width, cap: dash.length ? "butt" : "round",
         dash: dash.map((length) => length * uPlot.pxRatio), stroke: () => colour(series.tone),
-        value: (u, _, own, index) => told(chart.y, index === null ? null : sample(u, own, series)?.y) };
+        value: (u, _, own, index) => series.repeated ? "" : told(chart.y, index === null ? null : sample(u, own, series)?.y) };
     });
   };
 
@@ -361,6 +361,14 @@
     const wide = mount.clientWidth >= 500;
     const linked = (type) => type === "mousemove" || type === "mouseleave";
     const dots = [];
+    // Lines that look the same are one entry of the legend, without a value.
+    const name = ({ label, tone, stroke }) => [label, tone, stroke].join();
+    const repeats = (index) => chart.series.flatMap((other, at) => (name(other) === name(chart.series[index]) ? [at] : []));
+    const hideRepeats = (u, own, { show }) => {
+      if (own === null || show === undefined) return;
+      for (const index of repeats(own - 1)) if (u.series[index + 1].show !== show) u.setSeries(index + 1, { show });
+    };
+    chart.series.forEach((series, index) => { series.repeated = repeats(index).length > 1; });
     const u = new uPlot({
       mode: 2, width: mount.clientWidth, height: chart.height + 70, padding: [24, chart.x.format === "duration" ? 22 : 14, 0, 0],
       scales: { x: scale(chart.x), y: scale(chart.y, Boolean(chart.map)) },
@@ -384,11 +392,15 @@
       },
       hooks: {
         setScale: [zoomed],
+        setSeries: [hideRepeats],
         setCursor: [(u) => pointer(u, chart, output, dots)],
         draw: [(u) => over(u, chart)],
       },
     }, [null, ...chart.series.map((series) => [series.x, series.y])], mount);
-    u.root.querySelectorAll(".u-series").forEach((row, index) => { row.style.order = chart.series[index].order; });
+    u.root.querySelectorAll(".u-series").forEach((row, index) => {
+      row.style.order = chart.series[index].order;
+      row.hidden = repeats(index)[0] !== index;
+    });
     whole.onclick = () => u.setScale("x", { min: low, max: high });
     dots.push(...chart.series.map((series) => {
       if (series.kind !== "line") return null;
