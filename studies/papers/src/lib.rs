@@ -147,7 +147,7 @@ pub fn run(arguments: &ReproduceArguments) -> Result<ExitCode, Error> {
     }
     let processes_sample = sample?;
     let ok = done.iter().flat_map(|paper| &paper.rows).all(|row| row.verdict() != Verdict::Outside);
-    let reproduction = Reproduction { schema_version: 2, ok, papers: done, processes_sample };
+    let reproduction = Reproduction { schema_version: 1, ok, papers: done, processes_sample };
     let json = serde_json::to_string_pretty(&reproduction).expect("plain data");
     let written = output.write("reproduce.json", (json.clone() + "\n").as_bytes());
     let written = written.and_then(|()| output.write(report::FILE, page(&reproduction).as_bytes()));

@@ -95,6 +95,9 @@ pub struct Row {
     /// Variant of law, scene and weights that the row belongs to; empty where there is only one.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub set: String,
+    /// Set of weights, where there are several: the name that it has had in results from the first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub weights: Option<&'static str>,
     /// Sentence, figure or equation of the paper behind the expected value, shortened.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub source: Option<&'static str>,
@@ -182,6 +185,7 @@ impl Row {
         Self {
             id: id.into(),
             set: String::new(),
+            weights: None,
             source: None,
             inferred: None,
             kind,
@@ -213,6 +217,7 @@ impl Row {
         Self {
             id: id.into(),
             set: String::new(),
+            weights: None,
             source: None,
             inferred: None,
             kind,

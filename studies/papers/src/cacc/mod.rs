@@ -19,6 +19,7 @@ pub use scenes::{
 };
 pub use trajectory::Runs;
 
+use super::row::Row;
 use super::runner::{Driven, Part, Runner, together};
 use controller::laws::cacc::weights::{self, Weights};
 use figures::Figure;
@@ -49,6 +50,15 @@ impl Set {
             Self::Joint => "one set of weights",
             Self::Fitted => "weights fitted to each scenario",
             Self::Equation1 => "equation 1 as printed, one set of weights",
+        }
+    }
+
+    /// Name of its weights in results; equation 1 has them from the first set.
+    const fn weights(self) -> Option<&'static str> {
+        match self {
+            Self::Joint => Some("joint"),
+            Self::Fitted => Some("single"),
+            Self::Equation1 => None,
         }
     }
 
@@ -106,6 +116,7 @@ pub(super) fn reproduce(runner: &Runner<'_>) -> Result<Part, Error> {
         let figures = PRINTED.iter().chain(CLAIMS).filter(|figure| set.has(figure));
         part.rows.extend(figures.map(|figure| {
             let row = figure.row(&runs, set.calibration());
+            let row = Row { weights: set.weights(), ..row };
             row.in_set(set.name()).depending_on(set.inferred(figure))
         }));
         if set == Set::Joint {
