@@ -49,6 +49,7 @@ fn the_pointer_shows_values_and_a_zoom_is_linked() {
     let corner = Corner::new(PROGRAM);
     run(&corner);
     let mut browser = open(&corner, 0);
+    browser.evaluate("document.querySelector('.u-over').scrollIntoView({ block: 'center' })");
     let first = browser.evaluate(FIRST);
     let [left, top, width, height] =
         ["left", "top", "width", "height"].map(|key| float(&first[key]));
