@@ -12,9 +12,10 @@ use scenario::schema::{self, Key, Shape};
 use scenario::{Overrides, Scenario};
 
 /// Laws with the keys that choose a variant, and the vehicle that they drive.
-const SUBJECTS: [(&str, &[&str]); 11] = [
+const SUBJECTS: [(&str, &[&str]); 12] = [
     ("acc-mpc", &[]),
     ("acc-mpc", &["controller.spacing_policy=constant-distance"]),
+    ("acc-signal-stop", &[]),
     ("cacc-mpc", &[]),
     ("cacc-mpc", &["controller.spacing_policy=measured-headway"]),
     ("six-mode", &[]),
