@@ -61,7 +61,7 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// The values of the reference design; the paper's own are lost.
+    /// The values of the reference design, a reconstruction: the paper prints none of them.
     #[must_use]
     pub fn reference() -> Self {
         Self {
