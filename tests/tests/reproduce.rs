@@ -147,3 +147,25 @@ fn a_solver_is_chosen_by_a_key_and_both_drive_alike() {
     let (Some(a), Some(b)) = (crossing(&ours), crossing(&oracle)) else { panic!("both cross") };
     assert!((a - b).abs() < 1e-3, "{a} and {b}");
 }
+
+#[test]
+fn an_uncertified_law_is_called_so_in_every_summary() {
+    let corner = Corner::new(PROGRAM);
+    let run = |gains: &str| {
+        let key = format!("controller.quadratic_bounded.gains={gains}");
+        let run = ["run", "quadratic-bounded-cut-in", "--mode", "lockstep", "--set", &key];
+        let output = corner.run(&[&run[..], &["--out", gains]].concat());
+        assert!(output.status.success(), "{}", text(&output));
+        let file = |name| std::fs::read_to_string(corner.path().join(gains).join(name));
+        let summary: Value = serde_json::from_str(&file("summary.json").expect("a summary"))
+            .expect("one JSON object");
+        (text(&output), summary, file("report.html").expect("a page"))
+    };
+    let (console, summary, page) = run("printed");
+    let called = "quadratic-bounded (uncertified)";
+    assert!(console.contains(called), "{console}");
+    assert_eq!(summary["caution"], "uncertified");
+    assert!(page.contains(called));
+    let (console, summary, page) = run("certified");
+    assert!(!console.contains(called) && summary["caution"].is_null() && !page.contains(called));
+}
