@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use controller::law::{Plan, PlanRequest};
 use controller::laws::truck::route::{Bound, Road};
-use controller::laws::truck::{PlannerKind, create};
+use controller::laws::truck::{PlannerKind, Settings, create};
 use scenario::grade::{Alignment, generate};
 use truck_model::{Preset, Truck};
 
@@ -56,7 +56,7 @@ fn main() {
 }
 
 fn plans(truck: &Truck, road: &Road, kind: PlannerKind, repeats: usize) -> Vec<f64> {
-    let mut planner = create(kind, truck);
+    let mut planner = create(&Settings::new(truck, kind));
     let mut plan = Plan::default();
     let places = (road.length_m() - 2500.0) / 100.0;
     (0..places as u64)

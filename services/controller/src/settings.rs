@@ -55,17 +55,31 @@ impl Table {
 /// The keys of a law's table, with the ranges that its check holds them to.
 fn keys<T: Settings>() -> Vec<Key> {
     let mut keys = schema::of_law::<T>(T::SOURCE);
-    for key in &mut keys {
-        let Shape::Number { range, .. } = &mut key.shape else { continue };
-        // No range holds it: what refuses it names the range.
-        let wrong = toml::Table::from_iter([(key.name.clone(), f64::NAN.into())]);
-        let refusal = T::deserialize(wrong).ok().and_then(|settings| settings.check().err());
-        if let Some(refusal) = refusal.filter(|refusal| refusal.key() == key.name) {
-            key.expected = Some(refusal.expected());
-            *range = refusal.range();
+    find_ranges::<T>(&mut keys, &[]);
+    keys
+}
+
+/// Asks the check for the ranges of the keys in the table at the path `tables`.
+fn find_ranges<T: Settings>(keys: &mut [Key], tables: &[&str]) {
+    for Key { name, shape, expected, .. } in keys {
+        let path = [tables, &[name.as_str()]].concat();
+        match shape {
+            Shape::Table(below) => find_ranges::<T>(below, &path),
+            Shape::Number { range, is_whole } => {
+                // No range holds it: what refuses it names the range.
+                let wrong = if *is_whole { u32::MAX.into() } else { toml::Value::from(f64::NAN) };
+                let wrong = path.iter().rev().fold(wrong, |value, &key| {
+                    toml::Table::from_iter([(key.to_owned(), value)]).into()
+                });
+                let refusal = T::deserialize(wrong).ok().and_then(|table| table.check().err());
+                if let Some(refusal) = refusal.filter(|refusal| refusal.key() == path.join(".")) {
+                    *expected = Some(refusal.expected());
+                    *range = refusal.range();
+                }
+            }
+            _ => {}
         }
     }
-    keys
 }
 
 /// A setting that a law refuses. The key is relative to the law's table.

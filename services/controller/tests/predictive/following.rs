@@ -4,7 +4,7 @@ use crate::roads::generated;
 use controller::laws::truck::route::{
     Assisted, Chase, Lead, Map, Moment, Noise, OrdinaryAcc, Road, chase,
 };
-use controller::laws::truck::{PlannerKind, Prices, Settings};
+use controller::laws::truck::{Brakes, Keys, PlannerKind, Prices, Settings};
 use rand_core::Rng;
 use rand_pcg::Pcg64;
 use truck_model::{Preset, Truck};
@@ -156,4 +156,24 @@ fn a_lead_that_brakes_at_6_mps2_is_not_hit() {
             }
         }
     }
+}
+
+/// As published: torque between drag and full load, whatever the lead does.
+#[test]
+fn torque_alone_uses_no_brake_and_the_engine_brake_helps() {
+    let truck = Truck::preset(Preset::Jh6At25T);
+    let road = Road::new(50.0, vec![-0.03; 100]);
+    let lead =
+        Lead { gap_m: 55.0, speed_mps: 20.8, accelerations: vec![(20.0, 0.0), (24.0, -1.0)] };
+    let [none, engine, service] = [Brakes::None, Brakes::Engine, Brakes::Service].map(|brakes| {
+        let settings = Settings::of_keys(&truck, &Keys { brakes, ..Keys::default() });
+        let map = Map { road: road.clone(), shift_m: 0.0 };
+        let mut law = Assisted::new(&settings, 20.8, map);
+        chase(&truck, &road, 20.8, &lead, None, 40.0, &mut law)
+    });
+    assert_eq!((none.service_brake_j, none.engine_brake_j), (0.0, 0.0));
+    assert_eq!(engine.service_brake_j, 0.0);
+    assert!(engine.engine_brake_j > 0.0 && service.service_brake_j > 0.0);
+    let gaps = [&none, &engine, &service].map(Chase::least_gap_m);
+    assert!(gaps.is_sorted(), "{gaps:?}");
 }

@@ -2,7 +2,9 @@
 
 use crate::roads::{SET_MPS, generated};
 use controller::law::{Plan, PlanRequest};
-use controller::laws::truck::{PlannerKind, SpeedBand, create};
+use controller::laws::truck::{
+    BoundKeys, Keys, PlanKeys, PlannerKind, Settings, SpeedBand, create,
+};
 use proptest::prelude::*;
 use truck_model::{Preset, Truck};
 
@@ -30,7 +32,9 @@ fn on_the_flat_they_hold_the_set_speed() {
         let truck = Truck::preset(preset);
         for kind in PLANNERS {
             let mut plan = Plan::default();
-            assert!(create(kind, &truck).plan(&request(&[0.0; 42], SET_MPS), &mut plan));
+            assert!(
+                create(&Settings::new(&truck, kind)).plan(&request(&[0.0; 42], SET_MPS), &mut plan)
+            );
             for segment in &plan.segments[..plan.len] {
                 let speed_mps = (2.0 * segment.end_speed2_half).sqrt();
                 assert!((speed_mps - SET_MPS).abs() < 0.6, "{kind:?}: {speed_mps}");
@@ -48,7 +52,7 @@ fn before_a_hill_they_gain_speed_and_before_a_dip_they_lose_it() {
         grades
     };
     for kind in PLANNERS {
-        let mut planner = create(kind, &truck);
+        let mut planner = create(&Settings::new(&truck, kind));
         let mut torque_nm = |grade: f64| {
             let mut plan = Plan::default();
             assert!(planner.plan(&request(&before(grade), SET_MPS), &mut plan));
@@ -67,7 +71,7 @@ fn before_a_hill_they_gain_speed_and_before_a_dip_they_lose_it() {
 fn the_dynamic_program_keeps_a_lower_gear_for_a_hill() {
     let truck = Truck::preset(Preset::Jh6At49T);
     let mut plan = Plan::default();
-    let mut planner = create(PlannerKind::DynamicProgramming, &truck);
+    let mut planner = create(&Settings::new(&truck, PlannerKind::DynamicProgramming));
     assert!(planner.plan(&request(&[0.035; 42], SET_MPS), &mut plan));
     let gears: Vec<_> = plan.segments[..plan.len].iter().map(|segment| segment.gear).collect();
     assert!(gears.iter().any(|gear| gear.is_some_and(|gear| gear < 5)), "{gears:?}");
@@ -77,7 +81,7 @@ fn the_dynamic_program_keeps_a_lower_gear_for_a_hill() {
 #[test]
 fn a_descent_at_the_end_of_the_map_goes_on() {
     let truck = Truck::preset(Preset::Jh6At49T);
-    let mut planner = create(PlannerKind::DynamicProgramming, &truck);
+    let mut planner = create(&Settings::new(&truck, PlannerKind::DynamicProgramming));
     let mut speed_mps = |grades: &[f64]| {
         let mut plan = Plan::default();
         assert!(planner.plan(&request(grades, SET_MPS), &mut plan));
@@ -99,7 +103,7 @@ fn a_descent_at_the_end_of_the_map_goes_on() {
 fn a_short_preview_gives_a_short_plan_and_none_gives_none() {
     let truck = Truck::preset(Preset::Jh6At49T);
     for kind in PLANNERS {
-        let mut planner = create(kind, &truck);
+        let mut planner = create(&Settings::new(&truck, kind));
         let mut plan = Plan::default();
         assert!(planner.plan(&request(&[0.0; 6], SET_MPS), &mut plan), "{kind:?}");
         assert!(plan.end_m() <= 300.0);
@@ -114,12 +118,30 @@ fn a_short_preview_gives_a_short_plan_and_none_gives_none() {
     }
 }
 
+/// The paper takes n = 2 of the segments that it defines for any n.
+#[test]
+fn the_published_planner_plans_as_many_segments_as_it_is_told() {
+    let truck = Truck::preset(Preset::Jh6At49T);
+    let mut grades = [0.0; 42];
+    grades[12..20].fill(0.02);
+    grades[28..42].fill(-0.02);
+    for segments in 1..=3 {
+        let plan_keys = PlanKeys { segments, ..PlanKeys::default() };
+        let keys = Keys { planner: PlannerKind::PaperN2, plan: plan_keys, ..Keys::default() };
+        let mut plan = Plan::default();
+        let mut planner = create(&Settings::of_keys(&truck, &keys));
+        assert!(planner.plan(&request(&grades, SET_MPS), &mut plan));
+        assert_eq!(plan.len, segments as usize);
+    }
+}
+
 #[test]
 fn plans_repeat_to_the_bit() {
     let truck = Truck::preset(Preset::Jh6At25T);
     let road = generated(10_000.0, 4);
     for kind in PLANNERS {
-        let (mut one, mut other) = (create(kind, &truck), create(kind, &truck));
+        let (mut one, mut other) =
+            (create(&Settings::new(&truck, kind)), create(&Settings::new(&truck, kind)));
         // The other one has planned something else before.
         let _ = other.plan(&request(&[0.02; 30], 18.0), &mut Plan::default());
         let (mut a, mut b) = (Plan::default(), Plan::default());
@@ -145,14 +167,14 @@ proptest! {
         for kind in PLANNERS {
             let mut plan = Plan::default();
             let request = PlanRequest { gear, time_price, ..request(&grades, speed_mps) };
-            if !create(kind, &truck).plan(&request, &mut plan) {
+            if !create(&Settings::new(&truck, kind)).plan(&request, &mut plan) {
                 continue;
             }
             let mut start_m = 0.0;
             for segment in &plan.segments[..plan.len] {
                 prop_assert!(segment.end_m > start_m && segment.engine_torque_nm.is_finite());
                 let speed_mps = (2.0 * segment.end_speed2_half).sqrt();
-                prop_assert!(speed_mps <= SpeedBand::of(&request).max_mps + 1e-6, "{speed_mps}");
+                prop_assert!(speed_mps <= SpeedBand::of(&BoundKeys::default(), &request).max_mps + 1e-6, "{speed_mps}");
                 prop_assert!(speed_mps > 7.0, "{speed_mps}");
                 prop_assert!(segment.gear.is_none_or(|gear| gear < 6));
                 start_m = segment.end_m;

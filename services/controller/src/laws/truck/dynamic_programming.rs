@@ -10,13 +10,14 @@
 
 use super::beyond::{self, Beyond};
 use super::energy_grid::{Costs, EnergyGrid, LOWEST, PLANNED_GEARS, SLOWNESS_GPM, Stage, Values};
-use super::plan_steps::{self, PlanSteps};
+use super::plan_steps::PlanSteps;
 use super::prices::Prices;
+use super::settings::{Keys, Settings};
 use super::speed_band::SpeedBand;
 use crate::law::{MAX_SEGMENTS, Plan, PlanRequest, Planner};
 use truck_model::Truck;
 
-/// Weight q of the terminal cost's square.
+/// Weight q of the terminal cost's square, if none is set.
 const TERMINAL_SQUARE: f64 = 0.5;
 /// Price of a change of tractive force, g/N.
 const CHANGE_GPN: f64 = 2e-5;
@@ -30,6 +31,7 @@ const NODES: usize = 70;
 #[derive(Clone, Debug)]
 pub struct DynamicProgramming {
     truck: Truck,
+    keys: Keys,
     grid: EnergyGrid,
     prices: Prices,
     /// Set and highest speed that the grid is laid out for.
@@ -38,13 +40,15 @@ pub struct DynamicProgramming {
 }
 
 impl DynamicProgramming {
-    /// A planner for `truck`.
+    /// A planner of these settings.
     #[must_use]
-    pub fn new(truck: &Truck) -> Self {
+    pub fn new(settings: &Settings) -> Self {
+        let Settings { truck, keys, .. } = settings;
         let values = || [(); PLANNED_GEARS].map(|()| vec![0.0; NODES]);
         Self {
             truck: *truck,
-            grid: EnergyGrid::new(truck, NODES),
+            keys: *keys,
+            grid: EnergyGrid::new(truck, &keys.bounds, NODES),
             prices: Prices::default(),
             laid_out_for: (0.0, 0.0),
             values: (0..=MAX_SEGMENTS + beyond::STEPS).map(|_| values()).collect(),
@@ -52,7 +56,8 @@ impl DynamicProgramming {
     }
 
     fn lay_out(&mut self, request: &PlanRequest) {
-        let wanted = (request.set_speed_mps, SpeedBand::of(request).max_mps);
+        let band = SpeedBand::of(&self.keys.bounds, request);
+        let wanted = (request.set_speed_mps, band.max_mps);
         if self.laid_out_for != wanted {
             self.laid_out_for = wanted;
             self.prices = Prices::new(&self.truck, request.set_speed_mps);
@@ -62,7 +67,7 @@ impl DynamicProgramming {
             time_gps: request.time_price * self.prices.time_gps,
             shift_g: self.prices.shift_g,
             slow_gpm: SLOWNESS_GPM,
-            min_speed_mps: SpeedBand::of(request).min_mps,
+            min_speed_mps: band.min_mps,
         });
     }
 
@@ -70,7 +75,7 @@ impl DynamicProgramming {
     /// way does, too, and nothing is guessed.
     fn values_at_horizon(&mut self, request: &PlanRequest, steps: &PlanSteps) {
         let preview = &request.preview;
-        let reaches = preview.end_m() >= request.position_m + plan_steps::HORIZON_M;
+        let reaches = preview.end_m() >= request.position_m + self.keys.road.horizon_m;
         let (last, guessed) = (steps.len(), if reaches { beyond::STEPS } else { 0 });
         self.value_at_the_end(last + guessed, request.set_speed_mps);
         let road = Beyond::new(preview, request.position_m, steps.end_m());
@@ -84,10 +89,11 @@ impl DynamicProgramming {
     fn value_at_the_end(&mut self, steps: usize, set_speed_mps: f64) {
         let set_j = self.truck.kinetic_energy_j(set_speed_mps);
         let gamma = self.prices.energy_gpj;
+        let square = self.keys.plan.terminal_square.unwrap_or(TERMINAL_SQUARE);
         for values in &mut self.values[steps] {
             for (value, &energy_j) in values.iter_mut().zip(self.grid.energies_j()) {
                 let above_j = energy_j - set_j;
-                *value = gamma * above_j * (TERMINAL_SQUARE * above_j / set_j - 1.0);
+                *value = gamma * above_j * (square * above_j / set_j - 1.0);
             }
         }
     }
@@ -127,7 +133,7 @@ impl DynamicProgramming {
 impl Planner for DynamicProgramming {
     fn plan(&mut self, request: &PlanRequest, plan: &mut Plan) -> bool {
         plan.begin(request);
-        let steps = PlanSteps::new(&request.preview, request.position_m);
+        let steps = PlanSteps::new(&request.preview, request.position_m, self.keys.road.horizon_m);
         if steps.len() == 0 {
             return false;
         }

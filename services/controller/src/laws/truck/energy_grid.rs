@@ -11,6 +11,7 @@
 //! between two nodes costs a handful of multiplications, and several are made side by side.
 
 use super::gear_curve::GearCurve;
+use super::settings::BoundKeys;
 use truck_model::{GEARS, Truck};
 
 /// Gears that are planned with: the highest ones.
@@ -75,6 +76,7 @@ const LANES: usize = 4;
 #[derive(Clone, Debug)]
 pub(crate) struct EnergyGrid {
     truck: Truck,
+    bounds: BoundKeys,
     energy_j: Vec<f64>,
     speed_mps: Vec<f64>,
     end_cost_gpm: Vec<f64>,
@@ -88,10 +90,11 @@ pub(crate) struct EnergyGrid {
 
 impl EnergyGrid {
     /// A grid of `nodes` without place yet: see [`span`](Self::span).
-    pub(crate) fn new(truck: &Truck, nodes: usize) -> Self {
+    pub(crate) fn new(truck: &Truck, bounds: &BoundKeys, nodes: usize) -> Self {
         let empty = vec![0.0; nodes];
         Self {
             truck: *truck,
+            bounds: *bounds,
             energy_j: empty.clone(),
             speed_mps: empty.clone(),
             end_cost_gpm: empty,
@@ -113,7 +116,7 @@ impl EnergyGrid {
             self.energy_j[node] = energy_j;
             self.speed_mps[node] = speed_mps;
             for (index, curves) in self.curves.iter_mut().enumerate() {
-                curves[node] = GearCurve::new(&self.truck, speed_mps, LOWEST + index);
+                curves[node] = GearCurve::new(&self.bounds, &self.truck, speed_mps, LOWEST + index);
             }
         }
         self.set_costs(self.costs);
@@ -229,7 +232,7 @@ impl EnergyGrid {
         let line = self.line(stage, energy_j);
         let mut best: Option<Choice> = None;
         for (index, next) in next.iter().enumerate() {
-            let curve = GearCurve::new(&self.truck, speed_mps, LOWEST + index);
+            let curve = GearCurve::new(&self.bounds, &self.truck, speed_mps, LOWEST + index);
             if !curve.usable {
                 continue;
             }

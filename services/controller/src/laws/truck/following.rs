@@ -1,54 +1,33 @@
 //! Accelerations behind a target: equations (17) and (18), and the brakes as the last resort.
 
+use super::settings::FollowKeys;
 use super::spacing::{Mode, Spacing};
 use super::target_filter::Estimate;
-
-/// Mode 1: acceleration per speed error, 1/s, and its range, m/s².
-const PREDICTIVE_PER_S: f64 = 0.12;
-const PREDICTIVE_MPS2: (f64, f64) = (-0.3, 0.25);
-/// Mode 2 inside the band: per speed error, 1/s, and the slight pull towards the desired gap, 1/s².
-const INSIDE_PER_S: f64 = 0.15;
-const PULL_PER_S2: f64 = 0.0012;
-/// Mode 2 outside the band: per speed error, 1/s, and per metre outside, 1/s².
-const OUTSIDE_PER_S: f64 = 0.35;
-const OUTSIDE_PER_S2: f64 = 0.02;
-/// Mode 2: range, m/s².
-const FOLLOW_MPS2: (f64, f64) = (-0.8, 0.3);
-/// Mode 3: deceleration, and more per closing speed, 1/s.
-const WARN_MPS2: f64 = -0.8;
-const WARN_PER_S: f64 = 0.3;
-const WARN_LOWEST_MPS2: f64 = -2.5;
-/// A target further than this beyond the band may be approached by 1 m/s.
-const FAR_M: f64 = 60.0;
-const APPROACH_MPS: f64 = 1.0;
-
-/// Jerk, m/s³, while the request rises and while it falls.
-pub(crate) const JERK_MPS3: (f64, f64) = (1.0, 1.5);
 
 /// Gap that is to be left when both stand, m, and time headway that a slower lead leaves, s.
 const LEFT_M: f64 = 4.0;
 const LEFT_S: f64 = 1.0;
 /// The lead counts as braking from here on, m/s².
 const LEAD_BRAKES_MPS2: f64 = -0.7;
-/// Deceleration that is needed, from which the brakes may be used, and below which they are let go, m/s².
-const LAST_RESORT_MPS2: (f64, f64) = (0.6, 0.2);
 /// Margin over the deceleration that is needed, and the most that is asked for, m/s².
 const BRAKING_MARGIN: f64 = 1.25;
 const MOST_MPS2: f64 = 6.0;
 
 /// The speed that is aimed at, m/s (17).
 pub(crate) fn target_speed_mps(
+    keys: &FollowKeys,
     economic_mps: f64,
     target_mps: f64,
     spacing: &Spacing,
     gap_m: f64,
 ) -> f64 {
-    let far = gap_m > spacing.max_m + FAR_M;
-    economic_mps.min(target_mps + if far { APPROACH_MPS } else { 0.0 })
+    let far = gap_m > spacing.max_m + keys.approach_from_m;
+    economic_mps.min(target_mps + if far { keys.approach_mps } else { 0.0 })
 }
 
 /// The acceleration that is wanted, m/s² (18).
 pub(crate) fn acceleration_mps2(
+    keys: &FollowKeys,
     mode: Mode,
     speed_mps: f64,
     aim_mps: f64,
@@ -57,17 +36,16 @@ pub(crate) fn acceleration_mps2(
 ) -> f64 {
     match mode {
         Mode::Predictive => {
-            let (low, high) = PREDICTIVE_MPS2;
-            (PREDICTIVE_PER_S * (aim_mps - speed_mps)).clamp(low, high)
+            (keys.free_per_s * (aim_mps - speed_mps)).clamp(keys.free_min_mps2, keys.free_max_mps2)
         }
         Mode::Follow => {
-            let (low, high) = FOLLOW_MPS2;
             let error_m = target.gap_m - spacing.desired_m;
             let outside_m =
                 (target.gap_m - spacing.max_m).max(0.0) + (target.gap_m - spacing.min_m).min(0.0);
-            let per_s = if outside_m == 0.0 { INSIDE_PER_S } else { OUTSIDE_PER_S };
-            let wanted_mps2 =
-                per_s * (aim_mps - speed_mps) + PULL_PER_S2 * error_m + OUTSIDE_PER_S2 * outside_m;
+            let per_s = if outside_m == 0.0 { keys.inside_per_s } else { keys.outside_per_s };
+            let wanted_mps2 = per_s * (aim_mps - speed_mps)
+                + keys.pull_per_s2 * error_m
+                + keys.outside_per_s2 * outside_m;
             // With room left, no more deceleration than the room asks for.
             let closing_mps = (-target.relative_speed_mps).max(0.0);
             let gentle_mps2 = if wanted_mps2 < 0.0 && closing_mps > 0.0 && error_m > 2.0 {
@@ -75,11 +53,10 @@ pub(crate) fn acceleration_mps2(
             } else {
                 wanted_mps2
             };
-            gentle_mps2.clamp(low, high)
+            gentle_mps2.clamp(keys.follow_min_mps2, keys.follow_max_mps2)
         }
-        Mode::Warn => {
-            (WARN_MPS2 + WARN_PER_S * target.relative_speed_mps.min(0.0)).max(WARN_LOWEST_MPS2)
-        }
+        Mode::Warn => (keys.warn_mps2 + keys.warn_per_s * target.relative_speed_mps.min(0.0))
+            .max(keys.warn_min_mps2),
     }
 }
 
@@ -121,13 +98,14 @@ impl LastResort {
     /// The engine brake below the band, the service brakes too close or when much is needed.
     pub(crate) fn update(
         &mut self,
+        keys: &FollowKeys,
         mode: Mode,
         speed_mps: f64,
         spacing: &Spacing,
         target: &Estimate,
     ) -> Means {
         let needed_mps2 = needed_deceleration_mps2(speed_mps, target);
-        let (from_mps2, to_mps2) = LAST_RESORT_MPS2;
+        let (from_mps2, to_mps2) = (keys.brake_from_mps2, keys.brake_to_mps2);
         self.on = needed_mps2 > from_mps2 || (self.on && needed_mps2 > to_mps2);
         if self.on {
             Means::ServiceBrake(-(BRAKING_MARGIN * needed_mps2).min(MOST_MPS2))

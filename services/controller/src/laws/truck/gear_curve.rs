@@ -9,6 +9,8 @@
 //! which needs neither root nor division, and no branch. Below, the map's kink at no engine torque, between
 //! the drag and the auxiliaries' torque, is straightened.
 
+use super::settings::BoundKeys;
+use super::torque_bounds::net_torque_limits_nm;
 use truck_model::Truck;
 
 /// Engine speeds at which a gear may be planned with, rpm: full power is reached before the upper one.
@@ -19,7 +21,7 @@ const ENGINE_RPM: (f64, f64) = (800.0, 1600.0);
 pub(crate) struct GearCurve {
     /// Whether the engine can turn in this gear.
     pub(crate) usable: bool,
-    /// Force with the injection cut and at full load, N.
+    /// Least and largest force, N: with the injection cut and at full load, unless a plan's bounds are tighter.
     pub(crate) min_n: f64,
     pub(crate) max_n: f64,
     /// Fuel at no force, g/m.
@@ -32,7 +34,7 @@ pub(crate) struct GearCurve {
 }
 
 impl GearCurve {
-    pub(crate) fn new(truck: &Truck, speed_mps: f64, gear: usize) -> Self {
+    pub(crate) fn new(bounds: &BoundKeys, truck: &Truck, speed_mps: f64, gear: usize) -> Self {
         let rpm = truck.engine_rpm(speed_mps, gear);
         let usable = (ENGINE_RPM.0..ENGINE_RPM.1).contains(&rpm);
         let (min_nm, max_nm) = truck.net_torque_limits_nm(speed_mps, gear);
@@ -41,10 +43,11 @@ impl GearCurve {
         let p0 = fuel_gpm(0.0);
         // The fit is quadratic: two more points give it exactly.
         let (half, full) = (fuel_gpm(0.5 * max_nm) - p0, fuel_gpm(max_nm) - p0);
+        let (least_nm, most_nm) = net_torque_limits_nm(bounds, truck, speed_mps, gear);
         Self {
             usable,
-            min_n,
-            max_n,
+            min_n: truck.force_n(least_nm, gear),
+            max_n: truck.force_n(most_nm, gear),
             p0,
             below: -p0 / min_n,
             p1: (4.0 * half - full) / max_n,
@@ -72,7 +75,7 @@ mod tests {
         for preset in Preset::ALL {
             let truck = Truck::preset(preset);
             for (speed_mps, gear) in [(17.0, 4), (20.8, 5), (22.2, 5)] {
-                let curve = GearCurve::new(&truck, speed_mps, gear);
+                let curve = GearCurve::new(&BoundKeys::default(), &truck, speed_mps, gear);
                 let top_gpm = curve.fuel_gpm(curve.max_n);
                 for share in 0..=40 {
                     let span_n = curve.max_n - curve.min_n;

@@ -8,10 +8,11 @@
 //! | `warn` | 3 | the same; what engine and engine brake cannot give, the service brakes do |
 //!
 //! The service brakes are the last resort: too close to the target, when it takes much to stay away from it,
-//! and to hold the limit downhill.
+//! and to hold the limit downhill. The published law has none: it commands engine torque, and warns; the key
+//! `brakes` takes them away.
 
 use super::car_safety::keep_car_safe;
-use super::following::{self, JERK_MPS3, LastResort, Means};
+use super::following::{self, LastResort, Means};
 use super::formulation::{
     BAD_INPUT, CRUISE, FOLLOW, MAP_CONTRADICTS, NO_PLAN, PLAN, PREDICTIVE, TARGET, TARGET_GONE,
     TOO_CLOSE, WARN,
@@ -20,12 +21,13 @@ use super::limiter;
 use super::map_trust::MapTrust;
 use super::planners::create;
 use super::reference::{Reference, Speeds};
-use super::settings::{PlannerKind, REQUESTS_MPS2, Settings};
+use super::settings::{Brakes, Keys, PlannerKind, REQUESTS_MPS2, Settings};
 use super::spacing::{Mode, Spacing};
 use super::speed_band::{max_speed_mps, min_speed_mps};
 use super::speed_keeper::SpeedKeeper;
 use super::target_filter::{Estimate, TargetFilter};
 use super::time_price::TimePrice;
+use super::torque_bounds::net_torque_bounds_nm;
 use super::tracking::{Guidance, Tracking};
 use crate::law::{
     Input, Law, MAX_PLAN, Output, Plan, PlanRequest, Planner, Planning, Powertrain, Preview,
@@ -35,8 +37,6 @@ use truck_model::{Demand, GEARS, Motion as TruckMotion};
 
 /// Lowest set speed that is planned for, m/s.
 const PLANNED_FROM_MPS: f64 = 10.0;
-/// Distance from the lead over which its road counts, m (14).
-const LEAD_ROAD_M: f64 = 300.0;
 /// Largest believable values of an input.
 const BELIEVABLE: f64 = 1e7;
 const BELIEVABLE_MPS: f64 = 100.0;
@@ -72,12 +72,13 @@ struct State {
 }
 
 impl State {
-    fn new(settings: &Settings) -> Self {
+    fn new(keys: &Keys) -> Self {
+        let time_price = keys.plan.time_price.unwrap_or(keys.planner.usual_time_price());
         Self {
             tracking: Tracking::default(),
-            filter: TargetFilter::default(),
+            filter: TargetFilter::new(&keys.filter),
             spacing_mode: Mode::default(),
-            price: TimePrice::new(settings.planner.usual_time_price(), settings.mean_speed),
+            price: TimePrice::new(time_price, keys.mean_speed),
             trust: MapTrust::default(),
             keeper: SpeedKeeper::default(),
             reference: Reference::default(),
@@ -94,7 +95,7 @@ impl Predictive {
     /// A law of these settings.
     #[must_use]
     pub fn new(settings: &Settings) -> Self {
-        Self { settings: *settings, state: State::new(settings) }
+        Self { settings: *settings, state: State::new(&settings.keys) }
     }
 
     /// How late the truck is against its mean speed, s.
@@ -128,17 +129,19 @@ impl Predictive {
         let scale = truck.parameters().engine_scale;
         let hold_nm = truck.engine_torque_nm(0.0, speed_mps, gear, powertrain.grade);
         let rpm = truck.engine_rpm(speed_mps, gear);
+        let bounds = &self.settings.keys.bounds;
         let (low_nm, high_nm) =
-            (truck.engine().drag_torque_nm(rpm), truck.engine().max_torque_nm(rpm));
-        let slow_mps = min_speed_mps(input.set_speed_mps) - speed_mps;
+            net_torque_bounds_nm(bounds, truck, speed_mps, gear, powertrain.grade);
+        let auxiliary_nm = truck.auxiliary_torque_nm(rpm);
+        let slow_mps = min_speed_mps(bounds, input.set_speed_mps) - speed_mps;
         let mut torque_nm = guidance.engine_torque_nm;
-        if self.settings.planner == PlannerKind::PaperN2 && slow_mps > 0.0 {
+        if self.settings.keys.planner == PlannerKind::PaperN2 && slow_mps > 0.0 {
             torque_nm = torque_nm.max(hold_nm + scale * (GUARD_NM + GUARD_NM_PER_MPS * slow_mps));
         }
-        if speed_mps > max_speed_mps(input.set_speed_mps, input.speed_limit_mps) {
+        if speed_mps > max_speed_mps(bounds, input.set_speed_mps, input.speed_limit_mps) {
             torque_nm = torque_nm.min(hold_nm);
         }
-        torque_nm.clamp(low_nm, high_nm)
+        torque_nm.clamp(low_nm + auxiliary_nm, high_nm + auxiliary_nm)
     }
 
     /// Books the time against that of the truck that keeps `mean_mps`.
@@ -155,12 +158,13 @@ impl Predictive {
         let speed_mps = input.ego.speed_mps;
         let target_mps = (speed_mps + target.relative_speed_mps).max(0.0);
         let from_m = input.ego.position_m + target.gap_m.max(0.0);
+        let keys = &self.settings.keys.gap;
         let grade = input
             .preview
             .filter(|preview| preview.is_sound() && !self.state.trust.is_lost())
-            .and_then(|preview| preview.mean_grade(from_m, from_m + LEAD_ROAD_M));
-        let spacing = Spacing::new(speed_mps, target_mps, grade.unwrap_or(0.0));
-        self.state.spacing_mode = spacing.mode(target, self.state.spacing_mode);
+            .and_then(|preview| preview.mean_grade(from_m, from_m + keys.slope_length_m));
+        let spacing = Spacing::new(keys, speed_mps, target_mps, grade.unwrap_or(0.0));
+        self.state.spacing_mode = spacing.mode(keys, target, self.state.spacing_mode);
         spacing
     }
 
@@ -175,15 +179,18 @@ impl Predictive {
         let spacing = self.look_at(input, target);
         let speed_mps = input.ego.speed_mps;
         let target_mps = (speed_mps + target.relative_speed_mps).max(0.0);
-        let aim_mps = following::target_speed_mps(economic_mps, target_mps, &spacing, target.gap_m);
+        let keys = &self.settings.keys.follow;
+        let aim_mps =
+            following::target_speed_mps(keys, economic_mps, target_mps, &spacing, target.gap_m);
         let mode = self.state.spacing_mode;
-        let means = self.state.last_resort.update(mode, speed_mps, &spacing, target);
+        let means = self.state.last_resort.update(keys, mode, speed_mps, &spacing, target);
         if means == Means::Engine && mode == Mode::Predictive && aim_mps >= economic_mps {
             return None;
         }
-        let wanted = following::acceleration_mps2(mode, speed_mps, aim_mps, &spacing, target);
+        let wanted = following::acceleration_mps2(keys, mode, speed_mps, aim_mps, &spacing, target);
         let before = self.state.wanted_mps2.unwrap_or(input.ego.acceleration_mps2);
-        let (up, down) = (JERK_MPS3.0 * input.period_s, JERK_MPS3.1 * input.period_s);
+        let up = keys.jerk_up_mps3 * input.period_s;
+        let down = keys.jerk_down_mps3 * input.period_s;
         let eased = wanted.clamp(before - down, before + up);
         self.state.wanted_mps2 = Some(eased);
         let acceleration_mps2 = match means {
@@ -204,6 +211,20 @@ impl Predictive {
             demand.engine_torque_nm = demand.engine_torque_nm.max(drag_nm);
         }
         Some(demand)
+    }
+
+    /// The demand without the brakes that the law may not use.
+    fn permitted(&self, mut demand: Demand, speed_mps: f64, gear: usize) -> Demand {
+        let truck = &self.settings.truck;
+        let brakes = self.settings.keys.brakes;
+        if brakes != Brakes::Service {
+            demand.service_brake_n = 0.0;
+        }
+        if brakes == Brakes::None {
+            let drag_nm = truck.engine().drag_torque_nm(truck.engine_rpm(speed_mps, gear));
+            demand.engine_torque_nm = demand.engine_torque_nm.max(drag_nm);
+        }
+        demand
     }
 
     /// Writes the demand and the accelerations that go with it.
@@ -248,7 +269,7 @@ impl Predictive {
 
 impl Law for Predictive {
     fn reset(&mut self) {
-        self.state = State::new(&self.settings);
+        self.state = State::new(&self.settings.keys);
     }
 
     fn step(&mut self, input: &Input, output: &mut Output) {
@@ -266,7 +287,9 @@ impl Law for Predictive {
         let map_grade = preview.and_then(|preview| preview.grade(ego.position_m));
         let powertrain = self.powertrain(input, map_grade);
         self.state.trust.update(map_grade, powertrain.grade, dt_s);
-        let target = self.state.filter.update(input.target.as_ref(), ego.acceleration_mps2, dt_s);
+        let farthest_m = self.settings.keys.gap.no_target_m;
+        let target = input.target.as_ref().filter(|target| target.gap_m <= farthest_m);
+        let target = self.state.filter.update(target, ego.acceleration_mps2, dt_s);
 
         let distrusted = self.state.trust.is_lost();
         if distrusted {
@@ -319,9 +342,10 @@ impl Law for Predictive {
         if self.state.mode != CRUISE {
             self.state.keeper = SpeedKeeper::default();
         }
-        let limit_mps = max_speed_mps(input.set_speed_mps, input.speed_limit_mps);
+        let keys = self.settings.keys;
+        let limit_mps = max_speed_mps(&keys.bounds, input.set_speed_mps, input.speed_limit_mps);
         if self.state.mode == PREDICTIVE {
-            self.account(input, powertrain.grade, self.settings.mean_speed * set_mps, limit_mps);
+            self.account(input, powertrain.grade, keys.mean_speed * set_mps, limit_mps);
         } else {
             self.state.reference = Reference::default();
         }
@@ -333,6 +357,7 @@ impl Law for Predictive {
             powertrain.grade,
             limit_mps,
         );
+        let demand = self.permitted(demand, ego.speed_mps, powertrain.gear);
         self.write(input, &powertrain, &demand, output);
         if let Some(car) = &self.settings.car {
             keep_car_safe(car, input, output);
@@ -342,13 +367,13 @@ impl Law for Predictive {
             && !distrusted
             && set_mps >= PLANNED_FROM_MPS
         {
-            let price = self.state.price.value();
+            let asked = (self.state.price.value(), keys.plan.replan_mps);
             self.state.request =
-                self.state.tracking.request(input, &powertrain, &preview, price, guidance.as_ref());
+                self.state.tracking.request(input, &powertrain, &preview, asked, guidance.as_ref());
         }
         output.mode = self.state.mode;
         output.mode_reason = self.state.reason;
-        if self.state.mode == CRUISE && self.settings.planner != PlannerKind::ConstantSpeed {
+        if self.state.mode == CRUISE && keys.planner != PlannerKind::ConstantSpeed {
             output.quality = Quality::Relaxed;
         }
         let gap_m = target.map_or(0.0, |target| target.gap_m);
@@ -370,13 +395,13 @@ impl Law for Predictive {
     }
 
     fn planning(&mut self) -> Option<&mut dyn Planning> {
-        (self.settings.planner != PlannerKind::ConstantSpeed).then_some(self)
+        (self.settings.keys.planner != PlannerKind::ConstantSpeed).then_some(self)
     }
 }
 
 impl Planning for Predictive {
     fn planner(&self) -> Box<dyn Planner> {
-        create(self.settings.planner, &self.settings.truck)
+        create(&self.settings)
     }
 
     fn request(&mut self) -> Option<PlanRequest> {

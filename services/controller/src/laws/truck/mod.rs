@@ -16,7 +16,9 @@
 //!
 //! | part | of the paper | module |
 //! |---|---|---|
+//! | every symbol as a key | | `settings` |
 //! | road classes, reconstruction | steps 1, 2 | `road_classes` |
+//! | bounds | step 3 | `speed_band`, `torque_bounds` |
 //! | rolling optimisation, n = 2 | steps 3 to 6 | `paper_n2` |
 //! | dynamic programming | the better planner | `dynamic_programming`, `plan_steps`, `energy_grid`, `beyond` |
 //! | servo of the mean speed | beta | `time_price`, `reference` |
@@ -49,6 +51,7 @@ mod speed_band;
 mod speed_keeper;
 mod target_filter;
 mod time_price;
+mod torque_bounds;
 mod tracking;
 
 pub use dynamic_programming::DynamicProgramming;
@@ -56,7 +59,11 @@ pub use law::Predictive;
 pub use paper_n2::PaperN2;
 pub use planners::create;
 pub use prices::Prices;
-pub use settings::{CarGap, Keys, PlannerKind, Settings};
+pub use road_classes::{LimitGrades, Reconstruction};
+pub use settings::{
+    BoundKeys, Brakes, CarGap, FilterKeys, FollowKeys, GapKeys, Keys, PlanKeys, PlannerKind,
+    RoadKeys, Settings, TruckKeys,
+};
 pub use speed_band::SpeedBand;
 
 use crate::law::reader::key;
@@ -83,16 +90,17 @@ pub static PREDICTIVE: Descriptor = Descriptor {
 
 /// The truck as the law believes it to be; on a car it drives as the heavier one would.
 fn build(reader: &Reader<'_>) -> Result<Box<dyn Law>, Problem> {
-    let Keys { planner, mean_speed, lead_deceleration_mps2 } = reader.table(TABLE.name)?;
+    let keys: Keys = reader.table(TABLE.name)?;
     let vehicle = reader.plant().vehicle;
     let preset = Preset::named(vehicle.as_str()).unwrap_or(Preset::Jh6At49T);
-    let settings = Settings::new(&Truck::preset(preset), planner);
+    reader.without(TABLE.name, keys.planner.unused());
     if vehicle.is_truck() {
         reader.without(TABLE.name, &["lead_deceleration_mps2"]);
     }
     let car = (!vehicle.is_truck()).then(|| {
         let lag_s = key!(reader, model_time_constant_s).value();
-        CarGap { lag_s, lead_deceleration_mps2 }
+        CarGap { lag_s, lead_deceleration_mps2: keys.lead_deceleration_mps2 }
     });
-    Ok(Box::new(Predictive::new(&Settings { mean_speed, car, ..settings })))
+    let settings = Settings::of_keys(&Truck::preset(preset), &keys);
+    Ok(Box::new(Predictive::new(&Settings { car, ..settings })))
 }

@@ -4,37 +4,32 @@
 //! J = sum_{i<n}(fuel_i + beta t_i) - gamma (K_end - K_set) + q gamma (K_end - K_set)²/K_set      n = 2, q = 1
 //! ```
 //!
-//! Torques are enumerated: 21 levels and those that hold the present and the set speed, the second
-//! segment's for each of the first's. The class of the road trims the first torque. K over a segment is
+//! Torques are enumerated: 21 levels and those that hold the present and the set speed, each further
+//! segment's for each of those before it. The class of the road trims the first torque. K over a segment is
 //! the closed form (4), time over it Simpson's rule.
 
 use super::prices::Prices;
-use super::road_classes::{Class, LimitGrades, Reconstruction, Stretch};
+use super::road_classes::{Class, LimitGrades, MOST_SEGMENTS, Reconstruction, Stretch};
+use super::settings::{Keys, Settings};
 use super::speed_band::SpeedBand;
+use super::torque_bounds::net_torque_bounds_nm;
 use crate::law::{Plan, PlanRequest, Planner};
 use truck_model::Truck;
 
-/// Torque levels of each segment.
-const LEVELS: usize = 21;
-/// Weight q of the terminal cost's square.
+/// Weight q of the terminal cost's square, if none is set.
 const TERMINAL_SQUARE: f64 = 1.0;
 /// Penalty of energy above the highest speed, and below the lowest, as shares of the price of energy.
 const TOO_FAST: f64 = 0.02;
 const TOO_SLOW: f64 = 0.08;
 /// Lowest speed for which the closed form is taken, m/s.
 const CRAWLING_MPS: f64 = 8.0;
-/// Share of full load that an uphill gets at least.
-const UPHILL_SHARE: f64 = 0.25;
 /// Slack of the rules that trim the first torque, N m.
 const TRIM_SLACK_NM: f64 = 1.0;
-/// The trims before a hill hold below this excess and before a dip above this deficit of speed, m/s.
-const BEFORE_UPHILL_MPS: f64 = 0.5;
-const BEFORE_DOWNHILL_MPS: f64 = 2.0;
-
 /// The planner.
 #[derive(Clone, Debug)]
 pub struct PaperN2 {
     truck: Truck,
+    keys: Keys,
     prices: Prices,
     limits: LimitGrades,
     /// Set speed that prices and limits belong to.
@@ -43,15 +38,16 @@ pub struct PaperN2 {
 }
 
 impl PaperN2 {
-    /// A planner for `truck`.
+    /// A planner of these settings.
     #[must_use]
-    pub fn new(truck: &Truck) -> Self {
+    pub fn new(settings: &Settings) -> Self {
         Self {
-            truck: *truck,
+            truck: settings.truck,
+            keys: settings.keys,
             prices: Prices::default(),
             limits: LimitGrades::default(),
             set_speed_mps: 0.0,
-            road: Reconstruction::default(),
+            road: Reconstruction::new(&settings.keys.road),
         }
     }
 }
@@ -62,14 +58,14 @@ impl Planner for PaperN2 {
         if self.set_speed_mps != request.set_speed_mps {
             self.set_speed_mps = request.set_speed_mps;
             self.prices = Prices::new(&self.truck, request.set_speed_mps);
-            self.limits = LimitGrades::new(&self.truck, request.set_speed_mps);
+            self.limits = LimitGrades::new(&self.truck, &self.keys.road, request.set_speed_mps);
         }
         self.road.rebuild(&request.preview, request.position_m, &self.limits);
-        let (segments, count) = self.road.segments();
+        let (segments, count) = self.road.segments(self.keys.plan.segments as usize);
         if count == 0 || request.speed_mps < CRAWLING_MPS {
             return false;
         }
-        let search = Search::new(&self.truck, &self.prices, request);
+        let search = Search::new(&self.truck, &self.keys, &self.prices, request);
         let Some(best) = search.best(&segments[..count]) else { return false };
         let mut end_m = request.position_m;
         for (segment, (torque_nm, speed_mps)) in segments[..count].iter().zip(best) {
@@ -84,12 +80,12 @@ impl Planner for PaperN2 {
 /// What does not change during one search.
 struct Search<'a> {
     truck: &'a Truck,
+    keys: &'a Keys,
     request: &'a PlanRequest,
     energy_gpj: f64,
     time_gps: f64,
+    terminal_square: f64,
     auxiliary_nm: f64,
-    low_nm: f64,
-    high_nm: f64,
     set_j: f64,
     min_j: f64,
     max_j: f64,
@@ -97,11 +93,15 @@ struct Search<'a> {
 }
 
 /// A segment with what its closed form needs.
+#[derive(Clone, Copy, Default)]
 struct Piece {
     stretch: Stretch,
     road_n: f64,
     decay: f64,
     half_decay: f64,
+    /// Least and largest torque, N m.
+    low_nm: f64,
+    high_nm: f64,
     /// Torque that holds the set speed, N m.
     hold_nm: f64,
 }
@@ -114,107 +114,121 @@ struct End {
     cost_g: f64,
 }
 
+/// Torque and speed at the end, for each segment.
+type Way = [(f64, f64); MOST_SEGMENTS];
+
 impl<'a> Search<'a> {
-    fn new(truck: &'a Truck, prices: &Prices, request: &'a PlanRequest) -> Self {
+    fn new(truck: &'a Truck, keys: &'a Keys, prices: &Prices, request: &'a PlanRequest) -> Self {
         let rpm = truck.engine_rpm(request.speed_mps, request.gear);
-        let (low_nm, high_nm) = truck.net_torque_limits_nm(request.speed_mps, request.gear);
+        let band = SpeedBand::of(&keys.bounds, request);
         Self {
             truck,
+            keys,
             request,
             energy_gpj: prices.energy_gpj,
             time_gps: request.time_price * prices.time_gps,
+            terminal_square: keys.plan.terminal_square.unwrap_or(TERMINAL_SQUARE),
             auxiliary_nm: truck.auxiliary_torque_nm(rpm),
-            low_nm,
-            high_nm,
             set_j: truck.kinetic_energy_j(request.set_speed_mps),
-            min_j: truck.kinetic_energy_j(SpeedBand::of(request).min_mps),
-            max_j: truck.kinetic_energy_j(SpeedBand::of(request).max_mps),
+            min_j: truck.kinetic_energy_j(band.min_mps),
+            max_j: truck.kinetic_energy_j(band.max_mps),
             crawling_j: truck.kinetic_energy_j(CRAWLING_MPS),
         }
     }
 
     fn piece(&self, stretch: &Stretch) -> Piece {
+        let PlanRequest { set_speed_mps, speed_mps, gear, .. } = *self.request;
         let decay = libm::exp(-self.truck.drag_per_m() * stretch.length_m);
-        let set_mps = self.request.set_speed_mps;
-        let hold_n = self.truck.resistance_n(set_mps, stretch.grade);
+        let hold_n = self.truck.resistance_n(set_speed_mps, stretch.grade);
+        let bounds = &self.keys.bounds;
+        let (low_nm, high_nm) =
+            net_torque_bounds_nm(bounds, self.truck, speed_mps, gear, stretch.grade);
         Piece {
             stretch: *stretch,
             road_n: self.truck.road_resistance_n(stretch.grade),
             decay,
             half_decay: decay.sqrt(),
-            hold_nm: self.truck.net_torque_nm(hold_n, self.request.gear),
+            low_nm,
+            high_nm,
+            hold_nm: self.truck.net_torque_nm(hold_n, gear),
         }
     }
 
-    /// Torque and speed at the end, for each segment.
-    fn best(&self, segments: &[Stretch]) -> Option<[(f64, f64); 2]> {
-        let first = self.piece(&segments[0]);
-        let second = segments.get(1).map(|stretch| self.piece(stretch));
+    /// The cheapest way over the segments whose first torque fits them.
+    fn best(&self, segments: &[Stretch]) -> Option<Way> {
+        let mut pieces = [Piece::default(); MOST_SEGMENTS];
+        for (piece, stretch) in pieces.iter_mut().zip(segments) {
+            *piece = self.piece(stretch);
+        }
+        let pieces = &pieces[..segments.len()];
+        let first = &pieces[0];
         let speed_mps = self.request.speed_mps;
         let energy_j = self.truck.kinetic_energy_j(speed_mps);
         let start = End { energy_j, speed_mps, cost_g: 0.0 };
         let resistance_n = self.truck.resistance_n(speed_mps, first.stretch.grade);
         let hold_now_nm = self.truck.net_torque_nm(resistance_n, self.request.gear);
         let next_class = segments.get(1).map_or(Class::Level, |stretch| stretch.class);
+        let torques = self.torques_nm(first, Some(hold_now_nm));
+        let fitting = torques.filter(|&torque_nm| self.fits(first, next_class, torque_nm));
+        self.cheapest(pieces, 0, start, fitting).map(|(_, way)| way)
+    }
 
+    /// The cheapest way from piece `index` on with one of `torques_nm` on it: its cost, g, and the way.
+    fn cheapest(
+        &self,
+        pieces: &[Piece],
+        index: usize,
+        start: End,
+        torques_nm: impl Iterator<Item = f64>,
+    ) -> Option<(f64, Way)> {
         let mut best = None;
-        let mut least = f64::INFINITY;
-        let levels = (0..LEVELS).map(|level| self.level_nm(level));
-        for torque_nm in levels.chain([hold_now_nm, first.hold_nm]) {
-            let torque_nm = torque_nm.clamp(self.low_nm, self.high_nm);
-            if !self.fits(&first, next_class, torque_nm) {
-                continue;
-            }
-            let Some(middle) = self.drive(&first, start, torque_nm) else { continue };
-            let (end, last) = match &second {
-                None => (middle, (0.0, 0.0)),
-                Some(second) => match self.best_second(second, middle) {
-                    Some((end, torque_nm)) => (end, (torque_nm, end.speed_mps)),
-                    None => continue,
-                },
+        let mut least_g = f64::INFINITY;
+        for torque_nm in torques_nm {
+            let Some(end) = self.drive(&pieces[index], start, torque_nm) else { continue };
+            let (cost_g, mut way) = match pieces.get(index + 1) {
+                None => (end.cost_g + self.terminal_g(end.energy_j), Way::default()),
+                Some(next) => {
+                    match self.cheapest(pieces, index + 1, end, self.torques_nm(next, None)) {
+                        Some(found) => found,
+                        None => continue,
+                    }
+                }
             };
-            let cost_g = end.cost_g + self.terminal_g(end.energy_j);
-            if cost_g < least {
-                least = cost_g;
-                best = Some([(torque_nm, middle.speed_mps), last]);
+            if cost_g < least_g {
+                least_g = cost_g;
+                way[index] = (torque_nm, end.speed_mps);
+                best = Some((cost_g, way));
             }
         }
         best
     }
 
-    fn best_second(&self, piece: &Piece, start: End) -> Option<(End, f64)> {
-        let mut best = None;
-        let mut least = f64::INFINITY;
-        for torque_nm in (0..LEVELS).map(|level| self.level_nm(level)).chain([piece.hold_nm]) {
-            let torque_nm = torque_nm.clamp(self.low_nm, self.high_nm);
-            let Some(end) = self.drive(piece, start, torque_nm) else { continue };
-            let cost_g = end.cost_g + self.terminal_g(end.energy_j);
-            if cost_g < least {
-                least = cost_g;
-                best = Some((end, torque_nm));
-            }
-        }
-        best
-    }
-
-    fn level_nm(&self, level: usize) -> f64 {
-        self.low_nm + (self.high_nm - self.low_nm) * level as f64 / (LEVELS - 1) as f64
+    /// Torques to try on a piece, and one more.
+    fn torques_nm(&self, piece: &Piece, more: Option<f64>) -> impl Iterator<Item = f64> + use<> {
+        let levels = self.keys.plan.torque_levels;
+        let Piece { low_nm, high_nm, hold_nm, .. } = *piece;
+        let level_nm =
+            move |level| low_nm + (high_nm - low_nm) * f64::from(level) / f64::from(levels - 1);
+        let torques = (0..levels).map(level_nm).chain(more).chain([hold_nm]);
+        torques.map(move |torque_nm| torque_nm.clamp(low_nm, high_nm))
     }
 
     /// The drive type of the first segment trims its torque.
     fn fits(&self, first: &Piece, next: Class, torque_nm: f64) -> bool {
         let speed_mps = self.request.speed_mps;
         let set_mps = self.request.set_speed_mps;
-        let hold_nm = first.hold_nm.clamp(self.low_nm, self.high_nm);
+        let hold_nm = first.hold_nm.clamp(first.low_nm, first.high_nm);
+        let keys = &self.keys.plan;
         match first.stretch.class {
             Class::Downhill => torque_nm <= hold_nm.max(0.0) + TRIM_SLACK_NM,
-            Class::Uphill => torque_nm >= UPHILL_SHARE * self.high_nm,
+            Class::Uphill => torque_nm >= keys.uphill_share * first.high_nm,
             Class::Level => match next {
                 Class::Uphill => {
-                    speed_mps >= set_mps + BEFORE_UPHILL_MPS || torque_nm >= hold_nm - TRIM_SLACK_NM
+                    speed_mps >= set_mps + keys.before_uphill_mps
+                        || torque_nm >= hold_nm - TRIM_SLACK_NM
                 }
                 Class::Downhill => {
-                    speed_mps <= set_mps - BEFORE_DOWNHILL_MPS
+                    speed_mps <= set_mps - keys.before_downhill_mps
                         || torque_nm <= hold_nm + TRIM_SLACK_NM
                 }
                 Class::Level => true,
@@ -253,6 +267,6 @@ impl<'a> Search<'a> {
 
     fn terminal_g(&self, energy_j: f64) -> f64 {
         let above_j = energy_j - self.set_j;
-        self.energy_gpj * above_j * (TERMINAL_SQUARE * above_j / self.set_j - 1.0)
+        self.energy_gpj * above_j * (self.terminal_square * above_j / self.set_j - 1.0)
     }
 }

@@ -7,8 +7,6 @@
 
 use crate::law::{MAX_SEGMENTS, Preview};
 
-/// How far a plan looks, m.
-pub(crate) const HORIZON_M: f64 = 2000.0;
 /// Length of a step that begins before this distance, m: (before, length).
 const LENGTHS_M: [(f64, f64); 3] = [(400.0, 50.0), (1200.0, 100.0), (f64::INFINITY, 200.0)];
 /// Shortest first step, m: its torque has to act before the next plan.
@@ -25,12 +23,12 @@ pub(crate) struct PlanSteps {
 }
 
 impl PlanSteps {
-    /// Steps from `start_m` on, as far as the map and the horizon reach.
-    pub(crate) fn new(preview: &Preview, start_m: f64) -> Self {
+    /// Steps from `start_m` on, as far as the map and `horizon_m` reach.
+    pub(crate) fn new(preview: &Preview, start_m: f64, horizon_m: f64) -> Self {
         let edge_m = preview.cell_m / (preview.cell_m / LONGEST_EDGE_M).ceil();
         let edges_to = |end_m: f64| (end_m - preview.start_m) / edge_m;
-        let horizon_m = preview.end_m().min(start_m + HORIZON_M);
-        let last_edge = (edges_to(horizon_m) + 1e-6).floor();
+        let end_m = preview.end_m().min(start_m + horizon_m);
+        let last_edge = (edges_to(end_m) + 1e-6).floor();
         let mut steps = Self { start_m, ends_m: [start_m; MAX_SEGMENTS], len: 0 };
         let mut edge = edges_to(start_m + SHORTEST_M).ceil();
         while edge <= last_edge && steps.len < MAX_SEGMENTS {
@@ -66,9 +64,11 @@ impl PlanSteps {
 mod tests {
     use super::*;
 
+    const HORIZON_M: f64 = 2000.0;
+
     fn lengths_m(cell_m: f64, count: usize, start_m: f64) -> Vec<f64> {
         let preview = Preview { start_m: 1000.0, cell_m, count, ..Preview::default() };
-        let steps = PlanSteps::new(&preview, start_m);
+        let steps = PlanSteps::new(&preview, start_m, HORIZON_M);
         (0..steps.len()).map(|index| steps.step_m(index)).map(|(from, to)| to - from).collect()
     }
 

@@ -2,16 +2,15 @@
 
 use super::dynamic_programming::DynamicProgramming;
 use super::paper_n2::PaperN2;
-use super::settings::PlannerKind;
+use super::settings::{PlannerKind, Settings};
 use crate::law::{Plan, PlanRequest, Planner};
-use truck_model::Truck;
 
-/// A planner for `truck`; one that never has a plan for constant speed.
+/// The planner of the settings; one that never has a plan for constant speed.
 #[must_use]
-pub fn create(kind: PlannerKind, truck: &Truck) -> Box<dyn Planner> {
-    match kind {
-        PlannerKind::DynamicProgramming => Box::new(DynamicProgramming::new(truck)),
-        PlannerKind::PaperN2 => Box::new(PaperN2::new(truck)),
+pub fn create(settings: &Settings) -> Box<dyn Planner> {
+    match settings.keys.planner {
+        PlannerKind::DynamicProgramming => Box::new(DynamicProgramming::new(settings)),
+        PlannerKind::PaperN2 => Box::new(PaperN2::new(settings)),
         PlannerKind::ConstantSpeed => Box::new(NoPlan),
     }
 }

@@ -9,21 +9,19 @@
 //! height changes the grades of two cells by 0.6 %; single cells of a wrong class, joined in turn, would move
 //! the ends of segments by hundreds of metres. Where a class lasts for 150 m the median changes nothing.
 
-use crate::law::Preview;
+use super::settings::RoadKeys;
+use crate::law::{MAX_CELLS, Preview};
 use truck_model::{GEARS, GRAVITY_MPS2, Truck};
 
 /// Length of a cell, m.
 const CELL_M: f64 = 50.0;
-/// Cells whose median class counts, the middle one's: pieces of [`SHORTEST_M`] are a majority of them.
+/// Cells whose median class counts, the middle one's: pieces of 150 m are a majority of them.
 const MEDIAN_CELLS: usize = 5;
-/// Cells that are looked at.
-const CELLS: usize = 40;
-/// Shorter pieces are absorbed, m.
-const SHORTEST_M: f64 = 150.0;
-/// Length of the lead-in before a change of class, m.
-const LEAD_IN_M: f64 = 450.0;
-/// Longest body, m.
-const LONGEST_M: f64 = 600.0;
+/// Most cells that are looked at.
+const CELLS: usize = MAX_CELLS;
+
+/// Most segments that are planned.
+pub const MOST_SEGMENTS: usize = 3;
 
 /// What a slope does to a truck at its set speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -47,16 +45,16 @@ pub struct LimitGrades {
 }
 
 impl LimitGrades {
-    /// Limits of a truck at its set speed in the highest gear.
+    /// Limits of a truck at its set speed in the highest gear, where the keys set none.
     #[must_use]
-    pub fn new(truck: &Truck, set_speed_mps: f64) -> Self {
+    pub fn new(truck: &Truck, keys: &RoadKeys, set_speed_mps: f64) -> Self {
         let top = GEARS - 1;
         let (drag_nm, max_nm) = truck.net_torque_limits_nm(set_speed_mps, top);
         let weight_n = truck.parameters().mass_kg * GRAVITY_MPS2;
         let flat_n = truck.resistance_n(set_speed_mps, 0.0);
         Self {
-            up: (truck.force_n(max_nm, top) - flat_n) / weight_n,
-            down: (truck.force_n(drag_nm, top) - flat_n) / weight_n,
+            up: keys.uphill_grade.unwrap_or((truck.force_n(max_nm, top) - flat_n) / weight_n),
+            down: keys.downhill_grade.unwrap_or((truck.force_n(drag_nm, top) - flat_n) / weight_n),
         }
     }
 
@@ -94,21 +92,23 @@ impl Stretch {
 /// The reconstructed road ahead. Fixed storage: nothing is allocated.
 #[derive(Clone, Debug)]
 pub struct Reconstruction {
+    keys: RoadKeys,
     stretches: [Stretch; CELLS],
     len: usize,
 }
 
-impl Default for Reconstruction {
-    fn default() -> Self {
-        Self { stretches: [Stretch::default(); CELLS], len: 0 }
-    }
-}
-
 impl Reconstruction {
-    /// Reconstructs the road from `position_m` on, as far as the preview reaches, 2 km at most.
+    /// No road yet.
+    #[must_use]
+    pub fn new(keys: &RoadKeys) -> Self {
+        Self { keys: *keys, stretches: [Stretch::default(); CELLS], len: 0 }
+    }
+
+    /// Reconstructs the road from `position_m` on, as far as the preview and the horizon reach.
     pub fn rebuild(&mut self, preview: &Preview, position_m: f64, limits: &LimitGrades) {
         self.len = 0;
-        for cell in 0..CELLS {
+        let cells = ((self.keys.horizon_m / CELL_M) as usize).min(CELLS);
+        for cell in 0..cells {
             let from_m = position_m + CELL_M * cell as f64;
             let Some(grade) = preview.mean_grade(from_m, from_m + CELL_M) else { break };
             self.stretches[self.len] =
@@ -130,27 +130,25 @@ impl Reconstruction {
         &self.stretches[..self.len]
     }
 
-    /// The first two segments to plan: lead-ins apart, bodies divided; and the class after the first
-    /// stretch, if it differs.
+    /// The first `wanted` segments to plan and how many there are: lead-ins apart, bodies divided.
     #[must_use]
-    pub fn segments(&self) -> ([Stretch; 2], usize) {
-        let mut segments = [Stretch::default(); 2];
+    pub fn segments(&self, wanted: usize) -> ([Stretch; MOST_SEGMENTS], usize) {
+        let RoadKeys { lead_in_m: usual_m, longest_m, .. } = self.keys;
+        let wanted = wanted.min(MOST_SEGMENTS);
+        let mut segments = [Stretch::default(); MOST_SEGMENTS];
         let mut count = 0;
         for (index, stretch) in self.stretches().iter().enumerate() {
             let changes = index + 1 < self.len;
-            let lead_in_m = if changes { LEAD_IN_M } else { 0.0 };
+            let lead_in_m = if changes { usual_m } else { 0.0 };
             let body_m = stretch.length_m - lead_in_m;
-            let (body_m, lead_in_m) = if body_m < 0.5 * LEAD_IN_M {
-                (0.0, stretch.length_m)
-            } else {
-                (body_m, lead_in_m)
-            };
-            let pieces = (body_m / LONGEST_M).ceil() as usize;
+            let (body_m, lead_in_m) =
+                if body_m < 0.5 * usual_m { (0.0, stretch.length_m) } else { (body_m, lead_in_m) };
+            let pieces = (body_m / longest_m).ceil() as usize;
             let bodies = core::iter::repeat_n(body_m / pieces.max(1) as f64, pieces);
             for length_m in bodies.chain((lead_in_m > 0.0).then_some(lead_in_m)) {
                 segments[count] = Stretch { length_m, ..*stretch };
                 count += 1;
-                if count == segments.len() {
+                if count == wanted {
                     return (segments, count);
                 }
             }
@@ -174,7 +172,7 @@ impl Reconstruction {
         if self.len < 2 {
             return None;
         }
-        self.stretches().iter().position(|stretch| stretch.length_m < SHORTEST_M)
+        self.stretches().iter().position(|stretch| stretch.length_m < self.keys.shortest_m)
     }
 
     fn nearer_neighbour(&self, index: usize) -> usize {
@@ -222,7 +220,7 @@ mod tests {
             preview.grades[preview.count..preview.count + cells].fill(grade);
             preview.count += cells;
         }
-        let mut road = Reconstruction::default();
+        let mut road = Reconstruction::new(&RoadKeys::default());
         road.rebuild(&preview, 0.0, &LIMITS);
         road
     }
@@ -260,13 +258,13 @@ mod tests {
 
     #[test]
     fn the_lead_in_is_a_segment_of_its_own() {
-        let (segments, count) = rebuilt(&[(24, 0.0), (16, 0.02)]).segments();
+        let (segments, count) = rebuilt(&[(24, 0.0), (16, 0.02)]).segments(2);
         assert_eq!(count, 2);
         assert!((segments[0].length_m - 375.0).abs() < 1e-9, "{segments:?}");
         assert!((segments[1].length_m - 375.0).abs() < 1e-9, "{segments:?}");
-        let (segments, _) = rebuilt(&[(16, 0.0), (24, 0.02)]).segments();
+        let (segments, _) = rebuilt(&[(16, 0.0), (24, 0.02)]).segments(2);
         assert!((segments[0].length_m - 350.0).abs() < 1e-9, "{segments:?}");
-        assert_eq!(segments[1].length_m, LEAD_IN_M);
+        assert_eq!(segments[1].length_m, 450.0);
     }
 
     #[test]
@@ -276,6 +274,6 @@ mod tests {
             road.stretches(),
             [Stretch { length_m: 150.0, grade: 0.0, class: Class::Level }]
         );
-        assert_eq!(rebuilt(&[]).segments().1, 0);
+        assert_eq!(rebuilt(&[]).segments(2).1, 0);
     }
 }

@@ -2,23 +2,16 @@
 //!
 //! The lead's acceleration is Singer's: a_(k+1) = e^(-dt/tau) a_k + w with tau = 2.5 s and a standard
 //! deviation of 0.5 m/s². Measured are gap and relative speed, R = diag(0.4², 0.15²). A measurement more
-//! than five standard deviations off is not used; three in a row mean that the filter is wrong, and it
+//! than five standard deviations off is not used (all of them keys); three in a row mean that the filter is wrong, and it
 //! starts again, as with a new target.
 
 use kalman::Gaussian;
 
+use super::settings::FilterKeys;
 use crate::law::Target;
 
-/// Time constant of the lead's acceleration, s.
-const TAU_S: f64 = 2.5;
-/// Its standard deviation, m/s².
-const SIGMA_MPS2: f64 = 0.5;
-/// Variances of gap and relative speed.
-const MEASUREMENT: [f64; 2] = [0.4 * 0.4, 0.15 * 0.15];
 /// Variances of a new state.
 const INITIAL: [f64; 3] = [1.0, 0.25, 0.25];
-/// Gate, standard deviations.
-const GATE: f64 = 5.0;
 /// Measurements in a row outside the gate that restart the filter.
 const LOST: u32 = 3;
 
@@ -36,6 +29,7 @@ pub struct Estimate {
 /// The filter.
 #[derive(Clone, Debug, Default)]
 pub struct TargetFilter {
+    keys: FilterKeys,
     track: Option<Track>,
 }
 
@@ -47,6 +41,12 @@ struct Track {
 }
 
 impl TargetFilter {
+    /// A filter that has seen nothing.
+    #[must_use]
+    pub fn new(keys: &FilterKeys) -> Self {
+        Self { keys: *keys, track: None }
+    }
+
     /// Takes in what the radar shows after `dt_s` in which the ego accelerated by `ego_mps2`.
     pub fn update(
         &mut self,
@@ -65,8 +65,8 @@ impl TargetFilter {
         }
         match &mut self.track {
             Some(track) if track.id == target.track_id => {
-                track.predict(ego_mps2, dt_s);
-                track.correct(measured);
+                track.predict(&self.keys, ego_mps2, dt_s);
+                track.correct(&self.keys, measured);
                 if track.rejected >= LOST {
                     let acceleration_mps2 = target.acceleration_mps2;
                     *track = Track::new(target.track_id, measured);
@@ -89,8 +89,8 @@ impl Track {
         Self { id, state, rejected: 0 }
     }
 
-    fn predict(&mut self, ego_mps2: f64, dt_s: f64) {
-        let kept = libm::exp(-dt_s / TAU_S);
+    fn predict(&mut self, keys: &FilterKeys, ego_mps2: f64, dt_s: f64) {
+        let kept = libm::exp(-dt_s / keys.time_constant_s);
         let [gap_m, relative_mps, lead_mps2] = self.state.mean;
         let relative_mps2 = lead_mps2 - ego_mps2;
         self.state.mean = [
@@ -99,16 +99,18 @@ impl Track {
             kept * lead_mps2,
         ];
         let transition = [[1.0, dt_s, 0.5 * dt_s * dt_s], [0.0, 1.0, dt_s], [0.0, 0.0, kept]];
-        let noise = SIGMA_MPS2 * SIGMA_MPS2 * (1.0 - kept * kept);
+        let sigma_mps2 = keys.acceleration_sigma_mps2;
+        let noise = sigma_mps2 * sigma_mps2 * (1.0 - kept * kept);
         self.state.spread(&transition, &[0.5 * dt_s * dt_s, dt_s, 1.0], noise);
     }
 
     /// Both measurements, one after the other.
-    fn correct(&mut self, measured: [f64; 2]) {
+    fn correct(&mut self, keys: &FilterKeys, measured: [f64; 2]) {
         let mut inside = true;
-        for (element, (value, variance)) in measured.into_iter().zip(MEASUREMENT).enumerate() {
+        let variances = [keys.gap_sigma_m, keys.speed_sigma_mps].map(|sigma| sigma * sigma);
+        for (element, (value, variance)) in measured.into_iter().zip(variances).enumerate() {
             let innovation = self.state.innovation(element, value, variance);
-            if innovation.passes(GATE) {
+            if innovation.passes(keys.gate) {
                 self.state.correct(element, &innovation);
             } else {
                 inside = false;
@@ -135,7 +137,7 @@ mod tests {
         };
         let mut filter = TargetFilter::default();
         let (dt_s, sigma_mps2) = (0.1, 0.25);
-        let kept = libm::exp(-dt_s / TAU_S);
+        let kept = libm::exp(-dt_s / filter.keys.time_constant_s);
         let (mut gap_m, mut relative_mps, mut lead_mps2) = (60.0, 0.0, 0.0);
         let mut squares = [0.0; 3];
         let steps = 20_000;

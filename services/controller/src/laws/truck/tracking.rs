@@ -1,13 +1,11 @@
 //! The plan in hand: where the truck is in it, when it must be made anew, when it is stale.
 //!
 //! The torque of the first segment is held to its end. A new plan is asked for there, at a gear change,
-//! when the speed is 0.6 m/s off, and when the set speed changes. Until it arrives the plan in hand goes
+//! when the speed is too far off (0.6 m/s, if nothing else is set), and when the set speed changes. Until it arrives the plan in hand goes
 //! on, into its later segments if need be; beyond its end, or far off it, there is no plan.
 
 use crate::law::{Input, Plan, PlanRequest, Powertrain, Preview};
 
-/// Deviation of speed that asks for a new plan, m/s.
-const REPLAN_MPS: f64 = 0.6;
 /// Deviation at which a plan is stale, m/s.
 const STALE_MPS: f64 = 2.5;
 /// Oldest plan that is followed, s.
@@ -82,13 +80,13 @@ impl Tracking {
         })
     }
 
-    /// The question to ask now, if any.
+    /// The question to ask now, if any: at a price of time, and when the speed is `replan_mps` off.
     pub(crate) fn request(
         &mut self,
         input: &Input,
         powertrain: &Powertrain,
         preview: &Preview,
-        time_price: f64,
+        (time_price, replan_mps): (f64, f64),
         guidance: Option<&Guidance>,
     ) -> Option<PlanRequest> {
         if self.asked_s.is_some_and(|asked_s| (0.0..REPEAT_S).contains(&(input.time_s - asked_s))) {
@@ -99,7 +97,7 @@ impl Tracking {
         let holds = guidance.is_some_and(|guidance| {
             guidance.index < self.plan.binding
                 && self.plan.segments[self.plan.binding - 1].end_m > soon_m
-                && (guidance.speed_mps - input.ego.speed_mps).abs() <= REPLAN_MPS
+                && (guidance.speed_mps - input.ego.speed_mps).abs() <= replan_mps
                 && self.gear == powertrain.gear
                 && self.limits_mps == limits_mps
         });

@@ -1,6 +1,7 @@
 //! The bound: a dynamic program over the whole route, driven.
 
 use super::{Driver, Road, Seen};
+use crate::laws::truck::BoundKeys;
 use crate::laws::truck::energy_grid::{
     Costs, EnergyGrid, LOWEST, PLANNED_GEARS, SLOWNESS_GPM, Values,
 };
@@ -39,13 +40,13 @@ impl Bound {
         nodes: usize,
     ) -> Self {
         let prices = Prices::new(truck, set_speed_mps);
-        let mut grid = EnergyGrid::new(truck, nodes);
+        let mut grid = EnergyGrid::new(truck, &BoundKeys::default(), nodes);
         grid.span(SLOWEST_SPEED * set_speed_mps, limit_mps);
         grid.set_costs(Costs {
             time_gps: time_price * prices.time_gps,
             shift_g: prices.shift_g,
             slow_gpm: SLOWNESS_GPM,
-            min_speed_mps: min_speed_mps(set_speed_mps),
+            min_speed_mps: min_speed_mps(&BoundKeys::default(), set_speed_mps),
         });
         let road = Road::new(STEP_M, stages(road));
         let steps = road.grades().len();

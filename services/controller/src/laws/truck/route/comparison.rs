@@ -2,7 +2,7 @@
 
 use super::{Assisted, Bound, Cruise, Human, Map, Road, Trip, at_equal_time, drive};
 use crate::laws::truck::speed_band::max_speed_mps;
-use crate::laws::truck::{PlannerKind, Prices, Settings};
+use crate::laws::truck::{BoundKeys, Keys, PlannerKind, Prices, Settings};
 use truck_model::Truck;
 
 /// Range of the mean speed over the set speed in which equal trip time is looked for.
@@ -66,7 +66,8 @@ impl Comparison {
     #[must_use]
     pub fn assisted(&self, planner: PlannerKind, believed: &Truck, map: &Map) -> Option<Trip> {
         at_equal_time(self.baseline.time_s, MEAN_SPEEDS, |mean_speed| {
-            let settings = Settings { mean_speed, ..Settings::new(believed, planner) };
+            let keys = Keys { planner, mean_speed, ..Keys::default() };
+            let settings = Settings::of_keys(believed, &keys);
             let mut driver = Assisted::new(&settings, self.set_speed_mps, map.clone());
             drive(&self.truck, &self.road, self.set_speed_mps, &mut driver)
         })
@@ -105,5 +106,5 @@ impl Comparison {
 
 /// Speed above which all of them brake, m/s.
 fn limit_mps(set_speed_mps: f64) -> f64 {
-    max_speed_mps(set_speed_mps, f64::INFINITY)
+    max_speed_mps(&BoundKeys::default(), set_speed_mps, f64::INFINITY)
 }

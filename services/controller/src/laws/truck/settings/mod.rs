@@ -1,0 +1,200 @@
+//! What a scenario may set of the law.
+
+mod numbers;
+mod tables;
+
+use crate::settings::{self, SettingError, within};
+use serde::{Deserialize, Serialize};
+use truck_model::{Parameters, Truck};
+
+pub use tables::{BoundKeys, FilterKeys, FollowKeys, GapKeys, PlanKeys, RoadKeys, TruckKeys};
+
+/// Least and largest request of the law, m/s².
+pub(super) const REQUESTS_MPS2: (f64, f64) = (-6.5, 1.5);
+
+/// Which planner drives.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PlannerKind {
+    /// Receding-horizon dynamic programming.
+    #[default]
+    DynamicProgramming,
+    /// The published scheme.
+    PaperN2,
+    /// None: a PI control of the set speed, the baseline of all savings.
+    ConstantSpeed,
+}
+
+impl PlannerKind {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::DynamicProgramming, Self::PaperN2, Self::ConstantSpeed];
+
+    /// Name in scenarios and tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::DynamicProgramming => "dynamic-programming",
+            Self::PaperN2 => "paper-n2",
+            Self::ConstantSpeed => "constant-speed",
+        }
+    }
+
+    /// Keys of the law's table that this planner does not use.
+    pub(super) fn unused(self) -> &'static [&'static str] {
+        const OF_PAPER_N2: [&str; 10] = [
+            "road.uphill_grade",
+            "road.downhill_grade",
+            "road.shortest_m",
+            "road.lead_in_m",
+            "road.longest_m",
+            "plan.segments",
+            "plan.torque_levels",
+            "plan.uphill_share",
+            "plan.before_uphill_mps",
+            "plan.before_downhill_mps",
+        ];
+        match self {
+            Self::DynamicProgramming => &OF_PAPER_N2,
+            Self::PaperN2 => &[],
+            Self::ConstantSpeed => &["road", "plan"],
+        }
+    }
+
+    /// The price of time, relative to the flat's, at which a truck keeps its mean speed over hills; the
+    /// servo corrects its error.
+    #[must_use]
+    pub(super) fn usual_time_price(self) -> f64 {
+        match self {
+            Self::DynamicProgramming | Self::ConstantSpeed => 1.3,
+            Self::PaperN2 => 1.6,
+        }
+    }
+}
+
+/// What may slow the truck down beside its engine's drag.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Brakes {
+    /// Nothing, as published: the law commands engine torque, from drag to full load.
+    None,
+    /// The engine brake.
+    Engine,
+    /// The service brakes as well.
+    #[default]
+    Service,
+}
+
+/// The law's table, `[controller.predictive]`.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Keys {
+    /// Which planner drives.
+    pub planner: PlannerKind,
+    /// Which brakes the law may use; `none` is the paper's: torque from drag to full load alone.
+    pub brakes: Brakes,
+    /// Mean speed to keep on a free road, relative to the set speed.
+    pub mean_speed: f64,
+    /// Hardest deceleration of the vehicle ahead that is reckoned with on a car, m/s².
+    pub lead_deceleration_mps2: f64,
+    /// Gap and modes (14) to (16).
+    pub gap: GapKeys,
+    /// Speed and acceleration behind a target (17), (18).
+    pub follow: FollowKeys,
+    /// Bounds of a plan (step 3).
+    pub bounds: BoundKeys,
+    /// Road ahead and its reconstruction (steps 1, 2).
+    pub road: RoadKeys,
+    /// Rolling optimisation (steps 4 to 6).
+    pub plan: PlanKeys,
+    /// Filter of the radar's target.
+    pub filter: FilterKeys,
+    /// The truck as the law believes it to be (19) to (22).
+    pub truck: TruckKeys,
+}
+
+impl Default for Keys {
+    fn default() -> Self {
+        Self {
+            planner: PlannerKind::default(),
+            brakes: Brakes::default(),
+            mean_speed: 1.0,
+            lead_deceleration_mps2: 9.0,
+            gap: GapKeys::default(),
+            follow: FollowKeys::default(),
+            bounds: BoundKeys::default(),
+            road: RoadKeys::default(),
+            plan: PlanKeys::default(),
+            filter: FilterKeys::default(),
+            truck: TruckKeys::default(),
+        }
+    }
+}
+
+impl settings::Settings for Keys {
+    const SOURCE: &'static str = concat!(include_str!("mod.rs"), include_str!("tables.rs"));
+
+    fn check(&self) -> Result<(), SettingError> {
+        within("mean_speed", self.mean_speed, 0.8, 1.2)?;
+        within("lead_deceleration_mps2", self.lead_deceleration_mps2, 0.5, 12.0)?;
+        self.gap.check()?;
+        self.follow.check()?;
+        self.bounds.check()?;
+        self.road.check()?;
+        self.plan.check()?;
+        self.filter.check()?;
+        self.truck.check()
+    }
+}
+
+/// Settings of the law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// The truck as the law knows it.
+    pub truck: Truck,
+    /// What a scenario sets.
+    pub keys: Keys,
+    /// Drives a car, by accelerations: kept at a safe gap and stopped softly.
+    pub car: Option<CarGap>,
+}
+
+/// How a car's gap is kept safe.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CarGap {
+    /// Lag of the car's acceleration behind the request, s.
+    pub lag_s: f64,
+    /// Hardest deceleration of the vehicle ahead that is reckoned with, m/s².
+    pub lead_deceleration_mps2: f64,
+}
+
+impl Settings {
+    /// Settings for a truck whose mean speed is to be its set speed.
+    #[must_use]
+    pub fn new(truck: &Truck, planner: PlannerKind) -> Self {
+        Self { truck: *truck, keys: Keys { planner, ..Keys::default() }, car: None }
+    }
+
+    /// Settings of the keys for a truck that they describe in part.
+    #[must_use]
+    pub fn of_keys(truck: &Truck, keys: &Keys) -> Self {
+        Self { truck: keys.truck.believed(truck), keys: *keys, car: None }
+    }
+}
+
+impl TruckKeys {
+    /// The truck, with what the keys say of it.
+    fn believed(&self, truck: &Truck) -> Truck {
+        let p = truck.parameters();
+        Truck::new(Parameters {
+            mass_kg: self.mass_kg.unwrap_or(p.mass_kg),
+            rolling_resistance: self.rolling_resistance.unwrap_or(p.rolling_resistance),
+            drag_area_m2: self.drag_area_m2.unwrap_or(p.drag_area_m2),
+            final_drive: self.final_drive.unwrap_or(p.final_drive),
+            driveline_efficiency: self.driveline_efficiency.unwrap_or(p.driveline_efficiency),
+            wheel_radius_m: self.wheel_radius_m.unwrap_or(p.wheel_radius_m),
+            wheel_inertia_kgm2: self.wheel_inertia_kgm2.unwrap_or(p.wheel_inertia_kgm2),
+            auxiliary_power_w: self.auxiliary_power_w.unwrap_or(p.auxiliary_power_w),
+            engine_scale: self.engine_scale.unwrap_or(p.engine_scale),
+            ..*p
+        })
+    }
+}
