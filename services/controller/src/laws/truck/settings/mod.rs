@@ -41,7 +41,12 @@ impl PlannerKind {
 
     /// Keys of the law's table that this planner does not use.
     pub(super) fn unused(self) -> &'static [&'static str] {
-        const OF_PAPER_N2: [&str; 10] = [
+        // Those of every planner first, then those of `paper-n2` alone.
+        const OF_PLANS: [&str; 14] = [
+            "road.horizon_m",
+            "plan.terminal_square",
+            "plan.time_price",
+            "plan.replan_mps",
             "road.uphill_grade",
             "road.downhill_grade",
             "road.shortest_m",
@@ -54,9 +59,9 @@ impl PlannerKind {
             "plan.before_downhill_mps",
         ];
         match self {
-            Self::DynamicProgramming => &OF_PAPER_N2,
+            Self::DynamicProgramming => &OF_PLANS[4..],
             Self::PaperN2 => &[],
-            Self::ConstantSpeed => &["road", "plan"],
+            Self::ConstantSpeed => &OF_PLANS,
         }
     }
 
