@@ -4,7 +4,7 @@ use super::SET_SPEED_MPS;
 use controller::laws::truck::route::{
     Assisted, Bound, Cruise, Driver, Human, Map, Road, Trip, at_equal_time, drive,
 };
-use controller::laws::truck::{PlannerKind, Prices, Settings};
+use controller::laws::truck::{Keys, Prices, Settings};
 use scenario::grade::{Alignment, GradeProfile, generate};
 use truck_model::{Preset, Truck};
 
@@ -69,9 +69,9 @@ impl Baseline {
     /// Fuel of the law with the dynamic program over two kilometres, percent.
     pub fn planned_percent(&self) -> Option<f64> {
         self.change(MEANS, |mean_speed| {
-            let settings = Settings::new(&self.truck, PlannerKind::DynamicProgramming);
             let map = Map { road: self.road.clone(), shift_m: 0.0 };
-            Assisted::new(&Settings { mean_speed, ..settings }, SET_SPEED_MPS, map)
+            let keys = Keys { mean_speed, ..Keys::default() };
+            Assisted::new(&Settings::of_keys(&self.truck, &keys), SET_SPEED_MPS, map)
         })
     }
 

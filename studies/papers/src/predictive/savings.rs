@@ -2,6 +2,7 @@
 
 use super::Trip;
 use super::computed::{self, Baseline};
+use super::headline;
 use super::pictures;
 use crate::row::{Kind, Row, Tolerance, reconstruction, requirement, within};
 use crate::runner::{Driven, Part, Runner, together};
@@ -121,8 +122,21 @@ fn preset(runner: &Runner<'_>, expected: &Reconstructed) -> Result<(Part, Option
     }
     let change = of_planners.last().and_then(|(_, change, _)| *change);
     let road = constant.scenario.road.profile().unwrap_or_default();
-    rows.extend(computed(runner, expected, &road, change));
+    let (of_model, driver_percent) = computed(runner, expected, &road, change);
+    rows.extend(of_model);
     rows.push(generated(runner, preset));
+    for (planner, _, driven) in &of_planners {
+        let name = format!("{}.{planner}.service_brake_s", preset.name());
+        let braked_s = driven.summary.control.figures.service_brake_s;
+        rows.push(
+            Row::shown(&name, "s", Kind::Paper, braked_s, "driven; the paper's truck has none")
+                .from_source("it controls neither throttle nor brakes, but engine torque directly"),
+        );
+    }
+    for (planner, change, _) in &of_planners {
+        let set = format!("{}, {planner}", preset.name());
+        rows.extend(headline::rows(&set, litres, *change, driver_percent));
+    }
     let trips: Vec<(&'static str, &Driven)> = std::iter::once(("constant speed", &constant))
         .chain(of_planners.iter().map(|(planner, _, driven)| (*planner, driven)))
         .collect();
@@ -200,13 +214,14 @@ fn conditions(name: &str, trip: Option<Trip>, baseline: Option<Trip>) -> Vec<Row
     ]
 }
 
-/// The full-route plan and the human driver models, computed on the same truck and road.
+/// The full-route plan and the human driver models, computed on the same truck and road; and the fuel of the
+/// calmer driver against constant speed, percent.
 fn computed(
     runner: &Runner<'_>,
     expected: &Reconstructed,
     road: &GradeProfile,
     driven: Option<f64>,
-) -> Vec<Row> {
+) -> (Vec<Row>, Option<f64>) {
     const AGAINST: &str = "computed; fuel against constant speed, computed alike";
     let preset = expected.preset;
     let name = |what: &str| format!("{}.{what}", preset.name());
@@ -216,7 +231,7 @@ fn computed(
     let above = driven.zip(route).map(|(driven, route)| driven - route);
     let litres = baseline.as_ref().map(Baseline::litres);
     let [calm, restless] = [expected.human_sigma_2_5, expected.human_sigma_4].map(reconstruction);
-    vec![
+    let rows = vec![
         Row::shown(
             &name("constant_speed_computed_l_per_100km"),
             "L",
@@ -242,7 +257,8 @@ fn computed(
         .with_note("driven less the computed full-route plan, percentage points"),
         Row::near(&name("human_sigma_2.5"), "%", calm, human[0], HUMAN_POINTS).with_note(AGAINST),
         Row::near(&name("human_sigma_4"), "%", restless, human[1], HUMAN_POINTS).with_note(AGAINST),
-    ]
+    ];
+    (rows, human[0])
 }
 
 /// How far the planner is from the full-route plan on roads of other seeds: the farthest of them, on
