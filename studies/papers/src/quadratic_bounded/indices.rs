@@ -12,6 +12,9 @@ const SOURCE: &str = "section 2.2: the indices stay within bounds taken from rea
 const CAPPED: &str = "while it follows; the law takes at most 20 m of it, so a car that is first seen far \
                       away is outside the bound";
 
+const CLAMPED: &str =
+    "the law clamps it to this bound; the printed gains ask for 1.26 at the cut-in";
+
 /// The rows of a drive.
 pub fn rows(name: &str, driven: &Driven) -> Vec<Row> {
     let p = Parameters::reference();
@@ -34,7 +37,8 @@ pub fn rows(name: &str, driven: &Driven) -> Vec<Row> {
         row("speed_error_mps", "m/s", p.speed_error_bound_mps, figure("speed_error_mps")),
         row("acceleration_mps2", "m/s²", p.acceleration_bound_mps2, acceleration),
         row("request_mps2", "m/s²", p.request_bound_mps2, request),
-        row("increment_mps2", "m/s²", p.increment_bound_mps2, figure("increment_mps2")),
+        row("increment_mps2", "m/s²", p.increment_bound_mps2, figure("increment_mps2"))
+            .with_note(CLAMPED),
         row("gap_error_rate_mps", "m/s", p.gap_error_rate_bound_mps, figure("gap_error_rate_mps")),
     ]
 }

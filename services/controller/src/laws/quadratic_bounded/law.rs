@@ -154,7 +154,11 @@ impl QuadraticBounded {
         if !self.is_printed() {
             self.xc = self.next_controller_state(&chosen.z, speed);
         }
-        self.quality = if excess > 1.0 || too_slow { Quality::Relaxed } else { Quality::Full };
+        self.quality = if excess > 1.0 || too_slow || self.is_printed() {
+            Quality::Relaxed
+        } else {
+            Quality::Full
+        };
         let true_gap_error = target.map_or(0.0, |t| t.gap_m - desired);
         let rate = chosen.z[1] - p.gap_derivative_s(speed) * acceleration;
         self.figures = [
