@@ -130,7 +130,7 @@ mod tests {
             Row::at_most(id, "m/s²", requirement(-123.0), Some(-122.0), TENTH)
                 .in_set("joint weights")
                 .depending_on("the desired distance keeps its first value, v t_h + d_b = 34.5 m")
-                .from_source("a long sentence of the paper that only the page has room for")
+                .with_source("a long sentence of the paper that only the page has room for")
                 .with_note("a long note that only the page has room for, and the JSON")
         };
         let text = table("predictive", &[row(id), row("x")]);

@@ -239,7 +239,7 @@ impl Row {
     }
 
     /// The same row with the sentence, figure or equation of the paper behind it.
-    pub fn from_source(self, source: &'static str) -> Self {
+    pub fn with_source(self, source: &'static str) -> Self {
         Self { source: Some(source), ..self }
     }
 

@@ -116,13 +116,12 @@ fn conclude(
 ) -> Result<ExitCode, Error> {
     let table = Table::of(runs, sample);
     let json = serde_json::to_string_pretty(&table).expect("plain data") + "\n";
-    let failed = runs.iter().filter(|run| !run.holds());
+    let mut failed = runs.iter().filter(|run| !run.holds());
     let written = failed
-        .map(|run| {
+        .try_for_each(|run| {
             let text = text(run.corridor, &run.law);
             output.write(&format!("corridor-{}-{}.toml", run.corridor, run.law), text.as_bytes())
         })
-        .collect::<Result<(), _>>()
         .and_then(|()| output.write("signals.csv", table::csv(runs).as_bytes()))
         .and_then(|()| output.write("signals.json", json.as_bytes()));
     if arguments.json {

@@ -124,7 +124,7 @@ impl Figure {
             }
             Held::Shown => Row::shown(id, unit, Kind::Paper, ours, "the paper prints no number"),
         };
-        row.from_source(self.source)
+        row.with_source(self.source)
     }
 
     /// Whether the figure belongs to Table 3.

@@ -7,9 +7,10 @@ use super::pictures::{height, over, over_distance};
 use crate::Gallery;
 use crate::row::{EXACT, Kind, Row, paper, requirement, within};
 use crate::runner::{Driven, Part, Runner, together};
+use controller::laws::truck::{GapKeys, Spacing};
 use group::Error;
 use group::{DriveStep, PowertrainStep};
-use report::chart::{Curve, Tone};
+use report::chart::{Curve, Stroke, Tone};
 use runtime::report::Outcome;
 use truck_model::{FUEL_DENSITY_GPL, Preset, Truck};
 
@@ -24,6 +25,11 @@ const LEAD_BRAKES_S: f64 = 96.0;
 const PLOT: &str = "described in words and shown in a plot without a scale";
 /// Largest ratio of the first deceleration to the largest one that still is "small, then larger".
 const SMALL_BEFORE_LARGE: f64 = 0.7;
+
+/// Road ahead of the lead whose grade counts in the desired gap, m.
+const LEAD_ROAD_M: f64 = 300.0;
+/// What the rows of the figure rest on.
+const ROAD: &str = "the road and the lead of the scenario: the paper's are not printed";
 
 /// Shortest headway, s.
 const MIN_HEADWAY_S: f64 = 1.0;
@@ -89,6 +95,8 @@ fn points(driven: &Driven) -> Vec<Row> {
     let headway = driven.drive.steps.iter().filter_map(|step| Some(step.gap_m? / step.speed_mps));
     vec![
         Row::near("follow.0m.torque_over_drag", "", paper(1.0), drag_share, within(0.1, PLOT))
+            .with_source("(1) at 0 m, downhill: the engine's torque is 0")
+            .depending_on(ROAD)
             .with_note("driven; mean of 2 to 12 s, downhill behind a lead 2 m/s slower"),
         Row::near(
             "follow.0m.relative_speed_start_mps",
@@ -97,15 +105,17 @@ fn points(driven: &Driven) -> Vec<Row> {
             at(0.0, &relative),
             within(0.01, "the scenario begins with it"),
         )
+        .with_source("(1) from -2 m/s towards 0")
         .with_note(NOTE),
         Row::near(
-            "follow.700m.relative_speed_mps",
+            "follow.400m.relative_speed_mps",
             "m/s",
             paper(0.0),
-            at(700.0, &relative),
+            at(400.0, &relative),
             within(0.2, PLOT),
         )
-        .with_note("driven; where the slope ends"),
+        .with_source("(2) at 400 m the relative speed stays about 0")
+        .depending_on(ROAD),
         Row::at_most(
             "follow.gap_800m_less_gap_1400m",
             "m",
@@ -218,6 +228,28 @@ fn mean(
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
+/// The gap and the ends of its band, by the grade of the 300 m ahead of the lead.
+fn band(driven: &Driven) -> Vec<Curve> {
+    let keys = GapKeys::default();
+    let road = driven.scenario.road.profile().unwrap_or_default();
+    let end = |value: fn(&Spacing) -> f64| {
+        let road = &road;
+        move |step: &DriveStep| {
+            let from_m = step.position_m + step.gap_m?;
+            let grade = road.mean_grade(from_m, from_m + LEAD_ROAD_M);
+            Some(value(&Spacing::new(&keys, step.speed_mps, step.lead_speed_mps?, grade)))
+        }
+    };
+    let draw = |name, tone, value: &dyn Fn(&DriveStep) -> Option<f64>| {
+        Curve::new(name, tone, over_distance(driven, FIGURE_M, value))
+    };
+    vec![
+        draw("gap", Tone::Series(0), &|step| step.gap_m),
+        draw("d_max", Tone::Muted, &end(|spacing| spacing.max_m)).stroke(Stroke::Dashed),
+        draw("d_min", Tone::Muted, &end(|spacing| spacing.min_m)).stroke(Stroke::Dotted),
+    ]
+}
+
 fn picture(driven: &Driven) -> Gallery {
     let curve = |index, name, value: &dyn Fn(&DriveStep) -> Option<f64>| {
         Curve::new(name, Tone::Series(index), over_distance(driven, FIGURE_M, value))
@@ -234,9 +266,17 @@ fn picture(driven: &Driven) -> Gallery {
         plots: vec![
             over("Height", FIGURE_M, "m", vec![road]),
             over("Speed", FIGURE_M, "km/h", vec![truck, ahead]),
-            over("Gap", FIGURE_M, "m", vec![curve(0, "gap", &|step| step.gap_m)]),
+            over("Gap in its band (figure 8)", FIGURE_M, "m", band(driven)),
             over(
-                "Engine torque",
+                "Relative speed (figure 8)",
+                FIGURE_M,
+                "m/s",
+                vec![curve(0, "vehicle ahead less truck", &|step| {
+                    Some(step.lead_speed_mps? - step.speed_mps)
+                })],
+            ),
+            over(
+                "Engine torque (figure 9)",
                 FIGURE_M,
                 "N m",
                 vec![curve(0, "torque", &powertrain(|p| p.engine_torque_nm))],

@@ -31,16 +31,16 @@ pub fn rows(
     let saving = ours.zip(driver).map(|(ours, driver)| 100.0 * (1.0 - ours / driver));
     let rows = [
         Row::near("headline.fuel_l_per_100km", "L", paper(20.0), ours, WHOLE_LITRES)
-            .from_source("fuel per 100 km in this test is about 20 L")
+            .with_source("fuel per 100 km in this test is about 20 L")
             .depending_on(ROAD_AND_TRUCK),
         Row::near("headline.driver_l_per_100km", "L", paper(22.0), driver, WHOLE_LITRES)
-            .from_source("a skilled driver's fuel on the same road (about 22 L)")
+            .with_source("a skilled driver's fuel on the same road (about 22 L)")
             .depending_on(DRIVER),
         Row::near("headline.saving", "%", paper(8.0), saving, ABOUT)
-            .from_source("the predictive control saves about 8 %")
+            .with_source("the predictive control saves about 8 %")
             .depending_on(DRIVER),
         Row::near("headline.saving_overall", "%", paper(7.0), saving, PRINTED_RANGE)
-            .from_source("more than 1.3 million km; 6 to 8 % less than skilled drivers over all")
+            .with_source("more than 1.3 million km; 6 to 8 % less than skilled drivers over all")
             .depending_on(DRIVER),
     ];
     rows.map(|row| row.in_set(set).with_note("at the trip time of constant speed"))

@@ -1,12 +1,14 @@
 //! Pictures of trips over distance.
 
-use super::ROAD_M;
+use super::{ROAD_M, SET_SPEED_MPS};
 use crate::Gallery;
 use crate::runner::Driven;
+use controller::law::{MAX_CELLS, Preview};
+use controller::laws::truck::{LimitGrades, Reconstruction, RoadKeys};
 use group::{DriveStep, PowertrainStep};
 use report::chart::{Axis, Curve, Plot, Tone};
 use scenario::Scenario;
-use truck_model::{FUEL_DENSITY_GPL, Preset};
+use truck_model::{FUEL_DENSITY_GPL, Preset, Truck};
 
 /// Distance between two points of a curve, m.
 const POINT_M: f64 = 50.0;
@@ -28,12 +30,55 @@ pub fn trips(preset: Preset, trips: &[(&'static str, &Driven)]) -> Gallery {
         heading: format!("{} at 75 km/h", preset.name()),
         plots: vec![
             over("Height", ROAD_M, "m", vec![Curve::new("road", Tone::Muted, road)]),
-            over("Speed", ROAD_M, "km/h", curves(&|step| Some(step.speed_mps * 3.6))),
+            over("Slope and its reconstruction (figure 6)", ROAD_M, "%", slopes(preset, trips)),
+            over("Speed (figure 7)", ROAD_M, "km/h", curves(&|step| Some(step.speed_mps * 3.6))),
+            over("Economic speed (figure 7)", ROAD_M, "km/h", economic(trips)),
             over("Engine torque", ROAD_M, "N m", powertrain(|p| p.engine_torque_nm)),
             over("Gear, of the top six", ROAD_M, "", gears),
             over("Fuel", ROAD_M, "L", powertrain(|p| p.fuel_g / FUEL_DENSITY_GPL)),
         ],
     }
+}
+
+/// The road's slope and the stretches that steps 1 and 2 of the planner make of it, horizon by horizon.
+fn slopes(preset: Preset, trips: &[(&'static str, &Driven)]) -> Vec<Curve> {
+    let road = trips.first().and_then(|(_, driven)| driven.scenario.road.profile().ok());
+    let Some(road) = road else { return Vec::new() };
+    let keys = RoadKeys::default();
+    let limits = LimitGrades::new(&Truck::preset(preset), &keys, SET_SPEED_MPS);
+    let percent = |from_m: f64, to_m: f64| 100.0 * road.mean_grade(from_m, to_m);
+    let cells = (0..(ROAD_M / POINT_M) as u32).map(|cell| f64::from(cell) * POINT_M);
+    let slope = cells.map(|from_m| (from_m / 1e3, percent(from_m, from_m + POINT_M))).collect();
+    let mut reconstruction = Reconstruction::new(&keys);
+    let (mut rebuilt, mut start_m) = (Vec::new(), 0.0);
+    while start_m < ROAD_M {
+        let mut preview =
+            Preview { start_m, cell_m: POINT_M, count: MAX_CELLS, ..Preview::default() };
+        for (cell, grade) in preview.grades.iter_mut().enumerate() {
+            let from_m = start_m + POINT_M * cell as f64;
+            *grade = road.mean_grade(from_m, from_m + POINT_M);
+        }
+        reconstruction.rebuild(&preview, start_m, &limits);
+        for stretch in reconstruction.stretches() {
+            rebuilt.push((start_m / 1e3, 100.0 * stretch.grade));
+            start_m += stretch.length_m;
+        }
+    }
+    vec![
+        Curve::new("slope", Tone::Muted, slope).steps(),
+        Curve::new("reconstruction", Tone::Series(0), rebuilt).steps(),
+    ]
+}
+
+/// The planners' economic speeds.
+fn economic(trips: &[(&'static str, &Driven)]) -> Vec<Curve> {
+    let curve = |(index, (name, driven)): (usize, &(&'static str, &Driven))| {
+        let figure = driven.figure_names.iter().position(|name| *name == "economic_speed_mps")?;
+        let value = move |step: &DriveStep| Some(3.6 * step.figures?[figure]);
+        Some(Curve::new(name, Tone::Series(index), over_distance(driven, ROAD_M, &value)))
+    };
+    // The first trip keeps the set speed.
+    trips.iter().enumerate().skip(1).filter_map(curve).collect()
 }
 
 /// Curves over the distance to `until_m`.

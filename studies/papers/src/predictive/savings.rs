@@ -130,7 +130,7 @@ fn preset(runner: &Runner<'_>, expected: &Reconstructed) -> Result<(Part, Option
         let braked_s = driven.summary.control.figures.service_brake_s;
         rows.push(
             Row::shown(&name, "s", Kind::Paper, braked_s, "driven; the paper's truck has none")
-                .from_source("it controls neither throttle nor brakes, but engine torque directly"),
+                .with_source("it controls neither throttle nor brakes, but engine torque directly"),
         );
     }
     for (planner, change, _) in &of_planners {

@@ -30,7 +30,7 @@ pub fn rows(name: &str, driven: &Driven) -> Vec<Row> {
     let row = |index: &str, unit, bound, ours| {
         let id = format!("{name}.largest_{index}");
         let row = Row::at_most(&id, unit, reconstruction(bound), Some(ours), EXACT);
-        row.from_source(SOURCE).depending_on(BOUND)
+        row.with_source(SOURCE).depending_on(BOUND)
     };
     vec![
         row("gap_error_m", "m", p.gap_error_bound_m, gap_error).with_note(CAPPED),

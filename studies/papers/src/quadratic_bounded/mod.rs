@@ -90,10 +90,10 @@ fn follow(driven: &Driven) -> Vec<Row> {
     let step_s = f64::from(driven.scenario.plant.period_ms.value()) / 1e3;
     vec![
         Row::near("follow.end_of_cruise_s", "s", paper(10.0), followed, PRINTED)
-            .from_source("0 to 10 s: cruise behind the virtual lead")
+            .with_source("0 to 10 s: cruise behind the virtual lead")
             .depending_on(GAP),
         Row::at_most("follow.steady_by_s", "s", paper(30.0), unsteady, PRINTED)
-            .from_source("10 to 30 s: transition; 30 to 60 s: steady following")
+            .with_source("10 to 30 s: transition; 30 to 60 s: steady following")
             .depending_on(GAP)
             .with_note("gap error below 2 m and speed error below 0.3 m/s from then on"),
         Row::at_least(
@@ -103,11 +103,11 @@ fn follow(driven: &Driven) -> Vec<Row> {
             Some(released as f64 * step_s),
             EXACT,
         )
-        .from_source("figure 3c: the throttle is released and the car coasts")
+        .with_source("figure 3c: the throttle is released and the car coasts")
         .depending_on(CAR)
         .with_note("time with neither pedal pressed, inverse model"),
         Row::at_least("follow.brake_pressure_mpa", "MPa", requirement(0.01), Some(pressure), EXACT)
-            .from_source("figure 3c: coasting is not enough, so some brake is applied")
+            .with_source("figure 3c: coasting is not enough, so some brake is applied")
             .depending_on(CAR)
             .with_note("largest pressure before the lead speeds up, inverse model"),
     ]
@@ -121,10 +121,10 @@ fn depart(driven: &Driven) -> Vec<Row> {
     let switch = first_mode(driven, 20.0, 0);
     vec![
         Row::near("depart.switch_to_cruise_s", "s", paper(27.5), switch, PRINTED)
-            .from_source("0 to 27.5 s: steady following; from 27.5 s on: to 110 km/h")
+            .with_source("0 to 27.5 s: steady following; from 27.5 s on: to 110 km/h")
             .depending_on(GAP),
         Row::near("depart.lead_out_of_range_s", "s", paper(54.0), left, within(1.0, ABOUT_RANGE))
-            .from_source("figure 4b: at about 54 s the lead leaves the radar's range")
+            .with_source("figure 4b: at about 54 s the lead leaves the radar's range")
             .depending_on(GAP),
         Row::near(
             "depart.speed_overshoot_kmh",
@@ -133,7 +133,7 @@ fn depart(driven: &Driven) -> Vec<Row> {
             Some(overshoot),
             within(0.05, "too small to see in the paper's plot"),
         )
-        .from_source("the speed has no overshoot"),
+        .with_source("the speed has no overshoot"),
     ]
 }
 
@@ -156,7 +156,7 @@ fn cut_in(driven: &Driven) -> Vec<Row> {
             braking,
             within(0.3, "printed in whole seconds; three control cycles"),
         )
-        .from_source("at 18 s the car is the lead, and the brake is applied")
+        .with_source("at 18 s the car is the lead, and the brake is applied")
         .depending_on("the cap of 20 m on the gap error that the law takes"),
         Row::near(
             "cut-in.gap_overshoot_m",
@@ -165,7 +165,7 @@ fn cut_in(driven: &Driven) -> Vec<Row> {
             Some(overshoot),
             within(0.25, "too small to see in the paper's plot"),
         )
-        .from_source("the gap settles without overshoot"),
+        .with_source("the gap settles without overshoot"),
         Row::shown(
             "cut-in.hardest_braking_mps2",
             "m/s²",
@@ -173,7 +173,7 @@ fn cut_in(driven: &Driven) -> Vec<Row> {
             hardest,
             "the paper says \"large\" and prints no number",
         )
-        .from_source("figure 5c: a large deceleration at the price of comfort"),
+        .with_source("figure 5c: a large deceleration at the price of comfort"),
     ]
 }
 
@@ -184,7 +184,7 @@ fn smooth(name: &str, driven: &Driven) -> Row {
     let pressure = turns(pedals.iter().map(|(_, pedals)| pedals.pressure_mpa), 0.01);
     let id = format!("{name}.turns_of_the_pedals");
     Row::at_most(&id, "", requirement(TURNS), Some(throttle + pressure), EXACT)
-        .from_source(
+        .with_source(
             "figures 3c, 4c: the actuators' signals are smooth, the throttle does not oscillate",
         )
         .depending_on(CAR)

@@ -178,12 +178,12 @@ fn rows(set: Set, driven: &Driven) -> Vec<Row> {
     {
         let id = format!("switch.{from}-{to}_s");
         let row = Row::near(&id, "s", paper(at_s), ours, PRINTED_S);
-        let row = row.from_source(source).depending_on(set.inferred(index));
+        let row = row.with_source(source).depending_on(set.inferred(index));
         rows.push(if row.ok { row } else { row.with_note(set.cause(index)) });
     }
     let others_seen = Row::near("switch.others", "", paper(0.0), Some(others.len() as f64), EXACT);
     let others_seen =
-        others_seen.from_source("figure 6b: six switches").depending_on(set.inferred(5));
+        others_seen.with_source("figure 6b: six switches").depending_on(set.inferred(5));
     rows.push(if others.is_empty() {
         others_seen
     } else {
@@ -220,7 +220,7 @@ fn motion(set: Set, driven: &Driven) -> Vec<Row> {
         end_mps,
         within(0.01, "a plot shows this as standing"),
     )
-    .from_source("26 s: decelerate, braking suitably to a stop")
+    .with_source("26 s: decelerate, braking suitably to a stop")
     .depending_on(set.inferred(5));
     let end = if end.ok {
         end
@@ -229,11 +229,11 @@ fn motion(set: Set, driven: &Driven) -> Vec<Row> {
     };
     vec![
         Row::near("accelerate.request_mps2", "m/s²", paper(1.0), largest(6), EXACT)
-            .from_source("0 to 4 s: accelerate, with 1 m/s²"),
+            .with_source("0 to 4 s: accelerate, with 1 m/s²"),
         Row::near("cruise.request_mps2", "m/s²", paper(1.0), largest(1), EXACT)
-            .from_source("4 to 8 s: V_h < 70 km/h, so with 1 m/s²"),
+            .with_source("4 to 8 s: V_h < 70 km/h, so with 1 m/s²"),
         Row::at_most("cruise.fastest_kmh", "km/h", paper(70.0), fastest_kmh, EXACT)
-            .from_source("4 to 8 s: V_h < 70 km/h (figure 6c)")
+            .with_source("4 to 8 s: V_h < 70 km/h (figure 6c)")
             .depending_on("initial speed"),
         Row::near(
             "cut-in.change_of_relative_speed_mps",
@@ -245,7 +245,7 @@ fn motion(set: Set, driven: &Driven) -> Vec<Row> {
                 "the ego's speed changes by at most 1 m/s² for one control cycle of 50 ms",
             ),
         )
-        .from_source(
+        .with_source(
             "at 14 s the third car cuts in at the lead's speed: the relative speed does not change",
         ),
         Row::shown(
@@ -255,7 +255,7 @@ fn motion(set: Set, driven: &Driven) -> Vec<Row> {
             hardest(5),
             "the hardest that the vehicle can; the paper prints no a_h",
         )
-        .from_source("avoid: comfort is sacrificed for the vehicle's hardest braking")
+        .with_source("avoid: comfort is sacrificed for the vehicle's hardest braking")
         .depending_on("a_h"),
         Row::near(
             "decelerate.demands_off_the_levels",
@@ -264,10 +264,10 @@ fn motion(set: Set, driven: &Driven) -> Vec<Row> {
             Some(off_levels(driven)),
             EXACT,
         )
-        .from_source("eight levels, the mean of the present one and the three before"),
+        .with_source("eight levels, the mean of the present one and the three before"),
         end,
         Row::at_most("collisions", "", requirement(0.0), Some(contact), EXACT)
-            .from_source("conclusion: safety is kept"),
+            .with_source("conclusion: safety is kept"),
     ]
 }
 

@@ -31,7 +31,7 @@ fn gap_of_table_1((kmh, gap_m): (u32, f64)) -> Row {
     let ours = Boundaries::literal(&Parameters::literal(), f64::from(kmh) / 3.6, 0.0).desired_m;
     let row =
         Row::near(&format!("table-1.at_{kmh}_kmh_m"), "m", paper(gap_m), Some(ours), ROUNDING)
-            .from_source("table 1: safe gap at equal speeds; R_x is its fit (figure 2)");
+            .with_source("table 1: safe gap at equal speeds; R_x is its fit (figure 2)");
     let missed = "the printed fit, 1.25 V_h, misses the printed table by 5 m";
     if row.ok { row } else { row.with_note(missed) }
 }
@@ -43,7 +43,7 @@ fn constants() -> Vec<Row> {
     let nearly_equal = request_mps2(SPEED_MPS, Some((STEADY_M, equal_mps)));
     let behind = |gap_m, relative_mps| request_mps2(SPEED_MPS, Some((gap_m, relative_mps)));
     let row = |id, unit, printed, ours, source| {
-        Row::near(id, unit, paper(printed), Some(ours), ROUNDING).from_source(source)
+        Row::near(id, unit, paper(printed), Some(ours), ROUNDING).with_source(source)
     };
     vec![
         row("cruise.k1_per_s", "1/s", 1.0, near_set_speed / below_mps, "eq (7): k1 = 1"),
@@ -71,7 +71,7 @@ fn levels() -> impl Iterator<Item = Row> {
         let ours = request_mps2(SPEED_MPS, Some((gap_m, relative_mps)));
         let id = format!("decelerate.level-{}_mps2", part + 1);
         Row::near(&id, "m/s²", paper(printed), Some(ours), ROUNDING)
-            .from_source("the eight levels from right to left (figure 3)")
+            .with_source("the eight levels from right to left (figure 3)")
             .depending_on("borders inside figure 3")
     })
 }

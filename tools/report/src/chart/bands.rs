@@ -44,6 +44,9 @@ pub struct Bands {
     pub marks: Vec<Mark>,
 }
 
+/// Spans of one label and colour, as boxes from corner to corner.
+type Boxes<'a> = ((&'a str, Tone), Vec<[(f64, f64); 2]>);
+
 impl Picture for Bands {
     fn title(&self) -> &str {
         &self.title
@@ -53,7 +56,7 @@ impl Picture for Bands {
     fn chart(&self) -> Chart {
         let count = self.rows.len() as f64;
         let y = Axis::linear("", 0.0, count.max(1.0));
-        let mut kinds: Vec<((&str, Tone), Vec<[(f64, f64); 2]>)> = Vec::new();
+        let mut kinds: Vec<Boxes<'_>> = Vec::new();
         for (index, row) in self.rows.iter().enumerate() {
             let floor = count - 1.0 - index as f64;
             for span in &row.spans {

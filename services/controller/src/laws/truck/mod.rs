@@ -64,6 +64,7 @@ pub use settings::{
     BoundKeys, Brakes, CarGap, FilterKeys, FollowKeys, GapKeys, Keys, PlanKeys, PlannerKind,
     RoadKeys, Settings, TruckKeys,
 };
+pub use spacing::Spacing;
 pub use speed_band::SpeedBand;
 
 use crate::law::reader::key;
