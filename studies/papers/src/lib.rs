@@ -76,6 +76,9 @@ pub struct ReproduceArguments {
     /// Which paper; all when omitted
     #[arg(value_enum)]
     pub paper: Option<PaperName>,
+    /// Standard deviation of the skilled driver's aimed speed, km/h
+    #[arg(long, value_name = "KMH", default_value_t = 2.5, value_parser = spread)]
+    pub driver_spread: f64,
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
@@ -85,6 +88,12 @@ pub struct ReproduceArguments {
     /// Print the rows as JSON, and nothing else, on standard output
     #[arg(long)]
     pub json: bool,
+}
+
+/// A spread of a driver's speed, km/h.
+fn spread(text: &str) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|value| (0.0..=15.0).contains(value));
+    value.ok_or_else(|| "expected a number from 0 to 15, in km/h".to_owned())
 }
 
 /// A paper by the name of its controller.
@@ -137,6 +146,7 @@ pub fn run(arguments: &ReproduceArguments) -> Result<ExitCode, Error> {
     let papers = arguments.paper.map_or(PAPERS.to_vec(), |paper| vec![paper]);
     let runs = papers.iter().map(|paper| paper.runs()).sum();
     let runner = Runner::new(&arguments.group, runs, arguments.json)?;
+    let runner = runner.with_driver_spread(arguments.driver_spread / 3.6);
     let parts = together(papers.iter().map(|paper| || paper.reproduce(&runner)));
     let sample = runner.finish();
     let mut done = Vec::new();

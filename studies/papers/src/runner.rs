@@ -52,6 +52,8 @@ pub struct Runner<'a> {
     /// Set once a run failed or was interrupted: no further run is begun.
     stopped: AtomicBool,
     interrupt: Interrupt,
+    /// Standard deviation of the skilled driver's aimed speed, m/s.
+    driver_spread_mps: f64,
     /// Runs begun so far, of how many.
     begun: AtomicUsize,
     runs: usize,
@@ -93,12 +95,23 @@ impl<'a> Runner<'a> {
             cores: Cores::new(cores),
             bar,
             stopped: AtomicBool::new(false),
+            driver_spread_mps: 2.5 / 3.6,
             interrupt: Interrupt::watch()?,
             begun: AtomicUsize::new(0),
             runs,
             repeated: batch::choose(SAMPLE_SEED, runs),
             sample: Mutex::default(),
         })
+    }
+
+    /// The same with another skilled driver: the standard deviation of the aimed speed, m/s.
+    pub fn with_driver_spread(self, driver_spread_mps: f64) -> Self {
+        Self { driver_spread_mps, ..self }
+    }
+
+    /// Standard deviation of the skilled driver's aimed speed, m/s.
+    pub fn driver_spread_mps(&self) -> f64 {
+        self.driver_spread_mps
     }
 
     /// Drives a built-in scenario with these keys set, once a core is free.

@@ -75,9 +75,11 @@ impl Baseline {
         })
     }
 
-    /// Mean fuel of human driver models with each of the two deviations of the aim, percent.
-    pub fn human_percent(&self) -> [Option<f64>; 2] {
-        HUMAN_SIGMAS_MPS.map(|sigma_mps| {
+    /// Mean fuel of human driver models with each of the two deviations of the aim, and with another one, m/s,
+    /// percent.
+    pub fn human_percent(&self, other_mps: f64) -> [Option<f64>; 3] {
+        let [calm, restless] = HUMAN_SIGMAS_MPS;
+        let of = |sigma_mps: f64| {
             let changes = (1..=HUMAN_SEEDS).map(|seed| {
                 self.change(AIMS, |part| {
                     let aim_mps = part * SET_SPEED_MPS;
@@ -86,7 +88,10 @@ impl Baseline {
             });
             let changes = changes.collect::<Option<Vec<f64>>>()?;
             Some(changes.iter().sum::<f64>() / changes.len() as f64)
-        })
+        };
+        let calm_percent = of(calm);
+        let other = if other_mps == calm { calm_percent } else { of(other_mps) };
+        [calm_percent, of(restless), other]
     }
 
     /// Fuel at equal trip time, percent; `driver` is faster for larger numbers.

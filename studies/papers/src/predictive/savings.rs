@@ -227,7 +227,11 @@ fn computed(
     let name = |what: &str| format!("{}.{what}", preset.name());
     let baseline = runner.compute(|| Baseline::drive(preset, road));
     let route = runner.compute(|| baseline.as_ref().and_then(Baseline::full_route_percent));
-    let human = runner.compute(|| baseline.as_ref().map_or([None; 2], Baseline::human_percent));
+    let human = runner.compute(|| {
+        baseline
+            .as_ref()
+            .map_or([None; 3], |baseline| baseline.human_percent(runner.driver_spread_mps()))
+    });
     let above = driven.zip(route).map(|(driven, route)| driven - route);
     let litres = baseline.as_ref().map(Baseline::litres);
     let [calm, restless] = [expected.human_sigma_2_5, expected.human_sigma_4].map(reconstruction);
@@ -258,7 +262,7 @@ fn computed(
         Row::near(&name("human_sigma_2.5"), "%", calm, human[0], HUMAN_POINTS).with_note(AGAINST),
         Row::near(&name("human_sigma_4"), "%", restless, human[1], HUMAN_POINTS).with_note(AGAINST),
     ];
-    (rows, human[0])
+    (rows, human[2])
 }
 
 /// How far the planner is from the full-route plan on roads of other seeds: the farthest of them, on
