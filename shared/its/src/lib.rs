@@ -26,10 +26,12 @@ mod frame;
 pub mod geodesy;
 pub mod geonetworking;
 pub mod mapem;
+mod message;
 pub mod pcap;
 pub mod spatem;
 pub mod time;
 pub mod triggers;
 
 pub use error::{DecodeError, EncodeError, PayloadError};
-pub use frame::{Frame, MAX_FRAME_BYTES, Message, MessageKind};
+pub use frame::{Frame, MAX_FRAME_BYTES};
+pub use message::{Message, MessageKind};

@@ -1,7 +1,7 @@
 //! Parts of SPATEM and MAPEM that are checked and not kept (module ETSI-ITS-DSRC of ETSI TS 103 301 V2.2.1).
 
 use super::uper::{Form, Number, Part, optional, required};
-use super::{LATITUDE, LONGITUDE, mapem};
+use super::{LATITUDE, LONGITUDE};
 use Form::{Extensible, Fixed};
 
 /// `MinuteOfTheYear`.
@@ -77,9 +77,11 @@ pub(super) const ADVISORY_SPEEDS: Part = Part::List(
     ),
 );
 
+/// Values of `LayerType`.
+pub(super) const LAYER_TYPES: i64 = 7;
 /// `LayerType`.
 pub(super) const LAYER_TYPE: Part =
-    Part::ExtensibleEnumeration(Number::new("layer type", 0, mapem::LAYER_TYPES));
+    Part::ExtensibleEnumeration(Number::new("layer type", 0, LAYER_TYPES));
 
 /// `LayerID`.
 pub(super) const LAYER_ID: Part = Part::whole("layer", 0, 100);

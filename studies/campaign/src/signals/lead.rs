@@ -163,6 +163,9 @@ mod tests {
     use super::*;
     use crate::signals::draw::Corridor;
 
+    /// Speed that counts as standing: the driver comes to rest asymptotically, m/s.
+    const STANDS_MPS: f64 = 0.3;
+
     /// The lead stops in some corridors, and is never past a line while its signal has been red for long.
     #[test]
     fn it_obeys_the_signals() {
@@ -174,7 +177,7 @@ mod tests {
             for pair in lead.speeds.windows(2) {
                 let [(from_s, v), (to_s, faster)] = pair else { unreachable!("two") };
                 let next_m = front_m + 0.5 * (to_s - from_s) * (v + faster);
-                stops += usize::from(*v > 0.0 && *faster == 0.0);
+                stops += usize::from(*v > STANDS_MPS && *faster <= STANDS_MPS);
                 for signal in &corridor.signals {
                     let crosses = front_m < signal.line_m && next_m >= signal.line_m;
                     late += usize::from(crosses && signal.phase_at(*from_s) == 2);

@@ -4,12 +4,20 @@ use mpc_solver::{Kind, Solver};
 use scenario::Problem;
 use scenario::controller::{Controller, Solver as SolverName, SpacingPolicy};
 
-use super::descriptors::{Signals, TABLE};
-use super::road_config::RoadConfig;
+use super::road_config::{RoadConfig, TABLE};
 use super::weights::{JOINT, Weights};
 use crate::law::reader::key;
 use crate::law::{MAX_PLAN, Reader};
 use crate::settings::{SettingError, below, within};
+
+/// What a law does about signals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Signals {
+    /// `acc-mpc`.
+    Ignored,
+    /// `cacc-mpc`.
+    Used,
+}
 
 /// Settings of `acc-mpc` and `cacc-mpc`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -197,9 +205,9 @@ mod tests {
         );
         for period_ms in [1, 100, 500, 501, 1000, 10_000] {
             let period_ms = PeriodMs::of(period_ms);
-            let text =
-                format!("schema_version=1\nname=\"a\"\ncontroller.period_ms={}", period_ms.value());
-            let scenario = Scenario::parse("a", &text).expect("a scenario");
+            let text = "schema_version = 1\nname = \"a\"\n";
+            let mut scenario = Scenario::parse("a", text).expect("a scenario");
+            scenario.controller.period_ms = period_ms;
             let config = Config::of_road(&Reader::new(&scenario)).expect("the defaults");
             assert!(config.step_s <= 0.5, "{period_ms:?}: {}", config.step_s);
         }

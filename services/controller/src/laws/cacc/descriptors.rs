@@ -7,12 +7,12 @@ use scenario::referee::DesiredGap;
 use scenario::{Problem, Scenario};
 use thiserror::Error;
 
-use super::config::Config;
+use super::config::{Config, Signals};
 use super::paper::{self, PaperLaw};
 use super::road::{self, RoadLaw};
-use super::road_config::RoadConfig;
+use super::road_config::TABLE;
 use crate::law::{Descriptor, Formulation, GapPolicy, Law, Reader, TargetSource};
-use crate::settings::{SettingError, Table};
+use crate::settings::SettingError;
 
 /// Model-predictive following.
 pub static ACC_MPC: Descriptor = Descriptor {
@@ -43,17 +43,7 @@ pub static CACC_MPC: Descriptor = Descriptor {
 };
 
 const SOURCE: &str = "He, Xi, Huang, Chen and Huang, 2024, doi 10.3969/j.issn.2095-1469.2024.06.06";
-pub(super) const TABLE: Table = Table::of::<RoadConfig>("road");
 const FORMULATIONS: &[&Formulation] = &[&road::FORMULATION, &paper::FORMULATION];
-
-/// What a law does about signals.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Signals {
-    /// `acc-mpc`.
-    Ignored,
-    /// `cacc-mpc`.
-    Used,
-}
 
 /// Why a law could not be built.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]

@@ -13,5 +13,6 @@ pub mod road;
 pub mod road_config;
 pub mod weights;
 
-pub use descriptors::{ACC_MPC, BuildError, CACC_MPC, Signals, build};
+pub use config::Signals;
+pub use descriptors::{ACC_MPC, BuildError, CACC_MPC, build};
 pub(super) use descriptors::{desired_gap, in_scenario};

@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::settings::{SettingError, Settings, within};
+use crate::settings::{SettingError, Settings, Table, within};
+
+/// The table of the road formulation.
+pub(super) const TABLE: Table = Table::of::<RoadConfig>("road");
 
 /// Settings of the road formulation; all decelerations are positive numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

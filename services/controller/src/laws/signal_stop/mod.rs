@@ -29,7 +29,7 @@ pub use driver::FORMULATION;
 pub use settings::SignalStop;
 
 use self::driver::StoppingLaw;
-use super::cacc::{self, ACC_MPC, config::Config};
+use super::cacc::{self, config::Config};
 use crate::law::{Descriptor, GapPolicy, TargetSource};
 use crate::settings::Table;
 
@@ -45,7 +45,8 @@ pub static ACC_SIGNAL_STOP: Descriptor = Descriptor {
     formulation: |_| &FORMULATION,
     gap: GapPolicy::Scenario(cacc::desired_gap),
     target: TargetSource::Tracked,
-    without_signals: Some(&ACC_MPC),
+    // Its modes and figures are its own: the commands are those of `acc-mpc`.
+    without_signals: None,
     build: |reader| {
         let settings: SignalStop = reader.table(TABLE.name)?;
         let config = Config::of(reader, cacc::Signals::Ignored)?;

@@ -15,7 +15,11 @@ use c_its_parser::standards::spatem_2_2_1::spatem_pdu_descriptions::SPATEM;
 use dsrc::NodeOffsetPointXY as Offset;
 use rasn::types::FixedBitString;
 
-pub(super) fn decode(kind: MessageKind, payload: &[u8]) -> Result<Message, String> {
+/// Why a message is refused, in words.
+#[derive(Debug)]
+pub(super) struct Refused(#[expect(dead_code, reason = "shown by a failing test")] String);
+
+pub(super) fn decode(kind: MessageKind, payload: &[u8]) -> Result<Message, Refused> {
     match kind {
         MessageKind::Spatem => from_uper(payload).map(|it| Message::Spatem(spatem(&it))),
         MessageKind::Mapem => from_uper(payload).map(|it| Message::Mapem(mapem(&it))),
@@ -23,8 +27,8 @@ pub(super) fn decode(kind: MessageKind, payload: &[u8]) -> Result<Message, Strin
     }
 }
 
-fn from_uper<T: rasn::Decode>(payload: &[u8]) -> Result<T, String> {
-    rasn::uper::decode(payload).map_err(|error| error.kind.to_string())
+fn from_uper<T: rasn::Decode>(payload: &[u8]) -> Result<T, Refused> {
+    rasn::uper::decode(payload).map_err(|error| Refused(error.kind.to_string()))
 }
 
 /// A bit string of the standard: its bit n is bit n of the flags.
@@ -159,13 +163,13 @@ fn read_offset(offset: &Offset) -> Option<(i16, i16)> {
     })
 }
 
-fn cam(pdu::CAM { header, cam }: &pdu::CAM) -> Result<Cam, String> {
+fn cam(pdu::CAM { header, cam }: &pdu::CAM) -> Result<Cam, Refused> {
     let parameters = &cam.cam_parameters;
     let basic = &parameters.basic_container;
     let pdu::HighFrequencyContainer::basicVehicleContainerHighFrequency(fast) =
         &parameters.high_frequency_container
     else {
-        return Err("not a vehicle's".to_owned());
+        return Err(Refused("not a vehicle's".to_owned()));
     };
     Ok(Cam {
         station_id: header.station_id.0,
