@@ -10,7 +10,7 @@
 //! the drag and the auxiliaries' torque, is straightened.
 
 use super::settings::BoundKeys;
-use super::torque_bounds::net_torque_limits_nm;
+use super::torque_bounds::torque_limits_nm;
 use truck_model::Truck;
 
 /// Engine speeds at which a gear may be planned with, rpm: full power is reached before the upper one.
@@ -43,11 +43,12 @@ impl GearCurve {
         let p0 = fuel_gpm(0.0);
         // The fit is quadratic: two more points give it exactly.
         let (half, full) = (fuel_gpm(0.5 * max_nm) - p0, fuel_gpm(max_nm) - p0);
-        let (least_nm, most_nm) = net_torque_limits_nm(bounds, truck, speed_mps, gear);
+        let (least_nm, most_nm) = torque_limits_nm(bounds, truck, speed_mps, gear);
+        let auxiliary_nm = truck.auxiliary_torque_nm(rpm);
         Self {
             usable,
-            min_n: truck.force_n(least_nm, gear),
-            max_n: truck.force_n(most_nm, gear),
+            min_n: truck.force_n(least_nm - auxiliary_nm, gear),
+            max_n: truck.force_n(most_nm - auxiliary_nm, gear),
             p0,
             below: -p0 / min_n,
             p1: (4.0 * half - full) / max_n,

@@ -27,7 +27,7 @@ use super::speed_band::{max_speed_mps, min_speed_mps};
 use super::speed_keeper::SpeedKeeper;
 use super::target_filter::{Estimate, TargetFilter};
 use super::time_price::TimePrice;
-use super::torque_bounds::net_torque_bounds_nm;
+use super::torque_bounds::torque_bounds_nm;
 use super::tracking::{Guidance, Tracking};
 use crate::law::{
     Input, Law, MAX_PLAN, Output, Plan, PlanRequest, Planner, Planning, Powertrain, Preview,
@@ -128,11 +128,8 @@ impl Predictive {
         let (speed_mps, gear) = (input.ego.speed_mps, powertrain.gear);
         let scale = truck.parameters().engine_scale;
         let hold_nm = truck.engine_torque_nm(0.0, speed_mps, gear, powertrain.grade);
-        let rpm = truck.engine_rpm(speed_mps, gear);
         let bounds = &self.settings.keys.bounds;
-        let (low_nm, high_nm) =
-            net_torque_bounds_nm(bounds, truck, speed_mps, gear, powertrain.grade);
-        let auxiliary_nm = truck.auxiliary_torque_nm(rpm);
+        let (low_nm, high_nm) = torque_bounds_nm(bounds, truck, speed_mps, gear, powertrain.grade);
         let slow_mps = min_speed_mps(bounds, input.set_speed_mps) - speed_mps;
         let mut torque_nm = guidance.engine_torque_nm;
         if self.settings.keys.planner == PlannerKind::PaperN2 && slow_mps > 0.0 {
@@ -141,7 +138,7 @@ impl Predictive {
         if speed_mps > max_speed_mps(bounds, input.set_speed_mps, input.speed_limit_mps) {
             torque_nm = torque_nm.min(hold_nm);
         }
-        torque_nm.clamp(low_nm + auxiliary_nm, high_nm + auxiliary_nm)
+        torque_nm.clamp(low_nm, high_nm)
     }
 
     /// Books the time against that of the truck that keeps `mean_mps`.

@@ -12,7 +12,7 @@ use super::prices::Prices;
 use super::road_classes::{Class, LimitGrades, MOST_SEGMENTS, Reconstruction, Stretch};
 use super::settings::{Keys, Settings};
 use super::speed_band::SpeedBand;
-use super::torque_bounds::net_torque_bounds_nm;
+use super::torque_bounds::{torque_bounds_nm, torque_limits_nm};
 use crate::law::{Plan, PlanRequest, Planner};
 use truck_model::Truck;
 
@@ -99,7 +99,9 @@ struct Piece {
     road_n: f64,
     decay: f64,
     half_decay: f64,
-    /// Least and largest torque, N m.
+    /// Least and largest net torque that the engine gives, N m: the ends of the levels.
+    limits_nm: (f64, f64),
+    /// The same within the bounds of acceleration, N m.
     low_nm: f64,
     high_nm: f64,
     /// Torque that holds the set speed, N m.
@@ -142,14 +144,17 @@ impl<'a> Search<'a> {
         let hold_n = self.truck.resistance_n(set_speed_mps, stretch.grade);
         let bounds = &self.keys.bounds;
         let (low_nm, high_nm) =
-            net_torque_bounds_nm(bounds, self.truck, speed_mps, gear, stretch.grade);
+            torque_bounds_nm(bounds, self.truck, speed_mps, gear, stretch.grade);
+        let (least_nm, most_nm) = torque_limits_nm(bounds, self.truck, speed_mps, gear);
+        let net_nm = |engine_nm: f64| engine_nm - self.auxiliary_nm;
         Piece {
             stretch: *stretch,
             road_n: self.truck.road_resistance_n(stretch.grade),
             decay,
             half_decay: decay.sqrt(),
-            low_nm,
-            high_nm,
+            limits_nm: (net_nm(least_nm), net_nm(most_nm)),
+            low_nm: net_nm(low_nm),
+            high_nm: net_nm(high_nm),
             hold_nm: self.truck.net_torque_nm(hold_n, gear),
         }
     }
@@ -206,9 +211,9 @@ impl<'a> Search<'a> {
     /// Torques to try on a piece, and one more.
     fn torques_nm(&self, piece: &Piece, more: Option<f64>) -> impl Iterator<Item = f64> + use<> {
         let levels = self.keys.plan.torque_levels;
-        let Piece { low_nm, high_nm, hold_nm, .. } = *piece;
+        let Piece { limits_nm: (least_nm, most_nm), low_nm, high_nm, hold_nm, .. } = *piece;
         let level_nm =
-            move |level| low_nm + (high_nm - low_nm) * f64::from(level) / f64::from(levels - 1);
+            move |level| least_nm + (most_nm - least_nm) * f64::from(level) / f64::from(levels - 1);
         let torques = (0..levels).map(level_nm).chain(more).chain([hold_nm]);
         torques.map(move |torque_nm| torque_nm.clamp(low_nm, high_nm))
     }
@@ -221,7 +226,7 @@ impl<'a> Search<'a> {
         let keys = &self.keys.plan;
         match first.stretch.class {
             Class::Downhill => torque_nm <= hold_nm.max(0.0) + TRIM_SLACK_NM,
-            Class::Uphill => torque_nm >= keys.uphill_share * first.high_nm,
+            Class::Uphill => torque_nm >= keys.uphill_share * first.limits_nm.1,
             Class::Level => match next {
                 Class::Uphill => {
                     speed_mps >= set_mps + keys.before_uphill_mps
