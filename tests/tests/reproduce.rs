@@ -1,5 +1,6 @@
 //! The papers' figures through the real processes, as the commands print them.
 
+use controller::laws;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use system_tests::{Corner, text};
@@ -123,7 +124,7 @@ fn compare_puts_all_controllers_on_the_same_scenarios() {
         .collect();
     let mut expected = Vec::new();
     for scenario in ["following", "cut-in"] {
-        for controller in ["acc-mpc", "cacc-mpc", "six-mode", "quadratic-bounded", "predictive"] {
+        for controller in laws::own().map(|law| law.name) {
             expected.push(format!("{scenario} {controller}"));
         }
     }
