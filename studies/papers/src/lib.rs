@@ -91,10 +91,14 @@ pub struct ReproduceArguments {
 }
 
 /// A spread of a driver's speed, km/h.
-fn spread(text: &str) -> Result<f64, String> {
-    let value = text.parse().ok().filter(|value| (0.0..=15.0).contains(value));
-    value.ok_or_else(|| "expected a number from 0 to 15, in km/h".to_owned())
+fn spread(text: &str) -> Result<f64, NoSpread> {
+    text.parse().ok().filter(|value| (0.0..=15.0).contains(value)).ok_or(NoSpread)
 }
+
+/// A spread that no driver has.
+#[derive(Clone, Copy, Debug, thiserror::Error)]
+#[error("expected a number from 0 to 15, in km/h")]
+struct NoSpread;
 
 /// A paper by the name of its controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -6,7 +6,7 @@ use super::dsrc::{
     PREEMPT_PRIORITY, REGIONAL, REGIONALS, RESTRICTIONS, REVISION, SIGNAL_GROUP, SPEED_LIMITS,
 };
 use super::spatem::{INTERSECTIONS, read_reference, write_reference};
-use super::uper::{Number, Part, Reader, Source, Writer};
+use super::uper::{Number, Part, Reader, Skip, Source, Writer};
 use super::{LATITUDE, LONGITUDE, read_header, write_header};
 use crate::geodesy::Position;
 use crate::mapem::{Approach, Connection, IntersectionGeometry, Lane, Mapem};

@@ -10,6 +10,7 @@
 pub(crate) mod draw;
 mod judge;
 mod lead;
+mod signal;
 mod table;
 
 use crate::arguments::CampaignArguments;

@@ -3,8 +3,19 @@
 
 use super::axis::{Axis, Format, Scale};
 use super::decimate::kept;
-use super::{Mark, Point, Stroke, Tone};
+use super::{Mark, Stroke, Tone};
 use serde::Serialize;
+
+/// A labelled point: a value that a paper prints.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Point {
+    /// Value on the horizontal axis.
+    pub x: f64,
+    /// Value on the vertical axis.
+    pub y: f64,
+    /// Name and value, for the reader.
+    pub label: String,
+}
 
 /// Columns into which points fall along the horizontal axis, more than a screen shows, so that
 /// zooming in shows more.

@@ -22,8 +22,8 @@ mod ribbons;
 pub use axis::{Axis, number};
 pub use bands::{Bands, Row, Span};
 pub use cells::{Cells, Edges, FilledCell};
-pub use data::{Chart, escape, script_json};
-pub use plot::{Curve, Plot, Point, Strip};
+pub use data::{Chart, Point, escape, script_json};
+pub use plot::{Curve, Plot, Strip};
 pub use ribbons::{Ribbon, Ribbons};
 
 /// A colour by its meaning; the style sheet knows how it looks.

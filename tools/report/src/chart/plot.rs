@@ -2,8 +2,7 @@
 
 use super::axis::Axis;
 use super::data::{Chart, Column, Series, Text};
-use super::{Mark, Picture, Stroke, Tone};
-use serde::Serialize;
+use super::{Mark, Picture, Point, Stroke, Tone};
 
 /// Width of a curve, px.
 const LINE_PX: f64 = 2.0;
@@ -71,17 +70,6 @@ pub struct Strip {
     pub label: String,
     /// From, to and colour.
     pub spans: Vec<(f64, f64, Tone)>,
-}
-
-/// A labelled point: a value that a paper prints.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Point {
-    /// Value on the horizontal axis.
-    pub x: f64,
-    /// Value on the vertical axis.
-    pub y: f64,
-    /// Name and value, for the reader.
-    pub label: String,
 }
 
 /// Curves over two axes.

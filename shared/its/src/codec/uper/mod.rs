@@ -20,7 +20,7 @@ mod writer;
 pub(super) mod dice;
 
 pub(super) use number::Number;
-pub(super) use part::{Form, Part, optional, required};
+pub(super) use part::{Form, Part, Skip, optional, required};
 pub(super) use reader::Reader;
 pub(super) use source::Source;
 pub(super) use writer::Writer;

@@ -92,6 +92,19 @@ impl Part {
     }
 }
 
+/// Skipping of parts by a source.
+pub(in crate::codec) trait Skip: Source {
+    /// Checks a part and keeps nothing of it, if its bit said that it is there.
+    ///
+    /// # Errors
+    /// [`PayloadError`].
+    fn skip(&mut self, there: bool, part: &Part) -> Result<(), PayloadError> {
+        if there { part.skip(self) } else { Ok(()) }
+    }
+}
+
+impl<S: Source> Skip for S {}
+
 fn skip_sequence(from: &mut impl Source, form: Form, fields: &[Field]) -> Result<(), PayloadError> {
     let extended = form == Form::Extensible && from.extended()?;
     let optional = fields.iter().filter(|field| field.optional).count();

@@ -1,6 +1,6 @@
 //! Fields one after another, and the ways in which a type of the standards can be extended.
 
-use super::{Number, Part};
+use super::Number;
 use crate::PayloadError;
 
 const BIT: Number = Number::new("bit", 0, 1);
@@ -164,14 +164,6 @@ pub(in crate::codec) trait Source: Sized {
     fn pass_open(&mut self) -> Result<(), PayloadError> {
         let octets = self.length()?;
         self.pass(8 * octets)
-    }
-
-    /// Checks a part and keeps nothing of it, if its bit said that it is there.
-    ///
-    /// # Errors
-    /// [`PayloadError`].
-    fn skip(&mut self, there: bool, part: &Part) -> Result<(), PayloadError> {
-        if there { part.skip(self) } else { Ok(()) }
     }
 }
 
