@@ -135,6 +135,9 @@ fn scenarios(arguments: &CompareArguments) -> Result<Vec<Scenario>, Error> {
                 ..ScenarioOptions::default()
             };
             let scenario = group::open(name, &options)?;
+            for notice in scenario.notices() {
+                eprintln!("note: {notice}");
+            }
             batch::check(&scenario, arguments.mode.into(), &arguments.group)?;
             scenarios.push(scenario);
         }
