@@ -284,7 +284,9 @@ impl Law for Predictive {
         let map_grade = preview.and_then(|preview| preview.grade(ego.position_m));
         let powertrain = self.powertrain(input, map_grade);
         self.state.trust.update(map_grade, powertrain.grade, dt_s);
-        let farthest_m = self.settings.keys.gap.no_target_m;
+        // Noise alone makes no target at the edge of its range come and go.
+        let Keys { gap, filter, .. } = &self.settings.keys;
+        let farthest_m = gap.no_target_m + filter.gate * filter.gap_sigma_m;
         let target = input.target.as_ref().filter(|target| target.gap_m <= farthest_m);
         let target = self.state.filter.update(target, ego.acceleration_mps2, dt_s);
 

@@ -35,7 +35,7 @@ numbers! { "gap",
         pub drag_mps2: f64 = 0.08, 0.01 to 0.5;
         /// A target is let go this far beyond d_max, m (inferred).
         pub hysteresis_m: f64 = 3.0, 0.0 to 30.0;
-        /// The gap that stands for no target, m: one that is farther does not count (16).
+        /// The gap that stands for no target, m: one that is farther by more than its noise does not count (16).
         pub no_target_m: f64 = 200.0, 50.0 to 1000.0;
     }
 }
