@@ -1,0 +1,35 @@
+# `just` lists these recipes; each is one command that CONTRIBUTING.md explains.
+
+# List the recipes.
+default:
+    @just --list
+
+# Drive the README's first command.
+run *ARGUMENTS:
+    cargo run --release -- run {{ARGUMENTS}}
+
+# Run all tests, as the README does.
+test:
+    cargo test --release --workspace
+
+# Run one job of the checks (lint, docs, test), or all of them.
+check *JOBS:
+    .ci/run {{JOBS}}
+
+# Build what few use: advisories, the synthesis, zenoh.
+extended:
+    .ci/extended
+
+# Write the generated pages anew: keys, messages.
+references:
+    cargo run --release -- generate reference-scenario > docs/reference-scenario.md
+    cargo run --release -- generate reference-messages > docs/reference-messages.md
+
+# Measure this machine and the deployment on it.
+bench *ARGUMENTS:
+    cargo run --release -- doctor
+    cargo run --release -- bench {{ARGUMENTS}}
+
+# Count the lines of source as docs/measurements.md does.
+lines:
+    @git ls-files '*.rs' | grep -vE '(^|/)(tests|examples|benches|fuzz)/|/tests\.rs$' | xargs awk 'FNR == 1 { on = 1 } /^#\[cfg\(test\)\]/ { on = 0 } on' | wc -l
