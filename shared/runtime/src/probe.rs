@@ -5,15 +5,16 @@
 //! the reader. They are bare, or written, protected and checked in place as a large message is.
 //! iceoryx2's own event service is here for comparison.
 
-use super::faults::{Faults, SenderFaults};
-use super::gate::Gate;
-use super::members::Members;
-use super::port::{Outlet, Tally};
-use super::transport::{
+use crate::faults::{Faults, SenderFaults};
+use crate::life::link::End;
+use crate::ports::members::Members;
+use crate::ports::{Outlet, Tally};
+use crate::survival::gate::Gate;
+use crate::transport::waking::{Waiter, Waker};
+use crate::transport::{
     Ipc, PAYLOAD_TOPIC, Payload, Sealing, SharedMemory, Stamp, Transport, TransportError, refused,
 };
-use super::waking::{Waiter, Waker};
-use super::{Carried, Clock, End, Group, Publisher, RuntimeError, Subscriber, monotonic_ns};
+use crate::{Carried, Clock, Group, Publisher, RuntimeError, Subscriber, monotonic_ns};
 use iceoryx2::port::{listener::Listener, notifier::Notifier};
 use messages::e2e::profile7;
 use messages::{Message, Service};

@@ -5,7 +5,7 @@ mod chains;
 pub use chains::{HopTimes, Hops, SignalHops, WorstChain};
 
 use crate::FaultStatistics;
-use crate::scheduling::Granted;
+use crate::machine::scheduling::Granted;
 use crate::statistics::{Latencies, Percentiles};
 use messages::Service;
 use messages::e2e::Outcomes;

@@ -1,7 +1,7 @@
 //! What a service does in every cycle.
 
 use super::Runtime;
-use crate::scheduling::give_up_priority;
+use crate::machine::scheduling::give_up_priority;
 use crate::transport::Carrier;
 use crate::{FromService, Mode, RuntimeError, Subscriber};
 use messages::{Header, Message, Origins, ServiceState};

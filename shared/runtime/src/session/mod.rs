@@ -8,21 +8,21 @@ mod start;
 
 pub use cycle::{Cycle, count_allocations_by};
 
-use super::account::Account;
-use super::checkpoint::{Checkpoint, state_path};
-use super::faults::Faults;
-use super::fence::Fences;
-use super::gate::Gate;
-use super::kept::{Figures, RELEASE_JITTER};
-use super::link::Link;
-use super::members::Members;
-use super::port::{Backlog, Tally};
-use super::schedule::Schedule;
-use super::scheduling::Granted;
-use super::standby::Standby;
-use super::transport::{Carrier, Connect, Input, Seat, SharedMemory, Transport};
-use super::{Clock, Group, Mode, Publisher, RuntimeError, Subscriber, Usage};
+use crate::faults::Faults;
+use crate::life::link::Link;
+use crate::machine::scheduling::Granted;
+use crate::ports::members::Members;
+use crate::ports::{Backlog, Tally};
+use crate::releases::schedule::Schedule;
 use crate::statistics::Latencies;
+use crate::survival::account::Account;
+use crate::survival::checkpoint::{Checkpoint, state_path};
+use crate::survival::fence::Fences;
+use crate::survival::gate::Gate;
+use crate::survival::kept::{Figures, RELEASE_JITTER};
+use crate::survival::standby::Standby;
+use crate::transport::{Carrier, Connect, Input, Seat, SharedMemory, Transport};
+use crate::{Clock, Group, Mode, Publisher, RuntimeError, Subscriber, Usage};
 use messages::{EgoTruth, Heartbeat, Service, Topic};
 use scenario::Scenario;
 use serde::de::DeserializeOwned;
@@ -229,7 +229,7 @@ impl Runtime {
     #[must_use]
     pub fn utc_start_ns(&self) -> i64 {
         match self.group.mode {
-            Mode::Realtime => crate::clock::utc_ns() - self.clock.now_ns(),
+            Mode::Realtime => crate::releases::clock::utc_ns() - self.clock.now_ns(),
             Mode::Lockstep => scenario::radio::SIMULATED_START_NS,
         }
     }

@@ -2,7 +2,7 @@
 
 use super::Runtime;
 use crate::faults::SenderFaults;
-use crate::port::{Expected, Outlet, Tally};
+use crate::ports::{Expected, Outlet, Tally};
 use crate::transport::{Connect, Input};
 use crate::{Carried, Mode, Publisher, RuntimeError, Subscriber};
 use messages::Topic;

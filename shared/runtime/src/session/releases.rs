@@ -1,7 +1,7 @@
 //! When a service's cycles begin.
 
 use super::Runtime;
-use crate::standby::TakeOver;
+use crate::survival::standby::TakeOver;
 use crate::{FromService, Mode, Overrun, Release, RuntimeError, Subscriber, monotonic_ns};
 use messages::Message;
 use std::sync::atomic::Ordering;

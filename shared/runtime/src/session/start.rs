@@ -1,10 +1,10 @@
 //! From the open ports to the first release.
 
 use super::Runtime;
-use crate::account::Account;
-use crate::end_word;
-use crate::scheduling::{Granted, Request, above, apply, in_force};
-use crate::standby::{ActiveProcess, Standby};
+use crate::machine::scheduling::{Granted, Request, above, apply, in_force};
+use crate::survival::account::Account;
+use crate::survival::end_word;
+use crate::survival::standby::{ActiveProcess, Standby};
 use crate::transport::Carrier;
 use crate::{FromService, Mode, RuntimeError};
 use messages::{Heartbeat, Topic};

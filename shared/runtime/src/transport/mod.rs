@@ -1,5 +1,6 @@
 //! What carries messages from ports to ports: shared memory between processes, or the memory of one.
 
+pub mod carried;
 mod ends;
 mod error;
 mod held;
@@ -8,6 +9,7 @@ mod memory;
 mod payload;
 mod pooled;
 mod shared_memory;
+pub mod waking;
 
 pub use ends::{Connect, Input, Receiver, Sealing, Sender, SenderId};
 pub use error::TransportError;
@@ -18,9 +20,9 @@ pub(super) use payload::{PAYLOAD_TOPIC, Payload, Stamp};
 pub(super) use shared_memory::{Ipc, SharedMemory, refused};
 pub use shared_memory::{domain, shared_memory_bytes};
 
-use super::RuntimeError;
-use super::link::End;
-use super::waking::{Waiter, Waker};
+use crate::RuntimeError;
+use crate::life::link::End;
+use crate::transport::waking::{Waiter, Waker};
 use messages::{Message, Topic};
 use serde::Serialize;
 use std::rc::Rc;

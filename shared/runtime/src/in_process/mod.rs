@@ -1,0 +1,241 @@
+//! All services of a lockstep run in one thread: each is a task that goes on until it waits.
+//!
+//! The services' code, ports, checks and reports are those of a group of processes. What differs is
+//! what carries the messages (queues in memory) and what a wait is (another service's turn).
+
+pub mod coroutine;
+
+use self::coroutine::{Pause, Task, Turn};
+use crate::life::link::{Desk, End, Link};
+use crate::releases::schedule::{Schedule, ScheduledRelease};
+use crate::transport::{Bus, Sealing, Seat};
+use crate::{
+    FromService, Group, Mode, Observer, Player, Runtime, RuntimeError, StartOrder, Tap, Timetable,
+};
+use messages::Service;
+use scenario::Scenario;
+use std::path::PathBuf;
+use std::rc::Rc;
+
+/// What a service does from its start to its end.
+pub type Entry = fn(Runtime) -> Result<(), RuntimeError>;
+
+/// Wall time after which a wait for a due sample gives up, ns. Messages in memory come at once or not
+/// at all, which is noticed; what this bounds is a service that computes for ever.
+const PATIENCE_NS: i64 = 60_000_000_000;
+
+/// A run in one thread.
+///
+/// ```text
+/// new ── observer / tap ── start each service ──► take_turns ─► all ready ─► begin ─► take_turns … ─► idle
+/// ```
+///
+/// Two services, one that sends and one that reads, with the same ports as in a group of processes:
+///
+/// ```
+/// use messages::{Header, Odometry, Origins, Service, ServiceState};
+/// use runtime::report::Details;
+/// use runtime::{Cycle, InProcess, Overrun, Runtime, RuntimeError, Sealing};
+/// use scenario::Scenario;
+///
+/// fn plant(mut runtime: Runtime) -> Result<(), RuntimeError> {
+///     let mut odometry = runtime.publisher::<Odometry>()?;
+///     runtime.begin(&runtime.scenario())?;
+///     runtime.run_cycles(|runtime| {
+///         let Some(release) = runtime.next_release(Overrun::Skip)? else { return Ok(Cycle::Last) };
+///         odometry.send_with(|message| {
+///             message.header = Header::new(release.step, release.scheduled_ns, Origins::NONE);
+///             message.speed_mps = 20.0;
+///         })?;
+///         runtime.end_cycle(ServiceState::Running)?;
+///         Ok(Cycle::Next)
+///     })?;
+///     runtime.finish(Details::None)
+/// }
+///
+/// fn controller(mut runtime: Runtime) -> Result<(), RuntimeError> {
+///     let mut odometry = runtime.subscriber::<Odometry>()?;
+///     runtime.begin(&runtime.scenario())?;
+///     runtime.run_cycles(|runtime| {
+///         let Some(_) = runtime.next_release(Overrun::Skip)? else { return Ok(Cycle::Last) };
+///         // In lockstep this waits for the sample that is due.
+///         runtime.update(&mut odometry)?;
+///         assert_eq!(odometry.newest().map(|message| message.speed_mps), Some(20.0));
+///         runtime.end_cycle(ServiceState::Running)?;
+///         Ok(Cycle::Next)
+///     })?;
+///     runtime.finish(Details::None)
+/// }
+///
+/// let text = "schema_version = 1\nname = \"two-services\"\nduration_s = 1\n";
+/// let scenario = Scenario::parse("two-services", text).expect("a scenario");
+/// let mut run = InProcess::new(&scenario, Sealing::Sealed);
+/// run.start(Service::Plant, &scenario, plant)?;
+/// run.start(Service::Controller, &scenario, controller)?;
+/// run.take_turns(&mut |_, _| ());
+/// run.begin();
+/// let mut reports = 0;
+/// while reports < 2 && run.take_turns(&mut |_, said| {
+///     reports += u32::from(matches!(said, runtime::FromService::Report(_)));
+/// }) {}
+/// assert_eq!(reports, 2);
+/// # Ok::<(), RuntimeError>(())
+/// ```
+#[derive(Debug)]
+pub struct InProcess {
+    bus: Rc<Bus>,
+    group: Group,
+    members: Vec<Member>,
+}
+
+#[derive(Debug)]
+struct Member {
+    service: Service,
+    task: Task,
+    desk: Desk,
+    end: End,
+}
+
+impl InProcess {
+    /// A run of `scenario` without services yet.
+    #[must_use]
+    pub fn new(scenario: &Scenario, sealing: Sealing) -> Self {
+        let timetable = Timetable::of(scenario);
+        let group = Group {
+            // Nothing of it is in the file system.
+            root: PathBuf::new(),
+            prefix: String::new(),
+            mode: Mode::Lockstep,
+            timetable,
+            standby: Vec::new(),
+            patience_ns: PATIENCE_NS,
+            scenario: String::new(),
+        };
+        Self { bus: Rc::new(Bus::new(&timetable, sealing)), group, members: Vec::new() }
+    }
+
+    /// The run's periods.
+    #[must_use]
+    pub fn timetable(&self) -> Timetable {
+        self.group.timetable
+    }
+
+    /// A listener. It must be drained between turns, or the services wait for it.
+    #[must_use]
+    pub fn observer(&self) -> Observer {
+        Observer::at(Seat::new(Rc::clone(&self.bus), 0, None))
+    }
+
+    /// A tap, as a recorder has it. It must be read as a listener must.
+    #[must_use]
+    pub fn tap(&self) -> Tap {
+        Tap::at(Seat::new(Rc::clone(&self.bus), 0, None))
+    }
+
+    /// A sender of recorded messages. A queue of which nothing is taken between turns gets full.
+    #[must_use]
+    pub fn player(&self) -> Player {
+        Player::at(Seat::new(Rc::clone(&self.bus), 0, None))
+    }
+
+    /// Adds a service, which does `entry`.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Setup`] if there is no memory for its stack.
+    pub fn start(
+        &mut self,
+        service: Service,
+        scenario: &Scenario,
+        entry: impl FnOnce(Runtime) -> Result<(), RuntimeError> + 'static,
+    ) -> Result<(), RuntimeError> {
+        self.add(service, scenario, None, entry)
+    }
+
+    /// Adds a service that takes its releases and its inputs from a recorded run.
+    ///
+    /// # Errors
+    /// As [`Self::start`].
+    pub fn start_scheduled(
+        &mut self,
+        service: Service,
+        scenario: &Scenario,
+        releases: Vec<ScheduledRelease>,
+        entry: impl FnOnce(Runtime) -> Result<(), RuntimeError> + 'static,
+    ) -> Result<(), RuntimeError> {
+        self.add(service, scenario, Some(Schedule::in_memory(releases)), entry)
+    }
+
+    fn add(
+        &mut self,
+        service: Service,
+        scenario: &Scenario,
+        schedule: Option<Schedule>,
+        entry: impl FnOnce(Runtime) -> Result<(), RuntimeError> + 'static,
+    ) -> Result<(), RuntimeError> {
+        let (pause, desk) = (Pause::default(), Desk::default());
+        let seat = Seat::new(Rc::clone(&self.bus), service.to_wire(), Some(pause.clone()));
+        let link = Link::in_memory(desk.clone(), pause.clone());
+        let end = link.end.clone();
+        let runtime =
+            Runtime::join_in_process(service, self.group.clone(), scenario.clone(), seat, link)
+                .following(schedule);
+        let task = Task::new(pause, move || entry(runtime))?;
+        self.members.push(Member { service, task, desk, end });
+        Ok(())
+    }
+
+    /// Gives the services that are ready the common start.
+    pub fn begin(&self) {
+        for member in &self.members {
+            // Simulated time has no instant on the wall.
+            member.desk.start.set(Some(StartOrder { start_ns: 0, standby_for: None }));
+        }
+    }
+
+    /// Ends the run after the releases of `step`.
+    pub fn stop_after(&self, step: u64) {
+        self.members.iter().for_each(|member| member.end.set_before(step + 1));
+    }
+
+    /// Ends the run at once.
+    pub fn abort(&self) {
+        self.members.iter().for_each(|member| member.end.set_before(0));
+    }
+
+    /// Gives every service a turn and hands what they say to `said`, a failure included. False when
+    /// all have ended.
+    ///
+    /// Call it again only after all listeners and taps have taken their messages: when a whole round
+    /// moves none, the services wait for each other for ever, and are told so.
+    pub fn take_turns(&mut self, said: &mut dyn FnMut(Service, FromService)) -> bool {
+        let before = self.bus.moved();
+        let (mut alive, mut changed) = (false, false);
+        for member in &mut self.members {
+            let failed = match member.task.resume() {
+                Some(Turn::Waits) => {
+                    alive = true;
+                    None
+                }
+                Some(Turn::Done(Ok(()) | Err(RuntimeError::Stopped))) => {
+                    changed = true;
+                    None
+                }
+                Some(Turn::Done(Err(error))) => Some(error.to_string()),
+                Some(Turn::Panicked(message)) => Some(format!("panicked: {message}")),
+                None => None,
+            };
+            while let Some(message) = member.desk.said.borrow_mut().pop_front() {
+                changed = true;
+                said(member.service, message);
+            }
+            if let Some(reason) = failed {
+                changed = true;
+                said(member.service, FromService::Failed(reason));
+            }
+        }
+        if !changed && self.bus.moved() == before {
+            self.bus.stall();
+        }
+        alive
+    }
+}

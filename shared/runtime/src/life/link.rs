@@ -1,0 +1,245 @@
+//! The link between the launcher and a service: JSON lines on the service's standard streams.
+//!
+//! The launcher writes [`ToService`] to the service's standard input and reads [`FromService`] from
+//! its standard output. The end of the input is the launcher's death, and an order to stop at once.
+
+use crate::RuntimeError;
+use crate::faults::{Inbox, Injected};
+use crate::in_process::coroutine::Pause;
+use crate::machine::scheduling::{Granted, set_fifo_of};
+use crate::report::ServiceReport;
+use crate::survival::standby::{ActiveProcess, OrderSlot, TakeOver};
+use serde::{Deserialize, Serialize};
+use std::cell::{Cell, RefCell};
+use std::collections::VecDeque;
+use std::io::{BufRead, Write};
+use std::rc::Rc;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicI32, AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, sync_channel};
+
+/// The common start instant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StartOrder {
+    /// Run time 0, in `CLOCK_MONOTONIC` ns.
+    pub start_ns: i64,
+    /// The process that this one is to stand by for; none for an active process.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub standby_for: Option<ActiveProcess>,
+}
+
+/// What the launcher says to a service.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ToService {
+    /// Take part: for a process that was started ahead.
+    Join,
+    /// Begin.
+    Start(StartOrder),
+    /// End after the releases of this step; in realtime, at once.
+    StopAfter(u64),
+    /// A fault to act out.
+    Inject(Injected),
+    /// The active process is gone: take the service over. For a standby.
+    TakeOver,
+    /// Bring the vehicle to a stop in lane and end: for the plant.
+    SafeStop,
+    /// End at once.
+    Abort,
+}
+
+/// The signal that makes a service look at its peers again: one has joined. Ignored by default, so
+/// that a program which does not expect it is not harmed.
+pub const PEER_JOINED: i32 = signal_hook::consts::SIGURG;
+
+/// What a service says to the launcher.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FromService {
+    /// All ports are open; what the kernel granted.
+    Ready(Granted),
+    /// This process was the standby, and is the active one now.
+    TookOver(TakeOver),
+    /// The service reached the end it was told, with this report.
+    Report(Box<ServiceReport>),
+    /// The plant ended the run in this step; the others may finish it.
+    Ended(u64),
+    /// The service cannot go on.
+    Failed(String),
+}
+
+/// First step that is not to be run any more, shared with the link's thread.
+#[derive(Clone, Debug)]
+pub struct End(Arc<AtomicUsize>);
+
+impl Default for End {
+    fn default() -> Self {
+        Self(Arc::new(AtomicUsize::new(usize::MAX)))
+    }
+}
+
+impl End {
+    /// True if `step` is not to be run any more.
+    pub(crate) fn is_before(&self, step: u64) -> bool {
+        self.0.load(Ordering::Relaxed) as u64 <= step
+    }
+
+    /// True if the run was aborted.
+    pub(crate) fn is_now(&self) -> bool {
+        self.0.load(Ordering::Relaxed) == 0
+    }
+
+    /// Ends the run before `step`, unless it ends earlier.
+    pub(crate) fn set_before(&self, step: u64) {
+        self.0.fetch_min(usize::try_from(step).unwrap_or(usize::MAX), Ordering::Relaxed);
+    }
+}
+
+/// The service's end of the link.
+#[derive(Debug)]
+pub(crate) struct Link {
+    way: Way,
+    pub(crate) end: End,
+    pub(crate) inbox: Inbox,
+    /// A process joined the group.
+    pub(crate) joined: Arc<AtomicBool>,
+    /// The vehicle is to be brought to a stop.
+    pub(crate) safe_stop: Arc<AtomicBool>,
+    /// Where a standby hears that it is to take over.
+    pub(crate) take_over: OrderSlot,
+    /// The order to take part, of a process that was started ahead.
+    joins: Option<Receiver<()>>,
+    /// The thread that reads; 0 without one.
+    thread: Arc<AtomicI32>,
+}
+
+/// How the link's messages go.
+#[derive(Debug)]
+enum Way {
+    /// By the standard streams; the start order comes from the thread that reads them.
+    Streams(Receiver<StartOrder>),
+    /// In memory, between services that take turns.
+    Memory(Desk, Pause),
+}
+
+/// Where a service and the launcher in its thread leave word for each other.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Desk {
+    /// What the service said, oldest first.
+    pub(crate) said: Rc<RefCell<VecDeque<FromService>>>,
+    /// The start order.
+    pub(crate) start: Rc<Cell<Option<StartOrder>>>,
+}
+
+impl Link {
+    /// The link of a service in the launcher's own thread.
+    pub(crate) fn in_memory(desk: Desk, pause: Pause) -> Self {
+        Self {
+            way: Way::Memory(desk, pause),
+            end: End::default(),
+            inbox: Inbox::default(),
+            joined: Arc::default(),
+            safe_stop: Arc::default(),
+            take_over: OrderSlot::default(),
+            joins: None,
+            thread: Arc::default(),
+        }
+    }
+
+    /// Gives the thread that reads the lowest real-time priority: a process that is killed is gone when
+    /// all its threads are, and on a busy machine an ordinary one waits for a processor to end on.
+    pub(crate) fn raise_thread(&self) {
+        let thread = self.thread.load(Ordering::Acquire);
+        if thread > 0 {
+            set_fifo_of(thread, 1);
+        }
+    }
+
+    /// Listens to the launcher. SIGTERM and SIGINT keep their default: a service that they end has died,
+    /// and the launcher replaces it.
+    pub(crate) fn open() -> Result<Self, RuntimeError> {
+        let end = End::default();
+        let joined = Arc::new(AtomicBool::new(false));
+        signal_hook::flag::register(PEER_JOINED, Arc::clone(&joined))
+            .map_err(|reason| RuntimeError::Link { what: "signal handler", reason })?;
+        let (sender, start) = sync_channel(1);
+        let (join, joins) = sync_channel(1);
+        let (orders, inbox) = (end.clone(), Inbox::default());
+        let safe_stop = Arc::new(AtomicBool::new(false));
+        let (faults, stop) = (inbox.clone(), Arc::clone(&safe_stop));
+        let take_over = OrderSlot::default();
+        let slot = take_over.clone();
+        let thread = Arc::new(AtomicI32::new(0));
+        let own = Arc::clone(&thread);
+        std::thread::Builder::new()
+            .name("link".into())
+            .stack_size(128 * 1024)
+            .spawn(move || {
+                own.store(rustix::thread::gettid().as_raw_pid(), Ordering::Release);
+                for line in std::io::stdin().lock().lines() {
+                    match line.ok().and_then(|l| serde_json::from_str::<ToService>(&l).ok()) {
+                        // A second order finds the channel full and is of no use.
+                        Some(ToService::Join) => drop(join.try_send(())),
+                        Some(ToService::Start(order)) => drop(sender.try_send(order)),
+                        Some(ToService::StopAfter(step)) => orders.set_before(step + 1),
+                        Some(ToService::Inject(injected)) => faults.put(injected),
+                        Some(ToService::TakeOver) => slot.take_over(),
+                        Some(ToService::SafeStop) => stop.store(true, Ordering::Relaxed),
+                        Some(ToService::Abort) | None => orders.set_before(0),
+                    }
+                }
+                orders.set_before(0);
+            })
+            .map_err(|reason| RuntimeError::Link { what: "thread", reason })?;
+        let (way, joins) = (Way::Streams(start), Some(joins));
+        Ok(Self { way, end, inbox, joined, safe_stop, take_over, joins, thread })
+    }
+
+    /// Waits for the order to take part.
+    pub(crate) fn wait_to_join(&self) -> Result<(), RuntimeError> {
+        let ordered = self.joins.as_ref().is_some_and(|joins| joins.recv().is_ok());
+        if ordered { Ok(()) } else { Err(RuntimeError::Stopped) }
+    }
+
+    /// Waits for the start order.
+    pub(crate) fn wait_for_start(&self) -> Result<StartOrder, RuntimeError> {
+        loop {
+            let order = match &self.way {
+                Way::Streams(start) => {
+                    start.recv_timeout(std::time::Duration::from_millis(50)).ok()
+                }
+                Way::Memory(desk, pause) => {
+                    pause.wait();
+                    desk.start.get()
+                }
+            };
+            match order {
+                Some(order) => return Ok(order),
+                None if self.end.is_now() => return Err(RuntimeError::Stopped),
+                None => {}
+            }
+        }
+    }
+
+    /// Tells the launcher something.
+    pub(crate) fn send(&self, message: FromService) -> Result<(), RuntimeError> {
+        if let Way::Memory(desk, _) = &self.way {
+            desk.said.borrow_mut().push_back(message);
+            return Ok(());
+        }
+        let mut line = serde_json::to_vec(&message).expect("link messages are plain data");
+        line.push(b'\n');
+        let mut out = std::io::stdout().lock();
+        out.write_all(&line)
+            .and_then(|()| out.flush())
+            .map_err(|reason| RuntimeError::Link { what: "the launcher does not listen", reason })
+    }
+
+    /// Waits until the launcher has heard all services and closes the run.
+    pub(crate) fn wait_for_the_end(&self) {
+        // In memory nothing is lost with its sender.
+        while matches!(self.way, Way::Streams(_)) && !self.end.is_now() {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+    }
+}

@@ -1,0 +1,326 @@
+//! Work beside a loop: what takes longer than a cycle may, in a thread that is not real-time.
+//!
+//! A loop asks at a release, and the answer takes effect a fixed time later, at the release that is
+//! due then: in lockstep that release waits for it, so that the same run gives the same bytes; in
+//! realtime it takes what is there, and an answer that is not is late. The loop only ever *tries* the
+//! two locks of the handover, which the thread holds for a copy, and allocates nothing. Where all
+//! services share one thread the work is done when it is asked for: its time does not count there.
+
+use crate::report::PlanningReport;
+use crate::statistics::Latencies;
+use crate::{Carrier, Count, Mode, Release, Runtime, RuntimeError, monotonic_ns};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// A thread that answers questions of type `Q` with `A`.
+#[derive(Debug)]
+pub struct BackgroundWorker<Q, A> {
+    worker: Worker<Q, A>,
+    mode: Mode,
+    delay_ns: i64,
+    /// When the answer to the open question takes effect, run time in ns.
+    due_ns: Option<i64>,
+    counted_late: bool,
+    asked: Count,
+    late: Count,
+    worked: Latencies,
+}
+
+/// Who does the work.
+enum Worker<Q, A> {
+    /// A thread.
+    Thread { shared: Arc<Shared<Q, A>>, thread: Option<JoinHandle<()>> },
+    /// The loop's own thread, which does it at once.
+    Inline { work: Box<dyn FnMut(&Q) -> A>, answer: Option<(A, i64)> },
+}
+
+impl<Q, A> std::fmt::Debug for Worker<Q, A> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Thread { .. } => "Thread",
+            Self::Inline { .. } => "Inline",
+        })
+    }
+}
+
+#[derive(Debug)]
+struct Shared<Q, A> {
+    question: Mutex<Option<Q>>,
+    asked: Condvar,
+    answer: Mutex<Option<(A, i64)>>,
+    answered: Condvar,
+    closed: AtomicBool,
+}
+
+impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
+    /// Starts the thread `name`, which does `work`. Call it before [`Runtime::begin`]: the thread
+    /// must not inherit the loop's place on a core. Answers take effect `delay_ns` after the question.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Setup`] when there can be no thread.
+    pub fn start(
+        runtime: &Runtime,
+        name: &str,
+        delay_ns: i64,
+        work: impl FnMut(&Q) -> A + Send + 'static,
+    ) -> Result<Self, RuntimeError> {
+        let mut this = match runtime.carrier() {
+            Carrier::SharedMemory => Self::start_in(runtime.clock().mode(), name, delay_ns, work)?,
+            Carrier::Memory => Self::inline(delay_ns, work),
+        };
+        let figures = runtime.figures();
+        this.asked = figures.count("asked")?;
+        this.late = figures.count("late_plans")?;
+        this.worked = figures.latencies("plan")?;
+        Ok(this)
+    }
+
+    fn inline(delay_ns: i64, work: impl FnMut(&Q) -> A + 'static) -> Self {
+        Self::with(Worker::Inline { work: Box::new(work), answer: None }, Mode::Lockstep, delay_ns)
+    }
+
+    fn with(worker: Worker<Q, A>, mode: Mode, delay_ns: i64) -> Self {
+        Self {
+            worker,
+            mode,
+            delay_ns,
+            due_ns: None,
+            counted_late: false,
+            asked: Count::default(),
+            late: Count::default(),
+            worked: Latencies::default(),
+        }
+    }
+
+    fn start_in(
+        mode: Mode,
+        name: &str,
+        delay_ns: i64,
+        work: impl FnMut(&Q) -> A + Send + 'static,
+    ) -> Result<Self, RuntimeError> {
+        let shared = Arc::new(Shared {
+            question: Mutex::new(None),
+            asked: Condvar::new(),
+            answer: Mutex::new(None),
+            answered: Condvar::new(),
+            closed: AtomicBool::new(false),
+        });
+        let theirs = Arc::clone(&shared);
+        let thread = std::thread::Builder::new()
+            .name(name.into())
+            .spawn(move || theirs.serve(work))
+            .map_err(RuntimeError::setup(format!("thread {name}")))?;
+        Ok(Self::with(Worker::Thread { shared, thread: Some(thread) }, mode, delay_ns))
+    }
+
+    /// Whether a question is open.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.due_ns.is_some()
+    }
+
+    /// Asks. The question comes back when one is open already, or when the thread holds the handover.
+    ///
+    /// # Errors
+    /// The question, to be asked again at the next release.
+    pub fn ask(&mut self, release: &Release, question: Q) -> Result<(), Q> {
+        if self.is_busy() {
+            return Err(question);
+        }
+        match &mut self.worker {
+            Worker::Thread { shared, .. } => {
+                match lock(self.mode, &shared.question) {
+                    Some(mut slot) => *slot = Some(question),
+                    None => return Err(question),
+                }
+                shared.asked.notify_one();
+            }
+            Worker::Inline { work, answer } => *answer = Some(timed(work, &question)),
+        }
+        self.due_ns = Some(release.scheduled_ns + self.delay_ns);
+        self.counted_late = false;
+        self.asked.add(1);
+        Ok(())
+    }
+
+    /// The answer that takes effect at this release, if there is one.
+    pub fn answer(&mut self, release: &Release) -> Option<A> {
+        if self.due_ns.is_none_or(|due_ns| release.scheduled_ns < due_ns) {
+            return None;
+        }
+        let answer = match (&mut self.worker, self.mode) {
+            (Worker::Thread { shared, .. }, Mode::Realtime) => {
+                lock(self.mode, &shared.answer).and_then(|mut slot| slot.take())
+            }
+            (Worker::Thread { shared, thread }, Mode::Lockstep) => shared.wait(thread.as_ref()),
+            (Worker::Inline { answer, .. }, _) => answer.take(),
+        };
+        let Some((answer, worked_ns)) = answer else {
+            self.late.add(u64::from(!self.counted_late));
+            self.counted_late = true;
+            return None;
+        };
+        self.worked.record_ns(worked_ns);
+        self.due_ns = None;
+        Some(answer)
+    }
+
+    /// What became of the questions so far.
+    #[must_use]
+    pub fn report(&self) -> PlanningReport {
+        PlanningReport {
+            asked: self.asked.get(),
+            late: self.late.get(),
+            deadline_us: self.delay_ns as f64 / 1e3,
+            plan_us: self.worked.percentiles_us(),
+        }
+    }
+}
+
+/// In realtime the loop does not wait, not even for a copy.
+fn lock<T>(mode: Mode, slot: &Mutex<T>) -> Option<MutexGuard<'_, T>> {
+    match mode {
+        Mode::Realtime => slot.try_lock().ok(),
+        Mode::Lockstep => Some(slot.lock().unwrap_or_else(PoisonError::into_inner)),
+    }
+}
+
+/// The answer to `question` and the time that it took, ns.
+fn timed<Q, A>(work: &mut (impl FnMut(&Q) -> A + ?Sized), question: &Q) -> (A, i64) {
+    let begun = monotonic_ns();
+    let answer = work(question);
+    (answer, monotonic_ns() - begun)
+}
+
+impl<Q, A> Shared<Q, A> {
+    /// Waits for the answer; `None` if the thread died over it.
+    fn wait(&self, thread: Option<&JoinHandle<()>>) -> Option<(A, i64)> {
+        const LOOK: Duration = Duration::from_millis(100);
+        let mut slot = self.answer.lock().unwrap_or_else(PoisonError::into_inner);
+        loop {
+            if let Some(answer) = slot.take() {
+                return Some(answer);
+            }
+            if thread.is_none_or(JoinHandle::is_finished) {
+                return None;
+            }
+            let waited = self.answered.wait_timeout(slot, LOOK);
+            slot = waited.unwrap_or_else(PoisonError::into_inner).0;
+        }
+    }
+
+    fn serve(&self, mut work: impl FnMut(&Q) -> A) {
+        while let Some(question) = self.next() {
+            let answer = timed(&mut work, &question);
+            *self.answer.lock().unwrap_or_else(PoisonError::into_inner) = Some(answer);
+            self.answered.notify_one();
+        }
+    }
+
+    fn next(&self) -> Option<Q> {
+        let mut slot = self.question.lock().unwrap_or_else(PoisonError::into_inner);
+        loop {
+            if self.closed.load(Ordering::Acquire) {
+                return None;
+            }
+            if let Some(question) = slot.take() {
+                return Some(question);
+            }
+            slot = self.asked.wait(slot).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+}
+
+impl<Q, A> Drop for BackgroundWorker<Q, A> {
+    fn drop(&mut self) {
+        let Worker::Thread { shared, thread } = &mut self.worker else { return };
+        // Under the lock, so that a thread about to wait sees it.
+        let slot = shared.question.lock().unwrap_or_else(PoisonError::into_inner);
+        shared.closed.store(true, Ordering::Release);
+        drop(slot);
+        shared.asked.notify_one();
+        if let Some(thread) = thread.take() {
+            // A thread that panicked has said so.
+            let _ = thread.join();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::mpsc::channel;
+
+    const DELAY_NS: i64 = 200;
+
+    fn release(scheduled_ns: i64) -> Release {
+        Release {
+            step: 0,
+            time_s: 0.0,
+            scheduled_ns,
+            idle_ns: scheduled_ns,
+            start_ns: scheduled_ns,
+        }
+    }
+
+    #[test]
+    fn in_lockstep_an_answer_takes_effect_exactly_when_it_is_due() {
+        let slow = |x: &u32| {
+            std::thread::sleep(Duration::from_millis(5));
+            2 * x
+        };
+        let thread = BackgroundWorker::start_in(Mode::Lockstep, "double", DELAY_NS, slow);
+        for mut worker in [thread.expect("a thread"), BackgroundWorker::inline(DELAY_NS, slow)] {
+            check_effect(&mut worker);
+        }
+    }
+
+    fn check_effect(worker: &mut BackgroundWorker<u32, u32>) {
+        let mut heard = Vec::new();
+        for cycle in 0..6 {
+            let release = release(100 * cycle);
+            heard.push(worker.answer(&release));
+            if !worker.is_busy() {
+                worker.ask(&release, cycle as u32).expect("none is open");
+            }
+        }
+        assert_eq!(heard, [None, None, Some(0), None, Some(4), None]);
+        let report = worker.report();
+        assert_eq!((report.asked, report.late), (3, 0));
+        assert_eq!(report.plan_us.map(|took| took.count), Some(2));
+    }
+
+    #[test]
+    fn in_realtime_a_late_answer_is_counted_once_and_taken_when_it_comes() {
+        let (go, wait) = channel::<()>();
+        let mut worker =
+            BackgroundWorker::start_in(Mode::Realtime, "slow", DELAY_NS, move |x: &u32| {
+                let _ = wait.recv();
+                *x
+            })
+            .expect("a thread");
+        // The thread may just be looking for a question.
+        while worker.ask(&release(0), 7).is_err() {}
+        assert_eq!(worker.ask(&release(0), 8), Err(8), "one question at a time");
+        assert_eq!([100, 200, 300].map(|ns| worker.answer(&release(ns))), [None; 3]);
+        assert_eq!(worker.report().late, 1);
+        go.send(()).expect("the thread waits");
+        let answer = loop {
+            if let Some(answer) = worker.answer(&release(400)) {
+                break answer;
+            }
+        };
+        assert_eq!((answer, worker.report().late), (7, 1));
+    }
+
+    #[test]
+    fn a_thread_that_died_is_not_waited_for() {
+        let mut worker =
+            BackgroundWorker::start_in(Mode::Lockstep, "dies", DELAY_NS, |x: &u32| 1 / (*x - *x))
+                .expect("a thread");
+        worker.ask(&release(0), 7).expect("none is open");
+        assert_eq!(worker.answer(&release(200)), None);
+    }
+}

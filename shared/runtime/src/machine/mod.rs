@@ -1,0 +1,8 @@
+//! What a service asks of the machine: scheduling, processes, threads, programs.
+
+pub mod background;
+pub mod not_granted;
+pub mod program;
+pub mod scheduling;
+pub mod spawn;
+pub mod usage;

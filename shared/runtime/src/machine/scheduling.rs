@@ -1,0 +1,339 @@
+//! What a service asks of the kernel for its loop, and what it got.
+//!
+//! In the order of their worth: timer slack of 1 ns (always granted), `SCHED_FIFO`, locked memory,
+//! a core of its own. Nothing here fails: what is not granted is reported, as read back from the
+//! kernel, with the reason.
+
+#![allow(unsafe_code, reason = "no crate wraps sched_setscheduler")]
+
+pub use crate::machine::not_granted::{Asked, NotGranted};
+use messages::Service;
+use rustix::mm::{MlockAllFlags, mlockall};
+use rustix::process::Pid;
+use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity, set_current_timer_slack};
+use scenario::Scenario;
+use scenario::runtime::Scheduling;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// Scheduling policy of a loop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Policy {
+    /// `SCHED_FIFO` with this priority, 1 to 99.
+    Fifo(u8),
+    /// The ordinary time-sharing policy.
+    Other,
+}
+
+impl fmt::Display for Policy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Fifo(priority) => write!(f, "fifo:{priority}"),
+            Self::Other => f.write_str("other"),
+        }
+    }
+}
+
+/// What a service asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Request {
+    /// Policy.
+    pub policy: Policy,
+    /// Core to be pinned to.
+    pub core: Option<usize>,
+    /// Whether to lock all memory.
+    pub lock_memory: bool,
+}
+
+impl Request {
+    /// What the scenario asks for `service`. Without a core of its choice it shares the last core that
+    /// this process may use with the others ([`scenario::runtime`] says why).
+    #[must_use]
+    pub fn of(scenario: &Scenario, service: Service) -> Self {
+        let services = &scenario.runtime.services;
+        let default = usable_cores().last().copied();
+        Self {
+            policy: match scenario.runtime.scheduling {
+                Scheduling::Fifo => Policy::Fifo(services.priority(service)),
+                Scheduling::Other => Policy::Other,
+            },
+            core: services.of(service).core.map(|core| core.value().into()).or(default),
+            lock_memory: scenario.runtime.lock_memory,
+        }
+    }
+
+    /// The priority under `SCHED_FIFO`; 0 without.
+    pub(crate) fn priority(&self) -> u8 {
+        match self.policy {
+            Policy::Fifo(priority) => priority,
+            Policy::Other => 0,
+        }
+    }
+
+    /// Nothing: for runs in simulated time, which share the machine.
+    pub(crate) const NOTHING: Self = Self { policy: Policy::Other, core: None, lock_memory: false };
+}
+
+/// What a service got, read back from the kernel.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Granted {
+    /// Policy asked for.
+    pub requested: String,
+    /// Policy in force.
+    pub granted: String,
+    /// Core that the loop is pinned to; none if it may run on any.
+    pub core: Option<usize>,
+    /// Whether all memory is locked.
+    pub memory_locked: bool,
+    /// What was not granted.
+    pub refused: Vec<NotGranted>,
+}
+
+impl Granted {
+    /// True if the loop has a real-time priority.
+    pub(crate) fn is_realtime(&self) -> bool {
+        self.granted != Policy::Other.to_string()
+    }
+
+    /// The priority of the loop that asked for `request`; 0 where it was not granted.
+    pub(crate) fn priority(&self, request: &Request) -> u8 {
+        if self.requested == self.granted { request.priority() } else { 0 }
+    }
+}
+
+/// The priority of a thread that acts on a loop of this one; 0 beside a loop without.
+pub(crate) fn above(priority: u8) -> u8 {
+    if priority > 0 { priority.saturating_add(1).min(99) } else { 0 }
+}
+
+/// Applies `request` to the calling thread.
+#[must_use]
+pub fn apply(request: &Request) -> Granted {
+    let mut refused = Vec::new();
+    let mut refuse =
+        |what, why: &dyn fmt::Display| refused.push(NotGranted { what, why: why.to_string() });
+    if let Err(e) = set_current_timer_slack(std::num::NonZeroU64::new(1)) {
+        refuse(Asked::TimerSlack, &e);
+    }
+    if let Some(core) = request.core
+        && let Err(reason) = pin_to(core)
+    {
+        refuse(Asked::Core(core), &reason);
+    }
+    // Pages stay once touched; locking untouched ones too would double the resident set for code
+    // that the loop never runs.
+    let memory_locked = request.lock_memory
+        && match mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE | MlockAllFlags::ONFAULT) {
+            Ok(()) => true,
+            Err(e) => {
+                refuse(Asked::LockedMemory, &e);
+                false
+            }
+        };
+    if let Policy::Fifo(priority) = request.policy
+        && let Err(e) = set_fifo(priority)
+    {
+        refuse(Asked::Fifo(priority), &e);
+    }
+    prefault_stack();
+    Granted {
+        requested: request.policy.to_string(),
+        granted: policy_in_force().to_string(),
+        core: pinned_core(),
+        memory_locked,
+        refused,
+    }
+}
+
+/// Gives up the calling thread's priority: what it does from here on has no deadline, and must not delay
+/// a process on the same core that still has one.
+pub fn give_up_priority() {
+    // A process that has none keeps what it has.
+    let _ = set_policy(libc::SCHED_OTHER, 0);
+}
+
+/// Lends process `pid`, which computes for a service, a share of the services' scheduling: their core, and
+/// a priority below them all, so that it delays none of them whatever it does. What the machine does not
+/// grant is not lent.
+pub fn lend_to(pid: u32, scenario: &Scenario, service: Service) {
+    let Ok(raw) = i32::try_from(pid) else { return };
+    let request = Request::of(scenario, service);
+    if let Some(core) = request.core.filter(|&core| core < CpuSet::MAX_CPU) {
+        let mut set = CpuSet::new();
+        set.set(core);
+        let _ = sched_setaffinity(Pid::from_raw(raw), &set);
+    }
+    let below = below_services(scenario);
+    if below > 0 {
+        let _ = set_policy_of(raw, libc::SCHED_FIFO, below);
+    }
+}
+
+/// The priority below those of all services; 0 for none.
+fn below_services(scenario: &Scenario) -> u8 {
+    let priorities = Service::ALL.map(|service| Request::of(scenario, service).priority());
+    priorities.into_iter().min().unwrap_or(0).saturating_sub(1)
+}
+
+/// Puts the calling thread, which has a service's priority, below all services: a standby must not delay the
+/// active process.
+pub(crate) fn set_below_services(scenario: &Scenario) {
+    let below = below_services(scenario);
+    if below > 0 {
+        let _ = set_fifo(below);
+    }
+}
+
+/// Gives thread `thread` of this process `SCHED_FIFO` with this priority, where the machine grants it; 0 leaves it as
+/// it is.
+pub fn set_fifo_of(thread: i32, priority: u8) {
+    if priority > 0 {
+        let _ = set_policy_of(thread, libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK, priority);
+    }
+}
+
+/// What the calling thread has without asking.
+pub(crate) fn in_force() -> Granted {
+    let policy = policy_in_force().to_string();
+    Granted {
+        requested: policy.clone(),
+        granted: policy,
+        core: pinned_core(),
+        memory_locked: false,
+        refused: Vec::new(),
+    }
+}
+
+/// A raised priority of the calling thread, until this is dropped; its children inherit it.
+#[derive(Debug)]
+pub struct Priority(());
+
+impl Priority {
+    /// Raises the calling thread to `SCHED_FIFO` with this priority, where the machine grants it.
+    #[must_use]
+    pub fn raise(priority: u8) -> Self {
+        // Without it, everything works; later, on a busy machine.
+        let _ = set_policy(libc::SCHED_FIFO, priority);
+        Self(())
+    }
+}
+
+impl Drop for Priority {
+    fn drop(&mut self) {
+        become_ordinary();
+    }
+}
+
+/// Gives the calling thread the ordinary time-sharing policy.
+pub fn become_ordinary() {
+    // Lowering is always granted.
+    let _ = set_policy(libc::SCHED_OTHER, 0);
+}
+
+/// Pins the calling thread to `core`.
+///
+/// # Errors
+/// Why the machine refuses it.
+pub fn pin_to(core: usize) -> Result<(), PinError> {
+    if core >= CpuSet::MAX_CPU {
+        return Err(PinError::NoSuchCore(core));
+    }
+    let mut set = CpuSet::new();
+    set.set(core);
+    sched_setaffinity(None, &set).map_err(|e| PinError::Refused(e.into()))
+}
+
+/// Why a thread cannot be pinned to a core.
+#[derive(Debug, thiserror::Error)]
+pub enum PinError {
+    /// No system has so many cores.
+    #[error("there is no core {0}")]
+    NoSuchCore(usize),
+    /// The system refuses it.
+    #[error(transparent)]
+    Refused(std::io::Error),
+}
+
+/// Cores that this thread may run on.
+#[must_use]
+pub fn usable_cores() -> Vec<usize> {
+    let set = sched_getaffinity(None).unwrap_or_else(|_| CpuSet::new());
+    (0..CpuSet::MAX_CPU).filter(|&core| set.is_set(core)).collect()
+}
+
+fn pinned_core() -> Option<usize> {
+    match usable_cores().as_slice() {
+        [core] => Some(*core),
+        _ => None,
+    }
+}
+
+fn set_fifo(priority: u8) -> std::io::Result<()> {
+    // Helper threads must not inherit the priority.
+    set_policy(libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK, priority)
+}
+
+fn set_policy(policy: libc::c_int, priority: u8) -> std::io::Result<()> {
+    set_policy_of(0, policy, priority)
+}
+
+/// The same for the process `pid`; 0 is the calling thread.
+fn set_policy_of(pid: i32, policy: libc::c_int, priority: u8) -> std::io::Result<()> {
+    let param = libc::sched_param { sched_priority: i32::from(priority) };
+    // SAFETY: `param` lives through the call, which only reads it.
+    match unsafe { libc::sched_setscheduler(pid, policy, &raw const param) } {
+        0 => Ok(()),
+        _ => Err(std::io::Error::last_os_error()),
+    }
+}
+
+fn policy_in_force() -> Policy {
+    let mut param = libc::sched_param { sched_priority: 0 };
+    // SAFETY: both calls concern the calling thread; `param` lives through the second, which
+    // writes it.
+    let (policy, read) =
+        unsafe { (libc::sched_getscheduler(0), libc::sched_getparam(0, &raw mut param)) };
+    if read == 0 && policy & !libc::SCHED_RESET_ON_FORK == libc::SCHED_FIFO {
+        Policy::Fifo(u8::try_from(param.sched_priority).unwrap_or(u8::MAX))
+    } else {
+        Policy::Other
+    }
+}
+
+/// Touches the stack that a loop may come to use, so that it does not fault later.
+fn prefault_stack() {
+    let mut stack = [0_u8; 256 * 1024];
+    for page in stack.chunks_mut(4096) {
+        page[0] = 1;
+    }
+    std::hint::black_box(&mut stack);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_priority_is_given_up() {
+        let policies = std::thread::spawn(|| {
+            let asked = Request { policy: Policy::Fifo(3), core: None, lock_memory: false };
+            let granted = apply(&asked).granted;
+            give_up_priority();
+            (granted, policy_in_force())
+        });
+        let (granted, after) = policies.join().expect("no panic");
+        assert!(["fifo:3", "other"].contains(&granted.as_str()), "{granted}");
+        assert_eq!(after, Policy::Other);
+    }
+
+    #[test]
+    fn a_missing_core_is_refused_and_the_rest_goes_on() {
+        let request = Request { policy: Policy::Other, core: Some(1023), lock_memory: false };
+        let granted = std::thread::spawn(move || apply(&request)).join().expect("no panic");
+        assert_eq!(granted.granted, "other");
+        assert!(
+            granted.refused.iter().any(|refused| refused.what == Asked::Core(1023)),
+            "{granted:?}"
+        );
+    }
+}

@@ -1,0 +1,105 @@
+//! Run time: nanoseconds since the group's common start instant.
+
+use rustix::time::{ClockId, Timespec, clock_gettime};
+use serde::{Deserialize, Serialize};
+use std::cell::Cell;
+
+/// Which clock the group runs on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mode {
+    /// `CLOCK_MONOTONIC`.
+    Realtime,
+    /// Simulated time, as fast as the machine goes.
+    Lockstep,
+}
+
+impl Mode {
+    /// Name on the command line and in results.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Realtime => "realtime",
+            Self::Lockstep => "lockstep",
+        }
+    }
+}
+
+/// `CLOCK_MONOTONIC` in ns: comparable between processes of one host.
+#[must_use]
+pub fn monotonic_ns() -> i64 {
+    let now = clock_gettime(ClockId::Monotonic);
+    now.tv_sec * 1_000_000_000 + now.tv_nsec
+}
+
+/// `CLOCK_REALTIME`, ns since 1970.
+pub(crate) fn utc_ns() -> i64 {
+    let now = clock_gettime(ClockId::Realtime);
+    now.tv_sec * 1_000_000_000 + now.tv_nsec
+}
+
+/// Sleeps until `CLOCK_MONOTONIC` reads `instant_ns`, or a signal arrives.
+pub fn sleep_until(instant_ns: i64) {
+    let until = Timespec {
+        tv_sec: instant_ns.div_euclid(1_000_000_000),
+        tv_nsec: instant_ns.rem_euclid(1_000_000_000),
+    };
+    // An early return is a signal: the caller looks at the time and at the stop order again.
+    let _ = rustix::thread::clock_nanosleep_absolute(ClockId::Monotonic, &until);
+}
+
+/// The group's clock as one service sees it.
+#[derive(Debug)]
+pub struct Clock {
+    mode: Mode,
+    step_ns: i64,
+    start_ns: Cell<i64>,
+    simulated_ns: Cell<i64>,
+}
+
+impl Clock {
+    /// A clock whose steps are `step_ns` long; run time begins when the group starts.
+    #[must_use]
+    pub fn new(mode: Mode, step_ns: i64) -> Self {
+        Self { mode, step_ns, start_ns: Cell::new(monotonic_ns()), simulated_ns: Cell::new(0) }
+    }
+
+    /// Sets the common start instant, in `CLOCK_MONOTONIC` ns.
+    pub(crate) fn start(&self, start_ns: i64) {
+        self.start_ns.set(start_ns);
+    }
+
+    pub(crate) fn set_step(&self, step: u64) {
+        self.simulated_ns.set(self.scheduled_ns(step));
+    }
+
+    /// Sets the simulated time to an instant between steps: for what is replayed.
+    pub(crate) fn set_simulated(&self, now_ns: i64) {
+        self.simulated_ns.set(now_ns);
+    }
+
+    /// Now, in run time: the wall's in realtime, the current step's in lockstep.
+    #[must_use]
+    pub fn now_ns(&self) -> i64 {
+        match self.mode {
+            Mode::Realtime => monotonic_ns() - self.start_ns.get(),
+            Mode::Lockstep => self.simulated_ns.get(),
+        }
+    }
+
+    /// Scheduled instant of `step`, in run time.
+    #[must_use]
+    pub fn scheduled_ns(&self, step: u64) -> i64 {
+        self.step_ns * i64::try_from(step).expect("a run has fewer than 2^63 steps")
+    }
+
+    /// The mode.
+    #[must_use]
+    pub fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    pub(crate) fn sleep_until_run_time(&self, run_time_ns: i64) {
+        sleep_until(self.start_ns.get() + run_time_ns);
+    }
+}

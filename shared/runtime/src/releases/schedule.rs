@@ -1,0 +1,117 @@
+//! A recorded run's releases: when a service began each cycle, and with which samples.
+//!
+//! A service that finds a schedule in the run's root takes its releases and its inputs from there
+//! and from nothing else: neither a clock nor the time at which samples arrive, and not the
+//! end-to-end check, which had its say when the run was recorded. So a cycle sees again exactly what
+//! it saw then.
+
+use crate::RuntimeError;
+use bytemuck::{Pod, Zeroable};
+use messages::Service;
+use messages::{Origin, Origins, Topic};
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
+
+/// One recorded release.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub struct ScheduledRelease {
+    /// Simulation step.
+    pub step: u64,
+    /// When the cycle began to work on its inputs, ns of run time.
+    pub start_ns: i64,
+    /// When its command was published, ns of run time; the same as `start_ns` without a command.
+    pub publish_ns: i64,
+    /// The samples that it used.
+    pub inputs: Origins,
+}
+
+/// The releases of one process, in order.
+#[derive(Debug)]
+pub struct Schedule {
+    releases: Releases,
+    present: Option<ScheduledRelease>,
+}
+
+#[derive(Debug)]
+enum Releases {
+    /// For a process.
+    File(BufReader<File>),
+    /// For a service in the launcher's own thread.
+    Memory(std::vec::IntoIter<ScheduledRelease>),
+}
+
+impl Schedule {
+    /// Writes the schedule of `service` into the run's root.
+    ///
+    /// # Errors
+    /// [`RuntimeError::GroupFile`] if it cannot be written.
+    pub fn write(
+        root: &Path,
+        service: Service,
+        releases: impl Iterator<Item = ScheduledRelease>,
+    ) -> Result<(), RuntimeError> {
+        let path = file(root, service);
+        let write = || {
+            let mut file = BufWriter::new(File::create(&path)?);
+            for release in releases {
+                file.write_all(bytemuck::bytes_of(&release))?;
+            }
+            file.flush()
+        };
+        write().map_err(|reason| RuntimeError::GroupFile { path: path.clone(), reason })
+    }
+
+    /// Opens the schedule of `service`, if the run has one.
+    pub(crate) fn read(root: &Path, service: Service) -> Result<Option<Self>, RuntimeError> {
+        let path = file(root, service);
+        match File::open(&path) {
+            Ok(file) => Ok(Some(Self::of(Releases::File(BufReader::new(file))))),
+            Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(reason) => Err(RuntimeError::GroupFile { path, reason }),
+        }
+    }
+
+    /// The schedule of these releases.
+    pub(crate) fn in_memory(releases: Vec<ScheduledRelease>) -> Self {
+        Self::of(Releases::Memory(releases.into_iter()))
+    }
+
+    fn of(releases: Releases) -> Self {
+        Self { releases, present: None }
+    }
+
+    /// Goes on to the next release; `None` after the last.
+    pub(crate) fn advance(&mut self) -> Option<ScheduledRelease> {
+        let next = match &mut self.releases {
+            Releases::File(file) => {
+                let mut release = ScheduledRelease::zeroed();
+                let read = file.read_exact(bytemuck::bytes_of_mut(&mut release));
+                read.ok().map(|()| release)
+            }
+            Releases::Memory(releases) => releases.next(),
+        };
+        self.present = next.or(self.present);
+        next
+    }
+
+    /// The sample of `topic` that the present release used.
+    pub(crate) fn input(&self, topic: Topic) -> Origin {
+        let Some(release) = &self.present else { return Origin::NONE };
+        match topic {
+            Topic::Odometry => release.inputs.odometry,
+            Topic::RadarTracks => release.inputs.radar,
+            // The on-board unit's place for what the signals come from.
+            Topic::Spat | Topic::RadioFrames => release.inputs.spat,
+            Topic::Map => release.inputs.map,
+            Topic::Powertrain => release.inputs.powertrain,
+            Topic::Preview => release.inputs.preview,
+            _ => Origin::NONE,
+        }
+    }
+}
+
+fn file(root: &Path, service: Service) -> PathBuf {
+    root.join(format!("{service}.schedule"))
+}

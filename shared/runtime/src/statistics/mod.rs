@@ -1,0 +1,341 @@
+//! Latency histograms and their percentiles.
+
+pub mod histogram_log;
+
+use crate::survival::kept_buckets::KeptBuckets;
+use hdrhistogram::Histogram;
+use serde::{Deserialize, Serialize};
+
+/// Longest duration a histogram tells apart, ns; longer ones are counted as this.
+const HIGHEST_NS: u64 = 60_000_000_000;
+
+/// Bits of a duration that its bucket tells: two decimal digits need 200 steps.
+const DIGIT_BITS: u32 = 8;
+/// Buckets of a histogram.
+pub(crate) const BUCKETS: usize = bucket(HIGHEST_NS) + 1;
+
+/// The bucket of a duration, as HdrHistogram lays them out: one for each ns below 2⁸, and 2⁷ for each doubling
+/// above.
+const fn bucket(duration_ns: u64) -> usize {
+    let shift = u64::BITS - (duration_ns | ((1 << DIGIT_BITS) - 1)).leading_zeros() - DIGIT_BITS;
+    ((shift as usize) << (DIGIT_BITS - 1)) + (duration_ns >> shift) as usize
+}
+
+/// Shortest duration of a bucket, ns.
+const fn shortest_ns(bucket: usize) -> u64 {
+    let shift = (bucket >> (DIGIT_BITS - 1)).saturating_sub(1);
+    ((bucket - (shift << (DIGIT_BITS - 1))) as u64) << shift
+}
+
+/// Longest duration of a bucket, ns.
+const fn longest_ns(bucket: usize) -> u64 {
+    shortest_ns(bucket + 1) - 1
+}
+
+/// A histogram of durations, allocated once: at the first record, or from the start by [`Self::with_room`].
+///
+/// High dynamic range from 1 ns to 60 s with two significant decimal digits.
+/// Serialized as pairs of a duration and its count. A copy has memory of its own.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(from = "Vec<(u64, u64)>", into = "Vec<(u64, u64)>")]
+pub struct Latencies(Counts);
+
+/// Where the counts are.
+#[derive(Debug)]
+enum Counts {
+    Own(OwnBuckets),
+    /// In shared memory, with those of the processes before this one.
+    Kept(KeptBuckets),
+}
+
+/// Buckets of a page: those of one doubling.
+const PAGE: usize = 1 << (DIGIT_BITS - 1);
+const PAGES: usize = BUCKETS.div_ceil(PAGE);
+
+/// Buckets in the memory of this process. Only pages that were recorded in are there: of a run in simulated time they
+/// are few of many, and no memory is cleared for the others.
+#[derive(Clone, Debug, Default)]
+struct OwnBuckets {
+    /// The pages, in the order in which they were first recorded in.
+    counts: Vec<u64>,
+    /// Where each page is among them, counted from 1; 0: nowhere.
+    places: [u8; PAGES],
+}
+
+impl OwnBuckets {
+    fn with_room() -> Self {
+        Self { counts: Vec::with_capacity(PAGES * PAGE), places: [0; PAGES] }
+    }
+
+    fn add(&mut self, bucket: usize, count: u64) {
+        let place = &mut self.places[bucket / PAGE];
+        if *place == 0 {
+            // Once for a whole histogram: recording is no place to allocate.
+            self.counts.reserve(PAGES * PAGE - self.counts.len());
+            self.counts.resize(self.counts.len() + PAGE, 0);
+            *place = u8::try_from(self.counts.len() / PAGE).expect("there are few pages");
+        }
+        self.counts[(usize::from(*place) - 1) * PAGE + bucket % PAGE] += count;
+    }
+
+    fn count(&self, bucket: usize) -> u64 {
+        let place = usize::from(self.places[bucket / PAGE]);
+        place.checked_sub(1).map_or(0, |place| self.counts[place * PAGE + bucket % PAGE])
+    }
+}
+
+impl Default for Latencies {
+    fn default() -> Self {
+        Self(Counts::Own(OwnBuckets::default()))
+    }
+}
+
+impl Clone for Latencies {
+    fn clone(&self) -> Self {
+        let mut copy = OwnBuckets::default();
+        self.recorded().for_each(|(bucket, count)| copy.add(bucket, count));
+        Self(Counts::Own(copy))
+    }
+}
+
+impl PartialEq for Latencies {
+    fn eq(&self, other: &Self) -> bool {
+        self.recorded().eq(other.recorded())
+    }
+}
+
+impl From<Latencies> for Vec<(u64, u64)> {
+    fn from(latencies: Latencies) -> Self {
+        latencies.recorded().map(|(bucket, count)| (longest_ns(bucket), count)).collect()
+    }
+}
+
+impl From<Vec<(u64, u64)>> for Latencies {
+    fn from(pairs: Vec<(u64, u64)>) -> Self {
+        let mut own = OwnBuckets::default();
+        for (duration_ns, count) in pairs {
+            own.add(bucket(duration_ns.min(HIGHEST_NS)), count);
+        }
+        Self(Counts::Own(own))
+    }
+}
+
+impl Latencies {
+    /// One that allocates nothing when it records.
+    pub(crate) fn with_room() -> Self {
+        Self(Counts::Own(OwnBuckets::with_room()))
+    }
+
+    /// One whose counts outlive the process.
+    pub(crate) fn kept(buckets: KeptBuckets) -> Self {
+        Self(Counts::Kept(buckets))
+    }
+
+    /// Records one duration, ns; a negative one counts as zero.
+    pub fn record_ns(&mut self, duration_ns: i64) {
+        let bucket = bucket(u64::try_from(duration_ns).unwrap_or(0).min(HIGHEST_NS));
+        match &mut self.0 {
+            Counts::Own(own) => own.add(bucket, 1),
+            Counts::Kept(buckets) => buckets.add(bucket),
+        }
+    }
+
+    /// The buckets with a count, in the order of their durations.
+    fn recorded(&self) -> impl Iterator<Item = (usize, u64)> + '_ {
+        let is_there = |page: &usize| match &self.0 {
+            Counts::Own(own) => own.places[*page] > 0,
+            Counts::Kept(_) => true,
+        };
+        let count = |bucket: usize| match &self.0 {
+            Counts::Own(own) => own.count(bucket),
+            Counts::Kept(buckets) => buckets.count(bucket),
+        };
+        let buckets = |page: usize| page * PAGE..BUCKETS.min((page + 1) * PAGE);
+        let all = (0..PAGES).filter(is_there).flat_map(buckets);
+        all.map(move |bucket| (bucket, count(bucket))).filter(|(_, count)| *count > 0)
+    }
+
+    /// As the HdrHistogram family has it.
+    pub(crate) fn histogram(&self) -> Histogram<u64> {
+        let mut histogram = Histogram::new_with_bounds(1, HIGHEST_NS, 2)
+            .expect("1 <= low, 2 low <= high and 2 digits are valid bounds");
+        for (bucket, count) in self.recorded() {
+            histogram.saturating_record_n(shortest_ns(bucket), count);
+        }
+        histogram
+    }
+
+    /// Number of recorded durations.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        self.recorded().map(|(_, count)| count).sum()
+    }
+
+    /// Number of recorded durations of more than `duration_ns`, to the resolution of the histogram.
+    #[must_use]
+    pub fn count_above_ns(&self, duration_ns: u64) -> u64 {
+        let limit = bucket(duration_ns.min(HIGHEST_NS));
+        let above = self.recorded().filter(|(bucket, _)| *bucket > limit);
+        above.map(|(_, count)| count).sum()
+    }
+
+    /// The whole distribution, as a curve; empty if nothing was recorded.
+    #[must_use]
+    pub fn quantile_curve(&self) -> QuantileCurve {
+        // Ten points between the median and the next quarter, the next eighth, and so on.
+        let histogram = self.histogram();
+        let points = histogram
+            .iter_quantiles(10)
+            .map(|point| (point.quantile(), point.value_iterated_to() as f64 / 1e3));
+        points.collect()
+    }
+
+    /// Percentiles in microseconds; `None` if nothing was recorded.
+    #[must_use]
+    pub fn percentiles_us(&self) -> Option<Percentiles> {
+        let total = self.count();
+        let (last, _) = self.recorded().last()?;
+        let mut recorded = self.recorded();
+        let (mut reached, mut longest_us) = (0, 0.0);
+        // In rising order: one pass finds them all.
+        let mut at = |quantile: f64| {
+            let wanted = ((quantile * total as f64).ceil() as u64).max(1);
+            while reached < wanted
+                && let Some((bucket, count)) = recorded.next()
+            {
+                reached += count;
+                longest_us = longest_ns(bucket) as f64 / 1e3;
+            }
+            longest_us
+        };
+        Some(Percentiles {
+            p50: at(0.5),
+            p90: at(0.9),
+            p99: at(0.99),
+            p999: at(0.999),
+            p9999: at(0.9999),
+            max: longest_ns(last) as f64 / 1e3,
+            count: total,
+        })
+    }
+}
+
+/// A distribution by its quantiles: (share of the samples, value in µs) in rising order, finer
+/// towards the tail.
+pub type QuantileCurve = Vec<(f64, f64)>;
+
+/// Percentiles of a distribution and the number of samples behind them.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Percentiles {
+    /// Median.
+    pub p50: f64,
+    /// 90th percentile.
+    pub p90: f64,
+    /// 99th percentile.
+    pub p99: f64,
+    /// 99.9th percentile.
+    pub p999: f64,
+    /// 99.99th percentile.
+    pub p9999: f64,
+    /// Largest sample.
+    pub max: f64,
+    /// Number of samples.
+    pub count: u64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn buckets_are_those_of_the_histogram() {
+        let histogram = Latencies::default().histogram();
+        let values = (0..100_000).chain((100_000..HIGHEST_NS).step_by(9_999_991));
+        for ns in values.chain([HIGHEST_NS]) {
+            let shortest_ns = shortest_ns(bucket(ns));
+            assert_eq!(shortest_ns, histogram.lowest_equivalent(ns), "{ns}");
+            assert_eq!(longest_ns(bucket(ns)), histogram.highest_equivalent(ns), "{ns}");
+            assert!(bucket(ns) < BUCKETS);
+        }
+    }
+
+    #[test]
+    fn percentiles_are_those_of_the_histogram() {
+        let mut random = 1_u64;
+        for samples in [1, 2, 3, 10, 999, 1_000, 1_001, 50_000] {
+            let mut latencies = Latencies::default();
+            for _ in 0..samples {
+                random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                latencies.record_ns((random >> 33 >> (random % 31)) as i64);
+            }
+            let histogram = latencies.histogram();
+            let at = |quantile| histogram.value_at_quantile(quantile) as f64 / 1e3;
+            let p = latencies.percentiles_us().expect("samples were recorded");
+            let [p50, p90, p99, p999, p9999] = [0.5, 0.9, 0.99, 0.999, 0.9999].map(at);
+            assert_eq!([p.p50, p.p90, p.p99, p.p999, p.p9999], [p50, p90, p99, p999, p9999]);
+            assert_eq!((p.max, p.count), (histogram.max() as f64 / 1e3, histogram.len()));
+            let above = histogram.len() - histogram.count_between(0, 70_000);
+            assert_eq!(latencies.count_above_ns(70_000), above);
+            assert_eq!((latencies.clone(), latencies.count()), (latencies, samples));
+        }
+    }
+
+    #[test]
+    fn percentiles_of_a_known_distribution() {
+        let mut latencies = Latencies::default();
+        for us in 1..=10_000 {
+            latencies.record_ns(us * 1_000);
+        }
+        let p = latencies.percentiles_us().expect("samples were recorded");
+        let near = |got: f64, exact: f64| (got - exact).abs() <= exact * 0.01;
+        assert!(near(p.p50, 5_000.0) && near(p.p90, 9_000.0) && near(p.p99, 9_900.0), "{p:?}");
+        assert!(near(p.p999, 9_990.0) && near(p.p9999, 9_999.0) && near(p.max, 1e4), "{p:?}");
+        assert_eq!(p.count, 10_000);
+    }
+
+    #[test]
+    fn what_is_above_a_limit_is_counted() {
+        let mut latencies = Latencies::default();
+        for us in 1..=1_000 {
+            latencies.record_ns(us * 1_000);
+        }
+        assert_eq!(latencies.count_above_ns(0), 1_000);
+        assert!(latencies.count_above_ns(900_000).abs_diff(100) <= 10);
+        assert_eq!(latencies.count_above_ns(2_000_000), 0);
+    }
+
+    #[test]
+    fn the_curve_rises_to_the_largest_sample() {
+        let mut latencies = Latencies::default();
+        assert!(latencies.quantile_curve().is_empty());
+        for us in 1..=1_000 {
+            latencies.record_ns(us * 1_000);
+        }
+        let curve = latencies.quantile_curve();
+        assert!(curve.windows(2).all(|pair| pair[0].0 <= pair[1].0 && pair[0].1 <= pair[1].1));
+        let median = curve.iter().find(|point| point.0 >= 0.5).map(|point| point.1);
+        assert!(median.is_some_and(|us| (us - 500.0).abs() <= 5.0), "{median:?}");
+        assert!(curve.last().is_some_and(|last| last.0 == 1.0 && (last.1 - 1000.0).abs() <= 10.0));
+    }
+
+    #[test]
+    fn a_histogram_survives_its_journey() {
+        let mut latencies = Latencies::default();
+        for k in 0..1000_i64 {
+            latencies.record_ns(k * k * k);
+        }
+        let text = serde_json::to_string(&latencies).expect("plain data");
+        let back: Latencies = serde_json::from_str(&text).expect("our own");
+        assert_eq!(back.count(), 1000);
+        assert_eq!(back.percentiles_us(), latencies.percentiles_us());
+    }
+
+    #[test]
+    fn nothing_recorded_is_none_and_extremes_saturate() {
+        let mut latencies = Latencies::default();
+        assert_eq!(latencies.percentiles_us(), None);
+        latencies.record_ns(-5);
+        latencies.record_ns(i64::MAX);
+        assert_eq!(latencies.count(), 2);
+    }
+}

@@ -1,0 +1,226 @@
+//! Which process may speak for a service: one word in shared memory, its epoch.
+//!
+//! The word holds the incarnation of the one process of a service whose messages count. A standby takes the
+//! service over by a compare-and-swap from the epoch it stands by for to its own, a later one:
+//!
+//! ```text
+//! sender:    word == own incarnation ─► send          else: it was replaced, and leaves
+//! standby:   compare-and-swap (active's ─► own)        fails if another process was faster
+//! consumer:  word == message's incarnation ─► use      else: of a process that was replaced
+//! ```
+//!
+//! The sender's look alone is not enough: a process can be stopped between the look and the message, and
+//! continue after it was replaced. The consumer's look comes after the message has arrived. So from the
+//! instant of the compare-and-swap on, no message of an earlier epoch is used by any consumer, and at no
+//! instant are two senders accepted. The tests at the end check that over all interleavings (`loom`).
+
+use crate::words::SharedWords;
+use crate::{Group, RuntimeError};
+use messages::Service;
+use std::rc::Rc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// Words from one service's to the next one's: a cache line.
+pub(crate) const WORDS_APART: usize = 16;
+
+/// An atomic word: the machine's, or a model checker's.
+pub(crate) trait Word {
+    /// Reads it, and sees all that was written before the value that it finds.
+    fn load(&self) -> u32;
+
+    /// Puts `new` into it if it holds `present`.
+    fn swap_from(&self, present: u32, new: u32) -> bool;
+}
+
+impl Word for AtomicU32 {
+    fn load(&self) -> u32 {
+        self.load(Ordering::Acquire)
+    }
+
+    fn swap_from(&self, present: u32, new: u32) -> bool {
+        self.compare_exchange(present, new, Ordering::AcqRel, Ordering::Acquire).is_ok()
+    }
+}
+
+/// True if the process of epoch `own` may send.
+pub(crate) fn may_send(word: &impl Word, own: u32) -> bool {
+    word.load() == own
+}
+
+/// True if a message of epoch `sender`, which has arrived, may be used.
+pub(crate) fn is_accepted(word: &impl Word, sender: u32) -> bool {
+    word.load() == sender
+}
+
+/// Takes the service over from the process of epoch `active`; false if it is not the active one any more.
+pub(crate) fn take_over(word: &impl Word, active: u32, own: u32) -> bool {
+    active < own && word.swap_from(active, own)
+}
+
+/// Makes `own` the epoch, of a process that is started where no other one lives; false if a later one has
+/// it already.
+pub(crate) fn claim(word: &impl Word, own: u32) -> bool {
+    let present = word.load();
+    present == own || take_over(word, present, own)
+}
+
+/// The words of a run's services that have a standby.
+#[derive(Clone, Debug)]
+pub(crate) struct Fences {
+    page: Rc<SharedWords>,
+    fenced: [bool; Service::ALL.len()],
+}
+
+impl Fences {
+    /// Those of `group`; `None` where no service has a standby.
+    pub(crate) fn of(group: &Group) -> Result<Option<Self>, RuntimeError> {
+        if group.standby.is_empty() {
+            return Ok(None);
+        }
+        let fenced = Service::ALL.map(|service| group.standby.contains(&service));
+        Ok(Some(Self { page: Rc::new(map(group)?), fenced }))
+    }
+
+    /// The word of a service; `None` where it has no standby.
+    pub(crate) fn of_service(&self, service: Service) -> Option<&AtomicU32> {
+        self.fenced[service.index()].then(|| word(&self.page, service))
+    }
+
+    /// True if a message of incarnation `incarnation` of the service with this number may be used.
+    pub(crate) fn accept(&self, source: u32, incarnation: u32) -> bool {
+        let service = Service::ALL.into_iter().find(|service| service.to_wire() == source);
+        let word = service.and_then(|service| self.of_service(service));
+        word.is_none_or(|word| is_accepted(word, incarnation))
+    }
+}
+
+/// The page of all words.
+pub(crate) fn map(group: &Group) -> Result<SharedWords, RuntimeError> {
+    SharedWords::map(&format!("{}fence", group.prefix))
+        .map_err(RuntimeError::setup("the epochs in shared memory"))
+}
+
+/// The word of a service, in a cache line of its own.
+pub(crate) fn word(page: &SharedWords, service: Service) -> &AtomicU32 {
+    page.word(service.index() * WORDS_APART)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use loom::sync::atomic::AtomicU32 as ModelWord;
+    use loom::sync::{Arc, Mutex};
+    use loom::thread;
+
+    impl Word for ModelWord {
+        fn load(&self) -> u32 {
+            self.load(Ordering::Acquire)
+        }
+
+        fn swap_from(&self, present: u32, new: u32) -> bool {
+            self.compare_exchange(present, new, Ordering::AcqRel, Ordering::Acquire).is_ok()
+        }
+    }
+
+    /// The word, and the messages on their way: the epochs of their senders.
+    #[derive(Default)]
+    struct World {
+        word: ModelWord,
+        on_their_way: Mutex<Vec<u32>>,
+    }
+
+    /// Sends as long as it may; it can be stopped for any time between the look and the message.
+    fn send(world: &World, own: u32, messages: u32) {
+        for _ in 0..messages {
+            if !may_send(&world.word, own) {
+                return;
+            }
+            world.on_their_way.lock().expect("no panic").push(own);
+        }
+    }
+
+    /// Takes the messages that have come, some of which may be used.
+    fn receive(world: &World, used: &mut Vec<u32>) {
+        let come = std::mem::take(&mut *world.on_their_way.lock().expect("no panic"));
+        used.extend(come.into_iter().filter(|&sender| is_accepted(&world.word, sender)));
+    }
+
+    #[test]
+    fn no_consumer_uses_a_replaced_process_again_whatever_the_interleaving() {
+        loom::model(|| {
+            let world = Arc::new(World::default());
+            let (of_old, of_standby) = (Arc::clone(&world), Arc::clone(&world));
+            // It is stopped and continued at any instant, and does not know that it was replaced.
+            let old = thread::spawn(move || send(&of_old, 0, 2));
+            let standby = thread::spawn(move || {
+                assert!(take_over(&of_standby.word, 0, 1), "it is the only one");
+                send(&of_standby, 1, 1);
+            });
+            let mut used = Vec::new();
+            for _ in 0..2 {
+                receive(&world, &mut used);
+            }
+            old.join().expect("no panic");
+            standby.join().expect("no panic");
+            let before = used.len();
+            receive(&world, &mut used);
+            assert!(used.is_sorted(), "{used:?}");
+            assert!(used[before..].iter().all(|&sender| sender == 1), "{used:?}");
+        });
+    }
+
+    #[test]
+    fn of_two_that_take_over_one_succeeds_and_the_other_sends_nothing() {
+        loom::model(|| {
+            let world = Arc::new(World::default());
+            let candidates = [1, 2].map(|own| {
+                let world = Arc::clone(&world);
+                thread::spawn(move || {
+                    let took = take_over(&world.word, 0, own);
+                    if took {
+                        send(&world, own, 1);
+                    }
+                    took
+                })
+            });
+            let took = candidates.map(|candidate| candidate.join().expect("no panic"));
+            assert_eq!(took.iter().filter(|took| **took).count(), 1);
+            let mut used = Vec::new();
+            receive(&world, &mut used);
+            assert_eq!(used.len(), 1);
+            assert_eq!(used[0], if took[0] { 1 } else { 2 });
+        });
+    }
+
+    #[test]
+    fn a_process_that_is_started_cold_and_a_late_standby_do_not_both_speak() {
+        loom::model(|| {
+            let world = Arc::new(World::default());
+            let (of_standby, of_cold) = (Arc::clone(&world), Arc::clone(&world));
+            let standby = thread::spawn(move || {
+                if take_over(&of_standby.word, 0, 1) {
+                    send(&of_standby, 1, 1);
+                }
+            });
+            let cold = thread::spawn(move || {
+                if claim(&of_cold.word, 2) {
+                    send(&of_cold, 2, 1);
+                }
+            });
+            let mut used = Vec::new();
+            receive(&world, &mut used);
+            standby.join().expect("no panic");
+            cold.join().expect("no panic");
+            receive(&world, &mut used);
+            assert!(used.is_sorted(), "{used:?}");
+        });
+    }
+
+    #[test]
+    fn an_epoch_never_goes_back() {
+        let word = AtomicU32::new(0);
+        assert!(take_over(&word, 0, 3) && !take_over(&word, 0, 4) && !take_over(&word, 3, 3));
+        assert!(!claim(&word, 2) && claim(&word, 3) && claim(&word, 4));
+        assert!(!may_send(&word, 3) && may_send(&word, 4));
+    }
+}

@@ -1,0 +1,260 @@
+//! The second process of a service: attached, computing, silent, until it takes the service over.
+//!
+//! Three threads may order the take-over: one that waits for the end of the active process
+//! ([`crate::end_word`], or its pidfd), the link's (the launcher knows that it is gone), and the loop itself
+//! (the active one has done no cycle for too long). All do the same: they take the service's epoch
+//! ([`crate::fence`]) and wake the loop, which sends what it has computed for the present period.
+
+use crate::machine::scheduling::{Granted, Request, above, set_below_services, set_fifo_of};
+use crate::survival::account::progress;
+use crate::survival::end_word;
+use crate::survival::fence;
+use crate::transport::waking::WakeWords;
+use crate::words::SharedWords;
+use crate::{Group, RuntimeError, monotonic_ns};
+use messages::{Service, Topic};
+use rustix::event::{PollFd, PollFlags, poll};
+use rustix::process::{Pid, PidfdFlags, pidfd_open};
+use rustix::thread::{futex, gettid};
+use scenario::Scenario;
+use serde::{Deserialize, Serialize};
+use std::os::fd::OwnedFd;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Arc, OnceLock};
+use std::time::Duration;
+
+/// The process that a standby stands by for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ActiveProcess {
+    /// Which process of the service it is.
+    pub incarnation: u32,
+    /// Its process id.
+    pub pid: i32,
+}
+
+/// What made a standby take over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Cause {
+    /// The active process ended.
+    Gone,
+    /// The active process completed no cycle for too long.
+    Silent,
+}
+
+/// A take-over, as the standby tells the launcher.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TakeOver {
+    /// Why.
+    pub cause: Cause,
+    /// When the standby noticed it, `CLOCK_MONOTONIC` ns.
+    pub noticed_ns: i64,
+    /// When it had sent what it had computed, `CLOCK_MONOTONIC` ns.
+    pub sent_ns: i64,
+}
+
+/// States of [`Order::state`].
+const STANDING_BY: u32 = 0;
+const TOOK_OVER: u32 = 1;
+const REPLACED: u32 = 2;
+
+/// What the threads of a standby share.
+#[derive(Debug)]
+struct Order {
+    page: SharedWords,
+    service: Service,
+    active: u32,
+    own: u32,
+    /// A futex that the loop waits for.
+    state: AtomicU32,
+    /// Why the first of the threads acted, and when it noticed.
+    noticed: OnceLock<(Cause, i64)>,
+    /// The loop's thread, and its priority as the active process; 0 for none.
+    thread: i32,
+    priority: u8,
+    prefix: String,
+}
+
+impl Order {
+    /// Takes the service over, once.
+    fn take_over(&self, cause: Cause, noticed_ns: i64) {
+        if self.noticed.set((cause, noticed_ns)).is_err() {
+            return;
+        }
+        let word = fence::word(&self.page, self.service);
+        let took = fence::take_over(word, self.active, self.own);
+        if took {
+            // Above the old process's loop, which gives its memory back at its priority on the same core.
+            set_fifo_of(self.thread, above(self.priority));
+        }
+        self.state.store(if took { TOOK_OVER } else { REPLACED }, Ordering::Release);
+        // An address of this process's own: waking cannot fail.
+        let _ = futex::wake(&self.state, futex::Flags::PRIVATE, i32::MAX.unsigned_abs());
+    }
+}
+
+/// Wakes a loop that waits for a topic which can release it.
+fn wake_by_topic(words: &WakeWords) {
+    words.waker(Topic::RadarTracks).wake();
+    words.waker(Topic::RadarDetections).wake();
+}
+
+/// Where the link leaves the launcher's order to take over.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct OrderSlot(Arc<Slot>);
+
+#[derive(Debug, Default)]
+struct Slot {
+    ordered: AtomicBool,
+    order: OnceLock<Arc<Order>>,
+}
+
+impl OrderSlot {
+    /// The launcher orders the take-over.
+    pub(crate) fn take_over(&self) {
+        self.0.ordered.store(true, Ordering::SeqCst);
+        self.act();
+    }
+
+    /// Does what was ordered, whichever of order and standby came first.
+    fn act(&self) {
+        if self.0.ordered.load(Ordering::SeqCst)
+            && let Some(order) = self.0.order.get()
+        {
+            order.take_over(Cause::Gone, monotonic_ns());
+            if let Ok(words) = WakeWords::map(&order.prefix) {
+                wake_by_topic(&words);
+            }
+        }
+    }
+
+    fn fill(&self, order: Arc<Order>) {
+        // A service is a standby once.
+        let _ = self.0.order.set(order);
+        self.act();
+    }
+}
+
+/// A standby as its loop sees it.
+#[derive(Debug)]
+pub(crate) struct Standby {
+    order: Arc<Order>,
+    /// The active process's account; none where it was gone before, or keeps none.
+    account: Option<SharedWords>,
+    /// Cycles that it had done at the last look, and since when it had done them.
+    cycles: u32,
+    since_ns: i64,
+    looked_ns: i64,
+    period_ns: i64,
+    timeout_ns: i64,
+}
+
+impl Standby {
+    /// Begins to stand by for `active`.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Setup`] if shared memory, a thread or a pidfd is not to be had.
+    pub(crate) fn begin(
+        group: &Group,
+        scenario: &Scenario,
+        (service, own): (Service, u32),
+        active: ActiveProcess,
+        granted: &Granted,
+        slot: &OrderSlot,
+    ) -> Result<Self, RuntimeError> {
+        let request = Request::of(scenario, service);
+        let priority = granted.priority(&request);
+        let order = Arc::new(Order {
+            page: fence::map(group)?,
+            service,
+            active: active.incarnation,
+            own,
+            state: AtomicU32::new(STANDING_BY),
+            noticed: OnceLock::new(),
+            thread: gettid().as_raw_pid(),
+            priority,
+            prefix: group.prefix.clone(),
+        });
+        if priority > 0 {
+            set_below_services(scenario);
+        }
+        let watched = Arc::clone(&order);
+        let pidfd =
+            Pid::from_raw(active.pid).and_then(|pid| pidfd_open(pid, PidfdFlags::empty()).ok());
+        let watch = move || watch(&watched, pidfd, priority);
+        std::thread::Builder::new()
+            .name("standby".into())
+            .stack_size(64 * 1024)
+            .spawn(watch)
+            .map_err(RuntimeError::setup("a standby's thread"))?;
+        slot.fill(Arc::clone(&order));
+        let timeout_ns = scenario.supervision.standby_timeout_ms.nanoseconds();
+        let now_ns = monotonic_ns();
+        Ok(Self {
+            order,
+            account: crate::survival::account::page(group, service, active.incarnation),
+            cycles: 0,
+            since_ns: now_ns,
+            looked_ns: now_ns,
+            period_ns: group.timetable.period_ns(service),
+            timeout_ns: i64::try_from(timeout_ns).unwrap_or(i64::MAX),
+        })
+    }
+
+    /// True while nothing has happened to the active process.
+    pub(crate) fn stands_by(&self) -> bool {
+        self.order.state.load(Ordering::Acquire) == STANDING_BY
+    }
+
+    /// Why it took over and when it noticed; `None` if another process has the service.
+    pub(crate) fn taken_over(&self) -> Option<(Cause, i64)> {
+        let took = self.order.state.load(Ordering::Acquire) == TOOK_OVER;
+        self.order.noticed.get().copied().filter(|_| took)
+    }
+
+    /// Gives the loop the active process's priority, once it has sent what could not wait.
+    pub(crate) fn take_priority(&self) {
+        set_fifo_of(self.order.thread, self.order.priority);
+    }
+
+    /// Waits for the take-over, at most for `timeout`; a signal ends the wait early.
+    pub(crate) fn wait(&self, timeout: Duration) {
+        if let Ok(timeout) = timeout.try_into() {
+            // Whatever ends the wait, the caller looks at the time and at the state.
+            let (word, private) = (&self.order.state, futex::Flags::PRIVATE);
+            let _ = futex::wait(word, private, STANDING_BY, Some(&timeout));
+        }
+    }
+
+    /// Looks, once in a cycle, whether the active process makes progress, and takes over if it does not.
+    pub(crate) fn look_at_active(&mut self) {
+        let now_ns = monotonic_ns();
+        let Some(account) = &self.account else { return };
+        let cycles = progress(account);
+        // Where this process did not get the processor, the active one may not have got it either.
+        let stalled = 2 * (now_ns - self.looked_ns) > 3 * self.period_ns.max(self.timeout_ns);
+        if cycles != self.cycles || stalled {
+            (self.cycles, self.since_ns) = (cycles, now_ns);
+        } else if now_ns - self.since_ns > self.period_ns + self.timeout_ns {
+            self.order.take_over(Cause::Silent, now_ns);
+        }
+        self.looked_ns = now_ns;
+    }
+}
+
+/// Waits for the end of the active process. One that has no pidfd was gone before.
+fn watch(order: &Order, pidfd: Option<OwnedFd>, priority: u8) {
+    // Above the loop that it raises.
+    set_fifo_of(gettid().as_raw_pid(), above(priority));
+    let words = WakeWords::map(&order.prefix);
+    if let Some(pidfd) = pidfd
+        && !end_word::wait(&order.page, order.service, order.active)
+    {
+        let mut ends = [PollFd::new(&pidfd, PollFlags::IN)];
+        while !matches!(poll(&mut ends, None), Ok(1..)) {}
+    }
+    order.take_over(Cause::Gone, monotonic_ns());
+    if let Ok(words) = words {
+        wake_by_topic(&words);
+    }
+}

@@ -1,0 +1,209 @@
+//! How a process that waits for a topic is woken: a futex beside iceoryx2.
+//!
+//! Each topic has a word in shared memory that counts its notifications. A process that waits reads the
+//! word *before* it looks for a sample, and sleeps only as long as the word has not moved since:
+//!
+//! ```text
+//! publisher:  send ─► word += 1 ─► FUTEX_WAKE (all)
+//! consumer:   ticket = word ─► look ─► nothing there ─► FUTEX_WAIT while word == ticket
+//! ```
+//!
+//! So no wake-up is lost: a sample sent after the look has moved the word. The word is all the state
+//! there is; a process that dies leaves nothing to clean up, and one that is started again needs no
+//! connection.
+//!
+//! iceoryx2's own event service (a datagram socket for each listener and a set of bits) does the same
+//! at more than twice the cost; `timegap bench` measures both beside the bare futex.
+
+use crate::in_process::coroutine::Pause;
+use crate::words::SharedWords;
+use messages::Topic;
+use rustix::io::Errno;
+use rustix::thread::futex;
+use std::cell::Cell;
+use std::io;
+use std::rc::Rc;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
+
+/// The words of a run, one for each topic.
+#[derive(Clone, Debug)]
+pub(crate) struct WakeWords(Rc<SharedWords>);
+
+impl WakeWords {
+    /// Maps the words of the run whose shared memory has this prefix.
+    pub(crate) fn map(prefix: &str) -> io::Result<Self> {
+        SharedWords::map(&format!("{prefix}wake")).map(|page| Self(Rc::new(page)))
+    }
+
+    pub(crate) fn waker(&self, topic: Topic) -> Waker {
+        Waker { words: self.clone(), topic }
+    }
+
+    pub(crate) fn waiter(&self, topic: Topic) -> Waiter {
+        Waiter::Futex { words: self.clone(), topic }
+    }
+
+    fn word(&self, topic: Topic) -> &AtomicU32 {
+        // A cache line each.
+        self.0.word(topic as usize * 16)
+    }
+}
+
+/// Wakes those who wait for a topic in other processes.
+#[derive(Debug)]
+pub(crate) struct Waker {
+    words: WakeWords,
+    topic: Topic,
+}
+
+impl Waker {
+    /// Wakes all who wait. To be called after the sample was sent.
+    pub(crate) fn wake(&self) {
+        let word = self.words.word(self.topic);
+        word.fetch_add(1, Ordering::Release);
+        futex::wake(word, futex::Flags::empty(), i32::MAX.unsigned_abs())
+            .expect("waking fails only for addresses that are none");
+    }
+}
+
+/// The state of a topic's word before a look at the topic.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ticket(u32);
+
+/// Waits for a topic.
+#[derive(Debug)]
+pub(crate) enum Waiter {
+    /// By sleeping.
+    Futex {
+        /// The run's words.
+        words: WakeWords,
+        /// The topic.
+        topic: Topic,
+    },
+    /// By letting the other services of the thread go on.
+    InProcess {
+        /// What gives the turn away.
+        pause: Pause,
+        /// No message will come any more.
+        stalled: Rc<Cell<bool>>,
+    },
+}
+
+impl Waiter {
+    /// To be taken before looking for a sample.
+    pub(crate) fn ticket(&self) -> Ticket {
+        match self {
+            Self::Futex { words, topic } => Ticket(words.word(*topic).load(Ordering::Acquire)),
+            Self::InProcess { .. } => Ticket(0),
+        }
+    }
+
+    /// Waits until a sender woke the topic's waiters since `ticket` was taken, at most for
+    /// `timeout`; a signal ends the wait early, and so does another service's wait in this thread.
+    pub(crate) fn wait(&self, ticket: Ticket, timeout: Duration) -> io::Result<()> {
+        let (words, topic) = match self {
+            Self::Futex { words, topic } => (words, *topic),
+            Self::InProcess { pause, .. } => {
+                pause.wait();
+                return Ok(());
+            }
+        };
+        let timeout = timeout.try_into().map_err(|_| io::ErrorKind::InvalidInput)?;
+        match futex::wait(words.word(topic), futex::Flags::empty(), ticket.0, Some(&timeout)) {
+            Ok(()) | Err(Errno::AGAIN | Errno::TIMEDOUT | Errno::INTR) => Ok(()),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// True if a wait is another service's turn in this thread.
+    pub(crate) fn is_in_process(&self) -> bool {
+        matches!(self, Self::InProcess { .. })
+    }
+
+    /// True if waiting longer is of no use.
+    pub(crate) fn is_in_vain(&self) -> bool {
+        matches!(self, Self::InProcess { stalled, .. } if stalled.get())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::AtomicU64;
+    use std::time::Instant;
+
+    /// A page of this test's own, removed at its end.
+    struct Page(String);
+
+    impl Page {
+        fn new(test: &str) -> Self {
+            Self(format!("timegap_test-{}-{test}_", std::process::id()))
+        }
+    }
+
+    impl Drop for Page {
+        fn drop(&mut self) {
+            let _ = std::fs::remove_file(format!("/dev/shm/{}wake", self.0));
+        }
+    }
+
+    #[test]
+    fn a_wake_up_between_look_and_wait_is_not_lost() {
+        let page = Page::new("between");
+        let (ours, theirs) = (WakeWords::map(&page.0), WakeWords::map(&page.0));
+        let waiter = ours.expect("shared memory").waiter(Topic::Command);
+        let theirs = theirs.expect("the same again");
+        let ticket = waiter.ticket();
+        theirs.waker(Topic::Command).wake();
+        let begun = Instant::now();
+        waiter.wait(ticket, Duration::from_secs(60)).expect("a valid wait");
+        assert!(begun.elapsed() < Duration::from_secs(30), "it waited for its timeout");
+    }
+
+    #[test]
+    fn another_topic_wakes_no_waiter_and_the_timeout_ends_the_wait() {
+        let page = Page::new("another");
+        let words = WakeWords::map(&page.0).expect("shared memory");
+        let waiter = words.waiter(Topic::Command);
+        let ticket = waiter.ticket();
+        words.waker(Topic::Odometry).wake();
+        let begun = Instant::now();
+        waiter.wait(ticket, Duration::from_millis(5)).expect("a valid wait");
+        assert!(begun.elapsed() >= Duration::from_millis(4));
+    }
+
+    /// Two threads pass a count to and fro, each sleeping until the other has moved it: one lost
+    /// wake-up would cost a timeout, which is counted.
+    #[test]
+    fn no_wake_up_of_many_is_lost() {
+        const TURNS: u64 = 20_000;
+        static COUNT: AtomicU64 = AtomicU64::new(0);
+        let page = Page::new("many");
+        let play = |prefix: &str, wake: Topic, wait: Topic, mine: u64| {
+            let words = WakeWords::map(prefix).expect("shared memory");
+            let (waker, waiter) = (words.waker(wake), words.waiter(wait));
+            let mut timeouts = 0;
+            loop {
+                let ticket = waiter.ticket();
+                match COUNT.load(Ordering::SeqCst) {
+                    TURNS.. => return timeouts,
+                    count if count % 2 == mine => {
+                        COUNT.store(count + 1, Ordering::SeqCst);
+                        waker.wake();
+                    }
+                    _ => {
+                        let begun = Instant::now();
+                        waiter.wait(ticket, Duration::from_secs(5)).expect("a valid wait");
+                        timeouts += u64::from(begun.elapsed() >= Duration::from_secs(5));
+                    }
+                }
+            }
+        };
+        let timeouts = std::thread::scope(|scope| {
+            let other = scope.spawn(|| play(&page.0, Topic::Spat, Topic::Map, 1));
+            play(&page.0, Topic::Map, Topic::Spat, 0) + other.join().expect("no panic")
+        });
+        assert_eq!(timeouts, 0);
+    }
+}
