@@ -76,21 +76,6 @@ impl ScenarioError {
             .expecting(expected)
     }
 
-    /// Line and text of the fault, where it is in a file's text.
-    pub(super) fn line(&self) -> Option<(usize, &str)> {
-        match &*self.place {
-            Place::Text { line, text, numbered: true, .. } => Some((*line, text)),
-            Place::Text { .. } | Place::Whole { .. } => None,
-        }
-    }
-
-    /// The same about what stands at `place` of another file, from which the text was made.
-    pub(super) fn translated(&self, place: &str, what: &str) -> Self {
-        let mut error = Self::whole(place, format!("{what}: {}", self.message));
-        error.expected = self.expected.clone();
-        error
-    }
-
     /// Says what would have been right.
     #[must_use]
     pub(super) fn expecting(mut self, expected: impl Into<String>) -> Self {

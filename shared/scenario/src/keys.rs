@@ -74,7 +74,7 @@ impl<'a> Written<'a> {
     /// # Errors
     /// The first of them.
     pub(super) fn finish(self) -> Result<(), Problem> {
-        let mut entries = self.table.entries().unwrap_or_default().iter();
+        let mut entries = self.table.entries().into_iter().flatten();
         let Some((key, value)) = entries.find(|(key, _)| !self.asked.contains(&key.as_str()))
         else {
             return Ok(());
@@ -88,8 +88,7 @@ impl<'a> Written<'a> {
     }
 
     fn find(&self, key: &str) -> Option<&'a Placed> {
-        let entries = self.table.entries().unwrap_or_default();
-        entries.iter().find(|(name, _)| name == key).map(|(_, value)| value)
+        self.table.get(key)
     }
 }
 

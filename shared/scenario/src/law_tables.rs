@@ -7,7 +7,6 @@ use std::collections::BTreeMap;
 
 use serde::de::DeserializeOwned;
 use serde::{Serialize, Serializer};
-use toml::de::{DeTable, DeValue};
 
 use super::placed::Placed;
 use super::problem::Problem;
@@ -36,7 +35,7 @@ impl LawTables {
     /// # Errors
     /// The place of a key or a value that the type does not accept.
     pub fn read<T: DeserializeOwned>(&self, name: &str) -> Result<T, Problem> {
-        let empty = Placed::empty();
+        let empty = Placed::empty(0..0);
         let table = self.0.get(name).unwrap_or(&empty);
         T::deserialize(table).map_err(|error| {
             let path = format!("controller.{name}");
@@ -56,19 +55,16 @@ impl LawTables {
     }
 
     /// Takes the laws' tables out of the `controller` table of a document.
-    pub(super) fn take_from(root: &mut DeTable<'_>) -> Self {
+    pub(super) fn take_from(root: &mut Placed) -> Self {
         let mut tables = BTreeMap::new();
-        if let Some(controller) = root.get_mut("controller")
-            && let DeValue::Table(controller) = controller.get_mut()
-        {
-            for (key, value) in controller.iter() {
-                let name: &str = key.get_ref();
-                if value.get_ref().is_table() && !TYPED.contains(&name) {
-                    tables.insert(name.to_owned(), Placed::of(value).with_key(key.span()));
-                }
-            }
-            for name in tables.keys() {
-                controller.remove(name.as_str());
+        if let Some(controller) = root.get_mut("controller") {
+            let is_of_a_law = |(name, value): &(&String, &Placed)| {
+                value.entries().is_some() && !TYPED.contains(&name.as_str())
+            };
+            let written = controller.entries().into_iter().flatten();
+            let names: Vec<_> = written.filter(is_of_a_law).map(|(name, _)| name.clone()).collect();
+            for name in names {
+                tables.extend(controller.remove(&name).map(|table| (name, table)));
             }
         }
         Self(tables)

@@ -64,6 +64,7 @@ mod document;
 mod error;
 mod event_script;
 mod files;
+mod foreign;
 pub mod grade;
 mod keys;
 mod law_tables;
@@ -77,6 +78,7 @@ mod table;
 pub use accepted::accepted;
 pub use document::MAX_TEXT_BYTES;
 pub use error::ScenarioError;
+pub use foreign::ForeignKeys;
 pub use law_tables::LawTables;
 pub use overrides::Overrides;
 pub use problem::Problem;
@@ -203,7 +205,7 @@ impl Scenario {
     ) -> Result<Self, ScenarioError> {
         if let Some(builtin) = builtin::find(argument) {
             let source = format!("built-in {argument}");
-            return Self::build(&source, builtin.text, overrides, Place::BuiltIn, check);
+            return Self::build(&source, builtin.text, overrides, Place::BuiltIn(None), check);
         }
         let path = Path::new(argument);
         let looks_like_a_path = argument.ends_with(".toml") || argument.contains('/');
@@ -227,9 +229,21 @@ impl Scenario {
         overrides: &Overrides,
         check: &dyn Fn(&Self) -> Result<Reads, Problem>,
     ) -> Result<Self, storyboard::OpenError> {
-        let translation = storyboard::Translation::of(path, parameters)?;
-        let built = Self::build("", &translation.text, overrides, Place::BuiltIn, check);
-        Ok(built.map_err(|error| translation.in_its_file(error))?)
+        Ok(Self::from_foreign(&storyboard::keys_of(path, parameters)?, overrides, check)?)
+    }
+
+    /// Builds a scenario from the keys of a file of another format, with `overrides` laid over them.
+    /// `check` is asked last.
+    ///
+    /// # Errors
+    /// When a key or an override does not fit; the error names the place in the file, or the option.
+    pub fn from_foreign(
+        keys: &ForeignKeys,
+        overrides: &Overrides,
+        check: &dyn Fn(&Self) -> Result<Reads, Problem>,
+    ) -> Result<Self, ScenarioError> {
+        let document = Document::of_foreign(keys, overrides)?;
+        Self::of_document(&document, Place::BuiltIn(keys.storyboard()), check)
     }
 
     fn build(
@@ -239,9 +253,16 @@ impl Scenario {
         place: Place<'_>,
         check: &dyn Fn(&Self) -> Result<Reads, Problem>,
     ) -> Result<Self, ScenarioError> {
-        let document = Document::parse(source, text, overrides)?;
+        Self::of_document(&Document::parse(source, text, overrides)?, place, check)
+    }
+
+    fn of_document(
+        document: &Document<'_>,
+        place: Place<'_>,
+        check: &dyn Fn(&Self) -> Result<Reads, Problem>,
+    ) -> Result<Self, ScenarioError> {
         if let Some(version) = document.integer("schema_version")
-            && version != SCHEMA_VERSION.to_string()
+            && version != i64::from(SCHEMA_VERSION)
         {
             return Err(document.problem(&Problem::new(
                 "schema_version",
@@ -252,6 +273,9 @@ impl Scenario {
         let (mut scenario, (tables, faults)): (Self, _) =
             document.read(|root| (LawTables::take_from(root), faults::take_from(root)))?;
         scenario.controller.tables = tables;
+        if let Place::BuiltIn(Some(storyboard)) = place {
+            scenario.storyboard = Some(storyboard.clone());
+        }
         scenario.faults =
             faults::written(faults.as_ref()).map_err(|problem| document.problem(&problem))?;
         road::one_source(|path| document.has(path))
@@ -263,12 +287,12 @@ impl Scenario {
         scenario.follow_a_delay(|path| document.has(path));
         scenario.controller.place_command(directory);
         scenario.v2x.radio.place(directory);
-        files::load(&mut scenario, &document, directory)?;
+        files::load(&mut scenario, document, directory)?;
         check::all(&scenario).map_err(|problem| document.problem(&problem))?;
         let reads = check(&scenario).map_err(|problem| document.problem(&problem))?;
         if !matches!(place, Place::TakenEffect) {
-            let notes = reads.judge(&document).and_then(|mut notes| {
-                notes.extend(reads::judge_radar(&document, &scenario.perception)?);
+            let notes = reads.judge(document).and_then(|mut notes| {
+                notes.extend(reads::judge_radar(document, &scenario.perception)?);
                 Ok(notes)
             });
             let notes = notes.map_err(|problem| document.problem(&problem))?;
@@ -340,8 +364,8 @@ impl Scenario {
 /// Where a scenario's text is from.
 #[derive(Clone, Copy)]
 enum Place<'a> {
-    /// The program.
-    BuiltIn,
+    /// The program, or a file of another format with its storyboard.
+    BuiltIn(Option<&'a Storyboard>),
     /// A file in this directory.
     In(&'a Path),
     /// A run: all keys as they took effect.
@@ -353,7 +377,7 @@ impl<'a> Place<'a> {
     fn directory(self) -> Option<&'a Path> {
         match self {
             Self::In(directory) => Some(directory),
-            Self::BuiltIn | Self::TakenEffect => None,
+            Self::BuiltIn(_) | Self::TakenEffect => None,
         }
     }
 }

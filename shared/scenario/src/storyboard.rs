@@ -11,12 +11,13 @@ use std::path::Path;
 use openscenario::model::condition::{Condition, Test, Trigger};
 use openscenario::model::{Drive, Script};
 use openscenario::parameter::Rule;
-use openscenario::read::{self, Lines};
+use openscenario::read;
 use openscenario::{Assignment, Disk, ReadError, World, WorldError};
 use serde::{Deserialize, Serialize};
 
 use super::actor::{MAX_ACTORS, Profile};
 use super::error::ScenarioError;
+use super::foreign::ForeignKeys;
 use super::problem::Problem;
 use super::{SCHEMA_VERSION, Scenario};
 
@@ -70,120 +71,67 @@ pub enum OpenError {
     Scenario(#[from] ScenarioError),
 }
 
-/// An OpenSCENARIO file as the text of a scenario.
-pub(super) struct Translation {
-    pub(super) text: String,
-    file: String,
-    lines: Lines,
-    ego: usize,
-    /// Names of all entities.
-    entities: Vec<String>,
-    /// The entity behind each actor.
-    actors: Vec<usize>,
-}
-
-impl Translation {
-    /// Reads the file, and writes the scenario that runs it.
-    pub(super) fn of(path: &Path, parameters: &[Assignment]) -> Result<Self, OpenError> {
-        let file = path.display().to_string();
-        let read = read::scenario(path, &Disk, parameters)?;
-        let (script, lines) = (read.script, read.lines);
-        let world = World::new(script.clone()).map_err(|cause| {
-            let entity = cause.entity().and_then(|name| script.entity(name));
-            let place = match entity {
-                Some(entity) => format!("{file}:{}", lines.starts[entity]),
-                None => file.clone(),
-            };
-            OpenError::Start { place, cause }
-        })?;
-        let count = script.entities.len() - 1;
-        if count > MAX_ACTORS {
-            return Err(OpenError::Actors { file, count });
+/// Reads an OpenSCENARIO file as the keys of the scenario that runs it.
+pub(super) fn keys_of(path: &Path, parameters: &[Assignment]) -> Result<ForeignKeys, OpenError> {
+    let file = path.display().to_string();
+    let read = read::scenario(path, &Disk, parameters)?;
+    let (script, lines) = (read.script, read.lines);
+    let place_of = |line: usize| format!("{file}:{line}");
+    let world = World::new(script.clone()).map_err(|cause| {
+        let entity = cause.entity().and_then(|name| script.entity(name));
+        let place = entity.map_or(file.clone(), |entity| place_of(lines.starts[entity]));
+        OpenError::Start { place, cause }
+    })?;
+    let count = script.entities.len() - 1;
+    if count > MAX_ACTORS {
+        return Err(OpenError::Actors { file, count });
+    }
+    let mut keys = ForeignKeys::new(&file);
+    let printable: String = read.description.chars().filter(|c| !c.is_control()).collect();
+    keys.set("schema_version", i64::from(SCHEMA_VERSION));
+    keys.set("name", word(path.file_stem().and_then(|stem| stem.to_str()), "scenario"));
+    keys.set("description", printable.chars().take(MAX_LINE).collect::<String>());
+    let duration_s = ends_after(&script).unwrap_or(DEFAULT_DURATION_S);
+    match lines.stop {
+        Some(line) => keys.set_at(&place_of(line), "the `StopTrigger`", "duration_s", duration_s),
+        None => keys.set("duration_s", duration_s),
+    }
+    let set = |keys: &mut ForeignKeys, entity: usize, key: &str, value: toml::Value| {
+        let name = &script.entities[entity].name;
+        let (line, what) = match key.ends_with("length_m") {
+            true => (lines.entities[entity], format!("`{name}`")),
+            false => (lines.starts[entity], format!("`{name}` in Init")),
+        };
+        keys.set_at(&place_of(line), &what, key, value);
+    };
+    let ego_mps = world.motion(script.ego).speed_mps;
+    set(&mut keys, script.ego, "set_speed_mps", ego_mps.into());
+    set(&mut keys, script.ego, "plant.initial_speed_mps", ego_mps.into());
+    let length_m = script.entities[script.ego].body.length_m;
+    set(&mut keys, script.ego, "plant.length_m", length_m.into());
+    let mut names: Vec<String> = Vec::new();
+    for (number, index) in scripted(&script).enumerate() {
+        let mut name = word(Some(&script.entities[index].name), "actor");
+        if names.contains(&name) {
+            name = format!("{}-{index}", name.chars().take(60).collect::<String>());
         }
-        let ego = world.motion(script.ego);
-        let printable: String = read.description.chars().filter(|c| !c.is_control()).collect();
-        let entities = script.entities.iter().map(|entity| entity.name.clone()).collect();
-        let (ego_index, scripted) = (script.ego, scripted(&script).collect());
-        let translated = Translated {
-            schema_version: SCHEMA_VERSION,
-            name: word(path.file_stem().and_then(|stem| stem.to_str()), "scenario"),
-            description: printable.chars().take(MAX_LINE).collect(),
-            duration_s: ends_after(&script).unwrap_or(DEFAULT_DURATION_S),
-            set_speed_mps: ego.speed_mps,
-            plant: TranslatedEgo {
-                initial_speed_mps: ego.speed_mps,
-                length_m: script.entities[script.ego].body.length_m,
-            },
-            actors: actors(&script, &world),
-            storyboard: Storyboard {
-                source: file.clone(),
-                notices: read.notices,
-                parameters: read.parameters.into_iter().collect(),
-                script,
-            },
-        };
-        let text = toml::to_string(&translated).expect("a script has a form in TOML");
-        Ok(Self { text, file, lines, ego: ego_index, entities, actors: scripted })
+        names.push(name.clone());
+        let (gap_m, length_m) = place_of_actor(&script, &world, index);
+        let mut set_own =
+            |key: &str, value| set(&mut keys, index, &format!("actors.{number}.{key}"), value);
+        set_own("name", name.into());
+        set_own("gap_m", gap_m.into());
+        set_own("initial_speed_mps", world.motion(index).speed_mps.into());
+        set_own("length_m", length_m.into());
+        set_own("profile", "storyboard".into());
     }
-
-    /// An error of the scenario, at the place in the OpenSCENARIO file that it comes from.
-    pub(super) fn in_its_file(&self, error: ScenarioError) -> ScenarioError {
-        let Some((line, text)) = error.line() else { return error };
-        let key = text.split(" = ").next().unwrap_or_default();
-        let headings = || self.text.lines().take(line).filter(|line| line.starts_with('['));
-        let entity = match headings().last() {
-            None if key == "set_speed_mps" => Some(self.ego),
-            Some("[plant]") => Some(self.ego),
-            Some("[[actors]]") => self
-                .actors
-                .get(headings().filter(|line| *line == "[[actors]]").count() - 1)
-                .copied(),
-            _ => None,
-        };
-        let (line, of) = match entity {
-            Some(entity) if key == "length_m" => {
-                (Some(self.lines.entities[entity]), format!("`{}`", self.entities[entity]))
-            }
-            Some(entity) => {
-                (Some(self.lines.starts[entity]), format!("`{}` in Init", self.entities[entity]))
-            }
-            None if key == "duration_s" => (self.lines.stop, "the `StopTrigger`".to_owned()),
-            None => (None, "the file".to_owned()),
-        };
-        let place = line.map_or(self.file.clone(), |line| format!("{}:{line}", self.file));
-        // The heading of a table has no value to show.
-        let written = text.split_once(" = ").map_or(String::new(), |_| format!(" with {text}"));
-        error.translated(&place, &format!("{of} makes a scenario{written}"))
-    }
-}
-
-/// What a translated file sets of a scenario; all else has its default.
-#[derive(Serialize)]
-struct Translated {
-    schema_version: u32,
-    name: String,
-    description: String,
-    duration_s: f64,
-    set_speed_mps: f64,
-    plant: TranslatedEgo,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    actors: Vec<TranslatedActor>,
-    storyboard: Storyboard,
-}
-
-#[derive(Serialize)]
-struct TranslatedEgo {
-    initial_speed_mps: f64,
-    length_m: f64,
-}
-
-#[derive(Serialize)]
-struct TranslatedActor {
-    name: String,
-    gap_m: f64,
-    initial_speed_mps: f64,
-    length_m: f64,
-    profile: Profile,
+    keys.set_storyboard(Storyboard {
+        source: file,
+        notices: read.notices,
+        parameters: read.parameters.into_iter().collect(),
+        script,
+    });
+    Ok(keys)
 }
 
 /// The entities that the storyboard moves.
@@ -192,35 +140,17 @@ fn scripted(script: &Script) -> impl Iterator<Item = usize> {
     (0..script.entities.len()).filter(is_scripted)
 }
 
-/// The entities that the storyboard moves, as actors: where they are at the start.
-fn actors(script: &Script, world: &World) -> Vec<TranslatedActor> {
-    let ego = world.extent(script.ego);
-    let forward = world.motion(script.ego).direction() > 0.0;
-    let mut actors: Vec<TranslatedActor> = Vec::new();
-    for index in scripted(script) {
-        let entity = &script.entities[index];
-        let (motion, extent) = (world.motion(index), world.extent(index));
-        let gap_m = match forward {
-            true => extent.from_s_m - ego.to_s_m,
-            false => ego.from_s_m - extent.to_s_m,
-        };
-        let mut name = word(Some(&entity.name), "actor");
-        if actors.iter().any(|other| other.name == name) {
-            name = format!("{}-{index}", name.chars().take(60).collect::<String>());
-        }
-        let length_m = match motion.present {
-            true => extent.to_s_m - extent.from_s_m,
-            false => entity.body.length_m,
-        };
-        actors.push(TranslatedActor {
-            name,
-            gap_m: if motion.present { gap_m.max(0.0) } else { 0.0 },
-            initial_speed_mps: motion.speed_mps,
-            length_m: length_m.max(MIN_LENGTH_M),
-            profile: Profile::Storyboard,
-        });
+/// The gap to the ego's front and the length of an entity that the storyboard moves, m, at the start.
+fn place_of_actor(script: &Script, world: &World, index: usize) -> (f64, f64) {
+    let (ego, extent) = (world.extent(script.ego), world.extent(index));
+    if !world.motion(index).present {
+        return (0.0, script.entities[index].body.length_m.max(MIN_LENGTH_M));
     }
-    actors
+    let gap_m = match world.motion(script.ego).direction() > 0.0 {
+        true => extent.from_s_m - ego.to_s_m,
+        false => ego.from_s_m - extent.to_s_m,
+    };
+    (gap_m.max(0.0), (extent.to_s_m - extent.from_s_m).max(MIN_LENGTH_M))
 }
 
 /// A text as a scenario's name: its letters, digits, `-` and `_`.

@@ -1,7 +1,6 @@
 //! A fault as it stands in a file: one table, whose keys depend on its `kind`.
 
 use serde::{Deserialize, Deserializer};
-use toml::de::DeTable;
 
 use super::{
     Begin, BiasedField, ChannelFault, Disturbance, Effect, Extent, Falsification, Fault, Kind,
@@ -13,8 +12,8 @@ use crate::problem::Problem;
 use crate::quantity::{Count, DelayMs, Probability, Time};
 
 /// Takes the list of faults out of a document.
-pub(crate) fn take_from(root: &mut DeTable<'_>) -> Option<Placed> {
-    root.remove("faults").map(|value| Placed::of(&value))
+pub(crate) fn take_from(root: &mut Placed) -> Option<Placed> {
+    root.remove("faults")
 }
 
 /// The faults of a document's list.
@@ -40,7 +39,7 @@ pub(crate) fn written(list: Option<&Placed>) -> Result<Vec<Fault>, Problem> {
 /// # Errors
 /// The first thing that is wrong; its path is `fault.` and the key.
 pub fn read(keys: toml::Table) -> Result<Fault, Problem> {
-    of_table(&Placed::unplaced(toml::Value::Table(keys)), "fault")
+    of_table(&Placed::at(toml::Value::Table(keys), &(0..0)), "fault")
 }
 
 fn of_table(table: &Placed, path: &str) -> Result<Fault, Problem> {

@@ -20,7 +20,7 @@ fn open(text: &str, arguments: &[&str]) -> Result<Scenario, ScenarioError> {
     for argument in arguments {
         overrides.set(argument)?;
     }
-    Scenario::build("x.toml", text, &overrides, Place::BuiltIn, &|_| Ok(Default::default()))
+    Scenario::build("x.toml", text, &overrides, Place::BuiltIn(None), &|_| Ok(Default::default()))
 }
 
 #[test]
@@ -117,7 +117,7 @@ fn a_lead_drives_a_standard_cycle() {
 fn a_radar_has_one_model() {
     let model = |keys: &str| {
         let text = format!("schema_version = 1\nname = \"x\"\n[perception]\n{keys}");
-        Scenario::build("x.toml", &text, &Overrides::new(), Place::BuiltIn, &|_| {
+        Scenario::build("x.toml", &text, &Overrides::new(), Place::BuiltIn(None), &|_| {
             Ok(Default::default())
         })
         .map(|scenario| (scenario.perception.model(), scenario.to_toml()))
@@ -128,7 +128,7 @@ fn a_radar_has_one_model() {
         let (found, effective) = model(one).expect("one model");
         assert_eq!(found, perception::RadarModel::Ideal, "{one}");
         // What took effect can be opened again.
-        Scenario::build("x.toml", &effective, &Overrides::new(), Place::BuiltIn, &|_| {
+        Scenario::build("x.toml", &effective, &Overrides::new(), Place::BuiltIn(None), &|_| {
             Ok(Default::default())
         })
         .expect(one);

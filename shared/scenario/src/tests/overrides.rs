@@ -90,7 +90,7 @@ fn an_option_of_its_own_is_named_in_its_errors() {
     let check = |_: &Scenario| {
         Err(Problem::new("controller.name", "unknown value `cac-mpc`", "`acc-mpc`, `cacc-mpc`"))
     };
-    let shown = Scenario::build("x.toml", text, &overrides, Place::BuiltIn, &check)
+    let shown = Scenario::build("x.toml", text, &overrides, Place::BuiltIn(None), &check)
         .expect_err("no such controller")
         .to_string();
     assert!(shown.starts_with("error: --controller cac-mpc: unknown"), "{shown}");
@@ -120,7 +120,7 @@ fn a_laws_table_keeps_its_places_also_on_the_command_line() {
     let shown = |text: &str, argument: &str| {
         let mut overrides = Overrides::new();
         overrides.set(argument).expect("KEY=VALUE");
-        Scenario::build("x.toml", text, &overrides, Place::BuiltIn, &read)
+        Scenario::build("x.toml", text, &overrides, Place::BuiltIn(None), &read)
             .map_err(|error| error.to_string())
     };
     assert!(shown(&text, "seed=1").is_ok());
