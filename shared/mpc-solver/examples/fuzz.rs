@@ -1,13 +1,15 @@
-//! Deterministic fuzzing of the solver: random problems, some of their numbers replaced by hostile ones.
+//! Deterministic fuzzing of the solver with random problems, some of whose numbers are replaced by
+//! hostile ones.
 //!
 //! ```text
 //! cargo run --release -p mpc-solver --example fuzz -- [--seconds 60] [--seed 0]
 //! ```
 //!
-//! `--seconds` counts CPU time where the system tells it. What must hold for every problem: no panic, a bounded
-//! number of iterations, finite inputs within their bounds; `Solved` only if the optimality conditions,
-//! evaluated here, hold; `Infeasible` never for a problem that is feasible by construction, and never
-//! against the oracle's word. The first violation ends the run with its seed.
+//! `--seconds` counts CPU time where the system provides it. For every problem the solver must not
+//! panic, must end within a bounded number of iterations, and must return finite inputs within
+//! their bounds. `Solved` requires that the optimality conditions, evaluated here, hold.
+//! `Infeasible` must not occur for a problem that is feasible by construction or that the oracle
+//! solves. The first violation ends the run with its seed.
 
 #[path = "../tests/common/random.rs"]
 mod random;
@@ -20,8 +22,8 @@ use mpc_solver::{
 };
 use random::Draw;
 
-/// Most iterations a solve can take: two attempts of the active set, three starts of the interior point with 60 iterations and
-/// four attempts of five rounds to finish each.
+/// Largest number of iterations of a solve: two attempts of the active set, and three starts of the
+/// interior point. Each start has 60 iterations and four attempts of five rounds to finish.
 const MOST_ITERATIONS: u32 = 12 + 15 + 3 * (60 + 4 * 5);
 
 #[derive(Default)]
@@ -82,7 +84,7 @@ fn line(clock: &Clock, seed: u64, tally: &Tally) {
     );
 }
 
-/// One problem, solved cold or from whatever the solver holds.
+/// Solves one problem, cold or from the solver's present state.
 fn one(
     seed: u64,
     solver: &mut Riccati,
@@ -146,7 +148,7 @@ fn check(problem: &Problem, solver: &Riccati, report: &Report) -> Result<(), Str
     Ok(())
 }
 
-/// Replaces one number, or one row of them.
+/// Replaces one number, or one row of numbers.
 fn spoil(draw: &mut Draw, problem: &mut Problem) {
     let n = problem.horizon();
     let k = draw.below(n);
@@ -183,7 +185,7 @@ fn spoil(draw: &mut Draw, problem: &mut Problem) {
     }
 }
 
-/// A number that a sensor, a unit error or a bug might deliver.
+/// Returns a number that a sensor, a unit error or a bug may deliver.
 fn hostile(draw: &mut Draw) -> f64 {
     let sign = if draw.chance(0.5) { 1.0 } else { -1.0 };
     sign * match draw.below(12) {

@@ -1,18 +1,39 @@
-//! Construction of a [`Problem`]: everything that can be wrong with one is found here.
+//! Construction of a [`Problem`], with every check of its constant parts.
 
 use crate::error::ProblemError;
 use crate::limits::{MAX_HORIZON, MAX_ROWS};
 use crate::problem::{LightCost, LightStage, Problem, Row, Softness, Terminal};
 
-/// Builder of a [`Problem`]; see there and at the head of the crate.
+/// Builder of a [`Problem`]: dynamics, input cost and bounds are required, the rest is zero or
+/// absent.
+///
+/// ```
+/// use mpc_solver::{Problem, ProblemError, Row, Softness};
+///
+/// let builder = Problem::builder(20)
+///     .dynamics([[1.0, 0.1, 0.0], [0.0, 1.0, 0.1], [0.0, 0.0, 0.8]], [0.0, 0.0, 0.2])
+///     .input_bounds(-4.9, 4.9)
+///     .input_cost(1.0);
+/// assert_eq!(builder.clone().build()?.horizon(), 20);
+///
+/// // A row may bound stages 1 to 20 only.
+/// let row = Row {
+///     gradient: [1.0, 0.0, 0.0],
+///     from: 1,
+///     to: 21,
+///     limit: 5.0,
+///     softness: Softness::Hard,
+/// };
+/// assert_eq!(builder.row(row).build(), Err(ProblemError::RowStages(0)));
+/// # Ok::<(), ProblemError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct ProblemBuilder {
     problem: Problem,
 }
 
 impl Problem {
-    /// Starts a problem of `horizon` steps with the identity as dynamics and no cost: dynamics, input
-    /// cost and bounds must be given.
+    /// Returns a builder for `horizon` steps, with the identity as dynamics and zero cost.
     pub fn builder(horizon: usize) -> ProblemBuilder {
         ProblemBuilder::new(horizon)
     }
@@ -45,45 +66,45 @@ impl ProblemBuilder {
         Self { problem }
     }
 
-    /// `A` (upper triangular, row by row) and `B`.
+    /// Sets `A` (upper triangular, row by row) and `B`.
     pub fn dynamics(mut self, a: [[f64; 3]; 3], b: [f64; 3]) -> Self {
         self.problem.a = a;
         self.problem.b = b;
         self
     }
 
-    /// `u_min` and `u_max`.
+    /// Sets `u_min` and `u_max`.
     pub fn input_bounds(mut self, u_min: f64, u_max: f64) -> Self {
         self.problem.u_min = u_min;
         self.problem.u_max = u_max;
         self
     }
 
-    /// `r`.
+    /// Sets `r`.
     pub fn input_cost(mut self, r: f64) -> Self {
         self.problem.r = r;
         self
     }
 
-    /// `Q`, symmetric positive semidefinite.
+    /// Sets `Q`, symmetric positive semidefinite.
     pub fn state_cost(mut self, q: [[f64; 3]; 3]) -> Self {
         self.problem.q = q;
         self
     }
 
-    /// `Q` as a diagonal matrix.
+    /// Sets `Q` to a diagonal matrix.
     pub fn state_weights(self, q: [f64; 3]) -> Self {
         self.state_cost([[q[0], 0.0, 0.0], [0.0, q[1], 0.0], [0.0, 0.0, q[2]]])
     }
 
-    /// `s`, the cost of state times input.
+    /// Sets `s`, the cost of state times input.
     pub fn cross_cost(mut self, s: [f64; 3]) -> Self {
         self.problem.s = s;
         self
     }
 
-    /// Adds the jerk cost `½ weight ((u_k − a_k)/τ)²`, with `a` the third state and `τ` (s) the lag of
-    /// the vehicle, to what `Q`, `s` and `r` are so far.
+    /// Adds the jerk cost `½ weight ((u_k − a_k)/τ)²` to the present `Q`, `s` and `r`. `a` is the
+    /// third state, `τ` \[s\] the lag of the vehicle.
     pub fn jerk_cost(mut self, weight: f64, tau_s: f64) -> Self {
         let c = weight / (tau_s * tau_s);
         self.problem.q[2][2] += c;
@@ -92,18 +113,18 @@ impl ProblemBuilder {
         self
     }
 
-    /// `P`, symmetric positive semidefinite.
+    /// Sets `P`, symmetric positive semidefinite.
     pub fn terminal_cost(mut self, p: [[f64; 3]; 3]) -> Self {
         self.problem.p = p;
         self
     }
 
-    /// `P` as a diagonal matrix.
+    /// Sets `P` to a diagonal matrix.
     pub fn terminal_weights(self, p: [f64; 3]) -> Self {
         self.terminal_cost([[p[0], 0.0, 0.0], [0.0, p[1], 0.0], [0.0, 0.0, p[2]]])
     }
 
-    /// Demands `x_N = x_f`.
+    /// Requires `x_N = x_f`.
     pub fn terminal_equality(mut self, x_f: [f64; 3]) -> Self {
         self.problem.terminal = Terminal::Equality(x_f);
         self
@@ -115,22 +136,22 @@ impl ProblemBuilder {
         self
     }
 
-    /// Gives the problem a light, switched off until [`Problem::set_light`].
+    /// Adds a light, switched off until [`Problem::set_light`].
     pub fn light(mut self, light: LightCost) -> Self {
         self.problem.light = Some(light);
         self
     }
 
-    /// `x_0`; zero unless given.
+    /// Sets `x_0`; the default is zero.
     pub fn initial_state(mut self, x0: [f64; 3]) -> Self {
         self.problem.x0 = x0;
         self
     }
 
-    /// Checks the problem and makes room for its stages.
+    /// Checks the problem and allocates its stages.
     ///
     /// # Errors
-    /// [`ProblemError`] names the first thing that is wrong.
+    /// [`ProblemError`] names the first fault found.
     pub fn build(self) -> Result<Problem, ProblemError> {
         let mut problem = self.problem;
         let n = problem.horizon;
@@ -142,7 +163,7 @@ impl ProblemBuilder {
         check_rows(&problem)?;
         if let Some(light) = &problem.light {
             check_penalty(&light.softness)?;
-            // Written so that NaN fails as well.
+            // The comparison is written so that NaN fails as well.
             if !(light.weight > 0.0 && light.weight.is_finite() && light.threshold > 0.0) {
                 return Err(ProblemError::Light);
             }
@@ -243,7 +264,7 @@ fn largest(m: &[[f64; 3]; 3]) -> f64 {
     m.iter().flatten().fold(0.0, |top, x| top.max(x.abs()))
 }
 
-/// Gaussian elimination with the largest pivot first; `scale` times 1e-12 counts as zero.
+/// Gaussian elimination with the largest pivot first; 1e-12 times `scale` counts as zero.
 fn is_semidefinite(mut m: [[f64; 3]; 3], scale: f64) -> bool {
     let zero = 1e-12 * scale;
     let mut is_left = [true; 3];

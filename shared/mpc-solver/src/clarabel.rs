@@ -1,13 +1,13 @@
-//! The general conic solver clarabel on the same problem: oracle and fallback.
+//! Adapter to the general conic solver clarabel: oracle of the tests, and fallback.
 //!
-//! Variables: the inputs, the states `x_1 … x_N`, one slack per stage of a soft row, and for each stage
-//! of the light `p`, `t` and (soft) a slack `σ`, with
+//! The variables are the inputs, the states `x_1 … x_N`, and one slack per stage of a soft row.
+//! Each stage of the light has `p`, `t` and (soft) a slack `σ`, with
 //!
 //! ```text
 //! p ≤ D (+ σ),   p ≤ d_th,   t p ≥ c²   as   (t + p, t − p, 2c) in the second-order cone
 //! ```
 //!
-//! and the cost `w t/c²`. The constant `c` brings the cone's entries to one size.
+//! and the cost `w t/c²`. The constant `c` brings the cone's entries to the same magnitude.
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
@@ -17,10 +17,30 @@ use crate::limits::MAX_ROWS;
 use crate::problem::{Problem, Softness, Terminal};
 use crate::solver::{Report, Solver, Start, Status};
 
-/// `c`, m: about the margin at which the cost matters.
+/// `c` \[m\], about the margin at which the cost matters.
 const CONE_SCALE: f64 = 20.0;
 
-/// Solver adapter for clarabel. It assembles each problem anew and allocates: not for a realtime loop.
+/// Adapter to clarabel. It assembles each problem anew and allocates: it is not for a realtime
+/// loop.
+///
+/// It solves every [`Problem`] that [`crate::Riccati`] solves, some hundred times slower, and
+/// shares no code with it.
+///
+/// ```
+/// use mpc_solver::{Clarabel, Problem, Riccati, Solver, Start};
+///
+/// let problem = Problem::builder(30)
+///     .dynamics([[1.0, 0.1, 0.0], [0.0, 1.0, 0.1], [0.0, 0.0, 0.8]], [0.0, 0.0, 0.2])
+///     .input_bounds(-4.9, 4.9)
+///     .input_cost(1.0)
+///     .state_weights([1.0, 5.0, 0.0])
+///     .initial_state([10.0, 4.0, 0.0])
+///     .build()?;
+/// let (mut ours, mut general) = (Riccati::new(30), Clarabel::new());
+/// let costs = [ours.solve(&problem, Start::Cold), general.solve(&problem, Start::Cold)];
+/// assert!((costs[0].objective - costs[1].objective).abs() < 1e-6 * costs[0].objective);
+/// # Ok::<(), mpc_solver::ProblemError>(())
+/// ```
 pub struct Clarabel {
     tolerance: f64,
     inner: Option<DefaultSolver<f64>>,
@@ -30,11 +50,11 @@ pub struct Clarabel {
     multipliers: Multipliers,
 }
 
-/// First index of the constraints whose multipliers are read back.
+/// First indices of the constraints whose multipliers are read back.
 #[derive(Default)]
 struct Layout {
     terminal: Option<usize>,
-    /// For each row the constraints of its stages, with the stage.
+    /// Constraints of each row, with their stages.
     rows: [Vec<(usize, usize)>; MAX_ROWS],
     light: usize,
 }
@@ -57,7 +77,7 @@ impl Triplets {
         }
     }
 
-    /// Ends the row that was pushed.
+    /// Ends the pushed row and returns its index.
     fn end(&mut self, rhs: f64) -> usize {
         self.rhs.push(rhs);
         self.rhs.len() - 1
@@ -71,12 +91,12 @@ impl Default for Clarabel {
 }
 
 impl Clarabel {
-    /// A solver at a tolerance of 1e-9.
+    /// Returns a solver with a tolerance of 1e-9.
     pub fn new() -> Self {
         Self::with_tolerance(1e-9)
     }
 
-    /// A solver whose gap and feasibility tolerances are `tolerance`.
+    /// Returns a solver with this tolerance for the duality gap and for feasibility.
     pub fn with_tolerance(tolerance: f64) -> Self {
         Self {
             tolerance,
@@ -88,11 +108,11 @@ impl Clarabel {
         }
     }
 
-    /// Assembles the conic program and lets clarabel set itself up; [`Clarabel::run`] does the rest.
-    /// Apart, so that a benchmark can leave the assembly out of the time.
+    /// Assembles the conic program and sets clarabel up; [`Clarabel::run`] and [`Clarabel::finish`]
+    /// follow. The steps are apart so that a benchmark can time the solver alone.
     ///
     /// # Errors
-    /// False numbers, or a size that clarabel refuses.
+    /// [`Status::InvalidInput`] for a number that is not finite, or a size that clarabel refuses.
     pub fn prepare(&mut self, problem: &Problem) -> Result<(), Status> {
         self.inner = None;
         problem.check().map_err(|_| Status::InvalidInput)?;
@@ -117,14 +137,14 @@ impl Clarabel {
         Ok(())
     }
 
-    /// Runs clarabel on what was prepared; [`Clarabel::finish`] reads the result.
+    /// Runs clarabel on the prepared program; [`Clarabel::finish`] reads the result.
     pub fn run(&mut self) {
         if let Some(inner) = &mut self.inner {
             inner.solve();
         }
     }
 
-    /// Reads clarabel's solution for the problem that was prepared.
+    /// Reads clarabel's solution; `problem` is the one that was prepared.
     pub fn finish(&mut self, problem: &Problem) -> Report {
         let Some(inner) = &self.inner else { return self.refuse(problem) };
         let (n, solution) = (problem.horizon, &inner.solution);
@@ -216,7 +236,7 @@ fn state(k: usize) -> usize {
     4 * k - 3
 }
 
-/// The stages at which a row limits anything.
+/// Stages at which row `j` has a finite limit.
 fn stages(problem: &Problem, j: usize) -> impl Iterator<Item = usize> + '_ {
     let row = problem.rows[j];
     (row.from..=row.to).filter(move |&k| problem.limits[j][k] < f64::INFINITY)

@@ -1,14 +1,14 @@
-//! What can be wrong with a problem.
+//! Faults of a problem.
 
 use crate::limits::{MAX_HORIZON, MAX_ROWS};
 
-/// Why a problem could not be built or solved as it stands.
+/// Reason why a problem cannot be built or solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ProblemError {
     /// The horizon is zero or above [`MAX_HORIZON`].
     #[error("the horizon is {0} steps; it must be 1 to {MAX_HORIZON}")]
     Horizon(usize),
-    /// A number is NaN or infinite; the text says which.
+    /// A number is NaN or infinite; the text names it.
     #[error("a number is not finite: {0}")]
     NotFinite(&'static str),
     /// `A` has an entry below its diagonal.
@@ -23,19 +23,19 @@ pub enum ProblemError {
     /// `r` is not positive.
     #[error("the cost of the input must be positive")]
     InputCost,
-    /// A cost matrix is not symmetric; the text says which.
+    /// A cost matrix is not symmetric; the text names it.
     #[error("the {0} is not symmetric")]
     NotSymmetric(&'static str),
-    /// A cost matrix is not positive semidefinite; the text says which.
+    /// A cost matrix is not positive semidefinite; the text names it.
     #[error("the {0} is not positive semidefinite")]
     NotConvex(&'static str),
     /// There are more than [`MAX_ROWS`] rows.
     #[error("there are {0} rows; at most {MAX_ROWS} are possible")]
     TooManyRows(usize),
-    /// A row names stages outside of `1..=N`; the number is the row's.
+    /// A row names stages outside of `1..=N`; the number is the row's index.
     #[error("row {0} names stages outside of the horizon")]
     RowStages(usize),
-    /// A row's gradient is zero; the number is the row's.
+    /// A row's gradient is zero; the number is the row's index.
     #[error("row {0} has a zero gradient")]
     EmptyRow(usize),
     /// A soft limit's linear penalty weight is not positive, or its quadratic one is negative.

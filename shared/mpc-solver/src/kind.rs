@@ -1,10 +1,19 @@
-//! The solvers by name, for configuration.
+//! Choice of a solver by name, for configuration.
 
 use crate::clarabel::Clarabel;
 use crate::riccati::Riccati;
 use crate::solver::Solver;
 
-/// The solvers.
+/// Kind of solver.
+///
+/// ```
+/// use mpc_solver::Kind;
+///
+/// assert_eq!("riccati".parse(), Ok(Kind::Riccati));
+/// assert!("simplex".parse::<Kind>().is_err());
+/// let solver = Kind::Clarabel.create(50);
+/// assert!(solver.inputs().is_empty(), "nothing has been solved yet");
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Kind {
     /// [`Riccati`], named `riccati`.
@@ -14,13 +23,13 @@ pub enum Kind {
     Clarabel,
 }
 
-/// A name that no solver has.
+/// Error of a name that belongs to no solver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the solver must be `riccati` or `clarabel`")]
 pub struct UnknownSolver;
 
 impl Kind {
-    /// A solver of this kind for horizons up to `max_horizon`, at its default tolerance.
+    /// Returns a solver for horizons up to `max_horizon`, with its default tolerance.
     pub fn create(self, max_horizon: usize) -> Box<dyn Solver + Send> {
         match self {
             Self::Riccati => Box::new(Riccati::new(max_horizon)),

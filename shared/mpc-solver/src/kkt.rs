@@ -1,7 +1,7 @@
-//! The optimality conditions, evaluated from the problem's definition alone.
+//! Optimality conditions, evaluated from the problem's definition alone.
 //!
-//! With multipliers `μ_{j,k}` of the rows, `α_k` of the light and `y` of the terminal equality, and the
-//! costates
+//! With multipliers `μ_{j,k}` of the rows, `α_k` of the light and `y` of the terminal equality, and
+//! the costates
 //!
 //! ```text
 //! λ_N = P x_N + p + y + Σ_j μ_{j,N} g_j − α_N c_N
@@ -15,18 +15,21 @@
 //! μ_{j,k} ∈ ∂ψ_j(g_j'x_k − h_{j,k}),   −α_k ∈ ∂φ(D_k),   x_N = x_f
 //! ```
 //!
-//! The last three are graphs of monotone functions. The residual of each is the distance from its
-//! graph, in primal or in dual units, whichever is less: primal distances are taken as they are (metres,
-//! m/s, m/s²) relative to `max(1, |limit|)`, dual ones relative to the largest multiplier of a row, the light or
-//! the terminal equality, at least 1. For `v_k` that scale is at least the largest `B'λ` from stage `k` on, since
-//! that is what has to cancel in it.
+//! The last three are graphs of monotone functions. The residual of each is the smaller of its
+//! primal and its dual distance from the graph:
+//!
+//! * Primal distances (m, m/s, m/s²) are relative to `max(1, |limit|)`.
+//! * Dual distances are relative to the largest multiplier of a row, the light or the terminal
+//!   equality, at least 1.
+//! * The scale of `v_k` is at least the largest `B'λ` from stage `k` on, because that number has to
+//!   cancel in it.
 
 use multiversion::multiversion;
 
 use crate::limits::MAX_ROWS;
 use crate::problem::{Problem, Softness, Terminal, dot};
 
-/// Multipliers of a solution, with room for the horizon they were made for.
+/// Multipliers of a solution.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Multipliers {
     /// `rows[j][k]` = `μ_{j,k}`, `k = 0..=N`; zero where the row is not in force.
@@ -44,7 +47,7 @@ impl Multipliers {
         Self { rows: std::array::from_fn(|_| zeros()), light: zeros(), terminal: [0.0; 3] }
     }
 
-    /// Sets everything to zero.
+    /// Sets all multipliers to zero.
     pub fn clear(&mut self) {
         for row in &mut self.rows {
             row.fill(0.0);
@@ -66,7 +69,7 @@ pub struct Residuals {
 }
 
 impl Residuals {
-    /// The largest of the three; infinite when one of them is not a number.
+    /// Returns the largest of the three, or infinity if one of them is NaN.
     pub fn max(&self) -> f64 {
         let sum = self.stationarity + self.complementarity + self.feasibility;
         if sum.is_nan() {
@@ -76,10 +79,33 @@ impl Residuals {
     }
 }
 
-/// Evaluates the optimality conditions at `inputs`, the states that follow from them, and `multipliers`.
+/// Evaluates the optimality conditions at `inputs`, at the states that follow from them, and at
+/// `multipliers`.
+///
+/// ```
+/// use mpc_solver::{Problem, Riccati, Solver, Start, residuals};
+///
+/// let problem = Problem::builder(30)
+///     .dynamics([[1.0, 0.1, 0.0], [0.0, 1.0, 0.1], [0.0, 0.0, 0.8]], [0.0, 0.0, 0.2])
+///     .input_bounds(-4.9, 4.9)
+///     .input_cost(1.0)
+///     .state_weights([1.0, 5.0, 0.0])
+///     .initial_state([10.0, 4.0, 0.0])
+///     .build()?;
+/// let mut solver = Riccati::new(30);
+/// solver.solve(&problem, Start::Cold);
+/// let optimal = residuals(&problem, solver.inputs(), solver.states(), solver.multipliers());
+/// assert!(optimal.max() < 1e-8);
+///
+/// // Other inputs with the same multipliers are not optimal.
+/// let (inputs, mut states) = ([0.0; 30], [[0.0; 3]; 31]);
+/// problem.roll_out(&inputs, &mut states);
+/// assert!(residuals(&problem, &inputs, &states, solver.multipliers()).max() > 1e-3);
+/// # Ok::<(), mpc_solver::ProblemError>(())
+/// ```
 ///
 /// # Panics
-/// If a slice is shorter than the problem's horizon demands.
+/// If a slice is shorter than the problem's horizon requires.
 pub fn residuals(
     problem: &Problem,
     inputs: &[f64],
@@ -118,7 +144,7 @@ fn residuals_of(
             let v =
                 problem.r * u + dot(&problem.s, x) + problem.r_lin[k] + dot(&problem.b, &costate);
             let room = if v > 0.0 { u - problem.u_min } else { problem.u_max - u };
-            // What is not finite would be lost in a minimum.
+            // A minimum would drop a number that is not finite.
             worst(&mut out.stationarity, 0.0 * v);
             cancelled = cancelled.max(dot(&problem.b, &costate).abs());
             worst(&mut out.stationarity, (v.abs() / scale.max(cancelled)).min(room.max(0.0)));
@@ -138,7 +164,7 @@ fn residuals_of(
             if (row.from..=row.to).contains(&k) && problem.limits[j][k] < f64::INFINITY {
                 let (h, mu) = (problem.limits[j][k], multipliers.rows[j][k]);
                 let z = dot(&row.gradient, x) - h;
-                // A limit that is kept without a multiplier is on its graph, and adds nothing.
+                // A limit that holds without a multiplier lies on its graph: its residual is zero.
                 if mu == 0.0 && z <= 0.0 {
                     continue;
                 }
@@ -171,7 +197,7 @@ fn residuals_of(
     out
 }
 
-/// The largest multiplier of a row, the light or the terminal equality, at least 1.
+/// Returns the largest multiplier of a row, the light or the terminal equality, at least 1.
 fn dual_scale(problem: &Problem, multipliers: &Multipliers) -> f64 {
     let n = problem.horizon;
     let rows = multipliers.rows[..problem.rows.len()].iter().flat_map(|row| &row[..=n]);
@@ -204,7 +230,7 @@ fn light_distance(problem: &Problem, margin: f64, alpha: f64, dual: f64) -> f64 
     if margin <= 0.0 && top == f64::INFINITY {
         return f64::INFINITY;
     }
-    // The graph: min(w/D², λ) below d_th, from there down to zero at d_th, zero beyond.
+    // The graph is min(w/D², λ) below d_th, falls to zero at d_th, and is zero beyond.
     let slope = if margin >= d_th {
         0.0
     } else if margin <= 0.0 {
@@ -213,7 +239,7 @@ fn light_distance(problem: &Problem, margin: f64, alpha: f64, dual: f64) -> f64 
         (light.weight / (margin * margin)).min(top)
     };
     let by_dual = (alpha - slope).abs() / dual;
-    // Horizontally: the margin at which the graph has this multiplier.
+    // Horizontal distance: the margin at which the graph has this multiplier.
     let by_primal = if alpha > 0.0 && alpha <= top {
         (margin - (light.weight / alpha).sqrt().min(d_th)).abs() / margin.abs().max(1.0)
     } else {

@@ -1,6 +1,6 @@
-//! Sizes that a problem cannot exceed.
+//! Upper limits on a problem's size.
 
-/// Largest horizon, steps.
+/// Largest horizon \[steps\].
 pub const MAX_HORIZON: usize = 1000;
-/// Most rows that a problem can have.
+/// Largest number of rows of a problem.
 pub const MAX_ROWS: usize = 4;

@@ -1,17 +1,17 @@
-//! The problem as data: what is fixed by the builder and what a control cycle may overwrite.
+//! The problem as data: constants from the builder, and values that a control cycle overwrites.
 
 use crate::error::ProblemError;
 
-/// What happens at and beyond a limit.
+/// Treatment of a violated limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Softness {
     /// The limit holds, or the problem is infeasible.
     Hard,
     /// Exact penalty on the violation `σ ≥ 0`: `linear · σ + ½ quadratic · σ²`.
     Soft {
-        /// Penalty weight `λ > 0` of the violation, cost per unit.
+        /// Penalty weight `λ > 0` of the violation \[cost per unit\].
         linear: f64,
-        /// Quadratic penalty weight `κ ≥ 0`, cost per unit squared (not used by the light).
+        /// Quadratic penalty weight `κ ≥ 0` \[cost per unit squared\]; the light ignores it.
         quadratic: f64,
     },
 }
@@ -19,13 +19,13 @@ pub enum Softness {
 /// A bound `g'x_k ≤ h_k` on the stages `from..=to`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
-    /// The bounded linear function `g` of the state.
+    /// Bounded linear function `g` of the state.
     pub gradient: [f64; 3],
-    /// First stage bounded, at least 1.
+    /// First bounded stage, at least 1.
     pub from: usize,
-    /// Last stage bounded, at most `N`; below `from` the row is switched off.
+    /// Last bounded stage, at most `N`; a value below `from` switches the row off.
     pub to: usize,
-    /// The same limit `h` for all stages; [`Problem::row_limits_mut`] sets it stage by stage.
+    /// Limit `h` of all stages; [`Problem::row_limits_mut`] changes it stage by stage.
     pub limit: f64,
     /// Hard or soft.
     pub softness: Softness,
@@ -34,11 +34,12 @@ pub struct Row {
 /// Weights of the light's cost `w (1/min(D, d_th) − 1/d_th)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightCost {
-    /// Weight `w > 0`, cost times metre.
+    /// Weight `w > 0` \[cost·m\].
     pub weight: f64,
-    /// Threshold `d_th > 0` beyond which the margin costs nothing, m; may be infinite.
+    /// Threshold `d_th > 0` \[m\], beyond which the margin costs nothing; may be infinite.
     pub threshold: f64,
-    /// Hard: `D > 0` or infeasible. Soft: the linear penalty weight of the margin's shortfall, cost/m.
+    /// Hard: `D > 0`, or the problem is infeasible. Soft: linear penalty weight of the margin's
+    /// shortfall \[cost/m\].
     pub softness: Softness,
 }
 
@@ -47,20 +48,20 @@ pub struct LightCost {
 pub struct LightStage {
     /// `c_k`.
     pub gradient: [f64; 3],
-    /// `o_k`, m.
+    /// `o_k` \[m\].
     pub offset: f64,
 }
 
-/// How the last state is treated, besides its cost.
+/// Treatment of the last state, besides its cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Terminal {
     /// `½ x_N'P x_N + p'x_N` only.
     Cost,
-    /// The same, and `x_N = x_f`.
+    /// The same cost, and `x_N = x_f`.
     Equality([f64; 3]),
 }
 
-/// A problem of the class described at the head of the crate.
+/// Problem of the class described at the head of the crate.
 ///
 /// ```
 /// use mpc_solver::{Problem, Riccati, Row, Softness, Solver, Start, Status};
@@ -72,7 +73,7 @@ pub enum Terminal {
 ///     .input_cost(1.0)
 ///     .state_weights([10.0, 50.0, 0.0])
 ///     .terminal_weights([100.0, 500.0, 1.0])
-///     // Never more than 12 m too near.
+///     // At most 12 m too close.
 ///     .row(Row {
 ///         gradient: [1.0, 0.0, 0.0],
 ///         from: 3,
@@ -83,21 +84,21 @@ pub enum Terminal {
 ///     .build()?;
 /// let mut solver = Riccati::new(50);
 ///
-/// // 10 m too near and 4 m/s faster than the vehicle ahead: brake.
+/// // 10 m too close and 4 m/s faster than the vehicle ahead: brake.
 /// problem.set_initial_state([10.0, 4.0, 0.0]);
 /// let report = solver.solve(&problem, Start::Cold);
 /// assert_eq!(report.status, Status::Solved);
 /// assert_eq!(solver.inputs()[0], -4.9);
 ///
-/// // A cycle later: overwrite what has changed, start from the solution before.
+/// // One cycle later: overwrite the state and start from the previous solution.
 /// problem.set_initial_state(solver.states()[1]);
 /// assert_eq!(solver.solve(&problem, Start::Shifted(1)).status, Status::Solved);
 /// # Ok::<(), mpc_solver::ProblemError>(())
 /// ```
 ///
-/// Weights, dynamics and bounds are checked by the builder and stay. What a control cycle changes
-/// has a setter here that costs nothing and checks nothing; every [`crate::Solver::solve`] calls
-/// [`Problem::check`] and answers bad numbers with [`crate::Status::InvalidInput`].
+/// The builder checks weights, dynamics and bounds, which are constant. Values that a control cycle
+/// changes have setters here, which check nothing. [`crate::Solver::solve`] calls
+/// [`Problem::check`] and reports bad numbers as [`crate::Status::InvalidInput`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
     pub(crate) horizon: usize,
@@ -130,7 +131,7 @@ impl Problem {
         self.x0 = x0;
     }
 
-    /// Sets `x_f`; without effect on a problem that ends in a cost.
+    /// Sets `x_f`; has no effect on a problem with [`Terminal::Cost`].
     pub fn set_terminal_target(&mut self, target: [f64; 3]) {
         if let Terminal::Equality(x_f) = &mut self.terminal {
             *x_f = target;
@@ -142,23 +143,23 @@ impl Problem {
         self.p_lin = gradient;
     }
 
-    /// `d_k`, `k = 0..N`; zero at first.
+    /// Returns `d_k`, `k = 0..N`, initially zero.
     pub fn disturbances_mut(&mut self) -> &mut [[f64; 3]] {
         &mut self.d
     }
 
-    /// `q_k`, `k = 0..N`; zero at first.
+    /// Returns `q_k`, `k = 0..N`, initially zero.
     pub fn state_gradients_mut(&mut self) -> &mut [[f64; 3]] {
         &mut self.q_lin
     }
 
-    /// `ρ_k`, `k = 0..N`; zero at first.
+    /// Returns `ρ_k`, `k = 0..N`, initially zero.
     pub fn input_gradients_mut(&mut self) -> &mut [f64] {
         &mut self.r_lin
     }
 
-    /// `h_{row,k}`, `k = 0..=N`, in the order in which the rows were added; positive infinity where there
-    /// is no limit, entry 0 is not used.
+    /// Returns `h_{row,k}`, `k = 0..=N`; rows are numbered in the order of
+    /// [`crate::ProblemBuilder::row`]. Positive infinity means no limit. Entry 0 is not used.
     ///
     /// # Panics
     /// If the problem has no such row.
@@ -175,10 +176,10 @@ impl Problem {
         self.rows[row].to = to.min(self.horizon);
     }
 
-    /// Sets the margins of stages `1..=K` from an iterator, first stage first; what exceeds the
-    /// horizon is dropped, an empty iterator switches the light off.
+    /// Sets the margins of stages `1..=K` from an iterator, first stage first. Stages beyond the
+    /// horizon are dropped. An empty iterator switches the light off.
     ///
-    /// Without effect on a problem built without [`crate::ProblemBuilder::light`].
+    /// Has no effect on a problem without [`crate::ProblemBuilder::light`].
     pub fn set_light(&mut self, stages: impl IntoIterator<Item = LightStage>) {
         self.light_len = 0;
         for (slot, stage) in self.light_stages.iter_mut().zip(stages) {
@@ -187,12 +188,13 @@ impl Problem {
         }
     }
 
-    /// Tells whether all numbers that can be overwritten are such that the problem has a meaning.
+    /// Checks that all numbers that a control cycle may overwrite are finite; only limits may be
+    /// `+∞`.
     ///
     /// # Errors
-    /// The first [`ProblemError`] found: something not finite (only limits may be `+∞`).
+    /// The first [`ProblemError`] found.
     pub fn check(&self) -> Result<(), ProblemError> {
-        // 0·x is zero for finite x and NaN else, and one sum of them has no branch per number.
+        // 0·x is zero for a finite x and NaN otherwise. One sum needs no branch per number.
         let mut sum = 0.0;
         for x in self.x0.iter().chain(&self.p_lin) {
             sum += 0.0 * x;
@@ -226,27 +228,27 @@ impl Problem {
         self.horizon
     }
 
-    /// `x_0`.
+    /// Returns `x_0`.
     pub fn initial_state(&self) -> [f64; 3] {
         self.x0
     }
 
-    /// `(u_min, u_max)`.
+    /// Returns `(u_min, u_max)`.
     pub fn input_bounds(&self) -> (f64, f64) {
         (self.u_min, self.u_max)
     }
 
-    /// The rows, in the order in which they were added.
+    /// Returns the rows in the order in which they were added.
     pub fn rows(&self) -> &[Row] {
         &self.rows
     }
 
-    /// The margins in force, stages `1..=K`.
+    /// Returns the margins in force, stages `1..=K`.
     pub fn light_stages(&self) -> &[LightStage] {
         &self.light_stages[..self.light_len]
     }
 
-    /// One step of the dynamics: `A x + B u + d_k`.
+    /// Returns the next state `A x + B u + d_k`.
     #[inline]
     pub fn step(&self, k: usize, x: &[f64; 3], u: f64) -> [f64; 3] {
         let (a, b, d) = (&self.a, &self.b, &self.d[k]);
@@ -257,7 +259,22 @@ impl Problem {
         ]
     }
 
-    /// The states that `inputs` lead to, into `states[0..=N]`.
+    /// Writes the states that follow from `inputs` to `states[0..=N]`.
+    ///
+    /// ```
+    /// use mpc_solver::Problem;
+    ///
+    /// let problem = Problem::builder(2)
+    ///     .dynamics([[1.0, 0.1, 0.0], [0.0, 1.0, 0.1], [0.0, 0.0, 0.8]], [0.0, 0.0, 0.2])
+    ///     .input_bounds(-4.9, 4.9)
+    ///     .input_cost(1.0)
+    ///     .initial_state([0.0, 10.0, 0.0])
+    ///     .build()?;
+    /// let mut states = [[0.0; 3]; 3];
+    /// problem.roll_out(&[1.0, 0.0], &mut states);
+    /// assert_eq!(states[1], [1.0, 10.0, 0.2]);
+    /// # Ok::<(), mpc_solver::ProblemError>(())
+    /// ```
     ///
     /// # Panics
     /// If `inputs` is shorter than `N` or `states` shorter than `N + 1`.
@@ -270,8 +287,9 @@ impl Problem {
         }
     }
 
-    /// The objective of a pair of trajectories, penalties included; infinite outside of a hard
-    /// light's domain. Violations of hard rows, bounds and the terminal equality cost nothing here.
+    /// Returns the objective of a pair of trajectories, penalties included. It is infinite outside
+    /// of a hard light's domain. Violations of hard rows, bounds and the terminal equality cost
+    /// nothing here.
     ///
     /// # Panics
     /// If `inputs` is shorter than `N` or `states` shorter than `N + 1`.
@@ -302,7 +320,7 @@ impl Problem {
 }
 
 impl LightCost {
-    /// `φ(D)`.
+    /// Returns `φ(D)`.
     pub fn value(&self, margin: f64) -> f64 {
         let level = |p: f64| self.weight * (1.0 / p.min(self.threshold) - 1.0 / self.threshold);
         match self.softness {

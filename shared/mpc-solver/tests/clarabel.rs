@@ -1,4 +1,4 @@
-//! The oracle on the paper's instances.
+//! The oracle on the instances of the paper.
 
 mod common;
 

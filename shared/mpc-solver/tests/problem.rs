@@ -1,4 +1,4 @@
-//! What the builder refuses, and what the optimality conditions see.
+//! Refusals of the builder, and sensitivity of the optimality conditions.
 
 mod common;
 

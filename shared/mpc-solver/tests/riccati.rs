@@ -10,7 +10,7 @@ use mpc_solver::{
 };
 use random::Draw;
 
-/// Solved, and so by the optimality conditions evaluated here; inputs within their bounds.
+/// Asserts a solution by the optimality conditions evaluated here, with inputs within their bounds.
 fn assert_solved(solver: &Riccati, problem: &Problem, report: &Report, name: &str) {
     assert_eq!(report.status, Status::Solved, "{name}: {report:?}");
     let (lo, hi) = problem.input_bounds();
@@ -61,7 +61,8 @@ fn agrees_with_the_oracle_on_what_the_table_gives_up() {
     for instance in &given_up {
         instance.apply(&mut problem);
         let report = solver.solve(&problem, Start::Cold);
-        // Whatever made the table could not solve four of them; they are feasible, by a hair.
+        // The solver that made the table could not solve four of them; they are feasible by a small
+        // margin.
         let feasible = [778, 779, 780, 824].contains(&instance.id);
         let expected = if feasible { Status::Solved } else { Status::Infeasible };
         assert_eq!(report.status, expected, "instance {}: {report:?}", instance.id);
@@ -97,7 +98,7 @@ fn agrees_with_the_oracle_on_random_problems() {
             assert_agrees(&report, &reference, 1e-7, &format!("seed {seed}"));
             compared += 1;
         }
-        // The inputs are feasible, so that an exact objective cannot be undercut.
+        // The inputs are feasible, so an exact objective cannot be undercut.
         let slack = 1e-6 * report.objective.abs().max(1.0);
         if reference.residuals.feasibility < 1e-9 && reference.residuals.complementarity < 1e-9 {
             assert!(reference.objective > report.objective - slack, "seed {seed}");
@@ -120,7 +121,8 @@ fn solves_random_feasible_problems() {
     solve_random(1_000..11_000);
 }
 
-/// With primal and dual lengths of their own to the end, the iterates of this problem's first start go round in a circle.
+/// With separate primal and dual lengths to the end, the iterates of this problem's first start
+/// cycle.
 #[test]
 fn a_stalled_interior_point_goes_on_with_a_common_length() {
     let mut solver = Riccati::new(150);
@@ -130,7 +132,8 @@ fn a_stalled_interior_point_goes_on_with_a_common_length() {
     assert!(report.interior_iterations < 60, "{report:?}");
 }
 
-/// A row's tangent as steep for multipliers of 1 as for those of 1e5 would leave residuals of 1e-8 to 3e-8 here.
+/// A row tangent as steep for multipliers of 1 as for those of 1e5 would leave residuals of 1e-8 to
+/// 3e-8 here.
 #[test]
 fn row_tangents_leave_the_digits_that_the_multipliers_need() {
     let mut solver = Riccati::new(150);
@@ -141,8 +144,8 @@ fn row_tangents_leave_the_digits_that_the_multipliers_need() {
     }
 }
 
-/// Ahead of the row, neighbouring inputs are at opposite bounds at the solution. Were one of them set free, no attempt to
-/// finish would settle.
+/// Ahead of the row, neighbouring inputs are at opposite bounds at the solution. Freeing one of
+/// them would keep every attempt to finish from settling.
 #[test]
 fn switches_ahead_of_a_row_in_the_guess_by_its_tangents_are_left_alone() {
     let mut solver = Riccati::new(150);
@@ -155,7 +158,7 @@ fn switches_ahead_of_a_row_in_the_guess_by_its_tangents_are_left_alone() {
     assert!(report.interior_iterations < 12, "{report:?}");
 }
 
-/// A cold attempt from which nothing can come costs one round.
+/// A hopeless cold attempt costs one round.
 #[test]
 fn a_first_trajectory_that_violates_rows_at_many_stages_is_the_only_one() {
     let mut solver = Riccati::new(150);
@@ -181,10 +184,10 @@ fn same_input_same_bits_whatever_came_before() {
     }
 }
 
-/// One step, one state that matters: by hand.
+/// One step with one state of interest, solved by hand.
 fn one_step() -> mpc_solver::ProblemBuilder {
     let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    // x₁ = x₀ + 2u, cost ½u² + ½·3 x₁², x₀ = 7: u = −6·7/13 unless something is in the way.
+    // x₁ = x₀ + 2u, cost ½u² + ½·3 x₁², x₀ = 7: u = −6·7/13 without any constraint.
     Problem::builder(1)
         .dynamics(unit, [0.0, 0.0, 2.0])
         .input_cost(1.0)
@@ -254,7 +257,7 @@ fn answers_bad_numbers_with_a_status() {
         Status::InvalidInput | Status::IterationLimit | Status::Infeasible
     ));
     assert!(solver.inputs().iter().all(|u| u.is_finite()));
-    // And it is none the worse for it.
+    // The refused problem leaves no trace in the next solution.
     let report = solver.solve(&clean, Start::Shifted(1));
     assert_solved(&solver, &clean, &report, "after bad numbers");
     assert_eq!(Riccati::new(10).solve(&clean, Start::Cold).status, Status::InvalidInput);
@@ -285,9 +288,9 @@ fn a_state_that_no_input_can_keep_is_infeasible_hard_and_solved_soft() {
     assert_eq!(solver.inputs()[0], -4.9);
 }
 
-/// Cold and warm answers to the whole table, bit by bit. The loops over the stages exist twice, for any x86-64 and for
-/// AVX2; the sum below comes from a build without the second version, so that on a machine with AVX2 this
-/// compares the two.
+/// Cold and warm results for the whole table, bit by bit. The loops over the stages exist for any
+/// x86-64 and for AVX2. The sum below comes from a build without the AVX2 version; on a machine
+/// with AVX2 this test compares the two.
 #[test]
 fn the_answers_have_the_same_bits_with_wide_registers_and_without() {
     let mut problem = cacc(100);
@@ -306,10 +309,11 @@ fn the_answers_have_the_same_bits_with_wide_registers_and_without() {
     assert_eq!(sum, 0x8c5c_b6b1_bf12_ff66, "{sum:#x}");
 }
 
-/// `cargo test --release -p mpc-solver --test riccati -- --ignored --nocapture 100_000`: about a minute.
+/// `cargo test --release -p mpc-solver --test riccati -- --ignored --nocapture 100_000`: about a
+/// minute.
 ///
-/// Two of some 400,000 problems end at the machine's precision, with residuals above 1e-8 (seeds 1,144,342 and 1,199,001):
-/// they are not called solved, and their inputs are usable.
+/// Two of some 400,000 problems end at the machine's precision, with residuals above 1e-8 (seeds
+/// 1,144,342 and 1,199,001). Their status is not `Solved`, and their inputs are usable.
 #[test]
 #[ignore = "takes a minute"]
 fn solves_100_000_random_feasible_problems_of_each_class() {

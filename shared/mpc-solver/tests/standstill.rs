@@ -1,7 +1,8 @@
-//! Limits that hold without a force: a reference that comes to rest on the limit `v >= 0` and stays there.
+//! Limits that hold without a force: a reference that comes to rest on the limit `v >= 0` and stays
+//! there.
 //!
-//! Where slack and multiplier of a limit are both zero, an interior point gains less than a digit in an iteration, and
-//! both are the root of the product that it aims at.
+//! At such a limit slack and multiplier are both zero. An interior point then gains less than a
+//! digit per iteration, and both are the root of the target product.
 
 use mpc_solver::{Problem, Report, Riccati, Row, Softness, Solver, Start, Status};
 
@@ -11,8 +12,8 @@ const HEADWAY_S: f64 = 1.5;
 const LAG_S: f64 = 0.5;
 const WEIGHTS: [f64; 3] = [0.2, 1.0, 0.1];
 
-/// Behind a lead that stands, at `speed_mps`: the reference brakes with `braking_mps2`, the lowest speed may be
-/// `-margin_mps`.
+/// Returns the problem behind a standing lead at `speed_mps`. The reference brakes with
+/// `braking_mps2`; the lowest speed may be `-margin_mps`.
 fn behind_a_standing_lead(speed_mps: f64, braking_mps2: f64, margin_mps: f64) -> Problem {
     let decay = (-STEP_S / LAG_S).exp();
     let speed = [LAG_S * (1.0 - decay), STEP_S - LAG_S * (1.0 - decay)];

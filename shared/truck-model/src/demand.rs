@@ -1,33 +1,44 @@
-//! What a truck can be asked for, and the inner loop that turns an acceleration into it.
+//! Request to a truck, and the inner loop that derives it from an acceleration.
 
 use crate::engine::IDLE_RPM;
 use crate::parameters::GEARS;
 use crate::truck::Truck;
 
-/// A request to engine, brakes and gearbox.
+/// Request to engine, brakes and gearbox.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Demand {
-    /// Torque at the crankshaft, N m. Between drag and full load it is the injection's; below drag it
-    /// is the engine brake's. What the engine cannot give is not given.
+    /// Torque at the crankshaft \[N m\]. The injection gives torques between drag and full load;
+    /// the engine brake gives torques below drag. The engine's limits apply.
     pub engine_torque_nm: f64,
-    /// Force of the service brakes at the wheels, N, 0 or more.
+    /// Force of the service brakes at the wheels \[N\], 0 or more.
     pub service_brake_n: f64,
-    /// A gear to engage, counted from 0, when the engine can turn in it and the last shift is over
-    /// for long enough; `None` leaves it to the gearbox's own rule.
+    /// Gear to engage, counted from 0. It is engaged when the engine can run in it and enough time
+    /// has passed since the last shift. `None` leaves the choice to the gearbox's rule.
     pub gear: Option<usize>,
 }
 
 impl Demand {
-    /// Engine torque alone.
+    /// Returns a demand for engine torque alone.
     #[must_use]
     pub fn torque(engine_torque_nm: f64) -> Self {
         Self { engine_torque_nm, ..Self::default() }
     }
 
-    /// The demand that gives an acceleration: engine first, then engine brake, then service brakes.
+    /// Returns the demand for an acceleration: engine first, then engine brake, then service
+    /// brakes.
     ///
-    /// Below the speed of the idling engine the clutch is open to braking torques: no engine brakes there,
-    /// and the service brakes take all of it.
+    /// Below the speed of the idling engine the clutch is open to braking torques. The service
+    /// brakes then take all of the braking.
+    ///
+    /// ```
+    /// use truck_model::{Demand, Motion, Preset, Truck};
+    ///
+    /// let truck = Truck::preset(Preset::Jh6At49T);
+    /// let motion = Motion::new(&truck, 0.0, 20.0, 0.0);
+    /// let demand = Demand::for_acceleration(&truck, -0.1, motion.speed_mps, motion.gear, 0.0);
+    /// assert!(demand.engine_torque_nm < 0.0, "the engine brake comes first");
+    /// assert_eq!(demand.service_brake_n, 0.0);
+    /// ```
     #[must_use]
     pub fn for_acceleration(
         truck: &Truck,
@@ -60,7 +71,7 @@ mod tests {
     use crate::motion::Motion;
     use crate::parameters::Preset;
 
-    /// From a walking pace to a tenth of a m/s: the clutch opens on the way in.
+    /// From walking pace to 0.1 m/s: the clutch opens on the way.
     #[test]
     fn what_is_asked_for_is_had_at_any_speed_and_on_any_grade() {
         for preset in Preset::ALL {
@@ -72,7 +83,7 @@ mod tests {
                     let demand = Demand::for_acceleration(&truck, -0.5, speed_mps, gear, grade);
                     motion.engine_torque_nm = demand.engine_torque_nm;
                     motion.step(&truck, 0.01, &demand, grade);
-                    // Where the engine has to push still, it does so at once here.
+                    // If the engine still has to push, it does so at once here.
                     let felt = motion.acceleration_mps2;
                     assert!((felt + 0.5).abs() < 2e-3, "{felt} m/s² at {speed_mps} m/s, {grade}");
                 }

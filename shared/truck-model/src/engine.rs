@@ -1,64 +1,74 @@
 //! Torque limits and fuel of the engine.
 //!
-//! Limits are VECTO's generic 12.7 L, 325 kW engine. Fuel is a fit to its map, in mg per crank radian,
-//! with n in 1000 rpm and T in kN m:
+//! The limits are those of VECTO's generic 12.7 L, 325 kW engine. The fuel is a fit to its map, in
+//! mg per crank radian, with n in 1000 rpm and T in kN m:
 //!
 //! ```text
 //! (5) q(n, T) = 19.549 - 20.373 n + 8.035 n² + 39.892 T + 4.7 T²     T >= 0
 //! ```
 //!
-//! It falls linearly from q(n, 0) to nothing at the drag torque, where the injection is cut. The fit
-//! holds from 1000 rpm on; below, q keeps its value of 1000 rpm. A smaller engine has torque, drag
+//! Fuel falls linearly from q(n, 0) to zero at the drag torque, where the injection is cut. The fit
+//! holds from 1000 rpm on; below, q keeps its value at 1000 rpm. A smaller engine has torque, drag
 //! and fuel scaled by one factor.
 
-/// Idle speed, rpm.
+/// Idle speed \[rpm\].
 pub(crate) const IDLE_RPM: f64 = 600.0;
-/// Where the limits' table starts and its step, rpm.
+/// First entry and step of the tables of limits \[rpm\].
 const TABLE_START_RPM: f64 = 600.0;
 const TABLE_STEP_RPM: f64 = 200.0;
-/// Full load, drag with the injection cut, and engine brake (N m) at 600, 800 ... 2200 rpm. The first
-/// two are VECTO's; the brake, of the compression-release kind, is assumed.
+/// Full load, drag with the injection cut, and engine brake \[N m\] at 600, 800 ... 2200 rpm. The
+/// first two are VECTO's; the brake is an assumption for the compression-release kind.
 const FULL_LOAD_NM: [f64; 9] =
     [1188.0, 1661.0, 2134.0, 2134.0, 2134.0, 1928.0, 1722.0, 1253.0, 0.0];
 const DRAG_NM: [f64; 9] = [-138.0, -143.0, -152.0, -165.0, -187.0, -217.0, -244.0, -278.0, -314.0];
 const BRAKE_NM: [f64; 9] =
     [-138.0, -400.0, -650.0, -850.0, -1050.0, -1250.0, -1400.0, -1500.0, -1500.0];
 
-/// Radians per second of one revolution per minute.
+/// Factor from revolutions per minute to radians per second.
 pub(crate) const RADPS_PER_RPM: f64 = core::f64::consts::PI / 30.0;
 
-/// An engine: the generic one, scaled.
+/// Generic engine, scaled.
+///
+/// ```
+/// use truck_model::Engine;
+///
+/// let engine = Engine::new(1.0);
+/// let rpm = 1200.0;
+/// assert_eq!(engine.max_torque_nm(rpm), 2134.0);
+/// // The injection is cut at the drag torque and below.
+/// assert_eq!(engine.fuel_gps(rpm, engine.drag_torque_nm(rpm)), 0.0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Engine {
     scale: f64,
 }
 
 impl Engine {
-    /// An engine of `scale` times the torque, drag and fuel of the generic one.
+    /// Returns an engine with `scale` times the torque, drag and fuel of the generic one.
     #[must_use]
     pub fn new(scale: f64) -> Self {
         Self { scale }
     }
 
-    /// Highest torque at the crankshaft, N m.
+    /// Returns the highest torque at the crankshaft \[N m\].
     #[must_use]
     pub fn max_torque_nm(&self, speed_rpm: f64) -> f64 {
         self.scale * interpolated(&FULL_LOAD_NM, speed_rpm)
     }
 
-    /// Torque with the injection cut, N m (negative).
+    /// Returns the torque with the injection cut \[N m\], negative.
     #[must_use]
     pub fn drag_torque_nm(&self, speed_rpm: f64) -> f64 {
         self.scale * interpolated(&DRAG_NM, speed_rpm)
     }
 
-    /// Torque with the injection cut and the engine brake full on, N m (negative).
+    /// Returns the torque with the injection cut and the full engine brake \[N m\], negative.
     #[must_use]
     pub fn brake_torque_nm(&self, speed_rpm: f64) -> f64 {
         self.scale * interpolated(&BRAKE_NM, speed_rpm)
     }
 
-    /// Fuel flow at a crankshaft torque, g/s (equation 5).
+    /// Returns the fuel flow at a crankshaft torque \[g/s\] (equation 5).
     #[must_use]
     pub fn fuel_gps(&self, speed_rpm: f64, torque_nm: f64) -> f64 {
         1e-3 * speed_rpm * RADPS_PER_RPM * self.fuel_mg_per_rad(speed_rpm, torque_nm)

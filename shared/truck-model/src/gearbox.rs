@@ -1,35 +1,38 @@
-//! The automated gearbox: when it shifts.
+//! Shift rule of the automated gearbox.
 //!
-//! (7) Down if T > 0.93 T_max and n < 1040 rpm. Up if n_up > 1060 rpm and T_up < 0.97 T_max(n_up), or
-//! n_up > 1350 rpm, or n > 1900 rpm. T is torque at the gearbox (without the auxiliaries' share), n_up and
-//! T_up are speed and torque after the shift. Six seconds are between shifts and each interrupts
-//! traction for one.
+//! ```text
+//! (7) down   T > 0.93 T_max  and  n < 1040 rpm
+//!     up     n_up > 1060 rpm  and  T_up < 0.97 T_max(n_up),   or  n_up > 1350 rpm,   or  n > 1900 rpm
+//! ```
 //!
-//! The rule does not say what happens at very low engine speeds: below 800 rpm the gearbox shifts at
-//! once to the highest gear that turns the engine at 1000 rpm or more; that shift does not wait for
-//! the six seconds.
+//! T is the torque at the gearbox, after the auxiliaries. n_up and T_up are speed and torque after
+//! the shift. At least six seconds lie between two shifts; each interrupts the traction for one
+//! second.
+//!
+//! The published rule does not cover very low engine speeds. Here, below 800 rpm the gearbox shifts
+//! at once to the highest gear with at least 1000 rpm, without waiting for the six seconds.
 
 use crate::parameters::GEARS;
 use crate::truck::Truck;
 
-/// Least time between two shifts, s.
+/// Smallest time between two shifts \[s\].
 pub const MIN_BETWEEN_SHIFTS_S: f64 = 6.0;
-/// Time without traction in a shift, s.
+/// Time without traction in a shift \[s\].
 pub const TRACTION_INTERRUPTION_S: f64 = 1.0;
 
-/// Below this the engine labours and the gearbox shifts at once, rpm.
+/// Engine speed below which the engine labours and the gearbox shifts at once \[rpm\].
 const LABOURING_RPM: f64 = 800.0;
-/// Least engine speed after a shift that relieves the engine, rpm.
+/// Smallest engine speed after a shift that relieves the engine \[rpm\].
 const RELIEVED_RPM: f64 = 1000.0;
-/// Highest engine speed that a shift may lead to, rpm.
+/// Highest engine speed that a shift may lead to \[rpm\].
 const OVERSPEED_RPM: f64 = 2000.0;
 
 impl Truck {
-    /// The gear that rule (7) asks for, one away from `gear` at most (further only to relieve a
-    /// labouring engine).
+    /// Returns the gear of rule (7), at most one away from `gear`; further only to relieve a
+    /// labouring engine.
     ///
-    /// `gear` counts from 0, the lowest; `net_torque_nm` is the torque at the gearbox that the engine
-    /// is asked for; `since_shift_s` is the time since the last shift began.
+    /// `gear` counts from 0, the lowest. `net_torque_nm` is the requested torque at the gearbox,
+    /// `since_shift_s` the time since the last shift began.
     #[must_use]
     pub fn gear_by_rule(
         &self,
@@ -55,7 +58,8 @@ impl Truck {
         gear
     }
 
-    /// Whether `gear` may be engaged at this speed: the engine neither labours nor overspeeds.
+    /// Returns whether `gear` may be engaged at this speed: the engine neither labours nor
+    /// overspeeds.
     #[must_use]
     pub fn gear_allowed(&self, speed_mps: f64, gear: usize) -> bool {
         let rpm = self.engine_rpm(speed_mps, gear);

@@ -1,13 +1,13 @@
-//! A truck in motion: the state that the plant integrates, its fuel and its energy.
+//! Motion of a truck: the state that the plant integrates, its fuel and its energy.
 //!
-//! One step holds all forces constant and advances v by dt F / (m d) and s by the mean speed. Then the
-//! change of K is exactly F ds, whatever the step, and so the ledger's balance
+//! A step holds all forces constant and advances v by dt F / (m d) and s by the mean speed. The
+//! change of K is then exactly F ds for any step size, and the balance of the ledger
 //!
 //! ```text
 //! crank work = dK + potential + auxiliaries + driveline + clutch + rolling + air + service brakes
 //! ```
 //!
-//! holds to rounding. Air drag and auxiliaries are taken at the step's predicted mean speed.
+//! holds to rounding. Air drag and auxiliaries use the predicted mean speed of the step.
 
 use crate::demand::Demand;
 use crate::engine::{IDLE_RPM, RADPS_PER_RPM};
@@ -16,34 +16,35 @@ use crate::parameters::GEARS;
 use crate::truck::Truck;
 use serde::{Deserialize, Serialize};
 
-/// Time constant of the engine's torque, s (equation 6).
+/// Time constant of the engine's torque \[s\] (equation 6).
 const TORQUE_TIME_CONSTANT_S: f64 = 0.3;
 
-/// Energies since the start, J.
+/// Energies since the start \[J\].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
-    /// Work of the crankshaft, J; the engine's drag and brake count negative.
+    /// Work of the crankshaft \[J\]; the engine's drag and brake count negative.
     pub crank_j: f64,
-    /// Taken by the auxiliaries, J.
+    /// Energy of the auxiliaries \[J\].
     pub auxiliary_j: f64,
-    /// Lost in gearbox and axle, J.
+    /// Loss in gearbox and axle \[J\].
     pub driveline_j: f64,
-    /// Lost in a slipping clutch, J.
+    /// Loss in a slipping clutch \[J\].
     pub clutch_j: f64,
-    /// Lost to rolling resistance, J.
+    /// Loss to rolling resistance \[J\].
     pub rolling_j: f64,
-    /// Lost to air drag, J.
+    /// Loss to air drag \[J\].
     pub air_j: f64,
-    /// Lost in the service brakes, J.
+    /// Loss in the service brakes \[J\].
     pub service_brake_j: f64,
-    /// Gained in height, J.
+    /// Potential energy gained \[J\].
     pub potential_j: f64,
-    /// Of `crank_j`, what the engine brake took beyond the drag, J, 0 or more.
+    /// Part of `crank_j` that the engine brake took beyond the drag \[J\], 0 or more.
     pub engine_brake_j: f64,
 }
 
 impl Ledger {
-    /// Crank work that is left for kinetic energy, J: the balance says that K changed by this.
+    /// Returns the crank work left for kinetic energy \[J\]; by the balance it equals the change of
+    /// K.
     #[must_use]
     pub fn remainder_j(&self) -> f64 {
         let losses_j = self.auxiliary_j
@@ -59,30 +60,31 @@ impl Ledger {
 /// State of a truck in motion.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
-    /// Distance along the road, m.
+    /// Distance along the road \[m\].
     pub position_m: f64,
-    /// Speed, m/s, never negative.
+    /// Speed \[m/s\], never negative.
     pub speed_mps: f64,
-    /// Acceleration of the last step, m/s².
+    /// Acceleration of the last step \[m/s²\].
     pub acceleration_mps2: f64,
     /// Gear, counted from 0, the lowest.
     pub gear: usize,
-    /// Torque at the crankshaft, N m.
+    /// Torque at the crankshaft \[N m\].
     pub engine_torque_nm: f64,
-    /// Time since the last shift began, s.
+    /// Time since the last shift began \[s\].
     pub since_shift_s: f64,
     /// Number of shifts.
     pub shifts: u32,
-    /// Fuel burnt, g.
+    /// Fuel burnt \[g\].
     pub fuel_g: f64,
     /// Energies since the start.
     pub ledger: Ledger,
 }
 
 impl Motion {
-    /// A truck at `speed_mps`, in the highest gear that turns its engine at 1000 rpm or more, with the
-    /// torque that holds its speed on `grade`; where the engine cannot, with the acceleration that is left. One that
-    /// stands does so, whatever the grade.
+    /// Returns a truck at `speed_mps`, in the highest gear with at least 1000 rpm.
+    ///
+    /// The engine's torque holds the speed on `grade`; if it cannot, the truck has the remaining
+    /// acceleration. A standing truck keeps standing on any grade.
     #[must_use]
     pub fn new(truck: &Truck, position_m: f64, speed_mps: f64, grade: f64) -> Self {
         let gear =
@@ -108,7 +110,7 @@ impl Motion {
         }
     }
 
-    /// Whether a shift interrupts the traction.
+    /// Returns whether a shift interrupts the traction.
     #[must_use]
     pub fn is_shifting(&self) -> bool {
         self.since_shift_s < TRACTION_INTERRUPTION_S
@@ -135,7 +137,7 @@ impl Motion {
         let distance_m = if end_mps > 0.0 {
             half_s * (self.speed_mps + end_mps)
         } else if acceleration_mps2 < 0.0 {
-            // It comes to rest within the step.
+            // The truck comes to rest within the step.
             -0.5 * self.speed_mps * self.speed_mps / acceleration_mps2
         } else {
             0.0
@@ -182,14 +184,14 @@ impl Motion {
         }
     }
 
-    /// Lets the engine follow the torque that is asked for and couples it to the wheels.
+    /// Moves the engine's torque towards `asked_nm` and couples it to the wheels.
     fn crank(&mut self, truck: &Truck, dt_s: f64, asked_nm: f64) -> Crank {
         let closed_rpm = truck.engine_rpm(self.speed_mps, self.gear);
         let rpm = closed_rpm.max(IDLE_RPM);
         let engine = truck.engine();
         let auxiliary_nm = truck.auxiliary_torque_nm(rpm);
         if self.is_shifting() {
-            // The clutch is open: the engine turns itself and the auxiliaries.
+            // The clutch is open: the engine drives itself and the auxiliaries.
             self.engine_torque_nm = auxiliary_nm;
             return Crank { rpm, auxiliary_nm, tractive_n: 0.0, coupling: Coupling::Open };
         }
@@ -209,7 +211,7 @@ impl Motion {
         Crank { rpm, auxiliary_nm, tractive_n: 0.0, coupling: Coupling::Open }
     }
 
-    /// Books what happened between crankshaft and wheels.
+    /// Records the energies of the step between crankshaft and wheels.
     fn book(&mut self, truck: &Truck, dt_s: f64, crank: &Crank, distance_m: f64) {
         let turned_rad = match crank.coupling {
             Coupling::Closed => truck.crank_radians_per_m(self.gear) * distance_m,

@@ -1,22 +1,22 @@
-//! Parameters of the vehicles that are shipped.
+//! Parameters of the shipped vehicles.
 
 /// Number of gears: the top six of twelve.
 pub const GEARS: usize = 6;
 
-/// A vehicle of the published system.
+/// Vehicle of the published system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Preset {
     /// JH6 tractor with a loaded trailer, 49 t.
     Jh6At49T,
-    /// The same range at 25 t, with an engine 0.68 times as large.
+    /// JH6 tractor at 25 t, with an engine 0.68 times as large.
     Jh6At25T,
 }
 
 impl Preset {
-    /// Both presets.
+    /// All presets.
     pub const ALL: [Self; 2] = [Self::Jh6At49T, Self::Jh6At25T];
 
-    /// Name in scenarios and tables.
+    /// Returns the name in scenarios and tables.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -25,13 +25,13 @@ impl Preset {
         }
     }
 
-    /// The preset of that name.
+    /// Returns the preset of that name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|preset| preset.name() == name)
     }
 
-    /// Parameters of the vehicle.
+    /// Returns the parameters of the vehicle.
     #[must_use]
     pub fn parameters(self) -> Parameters {
         match self {
@@ -63,22 +63,25 @@ impl Preset {
     }
 }
 
-/// Inertia of one wheel, kg m² (VECTO).
+/// Inertia of one wheel \[kg m²\] (VECTO).
 const WHEEL_INERTIA_KGM2: f64 = 14.9;
 
 /// Top six of the twelve gears from 14.93 (VECTO).
 const RATIOS: [f64; GEARS] = [3.39, 2.65, 2.05, 1.60, 1.28, 1.00];
 
-/// What a truck is made of.
+/// Parameters of a truck.
+///
+/// VECTO's class 5 tractor and generic engine are the source of every value without another one.
+/// The presets' masses are the paper's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
-    /// Mass m, kg.
+    /// Mass m \[kg\].
     pub mass_kg: f64,
-    /// Air drag area CdA, m².
+    /// Air drag area CdA \[m²\].
     pub drag_area_m2: f64,
     /// Rolling resistance coefficient f.
     pub rolling_resistance: f64,
-    /// Dynamic wheel radius r, m.
+    /// Dynamic wheel radius r \[m\].
     pub wheel_radius_m: f64,
     /// Ratio of the axle i_0.
     pub final_drive: f64,
@@ -86,10 +89,10 @@ pub struct Parameters {
     pub gear_ratios: [f64; GEARS],
     /// Efficiency eta of gearbox and axle, in both directions.
     pub driveline_efficiency: f64,
-    /// Power of the auxiliaries at the crankshaft, W.
+    /// Power of the auxiliaries at the crankshaft \[W\].
     pub auxiliary_power_w: f64,
     /// Torque, drag, fuel and inertia relative to the 12.7 L, 325 kW engine.
     pub engine_scale: f64,
-    /// Inertia of all wheels, kg m².
+    /// Inertia of all wheels \[kg m²\].
     pub wheel_inertia_kgm2: f64,
 }

@@ -3,36 +3,45 @@
 use crate::engine::{Engine, IDLE_RPM, RADPS_PER_RPM};
 use crate::parameters::{GEARS, Parameters, Preset};
 
-/// Gravitational acceleration, m/s².
+/// Gravitational acceleration \[m/s²\].
 pub const GRAVITY_MPS2: f64 = 9.81;
-/// Density of air, kg/m³.
+/// Density of air \[kg/m³\].
 pub const AIR_DENSITY_KGPM3: f64 = 1.188;
-/// Density of the fuel, g/L.
+/// Density of the fuel \[g/L\].
 pub const FUEL_DENSITY_GPL: f64 = 835.0;
 
-/// Inertia of the generic engine, kg m².
+/// Inertia of the generic engine \[kg m²\].
 const ENGINE_INERTIA_KGM2: f64 = 5.15;
-/// Speed below which the auxiliaries' torque stops growing, rpm.
+/// Engine speed below which the auxiliaries' torque stops growing \[rpm\].
 const AUXILIARY_FLOOR_RPM: f64 = 300.0;
 
-/// A truck: its parameters and what follows from them.
+/// Parameters of a truck with everything derived from them.
 ///
-/// Torques are of two kinds. *Engine* torque is at the crankshaft; *net* torque is what remains for the
-/// gearbox once the auxiliaries have taken theirs, T = T_eng - P_aux / w.
+/// *Engine* torque is at the crankshaft. *Net* torque is at the gearbox, after the auxiliaries: T =
+/// T_eng - P_aux / w.
+///
+/// ```
+/// use truck_model::{Preset, Truck};
+///
+/// let truck = Truck::preset(Preset::Jh6At49T);
+/// // Climbing 1 % at 20 m/s needs more torque than the flat.
+/// let torque_nm = |grade| truck.net_torque_nm(truck.resistance_n(20.0, grade), 5);
+/// assert!(torque_nm(0.01) > 2.0 * torque_nm(0.0));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Truck {
     parameters: Parameters,
     engine: Engine,
-    /// m d, kg.
+    /// m d \[kg\].
     inertial_mass_kg: f64,
-    /// c of equation (1), 1/m.
+    /// c of equation (1) \[1/m\].
     drag_per_m: f64,
-    /// k = i_g i_0 / r, 1/m.
+    /// k = i_g i_0 / r \[1/m\].
     crank_radians_per_m: [f64; GEARS],
 }
 
 impl Truck {
-    /// A truck of these parameters.
+    /// Returns a truck with these parameters.
     #[must_use]
     pub fn new(parameters: Parameters) -> Self {
         let p = parameters;
@@ -49,85 +58,85 @@ impl Truck {
         }
     }
 
-    /// A truck that is shipped.
+    /// Returns a shipped truck.
     #[must_use]
     pub fn preset(preset: Preset) -> Self {
         Self::new(preset.parameters())
     }
 
-    /// The same truck with another mass.
+    /// Returns the same truck with another mass.
     #[must_use]
     pub fn with_mass_kg(&self, mass_kg: f64) -> Self {
         Self::new(Parameters { mass_kg, ..self.parameters })
     }
 
-    /// What it is made of.
+    /// Returns the parameters.
     #[must_use]
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
     }
 
-    /// Its engine.
+    /// Returns the engine.
     #[must_use]
     pub fn engine(&self) -> &Engine {
         &self.engine
     }
 
-    /// Mass with the rotating parts' share, m d, kg (equation 3).
+    /// Returns the mass with the share of the rotating parts, m d \[kg\] (equation 3).
     #[must_use]
     pub fn inertial_mass_kg(&self) -> f64 {
         self.inertial_mass_kg
     }
 
-    /// c of equations (1) and (4), 1/m: air drag is c K.
+    /// Returns c of equations (1) and (4) \[1/m\]: air drag is c K.
     #[must_use]
     pub fn drag_per_m(&self) -> f64 {
         self.drag_per_m
     }
 
-    /// Crankshaft radians per metre of road, k = i_g i_0 / r, 1/m.
+    /// Returns the crankshaft radians per metre of road, k = i_g i_0 / r \[1/m\].
     #[must_use]
     pub fn crank_radians_per_m(&self, gear: usize) -> f64 {
         self.crank_radians_per_m[gear]
     }
 
-    /// Kinetic energy K at a speed, J.
+    /// Returns the kinetic energy K at a speed \[J\].
     #[must_use]
     pub fn kinetic_energy_j(&self, speed_mps: f64) -> f64 {
         0.5 * self.inertial_mass_kg * speed_mps * speed_mps
     }
 
-    /// Speed of a kinetic energy, m/s.
+    /// Returns the speed at a kinetic energy \[m/s\].
     #[must_use]
     pub fn speed_mps(&self, kinetic_energy_j: f64) -> f64 {
         (2.0 * kinetic_energy_j.max(0.0) / self.inertial_mass_kg).sqrt()
     }
 
-    /// Engine speed with the clutch closed, rpm.
+    /// Returns the engine speed with the clutch closed \[rpm\].
     #[must_use]
     pub fn engine_rpm(&self, speed_mps: f64, gear: usize) -> f64 {
         self.crank_radians_per_m[gear] * speed_mps / RADPS_PER_RPM
     }
 
-    /// Engine speed, rpm: below its idle speed the clutch slips or is open.
+    /// Returns the engine speed \[rpm\]: below the idle speed the clutch slips or is open.
     #[must_use]
     pub fn running_rpm(&self, speed_mps: f64, gear: usize) -> f64 {
         self.engine_rpm(speed_mps, gear).max(IDLE_RPM)
     }
 
-    /// Torque that the auxiliaries take at an engine speed, N m.
+    /// Returns the torque of the auxiliaries at an engine speed \[N m\].
     #[must_use]
     pub fn auxiliary_torque_nm(&self, engine_rpm: f64) -> f64 {
         self.parameters.auxiliary_power_w / (engine_rpm.max(AUXILIARY_FLOOR_RPM) * RADPS_PER_RPM)
     }
 
-    /// Rolling resistance and the slope's share of the weight, N; `grade` is rise over run.
+    /// Returns rolling resistance plus slope force \[N\]; `grade` is rise over run.
     #[must_use]
     pub fn road_resistance_n(&self, grade: f64) -> f64 {
         self.rolling_resistance_n(grade) + self.slope_force_n(grade)
     }
 
-    /// Resistance of road and air, N.
+    /// Returns the resistance of road and air \[N\].
     #[must_use]
     pub fn resistance_n(&self, speed_mps: f64, grade: f64) -> f64 {
         self.road_resistance_n(grade) + self.air_drag_n(speed_mps)
@@ -145,7 +154,7 @@ impl Truck {
         0.5 * AIR_DENSITY_KGPM3 * self.parameters.drag_area_m2 * speed_mps * speed_mps
     }
 
-    /// Tractive force of a net torque, N (equation 2).
+    /// Returns the tractive force of a net torque \[N\] (equation 2).
     #[must_use]
     pub fn force_n(&self, net_torque_nm: f64, gear: usize) -> f64 {
         let force_n = net_torque_nm * self.crank_radians_per_m[gear];
@@ -156,7 +165,8 @@ impl Truck {
         }
     }
 
-    /// Net torque of a tractive force, N m: the inverse of [`force_n`](Self::force_n).
+    /// Returns the net torque of a tractive force \[N m\], the inverse of
+    /// [`force_n`](Self::force_n).
     #[must_use]
     pub fn net_torque_nm(&self, force_n: f64, gear: usize) -> f64 {
         let torque_nm = force_n / self.crank_radians_per_m[gear];
@@ -167,7 +177,7 @@ impl Truck {
         }
     }
 
-    /// Net torque with the injection cut and at full load, N m.
+    /// Returns the net torques with the injection cut and at full load \[N m\].
     #[must_use]
     pub fn net_torque_limits_nm(&self, speed_mps: f64, gear: usize) -> (f64, f64) {
         let rpm = self.engine_rpm(speed_mps, gear);
@@ -178,7 +188,8 @@ impl Truck {
         )
     }
 
-    /// Engine torque for an acceleration, N m (inverse dynamics, equation 6), not limited.
+    /// Returns the engine torque for an acceleration \[N m\] (inverse dynamics, equation 6),
+    /// without limits.
     #[must_use]
     pub fn engine_torque_nm(
         &self,
@@ -193,7 +204,7 @@ impl Truck {
         self.net_torque_nm(force_n, gear) + self.auxiliary_torque_nm(rpm)
     }
 
-    /// Fuel flow at a net torque with the clutch closed, g/s (equation 5).
+    /// Returns the fuel flow at a net torque with the clutch closed \[g/s\] (equation 5).
     #[must_use]
     pub fn fuel_gps(&self, speed_mps: f64, gear: usize, net_torque_nm: f64) -> f64 {
         let rpm = self.running_rpm(speed_mps, gear);
@@ -241,7 +252,7 @@ mod tests {
         assert!((litres_per_100_km - 30.0).abs() < 1.0, "{litres_per_100_km}");
     }
 
-    /// The limits that divide the road into classes: the grades that full load and drag hold at
+    /// The limits that divide the road into classes are the grades that full load and drag hold at
     /// 75 km/h.
     #[test]
     fn limit_grades_are_those_of_the_paper() {

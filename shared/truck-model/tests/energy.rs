@@ -1,9 +1,9 @@
-//! Energy is conserved, and losses are losses, whatever is asked of the truck.
+//! Balance of energy for any demand on the truck.
 
 use proptest::prelude::*;
 use truck_model::{Demand, GEARS, Ledger, Motion, Preset, Truck};
 
-/// The balance must hold to this share of all energy that was moved.
+/// Largest error of the balance, relative to all energy moved.
 const TOLERANCE: f64 = 1e-6;
 
 fn presets() -> impl Strategy<Value = Preset> {
@@ -54,7 +54,7 @@ proptest! {
     }
 }
 
-/// Every loss only grows, up to rounding.
+/// Returns whether no loss shrinks, up to rounding.
 fn grows(now: &Ledger, then: &Ledger) -> bool {
     let rounding_j = 1e-3;
     [

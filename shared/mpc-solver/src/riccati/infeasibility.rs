@@ -1,22 +1,23 @@
 //! Proof that no input satisfies the hard constraints.
 //!
-//! Multipliers `μ ≥ 0` of the hard rows, `α ≥ 0` of a hard light and `y` of the terminal equality combine the
-//! constraints into one function that is affine in the inputs and not positive wherever all of them hold:
+//! Multipliers `μ ≥ 0` of the hard rows, `α ≥ 0` of a hard light and `y` of the terminal equality
+//! combine the constraints into one function. It is affine in the inputs and not positive wherever
+//! all constraints hold:
 //!
 //! ```text
 //! f(u) = Σ μ_{j,k}(g_j'x_k − h_{j,k}) − Σ α_k D_k + y'(x_N − x_f)
 //! ```
 //!
-//! Its gradient comes from one backward sweep, its least value over the box of the inputs bound by bound.
-//! A positive least value is the proof; it holds for any multipliers, wherever they come from.
+//! One backward sweep gives its gradient; its minimum over the box of the inputs follows bound by
+//! bound. A positive minimum is the proof. It holds for any multipliers, from any source.
 
 use crate::kkt::Multipliers;
 use crate::problem::{Problem, Softness, Terminal, dot};
 
-/// Part of the summed magnitudes that the least value must exceed, far above their rounding.
+/// Fraction of the summed magnitudes that the minimum must exceed; it is far above their rounding.
 const MARGIN: f64 = 1e-9;
 
-/// Whether `multipliers` prove that no input satisfies the hard constraints of `problem`.
+/// Returns whether `multipliers` prove that no input satisfies the hard constraints of `problem`.
 pub(super) fn is_proved(problem: &Problem, multipliers: &Multipliers) -> bool {
     let n = problem.horizon;
     let a = &problem.a;

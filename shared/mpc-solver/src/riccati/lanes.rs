@@ -1,14 +1,15 @@
-//! Four numbers that are treated alike, in one wide register where the machine has them.
+//! Four numbers processed alike, in one wide register where the machine has one.
 //!
-//! The loops over the stages are compiled twice, for any x86-64 and for its wide registers (AVX2), and the machine
-//! decides at run time. Both do the same operations in the same order, and none of them is contracted (a fused
-//! multiply-add would round once instead of twice), so that the bits do not depend on the machine; a test of
-//! the crate runs both.
+//! The loops over the stages are compiled twice, for any x86-64 and for its wide registers (AVX2);
+//! the machine decides at run time. Both versions perform the same operations in the same order,
+//! and neither uses a fused multiply-add, which would round once instead of twice. The bits
+//! therefore do not depend on the machine; a test of the crate runs both.
 //!
-//! That four of [`Lanes`] share a register is the compiler's finding, from where they go: lane by lane to memory or to each other.
-//! What mixes lanes at the end of a loop, a sum of all or the greatest, therefore is a function of its own: inlined, it made the
-//! compiler pair the lanes in the order of that sum and treat the loop number by number (a third slower). A loop that mixes
-//! them at each stage is written for any [`Vector`], and takes the registers themselves ([`wide`]) where the machine has them.
+//! The compiler assigns four [`Lanes`] to a register when they go lane by lane to memory or to each
+//! other. Reductions at the end of a loop (sum, maximum) are functions that are not inlined.
+//! Inlined, they made the compiler pair the lanes in the order of the reduction and process the
+//! loop number by number, a third slower. Loops that mix lanes at each stage are generic over
+//! [`Vector`] and use the registers directly ([`wide`]) where the machine has them.
 
 #[cfg(target_arch = "x86_64")]
 pub(super) mod wide;
@@ -24,67 +25,68 @@ pub(super) const WIDTH: usize = 4;
 pub(super) struct Lanes(pub(super) [f64; WIDTH]);
 
 impl Lanes {
-    /// The same number everywhere.
+    /// Returns the same number in all lanes.
     #[inline(always)]
     pub(super) const fn all(value: f64) -> Self {
         Self([value; WIDTH])
     }
 
-    /// The numbers of any vector.
+    /// Returns the numbers of any vector.
     #[inline(always)]
     pub(super) fn from_vector<V: Vector>(vector: V) -> Self {
         Self(vector.to_array())
     }
 
-    /// Lane by lane the greater of two numbers, as one instruction; the other one where `self` is not a number.
+    /// Returns the lane-wise maximum by one instruction; `other` where `self` is NaN.
     #[inline(always)]
     pub(super) fn greater(self, other: Self) -> Self {
         let (a, b) = (self.0, other.0);
         Self(std::array::from_fn(|i| if a[i] > b[i] { a[i] } else { b[i] }))
     }
 
-    /// The same for the lesser.
+    /// Returns the lane-wise minimum; `other` where `self` is NaN.
     #[inline(always)]
     pub(super) fn lesser(self, other: Self) -> Self {
         let (a, b) = (self.0, other.0);
         Self(std::array::from_fn(|i| if a[i] < b[i] { a[i] } else { b[i] }))
     }
 
-    /// Lane by lane the number of `self` where `condition` holds, else the other one.
+    /// Returns `self` in the lanes where `condition` holds, `other` elsewhere.
     #[inline(always)]
     pub(super) fn where_or(self, condition: [bool; WIDTH], other: Self) -> Self {
         let (a, b) = (self.0, other.0);
         Self(std::array::from_fn(|i| if condition[i] { a[i] } else { b[i] }))
     }
 
-    /// The square roots.
+    /// Returns the lane-wise square roots.
     #[inline(always)]
     pub(super) fn sqrt(self) -> Self {
         Self(self.0.map(f64::sqrt))
     }
 
-    /// The numbers without their signs.
+    /// Returns the lane-wise absolute values.
     #[inline(always)]
     pub(super) fn abs(self) -> Self {
         Self(self.0.map(f64::abs))
     }
 
-    /// The sum of all; not inlined, see the head of the module.
+    /// Returns the sum of the lanes; not inlined, see the head of the module.
     #[inline(never)]
     pub(super) fn sum(self) -> f64 {
         let [a, b, c, d] = self.0;
         (a + b) + (c + d)
     }
 
-    /// The greatest of all; not inlined either.
+    /// Returns the largest lane; not inlined, see the head of the module.
     #[inline(never)]
     pub(super) fn largest(self) -> f64 {
         let [a, b, c, d] = self.0;
         a.max(b).max(c.max(d))
     }
 
-    /// The first three moved on by one place: `(a, b, c, d)` becomes `(b, c, a, a)`. What becomes of the last means nothing, but
-    /// its product must not be one that another sum has too: the compiler would take it from there, lane by lane.
+    /// Rotates the first three lanes: `(a, b, c, d)` becomes `(b, c, a, a)`. The last lane has no
+    /// meaning. Its product must not occur in another sum, or the compiler computes both lane by
+    /// lane.
     #[inline(always)]
     pub(super) fn rotated(self) -> Self {
         let [a, b, c, _] = self.0;
@@ -137,7 +139,7 @@ impl Neg for Lanes {
     }
 }
 
-/// Four numbers that an algorithm is written for once: as [`Lanes`], or as the machine's own register.
+/// Four numbers behind one interface: [`Lanes`], or the machine's register.
 pub(super) trait Vector:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
 {
@@ -145,16 +147,16 @@ pub(super) trait Vector:
 
     fn to_array(self) -> [f64; WIDTH];
 
-    /// The same number everywhere.
+    /// Returns the same number in all lanes.
     fn all(value: f64) -> Self;
 
-    /// Everywhere what is in one lane.
+    /// Returns the number of lane `i` in all lanes.
     #[inline(always)]
     fn lane(self, i: usize) -> Self {
         Self::all(self.to_array()[i])
     }
 
-    /// The first three moved on by one place, see [`Lanes::rotated`].
+    /// Rotates the first three lanes, see [`Lanes::rotated`].
     fn rotated(self) -> Self;
 }
 
@@ -180,24 +182,24 @@ impl Vector for Lanes {
     }
 }
 
-/// What a sweep carries for each state: the linear part of the cost-to-go alone, or `Ψ`'s row and, in the last lane,
-/// that.
+/// Data that a sweep carries for each state: the linear part of the cost-to-go alone, or `Ψ`'s row
+/// with that part in the last lane.
 pub(super) trait Row<V>:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
 {
-    /// Whether `Ψ` is in it.
+    /// Whether it contains `Ψ`.
     const HAS_TERMINAL: bool;
 
-    /// The same number everywhere.
+    /// Returns the same number everywhere.
     fn splat(value: f64) -> Self;
 
-    /// A number for the linear part, zero for `Ψ`.
+    /// Returns a number for the linear part and zero for `Ψ`.
     fn linear(value: f64) -> Self;
 
-    /// From all four numbers.
+    /// Converts from four numbers.
     fn of(lanes: V) -> Self;
 
-    /// All four numbers, zero where there is no `Ψ`.
+    /// Converts to four numbers, zero in place of an absent `Ψ`.
     fn lanes(self) -> V;
 }
 

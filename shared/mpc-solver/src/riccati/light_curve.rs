@@ -1,21 +1,24 @@
-//! The light's cost as a curve, and its tangents.
+//! Cost of the light as a curve, and its tangents.
 //!
-//! `α ∈ −∂φ(D)` is a curve in the plane of the margin `D` and the multiplier `α`, never rising: flat at the
-//! penalty `λ` up to the knee `√(w/λ)` (soft lights only), the hyperbola `w/D²` down to `d_th`, vertical there, and
-//! flat at zero beyond. A Newton step replaces the curve by its tangent at one of its points; the point of
-//! the tangent that the step ends at is brought back to the curve *by the coordinate that moves less far*: by
-//! `D` when the margin has grown, by `α` when it has shrunk. On the hyperbola, the one would leave the
-//! domain, the other cross zero; so neither does, and no line search is needed. (Circuit simulators bring diodes
-//! back to their characteristics in the same way.)
+//! `α ∈ −∂φ(D)` is a decreasing curve in the plane of the margin `D` and the multiplier `α`. It is
+//! flat at the penalty `λ` up to the knee `√(w/λ)` (soft lights only), then the hyperbola `w/D²` up
+//! to `d_th`, vertical there, and flat at zero beyond.
+//!
+//! A Newton step replaces the curve by its tangent at one point. The end of the step on the tangent
+//! is projected back to the curve *by the coordinate that moves less*: by `D` when the margin has
+//! grown, by `α` when it has shrunk. On the hyperbola, the first could leave the domain and the
+//! second cross zero; this choice avoids both, so no line search is needed. (Circuit simulators
+//! limit the steps of diodes in the same way.)
 
 use super::lanes::{Lanes, WIDTH};
 use crate::problem::{LightCost, Softness};
 
-/// Part of the threshold that a first tangent's margin is at most, where the trajectory without the light comes nearer. Of
-/// parts from 0.3 to 0.6 this one takes the fewest rounds on the paper's drives; on random problems they are alike.
+/// Cap on a first tangent's margin, as a fraction of the threshold, if the trajectory without the
+/// light comes nearer. On the paper's drives 0.4 takes the fewest rounds of 0.3 to 0.6; random
+/// problems show no difference.
 const FIRST_MARGIN: f64 = 0.4;
 
-/// The curve's constants.
+/// Constants of the curve.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LightCurve {
     weight: f64,
@@ -24,15 +27,16 @@ pub(super) struct LightCurve {
     threshold: f64,
     /// `λ`; infinite for a hard light.
     penalty: f64,
-    /// The largest `D` at which `α = λ`; zero for a hard light.
+    /// Largest `D` with `α = λ`; zero for a hard light.
     knee: f64,
     /// `α` at the upper end of the vertical part.
     top: f64,
-    /// Slope that stands for the vertical part.
+    /// Slope that replaces the vertical part.
     stiffness: f64,
 }
 
-/// A whole word: a tangent with a byte and seven unused ones is copied in pieces, and each load waits for the stores before it.
+/// Part of the curve, stored in a whole word. A tangent with one byte and seven unused ones is
+/// copied in pieces, and each load waits for the stores before it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u64)]
 enum Region {
@@ -53,7 +57,7 @@ pub(super) struct LightTangent {
     region: Region,
     margin: f64,
     alpha: f64,
-    /// Its slope, ≥ 0.
+    /// Slope, ≥ 0.
     pub(super) slope: f64,
 }
 
@@ -77,8 +81,8 @@ impl LightCurve {
         }
     }
 
-    /// Where to start when the light's absence would give the margin `margin`, and at most `best`
-    /// anywhere on the horizon.
+    /// Returns a first tangent. `margin` is the margin without the light, `best` the largest one on
+    /// the horizon.
     pub(super) fn start(&self, margin: f64, best: f64) -> LightTangent {
         if margin >= self.threshold {
             return self.clear();
@@ -87,12 +91,12 @@ impl LightCurve {
         self.hyperbola_at(margin.max(guess))
     }
 
-    /// Beyond the threshold.
+    /// Returns the tangent beyond the threshold.
     pub(super) fn clear(&self) -> LightTangent {
         LightTangent { region: Region::Clear, margin: self.threshold, alpha: 0.0, slope: 0.0 }
     }
 
-    /// At the threshold.
+    /// Returns the tangent at the threshold.
     pub(super) fn edge(&self, alpha: f64) -> LightTangent {
         let slope = self.stiffness;
         LightTangent {
@@ -103,7 +107,7 @@ impl LightCurve {
         }
     }
 
-    /// Below the knee.
+    /// Returns the tangent below the knee.
     pub(super) fn straight(&self) -> LightTangent {
         LightTangent {
             region: Region::Straight,
@@ -113,7 +117,7 @@ impl LightCurve {
         }
     }
 
-    /// On the hyperbola, or below its knee, at a margin.
+    /// Returns the tangent at a margin on the hyperbola or below its knee.
     #[inline(always)]
     pub(super) fn hyperbola_at(&self, margin: f64) -> LightTangent {
         if margin <= self.knee {
@@ -135,8 +139,9 @@ impl LightCurve {
         LightTangent { region: Region::Hyperbola, margin, alpha, slope }
     }
 
-    /// Takes the point of `tangent` at `margin` back to the curve: the new tangent, the multiplier of the
-    /// point, and how far it was from the curve, relative (1 or more when it changes to another part).
+    /// Projects the point of `tangent` at `margin` back to the curve. Returns the new tangent, the
+    /// multiplier of the point, and its relative distance from the curve (1 or more when it changes
+    /// to another part).
     #[inline(always)]
     pub(super) fn project(&self, tangent: &LightTangent, margin: f64) -> (LightTangent, f64, f64) {
         let alpha = tangent.alpha - tangent.slope * (margin - tangent.margin);
@@ -168,8 +173,8 @@ impl LightCurve {
         (next, alpha, distance)
     }
 
-    /// [`Self::project`] for neighbours that are all on the hyperbola and stay there, with the same operations; nothing for
-    /// others.
+    /// Performs [`Self::project`] for neighbours that all stay on the hyperbola, with the same
+    /// operations; `None` for others.
     #[inline(always)]
     pub(super) fn project_on_hyperbola(
         &self,
@@ -210,7 +215,7 @@ impl LightCurve {
 }
 
 impl LightTangent {
-    /// `α` where the state is zero: the tangent written as `α = at_origin − slope c'x`.
+    /// Returns `α` at the zero state: the tangent as `α = at_origin − slope c'x`.
     #[inline(always)]
     pub(super) fn at_origin(&self, offset: f64) -> f64 {
         self.alpha + self.slope * (self.margin - offset)
@@ -225,7 +230,7 @@ mod tests {
         LightCurve::new(&LightCost { weight: 900.0, threshold: 30.0, softness })
     }
 
-    /// `min_D φ(D) + c D` one tangent at a time.
+    /// Computes `min_D φ(D) + c D` one tangent at a time.
     fn minimise(curve: &LightCurve, c: f64, start: f64) -> (f64, usize) {
         let mut tangent = curve.hyperbola_at(start);
         for steps in 1..100 {

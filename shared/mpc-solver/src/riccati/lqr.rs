@@ -1,7 +1,8 @@
-//! The stage-wise solution of an equality-constrained linear-quadratic problem, on which both methods stand.
+//! Stage-wise solution of an equality-constrained linear-quadratic problem, the basis of both
+//! methods.
 //!
-//! With the inputs that are held at a bound taken out and every other inequality replaced by a quadratic
-//! model, what remains of the problem is linear-quadratic. Its cost-to-go from stage `k`, with the multiplier `y`
+//! Inputs held at a bound are removed, and quadratic models replace all other inequalities. The
+//! rest of the problem is linear-quadratic. Its cost-to-go from stage `k`, with the multiplier `y`
 //! of `x_N = x_f` as a parameter, is
 //!
 //! ```text
@@ -9,8 +10,8 @@
 //! P_N = P, p_N = p, Ψ_N = I, t_N = 0, W_N = 0.
 //! ```
 //!
-//! With `h = p_{k+1} + P_{k+1}d_k` and the stage's own Hessian and gradient (`Q̂`, `q̂`, `r̂`, `ρ̂`: cost plus
-//! models of the inequalities), one step backwards is
+//! With `h = p_{k+1} + P_{k+1}d_k` and the stage's own Hessian and gradient (`Q̂`, `q̂`, `r̂`,
+//! `ρ̂`: cost plus models of the inequalities), one step backwards is
 //!
 //! ```text
 //! F = B'P_{k+1}A + s'      δ = r̂ + B'P_{k+1}B      f = B'h + ρ̂      β = B'Ψ_{k+1}
@@ -20,13 +21,15 @@
 //! t_k = t_{k+1} + Ψ_{k+1}'d_k − β'f/δ
 //! ```
 //!
-//! and with `u_k` held at `ū` the fractions go, `h` becomes `h + P_{k+1}B ū`, `ρ̂` drops out, `q̂` gains `s ū` and
-//! `t_k` gains `β'ū`. `V_0` is stationary in `y` at `W_0 y = Ψ_0'x_0 + t_0 − x_f`; one sweep forwards then gives
-//! the trajectory. There is one division per stage, and nothing is stored but the gains and, every [`STRIDE`]
-//! stages, the cost-to-go, so that a sweep can be resumed above which nothing has changed.
+//! For an input held at `ū`, the fractions vanish, `h` becomes `h + P_{k+1}B ū`, `ρ̂` drops out,
+//! `q̂` gains `s ū` and `t_k` gains `β'ū`. `V_0` is stationary in `y` at `W_0 y = Ψ_0'x_0 + t_0 −
+//! x_f`; one forward sweep then gives the trajectory.
 //!
-//! The sweep cannot fail: `r > 0` and the models are convex, so that `δ ≥ r > 0` in exact arithmetic. Numbers
-//! beyond the range of `f64` show in the trajectory, which its callers check.
+//! There is one division per stage. Only the gains are stored and, every [`STRIDE`] stages, the
+//! cost-to-go. A sweep can be resumed at a stage above which nothing has changed.
+//!
+//! The sweep cannot fail: `r > 0` and the models are convex, so `δ ≥ r > 0` in exact arithmetic.
+//! Numbers beyond the range of `f64` appear in the trajectory, which the callers check.
 
 mod backward;
 mod blocks;
@@ -43,7 +46,7 @@ pub(super) use blocks::{BlockModel, BlockModels};
 use shape::shape_of;
 pub(super) use shape::{CHAIN, GENERAL, INTEGRATING, PLAIN, Shape};
 
-/// The constant part of a problem, unpacked for the recursion.
+/// Constant part of a problem, unpacked for the recursion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LinearQuadratic {
     a: Symmetric,
@@ -53,54 +56,54 @@ pub(super) struct LinearQuadratic {
     r: f64,
     p: Symmetric,
     pub(super) shape: Shape,
-    /// Whether any `d_k` is not zero.
+    /// Whether any `d_k` is nonzero.
     pub(super) has_disturbance: bool,
-    /// Whether any linear cost or `d_k` is not zero.
+    /// Whether any linear cost or `d_k` is nonzero.
     pub(super) has_linear_terms: bool,
 }
 
 /// Model of a stage's input, besides its curvature `r` and the cost of state times input.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum InputModel {
-    /// Curvature to add to `r`, and the gradient `ρ̂`.
+    /// Free: curvature to add to `r`, and the gradient `ρ̂`.
     Free(f64, f64),
-    /// Held at this value; the gradient.
+    /// Held: value and gradient.
     Held(f64, f64),
 }
 
-/// The models that turn the problem into a linear-quadratic one.
+/// Models that make the problem linear-quadratic.
 pub(super) trait StageModels {
-    /// Model of `u_k`.
+    /// Returns the model of `u_k`.
     fn input(&self, k: usize) -> InputModel;
 
-    /// Adds to `hessian` what the modelled functions of `x_k` add to the cost's, and returns the gradient: the cost's and
-    /// theirs.
+    /// Adds the Hessian of the modelled functions of `x_k` to `hessian`; returns the gradient of
+    /// cost and models together.
     fn state<V: Vector>(&self, k: usize, hessian: &mut Rows<V>) -> [f64; 3];
 }
 
-/// The minimising input of a stage: `u = −(feedback·x + constant + terminal·y)`.
+/// Minimising input of a stage: `u = −(feedback·x + constant + terminal·y)`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Gain {
     /// `F/δ`.
     pub(super) feedback: [f64; 3],
     /// `1/δ`.
     pub(super) inverse: f64,
-    /// `β/δ` and, last, `f/δ`.
+    /// `β/δ`, and `f/δ` in the last lane.
     pub(super) feedforward: [f64; 4],
 }
 
-/// The linear and dual parts of the cost-to-go at some stage.
+/// Linear and dual parts of the cost-to-go at a stage.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct CostToGo {
     /// `Ψ | p`, row by row.
     linear: [Lanes; 3],
     /// `W`.
     dual: Dual,
-    /// `t`, in the first three.
+    /// `t` in the first three lanes.
     reached: Lanes,
 }
 
-/// A sum of `β'β/δ`: its diagonal, and the entries 01, 12, 02; the last lanes mean nothing.
+/// Sum of `β'β/δ`: its diagonal, and the entries 01, 12, 02; the last lanes have no meaning.
 #[derive(Clone, Copy, Debug, Default)]
 struct Dual<V = Lanes> {
     diagonal: V,
@@ -121,17 +124,17 @@ impl<V: Vector> Dual<V> {
 pub(super) struct TerminalSystem {
     /// `W`.
     pub(super) factors: Factors,
-    /// What the end misses with `y = 0`.
+    /// Error at the end for `y = 0`.
     pub(super) miss: [f64; 3],
 }
 
-/// Stages between two stored costs-to-go.
+/// Number of stages between two stored costs-to-go.
 const STRIDE: usize = 8;
 
 /// Gains of all stages, and costs-to-go from which a sweep can be resumed.
 #[derive(Clone, Debug)]
 pub(super) struct Sweep {
-    /// With room for whole blocks of stages.
+    /// Gains with room for whole blocks of stages.
     pub(super) gains: Vec<Gain>,
     /// Entry `i` belongs to stage `STRIDE · i`.
     hessians: Vec<Symmetric>,
@@ -148,7 +151,7 @@ impl Sweep {
         }
     }
 
-    /// Takes over another sweep's gains and costs-to-go for `horizon` stages.
+    /// Copies another sweep's gains and costs-to-go for `horizon` stages.
     pub(super) fn copy_from(&mut self, other: &Self, horizon: usize) {
         let stored = horizon / STRIDE + 1;
         self.gains[..horizon].copy_from_slice(&other.gains[..horizon]);
@@ -179,26 +182,26 @@ impl LinearQuadratic {
         }
     }
 
-    /// `a_00 x` and `a_11 x`.
+    /// Returns `a_00 x` and `a_11 x`.
     #[inline(always)]
     fn kept<const SHAPE: Shape>(&self, x: [f64; 2]) -> [f64; 2] {
         if SHAPE != GENERAL { x } else { [self.a[0] * x[0], self.a[3] * x[1]] }
     }
 
-    /// `a_02 x + rest`.
+    /// Returns `a_02 x + rest`.
     #[inline(always)]
     fn ahead<const SHAPE: Shape>(&self, x: f64, rest: f64) -> f64 {
         if SHAPE == PLAIN { rest } else { self.a[2] * x + rest }
     }
 
-    /// `F` from `A'P B`.
+    /// Returns `F`, given `A'P B`.
     #[inline(always)]
     fn crossed<const SHAPE: Shape>(&self, [f0, f1, f2]: [f64; 3]) -> [f64; 3] {
         let s = &self.s;
         if SHAPE == PLAIN { [f0, f1, f2] } else { [f0 + s[0], f1 + s[1], f2 + s[2]] }
     }
 
-    /// `A'v`.
+    /// Returns `A'v`.
     #[inline(always)]
     pub(super) fn transposed<const SHAPE: Shape>(&self, v: &[f64; 3]) -> [f64; 3] {
         let [_, a01, _, _, a12, a22] = self.a;
@@ -206,7 +209,7 @@ impl LinearQuadratic {
         [v0, a01 * v[0] + v1, self.ahead::<SHAPE>(v[0], a12 * v[1]) + a22 * v[2]]
     }
 
-    /// `A x + B u`.
+    /// Returns `A x + B u`.
     #[inline(always)]
     pub(super) fn step<const SHAPE: Shape>(&self, x: &[f64; 3], u: f64) -> [f64; 3] {
         let [_, a01, a02, _, a12, a22] = self.a;
@@ -223,8 +226,8 @@ impl LinearQuadratic {
         }
     }
 
-    /// `A x + B u` with `u = −(F x + offset)`: the last state, on which the next input waits, comes from the last
-    /// column of `A − B F` and does not wait for `u`.
+    /// Returns `A x + B u` with `u = −(F x + offset)`. The next input waits for the last state,
+    /// which therefore comes from the last column of `A − B F` and does not wait for `u`.
     #[inline(always)]
     pub(super) fn closed_step<const SHAPE: Shape>(
         &self,
@@ -239,8 +242,8 @@ impl LinearQuadratic {
         [first, second, closed * x[2] - self.b[2] * rest]
     }
 
-    /// `A'v + added − F'(B'v + slope)/δ`, the costate one stage earlier. As in [`Self::closed_step`], the last
-    /// component comes from the closed loop.
+    /// Returns `A'v + added − F'(B'v + slope)/δ`, the costate one stage earlier. As in
+    /// [`Self::closed_step`], the last component comes from the closed loop.
     #[inline(always)]
     pub(super) fn closed_costate<const SHAPE: Shape>(
         &self,
@@ -254,7 +257,7 @@ impl LinearQuadratic {
         let (f, last) = (&gain.feedback, self.b[2]);
         let rest =
             if SHAPE >= CHAIN { slope } else { slope + (self.b[0] * v[0] + self.b[1] * v[1]) };
-        // Everything but the last component of `v` first: it is the one that has just been computed.
+        // The last component of `v` comes last, because it has just been computed.
         let first = (v0 + added[0]) - f[0] * rest;
         let second = (a01 * v[0] + v1 + added[1]) - f[1] * rest;
         let third = (self.ahead::<SHAPE>(v[0], a12 * v[1]) + added[2]) - f[2] * rest;
@@ -265,14 +268,14 @@ impl LinearQuadratic {
         ]
     }
 
-    /// `B'v`.
+    /// Returns `B'v`.
     #[inline(always)]
     pub(super) fn input_of<const SHAPE: Shape>(&self, v: &[f64; 3]) -> f64 {
         let last = self.b[2] * v[2];
         if SHAPE >= CHAIN { last } else { self.b[0] * v[0] + self.b[1] * v[1] + last }
     }
 
-    /// `A'P A`.
+    /// Returns `A'P A`.
     #[inline(always)]
     fn congruence<const SHAPE: Shape>(&self, p: &Symmetric) -> Symmetric {
         let [_, a01, _, _, a12, a22] = self.a;
@@ -289,10 +292,10 @@ impl LinearQuadratic {
         [k00, n01, n02, a01 * m01 + n11, a01 * m02 + n12, ahead(m02, a12 * m12) + a22 * m22]
     }
 
-    /// The backward sweep.
+    /// Performs the backward sweep.
     ///
-    /// `last` is the last stage whose models differ from those of the sweep before; at `N` nothing is
-    /// taken over.
+    /// `last` is the last stage whose models differ from those of the previous sweep; `N` reuses
+    /// nothing.
     pub(super) fn factor<M: StageModels>(
         &self,
         problem: &Problem,
@@ -318,14 +321,15 @@ impl LinearQuadratic {
     }
 }
 
-/// Where a sweep that keeps everything above stage `last` begins: the stage, and its stored entry.
+/// Returns the first stage of a sweep that reuses everything above stage `last`, and its stored
+/// entry.
 fn resume(horizon: usize, last: usize) -> (usize, usize) {
     let entry = last / STRIDE + 1;
     if entry * STRIDE < horizon { (entry * STRIDE, entry) } else { (horizon, 0) }
 }
 
 impl CostToGo {
-    /// `W_0 y = Ψ_0'x_0 + t_0 − x_f`.
+    /// Returns the system `W_0 y = Ψ_0'x_0 + t_0 − x_f`.
     pub(super) fn terminal_system(&self, problem: &Problem, x_f: &[f64; 3]) -> TerminalSystem {
         let (x, psi) = (&problem.x0, &self.linear);
         let miss = std::array::from_fn(|j| {
@@ -335,7 +339,8 @@ impl CostToGo {
         TerminalSystem { factors: self.factors(), miss }
     }
 
-    /// The same for changes of a trajectory that ends at `x_N`; `y` is the new multiplier.
+    /// Returns the same system for changes of a trajectory that ends at `x_N`; `y` is the new
+    /// multiplier.
     pub(super) fn terminal_system_of_change(
         &self,
         x_n: &[f64; 3],
@@ -345,7 +350,7 @@ impl CostToGo {
         TerminalSystem { factors: self.factors(), miss }
     }
 
-    /// `W` factored.
+    /// Returns the factors of `W`.
     pub(super) fn factors(&self) -> Factors {
         let [w00, w11, w22, _] = self.dual.diagonal.0;
         let [w01, w12, w02, _] = self.dual.beside.0;
@@ -354,21 +359,21 @@ impl CostToGo {
 }
 
 impl TerminalSystem {
-    /// `y`.
+    /// Returns `y`.
     pub(super) fn multiplier(&self) -> [f64; 3] {
         self.factors.solve(&self.miss)
     }
 }
 
 impl Gain {
-    /// `constant + terminal·y`, the part of the input that does not depend on the state.
+    /// Returns `constant + terminal·y`, the part of the input that does not depend on the state.
     #[inline(always)]
     pub(super) fn offset(&self, y: &[f64; 3]) -> f64 {
         self.feedforward[3]
             + (self.feedforward[0] * y[0] + self.feedforward[1] * y[1] + self.feedforward[2] * y[2])
     }
 
-    /// `−u` for an offset; the last state last: it is the one that the previous input has just changed.
+    /// Returns `−u` for an offset. The last state comes last, because the previous input has just changed it.
     #[inline(always)]
     pub(super) fn input(&self, offset: f64, x: &[f64; 3]) -> f64 {
         (offset + (self.feedback[0] * x[0] + self.feedback[1] * x[1])) + self.feedback[2] * x[2]

@@ -15,7 +15,7 @@ pub(super) fn product(m: &Symmetric, v: &[f64; 3]) -> [f64; 3] {
     ]
 }
 
-/// A symmetric matrix as its three rows; what is in the last lanes means nothing.
+/// Symmetric matrix as its three rows; the last lanes have no meaning.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rows<V>(pub(super) [V; 3]);
 
@@ -30,7 +30,7 @@ impl<V: Vector> Rows<V> {
         ])
     }
 
-    /// The entries, from the upper triangle.
+    /// Returns the entries of the upper triangle.
     #[inline(always)]
     pub(super) fn entries(&self) -> Symmetric {
         let [x, y, z] = self.0;
@@ -58,9 +58,9 @@ pub(super) fn add_slope(v: &mut [f64; 3], g: &[f64; 3], slope: f64) {
     }
 }
 
-/// `M = L D L'` of a positive semidefinite matrix.
+/// Factors `M = L D L'` of a positive semidefinite matrix.
 ///
-/// A term far below the precision of `M` keeps the factors regular when `M` is singular.
+/// A term far below the precision of `M` keeps the factors regular for a singular `M`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Factors {
     d: [f64; 3],

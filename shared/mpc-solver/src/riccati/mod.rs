@@ -1,25 +1,25 @@
-//! The solver made for the problem: an active-set method for the common case, an interior point for
-//! the rest, both on one stage-wise recursion.
+//! Solver made for the problem: an active-set method for the common case, an interior point for the
+//! rest, both on one stage-wise recursion.
 //!
-//! The phases of a solve, each of which either ends it or hands over to the next:
+//! Each phase of a solve either ends it or hands over to the next:
 //!
 //! 1. *Warm* ([`Riccati::warm`]): the active set from the previous solution, moved forward.
-//! 2. *Cold* ([`Riccati::cold`]): the active set from nothing ([`active_set`]).
-//! 3. *Interior point* ([`Riccati::interior`]), started near an early trajectory of the cold attempt
-//!    ([`interior_point`]). Once its steps are nearly full it shows which inequalities are active, and the active set
-//!    finishes exactly, in one to three rounds. While it is not feasible, [`infeasibility`] asks whether its
-//!    multipliers prove that nothing is.
+//! 2. *Cold* ([`Riccati::cold`]): the active set without a guess ([`active_set`]).
+//! 3. *Interior point* ([`Riccati::interior`]), started near an early trajectory of the cold
+//!    attempt ([`interior_point`]). Once its steps are nearly full, they show which inequalities
+//!    are active, and the active set finishes exactly in one to three rounds. While the iterate is
+//!    infeasible, [`infeasibility`] checks whether its multipliers prove that the problem is.
 //!
-//! What any of them returns is checked by [`crate::residuals`], which knows nothing of the methods: the status is
-//! [`Status::Solved`] only if the optimality conditions hold to 1e-8.
+//! [`crate::residuals`] checks every returned point and is independent of the methods: the status
+//! is [`Status::Solved`] only if the optimality conditions hold to 1e-8.
 //!
-//! Every loop has a bound, and so has the time: at most 12 warm and 15 cold rounds; three starts of the interior point
-//! with 60 iterations each, and in each four attempts of five rounds to finish. Together that is 267 sweeps over the
-//! horizon, linear in `N`. The tests on 400,000 random feasible problems print the most that one has taken, the fuzzer
-//! on hostile ones.
+//! Every loop, and so the time, is bounded: at most 12 warm and 15 cold rounds, and three starts of
+//! the interior point. Each start has 60 iterations and four attempts of five rounds to finish.
+//! Together these are 267 sweeps over the horizon, linear in `N`. The tests on 400,000 random
+//! feasible problems print the largest number used, and so does the fuzzer on hostile ones.
 //!
-//! The equations are at the head of [`lqr`]; [`light_curve`] and [`row_curve`] have the active set's view of the penalties,
-//! [`interior_point`] the inequalities as pairs.
+//! The equations are at the head of [`lqr`]. [`light_curve`] and [`row_curve`] describe the active
+//! set's view of the penalties, [`interior_point`] the inequalities as pairs.
 
 mod active_set;
 mod infeasibility;
@@ -40,58 +40,61 @@ use lqr::LinearQuadratic;
 
 /// Largest scaled residual of the optimality conditions that counts as solved.
 const TOLERANCE: f64 = 1e-8;
-/// Rounds of the active set from the previous solution. With many acting rows a wrong guess is not worth more.
+/// Largest number of warm rounds. With many acting rows a wrong guess is not worth more.
 const WARM_ROUNDS: u32 = 12;
 const WARM_ROUNDS_WITH_ROW_TANGENTS: u32 = 2;
-/// Iterations of the interior point from each of its starts.
+/// Largest number of iterations from one start of the interior point.
 const MAX_ITERATIONS: u32 = 60;
 /// Mean product of the pairs below which the optimality conditions are evaluated.
 const MU_TOLERANCE: f64 = 1e-6;
-/// Part of the first iterate's linear residuals that counts as none.
+/// Fraction of the first iterate's linear residuals that counts as zero.
 const RESIDUAL_TOLERANCE: f64 = 1e-9;
-/// Evaluations of the optimality conditions without progress after which the machine's precision is at its end, and what
-/// is progress. Where limits hold without a force, an iteration brings less than a digit.
+/// Number of evaluations of the optimality conditions without progress that ends the machine's
+/// precision, and the ratio that counts as progress. Where limits hold without a force, an
+/// iteration gains less than a digit.
 const MAX_EVALUATIONS: u32 = 8;
 const PROGRESS: f64 = 0.7;
-/// Part of the linear residuals and of the mean product that may be left when the active set tries to finish; how often it
-/// may, and for how many rounds.
+/// Conditions under which the active set tries to finish: remaining fractions of the linear
+/// residuals and of the mean product, number of attempts, rounds of each.
 const FINISH_RESIDUAL: f64 = 1e-3;
 const FINISH_PRODUCT: f64 = 1e-2;
 const MAX_FINISHES: u32 = 3;
 const FINISH_ROUNDS: u32 = 5;
-/// Length of a step below which the problem may be infeasible; where it is, the steps become short.
+/// Length of a step below which the problem may be infeasible: infeasible problems have short
+/// steps.
 const HINDERED: f64 = 0.5;
-/// Iterations between two tests for infeasibility.
+/// Number of iterations between two tests for infeasibility.
 const INFEASIBILITY_INTERVAL: u32 = 4;
-/// Part of the linear residuals that a start which is not stuck has taken away by the end of its trial.
+/// Fraction of the linear residuals that a start must remove within its trial.
 const LEAST_PROGRESS: f64 = 0.1;
 
-/// A start of the interior point.
+/// Start of the interior point.
 struct InteriorStart {
-    /// How far inside it begins.
+    /// Factor on the distance from the boundary.
     distance: f64,
-    /// Iterations after which it must have made progress; none if no other start follows.
+    /// Iterations after which it must have made progress; `None` for the last start.
     trial: Option<u32>,
 }
 
-/// The starts, farther inside each time: a start that is stuck at the boundary is left.
+/// Starts, each farther inside than the previous one: a start that is stuck at the boundary is
+/// left.
 const STARTS: [InteriorStart; 3] = [
     InteriorStart { distance: 1.0, trial: Some(8) },
     InteriorStart { distance: 30.0, trial: Some(8) },
     InteriorStart { distance: 1000.0, trial: None },
 ];
 
-/// How a phase ended.
+/// Result of a phase.
 type Ending = (Status, Residuals);
 
-/// How the iterations from one start of the interior point ended.
+/// End of the iterations from one start of the interior point.
 enum Descent {
     Ended(Ending),
     /// Another start may do better.
     Stuck,
 }
 
-/// The solver; see the head of the crate for its problem.
+/// Solver made for the problem at the head of the crate.
 #[derive(Clone, Debug)]
 pub struct Riccati {
     capacity: usize,
@@ -101,7 +104,7 @@ pub struct Riccati {
     states: Vec<[f64; 3]>,
     multipliers: Multipliers,
     horizon: usize,
-    /// Sweeps of the current solve, and those of them that were the interior point's.
+    /// Sweeps of the current solve, and those of them that the interior point made.
     iterations: u32,
     interior_iterations: u32,
     /// Whether the guess of the last solve can start the next one.
@@ -109,7 +112,7 @@ pub struct Riccati {
 }
 
 impl Riccati {
-    /// A solver for horizons up to `max_horizon`; all its memory is allocated here.
+    /// Returns a solver for horizons up to `max_horizon`; all its memory is allocated here.
     pub fn new(max_horizon: usize) -> Self {
         Self {
             capacity: max_horizon,
@@ -125,7 +128,7 @@ impl Riccati {
         }
     }
 
-    /// Phase 1. Nothing if there is no previous solution, or the attempt fails.
+    /// Phase 1; `None` without a previous solution or after a failed attempt.
     fn warm(&mut self, problem: &Problem, lq: &LinearQuadratic, start: Start) -> Option<Ending> {
         let Start::Shifted(steps) = start else { return None };
         self.active.shift(problem, steps);
@@ -137,7 +140,7 @@ impl Riccati {
         self.try_active(problem, lq, From::Previous(rounds))
     }
 
-    /// Phase 2. Nothing if the attempt fails.
+    /// Phase 2; `None` after a failed attempt.
     fn cold(&mut self, problem: &Problem, lq: &LinearQuadratic) -> Option<Ending> {
         self.multipliers.clear();
         self.try_active(problem, lq, From::Nothing)
@@ -188,7 +191,7 @@ impl Riccati {
                 evaluations = if found.max() < PROGRESS * least { 0 } else { evaluations + 1 };
                 least = least.min(found.max());
                 if evaluations == MAX_EVALUATIONS {
-                    // What is active has shown long since; only digits are missing.
+                    // The active inequalities are long known; only digits are missing.
                     self.interior.suggest(problem, &mut self.active.guess);
                     let polished = self.try_active(problem, lq, From::Iterate(FINISH_ROUNDS));
                     let ending = polished
@@ -212,7 +215,7 @@ impl Riccati {
         Descent::Stuck
     }
 
-    /// An attempt of the active set; nothing if it is given up, or does not meet the tolerance.
+    /// Tries the active set; `None` if the attempt is given up or misses the tolerance.
     fn try_active(
         &mut self,
         problem: &Problem,
@@ -226,15 +229,15 @@ impl Riccati {
         if outcome == Outcome::GivenUp {
             return None;
         }
-        // The states of the attempt come from the closed loop: to rounding those that the inputs lead to, but hostile
-        // numbers magnify rounding.
+        // The states of the attempt come from the closed loop. Except for rounding, they are those
+        // that follow from the inputs; hostile numbers magnify rounding.
         problem.roll_out(&self.inputs, &mut self.states);
         let found = self.residuals(problem);
         self.is_settled = found.max() <= TOLERANCE;
         self.is_settled.then_some((Status::Solved, found))
     }
 
-    /// Takes the interior point's iterate for the solution.
+    /// Adopts the interior point's iterate as the solution.
     fn take_iterate(&mut self, problem: &Problem) -> Residuals {
         self.interior.read_inputs(problem, &mut self.inputs);
         self.interior.read_multipliers(&mut self.multipliers);
@@ -251,7 +254,7 @@ impl Riccati {
         Report { status, iterations, interior_iterations, residuals, objective }
     }
 
-    /// The answer to a problem that cannot be computed with.
+    /// Returns the report of a problem that cannot be solved because of its numbers.
     fn refuse(&mut self, problem: &Problem) -> Report {
         self.horizon = problem.horizon.min(self.capacity);
         self.is_settled = false;
@@ -281,7 +284,7 @@ impl Solver for Riccati {
         let objective = problem.objective(&self.inputs, &self.states);
         let end = &self.states[n];
         let is_finite = (end[0] + end[1] + end[2]).is_finite();
-        // A solution outside of the light's domain does not exist: an infinite cost is an overflow.
+        // No solution lies outside of the light's domain: an infinite cost is an overflow.
         if !is_finite || status == Status::Solved && !objective.is_finite() {
             return self.refuse(problem);
         }

@@ -1,20 +1,23 @@
-//! A row's penalty as a curve, and its tangents.
+//! Penalty of a row as a curve, and its tangents.
 //!
-//! `μ ∈ ∂ψ(z)` is zero below the limit, vertical at it up to the penalty `λ` (without end if hard), and `λ + κ z`
-//! beyond. As for the light ([`super::light_curve`]), a tangent stands for the curve in one round, and the point
-//! reached on it says which part comes next. The vertical part is a steep line through the multiplier that the
-//! round before has found, so that the multiplier settles and the limit is met exactly.
+//! `μ ∈ ∂ψ(z)` is zero below the limit, vertical at it up to the penalty `λ` (without end if hard),
+//! and `λ + κ z` beyond. As for the light ([`super::light_curve`]), a tangent replaces the curve in
+//! one round, and the point reached on it decides the next part. The vertical part is a steep line
+//! through the multiplier of the previous round, so that the multiplier settles and the limit is
+//! met exactly.
 //!
-//! How steep that line is, is a matter of digits. Steeper, fewer rounds are needed. But the line turns the rounding of `z`, some
-//! 1e-14 m, into an error of the multiplier, and the optimality conditions ask for 1e-8 of the largest one: so the slope
-//! is [`STIFFNESS`] times that ([`super::working_set::WorkingSet::row_stiffness`]).
+//! A steeper line needs fewer rounds. But it turns the rounding of `z`, some 1e-14 m, into an error
+//! of the multiplier, and the optimality conditions require 1e-8 of the largest one. The slope is
+//! therefore [`STIFFNESS`] times that multiplier
+//! ([`super::working_set::WorkingSet::row_stiffness`]).
 
 use crate::problem::{Row, Softness};
 
-/// Slope that stands for the vertical part, in largest multipliers per unit of the limit.
+/// Slope that replaces the vertical part, in largest multipliers per unit of the limit.
 pub(super) const STIFFNESS: f64 = 3e4;
 
-/// A whole word: a tangent with a byte and seven unused ones is copied in pieces, and each load waits for the stores before it.
+/// Part of the curve, stored in a whole word. A tangent with one byte and seven unused ones is
+/// copied in pieces, and each load waits for the stores before it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u64)]
 enum Region {
@@ -32,36 +35,36 @@ enum Region {
 pub(super) struct RowTangent {
     region: Region,
     multiplier: f64,
-    /// Its slope, ≥ 0.
+    /// Slope, ≥ 0.
     pub(super) slope: f64,
 }
 
 impl RowTangent {
-    /// On the vertical part, for which a line of this slope stands.
+    /// Returns the tangent on the vertical part, which a line of this slope replaces.
     pub(super) fn edge(multiplier: f64, stiffness: f64) -> Self {
         Self { region: Region::Edge, multiplier, slope: stiffness }
     }
 
-    /// Beyond the limit of a soft row.
+    /// Returns the tangent beyond the limit of a soft row.
     pub(super) fn beyond(penalty: f64, curvature: f64) -> Self {
         Self { region: Region::Beyond, multiplier: penalty, slope: curvature }
     }
 
-    /// Whether it adds anything to the problem.
+    /// Returns whether the tangent adds anything to the problem.
     #[inline(always)]
     pub(super) fn acts(&self) -> bool {
         self.region != Region::Clear
     }
 
-    /// `μ` at `z`, written for the slope along the row's gradient: at `z = −limit`.
+    /// Returns `μ` at `z`; with `z = −limit` the constant along the row's gradient.
     #[inline(always)]
     pub(super) fn at(&self, z: f64) -> f64 {
         self.multiplier + self.slope * z
     }
 
-    /// Takes the point at `z` back to the curve: the new tangent, the multiplier of the point, and its
-    /// distance from the curve in units of the limit (1 or more when it changes to another part). `stiffness` is the slope that
-    /// stands for the vertical part.
+    /// Projects the point at `z` back to the curve. Returns the new tangent, the multiplier of the
+    /// point, and its distance from the curve in units of the limit (1 or more when it changes to
+    /// another part). `stiffness` is the slope that replaces the vertical part.
     pub(super) fn project(&self, row: &Row, z: f64, unit: f64, stiffness: f64) -> (Self, f64, f64) {
         let mu = self.at(z);
         let (penalty, curvature) = match row.softness {
@@ -92,7 +95,7 @@ impl RowTangent {
 mod tests {
     use super::*;
 
-    /// `min ½(z − a)² + ψ(z)` one tangent at a time: `z − a + μ = 0`.
+    /// Computes `min ½(z − a)² + ψ(z)` one tangent at a time: `z − a + μ = 0`.
     fn minimise(row: &Row, a: f64) -> (f64, f64) {
         let mut tangent = RowTangent::default();
         for _ in 0..20 {

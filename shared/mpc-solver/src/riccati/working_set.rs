@@ -1,47 +1,47 @@
-//! A guess of what is active at the solution: the bounds of the inputs, the parts of the light's curve, the parts
-//! of the rows' curves.
+//! Guess of the active set: the bounds of the inputs, the parts of the light's curve, the parts of
+//! the rows' curves.
 //!
-//! The active-set method improves it from round to round, the interior point makes one from its iterate, and it
-//! survives from solve to solve for the warm start.
+//! The active-set method improves it from round to round, and the interior point derives one from
+//! its iterate. It is kept from solve to solve for the warm start.
 
 use super::light_curve::LightTangent;
 use super::row_curve::{RowTangent, STIFFNESS};
 use crate::limits::MAX_ROWS;
 use crate::problem::{Problem, Terminal};
 
-/// The bound that an input is held at.
+/// Bound at which an input is held.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(i8)]
 pub(super) enum Side {
     /// `u_min`.
     Lower = -1,
-    /// None: the input is free.
+    /// No bound: the input is free.
     #[default]
     Free = 0,
     /// `u_max`.
     Upper = 1,
 }
 
-/// Stages that are compared at once.
+/// Number of stages compared at once.
 const PIECE: usize = 16;
 
-/// The guess, stage by stage.
+/// Guess, stage by stage.
 #[derive(Clone, Debug)]
 pub(super) struct WorkingSet {
     /// `sides[k]` belongs to `u_k`.
     pub(super) sides: Vec<Side>,
     /// `light[k]` belongs to stage `k + 1`.
     pub(super) light: Vec<LightTangent>,
-    /// `rows[j][k]` belongs to stage `k`; only if `has_row_tangents`.
+    /// `rows[j][k]` belongs to stage `k`; used only with `has_row_tangents`.
     pub(super) rows: [Vec<RowTangent>; MAX_ROWS],
-    /// Whether rows are in the guess by their tangents.
+    /// Whether the guess holds rows by their tangents.
     pub(super) has_row_tangents: bool,
     /// Slope of the rows' tangents at their limits.
     pub(super) row_stiffness: f64,
 }
 
 impl WorkingSet {
-    /// All inputs free, room for horizons up to `max_horizon`.
+    /// Returns a guess with all inputs free and room for horizons up to `max_horizon`.
     pub(super) fn new(max_horizon: usize) -> Self {
         Self {
             sides: vec![Side::Free; max_horizon],
@@ -52,22 +52,22 @@ impl WorkingSet {
         }
     }
 
-    /// All inputs free, no rows.
+    /// Frees all inputs and removes the rows.
     pub(super) fn clear(&mut self) {
         self.sides.fill(Side::Free);
         self.has_row_tangents = false;
     }
 
-    /// Number of rows that are in the guess by their tangents.
+    /// Returns the number of rows that the guess holds by their tangents.
     pub(super) fn row_count(&self, problem: &Problem) -> usize {
         if self.has_row_tangents { problem.rows.len() } else { 0 }
     }
 
     /// Moves the guess forward by `steps` and returns the stage up to which it was moved.
     ///
-    /// With a cost at the end everything moves. With `x_N = x_f` the last switches belong to the end of the horizon
-    /// and stay at their distance from it: only what comes before the middle of the longest run of free
-    /// inputs moves.
+    /// With a terminal cost everything moves. With `x_N = x_f` the last switches belong to the end
+    /// of the horizon and keep their distance from it: only stages before the middle of the longest
+    /// run of free inputs move.
     pub(super) fn shift(&mut self, problem: &Problem, steps: usize) -> usize {
         let n = problem.horizon;
         let steps = steps.min(n);
@@ -83,7 +83,7 @@ impl WorkingSet {
             for (tangents, row) in self.rows.iter_mut().zip(&problem.rows) {
                 tangents.copy_within(steps..=n, 0);
                 tangents[n + 1 - steps..=n].fill(RowTangent::default());
-                // The row may have moved since.
+                // The row may have moved since the guess was made.
                 for (k, slot) in tangents[..=n].iter_mut().enumerate() {
                     if k < row.from || k > row.to {
                         *slot = RowTangent::default();
@@ -95,16 +95,16 @@ impl WorkingSet {
     }
 }
 
-/// At how many stages two guesses differ.
+/// Returns the number of stages at which two guesses differ.
 pub(super) fn differences(a: &[Side], b: &[Side]) -> usize {
     let differs = |(a, b): (&Side, &Side)| u32::from(*a as i8 != *b as i8);
     a.iter().zip(b).map(differs).sum::<u32>() as usize
 }
 
-/// The last stage at which two guesses differ.
+/// Returns the last stage at which two guesses differ.
 pub(super) fn last_difference(a: &[Side], b: &[Side]) -> Option<usize> {
     let mut end = a.len().min(b.len());
-    // What is the same mostly comes in long runs: they are skipped in pieces.
+    // Equal stages mostly come in long runs, which are skipped in pieces.
     while end > 0 {
         let first = end.saturating_sub(PIECE);
         if differences(&a[first..end], &b[first..end]) > 0 {
@@ -115,9 +115,9 @@ pub(super) fn last_difference(a: &[Side], b: &[Side]) -> Option<usize> {
     None
 }
 
-/// The middle of the longest run of free inputs; the end if there is none.
+/// Returns the middle of the longest run of free inputs, or the end without one.
 fn middle_of_longest_free_run(sides: &[Side]) -> usize {
-    // The common case without a branch for each stage.
+    // The common case needs no branch per stage.
     if sides.iter().fold(0, |held, side| held | *side as i8) == 0 {
         return sides.len() - sides.len() / 2;
     }

@@ -1,4 +1,4 @@
-//! The paper's instances: `tests/data/cacc-instances.csv` as problems.
+//! Instances of the paper: `tests/data/cacc-instances.csv` as problems.
 
 #![allow(dead_code, reason = "each test file uses its part")]
 
@@ -7,17 +7,17 @@ use mpc_solver::{LightCost, LightStage, Problem, Row, Softness};
 const CSV: &str =
     include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/cacc-instances.csv"));
 
-/// Control period, s.
+/// Control period \[s\].
 pub(crate) const T: f64 = 0.1;
 
-/// Steps of the drives' problems.
+/// Number of steps of the drives' problems.
 pub(crate) const HORIZON: usize = 100;
 /// Weights of the states and of the input, and the buffer, of [`cacc`].
 pub(crate) const STATE_WEIGHTS: [f64; 3] = [19.243, 135.712, 0.00159];
 pub(crate) const INPUT_WEIGHT: f64 = 1.0;
 pub(crate) const BUFFER_M: f64 = 12.0;
 
-/// One row of the table.
+/// Row of the table.
 pub(crate) struct Instance {
     pub(crate) id: usize,
     pub(crate) step: usize,
@@ -31,7 +31,7 @@ pub(crate) struct Instance {
 }
 
 impl Instance {
-    /// The light's margins, stage by stage.
+    /// Returns the light's margins, stage by stage.
     pub(crate) fn light(&self) -> impl Iterator<Item = LightStage> + use<> {
         let (sign, t0, h) = (self.sign, self.t0, self.h);
         (1..=self.stages).map(move |k| {
@@ -47,7 +47,7 @@ impl Instance {
     }
 }
 
-/// All rows.
+/// Returns all rows.
 pub(crate) fn instances() -> Vec<Instance> {
     CSV.lines().skip(1).map(parse).collect()
 }
@@ -69,7 +69,7 @@ fn parse(line: &str) -> Instance {
     }
 }
 
-/// The paper's problem with the joint weights, over `n` steps.
+/// Returns the paper's problem with the joint weights, over `n` steps.
 pub(crate) fn cacc(n: usize) -> Problem {
     let tau = 0.5;
     Problem::builder(n)

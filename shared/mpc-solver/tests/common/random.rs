@@ -1,7 +1,8 @@
 //! Random problems over the whole operating range, feasible by construction.
 //!
-//! A random input within its bounds is rolled out; hard limits, a hard light's margins and the terminal
-//! equality are then placed such that this trajectory satisfies them. Soft ones may be anywhere.
+//! A random input within its bounds is rolled out. Hard limits, the margins of a hard light and the
+//! terminal equality are then placed such that this trajectory satisfies them. Soft limits may be
+//! anywhere.
 
 #![allow(dead_code, reason = "each test file uses its part")]
 
@@ -9,7 +10,7 @@ use mpc_solver::{LightCost, LightStage, Problem, ProblemBuilder, Row, Softness};
 use rand_core::Rng;
 use rand_pcg::Pcg64Mcg;
 
-/// Seeded source of the numbers that problems are made of.
+/// Seeded source of the numbers of a problem.
 pub(crate) struct Draw(Pcg64Mcg);
 
 impl Draw {
@@ -17,22 +18,22 @@ impl Draw {
         Self(Pcg64Mcg::new((u128::from(seed) << 64) | 0xcafe_f00d_d15e_a5e5))
     }
 
-    /// Uniform in `[lo, hi)`.
+    /// Returns a uniform number in `[lo, hi)`.
     pub(crate) fn uniform(&mut self, lo: f64, hi: f64) -> f64 {
         lo + (hi - lo) * random::uniform(&mut self.0)
     }
 
-    /// `10^x`, `x` uniform in `[lo, hi)`.
+    /// Returns `10^x`, `x` uniform in `[lo, hi)`.
     pub(crate) fn decades(&mut self, lo: f64, hi: f64) -> f64 {
         10f64.powf(self.uniform(lo, hi))
     }
 
-    /// True with probability `p`.
+    /// Returns true with probability `p`.
     pub(crate) fn chance(&mut self, p: f64) -> bool {
         self.uniform(0.0, 1.0) < p
     }
 
-    /// Uniform in `0..n`.
+    /// Returns a uniform integer in `0..n`.
     pub(crate) fn below(&mut self, n: usize) -> usize {
         (self.0.next_u64() % n as u64) as usize
     }
@@ -46,7 +47,7 @@ impl Draw {
     }
 }
 
-/// A random problem; its constraints can be satisfied together.
+/// Returns a random problem with jointly feasible constraints.
 pub(crate) fn problem(draw: &mut Draw) -> Problem {
     let n = [25, 50, 100, 100, 100, 150][draw.below(6)];
     let t = [0.05, 0.1, 0.1, 0.2][draw.below(4)];
@@ -89,7 +90,7 @@ pub(crate) fn problem(draw: &mut Draw) -> Problem {
     problem
 }
 
-/// The states of a random input within its bounds.
+/// Rolls out a random input within its bounds.
 fn roll(
     draw: &mut Draw,
     n: usize,
@@ -104,7 +105,7 @@ fn roll(
     let mut path = vec![x0];
     for k in 0..n {
         let x = path[k];
-        // Towards some error with some damping, disturbed.
+        // Towards an error with some damping, disturbed.
         let wish = -gain * (x[0] - goal) - 0.8 * x[1] + 0.5 * (phase + speed * t * k as f64).sin();
         let u = wish.clamp(0.95 * lo, 0.95 * hi);
         let d = disturbance(k);

@@ -1,30 +1,37 @@
-//! The multipliers of the working rows, exactly: a convex program of at most [`MAX_WORKING_ROWS`] unknowns.
+//! Exact multipliers of the working rows: a convex program of at most [`MAX_WORKING_ROWS`]
+//! unknowns.
 //!
-//! With the sides of the inputs and the tangents of the light fixed, the violations of the working rows are
-//! affine in their multipliers, `z(μ) = z̄ − S μ` with `S` symmetric positive semidefinite, and each pair must be
-//! on its row's graph:
+//! With the sides of the inputs and the tangents of the light fixed, the violations of the working
+//! rows are affine in their multipliers: `z(μ) = z̄ − S μ` with `S` symmetric positive
+//! semidefinite. Each pair must lie on its row's graph:
 //!
 //! ```text
 //! hard:  0 ≤ μ ⟂ z ≤ 0
 //! soft:  the same for μ ≤ λ, and z = (μ − λ)/κ beyond (κ = 0: μ = λ, z ≥ 0)
 //! ```
 //!
-//! These are the optimality conditions of `min ½ μ'S μ − z̄'μ + Σ_c θ_c(μ_c)` over `μ ≥ 0`, with `θ_c(μ) = (μ − λ)²/2κ`
-//! beyond `λ` and zero below. Every multiplier is on one [`Piece`] of its graph; those inside of theirs are solved for
-//! by `LDL'`, the step is cut at the first end of a piece, and a multiplier at an end is released when the
-//! gradient says that the cost falls (Lawson and Hanson's method for bounded least squares). The
-//! cost falls with every change of pieces, so that no set of them comes back; the number of changes is
-//! bounded by [`MAX_CHANGES`] all the same, for the sake of rounding. When the bound is reached, the attempt of the
-//! active set is given up.
+//! These are the optimality conditions of `min ½ μ'S μ − z̄'μ + Σ_c θ_c(μ_c)` over `μ ≥ 0`, with
+//! `θ_c(μ) = (μ − λ)²/2κ` beyond `λ` and zero below.
+//!
+//! Every multiplier lies on one [`Piece`] of its graph. Lawson and Hanson's method for bounded
+//! least squares finds the pieces:
+//!
+//! 1. `LDL'` solves for the multipliers in the interior of their pieces.
+//! 2. The step is cut at the first end of a piece.
+//! 3. A multiplier at an end is released when the gradient shows that the cost falls.
+//!
+//! The cost falls with every change of pieces, so no set of pieces repeats in exact arithmetic.
+//! Because of rounding, [`MAX_CHANGES`] bounds the number of changes; at the bound the attempt of
+//! the active set is given up.
 
-/// Most rows that are treated at once.
+/// Largest number of rows treated at once.
 pub(super) const MAX_WORKING_ROWS: usize = 8;
-/// Changes of pieces; three for each multiplier.
+/// Largest number of changes of pieces: three for each multiplier.
 const MAX_CHANGES: usize = 3 * MAX_WORKING_ROWS;
-/// Part of the response without the terminal equality below which a row cannot be influenced.
+/// Fraction of the response without the terminal equality below which a row counts as unreachable.
 const UNREACHABLE: f64 = 1e-11;
 
-/// The part of a row's graph that its multiplier is on.
+/// Part of a row's graph on which its multiplier lies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Piece {
     /// `μ = 0`.
@@ -38,14 +45,14 @@ enum Piece {
     Ceiling,
 }
 
-/// `z(μ) = value − response · μ` and the graphs of the rows.
+/// The affine map `z(μ) = value − response · μ` and the graphs of the rows.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Complementarity {
     /// Number of rows.
     pub(super) len: usize,
     /// `S`.
     pub(super) response: [[f64; MAX_WORKING_ROWS]; MAX_WORKING_ROWS],
-    /// What `S`'s diagonal is without the terminal equality.
+    /// Diagonal of `S` without the terminal equality.
     pub(super) scale: [f64; MAX_WORKING_ROWS],
     /// `z̄`.
     pub(super) value: [f64; MAX_WORKING_ROWS],
@@ -56,7 +63,7 @@ pub(super) struct Complementarity {
 }
 
 impl Complementarity {
-    /// Solves for `multipliers`, starting from their values; `None` if the changes of pieces run out.
+    /// Solves for `multipliers`, starting from their values; `None` if [`MAX_CHANGES`] is reached.
     pub(super) fn solve(&self, multipliers: &mut [f64; MAX_WORKING_ROWS]) -> Option<()> {
         let mut pieces = [Piece::default(); MAX_WORKING_ROWS];
         for c in 0..self.len {
@@ -90,7 +97,7 @@ impl Complementarity {
         self.response[c][c] > UNREACHABLE * self.scale[c]
     }
 
-    /// Gives a soft row that no multiplier influences the multiplier that its violation has.
+    /// Sets the multiplier of an unreachable soft row to the slope of its penalty.
     fn price_unreachable(&self, multipliers: &mut [f64; MAX_WORKING_ROWS]) {
         for c in 0..self.len {
             if !self.is_reachable(c) && self.weight[c] < f64::INFINITY {
@@ -114,7 +121,7 @@ impl Complementarity {
         }
     }
 
-    /// The multipliers that make the cost stationary in those inside of their pieces.
+    /// Returns the multipliers with zero gradient for all that are in the interior of their pieces.
     fn stationary(
         &self,
         pieces: &[Piece; MAX_WORKING_ROWS],
@@ -169,7 +176,8 @@ impl Complementarity {
         target
     }
 
-    /// Which multiplier first comes to the end of its piece on the way to `target`, and the part of the way.
+    /// Finds the multiplier that first reaches the end of its piece on the way to `target`, and the
+    /// fraction of the way.
     fn first_end(
         &self,
         pieces: &[Piece; MAX_WORKING_ROWS],
@@ -198,7 +206,7 @@ impl Complementarity {
         first
     }
 
-    /// Takes multiplier `c` over the end of its piece.
+    /// Moves multiplier `c` across the end of its piece.
     fn leave(
         &self,
         c: usize,
@@ -214,7 +222,7 @@ impl Complementarity {
         };
     }
 
-    /// The multiplier at an end of its graph whose release makes the cost fall fastest.
+    /// Finds the multiplier at an end of its graph whose release reduces the cost fastest.
     fn release(
         &self,
         pieces: &[Piece; MAX_WORKING_ROWS],
@@ -231,7 +239,7 @@ impl Complementarity {
                 continue;
             }
             let z = self.violation(c, multipliers);
-            // The fall of the cost along this multiplier alone is z²/2S.
+            // The cost along this multiplier alone falls by z²/2S.
             let fall = inward * z * z.abs() / self.response[c][c];
             let tiny = 1e-13 * self.value[c].abs();
             if inward * z > tiny && best.is_none_or(|(_, most)| fall > most) {
@@ -255,7 +263,7 @@ impl Complementarity {
 mod tests {
     use super::*;
 
-    /// Two rows whose responses overlap, the second soft with penalty weight 1.
+    /// Two rows whose responses overlap; the second one is soft with penalty weight 1.
     fn program(value: [f64; 2], curvature: f64) -> Complementarity {
         let mut program = Complementarity { len: 2, ..Complementarity::default() };
         program.response[0][..2].copy_from_slice(&[2.0, 1.0]);

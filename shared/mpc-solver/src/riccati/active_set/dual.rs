@@ -1,13 +1,13 @@
-//! The multipliers of the terminal equality and of the working rows, together.
+//! Joint solution for the multipliers of the terminal equality and of the working rows.
 //!
-//! After a backward sweep what the end misses and what the rows are violated by is affine in both:
+//! After a backward sweep, the error at the end and the violations of the rows are affine in both:
 //!
 //! ```text
 //! x_N − x_f = m − W y − T μ = 0,        z = z̄ − T'y − G μ
 //! ```
 //!
-//! Eliminating `y = W⁻¹(m − T μ)` leaves `z = (z̄ − T'W⁻¹m) − (G − T'W⁻¹T) μ`, the program of [`super::complementarity`].
-//! Without a terminal equality `y` and `T` are absent.
+//! Eliminating `y = W⁻¹(m − T μ)` leaves `z = (z̄ − T'W⁻¹m) − (G − T'W⁻¹T) μ`, the program of
+//! [`super::complementarity`]. Without a terminal equality `y` and `T` are absent.
 
 use super::complementarity::{Complementarity, MAX_WORKING_ROWS};
 use super::response::RowResponse;
@@ -15,7 +15,8 @@ use super::rows::WorkingRow;
 use crate::problem::{Problem, Softness, Terminal, dot};
 use crate::riccati::lqr::CostToGo;
 
-/// Solves for both, the rows' from the values they have; `None` if their program cannot be solved.
+/// Solves for both, the rows' multipliers from their present values; `None` if their program cannot
+/// be solved.
 pub(super) fn solve(
     problem: &Problem,
     cost_to_go: &CostToGo,
@@ -56,7 +57,7 @@ pub(super) fn solve(
     Some(system.map_or([0.0; 3], |system| system.multiplier()))
 }
 
-/// The rows' program with `y = 0`.
+/// Returns the rows' program for `y = 0`.
 fn program_of(problem: &Problem, response: &RowResponse, rows: &[WorkingRow]) -> Complementarity {
     let mut program = Complementarity {
         len: rows.len(),

@@ -1,17 +1,19 @@
-//! The first round's sweep, kept from solve to solve.
+//! Backward sweep of the first round, cached from solve to solve.
 //!
-//! Cold, the first round has all inputs free and no light; warm, it often has so from some stage on. Where the problem
-//! has no linear terms, the sweep down to that stage depends on the matrices alone: it is the unconstrained regulator's,
-//! and a controller that solves the same program cycle after cycle with other states and another light need not
-//! compute it again. What is kept is exactly what would be computed, so that an answer does not depend on the
-//! solves before it.
+//! In a cold first round all inputs are free and the light is absent. In a warm one this often
+//! holds from some stage on. Without linear terms, the sweep down to that stage depends on the
+//! matrices alone: it is the unconstrained regulator's sweep. A controller that solves the same
+//! program in every cycle, with other states and another light, need not repeat it.
+//!
+//! The cache holds exactly the numbers that a new computation gives, so a result does not depend on
+//! earlier solves.
 
 use crate::problem::{Problem, Terminal};
 use crate::riccati::lanes::Vector;
 use crate::riccati::lqr::{CostToGo, InputModel, LinearQuadratic, StageModels, Sweep};
 use crate::riccati::matrix::Rows;
 
-/// The sweep, and the matrices that it was made from.
+/// The sweep, and the matrices it was computed from.
 #[derive(Clone, Debug)]
 pub(super) struct FirstSweep {
     made_from: Option<(LinearQuadratic, usize, bool)>,
@@ -24,7 +26,8 @@ impl FirstSweep {
         Self { made_from: None, sweep: Sweep::new(max_horizon), cost_to_go: CostToGo::default() }
     }
 
-    /// Fills `sweep` for an attempt's first round, in which inputs are held and tangents placed up to stage `last` only.
+    /// Fills `sweep` for the first round of an attempt, which holds inputs and places tangents only
+    /// up to stage `last`.
     pub(super) fn fill<M: StageModels>(
         &mut self,
         problem: &Problem,
@@ -48,7 +51,7 @@ impl FirstSweep {
     }
 }
 
-/// Free inputs, no light, no rows.
+/// Stage models with free inputs, no light and no rows.
 struct Unconstrained<'a>(&'a Problem);
 
 impl StageModels for Unconstrained<'_> {

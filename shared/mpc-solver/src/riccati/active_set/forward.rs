@@ -1,10 +1,10 @@
-//! The forward sweep: every input is the minimiser of its stage's cost-to-go, clamped to its bounds.
+//! Forward sweep: every input is the minimiser of its stage's cost-to-go, clamped to its bounds.
 //!
 //! ```text
 //! v_k = −(F x_k + f + β y + Σ_c μ_c f_c)/δ,     u_k = clamp(v_k, u_min, u_max)
 //! ```
 //!
-//! The side that an input is clamped to is its side in the next guess.
+//! The next guess holds each input at the side it was clamped to.
 
 use multiversion::multiversion;
 
@@ -15,7 +15,7 @@ use crate::problem::Problem;
 use crate::riccati::lqr::{CHAIN, GENERAL, INTEGRATING, LinearQuadratic, PLAIN, Shape, Sweep};
 use crate::riccati::working_set::Side;
 
-/// What the sweep is made of.
+/// Everything that determines the inputs.
 pub(super) struct Policy<'a> {
     pub(super) lq: &'a LinearQuadratic,
     pub(super) sweep: &'a Sweep,
@@ -25,7 +25,7 @@ pub(super) struct Policy<'a> {
     pub(super) rows: &'a [WorkingRow],
 }
 
-/// The trajectory, the sides it suggests, and its inputs before they were clamped.
+/// Trajectory, the sides it suggests, and its inputs before clamping.
 pub(super) struct Trajectory<'a> {
     pub(super) inputs: &'a mut [f64],
     pub(super) states: &'a mut [[f64; 3]],
@@ -78,8 +78,8 @@ fn sweep_forward<const SHAPE: Shape, const DISTURBED: bool>(
             offset += (sums[0] + sums[1]) + (sums[2] + sums[3]);
         }
         let v = -gain.input(offset, &x);
-        // Branches rather than a minimum and a maximum: the sides come in long runs, and a predicted
-        // branch does not wait for `v`.
+        // Branches are faster here than a minimum and a maximum: sides come in long runs, and a
+        // predicted branch does not wait for `v`.
         let (next, u, side) = if v > hi {
             (lq.step::<SHAPE>(&x, hi), hi, Side::Upper)
         } else if v < lo {

@@ -1,61 +1,69 @@
-//! When an attempt is given up.
+//! Signs that an attempt will not settle.
 //!
-//! The method has no safeguard: it settles within a few rounds, or it wanders until the rounds run out. An attempt that
-//! wanders is known by the signs below, and what follows it is the interior point (cold) or the cold attempt (warm).
-//! Their limits were measured. Attempts on the paper's drives all settle, after 15 rounds at most, and stay clear of the limits
-//! (from the third round on at most 26 of 100 inputs change and at least 49 are free; at most 22 stages violate a row). Of
-//! 4,618 random problems 1,402 settled with up to 18 rounds and without the third sign; five of them took more than 15.
+//! The method has no safeguard: it settles within a few rounds, or it wanders until the rounds run
+//! out. The signs below detect a wandering attempt. The interior point follows a cold attempt that
+//! was given up, and the cold attempt follows a warm one.
 //!
-//! 1. More inputs change sides in one round than a line allows that falls from two fifths of them in the third round (35 of 100,
-//!    30, 25, …) to a thirtieth in the tenth: the guess alternates between patterns, or it comes nearer so slowly that the interior
-//!    point is there before it. Of 4,117 random problems it ends 25 attempts that would have settled, and 218 that would not, four
-//!    rounds earlier in the mean.
-//! 2. The terminal equality is left with fewer than four free inputs, or any problem with fewer than a quarter of them free
-//!    from the seventh round on: near the time-optimal solution every round moves a switch by one
-//!    stage, and there are many stages to go. Of 554 random problems left with fewer than four by the first round 5 settled.
-//! 3. The inputs are at the same sides as two rounds before, and not at those of the last round: two guesses that lead to
-//!    each other.
-//! 4. More than a quarter of the stages violate a row (in the first two rounds of a problem with the light: two fifths): an arc of
-//!    active stages is more than [`super::complementarity::MAX_WORKING_ROWS`] multipliers can hold. In the first round, which
-//!    knows neither rows nor light, this ends 67 % of the attempts on random problems in which a row will act, with the light 50 %;
-//!    of these 6,048 attempts 25 would have settled, the others would have ended a round later or more.
-//! 5. With a terminal equality and without the light: three rounds have brought no new least number of changed sides, and more
-//!    than two still change: the sides go round in a circle. With the light, the rounds in between can belong to its margins.
-//! 6. Nothing changes but the working rows, and none of them is new: a row that the inputs cannot influence is violated.
+//! All limits were measured. Attempts on the paper's drives all settle, after at most 15 rounds,
+//! and stay clear of the limits: from the third round on at most 26 of 100 inputs change and at
+//! least 49 are free; at most 22 stages violate a row. In 4,618 random problems, 1,402 attempts
+//! settled with up to 18 rounds and without sign 3; five of them took more than 15.
 //!
-//! A guess from the previous solution is good or it is not: it is dropped as soon as a tenth of its inputs change sides in one
-//! round when rows are in it by their tangents, else a third.
+//! 1. More inputs change sides in one round than a falling line allows. The line starts at two
+//!    fifths in the third round (35 of 100, 30, 25, …) and ends at a thirtieth in the tenth. The
+//!    guess then alternates between patterns, or converges more slowly than the interior point. In
+//!    4,117 random problems this ends 25 attempts that would have settled, and 218 others four
+//!    rounds earlier on average.
+//! 2. Fewer than four inputs are free with a terminal equality; or fewer than a quarter are free
+//!    from the seventh round on, in any problem. Near the time-optimal solution each round moves a
+//!    switch by one stage, and many stages remain. Of 554 random problems with fewer than four free
+//!    inputs after the first round, 5 settled.
+//! 3. The inputs are at the same sides as two rounds before, but not at those of the last round:
+//!    two guesses lead to each other.
+//! 4. More than a quarter of the stages violate a row (two fifths in the first two rounds of a
+//!    problem with the light). An arc of active stages needs more than
+//!    [`super::complementarity::MAX_WORKING_ROWS`] multipliers. The first round knows neither rows
+//!    nor light. There this sign ends 67 % of the attempts on random problems in which a row will
+//!    act, 50 % with the light. Of these 6,048 attempts 25 would have settled; the others would
+//!    have ended at least one round later.
+//! 5. With a terminal equality and without the light: three rounds bring no new minimum of changed
+//!    sides, and more than two still change. The sides then repeat in a cycle. With the light, the
+//!    rounds in between can belong to its margins.
 //!
-//! A guess from an iterate of the interior point has five rounds. What a round may change, sides of inputs and parts of the
-//! rows' curves together, is what the rounds left can settle: five with two rounds left or more, one with one. Of 5,139
-//! attempts on 12,000 random problems 4,081 settled, 16 of them after more than five changes in the first round (of 365) and 23
-//! after more than one in the second (of 535, with three rounds). Once nothing changes but the rows' multipliers, the
-//! distances from their limits fall in proportion: where the rounds left would not do at this pace, the attempt is dropped ([`Approach`]). An
-//! attempt that fails is repeated after another iteration.
+//! A guess from the previous solution is dropped at the first round in which a third of its inputs
+//! change sides; with row tangents, a tenth.
+//!
+//! A guess from an iterate of the interior point has five rounds. A round may change as many sides
+//! of inputs and parts of the rows' curves as the remaining rounds can settle: five with two or
+//! more rounds left, one with one left. Of 5,139 attempts on 12,000 random problems 4,081 settled.
+//! Of these, 16 had more than five changes in the first round (of 365), and 23 more than one in the
+//! second (of 535, with three rounds). Once only the rows' multipliers change, the distances from
+//! their limits fall geometrically. The attempt is dropped where the remaining rounds do not
+//! suffice at this rate ([`Approach`]). A failed attempt is repeated after another iteration.
 
-/// The round from which on the inputs that may change sides are no longer fewer from round to round.
+/// Round from which on the permitted number of changed sides is constant.
 const LAST_ROUND: u32 = 10;
 
-/// Fewest free inputs with which three conditions at the end can be met and one is left to choose.
+/// Smallest number of free inputs that meet three terminal conditions and leave one to choose.
 const LEAST_FREE: usize = 4;
 
-/// What a round has led to.
+/// State of an attempt after a round.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Progress {
     pub(super) round: u32,
     pub(super) horizon: usize,
-    /// Inputs that have changed sides.
+    /// Number of inputs that changed sides.
     pub(super) changed: usize,
-    /// Whether they are at the sides of the round before last.
+    /// Whether the sides are those of the round before the last.
     pub(super) returns: bool,
-    /// Inputs between their bounds.
+    /// Number of inputs between their bounds.
     pub(super) free: usize,
-    /// Whether the end is fixed.
+    /// Whether the last state is fixed.
     pub(super) has_terminal_equality: bool,
 }
 
 impl Progress {
-    /// Whether a cold attempt shows that it wanders.
+    /// Returns whether a cold attempt wanders.
     pub(super) fn is_hopeless(&self) -> bool {
         let n = self.horizon;
         let left = LAST_ROUND.saturating_sub(self.round) as usize;
@@ -66,33 +74,33 @@ impl Progress {
         self.changed > 0 && (is_over_determined || wanders)
     }
 
-    /// Whether a given guess has turned out wrong.
+    /// Returns whether a guess from the previous solution is wrong.
     pub(super) fn refutes_guess(&self, has_row_tangents: bool) -> bool {
         self.changed > self.horizon / if has_row_tangents { 10 } else { 3 }
     }
 
-    /// Whether an iterate's guess needs more rounds than the `left` ones, when rows have come to other `parts` of their
-    /// curves.
+    /// Returns whether an iterate's guess needs more than the `left` rounds. `parts` counts the
+    /// rows that moved to another part of their curves.
     pub(super) fn refutes_iterate(&self, parts: usize, left: u32) -> bool {
         self.changed + parts > if left > 1 { 5 } else { 1 }
     }
 
-    /// Most stages that may violate a row.
+    /// Returns the largest number of stages that may violate a row.
     pub(super) fn most_violated(&self, is_first_with_light: bool) -> usize {
         if is_first_with_light { 2 * self.horizon / 5 } else { self.horizon / 4 }
     }
 }
 
-/// Rounds without a new least number of changed sides after which a cold attempt has stalled.
+/// Number of rounds without a new minimum of changed sides after which a cold attempt has stalled.
 const MOST_STALLED: u32 = 3;
-/// Most changes that one or two switches on their way make.
+/// Largest number of changes that one or two moving switches make.
 const FEW_CHANGES: usize = 2;
 
-/// How the number of changed sides goes down from round to round.
+/// Smallest number of changed sides so far.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Descent {
     least: usize,
-    /// Rounds since it was reached first.
+    /// Rounds since the minimum was first reached.
     rounds: u32,
 }
 
@@ -101,7 +109,7 @@ impl Descent {
         Self { least: usize::MAX, rounds: 0 }
     }
 
-    /// Takes what one more round has changed; whether there has been no progress for too long.
+    /// Records the changes of one more round; returns whether there was no progress for too long.
     pub(super) fn has_stalled(&mut self, changed: usize) -> bool {
         self.rounds = if changed < self.least { 0 } else { self.rounds + 1 };
         self.least = self.least.min(changed);
@@ -109,12 +117,12 @@ impl Descent {
     }
 }
 
-/// How the rows of an iterate's guess come to their limits while nothing else changes.
+/// Convergence of an iterate's rows to their limits while nothing else changes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Approach {
-    /// Distance at which they have come.
+    /// Distance that counts as reached.
     end: f64,
-    /// Distance after the round before, if that changed nothing else.
+    /// Distance after the previous round, if that round changed nothing else.
     before: Option<f64>,
 }
 
@@ -123,7 +131,8 @@ impl Approach {
         Self { end, before: None }
     }
 
-    /// Takes the distance that a round has left; whether, at the pace of the last one, the `left` rounds do not suffice.
+    /// Records the distance left by a round; returns whether the `left` rounds do not suffice at
+    /// the last rate.
     pub(super) fn is_too_slow(&mut self, is_at_rest: bool, distance: f64, left: u32) -> bool {
         let before = self.before.filter(|_| is_at_rest);
         self.before = is_at_rest.then_some(distance);

@@ -1,4 +1,4 @@
-//! The light in the active-set method: its curve is replaced by tangents, which the rounds renew.
+//! The light in the active-set method: tangents replace its curve, and each round renews them.
 
 use multiversion::multiversion;
 
@@ -6,7 +6,7 @@ use crate::problem::{LightStage, Problem, dot};
 use crate::riccati::lanes::{Lanes, WIDTH};
 use crate::riccati::light_curve::{LightCurve, LightTangent};
 
-/// First tangents, from the margins of a trajectory without the light.
+/// Places the first tangents from the margins of a trajectory without the light.
 pub(super) fn place(
     problem: &Problem,
     curve: &LightCurve,
@@ -21,8 +21,8 @@ pub(super) fn place(
     }
 }
 
-/// New tangents where the last step has led, and the multipliers there; returns the largest distance from
-/// the curve, relative.
+/// Moves the tangents to where the last step led and writes the multipliers there. Returns the
+/// largest relative distance from the curve.
 #[multiversion(targets("x86_64+avx2"))]
 pub(super) fn project(
     problem: &Problem,

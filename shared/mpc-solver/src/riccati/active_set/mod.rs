@@ -1,27 +1,31 @@
-//! The fast method: which inputs are at their bounds, where on its curve is the light, which rows act?
+//! Fast method: a semismooth Newton method on the set of active constraints.
 //!
-//! A round of the method takes a guess and solves the linear-quadratic problem that it makes:
+//! A guess states which inputs are at their bounds, where each stage lies on the light's curve, and
+//! which rows act. A round solves the linear-quadratic problem of the guess:
 //!
-//! 1. *Backward sweep* ([`super::lqr`]) with the inputs of the guess held and the light's curve replaced by its
-//!    tangents, from the last stage at which the guess has changed; in the first round from the last at which it differs
-//!    from free inputs ([`first_sweep`]).
-//! 2. *Row response* ([`response`]): how the trajectory answers to the multipliers of the working rows.
-//! 3. *Complementarity* ([`dual`], [`complementarity`]): these multipliers, exactly, and that of the terminal equality.
-//! 4. *Forward sweep* ([`forward`]), in which every input is clamped to its bounds.
-//! 5. *New guess*: the sides that the inputs were clamped to ([`switching`]), tangents where the margins have led
-//!    ([`light`]), the rows that the trajectory violates ([`rows`]).
+//! 1. *Backward sweep* ([`super::lqr`]). The inputs of the guess are held, and tangents replace the
+//!    light's curve. It starts at the last stage at which the guess has changed; in the first
+//!    round, at the last stage that differs from free inputs ([`first_sweep`]).
+//! 2. *Row response* ([`response`]): effect of the working rows' multipliers on the trajectory.
+//! 3. *Complementarity* ([`dual`], [`complementarity`]): exact multipliers of these rows and of the
+//!    terminal equality.
+//! 4. *Forward sweep* ([`forward`]), which clamps every input to its bounds.
+//! 5. *New guess*: the sides that the inputs were clamped to ([`switching`]), tangents at the new
+//!    margins ([`light`]), the rows that the trajectory violates ([`rows`]).
 //!
-//! When no input changes sides, all margins are on their tangents' points of contact and no further row is violated, the
-//! trajectory satisfies the optimality conditions: `v − u` at a bound, times `−δ`, is the bound's multiplier. Most cruise
-//! problems settle after one or two rounds, about seven with a light, about eleven with the light and a
-//! row. It is a semismooth Newton method without a safeguard, so that it may wander; why it ends all the same: the
-//! rounds are bounded, and [`give_up`] says which attempts are not worth their rounds. What follows then is another
-//! method's, see [`crate::Riccati`].
+//! The trajectory is optimal when no input changes sides, all margins are at their tangents' points
+//! of contact, and no further row is violated. The multiplier of a bound is then `v − u` times
+//! `−δ`. Most cruise problems settle after one or two rounds, about seven with a light, about
+//! eleven with the light and a row.
 //!
-//! A guess from the interior point has its rows in the sweep itself, by their tangents ([`super::row_curve`]): there may be
-//! many of them, and they are nearly right. Cold, and warm after a solution that had its rows in the working
-//! set, they enter the working set as the trajectory violates them; from the second round on when
-//! cold, because the first one does not know the light.
+//! The method has no safeguard and may wander. It ends because the rounds are bounded and
+//! [`give_up`] drops attempts that wander; [`crate::Riccati`] then uses another method.
+//!
+//! A guess from the interior point holds its rows by tangents ([`super::row_curve`]) in the sweep
+//! itself: there may be many of them, and they are nearly right. In other attempts, rows enter the
+//! working set when the trajectory violates them. This holds for cold attempts and for warm ones
+//! after a solution with a working set. A cold attempt starts with this in the second round,
+//! because the first one ignores the light.
 
 mod complementarity;
 mod dual;
@@ -47,14 +51,14 @@ use give_up::{Approach, Descent, Progress};
 use response::RowResponse;
 use rows::{Update, WorkingRows};
 
-/// Rounds of an attempt from nothing.
+/// Largest number of rounds of a cold attempt.
 const MAX_ROUNDS: u32 = 15;
-/// Rounds after which a trajectory is no start for the interior point: the rounds may have diverged.
+/// Number of rounds whose trajectories may start the interior point; later ones may have diverged.
 const EARLY_ROUNDS: u32 = 3;
-/// Relative distance from the light's curve that counts as none.
+/// Relative distance from the light's curve that counts as zero.
 const ON_CURVE: f64 = 2e-9;
 
-/// Where the method ended.
+/// Outcome of an attempt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Outcome {
     /// Optimal up to the check of the optimality conditions.
@@ -63,25 +67,25 @@ pub(super) enum Outcome {
     GivenUp,
 }
 
-/// Where an attempt starts.
+/// Start of an attempt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum From {
-    /// From nothing.
+    /// No guess.
     Nothing,
-    /// From the guess that an earlier solution has left, for so many rounds at most.
+    /// The guess of an earlier solution, with this largest number of rounds.
     Previous(u32),
-    /// From the guess that an iterate of the interior point suggests, for so many rounds at most.
+    /// The guess of an iterate of the interior point, with this largest number of rounds.
     Iterate(u32),
 }
 
-/// Primal and dual variables that an attempt fills.
+/// Primal and dual variables filled by an attempt.
 pub(super) struct Point<'a> {
     pub(super) inputs: &'a mut [f64],
     pub(super) states: &'a mut [[f64; 3]],
     pub(super) multipliers: &'a mut Multipliers,
 }
 
-/// Work memory and the guess that survives from solve to solve.
+/// Work memory, and the guess that is kept from solve to solve.
 #[derive(Clone, Debug)]
 pub(super) struct ActiveSet {
     pub(super) guess: WorkingSet,
@@ -90,14 +94,14 @@ pub(super) struct ActiveSet {
     sweep: Sweep,
     response: RowResponse,
     next_sides: Vec<Side>,
-    /// The sides of the guess before the present one.
+    /// Sides of the previous guess.
     sides_before: Vec<Side>,
     unclamped: Vec<f64>,
-    /// The switch at which the last round freed an input.
+    /// Switch at which the last round freed an input.
     freed_switch: Option<usize>,
-    /// Inputs of the last trajectory before the rounds could diverge.
+    /// Inputs of the last early trajectory ([`EARLY_ROUNDS`]).
     early_inputs: Vec<f64>,
-    /// Whether a row in the guess by its tangents acted in the last round.
+    /// Whether a row tangent of the guess acted in the last round.
     row_tangents_act: bool,
 }
 
@@ -124,12 +128,12 @@ impl ActiveSet {
         self.rows.shift(problem, steps, middle);
     }
 
-    /// Whether a row acts in the guess by its tangents.
+    /// Returns whether a row tangent of the guess acts.
     pub(super) fn has_acting_row_tangents(&self) -> bool {
         self.guess.has_row_tangents && self.row_tangents_act
     }
 
-    /// Inputs of the last early round of the last attempt from nothing.
+    /// Returns the inputs of the last early round of the last cold attempt.
     pub(super) fn early_inputs(&self) -> &[f64] {
         &self.early_inputs
     }
@@ -156,9 +160,9 @@ impl ActiveSet {
             self.rows.clear();
         }
         self.freed_switch = None;
-        // Cold, the first round goes without the light and only shows where the margins would be.
+        // A cold first round ignores the light and only finds its margins.
         let mut has_light = problem.light_len == 0 || !is_cold;
-        // The last stage at which the guess differs from that of the sweep before.
+        // Last stage at which the guess differs from that of the previous sweep.
         let mut last_changed = n;
         let mut approach = Approach::new(ON_CURVE);
         let mut descent = Descent::new();
@@ -225,7 +229,7 @@ impl ActiveSet {
         (Outcome::GivenUp, max_rounds)
     }
 
-    /// Steps 1 to 4 of a round; false if the multipliers or the trajectory cannot be computed.
+    /// Performs steps 1 to 4 of a round; returns false if multipliers or trajectory are not finite.
     fn minimise(
         &mut self,
         problem: &Problem,
@@ -282,7 +286,7 @@ impl ActiveSet {
         }
     }
 
-    /// New tangents of the light; returns how far the trajectory was off its curve, relative.
+    /// Renews the light's tangents; returns the relative distance of the trajectory from the curve.
     fn renew_light(
         &mut self,
         problem: &Problem,
@@ -299,7 +303,7 @@ impl ActiveSet {
         light::project(problem, curve, point.states, &mut self.guess.light, multipliers)
     }
 
-    /// New tangents of the rows that are in the guess by them.
+    /// Renews the row tangents of the guess.
     fn renew_row_tangents(&mut self, problem: &Problem, point: &mut Point) -> RowChange {
         let mut change = RowChange::by_working_set(true);
         self.row_tangents_act = false;
@@ -329,14 +333,14 @@ impl ActiveSet {
         change
     }
 
-    /// Takes over the sides of the last trajectory, of which rows by their tangents act up to `acting`; returns the last stage
-    /// at which they differ.
+    /// Adopts the sides of the last trajectory; row tangents act up to stage `acting`. Returns the
+    /// last stage at which the sides differ.
     fn renew_sides(&mut self, problem: &Problem, is_at_rest: bool, acting: usize) -> usize {
         let n = problem.horizon;
         let (sides, next) = (&mut self.guess.sides[..n], &mut self.next_sides[..n]);
         let from = self.rows.last_acting_stage().max(acting);
         let bounds = (problem.u_min, problem.u_max);
-        // A switch that was opened and has closed again, all else being at rest, is right as it is.
+        // A switch that was opened and closed again while all else is at rest is right as it is.
         let settled = self.freed_switch.filter(|_| is_at_rest);
         self.freed_switch =
             switching::free_switches(next, sides, &self.unclamped, from, settled, bounds);
@@ -347,22 +351,22 @@ impl ActiveSet {
     }
 }
 
-/// What a round has changed in the rows of the guess.
+/// Changes of a round in the rows of the guess.
 struct RowChange {
-    /// Nothing: all rows hold with the multipliers they have.
+    /// Whether nothing changed: all rows hold with their present multipliers.
     is_complete: bool,
-    /// Stages at which a row has come to another part of its curve.
+    /// Number of stages at which a row moved to another part of its curve.
     parts: usize,
-    /// The last stage with a new tangent.
+    /// Last stage with a new tangent.
     last_stage: usize,
-    /// The last stage at which a row in the guess by its tangents acts.
+    /// Last stage at which a row tangent acts.
     last_acting: usize,
-    /// The largest distance of a row from its curve.
+    /// Largest distance of a row from its curve.
     distance: f64,
 }
 
 impl RowChange {
-    /// No tangent is new.
+    /// Returns a change without new tangents.
     fn by_working_set(is_complete: bool) -> Self {
         Self { is_complete, parts: 0, last_stage: 0, last_acting: 0, distance: 0.0 }
     }
@@ -378,7 +382,7 @@ struct Models<'a> {
 }
 
 impl Models<'_> {
-    /// The last stage at which an input is held or a tangent placed; `n` where rows are in by their tangents.
+    /// Returns the last stage with a held input or a tangent; `n` with row tangents.
     fn last_modelled(&self, n: usize) -> usize {
         if !self.rows.is_empty() {
             return n;

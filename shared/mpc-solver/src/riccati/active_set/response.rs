@@ -1,14 +1,16 @@
-//! How the trajectory answers to the multipliers of a few rows: one more column of the recursion for each.
+//! Effect of a few rows' multipliers on the trajectory: one more column of the recursion for each
+//! row.
 //!
-//! A row `g'x_k ≤ h` with multiplier `μ` adds `μ g` to the costate of stage `k`. Below that stage it obeys the
-//! recursion of `Ψ` (see [`crate::riccati::lqr`]), with a column `v` of its own,
+//! A row `g'x_k ≤ h` with multiplier `μ` adds `μ g` to the costate of stage `k`. Below that stage
+//! its column `v` obeys the recursion of `Ψ` (see [`crate::riccati::lqr`]),
 //!
 //! ```text
 //! v_k = g,   f = B'v_{j+1},   v_j = A'v_{j+1} − F'f/δ   (input free),   v_j = A'v_{j+1}   (input held),
 //! ```
 //!
-//! and shifts the free inputs by `−μ f/δ`. What its left-hand side becomes follows on the way: `G_{cd} = Σ f_c f_d/δ`
-//! for its answer to the rows, `T_c = Σ β f_c/δ` for that to the terminal equality, both over the free inputs.
+//! and shifts the free inputs by `−μ f/δ`. The row's left-hand side changes accordingly. `G_{cd} =
+//! Σ f_c f_d/δ` is its response to the rows, `T_c = Σ β f_c/δ` that to the terminal equality; both
+//! sums run over the free inputs.
 
 use multiversion::multiversion;
 
@@ -18,18 +20,18 @@ use crate::problem::{Problem, dot};
 use crate::riccati::lqr::{CHAIN, GENERAL, LinearQuadratic, PLAIN, Shape, Sweep};
 use crate::riccati::working_set::Side;
 
-/// The columns and what they add up to.
+/// The columns and their sums.
 #[derive(Clone, Debug)]
 pub(super) struct RowResponse {
     /// `f/δ` by stage.
     pub(super) offsets: Vec<[f64; MAX_WORKING_ROWS]>,
-    /// First stage that none of the columns reaches.
+    /// First stage that no column reaches.
     pub(super) reach: usize,
     /// `G`.
     pub(super) gram: [[f64; MAX_WORKING_ROWS]; MAX_WORKING_ROWS],
     /// `T`.
     pub(super) terminal: [[f64; MAX_WORKING_ROWS]; 3],
-    /// `z` without multipliers.
+    /// `z` for zero multipliers.
     pub(super) value: [f64; MAX_WORKING_ROWS],
 }
 
@@ -44,7 +46,7 @@ impl RowResponse {
         }
     }
 
-    /// Computes the columns of `rows`, after a sweep with these sides.
+    /// Computes the columns of `rows` after a sweep with these sides.
     pub(super) fn compute(
         &mut self,
         problem: &Problem,

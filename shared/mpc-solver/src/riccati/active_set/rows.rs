@@ -1,9 +1,8 @@
-//! The working rows: which rows may act, and at which stage.
+//! Working rows: the rows that may act, each at one stage.
 //!
-//! A round takes the violations of its trajectory as they are: rows whose multiplier came out zero leave the set, and
-//! of every run of neighbouring violated stages the worst one enters. One stage per run is enough to
-//! begin with, because a row that holds at the worst stage mostly holds at its neighbours; the rounds that
-//! follow move or split it.
+//! Rows whose multiplier became zero leave the set. The worst stage of every run of neighbouring
+//! violated stages enters. One stage per run suffices at first, because a row that holds at the
+//! worst stage mostly holds at its neighbours. Later rounds move or split it.
 
 use multiversion::multiversion;
 
@@ -11,9 +10,9 @@ use super::complementarity::MAX_WORKING_ROWS;
 use crate::limits::MAX_ROWS;
 use crate::problem::{Problem, dot};
 
-/// Members whose response costs as much as that of one, see [`super::response`].
+/// Number of members whose response costs the same as that of one, see [`super::response`].
 const LANES: usize = 4;
-/// Violation that counts as none, relative to the limit or 1.
+/// Violation that counts as zero, relative to the limit or 1.
 const TOLERANCE: f64 = 1e-10;
 
 /// A row at one stage.
@@ -25,20 +24,20 @@ pub(super) struct WorkingRow {
     pub(super) multiplier: f64,
 }
 
-/// What an update has found.
+/// Result of an update.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Update {
-    /// All rows hold, but for those at work.
+    /// All rows outside of the set hold.
     Complete,
-    /// Rows have entered.
+    /// New rows have entered.
     Extended,
-    /// No row has entered but those that left: their multipliers came out zero, and they are violated again.
+    /// Only rows that had just left have entered: their multipliers are zero, and they are violated.
     Stuck,
-    /// More rows are violated than the method can treat.
+    /// The method cannot treat this many violated rows.
     TooMany,
 }
 
-/// The set; at most [`MAX_WORKING_ROWS`] members.
+/// Set of at most [`MAX_WORKING_ROWS`] members.
 #[derive(Clone, Debug)]
 pub(super) struct WorkingRows {
     members: Vec<WorkingRow>,
@@ -65,13 +64,14 @@ impl WorkingRows {
         &mut self.members
     }
 
-    /// The last stage at which a row acts; 0 if none does.
+    /// Returns the last stage at which a row acts; 0 without one.
     pub(super) fn last_acting_stage(&self) -> usize {
         let acting = self.members.iter().filter(|member| member.multiplier > 0.0);
         acting.fold(0, |last, member| last.max(member.stage))
     }
 
-    /// Moves the members below stage `middle` forward by `steps` and drops those that are no longer in force.
+    /// Moves the members below stage `middle` forward by `steps` and drops those that leave their
+    /// row's stages.
     pub(super) fn shift(&mut self, problem: &Problem, steps: usize, middle: usize) {
         self.members.retain_mut(|member| {
             if member.stage < middle {
@@ -84,7 +84,7 @@ impl WorkingRows {
         });
     }
 
-    /// Adapts the set to a trajectory of which at most `most_violated` stages may violate a row.
+    /// Updates the set from a trajectory with at most `most_violated` violated stages.
     pub(super) fn update(
         &mut self,
         problem: &Problem,
@@ -102,13 +102,13 @@ impl WorkingRows {
             }
             let (states, limits) =
                 (&states[row.from..=row.to], &problem.limits[j][row.from..=row.to]);
-            // Mostly none, which is sooner seen without the runs.
+            // Mostly no stage is violated; counting finds this faster than searching for runs.
             let count = count_violated(&row.gradient, states, limits);
             if count == 0 {
                 continue;
             }
             violated += count;
-            // The worst of the present run, if its violation is positive.
+            // Worst stage of the present run, with a positive violation.
             let mut worst = (0, 0.0);
             let mut left = count;
             for (i, (x, h)) in states.iter().zip(limits).enumerate() {
@@ -141,8 +141,8 @@ impl WorkingRows {
         update
     }
 
-    /// Fills the lanes that would idle with the neighbours of the members, those nearest to their limits first: where
-    /// a row acts at two stages, or at the one beside the worst, the next round then knows it.
+    /// Fills idle lanes with the neighbours of the members, nearest to their limits first. The next
+    /// round then knows a row that acts at two stages, or at the stage beside the worst.
     fn add_neighbours(&mut self, problem: &Problem, states: &[[f64; 3]]) {
         let count = self.members.len();
         while self.members.len() < LANES {
@@ -166,7 +166,7 @@ impl WorkingRows {
         }
     }
 
-    /// Adds a row at a stage unless it is there; returns the state of the update after it.
+    /// Adds a row at a stage unless it is present; returns the resulting state of the update.
     fn enter(&mut self, row: usize, stage: usize, update: Update) -> Update {
         if self.members.iter().any(|member| (member.row, member.stage) == (row, stage)) {
             return update;
@@ -178,7 +178,7 @@ impl WorkingRows {
         if update == Update::TooMany { update } else { Update::Extended }
     }
 
-    /// Writes the multipliers of the members, zero elsewhere.
+    /// Writes the multipliers of the members, and zero elsewhere.
     pub(super) fn write(&self, problem: &Problem, multipliers: &mut [Vec<f64>; MAX_ROWS]) {
         for row in &mut multipliers[..problem.rows.len()] {
             row[..=problem.horizon].fill(0.0);
@@ -189,20 +189,20 @@ impl WorkingRows {
     }
 }
 
-/// Whether a row with limit `h` is violated by `z`.
+/// Returns whether `z` violates a row with limit `h`.
 #[inline(always)]
 fn is_violated(z: f64, h: f64) -> bool {
     z > TOLERANCE * h.abs().max(1.0)
 }
 
-/// At how many of these stages a row is violated.
+/// Counts the stages that violate a row.
 #[multiversion(targets("x86_64+avx2"))]
 fn count_violated(gradient: &[f64; 3], states: &[[f64; 3]], limits: &[f64]) -> usize {
     let stages = states.iter().zip(limits);
     stages.map(|(x, h)| usize::from(is_violated(dot(gradient, x) - h, *h))).sum()
 }
 
-/// Whether more than `most` stages of a trajectory violate a row.
+/// Returns whether more than `most` stages of a trajectory violate a row.
 pub(super) fn are_violated(problem: &Problem, states: &[[f64; 3]], most: usize) -> bool {
     let mut violated = 0;
     for (row, limits) in problem.rows.iter().zip(&problem.limits) {
@@ -232,7 +232,7 @@ mod tests {
             .row(Row { from: 5, to: 5, ..row })
             .build()
             .expect("a valid problem");
-        // Of the first row stages 2 and 3, of the second its only one.
+        // The first row is violated at stages 2 and 3, the second one at its only stage.
         let states = [9.0, 9.0, 1.5, 2.0, 1.0, 1.1].map(|speed| [0.0, speed, 0.0]);
         assert!(are_violated(&problem, &states, 2));
         assert!(!are_violated(&problem, &states, 3));

@@ -1,30 +1,33 @@
-//! A switch from one bound to the other needs an input between them.
+//! Switches: a change from one bound to the other needs an input between them.
 //!
-//! Behind the last stage at which a row acts, the costate varies slowly from stage to stage, so that the optimal input
-//! passes from one bound to the other through at least one stage between them. A forward sweep from a
-//! wrong multiplier may nevertheless end with neighbours at opposite bounds; held there, the terminal equality
-//! loses its last free input and its multiplier explodes. So one of the two is set free: the other one if
-//! exactly one was free before (the switch then moves), else the one that exceeds its bound by less.
+//! Behind the last stage at which a row acts, the costate varies slowly from stage to stage. The
+//! optimal input then passes from one bound to the other through at least one stage between them. A
+//! forward sweep with a wrong multiplier may still end with neighbours at opposite bounds. Held
+//! there, the terminal equality loses its last free input, and its multiplier diverges. One of the
+//! two is therefore freed: the other one if exactly one was free before (the switch moves), else
+//! the one with the smaller excess.
 //!
-//! A switch moves by one stage, and further by half as many as it would take to make up for what the free input was
-//! asked for beyond its bound: each stage that changes from one bound to the other gives the range between them.
+//! A switch moves by one stage, plus half the number of stages that would compensate the excess of
+//! the free input. Each stage that changes from one bound to the other compensates the range
+//! between them.
 //!
-//! Ahead of a row that acts, in the working set or by its tangent, the costate jumps, and neighbours at opposite bounds can be
-//! right. Should they be right
-//! elsewhere, the sweep that finds the sides unchanged settles before this rule is asked, and a switch at which freeing one
-//! of the two has only brought the sides back is left closed.
+//! Ahead of an acting row, in the working set or by its tangent, the costate jumps, and neighbours
+//! at opposite bounds can be right. If they are right elsewhere, the sweep that finds the sides
+//! unchanged settles before this rule applies. A switch stays closed if freeing one of the two only
+//! restored the sides.
 
 use crate::riccati::working_set::Side;
 
-/// Most stages beyond the first that a switch moves at once.
+/// Largest number of further stages that a switch moves at once.
 const MOST_STAGES: f64 = 8.0;
-/// Part of the stages that would take over the excess: not all, because the rest of the trajectory takes over some.
+/// Fraction of the compensating stages by which a switch moves; the rest of the trajectory
+/// compensates some of the excess.
 const SHARE: f64 = 0.5;
 
 /// Frees one of each pair of neighbours at opposite bounds, from stage `from` on.
 ///
-/// `before` are the sides of the guess, `unclamped` the inputs that were clamped to `sides`, `settled` a switch that is
-/// right. Returns the last switch at which an input was freed.
+/// `before` are the sides of the guess, `unclamped` the inputs before clamping to `sides`,
+/// `settled` a switch that is right. Returns the last switch at which an input was freed.
 pub(super) fn free_switches(
     sides: &mut [Side],
     before: &[Side],
@@ -74,7 +77,7 @@ pub(super) fn free_switches(
     last
 }
 
-/// Whether any neighbours are at opposite bounds; without a branch for each stage.
+/// Returns whether any neighbours are at opposite bounds, without a branch per stage.
 fn has_switch(sides: &[Side]) -> bool {
     let opposite = Side::Lower as i8 ^ Side::Upper as i8;
     let pairs = sides.iter().zip(sides.iter().skip(1));
@@ -103,7 +106,7 @@ mod tests {
         let settled = Some(2);
         let freed = free_switches(&mut sides, &[Free; 4], &unclamped, 0, settled, (-1.0, 1.0));
         assert_eq!((sides, freed), ([Upper, Upper, Lower, Lower], None));
-        // Ahead of a row that acts nothing is changed.
+        // Ahead of an acting row nothing changes.
         let mut sides = [Upper, Upper, Lower, Lower];
         free_switches(&mut sides, &[Free; 4], &unclamped, 3, None, (-1.0, 1.0));
         assert_eq!(sides, [Upper, Upper, Lower, Lower]);
@@ -111,13 +114,13 @@ mod tests {
 
     #[test]
     fn a_large_excess_moves_the_switch_by_several_stages_within_its_runs() {
-        // Four ranges beyond the bound, half of which are taken over.
+        // The excess is four ranges; half of it moves the switch.
         let unclamped = [1.5, 9.0, -2.0, -2.0, -2.0, -2.0];
         let mut sides = [Upper, Upper, Lower, Lower, Lower, Lower];
         let before = [Upper, Free, Lower, Lower, Lower, Lower];
         free_switches(&mut sides, &before, &unclamped, 0, None, (-1.0, 1.0));
         assert_eq!(sides, [Upper, Upper, Upper, Upper, Free, Lower]);
-        // To the left at most into the last stage at which a row acts.
+        // The switch moves left at most to the last stage at which a row acts.
         let unclamped = [2.0, 2.0, 2.0, -1e9, -2.0];
         let mut sides = [Upper, Upper, Upper, Lower, Lower];
         let before = [Upper, Upper, Upper, Free, Lower];

@@ -1,8 +1,8 @@
 //! All families of inequalities together: the bounds of the inputs, the rows, the light.
 //!
-//! What they do they do for a block of stages at a time, lane by lane: the sweeps over the stages call for a block when
-//! they come to it. A sweep waits for its divisions and sums most of the time, and this is the time in which the machine
-//! does the work of the block.
+//! The work is done lane by lane for a block of stages; the sweeps over the stages call it block by
+//! block. A sweep mostly waits for its divisions and sums, and the machine works on the block in
+//! that time.
 
 use super::input::InputBarrier;
 use super::light::LightBarrier;
@@ -18,16 +18,16 @@ use crate::riccati::lqr::BlockModel;
 use crate::riccati::row_curve::STIFFNESS;
 use crate::riccati::working_set::WorkingSet;
 
-/// Distance of the first inputs from their bounds, part of the range.
+/// Distance of the first inputs from their bounds, as a fraction of the range.
 const START_MARGIN: f64 = 0.3;
 
-/// The pairs of a problem.
+/// Pairs of a problem.
 #[derive(Clone, Debug)]
 pub(super) struct Barriers {
     pub(super) input: InputBarrier,
     rows: [RowBarrier; MAX_ROWS],
     light: LightBarrier,
-    /// Rows of the problem at hand.
+    /// Number of rows of the present problem.
     count: usize,
 }
 
@@ -41,7 +41,7 @@ impl Barriers {
         }
     }
 
-    /// Starts near a trajectory with slacks of at least `slack` and products of about `mu`.
+    /// Starts near a trajectory, with slacks of at least `slack` and products of about `mu`.
     pub(super) fn start(
         &mut self,
         problem: &Problem,
@@ -59,7 +59,7 @@ impl Barriers {
         self.light.start(problem.light.as_ref(), problem.light_stages(), states, slack, mu);
     }
 
-    /// Number of pairs, those in the blocks but beyond their stages included.
+    /// Returns the number of pairs, including those that fill the last blocks.
     pub(super) fn pairs(&self) -> usize {
         let rows: usize = self.rows[..self.count].iter().map(RowBarrier::pairs).sum();
         self.input.pairs() + rows + self.light.pairs()
@@ -75,7 +75,7 @@ impl Barriers {
         gap + self.light.linearize(j, x, model)
     }
 
-    /// What the predictor's changes of the trajectory mean for the pairs of block `j`.
+    /// Applies the predictor's changes of the trajectory to the pairs of block `j`.
     #[inline(always)]
     pub(super) fn predict(&mut self, j: usize, change: &PathBlock, prediction: &mut Prediction) {
         self.input.predict(j, change.u, prediction);
@@ -85,7 +85,8 @@ impl Barriers {
         self.light.predict(j, &change.x, prediction);
     }
 
-    /// Sets the corrector's targets of block `j`: see [`Targets`]. Returns what they add to the gradients on inputs and states.
+    /// Sets the corrector's targets of block `j` ([`Targets`]). Returns their terms in the
+    /// gradients of inputs and states.
     #[inline(always)]
     pub(super) fn set_targets(&mut self, j: usize, targets: Targets) -> (Lanes, [Lanes; 3]) {
         let slope = self.input.set_targets(j, targets);
@@ -97,7 +98,8 @@ impl Barriers {
         (slope, added)
     }
 
-    /// What the step's changes of the trajectory mean for the pairs of block `j`, and how far they let it go.
+    /// Applies the step's changes of the trajectory to the pairs of block `j`, and updates the
+    /// limits of the step.
     #[inline(always)]
     pub(super) fn correct(&mut self, j: usize, change: &PathBlock, limits: &mut Limits) {
         self.input.correct(j, change.u, limits);
@@ -107,7 +109,7 @@ impl Barriers {
         self.light.correct(j, &change.x, limits);
     }
 
-    /// Takes the step in block `j`.
+    /// Advances block `j` by the step.
     #[inline(always)]
     pub(super) fn advance(&mut self, j: usize, du: Lanes, lengths: Lengths) {
         self.input.advance(j, du, lengths);
@@ -117,7 +119,8 @@ impl Barriers {
         self.light.advance(j, lengths);
     }
 
-    /// Writes the guess of the active set that the last step suggests; `terminal` is the multiplier of the terminal equality.
+    /// Writes the guess of the active set that the last step suggests; `terminal` is the multiplier
+    /// of the terminal equality.
     pub(super) fn suggest(&self, problem: &Problem, guess: &mut WorkingSet, terminal: &[f64; 3]) {
         let sides = &mut guess.sides[..problem.horizon];
         for (j, sides) in sides.chunks_mut(WIDTH).enumerate() {
@@ -135,7 +138,7 @@ impl Barriers {
         }
     }
 
-    /// Copies the multipliers out.
+    /// Copies the multipliers to `multipliers`.
     pub(super) fn read(&self, multipliers: &mut Multipliers) {
         for (out, row) in multipliers.rows.iter_mut().zip(&self.rows[..self.count]) {
             row.read(out);

@@ -1,11 +1,11 @@
-//! Both bounds of all inputs.
+//! Upper and lower bounds of all inputs.
 
 use super::pairs::{Lengths, Limits, Pairs, Prediction, Targets, place};
 use crate::riccati::lanes::{Lanes, WIDTH};
 use crate::riccati::lqr::BlockModel;
 use crate::riccati::working_set::Side;
 
-/// The inputs of a block of stages with their pairs `(u − u_min, λ_l)` and `(u_max − u, λ_u)`.
+/// Inputs of a block of stages with their pairs `(u − u_min, λ_l)` and `(u_max − u, λ_u)`.
 #[derive(Clone, Copy, Debug, Default)]
 struct Block {
     u: Lanes,
@@ -13,11 +13,11 @@ struct Block {
     upper: Pairs,
 }
 
-/// The inputs. What the last block has beyond the horizon is an input that nothing depends on.
+/// Inputs in blocks; lanes of the last block beyond the horizon have no effect.
 #[derive(Clone, Debug)]
 pub(super) struct InputBarrier {
     blocks: Vec<Block>,
-    /// Blocks in use.
+    /// Number of blocks in use.
     count: usize,
 }
 
@@ -26,7 +26,8 @@ impl InputBarrier {
         Self { blocks: vec![Block::default(); max_horizon.div_ceil(WIDTH)], count: 0 }
     }
 
-    /// Starts at `inputs`, kept `margin` (of the range) away from the bounds, with products `mu`.
+    /// Starts at `inputs`, at least `margin` (of the range) away from the bounds, with products
+    /// `mu`.
     pub(super) fn start(&mut self, inputs: &[f64], (lo, hi): (f64, f64), margin: f64, mu: f64) {
         self.count = inputs.len().div_ceil(WIDTH);
         let room = margin * (hi - lo);
@@ -41,12 +42,12 @@ impl InputBarrier {
         }
     }
 
-    /// Number of pairs.
+    /// Returns the number of pairs.
     pub(super) fn pairs(&self) -> usize {
         2 * WIDTH * self.count
     }
 
-    /// `u_k`.
+    /// Returns `u_k`.
     #[inline(always)]
     pub(super) fn value(&self, k: usize) -> f64 {
         let (j, lane) = place(k);
@@ -55,7 +56,7 @@ impl InputBarrier {
 
     /// Models the pairs of a block for the predictor; returns the sum of the products.
     ///
-    /// With `t = 0` the multipliers' new values leave nothing but `W du`: there is no slope.
+    /// With `t = 0` the new multipliers leave only `W du`: there is no slope.
     #[inline(always)]
     pub(super) fn linearize(&mut self, j: usize, model: &mut BlockModel) -> Lanes {
         let Some(Block { lower, upper, .. }) = self.blocks[..self.count].get_mut(j) else {
@@ -66,7 +67,7 @@ impl InputBarrier {
         gap
     }
 
-    /// Takes the predictor's changes of a block's inputs.
+    /// Applies the predictor's changes of a block's inputs.
     #[inline(always)]
     pub(super) fn predict(&mut self, j: usize, du: Lanes, prediction: &mut Prediction) {
         let Some(Block { lower, upper, .. }) = self.blocks[..self.count].get_mut(j) else { return };
@@ -74,7 +75,7 @@ impl InputBarrier {
         upper.predict(-(du * upper.per_slack), prediction);
     }
 
-    /// Sets the corrector's targets of a block; returns what they add to the gradient on its inputs.
+    /// Sets the corrector's targets of a block; returns their term in the gradient of its inputs.
     #[inline(always)]
     pub(super) fn set_targets(&mut self, j: usize, targets: Targets) -> Lanes {
         let Some(Block { lower, upper, .. }) = self.blocks[..self.count].get_mut(j) else {
@@ -85,7 +86,7 @@ impl InputBarrier {
         upper.target * upper.per_slack - lower.target * lower.per_slack
     }
 
-    /// Takes the step's changes of a block's inputs.
+    /// Applies the step's changes of a block's inputs.
     #[inline(always)]
     pub(super) fn correct(&mut self, j: usize, du: Lanes, limits: &mut Limits) {
         let Some(Block { lower, upper, .. }) = self.blocks[..self.count].get_mut(j) else { return };
@@ -93,7 +94,7 @@ impl InputBarrier {
         upper.correct(-(du * upper.per_slack), limits);
     }
 
-    /// Takes the step.
+    /// Advances a block by the step.
     #[inline(always)]
     pub(super) fn advance(&mut self, j: usize, du: Lanes, lengths: Lengths) {
         let Some(block) = self.blocks[..self.count].get_mut(j) else { return };
@@ -102,7 +103,7 @@ impl InputBarrier {
         block.u = block.u + Lanes::all(lengths.primal) * du;
     }
 
-    /// The bounds that the inputs of a block go to.
+    /// Returns the bounds that the inputs of a block approach.
     pub(super) fn sides(&self, j: usize) -> [Side; WIDTH] {
         let (upper, lower) = (self.blocks[j].upper.are_active(), self.blocks[j].lower.are_active());
         std::array::from_fn(|lane| match (upper[lane], lower[lane]) {

@@ -1,4 +1,4 @@
-//! The light, over its stages.
+//! Inequalities of the light over its stages.
 
 use super::pairs::{
     Lengths, Limits, ONE, PROXIMAL, Pairs, Prediction, Targets, add_slope, place, product,
@@ -8,14 +8,14 @@ use crate::riccati::lanes::{Lanes, WIDTH};
 use crate::riccati::light_curve::{LightCurve, LightTangent};
 use crate::riccati::lqr::BlockModel;
 
-/// The light at a block of stages: variable `p`; pairs `(s, α)`, with a finite threshold `(d_th − p, β)`, and, if soft,
-/// `(σ, λ − α)`.
+/// The light at a block of stages: variable `p`; pairs `(s, α)`, with a finite threshold `(d_th −
+/// p, β)`, and, if soft, `(σ, λ − α)`.
 #[derive(Clone, Copy, Debug, Default)]
 struct Block {
     /// `c`, `o`.
     gradient: [Lanes; 3],
     constant: Lanes,
-    /// 1 at the light's stages, 0 beyond: there nothing changes.
+    /// 1 at the light's stages; 0 beyond, where nothing changes.
     is_lit: Lanes,
     p: Lanes,
     per_p: Lanes,
@@ -25,18 +25,18 @@ struct Block {
     violation: Pairs,
     /// `W`.
     curvature: Lanes,
-    /// Force against `c`: the predictor's without a change of `D`, or what the corrector adds.
+    /// Force against `c`: the predictor's for a zero change of `D`, or the corrector's addition.
     slope: Lanes,
-    /// Change of `D` at which the predictor leaves `α` as it is.
+    /// Change of `D` at which the predictor leaves `α` unchanged.
     offset: Lanes,
     /// `1/(H + β/(d_th − p))`.
     compliance: Lanes,
 }
 
-/// The light.
+/// All blocks of the light.
 #[derive(Clone, Debug)]
 pub(super) struct LightBarrier {
-    /// Stages `1..=len`, in so many blocks.
+    /// Stages `1..=len`, in `count` blocks.
     len: usize,
     count: usize,
     /// `w`.
@@ -62,8 +62,8 @@ impl LightBarrier {
         }
     }
 
-    /// Starts at half of the margins that the states leave, at least `least`, with multipliers near the
-    /// curve: too small ones cost a dozen iterations.
+    /// Starts at half of the margins that the states leave, at least `least`, with multipliers near
+    /// the curve: too small ones cost a dozen iterations.
     pub(super) fn start(
         &mut self,
         light: Option<&LightCost>,
@@ -115,7 +115,7 @@ impl LightBarrier {
         }
     }
 
-    /// Number of pairs.
+    /// Returns the number of pairs.
     pub(super) fn pairs(&self) -> usize {
         let families = 1 + usize::from(self.is_capped) + usize::from(self.is_soft);
         families * WIDTH * self.count
@@ -139,11 +139,11 @@ impl LightBarrier {
         let mut compliance = s * per_alpha + soft + Lanes::all(PROXIMAL);
         if is_soft {
             gap = gap + block.violation.invert();
-            // σ's residual and its product's cancel.
+            // The residuals of σ and of its product cancel.
             compliance = compliance + block.violation.slack * block.violation.per_multiplier;
         }
         let w = ONE / compliance;
-        // With t = 0 the new β is free of its old value, and s of its own.
+        // With t = 0 the new β does not depend on its old value, nor s on its own.
         let offset = (p - product(&block.gradient, x) - block.constant)
             + (cost * (per_p * per_p) - alpha) * soft;
         block.per_p = per_p;
@@ -151,12 +151,12 @@ impl LightBarrier {
         block.curvature = w;
         block.offset = offset;
         block.slope = alpha + w * offset;
-        // Beyond the light's stages `c` is zero.
+        // Beyond the light's stages, `c` is zero.
         model.add(&block.gradient, w, -block.slope);
         gap
     }
 
-    /// Takes the predictor's changes of a block's states.
+    /// Applies the predictor's changes of a block's states.
     #[inline(always)]
     pub(super) fn predict(&mut self, j: usize, dx: &[Lanes; 3], prediction: &mut Prediction) {
         let (cost, is_capped, is_soft) = (Lanes::all(self.cost), self.is_capped, self.is_soft);
@@ -176,7 +176,7 @@ impl LightBarrier {
         limits.primal = (lit * -(dp * *per_p)).greater(limits.primal);
     }
 
-    /// Sets the corrector's targets of a block, and adds what they add to the gradient.
+    /// Sets the corrector's targets of a block, and adds their term to the gradient.
     #[inline(always)]
     pub(super) fn set_targets(&mut self, j: usize, targets: Targets, added: &mut [Lanes; 3]) {
         let (is_capped, is_soft) = (self.is_capped, self.is_soft);
@@ -196,7 +196,7 @@ impl LightBarrier {
         add_slope(added, &block.gradient, -block.slope);
     }
 
-    /// Takes the step's changes of a block's states.
+    /// Applies the step's changes of a block's states.
     #[inline(always)]
     pub(super) fn correct(&mut self, j: usize, dx: &[Lanes; 3], limits: &mut Limits) {
         let (cost, is_capped, is_soft) = (Lanes::all(self.cost), self.is_capped, self.is_soft);
@@ -236,7 +236,7 @@ impl LightBarrier {
         block.p = block.p + Lanes::all(lengths.primal) * block.dp;
     }
 
-    /// The parts of the light's graph that the stages go to, from stage 1 on.
+    /// Writes the parts of the light's graph that the stages approach, from stage 1 on.
     pub(super) fn suggest(&self, curve: &LightCurve, tangents: &mut [LightTangent]) {
         for (j, block) in self.blocks[..self.count].iter().enumerate() {
             let acts = block.below.are_active();
@@ -257,7 +257,7 @@ impl LightBarrier {
         }
     }
 
-    /// Copies the multipliers of its stages out.
+    /// Copies the multipliers of its stages to `multipliers`.
     pub(super) fn read(&self, multipliers: &mut [f64]) {
         for k in 1..=self.len {
             let (j, lane) = place(k);

@@ -1,9 +1,9 @@
-//! The robust method: a primal-dual interior point with Mehrotra's predictor and corrector.
+//! Robust method: a primal-dual interior point with Mehrotra's predictor and corrector.
 //!
-//! Every inequality is a pair of a slack and a multiplier ([`pairs`]) whose product is driven to zero. Written with the new
-//! values (marked ⁺), the pairs of one stage and their local variables boil down to one linear function of
-//! the state or input `z`, `multiplier⁺ = H z⁺ + g`; everything else follows from `z⁺` once the sweep has found it. With
-//! the compliance `C = 1/H`
+//! Every inequality is a pair of a slack and a multiplier ([`pairs`]) whose product is driven to
+//! zero. In terms of the new values (marked ⁺), the pairs of one stage and their local variables
+//! reduce to one linear function of the state or input `z`: `multiplier⁺ = H z⁺ + g`. All else
+//! follows from `z⁺`, which the sweep computes. With the compliance `C = 1/H`
 //!
 //! ```text
 //! input   H = λ_l/s_l + λ_u/s_u            s_l = u − u_min,   s_u = u_max − u
@@ -15,31 +15,39 @@
 //!
 //! `2(α + β)/p` is the primal-dual form of the curvature `2w/p³`.
 //!
-//! An iteration factors once and solves twice, for the change of the trajectory: computed as a difference of
-//! two trajectories it would lose the digits that the stiff models of active limits need.
+//! An iteration factors once and solves twice for the change of the trajectory. A difference of two
+//! trajectories would lose the digits that the stiff models of active limits need.
 //!
-//! What is primal (inputs, states, slacks, `σ`, `p`) and what is dual (multipliers, `ν`, `y`) each go as far as they can: mostly
-//! the one or the other hinders alone, and a common length costs 4 to 7 % more iterations. Nothing keeps a residual from
-//! iteration to iteration: all are those of the iterate at hand, `ν`'s included. Dynamics, slacks and the terminal equality
-//! are linear in the primal iterates, so that a step of length `a` takes the part `a` of their residuals away.
-//! Of stationarity's the dual length `b` takes the part `b` and adds `a − b` times the change of the cost's gradient, which
-//! goes to zero with the differences of the lengths, and these do near the solution, where both become 1. What
-//! [`InteriorPoint::remaining_residual`] says is therefore a guide for the next phase, not a proof.
+//! # Step lengths
 //!
-//! The light's `w/p² = α + β` is not linear, and steps of which `p` and `α` take different parts can go round in a circle: the one
-//! length is full where the other is short, two tiny steps follow, and after four iterations the mean product is where
-//! it was (seed 23192 of the tests' random problems). So where the mean product has not become smaller for
-//! [`MOST_STALLED`] iterations while the linear residuals are nearly gone, primal and dual go equally far from
-//! then on.
+//! Primal variables (inputs, states, slacks, `σ`, `p`) and dual ones (multipliers, `ν`, `y`) each
+//! take their longest step. Mostly only one of the two is limited, and a common length costs 4 to 7
+//! % more iterations.
 //!
-//! Each iteration has four sweeps over the stages: backwards and forwards for the predictor, and again for the
-//! corrector. The work on the pairs is done in blocks of [`WIDTH`] stages, lane by lane, one block beside that of the sweep: ahead
-//! of a backward sweep, which needs it, and behind a forward sweep, which it needs. So neither waits for the other.
-//! Trajectories are stored in such blocks, component by component ([`path`]), and the predictor's backward sweep takes the models of
-//! a block at once ([`model`], [`super::lqr::BlockModel`]).
+//! No residual is carried from iteration to iteration: all are computed at the present iterate,
+//! that of `ν` included. Dynamics, slacks and the terminal equality are linear in the primal
+//! variables, so a primal length `a` scales their residuals by `1 − a`. A dual length `b` scales
+//! the stationarity residual by `1 − b` and adds `a − b` times the change of the cost's gradient.
+//! This addition vanishes near the solution, where both lengths become 1.
+//! [`InteriorPoint::remaining_residual`] is therefore a guide for the next phase, not a proof.
 //!
-//! The method itself does not end: [`InteriorPoint::iterate`] is one iteration, and [`crate::Riccati`] bounds their number. It
-//! fails when a step cannot be represented, and then leaves the iterate as it was.
+//! The light's `w/p² = α + β` is not linear, and steps with different lengths for `p` and `α` can
+//! cycle. One length is full where the other is short, two tiny steps follow, and after four
+//! iterations the mean product is the same (seed 23192 of the tests' random problems). Both lengths
+//! are therefore equal once the mean product has not fallen for [`MOST_STALLED`] iterations while
+//! the linear residuals are nearly zero.
+//!
+//! # Sweeps
+//!
+//! Each iteration has four sweeps over the stages: backwards and forwards for the predictor, and
+//! again for the corrector. The pairs are processed in blocks of [`WIDTH`] stages, lane by lane,
+//! one block beside that of the sweep. A backward sweep needs the block ahead of it; a block behind
+//! a forward sweep needs the sweep. Neither waits for the other. Trajectories are stored in the
+//! same blocks, component by component ([`path`]). The predictor's backward sweep takes the models
+//! of a whole block ([`model`], [`super::lqr::BlockModel`]).
+//!
+//! [`InteriorPoint::iterate`] is one iteration; [`crate::Riccati`] bounds their number. An
+//! iteration fails when its step cannot be represented, and then leaves the iterate unchanged.
 
 mod barriers;
 mod input;
@@ -64,49 +72,53 @@ use model::Cost;
 use pairs::{Lengths, Limits, Prediction, Targets, place};
 use path::{PathBlock, path, state};
 
-/// Least first slack of rows and light, m or m/s.
+/// Smallest initial slack of rows and light \[m or m/s\].
 const START_SLACK: f64 = 3.0;
-/// First products, part of the quadratic cost of the first trajectory, and their limits.
+/// Initial products as a fraction of the quadratic cost of the first trajectory, and their limits.
 const START_PRODUCT: f64 = 1e-2;
 const START_PRODUCTS: (f64, f64) = (1.0, 1e6);
-/// Least target product. Where a limit holds without a force, slack and multiplier are both the root of it, and the optimality
-/// conditions ask for 1e-8 of them.
+/// Smallest target product. At a limit without a force, slack and multiplier are both its root, and
+/// the optimality conditions require 1e-8 of them.
 const LEAST_TARGET: f64 = 1e-20;
-/// Least part of the mean product that a step aims at.
+/// Smallest fraction of the mean product that a step aims at.
 const LEAST_CENTRING: f64 = 1e-6;
 
-/// Most of what the predictor has neglected that a target makes up for, in mean products ([`pairs`]).
+/// Cap on the second-order correction, in multiples of the mean product ([`pairs`]).
 const MOST_NEGLECTED: f64 = 30.0;
-/// Part of the longest possible step that is left out while the products are large, and what is left out more when the
-/// predictor cannot go at all. The pair that hinders is then the farther from zero, and hinders the next step less.
+/// Fraction of the longest step that is left out while the products are large, and the further
+/// fraction for a predictor that cannot move. The limiting pair then stays farther from zero and
+/// limits the next step less.
 const MARGIN: f64 = 0.01;
 const SHORT_MARGIN: f64 = 0.1;
 
-/// Iterations without a smaller mean product after which both lengths of a step are the same, and what counts as smaller.
+/// Number of iterations without a smaller mean product after which both lengths are equal, and the
+/// ratio that counts as smaller.
 const MOST_STALLED: u32 = 4;
 const SMALLER: f64 = 0.9;
-/// Part of the linear residuals from which on the mean product should fall; before, it may have to rise.
+/// Fraction of the linear residuals below which the mean product should fall; above it may have to
+/// rise.
 const NEARLY_FEASIBLE: f64 = 1e-3;
 
-/// What an iteration did.
+/// Result of an iteration.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
-    /// Mean product of the pairs before it.
+    /// Mean product of the pairs before the step.
     pub(super) mu: f64,
-    /// Length of the predictor's step, the geometric mean of the two.
+    /// Geometric mean of the predictor's two lengths.
     predictor: f64,
-    /// Length of the step taken, the less of the two.
+    /// Smaller one of the two lengths taken.
     pub(super) length: f64,
 }
 
 impl Step {
-    /// Whether both steps were nearly full: what is active then shows.
+    /// Returns whether both steps were nearly full, so that they show which inequalities are
+    /// active.
     pub(super) fn is_fast(&self) -> bool {
         self.predictor > 0.8 && self.length > 0.9
     }
 }
 
-/// How long the mean product has not become smaller.
+/// Iterations since the mean product last became smaller.
 #[derive(Clone, Copy, Debug)]
 struct Stall {
     least: f64,
@@ -120,7 +132,8 @@ impl Default for Stall {
 }
 
 impl Stall {
-    /// Takes the mean product of one more iteration; whether it has been too many without progress. They stay too many.
+    /// Records the mean product of one more iteration; returns whether there was no progress for
+    /// too long. This result is permanent.
     fn has_lasted(&mut self, mu: f64) -> bool {
         if self.iterations < MOST_STALLED {
             let is_smaller = mu < SMALLER * self.least;
@@ -131,22 +144,22 @@ impl Stall {
     }
 }
 
-/// The iterate and work memory.
+/// Iterate and work memory.
 #[derive(Clone, Debug)]
 pub(super) struct InteriorPoint {
     barriers: Barriers,
     sweep: Sweep,
     /// `y`.
     terminal: [f64; 3],
-    /// What is left of the first iterate's linear residuals, as a part of them: the product of what the steps' shorter
-    /// lengths have left.
+    /// Remaining fraction of the first iterate's linear residuals: the product of `1 − length` over
+    /// the steps' shorter lengths.
     residual: f64,
     stall: Stall,
     cost: Cost,
-    /// The inputs of the barriers, and the states that they lead to.
+    /// Inputs of the barriers, and the states that follow from them.
     iterate: Vec<PathBlock>,
     predictor: Vec<PathBlock>,
-    /// Predictor and corrector together.
+    /// Sum of predictor and corrector.
     step: Vec<PathBlock>,
     /// Constant part of the corrector's change of the inputs.
     constants: Vec<f64>,
@@ -168,9 +181,9 @@ impl InteriorPoint {
         }
     }
 
-    /// Starts near a trajectory, whatever it violates; far numbers in it are not trusted.
+    /// Starts near any trajectory; numbers of extreme size in it are limited.
     ///
-    /// `distance` above 1 starts farther inside: larger slacks, and products larger by its square.
+    /// A `distance` above 1 starts farther inside: slacks grow with it, products with its square.
     pub(super) fn start(
         &mut self,
         problem: &Problem,
@@ -181,11 +194,11 @@ impl InteriorPoint {
         let n = problem.horizon;
         let cost: f64 = states[..n].iter().map(|x| quadratic(&problem.q, x)).sum();
         let (least, most) = START_PRODUCTS;
-        // In this order NaN becomes `most`.
+        // This order turns NaN into `most`.
         let mu = distance * distance * (START_PRODUCT * 0.5 * cost).min(most).max(least);
         self.barriers.start(problem, inputs, states, distance * START_SLACK, mu);
         self.cost.start(problem);
-        // What an earlier problem has left beyond the horizon is forgotten.
+        // Clear leftovers of an earlier problem beyond the horizon.
         for path in [&mut self.iterate, &mut self.predictor, &mut self.step] {
             path.fill(PathBlock::default());
         }
@@ -203,7 +216,7 @@ impl InteriorPoint {
         self.stall = Stall::default();
     }
 
-    /// One iteration; nothing if the step cannot be computed, in which case the iterate stays as it was.
+    /// Performs one iteration; `None` if the step cannot be computed, with the iterate unchanged.
     pub(super) fn iterate(&mut self, problem: &Problem, lq: &LinearQuadratic) -> Option<Step> {
         match (lq.shape, problem.terminal) {
             (PLAIN, Terminal::Cost) => iterate::<false, PLAIN>(self, problem, lq),
@@ -212,7 +225,7 @@ impl InteriorPoint {
             (CHAIN, Terminal::Equality(_)) => iterate::<true, CHAIN>(self, problem, lq),
             (INTEGRATING, Terminal::Cost) => iterate::<false, INTEGRATING>(self, problem, lq),
             (INTEGRATING, Terminal::Equality(_)) => iterate::<true, INTEGRATING>(self, problem, lq),
-            // Rare enough not to deserve code of its own: the terminal columns are not used.
+            // This case is too rare for code of its own; the terminal columns are not used.
             _ => iterate::<true, GENERAL>(self, problem, lq),
         }
     }
@@ -233,11 +246,12 @@ impl InteriorPoint {
         let predictor = (primal * dual).sqrt();
         let moved = prediction.moved.sum() / gap;
         let neglected = prediction.neglected.sum() / gap;
-        // What is left of the products' sum, see [`pairs`].
+        // Remaining fraction of the sum of the products, see [`pairs`].
         let left = ((1.0 - dual) + (primal - dual) * moved - primal * dual * neglected).max(0.0);
 
-        // Corrector: towards products of τ. A short predictor step says little about the products at full length; that
-        // the root of its length counts, rather than the length, was measured: it saves some 3 % of the iterations.
+        // Corrector: towards products of τ. A short predictor step says little about the products
+        // at full length. The root of its length, used here in place of the length, saves some 3 %
+        // of the iterations.
         let targets = Targets {
             product: (mu * (left * left * left).clamp(LEAST_CENTRING, 1.0)).max(LEAST_TARGET),
             trust: predictor.sqrt(),
@@ -259,7 +273,7 @@ impl InteriorPoint {
         Some(Step { mu, predictor, length })
     }
 
-    /// The sweep with the model at the iterate, and the sum of the products.
+    /// Computes the sweep for the model at the iterate, and the sum of the products.
     #[inline(always)]
     fn factor(&mut self, problem: &Problem, lq: &LinearQuadratic) -> (CostToGo, f64) {
         let Self { barriers, cost, iterate, sweep, .. } = self;
@@ -268,7 +282,7 @@ impl InteriorPoint {
         (cost_to_go, models.gap.sum())
     }
 
-    /// The predictor's change of the trajectory; returns its `y`.
+    /// Computes the predictor's change of the trajectory; returns its `y`.
     #[inline(always)]
     fn predict<const TERMINAL: bool, const SHAPE: Shape>(
         &mut self,
@@ -306,8 +320,8 @@ impl InteriorPoint {
         (y, prediction)
     }
 
-    /// Adds to the predictor what the corrector's slopes make: the recursion again, for the vectors only. Returns the
-    /// change of `y`, and how far the pairs let the step go.
+    /// Adds the effect of the corrector's slopes to the predictor, by the recursion of the vectors
+    /// alone. Returns the change of `y` and the limits of the step.
     #[inline(always)]
     fn correct<const TERMINAL: bool, const SHAPE: Shape>(
         &mut self,
@@ -320,7 +334,7 @@ impl InteriorPoint {
         let barriers = &mut self.barriers;
         let mut v = [0.0; 3];
         let mut t = [0.0; 3];
-        // In memory, where single lanes are read from.
+        // Single lanes are read from memory.
         let mut ring = [(Lanes::default(), [Lanes::default(); 3]); 2];
         ring[n / WIDTH % 2] = barriers.set_targets(n / WIDTH, targets);
         for j in (0..=n / WIDTH).rev() {
@@ -379,7 +393,7 @@ impl InteriorPoint {
         (y, limits)
     }
 
-    /// Takes the step.
+    /// Advances the iterate by the step.
     #[inline(always)]
     fn advance(&mut self, problem: &Problem, lengths: Lengths, y: [f64; 3]) {
         let primal = Lanes::all(lengths.primal);
@@ -402,26 +416,26 @@ impl InteriorPoint {
         self.barriers.suggest(problem, guess, &self.terminal);
     }
 
-    /// What is left of the first iterate's linear residuals, as a part of them.
+    /// Returns the remaining fraction of the first iterate's linear residuals.
     pub(super) fn remaining_residual(&self) -> f64 {
         self.residual
     }
 
-    /// Copies the inputs of the iterate out, within their bounds.
+    /// Copies the inputs of the iterate to `inputs`, within their bounds.
     pub(super) fn read_inputs(&self, problem: &Problem, inputs: &mut [f64]) {
         for (k, out) in inputs[..problem.horizon].iter_mut().enumerate() {
             *out = self.barriers.input.value(k).max(problem.u_min).min(problem.u_max);
         }
     }
 
-    /// Copies its multipliers out.
+    /// Copies the multipliers of the iterate to `multipliers`.
     pub(super) fn read_multipliers(&self, multipliers: &mut Multipliers) {
         self.barriers.read(multipliers);
         multipliers.terminal = self.terminal;
     }
 }
 
-/// Part of the longest possible step that is taken.
+/// Returns the fraction of the longest possible step that is taken.
 #[inline(always)]
 fn fraction_of_longest(mu: f64, predictor: f64) -> f64 {
     let short = 1.0 - predictor;
@@ -459,7 +473,7 @@ impl BlockModels for Models<'_> {
     }
 }
 
-/// The block that begins at an entry.
+/// Returns the block that begins at an entry.
 #[inline(always)]
 fn block<T>(path: &[T], first: usize) -> &[T; WIDTH] {
     path[first..].first_chunk().expect("there is room for whole blocks")

@@ -1,8 +1,8 @@
 //! The iterate as a model of the stages, a block at a time.
 //!
-//! What the backward sweep needs of a stage are its Hessian and its gradient: those of the cost, and for each pair those
-//! of its elimination. All of it is made lane by lane for the stages of a block, which leaves the sweep with the
-//! recursion alone.
+//! The backward sweep needs the Hessian and the gradient of each stage: those of the cost, and
+//! those of each eliminated pair. They are computed lane by lane for a whole block, so the sweep
+//! performs only the recursion.
 
 use super::pairs::{place, product};
 use super::path::PathBlock;
@@ -11,7 +11,7 @@ use crate::riccati::lanes::{Lanes, WIDTH};
 use crate::riccati::lqr::BlockModel;
 
 impl BlockModel {
-    /// Adds a function of `g'x` with its curvature and its slope.
+    /// Adds a function of `g'x` by its curvature and its slope.
     #[inline(always)]
     pub(super) fn add(&mut self, g: &[Lanes; 3], curvature: Lanes, slope: Lanes) {
         let wg = [curvature * g[0], curvature * g[1], curvature * g[2]];
@@ -26,24 +26,24 @@ impl BlockModel {
     }
 }
 
-/// `Q` and `s`, with `P` and zero at the end of the horizon.
+/// `Q` and `s`; at the end of the horizon `P` and zero.
 #[derive(Clone, Copy, Debug, Default)]
 struct QuadraticCost {
     hessian: [Lanes; 6],
     cross: [Lanes; 3],
 }
 
-/// `q_k` and `ρ_k`, `p` at the end of the horizon, zero beyond.
+/// `q_k` and `ρ_k`; `p` at the end of the horizon, zero beyond.
 #[derive(Clone, Copy, Debug, Default)]
 struct LinearCost {
     state: [Lanes; 3],
     input: Lanes,
 }
 
-/// The cost in blocks.
+/// Cost in blocks.
 #[derive(Clone, Debug)]
 pub(super) struct Cost {
-    /// Of all blocks but the last, and of the last.
+    /// Quadratic cost of all blocks but the last, and of the last one.
     quadratic: [QuadraticCost; 2],
     linear: Vec<LinearCost>,
     last_block: usize,
@@ -55,7 +55,7 @@ impl Cost {
         Self { quadratic: Default::default(), linear, last_block: 0 }
     }
 
-    /// Takes over a problem's cost.
+    /// Copies a problem's cost.
     pub(super) fn start(&mut self, problem: &Problem) {
         let n = problem.horizon;
         let upper = |m: &[[f64; 3]; 3]| [m[0][0], m[0][1], m[0][2], m[1][1], m[1][2], m[2][2]];
@@ -86,7 +86,7 @@ impl Cost {
         block.input.0[lane] = r;
     }
 
-    /// The model of block `j` without any pairs.
+    /// Returns the model of block `j` without any pairs.
     #[inline(always)]
     pub(super) fn model(&self, j: usize, r: f64, path: &PathBlock) -> BlockModel {
         let PathBlock { u, x } = path;

@@ -1,30 +1,31 @@
 //! Pairs of a slack `s` and a multiplier `λ` whose product is driven to zero.
 //!
-//! A step towards the product `t` satisfies `λ s⁺ + s λ⁺ = s λ + t`. With `r = (s⁺ − s)/s` the multiplier changes by
-//! `t/(sλ) − 1 − r`, relative. The predictor aims at `t = 0`: `r` then tells all about a pair. Slacks may go the part `a`
-//! of the way while `−a r ≤ 1`, multipliers the part `b` while `b(1 + r) ≤ 1`, and what is left of the product is
+//! A step towards the product `t` satisfies `λ s⁺ + s λ⁺ = s λ + t`. With `r = (s⁺ − s)/s` the
+//! relative change of the multiplier is `t/(sλ) − 1 − r`. The predictor aims at `t = 0`, so `r`
+//! alone describes a pair. A primal length `a` is possible while `−a r ≤ 1`, a dual length `b`
+//! while `b(1 + r) ≤ 1`. The remaining product is
 //!
 //! ```text
 //! sλ(1 + a r)(1 − b − b r) = (1 − b) sλ + (a − b) sλ r − a b n,     n = sλ r(1 + r)
 //! ```
 //!
-//! What the predictor has neglected is `n`; it gives the corrector's target, `t = τ + n`. But `n` is what a full step would
-//! neglect. Where the predictor can go but a small part of the way, single pairs have an `n` of thousands of mean products, and to
-//! make up for it spoils the step of all others. So only a part of `n` counts, and no more than a multiple of the mean
-//! product.
+//! `n` is the second-order term that the predictor neglects, and it gives the corrector's target `t
+//! = τ + n`. It belongs to a full step, however. After a short predictor step, single pairs have an
+//! `n` of thousands of mean products, and compensating it spoils the step of all others. So only a
+//! fraction of `n` counts, up to a multiple of the mean product.
 
 use crate::riccati::lanes::{Lanes, WIDTH};
 
-/// Compliance that is added to those of rows and light, unit of the limit per unit of its multiplier.
+/// Compliance added to those of rows and light \[unit of the limit per unit of its multiplier\].
 ///
-/// It moves the limit by `PROXIMAL (μ⁺ − μ)`, which vanishes as the multiplier settles, and keeps the
-/// curvature from outgrowing the machine's precision while the slack of an active limit goes to zero.
+/// It moves the limit by `PROXIMAL (μ⁺ − μ)`, which vanishes as the multiplier settles. It keeps
+/// the curvature within the machine's precision while the slack of an active limit goes to zero.
 pub(super) const PROXIMAL: f64 = 1e-12;
 
 /// `1` in every lane.
 pub(super) const ONE: Lanes = Lanes::all(1.0);
 
-/// The pairs of [`WIDTH`] stages.
+/// Pairs of [`WIDTH`] stages.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Pairs {
     pub(super) slack: Lanes,
@@ -32,24 +33,24 @@ pub(super) struct Pairs {
     /// `1/s` and `1/λ`.
     pub(super) per_slack: Lanes,
     pub(super) per_multiplier: Lanes,
-    /// `r` of the last step computed.
+    /// `r` of the last computed step.
     relative: Lanes,
-    /// After the predictor `n`, after that `t`.
+    /// `n` after the predictor, then `t`.
     pub(super) target: Lanes,
 }
 
-/// The corrector's targets `t = τ + part of n`.
+/// Targets of the corrector, `t = τ + fraction of n`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Targets {
     /// `τ`.
     pub(super) product: f64,
-    /// Part of `n` that counts.
+    /// Fraction of `n` that counts.
     pub(super) trust: f64,
-    /// Most of `n` that counts.
+    /// Cap on `n`.
     pub(super) most: f64,
 }
 
-/// Lengths of a step: of the trajectory, the slacks and what goes with them, and of the multipliers.
+/// Lengths of a step: primal for trajectory and slacks, dual for multipliers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lengths {
     pub(super) primal: f64,
@@ -57,7 +58,7 @@ pub(super) struct Lengths {
 }
 
 impl Lengths {
-    /// The shorter of the two for both.
+    /// Returns the shorter length for both.
     pub(super) fn common(self) -> Self {
         let length = self.primal.min(self.dual);
         Self { primal: length, dual: length }
@@ -72,7 +73,7 @@ pub(super) struct Limits {
 }
 
 impl Limits {
-    /// The part `fraction` of the longest possible steps, at most full ones.
+    /// Returns `fraction` of the longest possible steps, at most full ones.
     #[inline(always)]
     pub(super) fn lengths(&self, fraction: f64) -> Lengths {
         let length = |limit: Lanes| (fraction / limit.largest().max(f64::MIN_POSITIVE)).min(1.0);
@@ -80,7 +81,7 @@ impl Limits {
     }
 }
 
-/// What a predictor means for the pairs, lane by lane.
+/// Effect of a predictor step on the pairs, lane by lane.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Prediction {
     pub(super) limits: Limits,
@@ -100,18 +101,18 @@ impl Pairs {
         self.multiplier.0[lane] = multiplier;
     }
 
-    /// Sets `1/s` and `1/λ`; returns the products.
+    /// Computes `1/s` and `1/λ`; returns the products.
     #[inline(always)]
     pub(super) fn invert(&mut self) -> Lanes {
         let product = self.slack * self.multiplier;
-        // One division for both.
+        // One division serves both reciprocals.
         let per_product = ONE / product;
         self.per_slack = self.multiplier * per_product;
         self.per_multiplier = self.slack * per_product;
         product
     }
 
-    /// Takes the predictor's `r`.
+    /// Records the predictor's `r`.
     #[inline(always)]
     pub(super) fn predict(&mut self, relative: Lanes, prediction: &mut Prediction) {
         let Limits { primal, dual } = &mut prediction.limits;
@@ -131,7 +132,7 @@ impl Pairs {
         self.target = Lanes::all(product) + Lanes::all(trust) * neglected;
     }
 
-    /// Takes the step's `r`.
+    /// Records the step's `r`.
     #[inline(always)]
     pub(super) fn correct(&mut self, relative: Lanes, limits: &mut Limits) {
         self.relative = relative;
@@ -139,21 +140,21 @@ impl Pairs {
         limits.dual = (-self.change()).greater(limits.dual);
     }
 
-    /// Relative change of the multiplier.
+    /// Returns the relative change of the multiplier.
     #[inline(always)]
     fn change(&self) -> Lanes {
         self.target * (self.per_slack * self.per_multiplier) - (ONE + self.relative)
     }
 
-    /// Lane by lane whether the slack, rather than its multiplier, goes to zero: by Tapia's indicator, which of
-    /// the two has shrunk more in the last step.
+    /// Returns, lane by lane, whether the slack rather than its multiplier goes to zero. Tapia's
+    /// indicator decides: the one that shrank more in the last step.
     #[inline(always)]
     pub(super) fn are_active(&self) -> [bool; WIDTH] {
         let (slack, multiplier) = (self.relative.0, self.change().0);
         std::array::from_fn(|lane| slack[lane] < multiplier[lane])
     }
 
-    /// Takes the step.
+    /// Advances the pairs by the step.
     #[inline(always)]
     pub(super) fn advance(&mut self, lengths: Lengths) {
         let (primal, dual) = (Lanes::all(lengths.primal), Lanes::all(lengths.dual));
@@ -164,13 +165,13 @@ impl Pairs {
     }
 }
 
-/// Where stage `k` is: its block and its lane.
+/// Returns the block and the lane of stage `k`.
 #[inline(always)]
 pub(super) fn place(k: usize) -> (usize, usize) {
     (k / WIDTH, k % WIDTH)
 }
 
-/// Adds `slope · g` of four stages.
+/// Adds `slope · g` for four stages.
 #[inline(always)]
 pub(super) fn add_slope(v: &mut [Lanes; 3], g: &[Lanes; 3], slope: Lanes) {
     for i in 0..3 {
@@ -178,7 +179,7 @@ pub(super) fn add_slope(v: &mut [Lanes; 3], g: &[Lanes; 3], slope: Lanes) {
     }
 }
 
-/// `g'x` of four stages.
+/// Returns `g'x` for four stages.
 #[inline(always)]
 pub(super) fn product(g: &[Lanes; 3], x: &[Lanes; 3]) -> Lanes {
     g[0] * x[0] + g[1] * x[1] + g[2] * x[2]
@@ -202,7 +203,7 @@ mod tests {
     fn slack_and_multiplier_each_go_as_far_as_they_can() {
         let mut pairs = Pairs::new(ONE, ONE);
         pairs.invert();
-        // The slack would reach zero half of the way, the multiplier grows.
+        // The slack reaches zero half of the way; the multiplier grows.
         let mut limits = Limits::default();
         pairs.correct(Lanes::all(-2.0), &mut limits);
         let lengths = limits.lengths(0.5);

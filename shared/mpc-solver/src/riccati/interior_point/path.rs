@@ -1,5 +1,5 @@
-//! Trajectories in blocks of stages, component by component: the sweeps fill them stage by stage, and what is done with
-//! the pairs reads them lane by lane.
+//! Trajectories in blocks of stages, component by component. The sweeps fill them stage by stage;
+//! the pairs read them lane by lane.
 
 use super::pairs::place;
 use crate::riccati::lanes::{Lanes, WIDTH};
@@ -30,12 +30,12 @@ impl PathBlock {
     }
 }
 
-/// A trajectory of up to so many steps; zero beyond the horizon.
+/// Returns a zero trajectory with room for `max_horizon` steps.
 pub(super) fn path(max_horizon: usize) -> Vec<PathBlock> {
     vec![PathBlock::default(); max_horizon / WIDTH + 1]
 }
 
-/// `x_k`.
+/// Returns `x_k`.
 pub(super) fn state(path: &[PathBlock], k: usize) -> [f64; 3] {
     let (j, lane) = place(k);
     path[j].x.map(|lanes| lanes.0[lane])

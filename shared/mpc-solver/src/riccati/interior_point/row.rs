@@ -1,4 +1,4 @@
-//! One row, over its stages.
+//! Inequalities of one row over its stages.
 
 use super::pairs::{
     Lengths, Limits, ONE, PROXIMAL, Pairs, Prediction, Targets, add_slope, place, product,
@@ -8,7 +8,7 @@ use crate::riccati::lanes::{Lanes, WIDTH};
 use crate::riccati::lqr::BlockModel;
 use crate::riccati::row_curve::RowTangent;
 
-/// Finite stand-in for an infinite limit.
+/// Finite replacement for an infinite limit.
 const NO_LIMIT: f64 = 1e9;
 
 /// The row at a block of stages: pairs `(s, μ)` and, if soft, `(σ, ν)`.
@@ -16,31 +16,31 @@ const NO_LIMIT: f64 = 1e9;
 struct Block {
     /// `h`.
     limit: Lanes,
-    /// 1 at the row's stages, 0 beyond: there nothing depends on it.
+    /// 1 at the row's stages; 0 beyond, where nothing depends on it.
     is_in_force: Lanes,
     below: Pairs,
     violation: Pairs,
     /// `W`.
     curvature: Lanes,
-    /// Force on `g`: the predictor's without a change of `z`, or what the corrector adds.
+    /// Force on `g`: the predictor's for a zero change of `z`, or the corrector's addition.
     slope: Lanes,
-    /// Change of `z` at which the predictor leaves the multiplier as it is.
+    /// Change of `z` at which the predictor leaves the multiplier unchanged.
     offset: Lanes,
     /// `1/(ν + κσ)`.
     per_stiffness: Lanes,
-    /// `λ + κσ − μ`, which `ν` is to become.
+    /// `λ + κσ − μ`, the target of `ν`.
     price: Lanes,
 }
 
-/// The row. Where a block goes beyond its stages, it has no limit.
+/// All blocks of a row; lanes beyond its stages have no limit.
 #[derive(Clone, Debug)]
 pub(super) struct RowBarrier {
     /// `g`, the same in every lane.
     gradient: [Lanes; 3],
-    /// First stage, and one beyond the last.
+    /// First stage, and one past the last.
     from: usize,
     end: usize,
-    /// The same of the blocks.
+    /// First block, and one past the last.
     first_block: usize,
     end_block: usize,
     /// `(λ, κ)`.
@@ -61,7 +61,7 @@ impl RowBarrier {
         }
     }
 
-    /// Starts with the slacks that the states leave, at least `least`, and products about `mu`.
+    /// Starts with the slacks that the states leave, at least `least`, and products of about `mu`.
     pub(super) fn start(
         &mut self,
         row: &Row,
@@ -99,7 +99,7 @@ impl RowBarrier {
         }
     }
 
-    /// Number of pairs.
+    /// Returns the number of pairs.
     pub(super) fn pairs(&self) -> usize {
         let families = if self.penalty.is_some() { 2 } else { 1 };
         families * WIDTH * (self.end_block - self.first_block)
@@ -117,7 +117,7 @@ impl RowBarrier {
         let Some(block) = self.block(j) else { return Lanes::default() };
         let mut gap = block.below.invert();
         let Pairs { slack: s, multiplier: m, per_multiplier, .. } = block.below;
-        // s + (residual of the slack), to begin with.
+        // First s + (residual of the slack).
         let mut offset = block.limit - product(&gradient, x);
         let mut compliance = s * per_multiplier + Lanes::all(PROXIMAL);
         if let Some((weight, curvature)) = penalty {
@@ -138,7 +138,7 @@ impl RowBarrier {
         gap
     }
 
-    /// Takes the predictor's changes of a block's states.
+    /// Applies the predictor's changes of a block's states.
     #[inline(always)]
     pub(super) fn predict(&mut self, j: usize, dx: &[Lanes; 3], prediction: &mut Prediction) {
         let (gradient, is_soft) = (self.gradient, self.penalty.is_some());
@@ -153,7 +153,7 @@ impl RowBarrier {
         }
     }
 
-    /// Sets the corrector's targets of a block, and adds what they add to the gradient.
+    /// Sets the corrector's targets of a block, and adds their term to the gradient.
     #[inline(always)]
     pub(super) fn set_targets(&mut self, j: usize, targets: Targets, added: &mut [Lanes; 3]) {
         let (gradient, is_soft) = (self.gradient, self.penalty.is_some());
@@ -169,7 +169,7 @@ impl RowBarrier {
         add_slope(added, &gradient, block.slope);
     }
 
-    /// Takes the step's changes of a block's states.
+    /// Applies the step's changes of a block's states.
     #[inline(always)]
     pub(super) fn correct(&mut self, j: usize, dx: &[Lanes; 3], limits: &mut Limits) {
         let (gradient, is_soft) = (self.gradient, self.penalty.is_some());
@@ -195,7 +195,7 @@ impl RowBarrier {
         }
     }
 
-    /// The parts of the row's graph that the stages go to.
+    /// Writes the parts of the row's graph that the stages approach.
     pub(super) fn suggest(&self, stiffness: f64, tangents: &mut [RowTangent]) {
         tangents.fill(RowTangent::default());
         for j in self.first_block..self.end_block {
@@ -215,7 +215,7 @@ impl RowBarrier {
         }
     }
 
-    /// The largest multiplier.
+    /// Returns the largest multiplier.
     pub(super) fn largest_multiplier(&self) -> f64 {
         let blocks = &self.blocks[self.first_block..self.end_block];
         blocks
@@ -224,7 +224,7 @@ impl RowBarrier {
             .largest()
     }
 
-    /// Copies the multipliers of its stages out.
+    /// Copies the multipliers of its stages to `multipliers`.
     pub(super) fn read(&self, multipliers: &mut [f64]) {
         for k in self.from..self.end {
             let (j, lane) = place(k);
@@ -233,7 +233,7 @@ impl RowBarrier {
     }
 }
 
-/// A limit so far off that no cruise state comes near it stands for no limit at all.
+/// Returns a finite limit: no cruise state comes near [`NO_LIMIT`], which replaces larger ones.
 fn within_reach(limit: f64) -> f64 {
     if limit < NO_LIMIT { limit } else { NO_LIMIT }
 }

@@ -1,4 +1,4 @@
-//! The wide registers of x86-64 (AVX2), for loops in which the compiler does not find them itself.
+//! Wide registers of x86-64 (AVX2), for loops that the compiler does not vectorise.
 
 #![allow(
     unsafe_code,
@@ -13,27 +13,27 @@ use std::ops::{Add, Mul, Sub};
 
 use super::{Vector, WIDTH};
 
-/// Whether this machine has them.
+/// Returns whether this machine has AVX2.
 pub(in crate::riccati) fn is_available() -> bool {
     std::arch::is_x86_feature_detected!("avx2")
 }
 
-/// Four numbers in a register. Only functions with the target feature `avx2`, which are called where [`is_available`], make
-/// one: that is why its operations may use the instructions.
+/// Four numbers in a register. Only functions with the target feature `avx2` construct one, and
+/// they are called only if [`is_available`]; its operations may therefore use the instructions.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::riccati) struct Wide(__m256d);
 
 impl Vector for Wide {
     #[inline(always)]
     fn from_array(numbers: [f64; WIDTH]) -> Self {
-        // SAFETY: the four numbers are there to read; AVX: see `Wide`.
+        // SAFETY: the four numbers are readable; AVX: see `Wide`.
         Self(unsafe { _mm256_loadu_pd(numbers.as_ptr()) })
     }
 
     #[inline(always)]
     fn to_array(self) -> [f64; WIDTH] {
         let mut numbers = [0.0; WIDTH];
-        // SAFETY: the four numbers are there to write; AVX: see `Wide`.
+        // SAFETY: the four numbers are writable; AVX: see `Wide`.
         unsafe { _mm256_storeu_pd(numbers.as_mut_ptr(), self.0) };
         numbers
     }

@@ -1,6 +1,7 @@
-//! The backward sweep of the active set, stage by stage.
+//! Backward sweep of the active set, stage by stage.
 //!
-//! The matrices are vectors, row by row ([`super::dynamics`]); their lower triangle holds the bits of the upper one.
+//! The matrices are vectors, row by row ([`super::dynamics`]); their lower triangle holds the bits
+//! of the upper one.
 
 #![allow(unsafe_code, reason = "calls the version for the registers that the machine has")]
 
@@ -18,17 +19,17 @@ use crate::riccati::lanes::wide::{self, Wide};
 use crate::riccati::lanes::{Lanes, Row, Vector};
 use crate::riccati::matrix::{Rows, product};
 
-/// What a sweep goes over.
+/// Input of a sweep.
 pub(super) struct Stages<'a, M> {
     pub(super) lq: &'a LinearQuadratic,
     pub(super) problem: &'a Problem,
     pub(super) models: &'a M,
-    /// The last stage whose models differ from those of the sweep before.
+    /// Last stage whose models differ from those of the previous sweep.
     pub(super) last: usize,
 }
 
 impl<M: StageModels> Stages<'_, M> {
-    /// See [`LinearQuadratic::factor`].
+    /// Performs [`LinearQuadratic::factor`].
     pub(super) fn sweep<const SHAPE: Shape, const DISTURBED: bool, const TERMINAL: bool>(
         &self,
         sweep: &mut Sweep,
@@ -65,7 +66,8 @@ impl<M: StageModels> Stages<'_, M> {
         }
     }
 
-    /// The recursion, in vectors `V` of which the linear part is one (`Ψ | p`) or a number (`p`).
+    /// Performs the recursion in vectors `V`; the linear part is a vector (`Ψ | p`) or a number
+    /// (`p`).
     #[inline(always)]
     fn sweep_by<const SHAPE: Shape, const DISTURBED: bool, V: Vector, R: Row<V>>(
         &self,
@@ -133,8 +135,9 @@ impl<M: StageModels> Stages<'_, M> {
             for i in 0..3 {
                 next.0[i] = next.0[i] + apa.0[i];
             }
-            // From `P` to the next one there are two ways of the same length: this division with a product on either side, and
-            // `A'P A`. The division is written where its result is needed, so that it waits in no memory.
+            // Two paths of equal length lead from `P` to the next one: this division with a product
+            // on either side, and `A'P A`. The division stands where its result is needed, so that
+            // it is not spilled to memory.
             let curvature = if SHAPE >= CHAIN {
                 last_squared * p.0[2].to_array()[2]
             } else {
@@ -177,7 +180,7 @@ impl<M: StageModels> Stages<'_, M> {
     }
 }
 
-/// What is stored of a stage.
+/// Returns the stored data of a stage.
 #[inline(always)]
 fn cost_to_go<V: Vector, R: Row<V>>([l0, l1, l2]: [R; 3], dual: Dual<V>, reached: V) -> CostToGo {
     let lanes = Lanes::from_vector::<V>;

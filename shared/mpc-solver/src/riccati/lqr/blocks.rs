@@ -1,10 +1,10 @@
-//! The backward sweep of the interior point, in blocks of stages.
+//! Backward sweep of the interior point, in blocks of stages.
 //!
-//! It is the recursion at the head of [`super`] for the change of a trajectory (no disturbance) in which every input is
-//! free. For a block the caller makes the models of its stages, lane by lane; then comes the matrix recursion alone,
-//! and then that of the vectors. `P` waits for one division per stage, and nothing else is in its way; models and
-//! vectors wait for `P` only from block to block, so that the machine works on them beside it. Together, stage by stage,
-//! they would not fit into the registers.
+//! It is the recursion at the head of [`super`] for the change of a trajectory (no disturbance)
+//! with all inputs free. For each block the caller first computes the models of its stages, lane by
+//! lane. Then follow the matrix recursion and the vector recursion. `P` waits for one division per
+//! stage and for nothing else. Models and vectors wait for `P` only from block to block, so the
+//! machine works on them in parallel. Merged stage by stage, they would not fit into the registers.
 
 use multiversion::multiversion;
 
@@ -13,25 +13,26 @@ use crate::problem::{Problem, Terminal};
 use crate::riccati::lanes::{Lanes, Row, WIDTH};
 use crate::riccati::matrix::product;
 
-/// Hessians and gradients of [`WIDTH`] stages, cost and models of the inequalities together.
+/// Hessians and gradients of [`WIDTH`] stages: cost and models of the inequalities together.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::riccati) struct BlockModel {
-    /// Of the state: entries 00, 01, 02, 11, 12, 22.
+    /// Hessian of the state: entries 00, 01, 02, 11, 12, 22.
     pub(in crate::riccati) hessian: [Lanes; 6],
     pub(in crate::riccati) gradient: [Lanes; 3],
-    /// Of the input, without the cost's `r`.
+    /// Curvature of the input, without the cost's `r`.
     pub(in crate::riccati) curvature: Lanes,
     pub(in crate::riccati) slope: Lanes,
 }
 
-/// Where the models come from.
+/// Source of the models.
 pub(in crate::riccati) trait BlockModels {
-    /// The model of the stages from `WIDTH · j` on; asked for once a block, the last one first.
+    /// Returns the model of the stages from `WIDTH · j` on; called once per block, last block
+    /// first.
     fn block(&mut self, j: usize) -> BlockModel;
 }
 
 impl LinearQuadratic {
-    /// The sweep over the whole horizon.
+    /// Performs the sweep over the whole horizon.
     pub(in crate::riccati) fn factor_blocks<M: BlockModels>(
         &self,
         problem: &Problem,
@@ -53,14 +54,14 @@ impl LinearQuadratic {
     }
 }
 
-/// What the vectors' recursion takes from a stage's model.
+/// Data of a stage's model for the vector recursion.
 #[derive(Clone, Copy, Debug, Default)]
 struct StageVectors<R> {
     gradient: [R; 3],
     slope: R,
 }
 
-/// See [`LinearQuadratic::factor_blocks`].
+/// Performs [`LinearQuadratic::factor_blocks`].
 #[multiversion(targets("x86_64+avx2"))]
 fn backward<const SHAPE: Shape, R: Row<Lanes> + Default, M: BlockModels>(
     lq: &LinearQuadratic,

@@ -1,17 +1,17 @@
-//! Products with `A` and `B` of symmetric matrices that are kept row by row.
+//! Products of `A` and `B` with symmetric matrices stored row by row.
 //!
-//! The columns of a symmetric `P` are its rows, so that `P A`, column by column, is three sums of them; after a
-//! transposition the same three sums give `A'P A`.
+//! The columns of a symmetric `P` are its rows. `P A`, column by column, is therefore three sums of
+//! rows; after a transposition the same three sums give `A'P A`.
 
 use super::{CHAIN, GENERAL, LinearQuadratic, PLAIN, Shape};
 use crate::riccati::lanes::Vector;
 use crate::riccati::matrix::Rows;
 
-/// `A` and `B` as the sums of rows need them.
+/// `A` and `B` in the form that sums of rows need.
 pub(super) struct Dynamics<V> {
     a: [V; 6],
     b: [V; 3],
-    /// The diagonal of `A'` and the two below it, in the rows where they are.
+    /// Diagonal of `A'` and the two below it, in their rows.
     diagonals: [V; 3],
     s: V,
 }
@@ -73,7 +73,7 @@ impl<V: Vector> Dynamics<V> {
             V::from_array([c0[1], c1[1], c2[1], 0.0]),
             V::from_array([c0[2], c1[2], c2[2], 0.0]),
         ]);
-        // What is below the diagonal is the same number, but for rounding.
+        // The entry below the diagonal is the same number, except for rounding.
         let (i, j, k) = (x.to_array(), y.to_array(), z.to_array());
         if SHAPE == GENERAL {
             Rows::new(&[i[0], i[1], i[2], j[1], j[2], k[2]])

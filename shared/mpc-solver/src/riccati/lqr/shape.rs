@@ -1,17 +1,18 @@
-//! What is known of the dynamics and the cost at compile time: a product with one and a sum with zero are no work, and what
-//! waits for them comes earlier.
+//! Structure of dynamics and cost, known at compile time. Products with one and sums with zero cost
+//! nothing, and dependent results come earlier.
 
 use crate::problem::Problem;
 
-/// What is known at compile time.
+/// Structure known at compile time.
 pub(in crate::riccati) type Shape = u8;
-/// Nothing.
+/// No structure.
 pub(in crate::riccati) const GENERAL: Shape = 0;
 /// The first two states integrate: `a_00 = a_11 = 1`.
 pub(in crate::riccati) const INTEGRATING: Shape = 1;
-/// The same, and the input acts on the last state only.
+/// [`INTEGRATING`], and the input acts on the last state only.
 pub(in crate::riccati) const CHAIN: Shape = 2;
-/// The same with `a_02 = 0` (a constant gap) and `s = 0` (no cost of jerk); the bits are those of a chain.
+/// [`CHAIN`] with `a_02 = 0` (a constant gap) and `s = 0` (no cost of jerk); the bits are those of
+/// a chain.
 pub(in crate::riccati) const PLAIN: Shape = 3;
 
 pub(super) fn shape_of(problem: &Problem) -> Shape {

@@ -1,6 +1,6 @@
 use super::*;
 
-/// Inputs held and free in turn, the cost's own gradients.
+/// Models with inputs held and free in turn, and the cost's own gradients.
 struct Alternating<'a>(&'a Problem);
 
 impl StageModels for Alternating<'_> {
@@ -14,7 +14,7 @@ impl StageModels for Alternating<'_> {
     }
 }
 
-/// The bits of all gains.
+/// Returns the bits of all gains.
 fn gains(problem: &Problem, lq: &LinearQuadratic) -> Vec<[u64; 8]> {
     let mut sweep = Sweep::new(problem.horizon);
     lq.factor(problem, &Alternating(problem), &mut sweep, problem.horizon);

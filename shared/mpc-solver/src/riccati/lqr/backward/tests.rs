@@ -1,7 +1,7 @@
 use super::*;
 use crate::riccati::matrix::add_slope;
 
-/// Inputs held and free in turn, and a function of the state modelled at every stage.
+/// Models with inputs held and free in turn, and a function of the state at every stage.
 struct Various<'a>(&'a Problem);
 
 impl StageModels for Various<'_> {
@@ -22,7 +22,7 @@ impl StageModels for Various<'_> {
     }
 }
 
-/// The bits of all gains and of the first stage's cost-to-go.
+/// Returns the bits of all gains and of the first stage's cost-to-go.
 fn bits(sweep: &Sweep, horizon: usize, cost: &CostToGo) -> Vec<u64> {
     let gains = sweep.gains[..horizon].iter().flat_map(|gain| {
         let ([a, b, c], [d, e, f, g]) = (gain.feedback, gain.feedforward);
@@ -51,7 +51,8 @@ fn same_by_registers<const SHAPE: Shape>(dynamics: [[f64; 3]; 3], input: [f64; 3
         let cost = sweep(&mut memory);
         bits(&memory, 37, &cost)
     };
-    // With the terminal multiplier and without; of the latter the linear part alone means something.
+    // With and without the terminal multiplier; in the second case only the linear part has a
+    // meaning.
     assert_eq!(
         run(&|memory| stages.sweep::<SHAPE, true, true>(memory)),
         run(&|memory| stages.sweep_portable::<SHAPE, true, true>(memory)),
