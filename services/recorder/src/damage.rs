@@ -51,6 +51,11 @@ pub enum Damage {
         /// Bytes behind the end.
         bytes: u64,
     },
+    /// The summary behind the messages is damaged; its content comes from the messages instead.
+    Summary {
+        /// Its length, bytes.
+        bytes: u64,
+    },
     /// A chunk, or another record, is damaged and was left out.
     Chunk {
         /// Where it is in the file.
@@ -92,7 +97,13 @@ impl Damage {
     /// True where `timegap recover` writes a file without it.
     #[must_use]
     pub fn can_be_left_out(&self) -> bool {
-        matches!(self, Self::CutOff { .. } | Self::BehindEnd { .. } | Self::Chunk { .. })
+        matches!(
+            self,
+            Self::CutOff { .. }
+                | Self::BehindEnd { .. }
+                | Self::Summary { .. }
+                | Self::Chunk { .. }
+        )
     }
 }
 
@@ -105,6 +116,9 @@ impl fmt::Display for Damage {
             }
             Self::BehindEnd { bytes } => {
                 write!(f, "{bytes} bytes behind the recording's end are left out")
+            }
+            Self::Summary { bytes } => {
+                write!(f, "the summary of {bytes} bytes is damaged; the messages are read without it")
             }
             Self::Chunk { offset, bytes, reason } => {
                 write!(f, "{bytes} bytes from byte {offset} on are damaged ({reason})")

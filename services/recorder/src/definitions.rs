@@ -1,6 +1,6 @@
 //! Which channels of a file carry our messages.
 
-use crate::format::{Channel, Schema};
+use crate::format::{self, Channel, Malformed, Schema, opcode};
 use crate::schema;
 use messages::{TOPICS, Topic};
 use std::collections::BTreeMap;
@@ -26,6 +26,24 @@ pub(crate) struct Definitions {
 }
 
 impl Definitions {
+    /// Takes a record of a schema or of a channel.
+    pub(crate) fn take(&mut self, opcode: u8, body: &[u8]) -> Result<(), Malformed> {
+        match opcode {
+            opcode::SCHEMA => self.schema(&format::schema(body)?),
+            _ => self.channel(&format::channel(body)?),
+        }
+        Ok(())
+    }
+
+    /// Adds those of another part of the file.
+    pub(crate) fn extend(&mut self, other: Self) {
+        self.schemas.extend(other.schemas);
+        self.types.extend(other.types);
+        self.listed.extend(other.listed);
+        self.channels.extend(other.channels);
+        self.other_layout = self.other_layout.take().or(other.other_layout);
+    }
+
     pub(crate) fn schema(&mut self, schema: &Schema<'_>) {
         if schema.encoding == SCHEMA_ENCODING {
             let text = String::from_utf8_lossy(schema.definition);

@@ -9,6 +9,10 @@ use std::io;
 
 /// Longest record that is read whole, but for chunks, bytes.
 const LONGEST_RECORD: u64 = 16 << 20;
+/// Bytes of a footer's body: two offsets and a checksum.
+const FOOTER_LENGTH: u64 = 20;
+/// Bytes of a summary that are checked at once.
+const BLOCK: u64 = 64 << 10;
 /// Most segments that are kept apart; beyond them the file's own order is taken.
 const MOST_SEGMENTS: usize = 1 << 20;
 
@@ -31,8 +35,19 @@ pub(crate) struct Outline {
     pub(crate) definitions: Definitions,
     pub(crate) segments: Vec<Segment>,
     pub(crate) damage: Vec<Damage>,
-    /// True if the summary behind the messages repeats the definitions.
+    /// True if a whole summary behind the messages repeats the definitions.
     pub(crate) has_summary: bool,
+}
+
+/// Content of the summary behind the messages, used once its checksum is known to be right.
+#[derive(Debug, Default)]
+struct Summary {
+    /// First byte behind the data section.
+    from: u64,
+    definitions: Definitions,
+    statistics: Option<Statistics>,
+    damage: Vec<Damage>,
+    has_channels: bool,
 }
 
 impl Outline {
@@ -41,19 +56,21 @@ impl Outline {
         let mut outline = Self::default();
         let mut window = Window::of_heads(source);
         let mut at = MAGIC.len() as u64;
-        let (mut ended, mut footed) = (false, false);
+        let mut summary: Option<Summary> = None;
+        let mut footed = false;
         while let Some(spot) = window.spot(at)? {
-            if spot.opcode == opcode::DATA_END {
-                ended = true;
-            } else if ended {
-                outline.summary(&mut window, spot)?;
-            } else {
-                outline.data(&mut window, spot)?;
-            }
             at = spot.end();
-            footed = ended && spot.opcode == opcode::FOOTER;
-            if footed {
-                break;
+            match &mut summary {
+                None if spot.opcode == opcode::DATA_END => {
+                    summary = Some(Summary { from: at, ..Summary::default() });
+                }
+                None => outline.data(&mut window, spot)?,
+                Some(summary) if spot.opcode == opcode::FOOTER => {
+                    footed = true;
+                    outline.take_summary(&mut window, std::mem::take(summary), spot)?;
+                    break;
+                }
+                Some(summary) => summary.take(&mut window, spot)?,
             }
         }
         let left = source.length() - at;
@@ -86,42 +103,42 @@ impl Outline {
         Ok(())
     }
 
-    fn summary(&mut self, window: &mut Window, spot: Spot) -> io::Result<()> {
-        match spot.opcode {
-            opcode::CHANNEL => self.has_summary = true,
-            opcode::SCHEMA | opcode::STATISTICS => {}
-            _ => return Ok(()),
-        }
-        self.small(window, spot)
-    }
-
-    /// Takes a record that is not a message.
-    fn small(&mut self, window: &mut Window, spot: Spot) -> io::Result<()> {
-        let damage = |reason: String| Damage::Chunk { offset: spot.at, bytes: spot.length, reason };
-        if spot.length > LONGEST_RECORD {
-            let most = LONGEST_RECORD;
-            self.damage.push(damage(format!("a record of its kind may have {most} bytes")));
+    /// Uses a summary whose checksum is right; a damaged one is left out, since the data section has its content.
+    fn take_summary(
+        &mut self,
+        window: &mut Window,
+        summary: Summary,
+        footer: Spot,
+    ) -> io::Result<()> {
+        if !summary.is_intact(window, footer)? {
+            self.damage.push(Damage::Summary { bytes: footer.end() - summary.from });
             return Ok(());
         }
-        let length = usize::try_from(spot.length).expect("checked above");
-        if self.take(spot.opcode, window.bytes(spot.body(), length)?).is_err() {
-            self.damage.push(damage("its lengths do not fit".into()));
+        self.definitions.extend(summary.definitions);
+        self.statistics = summary.statistics;
+        self.has_summary = summary.has_channels;
+        self.damage.extend(summary.damage);
+        Ok(())
+    }
+
+    /// Takes a record of the data section that is not a message.
+    fn small(&mut self, window: &mut Window, spot: Spot) -> io::Result<()> {
+        match small_body(window, spot)? {
+            Ok(body) if self.take(spot.opcode, body).is_err() => self.damage.push(misfit(spot)),
+            Ok(_) => {}
+            Err(damage) => self.damage.push(damage),
         }
         Ok(())
     }
 
     fn take(&mut self, opcode: u8, body: &[u8]) -> Result<(), Malformed> {
-        match opcode {
-            opcode::METADATA => {
-                let (name, map) = format::metadata(body)?;
-                self.metadata = self.metadata.take().or_else(|| Metadata::of_record(name, &map));
-                self.tally = self.tally.take().or_else(|| Tally::of_record(name, &map));
-            }
-            opcode::SCHEMA => self.definitions.schema(&format::schema(body)?),
-            opcode::CHANNEL => self.definitions.channel(&format::channel(body)?),
-            _ => self.statistics = Some(format::statistics(body)?),
+        if opcode == opcode::METADATA {
+            let (name, map) = format::metadata(body)?;
+            self.metadata = self.metadata.take().or_else(|| Metadata::of_record(name, &map));
+            self.tally = self.tally.take().or_else(|| Tally::of_record(name, &map));
+            return Ok(());
         }
-        Ok(())
+        self.definitions.take(opcode, body)
     }
 
     /// Adds a chunk or a message that has log times from `first` to `last`.
@@ -138,4 +155,64 @@ impl Outline {
             _ => self.segments.push(Segment { from: spot.at, to: end, first, last }),
         }
     }
+}
+
+impl Summary {
+    fn take(&mut self, window: &mut Window, spot: Spot) -> io::Result<()> {
+        match spot.opcode {
+            opcode::CHANNEL => self.has_channels = true,
+            opcode::SCHEMA | opcode::STATISTICS => {}
+            _ => return Ok(()),
+        }
+        let taken = match small_body(window, spot)? {
+            Ok(body) if spot.opcode == opcode::STATISTICS => {
+                format::statistics(body).map(|statistics| self.statistics = Some(statistics))
+            }
+            Ok(body) => self.definitions.take(spot.opcode, body),
+            Err(damage) => {
+                self.damage.push(damage);
+                Ok(())
+            }
+        };
+        if taken.is_err() {
+            self.damage.push(misfit(spot));
+        }
+        Ok(())
+    }
+
+    /// Compares the checksum in the footer with the summary's bytes; a writer may leave it out (0).
+    fn is_intact(&self, window: &mut Window, footer: Spot) -> io::Result<bool> {
+        if footer.length != FOOTER_LENGTH {
+            return Ok(false);
+        }
+        let body = window.bytes(footer.body(), FOOTER_LENGTH as usize)?;
+        let expected = u32::from_le_bytes(body[16..].try_into().expect("four bytes"));
+        if expected == 0 {
+            return Ok(true);
+        }
+        // It covers the footer up to itself.
+        let (mut at, to) = (self.from, footer.end() - 4);
+        let mut checksum = crc32fast::Hasher::new();
+        while at < to {
+            let count = (to - at).min(BLOCK);
+            checksum.update(window.bytes(at, count as usize)?);
+            at += count;
+        }
+        Ok(checksum.finalize() == expected)
+    }
+}
+
+/// Body of a record that is read whole.
+fn small_body(window: &mut Window, spot: Spot) -> io::Result<Result<&[u8], Damage>> {
+    if spot.length > LONGEST_RECORD {
+        let reason = format!("a record of its kind may have {LONGEST_RECORD} bytes");
+        return Ok(Err(Damage::Chunk { offset: spot.at, bytes: spot.length, reason }));
+    }
+    let length = usize::try_from(spot.length).expect("checked above");
+    window.bytes(spot.body(), length).map(Ok)
+}
+
+fn misfit(spot: Spot) -> Damage {
+    let reason = "its lengths do not fit".into();
+    Damage::Chunk { offset: spot.at, bytes: spot.length, reason }
 }

@@ -137,6 +137,37 @@ fn every_prefix_is_read_as_far_as_it_goes() {
     assert_eq!(before, all.len());
 }
 
+/// First byte behind the data section.
+fn end_of_data(file: &[u8]) -> usize {
+    const DATA_END: u8 = 15;
+    let mut at = 8;
+    loop {
+        let length = u64::from_le_bytes(file[at + 1..at + 9].try_into().expect("eight bytes"));
+        let end = at + 9 + usize::try_from(length).expect("small");
+        if file[at] == DATA_END {
+            return end;
+        }
+        at = end;
+    }
+}
+
+#[test]
+fn one_wrong_bit_behind_the_messages_costs_no_message() {
+    let whole = file(true);
+    let all: Vec<_> = read(&whole).expect("whole").records().map(|r| r.bytes().to_vec()).collect();
+    let from = end_of_data(&whole);
+    // The record that ends the data section, the summary, the footer and the magic bytes.
+    for at in (from - 13..whole.len()).step_by(499) {
+        let mut file = whole.clone();
+        file[at] ^= 1 << (at % 8);
+        let recording = read(&file).unwrap_or_else(|error| panic!("byte {at}: {error}"));
+        let found: Vec<_> = recording.records().map(|r| r.bytes().to_vec()).collect();
+        assert!(found == all, "byte {at}: {} of {}", found.len(), all.len());
+        assert!(!recording.damage().is_empty(), "byte {at}: the damage is unnoticed");
+        assert!(recording.damage().iter().all(Damage::can_be_left_out), "byte {at}");
+    }
+}
+
 #[test]
 fn a_damaged_chunk_is_left_out_and_said() {
     let mut file = file(true);
