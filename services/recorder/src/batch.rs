@@ -1,9 +1,6 @@
 //! Messages on their way from the topics to the file.
 
-use messages::{
-    Brake, Command, Diagnostics, EgoTruth, Heartbeat, Map, Message, Odometry, Powertrain, Preview,
-    RadarDetections, RadarTracks, RadioFrames, RadioSent, SignalTruth, Spat, Topic, VehicleTruth,
-};
+use messages::{Message, Topic};
 use runtime::{RuntimeError, Tap, Tapped};
 
 /// Most messages that are taken from one topic before the next one's turn.
@@ -68,25 +65,10 @@ impl<T: Message> Drain for Tapped<T> {
 impl Taps {
     /// Taps every topic.
     pub(crate) fn open(tap: Tap) -> Result<Self, RuntimeError> {
-        let topics: Vec<Box<dyn Drain>> = vec![
-            Box::new(tap.on::<Odometry>()?),
-            Box::new(tap.on::<Powertrain>()?),
-            Box::new(tap.on::<RadarDetections>()?),
-            Box::new(tap.on::<Brake>()?),
-            Box::new(tap.on::<RadarTracks>()?),
-            Box::new(tap.on::<RadioFrames>()?),
-            Box::new(tap.on::<Spat>()?),
-            Box::new(tap.on::<Map>()?),
-            Box::new(tap.on::<Preview>()?),
-            Box::new(tap.on::<RadioSent>()?),
-            Box::new(tap.on::<Command>()?),
-            Box::new(tap.on::<Diagnostics>()?),
-            Box::new(tap.on::<EgoTruth>()?),
-            Box::new(tap.on::<VehicleTruth>()?),
-            Box::new(tap.on::<SignalTruth>()?),
-            Box::new(tap.on::<Heartbeat>()?),
-        ];
-        assert_eq!(topics.len(), messages::TOPICS.len(), "every topic is recorded");
+        macro_rules! every {
+            ($($message:ty),+) => { vec![$(Box::new(tap.on::<$message>()?) as Box<dyn Drain>),+] };
+        }
+        let topics = messages::each_message!(every);
         Ok(Self { topics, _tap: tap })
     }
 

@@ -1,126 +1,87 @@
 //! What the controller asks of the vehicle, and why.
 
-use super::{Header, Topic, layout, message};
-use bytemuck::{Pod, Zeroable};
-use iceoryx2::prelude::ZeroCopySend;
+use super::Header;
+use crate::layout::declare::*;
 
 /// Requests that a command can carry.
 pub const PLAN_LEN: usize = 128;
 /// Law-specific figures in a diagnostics message.
 pub const FIGURES: usize = 8;
 
-/// The controller's request with its whole plan, so that the plant has a valid future to follow
-/// when the controller dies.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
-#[type_name("timegap_msgs/msg/Command")]
-pub struct Command {
-    /// Common header; its acquisition time is that of the release.
-    pub header: Header,
-    /// Scheduled release of the radar's cycle that published the radar sample, ns of run time; −1
-    /// without a sample.
-    pub radar_release_ns: i64,
-    /// Since when the controller waited for its release, ns of run time.
-    pub idle_ns: i64,
-    /// When the cycle began to work on its inputs, ns of run time.
-    pub start_ns: i64,
-    /// Times that the cycle gave the processor up, from its start to its command.
-    pub voluntary_switches: u32,
-    /// Times that the processor was taken from it.
-    pub involuntary_switches: u32,
-    /// Pages that it found in memory but not mapped.
-    pub minor_faults: u32,
-    /// Pages that it had to wait for.
-    pub major_faults: u32,
-    /// Iterations of the law's solver.
-    pub solver_iterations: u32,
-    /// Mode of the law.
-    pub mode: u32,
-    /// Time between two requests of the plan, ns.
-    pub plan_period_ns: i64,
-    /// Valid entries of `plan_mps2`; 0 for a cycle without a command.
-    pub plan_len: u64,
-    /// Requested accelerations, m/s²; the first is for now. Unused entries are 0.
-    pub plan_mps2: [f64; PLAN_LEN],
-    /// 1: `engine_torque_nm` acts now in place of the plan's first request, and the rest of the
-    /// plan is for the time without a newer command. 0: there is no torque.
-    pub has_torque: u32,
-    /// Gear that the torque is for, counted from 1; 0 leaves it to the gearbox.
-    pub gear: u32,
-    /// Requested torque at the crankshaft, N m; below the drag torque it asks for the engine brake.
-    pub engine_torque_nm: f64,
-    /// Requested force of the service brakes beside the torque, N.
-    pub service_brake_n: f64,
+layout! {
+    /// The controller's request with its whole plan, so that the plant has a valid future to follow
+    /// when the controller dies.
+    #[type_name("timegap_msgs/msg/Command")]
+    pub struct Command {
+        /// Common header; its acquisition time is that of the release.
+        pub header: Header,
+        /// Scheduled release of the radar's cycle that published the radar sample, ns of run time; −1
+        /// without a sample.
+        pub radar_release_ns: i64,
+        /// Since when the controller waited for its release, ns of run time.
+        pub idle_ns: i64,
+        /// When the cycle began to work on its inputs, ns of run time.
+        pub start_ns: i64,
+        /// Times that the cycle gave the processor up, from its start to its command.
+        pub voluntary_switches: u32,
+        /// Times that the processor was taken from it.
+        pub involuntary_switches: u32,
+        /// Pages that it found in memory but not mapped.
+        pub minor_faults: u32,
+        /// Pages that it had to wait for.
+        pub major_faults: u32,
+        /// Iterations of the law's solver.
+        pub solver_iterations: u32,
+        /// Mode of the law.
+        pub mode: u32,
+        /// Time between two requests of the plan, ns.
+        pub plan_period_ns: i64,
+        /// Valid entries of `plan_mps2`; 0 for a cycle without a command.
+        pub plan_len: u64,
+        /// Requested accelerations, m/s²; the first is for now. Unused entries are 0.
+        pub plan_mps2: [f64; PLAN_LEN],
+        /// 1: `engine_torque_nm` acts now in place of the plan's first request, and the rest of the
+        /// plan is for the time without a newer command. 0: there is no torque.
+        pub has_torque: u32,
+        /// Gear that the torque is for, counted from 1; 0 leaves it to the gearbox.
+        pub gear: u32,
+        /// Requested torque at the crankshaft, N m; below the drag torque it asks for the engine brake.
+        pub engine_torque_nm: f64,
+        /// Requested force of the service brakes beside the torque, N.
+        pub service_brake_n: f64,
+    }
 }
 
-message!(Command, Topic::Command);
-layout!(Command {
-    header,
-    radar_release_ns,
-    idle_ns,
-    start_ns,
-    voluntary_switches,
-    involuntary_switches,
-    minor_faults,
-    major_faults,
-    solver_iterations,
-    mode,
-    plan_period_ns,
-    plan_len,
-    plan_mps2,
-    has_torque,
-    gear,
-    engine_torque_nm,
-    service_brake_n,
-});
-
-/// What the controller saw and decided in one cycle; sent in every cycle, also in one without a
-/// command.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
-#[type_name("timegap_msgs/msg/Diagnostics")]
-pub struct Diagnostics {
-    /// Common header, as of the command of the same cycle.
-    pub header: Header,
-    /// When the cycle began to work on its inputs, ns of run time.
-    pub start_ns: i64,
-    /// Mode of the law, an index into its mode names.
-    pub mode: u32,
-    /// Reason of the last mode change, an index into its reason names.
-    pub mode_reason: u32,
-    /// Quality of the command: 0 full, 1 relaxed, 2 backup.
-    pub quality: u32,
-    /// Iterations of the solver.
-    pub solver_iterations: u32,
-    /// `Level` of the controller, as a number.
-    pub rung: u32,
-    /// 1 while the driver is asked to take over.
-    pub takeover: u32,
-    /// First request, m/s².
-    pub request_mps2: f64,
-    /// Age of the odometry sample at the release, ns; −1 without a sample.
-    pub odometry_age_ns: i64,
-    /// Age of the radar sample at the release, ns; −1 without a sample.
-    pub radar_age_ns: i64,
-    /// Age of the SPAT sample at the release, ns; −1 without a sample.
-    pub spat_age_ns: i64,
-    /// Figures of the law, named by it.
-    pub figures: [f64; FIGURES],
+layout! {
+    /// What the controller saw and decided in one cycle; sent in every cycle, also in one without a
+    /// command.
+    #[type_name("timegap_msgs/msg/Diagnostics")]
+    pub struct Diagnostics {
+        /// Common header, as of the command of the same cycle.
+        pub header: Header,
+        /// When the cycle began to work on its inputs, ns of run time.
+        pub start_ns: i64,
+        /// Mode of the law, an index into its mode names.
+        pub mode: u32,
+        /// Reason of the last mode change, an index into its reason names.
+        pub mode_reason: u32,
+        /// Quality of the command: 0 full, 1 relaxed, 2 backup.
+        pub quality: u32,
+        /// Iterations of the solver.
+        pub solver_iterations: u32,
+        /// `Level` of the controller, as a number.
+        pub rung: u32,
+        /// 1 while the driver is asked to take over.
+        pub takeover: u32,
+        /// First request, m/s².
+        pub request_mps2: f64,
+        /// Age of the odometry sample at the release, ns; −1 without a sample.
+        pub odometry_age_ns: i64,
+        /// Age of the radar sample at the release, ns; −1 without a sample.
+        pub radar_age_ns: i64,
+        /// Age of the SPAT sample at the release, ns; −1 without a sample.
+        pub spat_age_ns: i64,
+        /// Figures of the law, named by it.
+        pub figures: [f64; FIGURES],
+    }
 }
-
-message!(Diagnostics, Topic::Diagnostics);
-layout!(Diagnostics {
-    header,
-    start_ns,
-    mode,
-    mode_reason,
-    quality,
-    solver_iterations,
-    rung,
-    takeover,
-    request_mps2,
-    odometry_age_ns,
-    radar_age_ns,
-    spat_age_ns,
-    figures,
-});

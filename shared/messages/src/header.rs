@@ -1,27 +1,24 @@
 //! The header that every message starts with.
 
-use super::layout;
+use crate::layout::declare::*;
 use crate::e2e::profile7::Protection;
-use bytemuck::{Pod, Zeroable};
-use iceoryx2::prelude::ZeroCopySend;
 
-/// Stamps of one input sample that a message was computed from.
-///
-/// All stamps are run time: nanoseconds since the group's common start instant, the same in every
-/// process. An input that was not there has `sequence` 0 and stamps of −1.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Pod, Zeroable, ZeroCopySend)]
-#[type_name("timegap_msgs/msg/Origin")]
-pub struct Origin {
-    /// Sequence number of the sample, counted from 1.
-    pub sequence: u64,
-    /// When the world was as the sample says, ns of run time.
-    pub acquisition_ns: i64,
-    /// When the sample was published, ns of run time.
-    pub publish_ns: i64,
+layout! {
+    /// Stamps of one input sample that a message was computed from.
+    ///
+    /// All stamps are run time: nanoseconds since the group's common start instant, the same in every
+    /// process. An input that was not there has `sequence` 0 and stamps of −1.
+    #[derive(Eq, Hash)]
+    #[type_name("timegap_msgs/msg/Origin")]
+    pub struct Origin {
+        /// Sequence number of the sample, counted from 1.
+        pub sequence: u64,
+        /// When the world was as the sample says, ns of run time.
+        pub acquisition_ns: i64,
+        /// When the sample was published, ns of run time.
+        pub publish_ns: i64,
+    }
 }
-
-layout!(Origin { sequence, acquisition_ns, publish_ns });
 
 impl Origin {
     /// The origin of an input that was not there.
@@ -44,27 +41,26 @@ impl Origin {
     }
 }
 
-/// Stamps of the inputs of a message, one place per sensor topic, so that the whole cause-effect
-/// chain of any command can be rebuilt from the command alone.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable, ZeroCopySend)]
-#[type_name("timegap_msgs/msg/Origins")]
-pub struct Origins {
-    /// The `vehicle/odometry` sample.
-    pub odometry: Origin,
-    /// The `radar/tracks` sample.
-    pub radar: Origin,
-    /// The `v2x/spat` sample; in what the on-board unit says, the `radio/frames` batch.
-    pub spat: Origin,
-    /// The `v2x/map` sample.
-    pub map: Origin,
-    /// The `vehicle/powertrain` sample.
-    pub powertrain: Origin,
-    /// The `v2x/preview` sample.
-    pub preview: Origin,
+layout! {
+    /// Stamps of the inputs of a message, one place per sensor topic, so that the whole cause-effect
+    /// chain of any command can be rebuilt from the command alone.
+    #[derive(Eq)]
+    #[type_name("timegap_msgs/msg/Origins")]
+    pub struct Origins {
+        /// The `vehicle/odometry` sample.
+        pub odometry: Origin,
+        /// The `radar/tracks` sample.
+        pub radar: Origin,
+        /// The `v2x/spat` sample; in what the on-board unit says, the `radio/frames` batch.
+        pub spat: Origin,
+        /// The `v2x/map` sample.
+        pub map: Origin,
+        /// The `vehicle/powertrain` sample.
+        pub powertrain: Origin,
+        /// The `v2x/preview` sample.
+        pub preview: Origin,
+    }
 }
-
-layout!(Origins { odometry, radar, spat, map, powertrain, preview });
 
 impl Origins {
     /// No inputs, as in a message that starts a chain.
@@ -78,40 +74,30 @@ impl Origins {
     };
 }
 
-/// What every message starts with.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable, ZeroCopySend)]
-#[type_name("timegap_msgs/msg/Header")]
-pub struct Header {
-    /// End-to-end protection of the message.
-    pub protection: Protection,
-    /// Number of this message on its topic from its source, counted from 1 in each incarnation.
-    pub sequence: u64,
-    /// Simulation step that the message belongs to.
-    pub step: u64,
-    /// When the world was as the message says, ns of run time: the scheduled instant of the
-    /// source's release, so that a source that stalls ages its own data.
-    pub acquisition_ns: i64,
-    /// When the message was handed to the transport, ns of run time.
-    pub publish_ns: i64,
-    /// Which restart of the source sent it: 0 for the first process.
-    pub incarnation: u32,
-    /// Service that sent it, `Service` as a number.
-    pub source: u32,
-    /// Stamps of the inputs it was computed from.
-    pub origins: Origins,
+layout! {
+    /// What every message starts with.
+    #[derive(Eq)]
+    #[type_name("timegap_msgs/msg/Header")]
+    pub struct Header {
+        /// End-to-end protection of the message.
+        pub protection: Protection,
+        /// Number of this message on its topic from its source, counted from 1 in each incarnation.
+        pub sequence: u64,
+        /// Simulation step that the message belongs to.
+        pub step: u64,
+        /// When the world was as the message says, ns of run time: the scheduled instant of the
+        /// source's release, so that a source that stalls ages its own data.
+        pub acquisition_ns: i64,
+        /// When the message was handed to the transport, ns of run time.
+        pub publish_ns: i64,
+        /// Which restart of the source sent it: 0 for the first process.
+        pub incarnation: u32,
+        /// Service that sent it, `Service` as a number.
+        pub source: u32,
+        /// Stamps of the inputs it was computed from.
+        pub origins: Origins,
+    }
 }
-
-layout!(Header {
-    protection,
-    sequence,
-    step,
-    acquisition_ns,
-    publish_ns,
-    incarnation,
-    source,
-    origins
-});
 
 impl Header {
     /// A header to be filled in by the publisher, for a message of `step` made from `origins`.

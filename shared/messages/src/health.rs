@@ -1,30 +1,29 @@
 //! Signs of life.
 
-use super::{Header, Topic, layout, message};
-use bytemuck::{Pod, Zeroable};
-use iceoryx2::prelude::ZeroCopySend;
+use super::Header;
+use crate::layout::declare::*;
+use crate::numbered::numbered;
 
-/// What a service says of itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ServiceState {
-    /// In its loop, all inputs there.
-    Running = 1,
-    /// In its loop, some input missing or stale.
-    Degraded = 2,
+numbered! {
+    /// Condition of a service, by its number in messages.
+    pub enum ServiceState {
+        /// In its loop, with all inputs.
+        Running = 1 "running",
+        /// In its loop; an input is missing or stale.
+        Degraded = 2 "degraded",
+    }
 }
 
-/// Periodic sign of life of a service.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable, ZeroCopySend)]
-#[type_name("timegap_msgs/msg/Heartbeat")]
-pub struct Heartbeat {
-    /// Common header; its source tells the service.
-    pub header: Header,
-    /// Cycles done so far.
-    pub cycles: u64,
-    /// [`ServiceState`] as a number.
-    pub state: u64,
+layout! {
+    /// Periodic sign of life of a service.
+    #[derive(Eq)]
+    #[type_name("timegap_msgs/msg/Heartbeat")]
+    pub struct Heartbeat {
+        /// Common header; its source tells the service.
+        pub header: Header,
+        /// Cycles done so far.
+        pub cycles: u64,
+        /// [`ServiceState`] as a number.
+        pub state: u64,
+    }
 }
-
-message!(Heartbeat, Topic::Heartbeat);
-layout!(Heartbeat { header, cycles, state });

@@ -1,9 +1,19 @@
-//! The layout of every message as data, taken from the Rust structs themselves.
+//! The layout of every message as data, made from the declaration of its struct.
 //!
-//! Everything that shows a message to others (the schema in a recording, Python and C types, CSV
-//! columns) is made from a [`Layout`], and a `Layout` is made by [`layout!`](self) from the names of
-//! the fields alone: the compiler fills in types and offsets, refuses a missing or an unknown field,
-//! and refuses a struct whose bytes would not be its CDR body.
+//! [`layout!`](self) takes a struct and derives from it: the struct itself as `repr(C)` plain data, its
+//! [`Layout`], and the meaning of each field from its doc comment. The compiler refuses a struct with padding,
+//! or one whose bytes are not its CDR body. Everything that shows a message to others reads the [`Layout`]:
+//! the schema in a recording, Python and C types, the columns of a CSV file, the reference of the messages.
+//!
+//! ```
+//! use messages::{Element, Scalar, Topic};
+//!
+//! let layout = Topic::Heartbeat.layout();
+//! let cycles = layout.fields[1];
+//! assert_eq!((cycles.name, cycles.offset), ("cycles", 208));
+//! assert_eq!(cycles.shape.element, Element::Scalar(Scalar::U64));
+//! assert_eq!(cycles.meaning(), "Cycles done so far.");
+//! ```
 
 use iceoryx2::prelude::ZeroCopySend;
 
@@ -44,6 +54,19 @@ pub enum Element {
 }
 
 impl Element {
+    /// Name: `u8`, `f64` and the like, or the struct's.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Scalar(Scalar::U8) => "u8",
+            Self::Scalar(Scalar::U32) => "u32",
+            Self::Scalar(Scalar::U64) => "u64",
+            Self::Scalar(Scalar::I64) => "i64",
+            Self::Scalar(Scalar::F64) => "f64",
+            Self::Struct(layout) => layout.name,
+        }
+    }
+
     /// Size, bytes.
     #[must_use]
     pub const fn bytes(self) -> usize {
@@ -72,6 +95,16 @@ pub struct Field {
     pub offset: usize,
     /// Type.
     pub shape: Shape,
+    /// Lines of the doc comment in the declaration.
+    pub comment: &'static [&'static str],
+}
+
+impl Field {
+    /// Meaning of the field, in one line.
+    #[must_use]
+    pub fn meaning(&self) -> String {
+        self.comment.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" ")
+    }
 }
 
 /// Largest message that its readers copy, and of which every byte is protected, bytes.
@@ -126,11 +159,6 @@ impl<T: FieldType, const N: usize> FieldType for [T; N] {
     };
 }
 
-/// Shape of the field that a projection picks: lets a macro find a type by a field's name.
-pub(crate) const fn shape_of<S, F: FieldType>(_: fn(&S) -> &F) -> Shape {
-    F::SHAPE
-}
-
 impl Layout {
     /// Checks that the struct's bytes are its CDR body: fields in order without gaps, each scalar on
     /// a multiple of its size.
@@ -177,122 +205,36 @@ impl Layout {
         let count = usize::try_from(count).map_or(capacity, |count| count.min(capacity));
         array.offset + count * array.shape.element.bytes()
     }
-
-    /// All scalars of the struct in order, by their dotted path: `header.sequence`,
-    /// `tracks.0.range_m`.
-    #[must_use]
-    pub fn scalars(&self) -> Vec<Place> {
-        let mut places = Vec::new();
-        self.collect("", 0, &mut places);
-        places
-    }
-
-    fn collect(&self, prefix: &str, base: usize, into: &mut Vec<Place>) {
-        for field in self.fields {
-            let name = format!("{prefix}{}", field.name);
-            if field.shape.element == Element::Scalar(Scalar::U8) {
-                let bytes = field.shape.len.unwrap_or(1);
-                let offset = base + field.offset;
-                let (layout, field) = (self.name, field.name);
-                into.push(Place { path: name, layout, field, offset, bytes, scalar: Scalar::U8 });
-                continue;
-            }
-            for index in 0..field.shape.len.unwrap_or(1) {
-                let path = match field.shape.len {
-                    Some(_) => format!("{name}.{index}"),
-                    None => name.clone(),
-                };
-                let offset = base + field.offset + index * field.shape.element.bytes();
-                match field.shape.element {
-                    Element::Scalar(scalar) => into.push(Place {
-                        path,
-                        layout: self.name,
-                        field: field.name,
-                        offset,
-                        bytes: scalar.bytes(),
-                        scalar,
-                    }),
-                    Element::Struct(layout) => layout.collect(&format!("{path}."), offset, into),
-                }
-            }
-        }
-    }
 }
 
-/// Where a scalar is in a message.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
-    /// Dotted path from the message.
-    pub path: String,
-    /// Struct that declares the field.
-    pub layout: &'static str,
-    /// The field.
-    pub field: &'static str,
-    /// Distance from the start of the message, bytes.
-    pub offset: usize,
-    /// Its size, bytes.
-    pub bytes: usize,
-    /// Type.
-    pub scalar: Scalar,
-}
-
-/// A scalar's value.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Value<'a> {
-    /// Bytes, printed as one hexadecimal number.
-    Bytes(&'a [u8]),
-    /// Unsigned.
-    Unsigned(u64),
-    /// Signed.
-    Signed(i64),
-    /// Floating point.
-    Float(f64),
-}
-
-impl std::fmt::Display for Value<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Bytes(bytes) => {
-                f.write_str("0x")?;
-                bytes.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
-            }
-            Self::Unsigned(value) => value.fmt(f),
-            Self::Signed(value) => value.fmt(f),
-            Self::Float(value) => value.fmt(f),
-        }
-    }
-}
-
-impl Place {
-    /// Reads the scalar from a message's bytes.
-    ///
-    /// # Panics
-    /// If `message` is shorter than the struct that the place belongs to.
-    #[must_use]
-    pub fn read<'a>(&self, message: &'a [u8]) -> Value<'a> {
-        let bytes = &message[self.offset..self.offset + self.bytes];
-        match self.scalar {
-            Scalar::U8 => Value::Bytes(bytes),
-            Scalar::U32 => Value::Unsigned(bytemuck::pod_read_unaligned::<u32>(bytes).into()),
-            Scalar::U64 => Value::Unsigned(bytemuck::pod_read_unaligned(bytes)),
-            Scalar::I64 => Value::Signed(bytemuck::pod_read_unaligned(bytes)),
-            Scalar::F64 => Value::Float(bytemuck::pod_read_unaligned(bytes)),
-        }
-    }
-}
-
-/// Makes the [`Layout`] of `$type` from the names of all its fields, in order.
+/// Declares a struct of fixed layout; `#[derive(..)]` names traits beside those that each one has.
 macro_rules! layout {
-    ($type:ident { $($field:ident),* $(,)? }) => {
+    (
+        $(#[doc = $about:literal])*
+        $(#[derive($($also:ident),*)])?
+        #[type_name($type_name:literal)]
+        pub struct $type:ident {
+            $($(#[doc = $comment:literal])* pub $field:ident: $of:ty,)*
+        }
+    ) => {
+        $(#[doc = $about])*
+        #[repr(C)]
+        #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend $(, $($also),*)?)]
+        #[type_name($type_name)]
+        pub struct $type {
+            $($(#[doc = $comment])* pub $field: $of,)*
+        }
+
         impl crate::Laid for $type {
             const LAYOUT: &'static crate::Layout = &crate::Layout {
                 name: stringify!($type),
-                type_name: concat!("timegap_msgs/msg/", stringify!($type)),
-                bytes: core::mem::size_of::<$type>(),
+                type_name: $type_name,
+                bytes: size_of::<$type>(),
                 fields: &[$(crate::Field {
                     name: stringify!($field),
                     offset: core::mem::offset_of!($type, $field),
-                    shape: crate::shape_of(|message: &$type| &message.$field),
+                    shape: <$of as crate::layout::FieldType>::SHAPE,
+                    comment: &[$($comment),*],
                 }),*],
             };
         }
@@ -300,12 +242,19 @@ macro_rules! layout {
         const _: () = <$type as crate::Laid>::LAYOUT.check();
     };
 }
+
+/// Names that a file with [`layout!`](self) needs.
+pub(crate) mod declare {
+    pub(crate) use super::layout;
+    pub(crate) use bytemuck::{Pod, Zeroable};
+    pub(crate) use iceoryx2::prelude::ZeroCopySend;
+}
 pub(crate) use layout;
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Command, Message, RadarDetections, Spat, TOPICS, Topic};
+    use crate::{RadarDetections, Spat, TOPICS, Topic};
     use bytemuck::Zeroable;
     use std::collections::BTreeSet;
 
@@ -322,6 +271,20 @@ mod tests {
     }
 
     #[test]
+    fn every_field_has_a_meaning_and_every_type_its_name_on_the_topics() {
+        fn check(layout: &Layout) {
+            assert_eq!(layout.type_name, format!("timegap_msgs/msg/{}", layout.name));
+            for field in layout.fields {
+                assert!(!field.meaning().is_empty(), "{}.{}", layout.name, field.name);
+                if let Element::Struct(inner) = field.shape.element {
+                    check(inner);
+                }
+            }
+        }
+        TOPICS.into_iter().for_each(|topic| check(topic.layout()));
+    }
+
+    #[test]
     fn what_is_in_use_ends_with_the_last_element_that_counts() {
         let mut scan = RadarDetections::zeroed();
         let layout = Topic::RadarDetections.layout();
@@ -334,20 +297,5 @@ mod tests {
         // A small one.
         let layout = Topic::Spat.layout();
         assert_eq!(layout.bytes_in_use(bytemuck::bytes_of(&Spat::zeroed())), size_of::<Spat>());
-    }
-
-    #[test]
-    fn values_are_read_by_path() {
-        let mut command = Command::zeroed();
-        command.header_mut().origins.radar.acquisition_ns = -1;
-        command.plan_mps2[2] = -1.5;
-        let bytes = bytemuck::bytes_of(&command);
-        let at = |path: &str| {
-            let places = Topic::Command.layout().scalars();
-            places.into_iter().find(|place| place.path == path).map(|place| place.read(bytes))
-        };
-        assert_eq!(at("header.origins.radar.acquisition_ns"), Some(Value::Signed(-1)));
-        assert_eq!(at("plan_mps2.2"), Some(Value::Float(-1.5)));
-        assert_eq!(at("plan_mps2.128"), None);
     }
 }

@@ -18,81 +18,40 @@
 //! Each service is on one level at a time: the lowest one (furthest down this table) that applies, but
 //! for the loss of the emergency brake, which shows only where nothing else does.
 
+use crate::numbered::numbered;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A level of the ladder, by its number in messages.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Level {
-    /// Everything there, nothing late.
-    #[default]
-    Full = 0,
-    /// Only what the last signal timing still proves is used; a light not known to be green stops.
-    SignalsLost = 1,
-    /// The law's backup, or the last plan, commands.
-    SolveFailed = 2,
-    /// The target is predicted from its last state.
-    LeadPredicted = 3,
-    /// What is ahead is unknown: braking for what was last seen, the driver is asked to take over.
-    LeadLost = 4,
-    /// No command, but for a last one that brakes: the ego's own motion is not known.
-    Silent = 5,
-    /// The plant follows the rest of the last plan.
-    PlanFollowed = 6,
-    /// The plant stops in lane.
-    StopInLane = 7,
-    /// The emergency brake acts.
-    Emergency = 8,
-    /// There is no emergency brake; the controller's commands act as before.
-    AebsLost = 9,
-    /// The state is outside the range that the law is made for: its fall-back commands. As far down as
-    /// `SolveFailed`; its number is the last because numbers in messages stay what they are.
-    OutsideEnvelope = 10,
-    /// The ego's motion is estimated without its odometry.
-    EgoEstimated = 11,
-}
-
-impl Level {
-    /// All levels, from the top.
-    pub const ALL: [Self; 12] = [
-        Self::Full,
-        Self::SignalsLost,
-        Self::SolveFailed,
-        Self::LeadPredicted,
-        Self::LeadLost,
-        Self::Silent,
-        Self::PlanFollowed,
-        Self::StopInLane,
-        Self::Emergency,
-        Self::AebsLost,
-        Self::OutsideEnvelope,
-        Self::EgoEstimated,
-    ];
-
-    /// Name in results.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Full => "full",
-            Self::SignalsLost => "signals-lost",
-            Self::SolveFailed => "solve-failed",
-            Self::LeadPredicted => "lead-predicted",
-            Self::LeadLost => "lead-lost",
-            Self::Silent => "silent",
-            Self::PlanFollowed => "plan-followed",
-            Self::StopInLane => "stop-in-lane",
-            Self::Emergency => "emergency",
-            Self::AebsLost => "aebs-lost",
-            Self::OutsideEnvelope => "outside-envelope",
-            Self::EgoEstimated => "ego-estimated",
-        }
-    }
-
-    /// The level with this number in a message.
-    #[must_use]
-    pub fn from_wire(number: u32) -> Option<Self> {
-        Self::ALL.get(number as usize).copied()
+numbered! {
+    /// A level of the ladder, by its number in messages. Numbers never change, so that new levels come last.
+    #[derive(Default, PartialOrd, Ord, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Level {
+        /// All inputs are there and in time.
+        #[default]
+        Full = 0 "full",
+        /// Only what the last signal timing still proves is used; a light not known to be green stops.
+        SignalsLost = 1 "signals-lost",
+        /// The law's backup, or the last plan, commands.
+        SolveFailed = 2 "solve-failed",
+        /// The target is predicted from its last state.
+        LeadPredicted = 3 "lead-predicted",
+        /// The road ahead is unknown: braking for what was last seen, the driver is asked to take over.
+        LeadLost = 4 "lead-lost",
+        /// No command, except a last one that brakes: the ego's own motion is not known.
+        Silent = 5 "silent",
+        /// The plant follows the rest of the last plan.
+        PlanFollowed = 6 "plan-followed",
+        /// The plant stops in lane.
+        StopInLane = 7 "stop-in-lane",
+        /// The emergency brake acts.
+        Emergency = 8 "emergency",
+        /// There is no emergency brake; the controller's commands still act.
+        AebsLost = 9 "aebs-lost",
+        /// The state is outside the range of the law, and its fall-back commands. As far down as `SolveFailed`.
+        OutsideEnvelope = 10 "outside-envelope",
+        /// The ego's motion is estimated without its odometry.
+        EgoEstimated = 11 "ego-estimated",
     }
 }
 
@@ -202,9 +161,9 @@ mod tests {
     fn numbers_and_names_are_one_to_one() {
         for (number, level) in Level::ALL.into_iter().enumerate() {
             let number = u32::try_from(number).expect("few");
-            assert_eq!(Level::from_wire(number), Some(level));
+            assert_eq!(Level::by_number(number), Some(level));
             assert_eq!(level as u32, number);
         }
-        assert_eq!(Level::from_wire(Level::ALL.len() as u32), None);
+        assert_eq!(Level::by_number(Level::ALL.len() as u32), None);
     }
 }

@@ -1,31 +1,45 @@
-//! The messages and topics that all services agree on, and their end-to-end protection.
+//! The messages, topics and services that all processes agree on, and the protection of each message.
 //!
-//! Every message is `repr(C)` plain data without padding, in SI units, x forward and y left. It
-//! starts with a [`Header`]. [`message!`](self) checks the layout at compile time: a type with
-//! implicit padding, a `bool` or a pointer does not compile (`bytemuck::Pod`), and neither does one
-//! whose header is not its first field or whose size is not a multiple of eight.
+//! A message is `repr(C)` plain data without padding: SI units, x forward, y left, little-endian.
 //!
-//! | topic | message | published by | read by |
-//! | --- | --- | --- | --- |
-//! | `vehicle/odometry` | [`Odometry`] | plant | perception-sim, controller, aebs, obu |
-//! | `vehicle/powertrain` | [`Powertrain`] | plant, of a truck | controller |
-//! | `radar/detections` | [`RadarDetections`] | perception-sim | aebs |
-//! | `radar/tracks` | [`RadarTracks`] | perception-sim | controller |
-//! | `radio/frames` | [`RadioFrames`] | v2x-sim, with frames | obu |
-//! | `v2x/spat` | [`Spat`] | obu; v2x-sim without frames | controller |
-//! | `v2x/map` | [`Map`] | obu; v2x-sim without frames | controller |
-//! | `v2x/preview` | [`Preview`] | v2x-sim, for a truck | controller |
-//! | `radio/sent` | [`RadioSent`] | obu | v2x-sim, to send it on to another host |
-//! | `control/command` | [`Command`] | controller | plant |
-//! | `control/diagnostics` | [`Diagnostics`] | controller | (observers) |
-//! | `safety/brake` | [`Brake`] | aebs | plant |
-//! | `truth/ego` | [`EgoTruth`] | plant | perception-sim, v2x-sim |
-//! | `truth/vehicles` | [`VehicleTruth`] | perception-sim | plant (referee) |
-//! | `truth/signals` | [`SignalTruth`] | v2x-sim | plant (referee) |
-//! | `health/heartbeat` | [`Heartbeat`] | every service | launcher |
+//! ```text
+//!  0             24                            64                   208            end
+//! ┌──────────────┬─────────────────────────────┬────────────────────┬─────────────┐
+//! │ protection   │ sequence, step, two stamps, │ stamps of 6 inputs │ own fields  │
+//! │ CRC, counter │ incarnation, source         │ (`Origins`)        │ in SI units │
+//! └──────────────┴─────────────────────────────┴────────────────────┴─────────────┘
+//!  ◄──────────────────────── `Header` ──────────────────────────────►
+//! ```
 //!
-//! The `truth/` topics carry what the simulators know and no fault distorts: the simulated sensors
-//! measure from them, and the referee in the plant judges by them. No actuation depends on them.
+//! | to find | look at |
+//! | --- | --- |
+//! | the topics, who sends and who receives them | [`Topic`]: one row each |
+//! | the services, with all that is known before their code | [`Service`], [`Descriptor`]: one row each |
+//! | the bytes of a message as data, with the meaning of each field | [`Layout`] |
+//! | what detects a damaged, lost or repeated message | [`e2e`] |
+//! | what a controller and a plant do without an input | [`level`] |
+//! | what a program of the user's reads and answers as a law | [`LawInput`], [`LawAnswer`] |
+//!
+//! A sender fills a message in, protects it, and a receiver accepts or refuses it:
+//!
+//! ```
+//! use bytemuck::{Zeroable, bytes_of, bytes_of_mut};
+//! use messages::e2e::{Channel, Outcomes, profile7};
+//! use messages::{Odometry, Service, Topic};
+//!
+//! let mut odometry = Odometry { speed_mps: 25.0, ..Odometry::zeroed() };
+//! let data_id = Topic::Odometry.data_id(Service::Plant.to_wire());
+//! profile7::protect(bytes_of_mut(&mut odometry), data_id, 1);
+//!
+//! let (mut channel, mut outcomes) = (Channel::default(), Outcomes::default());
+//! assert!(channel.accept(bytes_of(&odometry), data_id, 0, &mut outcomes));
+//! odometry.speed_mps = 26.0;
+//! assert!(!channel.accept(bytes_of(&odometry), data_id, 0, &mut outcomes));
+//! assert_eq!((outcomes.ok, outcomes.error), (1, 1));
+//! ```
+//!
+//! The `truth/` topics carry what the simulators know, and no fault changes it. The simulated sensors measure
+//! from them, and the referee in the plant judges by them. No actuation depends on them.
 
 mod brake;
 mod control;
@@ -38,59 +52,26 @@ mod layout;
 pub mod level;
 pub mod names;
 pub mod notes;
+mod numbered;
 mod perception;
+mod place;
 mod radio;
 mod service;
 mod topic;
 mod v2x;
 mod vehicle;
 
-pub use brake::{Brake, BrakeState};
-pub use control::{Command, Diagnostics, FIGURES, PLAN_LEN};
+pub use brake::*;
+pub use control::*;
 pub use drive::Drive;
 pub use header::{Header, Origin, Origins};
-pub use health::{Heartbeat, ServiceState};
-pub use law::{
-    LAW_CELLS, LAW_FIGURES, LAW_INTERVALS, LAW_MODES, LAW_PLAN, LAW_RECORDS, LAW_SIGNALS,
-    LawAnswer, LawInput, LawInterval, LawSignal,
-};
-pub use layout::{Element, Field, Laid, Layout, Place, SMALL_BYTES, Scalar, Shape, Value};
-pub use perception::{
-    Detection, MAX_DETECTIONS, MAX_TRACKS, RadarDetections, RadarTracks, Track, TrackedTarget,
-    VehicleTruth, VehicleTruthItem,
-};
-pub use radio::{MAX_FRAME_BYTES, MAX_FRAMES, RadioFrame, RadioFrames, RadioSent};
-pub use service::{Service, UnknownService};
-pub use topic::{LAYOUT_VERSION, Message, TOPICS, Topic};
-pub use v2x::{
-    Interval, Lane, MAX_INTERVALS, MAX_LANES, MAX_PREVIEW_CELLS, MAX_SIGNALS, Map, PhaseState,
-    Preview, Signal, SignalTruth, Spat,
-};
-pub use vehicle::{EgoTruth, Odometry, Powertrain};
-
-/// Declares `$type` to be the message of `$topic`, after checking its layout at compile time.
-macro_rules! message {
-    ($type:ty, $topic:expr $(, $($hook:tt)+)?) => {
-        impl crate::Message for $type {
-            const TOPIC: crate::Topic = $topic;
-
-            fn header(&self) -> &crate::Header {
-                &self.header
-            }
-
-            fn header_mut(&mut self) -> &mut crate::Header {
-                &mut self.header
-            }
-
-            $($($hook)+)?
-        }
-
-        const _: () = {
-            assert!(core::mem::offset_of!($type, header) == 0, "the header comes first");
-            assert!(core::mem::size_of::<$type>() % 8 == 0, "whole words");
-            assert!(core::mem::align_of::<$type>() == 8, "natural alignment");
-        };
-    };
-}
-pub(crate) use layout::{layout, shape_of};
-use message;
+pub use health::*;
+pub use law::*;
+pub use layout::{Element, Field, Laid, Layout, SMALL_BYTES, Scalar, Shape};
+pub use perception::*;
+pub use place::{Place, Value};
+pub use radio::*;
+pub use service::{Descriptor, Pace, Presence, Service, UnknownService};
+pub use topic::{LAYOUT_VERSION, Message, Role, TOPICS, Topic};
+pub use v2x::*;
+pub use vehicle::*;

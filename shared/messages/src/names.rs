@@ -23,32 +23,17 @@ impl Enumeration {
     }
 }
 
-macro_rules! named {
-    ($type:ident, $count:expr) => {
-        &{
-            let mut values = [(0, ""); $count];
-            let mut index = 0;
-            while index < $count {
-                let value = $type::ALL[index];
-                values[index] = (value as u32, value.name());
-                index += 1;
-            }
-            values
-        }
-    };
-}
-
 /// All enumerations whose meaning does not depend on the law.
 pub static ENUMERATIONS: [Enumeration; 6] = [
     Enumeration {
         name: "service",
         fields: &[("Header", "source")],
-        values: named!(Service, Service::ALL.len()),
+        values: Service::NAMES,
     },
     Enumeration {
         name: "rung",
         fields: &[("Diagnostics", "rung")],
-        values: named!(Level, Level::ALL.len()),
+        values: Level::NAMES,
     },
     Enumeration {
         name: "quality",
@@ -58,25 +43,17 @@ pub static ENUMERATIONS: [Enumeration; 6] = [
     Enumeration {
         name: "brake_state",
         fields: &[("Brake", "state")],
-        values: named!(BrakeState, BrakeState::ALL.len()),
+        values: BrakeState::NAMES,
     },
     Enumeration {
         name: "phase",
         fields: &[("Interval", "state")],
-        values: &[
-            (PhaseState::Unavailable as u32, "unavailable"),
-            (PhaseState::StopAndRemain as u32, "stop-and-remain"),
-            (PhaseState::ProtectedMovementAllowed as u32, "protected-movement-allowed"),
-            (PhaseState::ProtectedClearance as u32, "protected-clearance"),
-        ],
+        values: PhaseState::NAMES,
     },
     Enumeration {
         name: "service_state",
         fields: &[("Heartbeat", "state")],
-        values: &[
-            (ServiceState::Running as u32, "running"),
-            (ServiceState::Degraded as u32, "degraded"),
-        ],
+        values: ServiceState::NAMES,
     },
 ];
 

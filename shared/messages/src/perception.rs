@@ -1,72 +1,64 @@
 //! What the radar sees, and what is really there.
 
-use super::{Header, Topic, layout, message};
-use bytemuck::{Pod, Zeroable};
-use iceoryx2::prelude::ZeroCopySend;
+use super::Header;
+use crate::layout::declare::*;
 
 /// Most tracks, and most vehicles of the truth, that a message carries.
 pub const MAX_TRACKS: usize = 8;
 
-/// One raw radar track.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
-#[type_name("timegap_msgs/msg/Track")]
-pub struct Track {
-    /// Identity of the track.
-    pub id: u32,
-    /// 1 if the track was selected as the in-path target.
-    pub in_path: u32,
-    /// Bumper-to-bumper range, m.
-    pub range_m: f64,
-    /// Range rate, m/s, negative when closing.
-    pub range_rate_mps: f64,
-    /// Azimuth, rad, positive to the left.
-    pub azimuth_rad: f64,
+layout! {
+    /// One raw radar track.
+    #[type_name("timegap_msgs/msg/Track")]
+    pub struct Track {
+        /// Identity of the track.
+        pub id: u32,
+        /// 1 if the track was selected as the in-path target.
+        pub in_path: u32,
+        /// Bumper-to-bumper range, m.
+        pub range_m: f64,
+        /// Range rate, m/s, negative when closing.
+        pub range_rate_mps: f64,
+        /// Azimuth, rad, positive to the left.
+        pub azimuth_rad: f64,
+    }
 }
 
-layout!(Track { id, in_path, range_m, range_rate_mps, azimuth_rad });
-
-/// The in-path target after tracking.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
-#[type_name("timegap_msgs/msg/TrackedTarget")]
-pub struct TrackedTarget {
-    /// 1 if there is a target; all other fields are 0 otherwise.
-    pub valid: u32,
-    /// Identity of the track: a new number means a new vehicle.
-    pub track_id: u32,
-    /// Bumper-to-bumper distance, m.
-    pub gap_m: f64,
-    /// Target speed minus ego speed, m/s.
-    pub relative_speed_mps: f64,
-    /// Absolute acceleration of the target, m/s².
-    pub acceleration_mps2: f64,
+layout! {
+    /// The in-path target after tracking.
+    #[type_name("timegap_msgs/msg/TrackedTarget")]
+    pub struct TrackedTarget {
+        /// 1 if there is a target; all other fields are 0 otherwise.
+        pub valid: u32,
+        /// Identity of the track: a new number means a new vehicle.
+        pub track_id: u32,
+        /// Bumper-to-bumper distance, m.
+        pub gap_m: f64,
+        /// Target speed minus ego speed, m/s.
+        pub relative_speed_mps: f64,
+        /// Absolute acceleration of the target, m/s².
+        pub acceleration_mps2: f64,
+    }
 }
 
-layout!(TrackedTarget { valid, track_id, gap_m, relative_speed_mps, acceleration_mps2 });
-
-/// Output of the radar and its tracker.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
-#[type_name("timegap_msgs/msg/RadarTracks")]
-pub struct RadarTracks {
-    /// Common header.
-    pub header: Header,
-    /// The selected and filtered in-path target.
-    pub target: TrackedTarget,
-    /// Valid entries of `tracks`.
-    pub count: u64,
-    /// Raw tracks, nearest first; unused entries are 0.
-    pub tracks: [Track; MAX_TRACKS],
-    /// Speed of the ego at the scan as what stands beside the road shows it, m/s; 0 without such
-    /// detections.
-    pub ego_speed_mps: f64,
-    /// Detections behind it; 0: not measured.
-    pub ego_speed_points: u64,
+layout! {
+    /// Output of the radar and its tracker.
+    #[type_name("timegap_msgs/msg/RadarTracks")]
+    pub struct RadarTracks {
+        /// Common header.
+        pub header: Header,
+        /// The selected and filtered in-path target.
+        pub target: TrackedTarget,
+        /// Valid entries of `tracks`.
+        pub count: u64,
+        /// Raw tracks, nearest first; unused entries are 0.
+        pub tracks: [Track; MAX_TRACKS],
+        /// Speed of the ego at the scan as what stands beside the road shows it, m/s; 0 without such
+        /// detections.
+        pub ego_speed_mps: f64,
+        /// Detections behind it; 0: not measured.
+        pub ego_speed_points: u64,
+    }
 }
-
-message!(RadarTracks, Topic::RadarTracks);
-layout!(RadarTracks { header, target, count, tracks, ego_speed_mps, ego_speed_points });
 
 impl RadarTracks {
     /// Speed of the ego as the radar measured it, m/s.
@@ -79,60 +71,47 @@ impl RadarTracks {
 /// Most detections that a message carries.
 pub const MAX_DETECTIONS: usize = 1024;
 
-/// One detection of the radar.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
-#[type_name("timegap_msgs/msg/Detection")]
-pub struct Detection {
-    /// Range, m.
-    pub range_m: f64,
-    /// Range rate, m/s, negative when closing.
-    pub range_rate_mps: f64,
-    /// Azimuth, rad, positive to the left.
-    pub azimuth_rad: f64,
-    /// Signal-to-noise ratio, dB.
-    pub snr_db: f64,
-    /// Radar cross section that follows from it, dB relative to 1 m².
-    pub rcs_dbsm: f64,
-    /// Reserved: 0.
-    pub flags: u32,
-    /// Detections with the same number are the same echo at different ambiguous range rates; 0: the
-    /// range rate is not ambiguous.
-    pub ambiguity_group: u32,
+layout! {
+    /// One detection of the radar.
+    #[type_name("timegap_msgs/msg/Detection")]
+    pub struct Detection {
+        /// Range, m.
+        pub range_m: f64,
+        /// Range rate, m/s, negative when closing.
+        pub range_rate_mps: f64,
+        /// Azimuth, rad, positive to the left.
+        pub azimuth_rad: f64,
+        /// Signal-to-noise ratio, dB.
+        pub snr_db: f64,
+        /// Radar cross section that follows from it, dB relative to 1 m².
+        pub rcs_dbsm: f64,
+        /// Reserved: 0.
+        pub flags: u32,
+        /// Detections with the same number are the same echo at different ambiguous range rates; 0: the
+        /// range rate is not ambiguous.
+        pub ambiguity_group: u32,
+    }
 }
 
-layout!(Detection {
-    range_m,
-    range_rate_mps,
-    azimuth_rad,
-    snr_db,
-    rcs_dbsm,
-    flags,
-    ambiguity_group
-});
-
-/// What the radar's receiver hands out in one scan: several detections for each vehicle, and some for
-/// none. Empty when the radar's model has no detections. The header's acquisition time is that of the
-/// scan.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
-#[type_name("timegap_msgs/msg/RadarDetections")]
-pub struct RadarDetections {
-    /// Common header.
-    pub header: Header,
-    /// Speed of the ego at the scan, m/s: the radar's own measurement by what stands beside the road where
-    /// odometry is missing or contradicts it.
-    pub ego_speed_mps: f64,
-    /// Detections for which there was no room.
-    pub left_out: u64,
-    /// Valid entries of `detections`.
-    pub count: u64,
-    /// Detections, nearest first up to their noise; unused entries are 0.
-    pub detections: [Detection; MAX_DETECTIONS],
+layout! {
+    /// What the radar's receiver hands out in one scan: several detections for each vehicle, and some for
+    /// none. Empty when the radar's model has no detections. The header's acquisition time is that of the
+    /// scan.
+    #[type_name("timegap_msgs/msg/RadarDetections")]
+    pub struct RadarDetections {
+        /// Common header.
+        pub header: Header,
+        /// Speed of the ego at the scan, m/s: the radar's own measurement by what stands beside the road where
+        /// odometry is missing or contradicts it.
+        pub ego_speed_mps: f64,
+        /// Detections for which there was no room.
+        pub left_out: u64,
+        /// Valid entries of `detections`.
+        pub count: u64,
+        /// Detections, nearest first up to their noise; unused entries are 0.
+        pub detections: [Detection; MAX_DETECTIONS],
+    }
 }
-
-message!(RadarDetections, Topic::RadarDetections);
-layout!(RadarDetections { header, ego_speed_mps, left_out, count, detections });
 
 impl RadarDetections {
     /// The valid detections.
@@ -143,42 +122,37 @@ impl RadarDetections {
     }
 }
 
-/// A vehicle as it really is.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
-#[type_name("timegap_msgs/msg/VehicleTruthItem")]
-pub struct VehicleTruthItem {
-    /// 1 if the vehicle's body reaches into the ego's lane.
-    pub in_lane: u64,
-    /// Position of the rear bumper on the ego's axis, m.
-    pub rear_position_m: f64,
-    /// Speed, m/s.
-    pub speed_mps: f64,
-    /// Acceleration, m/s².
-    pub acceleration_mps2: f64,
-    /// Lateral offset from the ego's lane centre, m, positive to the left.
-    pub lateral_m: f64,
+layout! {
+    /// A vehicle as it really is.
+    #[type_name("timegap_msgs/msg/VehicleTruthItem")]
+    pub struct VehicleTruthItem {
+        /// 1 if the vehicle's body reaches into the ego's lane.
+        pub in_lane: u64,
+        /// Position of the rear bumper on the ego's axis, m.
+        pub rear_position_m: f64,
+        /// Speed, m/s.
+        pub speed_mps: f64,
+        /// Acceleration, m/s².
+        pub acceleration_mps2: f64,
+        /// Lateral offset from the ego's lane centre, m, positive to the left.
+        pub lateral_m: f64,
+    }
 }
 
-layout!(VehicleTruthItem { in_lane, rear_position_m, speed_mps, acceleration_mps2, lateral_m });
-
-/// All simulated vehicles as they really are at the header's step.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
-#[type_name("timegap_msgs/msg/VehicleTruth")]
-pub struct VehicleTruth {
-    /// Common header.
-    pub header: Header,
-    /// 1 once the scenario's storyboard has come to its end, and with it the run.
-    pub ended: u64,
-    /// Valid entries of `vehicles`.
-    pub count: u64,
-    /// The vehicles in the scenario's order; unused entries are 0.
-    pub vehicles: [VehicleTruthItem; MAX_TRACKS],
+layout! {
+    /// All simulated vehicles as they really are at the header's step.
+    #[type_name("timegap_msgs/msg/VehicleTruth")]
+    pub struct VehicleTruth {
+        /// Common header.
+        pub header: Header,
+        /// 1 once the scenario's storyboard has come to its end, and with it the run.
+        pub ended: u64,
+        /// Valid entries of `vehicles`.
+        pub count: u64,
+        /// The vehicles in the scenario's order; unused entries are 0.
+        pub vehicles: [VehicleTruthItem; MAX_TRACKS],
+    }
 }
-
-message!(VehicleTruth, Topic::VehicleTruth);
-layout!(VehicleTruth { header, ended, count, vehicles });
 
 impl VehicleTruth {
     /// Gap to, m, and speed of, m/s, the nearest vehicle in lane whose rear is not behind the ego's

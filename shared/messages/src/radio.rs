@@ -1,30 +1,27 @@
 //! Frames on air, as bytes: what the on-board unit's radio hands out and takes.
 
-use super::{Header, Topic, layout, message};
-use bytemuck::{Pod, Zeroable};
-use iceoryx2::prelude::ZeroCopySend;
+use super::Header;
+use crate::layout::declare::*;
 
 /// Longest frame, bytes, without the header of the link.
 pub const MAX_FRAME_BYTES: usize = 1500;
 /// Most frames in one batch.
 pub const MAX_FRAMES: usize = 16;
 
-/// A frame: GeoNetworking, BTP and the message in unaligned PER.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
-#[type_name("timegap_msgs/msg/RadioFrame")]
-pub struct RadioFrame {
-    /// When it was sent, by the sender's own account, ns of run time; the smallest number: not known.
-    pub sent_ns: i64,
-    /// When it arrived at the vehicle's radio, ns of run time.
-    pub received_ns: i64,
-    /// Valid bytes.
-    pub length: u32,
-    /// The bytes; unused ones are 0.
-    pub bytes: [u8; MAX_FRAME_BYTES],
+layout! {
+    /// A frame: GeoNetworking, BTP and the message in unaligned PER.
+    #[type_name("timegap_msgs/msg/RadioFrame")]
+    pub struct RadioFrame {
+        /// When it was sent, by the sender's own account, ns of run time; the smallest number: not known.
+        pub sent_ns: i64,
+        /// When it arrived at the vehicle's radio, ns of run time.
+        pub received_ns: i64,
+        /// Valid bytes.
+        pub length: u32,
+        /// The bytes; unused ones are 0.
+        pub bytes: [u8; MAX_FRAME_BYTES],
+    }
 }
-
-layout!(RadioFrame { sent_ns, received_ns, length, bytes });
 
 impl RadioFrame {
     /// `sent_ns` of a frame that does not say when it was sent, or by a clock that is not known.
@@ -52,37 +49,26 @@ impl RadioFrame {
     }
 }
 
-/// The frames that arrived since the last batch.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
-#[type_name("timegap_msgs/msg/RadioFrames")]
-pub struct RadioFrames {
-    /// Common header.
-    pub header: Header,
-    /// UTC of run time 0 by the clock of the vehicle's radio, ns since 1970.
-    pub utc_start_ns: i64,
-    /// By how much the sender's clock is ahead of the vehicle's, as two hosts compared them, ns.
-    pub clock_offset_ns: i64,
-    /// How far that may be off, ns; 0 where both are one clock; the largest number: not known.
-    pub clock_uncertainty_ns: i64,
-    /// Frames that arrived and for which there was no room.
-    pub left_out: u64,
-    /// Valid entries of `frames`.
-    pub count: u64,
-    /// The frames in the order of their arrival; unused entries are 0.
-    pub frames: [RadioFrame; MAX_FRAMES],
+layout! {
+    /// The frames that arrived since the last batch.
+    #[type_name("timegap_msgs/msg/RadioFrames")]
+    pub struct RadioFrames {
+        /// Common header.
+        pub header: Header,
+        /// UTC of run time 0 by the clock of the vehicle's radio, ns since 1970.
+        pub utc_start_ns: i64,
+        /// By how much the sender's clock is ahead of the vehicle's, as two hosts compared them, ns.
+        pub clock_offset_ns: i64,
+        /// How far that may be off, ns; 0 where both are one clock; the largest number: not known.
+        pub clock_uncertainty_ns: i64,
+        /// Frames that arrived and for which there was no room.
+        pub left_out: u64,
+        /// Valid entries of `frames`.
+        pub count: u64,
+        /// The frames in the order of their arrival; unused entries are 0.
+        pub frames: [RadioFrame; MAX_FRAMES],
+    }
 }
-
-message!(RadioFrames, Topic::RadioFrames);
-layout!(RadioFrames {
-    header,
-    utc_start_ns,
-    clock_offset_ns,
-    clock_uncertainty_ns,
-    left_out,
-    count,
-    frames
-});
 
 impl RadioFrames {
     /// The valid frames.
@@ -92,18 +78,15 @@ impl RadioFrames {
     }
 }
 
-/// A frame that the vehicle sends.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
-#[type_name("timegap_msgs/msg/RadioSent")]
-pub struct RadioSent {
-    /// Common header.
-    pub header: Header,
-    /// UTC of run time 0 by the vehicle's clock, ns since 1970.
-    pub utc_start_ns: i64,
-    /// The frame; `received_ns` is -1.
-    pub frame: RadioFrame,
+layout! {
+    /// A frame that the vehicle sends.
+    #[type_name("timegap_msgs/msg/RadioSent")]
+    pub struct RadioSent {
+        /// Common header.
+        pub header: Header,
+        /// UTC of run time 0 by the vehicle's clock, ns since 1970.
+        pub utc_start_ns: i64,
+        /// The frame; `received_ns` is -1.
+        pub frame: RadioFrame,
+    }
 }
-
-message!(RadioSent, Topic::RadioSent);
-layout!(RadioSent { header, utc_start_ns, frame });

@@ -1,6 +1,18 @@
-//! The topics: who publishes what for whom.
+//! The topics: one row each, with its message, its senders and its receivers.
+//!
+//! [`Topic`] shows the rows as a table.
+//!
+//! ```
+//! use messages::{Message, Odometry, Service, Topic};
+//!
+//! let topic = Topic::by_name("vehicle/odometry").expect("a row");
+//! assert_eq!(topic, Odometry::TOPIC);
+//! assert_eq!(topic.sources(), [Service::Plant]);
+//! assert!(topic.consumers().contains(&Service::Controller));
+//! assert_eq!(topic.message_bytes(), size_of::<Odometry>());
+//! ```
 
-use super::{Drive, Header, Laid, Layout};
+use super::{Drive, EgoTruth, Header, Laid, Layout};
 use crate::Service;
 use bytemuck::Pod;
 use core::fmt::Debug;
@@ -21,91 +33,136 @@ pub trait Message: Pod + ZeroCopySend + Debug + PartialEq + Laid {
     /// The common header, to be stamped.
     fn header_mut(&mut self) -> &mut Header;
 
-    /// What the ego does and meets, of a message that says so: conditions of faults refer to it.
+    /// State of the drive, if the message is [`EgoTruth`]: conditions of faults refer to it.
     fn drive(&self) -> Option<Drive> {
-        None
+        (Self::TOPIC == Topic::EgoTruth)
+            .then(|| Drive::of(bytemuck::from_bytes::<EgoTruth>(bytemuck::bytes_of(self))))
     }
 }
 
-/// Every topic of the group.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Topic {
-    /// `vehicle/odometry`
-    Odometry,
-    /// `vehicle/powertrain`
-    Powertrain,
-    /// `radar/tracks`
-    RadarTracks,
-    /// `v2x/spat`
-    Spat,
-    /// `v2x/map`
-    Map,
-    /// `v2x/preview`
-    Preview,
-    /// `control/command`
-    Command,
-    /// `control/diagnostics`
-    Diagnostics,
-    /// `truth/vehicles`
-    VehicleTruth,
-    /// `truth/signals`
-    SignalTruth,
-    /// `health/heartbeat`
-    Heartbeat,
-    /// `radar/detections`; behind the others, because a topic's number is part of its data ID.
-    RadarDetections,
-    /// `safety/brake`
-    Brake,
-    /// `truth/ego`
-    EgoTruth,
-    /// `radio/frames`
-    RadioFrames,
-    /// `radio/sent`
-    RadioSent,
+/// Purpose of a topic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Carries what a car has. Faults of messages can disturb it.
+    Function,
+    /// Carries what the simulators know. No fault changes it.
+    Truth,
+    /// Informs observers. No fault disturbs it.
+    Report,
 }
 
-/// All topics, in the order of the data's way.
-pub const TOPICS: [Topic; 16] = [
-    Topic::Odometry,
-    Topic::Powertrain,
-    Topic::RadarDetections,
-    Topic::RadarTracks,
-    Topic::RadioFrames,
-    Topic::Spat,
-    Topic::Map,
-    Topic::Preview,
-    Topic::RadioSent,
-    Topic::Command,
-    Topic::Diagnostics,
-    Topic::Brake,
-    Topic::EgoTruth,
-    Topic::VehicleTruth,
-    Topic::SignalTruth,
-    Topic::Heartbeat,
-];
+/// One row of the table of topics.
+struct Row {
+    name: &'static str,
+    layout: &'static Layout,
+    role: Role,
+    sources: &'static [Service],
+    consumers: &'static [Service],
+}
+
+/// Declares the topics. `number Message "name" Role, [senders] to [receivers];` is a row: the variant has the
+/// message's name. `$d` is a dollar sign, for the macro that this one declares.
+macro_rules! topics {
+    ($d:tt $($(#[$doc:meta])* $number:literal $topic:ident $name:literal $role:ident,
+       [$($source:ident),*] to [$($consumer:ident),*];)+) => {
+        /// Every topic of the group; the number is a part of its data ID.
+        ///
+        /// | topic | message | published by | read by |
+        /// | --- | --- | --- | --- |
+        $(#[doc = concat!(
+            "| `", $name, "` | [`", stringify!($topic), "`](struct@crate::", stringify!($topic), ") | ",
+            $("[`", stringify!($source), "`](Service::", stringify!($source), ") ",)* "| ",
+            $("[`", stringify!($consumer), "`](Service::", stringify!($consumer), ") ",)* "|"
+        )])+
+        ///
+        /// Every service publishes a topic without a publisher. Observers alone read one without a reader.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum Topic {
+            $(#[doc = concat!("`", $name, "`")] $(#[$doc])* $topic = $number,)+
+        }
+
+        /// All topics, in the order of the data's way.
+        pub const TOPICS: [Topic; [$($number),+].len()] = [$(Topic::$topic),+];
+
+        impl Topic {
+            const fn row(self) -> &'static Row {
+                match self {
+                    $(Self::$topic => &Row {
+                        name: $name,
+                        layout: <crate::$topic as Laid>::LAYOUT,
+                        role: Role::$role,
+                        sources: &[$(Service::$source),*],
+                        consumers: &[$(Service::$consumer),*],
+                    },)+
+                }
+            }
+        }
+
+        $(impl Message for crate::$topic {
+            const TOPIC: Topic = Topic::$topic;
+
+            fn header(&self) -> &Header {
+                &self.header
+            }
+
+            fn header_mut(&mut self) -> &mut Header {
+                &mut self.header
+            }
+        }
+
+        const _: () = {
+            assert!(core::mem::offset_of!(crate::$topic, header) == 0, "the header comes first");
+            assert!(align_of::<crate::$topic>() == 8, "natural alignment");
+        };)+
+
+        /// Calls the macro `$callback` with the types of all messages, in the order of [`TOPICS`].
+        ///
+        /// ```
+        /// macro_rules! largest {
+        ///     ($($message:ty),+) => { [$(size_of::<$message>()),+].into_iter().max() };
+        /// }
+        /// assert_eq!(messages::each_message!(largest), Some(size_of::<messages::RadarDetections>()));
+        /// ```
+        #[macro_export]
+        macro_rules! each_message {
+            ($d callback:ident) => {
+                $d callback!($($d crate::$topic),+)
+            };
+        }
+    };
+}
+
+topics! { $
+    0 Odometry "vehicle/odometry" Function, [Plant] to [PerceptionSim, Controller, Aebs, Obu];
+    /// Sent for a truck.
+    1 Powertrain "vehicle/powertrain" Function, [Plant] to [Controller];
+    11 RadarDetections "radar/detections" Function, [PerceptionSim] to [Aebs];
+    2 RadarTracks "radar/tracks" Function, [PerceptionSim] to [Controller];
+    /// Sent where signals come as frames.
+    14 RadioFrames "radio/frames" Function, [V2xSim] to [Obu];
+    /// Sent by the on-board unit where there is one, else by the roadside unit.
+    3 Spat "v2x/spat" Function, [Obu, V2xSim] to [Controller];
+    /// Sent as `v2x/spat` is.
+    4 Map "v2x/map" Function, [Obu, V2xSim] to [Controller];
+    /// Sent for a truck.
+    5 Preview "v2x/preview" Function, [V2xSim] to [Controller];
+    /// Read where the radio leads to another host, to send it on.
+    15 RadioSent "radio/sent" Report, [Obu] to [V2xSim];
+    6 Command "control/command" Function, [Controller] to [Plant];
+    7 Diagnostics "control/diagnostics" Report, [Controller] to [];
+    12 Brake "safety/brake" Function, [Aebs] to [Plant];
+    /// The last three receivers use it only for faults that wait for a phase of the drive.
+    13 EgoTruth "truth/ego" Truth, [Plant] to [PerceptionSim, V2xSim, Controller, Aebs, Obu];
+    8 VehicleTruth "truth/vehicles" Truth, [PerceptionSim] to [Plant];
+    9 SignalTruth "truth/signals" Truth, [V2xSim] to [Plant];
+    10 Heartbeat "health/heartbeat" Report, [] to [];
+}
 
 impl Topic {
     /// Name on the wire.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Odometry => "vehicle/odometry",
-            Self::Powertrain => "vehicle/powertrain",
-            Self::RadarDetections => "radar/detections",
-            Self::Brake => "safety/brake",
-            Self::RadarTracks => "radar/tracks",
-            Self::Spat => "v2x/spat",
-            Self::Map => "v2x/map",
-            Self::Preview => "v2x/preview",
-            Self::Command => "control/command",
-            Self::Diagnostics => "control/diagnostics",
-            Self::EgoTruth => "truth/ego",
-            Self::VehicleTruth => "truth/vehicles",
-            Self::SignalTruth => "truth/signals",
-            Self::Heartbeat => "health/heartbeat",
-            Self::RadioFrames => "radio/frames",
-            Self::RadioSent => "radio/sent",
-        }
+        self.row().name
     }
 
     /// Size of its message, bytes.
@@ -117,95 +174,80 @@ impl Topic {
     /// Layout of its message.
     #[must_use]
     pub const fn layout(self) -> &'static Layout {
-        match self {
-            Self::Odometry => super::Odometry::LAYOUT,
-            Self::Powertrain => super::Powertrain::LAYOUT,
-            Self::RadarDetections => super::RadarDetections::LAYOUT,
-            Self::Brake => super::Brake::LAYOUT,
-            Self::RadarTracks => super::RadarTracks::LAYOUT,
-            Self::Spat => super::Spat::LAYOUT,
-            Self::Map => super::Map::LAYOUT,
-            Self::Preview => super::Preview::LAYOUT,
-            Self::Command => super::Command::LAYOUT,
-            Self::Diagnostics => super::Diagnostics::LAYOUT,
-            Self::EgoTruth => super::EgoTruth::LAYOUT,
-            Self::VehicleTruth => super::VehicleTruth::LAYOUT,
-            Self::SignalTruth => super::SignalTruth::LAYOUT,
-            Self::Heartbeat => super::Heartbeat::LAYOUT,
-            Self::RadioFrames => super::RadioFrames::LAYOUT,
-            Self::RadioSent => super::RadioSent::LAYOUT,
-        }
+        self.row().layout
     }
 
-    /// The topic of that name.
+    /// Topic of that name.
     #[must_use]
     pub fn by_name(name: &str) -> Option<Self> {
         TOPICS.into_iter().find(|topic| topic.name() == name)
     }
 
-    /// Data ID of the end-to-end protection of what `source` sends on it.
+    /// Data ID of the end-to-end protection of messages from `source`.
     #[must_use]
     pub const fn data_id(self, source: u32) -> u32 {
         (self as u32 + 1) << 16 | source
     }
 
-    /// Services that may publish it, of which a group has one; none where every service does. The signals
-    /// come from the on-board unit where there is one, else as structs from the roadside unit.
+    /// Services that may publish it, of which a group has one; empty if every service does.
     #[must_use]
     pub const fn sources(self) -> &'static [Service] {
-        match self {
-            Self::Odometry | Self::Powertrain | Self::EgoTruth => &[Service::Plant],
-            Self::RadarDetections | Self::RadarTracks | Self::VehicleTruth => {
-                &[Service::PerceptionSim]
-            }
-            Self::Spat | Self::Map => &[Service::Obu, Service::V2xSim],
-            Self::Preview | Self::SignalTruth | Self::RadioFrames => &[Service::V2xSim],
-            Self::Command | Self::Diagnostics => &[Service::Controller],
-            Self::Brake => &[Service::Aebs],
-            Self::RadioSent => &[Service::Obu],
-            Self::Heartbeat => &[],
-        }
+        self.row().sources
     }
 
-    /// Service that publishes it in a group of `services`; `None` where every service does, or none.
+    /// Service that publishes it in a group of `services`; `None` if every service does, or none.
     #[must_use]
     pub fn source(self, services: &[Service]) -> Option<Service> {
         self.sources().iter().copied().find(|source| services.contains(source))
     }
 
-    /// True of what the simulators know and no fault falsifies.
+    /// Purpose of the topic.
     #[must_use]
-    pub const fn is_truth(self) -> bool {
-        matches!(self, Self::EgoTruth | Self::VehicleTruth | Self::SignalTruth)
+    pub const fn role(self) -> Role {
+        self.row().role
     }
 
-    /// Services whose cycles are computed from it: those that a lockstep run makes wait for it.
+    /// True if it carries what the simulators know.
+    #[must_use]
+    pub const fn is_truth(self) -> bool {
+        matches!(self.role(), Role::Truth)
+    }
+
+    /// Services whose cycles use it: a lockstep run makes them wait for it.
     #[must_use]
     pub const fn consumers(self) -> &'static [Service] {
-        match self {
-            Self::Odometry => {
-                &[Service::PerceptionSim, Service::Controller, Service::Aebs, Service::Obu]
-            }
-            // The controller, the emergency brake and the on-board unit hear it for faults that wait for a
-            // phase, and for nothing else.
-            Self::EgoTruth => &[
-                Service::PerceptionSim,
-                Service::V2xSim,
-                Service::Controller,
-                Service::Aebs,
-                Service::Obu,
-            ],
-            Self::RadarDetections => &[Service::Aebs],
-            Self::RadioFrames => &[Service::Obu],
-            Self::Powertrain | Self::RadarTracks | Self::Spat | Self::Map | Self::Preview => {
-                &[Service::Controller]
-            }
-            Self::Command | Self::Brake | Self::VehicleTruth | Self::SignalTruth => {
-                &[Service::Plant]
-            }
-            // To send them on, where the radio leads to another host.
-            Self::RadioSent => &[Service::V2xSim],
-            Self::Diagnostics | Self::Heartbeat => &[],
-        }
+        self.row().consumers
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_and_names_are_those_of_recordings() {
+        let mut topics = TOPICS.map(|topic| (topic as u32, topic.name()));
+        topics.sort_unstable();
+        let recorded = [
+            "vehicle/odometry",
+            "vehicle/powertrain",
+            "radar/tracks",
+            "v2x/spat",
+            "v2x/map",
+            "v2x/preview",
+            "control/command",
+            "control/diagnostics",
+            "truth/vehicles",
+            "truth/signals",
+            "health/heartbeat",
+            "radar/detections",
+            "safety/brake",
+            "truth/ego",
+            "radio/frames",
+            "radio/sent",
+        ];
+        assert!(topics.into_iter().eq((0..).zip(recorded)), "{topics:?}");
+        assert_eq!(Topic::Odometry.data_id(1), 0x1_0001);
+        assert_eq!(Topic::RadioSent.data_id(6), 0x10_0006);
     }
 }

@@ -1,28 +1,24 @@
 //! What the vehicle says of itself.
 
-use super::{Drive, Header, Topic, layout, message};
-use bytemuck::{Pod, Zeroable};
-use iceoryx2::prelude::ZeroCopySend;
+use super::{Drive, Header};
+use crate::layout::declare::*;
 
-/// Motion of the ego vehicle, from the plant.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
-#[type_name("timegap_msgs/msg/Odometry")]
-pub struct Odometry {
-    /// Common header.
-    pub header: Header,
-    /// Distance travelled by the front bumper since the start of the run, m.
-    pub position_m: f64,
-    /// Speed, m/s, never negative.
-    pub speed_mps: f64,
-    /// Acceleration, m/s².
-    pub acceleration_mps2: f64,
-    /// Request that the actuators follow, after the gateway's bounds, m/s².
-    pub request_mps2: f64,
+layout! {
+    /// Motion of the ego vehicle, from the plant.
+    #[type_name("timegap_msgs/msg/Odometry")]
+    pub struct Odometry {
+        /// Common header.
+        pub header: Header,
+        /// Distance travelled by the front bumper since the start of the run, m.
+        pub position_m: f64,
+        /// Speed, m/s, never negative.
+        pub speed_mps: f64,
+        /// Acceleration, m/s².
+        pub acceleration_mps2: f64,
+        /// Request that the actuators follow, after the gateway's bounds, m/s².
+        pub request_mps2: f64,
+    }
 }
-
-message!(Odometry, Topic::Odometry);
-layout!(Odometry { header, position_m, speed_mps, acceleration_mps2, request_mps2 });
 
 impl Odometry {
     /// Position in m and speed in m/s at `time_s`, if the acceleration stayed as it was since the
@@ -40,52 +36,33 @@ fn moved(position_m: f64, v: f64, a: f64, age_s: f64) -> (f64, f64) {
     (position_m + v * moving_s + 0.5 * a * moving_s * moving_s, v + a * moving_s)
 }
 
-/// The ego as it really is, and what it meets.
-///
-/// The simulated sensors measure from here, so that a fault of `vehicle/odometry` does not move the world;
-/// the launcher judges by it, and faults that wait for a phase of the drive begin by it.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
-#[type_name("timegap_msgs/msg/EgoTruth")]
-pub struct EgoTruth {
-    /// Common header.
-    pub header: Header,
-    /// Distance travelled by the front bumper since the start of the run, m.
-    pub position_m: f64,
-    /// Speed, m/s, never negative.
-    pub speed_mps: f64,
-    /// Acceleration, m/s².
-    pub acceleration_mps2: f64,
-    /// Request that the actuators follow, after the gateway's bounds, m/s².
-    pub request_mps2: f64,
-    /// Time to collision with the vehicle ahead, s, infinite without one or when it does not come closer.
-    pub time_to_collision_s: f64,
-    /// Distance to the next stop line ahead, m, infinite without one.
-    pub stop_line_m: f64,
-    /// What its signal shows, `PhaseState` as a number; 0 without one.
-    pub signal_state: u32,
-    /// 1 while a vehicle ahead moves sideways towards the ego's lane.
-    pub cut_in: u32,
-}
-
-message!(
-    EgoTruth,
-    Topic::EgoTruth,
-    fn drive(&self) -> Option<Drive> {
-        Some(Drive::of(self))
+layout! {
+    /// The ego as it really is, and what it meets.
+    ///
+    /// The simulated sensors measure from here, so that a fault of `vehicle/odometry` does not move the world;
+    /// the launcher judges by it, and faults that wait for a phase of the drive begin by it.
+    #[type_name("timegap_msgs/msg/EgoTruth")]
+    pub struct EgoTruth {
+        /// Common header.
+        pub header: Header,
+        /// Distance travelled by the front bumper since the start of the run, m.
+        pub position_m: f64,
+        /// Speed, m/s, never negative.
+        pub speed_mps: f64,
+        /// Acceleration, m/s².
+        pub acceleration_mps2: f64,
+        /// Request that the actuators follow, after the gateway's bounds, m/s².
+        pub request_mps2: f64,
+        /// Time to collision with the vehicle ahead, s, infinite without one or when it does not come closer.
+        pub time_to_collision_s: f64,
+        /// Distance to the next stop line ahead, m, infinite without one.
+        pub stop_line_m: f64,
+        /// What its signal shows, `PhaseState` as a number; 0 without one.
+        pub signal_state: u32,
+        /// 1 while a vehicle ahead moves sideways towards the ego's lane.
+        pub cut_in: u32,
     }
-);
-layout!(EgoTruth {
-    header,
-    position_m,
-    speed_mps,
-    acceleration_mps2,
-    request_mps2,
-    time_to_collision_s,
-    stop_line_m,
-    signal_state,
-    cut_in,
-});
+}
 
 impl EgoTruth {
     /// Position in m and speed in m/s at `time_s`, if the acceleration stayed as it was since the
@@ -113,44 +90,30 @@ impl Drive {
     }
 }
 
-/// What engine and gearbox do, from a plant that has them.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
-#[type_name("timegap_msgs/msg/Powertrain")]
-pub struct Powertrain {
-    /// Common header.
-    pub header: Header,
-    /// Gear, counted from 1, the lowest.
-    pub gear: u32,
-    /// Number of shifts since the start of the run.
-    pub shifts: u32,
-    /// Time since the last shift began, s.
-    pub since_shift_s: f64,
-    /// Engine speed, rpm.
-    pub engine_speed_rpm: f64,
-    /// Torque at the crankshaft, N m.
-    pub engine_torque_nm: f64,
-    /// Force of the service brakes at the wheels, N.
-    pub service_brake_n: f64,
-    /// Fuel flow, g/s.
-    pub fuel_gps: f64,
-    /// Fuel burnt since the start of the run, g.
-    pub fuel_g: f64,
-    /// What an accelerometer along the vehicle's axis shows: the acceleration and the slope's share of
-    /// gravity, m/s².
-    pub specific_force_mps2: f64,
+layout! {
+    /// What engine and gearbox do, from a plant that has them.
+    #[type_name("timegap_msgs/msg/Powertrain")]
+    pub struct Powertrain {
+        /// Common header.
+        pub header: Header,
+        /// Gear, counted from 1, the lowest.
+        pub gear: u32,
+        /// Number of shifts since the start of the run.
+        pub shifts: u32,
+        /// Time since the last shift began, s.
+        pub since_shift_s: f64,
+        /// Engine speed, rpm.
+        pub engine_speed_rpm: f64,
+        /// Torque at the crankshaft, N m.
+        pub engine_torque_nm: f64,
+        /// Force of the service brakes at the wheels, N.
+        pub service_brake_n: f64,
+        /// Fuel flow, g/s.
+        pub fuel_gps: f64,
+        /// Fuel burnt since the start of the run, g.
+        pub fuel_g: f64,
+        /// What an accelerometer along the vehicle's axis shows: the acceleration and the slope's share of
+        /// gravity, m/s².
+        pub specific_force_mps2: f64,
+    }
 }
-
-message!(Powertrain, Topic::Powertrain);
-layout!(Powertrain {
-    header,
-    gear,
-    shifts,
-    since_shift_s,
-    engine_speed_rpm,
-    engine_torque_nm,
-    service_brake_n,
-    fuel_gps,
-    fuel_g,
-    specific_force_mps2,
-});

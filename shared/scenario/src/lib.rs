@@ -89,7 +89,7 @@ use aebs::Aebs;
 use controller::Controller;
 use document::Document;
 use faults::Fault;
-use messages::Service;
+use messages::{Presence, Service};
 use name::{Line, Name};
 use perception::Perception;
 use plant::Plant;
@@ -322,8 +322,13 @@ impl Scenario {
 
     /// The services that the scenario's group consists of.
     #[must_use]
-    pub fn services(&self) -> &'static [Service] {
-        Service::of_group(self.has_aebs(), self.has_obu())
+    pub fn services(&self) -> Vec<Service> {
+        let takes_part = |service: &Service| match service.descriptor().presence {
+            Presence::Always => true,
+            Presence::EmergencyBrake => self.has_aebs(),
+            Presence::Frames => self.has_obu(),
+        };
+        Service::ALL.into_iter().filter(takes_part).collect()
     }
 
     /// Periods that were not written follow a control period that is shorter than they are: the plant's

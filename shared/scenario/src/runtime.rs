@@ -117,12 +117,6 @@ impl Services {
     /// Priority of `service` under SCHED_FIFO: its own, else by rate, then by the order of the chain.
     #[must_use]
     pub fn priority(&self, service: Service) -> u8 {
-        let usual = match service {
-            Service::Plant => 82,
-            Service::PerceptionSim => 81,
-            Service::V2xSim | Service::Aebs | Service::Obu => 80,
-            Service::Controller => 79,
-        };
-        self.of(service).priority.map_or(usual, Priority::value)
+        self.of(service).priority.map_or(service.descriptor().priority, Priority::value)
     }
 }

@@ -37,7 +37,7 @@ impl CycleHistory {
         if let Some(count) = self.quality.get_mut(cycle.quality as usize) {
             *count += 1;
         }
-        if let Some(level) = Level::from_wire(cycle.rung) {
+        if let Some(level) = Level::by_number(cycle.rung) {
             self.levels.observe(cycle.header.acquisition_ns as f64 / 1e9, level);
         }
         if let Some(last) = &self.last {

@@ -2,13 +2,12 @@
 
 use controller::laws;
 use messages::level::Level;
-use messages::{Element, LAYOUT_VERSION, Layout, Scalar, TOPICS, notes};
+use messages::{Element, LAYOUT_VERSION, Layout, TOPICS};
 use runtime::{Group, monotonic_ns};
 use scenario::Scenario;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use std::path::Path;
-use std::sync::LazyLock;
 use std::time::SystemTime;
 
 /// The file, there for as long as this lives.
@@ -47,7 +46,7 @@ impl<'a> LiveFile<'a> {
             started_unix_ns: now_unix_ns - (monotonic_ns() - start_ns),
             layout_version: LAYOUT_VERSION,
             topics: topics(scenario),
-            types: &TYPES,
+            types: types(),
             names: names(scenario),
         };
         let text = serde_json::to_string_pretty(&live).expect("plain data");
@@ -71,47 +70,39 @@ impl Drop for LiveFile<'_> {
 }
 
 fn topics(scenario: &Scenario) -> Map<String, Value> {
+    let services = scenario.services();
     let entry = |topic: messages::Topic| {
         let value = json!({
             "type": topic.layout().type_name,
             "struct": topic.layout().name,
             "bytes": topic.message_bytes(),
-            "sender": topic.source(scenario.services()).map(messages::Service::name),
+            "sender": topic.source(&services).map(messages::Service::name),
         });
         (topic.name().to_owned(), value)
     };
     TOPICS.into_iter().map(entry).collect()
 }
 
-/// The same in every run: the meanings are searched for in the sources, which takes milliseconds.
-static TYPES: LazyLock<Map<String, Value>> = LazyLock::new(|| {
+fn types() -> Map<String, Value> {
     let mut types = Map::new();
     TOPICS.into_iter().for_each(|topic| collect(topic.layout(), &mut types));
     types
-});
+}
 
 fn collect(layout: &'static Layout, types: &mut Map<String, Value>) {
     if types.contains_key(layout.name) {
         return;
     }
     let fields = layout.fields.iter().map(|field| {
-        let element = match field.shape.element {
-            Element::Scalar(Scalar::U8) => "u8",
-            Element::Scalar(Scalar::U32) => "u32",
-            Element::Scalar(Scalar::U64) => "u64",
-            Element::Scalar(Scalar::I64) => "i64",
-            Element::Scalar(Scalar::F64) => "f64",
-            Element::Struct(inner) => {
-                collect(inner, types);
-                inner.name
-            }
-        };
+        if let Element::Struct(inner) = field.shape.element {
+            collect(inner, types);
+        }
         json!({
             "name": field.name,
             "offset": field.offset,
-            "type": element,
+            "type": field.shape.element.name(),
             "length": field.shape.len,
-            "meaning": notes::of_message(layout.name, field.name),
+            "meaning": field.meaning(),
         })
     });
     let fields: Vec<Value> = fields.collect();

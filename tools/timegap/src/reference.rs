@@ -3,7 +3,7 @@
 
 use controller::law::Descriptor;
 use controller::laws;
-use messages::{Element, LAYOUT_VERSION, Layout, Scalar, TOPICS};
+use messages::{Element, LAYOUT_VERSION, Layout, TOPICS};
 use recorder::schema as layouts;
 use scenario::schema::{self, Key, Shape};
 use serde_json::{Map, Value, json};
@@ -291,15 +291,11 @@ fn structure(page: &mut String, layout: &Layout) {
     .expect("a string takes all");
     for field in layout.fields {
         let element = match field.shape.element {
-            Element::Scalar(Scalar::U8) => "u8".to_owned(),
-            Element::Scalar(Scalar::U32) => "u32".to_owned(),
-            Element::Scalar(Scalar::U64) => "u64".to_owned(),
-            Element::Scalar(Scalar::I64) => "i64".to_owned(),
-            Element::Scalar(Scalar::F64) => "f64".to_owned(),
             Element::Struct(inner) => format!("[{}](#{})", inner.name, inner.name.to_lowercase()),
+            scalar => scalar.name().to_owned(),
         };
         let count = field.shape.len.map_or_else(String::new, |len| format!(" × {len}"));
-        let meaning = messages::notes::of_message(layout.name, field.name).unwrap_or_default();
+        let meaning = field.meaning();
         writeln!(page, "| {} | `{}` | {element}{count} | {meaning} |", field.offset, field.name)
             .expect("a string takes all");
     }

@@ -3,7 +3,7 @@
 use super::{all, collect};
 use crate::LawNames;
 use messages::names::{self, Enumeration};
-use messages::{Element, Field, LAYOUT_VERSION, Layout, Scalar, notes};
+use messages::{Element, Field, LAYOUT_VERSION, Layout, Scalar};
 use std::fmt::Write;
 use xxhash_rust::xxh3::Xxh3;
 
@@ -90,9 +90,7 @@ fn cmake_lists() -> String {
 fn fields(layout: &Layout, law: &LawNames) -> String {
     let mut text = String::new();
     for field in layout.fields {
-        if let Some(meaning) = notes::of_message(layout.name, field.name) {
-            writeln!(text, "# {}", plain(&meaning)).expect("a string takes all");
-        }
+        writeln!(text, "# {}", plain(&field.meaning())).expect("a string takes all");
         if layout.name == "Diagnostics" || layout.name == "Command" {
             text.push_str(&of_law(field.name, law));
         }

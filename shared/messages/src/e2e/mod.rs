@@ -1,12 +1,17 @@
 //! End-to-end protection of every message, in the terms of the AUTOSAR E2E protocol (R22-11).
 //!
-//! [`profile7`] protects the bytes of one message and checks them: CRC-64, length, counter, data ID.
-//! [`Check`] judges one message against the one before it on its channel, [`StateMachine`] judges the
-//! channel over its last messages. A [`Channel`] is both, for one sender on one topic; a consumer
-//! uses a message only if its channel accepts it.
+//! ```text
+//! bytes ─► profile7::check ─► Check ─────────► StateMachine ─► used, or not
+//!          CRC, length, ID    counter           last six
+//!                └──────────────┴── Outcomes ──────┘ counts
+//! ```
 //!
-//! What the CRC-64 promises: every corruption of up to 3 bits and every burst of up to 64 bits in a
-//! message of this size is detected; of all others one in 2⁶⁴ is not.
+//! [`profile7`] protects the bytes of one message and checks them. [`Check`] compares its counter with the
+//! counter before it. [`StateMachine`] judges the channel over its last messages. A [`Channel`] does all of
+//! this for one sender on one topic; a consumer uses a message only if its channel accepts it.
+//!
+//! The CRC-64 detects every corruption of up to 3 bits and every burst of up to 64 bits in a message of this
+//! size. It misses one in 2⁶⁴ of all others.
 
 mod check;
 pub mod profile7;
@@ -17,32 +22,32 @@ pub use state_machine::{State, StateMachine};
 
 use serde::{Deserialize, Serialize};
 
-/// How often each outcome was seen on a topic.
+/// Counts of each outcome on a topic.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Outcomes {
     /// Intact, next in sequence.
     pub ok: u64,
-    /// Intact, some before it were lost, but no more than allowed.
+    /// Intact; messages before it were lost, no more than allowed.
     pub ok_some_lost: u64,
     /// The same counter again.
     pub repeated: u64,
     /// The counter went back, or ahead by more than allowed.
     pub wrong_sequence: u64,
-    /// CRC, length or data ID do not fit.
+    /// Wrong CRC, length or data ID.
     pub error: u64,
-    /// Nothing came although it was due.
+    /// No message came although one was due.
     pub no_new_data: u64,
-    /// Sent by a process that is no member of the group. In results it keeps its first name.
+    /// Sent by a process that is not a member of the group; `stranger` in results.
     #[serde(rename = "stranger")]
     pub unknown_sender: u64,
-    /// Stamped later than it could have been.
+    /// Stamped later than the receiver's present.
     pub from_the_future: u64,
-    /// Intact, but not used since its channel is not trusted for now.
+    /// Intact, but its channel is invalid: not used.
     pub distrusted: u64,
 }
 
 impl Outcomes {
-    /// Messages that came and were refused for what they are.
+    /// Messages that were received and refused.
     #[must_use]
     pub fn refused(&self) -> u64 {
         self.repeated
@@ -79,7 +84,7 @@ impl Outcomes {
     }
 }
 
-/// One sender on one topic, as a consumer judges it.
+/// One sender on one topic, judged by one consumer.
 #[derive(Clone, Debug, Default)]
 pub struct Channel {
     check: Check,
@@ -88,8 +93,8 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// Judges a message, which says it is of `incarnation`, and counts the outcome; true if it may be
-    /// used.
+    /// Judges a message from process `incarnation` of its sender, and counts the outcome; true if it can
+    /// be used.
     pub fn accept(
         &mut self,
         bytes: &[u8],
@@ -100,7 +105,7 @@ impl Channel {
         self.judge(profile7::check(bytes, data_id), incarnation, outcomes)
     }
 
-    /// The same of a message that no other code could write to since it was protected.
+    /// The same without the CRC, for a message that no other code could write to since it was protected.
     pub fn accept_as_sent(
         &mut self,
         bytes: &[u8],
@@ -118,12 +123,12 @@ impl Channel {
         outcomes: &mut Outcomes,
     ) -> bool {
         if received.is_ok() && incarnation > self.incarnation {
-            // A restarted sender counts from 1 again and has to earn nothing: it is fresh.
+            // A restarted sender counts from 1 again, on a new channel.
             *self = Self { incarnation, ..Self::default() };
         }
         let mut status = self.check.judge(received.ok());
         if status.is_usable() && incarnation < self.incarnation {
-            // Left over from a dead sender.
+            // A message of a sender that was replaced.
             status = Status::WrongSequence;
         }
         outcomes.count(status);
@@ -133,13 +138,13 @@ impl Channel {
         usable
     }
 
-    /// Notes that nothing came although it was due.
+    /// Notes that no message came although one was due.
     pub fn nothing_new(&mut self, outcomes: &mut Outcomes) {
         outcomes.count(Status::NoNewData);
         self.machine.observe(Status::NoNewData);
     }
 
-    /// What the state machine makes of the channel.
+    /// State of the channel.
     #[must_use]
     pub fn state(&self) -> State {
         self.machine.state()
@@ -171,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn a_restarted_sender_is_fresh_and_its_dead_self_is_not_heard() {
+    fn a_restarted_sender_begins_anew_and_its_earlier_process_is_refused() {
         let (mut channel, mut outcomes) = channel();
         assert!(channel.accept(&message(70), 5, 0, &mut outcomes));
         assert!(channel.accept(&message(1), 5, 1, &mut outcomes));
@@ -180,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn a_channel_full_of_errors_is_distrusted_until_it_has_proved_itself() {
+    fn a_channel_with_errors_is_invalid_until_five_messages_in_order() {
         let (mut channel, mut outcomes) = channel();
         assert!(channel.accept(&message(1), 5, 0, &mut outcomes));
         for counter in 2..=6 {
@@ -189,10 +194,103 @@ mod tests {
             assert!(!channel.accept(&bad, 5, 0, &mut outcomes));
         }
         assert_eq!(channel.state(), State::Invalid);
-        let used: Vec<bool> = (7..=14)
-            .map(|counter| channel.accept(&message(counter), 5, 0, &mut outcomes))
-            .collect();
-        assert!(!used[0] && used[7], "{used:?}");
-        assert!(outcomes.distrusted > 0 && outcomes.error == 5);
+        let used = [7, 8, 9, 10, 11, 12, 13, 14]
+            .map(|counter| channel.accept(&message(counter), 5, 0, &mut outcomes));
+        assert_eq!(used, [false, false, false, false, true, true, true, true]);
+        let expected =
+            Outcomes { ok: 8, ok_some_lost: 1, error: 5, distrusted: 4, ..Outcomes::default() };
+        assert_eq!(outcomes, expected);
+        assert_eq!(outcomes.refused(), 9);
+    }
+
+    #[test]
+    fn each_outcome_has_its_count() {
+        let (mut channel, mut outcomes) = channel();
+        let mut accept = |counter, id, incarnation| {
+            let before = outcomes;
+            let is_used = channel.accept(&message(counter), id, incarnation, &mut outcomes);
+            (is_used, before, outcomes)
+        };
+        let (used, before, after) = accept(1, 5, 1);
+        assert_eq!((used, after), (true, Outcomes { ok: 1, ..before }));
+        let (used, before, after) = accept(3, 5, 1);
+        assert_eq!((used, after), (true, Outcomes { ok_some_lost: 1, ..before }));
+        let (used, before, after) = accept(3, 5, 1);
+        assert_eq!((used, after), (false, Outcomes { repeated: 1, ..before }));
+        let (used, before, after) = accept(500, 5, 1);
+        assert_eq!((used, after), (false, Outcomes { wrong_sequence: 1, ..before }));
+        let (used, before, after) = accept(501, 6, 1);
+        assert_eq!((used, after), (false, Outcomes { error: 1, ..before }));
+        // A message of the process before, in the right order and repeated.
+        let (used, before, after) = accept(501, 5, 0);
+        assert_eq!((used, after), (false, Outcomes { wrong_sequence: 2, ..before }));
+        let (used, before, after) = accept(501, 5, 0);
+        assert_eq!((used, after), (false, Outcomes { repeated: 2, ..before }));
+        assert_eq!(outcomes.refused(), 5);
+    }
+
+    #[test]
+    fn silence_makes_a_channel_invalid_and_is_counted() {
+        let (mut channel, mut outcomes) = channel();
+        assert!(channel.accept(&message(1), 5, 0, &mut outcomes));
+        assert!(channel.accept(&message(2), 5, 0, &mut outcomes));
+        (0..5).for_each(|_| channel.nothing_new(&mut outcomes));
+        assert_eq!(channel.state(), State::Valid);
+        channel.nothing_new(&mut outcomes);
+        assert_eq!((channel.state(), outcomes.no_new_data), (State::Invalid, 6));
+        assert_eq!(outcomes.refused(), 0);
+    }
+
+    #[test]
+    fn a_corrupted_message_of_a_later_process_changes_no_process() {
+        let (mut channel, mut outcomes) = channel();
+        assert!(channel.accept(&message(1), 5, 0, &mut outcomes));
+        assert!(!channel.accept(&message(1), 6, 1, &mut outcomes));
+        assert!(channel.accept(&message(2), 5, 0, &mut outcomes));
+        assert_eq!((outcomes.ok, outcomes.error), (2, 1));
+    }
+
+    #[test]
+    fn as_sent_the_crc_alone_is_not_compared() {
+        let (mut channel, mut outcomes) = channel();
+        let mut bytes = message(1);
+        bytes[40] ^= 1;
+        assert!(channel.accept_as_sent(&bytes, 5, 0, &mut outcomes));
+        assert!(!channel.accept_as_sent(&message(2), 6, 0, &mut outcomes));
+        assert_eq!((outcomes.ok, outcomes.error), (1, 1));
+    }
+
+    #[test]
+    fn counts_of_consumers_add_up_one_by_one() {
+        let mut sum = Outcomes {
+            ok: 1,
+            ok_some_lost: 2,
+            repeated: 4,
+            wrong_sequence: 8,
+            error: 16,
+            no_new_data: 32,
+            unknown_sender: 64,
+            from_the_future: 128,
+            distrusted: 256,
+        };
+        assert_eq!(sum.refused(), 4 + 8 + 16 + 64 + 128 + 256);
+        sum.add(&Outcomes {
+            ok: 1000,
+            ok_some_lost: 2000,
+            repeated: 3000,
+            wrong_sequence: 4000,
+            error: 5000,
+            no_new_data: 6000,
+            unknown_sender: 7000,
+            from_the_future: 8000,
+            distrusted: 9000,
+        });
+        let json = serde_json::json!(sum);
+        let expected = serde_json::json!({
+            "ok": 1001, "ok_some_lost": 2002, "repeated": 3004, "wrong_sequence": 4008,
+            "error": 5016, "no_new_data": 6032, "stranger": 7064, "from_the_future": 8128,
+            "distrusted": 9256,
+        });
+        assert_eq!(json, expected);
     }
 }

@@ -7,50 +7,60 @@
 //! | 12..16 | counter |
 //! | 16..20 | data ID |
 //!
-//! Protected are the bytes in use ([`Layout::bytes_in_use`](crate::Layout::bytes_in_use)): of a large message that ends with a
-//! counted array not the elements behind the last one that counts, which no reader looks at.
+//! The bytes in use are protected ([`Layout::bytes_in_use`](crate::Layout::bytes_in_use)). A large message that ends with
+//! a counted array is not protected behind its last valid element, which no reader uses.
 //!
-//! The CRC is computed by carry-less multiplications where the processor has them and from tables where it
-//! has not: a CRC is exact, so that its bits do not depend on the way.
+//! The CRC is computed by carry-less multiplications if the processor has them, else from tables. It is exact,
+//! so that its bits do not depend on the method.
+//!
+//! ```
+//! use messages::e2e::profile7::{Corrupted, check, protect};
+//!
+//! let mut message = [0; 32];
+//! protect(&mut message, 0x1_0001, 7);
+//! assert_eq!(check(&message, 0x1_0001), Ok(7));
+//! assert_eq!(check(&message, 0x2_0001), Err(Corrupted::DataId));
+//! message[30] = 1;
+//! assert_eq!(check(&message, 0x1_0001), Err(Corrupted::Crc));
+//! ```
 
-use crate::layout;
+use crate::layout::declare::*;
 use bytemuck::{Pod, Zeroable};
 use crc_fast::{CrcAlgorithm, checksum};
 use iceoryx2::prelude::ZeroCopySend;
 
 const _: () = assert!(size_of::<Protection>() == 24);
 
-/// The protection of a message, first in its header; filled in by the port that sends it.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable, ZeroCopySend)]
-#[type_name("timegap_msgs/msg/Protection")]
-pub struct Protection {
-    /// CRC-64, big-endian.
-    pub crc: [u8; 8],
-    /// Bytes of the message that are protected, big-endian.
-    pub length: [u8; 4],
-    /// Counter, big-endian.
-    pub counter: [u8; 4],
-    /// Data ID: topic and sender, big-endian.
-    pub data_id: [u8; 4],
-    /// Zero.
-    pub reserved: [u8; 4],
+layout! {
+    /// The protection of a message, first in its header; filled in by the port that sends it.
+    #[derive(Default, Eq)]
+    #[type_name("timegap_msgs/msg/Protection")]
+    pub struct Protection {
+        /// CRC-64, big-endian.
+        pub crc: [u8; 8],
+        /// Bytes of the message that are protected, big-endian.
+        pub length: [u8; 4],
+        /// Counter, big-endian.
+        pub counter: [u8; 4],
+        /// Data ID: topic and sender, big-endian.
+        pub data_id: [u8; 4],
+        /// Zero.
+        pub reserved: [u8; 4],
+    }
 }
 
-layout!(Protection { crc, length, counter, data_id, reserved });
-
-/// Why a message is not what was sent on this channel.
+/// Why a message is not the one that was sent on this channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Corrupted {
-    /// Its bytes do not fit its CRC.
+    /// Its CRC is wrong.
     Crc,
-    /// It is not as long as it says.
+    /// Its length is not the stated one.
     Length,
     /// It belongs to another channel.
     DataId,
 }
 
-/// The protected part of a message of which `in_use` bytes are in use: these, or all of it where the message says so
+/// The protected part of a message: its first `in_use` bytes, or all bytes if its length states so
 /// (recordings of versions that protected every byte).
 #[inline]
 #[must_use]
@@ -87,7 +97,7 @@ pub fn mark(message: &mut [u8], data_id: u32, counter: u32) {
     message[16..20].copy_from_slice(&data_id.to_be_bytes());
 }
 
-/// Fills in the CRC of a message that is complete but for it.
+/// Fills in the CRC, the last missing part of a message.
 ///
 /// # Panics
 /// As [`protect`].
@@ -99,7 +109,7 @@ pub fn seal(message: &mut [u8]) {
 /// Checks the protection of `message`; returns its counter.
 ///
 /// # Errors
-/// What does not fit, in the order of the standard: CRC, length, data ID.
+/// The first that is wrong, in the order of the standard: CRC, length, data ID.
 pub fn check(message: &[u8], data_id: u32) -> Result<u32, Corrupted> {
     if message.len() < 20 {
         return Err(Corrupted::Length);
@@ -110,8 +120,7 @@ pub fn check(message: &[u8], data_id: u32) -> Result<u32, Corrupted> {
     check_as_sent(message, data_id)
 }
 
-/// The same of a message that no other code could write to since it was protected: all but the CRC, which
-/// fits.
+/// The same without the CRC, for a message that no other code could write to since it was protected.
 ///
 /// # Errors
 /// As [`check`], but for the CRC.
@@ -139,8 +148,8 @@ mod tests {
 
     #[test]
     fn bytes_of_an_independent_implementation() {
-        // PyPI autosar-e2e 1.0.0, e2e_p07_protect of 24 zeros with this data ID; the system tests ask
-        // it about real messages.
+        // PyPI autosar-e2e 1.0.0, e2e_p07_protect of 24 zeros with this data ID. The system tests give it
+        // real messages.
         let mut message = [0; 24];
         protect(&mut message, 0x0a0b_0c0d, 0);
         assert_eq!(message[..8], 0x1fb2_e737_fced_bcd9_u64.to_be_bytes());
@@ -151,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn a_message_that_is_sealed_later_is_as_one_that_was_protected() {
+    fn a_message_sealed_later_equals_one_protected_at_once() {
         let (mut later, mut at_once) = ([7; 64], [7; 64]);
         protect(&mut at_once, 0x0a0b_0c0d, 9);
         mark(&mut later, 0x0a0b_0c0d, 9);
@@ -162,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn what_carries_nothing_is_not_protected_unless_the_message_says_so() {
+    fn unused_bytes_are_protected_only_if_the_length_states_so() {
         let mut message = [7; 64];
         protect(&mut message[..40], 0x0a0b_0c0d, 9);
         assert_eq!(protected(&message, 40).len(), 40);
@@ -176,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn as_it_was_sent_a_message_needs_no_crc_but_the_rest() {
+    fn as_sent_all_but_the_crc_is_checked() {
         let mut message = [7; 64];
         protect(&mut message, 0x0a0b_0c0d, 9);
         assert_eq!(check_as_sent(&message, 0x0a0b_0c0d), Ok(9));
@@ -184,9 +193,18 @@ mod tests {
         assert_eq!(check_as_sent(&message[..63], 0x0a0b_0c0d), Err(Corrupted::Length));
     }
 
+    #[test]
+    fn the_shortest_message_is_its_protection() {
+        let mut message = [0; 20];
+        protect(&mut message, 3, 9);
+        assert_eq!((check(&message, 3), check_as_sent(&message, 3)), (Ok(9), Ok(9)));
+        assert_eq!(check(&message[..19], 3), Err(Corrupted::Length));
+        assert_eq!(check_as_sent(&message[..19], 3), Err(Corrupted::Length));
+    }
+
     proptest! {
         #[test]
-        fn the_fast_crc_is_that_of_the_tables(
+        fn the_fast_crc_equals_the_one_from_tables(
             message in prop::collection::vec(any::<u8>(), 0..9000), from in 0_usize..64,
         ) {
             use crc::{CRC_64_XZ, Crc};
@@ -197,7 +215,7 @@ mod tests {
         }
 
         #[test]
-        fn what_was_protected_is_intact(
+        fn a_protected_message_is_intact(
             mut message in prop::collection::vec(any::<u8>(), 24..2000),
             id in any::<u32>(), counter in any::<u32>(),
         ) {
@@ -221,7 +239,7 @@ mod tests {
         }
 
         #[test]
-        fn whatever_comes_is_judged(message in prop::collection::vec(any::<u8>(), 0..100)) {
+        fn random_bytes_are_refused(message in prop::collection::vec(any::<u8>(), 0..100)) {
             prop_assert!(check(&message, 1).is_err());
         }
     }

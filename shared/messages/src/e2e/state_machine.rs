@@ -1,8 +1,29 @@
-//! A channel over its last messages: the standard's E2E state machine.
+//! The standard's E2E state machine: a channel over its last six messages.
+//!
+//! ```text
+//!            not an error                  1 usable, at most 1 error
+//!   NoData ──────────────► Init ─────────────────────────────────────► Valid
+//!                            │                                         │   ▲
+//!                            │ 2 errors            3 errors, or none   │   │ 3 usable, at
+//!                            │                     of 6 usable         ▼   │ most 1 error
+//!                            └───────────────────────────────────────► Invalid
+//! ```
+//!
+//! ```
+//! use messages::e2e::{State, StateMachine, Status};
+//!
+//! let mut machine = StateMachine::default();
+//! assert_eq!(machine.observe(Status::Ok), State::Init);
+//! assert_eq!(machine.observe(Status::Ok), State::Valid);
+//! for _ in 0..3 {
+//!     machine.observe(Status::Error);
+//! }
+//! assert_eq!(machine.state(), State::Invalid);
+//! ```
 
 use super::Status;
 
-/// Messages that are looked back on.
+/// Messages in the window.
 const WINDOW: usize = 6;
 /// Usable messages in the window that make a new channel valid.
 const MIN_OK_INIT: usize = 1;
@@ -20,18 +41,18 @@ const MAX_ERROR_INVALID: usize = 1;
 /// State of a channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum State {
-    /// Nothing came yet.
+    /// No message was received.
     #[default]
     NoData,
-    /// Something came.
+    /// The first messages were received.
     Init,
-    /// It can be relied on.
+    /// Its messages are used.
     Valid,
-    /// It cannot.
+    /// Its messages are not used.
     Invalid,
 }
 
-/// Looks back on the last messages of a channel.
+/// Keeps the last messages of a channel, and its state.
 #[derive(Clone, Debug, Default)]
 pub struct StateMachine {
     state: State,
@@ -51,7 +72,7 @@ impl StateMachine {
         }
         self.remember(status);
         if self.state == State::Valid && status.is_usable() {
-            // It was valid with what the window held, and this made nothing worse.
+            // A usable message never makes a valid channel invalid.
             return self.state;
         }
         let ok = self.count(Status::is_usable);
@@ -87,25 +108,89 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn run(statuses: &[Status]) -> State {
+    use Status::{Error, NoNewData, Ok, OkSomeLost, Repeated, WrongSequence};
+
+    /// States after each of `statuses`.
+    fn states<const N: usize>(statuses: [Status; N]) -> [State; N] {
         let mut machine = StateMachine::default();
-        statuses.iter().fold(State::NoData, |_, &status| machine.observe(status))
+        statuses.map(|status| {
+            let state = machine.observe(status);
+            assert_eq!(machine.state(), state);
+            state
+        })
     }
 
     #[test]
-    fn the_way_up_down_and_up_again() {
-        use Status::{Error, NoNewData, Ok};
-        assert_eq!(run(&[Error, NoNewData, Error]), State::NoData);
-        assert_eq!(run(&[Ok]), State::Init);
-        assert_eq!(run(&[Ok, Ok]), State::Valid);
-        assert_eq!(run(&[Ok, Ok, Error, Error]), State::Valid);
-        assert_eq!(run(&[Ok, Ok, Error, Error, Error]), State::Invalid);
-        assert_eq!(run(&[Ok, Ok, Error, Error, Error, Ok, Ok]), State::Invalid);
-        assert_eq!(run(&[Ok, Ok, NoNewData, NoNewData, NoNewData, NoNewData]), State::Valid);
+    fn any_message_but_an_error_begins_and_a_usable_one_makes_valid() {
+        use State::{Init, Invalid, NoData, Valid};
+        assert_eq!(states([Error, NoNewData, Error]), [NoData; 3]);
+        assert_eq!(states([Repeated, Repeated, WrongSequence]), [Init; 3]);
+        for usable in [Ok, OkSomeLost] {
+            assert_eq!(states([usable, usable]), [Init, Valid]);
+        }
+        // Errors before the first message do not count; one after it does no harm, two do.
+        assert_eq!(states([Error, Ok, Error]), [NoData, Init, Valid]);
+        assert_eq!(states([Repeated, Error, Ok]), [Init, Init, Valid]);
+        assert_eq!(states([Repeated, Error, Error]), [Init, Init, Invalid]);
+    }
+
+    #[test]
+    fn three_errors_of_six_messages_or_six_without_a_usable_one_make_invalid() {
+        use State::{Init, Invalid, Valid};
         assert_eq!(
-            run(&[Ok, Ok].into_iter().chain([NoNewData; 6]).collect::<Vec<_>>()),
-            State::Invalid
+            states([Ok, Ok, Error, Error, Error]),
+            [Init, Valid, Valid, Valid, Invalid]
         );
+        // The first of four errors has left the window when the third of the others comes.
+        let spread = [Ok, Error, Ok, Ok, Ok, Ok, Error, Error, Error];
+        assert_eq!(states(spread)[5..], [Valid, Valid, Valid, Invalid]);
+        for useless in [NoNewData, Repeated, WrongSequence] {
+            let [.., fifth, sixth] =
+                states([Ok, Ok, useless, useless, useless, useless, useless, useless]);
+            assert_eq!((fifth, sixth), (Valid, Invalid));
+        }
+    }
+
+    #[test]
+    fn three_usable_messages_and_at_most_one_error_make_valid_again() {
+        use State::{Invalid, Valid};
+        let [.., first, second, third] = states([
+            Ok, Ok, NoNewData, NoNewData, NoNewData, NoNewData, NoNewData, NoNewData, Ok, Ok, Ok,
+        ]);
+        assert_eq!([first, second, third], [Invalid, Invalid, Valid]);
+        let after_errors = states([Ok, Ok, Error, Error, Error, Ok, Ok, Ok, Ok, Ok]);
+        assert_eq!(after_errors[5..], [Invalid, Invalid, Invalid, Invalid, Valid]);
+    }
+
+    /// The table of the standard over the whole history, without a ring.
+    fn by_the_book(history: &[Status]) -> State {
+        let begin = history.iter().position(|status| !matches!(status, Error | NoNewData));
+        let Some(begin) = begin else { return State::NoData };
+        let mut state = State::Init;
+        for end in begin + 2..=history.len() {
+            let window = &history[begin.max(end.saturating_sub(6))..end];
+            let errors = window.iter().filter(|status| **status == Error).count();
+            let ok = window.iter().filter(|status| matches!(status, Ok | OkSomeLost)).count();
+            state = match state {
+                State::Init if errors >= 2 => State::Invalid,
+                State::Init if ok >= 1 => State::Valid,
+                State::Valid if errors >= 3 || ok == 0 => State::Invalid,
+                State::Invalid if errors <= 1 && ok >= 3 => State::Valid,
+                state => state,
+            };
+        }
+        state
+    }
+
+    #[test]
+    fn all_histories_of_ten_messages_are_as_in_the_table() {
+        for number in 0..3_usize.pow(10) {
+            let digit = |place: u32| [Ok, Error, Repeated][number / 3_usize.pow(place) % 3];
+            let history: Vec<Status> = (0..10).map(digit).collect();
+            let mut machine = StateMachine::default();
+            let state = history.iter().fold(State::NoData, |_, &status| machine.observe(status));
+            assert_eq!(state, by_the_book(&history), "{history:?}");
+        }
     }
 
     proptest! {

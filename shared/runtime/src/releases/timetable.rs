@@ -1,6 +1,6 @@
 //! Which service is due in which step.
 
-use messages::{Service, Topic};
+use messages::{Pace, Service, Topic};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 
@@ -24,15 +24,15 @@ impl Timetable {
     pub fn of(scenario: &Scenario) -> Self {
         let step_ms = scenario.plant.period_ms.value();
         let strides = Service::ALL.map(|service| {
-            let period_ms = match service {
-                Service::Plant => step_ms,
-                Service::PerceptionSim | Service::Aebs => scenario.perception.period_ms.value(),
+            let period_ms = match service.descriptor().pace {
+                Pace::Plant => step_ms,
+                Pace::Radar => scenario.perception.period_ms.value(),
                 // Frames of other hosts do not come in step: they are looked for more often.
-                Service::V2xSim | Service::Obu if scenario.v2x.radio.is_live() => {
+                Pace::Signals if scenario.v2x.radio.is_live() => {
                     scenario.v2x.poll_ms.map_or(step_ms, |poll_ms| poll_ms.value())
                 }
-                Service::V2xSim | Service::Obu => scenario.v2x.period_ms.value(),
-                Service::Controller => scenario.controller.period_ms.value(),
+                Pace::Signals => scenario.v2x.period_ms.value(),
+                Pace::Control => scenario.controller.period_ms.value(),
             };
             assert!(period_ms.is_multiple_of(step_ms), "{service}: {period_ms} ms of {step_ms} ms");
             u64::from(period_ms / step_ms)

@@ -75,7 +75,7 @@ impl Runtime {
 
     /// How often messages of `topic` are expected.
     fn expected(&self, topic: Topic) -> Option<Expected> {
-        let source = topic.source(self.scenario.services())?;
+        let source = topic.source(&self.scenario.services())?;
         let timetable = &self.group.timetable;
         let period_ns = match topic {
             // Frames of other hosts are looked for more often than they are sent.

@@ -3,10 +3,7 @@
 use super::{Receiver, Sender, Transport};
 use crate::RuntimeError;
 use crate::life::link::End;
-use messages::{
-    Brake, Command, Diagnostics, EgoTruth, Heartbeat, Map, Message, Odometry, Powertrain, Preview,
-    RadarDetections, RadarTracks, RadioFrames, RadioSent, SignalTruth, Spat, VehicleTruth,
-};
+use messages::Message;
 use std::rc::Rc;
 
 /// A message type with its ports. iceoryx2's generic code is compiled here once for each message
@@ -42,21 +39,4 @@ macro_rules! carried {
     )+};
 }
 
-carried!(
-    Brake,
-    Command,
-    Diagnostics,
-    EgoTruth,
-    Heartbeat,
-    Map,
-    Odometry,
-    Powertrain,
-    Preview,
-    RadarDetections,
-    RadarTracks,
-    RadioFrames,
-    RadioSent,
-    SignalTruth,
-    Spat,
-    VehicleTruth,
-);
+messages::each_message!(carried);

@@ -146,7 +146,7 @@ impl LiveFeed {
         for cycle in &cycles[first_cycle..] {
             self.answers_of(cycle);
             (self.mode, self.quality) = (Some(cycle.mode), cycle.quality);
-            self.level = Level::from_wire(cycle.rung).unwrap_or(self.level);
+            self.level = Level::by_number(cycle.rung).unwrap_or(self.level);
         }
         let after = |step: u64| self.step.is_some_and(|last| step <= last);
         let first = steps.partition_point(|ego| after(ego.step));

@@ -5,7 +5,7 @@ use controller::law::Descriptor;
 use controller::laws;
 use group::Error;
 use messages::names::{self, ENUMERATIONS};
-use messages::{Element, Field, LAYOUT_VERSION, Layout, Scalar, TOPICS, notes};
+use messages::{Field, LAYOUT_VERSION, Layout, TOPICS};
 use recorder::schema;
 use report::print;
 use serde_json::{Value, json};
@@ -142,21 +142,13 @@ fn law(law: &Descriptor) -> Vec<Value> {
 
 fn as_json(layout: &Layout) -> Value {
     let field = |field: &Field| {
-        let element = match field.shape.element {
-            Element::Scalar(Scalar::U8) => "u8",
-            Element::Scalar(Scalar::U32) => "u32",
-            Element::Scalar(Scalar::U64) => "u64",
-            Element::Scalar(Scalar::I64) => "i64",
-            Element::Scalar(Scalar::F64) => "f64",
-            Element::Struct(inner) => inner.name,
-        };
         json!({
             "name": field.name,
             "offset": field.offset,
-            "type": element,
+            "type": field.shape.element.name(),
             "length": field.shape.len,
             "unit": names::unit_of(field.name),
-            "meaning": notes::of_message(layout.name, field.name),
+            "meaning": field.meaning(),
             "names": names::of_field(layout.name, field.name).map(|names| names.name),
         })
     };

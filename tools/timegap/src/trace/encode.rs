@@ -123,14 +123,8 @@ fn tracks(frame: &Frame) -> Vec<TrackDescriptor> {
         },
         child(INCIDENTS, "faults".into()),
     ];
-    let in_order: [Service; Service::ALL.len()] = [
-        Service::PerceptionSim,
-        Service::V2xSim,
-        Service::Obu,
-        Service::Controller,
-        Service::Aebs,
-        Service::Plant,
-    ];
+    let mut in_order = Service::ALL;
+    in_order.sort_by_key(|service| service.descriptor().track);
     for service in in_order {
         let granted = frame.granted.get(&service).map_or("", String::as_str);
         let name = format!("{service} {granted}").trim_end().to_owned();
