@@ -1,7 +1,7 @@
 //! The header that every message starts with.
 
-use crate::layout::declare::*;
 use crate::e2e::profile7::Protection;
+use crate::layout::declare::*;
 
 layout! {
     /// Stamps of one input sample that a message was computed from.

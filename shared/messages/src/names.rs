@@ -25,31 +25,15 @@ impl Enumeration {
 
 /// All enumerations whose meaning does not depend on the law.
 pub static ENUMERATIONS: [Enumeration; 6] = [
-    Enumeration {
-        name: "service",
-        fields: &[("Header", "source")],
-        values: Service::NAMES,
-    },
-    Enumeration {
-        name: "rung",
-        fields: &[("Diagnostics", "rung")],
-        values: Level::NAMES,
-    },
+    Enumeration { name: "service", fields: &[("Header", "source")], values: Service::NAMES },
+    Enumeration { name: "rung", fields: &[("Diagnostics", "rung")], values: Level::NAMES },
     Enumeration {
         name: "quality",
         fields: &[("Diagnostics", "quality")],
         values: &[(0, "full"), (1, "relaxed"), (2, "backup")],
     },
-    Enumeration {
-        name: "brake_state",
-        fields: &[("Brake", "state")],
-        values: BrakeState::NAMES,
-    },
-    Enumeration {
-        name: "phase",
-        fields: &[("Interval", "state")],
-        values: PhaseState::NAMES,
-    },
+    Enumeration { name: "brake_state", fields: &[("Brake", "state")], values: BrakeState::NAMES },
+    Enumeration { name: "phase", fields: &[("Interval", "state")], values: PhaseState::NAMES },
     Enumeration {
         name: "service_state",
         fields: &[("Heartbeat", "state")],

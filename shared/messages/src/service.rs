@@ -85,7 +85,7 @@ macro_rules! services {
         #[macro_export]
         macro_rules! each_service {
             ($d callback:ident) => {
-                $d callback!($([$variant $krate $doc])+)
+                $d callback! { $([$variant $krate $doc])+ }
             };
         }
     };

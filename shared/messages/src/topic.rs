@@ -126,7 +126,7 @@ macro_rules! topics {
         #[macro_export]
         macro_rules! each_message {
             ($d callback:ident) => {
-                $d callback!($($d crate::$topic),+)
+                $d callback! { $($d crate::$topic),+ }
             };
         }
     };

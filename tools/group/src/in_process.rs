@@ -22,14 +22,14 @@ use std::time::{Duration, Instant};
 /// What `service` does in its process, or in its turns.
 #[must_use]
 pub fn entry(service: Service) -> Entry {
-    match service {
-        Service::Plant => plant::run,
-        Service::PerceptionSim => perception_sim::run,
-        Service::V2xSim => v2x_sim::run,
-        Service::Controller => controller::run,
-        Service::Aebs => aebs::run,
-        Service::Obu => obu::run,
+    macro_rules! run_of {
+        ($([$service:ident $krate:ident $about:literal])+) => {
+            match service {
+                $(Service::$service => $krate::run,)+
+            }
+        };
     }
+    messages::each_service!(run_of)
 }
 
 /// Runs `scenario` in simulated time, in this thread.
@@ -83,7 +83,7 @@ pub fn run_behind(
     let mut log = DriveLog::in_process(&run)?;
     let told = for_services(scenario, false);
     let mut perception = Some(|runtime| perception_sim::run_behind(runtime, ahead));
-    for &service in scenario.services() {
+    for service in scenario.services() {
         match perception.take_if(|_| service == Service::PerceptionSim) {
             Some(perception) => run.start(service, &told, perception)?,
             None => run.start(service, &told, entry(service))?,
@@ -124,9 +124,8 @@ pub fn run_behind(
     let messages =
         course.reports.values().flat_map(|report| report.fault_statistics.iter().copied());
     faults.log.count_messages(messages);
-    let services = scenario.services().iter();
-    let exits = services.clone().map(|&service| (service, course.exit_of(service)));
-    let exits = exits.collect();
+    let services = scenario.services();
+    let exits = services.iter().map(|&service| (service, course.exit_of(service))).collect();
     let wrote = course.failed.iter().cloned().collect();
     Ok(GroupOutcome {
         carrier: Carrier::Memory,
@@ -138,7 +137,7 @@ pub fn run_behind(
         },
         reports: course.reports,
         exits,
-        restarts: services.map(|&service| (service, 0)).collect(),
+        restarts: services.into_iter().map(|service| (service, 0)).collect(),
         take_overs: BTreeMap::new(),
         standby_costs: BTreeMap::new(),
         heartbeats: BTreeMap::new(),

@@ -29,7 +29,7 @@ struct Live<'a> {
     /// Type and sender of each topic.
     topics: Map<String, Value>,
     /// Fields of each type: type, offset and meaning.
-    types: &'static Map<String, Value>,
+    types: Map<String, Value>,
     /// What the numbers in the messages stand for.
     names: Value,
 }

@@ -17,7 +17,7 @@ const SIGNAL_GRACE: Duration = Duration::from_millis(100);
 impl Supervisor<'_> {
     /// Gives all processes, which are ready, the common start.
     pub(super) fn begin_all(&mut self) {
-        for &service in self.launch.scenario.services() {
+        for service in self.launch.scenario.services() {
             let member = self.member(service);
             let mut steps = member.on(succession::Event::Ready(0), 0);
             steps.extend(member.on(succession::Event::Ready(1), 0));

@@ -133,7 +133,7 @@ impl Supervisor<'_> {
     }
 
     pub(super) fn start_what_is_due(&mut self, course: &mut Course, now_ns: i64) {
-        for &service in self.launch.scenario.services() {
+        for service in self.launch.scenario.services() {
             self.follow(service, succession::Event::Tick, course, now_ns);
             if let Some(incarnation) = self.member(service).overdue(now_ns, RESTART_TIMEOUT_NS) {
                 // Its end is the next event.

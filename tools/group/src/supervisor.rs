@@ -121,7 +121,7 @@ impl Supervisor<'_> {
     ) -> Result<GroupOutcome, Error> {
         let spawned = Instant::now();
         self.group.write()?;
-        for &service in self.launch.scenario.services() {
+        for service in self.launch.scenario.services() {
             // The first one leads the services' process group.
             let leader = self.leader();
             let program = self.launch.programs.get(&service).cloned();

@@ -297,7 +297,7 @@ impl Supervisor<'_> {
     fn kill_the_hung(&mut self, now_ns: i64) {
         let timeout = self.launch.scenario.supervision.heartbeat_timeout_ms.nanoseconds();
         let timeout = i64::try_from(timeout).unwrap_or(i64::MAX);
-        for &service in self.launch.scenario.services() {
+        for service in self.launch.scenario.services() {
             // A heartbeat comes with the service's cycle, and at most ten times a second.
             let period_ns = self.group.timetable.period_ns(service).max(100_000_000);
             for incarnation in self.member(service).hung(now_ns, timeout + period_ns) {

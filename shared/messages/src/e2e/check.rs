@@ -87,10 +87,7 @@ mod tests {
             status
         };
         let statuses = [0, 1, 2, 64, 65, u32::MAX].map(after);
-        assert_eq!(
-            statuses,
-            [Repeated, Ok, OkSomeLost, OkSomeLost, WrongSequence, WrongSequence]
-        );
+        assert_eq!(statuses, [Repeated, Ok, OkSomeLost, OkSomeLost, WrongSequence, WrongSequence]);
     }
 
     #[test]

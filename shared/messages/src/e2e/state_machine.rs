@@ -137,10 +137,7 @@ mod tests {
     #[test]
     fn three_errors_of_six_messages_or_six_without_a_usable_one_make_invalid() {
         use State::{Init, Invalid, Valid};
-        assert_eq!(
-            states([Ok, Ok, Error, Error, Error]),
-            [Init, Valid, Valid, Valid, Invalid]
-        );
+        assert_eq!(states([Ok, Ok, Error, Error, Error]), [Init, Valid, Valid, Valid, Invalid]);
         // The first of four errors has left the window when the third of the others comes.
         let spread = [Ok, Error, Ok, Ok, Ok, Ok, Error, Error, Error];
         assert_eq!(states(spread)[5..], [Valid, Valid, Valid, Invalid]);
