@@ -1,4 +1,4 @@
-//! The vehicle's own CAM: when it is due and what it says (EN 302 637-2).
+//! The vehicle's own CAM: when it is due, and its content (EN 302 637-2).
 
 use crate::clock::Moment;
 use crate::lanes::road_plane;
@@ -15,14 +15,14 @@ const WIDTH_DM: u8 = 19;
 const CAR: u8 = 5;
 const TRUCK: u8 = 8;
 
-/// What does not change about the vehicle.
+/// Constants of the vehicle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vehicle {
-    /// Its station id.
+    /// Station id.
     pub station_id: u32,
-    /// Its length, m.
+    /// Length, m.
     pub length_m: f64,
-    /// Whether it is a heavy truck, else a car.
+    /// True for a heavy truck, false for a car.
     pub is_truck: bool,
 }
 
@@ -36,7 +36,7 @@ pub struct Awareness {
 }
 
 impl Awareness {
-    /// A sender that has sent nothing yet.
+    /// A sender before its first frame.
     #[must_use]
     pub fn new(vehicle: Vehicle, origin: &Origin) -> Self {
         let heading_deg = origin.heading_deg.value();
@@ -47,7 +47,7 @@ impl Awareness {
     pub fn due(&mut self, odometry: &Odometry, moment: &Moment) -> Option<Vec<u8>> {
         let (position_m, speed_mps) = odometry.moved_to(moment.now_ns as f64 / 1e9);
         let motion = triggers::Motion { position_m, speed_mps, heading_deg: self.heading_deg };
-        // Tenths of degrees, of which 3600 is north as 0 is.
+        // Tenths of degrees; 3600 is north again.
         let heading = (10.0 * self.heading_deg).round() as u16 % 3600;
         let due = self.triggers.check(moment.now_ns, &motion)?;
         let timestamp = its_timestamp(moment.utc_ms());

@@ -1,4 +1,4 @@
-//! An intersection as frames tell of it: its map, and what each sender says of its signals.
+//! An intersection from its frames: its map, and the timing of its signals from each sender.
 
 use crate::clock::Moment;
 use crate::known_map::KnownMap;
@@ -8,55 +8,54 @@ use crate::verdict::Verdict;
 use its::mapem::IntersectionGeometry;
 use its::spatem::IntersectionState;
 
-/// Senders of one intersection that are kept.
+/// Most senders of one intersection.
 const MOST_SENDERS: usize = 4;
-/// For so long a word that was said once stands against another sender's, ns.
+/// Time for which a single message stands against another sender, ns.
 const ONCE_STANDS_NS: i64 = 2_000_000_000;
-/// A stop line is forgotten when it is this far behind, m.
+/// Distance behind the vehicle at which a stop line is dropped, m.
 const PASSED_M: f64 = 45.0;
-/// A unit sends its map once a second. An intersection that was told of for so long without one has a stop
-/// line all the same, ns.
+/// Time without a map after which a stop line is assumed, ns: a unit sends its map once a second.
 const MAP_DUE_NS: i64 = 2_000_000_000;
-/// That line is assumed so far before the unit, m: half of a large intersection.
+/// Distance from the assumed line to the unit, m: half of a large intersection.
 const LINE_BEFORE_UNIT_M: f64 = 30.0;
-/// Signal group of that line: none.
+/// Signal group of the assumed line: no real group.
 const NO_GROUP: u8 = 0;
 
-/// An intersection as it was told of.
+/// An intersection, as its frames describe it.
 #[derive(Clone, Debug)]
 pub struct Intersection {
-    /// Its id.
+    /// Id.
     pub id: u16,
-    /// Frames that told of it.
+    /// Frames about it.
     frames: u64,
     first_ns: i64,
     heard_ns: i64,
     map: Option<KnownMap>,
-    /// Maps of it without a lane of the vehicle.
+    /// Its maps without a lane of the vehicle.
     elsewhere: u64,
-    /// Where its unit is along the vehicle's path, m; none if it is not at the path.
+    /// Position of its unit on the vehicle's path, m; `None` if it is not beside the path.
     unit_m: Option<f64>,
     senders: Vec<Sender>,
-    /// When its timing was last made without a contradiction, ns of run time.
+    /// Instant of its last timing without a contradiction, ns of run time.
     certain_ns: Option<i64>,
 }
 
-/// What one sender says of an intersection's signals.
+/// One sender's timing of an intersection's signals.
 #[derive(Clone, Debug)]
 struct Sender {
     station: u32,
-    /// When it was made, ns of run time.
+    /// Instant of the timing, ns of run time.
     made_ns: i64,
-    /// How often it was believed to say something.
+    /// Accepted messages.
     words: u64,
     revision: u8,
     timings: Vec<Timing>,
-    /// What it said last, if that did not fit.
+    /// Last message, if it was inconsistent.
     candidate: Option<Vec<Timing>>,
 }
 
 impl Intersection {
-    /// One that nothing was heard of yet.
+    /// An intersection before its first frame.
     #[must_use]
     pub fn new(id: u16, now_ns: i64) -> Self {
         Self {
@@ -72,45 +71,45 @@ impl Intersection {
         }
     }
 
-    /// Notes a frame that tells of it, from a unit at `unit_m` on the vehicle's path, whatever else it says.
+    /// Notes any frame about it, from a unit at `unit_m` on the vehicle's path.
     pub fn note(&mut self, now_ns: i64, unit_m: Option<f64>) {
         self.frames += 1;
         self.heard_ns = now_ns;
         self.unit_m = unit_m;
     }
 
-    /// Whether it was told of twice: a falsified id makes none.
+    /// True after two frames: a single one can have a falsified id.
     #[must_use]
     pub fn is_confirmed(&self) -> bool {
         self.frames >= 2
     }
 
-    /// For how long nothing was heard of it, ns.
+    /// Time since its last frame, ns.
     #[must_use]
     pub fn silent_ns(&self, now_ns: i64) -> i64 {
         now_ns - self.heard_ns
     }
 
-    /// Whether it has a map.
+    /// True if it has a map.
     #[must_use]
     pub fn has_map(&self) -> bool {
         self.map.is_some()
     }
 
-    /// When its timing was last made without a contradiction, ns of run time.
+    /// Instant of its last timing without a contradiction, ns of run time.
     #[must_use]
     pub fn certain_ns(&self) -> Option<i64> {
         self.certain_ns
     }
 
-    /// The stop lines that count for a vehicle at `ego_m`, those just passed included.
+    /// The stop lines for a vehicle at `ego_m`, including those just passed.
     pub fn lines(&self, now_ns: i64, ego_m: f64) -> impl Iterator<Item = StopLine> + '_ {
         let told = self.map.iter().flat_map(move |map| map.in_force(ego_m));
         let lines = told.chain(self.assumed_line(now_ns));
         lines.filter(move |line| line.position_m - ego_m > -PASSED_M)
     }
 
-    /// Without a map: somewhere before the unit.
+    /// The assumed line of an intersection without a map.
     fn assumed_line(&self, now_ns: i64) -> Option<StopLine> {
         let is_due = now_ns - self.first_ns > MAP_DUE_NS;
         let is_missing = self.map.is_none() && self.elsewhere < 2 && is_due;
@@ -118,7 +117,7 @@ impl Intersection {
         Some(StopLine { signal_group: NO_GROUP, position_m })
     }
 
-    /// Takes what a sender says of the signals.
+    /// Takes a sender's timing.
     pub fn take_timing(
         &mut self,
         station: u32,
@@ -148,7 +147,7 @@ impl Intersection {
             }
             None => {
                 if self.senders.len() == MOST_SENDERS {
-                    // The one that said the least, and of those the one that is silent for the longest.
+                    // Replace the sender with the fewest messages; among equals, the one silent for longest.
                     self.senders.sort_by_key(|sender| (sender.words.min(2), sender.made_ns));
                     self.senders.remove(0);
                 }
@@ -171,7 +170,7 @@ impl Intersection {
         if is_whole { Verdict::Accepted } else { Verdict::MissingLane }
     }
 
-    /// Takes a map and its lines on the vehicle's path.
+    /// Takes a map, with its lines on the vehicle's path.
     pub fn take_map(
         &mut self,
         station: u32,
@@ -199,19 +198,19 @@ impl Intersection {
     /// The newest timing of a signal group that nothing contradicts.
     #[must_use]
     pub fn timing(&self, signal_group: u8, now_ns: i64) -> Option<&Timing> {
-        let timings = &self.believed(now_ns)?.timings;
+        let timings = &self.accepted(now_ns)?.timings;
         timings.iter().find(|timing| timing.signal_group == signal_group)
     }
 
-    /// Notes how new the timing is that can be believed.
+    /// Notes the instant of the accepted timing.
     fn renew(&mut self, now_ns: i64) {
-        let made_ns = self.believed(now_ns).map(|sender| sender.made_ns);
+        let made_ns = self.accepted(now_ns).map(|sender| sender.made_ns);
         self.certain_ns = self.certain_ns.max(made_ns);
     }
 
-    /// The sender that is heard of last with timing that fits the map, if no other one contradicts. One that
-    /// spoke once counts only where there is no other.
-    fn believed(&self, now_ns: i64) -> Option<&Sender> {
+    /// The sender of the newest timing that fits the map, unless another sender contradicts. A sender of a single
+    /// message counts only if there is no other.
+    fn accepted(&self, now_ns: i64) -> Option<&Sender> {
         let revision = self.map.as_ref()?.revision();
         if self.disagreement(now_ns) {
             return None;
@@ -220,8 +219,7 @@ impl Intersection {
         fitting.max_by_key(|sender| (sender.words.min(2), sender.made_ns))
     }
 
-    /// True if two senders whose word stands say different things. That one of them has fallen silent makes
-    /// the other one no more right.
+    /// True if two senders with standing timing contradict each other. The silence of one does not confirm the other.
     fn disagreement(&self, now_ns: i64) -> bool {
         let now_s = now_ns as f64 / 1e9;
         let stands =

@@ -1,30 +1,30 @@
-//! The stop lines of an intersection, as its maps tell of them.
+//! The stop lines of an intersection, according to its maps.
 //!
-//! Maps may differ: a newer one moves a line, a falsified one contradicts. Which is right cannot be told from
-//! them, so each line counts that the last map, the ones before or a contradicting one has, until it is
-//! passed: of several for one signal the nearest ahead.
+//! Maps can differ: a newer map moves a line, a falsified map contradicts. Nothing in them shows which one is
+//! right. So a line of any of them counts until it is passed: the last map's, an earlier one's, a contradicting
+//! one's. If one signal has several lines, the nearest ahead counts.
 
 use crate::lanes::StopLine;
 use its::mapem::IntersectionGeometry;
 
-/// After so long without its sender another one may replace a map, ns.
+/// Silence of a map's sender after which another sender can replace the map, ns.
 const SILENT_NS: i64 = 5_000_000_000;
-/// Lines of former maps that are kept.
+/// Most lines of former maps.
 const MOST_FORMER: usize = 16;
 
-/// A map as it is believed, and one that waits to be heard again.
+/// The accepted map, and one that waits for its repetition.
 #[derive(Clone, Debug)]
 pub struct KnownMap {
     station: u32,
     heard_ns: i64,
     geometry: IntersectionGeometry,
     lines: Vec<StopLine>,
-    /// Of the maps before.
+    /// Lines of former maps.
     former: Vec<StopLine>,
     candidate: Option<Candidate>,
 }
 
-/// A map that differs from the one that is believed.
+/// A map that differs from the accepted one.
 #[derive(Clone, Debug)]
 struct Candidate {
     station: u32,
@@ -44,8 +44,8 @@ impl KnownMap {
         Self { station, heard_ns: now_ns, geometry, lines, former: Vec::new(), candidate: None }
     }
 
-    /// Takes another map of the same intersection; `is_announced` if its sender's timing is of its revision,
-    /// which says so a second time. Returns whether it is the map now.
+    /// Takes another map of the same intersection; returns true if it is the accepted one now. `is_announced`: its
+    /// sender's timing has its revision, which confirms it.
     pub fn take(
         &mut self,
         station: u32,
@@ -75,19 +75,19 @@ impl KnownMap {
         true
     }
 
-    /// Its revision, which timing has to be of.
+    /// Revision; only timing of the same revision is used.
     #[must_use]
     pub fn revision(&self) -> u8 {
         self.geometry.revision
     }
 
-    /// Its lines.
+    /// Stop lines of the accepted map.
     #[must_use]
     pub fn lines(&self) -> &[StopLine] {
         &self.lines
     }
 
-    /// The line of each signal group that counts for a vehicle at `ego_m`.
+    /// The line of each signal group for a vehicle at `ego_m`.
     pub fn in_force(&self, ego_m: f64) -> impl Iterator<Item = StopLine> + '_ {
         self.lines.iter().map(move |line| {
             let candidate = self.candidate.iter().flat_map(|said| &said.lines);

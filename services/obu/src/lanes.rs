@@ -1,22 +1,22 @@
-//! The vehicle's lanes of a MAPEM: those that lead its way, on its path.
+//! The lanes of a MAPEM that the vehicle drives on: on its path, in its direction.
 //!
-//! The vehicle's path is the road: straight, from the scenario's `v2x.origin` on.
+//! The vehicle's path is the road: straight, from the scenario's `v2x.origin`.
 
 use its::geodesy::{Plane, Position};
 use its::mapem::{Approach, IntersectionGeometry, Lane, STRAIGHT};
 use scenario::radio::Origin;
 
-/// Half of a lane's width where the map has none, m.
+/// Half of a lane's width if the map has no width, m.
 const HALF_WIDTH_M: f64 = 1.75;
-/// A lane leads the vehicle's way if its direction is within this of the vehicle's, as a cosine: 30 degrees.
+/// Largest angle between the lane and the vehicle, as a cosine: 30 degrees.
 const SAME_WAY: f64 = 0.866;
 
 /// A stop line on the vehicle's path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StopLine {
-    /// The signal group that governs it.
+    /// Signal group that governs it.
     pub signal_group: u8,
-    /// Where it is on the path, m.
+    /// Position on the path, m.
     pub position_m: f64,
 }
 
@@ -27,7 +27,7 @@ pub fn road_plane(origin: &Origin) -> Plane {
     Plane::along(Position { latitude, longitude }, origin.heading_deg.value())
 }
 
-/// The stop lines on the vehicle's path, for the way straight on, nearest to the origin first.
+/// The stop lines of the way straight on, nearest to the origin first.
 #[must_use]
 pub fn stop_lines(geometry: &IntersectionGeometry, plane: &Plane) -> Vec<StopLine> {
     let reference = plane.point(geometry.reference);
@@ -46,7 +46,7 @@ fn stop_line(lane: &Lane, plane: &Plane, reference: (f64, f64), half_m: f64) -> 
     let [first, second, ..] = lane.nodes[..] else { return None };
     let ((to_line_m, to_left_m), (away_x, away_y)) = (metres(first), metres(second));
     let (along_m, left_m) = (reference.0 + to_line_m, reference.1 + to_left_m);
-    // Nodes lead away from the stop line, the vehicle towards it.
+    // Nodes lead away from the stop line, the vehicle drives towards it.
     if -away_x <= SAME_WAY * libm::hypot(away_x, away_y) || left_m.abs() > half_m {
         return None;
     }

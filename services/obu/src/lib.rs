@@ -1,13 +1,27 @@
-//! The on-board unit: decodes, checks and hands on what is on air, outside the control loop.
+//! The on-board unit: decodes and checks the frames on air, outside the control loop.
 //!
 //! ```text
-//! radio/frames ─► decode ─► own station? stamps? bytes heard before? ─► SPATEM, MAPEM by intersection
-//!                                                                              │ agree? heard twice?
+//! radio/frames ─► decode ─► own station? stamps? same bytes again? ─► SPATEM, MAPEM by intersection
+//!                                                                              │ agree? received twice?
 //! vehicle/odometry ─► path ahead ────────────────────────────────► stop lines, timing ─► v2x/map, v2x/spat
 //!         └─────────► CAM when due ─► radio/sent
 //! ```
 //!
-//! Everything but `service` is plain code: frames and times are arguments.
+//! Everything except `service` is plain code: frames and times are arguments.
+//!
+//! ```
+//! use its::geodesy::{Plane, Position};
+//! use obu::clock::Moment;
+//! use obu::receiver::Receiver;
+//! use obu::verdict::Verdict;
+//!
+//! let plane = Plane::along(Position { latitude: 0, longitude: 0 }, 90.0);
+//! let mut unit = Receiver::new(4711, 1000, plane);
+//! let moment = Moment { now_ns: 0, utc_start_ns: 1_780_315_200_000_000_000, ahead_ns: 0 };
+//! assert_eq!(unit.take(b"not a frame", &moment), Verdict::Malformed);
+//! assert_eq!(unit.take(b"not a frame", &moment), Verdict::Duplicated);
+//! assert_eq!(unit.verdicts().of(Verdict::Malformed), 1);
+//! ```
 
 pub mod awareness;
 pub mod clock;

@@ -1,14 +1,13 @@
-//! The unit's view of the signals ahead, from the frames that it hears.
+//! The unit's view of the signals ahead, from the received frames.
 //!
-//! Nothing here can prove who sent a frame: there are no signatures. What is checked is whether frames fit
-//! each other, their own stamps and the vehicle's clock:
+//! Frames have no signatures, so that nothing proves who sent one. The unit checks them against each other,
+//! against their own stamps and against the vehicle's clock:
 //!
-//! * an intersection counts when two frames have told of it, so that a falsified id makes none;
-//! * what differs from what its sender said before must be said twice in a row;
-//! * where two senders disagree, neither is believed until they agree or what one announced is over: the
-//!   signal is unknown;
-//! * timing is used with the map of its revision alone, and of lines that moved the nearest counts;
-//! * an intersection that is told of without a map, or by frames that are too old, is there all the same.
+//! * An intersection counts after two frames, so that a falsified id makes no intersection.
+//! * A sender that contradicts itself must repeat the new content once.
+//! * If two senders disagree, the signal is unknown until they agree or one announcement is over.
+//! * Timing is used only with the map of its revision. If a line has moved, the nearest one counts.
+//! * An intersection exists even without a map, or if its frames are too old.
 
 use crate::clock::Moment;
 use crate::intersection::Intersection;
@@ -23,18 +22,18 @@ use messages::{Lane, Map, Spat};
 use std::collections::VecDeque;
 use xxhash_rust::xxh3::xxh3_64;
 
-/// Frames among which the same bytes are noticed.
+/// Frames in which repeated bytes are detected.
 const REMEMBERED_FRAMES: usize = 512;
-/// Intersections that are kept.
+/// Most intersections.
 const MOST_INTERSECTIONS: usize = 64;
-/// An intersection of which nothing was heard for so long, and which is not ahead, is forgotten, ns.
+/// Silence after which an intersection that is not ahead is forgotten, ns.
 const FORGOTTEN_NS: i64 = 30_000_000_000;
-/// The first map of an intersection may be so old, ms: stop lines do not move from one minute to the next.
+/// Largest age of the first map of an intersection, ms: stop lines rarely move.
 const OLDEST_MAP_MS: i64 = 600_000;
-/// A unit so far from the vehicle's path is not at it, m.
+/// Largest distance between the vehicle's path and a unit beside it, m.
 const BESIDE_PATH_M: f64 = 50.0;
 
-/// What the unit knows, and what it made of the frames.
+/// The intersections that the unit knows, and its verdicts on the frames.
 #[derive(Debug)]
 pub struct Receiver {
     station_id: u32,
@@ -46,7 +45,7 @@ pub struct Receiver {
 }
 
 impl Receiver {
-    /// A unit that has heard nothing yet, on a road that is the axis of `plane`.
+    /// A unit before its first frame, on a road that is the axis of `plane`.
     #[must_use]
     pub fn new(station_id: u32, max_age_ms: i64, plane: Plane) -> Self {
         Self {
@@ -59,26 +58,26 @@ impl Receiver {
         }
     }
 
-    /// Goes on from these counts.
+    /// Continues these counts.
     #[must_use]
     pub fn counting(self, verdicts: Verdicts) -> Self {
         Self { verdicts, ..self }
     }
 
-    /// Takes a frame.
+    /// Takes a frame; returns and counts the verdict.
     pub fn take(&mut self, bytes: &[u8], moment: &Moment) -> Verdict {
         let verdict = self.judge(bytes, moment);
         self.verdicts.count(verdict);
         verdict
     }
 
-    /// What was made of all frames so far.
+    /// Verdicts on all frames so far.
     #[must_use]
     pub fn verdicts(&self) -> &Verdicts {
         &self.verdicts
     }
 
-    /// Forgets what is over. `ego_m` is the vehicle's position on its path.
+    /// Forgets intersections that are passed and silent. `ego_m` is the vehicle's position on its path.
     pub fn forget(&mut self, now_ns: i64, ego_m: f64) {
         self.intersections.retain(|intersection| {
             intersection.lines(now_ns, ego_m).next().is_some()
@@ -86,8 +85,8 @@ impl Receiver {
         });
     }
 
-    /// Writes the stop lines ahead and the timing of their signals, nearest first. Returns when the oldest
-    /// timing of them was made, ns of run time; `None` where no signal is ahead.
+    /// Writes the stop lines ahead and the timing of their signals, nearest first. Returns the instant of the oldest
+    /// timing, ns of run time; `None` if no signal is ahead.
     pub fn write(&self, now_ns: i64, ego_m: f64, map: &mut Map, spat: &mut Spat) -> Option<i64> {
         let mut ahead: Vec<(&Intersection, StopLine)> = (self.intersections.iter())
             .filter(|intersection| intersection.is_confirmed())
@@ -103,7 +102,7 @@ impl Receiver {
             };
             map.count += 1;
             if line.position_m >= ego_m {
-                // Nothing was ever certain: as old as the run.
+                // Without any certain timing: as old as the run.
                 let made_ns = known.certain_ns().unwrap_or(0);
                 oldest_ns = Some(oldest_ns.map_or(made_ns, |oldest| oldest.min(made_ns)));
             }
@@ -138,7 +137,7 @@ impl Receiver {
         match &frame.message {
             Message::Spatem(spatem) => self.take_spatem(spatem, made_ms, unit_m, moment),
             Message::Mapem(mapem) => self.take_mapem(mapem, made_ms, unit_m, moment),
-            // Of other vehicles: the signals do not depend on them.
+            // CAMs of other vehicles do not affect the signals.
             Message::Cam(_) if self.is_of_now(made_ms, moment) => Verdict::Accepted,
             Message::Cam(_) => Verdict::TooOld,
         }
@@ -148,8 +147,7 @@ impl Receiver {
         moment.age_ms(made_ms).abs() <= self.max_age_ms
     }
 
-    /// An intersection is known to be there by timing that is too old as well: its signals are unknown then,
-    /// but not absent.
+    /// Timing that is too old still shows that the intersection exists: its signals are unknown, not absent.
     fn take_spatem(
         &mut self,
         spatem: &Spatem,
@@ -204,7 +202,7 @@ impl Receiver {
         worst
     }
 
-    /// What is known of an intersection; `None` if there is no room for one more.
+    /// The entry of an intersection; `None` if there is no room for another.
     fn intersection(&mut self, id: u16, now_ns: i64) -> Option<&mut Intersection> {
         let found = self.intersections.iter().position(|known| known.id == id);
         let index = match found {

@@ -1,4 +1,4 @@
-//! The on-board unit's loop: released by a batch of frames, or by its timer when they are late.
+//! The on-board unit's loop: released by a batch of frames, or by its timer if the batch is late.
 
 use crate::awareness::{Awareness, Vehicle};
 use crate::clock::{ClockError, Moment};
@@ -16,12 +16,12 @@ use runtime::{
 };
 use scenario::Scenario;
 
-/// Periods by which a batch may be late before the timer releases a cycle.
+/// Periods after which the timer releases a cycle without its batch.
 const FALLBACK: f64 = 0.5;
-/// Periods after which the radio is taken to be dead.
+/// Periods without a batch after which the radio counts as dead.
 const DEAD_PERIODS: i64 = 3;
-/// A unit that is started again during the run knows no map. Until it must have heard those of the
-/// intersections ahead it says nothing, and the controller keeps to what it was told before, ns.
+/// Silence of a unit that was restarted during the run, ns: the time in which it receives the maps of the
+/// intersections ahead. Meanwhile the controller uses the earlier timing.
 const SILENT_NS: i64 = 1_300_000_000;
 
 /// Runs the on-board unit in its group, to the end of the run.
@@ -47,17 +47,17 @@ struct Unit {
     receiver: Receiver,
     awareness: Awareness,
     clock_error: ClockError,
-    /// UTC of run time 0 by the vehicle's clock until its radio has told it, ns.
+    /// UTC of run time 0 by the vehicle's clock, used until a batch carries one, ns.
     own_utc_start_ns: i64,
     period_ns: i64,
     fallback_ns: i64,
-    /// Release before which a unit that was started again says nothing, ns.
+    /// First release at which a restarted unit publishes, ns.
     speaks_from_ns: Option<i64>,
     batch: Origin,
     counts: Counts,
 }
 
-/// What outlives the process.
+/// Counts that outlive the process.
 struct Counts {
     air: Latencies,
     decode: Latencies,
@@ -92,7 +92,7 @@ impl Counts {
     }
 }
 
-/// What the processes of a run's unit, which are gone, told in all; `None` if that was not kept.
+/// Report of a unit whose processes have ended, from the counts that they kept; `None` without them.
 #[must_use]
 pub fn last_known(group: &Group) -> Option<ObuReport> {
     let figures = Figures::last(group, Service::Obu);
@@ -154,12 +154,13 @@ impl Unit {
             self.publish(&release, ego_m)?;
         }
         self.send_cam(&release, &moment)?;
-        let state = if self.hears(now_ns) { ServiceState::Running } else { ServiceState::Degraded };
+        let state =
+            if self.receives(now_ns) { ServiceState::Running } else { ServiceState::Degraded };
         runtime.end_cycle(state)?;
         Ok(Cycle::Next)
     }
 
-    /// The present by the vehicle's clock, with its error, and by the senders'.
+    /// The present by the vehicle's clock, with its error, and by the senders' clocks.
     fn moment(&self, now_ns: i64) -> Moment {
         let newest = self.frames.newest();
         let start_ns = newest.map_or(self.own_utc_start_ns, |batch| batch.utc_start_ns);
@@ -187,13 +188,13 @@ impl Unit {
         }
     }
 
-    fn hears(&self, now_ns: i64) -> bool {
+    fn receives(&self, now_ns: i64) -> bool {
         let newest = self.frames.newest().map(|batch| batch.header.acquisition_ns);
         newest.is_some_and(|newest_ns| now_ns - newest_ns <= DEAD_PERIODS * self.period_ns)
     }
 
-    /// Hands on what is known of the signals ahead. Its acquisition is when the oldest timing was made;
-    /// where no signal is ahead, the release, as long as the radio lives.
+    /// Publishes the signals ahead. The acquisition time is the instant of the oldest timing; without a signal
+    /// ahead, the release while the radio lives.
     fn publish(&mut self, release: &Release, ego_m: f64) -> Result<(), RuntimeError> {
         let now_ns = release.scheduled_ns;
         let origins = self.origins();
@@ -204,7 +205,7 @@ impl Unit {
             self.counts.age.record_ns(now_ns - made_ns);
         }
         let newest_ns = self.frames.newest().map_or(0, |batch| batch.header.acquisition_ns);
-        let acquired_ns = made_ns.unwrap_or(if self.hears(now_ns) { now_ns } else { newest_ns });
+        let acquired_ns = made_ns.unwrap_or(if self.receives(now_ns) { now_ns } else { newest_ns });
         map.header = Header::new(release.step, now_ns, origins);
         spat.header = Header::new(release.step, acquired_ns.min(now_ns), origins);
         self.map.send(map)?;
@@ -212,7 +213,7 @@ impl Unit {
         Ok(())
     }
 
-    /// The samples of this cycle: from them it can be replayed.
+    /// The samples of this cycle, from which it can be replayed.
     fn origins(&self) -> Origins {
         Origins { odometry: self.odometry.origin(), spat: self.batch, ..Origins::NONE }
     }

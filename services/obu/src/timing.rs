@@ -1,26 +1,26 @@
-//! What a SPATEM says of a signal, in run time.
+//! The timing of a signal from a SPATEM, in run time.
 
 use crate::clock::Moment;
 use its::spatem::{MovementEvent, MovementPhase, MovementState};
 use its::time::TimeMark;
 use messages::{Interval, MAX_INTERVALS, PhaseState, Signal};
 
-/// Two announcements of one end agree if they differ by no more than this, s: marks are tenths of a second,
-/// and a message of a sliding countdown is still the one of before a moment ago.
+/// Largest difference between two announcements of the same end, s: marks are tenths of a second, and a countdown
+/// can slide by a little between two messages.
 const SAME_END_S: f64 = 0.35;
 
 /// A phase and its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Announced {
-    /// What is shown.
+    /// Phase that is shown.
     pub state: PhaseState,
-    /// Earliest, likely and latest end, s of run time; infinite where none is planned.
+    /// Earliest, likely and latest end, s of run time; infinite if no end is planned.
     pub ends_s: [f64; 3],
     /// Confidence in the likely end, 0 to 15.
     pub confidence: u8,
 }
 
-/// What is announced of one signal group.
+/// Announced phases of one signal group.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Timing {
     /// The signal group.
@@ -30,8 +30,8 @@ pub struct Timing {
 }
 
 impl Timing {
-    /// The timing of a movement that was made at `made_ns` of run time. What is shown then holds although its
-    /// announced end has passed: when it ends is not known, and nothing of what follows.
+    /// Timing of a movement that was made at `made_ns` of run time. If the announced end of the present phase has
+    /// passed, the phase still holds; its end and what follows are unknown.
     #[must_use]
     pub fn of(movement: &MovementState, made_ns: i64, moment: &Moment) -> Self {
         let mut phases: Vec<Announced> = Vec::with_capacity(movement.events.len());
@@ -42,7 +42,7 @@ impl Timing {
                 phases.extend(Some(endless).filter(|p| p.state == PhaseState::StopAndRemain));
                 break;
             }
-            // What ends before it begins, and what follows, is not known.
+            // A phase that ends before it begins is unknown, and so are the phases behind it.
             if phases.last().is_some_and(|before| before.ends_s[1] > announced.ends_s[1]) {
                 break;
             }
@@ -51,7 +51,7 @@ impl Timing {
         Self { signal_group: movement.signal_group, phases }
     }
 
-    /// True if both can be true from `now_s` on.
+    /// True if both are possible from `now_s` on.
     #[must_use]
     pub fn agrees_with(&self, other: &Self, now_s: f64) -> bool {
         let coming = |timing: &Self| {
@@ -64,7 +64,7 @@ impl Timing {
         })
     }
 
-    /// Writes it into a message.
+    /// Writes the timing into a message.
     pub fn write(&self, intersection_id: u16, signal: &mut Signal) {
         signal.intersection_id = intersection_id.into();
         signal.signal_group = self.signal_group.into();
@@ -83,7 +83,7 @@ impl Timing {
     }
 }
 
-/// True if all that both say of the same signal groups can be true.
+/// True if both lists are possible for the signal groups that they share.
 #[must_use]
 pub fn agree(a: &[Timing], b: &[Timing], now_s: f64) -> bool {
     a.iter().all(|of_a| {
@@ -92,11 +92,11 @@ pub fn agree(a: &[Timing], b: &[Timing], now_s: f64) -> bool {
     })
 }
 
-/// `None` for a phase of which it is not known how long it is certain to last.
+/// A phase with its ends; `None` if its certain length is unknown.
 fn announced(event: &MovementEvent, moment: &Moment) -> Option<Announced> {
     let state = state(event.state);
     let Some(timing) = event.timing else {
-        // Red until further notice is safe to believe; nothing else is.
+        // Without an end only red is safe to accept.
         let endless = Announced { state, ends_s: [f64::INFINITY; 3], confidence: 0 };
         return (state == PhaseState::StopAndRemain).then_some(endless);
     };
@@ -117,7 +117,8 @@ fn announced(event: &MovementEvent, moment: &Moment) -> Option<Announced> {
     Some(Announced { state, ends_s: [min_s, likely_s, max_s], confidence })
 }
 
-/// What a cruise controller tells apart. A permissive green is one for the straight way.
+/// Reduces a phase to the four that a cruise controller distinguishes. A permissive green is a green for the
+/// straight way.
 fn state(phase: MovementPhase) -> PhaseState {
     match phase {
         MovementPhase::PermissiveMovementAllowed | MovementPhase::ProtectedMovementAllowed => {

@@ -1,33 +1,33 @@
-//! What the unit makes of a frame.
+//! The unit's verdict on each frame, and the counts of them.
 
 use its::DecodeError;
 use runtime::{Count, Figures, RuntimeError};
 use std::collections::BTreeMap;
 
-/// What became of a frame.
+/// Verdict on a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verdict {
-    /// It says something new that fits the rest.
+    /// New, and consistent with the rest.
     Accepted,
-    /// A signal's timing whose intersection no map has shown yet.
+    /// Timing of a signal whose intersection has no map yet.
     UnknownIntersection,
     /// A map without a lane of the vehicle, or timing without the signal group of that lane.
     MissingLane,
-    /// Older than another frame of its sender that was used.
+    /// Older than the last used frame of its sender.
     OutOfOrder,
-    /// The same bytes once more.
+    /// The same bytes again.
     Duplicated,
-    /// Made too long ago, or in the future, by its own stamps.
+    /// Made too long ago, or in the future, according to its stamps.
     TooOld,
-    /// It does not fit what this sender or another one said of the same intersection.
+    /// Inconsistent with another frame about the same intersection.
     Contradicting,
-    /// Its sender has the vehicle's own station id.
+    /// Sent under the vehicle's own station id.
     SameStationId,
-    /// A message of a kind that is not read here.
+    /// A kind of message that the unit does not read.
     UnknownMessage,
     /// Headers or versions of another profile, or a signed frame.
     OtherProfile,
-    /// No frame at all.
+    /// Not a frame.
     Malformed,
 }
 
@@ -81,15 +81,15 @@ impl From<&DecodeError> for Verdict {
     }
 }
 
-/// How often each verdict was given.
+/// Counts of the verdicts.
 #[derive(Debug, Default)]
 pub struct Verdicts([Count; Verdict::ALL.len()]);
 
 impl Verdicts {
-    /// Those that `figures` has, none before the run.
+    /// The counts in `figures`: zero before the run.
     ///
     /// # Errors
-    /// [`RuntimeError::Setup`] if shared memory has no room for them.
+    /// [`RuntimeError::Setup`] if shared memory has no room.
     pub fn open(figures: &Figures) -> Result<Self, RuntimeError> {
         let mut all = Self::default();
         for (count, verdict) in all.0.iter_mut().zip(Verdict::ALL) {
@@ -98,12 +98,12 @@ impl Verdicts {
         Ok(all)
     }
 
-    /// Counts one.
+    /// Adds one.
     pub fn count(&mut self, verdict: Verdict) {
         self.0[verdict as usize].add(1);
     }
 
-    /// How often `verdict` was given.
+    /// Count of `verdict`.
     #[must_use]
     pub fn of(&self, verdict: Verdict) -> u64 {
         self.0[verdict as usize].get()

@@ -1,18 +1,31 @@
 //! The air between roadside units and the vehicle: frames are lost, late, repeated and falsified.
 //!
-//! Plain code: the same frames at the same times with the same seed arrive in the same way. Each frame takes
-//! the same number of random draws, whatever becomes of it, so that one key more does not move the others'
-//! draws.
+//! Plain code: the same frames, times and seed give the same arrivals. Each frame takes the same number of random
+//! draws, so that one key does not move the draws of another.
 //!
-//! Burst loss is Gilbert's and Elliott's: a channel with a good and a bad state, which is asked for each frame
-//! whether it changes (E. O. Elliott, 1963).
+//! ```text
+//! send ─► burst or single loss ─► delay, jitter, reorder ─► truncate, flip a bit ─► arrived
+//!                                         └─ duplicate, replay of an old frame ──────┘
+//! ```
+//!
+//! Burst loss follows the channel of Gilbert and Elliott: a good and a bad state, which can change with each frame
+//! (E. O. Elliott, 1963).
+//!
+//! ```
+//! use scenario::{Scenario, radio::Air as Keys};
+//! use v2x_sim::air::Air;
+//!
+//! let mut air = Air::new(&Keys::default(), 7);
+//! air.send(0, vec![1, 2, 3]);
+//! assert_eq!(air.arrived(0)[0].bytes, [1, 2, 3]);
+//! ```
 
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use scenario::radio::Air as Keys;
 use std::collections::VecDeque;
 
-/// Frames of the past that can be sent again.
+/// Earlier frames that can be replayed.
 const HISTORY: usize = 4096;
 /// Stream of the air's random numbers.
 const STREAM: u64 = 0x5a17_c0de_0a1b_0002;
@@ -31,9 +44,9 @@ pub struct Air {
 /// A frame that arrives.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Arrival {
-    /// When it was sent, ns of run time; of one that is sent again, when that was.
+    /// Instant of sending, ns of run time; of the replay, if it is one.
     pub sent_ns: u64,
-    /// When it arrived, ns of run time.
+    /// Instant of arrival, ns of run time.
     pub received_ns: u64,
     /// Its bytes.
     pub bytes: Vec<u8>,
@@ -41,7 +54,7 @@ pub struct Arrival {
 
 #[derive(Clone, Debug)]
 struct OnTheWay {
-    /// Breaks ties in the order of sending.
+    /// Order of sending, which breaks ties.
     number: u64,
     arrival: Arrival,
 }
@@ -84,7 +97,7 @@ impl Air {
             if self.is_bad { keys.burst_end_probability } else { keys.burst_begin_probability };
         self.is_bad ^= draws.state < turns.value();
         let burst = if self.is_bad { keys.burst_loss_probability.value() } else { 0.0 };
-        // Both independently: lost unless it survives each.
+        // A frame arrives only if it survives both losses.
         let lost = 1.0 - (1.0 - keys.loss_probability.value()) * (1.0 - burst);
         let jitter_ns = (draws.jitter * keys.jitter_ms.nanoseconds() as f64) as u64;
         let mut arrives_ns = now_ns + keys.delay_ms.nanoseconds() + jitter_ns;
@@ -115,7 +128,7 @@ impl Air {
         self.deliver(now_ns, arrives_ns, bytes);
     }
 
-    /// The frames that have arrived by `now_ns`, in the order of their arrival.
+    /// The frames that arrive up to `now_ns`, in the order of arrival.
     pub fn arrived(&mut self, now_ns: u64) -> Vec<Arrival> {
         let is_here = |frame: &mut OnTheWay| frame.arrival.received_ns <= now_ns;
         let mut here: Vec<OnTheWay> = self.on_the_way.extract_if(.., is_here).collect();
@@ -149,7 +162,7 @@ impl Air {
         self.on_the_way.push(OnTheWay { number: self.sent, arrival });
     }
 
-    /// Only where it is to be sent again.
+    /// Keeps a frame for its replay.
     fn remember(&mut self, now_ns: u64, bytes: &[u8]) {
         if self.keys.replay_probability.value() > 0.0 {
             if self.history.len() == HISTORY {
@@ -159,7 +172,7 @@ impl Air {
         }
     }
 
-    /// The newest frame that was sent up to then.
+    /// The newest frame sent up to `time_ns`.
     fn sent_before(&self, time_ns: u64) -> Option<Vec<u8>> {
         let old = self.history.iter().rev().find(|(sent_ns, _)| *sent_ns <= time_ns);
         old.map(|(_, bytes)| bytes.clone())
@@ -180,7 +193,7 @@ mod tests {
         Air::new(&Scenario::parse("air", &text).expect("a right scenario").v2x.air, 7)
     }
 
-    /// Ten frames a second for 100 s; the arrivals.
+    /// Arrivals of ten frames a second for 100 s.
     fn fly(air: &mut Air) -> Vec<Arrival> {
         let mut arrived = Vec::new();
         for k in 0..1_100_u64 {
@@ -197,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn clear_air_hands_on_everything_at_once() {
+    fn clear_air_delivers_everything_at_once() {
         let arrived = fly(&mut air(""));
         assert_eq!(arrived.len(), 1000);
         assert!(arrived.iter().all(|a| a.received_ns == a.sent_ns));
@@ -205,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_lost_is_lost_in_the_window_and_the_same_each_time() {
+    fn losses_stay_in_their_window_and_repeat() {
         let keys = "from_s = 20\nfor_s = 50\nloss_probability = 0.3";
         let arrived = fly(&mut air(keys));
         let lost = 1000 - arrived.len();

@@ -1,7 +1,6 @@
-//! The roadside units' frames: one unit at each intersection, which sends SPATEM once in a period and
-//! MAPEM once in a second.
+//! The roadside units' frames: one unit at each intersection, with a SPATEM in each period and a MAPEM in each second.
 //!
-//! Plain code: what is sent is a function of the scenario, the time and UTC; no group is needed.
+//! Plain code: the frames are a function of the scenario, the time and UTC.
 //!
 //! ```text
 //!               lane 1 ─► ego's lane, signal group of the scenario  │ stop line │ ─► egress
@@ -21,25 +20,26 @@ use scenario::quantity::Time;
 use scenario::radio::{Origin, Unit};
 use scenario::v2x::{Phase, V2x};
 
-/// Station id of the unit at intersection 0; that of intersection n is n higher.
+/// Station id of the unit at intersection 0; intersection n adds n.
 pub const FIRST_STATION: u32 = 100_000;
-/// The same of the units that contradict.
+/// The same for units that contradict.
 pub const FIRST_CONTRADICTING_STATION: u32 = 200_000;
 /// Time between two MAPEM of one unit, ns.
 const MAP_PERIOD_NS: u64 = 1_000_000_000;
-/// Behind a stop line the ego is told of it for so long, m.
+/// Distance behind a stop line within which its unit still reaches the ego, m.
 const PASSED_M: f64 = 50.0;
-/// From the first stop line to the middle of an intersection, m.
+/// Distance from the first stop line to the middle of an intersection, m.
 const TO_MIDDLE_M: f64 = 10.0;
-/// Farthest that a MAPEM can place a stop line from the reference point, m.
+/// Largest distance of a stop line from the reference point in a MAPEM, m.
 const MOST_TO_LINE_M: f64 = 327.0;
 /// Length of a lane in a MAPEM, cm.
 const LANE_CM: i16 = 10_000;
 const LANE_WIDTH_CM: i16 = 350;
-/// Lane ids: the ego's lanes from 1, the turning lanes from here, the exits from there.
+/// Lane ids: the ego's lanes count from 1, the turning lanes from here.
 const TURNING: u8 = 101;
+/// Lane id of the exits.
 const EXITS: u8 = 201;
-/// For how long a contradicting unit says that it stays green, ms.
+/// Length of the green that a contradicting unit announces, ms.
 const FALSE_GREEN_MS: i64 = 30_000;
 
 /// The plane around the road's beginning, with the road as its axis.
@@ -64,9 +64,9 @@ pub struct Frames {
 pub struct SentFrame {
     /// Station id.
     pub station: u32,
-    /// What kind of message it is.
+    /// Kind of the message.
     pub kind: MessageKind,
-    /// From the GeoNetworking header on.
+    /// Bytes from the GeoNetworking header on.
     pub bytes: Vec<u8>,
 }
 
@@ -107,11 +107,11 @@ impl Frames {
         }
     }
 
-    /// What is sent at `time_ns` of the run, whose start was at `utc_start_ns`: by all units, or by those
-    /// that a vehicle at `ego_m` is in reach of.
+    /// The frames at `time_ns` of the run, which started at `utc_start_ns`: of all units, or of those that reach a
+    /// vehicle at `ego_m`.
     ///
     /// # Errors
-    /// [`EncodeError`] if the standards have no room for what the scenario says.
+    /// [`EncodeError`] if a value of the scenario does not fit into the standards' messages.
     pub fn at(
         &self,
         time_ns: u64,
@@ -133,7 +133,7 @@ impl Frames {
                 let spatem = site.spatem(other, &now, |_| vec![always_green(&now)]);
                 sent.push(self.frame(site, Message::Spatem(spatem), &now)?);
             }
-            // The units do not send their maps all at once.
+            // The units send their maps in turns.
             if (time_ns + index * self.period_ns) % MAP_PERIOD_NS < self.period_ns {
                 let shift_m = if now.revision > 0 { self.wrong.map_shift_m.value() } else { 0.0 };
                 let mapem = site.mapem(station, &now, &self.plane, shift_m)?;
@@ -157,7 +157,7 @@ impl Frames {
         Ok(SentFrame { station, kind, bytes: Frame { source, message }.encode()? })
     }
 
-    /// The present phase of a program and those that follow, as far as a message has room.
+    /// The present phase of a program and the phases behind it, up to the room of a message.
     fn events(&self, program: &Program, now: &Now) -> Vec<MovementEvent> {
         let wrong_ns = self.wrong.countdown_wrong_from_s.map_or(u64::MAX, Time::nanoseconds);
         let off_s = match now.time_ns.checked_sub(wrong_ns) {
@@ -212,7 +212,7 @@ impl Site {
         Spatem { station_id, intersections: vec![state] }
     }
 
-    /// Stop lines as they are, but for `shift_m` along the road.
+    /// The stop lines, moved by `shift_m` along the road.
     fn mapem(
         &self,
         station_id: u32,
@@ -266,18 +266,18 @@ impl Site {
     }
 }
 
-/// A node of a lane, east and north of the one before, cm.
+/// A node of a lane, east and north of the node before, cm.
 fn earth_node(plane: &Plane, along_cm: i16, left_cm: i16) -> (i16, i16) {
     let (east_cm, north_cm) = plane.to_earth((along_cm.into(), left_cm.into()));
     (east_cm.round() as i16, north_cm.round() as i16)
 }
 
-/// The time by the units' clocks.
+/// The present by the units' clocks.
 #[derive(Clone, Copy, Debug)]
 struct Now {
     time_ns: u64,
     utc_ms: i64,
-    /// UTC of run time 0 as these clocks have it at present, ns.
+    /// UTC of run time 0 by these clocks at present, ns.
     start_ns: i64,
     /// Revision of the maps.
     revision: u8,
@@ -311,8 +311,8 @@ fn begun(from: Option<Time>, time_ns: u64) -> bool {
     from.is_some_and(|from| time_ns >= from.nanoseconds())
 }
 
-/// A phase that ends at a time of UTC in ms, or for which no end is planned. Marks are tenths of a second:
-/// the earliest end is rounded down, the latest up.
+/// A phase with its end in UTC, ms, or without a planned end. Marks are tenths of a second: the earliest end is
+/// rounded down, the latest up.
 fn event(phase: Phase, end_ms: Option<i64>, now: &Now) -> MovementEvent {
     let state = match phase {
         Phase::Green => MovementPhase::ProtectedMovementAllowed,
@@ -336,98 +336,4 @@ fn always_green(now: &Now) -> MovementEvent {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use scenario::radio::SIMULATED_START_NS;
-    use scenario::{Scenario, builtin};
-
-    fn frames(keys: &str) -> Frames {
-        let text = builtin::find("corridor").expect("it is built in").text;
-        let scenario = Scenario::parse("corridor", &format!("{text}\n{keys}")).expect("right");
-        Frames::new(&scenario.v2x)
-    }
-
-    fn read(frames: &Frames, time_ns: u64, ego_m: Option<f64>) -> Vec<Message> {
-        let sent = frames.at(time_ns, SIMULATED_START_NS, ego_m).expect("there is room");
-        sent.iter().map(|f| Frame::decode(&f.bytes).expect("a frame").message).collect()
-    }
-
-    #[test]
-    fn each_unit_in_reach_sends_its_signals_and_once_a_second_its_map() {
-        let frames = frames("");
-        let count = |ego_m| {
-            let tenths = (0..10).flat_map(|k| read(&frames, k * 100_000_000, ego_m));
-            let (maps, spats): (Vec<_>, Vec<_>) =
-                tenths.partition(|message| matches!(message, Message::Mapem(_)));
-            (maps.len(), spats.len())
-        };
-        assert_eq!(count(Some(-1.0)), (0, 0));
-        assert_eq!(count(Some(0.0)), (1, 10));
-        assert_eq!(count(None), (3, 30));
-    }
-
-    #[test]
-    fn a_map_leads_back_to_the_stop_line_and_the_signal_of_the_lane() {
-        let Some(Message::Mapem(map)) = read(&frames(""), 0, Some(0.0)).pop() else {
-            panic!("a map comes at first")
-        };
-        let geometry = &map.intersections[0];
-        let plane = road_plane(&Origin::default());
-        let middle = plane.point(geometry.reference);
-        let straight = &geometry.lanes[0];
-        assert!((middle.0 + f64::from(straight.nodes[0].0) / 100.0 - 300.0).abs() < 0.01);
-        assert!(middle.1.abs() < 0.01);
-        assert_eq!(straight.connections[0].signal_group, Some(1));
-        assert_eq!(geometry.lanes[1].connections[0].signal_group, Some(2), "the turning lane's");
-    }
-
-    #[test]
-    fn a_road_at_the_date_line_has_its_maps_where_they_belong() {
-        for longitude_deg in [180.0, 179.999, -180.0, -179.999] {
-            for heading_deg in [90.0, 270.0] {
-                let frames = frames(&format!(
-                    "[v2x.origin]\nlongitude_deg = {longitude_deg}\nheading_deg = {heading_deg}\n"
-                ));
-                for message in read(&frames, 0, None) {
-                    let Message::Mapem(map) = message else { continue };
-                    let geometry = &map.intersections[0];
-                    let (along_m, left_m) = frames.plane.point(geometry.reference);
-                    let place = format!("{longitude_deg} {heading_deg}: {along_m} m");
-                    assert!((250.0..1500.0).contains(&along_m) && left_m.abs() < 0.01, "{place}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn the_map_changes_of_one_intersection_where_one_is_named() {
-        let revisions = |keys: &str| {
-            let frames = frames(&format!("[v2x.unit]\nmap_changes_at_s = 5\n{keys}"));
-            let messages = read(&frames, 6_000_000_000, None).into_iter();
-            let of = |message| match message {
-                Message::Spatem(spatem) => Some(spatem.intersections[0].revision),
-                Message::Mapem(_) | Message::Cam(_) => None,
-            };
-            messages.filter_map(of).collect::<Vec<_>>()
-        };
-        assert_eq!(revisions(""), [1, 1, 1]);
-        assert_eq!(revisions("map_changes_of = 2"), [0, 1, 0]);
-    }
-
-    #[test]
-    fn announced_ends_are_those_of_the_program_and_wrong_ones_where_they_are_asked_for() {
-        let end = |frames: &Frames, time_ns: u64| {
-            let messages = read(frames, time_ns, Some(0.0));
-            let Some(Message::Spatem(spatem)) = messages.first() else { panic!("{messages:?}") };
-            let timing = spatem.intersections[0].movements[0].events[0].timing.expect("it has one");
-            let utc_ms = SIMULATED_START_NS / 1_000_000 + (time_ns / 1_000_000) as i64;
-            let end_ms = timing.likely_end.and_then(|mark| mark.utc(utc_ms)).expect("it is known");
-            end_ms - SIMULATED_START_NS / 1_000_000
-        };
-        assert_eq!((end(&frames(""), 0), end(&frames(""), 20_000_000_000)), (27_000, 27_000));
-        let wrong = "[v2x.unit]\ncountdown_wrong_from_s = 10\ncountdown_jump_s = 2\n\
-                     countdown_slide = 0.5\n";
-        let wrong = frames(wrong);
-        assert_eq!((end(&wrong, 0), end(&wrong, 12_000_000_000)), (27_000, 30_000));
-    }
-}
+mod tests;

@@ -1,5 +1,26 @@
-//! The simulated roadside unit: signal programs, signal phase and timing, map; as structs or as frames.
-//! In its place a carrier of frames of other hosts can be.
+//! The simulated roadside units: signal programs, phase and timing, maps; as structs or as frames.
+//!
+//! ```text
+//! programs ─┬─ structs ──────────────────────────────► v2x/spat, v2x/map      (radio = "direct")
+//!           ├─ frames ─► air: loss, delay, bit flips ─► radio/frames           (radio = "frames")
+//!           └─ all signals, without a range ──────────► truth/signals
+//! frames of another host or a capture ─► link ────────► radio/frames           (radio = "udp://…")
+//! ```
+//!
+//! Everything except `service` and `link` is plain code: times are arguments.
+//!
+//! ```
+//! use scenario::{Scenario, builtin, v2x::Phase};
+//! use v2x_sim::roadside_unit::RoadsideUnit;
+//!
+//! let corridor = Scenario::parse("corridor", builtin::find("corridor").expect("built in").text)?;
+//! let unit = RoadsideUnit::new(&corridor.v2x);
+//! let received = unit.received(0, 0.0);
+//! let (lane, movement) = received.iter().next().expect("a signal in range");
+//! assert_eq!((lane.stop_line_m, movement.events[0].phase), (300.0, Phase::Green));
+//! assert_eq!(movement.events[0].likely_end_ns, Some(27_000_000_000));
+//! # Ok::<(), scenario::ScenarioError>(())
+//! ```
 
 pub mod air;
 pub mod frames;

@@ -1,5 +1,5 @@
-//! A carrier in the place of the simulated roadside units and their air: frames of another host's units,
-//! or of a capture, become `radio/frames`; the vehicle's own frames go out by it.
+//! A carrier instead of simulated roadside units and their air: frames of another host's units, or of a capture,
+//! become `radio/frames`. It also sends the vehicle's own frames.
 
 use crate::unit_clock::UnitClock;
 use messages::{Header, MAX_FRAMES, Origin, RadioFrame, RadioFrames, RadioSent};
@@ -12,23 +12,23 @@ use scenario::carrier::CarrierAddress;
 pub(crate) struct Link {
     carrier: Carrier,
     frames: Publisher<RadioFrames>,
-    /// What the vehicle says; none where there is no one to hear it.
+    /// The vehicle's own frames; `None` for a capture.
     sent: Option<Subscriber<RadioSent>>,
     last_sent: Origin,
     batch: Batch,
-    /// This host's wall clock at run time 0, ns; of a capture: that of its first frame.
+    /// Wall clock at run time 0, ns: of this host, or of a capture's first frame.
     utc_start_ns: i64,
     clock: Option<ClockDifference>,
     unit: Option<UnitClock>,
     before_start: u64,
-    /// Without frames a message is sent so seldom, ns: it shows that the radio lives.
+    /// Time between two messages without frames, ns: they show that the radio lives.
     period_ns: i64,
     handed_on_ns: Option<i64>,
 }
 
-/// Frames of one cycle. Where there is no room for all, they go by rank.
+/// Frames of one cycle. If there is no room for all, the rank decides.
 struct Batch {
-    /// With whose each is.
+    /// Each frame with the rank of its sender.
     frames: Vec<(Frame, Rank)>,
     left_out: u64,
 }
@@ -57,7 +57,7 @@ impl Link {
         })
     }
 
-    /// The run begins.
+    /// Begins the run.
     pub(crate) fn begin(&mut self, runtime: &Runtime) {
         self.utc_start_ns = match self.carrier.capture() {
             Some(capture) => capture.wall_clock_ns(0),
@@ -65,12 +65,12 @@ impl Link {
         };
     }
 
-    /// The clock by which the roadside unit's programs run, as far as it is known.
+    /// The clock of the roadside unit's programs, once known.
     pub(crate) fn unit(&self) -> Option<&UnitClock> {
         self.unit.as_ref()
     }
 
-    /// Hands on what has arrived, and sends what the vehicle has to say. It does not wait.
+    /// Publishes the arrived frames and sends the vehicle's own. It does not wait.
     pub(crate) fn exchange(
         &mut self,
         runtime: &mut Runtime,
@@ -85,15 +85,15 @@ impl Link {
             let origin = sent.origin();
             if let Some(message) = sent.newest().filter(|_| origin != self.last_sent) {
                 self.last_sent = origin;
-                // What is not sent is counted.
+                // The carrier counts frames that it could not send.
                 let _ = self.carrier.send(message.frame.data());
             }
         }
         Ok(())
     }
 
-    /// Frames are handed on at once. A capture's cycles are a period apart: each has its message, which is
-    /// waited for in simulated time.
+    /// True if there are frames, or if a period has passed without any. A capture's cycles are a period apart, so
+    /// that each has its message: receivers wait for it in simulated time.
     fn is_due(&self, now_ns: i64) -> bool {
         let is_overdue = |handed_on_ns: i64| now_ns - handed_on_ns >= self.period_ns;
         !self.batch.frames.is_empty() || self.handed_on_ns.is_none_or(is_overdue)
@@ -116,7 +116,7 @@ impl Link {
         Ok(())
     }
 
-    /// Takes what has arrived.
+    /// Takes the arrived frames.
     fn collect(&mut self, now_ns: i64) {
         self.batch.clear();
         while let Some(frame) = self.carrier.receive(now_ns) {
@@ -163,7 +163,7 @@ impl Batch {
             return;
         }
         self.left_out += 1;
-        // The last one of the lowest rank.
+        // The last frame of the lowest rank leaves.
         let lowest = self.frames.iter().enumerate().rev().min_by_key(|(_, (_, rank))| *rank);
         if let Some((place, _)) = lowest.filter(|(_, (_, lowest))| *lowest < rank) {
             self.frames.remove(place);
@@ -172,14 +172,14 @@ impl Batch {
     }
 }
 
-/// Whose frames go first where there is no room for all.
+/// Rank of a sender if there is no room for all frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Rank {
-    /// A vehicle: it says who it is, and no start.
+    /// A vehicle: it has a name and no start.
     Vehicle,
-    /// It does not say who it is: another maker's unit, or anything else that sends.
+    /// A sender without a name: another maker's unit, or anything else.
     Unnamed,
-    /// A roadside unit that says when its programs began.
+    /// A roadside unit, with the start of its programs.
     RoadsideUnit,
 }
 
@@ -193,7 +193,7 @@ impl Rank {
     }
 }
 
-/// The clocks of a capture's frames and of its player.
+/// A capture's frames and its player have one clock.
 const ONE_CLOCK: ClockDifference = ClockDifference { offset_ns: 0, uncertainty_ns: 0 };
 
 fn write(place: &mut RadioFrame, frame: &Frame, utc_start_ns: i64) {
@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn a_flood_of_what_has_no_name_leaves_room_for_roadside_units() {
+    fn a_flood_of_unnamed_frames_leaves_room_for_roadside_units() {
         let mut batch = Batch { frames: Vec::new(), left_out: 0 };
         (0..100).for_each(|number| offer(&mut batch, number, Rank::Unnamed));
         (200..203).for_each(|number| offer(&mut batch, number, Rank::RoadsideUnit));

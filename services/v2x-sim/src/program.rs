@@ -1,15 +1,34 @@
 //! Fixed-time signal programs.
 //!
-//! A program is a list of phases with durations. It runs from `offset` before the start of the run
-//! on, round and round or once; then its last phase stays. Times are whole nanoseconds, so that the
-//! millionth cycle is as exact as the first.
+//! A program is a list of phases with durations. It begins `offset` before the start of the run and repeats, or runs
+//! once and stays in its last phase. Times are whole nanoseconds, so that the millionth cycle is as exact as the
+//! first.
 //!
-//! Neighbouring phases that show the same are one interval here, across the cycle's end too: the end
-//! of an interval is always a change of what is shown, and a countdown never jumps.
+//! ```text
+//!          ├── green 27 s ──┼ yellow 3 s ┼── red 30 s ──┼── green …
+//! ◄─offset─►
+//!       start of the run
+//! ```
+//!
+//! Equal neighbouring phases are one interval, also across the end of a cycle. So the end of an interval is always a
+//! change, and a countdown never jumps.
+//!
+//! ```
+//! use scenario::{Scenario, builtin, v2x::Phase};
+//! use v2x_sim::program::Program;
+//!
+//! let corridor = Scenario::parse("corridor", builtin::find("corridor").expect("built in").text)?;
+//! let program = Program::new(&corridor.v2x.signals[0]);
+//! assert_eq!(program.phase_at(26_999_999_999), Phase::Green);
+//! assert_eq!(program.phase_at(27_000_000_000), Phase::Yellow);
+//! let ends: Vec<_> = program.intervals(0).map(|interval| interval.end_ns).take(2).collect();
+//! assert_eq!(ends, [Some(27_000_000_000), Some(30_000_000_000)]);
+//! # Ok::<(), scenario::ScenarioError>(())
+//! ```
 
 use scenario::v2x::{Phase, Signal};
 
-/// A program, ready to be asked.
+/// The program of one signal.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Program {
     /// Phases and their ends from the cycle's start, ns.
@@ -19,17 +38,17 @@ pub struct Program {
     repeat: bool,
 }
 
-/// A time during which a signal shows one phase.
+/// Interval in which a signal shows one phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Interval {
-    /// What it shows.
+    /// Phase.
     pub phase: Phase,
-    /// End, ns since the start of the run; `None`: it never ends.
+    /// End, ns since the start of the run; `None` for an interval without an end.
     pub end_ns: Option<u64>,
 }
 
 impl Program {
-    /// The program of a signal. The scenario has seen to it that it has at least one phase.
+    /// The program of a signal, which has at least one phase in a checked scenario.
     #[must_use]
     pub fn new(signal: &Signal) -> Self {
         let mut merged: Vec<(Phase, u64)> = Vec::with_capacity(signal.program.len());
@@ -54,14 +73,13 @@ impl Program {
         Self { phases: merged, cycle_ns, offset_ns, repeat: signal.repeat }
     }
 
-    /// What the signal shows at a time since the start of the run. At the instant of a change it is
-    /// the new phase.
+    /// Phase at a time since the start of the run, ns. At the instant of a change, the new phase.
     #[must_use]
     pub fn phase_at(&self, time_ns: u64) -> Phase {
         self.phases[self.locate(time_ns).1].0
     }
 
-    /// The interval at a time and those that follow it.
+    /// The interval at a time, ns, and the intervals behind it.
     pub fn intervals(&self, time_ns: u64) -> impl Iterator<Item = Interval> + '_ {
         let (mut start_ns, mut index) = self.locate(time_ns);
         let mut over = false;
@@ -75,7 +93,7 @@ impl Program {
             if over {
                 return Some(Interval { phase, end_ns: None });
             }
-            // The cycle's start is before the run's when the offset is positive.
+            // With a positive offset the cycle starts before the run.
             let end_ns = (start_ns + phase_end_ns).saturating_sub(self.offset_ns);
             index = if last { 0 } else { index + 1 };
             start_ns += if last { self.cycle_ns } else { 0 };
@@ -83,8 +101,8 @@ impl Program {
         })
     }
 
-    /// Start of the current cycle, in the program's own time (which is ahead by the offset), and the
-    /// index of the current phase.
+    /// Start of the current cycle in the program's own time, which is ahead by the offset, and index of the current
+    /// phase.
     fn locate(&self, time_ns: u64) -> (u64, usize) {
         let program_ns = time_ns.saturating_add(self.offset_ns);
         let start_ns = if self.repeat { program_ns - program_ns % self.cycle_ns } else { 0 };
@@ -194,7 +212,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_is_announced_is_what_happens(
+        fn the_announced_phases_follow(
             list in prop::collection::vec((phases(), 0.001..90.0f64), 1..10),
             offset_s in 0.0..500.0f64, repeat: bool, time_ns in 0..2_000_000_000_000u64,
         ) {

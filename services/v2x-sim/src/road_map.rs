@@ -1,4 +1,4 @@
-//! The map of the road ahead, with the faults that a scenario gives it.
+//! The map of the road ahead, with the faults of the scenario.
 
 use messages::MAX_PREVIEW_CELLS;
 use rand_core::SeedableRng;
@@ -10,12 +10,12 @@ use scenario::grade::GradeProfile;
 /// Length of a cell, m.
 pub const CELL_M: f64 = 50.0;
 
-/// What the map tells of the road ahead.
+/// The known part of the road ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ahead {
-    /// Where the first cell begins, m.
+    /// Begin of the first cell, m.
     pub first_cell_m: f64,
-    /// Cells whose grades are known.
+    /// Cells with known grades.
     pub count: usize,
 }
 
@@ -33,7 +33,7 @@ impl RoadMap {
     /// The map of a scenario's road.
     ///
     /// # Errors
-    /// When the scenario's road is none.
+    /// A [`Problem`] if the scenario's road is not valid.
     pub fn new(scenario: &Scenario) -> Result<Self, Problem> {
         let faults = scenario.v2x.preview;
         Ok(Self {
@@ -45,7 +45,7 @@ impl RoadMap {
         })
     }
 
-    /// The road from the ego's cell on. Writes the mean grades of the cells that are known.
+    /// The road from the ego's cell on; writes the mean grades of the known cells.
     pub fn ahead(&self, ego_m: f64, grades: &mut [f64; MAX_PREVIEW_CELLS]) -> Ahead {
         let first = (ego_m / CELL_M).floor();
         let mut count = 0;
@@ -67,7 +67,7 @@ impl RoadMap {
     }
 }
 
-/// A standard normal number for each cell, the same whenever it is asked for (Box and Muller 1958).
+/// A standard normal number for each cell, always the same for one seed (Box and Muller 1958).
 fn error(seed: u64, cell: f64) -> f64 {
     let stream = (cell as i64).unsigned_abs().wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let mut generator = Pcg64::seed_from_u64(seed.wrapping_add(stream));

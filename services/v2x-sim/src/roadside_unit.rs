@@ -1,4 +1,4 @@
-//! The roadside unit: what it says of its signals, in the terms of SPATEM and MAPEM.
+//! The roadside unit's signals, in the terms of SPATEM and MAPEM.
 //!
 //! | here | SAE J2735 / ISO TS 19091 |
 //! |---|---|
@@ -15,20 +15,20 @@ use scenario::v2x::{Phase, V2x};
 
 use crate::program::Program;
 
-/// Signals whose stop line is farther behind the ego than this are no longer told of, m.
+/// Distance behind a stop line at which its signal is dropped, m.
 const PASSED_M: f64 = 50.0;
 
-/// Highest confidence of a predicted time: the standard's 0 to 15 stand for 21 % to 100 %.
+/// Highest confidence of a predicted time: 0 to 15 of the standard mean 21 % to 100 %.
 pub const CERTAIN: u8 = 15;
 
-/// One signal group's present and coming phases.
+/// Present and coming phases of one signal group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Movement {
     /// Id of the intersection.
     pub intersection_id: u16,
     /// Id of the signal group.
     pub signal_group: u8,
-    /// The present phase and those that follow; `count` are valid.
+    /// The present phase and the phases behind it; `count` are valid.
     pub events: [Event; MAX_INTERVALS],
     /// Valid entries of `events`, at least 1.
     pub count: usize,
@@ -37,13 +37,13 @@ pub struct Movement {
 /// One phase of a movement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Event {
-    /// What is shown: `protected-Movement-Allowed`, `protected-clearance` or `stop-And-Remain`.
+    /// Shown phase: `protected-Movement-Allowed`, `protected-clearance` or `stop-And-Remain`.
     pub phase: Phase,
-    /// Earliest end, ns; `None`: no end is planned.
+    /// Earliest end, ns; `None` without a planned end.
     pub min_end_ns: Option<u64>,
-    /// Likely end, ns; `None`: no end is planned.
+    /// Likely end, ns; `None` without a planned end.
     pub likely_end_ns: Option<u64>,
-    /// Latest end, ns; `None`: no end is planned.
+    /// Latest end, ns; `None` without a planned end.
     pub max_end_ns: Option<u64>,
     /// Confidence in the likely end, 0 to 15.
     pub confidence: u8,
@@ -60,7 +60,7 @@ pub struct Lane {
     pub stop_line_m: f64,
 }
 
-/// The signals that the ego is told of, in order of their stop lines.
+/// Signals for the ego, in the order of their stop lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Signals {
     /// Stop lines; `count` are valid.
@@ -97,15 +97,14 @@ impl RoadsideUnit {
         Self { range_m: v2x.range_m.value(), signals }
     }
 
-    /// What is received at a place and time: the signals within radio range ahead and those just
-    /// passed.
+    /// Signals received at a place and time: those within radio range ahead, and those just passed.
     #[must_use]
     pub fn received(&self, time_ns: u64, ego_position_m: f64) -> Signals {
         self.signals_within(self.range_m, time_ns, ego_position_m)
     }
 
-    /// What is true, whatever the radio's range: the next signals ahead and those just passed, as
-    /// many as a message carries.
+    /// Signals without regard to the radio's range: the next ones ahead and those just passed, up to the room of a
+    /// message.
     #[must_use]
     pub fn truth(&self, time_ns: u64, ego_position_m: f64) -> Signals {
         self.signals_within(f64::INFINITY, time_ns, ego_position_m)
@@ -223,8 +222,7 @@ mod tests {
         assert_eq!(movement.events[1].likely_end_ns, None);
     }
 
-    /// A failure seen in the field: each message repeats the first one's cycle, so that the times
-    /// announced are in the past.
+    /// A failure seen in the field: each message repeats the cycle of the first, so that announced times are past.
     #[test]
     fn announced_ends_lie_ahead_in_every_message() {
         let unit = unit("corridor");
@@ -243,7 +241,7 @@ mod tests {
         }
     }
 
-    /// Another: the announced end slides by one period with each message.
+    /// Another failure: the announced end slides by one period with each message.
     #[test]
     fn an_announced_end_does_not_slide() {
         let unit = unit("corridor");

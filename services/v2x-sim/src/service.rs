@@ -1,4 +1,4 @@
-//! The roadside unit's loop: what the signals show, and will show, by radio and in truth.
+//! The roadside unit's loop: present and coming phases, by radio and as ground truth.
 
 use crate::air::Air;
 use crate::frames::Frames;
@@ -35,7 +35,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         let header = Header::new(release.step, release.scheduled_ns, Origins::NONE);
         let time_ns = release.scheduled_ns.unsigned_abs();
 
-        // The referee's copy first: the plant may be waiting for it.
+        // The referee's copy goes first: the plant may wait for it.
         let shown = voice.truth(&unit, time_ns, ego_m);
         truth.send_with(|message| {
             message.header = header;
@@ -55,18 +55,18 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     runtime.finish(details)
 }
 
-/// How the roadside unit tells of its signals.
+/// The way of the signals to the vehicle.
 enum Voice {
-    /// By structs, to the controller.
+    /// Structs, to the controller.
     Structs {
         /// Signal phase and timing.
         spat: Publisher<Spat>,
         /// Stop lines.
         map: Publisher<Map>,
     },
-    /// By frames through the air, to the on-board unit.
+    /// Frames through the air, to the on-board unit.
     Frames(Box<Radio>),
-    /// The units are on other hosts, or in a capture.
+    /// Frames of units on other hosts, or in a capture.
     Link(Box<Link>),
 }
 
@@ -94,8 +94,8 @@ impl Voice {
         }
     }
 
-    /// What the signals show. Those of another host show what their programs, which are the scenario's, say
-    /// by its clock; as long as that is not known, and with units of other makers, nothing is known.
+    /// The signals as they are. Another host's units run the scenario's programs by their own clock. Until that clock
+    /// is known, and for units of other makers, there are no signals.
     fn truth(&self, unit: &RoadsideUnit, time_ns: u64, ego_m: f64) -> Signals {
         match self {
             Self::Structs { .. } | Self::Frames(_) => unit.truth(time_ns, ego_m),
@@ -181,7 +181,7 @@ impl Radio {
     }
 }
 
-/// The map of the road, which a truck's controller wants.
+/// The map of the road, for a truck's controller.
 struct Previews {
     map: RoadMap,
     speed_limit_mps: f64,
@@ -212,20 +212,20 @@ impl Previews {
     }
 }
 
-/// Writes the lanes of what the roadside unit tells; returns how many.
-fn write_lanes(told: &Signals, lanes: &mut [messages::Lane]) -> u64 {
+/// Writes the lanes of `shown`; returns their number.
+fn write_lanes(shown: &Signals, lanes: &mut [messages::Lane]) -> u64 {
     let mut count = 0;
-    for ((lane, _), place) in told.iter().zip(lanes) {
+    for ((lane, _), place) in shown.iter().zip(lanes) {
         *place = lane_on_the_wire(lane);
         count += 1;
     }
     count
 }
 
-/// Writes the signals of what the roadside unit tells into zeros; returns how many.
-fn write_signals(told: &Signals, signals: &mut [Signal]) -> u64 {
+/// Writes the signals of `shown` into zeros; returns their number.
+fn write_signals(shown: &Signals, signals: &mut [Signal]) -> u64 {
     let mut count = 0;
-    for ((_, movement), place) in told.iter().zip(signals) {
+    for ((_, movement), place) in shown.iter().zip(signals) {
         write_signal(movement, place);
         count += 1;
     }
@@ -251,7 +251,7 @@ fn write_signal(movement: &Movement, signal: &mut Signal) {
 }
 
 fn interval_on_the_wire(event: &Event) -> Interval {
-    // A phase that no switch is planned for lasts for ever.
+    // A phase without a planned end lasts for ever.
     let seconds = |end_ns: Option<u64>| end_ns.map_or(f64::INFINITY, |ns| ns as f64 / 1e9);
     let state = match event.phase {
         Phase::Green => PhaseState::ProtectedMovementAllowed,

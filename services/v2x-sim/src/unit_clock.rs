@@ -1,22 +1,30 @@
-//! The clock by which a roadside unit of another host runs its programs, seen from the vehicle's run.
+//! The clock of a roadside unit on another host, in the vehicle's run time.
+//!
+//! ```
+//! use v2x_sim::unit_clock::UnitClock;
+//!
+//! // The unit started at 103 s of its clock, which is 3 s ahead; the vehicle started at 110 s of its own.
+//! let clock = UnitClock::new(103_000_000_000, 3_000_000_000, 110_000_000_000);
+//! assert_eq!(clock.unit_ns(5_000_000_000), 15_000_000_000);
+//! ```
 
 use crate::roadside_unit::Signals;
 
-/// How far another unit's run time is ahead of the vehicle's.
+/// Lead of another unit's run time over the vehicle's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UnitClock {
     ahead_ns: i64,
 }
 
 impl UnitClock {
-    /// A unit whose wall clock showed `start_ns` at its run time 0 and is `offset_ns` ahead of the
-    /// vehicle's, which showed `vehicle_start_ns` at its own run time 0; all ns.
+    /// A unit whose wall clock showed `start_ns` at its run time 0 and is `offset_ns` ahead of the vehicle's clock.
+    /// The vehicle's clock showed `vehicle_start_ns` at its run time 0. All ns.
     #[must_use]
     pub fn new(start_ns: i64, offset_ns: i64, vehicle_start_ns: i64) -> Self {
         Self { ahead_ns: vehicle_start_ns.saturating_add(offset_ns).saturating_sub(start_ns) }
     }
 
-    /// The unit's run time at a run time of the vehicle; 0 before it started. Both ns.
+    /// The unit's run time at a run time of the vehicle, both ns; 0 before the unit started.
     #[must_use]
     pub fn unit_ns(&self, vehicle_ns: u64) -> u64 {
         vehicle_ns.saturating_add_signed(self.ahead_ns)
@@ -48,7 +56,7 @@ mod tests {
 
     /// The unit started 10 s before the vehicle, by clocks that are 3 s apart.
     #[test]
-    fn what_a_signal_shows_is_the_same_by_both_clocks() {
+    fn a_signal_shows_the_same_by_both_clocks() {
         let clock = UnitClock::new(103 * SECOND, 3 * SECOND, 110 * SECOND);
         assert_eq!(clock.unit_ns(5_000_000_000), 15_000_000_000);
         let text = builtin::find("corridor").expect("it is built in").text;

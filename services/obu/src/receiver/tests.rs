@@ -68,7 +68,7 @@ fn spat(ms: i64, end_ms: i64) -> Vec<u8> {
     frame(Message::Spatem(spatem(UNIT, ms, end_ms)), ms)
 }
 
-/// The vehicle's lane, one that turns left, and one that comes the other way.
+/// The vehicle's lane, a lane that turns left, and a lane of the other direction.
 fn geometry(stop_line_m: f64) -> IntersectionGeometry {
     let lane = |id, (x, y), along, maneuver, signal_group| its::mapem::Lane {
         id,
@@ -105,7 +105,7 @@ fn map(ms: i64) -> Vec<u8> {
     map_of(UNIT, ms, geometry(300.0))
 }
 
-/// A unit that has heard a map and a SPATEM: green until 20 s.
+/// A unit that received a map and a SPATEM: green until 20 s.
 fn informed() -> Receiver {
     let mut receiver = Receiver::new(OWN, 500, plane());
     assert_eq!(receiver.take(&map(0), &at(0)), Verdict::Accepted);
@@ -113,7 +113,7 @@ fn informed() -> Receiver {
     receiver
 }
 
-/// Stop lines, the end of the present phase, and when the timing was made, ms.
+/// Stop lines, the end of the present phase, and the instant of the timing, ms.
 fn told(receiver: &Receiver, ms: i64) -> (Vec<f64>, Option<f64>, Option<i64>) {
     let (mut map, mut spat) = (Map::zeroed(), Spat::zeroed());
     let made_ns = receiver.write(ms * 1_000_000, 0.0, &mut map, &mut spat);
@@ -131,7 +131,7 @@ fn the_lane_of_the_vehicle_and_its_signal_are_handed_on() {
     assert_eq!((map.lanes[0].intersection_id, map.lanes[0].signal_group), (1, 7));
     assert_eq!(spat.signals[0].count, 2);
     assert_eq!(spat.signals[0].intervals[1].state, PhaseState::StopAndRemain.to_wire());
-    // Behind the vehicle there is nothing to be told of.
+    // Passed lines are not handed on.
     let (mut map, mut spat) = (Map::zeroed(), Spat::zeroed());
     assert_eq!(receiver.write(0, 346.0, &mut map, &mut spat), None);
     assert_eq!((map.count, spat.count), (0, 0));
@@ -179,7 +179,7 @@ fn a_clock_that_is_off_moves_the_ends_and_too_far_refuses_all() {
     receiver.take(&spat(0, 20_000), &off(0, 400_000_000));
     assert_eq!(told(&receiver, 0).1, Some(19.6));
     assert_eq!(receiver.take(&spat(100, 20_000), &off(100, 600_000_000)), Verdict::TooOld);
-    // An offset that is known does no harm.
+    // A known offset does no harm.
     let known = |ms| Moment { ahead_ns: -600_000_000, ..off(ms, 600_000_000) };
     let mut receiver = Receiver::new(OWN, 500, plane());
     receiver.take(&map(0), &known(0));
@@ -188,7 +188,7 @@ fn a_clock_that_is_off_moves_the_ends_and_too_far_refuses_all() {
 }
 
 #[test]
-fn what_differs_must_be_said_twice() {
+fn a_change_must_be_repeated() {
     let mut receiver = informed();
     assert_eq!(receiver.take(&spat(100, 25_000), &at(100)), Verdict::Contradicting);
     assert_eq!(told(&receiver, 100), (vec![300.0], Some(20.0), Some(0)));
@@ -199,13 +199,13 @@ fn what_differs_must_be_said_twice() {
 }
 
 #[test]
-fn of_two_units_that_disagree_none_is_believed() {
+fn two_units_that_disagree_make_the_signal_unknown() {
     let mut receiver = informed();
     let other = |ms, end_ms| frame(Message::Spatem(spatem(200_001, ms, end_ms)), ms);
     assert_eq!(receiver.take(&other(100, 30_000), &at(100)), Verdict::Contradicting);
     assert_eq!(receiver.take(&spat(200, 20_000), &at(200)), Verdict::Contradicting);
     assert_eq!(told(&receiver, 200), (vec![300.0], None, Some(0)));
-    // Its word stands for two seconds.
+    // A single message stands for two seconds.
     for ms in (300..=2_000).step_by(100) {
         assert_eq!(receiver.take(&spat(ms, 20_000), &at(ms)), Verdict::Contradicting);
     }
@@ -232,7 +232,7 @@ fn a_unit_that_was_contradicted_twice_is_not_right_because_the_other_one_is_sile
         assert_eq!(receiver.take(&other(ms, 30_000), &at(ms)), Verdict::Contradicting, "{ms}");
         assert_eq!(told(&receiver, ms), (vec![300.0], None, Some(100)));
     }
-    // Of what the first one announced nothing is left.
+    // The first unit's announcements are over.
     for ms in [81_000, 81_100] {
         receiver.take(&other(ms, 120_000), &at(ms));
     }
@@ -240,18 +240,18 @@ fn a_unit_that_was_contradicted_twice_is_not_right_because_the_other_one_is_sile
 }
 
 #[test]
-fn what_differs_after_a_silence_must_be_said_twice_as_well() {
+fn a_change_after_a_silence_must_be_repeated_as_well() {
     let mut receiver = informed();
     assert_eq!(receiver.take(&spat(6_000, 25_000), &at(6_000)), Verdict::Contradicting);
     assert_eq!(receiver.take(&spat(6_100, 25_000), &at(6_100)), Verdict::Accepted);
 }
 
 #[test]
-fn a_map_that_is_too_old_for_timing_still_tells_of_the_line() {
+fn a_map_that_is_too_old_for_timing_still_has_its_line() {
     let mut receiver = Receiver::new(OWN, 500, plane());
     assert_eq!(receiver.take(&map(0), &at(60_000)), Verdict::Accepted);
     assert_eq!(receiver.take(&spat(59_000, 90_000), &at(60_000)), Verdict::TooOld);
-    // There is a signal, and nothing is known of it.
+    // The signal exists, and its timing is unknown.
     assert_eq!(told(&receiver, 60_000), (vec![300.0], None, Some(0)));
     let moved = map_of(UNIT, 1_000, geometry(320.0));
     assert_eq!(receiver.take(&moved, &at(61_000)), Verdict::TooOld, "it has a map");
@@ -292,7 +292,7 @@ fn an_intersection_without_a_map_has_a_line_before_its_unit() {
 }
 
 #[test]
-fn a_map_changes_with_its_revision_or_when_it_is_said_twice() {
+fn a_map_changes_with_its_revision_or_when_it_is_repeated() {
     let mut receiver = informed();
     let moved = |ms| map_of(UNIT, ms, geometry(290.0));
     assert_eq!(receiver.take(&moved(1_000), &at(1_000)), Verdict::Contradicting);
@@ -343,7 +343,7 @@ fn a_map_without_the_lane_and_timing_without_its_signal_are_counted() {
 }
 
 #[test]
-fn what_is_no_frame_of_ours_is_counted_by_its_kind() {
+fn other_frames_are_counted_by_their_kind() {
     let mut receiver = Receiver::new(OWN, 500, plane());
     let good = spat(0, 20_000);
     let with = |at: usize, byte: u8| {
@@ -372,7 +372,7 @@ fn what_is_no_frame_of_ours_is_counted_by_its_kind() {
 }
 
 #[test]
-fn whatever_bit_is_wrong_the_believed_timing_stays_until_it_is_said_again() {
+fn a_wrong_bit_never_changes_the_accepted_timing() {
     let good = spat(100, 20_000);
     for bit in 0..8 * good.len() {
         let mut receiver = informed();

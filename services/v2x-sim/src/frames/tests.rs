@@ -1,0 +1,93 @@
+use super::*;
+use scenario::radio::SIMULATED_START_NS;
+use scenario::{Scenario, builtin};
+
+fn frames(keys: &str) -> Frames {
+    let text = builtin::find("corridor").expect("it is built in").text;
+    let scenario = Scenario::parse("corridor", &format!("{text}\n{keys}")).expect("right");
+    Frames::new(&scenario.v2x)
+}
+
+fn read(frames: &Frames, time_ns: u64, ego_m: Option<f64>) -> Vec<Message> {
+    let sent = frames.at(time_ns, SIMULATED_START_NS, ego_m).expect("there is room");
+    sent.iter().map(|f| Frame::decode(&f.bytes).expect("a frame").message).collect()
+}
+
+#[test]
+fn each_unit_in_reach_sends_its_signals_and_once_a_second_its_map() {
+    let frames = frames("");
+    let count = |ego_m| {
+        let tenths = (0..10).flat_map(|k| read(&frames, k * 100_000_000, ego_m));
+        let (maps, spats): (Vec<_>, Vec<_>) =
+            tenths.partition(|message| matches!(message, Message::Mapem(_)));
+        (maps.len(), spats.len())
+    };
+    assert_eq!(count(Some(-1.0)), (0, 0));
+    assert_eq!(count(Some(0.0)), (1, 10));
+    assert_eq!(count(None), (3, 30));
+}
+
+#[test]
+fn a_map_leads_back_to_the_stop_line_and_the_signal_of_the_lane() {
+    let Some(Message::Mapem(map)) = read(&frames(""), 0, Some(0.0)).pop() else {
+        panic!("a map comes at first")
+    };
+    let geometry = &map.intersections[0];
+    let plane = road_plane(&Origin::default());
+    let middle = plane.point(geometry.reference);
+    let straight = &geometry.lanes[0];
+    assert!((middle.0 + f64::from(straight.nodes[0].0) / 100.0 - 300.0).abs() < 0.01);
+    assert!(middle.1.abs() < 0.01);
+    assert_eq!(straight.connections[0].signal_group, Some(1));
+    assert_eq!(geometry.lanes[1].connections[0].signal_group, Some(2), "the turning lane's");
+}
+
+#[test]
+fn a_road_at_the_date_line_has_its_maps_where_they_belong() {
+    for longitude_deg in [180.0, 179.999, -180.0, -179.999] {
+        for heading_deg in [90.0, 270.0] {
+            let frames = frames(&format!(
+                "[v2x.origin]\nlongitude_deg = {longitude_deg}\nheading_deg = {heading_deg}\n"
+            ));
+            for message in read(&frames, 0, None) {
+                let Message::Mapem(map) = message else { continue };
+                let geometry = &map.intersections[0];
+                let (along_m, left_m) = frames.plane.point(geometry.reference);
+                let place = format!("{longitude_deg} {heading_deg}: {along_m} m");
+                assert!((250.0..1500.0).contains(&along_m) && left_m.abs() < 0.01, "{place}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_map_changes_of_one_intersection_where_one_is_named() {
+    let revisions = |keys: &str| {
+        let frames = frames(&format!("[v2x.unit]\nmap_changes_at_s = 5\n{keys}"));
+        let messages = read(&frames, 6_000_000_000, None).into_iter();
+        let of = |message| match message {
+            Message::Spatem(spatem) => Some(spatem.intersections[0].revision),
+            Message::Mapem(_) | Message::Cam(_) => None,
+        };
+        messages.filter_map(of).collect::<Vec<_>>()
+    };
+    assert_eq!(revisions(""), [1, 1, 1]);
+    assert_eq!(revisions("map_changes_of = 2"), [0, 1, 0]);
+}
+
+#[test]
+fn announced_ends_are_the_programs_or_wrong_if_the_scenario_says_so() {
+    let end = |frames: &Frames, time_ns: u64| {
+        let messages = read(frames, time_ns, Some(0.0));
+        let Some(Message::Spatem(spatem)) = messages.first() else { panic!("{messages:?}") };
+        let timing = spatem.intersections[0].movements[0].events[0].timing.expect("it has one");
+        let utc_ms = SIMULATED_START_NS / 1_000_000 + (time_ns / 1_000_000) as i64;
+        let end_ms = timing.likely_end.and_then(|mark| mark.utc(utc_ms)).expect("it is known");
+        end_ms - SIMULATED_START_NS / 1_000_000
+    };
+    assert_eq!((end(&frames(""), 0), end(&frames(""), 20_000_000_000)), (27_000, 27_000));
+    let wrong = "[v2x.unit]\ncountdown_wrong_from_s = 10\ncountdown_jump_s = 2\n\
+                 countdown_slide = 0.5\n";
+    let wrong = frames(wrong);
+    assert_eq!((end(&wrong, 0), end(&wrong, 12_000_000_000)), (27_000, 30_000));
+}
