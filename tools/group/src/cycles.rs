@@ -1,10 +1,9 @@
-//! What the cycles of all processes of a controller amount to: counted one by one, so that a run of a day
-//! takes no more memory than one of a minute.
+//! Counts of a controller's cycles over all its processes; a run of a day takes as much memory as one of a minute.
 
 use messages::Diagnostics;
 use messages::level::{Level, LevelLog};
 
-/// Most changes of the mode that are kept; further ones are dropped.
+/// Most changes of the mode; later ones are dropped.
 const MAX_CHANGES: usize = 10_000;
 
 /// The cycles so far.
@@ -16,7 +15,7 @@ pub struct CycleHistory {
     pub count: u64,
     /// Cycles by the quality of their command.
     quality: [u64; 4],
-    /// Releases between two cycles of one process that were left out.
+    /// Releases without a cycle, between two cycles of one process.
     pub left_out: u64,
     /// Mode before a change, and the first cycle after it.
     pub changes: Vec<(u32, Diagnostics)>,
@@ -26,7 +25,7 @@ pub struct CycleHistory {
 }
 
 impl CycleHistory {
-    /// Without cycles yet.
+    /// A history before the first cycle.
     pub fn new(stride: u64) -> Self {
         Self { stride, ..Self::default() }
     }
@@ -52,7 +51,7 @@ impl CycleHistory {
         self.last = Some(*cycle);
     }
 
-    /// Cycles whose command had this quality.
+    /// Cycles with a command of this quality.
     pub fn of_quality(&self, quality: usize) -> u64 {
         self.quality[quality]
     }

@@ -4,20 +4,20 @@ use messages::{EgoTruth, PhaseState, VehicleTruth};
 use runtime::report::ReceivedTopic;
 use runtime::statistics::Percentiles;
 
-/// Everything that was heard.
+/// All that the launcher received.
 #[derive(Clone, Debug, Default)]
 pub struct Drive {
     /// One entry per message on the ego's true motion, in order of time.
     pub steps: Vec<DriveStep>,
-    /// The other vehicles as they really were, in order of time.
+    /// Ground truth of the other vehicles, in order of time.
     pub vehicles: Vec<VehicleTruth>,
-    /// What the launcher received, per topic.
+    /// Counts of received messages, per topic.
     pub received: Vec<ReceivedTopic>,
     /// Age of the signal timing behind the control cycles, µs.
     pub signal_age_us: Option<Percentiles>,
 }
 
-/// The drive at one simulation step. What is published more seldom is absent in between.
+/// The drive at one simulation step. Values of slower topics are absent in between.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DriveStep {
     /// Simulation step.
@@ -32,11 +32,11 @@ pub struct DriveStep {
     pub acceleration_mps2: f64,
     /// Request that the actuators follow, after the gateway's bounds, m/s².
     pub applied_mps2: f64,
-    /// Time to collision with the vehicle ahead, s, infinite without one or when it does not come closer.
+    /// Time to collision with the vehicle ahead, s; infinite without one, or if it does not come closer.
     pub time_to_collision_s: f64,
     /// Distance to the next stop line ahead, m, infinite without one.
     pub stop_line_m: f64,
-    /// What its signal shows.
+    /// Phase of its signal.
     pub signal: Option<PhaseState>,
     /// A vehicle ahead moves sideways towards the ego's lane.
     pub cut_in: bool,
@@ -52,12 +52,12 @@ pub struct DriveStep {
     pub quality: Option<u32>,
     /// Figures of the law.
     pub figures: Option<[f64; messages::FIGURES]>,
-    /// What a truck's engine and gearbox do.
+    /// Engine and gearbox of a truck.
     pub powertrain: Option<PowertrainStep>,
 }
 
 impl DriveStep {
-    /// What the ego's true motion says, and nothing of other topics.
+    /// The step of a ground truth message, without values of other topics.
     #[must_use]
     pub fn of(ego: &EgoTruth) -> Self {
         Self {

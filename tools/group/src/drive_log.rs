@@ -1,19 +1,18 @@
-//! The drive as the launcher hears it on the topics.
+//! The drive as the launcher receives it on the topics.
 
 use crate::cycles::CycleHistory;
 use crate::drive::{Drive, DriveStep, PowertrainStep};
 use crate::kept_steps::{KeptSteps, MOST_IN_REALTIME};
 use bytemuck::Zeroable;
-use messages::Service;
 use messages::{
-    Brake, Command, Diagnostics, EgoTruth, Header, Heartbeat, Powertrain, RadarTracks,
-    ServiceState, SignalTruth, Spat, VehicleTruth,
+    Command, Diagnostics, EgoTruth, Header, Heartbeat, Message, Powertrain, Service, ServiceState,
+    Topic, VehicleTruth,
 };
 use runtime::report::ControlFigures;
 use runtime::statistics::Latencies;
 use runtime::{Group, InProcess, Mode, Observed, Observer, RuntimeError, Timetable};
 
-/// Messages of a topic that room is made for from the start.
+/// Most messages of a topic that have room from the start.
 const MOST_ROOM: u64 = 100_000;
 
 /// Listens to a group from before its start.
@@ -26,49 +25,64 @@ pub struct DriveLog {
     command: Observed<Command>,
     diagnostics: Observed<Diagnostics>,
     heartbeat: Observed<Heartbeat>,
-    /// Heard in realtime alone, for the first messages of restarted services.
-    others: Option<Others>,
+    /// In realtime: topics that show the first messages of restarted services, beside those above.
+    others: Vec<Box<dyn Headers>>,
     observer: Observer,
     steps: Vec<DriveStep>,
-    /// What the ego does and meets in the last of them.
+    /// State of the drive in the last of them.
     meets: Option<messages::Drive>,
     powertrains: Vec<(u64, PowertrainStep)>,
     truths: Vec<VehicleTruth>,
     requests: Vec<(u64, f64)>,
-    /// Deadline of a control cycle, and commands that were published later than that, ns.
+    /// Deadline of a control cycle, ns.
     deadline_ns: i64,
+    /// Commands that were published after it.
     late_commands: u64,
     cycles: Vec<Diagnostics>,
     history: CycleHistory,
     signal_ages: Latencies,
-    /// In realtime the supervisor takes the signs of life.
+    /// True in realtime: the supervisor takes the signs of life.
     supervised: bool,
     kept: KeptSteps,
     signs: Vec<Sign>,
-    /// The newest incarnation heard of each service.
+    /// Newest incarnation of each service.
     incarnations: [u32; Service::ALL.len()],
     first_messages: Vec<(Service, u32, i64)>,
 }
 
-/// Topics that tell of nothing but who sends.
-#[derive(Debug)]
-struct Others {
-    brake: Observed<Brake>,
-    radar: Observed<RadarTracks>,
-    signals: Observed<SignalTruth>,
-    spat: Observed<Spat>,
+/// A topic of which only the headers matter.
+trait Headers: std::fmt::Debug {
+    /// Takes all that arrived.
+    fn drain_headers(&mut self, each: &mut dyn FnMut(Topic, &Header)) -> Result<(), RuntimeError>;
+}
+
+impl<T: Message> Headers for Observed<T> {
+    fn drain_headers(&mut self, each: &mut dyn FnMut(Topic, &Header)) -> Result<(), RuntimeError> {
+        self.drain(|message| each(T::TOPIC, message.header()))
+    }
+}
+
+fn listen_to(observer: &Observer, topic: Topic) -> Result<Box<dyn Headers>, RuntimeError> {
+    macro_rules! by_topic {
+        ($($message:ty),+) => {
+            match topic {
+                $(<$message as Message>::TOPIC => Ok(Box::new(observer.listen::<$message>()?)),)+
+            }
+        };
+    }
+    messages::each_message!(by_topic)
 }
 
 /// A sign of life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sign {
-    /// Whose.
+    /// Service that sent it.
     pub service: Service,
-    /// Of which of its processes.
+    /// Process of the service that sent it.
     pub incarnation: u32,
     /// Cycles done so far.
     pub cycles: u64,
-    /// What it says of itself: true if some input is missing or stale.
+    /// True if an input of the service is missing or stale.
     pub degraded: bool,
 }
 
@@ -78,7 +92,7 @@ impl DriveLog {
         Self::by(Observer::join(group, "launcher")?, group.mode, &group.timetable, deadline_ns)
     }
 
-    /// Opens all topics of a run in this thread, in which no command is late.
+    /// Opens all topics of a run in this thread, where no command is late.
     pub(crate) fn in_process(run: &InProcess) -> Result<Self, RuntimeError> {
         Self::by(run.observer(), Mode::Lockstep, &run.timetable(), i64::MAX)
     }
@@ -89,7 +103,7 @@ impl DriveLog {
         timetable: &Timetable,
         deadline_ns: i64,
     ) -> Result<Self, RuntimeError> {
-        // Room for the whole run, as far as it is not too long a one to be sure of.
+        // Room for the whole run, within a bound.
         let room = |service| {
             let messages = timetable.last_step / timetable.stride(service) + 1;
             let most =
@@ -98,6 +112,10 @@ impl DriveLog {
         };
         let (perception, controller) =
             (timetable.stride(Service::PerceptionSim), timetable.stride(Service::Controller));
+        let others = Service::ALL.map(|service| service.descriptor().first).into_iter();
+        let others = others.filter(|topic| {
+            mode == Mode::Realtime && ![EgoTruth::TOPIC, Command::TOPIC].contains(topic)
+        });
         let mut this = Self {
             ego: observer.listen()?,
             powertrain: observer.listen()?,
@@ -105,15 +123,7 @@ impl DriveLog {
             command: observer.listen()?,
             diagnostics: observer.listen()?,
             heartbeat: observer.listen()?,
-            others: match mode {
-                Mode::Realtime => Some(Others {
-                    brake: observer.listen()?,
-                    radar: observer.listen()?,
-                    signals: observer.listen()?,
-                    spat: observer.listen()?,
-                }),
-                Mode::Lockstep => None,
-            },
+            others: others.map(|topic| listen_to(&observer, topic)).collect::<Result<_, _>>()?,
             observer,
             steps: Vec::with_capacity(room(Service::Plant)),
             meets: None,
@@ -139,7 +149,7 @@ impl DriveLog {
         Ok(this)
     }
 
-    /// Thins out what was heard of a long drive.
+    /// Thins out the samples of a long drive.
     fn bound(&mut self) {
         while self.kept.thin_out(self.steps.len()) {
             let kept = self.kept;
@@ -151,13 +161,17 @@ impl DriveLog {
         }
     }
 
-    /// Takes what arrived.
+    /// Takes the messages that arrived.
     pub fn drain(&mut self) -> Result<(), RuntimeError> {
         self.bound();
         let kept = self.kept;
         let is_kept = |header: &Header| kept.has(header.step);
         let (incarnations, first) = (&mut self.incarnations, &mut self.first_messages);
-        let mut note = |service: Service, header: &Header| {
+        let mut note = |topic: Topic, header: &Header| {
+            let sender = Service::by_number(header.source);
+            let Some(service) = sender.filter(|service| service.descriptor().first == topic) else {
+                return;
+            };
             let newest = &mut incarnations[service.index()];
             if header.incarnation > *newest {
                 *newest = header.incarnation;
@@ -165,8 +179,8 @@ impl DriveLog {
             }
         };
         self.ego.drain(|m| {
-            note(Service::Plant, &m.header);
-            // The newest is needed as it is; it takes the place of one that is not to be kept.
+            note(EgoTruth::TOPIC, &m.header);
+            // The newest sample is always there; the next one replaces it if it is not to be kept.
             if self.steps.last().is_some_and(|last| !kept.has(last.step)) {
                 self.steps.pop();
             }
@@ -191,7 +205,7 @@ impl DriveLog {
             self.truths.push(*m);
         })?;
         self.command.drain(|m| {
-            note(Service::Controller, &m.header);
+            note(Command::TOPIC, &m.header);
             let late = m.header.publish_ns - m.header.acquisition_ns > self.deadline_ns;
             self.late_commands += u64::from(late);
             if m.plan_len > 0 && is_kept(&m.header) {
@@ -208,19 +222,12 @@ impl DriveLog {
             }
             self.cycles.push(*m);
         })?;
-        if let Some(Others { brake, radar, signals, spat }) = &mut self.others {
-            brake.drain(|m| note(Service::Aebs, &m.header))?;
-            radar.drain(|m| note(Service::PerceptionSim, &m.header))?;
-            signals.drain(|m| note(Service::V2xSim, &m.header))?;
-            spat.drain(|m| {
-                if m.header.source == Service::Obu.to_wire() {
-                    note(Service::Obu, &m.header);
-                }
-            })?;
+        for topic in &mut self.others {
+            topic.drain_headers(&mut note)?;
         }
         self.heartbeat.drain(|m| {
-            let service = Service::ALL.into_iter().find(|s| s.to_wire() == m.header.source);
             if self.supervised {
+                let service = Service::by_number(m.header.source);
                 self.signs.extend(service.map(|service| Sign {
                     service,
                     incarnation: m.header.incarnation,
@@ -231,34 +238,33 @@ impl DriveLog {
         })
     }
 
-    /// Signs of life since the last time.
+    /// Takes the signs of life.
     pub fn take_signs(&mut self) -> Vec<Sign> {
         std::mem::take(&mut self.signs)
     }
 
-    /// First messages of restarted services since the last time: service, incarnation, run time of
-    /// the publication in ns.
+    /// Takes the first messages of restarted services: service, incarnation, run time of the publication in ns.
     pub fn take_first_messages(&mut self) -> Vec<(Service, u32, i64)> {
         std::mem::take(&mut self.first_messages)
     }
 
-    /// What the ego does and meets.
+    /// State of the drive.
     pub fn ego(&self) -> Option<messages::Drive> {
         self.meets
     }
 
-    /// Removes what a dead process left on the topics, so that no sender waits for it.
+    /// Removes a dead process's ends of the topics, so that no sender waits for it.
     pub fn remove_dead(&self) {
         self.observer.remove_dead();
     }
 
-    /// What was heard so far: motion of the ego without what other topics say of it, the other vehicles,
-    /// control cycles. Of a long run they are thinned out, so that a place in them does not stay the same step's.
+    /// Samples so far: motion of the ego alone, the other vehicles, control cycles. In a long run they are thinned
+    /// out, so that an index does not keep its step.
     pub fn heard(&self) -> (&[DriveStep], &[VehicleTruth], &[Diagnostics]) {
         (&self.steps, &self.truths, &self.cycles)
     }
 
-    /// Figures of the drive as far as it was heard: gap and acceleration.
+    /// Gap and acceleration of the drive so far.
     pub fn figures(&self) -> ControlFigures {
         let accelerations = || self.steps.iter().map(|step| step.acceleration_mps2);
         let mut truths = self.truths.iter().peekable();
@@ -274,7 +280,7 @@ impl DriveLog {
         }
     }
 
-    /// Run time that the vehicle was last heard of, s.
+    /// Run time of the newest sample of the vehicle, s.
     pub fn reached_s(&self) -> f64 {
         self.steps.last().map_or(0.0, |step| step.time_s)
     }
@@ -284,12 +290,12 @@ impl DriveLog {
         self.late_commands
     }
 
-    /// What the controller's cycles amount to.
+    /// The controller's cycles.
     pub fn history(&self) -> &CycleHistory {
         &self.history
     }
 
-    /// Newest step that the vehicle was heard of.
+    /// Step of the newest sample of the vehicle.
     pub fn reached(&self) -> u64 {
         self.steps.last().map_or(0, |step| step.step)
     }
@@ -330,14 +336,14 @@ impl DriveLog {
     }
 }
 
-/// Writes to all the room that was made, so that the pages are there from the start.
+/// Writes to all reserved room, so that its pages are there from the start.
 fn touch<T: Copy>(room: &mut Vec<T>, anything: T) {
     room.resize(room.capacity(), anything);
     std::hint::black_box(room.as_mut_slice());
     room.clear();
 }
 
-/// The item of `step` from a sequence in order of steps; earlier ones are passed over.
+/// The item of `step` from a sequence in the order of steps; skips earlier items.
 fn take_step<'a, T>(
     items: &mut std::iter::Peekable<std::slice::Iter<'a, T>>,
     step: u64,

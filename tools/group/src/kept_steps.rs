@@ -1,4 +1,4 @@
-//! Which steps of a long drive the launcher keeps.
+//! The steps of a long drive that the launcher keeps.
 
 use runtime::Mode;
 
@@ -7,18 +7,17 @@ pub const MOST_IN_REALTIME: usize = 60_000;
 /// The same in lockstep: an hour.
 const MOST_IN_LOCKSTEP: usize = 360_000;
 
-/// Every so many steps are kept: all of a drive that is short enough, of a longer one fewer and fewer, evenly, so that
-/// the launcher does not grow with it.
+/// Keeps every n-th step. n is 1 in a short drive and grows with a long one, so that the launcher's memory does not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KeptSteps {
     every: u64,
     most: usize,
-    /// Steps between two that have a sample of every topic.
+    /// Steps between two with a sample of every topic.
     whole_stride: u64,
 }
 
 impl KeptSteps {
-    /// Those of a run whose radar and controller have a release every so many steps.
+    /// For a run with these steps between two releases of the radar and of the controller.
     pub fn new(mode: Mode, radar_stride: u64, controller_stride: u64) -> Self {
         let most = match mode {
             Mode::Realtime => MOST_IN_REALTIME,
@@ -31,14 +30,14 @@ impl KeptSteps {
         }
     }
 
-    /// Whether `step` is kept.
+    /// True if `step` is kept.
     pub fn has(self, step: u64) -> bool {
         step.is_multiple_of(self.every)
     }
 
-    /// Whether `count` steps are more than are kept. If so, fewer are from now on.
+    /// True if `count` steps are too many; fewer are kept from then on.
     pub fn thin_out(&mut self, count: usize) -> bool {
-        // Thinned out, they have a sample of every topic each: fewer of them take the same memory.
+        // After thinning out, each step has a sample of every topic and takes more memory.
         let most = if self.every == 1 { self.most } else { MOST_IN_REALTIME };
         let thins_out = count >= most;
         if thins_out {
