@@ -118,7 +118,10 @@ impl fmt::Display for Damage {
                 write!(f, "{bytes} bytes behind the recording's end are left out")
             }
             Self::Summary { bytes } => {
-                write!(f, "the summary of {bytes} bytes is damaged; the messages are read without it")
+                write!(
+                    f,
+                    "the summary of {bytes} bytes is damaged; the messages are read without it"
+                )
             }
             Self::Chunk { offset, bytes, reason } => {
                 write!(f, "{bytes} bytes from byte {offset} on are damaged ({reason})")

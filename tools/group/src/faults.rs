@@ -3,6 +3,7 @@
 use super::disturbance::Disturbance;
 use super::fault_log::FaultLog;
 use messages::{Drive, Service};
+use runtime::Injected;
 use scenario::Scenario;
 use scenario::faults::{Effect, Fault, Helper, ProcessFault, Target};
 
@@ -75,6 +76,8 @@ impl Planned {
 pub struct Faults {
     planned: Vec<Planned>,
     next_number: u32,
+    /// Message faults that came during the run, for processes that join later.
+    pub injected: Vec<Injected>,
     /// What went wrong so far.
     pub log: FaultLog,
 }
@@ -82,7 +85,12 @@ pub struct Faults {
 impl Faults {
     /// Those of the scenario.
     pub fn of(scenario: &Scenario) -> Self {
-        let mut faults = Self { planned: Vec::new(), next_number: 0, log: FaultLog::default() };
+        let mut faults = Self {
+            planned: Vec::new(),
+            next_number: 0,
+            injected: Vec::new(),
+            log: FaultLog::default(),
+        };
         for fault in &scenario.faults {
             faults.plan(fault.clone(), fault.begin.known_ns());
         }

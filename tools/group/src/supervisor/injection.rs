@@ -1,13 +1,13 @@
 //! Faults of a run under way: those of processes that are due, and those from outside.
 
-use super::disturbance::Disturbance;
-use super::drive_log::DriveLog;
-use super::events::Answer;
-use super::faults::{Act, Living};
-use super::refusal::absent;
-use super::succession::Phase;
-use super::supervisor::Supervisor;
+use super::Supervisor;
 use crate::Error;
+use crate::disturbance::Disturbance;
+use crate::drive_log::DriveLog;
+use crate::events::Answer;
+use crate::faults::{Act, Living};
+use crate::refusal::absent;
+use crate::succession::Phase;
 use messages::Service;
 use runtime::{Injected, Mode, ToService, concerned, monotonic_ns};
 use rustix::process::Signal;
@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 impl Supervisor<'_> {
     /// Applies the faults of processes that are due.
     pub(super) fn apply_faults(&mut self, log: &DriveLog, now_ns: i64) {
-        let living: BTreeMap<Service, Living> = (self.members.iter())
+        let living: BTreeMap<Service, Living> = (self.roster.iter())
             .filter(|member| member.report.is_none())
             .filter_map(|member| {
                 let starting_since_ns = match member.phase() {
@@ -36,16 +36,20 @@ impl Supervisor<'_> {
             match act {
                 Act::Kill(service) => {
                     while_starting = living[&service].starting_since_ns.is_some();
-                    self.member(service).process().kill();
+                    self.roster.of(service).process().kill();
                 }
                 Act::KillHelper(helper) => self.kill_helper(helper),
-                Act::Stop(service) => self.member(service).process().stop(),
+                Act::Stop(service) => self.roster.of(service).process().stop(),
                 Act::Continue(service) => {
-                    self.member(service).process().resume();
+                    self.roster.of(service).process().resume();
                     continue;
                 }
-                Act::Hog(core) => disturbance = self.disturb(Disturbance::hog(self.root, core)),
-                Act::Memory(mib) => disturbance = self.disturb(Disturbance::memory(self.root, mib)),
+                Act::Hog(core) => {
+                    disturbance = self.disturb(Disturbance::hog(self.roster.root(), core))
+                }
+                Act::Memory(mib) => {
+                    disturbance = self.disturb(Disturbance::memory(self.roster.root(), mib))
+                }
             }
             let done_ns = monotonic_ns() - self.start_ns;
             self.faults.done(index, done_ns, disturbance, while_starting);
@@ -59,7 +63,7 @@ impl Supervisor<'_> {
                     recording.kill();
                 }
             }
-            Helper::Janitor => self.janitor.kill(),
+            Helper::Janitor => self.roster.kill_janitor(),
             // It is this process.
             Helper::Launcher => {
                 let _ = rustix::process::kill_process(rustix::process::getpid(), Signal::KILL);
@@ -95,9 +99,9 @@ impl Supervisor<'_> {
             let concerned: Vec<_> = concerned(&fault).into_iter().filter(takes_part).collect();
             let injected = Injected { number, begin_ns, fault };
             for service in concerned {
-                self.member(service).order(&ToService::Inject(injected.clone()));
+                self.roster.of(service).order(&ToService::Inject(injected.clone()));
             }
-            self.injected.push(injected);
+            self.faults.injected.push(injected);
         }
         Answer { ok: true, message }
     }

@@ -1,15 +1,15 @@
 //! A run under way: what happened, what is due, which service is silent. [`super::exits`] has the
 //! table of what becomes of a process that ends.
 
-use super::drive_log::DriveLog;
-use super::events::{Event, Who};
-use super::exits::Exit;
-use super::launch::{Ended, Moment};
-use super::recording::RecorderProcess;
-use super::starvation::Share;
-use super::succession::{self, Phase};
-use super::supervisor::Supervisor;
+use super::Supervisor;
 use crate::Error;
+use crate::drive_log::DriveLog;
+use crate::events::{Event, Who};
+use crate::exits::Exit;
+use crate::launch::{Ended, Moment};
+use crate::member::Member;
+use crate::recording::RecorderProcess;
+use crate::succession::{self, Phase};
 use messages::Service;
 use runtime::{FromService, Mode, ToService, monotonic_ns};
 use std::sync::mpsc::RecvTimeoutError;
@@ -23,8 +23,6 @@ const LOOK: Duration = Duration::from_millis(20);
 const CLOSE_LOOK: Duration = Duration::from_millis(1);
 /// The same in lockstep, where senders wait for room in the launcher's own buffer.
 const LOCKSTEP_LOOK: Duration = Duration::from_millis(2);
-/// Time over which the services are looked at when one waited in vain in lockstep.
-const CULPRIT_LOOK: Duration = Duration::from_millis(50);
 /// The launcher looked so late that the silence may have been its own, ns.
 const STALLED_NS: i64 = 100_000_000;
 
@@ -75,7 +73,7 @@ impl Supervisor<'_> {
             held_up: None,
         };
         let mut looked_ns = self.now_ns();
-        while self.members.iter().any(|member| member.report.is_none()) {
+        while self.roster.iter().any(|member| member.report.is_none()) {
             let event = self.events.recv_timeout(self.until_next_look(realtime));
             log.drain()?;
             if self.recording.as_mut().is_some_and(RecorderProcess::has_died) {
@@ -102,7 +100,7 @@ impl Supervisor<'_> {
             }
             if realtime && course.ended == Ended::Orderly {
                 if stalled_ns > STALLED_NS {
-                    self.members.iter_mut().for_each(|member| member.reset_silence(now_ns));
+                    self.roster.iter_mut().for_each(|member| member.reset_silence(now_ns));
                 }
                 self.check_heartbeats(log, now_ns);
                 self.apply_faults(log, now_ns);
@@ -110,18 +108,18 @@ impl Supervisor<'_> {
                     self.kill_the_hung(now_ns);
                 }
                 self.start_what_is_due(&mut course, now_ns);
-                self.replace_janitor();
+                self.roster.replace_janitor();
                 if (0..length_ns).contains(&now_ns) {
                     self.prepare_one();
                 }
             }
             looked_ns = now_ns;
-            if self.silent().is_none() {
+            if self.roster.silent().is_none() {
                 break;
             }
             if course.deadline.is_some_and(|deadline| Instant::now() > deadline) {
                 if course.ended == Ended::Orderly
-                    && let Some(service) = self.silent()
+                    && let Some(service) = self.roster.silent()
                 {
                     course.ended = Ended::Broken { service, how: "does not answer".into() };
                 }
@@ -136,15 +134,15 @@ impl Supervisor<'_> {
 
     /// How a run ended that was not broken off.
     fn how_it_ended(&mut self) -> Ended {
-        let mut missing = self.members.iter_mut().filter(|member| {
+        let is_missing = |member: &&mut Member| {
             member.report.is_none()
                 && (member.phase() != Phase::GivenUp || member.service() == Service::Plant)
-        });
-        if let Some(member) = missing.next() {
+        };
+        if let Some(member) = self.roster.iter_mut().find(is_missing) {
             let how = member.active().exit(LAST_MOMENT, Exit::Unreported).to_string();
             return Ended::Broken { service: member.service(), how };
         }
-        let mut given_up = self.members.iter().filter(|member| member.phase() == Phase::GivenUp);
+        let mut given_up = self.roster.iter().filter(|member| member.phase() == Phase::GivenUp);
         match given_up.next() {
             Some(member) => {
                 let restarts = member.succession().replacements();
@@ -159,7 +157,7 @@ impl Supervisor<'_> {
     }
 
     fn until_next_look(&self, realtime: bool) -> Duration {
-        let awaited = self.members.iter().any(|member| member.phase() != Phase::Running)
+        let awaited = self.roster.iter().any(|member| member.phase() != Phase::Running)
             || self.faults.log.is_recovery_awaited();
         match (realtime, awaited) {
             (false, _) => LOCKSTEP_LOOK,
@@ -175,50 +173,50 @@ impl Supervisor<'_> {
     fn take(&mut self, event: Event, log: &mut DriveLog, course: &mut Course, now_ns: i64) {
         match event {
             // A standby's report says nothing of the run.
-            Event::Message(who, FromService::Report(report)) if self.is_active(who) => {
+            Event::Message(who, FromService::Report(report)) if self.roster.is_active(who) => {
                 let service = who.service;
                 if course.ended == Ended::Orderly && self.is_early(service, log, course, now_ns) {
-                    let member = self.member(service);
+                    let member = self.roster.of(service);
                     member.leaves_early(*report);
                     // Its end is an event.
                     member.order(&ToService::Abort);
                 } else {
-                    self.member(service).report = Some(*report);
+                    self.roster.of(service).report = Some(*report);
                 }
             }
             Event::Message(_, FromService::Ended(step)) => {
-                self.order_all(&ToService::StopAfter(step));
+                self.roster.order_all(&ToService::StopAfter(step));
                 course.ending();
             }
             Event::Message(who, FromService::Ready(granted)) => {
-                self.granted.insert(who.service.name().into(), granted);
+                self.journal.granted.insert(who.service.name().into(), granted);
                 self.follow(who.service, succession::Event::Ready(who.incarnation), course, now_ns);
             }
             Event::Message(who, FromService::TookOver(take_over)) => {
                 self.on_take_over(who, take_over, course, now_ns);
             }
             Event::Message(who, FromService::Failed(how)) => {
-                self.wrote.push((who.service, how.clone()));
+                self.journal.wrote.push((who.service, how.clone()));
                 if self.launch.mode == Mode::Lockstep && course.ended == Ended::Orderly {
-                    match self.holds_up(who.service) {
+                    match self.roster.culprit(who.service) {
                         Some(culprit) => {
-                            self.kill(culprit, Exit::Hung);
+                            self.roster.kill(culprit, Exit::Hung);
                             self.break_off(culprit.service, Exit::Hung.to_string(), course);
                         }
                         None => self.break_off(who.service, how, course),
                     }
                 }
             }
-            Event::Gone(who) if self.member(who.service).report.is_none() => {
+            Event::Gone(who) if self.roster.of(who.service).report.is_none() => {
                 self.on_exit(who, log, course, now_ns);
             }
-            Event::Flooded(who) => self.kill(who, Exit::Flooded),
+            Event::Flooded(who) => self.roster.kill(who, Exit::Flooded),
             Event::Signal if course.ended == Ended::Orderly => {
                 course.ended = Ended::Interrupted;
-                self.order_all(&ToService::Abort);
+                self.roster.order_all(&ToService::Abort);
                 course.ending();
             }
-            Event::Output(who, line) => self.wrote.push((who.service, line)),
+            Event::Output(who, line) => self.journal.wrote.push((who.service, line)),
             Event::Inject(fault, reply) => {
                 let answer = self.inject(*fault, log, now_ns);
                 // The client may be gone.
@@ -228,16 +226,6 @@ impl Supervisor<'_> {
             | Event::Gone(_)
             | Event::Signal
             | Event::Knock => {}
-        }
-    }
-
-    pub(super) fn is_active(&mut self, who: Who) -> bool {
-        self.member(who.service).incarnation() == who.incarnation
-    }
-
-    pub(super) fn kill(&mut self, who: Who, cause: Exit) {
-        if let Some(process) = self.member(who.service).attached(who.incarnation) {
-            process.kill(cause);
         }
     }
 
@@ -260,33 +248,14 @@ impl Supervisor<'_> {
     pub(super) fn break_off(&mut self, service: Service, how: String, course: &mut Course) {
         if course.ended == Ended::Orderly {
             course.ended = Ended::Broken { service, how };
-            self.order_all(&ToService::Abort);
+            self.roster.order_all(&ToService::Abort);
             course.ending();
         }
     }
 
-    /// In lockstep each service waits for the others: the process that a service which gave up waited for, in the
-    /// end, if the kernel tells.
-    fn holds_up(&mut self, gave_up: Service) -> Option<Who> {
-        let others = self.members.iter_mut().filter(|member| member.service() != gave_up);
-        let looked: Vec<(Who, i32, Share)> = others
-            .filter_map(|member| {
-                let (service, incarnation) = (member.service(), member.incarnation());
-                let pid = member.pid_of(incarnation);
-                Some((Who { service, incarnation }, pid, Share::of(pid)?))
-            })
-            .collect();
-        let before_ns = monotonic_ns();
-        std::thread::sleep(CULPRIT_LOOK);
-        let elapsed_ns = monotonic_ns() - before_ns;
-        let holds_up =
-            |pid, before| Share::of(pid).is_some_and(|now| now.holds_up(before, elapsed_ns));
-        looked.into_iter().find(|&(_, pid, before)| holds_up(pid, before)).map(|(who, ..)| who)
-    }
-
     fn check_heartbeats(&mut self, log: &mut DriveLog, now_ns: i64) {
         for sign in log.take_signs() {
-            self.member(sign.service).sign_of_life(&sign, now_ns);
+            self.roster.of(sign.service).sign_of_life(&sign, now_ns);
         }
         for (service, incarnation, published_ns) in log.take_first_messages() {
             self.faults.log.recovered(service, incarnation, published_ns);
@@ -300,28 +269,16 @@ impl Supervisor<'_> {
         for service in self.launch.scenario.services() {
             // A heartbeat comes with the service's cycle, and at most ten times a second.
             let period_ns = self.group.timetable.period_ns(service).max(100_000_000);
-            for incarnation in self.member(service).hung(now_ns, timeout + period_ns) {
+            for incarnation in self.roster.of(service).hung(now_ns, timeout + period_ns) {
                 let who = Who { service, incarnation };
-                let heard_ns = self.member(service).attached(incarnation).map(|one| one.heard_ns());
-                self.kill(who, Exit::Hung);
-                if self.is_active(who) {
+                let heard_ns =
+                    self.roster.of(service).attached(incarnation).map(|one| one.heard_ns());
+                self.roster.kill(who, Exit::Hung);
+                if self.roster.is_active(who) {
                     self.faults.log.detected(service, "hung", incarnation + 1, heard_ns, now_ns);
                 }
             }
         }
-    }
-
-    /// A service that is expected to report: one that lives, or is about to again.
-    fn silent(&mut self) -> Option<Service> {
-        let mut missing = self.members.iter_mut().filter(|member| member.report.is_none());
-        missing.find_map(|member| {
-            let expected = match member.phase() {
-                Phase::Waiting { .. } | Phase::Vacant { .. } => true,
-                Phase::GivenUp => false,
-                Phase::Starting { .. } | Phase::Running => member.process().poll().is_none(),
-            };
-            expected.then(|| member.service())
-        })
     }
 }
 

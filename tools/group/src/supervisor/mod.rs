@@ -1,35 +1,40 @@
 //! From the first spawn to the last wipe.
 
-use super::control;
-use super::drive_log::DriveLog;
-use super::events::{Event, Who, follow_signals};
-use super::faults::Faults;
-use super::launch::{GroupOutcome, Launch, Moment, for_services};
-use super::life;
-use super::live_file::LiveFile;
-use super::member::Member;
-use super::processes::Janitor;
-use super::programs::programs;
-use super::recording::{RecorderProcess, law_names};
-use super::refusal::{check_processes, check_recorder};
-use super::room::check_room;
-use super::root::RunRoot;
-use super::succession::Phase;
+mod injection;
+mod readiness;
+mod replacement;
+mod roster;
+mod watch;
+
 use crate::Error;
+use crate::control;
+use crate::drive_log::DriveLog;
+use crate::events::{Event, Who, follow_signals};
+use crate::faults::Faults;
+use crate::launch::{GroupOutcome, Launch, Moment, for_services};
+use crate::life;
+use crate::live_file::LiveFile;
+use crate::member::Member;
+use crate::processes::Janitor;
+use crate::programs::programs;
+use crate::recording::{RecorderProcess, law_names};
+use crate::refusal::{check_processes, check_recorder};
+use crate::room::check_room;
+use crate::root::RunRoot;
 use messages::Service;
+use roster::Roster;
 use runtime::report::ServiceReport;
 use runtime::scheduling::{Granted, Priority};
 use runtime::{
-    Carrier, Group, Injected, Mode, Program, Timetable, ToService, enroll_listener, monotonic_ns,
-    shared_memory_bytes,
+    Carrier, Group, Mode, Program, Timetable, enroll_listener, monotonic_ns, shared_memory_bytes,
 };
 use scenario::runtime::Scheduling;
 use std::collections::BTreeMap;
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
 /// Time that services get to go after they reported.
-pub(super) const EXIT_GRACE: Duration = Duration::from_secs(2);
+const EXIT_GRACE: Duration = Duration::from_secs(2);
 /// Priority of the supervisor in realtime: below all services, above all other programs, so that a
 /// busy machine does not hold a restart up.
 const PRIORITY: u8 = 10;
@@ -65,27 +70,18 @@ pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Grou
         scenario: for_services(&launch.scenario, is_replaced).to_toml(),
     };
     let mut supervisor = Supervisor {
-        faults: Faults::of(&launch.scenario),
         launch: &launch,
-        root: &root,
-        janitor,
         group,
-        sender,
-        events,
-        members: Vec::new(),
-        start_ns: 0,
-        injected: Vec::new(),
-        recording: None,
-        granted: BTreeMap::new(),
-        wrote: Vec::new(),
         programs,
+        start_ns: 0,
+        roster: Roster::new(&root, janitor, sender),
+        events,
+        faults: Faults::of(&launch.scenario),
+        recording: None,
+        journal: Journal::default(),
     };
     let outcome = supervisor.run(watch);
-    let mut exits = BTreeMap::new();
-    supervisor.order_all(&ToService::Abort);
-    for member in &mut supervisor.members {
-        exits.insert(member.service(), member.end(EXIT_GRACE));
-    }
+    let exits = supervisor.roster.end_all(EXIT_GRACE);
     let janitor = supervisor.dissolve();
     signals.close();
     control::close(root.path());
@@ -94,50 +90,47 @@ pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Grou
     outcome.map(|outcome| GroupOutcome { exits, ..outcome })
 }
 
-/// The group while it lives.
-pub(super) struct Supervisor<'a> {
-    pub(super) launch: &'a Launch,
-    pub(super) root: &'a RunRoot,
-    pub(super) janitor: Janitor,
-    pub(super) group: Group,
-    pub(super) sender: Sender<Event>,
-    pub(super) events: Receiver<Event>,
-    pub(super) members: Vec<Member>,
+/// Lines and grants of the services' processes.
+#[derive(Default)]
+struct Journal {
+    /// Scheduling that the kernel granted, by the name of the service.
+    granted: BTreeMap<String, Granted>,
+    /// Lines that processes wrote beside their messages.
+    wrote: Vec<(Service, String)>,
+}
+
+impl Journal {
+    /// Last lines of a service, each on a line of its own.
+    fn last_lines(&self, service: Service) -> String {
+        let lines: Vec<_> = self.wrote.iter().filter(|(who, _)| *who == service).collect();
+        lines.iter().rev().take(3).rev().map(|(_, line)| format!("\n  {line}")).collect()
+    }
+}
+
+/// A running group: what was asked for, its processes, and what happened to them.
+struct Supervisor<'a> {
+    launch: &'a Launch,
+    group: Group,
+    programs: BTreeMap<Service, Program>,
     /// Run time 0, `CLOCK_MONOTONIC` ns.
-    pub(super) start_ns: i64,
-    pub(super) faults: Faults,
-    /// Message faults that came during the run, for those who join later.
-    pub(super) injected: Vec<Injected>,
-    pub(super) recording: Option<RecorderProcess>,
-    pub(super) granted: BTreeMap<String, Granted>,
-    pub(super) wrote: Vec<(Service, String)>,
-    pub(super) programs: BTreeMap<Service, Program>,
+    start_ns: i64,
+    roster: Roster<'a>,
+    events: Receiver<Event>,
+    faults: Faults,
+    recording: Option<RecorderProcess>,
+    journal: Journal,
 }
 
 impl Supervisor<'_> {
-    pub(super) fn run(
-        &mut self,
-        watch: &mut dyn FnMut(&Moment<'_>),
-    ) -> Result<GroupOutcome, Error> {
+    fn run(&mut self, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<GroupOutcome, Error> {
         let spawned = Instant::now();
         self.group.write()?;
-        for service in self.launch.scenario.services() {
-            // The first one leads the services' process group.
-            let leader = self.leader();
-            let program = self.launch.programs.get(&service).cloned();
-            let sender = self.sender.clone();
-            let policy = &self.launch.scenario.supervision;
-            let who = (service, policy.standby.contains(service));
-            let member = Member::start(who, program, policy, self.root, leader, &sender)?;
-            if leader == 0 {
-                self.janitor.watch(member.group());
-            }
-            self.members.push(member);
-        }
+        self.roster.start_all(self.launch)?;
+        let (root, leader) = (self.roster.root(), self.roster.leader());
         self.recording = (self.launch.recording.as_deref())
-            .map(|path| RecorderProcess::spawn(path, self.root, self.leader()));
+            .map(|path| RecorderProcess::spawn(path, root, leader));
         let deadline_ms = self.launch.scenario.controller.deadline().value();
-        enroll_listener(self.root.path(), std::process::id())?;
+        enroll_listener(root.path(), std::process::id())?;
         let log = DriveLog::listen(&self.group, i64::from(deadline_ms) * 1_000_000);
         let log = log.map_err(Error::from).and_then(|log| {
             self.wait_until_ready(spawned)?;
@@ -157,7 +150,7 @@ impl Supervisor<'_> {
         self.start_ns = monotonic_ns() + delay;
         if let Some(recording) = &mut self.recording {
             let law = law_names(&self.launch.scenario);
-            recording.begin(self.start_ns, self.granted.clone(), &self.programs, law);
+            recording.begin(self.start_ns, self.journal.granted.clone(), &self.programs, law);
         }
         self.begin_all();
         let live_file = self.launch.live_file.as_deref();
@@ -169,7 +162,7 @@ impl Supervisor<'_> {
             (self.launch.mode == Mode::Realtime && fifo).then(|| Priority::raise(PRIORITY));
         if priority.is_some() {
             // Those of processes that are started later inherit it.
-            let processes = self.members.iter_mut().flat_map(Member::processes);
+            let processes = self.roster.iter_mut().flat_map(Member::processes);
             processes.for_each(|process| process.raise_follower(PRIORITY));
         }
         let ended = self.follow_run(&mut log, watch)?;
@@ -181,21 +174,21 @@ impl Supervisor<'_> {
         self.faults.log.count_messages(statistics);
         Ok(GroupOutcome {
             carrier: Carrier::SharedMemory,
-            root: self.root.path().to_owned(),
+            root: self.roster.root().path().to_owned(),
             ended,
             reports,
             exits: BTreeMap::new(),
-            restarts: (self.members.iter())
+            restarts: (self.roster.iter())
                 .map(|member| (member.service(), member.succession().replacements()))
                 .collect(),
-            take_overs: (self.members.iter())
+            take_overs: (self.roster.iter())
                 .filter(|member| self.group.standby.contains(&member.service()))
                 .map(|member| (member.service(), member.succession().take_overs()))
                 .collect(),
-            standby_costs: (self.members.iter())
+            standby_costs: (self.roster.iter())
                 .filter_map(|member| Some((member.service(), member.standby_cost(ran_ns)?)))
                 .collect(),
-            heartbeats: (self.members.iter())
+            heartbeats: (self.roster.iter())
                 .filter(|_| self.launch.mode == Mode::Realtime)
                 .map(|member| (member.service(), member.heartbeats))
                 .collect(),
@@ -204,7 +197,7 @@ impl Supervisor<'_> {
             ready_after,
             ran_for: Duration::from_nanos(ran_ns.unsigned_abs()),
             recording: self.recording.take().map(RecorderProcess::finish),
-            wrote: std::mem::take(&mut self.wrote),
+            wrote: std::mem::take(&mut self.journal.wrote),
             programs: self.programs.clone(),
         })
     }
@@ -212,7 +205,7 @@ impl Supervisor<'_> {
     /// What all processes of each service told, or left.
     fn reports(&mut self, log: &DriveLog) -> BTreeMap<Service, ServiceReport> {
         let mut reports = BTreeMap::new();
-        for member in &mut self.members {
+        for member in self.roster.iter_mut() {
             let mut lives = std::mem::take(&mut member.past);
             let was_restarted = !lives.is_empty() || member.report.is_none();
             lives.extend(member.report.take());
@@ -227,11 +220,11 @@ impl Supervisor<'_> {
     }
 
     /// Keeps what a process that is gone had counted, unless it told that itself.
-    pub(super) fn keep_account(&mut self, who: Who, has_told: bool) {
-        let Some(granted) = self.granted.get(who.service.name()).cloned() else { return };
+    fn keep_account(&mut self, who: Who, has_told: bool) {
+        let Some(granted) = self.journal.granted.get(who.service.name()).cloned() else { return };
         let left = life::left_by(&self.group, who.service, who.incarnation, granted);
         if !has_told {
-            let past = &mut self.member(who.service).past;
+            let past = &mut self.roster.of(who.service).past;
             past.push(left);
             // A long run with many deaths does not keep each.
             if past.len() > MOST_PAST {
@@ -240,45 +233,8 @@ impl Supervisor<'_> {
         }
     }
 
-    pub(super) fn member(&mut self, service: Service) -> &mut Member {
-        let member = self.members.iter_mut().find(|member| member.service() == service);
-        member.expect("all services have been started")
-    }
-
-    pub(super) fn order_all(&mut self, order: &ToService) {
-        for member in &mut self.members {
-            member.order(order);
-        }
-    }
-
-    /// Starts process `incarnation` of `service`.
-    pub(super) fn start_next(&mut self, service: Service, incarnation: u32) -> Result<(), Error> {
-        let leader = self.living_group();
-        let (root, sender) = (self.root, self.sender.clone());
-        let member = self.member(service);
-        member.spawn(incarnation, root, leader, &sender)?;
-        if leader == 0 {
-            let group = member.group();
-            self.janitor.watch(group);
-        }
-        Ok(())
-    }
-
-    /// The services' process group; 0 when there is none.
-    pub(super) fn leader(&self) -> i32 {
-        self.members.first().map_or(0, Member::group)
-    }
-
-    /// The process group of the processes that live; 0 when there is none.
-    pub(super) fn living_group(&mut self) -> i32 {
-        let living = self.members.iter_mut().find_map(|member| {
-            (member.phase() != Phase::GivenUp && member.lives()).then(|| member.group())
-        });
-        living.unwrap_or(0)
-    }
-
     /// Lets go of everything but the janitor; the threads that send events end.
     fn dissolve(self) -> Janitor {
-        self.janitor
+        self.roster.dissolve()
     }
 }

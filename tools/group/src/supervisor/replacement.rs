@@ -1,13 +1,12 @@
 //! Processes of a run under way that end, and those that replace them.
 
-use super::drive_log::DriveLog;
-use super::events::Who;
-use super::exits::Exit;
-use super::launch::Ended;
-use super::processes::Janitor;
-use super::succession::{self, Phase, Standby, Step};
-use super::supervisor::Supervisor;
+use super::Supervisor;
 use super::watch::{Course, LAST_MOMENT};
+use crate::drive_log::DriveLog;
+use crate::events::Who;
+use crate::exits::Exit;
+use crate::launch::Ended;
+use crate::succession::{self, Phase, Standby, Step};
 use messages::Service;
 use runtime::{ActiveProcess, Cause, Mode, StartOrder, TakeOver, ToService};
 
@@ -24,11 +23,11 @@ impl Supervisor<'_> {
         now_ns: i64,
     ) {
         let (service, incarnation) = (who.service, who.incarnation);
-        if self.member(service).lost_prepared(incarnation) {
+        if self.roster.of(service).lost_prepared(incarnation) {
             return;
         }
-        let is_active = self.is_active(who);
-        let Some(process) = self.member(service).attached(incarnation) else { return };
+        let is_active = self.roster.is_active(who);
+        let Some(process) = self.roster.of(service).attached(incarnation) else { return };
         let exit = process.exit_in_run(LAST_MOMENT);
         let has_told = process.has_told;
         process.is_settled = true;
@@ -67,7 +66,7 @@ impl Supervisor<'_> {
         course: &mut Course,
         now_ns: i64,
     ) {
-        let old = self.member(who.service).incarnation();
+        let old = self.roster.of(who.service).incarnation();
         let noticed_ns = told.noticed_ns - self.start_ns;
         let kind = match told.cause {
             Cause::Gone => "died",
@@ -88,10 +87,10 @@ impl Supervisor<'_> {
         course: &mut Course,
         now_ns: i64,
     ) {
-        for step in self.member(service).on(event, now_ns) {
+        for step in self.roster.of(service).on(event, now_ns) {
             match step {
                 Step::Start(incarnation) => {
-                    if let Err(error) = self.start_next(service, incarnation) {
+                    if let Err(error) = self.roster.start_next(service, incarnation) {
                         self.break_off(service, error.to_string(), course);
                     }
                 }
@@ -100,32 +99,34 @@ impl Supervisor<'_> {
                     self.admit(service, incarnation, Some(active), now_ns);
                 }
                 Step::OrderTakeOver(incarnation) => {
-                    if let Some(standby) = self.member(service).attached(incarnation) {
+                    if let Some(standby) = self.roster.of(service).attached(incarnation) {
                         standby.process.order(&ToService::TakeOver);
                     }
                 }
                 Step::Replaced { old, new } => {
                     // It may be stopped, and then could not leave by itself.
-                    self.kill(Who { service, incarnation: old }, Exit::Replaced);
-                    let member = self.member(service);
+                    self.roster.kill(Who { service, incarnation: old }, Exit::Replaced);
+                    let member = self.roster.of(service);
                     member.active().begin(now_ns);
                     debug_assert_eq!(member.incarnation(), new);
                     self.faults.replaced(service);
                 }
                 Step::Kill(incarnation) => {
-                    self.kill(Who { service, incarnation }, Exit::Hung);
+                    self.roster.kill(Who { service, incarnation }, Exit::Hung);
                 }
                 Step::GiveUp if service != Service::Plant => {
-                    let how = self.member(service).active().exit_in_run(LAST_MOMENT);
-                    self.wrote.push((service, format!("{how}, too often: stopping the vehicle")));
-                    self.member(Service::Plant).order(&ToService::SafeStop);
+                    let how = self.roster.of(service).active().exit_in_run(LAST_MOMENT);
+                    self.journal
+                        .wrote
+                        .push((service, format!("{how}, too often: stopping the vehicle")));
+                    self.roster.of(Service::Plant).order(&ToService::SafeStop);
                 }
                 Step::GiveUp => {
-                    let how = self.member(service).active().exit_in_run(LAST_MOMENT);
+                    let how = self.roster.of(service).active().exit_in_run(LAST_MOMENT);
                     self.break_off(service, format!("{how}, too often"), course);
                 }
                 Step::EndRun => {
-                    let how = self.member(service).active().exit_in_run(LAST_MOMENT);
+                    let how = self.roster.of(service).active().exit_in_run(LAST_MOMENT);
                     self.break_off(service, how.to_string(), course);
                 }
             }
@@ -135,9 +136,9 @@ impl Supervisor<'_> {
     pub(super) fn start_what_is_due(&mut self, course: &mut Course, now_ns: i64) {
         for service in self.launch.scenario.services() {
             self.follow(service, succession::Event::Tick, course, now_ns);
-            if let Some(incarnation) = self.member(service).overdue(now_ns, RESTART_TIMEOUT_NS) {
+            if let Some(incarnation) = self.roster.of(service).overdue(now_ns, RESTART_TIMEOUT_NS) {
                 // Its end is the next event.
-                self.kill(Who { service, incarnation }, Exit::NotReady);
+                self.roster.kill(Who { service, incarnation }, Exit::NotReady);
             }
         }
     }
@@ -153,7 +154,7 @@ impl Supervisor<'_> {
     ) {
         self.begin(service, incarnation, stands_by_for, now_ns);
         // The others' senders look for it, so that it hears them before their next messages.
-        for member in self.members.iter_mut().filter(|m| m.phase() == Phase::Running) {
+        for member in self.roster.iter_mut().filter(|m| m.phase() == Phase::Running) {
             let is_own = member.service() == service;
             let active = member.incarnation();
             let standby = match member.succession().standby() {
@@ -179,12 +180,12 @@ impl Supervisor<'_> {
         now_ns: i64,
     ) {
         let standby_for = stands_by_for.map(|active| {
-            let pid = self.member(service).pid_of(active);
+            let pid = self.roster.of(service).pid_of(active);
             ActiveProcess { incarnation: active, pid }
         });
         let start = ToService::Start(StartOrder { start_ns: self.start_ns, standby_for });
-        let (injected, group) = (self.injected.clone(), self.group.clone());
-        let Some(process) = self.member(service).attached(incarnation) else { return };
+        let (injected, group) = (self.faults.injected.clone(), self.group.clone());
+        let Some(process) = self.roster.of(service).attached(incarnation) else { return };
         process.process.order(&start);
         for fault in injected {
             process.process.order(&ToService::Inject(fault));
@@ -195,35 +196,12 @@ impl Supervisor<'_> {
         }
     }
 
-    /// Starts another janitor in the place of one that is gone: without one a launcher that is killed leaves its
-    /// run behind.
-    pub(super) fn replace_janitor(&mut self) {
-        if !self.janitor.is_gone() {
-            return;
-        }
-        match Janitor::spawn(self.root) {
-            Ok(janitor) => {
-                self.janitor = janitor;
-                let group = self.living_group();
-                self.janitor.watch(group);
-            }
-            Err(error) => tracing::warn!("the janitor is gone and there is no other: {error}"),
-        }
-    }
-
-    /// Starts a process ahead for a service that has neither a standby nor such a process: one at a time, and
-    /// only while nothing else is to be done.
+    /// Starts a process ahead: one at a time, and only while nothing else is to be done.
     pub(super) fn prepare_one(&mut self) {
-        let is_quiet = self.members.iter().all(|member| member.phase() == Phase::Running)
+        let is_quiet = self.roster.iter().all(|member| member.phase() == Phase::Running)
             && !self.faults.log.is_recovery_awaited();
-        if !is_quiet || !self.launch.scenario.supervision.prepared {
-            return;
-        }
-        let (root, leader, sender) = (self.root, self.leader(), self.sender.clone());
-        if let Some(member) = self.members.iter_mut().find(|member| member.wants_prepared())
-            && let Err(error) = member.prepare(root, leader, &sender)
-        {
-            tracing::warn!("no process is started ahead: {error}");
+        if is_quiet && self.launch.scenario.supervision.prepared {
+            self.roster.prepare_one();
         }
     }
 }

@@ -1,12 +1,12 @@
 //! From the first spawn to the common start.
 
-use super::control;
-use super::events::{Event, Who};
-use super::exits::Exit;
-use super::programs::is_foreign;
-use super::succession::{self, Step};
-use super::supervisor::{EXIT_GRACE, Supervisor};
+use super::{EXIT_GRACE, Supervisor};
 use crate::Error;
+use crate::control;
+use crate::events::{Event, Who};
+use crate::exits::Exit;
+use crate::programs::is_foreign;
+use crate::succession::{self, Step};
 use messages::Service;
 use runtime::FromService;
 use std::time::{Duration, Instant};
@@ -18,7 +18,7 @@ impl Supervisor<'_> {
     /// Gives all processes, which are ready, the common start.
     pub(super) fn begin_all(&mut self) {
         for service in self.launch.scenario.services() {
-            let member = self.member(service);
+            let member = self.roster.of(service);
             let mut steps = member.on(succession::Event::Ready(0), 0);
             steps.extend(member.on(succession::Event::Ready(1), 0));
             for step in steps {
@@ -49,7 +49,7 @@ impl Supervisor<'_> {
             match self.events.recv_timeout(left) {
                 Ok(Event::Message(who, FromService::Ready(granted))) => {
                     waiting.retain(|waiting| *waiting != who);
-                    self.granted.insert(who.service.name().into(), granted);
+                    self.journal.granted.insert(who.service.name().into(), granted);
                 }
                 Ok(Event::Message(who, FromService::Failed(reason))) => {
                     return Err(self.not_ready(who.service, format!("failed: {reason}")));
@@ -59,7 +59,7 @@ impl Supervisor<'_> {
                     return Err(self.not_ready(who.service, what));
                 }
                 Ok(Event::Gone(Who { service, incarnation })) => {
-                    let process = self.member(service).attached(incarnation);
+                    let process = self.roster.of(service).attached(incarnation);
                     let process = process.expect("it has just been started");
                     let exit = process.exit(EXIT_GRACE, Exit::OutputClosed);
                     let how = match exit {
@@ -67,11 +67,11 @@ impl Supervisor<'_> {
                         other => other.to_string(),
                     };
                     let what = format!("ended before it was ready ({how})");
-                    let what = what + &self.last_words(service);
+                    let what = what + &self.journal.last_lines(service);
                     return Err(self.not_ready(service, what));
                 }
                 Ok(Event::Signal) => return Err(Error::Interrupted),
-                Ok(Event::Output(who, line)) => self.wrote.push((who.service, line)),
+                Ok(Event::Output(who, line)) => self.journal.wrote.push((who.service, line)),
                 Ok(Event::Inject(_, reply)) => {
                     let message = "the run has not begun".into();
                     // The client may be gone.
@@ -101,10 +101,5 @@ impl Supervisor<'_> {
     fn not_ready(&mut self, service: Service, what: String) -> Error {
         let foreign = is_foreign(&self.programs, service);
         Error::NotReady { service, what, foreign }
-    }
-
-    fn last_words(&self, service: Service) -> String {
-        let words: Vec<_> = self.wrote.iter().filter(|(who, _)| *who == service).collect();
-        words.iter().rev().take(3).rev().map(|(_, line)| format!("\n  {line}")).collect()
     }
 }
