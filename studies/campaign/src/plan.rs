@@ -27,28 +27,15 @@ pub struct Plan {
 impl Planned {
     /// The command that repeats the run.
     pub fn repeat(&self, mode: &str) -> String {
-        let mut words = vec!["timegap".into(), "run".into(), quoted(&self.scenario)];
+        let seed = self.seed.to_string();
+        let mut words = vec!["timegap", "run", &self.scenario];
         if let Some(controller) = &self.controller {
-            words.extend(["--controller".into(), quoted(controller)]);
+            words.extend(["--controller", controller]);
         }
-        words.extend(["--mode".into(), mode.into(), "--seed".into(), self.seed.to_string()]);
-        for key in &self.keys {
-            words.extend(["--set".into(), quoted(key)]);
-        }
-        for parameter in &self.parameters {
-            words.extend(["--param".into(), quoted(parameter)]);
-        }
-        words.join(" ")
-    }
-}
-
-/// A word for the shell.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        word.into()
-    } else {
-        format!("'{}'", word.replace('\'', r"'\''"))
+        words.extend(["--mode", mode, "--seed", &seed]);
+        words.extend(self.keys.iter().flat_map(|key| ["--set", key]));
+        words.extend(self.parameters.iter().flat_map(|parameter| ["--param", parameter]));
+        runtime::command_line(&words)
     }
 }
 
@@ -525,14 +512,13 @@ bits = [1, 3]
         assert_eq!(runs[0].keys, ["duration_s=2"]);
         assert_eq!(
             runs[0].repeat("lockstep"),
-            "timegap run cacc-a --mode lockstep --seed 1 --set duration_s=2"
+            "timegap run cacc-a --mode lockstep --seed 1 --set 'duration_s=2'"
         );
     }
 
     #[test]
     fn the_repeating_command_survives_a_shell() {
-        assert_eq!(quoted("it's {a}"), r"'it'\''s {a}'");
-        assert_eq!(quoted(""), "''");
+
         let runs = runs(FAULTS);
         let said = runs[0].repeat("realtime");
         assert!(said.contains("--set 'faults=[{ "), "{said}");

@@ -124,7 +124,7 @@ mod tests {
         assert_eq!(values, ["v=10 m=car", "v=10 m=bus", "v=20 m=car", "v=20 m=bus"]);
         let said = runs[1].repeat("lockstep");
         assert!(
-            said.ends_with("sub/a.xosc --mode lockstep --seed 1 --param v=10 --param m=bus"),
+            said.ends_with("sub/a.xosc --mode lockstep --seed 1 --param 'v=10' --param 'm=bus'"),
             "{said}"
         );
     }

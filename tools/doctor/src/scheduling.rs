@@ -7,8 +7,8 @@ use std::path::Path;
 /// The command that gives the program at `program` what it needs without making its user root. A new
 /// build is a new file, without it.
 fn capabilities(program: &Path) -> String {
-    let quoted = program.display().to_string().replace('\'', "'\\''");
-    format!("sudo setcap cap_sys_nice,cap_ipc_lock=ep '{quoted}' (again after each build)")
+    let program = runtime::command_line(&[program.display().to_string()]);
+    format!("sudo setcap cap_sys_nice,cap_ipc_lock=ep {program} (again after each build)")
 }
 
 /// The reason why something that a thread asked for was refused.

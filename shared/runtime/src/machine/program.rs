@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 pub struct Program {
     /// Name of the file that was written for the purpose, without its directory and its ending.
     pub name: String,
-    /// Its command, as a shell would take it.
+    /// Its command, as a shell reads it.
     pub command: String,
     /// The file whose bytes the digest is of: the script that an interpreter runs, or the program.
     pub file: PathBuf,
@@ -55,7 +55,7 @@ impl Program {
         let stem = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
         Ok(Self {
             name: stem.unwrap_or_default(),
-            command: command.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" "),
+            command: command_line(command),
             sha256: digest(&file)?,
             file,
         })
@@ -113,13 +113,18 @@ fn digest(path: &Path) -> Result<String, ProgramError> {
     Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
-/// A word as a shell would take it.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=+:,@%".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        return word.to_owned();
-    }
-    format!("'{}'", word.replace('\'', "'\\''"))
+/// Words as a shell reads them, quoted where they must be.
+///
+/// ```
+/// assert_eq!(runtime::command_line(&["python3", "my law.py", ""]), "python3 'my law.py' ''");
+/// ```
+///
+/// # Panics
+/// Never: the quoter refuses zero bytes alone, and they are allowed here.
+#[must_use]
+pub fn command_line<S: AsRef<str>>(words: &[S]) -> String {
+    let quoter = shlex::Quoter::new().allow_nul(true);
+    quoter.join(words.iter().map(AsRef::as_ref)).expect("zero bytes are allowed")
 }
 
 #[cfg(test)]
@@ -142,7 +147,7 @@ mod tests {
         let shell = Program::of(&["sh".into(), "-c".into(), "echo 'a b'".into()], &here);
         let shell = shell.expect("sh is everywhere");
         assert_eq!((shell.name.as_str(), shell.sha256.len()), ("sh", 64));
-        assert_eq!(shell.command, "sh -c 'echo '\\''a b'\\'''");
+        assert_eq!(shell.command, "sh -c \"echo 'a b'\"");
         let refused = |line: &str| {
             let error = Program::of(&words(line), &here).expect_err("it is none");
             error.to_string()

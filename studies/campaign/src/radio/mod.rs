@@ -223,7 +223,7 @@ mod tests {
         let said = kept.failure();
         assert!(!kept.holds() && said.starts_with("run 7: red light after 31.5 s\n"), "{said}");
         assert!(
-            said.contains("timegap run corridor --mode lockstep --seed 7 --set v2x."),
+            said.contains("timegap run corridor --mode lockstep --seed 7 --set 'v2x."),
             "{said}"
         );
     }

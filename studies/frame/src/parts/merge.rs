@@ -6,7 +6,7 @@ use group::{Error, Failure};
 use serde::de::DeserializeOwned;
 
 use super::journal::JournalError;
-use super::words::quoted;
+use runtime::command_line;
 use super::{FILE, Line, Shard, Study, journal, read_file};
 use crate::batch::{ProcessesSample, Repetition};
 
@@ -46,7 +46,7 @@ pub enum MergeError {
     /// A scenario file was changed after the parts were done.
     #[error(
         "timegap {}: the scenario is another one now than when the parts were done",
-        quoted(words)
+        command_line(words)
     )]
     Changed {
         /// The command's words.
@@ -158,7 +158,7 @@ impl<T: DeserializeOwned> Merged<T> {
             let own = directory.map(|path| path.to_string_lossy().into_owned());
             let own = own.unwrap_or_else(|| format!("part-{}-of-{}", shard.index, shard.count));
             let more = ["--shard".into(), String::from(shard), "--resume".into(), own];
-            format!("timegap {}", quoted(&[study.words.as_slice(), &more].concat()))
+            format!("timegap {}", command_line(&[study.words.as_slice(), &more].concat()))
         });
         Ok(Self { study, results, sample, incomplete })
     }

@@ -278,7 +278,7 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
     fn print_how_to_continue(&self, directory: &OutputDirectory) {
         if self.journal.is_some() {
             let done = self.results.iter().flatten().count();
-            let (all, command) = (self.runs(), words::quoted(&self.study.words));
+            let (all, command) = (self.runs(), runtime::command_line(&self.study.words));
             let shard = self
                 .shard
                 .map_or_else(String::new, |shard| format!(" --shard {}", String::from(shard)));

@@ -25,18 +25,6 @@ pub fn of_study(arguments: impl Iterator<Item = OsString>) -> Vec<String> {
     words
 }
 
-/// The words as a shell reads them.
-pub fn quoted(words: &[String]) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:".contains(c);
-    let quote = |word: &String| {
-        if !word.is_empty() && word.chars().all(plain) {
-            word.clone()
-        } else {
-            format!("'{}'", word.replace('\'', r"'\''"))
-        }
-    };
-    words.iter().map(quote).collect::<Vec<_>>().join(" ")
-}
 
 #[cfg(test)]
 mod tests {
@@ -49,9 +37,4 @@ mod tests {
         assert_eq!(words.join(" "), "sweep cacc-a --param a=1,2 --seeds 1..3");
     }
 
-    #[test]
-    fn words_survive_a_shell() {
-        let words = ["a=1..2/0.1", "it's", ""].map(String::from);
-        assert_eq!(quoted(&words), r"a=1..2/0.1 'it'\''s' ''");
-    }
 }
