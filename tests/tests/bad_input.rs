@@ -175,7 +175,7 @@ fn radios() {
     refused(&lockstep, 2, &["simulated time", "--mode realtime", "pcap:FILE"]);
     refused(&[&lockstep[..], &["--in-process"]].concat(), 2, &["simulated time"]);
     let rsu = |radio, words: &[&str]| refused(&["rsu", "corridor", "--radio", radio], 2, words);
-    rsu("frames", &["where to send", "--radio udp://"]);
+    rsu("frames", &["missing --radio", "udp://ADDRESS:PORT"]);
     rsu("pcap:drive.pcap", &["a capture cannot be sent to"]);
     rsu("udp://239.255.3.1:0", &["port 0"]);
     refused(&["rsu", "following", "--radio", "udp://239.255.3.1:5520"], 2, &["no signals"]);

@@ -108,7 +108,7 @@ fn a_quick_bench_says_everything_that_it_promises() {
         assert!(!name.ends_with("p99"), "a quick run judges no 99th percentile: {name}");
     }
     let itself = rows(&report, "goals").iter().filter(|goal| {
-        goal["name"].as_str().is_some_and(|name| name.starts_with("futex over itself"))
+        goal["name"].as_str().is_some_and(|name| name.starts_with("control: futex"))
     });
     for goal in itself.clone() {
         assert_ne!(goal["verdict"], "missed", "no difference where there is none: {goal}");
@@ -202,6 +202,6 @@ fn ten_runs_beside_a_compile_job_contradict_each_other_in_no_goal() {
     for (goal, found) in verdicts {
         let has = |verdict: &str| found.iter().any(|found| found == verdict);
         assert!(!(has("met") && has("missed")), "{goal}: {found:?}");
-        assert!(!goal.starts_with("futex over itself") || !has("missed"), "{goal}: {found:?}");
+        assert!(!goal.starts_with("control: futex") || !has("missed"), "{goal}: {found:?}");
     }
 }

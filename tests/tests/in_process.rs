@@ -223,7 +223,7 @@ fn what_needs_processes_is_refused() {
         (vec!["cacc-a", "--in-process"], "add --mode lockstep"),
         (
             vec!["cacc-a", "--mode", "lockstep", "--in-process", "--service", "controller=./mine"],
-            "leave out --service or --in-process",
+            "omit --service or --in-process",
         ),
     ] {
         let output = corner.run(&[&["run"], arguments.as_slice()].concat());

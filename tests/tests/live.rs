@@ -12,8 +12,9 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 
 /// Starts a run that serves itself, and reads from it where.
 fn serve(corner: &Corner, seconds: &str) -> (Child, String, std::thread::JoinHandle<String>) {
+    let fault = "faults=[{ kind = \"kill\", service = \"controller\", at_s = 0.5 }]";
     let arguments = ["run", "--duration", seconds, "--serve", "0", "--out", "out", "--json"];
-    let mut run = corner.start(&arguments);
+    let mut run = corner.start(&[&arguments[..], &["--set", fault]].concat());
     let mut lines = BufReader::new(run.stderr.take().expect("piped")).lines();
     let mut address = None;
     while address.is_none()
@@ -31,6 +32,9 @@ const SHOWN: &str = "({ frames: Number(document.body.dataset.frames ?? 0),
     over: document.body.dataset.over === 'true',
     status: document.getElementById('status').textContent,
     mode: document.getElementById('mode').textContent,
+    level: document.getElementById('level').textContent,
+    time: document.getElementById('time').textContent,
+    events: document.getElementById('events').textContent,
     points: Object.fromEntries(STRIPS.flatMap(({ curves, plot }) => curves.map(([, , field], index) =>
         [field, plot.data.at(-1 - index)[1].filter((value) => value !== null).length]))) })";
 
@@ -51,8 +55,16 @@ fn the_page_draws_updates_and_survives_the_end_of_the_run() {
         });
         assert!(updated, "{}", browser.evaluate(SHOWN));
         let shown = browser.evaluate(SHOWN);
-        assert_eq!(shown["status"], "under way", "{shown}");
+        assert_eq!(shown["status"], "running", "{shown}");
         assert_ne!(shown["mode"], "–", "{shown}");
+        let time = shown["time"].as_str().unwrap_or_default();
+        assert!(time.ends_with(" of 600.0 s"), "{shown}");
+        let mended = wait_for(|| {
+            let shown = browser.evaluate(SHOWN);
+            let events = shown["events"].as_str().unwrap_or_default();
+            events.contains("kill controller: detected after") && events.contains("back after")
+        });
+        assert!(mended, "{}", browser.evaluate(SHOWN));
     }
     let pid = Pid::from_raw(i32::try_from(run.id()).expect("a pid")).expect("not zero");
     kill_process(pid, Signal::INT).expect("it lives");

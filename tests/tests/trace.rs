@@ -161,7 +161,7 @@ fn what_went_wrong_is_marked() {
     assert!(named("controller", "fault: stop"), "{instants:?}");
     assert!(
         named("controller", "deadline missed")
-            || named("controller", "release left out")
+            || named("controller", "release skipped")
             || named("controller", "back after restart 1"),
         "{instants:?}"
     );

@@ -1,4 +1,4 @@
-//! Builds the C part of the comparison with CycloneDDS where its library is found.
+//! Builds the C part of the comparison with CycloneDDS if its library is installed.
 
 fn main() {
     println!("cargo::rerun-if-changed=src/middleware/cyclonedds.c");

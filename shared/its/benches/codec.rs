@@ -1,7 +1,7 @@
-//! What encoding and decoding a frame takes: `cargo bench -p its`.
+//! Time to encode and decode a frame: `cargo bench -p its`.
 //!
-//! Each is timed in two ways: again and again ("warm"), and after other memory was read, as of a unit that
-//! decodes a few frames in 100 ms and leaves the caches to others in between ("cold").
+//! Each is timed repeatedly ("warm"), and after reading other memory ("cold"), like a unit that decodes a few
+//! frames in 100 ms between other work.
 
 use its::cam::{Cam, LowFrequency, Motion};
 use its::geodesy::Position;
@@ -15,7 +15,7 @@ use std::time::Instant;
 
 const WARM: usize = 5_000;
 const COLD: usize = 200;
-/// More than the caches of most processors hold, bytes.
+/// More than the caches of most processors, bytes.
 const OTHER_MEMORY: usize = 64 << 20;
 
 fn main() {
@@ -37,7 +37,7 @@ fn main() {
     }
 }
 
-/// The median time of `what`, us. Before each time all of `other` is read.
+/// The median time of `what`, µs. All of `other` is read before each time.
 fn median_us(times: usize, other: &[u8], what: &dyn Fn()) -> f64 {
     let mut taken: Vec<f64> = (0..times)
         .map(|_| {
@@ -51,7 +51,7 @@ fn median_us(times: usize, other: &[u8], what: &dyn Fn()) -> f64 {
     taken[times / 2]
 }
 
-/// Frames as `v2x-sim` sends them: two signal groups, three lanes.
+/// Frames as from `v2x-sim`: two signal groups, three lanes.
 fn frames() -> [(&'static str, Frame); 3] {
     let source = Source {
         station_type: StationType::RoadsideUnit,

@@ -1,8 +1,8 @@
-//! CAM: where a vehicle is and how it moves (ETSI EN 302 637-2 V1.4.1).
+//! CAM: position and motion of a vehicle (ETSI EN 302 637-2 V1.4.1).
 
 use crate::geodesy::Position;
 
-/// A cooperative awareness message of a vehicle. What the standard has beyond it is said to be unavailable.
+/// A cooperative awareness message of a vehicle. Other fields of the standard are sent as unavailable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cam {
     /// Station id of the sender.
@@ -11,11 +11,11 @@ pub struct Cam {
     pub generation_delta: u16,
     /// Type of the station, 0 to 255: 5 is a passenger car, 8 a heavy truck.
     pub station_type: u8,
-    /// Where its front is.
+    /// Position of its front.
     pub position: Position,
     /// The fast part.
     pub motion: Motion,
-    /// The slow part, in one message of half a second.
+    /// The slow part, in one message per half second.
     pub low_frequency: Option<LowFrequency>,
 }
 

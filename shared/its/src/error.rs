@@ -1,4 +1,4 @@
-//! What can be wrong with a frame.
+//! Errors of frames.
 
 /// Why bytes are not a frame that this crate reads.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -6,12 +6,12 @@ pub enum DecodeError {
     /// Longer than any frame.
     #[error("{0} bytes, expected at most {max}", max = crate::MAX_FRAME_BYTES)]
     TooLong(usize),
-    /// It ends inside a header, or before the end of the payload that a header announces.
+    /// The bytes end inside a header, or before the announced end of the payload.
     #[error("{found} bytes where {expected} were announced")]
     Truncated {
-        /// Bytes that must be there.
+        /// Announced length, bytes.
         expected: usize,
-        /// Bytes that are there.
+        /// Present length, bytes.
         found: usize,
     },
     /// Another version of GeoNetworking.
@@ -20,7 +20,7 @@ pub enum DecodeError {
     /// A signed packet (IEEE 1609.2, ETSI TS 103 097): signatures are not checked here.
     #[error("a signed packet, which is not read")]
     Secured,
-    /// No single-hop broadcast with BTP-B.
+    /// Not a single-hop broadcast with BTP-B.
     #[error("header type {header_type:#04x} with next header {next_header}, expected 0x50 with 2")]
     OtherHeader {
         /// Header type and subtype.
@@ -28,7 +28,7 @@ pub enum DecodeError {
         /// Next header of the common header.
         next_header: u8,
     },
-    /// A port that no message of these kinds has.
+    /// A port of another kind of message.
     #[error("BTP port {0}, expected 2001, 2003 or 2004")]
     Port(u16),
     /// A message id that does not belong to the port.
@@ -36,7 +36,7 @@ pub enum DecodeError {
     MessageId {
         /// The port.
         port: u16,
-        /// The message's own id.
+        /// Id in the message.
         found: u8,
     },
     /// Another version of the message.
@@ -44,7 +44,7 @@ pub enum DecodeError {
     ProtocolVersion {
         /// The message's id.
         message_id: u8,
-        /// Its protocol version.
+        /// Protocol version.
         found: u8,
     },
     /// The payload is not the message that its header names.
@@ -60,28 +60,28 @@ pub enum PayloadError {
     Range {
         /// The field.
         what: &'static str,
-        /// What it has.
+        /// Its value.
         value: i64,
         /// Its lowest value.
         least: i64,
         /// Its highest value.
         most: i64,
     },
-    /// A field needs more bits than there are.
-    #[error("it ends inside the field that begins at bit {bit}")]
+    /// A field ends after the last bit.
+    #[error("the message ends inside the field that begins at bit {bit}")]
     Ends {
         /// First bit of the field.
         bit: u64,
     },
     /// A length in fragments of 16 Ki.
-    #[error("a length of 16384 or more, which no frame has room for")]
+    #[error("a length of 16384 or more, more than fits into a frame")]
     Length,
     /// A CAM of a roadside unit, or of another kind of station.
     #[error("a CAM that is not a vehicle's")]
     OtherStation,
 }
 
-/// Why a message has no bytes.
+/// Why a message cannot be encoded.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum EncodeError {
     /// A value is outside the standard's range.

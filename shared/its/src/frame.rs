@@ -8,17 +8,17 @@ use crate::{DecodeError, EncodeError};
 /// Longest frame, bytes, without the header of the link.
 pub const MAX_FRAME_BYTES: usize = 1500;
 
-/// A message with what the headers say of its sender.
+/// A message with the sender's data of its headers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    /// Who sends it.
+    /// Sender.
     pub source: Source,
-    /// What it says.
+    /// Content.
     pub message: Message,
 }
 
 impl Frame {
-    /// Its bytes, at most [`MAX_FRAME_BYTES`].
+    /// The frame as bytes, at most [`MAX_FRAME_BYTES`].
     ///
     /// # Errors
     /// [`EncodeError`] if a value is outside the standard's range or the frame is too long.
@@ -41,10 +41,10 @@ impl Frame {
         Ok(frame)
     }
 
-    /// Reads a frame. What follows the announced payload is not looked at.
+    /// Reads a frame. Bytes after the announced payload are ignored.
     ///
     /// # Errors
-    /// [`DecodeError`] says what is wrong.
+    /// [`DecodeError`] describes the fault.
     pub fn decode(bytes: &[u8]) -> Result<Self, DecodeError> {
         if bytes.len() > MAX_FRAME_BYTES {
             return Err(DecodeError::TooLong(bytes.len()));
@@ -53,11 +53,11 @@ impl Frame {
         let port = headers.port;
         let kind = MessageKind::ALL.into_iter().find(|kind| kind.port() == port);
         let kind = kind.ok_or(DecodeError::Port(port))?;
-        // `ItsPduHeader`: version and message id are a byte each, the station's id four.
+        // `ItsPduHeader`: version and message id of one byte each, station id of four.
         let [version, message_id, ..] = *payload else {
             return Err(DecodeError::Truncated { expected: 6, found: payload.len() });
         };
-        // Another version's second byte need not be a message id. A `MessageFrame` of SAE J2735, as sent in
+        // The second byte of another version need not be a message id. A `MessageFrame` of SAE J2735, as in
         // North America, begins with 0 and its own id.
         if !(1..=2).contains(&version) {
             return Err(DecodeError::ProtocolVersion { message_id, found: version });

@@ -11,7 +11,7 @@ const STEP_DEG: f64 = 1e-7;
 const HALF_TURN: i64 = 1_800_000_000;
 const TURN: i64 = 2 * HALF_TURN;
 
-/// A position as the messages have it: tenths of a microdegree.
+/// A position in the messages' unit: tenths of a microdegree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Position {
     /// Latitude, 1e-7 degrees, north positive.
@@ -20,25 +20,35 @@ pub struct Position {
     pub longitude: i32,
 }
 
-/// The tangent plane at a point: metres along an axis and to the left of it. The axis leads to the east unless
-/// it is given another heading.
+/// The tangent plane at a point, with metres along an axis and to its left. By default the axis points east.
+///
+/// ```
+/// use its::geodesy::{Plane, Position};
+///
+/// let crossing = Position { latitude: 487_000_000, longitude: 91_000_000 };
+/// let road = Plane::along(crossing, 0.0);
+/// let stop_line = road.position(-25.0, 1.75);
+/// assert!(stop_line.latitude < crossing.latitude, "25 m to the south");
+/// let (along_m, left_m) = road.point(stop_line);
+/// assert!((along_m + 25.0).abs() < 0.02 && (left_m - 1.75).abs() < 0.02);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
     origin: Position,
-    /// East and north of the axis' direction.
+    /// East and north components of the axis.
     axis: (f64, f64),
     east_m_per_step: f64,
     north_m_per_step: f64,
 }
 
 impl Plane {
-    /// The plane around `origin`, to the east and to the north.
+    /// The plane around `origin` with the axes east and north.
     #[must_use]
     pub fn at(origin: Position) -> Self {
         Self::along(origin, 90.0)
     }
 
-    /// The plane around `origin` with an axis of that heading, degrees clockwise from north.
+    /// The plane around `origin` with an axis of this heading, degrees clockwise from north.
     #[must_use]
     pub fn along(origin: Position, heading_deg: f64) -> Self {
         let heading = heading_deg * (core::f64::consts::PI / 180.0);
@@ -71,7 +81,7 @@ impl Plane {
         }
     }
 
-    /// How far along the axis and to the left of it a position is, m.
+    /// Distance of a position along the axis and to its left, m.
     #[must_use]
     pub fn point(&self, position: Position) -> (f64, f64) {
         let east = i64::from(position.longitude) - i64::from(self.origin.longitude);
@@ -82,7 +92,7 @@ impl Plane {
         ))
     }
 
-    /// East and north of a difference along the axis and to the left of it.
+    /// East and north components of a difference along the axis and to its left.
     #[must_use]
     pub fn to_earth(&self, (along, left): (f64, f64)) -> (f64, f64) {
         let (east, north) = self.axis;
@@ -97,8 +107,7 @@ impl Plane {
     }
 }
 
-/// A longitude, or a difference of two, by its shortest way from zero: above -180 and up to 180 degrees, as ETSI
-/// TS 102 894-2 has a longitude.
+/// A longitude, or a difference of two, reduced to above -180 and up to 180 degrees, as in ETSI TS 102 894-2.
 fn within_half_a_turn(steps: i64) -> i32 {
     let turned = steps.rem_euclid(TURN);
     (if turned > HALF_TURN { turned - TURN } else { turned }) as i32

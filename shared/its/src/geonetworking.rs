@@ -10,7 +10,7 @@
 //! BTP-B            4 B         destination port │ port info 0 (EN 302 636-5-1, clause 7.3)
 //! ```
 //!
-//! A signed packet has next header 2 in the basic header (9.6.3). Those are neither written nor read.
+//! A signed packet has next header 2 in the basic header (9.6.3). This module neither writes nor reads it.
 
 use crate::DecodeError;
 use crate::geodesy::Position;
@@ -24,7 +24,7 @@ const GEONETWORKING_BYTES: usize = 40;
 const BTP_BYTES: usize = 4;
 const SINGLE_HOP_BROADCAST: u8 = 0x50;
 const BTP_B: u8 = 2;
-/// One second: base 1 s, multiplier 1 (9.6.4). A countdown is of no use for longer.
+/// One second: base 1 s, multiplier 1 (9.6.4). A countdown is outdated after that.
 const LIFETIME: u8 = 1 << 2 | 1;
 
 /// Type of a station (EN 302 636-4-1, clause 6.3; numbers of ETSI TS 102 894-2).
@@ -41,7 +41,7 @@ pub enum StationType {
 }
 
 impl StationType {
-    /// Its number.
+    /// Number of the type.
     #[must_use]
     pub fn value(self) -> u8 {
         match self {
@@ -52,7 +52,7 @@ impl StationType {
         }
     }
 
-    /// The type of that number.
+    /// The type with this number.
     #[must_use]
     pub fn of(value: u8) -> Self {
         match value & 31 {
@@ -64,18 +64,18 @@ impl StationType {
     }
 }
 
-/// Who sends a packet, from where, and when: the long position vector (9.5.2).
+/// Sender of a packet with position and time: the long position vector (9.5.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Source {
     /// Type of the station.
     pub station_type: StationType,
-    /// The 48 bits of the address that are its own.
+    /// The 48 bits of the address.
     pub address: u64,
     /// Time of the position, `TimestampIts` modulo 2^32, ms.
     pub timestamp: u32,
-    /// Where it is.
+    /// Position.
     pub position: Position,
-    /// Whether the position is as accurate as the standard's `itsGnPaiInterval` asks.
+    /// Whether the position is as accurate as the standard's `itsGnPaiInterval` requires.
     pub accurate: bool,
     /// Speed, 0.01 m/s, -16384 to 16383.
     pub speed: i16,
@@ -86,7 +86,7 @@ pub struct Source {
 /// The headers of a packet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Headers {
-    /// Who sends it.
+    /// Sender.
     pub source: Source,
     /// Traffic class (9.7.5), 0 to 63: 0 is the most urgent.
     pub traffic_class: u8,
@@ -95,7 +95,7 @@ pub struct Headers {
 }
 
 impl Headers {
-    /// Writes the headers of a payload of `payload_bytes` behind what `into` has.
+    /// Appends the headers of a payload of `payload_bytes` to `into`.
     pub fn write(&self, payload_bytes: u16, into: &mut Vec<u8>) {
         let source = &self.source;
         // Basic header.
@@ -106,7 +106,7 @@ impl Headers {
         into.push(u8::from(mobile) << 7);
         into.extend((payload_bytes + BTP_BYTES as u16).to_be_bytes());
         into.extend([1, 0]);
-        // Long position vector: address, time, place, accuracy with speed, heading.
+        // Long position vector: address, time, position, accuracy with speed, heading.
         let station = u64::from(source.station_type.value()) << 58;
         into.extend((station | source.address & 0xffff_ffff_ffff).to_be_bytes());
         into.extend(source.timestamp.to_be_bytes());
@@ -124,7 +124,7 @@ impl Headers {
     /// Reads the headers of a packet and finds its message.
     ///
     /// # Errors
-    /// If it is not a single-hop broadcast with BTP-B, or ends too early.
+    /// If it is not a single-hop broadcast with BTP-B, or is too short.
     pub fn read(packet: &[u8]) -> Result<(Self, &[u8]), DecodeError> {
         let truncated = |expected| DecodeError::Truncated { expected, found: packet.len() };
         let [version, _, _, _, ..] = *packet else { return Err(truncated(HEADER_BYTES)) };

@@ -1,4 +1,4 @@
-//! MAPEM: where lanes and stop lines are (ETSI TS 103 301, SAE J2735 `MapData`).
+//! MAPEM: geometry of lanes and stop lines (ETSI TS 103 301, SAE J2735 `MapData`).
 
 use crate::geodesy::Position;
 
@@ -16,20 +16,20 @@ pub struct Mapem {
 /// `IntersectionGeometry`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct IntersectionGeometry {
-    /// Road regulator, where the id is not unique without it.
+    /// Road regulator, if the id is not unique without it.
     pub region: Option<u16>,
     /// Id of the intersection.
     pub id: u16,
     /// Counts changes of the geometry, 0 to 127.
     pub revision: u8,
-    /// The point from which lanes are measured.
+    /// The reference point of the lanes.
     pub reference: Position,
     /// Width of a lane, cm.
     pub lane_width_cm: Option<u16>,
     /// The lanes, 1 to 255.
     pub lanes: Vec<Lane>,
-    /// Lanes of a received map that are described in a way that is not read here (computed from
-    /// another lane, by a regional extension).
+    /// Number of received lanes in forms that are not read here (computed from another lane, or by a regional
+    /// extension).
     pub unread_lanes: usize,
 }
 
@@ -38,23 +38,23 @@ pub struct IntersectionGeometry {
 pub struct Lane {
     /// Id of the lane in its intersection.
     pub id: u8,
-    /// Which way it leads.
+    /// Direction.
     pub approach: Approach,
-    /// What is allowed at its end: a set of [`STRAIGHT`], [`LEFT`], [`RIGHT`] and the standard's others.
+    /// Allowed manoeuvres at its end: a set of [`STRAIGHT`], [`LEFT`], [`RIGHT`] and the standard's others.
     pub maneuvers: u16,
-    /// The middle of the lane, cm to the east and to the north, each from the one before, the first
-    /// from the reference point: 2 to 63, from the stop line outwards.
+    /// The middle of the lane, cm to the east and to the north, 2 to 63 nodes from the stop line outwards. The
+    /// first is relative to the reference point, the others to the previous node.
     pub nodes: Vec<(i16, i16)>,
-    /// Where it goes on, up to 16.
+    /// Continuations, up to 16.
     pub connections: Vec<Connection>,
 }
 
-/// Which way a lane leads, with the number of its approach, 0 to 15.
+/// Direction of a lane, with the number of its approach, 0 to 15.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Approach {
     /// To the intersection: its first node is the stop line.
     Ingress(u8),
-    /// Away from it.
+    /// Away from the intersection.
     Egress(u8),
 }
 
@@ -63,7 +63,7 @@ pub enum Approach {
 pub struct Connection {
     /// Id of the egress lane.
     pub lane: u8,
-    /// What kind of manoeuvre that is, as in [`Lane::maneuvers`].
+    /// Manoeuvre, as in [`Lane::maneuvers`].
     pub maneuver: Option<u16>,
     /// The signal group that governs it.
     pub signal_group: Option<u8>,

@@ -1,10 +1,10 @@
-//! The messages that are read here, by their kinds.
+//! The supported messages and their kinds.
 
 use crate::cam::Cam;
 use crate::mapem::Mapem;
 use crate::spatem::Spatem;
 
-/// A message of one of the kinds that are read here.
+/// A message of a supported kind.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Message {
     /// Signal phase and timing.
@@ -16,6 +16,13 @@ pub enum Message {
 }
 
 /// The kinds of messages.
+///
+/// ```
+/// use its::MessageKind;
+///
+/// let ports = MessageKind::ALL.map(|kind| (kind.port(), kind.message_id()));
+/// assert_eq!(ports, [(2004, 4), (2003, 5), (2001, 2)]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MessageKind {
     /// [`Message::Spatem`].
@@ -30,7 +37,7 @@ impl MessageKind {
     /// All kinds.
     pub const ALL: [Self; 3] = [Self::Spatem, Self::Mapem, Self::Cam];
 
-    /// Its port of BTP-B (ETSI TS 103 248).
+    /// Port of BTP-B (ETSI TS 103 248).
     #[must_use]
     pub const fn port(self) -> u16 {
         match self {
@@ -40,7 +47,7 @@ impl MessageKind {
         }
     }
 
-    /// The id of its message (ETSI TS 102 894-2).
+    /// Message id (ETSI TS 102 894-2).
     #[must_use]
     pub const fn message_id(self) -> u8 {
         match self {
@@ -50,7 +57,7 @@ impl MessageKind {
         }
     }
 
-    /// Its traffic class: CAM 2 by EN 302 637-2, the infrastructure's one step behind.
+    /// Traffic class: CAM 2 by EN 302 637-2, the infrastructure one step lower.
     pub(crate) const fn traffic_class(self) -> u8 {
         match self {
             Self::Cam => 2,
@@ -60,7 +67,7 @@ impl MessageKind {
 }
 
 impl Message {
-    /// Its kind.
+    /// Kind.
     #[must_use]
     pub fn kind(&self) -> MessageKind {
         match self {

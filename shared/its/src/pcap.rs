@@ -10,10 +10,21 @@ const MAGIC_MICROSECONDS: u32 = 0xa1b2_c3d4;
 const LINK_TYPE_ETHERNET: u32 = 1;
 const SNAP_BYTES: u32 = 65_535;
 const ETHERNET_BYTES: usize = 14;
-/// Bit 1 of the first octet: an address that is not bought from IEEE.
+/// Bit 1 of the first octet: a locally administered address.
 const LOCAL: u8 = 0x02;
 
 /// Writes a capture.
+///
+/// ```
+/// use its::pcap::Writer;
+///
+/// let mut file = Vec::new();
+/// let mut writer = Writer::new(&mut file)?;
+/// writer.write(1_780_315_170_123_456_000, 501, b"a GeoNetworking packet")?;
+/// writer.finish()?;
+/// assert_eq!(file[..4], 0xa1b2_c3d4_u32.to_le_bytes());
+/// # Ok::<(), std::io::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct Writer<W: Write> {
     into: W,
@@ -23,7 +34,7 @@ impl<W: Write> Writer<W> {
     /// Begins a capture.
     ///
     /// # Errors
-    /// Those of `into`.
+    /// Errors of `into`.
     pub fn new(mut into: W) -> io::Result<Self> {
         into.write_all(&MAGIC_MICROSECONDS.to_le_bytes())?;
         for half in [2_u16, 4] {
@@ -38,7 +49,7 @@ impl<W: Write> Writer<W> {
     /// Writes a frame that was on air at `unix_ns`, sent by `station`.
     ///
     /// # Errors
-    /// Those of `into`.
+    /// Errors of `into`.
     pub fn write(&mut self, unix_ns: i64, station: u32, frame: &[u8]) -> io::Result<()> {
         let seconds = unix_ns.div_euclid(1_000_000_000) as u32;
         let microseconds = (unix_ns.rem_euclid(1_000_000_000) / 1_000) as u32;
@@ -53,10 +64,10 @@ impl<W: Write> Writer<W> {
         self.into.write_all(frame)
     }
 
-    /// Hands over what is still held.
+    /// Writes buffered bytes.
     ///
     /// # Errors
-    /// Those of the writer.
+    /// Errors of the writer.
     pub fn finish(mut self) -> io::Result<()> {
         self.into.flush()
     }

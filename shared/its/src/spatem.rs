@@ -1,4 +1,4 @@
-//! SPATEM: what signals show, and for how long (ETSI TS 103 301, SAE J2735 `SPAT`).
+//! SPATEM: signal phases and their timing (ETSI TS 103 301, SAE J2735 `SPAT`).
 
 use crate::time::{Stamp, TimeMark};
 
@@ -14,15 +14,15 @@ pub struct Spatem {
 /// `IntersectionState`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct IntersectionState {
-    /// Road regulator, where the id is not unique without it.
+    /// Road regulator, if the id is not unique without it.
     pub region: Option<u16>,
     /// Id of the intersection.
     pub id: u16,
-    /// Revision of the map that this belongs to, 0 to 127.
+    /// Revision of the map, 0 to 127.
     pub revision: u8,
     /// `IntersectionStatusObject`: bit n of the standard is bit n here; 0 is normal operation.
     pub status: u16,
-    /// `moy` and `timeStamp`: when the content was made.
+    /// `moy` and `timeStamp`: time of the content.
     pub stamp: Option<Stamp>,
     /// The signal groups, 1 to 255.
     pub movements: Vec<MovementState>,
@@ -33,23 +33,23 @@ pub struct IntersectionState {
 pub struct MovementState {
     /// Id of the signal group.
     pub signal_group: u8,
-    /// The present phase and those that follow, 1 to 16.
+    /// The present phase and the next ones, 1 to 16.
     pub events: Vec<MovementEvent>,
 }
 
 /// `MovementEvent`: one phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MovementEvent {
-    /// What is shown.
+    /// Signal.
     pub state: MovementPhase,
-    /// When it ends.
+    /// Time of its end.
     pub timing: Option<Timing>,
 }
 
 /// `TimeChangeDetails`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Timing {
-    /// When the phase began or begins.
+    /// Begin of the phase.
     pub start: Option<TimeMark>,
     /// Earliest end.
     pub min_end: TimeMark,
@@ -59,7 +59,7 @@ pub struct Timing {
     pub likely_end: Option<TimeMark>,
     /// Confidence in the likely end, 0 (21 %) to 15 (100 %).
     pub confidence: Option<u8>,
-    /// When this phase comes again.
+    /// Next begin of this phase.
     pub next: Option<TimeMark>,
 }
 

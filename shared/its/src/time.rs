@@ -1,4 +1,4 @@
-//! The times of the messages.
+//! Times in the messages.
 //!
 //! | here | standard |
 //! |---|---|
@@ -15,7 +15,7 @@ const HOUR_MS: i64 = 3_600_000;
 const DAY_MS: i64 = 86_400_000;
 /// 2004-01-01T00:00:00Z.
 const ITS_EPOCH_MS: i64 = 1_072_915_200_000;
-/// Leap seconds from 2004 to the last one, of 2016.
+/// Leap seconds from 2004 to the latest one, of 2016.
 const LEAP_MS: i64 = 5_000;
 
 /// Milliseconds since the epoch of ITS, 2004-01-01, by atomic time.
@@ -24,7 +24,7 @@ pub fn its_timestamp(utc: UnixMs) -> i64 {
     utc - ITS_EPOCH_MS + LEAP_MS
 }
 
-/// The UTC of a timestamp that is known modulo `modulus` ms, nearest to `near`.
+/// The UTC of a timestamp modulo `modulus` ms, nearest to `near`.
 #[must_use]
 pub fn from_its_timestamp(modulo: i64, modulus: i64, near: UnixMs) -> UnixMs {
     let near_its = its_timestamp(near);
@@ -52,7 +52,7 @@ impl Stamp {
         Self { minute_of_year: minute as u32, millisecond: millisecond as u16 }
     }
 
-    /// Its time, in the year that brings it nearest to `near`.
+    /// Its UTC, in the year nearest to `near`.
     #[must_use]
     pub fn utc(self, near: UnixMs) -> UnixMs {
         let into_year = i64::from(self.minute_of_year) * MINUTE_MS + i64::from(self.millisecond);
@@ -65,20 +65,29 @@ impl Stamp {
     }
 }
 
-/// How far back a time mark may be of its reader's time, ms; the rest of the hour is ahead.
+/// Largest age of a time mark for its reader, ms; the rest of the hour is ahead.
 const PAST_MS: i64 = 60_000;
 
 /// Tenths of a second in the present or next hour.
+///
+/// ```
+/// use its::time::TimeMark;
+///
+/// let now_ms = 1_780_315_170_000;
+/// let red_ends = TimeMark::of(now_ms + 12_345, now_ms);
+/// assert_eq!(red_ends.utc(now_ms), Some(now_ms + 12_300), "to a tenth of a second");
+/// assert_eq!(TimeMark::UNKNOWN.utc(now_ms), None);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct TimeMark(u16);
 
 impl TimeMark {
     /// More than an hour ahead.
     pub const BEYOND: Self = Self(36_000);
-    /// Not known.
+    /// Unknown.
     pub const UNKNOWN: Self = Self(36_001);
 
-    /// The mark of a time, rounded to a tenth of a second, in a message of the time `now`.
+    /// The mark of a time, rounded to a tenth of a second, in a message sent at `now`.
     #[must_use]
     pub fn of(utc: UnixMs, now: UnixMs) -> Self {
         if utc - now >= HOUR_MS - PAST_MS {
@@ -87,20 +96,20 @@ impl TimeMark {
         Self(((utc + 50).rem_euclid(HOUR_MS) / 100) as u16)
     }
 
-    /// The mark with that number, 0 to 36001; none for another.
+    /// The mark with this number, 0 to 36001; `None` for others.
     #[must_use]
     pub fn new(value: u16) -> Option<Self> {
         (value <= Self::UNKNOWN.0).then_some(Self(value))
     }
 
-    /// The number on air.
+    /// Number in the message.
     #[must_use]
     pub fn value(self) -> u16 {
         self.0
     }
 
-    /// Its time for a reader at `now`: up to a minute ago, or ahead within the hour. `None` if it is
-    /// more than an hour ahead or unknown.
+    /// Its UTC for a reader at `now`: up to a minute ago, or within the next hour. `None` if it is later or
+    /// unknown.
     #[must_use]
     pub fn utc(self, now: UnixMs) -> Option<UnixMs> {
         if self.0 >= Self::BEYOND.0 {
@@ -119,7 +128,7 @@ fn year_of(utc: UnixMs) -> i64 {
     let day = days.rem_euclid(146_097);
     let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
     let day_of_year = day - (365 * year + year / 4 - year / 100);
-    // The algorithm's years begin in March.
+    // Years of the algorithm begin in March.
     era * 400 + year + i64::from(day_of_year >= 306)
 }
 

@@ -1,12 +1,22 @@
-//! When a vehicle sends a CAM: ETSI EN 302 637-2 V1.4.1, clause 6.1.3.
+//! Times of a vehicle's CAMs: ETSI EN 302 637-2 V1.4.1, clause 6.1.3.
 //!
 //! A message is due
-//! 1. when `T_GenCam_DCC` has passed since the last and the heading differs by more than 4 degrees, the
-//!    position by more than 4 m, or the speed by more than 0.5 m/s from what the last one said; or
-//! 2. when `T_GenCam` has passed since the last.
+//! 1. when `T_GenCam_DCC` has passed since the last one, and heading, position or speed differ from it by more
+//!    than 4 degrees, 4 m or 0.5 m/s; or
+//! 2. when `T_GenCam` has passed since the last one.
 //!
-//! `T_GenCam` is 1 s at first, the time between the last two messages after one of the first kind, and 1 s
-//! again after three of the second kind in a row. Without congestion control `T_GenCam_DCC` is 100 ms.
+//! `T_GenCam` is 1 s at first. After a message of the first kind it is the time between the last two messages,
+//! and 1 s again after three of the second kind in a row. Without congestion control `T_GenCam_DCC` is 100 ms.
+//!
+//! ```
+//! use its::triggers::{Motion, Triggers};
+//!
+//! let mut triggers = Triggers::default();
+//! let motion = |position_m| Motion { position_m, speed_mps: 20.0, heading_deg: 90.0 };
+//! assert!(triggers.check(0, &motion(0.0)).is_some(), "the first message is due at once");
+//! assert!(triggers.check(100_000_000, &motion(2.0)).is_none());
+//! assert!(triggers.check(300_000_000, &motion(6.0)).is_some(), "more than 4 m");
+//! ```
 
 /// Least time between two messages, ns.
 pub const MIN_NS: i64 = 100_000_000;
@@ -20,10 +30,10 @@ const POSITION_M: f64 = 4.0;
 const SPEED_MPS: f64 = 0.5;
 /// `N_GenCam`.
 const SLOW_AGAIN: u32 = 3;
-/// Releases of a loop are not exact.
+/// Tolerance, since releases of a loop are not exact.
 const TOLERANCE_NS: i64 = 1_000_000;
 
-/// A vehicle's motion as its messages say it.
+/// A vehicle's motion in its messages.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     /// Distance travelled, m.
@@ -46,7 +56,7 @@ pub struct Triggers {
 /// A message that is due.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Due {
-    /// Whether it has the slow part.
+    /// Whether it includes the slow part.
     pub low_frequency: bool,
 }
 
@@ -92,7 +102,7 @@ impl Triggers {
 mod tests {
     use super::*;
 
-    /// Messages in 10 s at a constant speed, looked at every 100 ms.
+    /// Messages in 10 s at a constant speed, checked every 100 ms.
     fn sent(speed_mps: f64) -> (usize, usize) {
         let mut triggers = Triggers::default();
         let due: Vec<Due> = (0..100)
@@ -128,7 +138,7 @@ mod tests {
         assert!(triggers.check(at(2), &faster).is_some());
         let turned = Motion { heading_deg: -5.0, ..faster };
         assert!(triggers.check(at(4), &turned).is_some());
-        // T_GenCam is 200 ms now: three times, then 1 s.
+        // T_GenCam is 200 ms now, three times, then 1 s.
         let times: Vec<i64> =
             (5..30).filter(|&k| triggers.check(at(k), &turned).is_some()).collect();
         assert_eq!(times, [6, 8, 10, 20]);

@@ -1,4 +1,4 @@
-//! Messages to bytes and back, and bytes that are no message.
+//! Messages to bytes and back, and bytes that are not a message.
 
 use its::cam::{self, Cam, LowFrequency};
 use its::geodesy::Position;
@@ -175,13 +175,13 @@ proptest! {
         message in message(), payload in vec(any::<u8>(), 0..400),
     ) {
         let Ok(mut bytes) = (Frame { source: source(), message }).encode() else { return Ok(()) };
-        // Version, message id and everything else behind them.
+        // Version, message id and other bytes after the headers.
         bytes.truncate(HEADER_BYTES + 2);
         bytes.extend(&payload);
         let length = (bytes.len() - 40) as u16;
         bytes[8..10].copy_from_slice(&length.to_be_bytes());
         if let Ok(frame) = Frame::decode(&bytes) {
-            // What was read is small: its size is bounded by the bytes.
+            // The decoded message is small: the bytes bound its size.
             let entries = match &frame.message {
                 Message::Spatem(spatem) => spatem.intersections.iter()
                     .flat_map(|i| &i.movements).map(|m| m.events.len()).sum(),
@@ -257,7 +257,7 @@ fn a_frame_that_is_too_long_or_out_of_range_has_no_bytes() {
     };
     let mapem = Mapem { station_id: 1, revision: 0, intersections: vec![intersection] };
     let error = Frame { source: source(), message: Message::Mapem(mapem) }.encode();
-    assert!(matches!(error, Err(its::EncodeError::Range(_))), "one node is no lane: {error:?}");
+    assert!(matches!(error, Err(its::EncodeError::Range(_))), "one node is not a lane: {error:?}");
 }
 
 #[test]
@@ -280,7 +280,7 @@ fn another_profile_is_named_and_not_read() {
     assert_eq!(changed(5, 0x20), other, "a beacon");
 }
 
-/// A message that pycrate made (`foreign.py`).
+/// A message of pycrate (`foreign.py`).
 fn foreign(name: &str) -> Vec<u8> {
     let mut lines = include_str!("foreign.txt").lines().filter_map(|line| line.split_once(' '));
     let (_, hex) = lines.find(|(found, _)| *found == name).expect("it is there");
@@ -305,7 +305,7 @@ fn messages_of_north_america_are_of_another_profile_however_they_come() {
         let message = foreign(name);
         let version = DecodeError::ProtocolVersion { message_id, found: 0 };
         assert_eq!(Frame::decode(&framed(port, &message)), Err(version));
-        // Without headers, and behind those of WSMP (IEEE 1609.3): version 3, PSID 0x82, length.
+        // Without headers, and after those of WSMP (IEEE 1609.3): version 3, PSID 0x82, length.
         assert_eq!(Frame::decode(&message), Err(DecodeError::Version(0)));
         let wsmp = [&[0x03, 0x00, 0x80, 0x02, message.len() as u8], &message[..]].concat();
         assert_eq!(Frame::decode(&wsmp), Err(DecodeError::Version(0)));
@@ -351,7 +351,7 @@ fn additions_of_a_later_version_are_passed_over() {
     assert_eq!(movements.len(), 2);
 }
 
-/// Messages with all parts of the standards, and falsified ones: `vectors.txt` has what a decoder reads in them
+/// Messages with all parts of the standards, and falsified ones. `vectors.txt` has the results of a decoder
 /// that is generated from the standards' ASN.1 (`cargo test -p its --features oracle`).
 #[test]
 fn messages_of_all_parts_are_read_as_a_generated_decoder_reads_them() {

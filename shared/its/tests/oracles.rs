@@ -1,6 +1,6 @@
-//! What others make of our frames, and we of theirs: Wireshark's dissectors and PyPI's `pycrate`.
+//! Comparison with Wireshark's dissectors and PyPI's `pycrate`, in both directions.
 //!
-//! Where a program is missing its test is ignored, with the reason in its line.
+//! A test without its program is ignored, with the reason in its line.
 
 use its::cam::{Cam, LowFrequency, Motion};
 use its::geodesy::Position;
@@ -15,8 +15,7 @@ use std::process::{Command, ExitCode};
 
 const PYCRATE: &str = "pycrate==0.8.1";
 
-/// Reads lines `KIND HEX`, decodes each and prints what it encodes the value to again; then prints
-/// messages of its own making.
+/// Reads lines `KIND HEX`, decodes each and prints the re-encoded value; then prints messages of its own.
 const SCRIPT: &str = r#"
 import sys
 from pycrate_asn1dir import ITS_IS, ITS_CAM_2
@@ -74,7 +73,7 @@ fn source() -> Source {
     }
 }
 
-/// All ten states, at every time mark's edge.
+/// All ten states, at the bounds of time marks.
 fn spatem() -> Spatem {
     let events = MovementPhase::ALL.into_iter().zip(0_u16..).map(|(state, n)| MovementEvent {
         state,
@@ -173,7 +172,7 @@ fn run(command: &mut Command) -> String {
     String::from_utf8(output.stdout).expect("text")
 }
 
-/// The values that tshark finds for a field in all frames, in order.
+/// The values of a field in all frames that tshark finds, in order.
 fn field(capture: &Path, name: &str) -> Vec<String> {
     let separators = ["-E", "aggregator=,", "-E", "occurrence=a"];
     let mut command = Command::new("tshark");
@@ -284,7 +283,7 @@ fn unhex(text: &str) -> Vec<u8> {
     (0..text.len()).step_by(2).map(digits).collect()
 }
 
-/// A payload of others behind headers of ours.
+/// A foreign payload after our headers.
 fn framed(port: u16, payload: &[u8]) -> Vec<u8> {
     let headers = its::geonetworking::Headers { source: source(), traffic_class: 3, port };
     let mut frame = Vec::new();
@@ -339,7 +338,7 @@ fn pycrate_encodes_the_same_bytes_and_its_frames_are_read() {
     assert_eq!(lane.connections[0].signal_group, Some(9));
 }
 
-/// The messages that other tests take for those of others are pycrate's.
+/// The foreign messages of other tests are pycrate's.
 fn pycrate_makes_the_messages_of_others() {
     let python = interpreter().expect("it was there");
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/foreign.py");

@@ -1,8 +1,8 @@
-//! What a carrier costs, on one host: the time of a frame from sender to the receiver's queue, and the
-//! processor time of 20 vehicles that hear one roadside unit.
+//! Cost of a carrier on one host: the time of a frame from the sender to the receiver's queue, and the
+//! processor time of 20 vehicles that receive one roadside unit.
 //!
-//! `cargo bench -p radio`, with `--features zenoh` for zenoh's rows. Sender and vehicles are processes of
-//! their own with one clock.
+//! `cargo bench -p radio`, with `--features zenoh` for zenoh's rows. Sender and vehicles are separate
+//! processes with one clock.
 
 mod peer;
 
@@ -14,7 +14,7 @@ use std::time::Duration;
 
 /// A SPATEM and a MAPEM ten times a second.
 const PERIOD: Duration = Duration::from_millis(50);
-/// What two intersections take with their headers, bytes.
+/// Length of two intersections with their headers, bytes.
 const FRAME: [u8; 176] = [0x11; 176];
 const FRAMES: usize = 200;
 const VEHICLES: usize = 20;
@@ -43,7 +43,7 @@ fn main() {
     zenoh_rows();
 }
 
-/// Measures one carrier and prints its row; `router`: the address of a router to be started before.
+/// Measures one carrier and prints its row; `router` is the address of a router to start first.
 fn row(name: &str, address: &str, router: Option<&str>, count: usize) {
     let _router = router.map(|address| Peer::start(&["router", address]));
     row_between(name, address, address, count);
@@ -58,15 +58,15 @@ fn row_between(name: &str, at_unit: &str, at_vehicle: &str, count: usize) {
     std::thread::sleep(Duration::from_secs(2));
     for _ in 0..FRAMES {
         std::thread::sleep(PERIOD);
-        // What is not sent is missing in the table.
+        // Unsent frames are missing in the table.
         let _ = unit.send(&FRAME);
     }
     std::thread::sleep(Duration::from_millis(200));
     println!("{name:<34} {}", peer.finish());
 }
 
-/// Vehicles in one process, until its input ends: prints the percentiles of the frames' times, how many
-/// each received, and the processor time for each frame and vehicle.
+/// Vehicles in one process until its input ends. Prints the percentiles of the frames' times, each vehicle's
+/// number of frames, and the processor time per frame and vehicle.
 fn vehicles(count: usize, address: &str) {
     let address: CarrierAddress = address.parse().expect("an address");
     let open = |_| Carrier::open(&address, Role::Vehicle).expect("a vehicle");
@@ -148,6 +148,6 @@ fn zenoh_rows() {
             row("zenoh, router, TLS, 20 vehicles", &client, Some(&router), VEHICLES);
         }
     }
-    // It was made above.
+    // Created above.
     let _ = std::fs::remove_dir_all(&directory);
 }

@@ -1,12 +1,12 @@
-//! One end of a carrier, without a vehicle: to try a link between two hosts.
+//! One end of a carrier without a vehicle, to try a link between two hosts.
 //!
 //! ```text
-//! station ADDRESS vehicle                    prints a line for each frame heard
-//! station ADDRESS roadside [PERIOD_MS]       sends a frame every period, 20 ms when absent
+//! station ADDRESS vehicle                    prints a line for each received frame
+//! station ADDRESS roadside [PERIOD_MS]       sends a frame every period, by default 20 ms
 //! ```
 //!
-//! Both end when their standard input does, and print what was counted as JSON. As a vehicle with a
-//! configuration of `mode: "router"` it is a router of zenoh.
+//! Both end with their standard input and print their counts as JSON. A vehicle with a configuration of `mode:
+//! "router"` is a zenoh router.
 
 use radio::{Carrier, Role, wall_clock_ns};
 use scenario::carrier::CarrierAddress;
@@ -22,7 +22,7 @@ fn main() -> ExitCode {
     status(&arguments)
 }
 
-/// Runs a station; its exit status.
+/// Runs a station and returns its exit status.
 pub fn status(arguments: &[String]) -> ExitCode {
     match run(arguments) {
         Ok(()) => ExitCode::SUCCESS,
@@ -47,7 +47,7 @@ fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
             let role = Role::Roadside { start_ns: wall_clock_ns() };
             send(Carrier::open(&address, role)?, Duration::from_millis(period_ms), &ended)
         }
-        other => Err(format!("`{other}` is no role, expected vehicle or roadside").into()),
+        other => Err(format!("`{other}` is not a role, expected vehicle or roadside").into()),
     }
 }
 
@@ -55,7 +55,7 @@ fn until_input_ends() -> Arc<AtomicBool> {
     let ended = Arc::new(AtomicBool::new(false));
     let seen = Arc::clone(&ended);
     std::thread::spawn(move || {
-        // An input that breaks has ended too.
+        // A broken input is an ended one.
         let _ = std::io::stdin().read_to_end(&mut Vec::new());
         seen.store(true, Ordering::Relaxed);
     });
@@ -86,7 +86,7 @@ fn send(mut carrier: Carrier, period: Duration, ended: &AtomicBool) -> Result<()
     let mut number: u32 = 0;
     while !ended.load(Ordering::Relaxed) {
         number = number.wrapping_add(1);
-        // What cannot be sent is counted.
+        // Unsent frames are counted.
         let _ = carrier.send(&[number.to_be_bytes().as_slice(), &[0x11; 130]].concat());
         std::thread::sleep(period);
     }

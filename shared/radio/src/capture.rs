@@ -1,9 +1,8 @@
-//! A capture, pcap or pcapng, as a carrier: each frame is due when as much run time has passed as there is
-//! between the first frame and it.
+//! A capture, pcap or pcapng, as a carrier. A frame is due when the run time equals its distance from the
+//! first frame.
 //!
-//! Two kinds of link are read: Ethernet, of which frames with the EtherType of GeoNetworking are taken
-//! (0x8947, also behind a VLAN tag) and others passed over; and `USER0` to `USER15`, whose packets are
-//! frames as they are.
+//! Two link types are read. Of Ethernet, frames with the EtherType of GeoNetworking (0x8947, also after a VLAN
+//! tag) are used and others skipped. Packets of `USER0` to `USER15` are frames without a link header.
 
 use crate::clock::ClockDifference;
 use crate::frame::{Frame, MAX_FRAME};
@@ -13,9 +12,9 @@ use std::fs::File;
 use std::io;
 use std::path::Path;
 
-/// Most bytes of a capture: it is held in memory.
+/// Largest size of a capture, bytes: it is held in memory.
 const MAX_BYTES: u64 = 256 << 20;
-/// Most bytes of one block of it.
+/// Largest size of one block of it, bytes.
 const MAX_BLOCK: usize = 1 << 20;
 const ETHERTYPE_GEONETWORKING: u16 = 0x8947;
 const ETHERTYPE_VLAN: u16 = 0x8100;
@@ -28,32 +27,32 @@ pub enum CaptureError {
     /// The file cannot be read.
     #[error("{0}")]
     Read(#[source] io::Error),
-    /// The file is larger than what is held in memory.
+    /// The file is larger than the memory for it.
     #[error("{bytes} bytes are too many, expected at most {max}", max = MAX_BYTES)]
     TooLarge {
         /// Its size.
         bytes: u64,
     },
     /// The file is neither pcap nor pcapng.
-    #[error("is no capture, expected pcap or pcapng")]
+    #[error("is not a capture, expected pcap or pcapng")]
     NoCapture,
-    /// The packets are those of another link.
+    /// The packets have another link type.
     #[error(
         "packet {packet}: its link type is {link_type}, expected 1 (Ethernet) or 147 to 162 (USER, the \
          packet is the frame)"
     )]
     LinkType {
-        /// Which packet, from 1.
+        /// Number of the packet, from 1.
         packet: u64,
         /// Number of the link type.
         link_type: i32,
     },
     /// A block cannot be read.
-    #[error("cannot be read behind packet {packets}: {reason}")]
+    #[error("cannot be read after packet {packets}: {reason}")]
     Block {
-        /// Packets that were read before.
+        /// Number of packets before it.
         packets: u64,
-        /// What is wrong with it.
+        /// The fault.
         reason: String,
     },
     /// Packets of a pcapng capture are in blocks without a stamp.
@@ -62,9 +61,9 @@ pub enum CaptureError {
          expected enhanced packet blocks"
     )]
     Unstamped {
-        /// How many.
+        /// Number of packets without a stamp.
         unstamped: u64,
-        /// How many packets there are.
+        /// Number of packets.
         packets: u64,
     },
     /// No packet is a frame.
@@ -73,12 +72,26 @@ pub enum CaptureError {
         max = MAX_FRAME
     )]
     NoFrames {
-        /// How many packets there are.
+        /// Number of packets.
         packets: u64,
     },
 }
 
-/// A capture that is played.
+/// A capture for playback.
+///
+/// ```
+/// use radio::Capture;
+///
+/// // A pcap header with link type 147 (`USER0`), and a packet of three bytes.
+/// let mut file = 0xa1b2_c3d4_u32.to_le_bytes().to_vec();
+/// file.extend([2, 0, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 0, 0, 147, 0, 0, 0]);
+/// file.extend([1_u32, 0, 3, 3].map(u32::to_le_bytes).concat());
+/// file.extend(b"abc");
+/// let mut capture = Capture::read(file.as_slice())?;
+/// let frame = capture.receive(0).expect("the first frame is due at once");
+/// assert_eq!(frame.bytes(), b"abc");
+/// # Ok::<(), radio::CaptureError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Capture {
     frames: Vec<Captured>,
@@ -95,7 +108,7 @@ struct Captured {
     length: usize,
 }
 
-/// How reading goes on.
+/// The next step of reading.
 enum Next {
     Consume(usize),
     Refill,
@@ -103,7 +116,7 @@ enum Next {
     End,
 }
 
-/// An interface of a capture: its link type and what its stamps mean.
+/// An interface of a capture: link type and unit of its stamps.
 #[derive(Clone, Copy, Debug)]
 struct Interface {
     link: Linktype,
@@ -112,7 +125,7 @@ struct Interface {
 }
 
 impl Capture {
-    /// Reads a capture. One that is cut off in a packet ends before it ([`Capture::is_truncated`]).
+    /// Reads a capture. A truncated one ends before its incomplete packet ([`Capture::is_truncated`]).
     ///
     /// # Errors
     /// [`CaptureError`].
@@ -125,7 +138,7 @@ impl Capture {
         if about.len() > MAX_BYTES {
             return Err(CaptureError::TooLarge { bytes: about.len() });
         }
-        // A pipe has no size; it is read no farther either.
+        // A pipe has no size; the same bound applies while reading.
         Self::read(io::Read::take(file, MAX_BYTES))
     }
 
@@ -189,7 +202,7 @@ impl Capture {
         if this.frames.is_empty() {
             return Err(CaptureError::NoFrames { packets });
         }
-        // Of several interfaces the packets need not be in order.
+        // Packets of several interfaces need not be in order.
         this.frames.sort_by_key(|frame| frame.stamp_ns);
         Ok(this)
     }
@@ -294,32 +307,32 @@ impl Capture {
         self.frames.first().map_or(0, |first| first.stamp_ns).saturating_add(now_ns)
     }
 
-    /// Frames that are in it.
+    /// Number of its frames.
     #[must_use]
     pub fn frames(&self) -> usize {
         self.frames.len()
     }
 
-    /// Time from its first frame to its last, ns.
+    /// Time from its first to its last frame, ns.
     #[must_use]
     pub fn duration_ns(&self) -> i64 {
         let ends = self.frames.first().zip(self.frames.last());
         ends.map_or(0, |(first, last)| last.stamp_ns - first.stamp_ns)
     }
 
-    /// Packets that are no frames: another EtherType, too long, or not captured as a whole.
+    /// Number of packets that are not frames: another EtherType, too long, or captured incompletely.
     #[must_use]
     pub fn passed_over(&self) -> u64 {
         self.passed_over
     }
 
-    /// Frames that were received so far.
+    /// Number of frames received so far.
     #[must_use]
     pub fn played(&self) -> u64 {
         self.played as u64
     }
 
-    /// Whether the file ends in the middle of a packet.
+    /// Whether the file ends inside a packet.
     #[must_use]
     pub fn is_truncated(&self) -> bool {
         self.is_truncated

@@ -1,4 +1,4 @@
-//! A carrier: opened from its address, with a sending and a receiving side that never wait.
+//! A carrier, opened from its address. Sending and receiving never wait.
 
 use crate::capture::Capture;
 use crate::counts::{Counts, RadioReport};
@@ -13,13 +13,13 @@ use std::sync::mpsc::{Receiver, sync_channel};
 use std::sync::{Arc, PoisonError};
 use std::thread::JoinHandle;
 
-/// Frames that wait for the loop, at most: more than a second of what 25 roadside units send.
+/// Most frames in the queue to the loop: more than a second of 25 roadside units.
 const QUEUE: usize = 512;
 
-/// Which end of the carrier this is.
+/// End of the carrier.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// The roadside unit: tells its start and answers questions about its clock.
+    /// The roadside unit: announces its start and answers questions about its clock.
     Roadside {
         /// Its wall clock at run time 0, ns since the Unix epoch.
         start_ns: i64,
@@ -52,8 +52,8 @@ struct Live {
 }
 
 impl Carrier {
-    /// Opens a carrier. Call it before the thread is given real-time priority, which the receive thread
-    /// would inherit.
+    /// Opens a carrier. Call it before the thread gets real-time priority, which the receive thread would
+    /// inherit.
     ///
     /// # Errors
     /// [`OpenError`].
@@ -95,7 +95,8 @@ impl Carrier {
         }
     }
 
-    /// The next frame that is there; of a capture: that is due by run time `now_ns`, ns. It does not wait.
+    /// The next received frame or, of a capture, the next frame due by run time `now_ns`, ns. It does not
+    /// wait.
     pub fn receive(&mut self, now_ns: i64) -> Option<Frame> {
         match &mut self.kind {
             Kind::Live(live) => live.frames.try_recv().ok(),
@@ -103,8 +104,8 @@ impl Carrier {
         }
     }
 
-    /// The wall clock of the frames at run time `now_ns`, ns since the Unix epoch: this host's, or that of
-    /// the capture, whose first frame is at run time 0.
+    /// The wall clock of the frames at run time `now_ns`, ns since the Unix epoch: this host's, or the
+    /// capture's, whose first frame is at run time 0.
     #[must_use]
     pub fn wall_clock_ns(&self, now_ns: i64) -> i64 {
         match &self.kind {
@@ -113,7 +114,7 @@ impl Carrier {
         }
     }
 
-    /// What came of the frames so far.
+    /// Counts of the frames so far.
     #[must_use]
     pub fn report(&self) -> RadioReport {
         let carrier = self.address.to_string();
@@ -131,7 +132,7 @@ impl Carrier {
         }
     }
 
-    /// The capture that is played, if it is one.
+    /// The played capture, if there is one.
     #[must_use]
     pub fn capture(&self) -> Option<&Capture> {
         match &self.kind {
@@ -193,7 +194,7 @@ impl Live {
         let envelope = self.identity.envelope(self.sequence + 1);
         let length = envelope.write(Content::Frame(frame), &mut self.room);
         let sent = self.outlet.send(&self.room[..length]);
-        // The number of a frame that was not sent is the next one's: it is not lost on the way.
+        // The next frame reuses the number of an unsent one, which thus does not count as lost.
         self.sequence += u64::from(sent.is_ok());
         Counts::count(if sent.is_ok() { &counts.sent } else { &counts.not_sent });
         sent
@@ -204,7 +205,7 @@ impl Drop for Live {
     fn drop(&mut self) {
         self.outlet.close();
         if let Some(thread) = self.thread.take() {
-            // A thread that panicked has said so.
+            // A panic was reported by its thread.
             let _ = thread.join();
         }
     }

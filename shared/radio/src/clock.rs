@@ -1,27 +1,27 @@
-//! How far another host's wall clock is from this one, from questions and answers.
+//! Difference between another host's wall clock and this one, from questions and answers.
 //!
-//! The asking host notes t1 when it asks and t4 when the answer is there, by its own clock; the other
-//! host notes t2 when it hears the question and t3 when it answers, by its own (RFC 5905, section 8):
+//! The asking host notes t1 when it asks and t4 when the answer arrives, by its own clock. The other host
+//! notes t2 when the question arrives and t3 when it answers, by its clock (RFC 5905, section 8):
 //!
 //! ```text
 //! offset = ((t2 - t1) + (t3 - t4)) / 2      round trip = (t4 - t1) - (t3 - t2)
 //! ```
 //!
-//! Whatever the two ways took, the true offset is within half a round trip of the estimate. So the
-//! question with the shortest round trip is the best one; an older one is worth less, because clocks
-//! drift apart: by at most [`DRIFT_PPM`], twice the 50 parts per million of a usual crystal.
+//! For any delays, the true offset is within half a round trip of the estimate. So the question with the
+//! shortest round trip is the best one. Older ones lose value, since clocks drift apart by at most
+//! [`DRIFT_PPM`], twice the 50 parts per million of a usual crystal.
 //!
-//! A clock that is set while it is compared makes the exchanges before and after contradict each other:
-//! then the older ones are forgotten.
+//! After a clock was set, earlier and later exchanges contradict each other. Then the earlier ones are
+//! dropped.
 
 use serde::{Deserialize, Serialize};
 
-/// Most by which two hosts' clocks drift apart, parts per million.
+/// Largest drift between two hosts' clocks, parts per million.
 const DRIFT_PPM: i64 = 100;
-/// Questions that are remembered.
+/// Kept questions.
 const REMEMBERED: usize = 32;
 
-/// A question that was answered.
+/// A question with its answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Exchange {
     /// t1, by the own clock, ns.
@@ -34,25 +34,25 @@ pub(crate) struct Exchange {
     pub(crate) returned_ns: i64,
 }
 
-/// The difference of two clocks at an instant.
+/// Difference of two clocks at an instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ClockDifference {
     /// The other clock minus the own one, ns.
     pub offset_ns: i64,
-    /// The true difference is at most this far from `offset_ns`, ns.
+    /// Largest error of `offset_ns`, ns.
     pub uncertainty_ns: i64,
 }
 
-/// What a comparison of clocks came to, for results.
+/// Result of a comparison of clocks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClockComparison {
     /// The other clock minus the own one, us.
     pub offset_us: f64,
-    /// The true difference is at most this far from `offset_us`, us.
+    /// Largest error of `offset_us`, us.
     pub uncertainty_us: f64,
     /// Shortest round trip of a question and its answer, us.
     pub shortest_round_trip_us: f64,
-    /// Questions that were answered.
+    /// Number of answered questions.
     pub answers: u64,
 }
 
@@ -65,7 +65,7 @@ pub(crate) struct Comparison {
 }
 
 impl ClockDifference {
-    /// Whether one truth fits both.
+    /// Whether one true offset fits both.
     fn agrees(&self, other: &Self) -> bool {
         let apart = self.offset_ns.saturating_sub(other.offset_ns).saturating_abs();
         apart <= self.uncertainty_ns.saturating_add(other.uncertainty_ns)
@@ -74,7 +74,7 @@ impl ClockDifference {
 
 impl Exchange {
     fn offset_ns(&self) -> i64 {
-        // Differences first: the sums of two wall clocks would be too large to add.
+        // Subtract first: the sum of two wall clocks would overflow.
         let there = self.heard_ns.wrapping_sub(self.asked_ns);
         let back = self.answered_ns.wrapping_sub(self.returned_ns);
         there / 2 + back / 2 + (there % 2 + back % 2) / 2
@@ -85,7 +85,7 @@ impl Exchange {
         whole.saturating_sub(self.answered_ns.wrapping_sub(self.heard_ns))
     }
 
-    /// At `now_ns` by the own clock.
+    /// The difference at `now_ns` by the own clock.
     fn difference(&self, now_ns: i64) -> ClockDifference {
         let age_ns = now_ns.saturating_sub(self.returned_ns).max(0);
         let drift_ns = age_ns / 1_000_000 * DRIFT_PPM;
@@ -96,7 +96,7 @@ impl Exchange {
 }
 
 impl Comparison {
-    /// Takes an exchange; false if its stamps cannot be true.
+    /// Adds an exchange; false if its stamps are impossible.
     pub(crate) fn take(&mut self, exchange: Exchange) -> bool {
         let is_ordered = exchange.returned_ns >= exchange.asked_ns
             && exchange.answered_ns >= exchange.heard_ns
@@ -126,7 +126,7 @@ impl Comparison {
         all.min_by_key(|difference| difference.uncertainty_ns)
     }
 
-    /// For results, at `now_ns` by the own clock.
+    /// The result at `now_ns` by the own clock.
     pub(crate) fn report(&self, now_ns: i64) -> Option<ClockComparison> {
         let difference = self.difference(now_ns)?;
         let shortest = self.last.iter().map(Exchange::round_trip_ns).min()?;
@@ -146,7 +146,7 @@ mod tests {
 
     const SECOND: i64 = 1_000_000_000;
 
-    /// An exchange over ways of `there` and `back` with a clock that is `offset` ahead.
+    /// An exchange with delays `there` and `back` and a clock that is `offset` ahead.
     fn exchange(asked_ns: i64, there: i64, stay: i64, back: i64, offset: i64) -> Exchange {
         Exchange {
             asked_ns,
@@ -192,7 +192,7 @@ mod tests {
             assert!(clock.take(exchange(40 * SECOND, 2_000_000, 0, 2_000_000, 500 + step)));
             let difference = clock.difference(40 * SECOND + 4_000_000).expect("answers");
             assert_eq!(difference.offset_ns, 500 + step);
-            // The own clock is set back by an hour, which moves the other one ahead.
+            // The own clock is set back by an hour, so that the other one appears ahead.
             let asked_ns = 41 * SECOND - 3600 * SECOND;
             let offset = 500 + step + 3600 * SECOND;
             assert!(clock.take(exchange(asked_ns, 1_000_000, 0, 1_000_000, offset)));

@@ -1,4 +1,4 @@
-//! What a carrier counts.
+//! Counts of a carrier.
 
 use crate::clock::ClockComparison;
 use serde::{Deserialize, Serialize};
@@ -14,42 +14,42 @@ pub(crate) struct Counts {
     pub(crate) malformed: AtomicU64,
 }
 
-/// What came of a carrier's frames, for results.
+/// Counts of a carrier's frames.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RadioReport {
     /// The carrier's address.
     pub carrier: String,
-    /// Frames handed to the network.
+    /// Frames passed to the network.
     pub sent: u64,
-    /// Frames that could not be handed over: no link, no receiver yet, a full queue.
+    /// Frames that could not be sent: no link, no receiver yet, a full queue.
     pub not_sent: u64,
     /// Frames received, without repeats.
     pub received: u64,
-    /// Frames received and not read in time: the queue to the loop was full.
+    /// Frames received and not read in time, because the queue to the loop was full.
     pub dropped: u64,
-    /// Packets that are no frames: empty, too long, or with a broken envelope.
+    /// Packets that are not frames: empty, too long, or with a broken envelope.
     pub malformed: u64,
-    /// Each sender that was heard and says who it is.
+    /// Senders that identify themselves.
     pub stations: Vec<StationReport>,
 }
 
-/// What came of one sender's frames.
+/// Counts of one sender's frames.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StationReport {
-    /// Its number, in hexadecimal digits; drawn anew at each start.
+    /// Number of the sender in hexadecimal digits, random at each start.
     pub sender: String,
     /// Frames received.
     pub received: u64,
-    /// Frames between the first and the last received that never came.
+    /// Frames between the first and the last received one that did not arrive.
     pub lost: u64,
-    /// Frames that came again.
+    /// Repeated frames.
     pub duplicates: u64,
-    /// Frames that another overtook.
+    /// Frames that a later one overtook.
     pub reordered: u64,
-    /// Frames that were not taken because their number was far from all others.
+    /// Frames refused for a number far from all others.
     #[serde(default)]
     pub implausible: u64,
-    /// Its clock against this host's; null: it did not answer, so that the difference is unknown.
+    /// Its clock against this host's; null without an answer.
     pub clock: Option<ClockComparison>,
 }
 

@@ -7,12 +7,12 @@
 //! | 8 to 15 | number of the sender |
 //! | 16 to 23 | sequence number of a frame, from 1; 0 in the other kinds |
 //! | 24 to 31 | the sender's wall clock, ns since the Unix epoch |
-//! | 32 to 39 | the wall clock at the sender's run time 0; the smallest number: it has none |
+//! | 32 to 39 | the wall clock at the sender's run time 0; the smallest number if it has none |
 //!
-//! A frame follows as it is; an answer goes on with the number of who asked, when it asked by its own
-//! clock, and when the question was heard by the answering clock, each 8 bytes.
+//! A frame follows unchanged. An answer continues with three numbers of 8 bytes: the asking station, the time
+//! of its question by its own clock, and the question's arrival by the answering clock.
 //!
-//! No GeoNetworking packet begins with `T`: its first four bits are the version, 1, and `T` would be 5.
+//! A GeoNetworking packet never begins with `T`: its first four bits are version 1; those of `T` are 5.
 
 use crate::frame::MAX_FRAME;
 
@@ -23,7 +23,7 @@ const NO_START: i64 = i64::MIN;
 /// Most bytes of a packet.
 pub(crate) const MAX_PACKET: usize = HEADER + MAX_FRAME;
 
-/// What every packet begins with.
+/// Begin of every packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Envelope {
     pub(crate) sender: u64,
@@ -32,7 +32,7 @@ pub(crate) struct Envelope {
     pub(crate) start_ns: Option<i64>,
 }
 
-/// What a packet is.
+/// Content of a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Content<'a> {
     Frame(&'a [u8]),
@@ -40,14 +40,14 @@ pub(crate) enum Content<'a> {
     Answer { to: u64, asked_ns: i64, heard_ns: i64 },
 }
 
-/// A packet as it was read.
+/// A parsed packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Packet<'a> {
-    /// Of a timegap.
+    /// A packet of timegap.
     Ours(Envelope, Content<'a>),
     /// A frame without the envelope.
     Bare(&'a [u8]),
-    /// It begins like ours and is not.
+    /// A packet that only begins like timegap's.
     Malformed,
 }
 

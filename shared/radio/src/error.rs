@@ -1,19 +1,19 @@
-//! What can go wrong when a carrier is opened or used.
+//! Errors of opening and using a carrier.
 
 use crate::capture::CaptureError;
 use std::io;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
-/// Why a carrier cannot be opened.
+/// Why a carrier was not opened.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
-    /// No socket can be had at the address.
+    /// The address is not available.
     #[error("cannot listen on {address}: {source}")]
     Bind {
         /// The address.
         address: SocketAddr,
-        /// What the kernel said.
+        /// The kernel's error.
         source: io::Error,
     },
     /// The group cannot be joined.
@@ -24,15 +24,15 @@ pub enum OpenError {
     Join {
         /// The group.
         address: SocketAddr,
-        /// What the kernel said.
+        /// The kernel's error.
         source: io::Error,
     },
-    /// There is no such interface.
+    /// The interface does not exist.
     #[error("no network interface `{name}`: {source}")]
     Interface {
         /// Its name.
         name: String,
-        /// What the kernel said.
+        /// The kernel's error.
         source: io::Error,
     },
     /// A socket or a thread cannot be set up.
@@ -43,10 +43,10 @@ pub enum OpenError {
     Capture {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         source: CaptureError,
     },
-    /// A capture holds what was sent, and nothing can be added.
+    /// A capture is read-only.
     #[error("a capture cannot be sent to: use udp:// or zenoh")]
     CaptureIsNoTarget,
     /// This program was built without zenoh.
@@ -59,7 +59,7 @@ pub enum OpenError {
     ZenohConfiguration {
         /// The file.
         path: PathBuf,
-        /// zenoh's words.
+        /// zenoh's error.
         reason: String,
     },
     /// zenoh cannot open a session.
@@ -68,25 +68,25 @@ pub enum OpenError {
          together?"
     )]
     ZenohSession {
-        /// zenoh's words.
+        /// zenoh's error.
         reason: String,
     },
 }
 
-/// Why a frame was not sent. It is counted too.
+/// Why a frame was not sent; it is also counted.
 #[derive(Debug, thiserror::Error)]
 pub enum SendError {
     /// The frame is too long.
     #[error("a frame of {0} bytes, expected at most {max}", max = crate::MAX_FRAME)]
     TooLong(usize),
-    /// No station has been heard to which it could be sent.
-    #[error("no station has been heard to which it could be sent")]
+    /// No station is known yet.
+    #[error("no receiving station is known yet")]
     NoTarget,
     /// The queue to the network is full.
     #[error("the queue to the network is full")]
     Full,
     /// The kernel refused it.
-    #[error("the kernel did not take the frame: {0}")]
+    #[error("the kernel refused the frame: {0}")]
     Kernel(#[source] io::Error),
     /// A capture is not sent to.
     #[error("a capture cannot be sent to")]

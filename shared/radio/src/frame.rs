@@ -2,32 +2,37 @@
 
 use crate::clock::ClockDifference;
 
-/// Most bytes of a frame.
+/// Longest frame, bytes.
 pub const MAX_FRAME: usize = 1500;
 
-/// A frame as it was received.
+/// A received frame.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Frame {
     pub(crate) bytes: [u8; MAX_FRAME],
     pub(crate) length: u16,
-    /// The sender's number, which it draws anew at each start; `None`: the sender is not timegap's.
+    /// The sender's number, random at each start; `None` for other programs.
     pub sender: Option<u64>,
-    /// When it was sent, by the sender's wall clock, ns since the Unix epoch; of a capture: when it was
-    /// captured.
+    /// Time of sending by the sender's wall clock, ns since the Unix epoch; of a capture, its stamp.
     pub sent_ns: Option<i64>,
-    /// When it was received, by this host's wall clock, ns since the Unix epoch; of a capture: when it was
-    /// captured.
+    /// Time of receiving by this host's wall clock, ns since the Unix epoch; of a capture, its stamp.
     pub received_ns: i64,
-    /// The sender's wall clock at its run time 0, ns since the Unix epoch; `None`: it does not say.
+    /// The sender's wall clock at its run time 0, ns since the Unix epoch; `None` if unknown.
     pub start_ns: Option<i64>,
-    /// How far the sender's clock is from this host's, when the frame was received; `None`: not known. Of a
-    /// capture the clocks are one.
+    /// Difference of the sender's clock from this host's at the time of receiving; `None` if unknown. A
+    /// capture has one clock.
     pub clock: Option<ClockDifference>,
 }
 
 impl Frame {
-    /// A frame of at most [`MAX_FRAME`] bytes that was received at `received_ns`, of a sender that says
-    /// nothing of itself; `None` if there are more.
+    /// A frame that was received at `received_ns` from an unknown sender; `None` above [`MAX_FRAME`] bytes.
+    ///
+    /// ```
+    /// use radio::Frame;
+    ///
+    /// let frame = Frame::new(b"spatem", 1_000).expect("short enough");
+    /// assert_eq!(frame.bytes(), b"spatem");
+    /// assert_eq!(frame.travelled_ns(), None, "an unknown sender has no stamp");
+    /// ```
     #[must_use]
     pub fn new(bytes: &[u8], received_ns: i64) -> Option<Self> {
         let mut room = [0; MAX_FRAME];
@@ -37,8 +42,7 @@ impl Frame {
         Some(Self { bytes: room, length, sender, sent_ns, received_ns, start_ns, clock })
     }
 
-    /// Time from sending to receiving, ns, with its uncertainty; `None` where the clocks' difference is not
-    /// known.
+    /// Time from sending to receiving, ns, with its uncertainty; `None` if the clocks' difference is unknown.
     #[must_use]
     pub fn travelled_ns(&self) -> Option<(i64, i64)> {
         let (sent_ns, clock) = (self.sent_ns?, self.clock?);

@@ -1,24 +1,43 @@
 //! Carriers of radio frames between a roadside unit and vehicles on other hosts.
 //!
-//! A frame is a byte string of at most [`MAX_FRAME`] bytes, which a carrier does not look into: in timegap
-//! a GeoNetworking packet without a link header. A [`Carrier`] is opened from a
-//! [`CarrierAddress`](scenario::carrier::CarrierAddress):
-//!
-//! * UDP, to a multicast group or to one vehicle;
-//! * zenoh (feature `zenoh`), as its configuration file says;
-//! * a capture, whose frames become due as run time passes.
-//!
 //! ```text
 //!  loop ── send ──► socket (never waits) / bounded queue ─► thread ─► zenoh
 //!  loop ◄─ receive ── bounded queue ◄── receive thread ◄── socket, zenoh
 //! ```
 //!
-//! Neither [`Carrier::send`] nor [`Carrier::receive`] waits or allocates. What does not fit is dropped and
-//! counted. Live carriers put an envelope around each frame: the sender's number, a sequence number, its
-//! wall clock and the wall-clock start of its run. From it a receiver counts what was lost on the way;
-//! and by questions and answers over the same carrier a vehicle estimates how far the roadside unit's
-//! clock is from its own ([`ClockDifference`]). A datagram without the envelope, of a unit that is not
-//! timegap's, is a frame too: without a stamp, and nothing can be counted as lost.
+//! A frame is a byte string of at most [`MAX_FRAME`] bytes; in timegap it is a GeoNetworking packet. A
+//! [`Carrier`] is opened from a [`CarrierAddress`](scenario::carrier::CarrierAddress):
+//!
+//! * UDP, to a multicast group or to one vehicle;
+//! * zenoh (feature `zenoh`), as its configuration file says;
+//! * a capture, whose frames become due as run time passes.
+//!
+//! [`Carrier::send`] and [`Carrier::receive`] neither wait nor allocate. Frames without room are dropped and
+//! counted. Live carriers put an envelope around each frame: the sender's number, a sequence number, its wall
+//! clock and the wall-clock start of its run. With it a receiver counts losses. By questions and answers over
+//! the same carrier, a vehicle estimates the difference to the roadside unit's clock ([`ClockDifference`]). A
+//! datagram without the envelope, from another program, is a frame too; it has no stamp and no count of
+//! losses.
+//!
+//! ```
+//! use radio::{Carrier, Role, wall_clock_ns};
+//!
+//! # let socket = std::net::UdpSocket::bind("127.0.0.1:0")?;
+//! # let port = socket.local_addr()?.port();
+//! # drop(socket);
+//! let address = format!("udp://127.0.0.1:{port}").parse()?;
+//! let mut vehicle = Carrier::open(&address, Role::Vehicle)?;
+//! let mut unit = Carrier::open(&address, Role::Roadside { start_ns: wall_clock_ns() })?;
+//! unit.send(b"a frame")?;
+//! let frame = loop {
+//!     match vehicle.receive(0) {
+//!         Some(frame) => break frame,
+//!         None => std::thread::yield_now(),
+//!     }
+//! };
+//! assert_eq!(frame.bytes(), b"a frame");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod capture;
 mod carrier;

@@ -1,4 +1,4 @@
-//! The receive thread: packets to frames, questions to answers.
+//! The receive thread: turns packets into frames and answers questions.
 
 use crate::clock::Exchange;
 use crate::counts::Counts;
@@ -15,16 +15,16 @@ use std::time::Duration;
 /// Longest wait for a packet.
 const LONGEST_WAIT: Duration = Duration::from_secs(1);
 
-/// Who this end of the carrier is.
+/// Identity of this end of the carrier.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Identity {
     /// Its number.
     pub(crate) sender: u64,
-    /// The wall clock at its run time 0: a roadside unit has one, and answers questions.
+    /// The wall clock at its run time 0; only roadside units have one and answer questions.
     pub(crate) start_ns: Option<i64>,
 }
 
-/// What the thread shares with the carrier's owner.
+/// State shared by the thread and the carrier's owner.
 #[derive(Debug, Default)]
 pub(crate) struct Shared {
     pub(crate) counts: Counts,
@@ -39,7 +39,7 @@ pub(crate) struct Listener {
 }
 
 impl Identity {
-    /// A new one; the number is drawn from the standard library's random hash keys.
+    /// A new identity; the number is drawn from the standard library's random hash keys.
     pub(crate) fn draw(start_ns: Option<i64>) -> Self {
         use std::hash::{BuildHasher, Hasher};
         let state = std::collections::hash_map::RandomState::new();
@@ -55,7 +55,7 @@ impl Identity {
 }
 
 impl Listener {
-    /// Listens until the carrier is closed.
+    /// Receives until the carrier is closed.
     pub(crate) fn run(mut self) {
         let mut buffer = vec![0; 65_536];
         loop {
@@ -68,7 +68,7 @@ impl Listener {
         }
     }
 
-    /// Asks those whose turn it is; returns the time until the next turn.
+    /// Asks the stations whose turn it is; returns the time until the next turn.
     fn ask(&mut self) -> Duration {
         loop {
             let mut stations = self.shared.stations.lock().unwrap_or_else(PoisonError::into_inner);
@@ -132,7 +132,7 @@ impl Listener {
 
     fn hand_over(&self, frame: Option<Frame>) {
         let dropped: &AtomicU64 = &self.shared.counts.dropped;
-        // A closed queue is a carrier that is being closed.
+        // A closed queue means that the carrier is closing.
         if frame.is_none_or(|frame| self.queue.try_send(frame).is_err()) {
             Counts::count(dropped);
         }

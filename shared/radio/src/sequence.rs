@@ -1,15 +1,15 @@
-//! What came of a sender's numbered frames: received, lost, received twice, out of order.
+//! Counts of a sender's numbered frames: received, lost, repeated, out of order.
 
-/// A number farther than this from all that were heard is not believed alone (RFC 3550, appendix A.1, does so with
-/// `MAX_DROPOUT`): one packet with a wrong number, by mistake or on purpose, would make old all that follow.
+/// Distance from all other numbers beyond which a single number is refused (RFC 3550, appendix A.1,
+/// `MAX_DROPOUT`). Otherwise one packet with a wrong number would make all later ones look old.
 const FAR: u64 = 3_000;
-/// Numbers that are told apart; what is overtaken by more is late.
+/// Numbers that are distinguished; a frame overtaken by more is late.
 const WINDOW: u64 = 64;
 
-/// Late numbers in a row that follow each other before they are the sender's: its other ones were wrong.
+/// Late numbers in a row, each following the previous one, that replace the sender's numbering.
 const AGREEING: u32 = 3;
 
-/// The numbers heard of one sender.
+/// The received numbers of one sender.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Numbers {
     first: u64,
@@ -23,15 +23,15 @@ pub(crate) struct Numbers {
     lost: u64,
     duplicates: u64,
     reordered: u64,
-    /// The last number if it was far from all others, and how many there were of these.
+    /// The last number if it was far from all others, and the length of that run.
     far: Option<u64>,
     implausible: u64,
-    /// The last number if it was late, and how many late ones in a row follow each other.
+    /// The last number if it was late, and the number of late ones in a row.
     late: Option<(u64, u32)>,
 }
 
 impl Numbers {
-    /// Takes a number; true if the frame is heard for the first time.
+    /// Adds a number; true for a frame that was not received before.
     pub(crate) fn take(&mut self, number: u64) -> bool {
         if self.received == 0 {
             self.begin(number);
@@ -70,7 +70,7 @@ impl Numbers {
         true
     }
 
-    /// Takes a number far from all others: the next one after it confirms it, and counting begins anew.
+    /// Adds a number far from all others. The following number confirms it, and counting restarts.
     fn take_far(&mut self, number: u64) -> bool {
         let follows = |far: u64| (1..WINDOW).contains(&number.wrapping_sub(far));
         if self.far.is_some_and(follows) {
@@ -83,7 +83,7 @@ impl Numbers {
         false
     }
 
-    /// Takes a late number: true if it and those before it are in order, with none of the later numbers between.
+    /// Adds a late number; true if it and its predecessors are in order without later numbers between.
     fn agrees(&mut self, number: u64) -> bool {
         let follows = |last: u64| (1..WINDOW).contains(&number.wrapping_sub(last));
         let in_a_row = match self.late {
@@ -109,7 +109,7 @@ impl Numbers {
         self.received
     }
 
-    /// Frames between the first and the last heard that never came.
+    /// Frames between the first and the last received one that did not arrive.
     pub(crate) fn lost(&self) -> u64 {
         if self.received == 0 {
             0
@@ -126,7 +126,7 @@ impl Numbers {
         self.reordered
     }
 
-    /// Frames that were not taken because their number was far from all others.
+    /// Frames refused for a number far from all others.
     pub(crate) fn implausible(&self) -> u64 {
         self.implausible
     }
@@ -167,7 +167,7 @@ mod tests {
         let (new, counts) = after(&[1, 2, u64::MAX, 3, 4, 1 << 40, 5]);
         assert_eq!(new, [true, true, false, true, true, false, true]);
         assert_eq!(counts, [5, 0, 0, 0]);
-        // Two that fit together are a new beginning, and so are two of the old ones after it.
+        // Two matching numbers are a new beginning, and so are two of the old ones afterwards.
         let (new, counts) = after(&[1, 3, 1 << 40, (1 << 40) + 1, (1 << 40) + 3, 5, 6, 7]);
         assert_eq!(new, [true, true, false, true, true, false, true, true]);
         assert_eq!(counts, [6, 2, 0, 0]);
@@ -177,7 +177,7 @@ mod tests {
     fn a_wrong_number_not_far_ahead_silences_its_sender_for_two_frames() {
         let (new, _) = after(&[1, 2, 2900, 3, 4, 5, 6, 7]);
         assert_eq!(new, [true, true, true, false, false, true, true, true]);
-        // Copies of old frames among the sender's own are no new beginning.
+        // Copies of old frames among the sender's own are not a new beginning.
         let (new, _) = after(&[1, 2, 3, 4, 1000, 2, 1001, 3, 1002, 4, 1003]);
         assert_eq!(new[5..], [false, true, false, true, false, true]);
     }

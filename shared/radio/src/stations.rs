@@ -1,4 +1,4 @@
-//! Who was heard: each sender's numbers and clock.
+//! Known senders with their numbers and clocks.
 
 use crate::clock::{ClockDifference, Comparison, Exchange};
 use crate::counts::StationReport;
@@ -7,16 +7,16 @@ use crate::envelope::Envelope;
 use crate::sequence::Numbers;
 use std::time::{Duration, Instant};
 
-/// Most senders that are told apart; of more, the one silent for longest is forgotten.
+/// Most senders that are distinguished; beyond it, the longest silent one is dropped.
 const MOST: usize = 64;
-/// Questions at the first hearing, for a good estimate soon.
+/// Questions to a new station, for a good estimate soon.
 const FIRST_QUESTIONS: u64 = 8;
 /// Time between the first questions.
 const FIRST_PERIOD: Duration = Duration::from_millis(50);
 /// Time between later questions.
 const PERIOD: Duration = Duration::from_secs(1);
 
-/// All senders that were heard.
+/// All known senders.
 #[derive(Debug, Default)]
 pub(crate) struct Stations(Vec<Station>);
 
@@ -27,14 +27,15 @@ struct Station {
     heard: Instant,
     numbers: Numbers,
     clock: Comparison,
-    /// A roadside unit is asked for its clock.
+    /// Whether it is a roadside unit, which is asked for its clock.
     is_roadside: bool,
     asked: u64,
     ask_at: Instant,
 }
 
 impl Stations {
-    /// Takes a frame's envelope at `now_ns` by the own wall clock. `None`: the frame was heard before; else the sender's clock now.
+    /// Adds a frame's envelope at `now_ns` by the own wall clock. Returns the sender's clock now; `None` for a
+    /// repeated frame.
     pub(crate) fn frame(
         &mut self,
         envelope: &Envelope,
@@ -74,12 +75,12 @@ impl Stations {
     /// Takes an answer to a question of ours.
     pub(crate) fn answer(&mut self, sender: u64, exchange: Exchange) {
         if let Some(station) = self.0.iter_mut().find(|station| station.sender == sender) {
-            // An answer whose stamps cannot be true says nothing.
+            // An answer with impossible stamps is ignored.
             let _ = station.clock.take(exchange);
         }
     }
 
-    /// Where the next question is to go, if one is due. Turns go by the clock that is never set.
+    /// Destination of the next question, if one is due. Turns follow the monotonic clock.
     pub(crate) fn next_question(&mut self) -> Option<Origin> {
         let now = Instant::now();
         let due = |station: &&mut Station| station.is_roadside && station.ask_at <= now;
@@ -90,7 +91,7 @@ impl Stations {
         Some(station.origin)
     }
 
-    /// Time until the next question is due; `None`: none is to be asked.
+    /// Time until the next question is due; `None` if there is none.
     pub(crate) fn until_question(&self) -> Option<Duration> {
         let roadside = self.0.iter().filter(|station| station.is_roadside);
         let due = roadside.map(|station| station.ask_at).min()?;

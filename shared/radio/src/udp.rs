@@ -3,10 +3,11 @@
 //! | | multicast | unicast |
 //! | --- | --- | --- |
 //! | roadside unit | sends to the group from a socket of its own | sends to the vehicle's address |
-//! | vehicle | is a member of the group, shared with other vehicles of the host | listens at its address, sends to whom it heard last |
+//! | vehicle | is a member of the group, shared with other vehicles of the host | listens at its address,
+//! sends to its last sender |
 //!
-//! Questions go to the socket that a frame came from, and answers to that of the question, so that a
-//! group does not carry them.
+//! Questions go to the socket of a received frame, and answers to the socket of the question, so that a group
+//! does not carry them.
 
 use crate::endpoint::{Endpoint, Origin, Outlet, Purpose, Received};
 use crate::error::{OpenError, SendError};
@@ -18,7 +19,7 @@ use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-/// Opens both ends; `is_roadside`: whether this end is the roadside unit.
+/// Opens both ends; `is_roadside` marks the roadside unit.
 pub(crate) fn open(
     address: SocketAddr,
     interface: Option<&str>,
@@ -34,7 +35,7 @@ pub(crate) fn open(
         SocketAddr::V6(_) => Ipv6Addr::UNSPECIFIED.into(),
     };
     let (own, group, target) = if address.ip().is_multicast() {
-        // A group of one link only cannot be bound without naming the link.
+        // A link-local group cannot be bound without its link.
         let group = socket(address, interface).map_err(|source| match source.kind() {
             io::ErrorKind::InvalidInput => OpenError::Join { address, source },
             _ => OpenError::Bind { address, source },
@@ -65,7 +66,7 @@ pub(crate) fn open(
     Ok((endpoint, UdpOutlet { own, closing, target }))
 }
 
-/// Where frames are sent to.
+/// Destination of frames.
 #[derive(Clone, Debug)]
 enum Target {
     Fixed(SocketAddr),
@@ -76,7 +77,7 @@ fn socket(at: SocketAddr, interface: Option<&str>) -> io::Result<Socket> {
     let socket = Socket::new(Domain::for_address(at), Type::DGRAM, Some(Protocol::UDP))?;
     socket.set_nonblocking(true)?;
     if at.ip().is_multicast() {
-        // Several vehicles of one host hear the same group.
+        // Several vehicles of one host receive the same group.
         socket.set_reuse_address(true)?;
     }
     if let Some(name) = interface {
@@ -116,7 +117,7 @@ pub(crate) struct UdpEndpoint {
 impl UdpEndpoint {
     fn take(&self, buffer: &mut [u8]) -> Option<(usize, SocketAddr)> {
         let sockets = [Some(&*self.own), self.group.as_ref()];
-        // An error of a socket is that of an earlier sending: a port that is closed, a link that is down.
+        // An error of a socket belongs to an earlier sending: a closed port, a link that is down.
         sockets.into_iter().flatten().find_map(|socket| socket.recv_from(buffer).ok())
     }
 }
@@ -131,7 +132,7 @@ impl Endpoint for UdpEndpoint {
                 PollFd::new(group, PollFlags::IN),
             ];
             let timeout = Timespec::try_from(timeout).ok();
-            // An interrupted wait is one that ends early.
+            // An interrupted wait ends early.
             let _ = poll(&mut sources, timeout.as_ref());
             self.take(buffer)
         });
@@ -151,7 +152,7 @@ impl Endpoint for UdpEndpoint {
     fn send(&mut self, to: Origin, _purpose: Purpose, packet: &[u8]) {
         match to {
             Origin::Socket(to) => {
-                // What is lost is asked again.
+                // A lost one is repeated later.
                 let _ = self.own.send_to(packet, to);
             }
             #[cfg(feature = "zenoh")]
@@ -184,7 +185,7 @@ impl Outlet for UdpOutlet {
     }
 
     fn close(&mut self) {
-        // A counter that is full has been written before.
+        // A full counter was written before.
         let _ = rustix::io::write(&*self.closing, &1u64.to_ne_bytes());
     }
 }

@@ -1,9 +1,8 @@
-//! zenoh: frames under `timegap/radio/frames`, questions beside them, which only roadside units hear, and
-//! answers under the number of the station that asked, so that no other gets them.
+//! zenoh: frames under `timegap/radio/frames`, questions to roadside units beside them, and answers under the
+//! asking station's number.
 //!
-//! How the session finds others, over which links and with which certificates, is zenoh's own
-//! configuration. A frame that zenoh cannot take at once is dropped. zenoh's calls may wait for a lock, so
-//! that a thread makes them.
+//! zenoh's own configuration determines discovery, links and certificates. A frame that zenoh cannot accept at
+//! once is dropped. zenoh's calls may wait for a lock, so that a separate thread makes them.
 
 use crate::counts::Counts;
 use crate::endpoint::{Endpoint, Origin, Outlet, Purpose, Received};
@@ -26,11 +25,11 @@ const ANSWERS: &str = "timegap/radio/answers";
 /// Packets between zenoh's threads and ours, each way.
 const QUEUE: usize = 256;
 
-/// Longest time for a session to be opened; zenoh's own patience has no bound with some links.
+/// Longest time to open a session; zenoh itself waits without a bound on some links.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Time without a packet after which the subscriptions are declared again: where two peers declare in the instant in
-/// which the link between them opens, zenoh may lose a declaration, and would then never send.
+/// Time without a packet after which the subscriptions are declared again. If two peers declare at the instant
+/// when their link opens, zenoh may lose a declaration and would never send.
 const RENEWAL: Duration = Duration::from_secs(2);
 
 /// Opens a session and both ends.
@@ -47,8 +46,8 @@ pub(crate) fn open(
         })?,
     };
     let fail = |reason: zenoh::Error| OpenError::ZenohSession { reason: words(&reason) };
-    // Built with shared memory for another part of a program, zenoh would make segments for each session, which
-    // a killed process leaves behind; a frame is too short to be sent by them.
+    // With shared memory, zenoh would create segments for each session, which a killed process leaves behind.
+    // Frames are too short to need them.
     config.insert_json5("transport/shared_memory/enabled", "false").map_err(fail)?;
     let session = open_session(config)?;
     let publisher = |key: &'static str| {
@@ -92,7 +91,7 @@ fn answers_to(station: u64) -> String {
     format!("{ANSWERS}/{station:016x}")
 }
 
-/// What zenoh says, without the place in its sources that it ends with.
+/// zenoh's error, without the source location at its end.
 fn words(error: &zenoh::Error) -> String {
     let said = error.to_string();
     match said.rsplit_once(" at ") {
@@ -101,7 +100,7 @@ fn words(error: &zenoh::Error) -> String {
     }
 }
 
-/// Opens a session in a thread of its own, which is left behind if it takes too long.
+/// Opens a session in a thread of its own, which is abandoned after a timeout.
 fn open_session(config: Config) -> Result<Session, OpenError> {
     let (done, opened) = sync_channel(1);
     std::thread::Builder::new()
@@ -129,7 +128,7 @@ fn send_all(departures: &Receiver<Vec<u8>>, publisher: &Publisher<'_>, shared: &
     }
 }
 
-/// What comes to the receive thread.
+/// Input of the receive thread.
 #[derive(Debug)]
 enum Arrival {
     Packet(Vec<u8>),
@@ -141,7 +140,7 @@ pub(crate) struct ZenohEndpoint {
     heard: Receiver<Arrival>,
     questions: Publisher<'static>,
     session: Session,
-    /// What it listens to.
+    /// Its keys.
     keys: [String; 2],
     arrivals: SyncSender<Arrival>,
     shared: Arc<Shared>,
@@ -151,7 +150,7 @@ pub(crate) struct ZenohEndpoint {
 }
 
 impl ZenohEndpoint {
-    /// Declares the subscriptions, in the place of those that there are.
+    /// Declares the subscriptions, replacing existing ones.
     fn subscribe(&mut self) -> Result<(), zenoh::Error> {
         self.silent = Duration::ZERO;
         self.subscribers.clear();
@@ -186,7 +185,7 @@ impl Endpoint for ZenohEndpoint {
             Err(RecvTimeoutError::Timeout) => {
                 self.silent += timeout;
                 if self.silent >= RENEWAL {
-                    // A session that takes none now is asked again.
+                    // If the session refuses now, the next turn repeats it.
                     let _ = self.subscribe();
                 }
                 Received::Nothing
@@ -195,7 +194,7 @@ impl Endpoint for ZenohEndpoint {
     }
 
     fn send(&mut self, to: Origin, purpose: Purpose, packet: &[u8]) {
-        // What is lost is asked again.
+        // A lost one is repeated later.
         let _ = match (to, purpose) {
             (Origin::Socket(_), _) => return,
             (Origin::Zenoh, Purpose::Question) => self.questions.put(packet).wait(),
@@ -211,7 +210,7 @@ impl Endpoint for ZenohEndpoint {
 
 impl Drop for ZenohEndpoint {
     fn drop(&mut self) {
-        // A router that is gone cannot be told.
+        // A router may be gone already.
         let _ = self.session.close().wait();
     }
 }
@@ -229,7 +228,7 @@ impl Outlet for ZenohOutlet {
     }
 
     fn close(&mut self) {
-        // The receive thread empties the queue, so that there is room at last.
+        // The receive thread empties the queue, so that there will be room.
         let _ = self.arrivals.send(Arrival::Close);
     }
 }

@@ -1,4 +1,4 @@
-//! Captures made by hand: both formats, both byte orders, links, cuts and garbage.
+//! Hand-made captures: both formats, both byte orders, links, truncation and garbage.
 
 use proptest::prelude::*;
 use radio::{Capture, CaptureError};
@@ -137,8 +137,8 @@ fn a_file_is_read_as_its_bytes_are() {
 #[test]
 fn what_holds_no_frame_is_one_error() {
     let said = |file: &[u8]| open(file).expect_err("no frames").to_string();
-    assert!(said(b"").contains("is no capture"));
-    assert!(said(b"schema_version = 1\nname = \"no capture at all\"\n").contains("is no capture"));
+    assert!(said(b"").contains("is not a capture"));
+    assert!(said(b"schema_version = 1\nname = \"no capture at all\"\n").contains("is not a capture"));
     assert!(said(&pcap(1, &[])).contains("none of 0 packets"));
     let arp = ethernet(0x0806, b"who has");
     assert!(said(&pcap(1, &[(1, 0, &arp)])).contains("none of 1 packets is a GeoNetworking"));

@@ -1,4 +1,4 @@
-//! UDP on the loopback interface: frames, losses that are none, clocks, addresses that cannot be had.
+//! UDP on the loopback interface: frames, apparent losses, clocks, unavailable addresses.
 
 #[cfg(not(feature = "zenoh"))]
 use radio::OpenError;
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 const WATCHDOG: Duration = Duration::from_secs(30);
 
-/// A port of the loopback interface that is free now.
+/// A free port of the loopback interface.
 fn free_port() -> u16 {
     let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
     socket.local_addr().expect("it is bound").port()
@@ -130,7 +130,7 @@ fn a_full_queue_drops_and_counts() {
     let address = address(&format!("udp://127.0.0.1:{}", free_port()));
     let mut vehicle = open(&address, Role::Vehicle);
     let mut unit = open(&address, roadside());
-    // One after the other: the socket's own buffer must not overflow.
+    // In turns, so that the socket's buffer does not overflow.
     for k in 1..=600 {
         unit.send(b"frame").expect("room");
         wait("its arrival", || (vehicle.report().received == k).then_some(()));
@@ -162,7 +162,7 @@ fn what_cannot_be_bound_is_one_error() {
         let error = Carrier::open(&address(text), role).expect_err(text);
         error.to_string()
     };
-    // An address of the documentation's own network: no host has it.
+    // An address for documentation, which no host has.
     let elsewhere = refused("udp://192.0.2.1:5520", Role::Vehicle);
     assert!(elsewhere.starts_with("cannot listen on 192.0.2.1:5520: "), "{elsewhere}");
     let taken = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");

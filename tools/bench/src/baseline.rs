@@ -1,4 +1,4 @@
-//! Comparison with an earlier benchmark, on this machine or another: ratios to the floor decide.
+//! Comparison with an earlier benchmark, on this or another machine, by ratios to the floor.
 
 use super::results::{Report, TransportRow};
 use crate::in_words;
@@ -7,28 +7,28 @@ use runtime::statistics::Percentiles;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Samples from which on a 99th percentile says something.
+/// Fewest samples for a meaningful 99th percentile.
 const ENOUGH: u64 = 1000;
-/// Misses in excess of the floor's that may be chance.
+/// Misses above the floor's that may be chance.
 const CHANCE: f64 = 5.0;
 
-/// A figure in relation to the floor, then and now.
+/// A figure over its floor, then and now.
 #[derive(Clone, Debug, Serialize)]
 pub struct Change {
-    /// Which figure.
+    /// Name of the figure.
     pub what: String,
-    /// Over the floor of the same run.
+    /// Ratio to the floor of the earlier run.
     pub then: f64,
-    /// The same now.
+    /// Ratio to the floor of this run.
     pub now: f64,
-    /// Whether it has grown by the factor.
+    /// Whether the ratio grew by the factor.
     pub worse: bool,
 }
 
-/// A file is no report of a benchmark.
+/// A file that is not a benchmark's report.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "{}:{}:{}: {reason}; expected what `timegap bench --save` wrote",
+    "{}:{}:{}: {reason}; expected a file of `timegap bench --save`",
     path.display(),
     reason.line(),
     reason.column()
@@ -49,7 +49,7 @@ pub fn read(path: &Path) -> Result<Report, Error> {
         .map_err(|reason| BaselineError { path: path.to_owned(), reason }.into())
 }
 
-/// What both reports have, side by side. Worse is what grew by more than `factor`.
+/// The figures of both reports side by side. A ratio that grew by more than `factor` is worse.
 pub fn compare(then: &Report, now: &Report, factor: f64) -> Vec<Change> {
     let mut changes = Vec::new();
     let mut add = |what: String, then: f64, now: f64| {

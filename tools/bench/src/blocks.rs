@@ -1,4 +1,4 @@
-//! The part of a benchmark that judges: comparisons in alternating blocks.
+//! The judged part of a benchmark: comparisons in alternating blocks.
 
 use super::chain::{self, Chain};
 use super::goals::{self, Goal};
@@ -13,7 +13,7 @@ use indicatif::ProgressBar;
 use rand_core::Rng;
 use rand_pcg::Pcg64;
 
-/// One block of a chain: its undesigned time beside what the machine and the law take, µs.
+/// One block of a chain: its software overhead beside its floors, µs.
 struct ChainBlock {
     /// Median net reaction time.
     net_us: f64,
@@ -62,15 +62,15 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// Adds goals, each with what this machine lacks.
+    /// Adds goals with this machine's caveats.
     fn judge(&mut self, goals: impl IntoIterator<Item = Goal>) {
         let caveats = &self.report.caveats;
         let said = goals.into_iter().map(|goal| Goal { caveats: caveats.clone(), ..goal });
         self.report.goals.extend(said);
     }
 
-    /// Runs the group block after block, each with a block of the futex before or after it, drawn by
-    /// lot. The metronome and the law are measured in the very seconds of the group's block.
+    /// Runs the group block after block, each with a block of the futex before or after it in random order.
+    /// The metronome and the law are measured during the group's block.
     fn chain_in_blocks(&mut self, blocks: &ChainBlocks) -> Result<(), Error> {
         let ChainBlocks { conditions, period_us, block_s, .. } = *blocks;
         let cell = Cell { measure: Measure::Chain, conditions, period_us };
@@ -108,7 +108,7 @@ impl Bench<'_> {
     }
 }
 
-/// The figures of a block; none where one was not measured.
+/// The figures of a block; `None` if one is missing.
 fn block(chain: &Chain, futex_us: f64) -> Option<ChainBlock> {
     let sleep_us = chain.floor.latencies.percentiles_us()?.p50;
     Some(ChainBlock {

@@ -13,30 +13,30 @@ use runtime::Mode;
 use runtime::statistics::Latencies;
 use std::time::{Duration, Instant};
 
-/// The CACC paper's scenario A: the light is ahead for its first four seconds.
+/// The CACC paper's scenario A: the signal is ahead during its first four seconds.
 const SCENARIO: &str = "cacc-a";
-/// Step of the prediction, ms: the paper's, whatever the controller's period.
+/// Prediction step of the paper, ms, for every period of the controller.
 const PREDICTION_STEP_MS: u32 = 100;
 /// Time in which the group must be ready, s.
 const READY_TIMEOUT_S: f64 = 20.0;
 
-/// What a group and its metronome measured in the same seconds.
+/// Measurements of a group and its metronome during the same seconds.
 pub struct Chain {
-    /// The controller's and the plant's times.
+    /// Times of controller and plant.
     pub timing: Timing,
     /// The group's histograms, by name.
     pub histograms: Vec<(String, Latencies)>,
-    /// The metronome's.
+    /// Measurements of the metronome.
     pub floor: Outcome,
-    /// What the kernel did not grant the group.
+    /// Requests of the group that the kernel refused.
     pub refused: Vec<String>,
-    /// Whether every process ran as the cell asks.
+    /// Whether every process ran under the cell's conditions.
     pub as_asked: bool,
 }
 
 impl Chain {
-    /// Releases of a process on the controller's core, in the same seconds, that sleeps and then computes for
-    /// as long as the law does at the median: those that it would end after the controller's deadline.
+    /// Late releases of a reference process: it sleeps, then computes for the law's median time, on the
+    /// controller's core during the same seconds. A release that ends after the controller's deadline is late.
     pub fn floor_events(&self) -> Option<Events> {
         let slack_us = self.timing.deadline_us? - self.timing.solve_us?.p50;
         let slack_ns = (slack_us.max(0.0) * 1e3) as u64;
@@ -53,7 +53,7 @@ pub fn run(stage: &Stage, cell: &Cell, seconds: f64) -> Result<Chain, Error> {
         GroupOptions { programs: Vec::new(), ready_timeout: READY_TIMEOUT_S, processes: true };
     let metronome = stage.metronome(cell.conditions, cell.period_us)?;
     let length_ns = Duration::from_secs_f64(seconds).as_nanos();
-    // Between the start and the scheduled end the metronome counts what the group meets.
+    // From the start to the scheduled end, the metronome counts the same conditions as the group.
     let result = group::drive(&scenario, Mode::Realtime, &group, None, &mut |moment| {
         let time_ns = moment.time_ns;
         metronome.count(time_ns > 0 && u128::from(time_ns.unsigned_abs()) < length_ns);
@@ -88,17 +88,17 @@ fn options(stage: &Stage, cell: &Cell, seconds: f64) -> ScenarioOptions {
         Scheduling::Fifo => "fifo",
         Scheduling::Other => "other",
     };
-    // The radar and the plant are released at the same instants: on one core one waits for the other.
+    // Radar and plant are released at the same instants: on one core one waits for the other.
     let (radar, controller) = stage.placed(cell.conditions.placement);
     ScenarioOptions {
         duration: Some(seconds.to_string()),
         set: vec![
-            // The plant must look for commands as often as the fastest controller sends them.
+            // The plant must read commands as often as the fastest controller sends them.
             "plant.period_ms=1".into(),
             format!("perception.period_ms={period_ms}"),
             format!("controller.period_ms={period_ms}"),
             format!("controller.prediction_step_ms={PREDICTION_STEP_MS}"),
-            // A service that gets no processor for a while is a figure here, not a fault.
+            // A service without the processor for a while is a figure here, not a fault.
             "supervision.restart=never".into(),
             "supervision.heartbeat_timeout_ms=10000".into(),
             format!("runtime.scheduling={scheduling}"),

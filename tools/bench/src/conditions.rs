@@ -1,8 +1,8 @@
-//! What keeps this machine from being the one that the goals are meant for.
+//! Differences between this machine and the one that the goals are meant for.
 
 use super::setup::Scheduling;
 
-/// The caveats that belong into every verdict: fewer than two cores, a processor quota, time-sharing.
+/// The caveats of every verdict: fewer than two cores, a processor quota, time-sharing.
 pub fn caveats(cores: usize, reference: Scheduling, quota: Option<f64>) -> Vec<String> {
     let mut caveats = Vec::new();
     if cores < 2 {
@@ -17,8 +17,8 @@ pub fn caveats(cores: usize, reference: Scheduling, quota: Option<f64>) -> Vec<S
     caveats
 }
 
-/// Tightest processor quota of this process's control group (version 2) and those above it, in cores;
-/// none without a quota.
+/// Tightest processor quota of this process's control group (version 2) and its parents, in cores; `None`
+/// without a quota.
 pub fn quota() -> Option<f64> {
     let groups = std::fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
     let group = groups.lines().find_map(|line| line.strip_prefix("0::"))?.trim_matches('/');
@@ -30,7 +30,7 @@ pub fn quota() -> Option<f64> {
     tightest.min_by(f64::total_cmp)
 }
 
-/// Cores that a `cpu.max` allows: quota over period; none for `max`.
+/// Cores that a `cpu.max` allows: quota over period; `None` for `max`.
 fn quota_in(text: &str) -> Option<f64> {
     let mut words = text.split_whitespace();
     let (quota, period) = (words.next()?.parse::<f64>().ok()?, words.next()?.parse::<f64>().ok()?);
@@ -51,7 +51,7 @@ mod tests {
     #[test]
     fn what_the_machine_lacks_is_said() {
         assert!(caveats(2, Scheduling::Fifo, None).is_empty());
-        assert!(caveats(2, Scheduling::Fifo, Some(4.0)).is_empty(), "more than there is");
+        assert!(caveats(2, Scheduling::Fifo, Some(4.0)).is_empty(), "more than the machine has");
         let all = caveats(1, Scheduling::Other, Some(0.5));
         assert_eq!(all, ["one core", "processor quota of 0.50 cores", "without SCHED_FIFO"]);
     }

@@ -1,4 +1,4 @@
-//! What timegap promises in terms of the machine's own floor, judged in the same run.
+//! Goals for timegap relative to the machine's own floor, judged in the same run.
 
 use super::paired::{Compared, Comparison};
 use super::setup::Placement;
@@ -13,7 +13,7 @@ pub enum Verdict {
     Met,
     /// The whole interval is above the limit.
     Missed,
-    /// The interval holds the limit: more samples would tell.
+    /// The interval contains the limit: more samples are needed.
     Undecided,
 }
 
@@ -28,31 +28,30 @@ impl Verdict {
     }
 }
 
-/// A figure over the one that it is compared with, and the judgement.
+/// A figure over its floor, with the judgement.
 #[derive(Clone, Debug, Serialize)]
 pub struct Goal {
-    /// What is compared with what, and by which figure.
+    /// Names of the two sides and of the figure.
     pub name: String,
     /// Cores of both.
     pub placement: Placement,
     /// Unit of both figures: µs, or events per million cycles.
     pub unit: &'static str,
-    /// Figure of ours.
+    /// Our figure.
     pub ours: f64,
-    /// The same figure of the floor.
+    /// The floor's figure.
     pub floor: f64,
-    /// Their ratio; null where the floor has no event and ours has.
+    /// Their ratio; null if only ours has an event.
     pub ratio: Option<f64>,
-    /// Interval that holds the true ratio with 95 % confidence, lower and upper end; a null upper end
-    /// has no bound.
+    /// Interval of the true ratio with 95 % confidence, lower and upper end; a null upper end is unbounded.
     pub ci95: [Option<f64>; 2],
-    /// Largest ratio that is accepted.
+    /// Largest accepted ratio.
     pub limit: f64,
-    /// Samples of ours, or its cycles.
+    /// Our samples or cycles.
     pub n: u64,
     /// Judgement.
     pub verdict: Verdict,
-    /// Why this machine is not what the goal is meant for; empty where nothing is missing.
+    /// Differences between this machine and the one that the goal is meant for.
     pub caveats: Vec<String>,
 }
 
@@ -72,11 +71,11 @@ impl Goal {
     }
 }
 
-/// Limits of a comparison: of the medians' ratio, and of that of the 99th percentiles if it has one;
-/// none of a comparison that is only shown.
+/// Limits of a comparison: of the medians' ratio and, if judged, of the 99th percentiles' ratio. `None` for a
+/// comparison that is only shown.
 fn limits(comparison: Comparison, placement: Placement) -> Option<(f64, Option<f64>)> {
     Some(match (comparison, placement) {
-        // One is the truth: how far above it a verdict would still be chance.
+        // The true ratio is 1: excess up to here may be chance.
         (Comparison::FloorItself, _) => (1.1, Some(1.5)),
         (Comparison::Message, Placement::SameCore) => (1.3, Some(1.5)),
         (Comparison::Message, Placement::TwoCores) => (1.15, Some(1.5)),
@@ -89,13 +88,12 @@ fn limits(comparison: Comparison, placement: Placement) -> Option<(f64, Option<f
     })
 }
 
-/// The goals of a comparison of two ways to hand something over. `tails` judges the 99th percentiles
-/// too, where there are enough samples.
+/// The goals of a comparison. `tails` also judges the 99th percentiles if there are enough samples.
 pub fn of_comparison(compared: &Compared, tails: bool) -> Vec<Goal> {
     let Some((p50, p99)) = limits(compared.comparison, compared.conditions.placement) else {
         return Vec::new();
     };
-    let name = |figure: &str| format!("{}, {figure}", compared.comparison.name());
+    let name = |figure: &str| format!("{}, {figure}", compared.comparison.label());
     let placement = compared.conditions.placement;
     let sessions = compared.sessions();
     let medians = statistics::medians(&sessions);
@@ -105,7 +103,7 @@ pub fn of_comparison(compared: &Compared, tails: bool) -> Vec<Goal> {
     medians.into_iter().chain(tails).collect()
 }
 
-/// Largest ratio of the chain's undesigned time to the sum of its floors.
+/// Largest ratio of a chain's software overhead to the sum of its floors.
 const CHAIN_LIMIT: f64 = 1.5;
 
 /// The goal of a chain: blocks of (net reaction time, sum of the floors), µs.
@@ -114,8 +112,8 @@ pub fn of_chain(period_us: u32, placement: Placement, blocks: &[(f64, f64)]) -> 
     statistics::paired(blocks).map(|estimate| Goal::new(name, placement, CHAIN_LIMIT, estimate))
 }
 
-/// The goal of the deadlines at 1 ms: no more misses than a process has that only sleeps and computes for as
-/// long as the law does, on the same core in the same seconds. Without a miss of ours it is met, whatever the floor's.
+/// The goal of the deadlines at 1 ms: at most the misses of a process that sleeps and computes for the law's
+/// time, on the same core during the same seconds. Without a miss of ours it is met.
 pub fn of_misses(placement: Placement, ours: Events, floor: Events) -> Option<Goal> {
     let name = "deadline misses per million at 1 ms over the floor's".to_owned();
     let goal = Goal::new(name, placement, 1.0, statistics::rates(ours, floor)?);

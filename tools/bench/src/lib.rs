@@ -1,21 +1,25 @@
-//! `timegap bench`: what the deployment costs, beside what the machine itself takes.
+//! `timegap bench`: the overhead of timegap beside the machine's own floor.
 //!
-//! In one run, under every combination of scheduling, placement and load:
+//! ```text
+//! source ─ futex, message, payload ─► sink       wake-ups: machine's floor, transport
+//! radar ─► controller ─► plant                  chain: reaction time, deadlines
+//! metronome, same seconds and core              floor of the chain
+//! ```
 //!
-//! 1. the machine's floor: lateness of absolute sleeps as cyclictest has it, and the time for one
-//!    process to wake another by futex, by eventfd and by iceoryx2's event service;
-//! 2. the transport: publish, wake and read through the services' own ports, and payloads of 64 B to
-//!    4 MiB, loaned and borrowed, bare or protected;
+//! One run measures, for each scheduling, placement and load:
+//!
+//! 1. the machine's floor: lateness of absolute sleeps as in cyclictest, and the time for one process to wake
+//!    another by futex, by eventfd and by iceoryx2's event service;
+//! 2. the transport: publish, wake and read through the services' own ports, and payloads of 64 B to 4 MiB,
+//!    loaned and borrowed, bare or protected;
 //! 3. the chain of the four services, with its reaction time and hops;
-//! 4. deadline misses of the controller with the 100-step problem in its loop at periods from 100 ms
-//!    to 1 ms, beside those of a process that sleeps and computes for as long as the law, on the same core in the
-//!    same seconds.
+//! 4. deadline misses of the controller with the 100-step problem in its loop at periods from 100 ms to 1 ms.
+//!    Beside them stand those of a process that sleeps and computes for the law's time on the same core;
+//! 5. comparisons in alternating blocks of ours and its floor, which decide the goals.
 //!
-//! 5. comparisons in alternating blocks of ours and its floor, by which the goals are judged.
-//!
-//! The figures that decide are ratios to the floor, each with its 95 % interval: an absolute time says
-//! more about the machine. A goal is met or missed only by its whole interval, and the futex is compared
-//! with itself in every run, to show that the method does not find differences where there are none.
+//! Goals are ratios to the floor with 95 % intervals, since absolute times depend on the machine. A goal is
+//! met or missed only by its whole interval. A futex compared with itself shows in each run that the method
+//! finds no difference without one.
 
 mod baseline;
 mod blocks;
@@ -63,37 +67,37 @@ use std::time::Duration;
 
 /// Length of each measurement, s.
 const FULL_S: f64 = 2.0;
-/// The same of a quick run.
+/// Length of each measurement of a quick run, s.
 const QUICK_S: f64 = 0.4;
-/// Period of the figures that the floor gives by name, µs.
+/// Period of the named floor figures, µs.
 const REFERENCE_PERIOD_US: u32 = 1_000;
 
 /// Arguments of `bench`.
 #[derive(Debug, Args)]
 pub struct BenchArguments {
-    /// Only an idle machine under the best scheduling it grants, in at most a minute; judges no p99
+    /// Measure an idle machine under the best available scheduling only, in at most a minute; judge no p99
     #[arg(long)]
     pub quick: bool,
-    /// Also compare with the alternatives: iceoryx2's own services, unix datagrams, TCP; built
-    /// with the feature "peers" also zenoh, and CycloneDDS where its library was found
+    /// Also compare with iceoryx2's own services, unix datagrams and TCP; with the feature "peers" also with
+    /// zenoh, and with CycloneDDS if its library was found
     #[arg(long)]
     pub peers: bool,
     /// Length of each measurement, s [default: 2, quick: 0.4]
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub seconds: Option<f64>,
-    /// Write the result to FILE, to compare with later
+    /// Write the result to FILE for later comparisons
     #[arg(long, value_name = "FILE")]
     pub save: Option<PathBuf>,
-    /// Compare with what --save wrote; status 1 if a ratio to the floor has grown by the factor
+    /// Compare with a file of --save; status 1 if a ratio to the floor grew by the factor
     #[arg(long, value_name = "FILE")]
     pub against: Option<PathBuf>,
-    /// Factor by which a ratio to the floor must grow to be called worse
+    /// Growth of a ratio to the floor that counts as worse
     #[arg(long, value_name = "F", default_value_t = 1.5, value_parser = factor)]
     pub factor: f64,
-    /// Where the results go, and in which form.
+    /// Directory and form of the results.
     #[command(flatten)]
     pub output: OutputOptions,
-    /// Print the result as JSON, and nothing else, on standard output
+    /// Print the result as JSON, and nothing else
     #[arg(long)]
     pub json: bool,
 }
@@ -140,7 +144,7 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
     let mut load = None;
     for cell in &cells {
         bar.set_message(table::describe(cell));
-        // Neighbours in the plan share their load.
+        // Neighbours in the plan share a load.
         if load.as_ref().is_none_or(|(kind, _)| *kind != cell.conditions.load) {
             drop(load.take());
             load = Some((cell.conditions.load, stage.load(cell.conditions.load)?));
@@ -179,14 +183,14 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
         }
         print::out(&output.places())?;
     }
-    // Printed first: a full disk does not take what was measured.
+    // Print first: a full disk must not lose the measurements.
     written?;
     let worse = changes.is_some_and(|changes| changes.iter().any(|change| change.worse));
     let missed = report.goals.iter().any(|goal| goal.verdict == Verdict::Missed);
     Ok(if worse || missed { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
-/// The report as JSON, with the comparison if there was one.
+/// The report as JSON, with the comparison if there is one.
 fn with_changes(report: &Report, changes: Option<&[Change]>) -> String {
     let mut value = serde_json::to_value(report).expect("plain data");
     if let Some(changes) = changes {
@@ -195,7 +199,7 @@ fn with_changes(report: &Report, changes: Option<&[Change]>) -> String {
     serde_json::to_string_pretty(&value).expect("plain data") + "\n"
 }
 
-/// A bar over the estimated time on a terminal; nothing elsewhere.
+/// A bar over the estimated time on a terminal; hidden elsewhere.
 fn progress_bar(whole: Duration, quiet: bool) -> ProgressBar {
     use std::io::IsTerminal;
     if quiet || !std::io::stderr().is_terminal() {
@@ -211,7 +215,7 @@ fn millis(duration: Duration) -> u64 {
     u64::try_from(duration.as_millis()).unwrap_or(u64::MAX)
 }
 
-/// A benchmark while it runs.
+/// A running benchmark.
 struct Bench<'a> {
     stage: &'a Stage,
     seconds: f64,
@@ -309,7 +313,7 @@ impl<'a> Bench<'a> {
         self.report.floor.add(row, REFERENCE_PERIOD_US);
     }
 
-    /// The percentiles of an outcome, unless the kernel did not grant what the cell asks.
+    /// The percentiles of an outcome, if the cell's conditions were granted.
     fn figure(
         &mut self,
         cell: &Cell,
@@ -340,10 +344,10 @@ impl<'a> Bench<'a> {
         let timing = chain.timing;
         let per_million =
             |misses: u64, cycles: u64| (cycles > 0).then(|| misses as f64 * 1e6 / cycles as f64);
-        // What was measured under other conditions than the row's is not its figure.
+        // Figures under other conditions than the row's are left out.
         let kept = |value: Option<u64>| value.filter(|_| chain.as_asked);
         let kept_us = |value: Option<Percentiles>| value.filter(|_| chain.as_asked);
-        // Releases that were left out are cycles that were due.
+        // Skipped releases are cycles that were due.
         let late = timing.deadline_misses.unwrap_or(0);
         let due = timing.cycles.map(|cycles| cycles.max(late));
         self.report.deadlines.push(DeadlineRow {
@@ -371,7 +375,7 @@ impl<'a> Bench<'a> {
         Ok(())
     }
 
-    /// Fills in what only the whole shows.
+    /// Adds the figures that need the whole run.
     fn finish(mut self) -> Self {
         self.report.refused = self.refused.iter().cloned().collect();
         let sums: Vec<_> = self.report.chain.iter().map(|row| self.floor_sum_us(row)).collect();

@@ -5,7 +5,7 @@ use super::setup::Load;
 use group::Error;
 use std::hint::black_box;
 
-/// Copied from one to the other: larger than caches are.
+/// Size of the copied buffers: larger than caches.
 const BUFFER_BYTES: usize = 64 << 20;
 
 /// Keeps the core busy until the process is killed.
@@ -17,7 +17,7 @@ pub fn run(load: Load) -> Result<Outcome, Error> {
         Load::Cpu => {
             let mut state = 1_u64;
             loop {
-                // A multiplication depends on the last one: the core is never waiting for memory.
+                // Each multiplication depends on the previous one: the core never waits for memory.
                 state = black_box(state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1));
             }
         }

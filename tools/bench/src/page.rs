@@ -1,5 +1,5 @@
-//! The page of a benchmark: goals with their intervals, and every distribution beside the machine's
-//! floor under the same conditions.
+//! The page of a benchmark: goals with their intervals, and each distribution beside the machine's floor under
+//! the same conditions.
 
 use super::goals::{Goal, Verdict};
 use super::results::{ChainRow, DeadlineRow, PairedRow, Passing, Report, TransportRow};
@@ -11,16 +11,16 @@ use report::print::duration;
 use report::{Distribution, distributions};
 use runtime::statistics::{Latencies, Percentiles};
 
-/// Figures of a chain that are drawn, with the floor last: name in tags, name for readers.
+/// Drawn figures of a chain, the floor last: name in tags, name for readers.
 const CHAIN: [(&str, &str); 6] = [
-    ("net_reaction", "reaction time without designed waits"),
+    ("net_reaction", "software overhead"),
     ("radar_publish", "radar publishes"),
     ("radar_transport", "controller wakes"),
     ("controller_compute", "controller computes"),
     ("command_transport", "plant wakes"),
     ("sleep-beside-chain", "floor: a process that only sleeps"),
 ];
-/// Ways to wake that are drawn, with the floor last.
+/// Drawn ways to wake, the floor last.
 const WAYS: [(&str, &str); 5] = [
     ("message", "a message through the services' ports"),
     ("iceoryx2-event", "iceoryx2 event"),
@@ -115,8 +115,7 @@ fn goals(report: &Report) -> String {
 const WIDEST: f64 = 2.0;
 const WIDEST_OF_ALL: f64 = 5.0;
 
-/// The intervals as bars, each over its goal's limit: what ends left of 1 is met, what begins right of
-/// it is missed.
+/// The intervals as bars over their limits: a bar left of 1 is met, a bar right of 1 is missed.
 fn intervals(report: &Report) -> String {
     if report.goals.is_empty() {
         return String::new();
@@ -149,7 +148,7 @@ fn intervals(report: &Report) -> String {
     format!("<div class=\"grid\">\n{}</div>\n", figure(&bands))
 }
 
-/// The intervals of the alternatives, over a message through the services' ports.
+/// Intervals of the alternatives over a message through the services' ports.
 fn peers(report: &Report) -> String {
     let peers = report.paired.iter().filter(|row| row.comparison.is_peer());
     let peers: Vec<_> = peers.filter_map(|row| Some((row, row.ci95?))).collect();
@@ -172,7 +171,7 @@ fn peers(report: &Report) -> String {
         return String::new();
     }
     let bands = Bands {
-        title: "p50 over that of a message through the services' ports, 95 % intervals".into(),
+        title: "p50 over a message through the services' ports, 95 % intervals".into(),
         x: Axis::linear("ratio", 0.0, widest),
         rows: peers.iter().map(row).collect(),
         marks: vec![Mark { x: 1.0, number: 1 }],
@@ -180,7 +179,7 @@ fn peers(report: &Report) -> String {
     format!("<div class=\"grid\">\n{}</div>\n", figure(&bands))
 }
 
-/// The distributions of every comparison: ours and its floor.
+/// Distributions of every comparison: ours and its floor.
 fn comparisons(report: &Report, histograms: &[(String, Latencies)]) -> String {
     let picture = |row: &PairedRow| {
         let name = row.comparison.name();
@@ -204,7 +203,7 @@ fn comparisons(report: &Report, histograms: &[(String, Latencies)]) -> String {
     format!("<div class=\"grid\">\n{drawn}</div>\n")
 }
 
-/// One picture for each set of conditions under which a figure of `names` was measured.
+/// One picture for each set of conditions with a measured figure of `names`.
 fn pictures(histograms: &[(String, Latencies)], title: &str, names: &[(&str, &str)]) -> String {
     let mut conditions: Vec<&str> = Vec::new();
     for (tag, _) in histograms {

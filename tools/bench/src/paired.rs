@@ -1,9 +1,8 @@
 //! Comparisons of two ways to wake a process, in alternating blocks.
 //!
-//! A comparison is made in several sessions. In each, one source and one sink hold both ways open and use them in
-//! turn: pair after pair, each a block of
-//! ours and a block of the floor in an order drawn by lot. Both processes derive that order from the
-//! same seed, so that nothing has to be said between blocks but "ready" and "done".
+//! A comparison has several sessions. In each, one source and one sink hold both ways open and use them in
+//! turn: pair after pair, each a block of ours and a block of the floor in random order. Both processes derive
+//! the order from the same seed, so that they exchange only "ready" and "done".
 
 use super::setup::{Conditions, FLAT_FROM, LARGEST, Mechanism};
 use super::statistics::Pair;
@@ -18,22 +17,22 @@ pub const PAIRS: u32 = 20;
 pub const PAIRS_IN_SESSION: u32 = 4;
 /// Counted wake-ups in a block.
 pub const WAKES: u32 = 250;
-/// First wake-ups of a block, which are not counted: the other way has the caches.
+/// First wake-ups of a block, not counted: the other way has filled the caches.
 pub const UNCOUNTED: u32 = 5;
 
-/// Sessions of a comparison: each has processes of its own, so that where their memory happens to be is drawn anew,
-/// and all comparisons take turns, so that each sees the machine at several times. What differs between sessions is
-/// most of an interval: a run that has the time makes three times as many.
+/// Number of sessions of a comparison. Each has new processes, so that their memory is placed anew. All
+/// comparisons take turns, so that each meets the machine at several times. Differences between sessions make
+/// most of an interval: a full run makes three times as many.
 pub const fn sessions(quick: bool) -> u32 {
     let fewest = PAIRS / PAIRS_IN_SESSION;
     if quick { fewest } else { 3 * fewest }
 }
 
-/// What is compared with its floor.
+/// A comparison of a mechanism with its floor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Comparison {
-    /// The futex with itself: whether the method can be believed.
+    /// The futex with itself: a control of the method.
     FloorItself,
     /// A message through the services' own ports with the futex.
     Message,
@@ -41,23 +40,23 @@ pub enum Comparison {
     Detections,
     /// The largest payload with one of 4 KiB, both loaned and borrowed.
     Payload,
-    /// iceoryx2's own event service, which hands over nothing, with a message.
+    /// iceoryx2's own event service, which carries no data, with a message.
     Iceoryx2Event,
-    /// The same message by iceoryx2's own publish-subscribe and event services with one through the
+    /// The same message by iceoryx2's own publish-subscribe and event services with a message through the
     /// services' ports.
     Iceoryx2PubSub,
-    /// The same over a unix datagram socket.
+    /// The same message over a unix datagram socket.
     UnixDatagram,
-    /// The same over TCP on the loopback device.
+    /// The same message over TCP on the loopback device.
     Tcp,
-    /// The same over zenoh with shared memory.
+    /// The same message over zenoh with shared memory.
     Zenoh,
-    /// The same over CycloneDDS.
+    /// The same message over CycloneDDS.
     CycloneDds,
 }
 
 impl Comparison {
-    /// All, in the order of the results.
+    /// All comparisons in the order of the results.
     pub const ALL: [Self; 10] = [
         Self::FloorItself,
         Self::Message,
@@ -71,7 +70,7 @@ impl Comparison {
         Self::CycloneDds,
     ];
 
-    /// Whether it is with what a user would take instead: shown, and no goal.
+    /// Whether it compares with an alternative: shown, but no goal.
     pub const fn is_peer(self) -> bool {
         match self {
             Self::FloorItself | Self::Message | Self::Detections | Self::Payload => false,
@@ -84,7 +83,7 @@ impl Comparison {
         }
     }
 
-    /// What is compared with what.
+    /// Names of the two sides, also in tags of histograms.
     pub const fn name(self) -> &'static str {
         match self {
             Self::FloorItself => "futex over itself",
@@ -97,6 +96,14 @@ impl Comparison {
             Self::Tcp => "TCP on loopback over message",
             Self::Zenoh => "zenoh over message",
             Self::CycloneDds => "CycloneDDS over message",
+        }
+    }
+
+    /// Name in tables and goals.
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::FloorItself => "control: futex against itself, should be 1.00",
+            other => other.name(),
         }
     }
 
@@ -126,12 +133,12 @@ pub struct Blocks {
     pub pairs: u32,
     /// Counted wake-ups in a block.
     pub wakes: u32,
-    /// Decides the order inside the pairs.
+    /// Seed of the order inside the pairs.
     pub seed: u64,
 }
 
 impl Blocks {
-    /// The arm of each block, 0 for ours and 1 for the floor: both once in every pair.
+    /// The arm of each block, 0 for ours and 1 for the floor; each once in every pair.
     pub fn order(&self) -> Vec<usize> {
         let mut random = Pcg64::new(self.seed.into(), 17);
         random.next_u64();
@@ -139,7 +146,7 @@ impl Blocks {
         (0..self.pairs).flat_map(pair).collect()
     }
 
-    /// The blocks' samples, in their order, as pairs.
+    /// The samples of the blocks in order, as pairs.
     pub fn paired(&self, blocks: Vec<Vec<u32>>) -> Vec<Pair> {
         let order = self.order();
         let mut blocks = blocks.into_iter().zip(order);
@@ -152,12 +159,12 @@ impl Blocks {
     }
 }
 
-/// A comparison that was made.
+/// A finished comparison.
 #[derive(Clone, Debug)]
 pub struct Compared {
-    /// What was compared.
+    /// The compared sides.
     pub comparison: Comparison,
-    /// Under which conditions.
+    /// The conditions.
     pub conditions: Conditions,
     /// Time between two wake-ups, µs.
     pub period_us: u32,

@@ -1,4 +1,4 @@
-//! The processes that a benchmark measures: this program again, with one job.
+//! The measured processes: this program again, with one job.
 
 use super::load;
 use super::outcome::Outcome;
@@ -20,61 +20,61 @@ use std::sync::atomic::Ordering;
 
 /// States of the metronome.
 pub mod metronome {
-    /// Ticks, counts nothing.
+    /// Ticks without counting.
     pub const WARM: u32 = 0;
     /// Counts.
     pub const COUNT: u32 = 1;
-    /// Reports and goes.
+    /// Reports and ends.
     pub const STOP: u32 = 2;
 }
 
-/// First wake-ups, which are not counted: pages and caches are still cold.
+/// First wake-ups, not counted: pages and caches are still cold.
 const WARM_UP: u64 = 10;
 
-/// What a process is to do.
+/// The task of a process.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub enum Task {
-    /// Sleeps by absolute instants and counts its lateness.
+    /// Sleeps until absolute instants and records its lateness.
     Metronome,
-    /// Wakes the sink so many times.
+    /// Wakes the sink this many times.
     Source(Mechanism, u64),
-    /// Is woken.
+    /// Waits for wake-ups.
     Sink(Mechanism),
-    /// Wakes the sink by two ways in turn.
+    /// Wakes the sink in two ways in turn.
     PairedSource(Blocks),
-    /// Is woken by two ways in turn, and writes the samples of every block to [`BLOCKS_FILE`].
+    /// Waits for wake-ups of two kinds, and writes the samples of every block to [`BLOCKS_FILE`].
     PairedSink(Blocks),
     /// Keeps the core busy.
     Load(Load),
 }
 
-/// A job: a task with its place.
+/// A job: a task with its core and priority.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Job {
     pub task: Task,
-    /// The process that must outlive it.
+    /// Parent process; the job ends with it.
     pub parent: u32,
-    /// Name of the page of words.
+    /// Name of the shared page of words.
     pub page: String,
-    /// Priority under `SCHED_FIFO`; none for the time-sharing default.
+    /// Priority under `SCHED_FIFO`; `None` for time-sharing.
     pub priority: Option<u8>,
     pub core: usize,
     pub period_ns: i64,
 }
 
-/// File below the stage's root that holds the samples of all blocks.
+/// File below the stage's root with the samples of all blocks.
 pub const BLOCKS_FILE: &str = "bench-blocks.json";
 
-/// Why a process of the benchmark cannot begin.
+/// Why a process of the benchmark cannot start.
 #[derive(Debug, thiserror::Error)]
 pub enum PeerError {
-    /// Its argument is no job.
+    /// Its argument is not a job.
     #[error("a process of `timegap bench`: {0}")]
     Job(#[source] serde_json::Error),
     /// It would outlive the benchmark.
     #[error("cannot follow the parent process: {0}")]
     Parent(#[source] Errno),
-    /// The page of words cannot be had.
+    /// The page of words cannot be opened.
     #[error("cannot share memory: {0}")]
     Page(#[source] io::Error),
 }
@@ -123,8 +123,8 @@ pub fn page(name: &str) -> Result<SharedWords, PeerError> {
     SharedWords::map(name).map_err(PeerError::Page)
 }
 
-/// Counts like the control loop: a release that is over is left out, and its lateness counts from its own
-/// scheduled instant.
+/// Counts like the control loop: a release in the past is skipped, and lateness counts from each scheduled
+/// instant.
 fn metronome_job(job: &Job) -> Result<Outcome, Error> {
     let page = page(&job.page)?;
     let granted = schedule(job);
@@ -172,8 +172,8 @@ fn source(job: &Job, root: &Path, mechanism: Mechanism, count: u64) -> Result<Ou
     Ok(Outcome::of_cycles(granted, count))
 }
 
-/// The instant of the next wake-up. A source that was late leaves out what it missed: it is the way to
-/// the sink that counts.
+/// The instant of the next wake-up. A late source skips missed ones, since only the way to the sink is
+/// measured.
 fn following(last: i64, period_ns: i64) -> i64 {
     let over = (monotonic_ns() - last).max(0) / period_ns;
     last + (over + 1) * period_ns
@@ -181,7 +181,7 @@ fn following(last: i64, period_ns: i64) -> i64 {
 
 fn paired_source(job: &Job, root: &Path, blocks: Blocks) -> Result<Outcome, Error> {
     let page = page(&job.page)?;
-    // First, so that the threads of a library that is compared run as this one does.
+    // First, so that the threads of a compared library inherit it.
     let granted = schedule(job);
     let mut source = Source::open(&blocks.arms, root, &page)?;
     let mut cycles = 0;
@@ -214,7 +214,7 @@ fn paired_sink(job: &Job, root: &Path, blocks: Blocks) -> Result<Outcome, Error>
     for (number, arm) in (1_u32..).zip(blocks.order()) {
         let mut samples: Vec<u32> = Vec::with_capacity(blocks.wakes as usize);
         let mut came = 0;
-        // What an earlier block left in a buffer is older than this.
+        // Leftovers of an earlier block in a buffer are older than this.
         let begun = monotonic_ns();
         page.word(words::BLOCK_READY).store(number, Ordering::Release);
         loop {
@@ -229,7 +229,7 @@ fn paired_sink(job: &Job, root: &Path, blocks: Blocks) -> Result<Outcome, Error>
                     }
                 }
             })?;
-            // What overflowed while the sink was stalled does not come any more.
+            // Messages that overflowed during a stall of the sink are lost.
             if came >= due || (was_done && came == before) {
                 break;
             }
@@ -261,7 +261,7 @@ fn sink(job: &Job, root: &Path, mechanism: Mechanism) -> Result<Outcome, Error> 
             }
         })?;
         let done = page.word(words::DONE).load(Ordering::Acquire);
-        // What overflowed while the sink was stalled does not come any more.
+        // Messages that overflowed during a stall of the sink are lost.
         let last = cycles + 1 >= u64::from(done) || (was_done && cycles == before);
         if done != 0 && last {
             let misses = u64::from(done - 1).saturating_sub(cycles);

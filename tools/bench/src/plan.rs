@@ -1,22 +1,22 @@
-//! What is measured, under which conditions, in which order.
+//! Measurements, their conditions and their order.
 
 use super::middleware::missing;
 use super::paired::{Comparison, PAIRS, PAIRS_IN_SESSION, UNCOUNTED, WAKES, sessions};
 use super::setup::{Conditions, FLAT_FROM, LARGEST, Load, Mechanism, Placement, Scheduling};
 use std::time::Duration;
 
-/// One thing to measure.
+/// A measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
     /// Jitter of absolute sleeps.
     Sleep,
-    /// From before the sender's first act until the receiver has what was sent.
+    /// From before the sender's first action until the receiver has the message.
     Wake(Mechanism),
     /// The four services with the 100-step problem in their loop.
     Chain,
 }
 
-/// One thing to measure under its conditions.
+/// A measurement under its conditions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cell {
     pub measure: Measure,
@@ -26,7 +26,7 @@ pub struct Cell {
 
 /// Periods of the controller, µs.
 pub const CONTROLLER_PERIODS_US: [u32; 7] = [100_000, 50_000, 20_000, 10_000, 5_000, 2_000, 1_000];
-/// Sizes of the payloads, bytes; those from [`FLAT_FROM`] on take the same time.
+/// Sizes of the payloads, bytes; from [`FLAT_FROM`] on the time is constant.
 pub const PAYLOAD_BYTES: [usize; 8] =
     [64, 1 << 10, FLAT_FROM, 1 << 14, 1 << 16, 1 << 18, 1 << 20, LARGEST];
 /// Sizes of the payloads of a quick run, bytes.
@@ -35,11 +35,11 @@ const QUICK_PAYLOAD_BYTES: [usize; 3] = [64, FLAT_FROM, LARGEST];
 const WAKE_PERIOD_US: u32 = 1_000;
 /// Period of a quick run's comparisons, µs.
 const QUICK_WAKE_PERIOD_US: u32 = 330;
-/// The longer period of the wake-up measurements, at which caches are cold, µs.
+/// Longer period of the wake-up measurements, with cold caches, µs.
 pub const COLD_PERIOD_US: u32 = 10_000;
 
 impl Cell {
-    /// Time that it will take if each measurement lasts `seconds`.
+    /// Duration if each measurement lasts `seconds`.
     pub fn estimate(&self, seconds: f64) -> Duration {
         let overhead_s = match self.measure {
             Measure::Chain => 0.25,
@@ -49,8 +49,8 @@ impl Cell {
     }
 }
 
-/// What is compared in alternating blocks, on so many cores, and the time between two wake-ups, µs: a
-/// quick run wakes more often.
+/// Comparisons in alternating blocks on `cores` cores, and the time between two wake-ups, µs. A quick run
+/// wakes more often.
 pub fn comparisons(
     quick: bool,
     peers: bool,
@@ -72,7 +72,7 @@ pub fn comparisons(
     conditions(cores).filter(best).flat_map(of).collect()
 }
 
-/// Peers that this build cannot compare with, each with the reason.
+/// Peers that this build lacks, each with the reason.
 pub fn not_compared() -> Vec<String> {
     let peers = Comparison::ALL.into_iter().filter(|comparison| comparison.is_peer());
     let reason = |comparison: Comparison| {
@@ -82,21 +82,21 @@ pub fn not_compared() -> Vec<String> {
     peers.filter_map(reason).collect()
 }
 
-/// Time that a comparison takes.
+/// Duration of a comparison.
 pub fn comparison_estimate(quick: bool, period_us: u32) -> Duration {
     sessions(quick) * session_estimate(period_us)
 }
 
-/// Time that a session of it takes.
+/// Duration of a session of it.
 pub fn session_estimate(period_us: u32) -> Duration {
     let wakes = 2 * PAIRS_IN_SESSION * (WAKES + UNCOUNTED);
     Duration::from_micros(u64::from(wakes) * u64::from(period_us)) + Duration::from_millis(150)
 }
 
-/// A chain that runs in blocks beside its floors.
+/// A chain in blocks beside its floors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChainBlocks {
-    /// Under which conditions.
+    /// The conditions.
     pub conditions: Conditions,
     /// Period of perception and controller, µs.
     pub period_us: u32,
@@ -107,7 +107,7 @@ pub struct ChainBlocks {
 }
 
 impl ChainBlocks {
-    /// Time that the blocks take, with the start of each group and the futex beside it.
+    /// Duration of the blocks, with the start of each group and the futex beside it.
     pub fn estimate(&self) -> Duration {
         let futex_s = f64::from(CHAIN_WAKES * self.period_us) / 1e6;
         Duration::from_secs_f64(f64::from(self.blocks) * (self.block_s + futex_s + 0.3))
@@ -117,7 +117,7 @@ impl ChainBlocks {
 /// Wake-ups of the futex block beside each block of a chain.
 pub const CHAIN_WAKES: u32 = 100;
 
-/// The chains that run in blocks: at 1 ms, in a quick run on one core only.
+/// The chains in blocks: at 1 ms; in a quick run on one core only.
 pub fn chain_blocks(quick: bool, cores: usize, reference: Scheduling) -> Vec<ChainBlocks> {
     let best = |conditions: &Conditions| {
         conditions.load == Load::Idle && conditions.scheduling == reference
@@ -129,8 +129,8 @@ pub fn chain_blocks(quick: bool, cores: usize, reference: Scheduling) -> Vec<Cha
     conditions(cores).filter(best).take(placements).map(blocks_of).collect()
 }
 
-/// The cells of a run on so many cores. `quick` leaves out all conditions but an idle machine under
-/// `reference`, the best scheduling that the kernel grants.
+/// The cells of a run on `cores` cores. `quick` keeps only an idle machine under `reference`, the best
+/// scheduling that the kernel grants.
 pub fn cells(quick: bool, cores: usize, reference: Scheduling) -> Vec<Cell> {
     let mut cells = Vec::new();
     for conditions in conditions(cores) {
@@ -188,7 +188,7 @@ mod tests {
     #[test]
     fn the_full_matrix_has_every_cell_once() {
         let cells = cells(false, 2, Scheduling::Fifo);
-        // Sleep, four kinds of waking, the cold futex; payloads bare and protected; seven periods.
+        // Sleep, four ways of waking, the cold futex; payloads bare and protected; seven periods.
         assert_eq!(cells.len(), 2 * 2 * 3 * (1 + 4 + 1 + 2 * PAYLOAD_BYTES.len() + 7));
         for (k, cell) in cells.iter().enumerate() {
             assert!(!cells[..k].contains(cell), "{cell:?} twice");

@@ -1,4 +1,4 @@
-//! `bench.json`: stable names for what was measured. A figure that could not be had is null.
+//! `bench.json`: stable names for the measurements. A figure that is not available is null.
 
 use super::goals::Goal;
 use super::paired::{Compared, Comparison};
@@ -9,7 +9,7 @@ use runtime::report::Hops;
 use runtime::statistics::Percentiles;
 use serde::{Deserialize, Serialize};
 
-/// A whole benchmark.
+/// A benchmark.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Report {
     pub schema_version: u32,
@@ -17,22 +17,22 @@ pub struct Report {
     pub quick: bool,
     /// Length of each measurement, s.
     pub seconds: f64,
-    /// What the kernel did not grant, in its words.
+    /// Requests that the kernel refused, with its reasons.
     pub refused: Vec<String>,
     pub floor: Floor,
     pub transport_us: Vec<TransportRow>,
     pub chain: Vec<ChainRow>,
     pub deadlines: Vec<DeadlineRow>,
-    /// Comparisons in alternating blocks, which the goals are judged by.
+    /// Comparisons in alternating blocks, which decide the goals.
     #[serde(skip_deserializing)]
     pub paired: Vec<PairedRow>,
-    /// Peers that this build has not, each with the reason.
+    /// Peers that this build lacks, each with the reason.
     #[serde(default)]
     pub not_compared: Vec<String>,
-    /// What is promised, with its interval and verdict.
+    /// Goals with interval and verdict.
     #[serde(skip_deserializing)]
     pub goals: Vec<Goal>,
-    /// What keeps this machine from being the one that the goals are meant for.
+    /// Differences between this machine and the one that the goals are meant for.
     #[serde(default)]
     pub caveats: Vec<String>,
 }
@@ -40,9 +40,9 @@ pub struct Report {
 /// A comparison of two ways to wake, block by block.
 #[derive(Clone, Debug, Serialize)]
 pub struct PairedRow {
-    /// What was compared with what.
+    /// The compared sides.
     pub comparison: Comparison,
-    /// Under which conditions.
+    /// The conditions.
     #[serde(flatten)]
     pub conditions: Conditions,
     /// Time between two wake-ups, µs.
@@ -80,8 +80,7 @@ impl PairedRow {
     }
 }
 
-/// What the machine itself takes. The named figures are those of an idle machine under `SCHED_FIFO`
-/// at 1 kHz.
+/// The machine's floor. The named figures are of an idle machine under `SCHED_FIFO` at 1 kHz.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Floor {
     /// Lateness of absolute sleeps.
@@ -98,7 +97,7 @@ pub struct ByPlacement {
     pub two_cores: Option<Percentiles>,
 }
 
-/// What a floor row measures.
+/// Measurement of a floor row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FloorMeasure {
@@ -117,15 +116,15 @@ pub struct FloorRow {
     pub us: Option<Percentiles>,
 }
 
-/// What is handed over.
+/// Kind of hand-over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Passing {
     /// A message of the services, protected and checked.
     Message,
-    /// Bytes that neither end touches.
+    /// Bytes that neither end reads or writes.
     Bare,
-    /// Bytes that are written, protected and checked where they are.
+    /// Bytes that are written, protected and checked in place.
     Protected,
 }
 
@@ -136,10 +135,10 @@ pub struct TransportRow {
     pub period_us: u32,
     pub bytes: usize,
     pub passing: Passing,
-    /// Bytes that were copied for each one, between the sender's writing and the reader's reading.
+    /// Bytes copied for each message between the sender's writing and the reader's reading.
     #[serde(default)]
     pub copied_bytes: Option<f64>,
-    /// Sent and never received.
+    /// Messages sent and never received.
     pub lost: Option<u64>,
     pub us: Option<Percentiles>,
 }
@@ -151,10 +150,10 @@ pub struct ChainRow {
     pub period_us: u32,
     pub reaction_time_us: Option<Percentiles>,
     pub designed_wait_us: Option<Percentiles>,
-    /// Reaction time without its designed waits.
+    /// Software overhead: reaction time without radar latency and waits for the next period.
     pub net_reaction_us: Option<Percentiles>,
-    /// Sum of the medians of what the machine and the law take: two absolute sleeps (radar and plant),
-    /// a futex wake-up at this period, the law. Null where the futex was not measured at this period.
+    /// Sum of the medians of the floors: two absolute sleeps (radar and plant), a futex wake-up at this
+    /// period, the law. Null without a futex measurement at this period.
     pub floor_sum_us: Option<f64>,
     pub hops_us: Hops,
     pub solve_us: Option<Percentiles>,
@@ -170,8 +169,8 @@ pub struct DeadlineRow {
     pub cycles: Option<u64>,
     pub misses: Option<u64>,
     pub misses_per_million: Option<f64>,
-    /// Of a process that sleeps and computes for as long as the law, on the controller's core, during the same
-    /// seconds.
+    /// Cycles of a process that sleeps and computes for the law's time, on the controller's core during the
+    /// same seconds.
     pub floor_cycles: Option<u64>,
     pub floor_misses: Option<u64>,
     pub floor_misses_per_million: Option<f64>,
@@ -196,7 +195,7 @@ impl Report {
 }
 
 impl Floor {
-    /// Keeps a row, and its figure under its name if it is of the reference conditions.
+    /// Adds a row, and its named figure if the conditions are the reference.
     pub fn add(&mut self, row: FloorRow, reference_period_us: u32) {
         let Conditions { placement, scheduling, load } = row.conditions;
         let reference = scheduling == Scheduling::Fifo && load == Load::Idle;

@@ -1,8 +1,8 @@
-//! What wakes what in a measurement, and under which conditions.
+//! Mechanisms and conditions of a measurement.
 
 use serde::{Deserialize, Serialize};
 
-/// Scheduling of what is measured.
+/// Scheduling of the measured processes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Scheduling {
@@ -12,7 +12,7 @@ pub enum Scheduling {
     Other,
 }
 
-/// Cores of what is measured.
+/// Cores of the measured processes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Placement {
@@ -22,15 +22,15 @@ pub enum Placement {
     TwoCores,
 }
 
-/// What else the machine does meanwhile.
+/// Load of the machine during a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Load {
-    /// Nothing of ours.
+    /// No load of ours.
     Idle,
-    /// A process that computes on every core.
+    /// A computing process on every core.
     Cpu,
-    /// A process that copies memory on every core.
+    /// A memory-copying process on every core.
     Memory,
 }
 
@@ -59,11 +59,11 @@ pub struct Conditions {
     pub load: Load,
 }
 
-/// How one process wakes another, and what it hands over.
+/// Mechanism of a wake-up, with its data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Mechanism {
-    /// A word in shared memory, and nothing more: the floor.
+    /// A word in shared memory without data: the floor.
     Futex,
     /// A counter in the kernel.
     Eventfd,
@@ -73,30 +73,30 @@ pub enum Mechanism {
     Message,
     /// The largest message through the services' own ports: the radar's detections.
     Detections,
-    /// A payload of so many bytes, loaned and borrowed.
+    /// A payload of this many bytes, loaned and borrowed.
     Payload(usize),
-    /// The same, written, protected and checked where it is.
+    /// The same, written, protected and checked in place.
     ProtectedPayload(usize),
     /// The radar's tracks by iceoryx2's own publish-subscribe and event services.
     Iceoryx2PubSub,
-    /// The same over a unix datagram socket.
+    /// The radar's tracks over a unix datagram socket.
     UnixDatagram,
-    /// The same over TCP on the loopback device.
+    /// The radar's tracks over TCP on the loopback device.
     Tcp,
-    /// The same over zenoh with shared memory.
+    /// The radar's tracks over zenoh with shared memory.
     Zenoh,
-    /// The same over CycloneDDS.
+    /// The radar's tracks over CycloneDDS.
     CycloneDds,
 }
 
 impl Mechanism {
-    /// Those that hand over the radar's tracks without the services' ports.
+    /// Mechanisms that carry the radar's tracks without the services' ports.
     #[cfg(test)]
     pub const PEERS: [Self; 5] =
         [Self::Iceoryx2PubSub, Self::UnixDatagram, Self::Tcp, Self::Zenoh, Self::CycloneDds];
 }
 
-/// Size from which on a hand-over takes the same time, bytes: what is larger is not copied.
+/// Size from which on a hand-over takes constant time, bytes: larger ones are not copied.
 pub const FLAT_FROM: usize = 4 << 10;
 /// Size of the largest payload, bytes.
 pub const LARGEST: usize = 4 << 20;

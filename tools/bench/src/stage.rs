@@ -1,4 +1,4 @@
-//! Where measurements take place: a run's root of their own, with the processes on it.
+//! The stage of measurements: a run's root of their own, with the processes on it.
 
 use super::middleware;
 use super::outcome::Outcome;
@@ -19,28 +19,28 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Priorities, as a group's services have them: the source runs before the sink.
+/// Priorities as of a group's services: the source runs before the sink.
 const SOURCE_PRIORITY: u8 = 81;
 const SINK_PRIORITY: u8 = 80;
-/// The metronome goes before every service: it sees the machine and nothing of ours.
+/// The metronome has the highest priority: it measures the machine without our processes.
 const METRONOME_PRIORITY: u8 = 90;
-/// Time after which a process that should have been ready is given up.
+/// Time for a process to become ready.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// Time between two looks at a process that will end by itself.
+/// Time between two looks at a process that ends by itself.
 const LOOK: Duration = Duration::from_millis(2);
 /// Shared memory for the largest payloads, bytes.
 const ROOM: u64 = 64 << 20;
 
-/// Why a measurement did not take place.
+/// Why a measurement failed.
 #[derive(Debug, thiserror::Error)]
 pub enum StageError {
     /// A process cannot be started.
     #[error("cannot start a process: {0}")]
     Spawn(#[source] io::Error),
-    /// The counter that one process wakes another by cannot be made.
+    /// The counter for wake-ups cannot be created.
     #[error("no eventfd: {0}")]
     Eventfd(#[source] Errno),
-    /// The counter cannot be handed to a process.
+    /// The counter cannot be passed to a process.
     #[error("{0}")]
     Counter(#[source] io::Error),
     /// A process cannot be waited for or read.
@@ -49,15 +49,15 @@ pub enum StageError {
     /// A process ended without an outcome.
     #[error("a process of the benchmark failed ({status}): {wrote}")]
     Failed {
-        /// How it ended.
+        /// Exit status or signal.
         status: ExitStatus,
-        /// What it wrote to its standard error.
+        /// Its standard error.
         wrote: String,
     },
     /// A sink ended before its source.
     #[error("a process of the benchmark failed")]
     NoSink,
-    /// The samples that a sink wrote cannot be read.
+    /// The samples of a sink cannot be read.
     #[error("the samples of a comparison: {0}")]
     Samples(#[source] serde_json::Error),
     /// The metronome does not tick in time.
@@ -71,7 +71,7 @@ impl Failure for StageError {
     }
 }
 
-/// A process of the benchmark; killed with its handle.
+/// A process of the benchmark, killed with its handle.
 #[derive(Debug)]
 pub struct Peer {
     child: Child,
@@ -79,7 +79,7 @@ pub struct Peer {
 }
 
 impl Peer {
-    /// Whether it has ended, and if so, whether with success.
+    /// Whether it has ended and, if so, whether successfully.
     fn ended(&mut self) -> Option<bool> {
         self.child.try_wait().ok().flatten().map(|status| status.success())
     }
@@ -87,7 +87,7 @@ impl Peer {
     /// The outcome of its job, once it has ended.
     pub fn finish(mut self) -> Result<Outcome, Error> {
         let status = loop {
-            // What it prints fits into a pipe, so that it ends without being read.
+            // Its output fits into a pipe, so that it ends without being read.
             if let Some(status) = self.child.try_wait().map_err(StageError::Lost)? {
                 break status;
             }
@@ -110,13 +110,13 @@ impl Peer {
 
 impl Drop for Peer {
     fn drop(&mut self) {
-        // Ours; where it has ended, there is nothing to kill and nothing to wait for.
+        // Its own child; after its end this does nothing.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-/// The group of a benchmark: realtime, without an end, nothing that restarts.
+/// The group of a benchmark: realtime, without an end and without restarts.
 pub(crate) fn group_below(root: &RunRoot) -> Group {
     Group {
         root: root.path().to_owned(),
@@ -179,7 +179,7 @@ impl Stage {
         self.cores.iter().map(|&core| self.spawn(Task::Load(load), None, core, 1, None)).collect()
     }
 
-    /// Lets a source wake a sink so many times. Returns the sink's outcome.
+    /// Lets a source wake a sink this many times. Returns the sink's outcome.
     pub fn wake(
         &self,
         mechanism: Mechanism,
@@ -221,8 +221,7 @@ impl Stage {
         Ok((sink.finish()?, source))
     }
 
-    /// One session of a comparison of two ways to wake, block by block; none where the kernel did not grant
-    /// the scheduling.
+    /// One session of a comparison, block by block; `None` if the kernel refused the scheduling.
     pub fn compare(
         &self,
         comparison: Comparison,
@@ -254,7 +253,7 @@ impl Stage {
         Ok(Some(Compared { comparison, conditions, period_us, lost, pairs }))
     }
 
-    /// Starts a metronome on the core of the placement's sink; it ticks, and does not count yet.
+    /// Starts a metronome on the core of the placement's sink; it ticks without counting.
     pub fn metronome(
         &self,
         conditions: Conditions,
@@ -340,7 +339,7 @@ impl Drop for Stage {
     }
 }
 
-/// A process that does nothing but come back in time, while others do more.
+/// A process that only wakes up in time, as a reference for others.
 #[derive(Debug)]
 pub struct Metronome<'a> {
     stage: &'a Stage,
@@ -348,7 +347,7 @@ pub struct Metronome<'a> {
 }
 
 impl Metronome<'_> {
-    /// Lets it count, or not.
+    /// Starts or stops counting.
     pub fn count(&self, counts: bool) {
         let state = if counts { metronome::COUNT } else { metronome::WARM };
         self.stage.page.word(words::METRONOME).store(state, Ordering::Relaxed);

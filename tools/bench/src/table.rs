@@ -43,7 +43,7 @@ pub fn tag(cell: &Cell) -> String {
     format!("{}:{}us", in_words(&cell.conditions).replace(' ', ":"), cell.period_us)
 }
 
-/// The whole report.
+/// The report.
 pub fn report(report: &Report) -> String {
     let mut text = format!(
         "{} cores, Linux {}{}, {} s each\n",
@@ -150,7 +150,7 @@ fn comparisons(report: &Report, text: &mut String) {
     for row in &report.paired {
         let p50 = |us: Option<Percentiles>| number(us.map(|p| p.p50));
         table.row([
-            format!("{}, {}", row.comparison.name(), in_words(&row.conditions)),
+            format!("{}, {}", row.comparison.label(), in_words(&row.conditions)),
             p50(row.ours_us),
             p50(row.floor_us),
             ratio(row.ratio),
@@ -190,7 +190,7 @@ fn goals(report: &Report, text: &mut String) {
     line(text, &format!("verdict: {met} met, {missed} missed, {undecided} undecided{caveats}"));
 }
 
-/// A ratio; one without a bound has no number.
+/// A ratio; infinity if unbounded.
 pub fn ratio(value: Option<f64>) -> String {
     value.map_or_else(|| "∞".into(), |value| format!("{value:.2}"))
 }
@@ -200,7 +200,7 @@ pub fn interval([low, high]: [Option<f64>; 2]) -> String {
     format!("{} to {}", ratio(low), ratio(high))
 }
 
-/// The comparison with an earlier report: what is worse, and how much was compared.
+/// The comparison with an earlier report: worse figures, and the number of compared ones.
 pub fn changes(changes: &[Change], factor: f64) -> String {
     let mut text = String::new();
     let worse: Vec<_> = changes.iter().filter(|change| change.worse).collect();

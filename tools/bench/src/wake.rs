@@ -1,8 +1,7 @@
 //! The two ends of each way to wake a process.
 //!
-//! Every wake-up carries the instant before the sender's first act, so that a sink that was stalled
-//! is charged for each wake-up that it came late to. An end may hold several ways open and use one
-//! after the other; ways of the same mechanism are one.
+//! Every wake-up carries the instant before the sender's first action, so that a stalled sink is charged for
+//! each late wake-up. An end may hold several ways open and use them in turn; equal mechanisms share one.
 
 use super::middleware::{self, MiddlewareError, Receiving, Sending};
 use super::setup::Mechanism;
@@ -21,18 +20,18 @@ use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-/// Longest wait before the sink looks whether the source is done.
+/// Longest wait before the sink checks whether the source has ended.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Why a wake-up failed.
 #[derive(Debug, thiserror::Error)]
 pub enum WakeError {
-    /// This build does not have the mechanism.
+    /// This build lacks the mechanism.
     #[error("{mechanism:?} cannot be measured: {why}")]
     Missing {
-        /// What was asked for.
+        /// The requested mechanism.
         mechanism: Mechanism,
-        /// What it was built without.
+        /// The missing part.
         why: &'static str,
     },
     /// The kernel does not wake the sink.
@@ -44,7 +43,7 @@ pub enum WakeError {
     /// A port of ours failed.
     #[error(transparent)]
     Port(#[from] RuntimeError),
-    /// A port of other origin failed.
+    /// Another transport failed.
     #[error(transparent)]
     Middleware(#[from] MiddlewareError),
 }
@@ -63,7 +62,7 @@ pub struct Source<'a> {
     page: &'a SharedWords,
     sent: u32,
     ways: Vec<(Mechanism, SourceWay)>,
-    /// After the ports that need it.
+    /// Dropped after the ports that need it.
     _probe: Option<Probe>,
 }
 
@@ -92,7 +91,7 @@ fn distinct(mechanisms: &[Mechanism]) -> Vec<Mechanism> {
     distinct
 }
 
-/// The probe that mechanisms with ports of ours need.
+/// The probe for mechanisms with our ports.
 fn probe(mechanisms: &[Mechanism], root: &Path, name: &str) -> Result<Option<Probe>, WakeError> {
     let ours = |mechanism: &Mechanism| {
         use Mechanism::{Detections, Iceoryx2Event, Message, Payload, ProtectedPayload};
@@ -101,7 +100,7 @@ fn probe(mechanisms: &[Mechanism], root: &Path, name: &str) -> Result<Option<Pro
     if mechanisms.iter().any(ours) { join(root, name).map(Some) } else { Ok(None) }
 }
 
-/// A mechanism that this build has not was asked for.
+/// The error of a mechanism that this build lacks.
 fn missing(mechanism: Mechanism) -> WakeError {
     WakeError::Missing { mechanism, why: middleware::missing(mechanism).unwrap_or("unknown") }
 }
@@ -121,7 +120,7 @@ impl<'a> Source<'a> {
     ) -> Result<Self, WakeError> {
         let probe = probe(mechanisms, root, "bench-source")?;
         let needed = || probe.as_ref().expect("made for every mechanism with a port");
-        // A reader accepts messages of the group's members alone.
+        // A reader accepts messages of group members only.
         let member = || enroll(root, Service::PerceptionSim, 0, std::process::id());
         let mut ways = Vec::new();
         for mechanism in distinct(mechanisms) {
@@ -164,7 +163,7 @@ impl<'a> Source<'a> {
                 port.send_with(|message| message.header = header)?;
             }
             Some((_, SourceWay::Detections(port))) => {
-                // As the radar does: what an earlier scan has written is there, and valid.
+                // Like the radar: the message still holds an earlier, valid scan.
                 let mut message = port.loan_used()?;
                 message.header = header;
                 message.count = MAX_DETECTIONS as u64;
@@ -188,7 +187,7 @@ impl<'a> Source<'a> {
         Ok(())
     }
 
-    /// Lets a sink that waits without a timeout look again.
+    /// Wakes a sink that waits without a timeout, so that it checks for the end.
     pub fn wake_for_the_end(&self, by: Mechanism) -> Result<(), WakeError> {
         self.ring(by)
     }
@@ -223,7 +222,7 @@ pub struct Sink<'a> {
     page: &'a SharedWords,
     seen: u32,
     ways: Vec<(Mechanism, SinkWay)>,
-    /// After the ports that need it; messages are waited for through it.
+    /// Dropped after the ports that need it; messages are waited for through it.
     probe: Option<Probe>,
 }
 
@@ -273,12 +272,12 @@ impl<'a> Sink<'a> {
         Ok(Self { page, seen: 0, ways, probe })
     }
 
-    /// Bytes that were copied so far to take messages out of shared memory.
+    /// Bytes copied so far to take messages out of shared memory.
     pub fn copied_bytes(&self) -> u64 {
         let copied = self.ways.iter().map(|(_, way)| match way {
             SinkWay::Message(port) => port.copied_bytes(),
             SinkWay::Detections(port) => port.copied_bytes(),
-            // Borrowed, or no message.
+            // Borrowed, or not a message.
             SinkWay::Payload(_)
             | SinkWay::Futex
             | SinkWay::Eventfd
@@ -288,7 +287,7 @@ impl<'a> Sink<'a> {
         copied.sum()
     }
 
-    /// Waits once, and hands the stamp of each new wake-up to `each`.
+    /// Waits once, and calls `each` with the stamp of each new wake-up.
     pub fn wait(&mut self, by: Mechanism, mut each: impl FnMut(i64)) -> Result<(), WakeError> {
         let probe = || self.probe.as_ref().expect("opened with the port");
         match self.ways.iter_mut().find(|(mechanism, _)| *mechanism == by) {

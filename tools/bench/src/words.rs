@@ -1,4 +1,4 @@
-//! Places in the page of words that the processes of a measurement share.
+//! Words that the processes of a measurement share.
 
 /// Wake-ups so far; the futex.
 pub const COUNT: usize = 0;
@@ -6,7 +6,7 @@ pub const COUNT: usize = 0;
 pub const READY: usize = 16;
 /// Number of the block that the sink waits for, from 1.
 pub const BLOCK_READY: usize = 24;
-/// Wake-ups in all, plus 1, once the source has done them.
+/// Number of all wake-ups plus 1, once the source has finished.
 pub const DONE: usize = 32;
 /// Number of the block that the source has ended, from 1.
 pub const BLOCK_DONE: usize = 40;

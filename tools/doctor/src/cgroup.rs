@@ -1,22 +1,22 @@
-//! What the control groups above this process take away: processor time, real-time time, memory.
+//! Limits of this process's control groups: processor time, real-time time, memory.
 
 use super::finding::Finding;
 
 /// A limit in a file of a control group.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Limit {
-    /// The file.
+    /// Its path.
     pub path: String,
     /// Its contents.
     pub text: String,
 }
 
-/// Limits of the process's own groups and of those above them.
+/// Limits of the process's own groups and of their parents.
 #[derive(Clone, Debug, Default)]
 pub struct Limits {
     /// `cpu.max` (version 2).
     pub cpu_max: Vec<Limit>,
-    /// `cpu.cfs_quota_us` (version 1), for the period of 100 ms, which is hardly ever changed.
+    /// `cpu.cfs_quota_us` (version 1), for the usual period of 100 ms.
     pub cpu_quota_us: Vec<Limit>,
     /// `cpu.rt_runtime_us` (version 1).
     pub rt_runtime_us: Vec<Limit>,
@@ -24,8 +24,8 @@ pub struct Limits {
     pub memory: Vec<Limit>,
 }
 
-/// Directories of the process's group of `controller` and of the groups above it, innermost first,
-/// from `/proc/self/cgroup` and `/proc/mounts`. An empty controller asks for version 2.
+/// Directories of the process's group of `controller` and of its parents, innermost first, from
+/// `/proc/self/cgroup` and `/proc/mounts`. An empty controller means version 2.
 pub fn directories(cgroup: &str, mounts: &str, controller: &str) -> Vec<String> {
     let mount = mounts.lines().find_map(|line| {
         let mut fields = line.split(' ');
@@ -53,7 +53,7 @@ pub fn directories(cgroup: &str, mounts: &str, controller: &str) -> Vec<String> 
     directories
 }
 
-/// The share of the machine's processor time that is left.
+/// The share of the machine's processor time that the groups allow.
 pub fn processor_time(limits: &Limits, cores: usize) -> Finding {
     const CHECK: &str = "processor quota";
     let version_2 = limits.cpu_max.iter().filter_map(|limit| {
@@ -75,7 +75,7 @@ pub fn processor_time(limits: &Limits, cores: usize) -> Finding {
         return Finding::ok(CHECK, found);
     }
     let stop_us = (period_us - quota_us / cores as f64).max(0.0);
-    let costs = format!("once it is used up, all services stand still for up to {stop_us:.0} µs");
+    let costs = format!("after it is used up, all services stop for up to {stop_us:.0} µs");
     Finding::warn(CHECK, found, costs, Some(format!("echo {open} | sudo tee {}", limit.path)))
 }
 
@@ -88,7 +88,7 @@ pub fn real_time_time(limits: &Limits) -> Finding {
             CHECK,
             format!("0 µs ({})", own.path),
             "SCHED_FIFO is refused, even to root",
-            // The group above must have time to give.
+            // The parent group must have time to give.
             Some(match limits.rt_runtime_us.iter().find(|limit| limit.text.trim() != "0") {
                 Some(above) => {
                     let directory = above.path.trim_end_matches("cpu.rt_runtime_us");
@@ -102,11 +102,11 @@ pub fn real_time_time(limits: &Limits) -> Finding {
     }
 }
 
-/// The memory that is left to the group, against what one run needs.
+/// The memory that the group allows, compared with the need of one run.
 pub fn memory(limits: &Limits, needed_bytes: u64) -> Finding {
     const CHECK: &str = "memory limit";
     let parsed = limits.memory.iter().filter_map(|limit| {
-        // Version 1 writes a number near 2^63 for none.
+        // Version 1 writes a number near 2^63 for no limit.
         let bytes = limit.text.trim().parse::<u64>().ok().filter(|bytes| *bytes < 1 << 62)?;
         Some((bytes, limit))
     });
@@ -119,7 +119,7 @@ pub fn memory(limits: &Limits, needed_bytes: u64) -> Finding {
     }
     let needed = needed_bytes >> 20;
     let fix = format!("echo {needed_bytes} | sudo tee {}", limit.path);
-    let costs = format!("a run may need {needed} MiB; the kernel kills it when there are less");
+    let costs = format!("a run may need {needed} MiB; with less the kernel kills it");
     Finding::bad(CHECK, found, costs, Some(fix))
 }
 

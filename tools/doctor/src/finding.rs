@@ -1,45 +1,45 @@
-//! What a check found.
+//! The result of a check.
 
 use serde::Serialize;
 use std::fmt::Write;
 
-/// How good it is.
+/// Grade of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// As good as it gets.
+    /// Nothing to improve.
     Ok,
     /// It works, at a cost.
     Warn,
-    /// What timegap asks for is refused.
+    /// The machine refuses a need of timegap.
     Bad,
 }
 
-/// What one check found.
+/// A finding.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
-    /// What was looked at.
+    /// Name of the check.
     pub check: &'static str,
-    /// How good it is.
+    /// Grade.
     pub verdict: Verdict,
-    /// What is there.
+    /// State of the machine.
     pub found: String,
-    /// What that costs; null when it costs nothing.
+    /// Cost of that state; null without one.
     pub costs: Option<String>,
-    /// The command that improves it; null when nothing is to be improved, or no command can.
+    /// The command that improves it; null if none can.
     pub fix: Option<String>,
-    /// No run can start as long as it is so.
+    /// Whether no run can start in this state.
     pub prevents_runs: bool,
 }
 
 impl Finding {
-    /// Nothing to complain of.
+    /// A state without a cost.
     pub fn ok(check: &'static str, found: impl Into<String>) -> Self {
         let (verdict, found) = (Verdict::Ok, found.into());
         Self { check, verdict, found, costs: None, fix: None, prevents_runs: false }
     }
 
-    /// Something that costs.
+    /// A state with a cost.
     pub fn warn(
         check: &'static str,
         found: impl Into<String>,
@@ -50,7 +50,7 @@ impl Finding {
         Self { verdict: Verdict::Warn, costs, fix, ..Self::ok(check, found) }
     }
 
-    /// Something that is refused.
+    /// A refused need.
     pub fn bad(
         check: &'static str,
         found: impl Into<String>,
@@ -60,14 +60,14 @@ impl Finding {
         Self { verdict: Verdict::Bad, ..Self::warn(check, found, costs, fix) }
     }
 
-    /// Something without which nothing runs.
+    /// A state in which no run can start.
     pub fn fatal(check: &'static str, found: impl Into<String>, fix: &str) -> Self {
         let finding = Self::bad(check, found, "nothing can run", Some(fix.into()));
         Self { prevents_runs: true, ..finding }
     }
 }
 
-/// The findings for people.
+/// The findings as console text.
 pub fn table(findings: &[Finding]) -> String {
     let width = findings.iter().map(|finding| finding.check.len()).max().unwrap_or(0);
     let mut text = String::new();

@@ -1,11 +1,21 @@
-//! `timegap doctor`: what this machine grants, what the rest costs, and the command that gets it.
+//! `timegap doctor`: the state of this machine, the cost of each flaw, and the command that mends it.
+//!
+//! ```text
+//! /proc, /sys, a probe thread ─ machine ─► contents ─ checks ─► Finding ─► console, JSON, exit status
+//! ```
+//!
+//! `machine` reads; the other modules judge: plain functions from the contents of files to a [`Finding`].
 //! Status 0 without a bad finding, 1 with one, 3 if nothing can run.
 //!
-//! `machine` reads, the other modules judge what was read: plain functions from the contents of files
-//! to a [`Finding`].
+//! ```
+//! use doctor::finding::{Finding, table};
+//!
+//! let finding = Finding::warn("clock source", "hpet", "every stamp is a system call", None);
+//! assert!(table(&[finding]).contains("clock source"));
+//! ```
 
 mod cgroup;
-mod finding;
+pub mod finding;
 mod machine;
 mod processor;
 mod scheduling;
@@ -23,13 +33,13 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Memory of a run's processes beside its shared memory, bytes: five of up to 12 MiB.
+/// Memory of a run's processes without its shared memory, bytes: five of up to 12 MiB.
 const PROCESSES_BYTES: u64 = 64 << 20;
 
 /// Arguments of `doctor`.
 #[derive(Debug, Args)]
 pub struct DoctorArguments {
-    /// Print the findings as JSON, and nothing else, on standard output
+    /// Print the findings as JSON, and nothing else
     #[arg(long)]
     pub json: bool,
 }
@@ -37,9 +47,9 @@ pub struct DoctorArguments {
 #[derive(Debug, Serialize)]
 struct Report {
     schema_version: u32,
-    /// Everything is as good as it gets.
+    /// No finding is worse than "ok".
     ok: bool,
-    /// Runs can start.
+    /// Whether runs can start.
     can_run: bool,
     host: Host,
     findings: Vec<Finding>,
@@ -60,7 +70,7 @@ pub fn run(arguments: &DoctorArguments) -> Result<ExitCode, Error> {
     Ok(ExitCode::from(status(&report)))
 }
 
-/// The exit status: 3 where nothing can run, 1 with a bad finding.
+/// The exit status: 3 if nothing can run, 1 with a bad finding.
 fn status(report: &Report) -> u8 {
     let bad = report.findings.iter().any(|finding| finding.verdict == Verdict::Bad);
     if report.can_run { u8::from(bad) } else { 3 }
@@ -113,11 +123,11 @@ fn conclusion(report: &Report) -> String {
     let runs = if !report.can_run {
         "nothing can run here"
     } else if bad > 0 {
-        "runs work, but realtime figures are not to be trusted"
+        "runs work, but do not trust realtime figures"
     } else {
-        "runs work; `timegap bench` measures what they cost"
+        "runs work; `timegap bench` measures their overhead"
     };
-    format!("{ok} ok, {warn} to be improved, {bad} bad: {runs}")
+    format!("{ok} ok, {warn} improvable, {bad} bad: {runs}")
 }
 
 #[cfg(test)]
@@ -131,7 +141,7 @@ mod tests {
         let fatal = Finding::fatal("y", "gone", "put it back");
         let mut report =
             Report { schema_version: 1, ok: false, can_run: true, host, findings: vec![bad] };
-        assert!(conclusion(&report).contains("not to be trusted"));
+        assert!(conclusion(&report).contains("do not trust"));
         assert_eq!(status(&report), 1);
         report.findings.push(fatal);
         report.can_run = false;

@@ -1,4 +1,4 @@
-//! Reads what the checks judge. No judgement here.
+//! Reads the machine's state for the checks, without judging it.
 
 use super::cgroup::{self, Limit, Limits};
 use super::processor::IdleState;
@@ -8,15 +8,15 @@ use runtime::scheduling::{self, Granted, Policy, Request};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Time between the two looks at the stolen time.
+/// Time between the two readings of the stolen time.
 const LOOK: Duration = Duration::from_millis(500);
 
-/// A file's contents, if there is one that can be read.
+/// A file's contents; `None` if it cannot be read.
 pub fn read(path: impl AsRef<Path>) -> Option<String> {
     std::fs::read_to_string(path).ok()
 }
 
-/// What a thread gets that asks for what a service asks for, on no core of its own.
+/// The result of a service's requests for a thread, without a core of its own.
 pub fn granted() -> Granted {
     let policy = Policy::Fifo(80);
     let request = Request { policy, core: None, lock_memory: true };
@@ -66,7 +66,7 @@ pub fn idle_states(core: usize) -> Vec<IdleState> {
     (0..).map_while(state).collect()
 }
 
-/// `/proc/stat` twice, a while apart.
+/// `/proc/stat` twice, [`LOOK`] apart.
 pub fn stat() -> [String; 2] {
     let look = || read("/proc/stat").unwrap_or_default();
     let before = look();
@@ -79,7 +79,7 @@ pub fn shared_memory() -> Result<Room, RoomError> {
     group::shared_memory_room().map(|(size, free)| Room { size, free })
 }
 
-/// Directory for the sockets of all runs. It is made, and removed again unless runs are in it.
+/// Directory for the sockets of all runs. It is created, and removed again unless it holds runs.
 pub fn base() -> Result<PathBuf, RootError> {
     let base = group::base()?;
     let _ = std::fs::remove_dir(&base);

@@ -1,8 +1,8 @@
-//! The processors: which there are, how fast they wake up, who else is on them, and the clock.
+//! The processors: number, time to wake up, other load, and the clock.
 
 use super::finding::Finding;
 
-/// Exit latency of an idle state from which on it is felt, µs: as long as a wake-up takes.
+/// Exit latency from which an idle state matters, µs: the length of a wake-up.
 const DEEP_US: u64 = 20;
 
 /// An idle state of a core, as in `cpuidle/state*`.
@@ -14,11 +14,11 @@ pub struct IdleState {
     pub name: String,
     /// Time to leave it, µs.
     pub latency_us: u64,
-    /// It is never entered.
+    /// Whether it is never entered.
     pub disabled: bool,
 }
 
-/// The cores that this process may use, of those that are there (`/sys/devices/system/cpu/online`).
+/// The usable cores among the online ones (`/sys/devices/system/cpu/online`).
 pub fn affinity(usable: &[usize], online: &str) -> Finding {
     const CHECK: &str = "cores";
     let there = list(online).len();
@@ -31,7 +31,7 @@ pub fn affinity(usable: &[usize], online: &str) -> Finding {
     Finding::warn(CHECK, found, costs, fix)
 }
 
-/// The cores of a list as the kernel writes it: `0-3,8`.
+/// The cores of a list in the kernel's form: `0-3,8`.
 fn list(text: &str) -> Vec<usize> {
     let ranges = text.trim().split(',').filter_map(|range| {
         let (first, last) = range.split_once('-').unwrap_or((range, range));
@@ -50,20 +50,20 @@ pub fn governor(governors: &[(usize, String)]) -> Finding {
         (Some(_), Some((core, governor))) => Finding::warn(
             CHECK,
             format!("{} on core {core}", governor.trim()),
-            "after a sleep the core is slow: a short cycle ends before the frequency has risen",
+            "after a sleep the core is slow: a short cycle ends before the frequency rises",
             Some("sudo cpupower frequency-set -g performance".into()),
         ),
     }
 }
 
-/// What holds the idle states off while it runs: a file whose reader asks for a latency of 0 µs.
+/// Command that disables the idle states while it runs: its open file asks for a latency of 0 µs.
 const HOLD_IDLE_STATES_OFF: &str = "sudo sh -c 'exec 3>/dev/cpu_dma_latency; printf \"\\0\\0\\0\\0\" >&3; \
                                     exec sleep infinity' &";
 
-/// The deepest idle state that a core may fall into.
+/// The deepest idle state that a core may enter.
 ///
-/// A virtual core that halts is given back to the host: its state's own latency is that of leaving it, not of
-/// being scheduled again.
+/// A halted virtual core returns to the host. Its state's latency is the time to leave the state, without the
+/// wait for the host.
 pub fn idle_states(states: &[IdleState]) -> Finding {
     const CHECK: &str = "idle states";
     let enabled = states.iter().filter(|state| !state.disabled);
@@ -73,7 +73,7 @@ pub fn idle_states(states: &[IdleState]) -> Finding {
     let found = format!("down to {}, left in {} µs", deepest.name, deepest.latency_us);
     if deepest.name.starts_with("haltpoll") {
         let costs =
-            "an idle core is given back to the host, and a wake-up on it waits for the host";
+            "an idle core returns to the host, and a wake-up on it waits for the host";
         return Finding::warn(CHECK, found, costs, Some(HOLD_IDLE_STATES_OFF.into()));
     }
     if deepest.latency_us < DEEP_US {
@@ -90,12 +90,12 @@ pub fn isolation(usable: &[usize], isolated: Option<&str>) -> Finding {
     let isolated = list(isolated.unwrap_or_default());
     let Some(&core) = usable.last() else { return Finding::ok(CHECK, "no core is known") };
     if isolated.contains(&core) {
-        return Finding::ok(CHECK, format!("core {core}, the controller's, is one"));
+        return Finding::ok(CHECK, format!("core {core} (the controller's) is isolated"));
     }
-    let found = format!("core {core}, the controller's, is none");
+    let found = format!("core {core} (the controller's) is not isolated");
     let costs = "interrupts and kernel threads of the whole system share it";
     if usable.len() < 2 {
-        return Finding::ok(CHECK, "none, and the only core cannot be one");
+        return Finding::ok(CHECK, "the only core cannot be isolated");
     }
     let fix = format!(
         "add isolcpus=managed_irq,domain,{core} nohz_full={core} rcu_nocbs={core} to \
@@ -104,7 +104,7 @@ pub fn isolation(usable: &[usize], isolated: Option<&str>) -> Finding {
     Finding::warn(CHECK, found, costs, Some(fix))
 }
 
-/// The clock that every stamp is read from.
+/// The clock behind every stamp.
 pub fn clock_source(current: Option<&str>, available: Option<&str>) -> Finding {
     const CHECK: &str = "clock source";
     /// Sources that are read without a system call.
@@ -126,8 +126,7 @@ pub fn clock_source(current: Option<&str>, available: Option<&str>) -> Finding {
     Finding::warn(CHECK, current, "every stamp is a system call and a slow read", fix)
 }
 
-/// Time that the host kept from this machine between two readings of `/proc/stat`, and since the
-/// start of the machine.
+/// Time that the host withheld from this machine between two readings of `/proc/stat`, and since its start.
 pub fn steal(before: &str, after: &str) -> Finding {
     const CHECK: &str = "stolen time";
     let (Some(before), Some(after)) = (times(before), times(after)) else {
@@ -136,7 +135,7 @@ pub fn steal(before: &str, after: &str) -> Finding {
     let share = |stolen: u64, all: u64| 100.0 * stolen as f64 / all.max(1) as f64;
     let ever = share(after.0, after.1);
     let now = share(after.0.saturating_sub(before.0), after.1.saturating_sub(before.1));
-    let found = format!("{ever:.2} % since the start, {now:.1} % while this looked");
+    let found = format!("{ever:.2} % since the start, {now:.1} % during this check");
     if ever < 0.1 && now < 0.1 {
         return Finding::ok(CHECK, found);
     }
@@ -149,7 +148,7 @@ pub fn steal(before: &str, after: &str) -> Finding {
 fn times(stat: &str) -> Option<(u64, u64)> {
     let line = stat.lines().find_map(|line| line.strip_prefix("cpu "))?;
     let ticks: Vec<u64> = line.split_whitespace().map_while(|tick| tick.parse().ok()).collect();
-    // user nice system idle iowait irq softirq steal; what follows is part of user and nice.
+    // user nice system idle iowait irq softirq steal; the rest is part of user and nice.
     Some((*ticks.get(7)?, ticks[..8].iter().sum()))
 }
 
@@ -189,7 +188,7 @@ mod tests {
         let found = affinity(&[2], "0-3\n");
         assert_eq!(found.verdict, Verdict::Warn);
         assert_eq!(found.fix.as_deref(), Some("taskset --cpu-list --pid 0-3 $$"));
-        assert_eq!(affinity(&[0], "0").fix, None, "nothing to be had");
+        assert_eq!(affinity(&[0], "0").fix, None, "no other core exists");
     }
 
     #[test]

@@ -1,23 +1,23 @@
-//! What the kernel grants a loop: policy, throttling, locked memory, timer slack.
+//! The kernel's grants to a loop: policy, throttling, locked memory, timer slack.
 
 use super::finding::Finding;
 use runtime::scheduling::{Asked, Granted};
 use std::path::Path;
 
-/// The command that gives the program at `program` what it needs without making its user root. A new
-/// build is a new file, without it.
+/// The command that grants the needed capabilities to the program at `program` without root. A new build is a
+/// new file without them.
 fn capabilities(program: &Path) -> String {
     let program = runtime::command_line(&[program.display().to_string()]);
     format!("sudo setcap cap_sys_nice,cap_ipc_lock=ep {program} (again after each build)")
 }
 
-/// The reason why something that a thread asked for was refused.
+/// The reason why a request of a thread was refused.
 fn refusal(granted: &Granted, is_meant: impl Fn(Asked) -> bool) -> Option<&str> {
     let refused = granted.refused.iter().find(|refused| is_meant(refused.what))?;
     Some(&refused.why)
 }
 
-/// Whether a thread of `program` that asked for `SCHED_FIFO` has it.
+/// Whether a thread of `program` gets the requested `SCHED_FIFO`.
 pub fn policy(granted: &Granted, root: bool, program: &Path) -> Finding {
     const CHECK: &str = "real-time priority";
     if granted.granted == granted.requested {
@@ -28,9 +28,9 @@ pub fn policy(granted: &Granted, root: bool, program: &Path) -> Finding {
     Finding::bad(
         CHECK,
         format!("{} is refused ({reason}); the policy is {}", granted.requested, granted.granted),
-        "every other program can hold a control cycle up for as long as the scheduler likes",
+        "any other program can delay a control cycle without a bound",
         Some(if root {
-            // Root is refused by a cgroup without real-time time, or a container without the right.
+            // Root is refused by a cgroup without real-time time, or by a container without the capability.
             "run it outside the container, or start that with --cap-add=sys_nice \
              --ulimit rtprio=99"
                 .into()
@@ -45,26 +45,26 @@ pub fn throttling(runtime_us: Option<&str>, period_us: Option<&str>) -> Finding 
     const CHECK: &str = "real-time throttling";
     let number = |text: Option<&str>| text.and_then(|text| text.trim().parse::<i64>().ok());
     let (Some(runtime), Some(period)) = (number(runtime_us), number(period_us)) else {
-        return Finding::ok(CHECK, "this kernel has none");
+        return Finding::ok(CHECK, "not in this kernel");
     };
     let fix = || Some("sudo sysctl kernel.sched_rt_runtime_us=950000".to_owned());
     match runtime {
-        0 => Finding::bad(CHECK, "no time is left to it", "SCHED_FIFO cannot be granted", fix()),
+        0 => Finding::bad(CHECK, "real-time loops get no time", "SCHED_FIFO cannot be granted", fix()),
         _ if runtime < 0 || runtime >= period => Finding::ok(CHECK, "off"),
         _ if 2 * runtime < period => Finding::warn(
             CHECK,
-            format!("{runtime} µs of each {period} µs are left to it"),
-            format!("a busy core stops its loops for {} µs in each period", period - runtime),
+            format!("real-time loops get {runtime} µs of each {period} µs"),
+            format!("a busy core stops the loops for {} µs in each period", period - runtime),
             fix(),
         ),
         _ => Finding::ok(
             CHECK,
-            format!("{runtime} µs of each {period} µs are left to it; loops that sleep need less"),
+            format!("real-time loops get {runtime} µs of each {period} µs; loops that sleep need less"),
         ),
     }
 }
 
-/// Whether memory of `program` stays where it is.
+/// Whether memory of `program` stays resident.
 pub fn locked_memory(granted: &Granted, limits: &str, program: &Path) -> Finding {
     const CHECK: &str = "locked memory";
     if granted.memory_locked {
@@ -80,7 +80,7 @@ pub fn locked_memory(granted: &Granted, limits: &str, program: &Path) -> Finding
     )
 }
 
-/// Whether a sleep may be exact without real-time priority.
+/// Whether a sleep can be exact without real-time priority.
 pub fn timer_slack(granted: &Granted) -> Finding {
     const CHECK: &str = "timer slack";
     match refusal(granted, |what| what == Asked::TimerSlack) {
@@ -88,13 +88,13 @@ pub fn timer_slack(granted: &Granted) -> Finding {
         Some(reason) => Finding::warn(
             CHECK,
             format!("1 ns is refused ({reason})"),
-            "without real-time priority every sleep ends late by up to the slack, 50 µs as a rule",
+            "without real-time priority every sleep ends late by up to the slack, usually 50 µs",
             None,
         ),
     }
 }
 
-/// The soft limit of this name in `/proc/self/limits`.
+/// The soft limit with this name in `/proc/self/limits`.
 fn limit<'a>(limits: &'a str, name: &str) -> Option<&'a str> {
     let line = limits.lines().find_map(|line| line.strip_prefix(name))?;
     line.split_whitespace().next()
@@ -145,7 +145,7 @@ Max realtime priority     0                    0
         let found = policy(&none, false, path());
         assert_eq!(found.verdict, Verdict::Bad);
         assert!(found.found.contains("Operation not permitted"), "{found:?}");
-        let fix = found.fix.expect("it can be corrected");
+        let fix = found.fix.expect("a command");
         assert!(
             fix.contains("setcap cap_sys_nice") && fix.contains("'/my builds/timegap'"),
             "{fix}"

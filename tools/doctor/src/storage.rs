@@ -1,4 +1,4 @@
-//! Where a run keeps its shared memory and its sockets.
+//! Storage of a run: shared memory and sockets.
 
 use super::finding::Finding;
 use group::{RoomError, RootError};
@@ -7,13 +7,13 @@ use std::path::Path;
 /// Room in the file system of the shared memory, bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Room {
-    /// In all.
+    /// Total.
     pub size: u64,
     /// Free.
     pub free: u64,
 }
 
-/// Room for a run that needs `needed` bytes, in a machine with `memory` bytes of memory available.
+/// Room for a run of `needed` bytes on a machine with `memory` bytes of available memory.
 pub fn shared_memory(room: Result<Room, RoomError>, needed: u64, memory: Option<u64>) -> Finding {
     const CHECK: &str = "shared memory";
     let room = match room {
@@ -25,10 +25,10 @@ pub fn shared_memory(room: Result<Room, RoomError>, needed: u64, memory: Option<
     };
     let [size, free, needed_kib] = [room.size, room.free, needed].map(|bytes| bytes.div_ceil(1024));
     let runs = room.free / needed.max(1);
-    let found = format!("{free} of {size} KiB are free, room for {runs} runs at once");
+    let found = format!("{free} of {size} KiB free, room for {runs} runs at once");
     if runs == 0 {
         let enlarged = (room.size - room.free + 4 * needed).div_ceil(1 << 20);
-        let found = format!("{free} of {size} KiB are free and a run may use {needed_kib} KiB");
+        let found = format!("{free} of {size} KiB free, and a run may use {needed_kib} KiB");
         let fix = format!("sudo mount -o remount,size={enlarged}m /dev/shm");
         return Finding::fatal(CHECK, found, &fix);
     }
@@ -36,14 +36,14 @@ pub fn shared_memory(room: Result<Room, RoomError>, needed: u64, memory: Option<
         Some(memory) if memory < needed => Finding::warn(
             CHECK,
             found,
-            format!("only {} KiB of memory are behind it", memory.div_ceil(1024)),
+            format!("only {} KiB of memory back it", memory.div_ceil(1024)),
             None,
         ),
         _ => Finding::ok(CHECK, found),
     }
 }
 
-/// The directory for the runs' small files: the one in use, and the one that XDG_RUNTIME_DIR asks for.
+/// The directory for the runs' small files: the one in use, and the one that XDG_RUNTIME_DIR requests.
 pub fn run_directory(base: Result<&Path, &RootError>, asked: Option<&Path>) -> Finding {
     const CHECK: &str = "run directory";
     match base {
@@ -61,7 +61,7 @@ pub fn run_directory(base: Result<&Path, &RootError>, asked: Option<&Path>) -> F
     }
 }
 
-/// Memory that is available, bytes, from `/proc/meminfo`.
+/// Available memory, bytes, from `/proc/meminfo`.
 pub fn available_memory(meminfo: &str) -> Option<u64> {
     let line = meminfo.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     let kib: u64 = line.trim().trim_end_matches(" kB").parse().ok()?;

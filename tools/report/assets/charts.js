@@ -1,14 +1,14 @@
 // Draws the charts of a page with uPlot from the JSON inside each `figure.chart`.
 //
-// A chart is a list of series over two axes. A series is a line, a set of boxes, a set of bars of a
-// height in px, or the rows of a map of colours. All of them are uPlot series of their own columns
-// (its mode 2), so that each can be switched off, and a curve need not be a function of x. Charts
-// with the same horizontal axis share zoom and pointer.
+// A chart is a list of series over two axes. A series is a line, a set of boxes, a set of bars with a height
+// in px, or the rows of a colour map. Each is a uPlot series with columns of its own (mode 2). So each can be
+// switched off, and a curve need not be a function of x. Charts with the same horizontal axis share zoom and
+// pointer.
 "use strict";
 (() => {
   const FONT = '12px system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
   const SHADES = 8;
-  // Dashes of lines that are all solid by declaration, so that they differ in grey too.
+  // Dashes that distinguish solid lines in grey too.
   const DASHES = [[], [14, 4], [5, 3], [14, 3, 3, 3], [8, 3, 2, 3, 2, 3], [22, 5], [3, 2], [10, 2, 2, 2]];
   const DECLARED = { dashed: [7, 5], dotted: [2, 4] };
   const groups = new Map();
@@ -18,7 +18,7 @@
   const element = (name, parent, properties) =>
     parent.appendChild(Object.assign(document.createElement(name), properties));
 
-  // A column is an array, or the differences of whole multiples of 10^-d; null is a hole.
+  // A column is an array, or differences in units of 10^-d; null is a gap.
   const column = (packed) => {
     if (Array.isArray(packed)) return packed;
     const unit = 10 ** packed.d;
@@ -36,14 +36,14 @@
     return Number(value.toPrecision(digits)) + " " + unit;
   };
   const percent = (share) => Number((share * 100).toFixed(4)) + " %";
-  // Decimals with which multiples of a step are written in full.
+  // Decimals that write multiples of a step in full.
   const decimals = (step) => {
     let count = 0;
     while (count < 6 && Math.abs(Math.round(step * 10 ** count) / 10 ** count - step) > 1e-3 * step) count += 1;
     return count;
   };
 
-  // A value under the pointer.
+  // The value under the pointer as text.
   const told = (axis, value) => {
     if (value === null || value === undefined) return "–";
     if (axis.format === "duration") return duration(value, 3);
@@ -65,7 +65,7 @@
     };
   };
 
-  // The ticks of an axis as uPlot wants them.
+  // The ticks of an axis in uPlot's form.
   const ticks = (key, axis, size) => {
     const line = (tone) => ({ stroke: () => colour(tone), width: 1 });
     const values = (u, splits, index, space, step) => splits.map((value) =>
@@ -101,14 +101,14 @@
       const at = place(u, x, y);
       if (before === null) drawn.moveTo(...at);
       else if (series.steps) drawn.lineTo(at[0], before);
-      // A lone point is a dot: round caps draw a segment of no length.
+      // A single point is a dot: round caps draw a segment without length.
       drawn.lineTo(...at);
       before = at[1];
     });
     return path(drawn, null);
   };
 
-  // Boxes between two corners; one of no width is still seen.
+  // Boxes between two corners; a box without width is still visible.
   const boxPath = (series) => (u) => {
     const drawn = new Path2D();
     series.x.forEach((from, index) => {
@@ -129,7 +129,7 @@
     return path(null, drawn);
   };
 
-  // Rows of one shade of a map: each value holds until the next one.
+  // Rows of one shade of a map; each value holds until the next one.
   const shade = (map, value) =>
     Math.min(Math.max(Math.floor((value - map.low) / (map.high - map.low) * SHADES), 0), SHADES - 1);
   const shadePath = (map, step) => (u) => {
@@ -151,7 +151,7 @@
     return path(null, drawn);
   };
 
-  // A fill with stripes, so that kinds of boxes differ in grey too; the first is plain.
+  // A striped fill, so that kinds of boxes differ in grey too; the first is plain.
   const hatched = (tone, kind) => {
     const base = colour(tone);
     if (kind === 0) return base;
@@ -173,7 +173,7 @@
     return ctx.createPattern(tile, "repeat");
   };
 
-  // The point of a line under the pointer: along x, or the nearest one where x turns back.
+  // The point of a line under the pointer: by x, or the nearest one where x turns back.
   const sample = (u, own, series) => {
     const [x, y] = u.data[own], at = u.posToVal(u.cursor.left, "x");
     if (series.turns) {
@@ -196,7 +196,7 @@
     return { x: at, y: y[low] + share * (y[high] - y[low]) };
   };
 
-  // What the boxes and rows say under the pointer.
+  // Text about boxes and rows under the pointer.
   const under = (u, chart) => {
     const x = u.posToVal(u.cursor.left, "x"), y = u.posToVal(u.cursor.top, "y");
     const here = (from, to) => `${told(chart.x, from)} to ${told(chart.x, to)}`;
@@ -238,7 +238,7 @@
     });
   };
 
-  // Texts, marks and points over the series.
+  // Texts, marks and points on top of the series.
   const over = (u, chart) => {
     const { ctx, bbox } = u, ratio = uPlot.pxRatio;
     const write = (text, x, y, align, tone, halo) => {
@@ -262,7 +262,7 @@
       ctx.setLineDash([3 * ratio, 3 * ratio]);
       ctx.beginPath(); ctx.moveTo(x, bbox.top); ctx.lineTo(x, bbox.top + bbox.height); ctx.stroke();
       ctx.setLineDash([]);
-      // Close numbers stand beside each other.
+      // Close numbers are placed beside each other.
       const middle = Math.max(x, free);
       free = middle + 17 * ratio;
       ctx.fillStyle = colour("alarm");
@@ -296,8 +296,8 @@
     ctx.restore();
   };
 
-  // uPlot's options of each series, in the order in which they are drawn: wide lines lowest, then
-  // solid ones, then broken ones, so that what is under them still shows; the first is on top.
+  // uPlot's options of each series in drawing order: wide lines lowest, then solid, then broken ones, so that
+  // covered lines still show. The first series is on top.
   const seriesOf = (chart) => {
     const declared = [...chart.series].sort((a, b) => a.order - b.order);
     const solid = [...new Set(declared.filter((s) => s.stroke === "solid").map((s) => s.tone))];
@@ -330,7 +330,7 @@
       }));
       return chart;
     }
-    // uPlot wants a series.
+    // uPlot needs at least one series.
     if (!chart.series.length)
       chart.series.push({ kind: "line", label: "no data", tone: "muted", stroke: "solid", width: 1, x: [], y: [] });
     const rank = (series) => series.kind === "line" && series.stroke !== "solid";
@@ -343,8 +343,8 @@
     return chart;
   };
 
-  // Draws a chart into an element and answers uPlot's object. The axes of a chart with `live` follow
-  // its data: it is not zoomed.
+  // Draws a chart into an element and returns uPlot's object. The axes of a `live` chart follow its data and
+  // have no zoom.
   const draw = (mount, packed) => {
     const chart = unpack(packed), output = document.createElement("output");
     const whole = element("button", mount, { type: "button", className: "whole", textContent: "whole range", hidden: true });
@@ -361,7 +361,7 @@
     const wide = mount.clientWidth >= 500;
     const linked = (type) => type === "mousemove" || type === "mouseleave";
     const dots = [];
-    // Lines that look the same are one entry of the legend, without a value.
+    // Lines of equal appearance share one entry of the legend, without a value.
     const name = ({ label, tone, stroke }) => [label, tone, stroke].join();
     const repeats = (index) => chart.series.flatMap((other, at) => (name(other) === name(chart.series[index]) ? [at] : []));
     const hideRepeats = (u, own, { show }) => {
@@ -415,7 +415,7 @@
     return u;
   };
 
-  // A finger that moves sideways is a pointer; uPlot knows mice alone.
+  // A finger that moves sideways acts as a pointer; uPlot handles mice only.
   const touch = (over) => {
     over.style.touchAction = "pan-y";
     over.addEventListener("pointermove", (event) => {
@@ -431,7 +431,7 @@
     if (!u) drawn.set(mount, draw(mount, JSON.parse(mount.parentNode.querySelector("script").textContent)));
     else if (u.width !== width) u.setSize({ width, height: u.height });
   };
-  // A mount gets its width when its `details` opens, too.
+  // A mount also gets its width when its `details` opens.
   const sized = new ResizeObserver((entries) =>
     requestAnimationFrame(() => entries.forEach(({ target }) => fit(target))));
   const redraw = () => drawn.forEach((u) => u.redraw());

@@ -7,8 +7,8 @@ use super::picture::{Points, RunPicture};
 /// Largest difference of two runs' speeds at which one curve covers the other, m/s.
 const ALIKE_MPS: f64 = 0.01;
 
-/// Speed, gap and acceleration of named runs over each other, with the vehicle ahead of the first.
-/// A run that drives as an earlier one does is drawn below it and wider, so that both show.
+/// Speed, gap and acceleration of named runs in one picture, with the vehicle ahead of the first. A run that
+/// drives like an earlier one is drawn below it and wider, so that both show.
 pub fn overlay(runs: &[(&str, &RunPicture)]) -> String {
     let until_s = runs.iter().map(|(_, run)| run.duration_s).fold(0.0, f64::max);
     let curves = |series: fn(&RunPicture) -> &Points| -> Vec<Curve> {
@@ -38,7 +38,7 @@ pub fn overlay(runs: &[(&str, &RunPicture)]) -> String {
     format!("<div class=\"grid\">\n{drawn}</div>\n{}", alike(runs))
 }
 
-/// The first run that the one at `index` drives like, if it comes before it.
+/// The first earlier run that drives like the one at `index`.
 fn twin<'a>(runs: &[(&'a str, &RunPicture)], index: usize) -> Option<&'a str> {
     let (_, run) = runs[index];
     let same = |(_, other): &&(&str, &RunPicture)| {
@@ -50,7 +50,7 @@ fn twin<'a>(runs: &[(&'a str, &RunPicture)], index: usize) -> Option<&'a str> {
     runs[..index].iter().find(same).map(|(name, _)| *name)
 }
 
-/// How many earlier runs cover the curves of the one at `index`.
+/// Number of earlier runs that cover the curves of the one at `index`.
 fn covers(runs: &[(&str, &RunPicture)], index: usize) -> usize {
     match twin(runs, index) {
         Some(first) => 1 + (1..index).filter(|&earlier| twin(runs, earlier) == Some(first)).count(),
@@ -58,12 +58,12 @@ fn covers(runs: &[(&str, &RunPicture)], index: usize) -> usize {
     }
 }
 
-/// A line for each run that drives as an earlier one does.
+/// A line for each run that drives like an earlier one.
 fn alike(runs: &[(&str, &RunPicture)]) -> String {
     let line = |(index, (name, _)): (usize, &(&str, &RunPicture))| {
         let (name, other) = (escape(name), escape(twin(runs, index)?));
         Some(format!(
-            "<p class=\"quiet\">{name} drives as {other} does, within {ALIKE_MPS} m/s: its curves are \
+            "<p class=\"quiet\">{name} drives like {other}, within {ALIKE_MPS} m/s: its curves are \
              the wider ones below.</p>\n"
         ))
     };
@@ -83,8 +83,8 @@ mod tests {
         };
         let (a, b, c) = (run(10.0), run(10.0), run(12.0));
         let drawn = overlay(&[("acc-mpc", &a), ("cacc-mpc", &b), ("other", &c)]);
-        assert!(drawn.contains("cacc-mpc drives as acc-mpc does"), "{drawn}");
-        assert!(!drawn.contains("other drives as"), "{drawn}");
+        assert!(drawn.contains("cacc-mpc drives like acc-mpc"), "{drawn}");
+        assert!(!drawn.contains("other drives like"), "{drawn}");
         assert_eq!(drawn.matches("\"width\":6.0").count(), 1, "{drawn}");
     }
 }

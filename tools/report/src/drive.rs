@@ -1,5 +1,4 @@
-//! Pictures of the drive: speed, gap, time gap, time to collision, acceleration, jerk, road, modes. All
-//! share the axis of time.
+//! Pictures of the drive over time: speed, gap, time gap, time to collision, acceleration, jerk, road, modes.
 
 use super::chart::{Axis, Bands, Curve, Mark, Plot, Row, Span, Strip, Stroke, Tone};
 use super::picture::{Phased, RunPicture};
@@ -9,7 +8,7 @@ use scenario::v2x::Phase;
 const EGO: Tone = Tone::Series(0);
 /// Colour of the vehicle ahead in every picture.
 const AHEAD: Tone = Tone::Series(1);
-/// Colour of what the law asks for.
+/// Colour of the law's request.
 const REQUEST: Tone = Tone::Series(2);
 /// Difference above which a request was bounded by the gateway, m/s².
 const BOUNDED_MPS2: f64 = 0.01;
@@ -22,7 +21,7 @@ pub fn speed(run: &RunPicture) -> Plot {
         Curve::new("ego", EGO, run.speed_mps.clone()),
         Curve::new("vehicle ahead", AHEAD, run.lead_speed_mps.clone()),
     ];
-    // A goal far above all that was driven would flatten the rest.
+    // A target far above the driven speeds would flatten the curves.
     let mut set_speed = format!("set speed {:.1} m/s", run.set_speed_mps);
     if run.set_speed_mps <= 1.6 * fastest {
         curves.push(
@@ -30,7 +29,7 @@ pub fn speed(run: &RunPicture) -> Plot {
         );
         set_speed.clear();
     } else {
-        set_speed.push_str(", above the picture");
+        set_speed.push_str(", outside the chart");
     }
     if let Some(limit) = run.speed_limit_mps
         && limit <= 1.6 * fastest
@@ -43,7 +42,7 @@ pub fn speed(run: &RunPicture) -> Plot {
     plot.marked(&marks(run))
 }
 
-/// Gap to the vehicle ahead beside the desired one; none without a vehicle ahead.
+/// Gap to the vehicle ahead beside the desired gap; `None` without a vehicle ahead.
 pub fn gap(run: &RunPicture) -> Option<Plot> {
     run.gap_m.iter().any(|point| point.1.is_finite()).then(|| {
         let curves = vec![
@@ -57,10 +56,10 @@ pub fn gap(run: &RunPicture) -> Option<Plot> {
     })
 }
 
-/// Longest time gap and time to collision that are drawn, s: longer ones say nothing about following.
+/// Longest time gap and time to collision that are drawn, s. Longer ones do not concern following.
 const LONGEST_S: f64 = 10.0;
 
-/// Time gap to the vehicle ahead beside that of the desired gap; none without a vehicle ahead.
+/// Time gap to the vehicle ahead beside the desired one; `None` without a vehicle ahead.
 pub fn time_gap(run: &RunPicture) -> Option<Plot> {
     let mut speeds = run.speed_mps.iter().peekable();
     let desired = run.desired_gap_m.iter().filter_map(|(time_s, gap_m)| {
@@ -76,7 +75,7 @@ pub fn time_gap(run: &RunPicture) -> Option<Plot> {
     is_drawn(&run.time_gap_s).then(|| from_zero(run, "Time gap", "s", curves))
 }
 
-/// Time to collision; none where the ego never came closer to a vehicle ahead.
+/// Time to collision; `None` if the ego never approached a vehicle ahead.
 pub fn time_to_collision(run: &RunPicture) -> Option<Plot> {
     let points = &run.time_to_collision_s;
     let curve = Curve::new("time to collision", EGO, short(points));
@@ -90,7 +89,7 @@ pub fn jerk(run: &RunPicture) -> Plot {
         .marked(&marks(run))
 }
 
-/// Height and grade of the road below the ego; nothing of a level road.
+/// Height and grade of the road below the ego; empty on a level road.
 pub fn profile(run: &RunPicture) -> Vec<Plot> {
     let plot = |title: &str, unit: &str, points: &[(f64, f64)]| {
         let curve = Curve::new(title, Tone::Muted, points.to_vec());
@@ -105,12 +104,12 @@ pub fn profile(run: &RunPicture) -> Vec<Plot> {
     ]
 }
 
-/// True if a time that is short enough to be drawn is among the points.
+/// True if a time short enough to be drawn is among the points.
 fn is_drawn(points: &[(f64, f64)]) -> bool {
     points.iter().any(|point| point.1 <= LONGEST_S)
 }
 
-/// The points with holes where a time is too long to be drawn.
+/// The points, with gaps where a time is too long to be drawn.
 fn short(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let cut = |value: f64| if value <= LONGEST_S { value } else { f64::NAN };
     points.iter().map(|(time_s, value)| (*time_s, cut(*value))).collect()
@@ -140,7 +139,7 @@ pub fn acceleration(run: &RunPicture) -> Plot {
     Plot::over_time("Acceleration and request", run.duration_s, "m/s²", curves).marked(&marks(run))
 }
 
-/// Gear, torque and brakes of a truck; nothing for a car.
+/// Gear, torque and brakes of a truck; empty for a car.
 pub fn powertrain(run: &RunPicture) -> Vec<Plot> {
     let plot = |title: &str, unit: &str, tone: Tone, points: &[(f64, f64)]| {
         let curve = Curve::new(title, tone, points.to_vec()).steps();
@@ -152,19 +151,19 @@ pub fn powertrain(run: &RunPicture) -> Vec<Plot> {
         plot("Engine torque", "kN m", REQUEST, &run.engine_torque_knm),
         plot("Service brakes", "kN", AHEAD, &run.service_brake_kn),
     ];
-    // Brakes that were never used say nothing.
+    // Leave out brakes that were never used.
     let told = plots.into_iter().filter(|plot| {
         plot.curves.iter().flat_map(|curve| &curve.points).any(|point| point.1 != 0.0)
     });
     told.map(|plot| plot.marked(&marks(run))).collect()
 }
 
-/// True if the actuators were asked for something other than the newest request.
+/// True if the gateway changed a request before the actuators.
 fn bounded(run: &RunPicture) -> bool {
     let mut requests = run.request_mps2.iter().peekable();
     let mut asked = None;
     run.applied_mps2.iter().any(|(time_s, applied)| {
-        // What is applied in a step is told with the next one.
+        // A step's applied request appears with the next command.
         let before = asked;
         while let Some(request) = requests.next_if(|request| request.0 <= *time_s) {
             asked = Some(request.1);
@@ -174,7 +173,7 @@ fn bounded(run: &RunPicture) -> bool {
     })
 }
 
-/// Places over time: the ego's front bumper, the others' rear bumpers, the signals at their stop
+/// Positions over time: the ego's front bumper, the rear bumpers of the others, the signals at their stop
 /// lines.
 pub fn road(run: &RunPicture) -> Plot {
     let farthest = run.position_m.last().map_or(0.0, |point| point.1);
@@ -186,7 +185,7 @@ pub fn road(run: &RunPicture) -> Plot {
     };
     let mut curves = vec![Curve::new("ego, front", EGO, run.position_m.clone())];
     for (index, actor) in run.actors.iter().enumerate() {
-        // The colours of ego, gateway and limit are not for others.
+        // Colours of ego, gateway and limit are reserved.
         let tone = [AHEAD, Tone::Series(3), Tone::Series(4), Tone::Series(5), Tone::Series(7)];
         let tone = tone[index % tone.len()];
         let name = format!("{}, rear", actor.name);
@@ -226,8 +225,8 @@ const fn phase_tone(phase: Phase) -> Tone {
     }
 }
 
-/// Modes of the law, quality of its commands and levels of the ladder; rows that say nothing are left
-/// out.
+/// Modes of the law, quality of its commands and degradation levels. Rows that never change from normal are
+/// left out.
 pub fn modes(run: &RunPicture) -> Option<Bands> {
     let mut tones = Tones::default();
     let mut rows = Vec::new();
@@ -260,7 +259,7 @@ fn spans(phases: &[Phased], tones: &mut Tones) -> Vec<Span> {
         .collect()
 }
 
-/// One colour for each label.
+/// One colour per label.
 #[derive(Default)]
 struct Tones(Vec<String>);
 
@@ -274,7 +273,7 @@ impl Tones {
     }
 }
 
-/// The faults' marks, numbered in order of time.
+/// Marks of the faults, numbered in order of time.
 fn marks(run: &RunPicture) -> Vec<Mark> {
     let faults = run.faults.iter().enumerate();
     faults.map(|(index, fault)| Mark { x: fault.t_s, number: index + 1 }).collect()
@@ -286,7 +285,7 @@ mod tests {
     use crate::chart::{Picture, script_json};
     use crate::picture::{ActorPath, FaultMark, SignalPhases};
 
-    /// A run that has everything: a fault, a cut-in, a signal, a bounded request.
+    /// A run with a fault, a cut-in, a signal and a bounded request.
     pub fn synthetic() -> RunPicture {
         let over = |value: fn(f64) -> f64| {
             (0..=100).map(|i| (f64::from(i) / 10.0, value(f64::from(i) / 10.0))).collect::<Vec<_>>()
@@ -338,7 +337,7 @@ mod tests {
         for label in ["ego, front", "\\u003ccar>, rear, beside the lane", "green", "red (thick)"] {
             assert!(text.contains(&format!("\"label\":\"{label}\"")), "{label} in {text}");
         }
-        assert!(!text.contains("yellow"), "it never was");
+        assert!(!text.contains("yellow"), "never shown");
         assert!(text.contains("signal 1"), "{text}");
     }
 
@@ -349,7 +348,7 @@ mod tests {
             &speed(&run),
             &gap(&run).expect("a gap"),
             &time_gap(&run).expect("a time gap"),
-            &time_to_collision(&run).expect("it came closer"),
+            &time_to_collision(&run).expect("it approached"),
             &acceleration(&run),
             &jerk(&run),
             &road(&run),

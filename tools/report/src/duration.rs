@@ -14,6 +14,10 @@ pub(crate) fn percentiles(p: &Percentiles) -> String {
 }
 
 /// A duration in µs with the unit that reads best.
+///
+/// ```
+/// assert_eq!(report::print::duration(1_234.0), "1.23 ms");
+/// ```
 pub fn duration(us: f64) -> String {
     if us < 1e3 {
         format!("{us:.1} µs")

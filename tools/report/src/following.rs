@@ -1,19 +1,18 @@
-//! Time gaps of a drive: the time in which the ego reaches the place where the vehicle ahead is.
+//! Time gaps of a drive: gap over ego speed.
 
 use group::DriveStep;
 use serde::{Deserialize, Serialize};
 
-/// Slowest speed at which a time gap is defined here, m/s: below it the quotient of gap and speed
-/// grows without saying anything about following.
+/// Slowest speed with a defined time gap, m/s. Below it the quotient grows and no longer describes following.
 const SLOWEST_MPS: f64 = 1.0;
 
-/// Time gap at a sample, s; 0 in a contact, none below 1 m/s.
+/// Time gap at a sample, s; 0 in a contact, `None` below 1 m/s.
 pub fn time_gap_s(step: &DriveStep) -> Option<f64> {
     let moves = step.speed_mps >= SLOWEST_MPS;
     step.gap_m.filter(|_| moves).map(|gap_m| gap_m.max(0.0) / step.speed_mps)
 }
 
-/// Time gaps while a vehicle was ahead, s; null without one.
+/// Time gaps behind a vehicle, s; null without one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Following {
     /// Shortest time gap, s; 0 in a contact.
@@ -23,7 +22,7 @@ pub struct Following {
 }
 
 impl Following {
-    /// Of the samples that have a gap, at 1 m/s and faster.
+    /// Evaluates the samples with a gap at 1 m/s or faster.
     pub fn of(steps: &[DriveStep]) -> Self {
         let mut gaps_s: Vec<f64> = steps.iter().filter_map(time_gap_s).collect();
         gaps_s.sort_by(f64::total_cmp);

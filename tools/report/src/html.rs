@@ -89,6 +89,13 @@ pub struct Tile {
 }
 
 /// Figures beside each other.
+///
+/// ```
+/// use report::html::{Tile, tiles};
+///
+/// let gap = Tile { label: "Smallest gap", value: "8.3 m".into(), note: String::new() };
+/// assert!(tiles(&[gap]).contains("<dd>8.3 m</dd>"));
+/// ```
 pub fn tiles(tiles: &[Tile]) -> String {
     let mut text = String::from("<dl class=\"tiles\">\n");
     for Tile { label, value, note } in tiles {

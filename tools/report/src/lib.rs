@@ -1,17 +1,29 @@
-//! Results of a run for people: `report.html`, text tables, CSV, the summary.
+//! Results of a run for people: console text, `report.html`, tables, CSV, and `summary.json`.
 //!
 //! ```text
-//! results ─► RunPicture (series) ─► Plot, Bands (pictures) ─► Chart (data) ─► one page
+//! GroupOutcome ─► Summary ─► console, summary.json
+//!              └► RunPicture (series) ─► Plot, Bands (pictures) ─► Chart (data) ─► page
 //! ```
 //!
-//! The verdict and the figures come first, then the charts, then how the machine ran it. A page
-//! loads nothing: uPlot and one script of ours stand in it and draw the charts from data. Without
-//! scripts it shows verdict and tables. It is read on a desk, on a telephone, in the dark and on paper.
+//! A page begins with verdict and figures; charts and the machine's data follow. It loads nothing: uPlot and
+//! one script of ours are in it and draw the charts from data. Without JavaScript it shows verdict and tables.
+//! It fits a desk, a telephone, dark mode and paper.
+//!
+//! ```
+//! use report::chart::{Curve, Plot, Tone};
+//! use report::html::{document, figure};
+//!
+//! let speed_mps = vec![(0.0, 20.0), (5.0, 25.0), (10.0, 25.0)];
+//! let plot = Plot::over_time("Speed", 10.0, "m/s", vec![Curve::new("ego", Tone::Series(0), speed_mps)]);
+//! let page = document("My run", "30 s", true, "Completed", &figure(&plot));
+//! assert!(page.contains("<h1>My run</h1>") && page.contains("\"label\":\"ego\""));
+//! ```
 
 pub mod chart;
 mod compare;
 mod drive;
 mod duration;
+pub mod fault;
 mod following;
 pub mod html;
 mod link;

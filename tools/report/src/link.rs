@@ -1,4 +1,4 @@
-//! What came of the frames between the vehicle and other hosts.
+//! Frames between the vehicle and other hosts.
 
 use crate::duration::duration;
 use crate::html::{Column, section, table};
@@ -16,7 +16,7 @@ pub(crate) fn lines(summary: &Summary) -> Vec<(&'static str, String)> {
         lines.push((
             "",
             format!(
-                "of {sender} {received}, {lost} lost, {duplicates} again, {reordered} out of order{clock}"
+                "station {sender}: {received} received, {lost} lost, {duplicates} repeated, {reordered} out of order{clock}"
             ),
         ));
     }
@@ -36,7 +36,7 @@ pub(crate) fn lines(summary: &Summary) -> Vec<(&'static str, String)> {
 }
 
 const UNKNOWN_TRUTH: &str =
-    "what the signals really showed is not known here: red lights were not judged";
+    "the true signal phases are not known on this host: red lights were not judged";
 
 fn clock(station: &StationReport) -> Option<String> {
     let (offset_us, uncertainty_us) = station.clock_offset_us.zip(station.clock_uncertainty_us)?;
@@ -44,16 +44,16 @@ fn clock(station: &StationReport) -> Option<String> {
     Some(format!("its clock {} {sign}, known to {}", duration(by), duration(uncertainty_us)))
 }
 
-/// The page's section; nothing where the units were simulated.
+/// The page's section; empty where the roadside units were simulated.
 pub(crate) fn page(summary: &Summary) -> String {
     let Some(link) = &summary.link else { return String::new() };
     let mut rows: Vec<Vec<String>> = Vec::new();
     let mut row = |name: String, value: String| rows.push(vec![name, value]);
     for (name, count) in [
         ("frames received", link.received),
-        ("of these, from before the start", link.before_start),
+        ("of these, sent before the start", link.before_start),
         ("frames for which the queue was full", link.dropped),
-        ("packets that are no frames", link.malformed),
+        ("packets that are not frames", link.malformed),
         ("own frames sent", link.sent),
         ("own frames that could not be sent", link.not_sent),
     ] {
@@ -62,7 +62,7 @@ pub(crate) fn page(summary: &Summary) -> String {
     for station in &link.stations {
         let StationReport { sender, received, lost, duplicates, reordered, .. } = station;
         row(
-            format!("station {sender}: received, lost, again, out of order"),
+            format!("station {sender}: received, lost, repeated, out of order"),
             format!("{received}, {lost}, {duplicates}, {reordered}"),
         );
         if let Some(clock) = clock(station) {

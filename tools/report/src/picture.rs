@@ -1,21 +1,19 @@
-//! What the pictures of a run are drawn from: plain series over run time, wherever they came from.
+//! Series over run time, from which the pictures of a run are drawn.
 
-use crate::following;
+use crate::{fault, following};
 use controller::laws;
 use group::{Drive, DriveStep, FaultRecord, GroupOutcome};
-use messages::Service;
 use messages::VehicleTruth;
 use messages::level::{Level, Levels};
 use runtime::report::{Details, WorstChain};
 use runtime::statistics::QuantileCurve;
 use scenario::Scenario;
-use scenario::faults::Helper;
 use scenario::grade::GradeProfile;
 use scenario::v2x::Phase;
 use std::collections::BTreeMap;
 use v2x_sim::program::Program;
 
-/// (Run time in s, value). A value that is not finite means that there was none from there on.
+/// Run time in s and value. A value that is not finite begins a gap.
 pub type Points = Vec<(f64, f64)>;
 
 /// A run as series.
@@ -35,23 +33,23 @@ pub struct RunPicture {
     pub acceleration_mps2: Points,
     /// Request of each command, m/s².
     pub request_mps2: Points,
-    /// Request behind the gateway's bounds, m/s².
+    /// Request after the gateway's bounds, m/s².
     pub applied_mps2: Points,
     /// Speed of the vehicle ahead, m/s.
     pub lead_speed_mps: Points,
-    /// Gap to it, m.
+    /// Gap to the vehicle ahead, m.
     pub gap_m: Points,
     /// Gap that the law aims at, m.
     pub desired_gap_m: Points,
-    /// Time gap to it, s, at 1 m/s and faster.
+    /// Time gap to the vehicle ahead at 1 m/s and faster, s.
     pub time_gap_s: Points,
-    /// Time to collision with it, s, while it comes closer.
+    /// Time to collision while the ego approaches, s.
     pub time_to_collision_s: Points,
-    /// Rate of the ego's acceleration between two samples, m/s³.
+    /// Difference of two acceleration samples over their time, m/s³.
     pub jerk_mps3: Points,
     /// Height of the road below the ego, m; empty on a level road.
     pub height_m: Points,
-    /// Its grade there, %, positive uphill.
+    /// Grade of the road there, %, positive uphill.
     pub grade_percent: Points,
     /// Gear of a truck, counted from 1.
     pub gear: Points,
@@ -67,7 +65,7 @@ pub struct RunPicture {
     pub modes: Vec<Phased>,
     /// Quality of the commands.
     pub quality: Vec<Phased>,
-    /// Levels of the degradation ladder, by service.
+    /// Degradation levels, by service.
     pub rungs: BTreeMap<&'static str, Vec<Phased>>,
     /// Faults, in order of time.
     pub faults: Vec<FaultMark>,
@@ -77,56 +75,61 @@ pub struct RunPicture {
     pub worst_chains: Vec<WorstChain>,
 }
 
-/// Where another vehicle was.
+/// Path of another vehicle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ActorPath {
     /// Its name in the scenario.
     pub name: String,
-    /// Its rear bumper along the road while its body reached into the ego's lane, m.
+    /// Rear bumper along the road while its body reaches into the ego's lane, m.
     pub in_lane_m: Points,
-    /// The same while it did not.
+    /// Rear bumper along the road otherwise, m.
     pub beside_m: Points,
 }
 
-/// What a signal showed.
+/// Phases of a signal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignalPhases {
-    /// What it is called.
+    /// Name.
     pub name: String,
     /// Stop line along the road, m.
     pub stop_line_m: f64,
-    /// From and to in s, and what it showed.
+    /// Begin and end in s, and phase.
     pub phases: Vec<(f64, f64, Phase)>,
 }
 
-/// A time during which something stayed as it was.
+/// A time of constant state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Phased {
     /// Begin, s.
     pub from_s: f64,
     /// End, s.
     pub to_s: f64,
-    /// What it was.
+    /// State.
     pub label: String,
 }
 
 /// A fault.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FaultMark {
-    /// When, s.
+    /// Run time, s.
     pub t_s: f64,
-    /// What, and to whom.
+    /// Kind and target.
     pub label: String,
-    /// What came of it.
+    /// Effect and end, as far as known.
     pub outcome: String,
 }
 
 impl RunPicture {
-    /// From what the launcher heard of a run.
+    /// The picture of a run from the launcher's records.
     pub fn of(scenario: &Scenario, group: &GroupOutcome) -> Self {
         let modes = group.formulation(scenario).map_or(&[][..], |law| law.modes);
         let mut run = Self::of_modes(scenario, &group.drive, modes);
-        run.faults = group.faults.iter().map(fault).collect();
+        let mark = |record: &FaultRecord| FaultMark {
+            t_s: record.t_s,
+            label: fault::name(record),
+            outcome: fault::outcome(record),
+        };
+        run.faults = group.faults.iter().map(mark).collect();
         run.faults.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
         for report in group.reports.values() {
             let name = report.service.name();
@@ -151,7 +154,7 @@ impl RunPicture {
         run
     }
 
-    /// From the drive alone.
+    /// The picture of a drive alone.
     pub fn of_drive(scenario: &Scenario, drive: &Drive) -> Self {
         Self::of_modes(scenario, drive, laws::mode_names(scenario))
     }
@@ -162,8 +165,8 @@ impl RunPicture {
         let series = |value: fn(&DriveStep) -> Option<f64>| -> Points {
             steps.iter().filter_map(|step| value(step).map(|value| (step.time_s, value))).collect()
         };
-        // Ground truth of the other vehicles comes in some steps only: only there does a missing gap
-        // mean that no vehicle is ahead.
+        // Ground truth of the other vehicles comes in some steps only. Only there does a missing gap mean that
+        // no vehicle is ahead.
         let heard: std::collections::BTreeSet<u64> =
             drive.vehicles.iter().map(|truth| truth.header.step).collect();
         let ahead = |value: fn(&DriveStep) -> Option<f64>| -> Points {
@@ -221,33 +224,16 @@ impl RunPicture {
     }
 }
 
-/// The levels that a service was on; a service that reported was on one all the time.
+/// Degradation levels of a service, from the start to `until_s`.
 fn phases_of(levels: &Levels, until_s: f64) -> Vec<Phased> {
     let first = levels.changes.first().map_or(Level::Full, |change| change.from);
     let changes = levels.changes.iter().map(|change| (change.t_s, change.to));
     phases([(0.0, first)].into_iter().chain(changes), until_s, |level| level.name().to_owned())
 }
 
-/// A fault in words.
-fn fault(record: &FaultRecord) -> FaultMark {
-    let whom = record.service.map(Service::name).or(record.topic);
-    let whom = whom.or(record.helper.map(Helper::name)).unwrap_or_default();
-    let after = |what: &str, us: Option<f64>| {
-        us.map(|us| format!("{what} after {}", crate::duration::duration(us)))
-    };
-    let outcome = [
-        record.messages.map(|messages| format!("{messages} messages")),
-        after("detected", record.detected_after_us),
-        after("recovered", record.recovered_after_us),
-        record.recovered_by.map(|by| format!("by {}", by.name())),
-    ];
-    let outcome: Vec<_> = outcome.into_iter().flatten().collect();
-    let label = format!("{} {whom}", record.kind).trim_end().to_owned();
-    FaultMark { t_s: record.t_s, label, outcome: outcome.join(", ") }
-}
 
-/// The rise of the acceleration over the time between two samples, at the later one. As for the referee,
-/// the step with which a vehicle comes to a stand is no jerk of the drive.
+/// Difference of two acceleration samples over their time, at the later sample. As for the referee, the step
+/// to standstill is not a jerk of the drive.
 fn jerk(steps: &[DriveStep]) -> Points {
     let felt = |step: &DriveStep| match step.speed_mps <= 0.0 {
         true => step.acceleration_mps2.max(0.0),
@@ -262,7 +248,7 @@ fn jerk(steps: &[DriveStep]) -> Points {
     pairs.map(|pair| (pair[1].time_s, rate(pair))).collect()
 }
 
-/// Gap that the law aims at, where there is a vehicle ahead.
+/// Gap that the law aims at, while a vehicle is ahead.
 fn desired_gap(scenario: &Scenario, drive: &Drive) -> Points {
     let desired = laws::desired_gap(scenario);
     let error = laws::gap_error_figure(scenario);
@@ -277,8 +263,7 @@ fn desired_gap(scenario: &Scenario, drive: &Drive) -> Points {
         .collect()
 }
 
-/// Where the other vehicles were. The truth has those that are on the road at its time, in the
-/// scenario's order.
+/// Paths of the other vehicles. Ground truth lists the present ones in the scenario's order.
 fn actors(scenario: &Scenario, truths: &[VehicleTruth]) -> Vec<ActorPath> {
     let mut paths: Vec<ActorPath> = (scenario.actors.iter())
         .map(|actor| ActorPath { name: actor.name.as_str().into(), ..ActorPath::default() })
@@ -302,7 +287,7 @@ fn actors(scenario: &Scenario, truths: &[VehicleTruth]) -> Vec<ActorPath> {
     paths
 }
 
-/// What the signals' programs showed in `duration_s`.
+/// Phases of the signals' programs within `duration_s`.
 fn signals(scenario: &Scenario, duration_s: f64) -> Vec<SignalPhases> {
     let signals = scenario.v2x.signals.iter();
     signals
@@ -329,7 +314,7 @@ fn signals(scenario: &Scenario, duration_s: f64) -> Vec<SignalPhases> {
         .collect()
 }
 
-/// Times during which a sampled value stayed the same, each up to the next sample that differs.
+/// Times of a constant sampled value, each up to the next sample that differs.
 fn phases<T: PartialEq + Copy>(
     samples: impl Iterator<Item = (f64, T)>,
     until_s: f64,

@@ -2,7 +2,7 @@
 
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 
-/// A bar over so many runs on a terminal; nothing elsewhere.
+/// A bar over `runs` on a terminal; hidden elsewhere.
 pub fn count_bar(runs: usize, quiet: bool) -> ProgressBar {
     use std::io::IsTerminal;
     if quiet || !std::io::stderr().is_terminal() {
@@ -11,7 +11,7 @@ pub fn count_bar(runs: usize, quiet: bool) -> ProgressBar {
     let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}, {left} to go")
         .expect("the template is valid")
         .with_key("left", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
-            // Before the first run is over its length is not known.
+            // The remaining time is unknown until the first run has ended.
             let written = match state.pos() {
                 0 => text.write_str("–"),
                 _ => write!(text, "{:#}", HumanDuration(state.eta())),

@@ -1,4 +1,4 @@
-//! What was on air: the frames and the on-board unit's verdicts, and the way of a signal's change.
+//! Radio frames, the on-board unit's verdicts, and the delay of a signal's change.
 
 use crate::duration::{duration, percentiles};
 use crate::html::{Column, section, table};
@@ -13,13 +13,13 @@ pub(crate) fn lines(summary: &Summary) -> Vec<(&'static str, String)> {
     if let Some(radio) = &summary.radio {
         lines.push(("radio", format!("{} frames, {}", radio.frames, verdicts(radio))));
         if radio.left_out > 0 {
-            lines.push(("", format!("{} frames found no room in a batch", radio.left_out)));
+            lines.push(("", format!("{} frames did not fit into a batch", radio.left_out)));
         }
         if let Some(decode) = radio.decode_us.filter(|_| summary.mode == "realtime") {
             lines.push(("", format!("decoded and checked in {}", percentiles(&decode))));
         }
     }
-    // In simulated time nothing takes time but the simulated air.
+    // In simulated time only the simulated air takes time.
     let reaction = summary.timing.signal_reaction_us.filter(|reaction| reaction.max > 0.0);
     if let Some(reaction) = reaction {
         let parts = hops(summary).into_iter();
@@ -32,7 +32,7 @@ pub(crate) fn lines(summary: &Summary) -> Vec<(&'static str, String)> {
     lines
 }
 
-/// The page's section; nothing where no signal came by radio.
+/// The page's section; empty where no signal came by radio.
 pub(crate) fn page(summary: &Summary) -> String {
     let mut counts = String::new();
     let radio = summary.radio.as_ref();
@@ -43,19 +43,19 @@ pub(crate) fn page(summary: &Summary) -> String {
                 vec![format!("frames {}", verdict.replace('_', " ")), count.to_string()]
             })
             .collect();
-        rows.push(vec!["frames without room in a batch".into(), radio.left_out.to_string()]);
+        rows.push(vec!["frames that did not fit into a batch".into(), radio.left_out.to_string()]);
         rows.push(vec!["own CAMs sent".into(), radio.cams_sent.to_string()]);
         let of = format!("of {} frames", radio.frames);
         counts = table(&[("signals by radio", Column::Text), (&*of, Column::Number)], &rows)
-            + "<p>No frame is signed (IEEE 1609.2): that a sender is who it says is not proven.</p>\n";
+            + "<p>Frames carry no signature (IEEE 1609.2): the identity of a sender is not proven.</p>\n";
     }
     let hops = hops(summary).map(|(name, _, of_part)| (format!("… {name}"), of_part));
     let times = [
         ("Time on air", radio.and_then(|radio| radio.air_us)),
-        ("Age of the signal timing handed on", radio.and_then(|radio| radio.age_us)),
+        ("Age of the forwarded signal timing", radio.and_then(|radio| radio.age_us)),
         ("Time to decode and check a frame", radio.and_then(|radio| radio.decode_us)),
         (
-            "Signal's change to the first actuation that knows of it",
+            "Signal's change to the first actuation that uses it",
             summary.timing.signal_reaction_us,
         ),
     ];
@@ -71,14 +71,14 @@ fn verdicts(radio: &ObuReport) -> String {
     let given = radio.verdicts.iter().filter(|(_, count)| **count > 0);
     let parts: Vec<_> =
         given.map(|(verdict, count)| format!("{count} {}", verdict.replace('_', " "))).collect();
-    if parts.is_empty() { "none heard".to_owned() } else { parts.join(", ") }
+    if parts.is_empty() { "none received".to_owned() } else { parts.join(", ") }
 }
 
-/// The parts of a signal's chain: long and short names.
+/// Parts of a signal's chain: long and short names.
 fn hops(summary: &Summary) -> [(&'static str, &'static str, Option<Percentiles>); 4] {
     let hops = &summary.timing.signal_hops_us;
     [
-        ("change to the making of the timing", "announce", hops.announce),
+        ("change to the announcement", "announce", hops.announce),
         ("frame, air and decoding", "receive", hops.receive),
         ("controller", "control", hops.control),
         ("command to actuation", "actuate", hops.actuate),

@@ -9,7 +9,7 @@ use crate::summary::{ServiceSummary, Summary};
 use runtime::report::Outcome;
 use scenario::Scenario;
 
-/// Longest scenario that is printed whole, bytes.
+/// Longest scenario that is printed in full, bytes.
 const MAX_SCENARIO: usize = 100_000;
 
 /// The page of a run.
@@ -38,7 +38,7 @@ pub fn page(scenario: &Scenario, summary: &Summary, run: &RunPicture) -> String 
     document(&summary.scenario, &about.join(" · "), good, &verdict, &body)
 }
 
-/// How well the radar's tracks matched the traffic; nothing of a radar that does not err.
+/// Match of the radar's tracks with the traffic; empty for an ideal radar.
 fn tracking(summary: &Summary) -> String {
     let Some(found) = summary.perception.filter(|found| found.gospa_m > 0.0) else {
         return String::new();
@@ -47,16 +47,16 @@ fn tracking(summary: &Summary) -> String {
     let s = |value: f64| format!("{} s", super::chart::number(value, 2));
     let mut rows = vec![
         vec!["GOSPA (c = 10 m, p = 2), root mean square".to_owned(), m(found.gospa_m)],
-        vec!["of it: distance of tracks from their vehicles".into(), m(found.localisation_m)],
-        vec!["of it: vehicles without a track".into(), m(found.missed_m)],
-        vec!["of it: tracks without a vehicle".into(), m(found.false_m)],
+        vec!["part from distances between tracks and vehicles".into(), m(found.localisation_m)],
+        vec!["part from vehicles without a track".into(), m(found.missed_m)],
+        vec!["part from tracks without a vehicle".into(), m(found.false_m)],
         vec!["false targets".into(), found.false_targets.to_string()],
         vec!["time with a false target".into(), s(found.false_target_s)],
     ];
     if let (Some(mean_s), Some(worst_s)) = (found.cut_in_mean_s, found.cut_in_worst_s) {
         rows.push(vec!["cut-ins confirmed".into(), found.cut_ins.to_string()]);
-        rows.push(vec!["a cut-in confirmed after its overlap, mean".into(), s(mean_s)]);
-        rows.push(vec!["the same, longest".into(), s(worst_s)]);
+        rows.push(vec!["delay from overlap to a confirmed cut-in, mean".into(), s(mean_s)]);
+        rows.push(vec!["delay from overlap to a confirmed cut-in, longest".into(), s(worst_s)]);
     }
     if found.cut_ins_unconfirmed > 0 {
         rows.push(vec!["cut-ins not confirmed".into(), found.cut_ins_unconfirmed.to_string()]);
@@ -66,7 +66,7 @@ fn tracking(summary: &Summary) -> String {
     }
     let left_out = found.detections_left_out.unwrap_or(0) + found.tracks_left_out;
     if left_out > 0 {
-        let what = "detections and tracks for which there was no room in their messages";
+        let what = "detections and tracks that did not fit into their messages";
         rows.push(vec![what.into(), left_out.to_string()]);
     }
     let scans = format!("of {} scans", found.scans);
@@ -75,7 +75,7 @@ fn tracking(summary: &Summary) -> String {
     section("Radar", &table(&head, &rows))
 }
 
-/// Whether the requirement was met, and what came out in words.
+/// Whether the requirement was met, and the outcome in words.
 fn verdict(summary: &Summary) -> (bool, String) {
     let at = format!("{:.1} s", summary.duration_s);
     match summary.outcome {
@@ -87,18 +87,18 @@ fn verdict(summary: &Summary) -> (bool, String) {
             (true, format!("Completed: {at} driven without a collision or a red light{helped}"))
         }
         Outcome::Collision => (false, format!("Collision after {at}")),
-        Outcome::RedLight => (false, format!("A stop line was crossed at red after {at}")),
+        Outcome::RedLight => (false, format!("Red light: a stop line was crossed at red after {at}")),
         Outcome::SafeStop => {
-            (false, format!("Safe stop: the plant heard no valid commands; {at} driven"))
+            (false, format!("Safe stop: the plant received no valid commands; {at} driven"))
         }
         Outcome::Aborted => {
-            let why = summary.aborted_because.as_deref().unwrap_or("ended before its time");
+            let why = summary.aborted_because.as_deref().unwrap_or("ended early");
             (false, format!("Aborted after {at}: {why}"))
         }
     }
 }
 
-/// The figures at the top of the page.
+/// Figures at the top of the page.
 fn figures(summary: &Summary) -> Vec<Tile> {
     let control = &summary.control.figures;
     let timing = &summary.timing;
@@ -140,7 +140,7 @@ fn figures(summary: &Summary) -> Vec<Tile> {
         ),
         tile("Smallest time to collision", number(control.min_ttc_s, 1, "s"), String::new()),
         tile(
-            "Off the desired gap at the end",
+            "Gap error at the end",
             number(control.final_gap_error_m, 2, "m"),
             String::new(),
         ),
@@ -195,7 +195,7 @@ fn figures(summary: &Summary) -> Vec<Tile> {
     .collect()
 }
 
-/// The faults by their numbers in the pictures; nothing without any.
+/// Table of the faults by their numbers in the charts; empty without faults.
 fn faults(run: &RunPicture) -> String {
     if run.faults.is_empty() {
         return String::new();
@@ -215,7 +215,7 @@ fn faults(run: &RunPicture) -> String {
     section("Faults", &table(&head, &rows))
 }
 
-/// The pictures of the drive.
+/// Charts of the drive.
 pub fn pictures(run: &RunPicture) -> String {
     let following = [drive::gap(run), drive::time_gap(run), drive::time_to_collision(run)];
     let plots = [drive::speed(run)].into_iter().chain(following.into_iter().flatten());
@@ -267,7 +267,7 @@ fn messages(summary: &Summary) -> String {
         ("received", Column::Number),
         ("lost", Column::Number),
         ("invalid", Column::MoreNumber),
-        ("of unknown senders", Column::MoreNumber),
+        ("from unknown senders", Column::MoreNumber),
     ];
     table(&head, &rows)
 }
@@ -330,7 +330,7 @@ fn service(service: &ServiceSummary) -> Vec<String> {
     ]
 }
 
-/// How to repeat the run, with the scenario as it took effect.
+/// Instructions to repeat the run, with the scenario that took effect.
 fn repeat(scenario: &Scenario, summary: &Summary) -> String {
     let toml = scenario.to_toml();
     let whole = if toml.len() <= MAX_SCENARIO {

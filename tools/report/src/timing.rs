@@ -1,4 +1,4 @@
-//! Pictures and tables of time: the latency of each hop, its percentiles, the worst chains.
+//! Charts and tables of time: latency of each hop, percentiles, longest chains.
 
 use super::chart::{Axis, Bands, Curve, Plot, Row, Span, Stroke, Tone};
 use super::html::{Cell, Column, stacked_table};
@@ -8,11 +8,11 @@ use crate::summary::Summary;
 use runtime::report::{HopTimes, WorstChain};
 use runtime::statistics::{Latencies, Percentiles, QuantileCurve};
 
-/// Chains drawn as timelines; the table has them all.
+/// Chains drawn as timelines; the table has all.
 const DRAWN_CHAINS: usize = 5;
 
-/// The hops in order of time: name of the figure, name for readers, colour. Waits are dotted, work
-/// is dashed, what the transport takes is solid.
+/// The hops in order of time: name of the figure, name for readers, colour. Waits are dotted, work is dashed,
+/// transport is solid.
 const HOPS: [(&str, &str, Tone, Stroke); 7] = [
     ("radar_publish", "radar publishes", Tone::Series(1), Stroke::Dashed),
     ("controller_queue", "waits for the controller", Tone::Series(4), Stroke::Dotted),
@@ -23,11 +23,11 @@ const HOPS: [(&str, &str, Tone, Stroke); 7] = [
     ("actuate", "plant actuates", Tone::Series(5), Stroke::Dashed),
 ];
 
-/// Distributions of the chain's hops on a logarithmic axis; none without samples.
+/// Distributions of the chain's hops on a logarithmic axis; `None` without samples.
 pub fn latencies(run: &RunPicture, count: u64) -> Option<Plot> {
     let whole = [
         ("reaction_time", "reaction time", Tone::Series(0), Stroke::Solid),
-        ("net_reaction", "without designed waits", Tone::Series(7), Stroke::Dashed),
+        ("net_reaction", "software overhead", Tone::Series(7), Stroke::Dashed),
     ];
     let drawn = whole.iter().chain(&HOPS).filter_map(|(figure, name, tone, stroke)| {
         let curve = run.latencies.get(*figure)?;
@@ -38,7 +38,7 @@ pub fn latencies(run: &RunPicture, count: u64) -> Option<Plot> {
     cumulative(&format!("Latency of each hop (n = {count})"), count, drawn.collect())
 }
 
-/// A distribution to be drawn.
+/// A distribution to draw.
 pub struct Distribution<'a> {
     /// Name for the legend.
     pub label: String,
@@ -50,7 +50,7 @@ pub struct Distribution<'a> {
     pub latencies: &'a Latencies,
 }
 
-/// Distributions over each other; none without samples.
+/// Several distributions in one chart; `None` without samples.
 pub fn distributions(title: &str, drawn: &[Distribution<'_>]) -> Option<Plot> {
     let most = drawn.iter().map(|drawn| drawn.latencies.count()).max()?;
     let drawn = drawn.iter().filter(|drawn| drawn.latencies.count() > 0);
@@ -73,7 +73,7 @@ fn cumulative(title: &str, count: u64, drawn: Vec<Curve>) -> Option<Plot> {
     })
 }
 
-/// The longest chains as timelines; none without chains.
+/// The longest chains as timelines; `None` without chains.
 pub fn worst_chains(chains: &[WorstChain]) -> Option<Bands> {
     let rows: Vec<_> = chains
         .iter()
@@ -95,8 +95,8 @@ pub fn worst_chains(chains: &[WorstChain]) -> Option<Bands> {
     })
 }
 
-/// The parts of a chain one after the other, ms. Those of no length are left out, and so is the wait
-/// for the plant: it is designed, and longer than all else.
+/// Parts of a chain one after the other, ms. Parts without length are left out. So is the wait for the plant:
+/// it is part of the design and longer than all else.
 fn spans(hops: &HopTimes) -> Vec<Span> {
     let command_wait = 0.0;
     let lengths_us = [
@@ -120,7 +120,7 @@ fn spans(hops: &HopTimes) -> Vec<Span> {
     spans
 }
 
-/// What the longest chains met with.
+/// Events during the longest chains.
 pub fn worst_table(chains: &[WorstChain]) -> String {
     let age = |us: Option<f64>| us.map_or_else(|| "–".to_owned(), duration);
     let rows: Vec<Vec<Cell>> = chains
@@ -158,9 +158,9 @@ pub fn worst_table(chains: &[WorstChain]) -> String {
     stacked_table(&head, &rows)
 }
 
-/// A quantile curve as points (latency, share). The largest of n samples stands at 1 - 1/2n, since
-/// the samples do not show where the distribution ends. A logarithmic axis has no place for zeros:
-/// the curve begins above their share.
+/// A quantile curve as points (latency, share). The largest of n samples is drawn at 1 - 1/2n, since samples
+/// do not show the end of the distribution. A logarithmic axis cannot show zeros: the curve begins above their
+/// share.
 fn distribution(curve: &QuantileCurve, count: u64) -> Vec<(f64, f64)> {
     let last = 1.0 - 0.5 / count.max(1) as f64;
     let positive = || curve.iter().filter(|point| point.1 > 0.0);
@@ -173,7 +173,7 @@ fn zero_share(curve: &QuantileCurve) -> f64 {
     curve.iter().filter(|point| point.1 <= 0.0).map(|point| point.0).fold(0.0, f64::max)
 }
 
-/// What the legend says of the samples that a logarithmic axis cannot show.
+/// Note for the legend about samples that a logarithmic axis cannot show.
 fn zeros(curve: &QuantileCurve) -> String {
     match 100.0 * zero_share(curve) {
         percent if percent > 0.0 => format!(" (zero in {percent:.0} %)"),
@@ -181,13 +181,13 @@ fn zeros(curve: &QuantileCurve) -> String {
     }
 }
 
-/// Percentiles of everything that was timed; empty where nothing was.
+/// Percentiles of all timed quantities; empty without any.
 pub fn percentiles(summary: &Summary) -> String {
     let timing = &summary.timing;
     let hops = &timing.hops_us;
     table([
         ("Reaction time, radar to first actuation", timing.reaction_time_us),
-        ("… without the designed waits", timing.net_reaction_us),
+        ("… software overhead only", timing.net_reaction_us),
         ("… radar to start of the control cycle", hops.radar_to_controller),
         ("… control cycle to its command", hops.controller_compute),
         ("… command to actuation", hops.controller_to_plant),
@@ -197,11 +197,11 @@ pub fn percentiles(summary: &Summary) -> String {
     ])
 }
 
-/// Percentiles, a row each; empty where nothing was timed.
+/// Percentiles, a row each; empty without any.
 pub fn table<'a>(timed: impl IntoIterator<Item = (&'a str, Option<Percentiles>)>) -> String {
     let rows: Vec<Vec<String>> = timed
         .into_iter()
-        // In simulated time, what takes none says nothing.
+        // Zero durations of simulated time are left out.
         .filter_map(|(name, percentiles)| Some((name, percentiles.filter(|p| p.max > 0.0)?)))
         .map(|(name, percentiles)| row(name, &percentiles))
         .collect();
@@ -223,7 +223,8 @@ pub fn table<'a>(timed: impl IntoIterator<Item = (&'a str, Option<Percentiles>)>
     )
 }
 
-/// A percentile that so few samples cannot tell from the maximum is a dash.
+/// A row of percentiles. A dash replaces a percentile that the number of samples cannot distinguish from the
+/// maximum.
 fn row(name: &str, p: &Percentiles) -> Vec<String> {
     let known = |nine_in: u64, us: f64| {
         if p.count >= nine_in { duration(us) } else { "–".to_owned() }

@@ -3,7 +3,7 @@
 use crate::table;
 use group::Drive;
 
-/// Columns before those of the law's own figures.
+/// Columns before the law's own figures.
 const COLUMNS: [&str; 11] = [
     "time_s",
     "position_m",
@@ -18,8 +18,8 @@ const COLUMNS: [&str; 11] = [
     "fuel_g",
 ];
 
-/// The drive as CSV. What was not published in a step is left empty. The columns of the law's own
-/// figures are named by `figure_names`, with `law_` ahead of a name that a column has already.
+/// The drive as CSV. Fields without a message in a step are empty. `figure_names` name the columns of the
+/// law's own figures; `law_` precedes a name that another column has.
 pub fn csv(drive: &Drive, figure_names: &[&str]) -> String {
     let rows = drive.steps.iter().map(|step| {
         let own = [

@@ -1,9 +1,8 @@
-//! Progress through signals: when the last stop line was passed, and when it could have been at the
-//! earliest.
+//! Progress through signals: the time of the last stop line, and its lower bound.
 //!
-//! The fastest legal trip is a bound: no faster than the set speed and the speed limit, no more acceleration
-//! than the vehicle has, no stop line on red, no other traffic. Waiting costs it nothing but the time: it
-//! arrives at each line at the instant of green with the speed that it can have there at most.
+//! The fastest legal trip is that bound. It respects the set speed, the speed limit and the vehicle's
+//! acceleration, crosses no stop line on red and meets no other traffic. It arrives at each line at the
+//! instant of green, with the highest speed that is possible there.
 
 use group::DriveStep;
 use scenario::Scenario;
@@ -14,20 +13,20 @@ use v2x_sim::program::Program;
 
 /// Step of the fastest trip, s.
 const STEP_S: f64 = 0.01;
-/// Longest trip that is looked at, s.
+/// Longest trip that is considered, s.
 const LONGEST_S: f64 = 36_000.0;
 
 /// A trip past the last signal of the road, s; null without signals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trip {
-    /// When the ego's front passed the last stop line; null if it did not.
+    /// Time at which the ego's front passed the last stop line; null if it did not.
     pub trip_time_s: Option<f64>,
-    /// The same of the fastest legal trip without other traffic; null for trucks.
+    /// Time of the fastest legal trip; null for trucks.
     pub fastest_legal_trip_s: Option<f64>,
 }
 
 impl Trip {
-    /// Of a drive of a scenario.
+    /// The trip of a drive through a scenario.
     pub fn of(scenario: &Scenario, steps: &[DriveStep]) -> Self {
         let lines = scenario.v2x.signals.iter().map(|signal| signal.stop_line_m.value());
         let Some(last_m) = lines.reduce(f64::max).filter(|last_m| *last_m > 0.0) else {
@@ -44,7 +43,7 @@ impl Trip {
     }
 }
 
-/// When the last stop line can be passed at the earliest, s.
+/// Earliest time at the last stop line, s.
 fn fastest(scenario: &Scenario) -> Option<f64> {
     let mut ego = Passing::start(scenario);
     let ahead = scenario.v2x.signals.iter().filter(|signal| signal.stop_line_m.value() > 0.0);
@@ -73,8 +72,8 @@ impl Passing {
         Self { time_s: 0.0, place_m: 0.0, speed_mps }
     }
 
-    /// The earliest passing of a stop line ahead, never beyond what is `ahead` at a time, m; `None` for trucks, and
-    /// where it stays red.
+    /// The earliest passing of a stop line, never beyond the position `ahead` of each time, m. `None` for
+    /// trucks, and if the signal stays red.
     #[must_use]
     pub fn past(
         self,
@@ -88,7 +87,7 @@ impl Passing {
         Some(Self { time_s, ..at })
     }
 
-    /// The earliest passing of a place ahead, without signals; `None` for trucks, and where it cannot be reached.
+    /// The earliest passing of a place without signals. `None` for trucks, and if it cannot be reached.
     #[must_use]
     pub fn along(self, scenario: &Scenario, to_m: f64, ahead: &dyn Fn(f64) -> f64) -> Option<Self> {
         let plant = &scenario.plant;
@@ -122,7 +121,7 @@ pub fn nothing_ahead(_: f64) -> f64 {
     f64::INFINITY
 }
 
-/// The hardest acceleration at a speed, m/s².
+/// Greatest acceleration at a speed, m/s².
 fn acceleration_mps2(plant: &Plant, speed_mps: f64) -> f64 {
     let most = plant.max_acceleration_mps2.value();
     plant.powertrain.map_or(most, |powertrain| {
@@ -131,7 +130,7 @@ fn acceleration_mps2(plant: &Plant, speed_mps: f64) -> f64 {
     })
 }
 
-/// The first instant from `time_s` on at which the signal is not red, s; `None` if it stays red.
+/// The first instant from `time_s` on without red, s; `None` if it stays red.
 fn opens_s(program: &Program, time_s: f64) -> Option<f64> {
     let mut opens_s = time_s;
     for interval in program.intervals((time_s * 1e9) as u64) {

@@ -1,10 +1,10 @@
 //! Lockstep runs in one process against the same runs in process groups, in one invocation.
 //!
-//! `cargo bench -p timegap --bench lockstep`. Both kinds of run alternate, so that both see the same
-//! machine; figures are medians. A goal that is missed is printed as missed, and is no failure.
+//! `cargo bench -p timegap --bench lockstep`. Both kinds of run alternate, so that both meet the same machine;
+//! figures are medians. A missed goal is printed as missed and is not a failure.
 //!
-//! A goal per core is judged by processor time, of whole commands with their start and their results: on a
-//! machine that is shared with other work the wall's time says how much of a core a run was given.
+//! A goal per core is judged by processor time of whole commands with their start and their results. On a
+//! shared machine, wall time depends on the share that a run gets.
 
 use serde_json::Value;
 use std::process::Command;
@@ -16,7 +16,7 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap");
 const PAIRS: usize = 9;
 /// Simulated time of each, s.
 const DURATION_S: &str = "300";
-/// Seeds of a command with few and with many runs: three are repeated in process groups in each.
+/// Seeds of a command with few and with many runs; three are repeated in process groups in each.
 const SEEDS: [usize; 2] = [100, 500];
 /// Runs of the shorter and the longer part of the campaign `messages`.
 const PARTS: [usize; 2] = [60, 460];
@@ -30,12 +30,12 @@ struct Time {
     processor_s: f64,
 }
 
-/// Processor time of all programs that this one started and that have ended, s.
+/// Processor time of all ended child processes, s.
 fn processor_s() -> f64 {
-    /// Of the kernel's clock ticks, per second.
+    /// Clock ticks of the kernel per second.
     const TICKS: f64 = 100.0;
     let stat = std::fs::read_to_string("/proc/self/stat").expect("Linux");
-    // After the name, which is in parentheses: fields 16 and 17 of proc(5), cutime and cstime.
+    // After the name in parentheses: fields 16 and 17 of proc(5), cutime and cstime.
     let (_, fields) = stat.rsplit_once(')').expect("a name");
     let fields: Vec<&str> = fields.split_whitespace().collect();
     let ticks = |index: usize| fields[index].parse::<f64>().expect("a number");
@@ -75,7 +75,7 @@ fn verdict(met: bool) -> &'static str {
 fn main() {
     let run = ["run", "cacc-a", "--mode", "lockstep", "--no-record", "--duration", DURATION_S];
     let duration_s: f64 = DURATION_S.parse().expect("a number");
-    // Simulated seconds per second: in the loop on the wall's clock, and of the whole command's processor time.
+    // Simulated seconds per second: of the loop by wall time, and of the command by processor time.
     let speeds = |more: &[&str]| {
         let (summary, time) = timegap(&[&run[..], more].concat());
         let by_wall = summary["simulated_per_wall"].as_f64().expect("a lockstep run has a speed");
@@ -100,8 +100,8 @@ fn main() {
     println!("  process group   {:>14.0}   {:>14.0}", processes[0], processes[1]);
     println!("  ratio           {:>14.1}   {:>14.1}", ratios[0], ratios[1]);
 
-    // What a run costs beside its simulated time: runs of 2 s and of 4 s. Each command repeats three of its runs in
-    // process groups, whose start costs hundreds of times as much: what differs is runs in one process.
+    // Cost of a run beside its simulated time, from runs of 2 s and 4 s. Each command repeats three runs in
+    // process groups, whose start costs hundreds of times more: the difference is due to runs in one process.
     let runs = |duration: &str, count: usize| {
         let set = format!("duration_s={duration}");
         let seeds = format!("1..{count}");
@@ -117,12 +117,12 @@ fn main() {
         "from one run to the next, processor time, median of 5\n  {between_ms:>8.2} ms    goal 1: {met}"
     );
 
-    // The same sample of process groups is in both parts: what differs is runs in one process.
+    // Both parts have the same sample of process groups: the difference is due to runs in one process.
     let part = |jobs: &str, runs: usize| {
         let runs = runs.to_string();
         timegap(&["campaign", "messages", "--sample", &runs, "--jobs", jobs]).1
     };
-    // Two commands of one worker each share nothing but the machine: what they gain is what it gives.
+    // Two commands of one worker each share only the machine: their gain is the machine's.
     let both = |runs: usize| {
         let begun = Instant::now();
         std::thread::scope(|scope| {
@@ -137,7 +137,7 @@ fn main() {
         let runs = (long - short) as f64;
         [(all.wall_s - few.wall_s) / runs, (all.processor_s - few.processor_s) / runs]
     };
-    // In turns, so that all see the same machine.
+    // In turns, so that all meet the same machine.
     let (mut one, mut two, mut apart) = (vec![], vec![], vec![]);
     for _ in 0..ROUNDS {
         one.push(each("1"));

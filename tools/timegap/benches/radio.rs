@@ -1,9 +1,9 @@
-//! How old the signals are at the controller by each way that they can take, what that age is made of, how long
-//! a signal's change takes to the actuators, and what an on-board unit costs of which 20 hear one roadside unit.
+//! Age of the signals at the controller on each path, its parts, the delay of a signal's change to the
+//! actuators, and the cost of an on-board unit among 20 that receive one roadside unit.
 //!
 //! `cargo bench -p timegap --bench radio`, with `--features zenoh` for zenoh's rows. Both ends run on this
-//! host. The cycles of the roadside unit, of the vehicle's radio and of its controller are 100 ms each; how they
-//! are to each other is chance in each session, so that there are several, which alternate.
+//! host. Roadside unit, vehicle radio and controller have cycles of 100 ms each. Their relative phase is
+//! random in each session, so that several sessions alternate.
 
 mod age;
 #[path = "../../../shared/radio/benches/peer/mod.rs"]
@@ -30,7 +30,7 @@ const SESSIONS: usize = 5;
 const SESSION_S: &str = "12";
 const VEHICLES: usize = 20;
 const VEHICLES_S: &str = "20";
-/// An intersection is ahead from the start to the end, and its signal changes every one or two seconds.
+/// An intersection is ahead from start to end, and its signal changes every one or two seconds.
 const SCENE: [&str; 8] = [
     "--set",
     "v2x.range_m=2000",
@@ -43,16 +43,16 @@ const SCENE: [&str; 8] = [
 ];
 const GROUP: &str = "udp://239.255.31.13:5525?interface=lo";
 
-/// A way from the roadside unit to the controller.
+/// A path from the roadside unit to the controller.
 struct Way {
     name: &'static str,
-    /// The vehicle's `v2x.radio`, and the unit's where it is a process of its own.
+    /// The vehicle's `v2x.radio`, and the unit's if it is a process of its own.
     vehicle: String,
     unit: Option<String>,
-    /// The address of zenoh's router, if one is needed.
+    /// Address of zenoh's router, if needed.
     router: Option<String>,
     sessions: Vec<Value>,
-    /// What the age of each session's signals is made of, ms.
+    /// Parts of the age of each session's signals, ms.
     parts: Vec<Vec<[f64; 5]>>,
 }
 
@@ -76,7 +76,7 @@ fn main() {
     }
     println!("{SESSIONS} sessions of {SESSION_S} s each, load {}", load());
     println!(
-        "| way | age at the controller p50 ms | p99 ms | on the way p50 ms | p99 ms | control cycles |"
+        "| way | age at the controller p50 ms | p99 ms | network p50 ms | p99 ms | control cycles |"
     );
     println!("| --- | --- | --- | --- | --- | --- |");
     for way in &ways {
@@ -85,7 +85,7 @@ fn main() {
     where_the_age_comes_from(&ways);
     way_of_a_change(&ways);
     many_vehicles();
-    // It was made above.
+    // Created above.
     let _ = std::fs::remove_dir_all(&directory);
 }
 
@@ -135,7 +135,7 @@ fn configuration(directory: &Path, name: &str, [mode, place, end, owner]: [&str;
     format!("zenoh:{}", path.display())
 }
 
-/// One drive by `way`: its summary, and what the age of its signals is made of.
+/// One drive by `way`: its summary, and the parts of the age of its signals.
 fn drive(way: &Way, directory: &Path) -> (Value, Vec<[f64; 5]>) {
     let _router = way.router.as_deref().map(|address| Peer::start(&["router", address]));
     let results = directory.join("run");
@@ -150,7 +150,7 @@ fn drive(way: &Way, directory: &Path) -> (Value, Vec<[f64; 5]>) {
     });
     let output = vehicle.wait_with_output().expect("it ends");
     if let Some(mut unit) = unit {
-        // It is still there: it runs longer than the vehicle.
+        // It still runs: longer than the vehicle.
         let _ = unit.kill();
         let _ = unit.wait();
     }
@@ -159,7 +159,7 @@ fn drive(way: &Way, directory: &Path) -> (Value, Vec<[f64; 5]>) {
     (serde_json::from_slice(&output.stdout).expect("a summary"), parts)
 }
 
-/// The parts of the age of frames of another process: medians of each session.
+/// Parts of the age of another process's frames: medians of each session.
 fn where_the_age_comes_from(ways: &[Way]) {
     println!("\n| way | session | {} ms | age ms |", age::PARTS.join(" ms | "));
     println!("| --- | --- {}|", "| --- ".repeat(age::PARTS.len() + 1));
@@ -176,8 +176,8 @@ fn where_the_age_comes_from(ways: &[Way]) {
     }
 }
 
-/// From a signal's change to the first actuation that knows of it, and its parts: medians over the sessions of
-/// p50, ms.
+/// From a signal's change to the first actuation that uses it, and its parts: medians of p50 over the
+/// sessions, ms.
 fn way_of_a_change(ways: &[Way]) {
     println!("\n| way | changes | change to actuation | announce | receive | control | actuate |");
     println!("| --- | --- | --- | --- | --- | --- | --- |");
@@ -205,7 +205,7 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// Medians over the sessions of p50, the largest p99.
+/// Median of p50 over the sessions, and the largest p99.
 fn row(way: &Way) {
     let figure = |pointer: &str| {
         let figures = way.sessions.iter().filter_map(|summary| summary.pointer(pointer)?.as_f64());
@@ -230,7 +230,7 @@ fn row(way: &Way) {
     );
 }
 
-/// 20 on-board units, a process each, and one roadside unit.
+/// 20 on-board units, one process each, and one roadside unit.
 fn many_vehicles() {
     let mut vehicles: Vec<Peer> = (0..VEHICLES).map(|_| Peer::start(&["vehicle", GROUP])).collect();
     let unit = Command::new(PROGRAM)
@@ -255,7 +255,7 @@ fn many_vehicles() {
     );
 }
 
-/// An on-board unit without a vehicle around it: hears, decodes and checks until its input ends.
+/// An on-board unit without a vehicle: receives, decodes and checks until its input ends.
 fn vehicle(address: &str) {
     let address: CarrierAddress = address.parse().expect("an address");
     let mut carrier = Carrier::open(&address, Role::Vehicle).expect("a vehicle");

@@ -1,4 +1,4 @@
-//! An allocator that counts, so that tests can see what a control loop allocates.
+//! A counting allocator, so that tests see the allocations of a control loop.
 
 #![allow(unsafe_code, reason = "a global allocator is unsafe by its nature")]
 
@@ -11,7 +11,7 @@ thread_local! {
 
 struct Counting;
 
-// SAFETY: every method hands its arguments to the system's allocator unchanged.
+// SAFETY: every method passes its arguments to the system's allocator unchanged.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count();
@@ -29,14 +29,14 @@ unsafe impl GlobalAlloc for Counting {
 }
 
 fn count() {
-    // A thread that is being torn down has no counter any more.
+    // A thread that is ending has no counter any more.
     let _ = ALLOCATIONS.try_with(|count| count.set(count.get() + 1));
 }
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Lets services report how often their loop allocated.
+/// Makes services report the allocations of their loop.
 pub fn report() {
     runtime::count_allocations_by(|| ALLOCATIONS.with(Cell::get));
 }

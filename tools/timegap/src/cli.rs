@@ -13,11 +13,11 @@ use std::error::Error;
 use std::ffi::OsString;
 use std::num::{IntErrorKind, ParseIntError};
 
-/// Runs an adaptive-cruise stack as processes over shared memory, measures it, and injects faults.
+/// Runs an adaptive-cruise stack as real processes over shared memory, measures it, and injects faults.
 #[derive(Debug, Parser)]
 #[command(name = "timegap", version, after_help = EXIT_STATUS, disable_help_subcommand = true)]
 pub struct Cli {
-    /// What to do.
+    /// The command.
     #[command(subcommand)]
     pub command: Command,
 }
@@ -31,33 +31,33 @@ red light, a failed check); 2 bad usage or a bad file; 3 the machine would not l
 pub enum Command {
     /// Run the process group through a scenario
     Run(crate::run::RunArguments),
-    /// Run the roadside units of a scenario alone, for vehicles on other hosts
+    /// Run a scenario's roadside units for vehicles on other hosts
     Rsu(crate::rsu::RsuArguments),
-    /// Run a paper's scenarios in lockstep and print its published figures beside ours
+    /// Run a paper's scenarios and compare the results with its published figures
     Reproduce(papers::ReproduceArguments),
-    /// Measure latency, jitter and deadline misses beside the machine's own floor
+    /// Measure latency, jitter and deadline misses against the machine's own floor
     Bench(bench::BenchArguments),
-    /// Drive the same scenarios with several controllers and compare them
+    /// Drive scenarios with several controllers and compare them
     Compare(comparison::compare::CompareArguments),
-    /// Drive UN R157's cut-in, following and cut-out matrices with its models and our controllers
+    /// Drive UN R157's cut-in, following and cut-out scenarios with our controllers and its models
     R157(regulation::r157::R157Arguments),
-    /// Run ISO 15622's tests of adaptive cruise control and print their limits as rows
+    /// Run ISO 15622's tests of adaptive cruise control
     Iso15622(regulation::iso15622::Iso15622Arguments),
     /// Convert a recorded run to a trace for Perfetto
     Trace(TraceArguments),
     /// Drive many seeded runs with faults and give one verdict
     Campaign(campaign::CampaignArguments),
-    /// Drive a string of cars, each behind the true motion of the one before, and print the gains
+    /// Drive a string of cars and print how it amplifies speed changes
     String(string::StringArguments),
-    /// Drive a scenario for all values of a key and print a figure of each
+    /// Drive a scenario for several values of a key and print a figure of each
     Sweep(comparison::sweep::SweepArguments),
-    /// Show what a recording holds
+    /// Show the contents of a recording
     Info(InfoArguments),
     /// Repair a truncated recording
     Recover(RecoverArguments),
     /// Write a recording as tables
     Export(ExportArguments),
-    /// Feed a recorded run's inputs to the controller or the on-board unit again and compare its output
+    /// Replay a recorded run's inputs to a service and compare its output
     Replay(ReplayArguments),
     /// Show the first difference between two recordings
     Diff(DiffArguments),
@@ -65,27 +65,27 @@ pub enum Command {
     Layouts(LayoutsArguments),
     /// Design a controller offline (cargo feature `synthesize`)
     Synthesize(crate::synthesize::SynthesizeArguments),
-    /// Check whether this machine meets real time, and print how to mend what it lacks
+    /// Check this machine for real time, and print commands that improve it
     Doctor(doctor::DoctorArguments),
     /// Inject a fault into a run in progress
     Inject(crate::inject::InjectArguments),
-    /// List the scenarios, controllers and campaigns
+    /// List scenarios, controllers and campaigns
     List(crate::list::ListArguments),
-    /// Write shell completions, the man page or a page of the documentation on standard output
+    /// Write shell completions, the man page or a reference page
     #[command(hide = true)]
     Generate(crate::generate::GenerateArguments),
-    /// Run one service; started by the launcher
+    /// Run one service; used by the launcher
     #[command(hide = true)]
     Service(crate::service::ServiceArguments),
 }
 
 impl Cli {
-    /// Reads the command line. Help and errors end the process, worded by clap.
+    /// Reads the command line. Help and errors end the process, in clap's words.
     pub fn read() -> Self {
         Self::of(std::env::args_os()).unwrap_or_else(|error| explain(error).exit())
     }
 
-    /// A word such as `-1` is a value, so that it is refused as the value of its option and not as an option.
+    /// A word such as `-1` is a value: it is refused as the value of its option, not as an option.
     fn of<T: Into<OsString> + Clone>(
         words: impl IntoIterator<Item = T>,
     ) -> Result<Self, clap::Error> {
@@ -95,7 +95,7 @@ impl Cli {
     }
 }
 
-/// Adds what was expected where clap does not say it.
+/// Adds the expected value where clap leaves it out.
 fn explain(error: clap::Error) -> clap::Error {
     match error.kind() {
         ErrorKind::InvalidSubcommand => suggest(error),
@@ -104,7 +104,7 @@ fn explain(error: clap::Error) -> clap::Error {
     }
 }
 
-/// Says of an option's value that is no whole number that one was expected.
+/// Adds that a whole number was expected.
 fn expect_a_number(error: clap::Error) -> clap::Error {
     let reason = error.source().and_then(|reason| reason.downcast_ref::<ParseIntError>());
     let (Some(reason), Some(option), Some(value)) =
@@ -117,13 +117,13 @@ fn expect_a_number(error: clap::Error) -> clap::Error {
         IntErrorKind::PosOverflow => "a smaller whole number",
         _ => "a whole number without a sign",
     };
-    // Without a usage line: that of the whole program is of no help here.
+    // Without the usage line, which is about the whole program.
     let said = format!("invalid value '{value}' for '{option}': expected {expected}\n");
     clap::Error::raw(ErrorKind::ValueValidation, said)
 }
 
-/// Adds the nearest commands to the error about an unknown one. clap's own measure of likeness knows no
-/// transposed letters in words as short as ours.
+/// Adds the nearest commands to the error about an unknown one. clap's own measure misses transposed letters
+/// in words this short.
 fn suggest(mut error: clap::Error) -> clap::Error {
     let Some(ContextValue::String(given)) = error.get(ContextKind::InvalidSubcommand) else {
         return error;
@@ -135,7 +135,7 @@ fn suggest(mut error: clap::Error) -> clap::Error {
     error
 }
 
-/// The commands that are likest to `given`, if they are like enough to be meant.
+/// The commands most similar to `given`, if one is similar enough.
 fn nearest(given: &str) -> Vec<String> {
     let command = Cli::command();
     let names = command.get_subcommands().filter(|command| !command.is_hide_set());
@@ -181,7 +181,7 @@ mod tests {
             let says = format!("for '{option}': expected a");
             assert!(said.contains(&says) && said.contains(expected), "{said}");
         }
-        assert!(Cli::of(["timegap", "run", "--seed", "-1"]).is_ok(), "the scenario tells of it");
+        assert!(Cli::of(["timegap", "run", "--seed", "-1"]).is_ok(), "the scenario checks it");
     }
 
     #[test]

@@ -1,5 +1,5 @@
-//! `timegap generate`: what a package of the command brings along beside it, and what `docs` holds of
-//! it.
+//! `timegap generate`: files that accompany the command: completions, the man page, and reference pages of
+//! `docs`.
 
 use crate::reference;
 use clap::{Args, Command, ValueEnum};
@@ -11,7 +11,7 @@ use std::process::ExitCode;
 /// Arguments of `generate`.
 #[derive(Debug, Args)]
 pub struct GenerateArguments {
-    /// Completions for a shell, the man page, or a page of the documentation
+    /// Shell completions, the man page, or a reference page
     #[arg(value_enum)]
     pub what: Product,
 }

@@ -21,45 +21,46 @@ pub struct InjectArguments {
     /// Kind of the fault
     #[arg(value_parser = kind())]
     pub kind: Kind,
-    /// The service or the topic that it acts on; `kill-helper`: recorder, janitor or launcher
+    /// Target: a service or a topic; for `kill-helper` recorder, janitor or launcher
     pub target: Option<String>,
-    /// How long it lasts, s [default: to the end of the run]
+    /// Duration, s [default: to the end of the run]
     #[arg(long = "for", value_name = "SECONDS")]
     pub length: Option<f64>,
-    /// When it begins from now, s
+    /// Delay from now to the begin, s
     #[arg(long = "in", value_name = "SECONDS")]
     pub after: Option<f64>,
-    /// Probability with which it acts on a message [default: 1]
+    /// Probability for each message [default: 1]
     #[arg(long)]
     pub probability: Option<f64>,
-    /// `delay`: by how much, ms
+    /// `delay`: least delay, ms
     #[arg(long, value_name = "MS")]
     pub delay_ms: Option<i64>,
-    /// `delay`: up to so much more, ms
+    /// `delay`: random addition of at most this, ms
     #[arg(long, value_name = "MS")]
     pub jitter_ms: Option<i64>,
-    /// `corrupt`: bits flipped in a message
+    /// `corrupt`: number of flipped bits in a message
     #[arg(long)]
     pub bits: Option<i64>,
-    /// `bias`: gap_m, relative_speed_mps, speed_mps or end_s
+    /// `bias`: field: gap_m, relative_speed_mps, speed_mps or end_s
     #[arg(long)]
     pub field: Option<String>,
-    /// `bias`: by how much; `stale`, `clock-step`: shift of the stamps, s
+    /// `bias`: added value; `stale`, `clock-step`: shift of the stamps, s
     #[arg(long, allow_hyphen_values = true)]
     pub amount: Option<f64>,
-    /// `hog`: the core [default: all]
+    /// `hog`: core [default: all]
     #[arg(long)]
     pub core: Option<i64>,
-    /// `memory`: how much, MiB
+    /// `memory`: size, MiB
     #[arg(long)]
     pub megabytes: Option<i64>,
-    /// `restart-storm`: how often
+    /// `restart-storm`: number of kills
     #[arg(long)]
     pub times: Option<i64>,
-    /// `restart-storm`: so long after its start each further process is killed, ms [default: when it takes part]
+    /// `restart-storm`: time from the start of each next process to its kill, ms [default: until it takes
+    /// part]
     #[arg(long, value_name = "MS")]
     pub after_start_ms: Option<i64>,
-    /// Print the answer as JSON, and nothing else, on standard output
+    /// Print the answer as JSON, and nothing else
     #[arg(long)]
     pub json: bool,
 }
@@ -77,32 +78,32 @@ const EXAMPLES: &str = "Examples:
   timegap inject RUN drop v2x/spat --for 5 --probability 0.5
   timegap inject RUN bias radar/tracks --field gap_m --amount 10 --for 3";
 
-/// Why a fault is not injected.
+/// Why a fault was not injected.
 #[derive(Debug, thiserror::Error)]
 pub enum InjectError {
     /// The target is neither a service nor a topic.
     #[error("{0}, or a topic such as radar/tracks")]
     Target(#[source] UnknownService),
-    /// The options are no fault.
+    /// The options describe no valid fault.
     #[error("{}", in_options(.0))]
     Fault(#[source] Problem),
-    /// The directory is not that of a run that goes on.
+    /// The directory has no run in progress.
     #[error("{} holds no run in progress ({}: {reason})", results.display(), path.display())]
     NoRun {
         /// The directory.
         results: PathBuf,
-        /// The file that tells how to join.
+        /// The file that states how to join.
         path: PathBuf,
-        /// Why it cannot be read.
+        /// Why it is not readable.
         #[source]
         reason: std::io::Error,
     },
-    /// The file that tells how to join cannot be understood.
+    /// The file that states how to join is not valid.
     #[error("{}: {reason}", path.display())]
     LiveFile {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The error.
         #[source]
         reason: serde_json::Error,
     },
@@ -111,11 +112,11 @@ pub enum InjectError {
     Over {
         /// Its results.
         run: PathBuf,
-        /// What the system said.
+        /// The system's error.
         #[source]
         reason: std::io::Error,
     },
-    /// The run refused the fault, in its own words.
+    /// The run refused the fault, with this message.
     #[error("{0}")]
     Refused(String),
 }
@@ -154,7 +155,7 @@ fn root(results: &Path) -> Result<PathBuf, InjectError> {
     }
 }
 
-/// The fault that the options describe: they are the keys of a fault in a file by other names.
+/// The fault that the options describe: keys of a fault in a file under other names.
 fn fault(arguments: &InjectArguments) -> Result<Fault, InjectError> {
     let target = match &arguments.target {
         None => None,
@@ -182,7 +183,7 @@ fn fault(arguments: &InjectArguments) -> Result<Fault, InjectError> {
     faults::read(table).map_err(InjectError::Fault)
 }
 
-/// What is wrong with a fault, in terms of the options.
+/// The error of a fault, in terms of the options.
 fn in_options(problem: &Problem) -> String {
     let option = match problem.path.strip_prefix("fault.") {
         None => return problem.message.clone(),
@@ -194,11 +195,11 @@ fn in_options(problem: &Problem) -> String {
     format!("{option}: {}, expected {}", problem.message, problem.expected)
 }
 
-/// Processes that are no services.
+/// Processes other than services.
 const HELPERS: [&str; 3] =
     [Helper::Recorder.name(), Helper::Janitor.name(), Helper::Launcher.name()];
 
-/// The key that a target belongs to.
+/// The key of a target.
 fn key_of(target: &str) -> Result<&'static str, InjectError> {
     match (target.parse::<Service>(), Topic::by_name(target)) {
         (Ok(_), _) => Ok("service"),

@@ -1,4 +1,4 @@
-//! `timegap list`: what there is to run.
+//! `timegap list`: scenarios, controllers and campaigns.
 
 use clap::Args;
 use controller::law::{Descriptor, Formulation};
@@ -12,13 +12,13 @@ use std::process::ExitCode;
 /// Arguments of `list`.
 #[derive(Debug, Args)]
 pub struct ListArguments {
-    /// Print this built-in scenario's or campaign's file, or an OpenSCENARIO file as a scenario
+    /// Print a built-in scenario's or campaign's file, or an OpenSCENARIO file as a scenario
     #[arg(long, value_name = "NAME")]
     pub show: Option<String>,
-    /// Give a parameter of the OpenSCENARIO file another value; may be given again
+    /// Set a parameter of the OpenSCENARIO file (repeatable)
     #[arg(long = "param", value_name = "NAME=VALUE", requires = "show")]
     pub parameters: Vec<String>,
-    /// Print a JSON Schema of the scenario file, for editors
+    /// Print the JSON Schema of the scenario file, for editors
     #[arg(long, conflicts_with_all = ["show", "json"])]
     pub schema: bool,
     /// Print the list as JSON
@@ -26,7 +26,7 @@ pub struct ListArguments {
     pub json: bool,
 }
 
-/// There is no built-in file of this name.
+/// An unknown built-in name.
 #[derive(Debug, thiserror::Error)]
 #[error("no scenario or campaign `{name}`, expected one of {}", names.join(", "))]
 pub struct UnknownFile {
@@ -36,10 +36,10 @@ pub struct UnknownFile {
 
 impl Failure for UnknownFile {}
 
-/// A parameter for a file that has none.
+/// A parameter for a file without parameters.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "--param {argument}: {name} is no OpenSCENARIO file and has no parameters, expected --show FILE.xosc"
+    "--param {argument}: {name} is not an OpenSCENARIO file and has no parameters, expected --show FILE.xosc"
 )]
 pub struct NoParameters {
     name: String,
@@ -107,7 +107,7 @@ fn defaults(keys: &[Key]) -> toml::Table {
     keys.iter().filter_map(|key| Some((key.name.clone(), key.default.clone()?))).collect()
 }
 
-/// All that is known of a law without building it.
+/// The description of a law, without building it.
 fn controller(law: &Descriptor) -> serde_json::Value {
     let formulation = |formulation: &&Formulation| {
         serde_json::json!({

@@ -6,9 +6,9 @@
 //! | --- | --- |
 //! | use the command | `README.md`, `docs/tutorial.md`, `timegap --help` |
 //! | write a law | [`controller::law::Law`], with an example; then [`controller::law::Descriptor`] and [`controller::laws`] |
-//! | put a program of your own in a service's place | [`runtime`], with an example; `examples/my_controller.rs` |
-//! | know what is sent | [`messages`], `docs/reference-messages.md` |
-//! | know what a scenario may set | [`scenario`], `docs/reference-scenario.md` |
+//! | replace a service with your own program | [`runtime`], with an example; `examples/my_controller.rs` |
+//! | know the messages | [`messages`], `docs/reference-messages.md` |
+//! | know the scenario keys | [`scenario`], `docs/reference-scenario.md` |
 //! | run a group from a program | [`group::in_process`], [`group`] |
 //! | solve the problem of a predictive law | `mpc_solver`, with examples |
 //! | change timegap | `ARCHITECTURE.md`, `CONTRIBUTING.md` |
@@ -36,7 +36,7 @@ use runtime::log_warnings;
 use rustix::process::{Resource, getrlimit};
 use std::process::ExitCode;
 
-/// Least stack, bytes: the first thread's is the only one that a limit of the machine bounds.
+/// Least stack, bytes. The system's limit applies to the first thread only.
 const STACK: u64 = 1 << 20;
 
 fn main() -> ExitCode {
@@ -55,7 +55,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Apart from `main`, so that its stack is not needed where there is none.
+/// Not inlined, so that `main` does not need its stack.
 #[inline(never)]
 fn run_command() -> ExitCode {
     file_size_limit_is_an_error();
@@ -90,7 +90,7 @@ fn run_command() -> ExitCode {
     };
     result.unwrap_or_else(|error| {
         match &error {
-            // It brings its own heading, with the place.
+            // It has its own heading, with the place.
             Error::Scenario(error) => note(&error.to_string()),
             Error::OpenScenario(error) => note(&error.to_string()),
             error => note(&format!("error: {error}")),
@@ -102,9 +102,9 @@ fn run_command() -> ExitCode {
     })
 }
 
-/// Beyond a limit on the size of files (`ulimit -f`) a write fails, with a message, and does not end the process.
+/// Turns a write beyond the limit on file sizes (`ulimit -f`) from the end of the process into an error.
 fn file_size_limit_is_an_error() {
     let passed = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
-    // Refused by no kernel that has the signal; without it the process ends, as it would have.
+    // Fails only on a kernel without the signal, where the process ends as before.
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, passed);
 }

@@ -1,5 +1,5 @@
-//! The scenario file and the messages as data and as pages: `timegap list --schema`, and the references in
-//! `docs`, which a test compares with what stands here.
+//! The scenario file and the messages as data and as pages: `timegap list --schema`, and the reference pages
+//! of `docs`, which a test compares with this module.
 
 use controller::law::Descriptor;
 use controller::laws;
@@ -126,7 +126,7 @@ pub fn scenario_page() -> String {
     page
 }
 
-/// One table for the keys of `path`, then those of the tables below it.
+/// A table for the keys of `path`, then the tables below it.
 fn section(page: &mut String, path: &str, keys: &[Key]) {
     let heading = if path.is_empty() { "top level".to_owned() } else { format!("`{path}`") };
     write!(
@@ -174,7 +174,7 @@ fn below(page: &mut String, path: &str, shape: &Shape) {
     }
 }
 
-/// The keys of all kinds as one table's; the meaning of one that not every kind has names its kinds.
+/// The keys of all kinds as one table; a key that some kinds lack names its kinds.
 fn together(kinds: &[(String, Vec<Key>)]) -> Vec<Key> {
     let mut all: Vec<(Key, Vec<&str>)> = Vec::new();
     for (kind, keys) in kinds {
@@ -255,7 +255,7 @@ pub fn messages_page() -> String {
     page
 }
 
-/// What the laws' figures are, whose names do not say their sign.
+/// Meaning and sign of the laws' figures.
 fn figures(page: &mut String) {
     page.push_str(
         "\n## Figures of the laws\n\nEntries of `figures` of the diagnostics, and columns of `trajectory.csv`. Their \
@@ -332,7 +332,7 @@ mod tests {
         );
     }
 
-    /// Follows the keys of `value` through the schema; forms of which one must fit are left out.
+    /// Follows the keys of `value` through the schema, except through alternative forms.
     fn known(schema: &Value, value: &Value, path: &str) {
         for (index, element) in value.as_array().into_iter().flatten().enumerate() {
             known(&schema["items"], element, &format!("{path}[{index}]"));

@@ -1,4 +1,4 @@
-//! `timegap rsu`: the roadside units of a scenario alone, to vehicles on other hosts.
+//! `timegap rsu`: the roadside units of a scenario alone, for vehicles on other hosts.
 
 use clap::Args;
 use group::{Error, Failure, ScenarioOptions, SignalsError, open};
@@ -17,27 +17,27 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use v2x_sim::frames::{Frames, SentFrame, road_plane};
 
-/// Longest time until a signal that asks for the end is seen.
+/// Longest delay of an end by signal.
 const SLICE: Duration = Duration::from_millis(50);
-/// Most vehicles that are told apart.
+/// Most vehicles that are distinguished.
 const MOST_VEHICLES: usize = 1000;
 
 /// Arguments of `rsu`.
 #[derive(Debug, Args)]
 pub struct RsuArguments {
-    /// Name of a built-in scenario (see `timegap list`) or a TOML file: its signals and their programs
+    /// Name of a built-in scenario (see `timegap list`) or a TOML file with the signals
     #[arg(default_value = "corridor")]
     pub scenario: String,
-    /// Where to send: udp://ADDRESS:PORT, zenoh, zenoh:FILE.json5 [default: the scenario's `v2x.radio`]
+    /// Destination: udp://ADDRESS:PORT, zenoh, zenoh:FILE.json5 [default: the scenario's `v2x.radio`]
     #[arg(long, value_name = "ADDRESS")]
     pub radio: Option<String>,
-    /// Stop after so long, s [default: at Ctrl-C or SIGTERM]
+    /// Duration, s [default: until Ctrl-C or SIGTERM]
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true)]
     pub duration: Option<f64>,
-    /// Change any key of the scenario, by its dotted path; may be given again
+    /// Change a key of the scenario, by its dotted path (repeatable)
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
-    /// Print what was sent and heard as JSON, and nothing else, on standard output
+    /// Print the counts as JSON, and nothing else
     #[arg(long)]
     pub json: bool,
 }
@@ -45,13 +45,13 @@ pub struct RsuArguments {
 /// Why a roadside unit cannot run alone.
 #[derive(Debug, thiserror::Error)]
 pub enum RsuError {
-    /// Neither the option nor the scenario says where to send.
-    #[error("where to send? Expected --radio udp://ADDRESS:PORT, zenoh or zenoh:FILE.json5")]
+    /// No destination in the option or the scenario.
+    #[error("missing --radio: expected udp://ADDRESS:PORT, zenoh or zenoh:FILE.json5")]
     NoRadio,
-    /// The scenario has nothing to say.
-    #[error("{0} has no signals: a roadside unit has nothing to say")]
+    /// The scenario has no signals.
+    #[error("{0} has no signals: a roadside unit needs at least one")]
     NoSignals(String),
-    /// The standards have no room for what the scenario says.
+    /// The standards cannot express the scenario.
     #[error("v2x.signals: {0}")]
     Encode(#[from] EncodeError),
     /// The carrier cannot be opened.
@@ -61,39 +61,39 @@ pub enum RsuError {
 
 impl Failure for RsuError {}
 
-/// What a roadside unit sent and heard.
+/// Counts of a roadside unit.
 #[derive(Debug, Serialize)]
 struct RsuSummary {
     /// Version of these keys.
     schema_version: u32,
     /// Name of the scenario.
     scenario: String,
-    /// Where it sent to.
+    /// Destination.
     carrier: String,
-    /// For how long, s.
+    /// Duration, s.
     duration_s: f64,
-    /// SPATEM handed to the network.
+    /// SPATEM passed to the network.
     spatem: u64,
-    /// MAPEM handed to the network.
+    /// MAPEM passed to the network.
     mapem: u64,
-    /// Frames that could not be handed over.
+    /// Frames that could not be sent.
     not_sent: u64,
     /// Frames received, without repeats.
     received: u64,
-    /// Received frames that are no message that is read here.
+    /// Received frames of other message types.
     not_read: u64,
-    /// Frames received and not read in time.
+    /// Frames that were not read in time.
     dropped: u64,
-    /// The vehicles whose CAMs were heard, one for each sender.
+    /// Vehicles that sent CAMs.
     vehicles: Vec<Vehicle>,
-    /// Station ids that more than one sender gave as its own.
+    /// Station ids that several senders use.
     shared_station_ids: Vec<u32>,
-    /// The senders that were heard, by the numbers of their frames.
+    /// Senders, by the numbers of their frames.
     stations: Vec<StationReport>,
 }
 
-/// Who sent a CAM: its station id, the number in timegap's envelope, if there is one, and its GeoNetworking
-/// address. A station id alone may be that of two vehicles.
+/// Sender of a CAM: station id, number in timegap's envelope if any, and GeoNetworking address. Two vehicles
+/// may share a station id.
 type Sender = (u32, Option<u64>, u64);
 
 /// A vehicle, by its CAMs.
@@ -101,9 +101,9 @@ type Sender = (u32, Option<u64>, u64);
 struct Vehicle {
     station_id: u32,
     cams: u64,
-    /// Where it was last along the road, m.
+    /// Last position along the road, m.
     position_m: f64,
-    /// Its speed then, m/s.
+    /// Last speed, m/s.
     speed_mps: f64,
 }
 
@@ -159,7 +159,7 @@ impl RoadsideUnit {
     fn open(scenario: &Scenario, address: &CarrierAddress) -> Result<Self, RsuError> {
         let frames = Frames::new(&scenario.v2x);
         let (begun, start_ns) = (Instant::now(), wall_clock_ns());
-        // What cannot be encoded is said at once.
+        // Report signals that cannot be encoded at once.
         frames.at(0, start_ns, None)?;
         let carrier = Carrier::open(address, Role::Roadside { start_ns })?;
         Ok(Self {
@@ -175,7 +175,7 @@ impl RoadsideUnit {
         })
     }
 
-    /// Sends in each period what is due; periods that are over before their turn are left out.
+    /// Sends the frames of each period; skips periods that are over before their turn.
     fn send_until(&mut self, end: Option<Duration>, stop: &AtomicBool) -> Result<(), RsuError> {
         let mut next = self.begun.elapsed().div_duration_f64(self.period).ceil();
         loop {
@@ -199,7 +199,7 @@ impl RoadsideUnit {
     }
 
     fn send(&mut self, frame: &SentFrame) {
-        // What is not sent is counted.
+        // Unsent frames are counted.
         if self.carrier.send(&frame.bytes).is_ok() {
             *self.sent.entry(frame.kind).or_default() += 1;
         }
@@ -229,7 +229,7 @@ impl RoadsideUnit {
         }
     }
 
-    /// Station ids that more than one sender gave as its own: two vehicles, or one that was started again.
+    /// Station ids that several senders use: two vehicles, or a restarted one.
     fn shared_station_ids(&self) -> Vec<u32> {
         let ids: Vec<u32> = self.vehicles.keys().map(|(station_id, ..)| *station_id).collect();
         let shared = ids.chunk_by(|a, b| a == b).filter(|senders| senders.len() > 1);
@@ -275,10 +275,10 @@ fn text(summary: &RsuSummary) -> String {
         line(label, format!("station {station_id}: {cams} CAMs, {last}"));
     }
     for station_id in &summary.shared_station_ids {
-        line("", format!("station id {station_id} is that of more than one sender"));
+        line("", format!("station id {station_id} is used by several senders"));
     }
     let lost: u64 = summary.stations.iter().map(|station| station.lost).sum();
     let (received, not_read) = (summary.received, summary.not_read);
-    line("received", format!("{received} frames, {lost} lost on the way, {not_read} not read"));
+    line("received", format!("{received} frames, {lost} lost, {not_read} not read"));
     text
 }

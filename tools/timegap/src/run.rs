@@ -25,31 +25,31 @@ pub struct RunArguments {
     /// Name of a built-in scenario (see `timegap list`), a TOML file, or an OpenSCENARIO file (.xosc)
     #[arg(default_value = "cacc-a")]
     pub scenario: String,
-    /// Give a parameter of an OpenSCENARIO file another value; may be given again
+    /// Set a parameter of an OpenSCENARIO file (repeatable)
     #[arg(long = "param", value_name = "NAME=VALUE")]
     pub parameters: Vec<String>,
     #[command(flatten)]
     pub scenario_options: ScenarioOptions,
-    /// Receive from roadside units of other hosts, and send to them: udp://ADDRESS:PORT, zenoh, zenoh:FILE.json5;
+    /// Exchange radio frames with roadside units on other hosts: udp://ADDRESS:PORT, zenoh, zenoh:FILE.json5;
     /// or play a capture: pcap:FILE
     #[arg(long, value_name = "ADDRESS")]
     pub radio: Option<String>,
     #[command(flatten)]
     pub group: GroupOptions,
-    /// Clock: `realtime`, or `lockstep` in simulated time, byte for byte repeatable
+    /// Clock: `realtime`, or `lockstep` with simulated time and repeatable bytes
     #[arg(long, value_enum, default_value_t = ModeName::Realtime)]
     pub mode: ModeName,
-    /// Let all services take turns in one process: lockstep only, same bytes, no recording
+    /// Run all services in one process: lockstep only, same bytes, no recording
     #[arg(long)]
     pub in_process: bool,
     #[command(flatten)]
     pub output: OutputOptions,
     #[command(flatten)]
     pub live: LiveOptions,
-    /// Keep no recording of the topics
+    /// Do not record the topics
     #[arg(long)]
     pub no_record: bool,
-    /// Print the summary as JSON, and nothing else, on standard output
+    /// Print the summary as JSON, and nothing else
     #[arg(long)]
     pub json: bool,
 }
@@ -95,7 +95,7 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     };
     bar.finish_and_clear();
     if result.is_ok() || drove {
-        // Its recording is kept whatever comes now.
+        // The recording is kept in any case.
         output.keep();
     }
     let summary = result
@@ -115,7 +115,7 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     });
     let written = written.and_then(|()| match mode {
         Mode::Realtime => output.write_histograms(&summary::histograms(&group)),
-        // Simulated time has no latencies of its own.
+        // Simulated time has no latencies.
         Mode::Lockstep => Ok(()),
     });
     let written = written.and_then(|()| {
@@ -137,7 +137,7 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
         };
         print::out(&(print::summary(&summary) + &results + &page))
     };
-    // A terminal that is closed interrupts the run and takes no more text.
+    // A closed terminal interrupts the run and accepts no more text.
     if group.ended != Ended::Interrupted {
         printed?;
     }
@@ -146,7 +146,7 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     Ok(exit_code(&group.ended, summary.outcome))
 }
 
-/// Who is to drive: the program in the controller's place, the program that the law hosts, or the law.
+/// The driver: the program in the controller's place, the program that the law hosts, or the law.
 fn driver(scenario: &Scenario, arguments: &RunArguments) -> String {
     let mut programs = arguments.group.programs.iter();
     if let Some((_, program)) = programs.find(|(service, _)| *service == Service::Controller) {
@@ -159,7 +159,7 @@ fn driver(scenario: &Scenario, arguments: &RunArguments) -> String {
     }
 }
 
-/// Runs all services in this process, until a signal asks for the end: it is held since before the run.
+/// Runs all services in this process until a signal, which is blocked since before the run.
 fn in_process(
     scenario: &Scenario,
     watch: &mut dyn FnMut(&Moment<'_>),
@@ -167,16 +167,16 @@ fn in_process(
     group::in_process::run_watched(scenario, &group::is_signalled, watch)
 }
 
-/// What `--in-process` excludes.
+/// Options that exclude `--in-process`.
 #[derive(Debug, thiserror::Error)]
 pub enum NeedsProcesses {
-    /// The wall's clock.
+    /// The realtime clock.
     #[error("--in-process: in realtime every service is a process: add --mode lockstep")]
     Realtime,
-    /// A program of the user's.
-    #[error("--in-process: a program of its own is a process: leave out --service or --in-process")]
+    /// A program of the user.
+    #[error("--in-process: your program is a process of its own: omit --service or --in-process")]
     Program,
-    /// Its contrary.
+    /// The opposite option.
     #[error("--in-process and --processes exclude each other")]
     Both,
 }
@@ -195,7 +195,7 @@ fn refuse_what_needs_processes(arguments: &RunArguments) -> Result<(), NeedsProc
     }
 }
 
-/// A bar on a terminal, for runs longer than a second; nothing elsewhere.
+/// A bar on a terminal for runs longer than a second; hidden elsewhere.
 fn progress_bar(scenario: &Scenario, quiet: bool) -> ProgressBar {
     use std::io::IsTerminal;
     if quiet || !std::io::stderr().is_terminal() || scenario.duration_s.value() <= 1.0 {

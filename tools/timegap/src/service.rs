@@ -1,4 +1,4 @@
-//! `timegap service`: become one of the group's processes.
+//! `timegap service`: runs one of the group's processes.
 
 use clap::Args;
 use group::{Error, Failure};
@@ -11,33 +11,33 @@ use std::process::ExitCode;
 /// Arguments of `service`.
 #[derive(Debug, Args)]
 pub struct ServiceArguments {
-    /// Which one
+    /// Name of the service
     pub name: String,
-    /// The service's own arguments: paths begin and consist of what they like
+    /// Arguments of the service
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     pub arguments: Vec<OsString>,
 }
 
-/// A process that is no service, without its arguments.
+/// Missing arguments of a process that is not a service.
 #[derive(Debug, thiserror::Error)]
 pub enum MissingArguments {
-    /// Of the janitor.
+    /// Arguments of the janitor.
     #[error("the janitor needs the root of a run")]
     Janitor,
-    /// Of a process of the benchmark.
+    /// Arguments of a process of the benchmark.
     #[error("a process of `timegap bench` needs its root and job")]
     Bench,
-    /// Text is expected.
+    /// An argument that is not text.
     #[error("`{0}` is not UTF-8 text")]
     NotText(String),
-    /// Of the hog.
-    #[error("the hog needs the root of a run, what and how much")]
+    /// Arguments of the hog.
+    #[error("the hog needs the root of a run, a resource and an amount")]
     Hog,
 }
 
 impl Failure for MissingArguments {}
 
-/// Becomes one of the group's processes.
+/// Runs one of the group's processes.
 pub fn run(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
     if arguments.name == "recorder" {
         return Ok(recorder::run(&arguments.arguments));

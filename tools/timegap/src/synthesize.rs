@@ -1,4 +1,4 @@
-//! `timegap synthesize`: a controller's design from its parameters, offline.
+//! `timegap synthesize`: designs a controller from its parameters, offline.
 
 use clap::{Args, ValueEnum};
 #[cfg(feature = "synthesize")]
@@ -10,27 +10,27 @@ use std::process::ExitCode;
 /// Arguments of `synthesize`.
 #[derive(Debug, Args)]
 pub struct SynthesizeArguments {
-    /// Which controller
+    /// Controller to design
     #[arg(value_enum)]
     pub controller: DesignName,
-    /// Parameters, TOML (see services/controller/designs/quadratic-bounded.toml)
+    /// Parameters in TOML (see services/controller/designs/quadratic-bounded.toml)
     pub file: PathBuf,
-    /// Where to write the design
+    /// File for the design
     #[arg(long, value_name = "FILE", default_value = "design.json")]
     pub out: PathBuf,
-    /// Print the design as JSON, and nothing else, on standard output
+    /// Print the design as JSON, and nothing else
     #[arg(long)]
     pub json: bool,
 }
 
-/// A controller that is designed offline.
+/// A controller with an offline design.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum DesignName {
     /// Gao, Yan, Li, Hu 2015.
     QuadraticBounded,
 }
 
-/// A file of parameters from which nothing can be designed.
+/// A parameter file without a feasible design.
 #[cfg(feature = "synthesize")]
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {reason}", path.display())]
@@ -89,7 +89,7 @@ pub fn run(arguments: &SynthesizeArguments) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// This build has no solver for it.
+/// This build lacks the solver.
 #[cfg(not(feature = "synthesize"))]
 #[derive(Debug, thiserror::Error)]
 #[error(
@@ -105,7 +105,7 @@ pub struct NotBuilt {
 #[cfg(not(feature = "synthesize"))]
 impl Failure for NotBuilt {}
 
-/// Says what is missing.
+/// Reports the missing solver.
 #[cfg(not(feature = "synthesize"))]
 pub fn run(arguments: &SynthesizeArguments) -> Result<ExitCode, Error> {
     Err(NotBuilt { file: arguments.file.clone() }.into())

@@ -35,7 +35,7 @@ const PATH_POINTS: Number = Number::new("points of the path", 0, 40);
 /// Size of `ExteriorLights`.
 const LIGHT_BITS: u32 = 8;
 
-/// The standard's values for what is not known.
+/// The standard's values for unknown figures.
 const NO_AXIS: u16 = 4095;
 const NO_ORIENTATION: u16 = 3601;
 const NO_ALTITUDE: i32 = 800_001;
@@ -50,7 +50,7 @@ const NO_CURVATURE_CALCULATION: u8 = 2;
 const NO_YAW_RATE_CONFIDENCE: u8 = 8;
 /// `DriveDirection`.
 const FORWARD: u8 = 0;
-/// `HighFrequencyContainer`: not a roadside unit's.
+/// `HighFrequencyContainer`: a vehicle's.
 const VEHICLE: u8 = 0;
 
 pub(crate) fn encode(message: &Cam) -> Result<Vec<u8>, EncodeError> {
@@ -64,7 +64,7 @@ pub(crate) fn encode(message: &Cam) -> Result<Vec<u8>, EncodeError> {
     to.number(KIND_OF_STATION, VEHICLE)?;
     write_motion(&mut to, &message.motion)?;
     if let Some(slow) = message.low_frequency {
-        // LowFrequencyContainer: that of a vehicle, the only one.
+        // LowFrequencyContainer: a vehicle's, the only kind.
         to.not_extended();
         to.number(ROLE, slow.role)?;
         to.flags(slow.lights.into(), LIGHT_BITS);
@@ -105,7 +105,7 @@ fn write_basic(to: &mut Writer, message: &Cam) -> Result<(), EncodeError> {
     to.number(ALTITUDE_CONFIDENCE, NO_ALTITUDE_CONFIDENCE)
 }
 
-/// `BasicContainer`: type of the station, and where it is.
+/// `BasicContainer`: type and position of the station.
 fn read_basic(from: &mut impl Source) -> Result<(u8, Position), PayloadError> {
     from.extensible(|from, []| {
         let station_type = from.number(STATION_TYPE)?;
@@ -167,7 +167,7 @@ fn read_motion(from: &mut impl Source) -> Result<Motion, PayloadError> {
     })
 }
 
-/// A vehicle's; another one of a later version counts as a vehicle's that says nothing.
+/// A vehicle's container. Another kind of a later version counts as a vehicle's without content.
 fn read_low_frequency(from: &mut impl Source) -> Result<LowFrequency, PayloadError> {
     if from.extended()? {
         from.pass_small()?;

@@ -1,4 +1,4 @@
-//! Parts of SPATEM and MAPEM that are checked and not kept (module ETSI-ITS-DSRC of ETSI TS 103 301 V2.2.1).
+//! Parts of SPATEM and MAPEM that are checked and skipped (module ETSI-ITS-DSRC of ETSI TS 103 301 V2.2.1).
 
 use super::uper::{Form, Number, Part, optional, required};
 use super::{LATITUDE, LONGITUDE};
@@ -38,7 +38,7 @@ pub(super) const NAME: Part = Part::List(Number::new("characters of a name", 1, 
 pub(super) const REGIONAL: Part =
     Part::Sequence(Fixed, &[required(Part::whole("region's id", 0, 255)), required(Part::Open)]);
 
-/// One to four regional extensions, as most types have them.
+/// One to four regional extensions, as in most types.
 pub(super) const REGIONALS: Part = Part::List(Number::new("regional extensions", 1, 4), &REGIONAL);
 
 /// `EnabledLaneList`.
@@ -111,7 +111,7 @@ const fn lane_attributes() -> Part {
     Part::bits("attributes of a lane", 16)
 }
 
-/// `LaneTypeAttributes`, behind the number of its alternative.
+/// `LaneTypeAttributes`, after the number of its alternative.
 pub(super) const LANE_TYPES: &[Part] = &[
     Part::ExtensibleBits(8),
     lane_attributes(),

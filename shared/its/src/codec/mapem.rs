@@ -115,7 +115,7 @@ fn read_intersection(from: &mut impl Source) -> Result<IntersectionGeometry, Pay
     })
 }
 
-/// A `RoadSegment`: checked, and not kept.
+/// A `RoadSegment`: checked and skipped.
 fn skip_road_segment(from: &mut impl Source) -> Result<(), PayloadError> {
     from.extensible(|from, [named, wide, limited, regional]| {
         from.skip(named, &NAME)?;
@@ -157,7 +157,7 @@ fn write_lane(to: &mut Writer, lane: &Lane) -> Result<(), EncodeError> {
     to.flags(MOTOR_VEHICLES, SHARING_BITS);
     to.not_extended();
     to.number(KIND_OF_LANE, VEHICLE as i64)?;
-    // Nothing special, in the eight bits that need no length.
+    // No special attributes: eight bits without a length.
     to.not_extended();
     to.flags(0, 8);
     to.flags(lane.maneuvers, MANEUVER_BITS);
@@ -167,7 +167,7 @@ fn write_lane(to: &mut Writer, lane: &Lane) -> Result<(), EncodeError> {
     if connects { to.list(CONNECTIONS, &lane.connections, write_connection) } else { Ok(()) }
 }
 
-/// `None` for a lane that is not for vehicles, has no approach, or has nodes that are not offsets.
+/// `None` for a lane that is not for vehicles, has no approach, or has nodes other than offsets.
 fn read_lane(from: &mut impl Source) -> Result<Option<Lane>, PayloadError> {
     from.extensible(|from, [named, enters, leaves, turns, connects, overlaid, regional]| {
         let id = from.number(LANE_ID)?;
@@ -215,7 +215,7 @@ fn read_attributes(from: &mut impl Source) -> Result<Option<u16>, PayloadError> 
     })
 }
 
-/// The nodes of a lane; `None` if it is computed from another lane, or a node is no offset.
+/// The nodes of a lane; `None` for a lane computed from another lane, and for nodes other than offsets.
 fn read_nodes(from: &mut impl Source) -> Result<Option<Vec<(i16, i16)>>, PayloadError> {
     if from.extended()? {
         from.pass_small()?;
@@ -229,8 +229,8 @@ fn read_nodes(from: &mut impl Source) -> Result<Option<Vec<(i16, i16)>>, Payload
     Ok(from.list(NODE_COUNT, read_node)?.into_iter().collect())
 }
 
-/// In the shortest form that has room for it, where the lowest number of each but the longest means that the
-/// offset is unknown.
+/// Writes the shortest form with room for the node. In all but the longest, the lowest number means an unknown
+/// offset.
 fn write_node(to: &mut Writer, &(x, y): &(i16, i16)) -> Result<(), EncodeError> {
     to.not_extended();
     // attributes.

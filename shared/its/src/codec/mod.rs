@@ -1,7 +1,7 @@
-//! Messages in unaligned PER, and back.
+//! Messages to unaligned PER and back.
 //!
-//! A message is sent with the parts that this crate's types have. Others may send all parts of the standard:
-//! those that are not kept are checked by the tables of `dsrc` (SPATEM, MAPEM) and `container` (CAM).
+//! Encoders write the parts in this crate's types. Decoders accept all parts of the standards: the tables of
+//! `dsrc` (SPATEM, MAPEM) and `container` (CAM) check the others and skip them.
 
 pub(crate) mod cam;
 mod container;
@@ -15,7 +15,7 @@ mod uper;
 use crate::{EncodeError, MessageKind, PayloadError};
 use uper::{Number, Source, Writer};
 
-/// Version of the messages that are sent.
+/// Version of encoded messages.
 const SENT_VERSION: u8 = 2;
 const PROTOCOL_VERSION: Number = Number::new("protocol version", 0, 255);
 const MESSAGE_ID: Number = Number::new("message id", 0, 255);
@@ -32,7 +32,7 @@ fn write_header(kind: MessageKind, station_id: u32) -> Result<Writer, EncodeErro
     Ok(to)
 }
 
-/// Reads `ItsPduHeader`, of which the frame has checked version and id: the station's id.
+/// Reads `ItsPduHeader` after the frame has checked version and id. Returns the station's id.
 fn read_header(from: &mut impl Source) -> Result<u32, PayloadError> {
     from.whole(PROTOCOL_VERSION)?;
     from.whole(MESSAGE_ID)?;

@@ -1,4 +1,4 @@
-//! What a decoder makes of messages that is generated from the standards' ASN.1.
+//! Comparison with a decoder that is generated from the standards' ASN.1.
 
 use super::uper::dice::Dice;
 use super::uper::{Number, Reader, Source};
@@ -7,11 +7,11 @@ use crate::{Message, MessageKind, PayloadError};
 
 mod theirs;
 
-/// Messages that are drawn of each kind.
+/// Drawn messages of each kind.
 const DRAWN: u64 = 4_000;
-/// Falsified versions of each.
+/// Falsified versions of each message.
 const FALSIFIED: u64 = 4;
-/// Messages of each kind that are kept as `tests/vectors.txt`, and their longest, bytes.
+/// Messages of each kind in `tests/vectors.txt`, and their longest, bytes.
 const KEPT: usize = 12;
 const LONGEST_KEPT: usize = 90;
 
@@ -23,7 +23,7 @@ fn read(kind: MessageKind, from: &mut impl Source) -> Result<Message, PayloadErr
     })
 }
 
-/// A reader that notes whether a message has content of a later version, which the oracle misreads.
+/// A reader that notes content of a later version, which the oracle misreads.
 struct Noting<'a> {
     reader: Reader<'a>,
     extended: bool,
@@ -45,7 +45,7 @@ impl Source for Noting<'_> {
     }
 }
 
-/// Messages of a kind, as bytes and as the decoder asked for them.
+/// Messages of a kind, as bytes and as this crate's decoder reads them.
 fn drawn(kind: MessageKind) -> impl Iterator<Item = (Vec<u8>, Result<Message, PayloadError>)> {
     (0..DRAWN).map(move |seed| {
         let mut dice = Dice::new(seed);
@@ -54,7 +54,7 @@ fn drawn(kind: MessageKind) -> impl Iterator<Item = (Vec<u8>, Result<Message, Pa
     })
 }
 
-/// The bytes with some bits changed, and sometimes cut.
+/// The bytes with some bits changed, and sometimes truncated.
 fn falsified(bytes: &[u8], seed: u64) -> Vec<u8> {
     let mut dice = Dice::new(seed);
     let mut bytes = bytes.to_vec();
@@ -120,7 +120,7 @@ fn falsified_messages_are_read_alike_or_refused_by_both() {
     }
 }
 
-/// Messages behind their header, each followed by a falsified version.
+/// Messages after their header, each followed by a falsified version.
 fn kept(kind: MessageKind) -> impl Iterator<Item = Vec<u8>> {
     let whole =
         drawn(kind).filter(|(bytes, message)| bytes.len() <= LONGEST_KEPT && message.is_ok());
@@ -132,13 +132,13 @@ fn kept(kind: MessageKind) -> impl Iterator<Item = Vec<u8>> {
     });
     both.filter(move |bytes| {
         let mut reader = Noting { reader: Reader::new(bytes), extended: false };
-        // Whether it is read is the oracle's answer.
+        // Ignore the result here: the oracle decides.
         let _ = read(kind, &mut reader);
         !reader.extended
     })
 }
 
-/// An ordinary test compares with what the oracle reads in the kept messages.
+/// Records the oracle's results for an ordinary test.
 #[test]
 fn the_recorded_messages_are_the_oracles() {
     let mut recorded = String::new();
@@ -153,5 +153,5 @@ fn the_recorded_messages_are_the_oracles() {
         std::fs::write(path, &recorded).expect("the source is writable");
     }
     let kept = std::fs::read_to_string(path).unwrap_or_default();
-    assert!(kept == recorded, "run this test with TIMEGAP_RECORD=1, and look at what changed");
+    assert!(kept == recorded, "run this test with TIMEGAP_RECORD=1, and review the changes");
 }

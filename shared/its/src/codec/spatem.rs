@@ -87,7 +87,7 @@ fn write_intersection(to: &mut Writer, state: &IntersectionState) -> Result<(), 
     to.list(SIGNAL_GROUPS, &state.movements, write_movement)
 }
 
-/// The minute may stand in the intersection, or once in front of all (`common_minute`).
+/// The minute is in the intersection, or once for all (`common_minute`).
 fn read_intersection(
     from: &mut impl Source,
     common_minute: Option<u32>,

@@ -1,4 +1,4 @@
-//! The other ends of a measurement: processes of the benchmark's own program.
+//! The other ends of a measurement: further processes of the benchmark's program.
 
 use radio::{Carrier, Role};
 use scenario::carrier::CarrierAddress;
@@ -11,7 +11,7 @@ pub fn router(address: &str) {
     let address: CarrierAddress = address.parse().expect("an address");
     let _router = Carrier::open(&address, Role::Vehicle).expect("a router");
     println!("ready");
-    // An input that breaks has ended too.
+    // A broken input is an ended one.
     let _ = std::io::stdin().read_to_end(&mut Vec::new());
 }
 
@@ -22,7 +22,7 @@ pub struct Peer {
 }
 
 impl Peer {
-    /// Starts it, and waits until it is ready.
+    /// Starts it and waits until it is ready.
     pub fn start(arguments: &[&str]) -> Self {
         let mut child = Command::new(std::env::current_exe().expect("it runs"))
             .args(arguments)

@@ -1,5 +1,5 @@
-//! Two hosts, as network namespaces with air between them: losses are those of the air, exactly; a link that
-//! was cut comes back; clocks are compared in spite of it all; nothing is left behind.
+//! Two hosts, as network namespaces with simulated air between them. Losses equal the air's exactly, a cut
+//! link recovers, clocks are compared throughout, and nothing is left behind.
 //!
 //! Needs root, network namespaces and Python for the air (`air.py`); without them the tests are skipped.
 
@@ -28,8 +28,8 @@ fn main() -> ExitCode {
     ])
 }
 
-/// Good air, 5 % loss, 30 % loss for 5 s, no link for 3 s, 5 %, good air; the vehicle hears frames in each
-/// part but the cut.
+/// Good air, 5 % loss, 30 % loss for 5 s, no link for 3 s, 5 %, good air. The vehicle receives frames in each
+/// part except the cut.
 fn drive(hosts: &mut Hosts, vehicle: &mut Process) -> Result<(), Failed> {
     vehicle.frames(50)?;
     hosts.air("air 20 10 0.05")?;
@@ -37,12 +37,12 @@ fn drive(hosts: &mut Hosts, vehicle: &mut Process) -> Result<(), Failed> {
     hosts.air("air 20 10 0.3")?;
     std::thread::sleep(Duration::from_secs(5));
     hosts.air("cut")?;
-    // What was on its way.
+    // Frames still in the air.
     std::thread::sleep(Duration::from_millis(500));
     let before = vehicle.heard();
     std::thread::sleep(Duration::from_millis(2500));
     if vehicle.heard() != before {
-        return Err("frames came through a link that was cut".into());
+        return Err("frames arrived over a cut link".into());
     }
     hosts.air("air 20 10 0.05")?;
     vehicle.frames(200)?;
@@ -57,11 +57,11 @@ fn only_station(report: &RadioReport) -> Result<&StationReport, Failed> {
     }
 }
 
-/// Both stations run on one machine: their clocks are one.
+/// Both stations run on one machine with one clock.
 fn check_clock(station: &StationReport) -> Result<(), Failed> {
     let clock = station.clock.ok_or("no clock was compared")?;
     let is_right = clock.offset_us.abs() <= clock.uncertainty_us;
-    // The shortest way through the air was that of its good parts.
+    // The shortest path was in a good part.
     if is_right && clock.answers >= 5 { Ok(()) } else { Err(format!("{clock:?}").into()) }
 }
 
@@ -82,10 +82,10 @@ fn udp() -> Result<(), Failed> {
     check_clock(station)?;
     let told = format!("{sent:?} {received:?} {dropped}");
     if station.received + station.lost != sent.sent || station.lost != dropped {
-        return Err(format!("something else was lost than the air dropped: {told}").into());
+        return Err(format!("losses differ from the air's: {told}").into());
     }
     if dropped == 0 || station.reordered == 0 || station.duplicates != 0 {
-        return Err(format!("the air did not do its part: {told}").into());
+        return Err(format!("the air dropped nothing: {told}").into());
     }
     hosts.remove()
 }

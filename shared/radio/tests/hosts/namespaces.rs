@@ -1,4 +1,4 @@
-//! Two hosts on one machine: namespaces `a` and `b`, and one between them in which the air runs.
+//! Two hosts on one machine: namespaces `a` and `b`, with the air in a third one between them.
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use radio::RadioReport;
@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 const WATCHDOG: Duration = Duration::from_secs(120);
 
-/// This folder's own `tests`, from whichever package this module is compiled in.
+/// The folder `tests` of this crate, for each package that compiles this module.
 fn tests() -> PathBuf {
     let packages = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors();
     let mut tests = packages.map(|package| package.join("shared/radio/tests"));
@@ -22,7 +22,7 @@ fn script() -> PathBuf {
     tests().join("hosts/air.py")
 }
 
-/// What this machine does not grant, if anything.
+/// The missing permission or program, if any.
 fn missing() -> Option<String> {
     let name = format!("tg-{}-try", std::process::id());
     let made = run(&["ip", "netns", "add", &name]);
@@ -30,7 +30,7 @@ fn missing() -> Option<String> {
         return Some(format!("no network namespaces here ({why})"));
     }
     let tried = run(&["ip", "netns", "exec", &name, "python3", "--version"]);
-    // It was made above.
+    // Created above.
     let _ = run(&["ip", "netns", "delete", &name]);
     tried.err().map(|why| format!("no Python in a network namespace ({why})"))
 }
@@ -128,12 +128,12 @@ impl Hosts {
         self.ask_air(command).map(drop)
     }
 
-    /// Waits until nothing is in the air.
+    /// Waits until the air is empty.
     pub fn quiet(&mut self) -> Result<(), Failed> {
         let begun = Instant::now();
         while self.ask_air("count")?["waiting"] != 0 {
             if begun.elapsed() > WATCHDOG {
-                return Err("the air is never quiet".into());
+                return Err("the air does not become empty".into());
             }
             std::thread::sleep(Duration::from_millis(10));
         }
@@ -146,7 +146,7 @@ impl Hosts {
         told["dropped"][0].as_u64().ok_or_else(|| "the air does not count".into())
     }
 
-    /// Writes zenoh's configuration of the router on host `a` or of a client of it; returns its address.
+    /// Writes zenoh's configuration of the router on host `a` or of its client; returns its address.
     #[cfg(feature = "zenoh")]
     pub fn configuration(&self, which: &str) -> Result<String, Failed> {
         let certificates = tests().join("certificates");
@@ -189,7 +189,7 @@ impl Drop for Hosts {
     fn drop(&mut self) {
         self.air = None;
         for host in ["a", "b", "air"] {
-            // One that was not made cannot be removed.
+            // Removing an absent one fails without harm.
             let _ = run(&["ip", "netns", "delete", &self.name(host)]);
         }
         let _ = std::fs::remove_dir_all(&self.directory);
@@ -209,17 +209,17 @@ impl Process {
     fn next_line(&mut self) -> Result<String, Failed> {
         match self.lines.recv_timeout(WATCHDOG) {
             Ok(line) => Ok(line),
-            Err(_) => Err("a process said nothing more".into()),
+            Err(_) => Err("a process printed no more lines".into()),
         }
     }
 
     /// Waits for a line.
     pub fn line(&mut self, expected: &str) -> Result<(), Failed> {
         let line = self.next_line()?;
-        if line == expected { Ok(()) } else { Err(format!("it said {line}").into()) }
+        if line == expected { Ok(()) } else { Err(format!("it printed {line}").into()) }
     }
 
-    /// Waits until so many more frames were heard.
+    /// Waits for `count` more frames.
     pub fn frames(&mut self, count: u64) -> Result<(), Failed> {
         let until = self.heard() + count;
         let begun = Instant::now();
@@ -232,7 +232,7 @@ impl Process {
         Ok(())
     }
 
-    /// Frames heard so far.
+    /// Frames received so far.
     pub fn heard(&mut self) -> u64 {
         while let Ok(line) = self.lines.try_recv() {
             self.take(line);
@@ -248,21 +248,21 @@ impl Process {
         }
     }
 
-    /// Waits until no frame has come for half a second.
+    /// Waits until no frame arrived for half a second.
     pub fn until_quiet(&mut self) {
         while let Ok(line) = self.lines.recv_timeout(Duration::from_millis(500)) {
             self.take(line);
         }
     }
 
-    /// Closes its input and returns what it counted.
+    /// Closes its input and returns its counts.
     pub fn finish(&mut self) -> Result<RadioReport, Failed> {
         self.input = None;
         while let Ok(line) = self.lines.recv_timeout(WATCHDOG) {
             self.take(line);
         }
         let status = self.child.wait()?;
-        let last = self.last.take().ok_or("it said nothing")?;
+        let last = self.last.take().ok_or("it printed nothing")?;
         if !status.success() {
             return Err(format!("it ended with {status}: {last}").into());
         }
@@ -273,7 +273,7 @@ impl Process {
 impl Drop for Process {
     fn drop(&mut self) {
         self.input = None;
-        // It may have ended.
+        // It may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -282,7 +282,7 @@ impl Drop for Process {
 /// A test on two hosts.
 pub type Test = (&'static str, fn() -> Result<(), Failed>);
 
-/// Runs tests; they are skipped, visibly, where there cannot be two hosts.
+/// Runs tests; without two hosts they are skipped visibly.
 pub fn conclude(tests: &[Test]) -> ExitCode {
     let missing = missing();
     let trials = tests.iter().map(|&(name, run)| {

@@ -1,6 +1,6 @@
 //! The same message over CycloneDDS: a reliable topic on the loopback device, read after a wait set.
 //!
-//! Everything unsafe is the calls into `cyclonedds.c`, which is built where the library is found.
+//! All unsafe code here calls `cyclonedds.c`, which is built if the library is found.
 #![allow(unsafe_code, reason = "the library is written in C")]
 
 use super::{MiddlewareError, Receiving, Sending, failed, patiently};
@@ -10,7 +10,7 @@ use std::ffi::{CStr, c_char, c_int, c_void};
 use std::ptr::NonNull;
 use std::time::Duration;
 
-/// Loopback only, found without multicast, which a loopback device may not have.
+/// Loopback only, without multicast, which a loopback device may lack.
 const CONFIGURATION: &CStr = c"<CycloneDDS><Domain Id=\"any\">\
     <General><Interfaces><NetworkInterface name=\"lo\"/></Interfaces>\
     <AllowMulticast>false</AllowMulticast></General>\
@@ -18,10 +18,10 @@ const CONFIGURATION: &CStr = c"<CycloneDDS><Domain Id=\"any\">\
     <Peers><Peer address=\"127.0.0.1\"/></Peers></Discovery>\
     </Domain></CycloneDDS>";
 
-/// Domains whose ports are below those that the kernel hands out itself.
+/// Domains whose ports are below the kernel's ephemeral ports.
 const DOMAINS: u32 = 100;
 
-/// What the C part keeps of an end.
+/// State of an end in C.
 #[repr(C)]
 struct Opaque([u8; 0]);
 
@@ -45,7 +45,7 @@ struct End(NonNull<Opaque>);
 
 impl End {
     fn open(writes: bool) -> Result<Self, MiddlewareError> {
-        // Both ends are processes of one benchmark: a domain that no other one is likely to use.
+        // Both ends are processes of one benchmark: a domain that no other benchmark is likely to use.
         let parent = rustix::process::getppid().map_or(0, |pid| pid.as_raw_nonzero().get());
         let domain = parent.cast_unsigned() % DOMAINS;
         let bytes = u32::try_from(size_of::<RadarTracks>()).expect("a small message");
@@ -64,7 +64,7 @@ impl End {
 
 impl Drop for End {
     fn drop(&mut self) {
-        // SAFETY: opened, and not used after this.
+        // SAFETY: opened, and not used afterwards.
         unsafe { timegap_dds_close(self.0) }
     }
 }
@@ -77,7 +77,7 @@ fn returned(what: &'static str, code: c_int) -> MiddlewareError {
 pub struct Writer(End);
 
 impl Writer {
-    /// Opens the end and waits until it knows its reader.
+    /// Opens the end and waits for its reader.
     pub fn open() -> Result<Self, MiddlewareError> {
         let end = End::open(true)?;
         patiently(|| {
@@ -125,7 +125,7 @@ impl Receiving for Reader {
         }
         let mut message = RadarTracks::zeroed();
         loop {
-            // SAFETY: opened by `open`; any bytes are a message, and there is room for one.
+            // SAFETY: opened by `open`; any bytes are a message, and the buffer has room for one.
             let code = unsafe { timegap_dds_take(self.0.0, (&raw mut message).cast()) };
             match code {
                 0 => return Ok(()),

@@ -1,6 +1,6 @@
-//! What a user would take instead of the services' ports: the same message handed over by other means.
+//! Alternatives to the services' ports: the same message passed by other means.
 //!
-//! Each end is opened under the scheduling that is measured, so that a library's own threads inherit it.
+//! Each end is opened under the measured scheduling, so that a library's own threads inherit it.
 
 mod pub_sub;
 mod sockets;
@@ -16,41 +16,41 @@ use runtime::RuntimeError;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Time after which the other end is given up.
+/// Time to wait for the other end.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// What a library said.
+/// Error of a library.
 type Cause = Box<dyn std::error::Error + Send + Sync>;
 
-/// Why an end of other origin failed.
+/// An error of another transport.
 #[derive(Debug, thiserror::Error)]
 pub enum MiddlewareError {
     /// iceoryx2, whose errors are names.
     #[error("iceoryx2 cannot {what}: {reason:?}")]
     Iceoryx2 {
-        /// What was tried.
+        /// Failed operation.
         what: &'static str,
-        /// What it said.
+        /// Its error.
         reason: Cause,
     },
-    /// The run's configuration of iceoryx2 cannot be had.
+    /// The run's configuration of iceoryx2 is not available.
     #[error(transparent)]
     Runtime(#[from] RuntimeError),
-    /// A socket, or another library.
+    /// A socket or another library.
     #[error("{what}: {reason}")]
     Failed {
-        /// What it is, and what it does not do.
+        /// Failed operation.
         what: &'static str,
-        /// What it said.
+        /// Its error.
         reason: Cause,
     },
     /// zenoh's other end did not open its session in time.
     #[cfg(feature = "peers")]
     #[error("{0}")]
     ZenohAlone(#[source] std::io::Error),
-    /// What zenoh delivered has not the size of a message.
+    /// The size of a message from zenoh is wrong.
     #[cfg(feature = "peers")]
-    #[error("zenoh delivered no message: {0}")]
+    #[error("zenoh delivered a message of a wrong size: {0}")]
     ZenohMessage(bytemuck::PodCastError),
     /// zenoh did not use its shared memory.
     #[cfg(feature = "peers")]
@@ -60,9 +60,9 @@ pub enum MiddlewareError {
     #[cfg(cyclonedds)]
     #[error("CycloneDDS cannot {what}: code {code}")]
     CycloneDds {
-        /// What was tried.
+        /// Failed operation.
         what: &'static str,
-        /// What it returned.
+        /// Its return code.
         code: i32,
     },
 }
@@ -73,13 +73,13 @@ fn failed<E: Into<Cause>>(what: &'static str) -> impl Fn(E) -> MiddlewareError {
 
 /// A sending end.
 pub trait Sending {
-    /// Sends one message and wakes who waits for it.
+    /// Sends one message and wakes its receiver.
     fn send(&mut self, message: &RadarTracks) -> Result<(), MiddlewareError>;
 }
 
 /// A receiving end.
 pub trait Receiving {
-    /// Waits for messages, about so long; hands the acquisition stamp of each, ns, to `each`.
+    /// Waits for messages, about this long, and calls `each` with the acquisition stamp of each, ns.
     fn receive(
         &mut self,
         timeout: Duration,
@@ -87,21 +87,21 @@ pub trait Receiving {
     ) -> Result<(), MiddlewareError>;
 }
 
-/// Why this build cannot use `mechanism`; none where it can.
+/// Reason why this build lacks `mechanism`; `None` if it has it.
 pub fn missing(mechanism: Mechanism) -> Option<&'static str> {
     const FEATURE: &str = "built without the feature \"peers\"";
     match mechanism {
         Mechanism::Zenoh if cfg!(not(feature = "peers")) => Some(FEATURE),
         Mechanism::CycloneDds if cfg!(not(feature = "peers")) => Some(FEATURE),
         Mechanism::CycloneDds if cfg!(not(cyclonedds)) => {
-            Some("its library was not found when this was built (Debian: cyclonedds-dev)")
+            Some("built without its library (Debian: cyclonedds-dev)")
         }
         _ => None,
     }
 }
 
-/// The sending end of a mechanism of other origin, once its receiver is there; none of our own
-/// mechanisms and of those that [`missing`] names.
+/// The sending end of another transport, once its receiver is ready. `None` for our own mechanisms and for
+/// those that [`missing`] names.
 pub fn source(
     mechanism: Mechanism,
     root: &Path,
@@ -118,7 +118,7 @@ pub fn source(
     }))
 }
 
-/// The receiving end, as [`source`].
+/// The receiving end, like [`source`].
 pub fn sink(
     mechanism: Mechanism,
     root: &Path,
@@ -135,15 +135,14 @@ pub fn sink(
     }))
 }
 
-/// Removes the names of both ends, so that the next comparison finds none, and what ended processes left
-/// in shared memory.
+/// Removes the names of both ends and the shared memory of ended processes for the next comparison.
 pub fn forget(root: &Path) {
     sockets::forget(root);
     #[cfg(feature = "peers")]
     zenoh::forget();
 }
 
-/// Tries until it works or [`PATIENCE`] is over.
+/// Repeats an attempt until it succeeds or [`PATIENCE`] is over.
 fn patiently<T>(mut attempt: impl FnMut() -> std::io::Result<T>) -> std::io::Result<T> {
     let begun = Instant::now();
     loop {
@@ -160,7 +159,7 @@ mod tests {
     use bytemuck::Zeroable;
     use group::RunRoot;
 
-    /// Every mechanism of other origin that this build has delivers each message once and in order.
+    /// Every other transport of this build delivers each message once and in order.
     #[test]
     fn every_peer_delivers_each_message_once_and_in_order() {
         const COUNT: i64 = 20;
@@ -177,7 +176,7 @@ mod tests {
                     for number in 1..=COUNT {
                         message.header.acquisition_ns = number;
                         source.send(&message).expect("sent");
-                        // iceoryx2's own default keeps the newest two.
+                        // iceoryx2's default keeps the two newest messages.
                         std::thread::sleep(Duration::from_millis(5));
                     }
                 });

@@ -1,5 +1,5 @@
-//! The same message by iceoryx2 alone: its own variant, its publish-subscribe service, and its event
-//! service to wake the subscriber.
+//! The same message by iceoryx2 alone: its own variant, its publish-subscribe service, and its event service
+//! as wake-up.
 
 use super::{MiddlewareError, Receiving, Sending};
 use iceoryx2::port::listener::Listener;

@@ -11,7 +11,7 @@ use std::time::Duration;
 /// Bytes of the message.
 const BYTES: usize = size_of::<RadarTracks>();
 
-/// One end of a connection that loses nothing: it waits where there is no room, or nothing to read.
+/// One end of a lossless connection: it waits for room or for a message.
 #[derive(Debug)]
 pub enum Socket {
     /// A unix datagram socket.
@@ -28,7 +28,7 @@ fn port_path(root: &Path) -> PathBuf {
     root.join("bench.port")
 }
 
-/// Removes the names of both ends, so that the next comparison finds none.
+/// Removes the names of both ends for the next comparison.
 pub fn forget(root: &Path) {
     for path in [datagram_path(root), port_path(root)] {
         // Absent unless a comparison used it.
@@ -42,7 +42,7 @@ impl Socket {
         UnixDatagram::bind(datagram_path(root)).map(Self::Datagram).map_err(failed("unix datagram"))
     }
 
-    /// The sending end, once the receiving one is there.
+    /// The sending end, once the receiving one exists.
     pub fn datagram_source(root: &Path) -> Result<Self, MiddlewareError> {
         let connect = || {
             let socket = UnixDatagram::unbound()?;
@@ -57,7 +57,7 @@ impl Socket {
         let accept = || {
             let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
             let port = listener.local_addr()?.port().to_string();
-            // Whole or not at all, so that the other end reads no half number.
+            // Renamed when complete, so that the other end never reads half a number.
             let part = root.join(".bench.port.part");
             std::fs::write(&part, port)?;
             std::fs::rename(part, port_path(root))?;
@@ -66,7 +66,7 @@ impl Socket {
         accept().map(Self::Tcp).map_err(failed("tcp"))
     }
 
-    /// The sending end, once the receiving one is there.
+    /// The sending end, once the receiving one exists.
     pub fn tcp_source(root: &Path) -> Result<Self, MiddlewareError> {
         let connect = || {
             let port = std::fs::read_to_string(port_path(root))?;
@@ -91,7 +91,7 @@ impl Sending for Socket {
 }
 
 impl Receiving for Socket {
-    /// Waits for one message, for as long as it takes: none is lost.
+    /// Waits for one message without a limit: none is lost.
     fn receive(&mut self, _: Duration, each: &mut dyn FnMut(i64)) -> Result<(), MiddlewareError> {
         let mut bytes = [0_u8; BYTES];
         match self {

@@ -1,5 +1,5 @@
-//! The same message over zenoh: written in its shared memory, announced over a unix socket between two
-//! peers that know each other's address.
+//! The same message over zenoh: written into its shared memory, announced over a unix socket between two peers
+//! that know each other's address.
 
 use super::{MiddlewareError, Receiving, Sending, failed, patiently};
 use messages::RadarTracks;
@@ -18,10 +18,10 @@ use zenoh::{Config, Session, Wait};
 const KEY: &str = "timegap/radar/tracks";
 /// Bytes of a message.
 const BYTES: usize = size_of::<RadarTracks>();
-/// Messages that may be under way.
+/// Most messages in flight.
 const UNDER_WAY: usize = 256;
 
-/// A session of a peer that looks for no others.
+/// A session of a peer that does not search for others.
 fn session(root: &Path, listens: bool) -> Result<Session, MiddlewareError> {
     let address = format!("[\"unixsock-stream/{}\"]", root.join("bench-zenoh.sock").display());
     let (listen, connect) =
@@ -42,7 +42,7 @@ fn session(root: &Path, listens: bool) -> Result<Session, MiddlewareError> {
     zenoh::open(config).wait().map_err(failed("zenoh cannot open a session"))
 }
 
-/// Removes the segments of shared memory that no living process holds: a process that ends leaves its own.
+/// Removes segments of shared memory without a living owner, which ended processes leave.
 pub fn forget() {
     zenoh::shm::cleanup_orphaned_shm_segments();
 }
@@ -55,13 +55,13 @@ pub struct Source {
 }
 
 impl Source {
-    /// Opens the end and waits until it knows its subscriber.
+    /// Opens the end and waits for its subscriber.
     pub fn open(root: &Path) -> Result<Self, MiddlewareError> {
         let session = patiently(|| session(root, false).map_err(std::io::Error::other))
             .map_err(MiddlewareError::ZenohAlone)?;
         let publisher = (session.declare_publisher(KEY))
             .congestion_control(CongestionControl::Block)
-            // Sent at once, as a user would who waits for each message.
+            // Sent at once, as a user who waits for each message would do.
             .express(true)
             .wait()
             .map_err(failed("zenoh cannot declare a publisher"))?;
@@ -81,7 +81,7 @@ impl Source {
 impl Sending for Source {
     fn send(&mut self, message: &RadarTracks) -> Result<(), MiddlewareError> {
         let room = self.memory.alloc(BYTES).with_policy::<BlockOn<GarbageCollect>>().wait();
-        let mut room = room.map_err(failed("zenoh has no room"))?;
+        let mut room = room.map_err(failed("zenoh cannot loan memory"))?;
         room.copy_from_slice(bytemuck::bytes_of(message));
         self.publisher.put(room).wait().map_err(failed("zenoh cannot send"))
     }

@@ -1,14 +1,14 @@
 //! Ratios of two arms with their 95 % intervals: pure functions of the samples.
 //!
-//! Ours and its floor were measured in alternating blocks, a block of each making a pair. A machine
-//! drifts slowly against the length of a pair, so that what it does falls on both:
+//! Ours and its floor are measured in alternating blocks; a block of each is a pair. A machine drifts slowly
+//! compared with a pair, so that drift affects both arms.
 //!
-//! Pairs come in sessions, each with processes of its own and at another time. What differs between sessions
-//! (where memory is, what else the machine does) falls on both arms unequally, and is part of the spread:
+//! Pairs come in sessions with new processes at different times. Effects of a session, such as the place of
+//! memory, affect the arms unequally and are part of the spread:
 //!
 //! * medians: the mean of the sessions' mean log ratios, with Student's t over the sessions;
-//! * 99th percentiles: the pooled ones, with a bootstrap over the sessions and the pairs of each (samples of
-//!   one block are not independent, blocks nearly are);
+//! * 99th percentiles: the pooled ones, with a bootstrap over sessions and their pairs (samples of one block
+//!   are not independent, blocks nearly are);
 //! * rare events: given their sum, the events of one arm are binomial, which gives an exact interval
 //!   for the ratio of two Poisson rates (Clopper and Pearson 1934; Przyborowski and Wilenski 1940).
 
@@ -19,13 +19,13 @@ use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 use special::{beta_quantile, student_t};
 
-/// Mass outside the intervals.
+/// Probability outside the intervals.
 const TAILS: f64 = 0.05;
-/// Fewest samples of an arm from which a 99th percentile is judged: fifty of them are beyond it.
+/// Fewest samples of an arm for a judged 99th percentile: fifty of them are beyond it.
 pub const ENOUGH_FOR_P99: usize = 5_000;
 /// Draws of the bootstrap.
 const DRAWS: usize = 1_000;
-/// Number of the bootstrap's stream: the same samples give the same interval.
+/// Stream of the bootstrap's generator: the same samples give the same interval.
 const STREAM: u128 = 99;
 
 /// A block of each arm, ours first: durations in ns.
@@ -37,24 +37,24 @@ pub struct Pair {
     pub floor: Vec<u32>,
 }
 
-/// A ratio and how well it is known.
+/// A ratio and its interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// Figure of ours.
+    /// Our figure.
     pub ours: f64,
-    /// Figure of the floor.
+    /// The floor's figure.
     pub floor: f64,
-    /// Their ratio; infinite where only ours has events.
+    /// Their ratio; infinite if only ours has events.
     pub ratio: f64,
     /// Lower end of its 95 % interval.
     pub low: f64,
-    /// Upper end; infinite where nothing bounds it.
+    /// Upper end; infinite if unbounded.
     pub high: f64,
-    /// Samples of ours, or its cycles.
+    /// Our samples or cycles.
     pub n: u64,
 }
 
-/// Median of some values; none of none.
+/// Median of some values; `None` without any.
 pub fn median(values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -62,11 +62,11 @@ pub fn median(values: &[f64]) -> Option<f64> {
     (n > 0).then(|| (sorted[(n - 1) / 2] + sorted[n / 2]) / 2.0)
 }
 
-/// The ratio of the medians in µs, from the sessions' mean log ratios; none with fewer than two sessions.
+/// The ratio of the medians in µs, from the sessions' mean log ratios; `None` below two sessions.
 pub fn medians(sessions: &[&[Pair]]) -> Option<Estimate> {
     let us =
         |block: &[u32]| median(&block.iter().map(|ns| f64::from(*ns) / 1e3).collect::<Vec<_>>());
-    // Geometric means, whose ratio is that of the mean of the log ratios.
+    // Geometric means: their ratio is the exponential of the mean log ratio.
     let of_session = |session: &&[Pair]| {
         let blocks: Option<Vec<(f64, f64)>> =
             session.iter().map(|pair| us(&pair.ours).zip(us(&pair.floor))).collect();
@@ -78,15 +78,14 @@ pub fn medians(sessions: &[&[Pair]]) -> Option<Estimate> {
     Some(Estimate { n, ..paired(&of_sessions?)? })
 }
 
-/// Geometric mean of values; none of none, or where one is not above 0.
+/// Geometric mean of values; `None` without any, or if one is not above 0.
 fn geometric_mean(values: &[f64]) -> Option<f64> {
     let positive = !values.is_empty() && values.iter().all(|value| *value > 0.0);
     let logs = values.iter().map(|value| libm::log(*value));
     positive.then(|| libm::exp(logs.sum::<f64>() / values.len() as f64))
 }
 
-/// The ratio of figures that came in pairs, from their log ratios; none with fewer than two pairs, or
-/// where a figure is not above 0.
+/// The ratio of paired figures, from their log ratios; `None` below two pairs, or if a figure is not above 0.
 pub fn paired(pairs: &[(f64, f64)]) -> Option<Estimate> {
     if pairs.len() < 2 || pairs.iter().any(|pair| !(pair.0 > 0.0 && pair.1 > 0.0)) {
         return None;
@@ -107,7 +106,7 @@ pub fn paired(pairs: &[(f64, f64)]) -> Option<Estimate> {
     })
 }
 
-/// The ratio of the 99th percentiles in µs, with a bootstrap over sessions and pairs; none with fewer than
+/// The ratio of the 99th percentiles in µs, with a bootstrap over sessions and pairs; `None` below
 /// [`ENOUGH_FOR_P99`] samples in an arm.
 pub fn p99s(sessions: &[&[Pair]]) -> Option<Estimate> {
     let pairs = &sessions.concat();
@@ -146,7 +145,7 @@ pub fn p99s(sessions: &[&[Pair]]) -> Option<Estimate> {
     Some(Estimate { ours, floor, ratio: ours / floor, low, high, n: n as u64 })
 }
 
-/// The 99th percentiles in µs of the pooled samples of some pairs; none where one is 0.
+/// The 99th percentiles in µs of the pooled samples of some pairs; `None` if one is 0.
 fn pooled_p99s(pairs: &[Pair], chosen: &[usize]) -> Option<(f64, f64)> {
     let of = |arm: fn(&Pair) -> &Vec<u32>| {
         let mut pool: Vec<u32> =
@@ -158,12 +157,12 @@ fn pooled_p99s(pairs: &[Pair], chosen: &[usize]) -> Option<(f64, f64)> {
     of(|pair| &pair.ours).zip(of(|pair| &pair.floor))
 }
 
-/// Events among so many cycles.
+/// Events among cycles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Events {
-    /// How many happened.
+    /// Number of events.
     pub events: u64,
-    /// How many could have.
+    /// Number of cycles.
     pub cycles: u64,
 }
 
@@ -174,9 +173,8 @@ impl Events {
     }
 }
 
-/// The ratio of two rates of rare events, per million cycles, with its exact interval; none without
-/// cycles in both arms. Without an event in either arm nothing is known but that both are rare: the
-/// interval is from 0 to infinity.
+/// The ratio of two rates of rare events, per million cycles, with its exact interval. `None` without cycles
+/// in both arms. Without events in both arms the interval is from 0 to infinity.
 pub fn rates(ours: Events, floor: Events) -> Option<Estimate> {
     if ours.cycles == 0 || floor.cycles == 0 {
         return None;
@@ -191,7 +189,7 @@ pub fn rates(ours: Events, floor: Events) -> Option<Estimate> {
     Some(Estimate {
         ours: a,
         floor: b,
-        // Nothing over nothing is no excess.
+        // Zero events are no excess over zero.
         ratio: if ours.events == 0 { 0.0 } else { a / b },
         low: as_ratio(low) * exposure,
         high: as_ratio(high) * exposure,
@@ -218,7 +216,7 @@ mod tests {
         random.next_u64();
         (0..20)
             .map(|_| {
-                // The machine drifts: both blocks of a pair feel it.
+                // The machine drifts: both blocks of a pair are affected.
                 let drift = 1.0 + (random.next_u64() % 100) as f64 / 100.0;
                 Pair {
                     ours: block(&mut random, ours * drift, 250),
@@ -232,7 +230,7 @@ mod tests {
         pairs.chunks(4).collect()
     }
 
-    /// In how many of so many runs the interval holds the true ratio.
+    /// Number of runs whose interval holds the true ratio.
     fn covered(runs: u128, ratio: f64, estimate: fn(&[&[Pair]]) -> Option<Estimate>) -> usize {
         let holds = |seed: &u128| {
             let pairs = pairs(*seed, ratio, 1.0);
@@ -266,7 +264,7 @@ mod tests {
         let steady = pairs(3, 1.3, 1.0);
         let mut shifting = steady.clone();
         for (session, pairs) in shifting.chunks_mut(4).enumerate() {
-            // The processes of a session have their memory at another place.
+            // Processes of each session have their memory at another place.
             let factor = 1.0 + 0.05 * session as f64;
             for ns in pairs.iter_mut().flat_map(|pair| &mut pair.ours) {
                 *ns = (f64::from(*ns) * factor) as u32;

@@ -1,8 +1,8 @@
 //! Quantiles of Student's t and of the beta distribution, from the incomplete beta function.
 
-/// Terms of the continued fraction; it converges in far fewer.
+/// Most terms of the continued fraction; it converges in far fewer.
 const TERMS: u32 = 500;
-/// Steps of a bisection: more than a double has digits.
+/// Steps of a bisection: more than the digits of a double.
 const HALVINGS: u32 = 200;
 
 /// The regularised incomplete beta function I_x(a, b) for a, b > 0 and x in [0, 1], by the continued
@@ -14,7 +14,7 @@ pub fn incomplete_beta(a: f64, b: f64, x: f64) -> f64 {
     if x >= 1.0 {
         return 1.0;
     }
-    // The fraction converges fast below the mean; above it the mirrored one does.
+    // The fraction converges fast below the mean; above it the mirrored one is used.
     if x > (a + 1.0) / (a + b + 2.0) {
         return 1.0 - incomplete_beta(b, a, 1.0 - x);
     }
@@ -47,13 +47,12 @@ fn fraction(a: f64, b: f64, x: f64) -> f64 {
     result
 }
 
-/// The x at which I_x(a, b) is `share`.
+/// The x with I_x(a, b) = `share`.
 pub fn beta_quantile(a: f64, b: f64, share: f64) -> f64 {
     bisect(0.0, 1.0, |x| incomplete_beta(a, b, x) < share)
 }
 
-/// The t beyond which, on both sides together, Student's distribution with `degrees` of freedom has
-/// `tails` of its mass.
+/// The t with probability `tails` outside ±t under Student's distribution of `degrees` of freedom.
 pub fn student_t(degrees: f64, tails: f64) -> f64 {
     let beyond = |t: f64| incomplete_beta(0.5 * degrees, 0.5, degrees / (degrees + t * t));
     bisect(0.0, 1e4, |t| beyond(t) > tails)

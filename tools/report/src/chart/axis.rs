@@ -1,34 +1,33 @@
-//! Axes: from values to places.
+//! Axes: from values to places on the page.
 
-/// How values are spread along an axis.
+/// Spread of values along an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Scale {
-    /// Evenly.
+    /// Evenly spaced.
     Linear {
         /// Least value.
         low: f64,
         /// Largest value.
         high: f64,
     },
-    /// By the logarithm; both ends are above 0.
+    /// Logarithmic; both ends are above 0.
     Log {
         /// Least value.
         low: f64,
         /// Largest value.
         high: f64,
     },
-    /// Shares of a distribution, 0 to 1, such that each nine of the tail takes the same room:
-    /// 90 %, 99 %, 99.9 %.
+    /// Shares of a distribution, 0 to 1. Each nine of the tail takes the same room: 90 %, 99 %, 99.9 %.
     Percentile {
         /// Number of nines.
         nines: u32,
     },
 }
 
-/// How values are written at an axis.
+/// Text form of an axis's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// The number.
+    /// A number with decimals.
     Number,
     /// A whole number.
     Count,
@@ -39,13 +38,20 @@ pub enum Format {
 }
 
 /// One axis.
+///
+/// ```
+/// use report::chart::Axis;
+///
+/// let speed = Axis::holding("m/s", [3.0, 17.3].into_iter());
+/// assert_eq!((speed.share(0.0), speed.share(20.0)), (0.0, 1.0));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// What it shows, with the unit.
+    /// Quantity, with its unit.
     pub label: String,
-    /// How.
+    /// Spread of the values.
     pub scale: Scale,
-    /// How its values are written.
+    /// Text form of the values.
     pub format: Format,
 }
 
@@ -61,8 +67,8 @@ impl Axis {
         Self { label: label.into(), scale, format: Format::Number }
     }
 
-    /// A linear axis that holds all of `values`, widened to whole ticks; never empty. It reaches
-    /// below 0 only where a value does.
+    /// A linear axis that holds all of `values`, widened to whole ticks; never empty. It reaches below 0 only
+    /// where a value does.
     pub fn holding(label: &str, values: impl Iterator<Item = f64>) -> Self {
         let (mut low, mut high) = bounds(values).unwrap_or((0.0, 1.0));
         if high - low < 1e-6 * high.abs().max(1.0) {
@@ -73,7 +79,7 @@ impl Axis {
         Self::linear(label, (low / step).floor() * step, (high / step).ceil() * step)
     }
 
-    /// Counts from 0 on.
+    /// Counts from 0 up.
     pub fn counts(label: &str, values: impl Iterator<Item = f64>) -> Self {
         let high = bounds(values).map_or(1.0, |(_, high)| high);
         let step = nice_step(high.max(5.0), 5).max(1.0);
@@ -85,7 +91,7 @@ impl Axis {
         Self { format: Format::Count, ..Self::linear(label, low, high) }
     }
 
-    /// Durations in µs over whole decades or halves of them.
+    /// Durations in µs over whole or half decades.
     pub fn durations(label: &str, values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = bounds(values.filter(|us| *us > 0.0)).unwrap_or((1.0, 10.0));
         let low = 10_f64.powf((low.log10() * 2.0).floor() / 2.0);
@@ -94,7 +100,7 @@ impl Axis {
         Self { label: label.into(), scale, format: Format::DurationUs }
     }
 
-    /// Frequencies from `low` to `high`, both above 0, by their logarithm.
+    /// Frequencies from `low` to `high`, both above 0, on a logarithmic scale.
     pub fn frequencies(unit: &str, low: f64, high: f64) -> Self {
         let scale = Scale::Log { low, high: high.max(low * 1.1) };
         Self { label: format!("frequency, {unit}"), scale, format: Format::Number }
@@ -107,7 +113,7 @@ impl Axis {
         Self { label: label.into(), scale, format: Format::Percent }
     }
 
-    /// Place of a value, 0 to 1 inside the axis.
+    /// Place of a value: 0 to 1 inside the axis.
     pub fn share(&self, value: f64) -> f64 {
         match self.scale {
             Scale::Linear { low, high } => (value - low) / (high - low),
@@ -122,7 +128,11 @@ impl Axis {
     }
 }
 
-/// A number with a true minus sign; a negative zero has none.
+/// A number with a true minus sign; zero has no sign.
+///
+/// ```
+/// assert_eq!(report::chart::number(-4.89, 1), "−4.9");
+/// ```
 pub fn number(value: f64, decimals: usize) -> String {
     let text = format!("{:.decimals$}", value.abs());
     let zero = text.bytes().all(|byte| matches!(byte, b'0' | b'.'));
@@ -136,7 +146,7 @@ fn bounds(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     })
 }
 
-/// The least of 1, 2 or 5 times a power of ten that cuts `range` into at most `most` parts.
+/// The least of 1, 2 or 5 times a power of ten that divides `range` into at most `most` parts.
 fn nice_step(range: f64, most: usize) -> f64 {
     let rough = range / most.max(1) as f64;
     let power = 10_f64.powf(rough.log10().floor());

@@ -16,7 +16,7 @@ pub struct Span {
     pub from: f64,
     /// End on the axis.
     pub to: f64,
-    /// Written inside where it fits, and in the legend.
+    /// Text inside the span where it fits, and in the legend.
     pub label: String,
     /// Colour.
     pub tone: Tone,
@@ -25,20 +25,33 @@ pub struct Span {
 /// A row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// Written above the bar.
+    /// Text above the bar.
     pub name: String,
-    /// Its spans in order.
+    /// Spans in order.
     pub spans: Vec<Span>,
 }
 
 /// Rows over one axis.
+///
+/// ```
+/// use report::chart::{Axis, Bands, Picture, Row, Span, Tone};
+///
+/// let span = |from, to, label: &str, tone| Span { from, to, label: label.into(), tone };
+/// let spans = vec![
+///     span(0.0, 9.0, "cruise", Tone::Series(0)),
+///     span(9.0, 20.0, "follow", Tone::Series(1)),
+/// ];
+/// let rows = vec![Row { name: "mode of the law".into(), spans }];
+/// let bands = Bands { title: "Modes".into(), x: Axis::time(20.0), rows, marks: Vec::new() };
+/// assert_eq!(bands.chart().series.len(), 2, "one entry of the legend per label");
+/// ```
 #[derive(Clone, Debug)]
 pub struct Bands {
     /// Title.
     pub title: String,
     /// The axis.
     pub x: Axis,
-    /// The rows, first one on top.
+    /// The rows from top to bottom.
     pub rows: Vec<Row>,
     /// Marked places on the axis.
     pub marks: Vec<Mark>,

@@ -14,16 +14,16 @@ const EDGE_PX: f64 = 2.0;
 pub struct FilledCell {
     /// (Horizontal, vertical) value of the lower left corner.
     pub from: (f64, f64),
-    /// The same of the upper right corner.
+    /// (Horizontal, vertical) value of the upper right corner.
     pub to: (f64, f64),
-    /// Which of [`Cells::kinds`] it is.
+    /// Index of its kind in [`Cells::kinds`].
     pub kind: usize,
 }
 
 /// Straight pieces of one edge.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Edges {
-    /// What the legend says.
+    /// Name for the legend.
     pub label: String,
     /// Colour.
     pub tone: Tone,
@@ -42,7 +42,7 @@ pub struct Cells {
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,
-    /// What the cells mean: label and colour.
+    /// Kinds of cells: label and colour.
     pub kinds: Vec<(String, Tone)>,
     /// The filled cells.
     pub cells: Vec<FilledCell>,
@@ -63,7 +63,7 @@ impl Picture for Cells {
             Series::boxes(label, *tone, &boxes, axes)
         });
         let edges = self.edges.iter().map(|edges| {
-            // A hole after each piece.
+            // A gap after each piece.
             let points = edges.pieces.iter().flat_map(|[from, to]| [*from, *to, (to.0, f64::NAN)]);
             let points: Vec<_> = points.collect();
             Series::line((&edges.label, edges.tone, edges.stroke), (EDGE_PX, false), &points, axes)

@@ -1,28 +1,27 @@
-//! A chart as the page's script takes it: series and marks as data, and what makes them safe inside
-//! a page.
+//! A chart as the page's script reads it: series and marks as data, safe inside a page.
 
 use super::axis::{Axis, Format, Scale};
 use super::decimate::kept;
 use super::{Mark, Stroke, Tone};
 use serde::Serialize;
 
-/// A labelled point: a value that a paper prints.
+/// A labelled point, such as a value that a paper prints.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Point {
     /// Value on the horizontal axis.
     pub x: f64,
     /// Value on the vertical axis.
     pub y: f64,
-    /// Name and value, for the reader.
+    /// Name and value as text.
     pub label: String,
 }
 
-/// Columns into which points fall along the horizontal axis, more than a screen shows, so that
-/// zooming in shows more.
+/// Columns into which points fall along the horizontal axis. They are more than a screen shows, so that
+/// zooming shows more.
 const COLUMNS: f64 = 4_000.0;
-/// Places that are told apart along the vertical axis.
+/// Places distinguished along the vertical axis.
 const PLACES: f64 = 1_000.0;
-/// Multiples of a value's last decimal along an axis, at least.
+/// Least number of a value's last decimal along an axis.
 const STEPS: f64 = 20_000.0;
 
 /// A chart.
@@ -34,7 +33,7 @@ pub struct Chart {
     pub y: AxisData,
     /// Height of the axes, px.
     pub height: f64,
-    /// What is drawn, first series first in the legend.
+    /// Series in the order of the legend.
     pub series: Vec<Series>,
     /// Rows coloured by a value.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -55,7 +54,7 @@ impl Chart {
         Self { x, y, height, series: Vec::new(), map: None, marks, points, texts }
     }
 
-    /// The same with marks.
+    /// This chart with marks.
     pub fn marked(self, marks: &[Mark]) -> Self {
         Self { marks: marks.iter().map(|mark| (mark.x, mark.number)).collect(), ..self }
     }
@@ -69,10 +68,10 @@ pub struct AxisData {
     high: f64,
     scale: &'static str,
     format: &'static str,
-    /// Number of nines of a distribution's axis.
+    /// Number of nines on a distribution's axis.
     #[serde(skip_serializing_if = "Option::is_none")]
     nines: Option<u32>,
-    /// Names of the rows that an axis has instead of values, first one on top.
+    /// Names of rows that replace the values of an axis, from top to bottom.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rows: Option<Vec<String>>,
 }
@@ -94,7 +93,7 @@ impl From<&Axis> for AxisData {
     }
 }
 
-/// What one entry of the legend stands for.
+/// An entry of the legend.
 #[derive(Debug, Serialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 pub enum Series {
@@ -108,7 +107,7 @@ pub enum Series {
         stroke: &'static str,
         /// Width, px.
         width: f64,
-        /// Holds each value until the next point.
+        /// Whether each value holds until the next point.
         steps: bool,
         /// Horizontal values.
         x: Column,
@@ -148,7 +147,7 @@ pub enum Series {
 }
 
 impl Series {
-    /// A line with as many of its points as a screen can show.
+    /// A line with the points that a screen can show.
     pub fn line(
         (label, tone, stroke): (&str, Tone, Stroke),
         (width, steps): (f64, bool),
@@ -181,7 +180,7 @@ impl Series {
     }
 }
 
-/// The columns of the points that `columns` by `places` px of a screen can show.
+/// The columns of the points that a screen of `columns` by `places` px can show.
 pub fn columns(
     points: &[(f64, f64)],
     steps: bool,
@@ -208,7 +207,7 @@ pub struct Map {
     pub high: f64,
     /// Unit of the values.
     pub unit: String,
-    /// Places and values of each row, first one on top.
+    /// Places and values of each row, from top to bottom.
     pub rows: Vec<(Column, Column)>,
 }
 
@@ -217,19 +216,19 @@ pub struct Map {
 pub struct Text {
     /// Value.
     pub y: f64,
-    /// What it says.
+    /// Label.
     pub label: String,
 }
 
-/// Values in order. One that is not finite is null: a hole.
+/// Values in order. A value that is not finite is null: a gap in the curve.
 #[derive(Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Column {
-    /// Differences of whole multiples of 10^-d: few digits for smooth values.
+    /// Differences in units of 10^-d: few digits for smooth values.
     Differences {
         /// Decimals.
         d: usize,
-        /// The differences, from 0 on.
+        /// The differences; the first is from 0.
         v: Vec<Option<i64>>,
     },
     /// Values to five digits, for axes that are not linear.
@@ -256,7 +255,7 @@ impl Column {
     }
 }
 
-/// Text safe inside HTML, in attributes too.
+/// Text that is safe inside HTML and its attributes.
 pub fn escape(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for character in text.chars() {
@@ -272,10 +271,10 @@ pub fn escape(text: &str) -> String {
     safe
 }
 
-/// JSON safe inside a `script` element: nothing in it ends the element or a line of a script.
+/// JSON that is safe inside a `script` element: it cannot end the element or a line of the script.
 pub fn script_json(value: &impl Serialize) -> String {
     let text = serde_json::to_string(value).expect("a chart is JSON");
-    // All of these stand in strings only.
+    // These characters occur in strings only.
     text.replace('<', "\\u003c").replace('\u{2028}', "\\u2028").replace('\u{2029}', "\\u2029")
 }
 

@@ -1,14 +1,15 @@
-//! Fewer points, the same picture: of all points that fall into one column of pixels the first, the
-//! lowest, the highest and the last are kept (Jugel et al. 2014, "M4"), so that no spike is lost; then
-//! what is on the straight line between its neighbours goes.
+//! Fewer points for the same picture.
+//!
+//! Each column of pixels keeps its first, lowest, highest and last point (Jugel et al. 2014, "M4"), so that no
+//! spike is lost. Then points on the straight line between their neighbours are dropped.
 
-/// Distance from a straight line that is too small to see, px.
+/// Invisible distance from a straight line, px.
 const UNSEEN: f64 = 0.5;
-/// Most points that one straight line replaces: bounds the work.
+/// Most points that one straight line replaces; it bounds the work.
 const LONGEST: usize = 64;
 
-/// Indices of the points to keep, in order. Of the points between two runs that are not finite one is
-/// kept: the hole. Where each value holds until the next point (`steps`), points of the same value go.
+/// Indices of the points to keep, in order. Each gap of points that are not finite keeps one of them. With
+/// `steps`, where each value holds until the next point, repeated values are dropped.
 pub fn kept(px: &[(f64, f64)], steps: bool) -> Vec<usize> {
     let is_point = |index: usize| px[index].0.is_finite() && px[index].1.is_finite();
     let all: Vec<usize> = (0..px.len()).collect();
@@ -36,8 +37,7 @@ fn extremes(px: &[(f64, f64)], column: &[usize]) -> Vec<usize> {
     kept
 }
 
-/// Drops the points that are no farther than [`UNSEEN`], measured vertically, from the line that
-/// replaces them. Ends stay.
+/// Drops points within [`UNSEEN`], measured vertically, of the line that replaces them. Ends stay.
 fn straighten(px: &[(f64, f64)], run: &[usize], steps: bool) -> Vec<usize> {
     let mut kept: Vec<usize> = run.first().copied().into_iter().collect();
     let mut from = 0;

@@ -1,15 +1,24 @@
-//! Pictures as data, which the page's script draws: see `assets/charts.js`.
+//! Pictures as data, which the page's script draws (`assets/charts.js`).
 //!
-//! * [`Plot`]: curves over two axes, linear, logarithmic or by percentiles, with labelled points,
-//!   numbered marks and strips (a signal's phases at its stop line). A curve need not be a function
-//!   of the horizontal value.
+//! * [`Plot`]: curves over two axes (linear, logarithmic or by percentiles) with labelled points, numbered
+//!   marks and strips, such as a signal's phases at its stop line. A curve need not be a function of the
+//!   horizontal value.
 //! * [`Cells`]: filled cells of a grid over two axes, with edges.
 //! * [`Bands`]: rows of labelled spans over one axis: modes over time, the parts of a chain.
 //! * [`Ribbons`]: rows coloured by a value along one axis: speeds of many vehicles over time.
 //!
-//! A picture becomes a [`Chart`]: series over two axes, with as many points as a screen can show.
-//! The script takes every colour from the page's style sheet, so that one page serves light, dark
-//! and paper.
+//! A picture becomes a [`Chart`]: series over two axes, with the points that a screen can show. The script
+//! takes every colour from the page's style sheet, so that one page serves light, dark and paper.
+//!
+//! ```
+//! use report::chart::{Curve, Picture, Plot, Tone, script_json};
+//!
+//! let speed_mps = vec![(0.0, 20.0), (5.0, 25.0), (10.0, 25.0)];
+//! let ego = Curve::new("ego", Tone::Series(0), speed_mps);
+//! let plot = Plot::over_time("Speed", 10.0, "m/s", vec![ego]);
+//! let data = script_json(&plot.chart());
+//! assert!(data.contains("\"label\":\"ego\""));
+//! ```
 
 mod axis;
 mod bands;
@@ -26,10 +35,10 @@ pub use data::{Chart, Point, escape, script_json};
 pub use plot::{Curve, Plot, Strip};
 pub use ribbons::{Ribbon, Ribbons};
 
-/// A colour by its meaning; the style sheet knows how it looks.
+/// A colour by its meaning; the style sheet defines how it looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tone {
-    /// One of eight that colour-blind readers tell apart.
+    /// One of eight colours that colour-blind readers can distinguish.
     Series(usize),
     /// Goals and references.
     Muted,
@@ -56,14 +65,14 @@ impl Tone {
     }
 }
 
-/// How a curve is drawn.
+/// Line style of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stroke {
-    /// For what is. Several solid curves of one picture get dashes of their own.
+    /// Measured values. Several solid curves of one picture get different dashes.
     Solid,
-    /// For what should be.
+    /// Targets and references.
     Dashed,
-    /// For what is fixed, or for what is not in the lane.
+    /// Constants, and vehicles beside the lane.
     Dotted,
 }
 
@@ -77,8 +86,7 @@ impl Stroke {
     }
 }
 
-/// A numbered instant or place on the horizontal axis; the page says beside the picture what the
-/// numbers mean.
+/// A numbered place on the horizontal axis; a table beside the picture explains the numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mark {
     /// Place on the axis.
@@ -87,9 +95,9 @@ pub struct Mark {
     pub number: usize,
 }
 
-/// Anything that can be drawn.
+/// A picture that can be drawn.
 pub trait Picture {
-    /// Title, with the unit where one axis has all.
+    /// Title, with the unit if all axes share it.
     fn title(&self) -> &str;
     /// The picture as data.
     fn chart(&self) -> Chart;

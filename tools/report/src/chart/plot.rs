@@ -8,9 +8,9 @@ use super::{Mark, Picture, Point, Stroke, Tone};
 const LINE_PX: f64 = 2.0;
 /// Width of one of many curves, px.
 const THIN_PX: f64 = 1.1;
-/// How much wider a curve is for each that may cover it, px.
+/// Additional width of a curve for each curve that may cover it, px.
 const COVERED_PX: f64 = 4.0;
-/// Most curves by which one is widened.
+/// Most covering curves that widen a curve.
 const MOST_COVERING: usize = 4;
 
 /// A curve.
@@ -18,18 +18,17 @@ const MOST_COVERING: usize = 4;
 pub struct Curve {
     /// Name for the legend.
     pub name: String,
-    /// Points in any order of their horizontal values; one that is not finite breaks the curve.
+    /// Points in any order of their horizontal values; a value that is not finite interrupts the curve.
     pub points: Vec<(f64, f64)>,
     /// Colour.
     pub tone: Tone,
     /// Stroke.
     pub stroke: Stroke,
-    /// Holds each value until the next point instead of joining them.
+    /// Whether each value holds until the next point; otherwise points are joined.
     pub steps: bool,
-    /// Number of curves that may cover this one: it is drawn that much wider, so that it still
-    /// shows on both sides of them.
+    /// Number of curves that may cover this one. It is drawn wider, so that it shows on both sides of them.
     pub covered_by: usize,
-    /// One of so many that a thin line shows more.
+    /// Whether the curve is one of many, which thin lines show better.
     pub is_thin: bool,
 }
 
@@ -40,35 +39,35 @@ impl Curve {
         Self { name, points, tone, stroke, steps: false, covered_by: 0, is_thin: false }
     }
 
-    /// The same with another stroke.
+    /// This curve with another stroke.
     pub fn stroke(self, stroke: Stroke) -> Self {
         Self { stroke, ..self }
     }
 
-    /// The same below so many others that may have the same points.
+    /// This curve below `others` that may have the same points.
     pub fn covered_by(self, others: usize) -> Self {
         Self { covered_by: others, ..self }
     }
 
-    /// The same as one of many.
+    /// This curve as one of many.
     pub fn thin(self) -> Self {
         Self { is_thin: true, ..self }
     }
 
-    /// The same as a staircase.
+    /// This curve as a staircase.
     pub fn steps(self) -> Self {
         Self { steps: true, ..self }
     }
 }
 
-/// A horizontal bar made of spans, at a place on the vertical axis: a signal at its stop line.
+/// A horizontal bar made of spans at a place on the vertical axis, such as a signal at its stop line.
 #[derive(Clone, Debug)]
 pub struct Strip {
     /// Place on the vertical axis.
     pub y: f64,
-    /// Written above its left end.
+    /// Text above its left end.
     pub label: String,
-    /// From, to and colour.
+    /// Begin, end and colour.
     pub spans: Vec<(f64, f64, Tone)>,
 }
 
@@ -79,13 +78,13 @@ pub struct Plot {
     pub title: String,
     /// Horizontal axis.
     pub x: Axis,
-    /// Vertical axis; its label stands above it.
+    /// Vertical axis; its label is above it.
     pub y: Axis,
     /// Height of the axes, px.
     pub height: f64,
-    /// Behind the curves.
+    /// Strips behind the curves.
     pub strips: Vec<Strip>,
-    /// The curves; of those with the same stroke the first is on top.
+    /// The curves; among curves of one stroke the first is on top.
     pub curves: Vec<Curve>,
     /// Labelled points, on top of the curves.
     pub points: Vec<Point>,
@@ -96,13 +95,12 @@ pub struct Plot {
 }
 
 impl Plot {
-    /// A plot over the run's time whose vertical axis holds all curves; those without a point are
-    /// left out.
+    /// A plot over run time. Its vertical axis holds all curves; curves without a point are left out.
     pub fn over_time(title: &str, until_s: f64, unit: &str, curves: Vec<Curve>) -> Self {
         Self::over(title, Axis::time(until_s), unit, curves)
     }
 
-    /// The same over another axis.
+    /// A plot over another axis.
     pub fn over(title: &str, x: Axis, unit: &str, curves: Vec<Curve>) -> Self {
         let mut curves = curves;
         curves.retain(|curve| curve.points.iter().any(|point| point.1.is_finite()));
@@ -121,12 +119,12 @@ impl Plot {
         }
     }
 
-    /// The same with the run's marks.
+    /// This plot with the run's marks.
     pub fn marked(self, marks: &[Mark]) -> Self {
         Self { marks: marks.to_vec(), ..self }
     }
 
-    /// The same with labelled points; the vertical axis holds them too.
+    /// This plot with labelled points; the vertical axis holds them too.
     pub fn with_points(self, points: Vec<Point>) -> Self {
         let curves = self.curves.iter().flat_map(|curve| &curve.points).map(|point| point.1);
         let y = Axis::holding(&self.y.label, curves.chain(points.iter().map(|point| point.y)));
@@ -167,7 +165,7 @@ impl Plot {
             spans.map(|(from, to, _)| (*from, strip.y, *to))
         });
         let spans: Vec<_> = spans.collect();
-        // What stops is thick, what lets pass is thin: without colours too.
+        // Red is thick and green is thin, so that they differ without colours.
         let px = match tone {
             Tone::Stop => 7.0,
             Tone::Clear => 4.4,
@@ -210,7 +208,7 @@ mod tests {
     fn a_plot_of_nothing_still_has_its_axes() {
         let text = super::super::script_json(&plot(Vec::new()).chart());
         assert!(text.contains("m/s") && text.contains("time, s"), "{text}");
-        assert!(plot(Vec::new()).chart().series.is_empty(), "nothing drawn, nothing explained");
+        assert!(plot(Vec::new()).chart().series.is_empty(), "an empty curve has no legend");
     }
 
     #[test]

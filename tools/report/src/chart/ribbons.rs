@@ -1,4 +1,4 @@
-//! Rows of which each is coloured by a value along one axis: speeds of many vehicles over time.
+//! Rows coloured by a value along one axis, such as the speeds of many vehicles over time.
 
 use super::Picture;
 use super::axis::Axis;
@@ -8,24 +8,24 @@ use super::data::{Chart, Map, columns};
 const ROW_PX: (f64, f64) = (2.0, 16.0);
 /// Height that all rows share, px.
 const ROOM_PX: f64 = 320.0;
-/// Columns and values that are told apart in a row.
+/// Columns and values distinguished in a row.
 const RESOLUTION: (f64, f64) = (800.0, 200.0);
 
 /// A row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ribbon {
-    /// Place on the axis and value there, which holds until the next one.
+    /// Place on the axis and the value from there to the next place.
     pub values: Vec<(f64, f64)>,
 }
 
-/// Rows over one axis, the first on top.
+/// Rows over one axis, from top to bottom.
 #[derive(Clone, Debug)]
 pub struct Ribbons {
     /// Title.
     pub title: String,
     /// The axis.
     pub x: Axis,
-    /// What a row is.
+    /// Meaning of a row.
     pub rows_label: String,
     /// Unit of the values.
     pub unit: String,
@@ -34,7 +34,7 @@ pub struct Ribbons {
 }
 
 impl Ribbons {
-    /// Lowest and highest value; never equal.
+    /// Lowest and highest value; they always differ.
     fn range(&self) -> (f64, f64) {
         let values = self.rows.iter().flat_map(|row| &row.values).map(|value| value.1);
         let values = values.filter(|value| value.is_finite());

@@ -1,4 +1,4 @@
-//! What the drive was like.
+//! Console lines about the drive.
 
 use crate::chart::number;
 use crate::summary::Summary;
@@ -22,7 +22,7 @@ pub(super) fn drive(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
             .min_ttc_s
             .map_or_else(String::new, |ttc| format!(", time to collision at least {ttc:.1} s"));
         let end = control.final_gap_error_m.map_or_else(String::new, |error| {
-            format!(", off the desired one by {} m at the end", number(error, 2))
+            format!(", gap error {} m at the end", number(error, 2))
         });
         line("gap", format!("{}{end}{ttc}", smallest_gap(summary.outcome, gap)));
     }
@@ -67,18 +67,18 @@ pub(super) fn drive(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     }
 }
 
-/// Where the ego was when the light changed, m past the line.
+/// Position of the ego when the light changed, m past the stop line.
 fn at_switch(past_m: f64) -> String {
     let side = if past_m < 0.0 { "before" } else { "past" };
     format!("{:.1} m {side} it when the light changed", past_m.abs())
 }
 
-/// The way through the signals in words; one that did not pass them all has only the bound.
+/// The trip through the signals in words. A trip that did not pass all of them has only the bound.
 pub fn trip(trip: &Trip) -> Option<String> {
     let fastest_s = trip.fastest_legal_trip_s?;
     Some(match trip.trip_time_s {
         Some(time_s) => format!(
-            "past the last stop line after {time_s:.1} s, {} s more than the fastest legal trip",
+            "past the last stop line after {time_s:.1} s, {} s longer than the fastest legal trip",
             number(time_s - fastest_s, 1)
         ),
         None => {
@@ -106,7 +106,7 @@ pub(super) fn emergency_brake(summary: &Summary, line: &mut dyn FnMut(&str, Stri
     line("emergency", format!("{braked}, {warnings} warnings{blind}"));
 }
 
-/// How well the tracks of a radar that errs matched the traffic.
+/// Match of the radar's tracks with the traffic; omitted for an ideal radar.
 pub(super) fn radar(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     let Some(perception) = summary.perception.filter(|perception| perception.gospa_m > 0.0) else {
         return;
@@ -127,15 +127,15 @@ pub(super) fn radar(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     }
     let left_out = perception.detections_left_out.unwrap_or(0) + perception.tracks_left_out;
     if left_out > 0 {
-        parts.push(format!("{left_out} detections and tracks found no room in their messages"));
+        parts.push(format!("{left_out} detections and tracks did not fit into their messages"));
     }
     line("radar", parts.join(", "));
 }
 
-/// The smallest gap in words; bodies that touch have none.
+/// The smallest gap in words; touching bodies have none.
 fn smallest_gap(outcome: Outcome, gap_m: f64) -> String {
     if outcome == Outcome::Collision && gap_m <= 0.0 {
-        return "none left at the collision".into();
+        return "0 m at the collision".into();
     }
     format!("at least {} m", number(gap_m, 1))
 }
@@ -153,7 +153,7 @@ mod tests {
     #[test]
     fn a_gap_is_never_a_negative_zero() {
         assert_eq!(smallest_gap(Outcome::Completed, -0.01), "at least 0.0 m");
-        assert_eq!(smallest_gap(Outcome::Collision, -0.01), "none left at the collision");
+        assert_eq!(smallest_gap(Outcome::Collision, -0.01), "0 m at the collision");
         assert_eq!(smallest_gap(Outcome::Completed, 4.26), "at least 4.3 m");
     }
 }

@@ -1,13 +1,11 @@
-//! What the messages, the faults and the machine did to the run.
+//! Console lines about messages, faults and the machine.
 
 use crate::duration::duration;
+use crate::fault;
 use crate::summary::{Summary, TopicCounts};
-use group::Recovery;
 use messages::level::Level;
 use runtime::scheduling::Asked;
-use scenario::faults::Helper;
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 
 pub(super) fn messages(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     let sent: u64 = summary.messages.values().map(|topic| topic.sent).sum();
@@ -20,7 +18,7 @@ pub(super) fn messages(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     }
 }
 
-/// Who lost messages of which topic: a reader that is late finds the oldest of them overwritten.
+/// Lost messages by reader and topic: a late reader finds the oldest ones overwritten.
 fn losses(topics: &BTreeMap<String, TopicCounts>) -> impl Iterator<Item = String> {
     topics.iter().flat_map(|(topic, counts)| {
         let lost_by = counts.lost_by.iter();
@@ -33,28 +31,14 @@ fn losses(topics: &BTreeMap<String, TopicCounts>) -> impl Iterator<Item = String
     })
 }
 
-/// Most faults that are told one by one.
+/// Most faults that are printed one by one.
 const SHOWN_FAULTS: usize = 8;
 
 pub(super) fn faults(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
-    for (index, fault) in summary.faults.iter().take(SHOWN_FAULTS).enumerate() {
-        let helper = fault.helper.map(Helper::name);
-        let victim = fault.service.map(|service| service.name()).or(fault.topic).or(helper);
-        let victim = victim.unwrap_or("");
-        let mut text = format!("{} {victim} at {:.2} s", fault.kind, fault.t_s);
-        for (what, us) in
-            [("detected", fault.detected_after_us), ("back", fault.recovered_after_us)]
-        {
-            if let Some(us) = us {
-                write!(text, ", {what} after {}", duration(us)).expect("a string takes all");
-            }
-        }
-        if fault.recovered_by == Some(Recovery::TakeOver) {
-            text.push_str(" by take-over");
-        }
-        if let Some(messages) = fault.messages {
-            write!(text, ", {messages} messages").expect("a string takes all");
-        }
+    for (index, record) in summary.faults.iter().take(SHOWN_FAULTS).enumerate() {
+        let (name, outcome) = (fault::name(record), fault::outcome(record));
+        let outcome = if outcome.is_empty() { outcome } else { format!(", {outcome}") };
+        let text = format!("{name} at {:.2} s{outcome}", record.t_s);
         line(if index == 0 { "faults" } else { "" }, text);
     }
     if summary.faults.len() > SHOWN_FAULTS {
@@ -82,7 +66,7 @@ pub(super) fn faults(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     }
 }
 
-/// How often something happened, behind what it is; nothing if it did not.
+/// A count in words after its subject; empty for zero.
 fn how_often(what: &str, count: u32) -> String {
     match count {
         0 => String::new(),
@@ -107,7 +91,7 @@ pub(super) fn machine(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
         if let Some(cost) = &service.standby_cost {
             let (cpu, mib) = (cost.cpu_percent, cost.private_kib as f64 / 1024.0);
             let name = service.name;
-            line("standby", format!("{name}: {cpu:.2} % of a core, {mib:.1} MiB of its own"));
+            line("standby", format!("{name}: {cpu:.2} % of a core, {mib:.1} MiB private memory"));
         }
     }
     for service in &summary.services {
@@ -115,7 +99,7 @@ pub(super) fn machine(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
         if starved_ms > 0.0 {
             let starved = duration(starved_ms * 1e3);
             let name = service.name;
-            line("starved", format!("{name}: by the machine, for {starved} without the processor"));
+            line("starved", format!("{name}: the machine gave it no processor for {starved}"));
         }
     }
     if let Some(text) = refusals(summary) {
@@ -123,12 +107,12 @@ pub(super) fn machine(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     }
 }
 
-/// What the machine refused, each reason once, and where the remedy is.
+/// Requests that the machine refused, each reason once, with the command that shows the remedy.
 fn refusals(summary: &Summary) -> Option<String> {
     let granted = summary.services.iter().filter_map(|service| service.scheduling.as_ref());
     let mut refused: Vec<String> = Vec::new();
     for refusal in granted.flat_map(|granted| &granted.refused) {
-        // Priorities differ from service to service; the reason does not.
+        // Priorities differ between services; the reason does not.
         let line = match refusal.what {
             Asked::Fifo(_) => format!("real-time priority: {}", refusal.why),
             Asked::TimerSlack | Asked::Core(_) | Asked::LockedMemory => refusal.to_string(),
@@ -138,7 +122,7 @@ fn refusals(summary: &Summary) -> Option<String> {
         }
     }
     (!refused.is_empty())
-        .then(|| format!("{} (`timegap doctor` shows how to get it)", refused.join("; ")))
+        .then(|| format!("{} (`timegap doctor` shows the remedy)", refused.join("; ")))
 }
 
 #[cfg(test)]

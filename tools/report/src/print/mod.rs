@@ -1,4 +1,4 @@
-//! What a person reads after a run.
+//! The console text after a run.
 
 mod drive;
 mod machine;
@@ -16,7 +16,7 @@ use std::fmt::Write as _;
 use std::io::{ErrorKind, Write as _};
 use timing::timing;
 
-/// Writes text on standard output. A closed pipe is not an error: its reader has read enough.
+/// Writes text on standard output. A closed pipe is not an error: its reader needs no more.
 ///
 /// # Errors
 /// [`Error::Path`] if standard output cannot be written.
@@ -32,12 +32,12 @@ pub fn out(text: &str) -> Result<(), Error> {
     }
 }
 
-/// Writes a line on standard error. One that is gone, with its terminal, is not an error.
+/// Writes a line on standard error. A closed one, as of a closed terminal, is not an error.
 pub fn note(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
-/// The run in ten seconds' reading.
+/// The run's outcome, figures and events, readable in ten seconds.
 pub fn summary(summary: &Summary) -> String {
     let mut text = String::new();
     let mut line = |label: &str, value: String| {
@@ -68,7 +68,7 @@ pub fn summary(summary: &Summary) -> String {
     )
 }
 
-/// The programs of the user's, and how that of a foreign law fared.
+/// The user's programs, and the performance of a foreign law's program.
 fn program(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     for service in &summary.services {
         let Some(program) = &service.program else { continue };
@@ -84,7 +84,7 @@ fn program(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     }
 }
 
-/// How a foreign law's program fared, in a line.
+/// Performance of a foreign law's program, in a line.
 pub fn fared(report: &ProgramReport) -> String {
     let mut parts = vec![format!("{} answers", report.answers)];
     for (count, what) in
@@ -98,12 +98,12 @@ pub fn fared(report: &ProgramReport) -> String {
         parts.push(format!("started {} times", report.starts));
     }
     if report.given_up {
-        parts.push("GIVEN UP: the backup drove on".into());
+        parts.push("GIVEN UP: the backup law drove the rest".into());
     }
     parts.join(", ")
 }
 
-/// How a run ended, in a line.
+/// Outcome of a run, in a line.
 pub fn outcome(summary: &Summary) -> String {
     let word = outcome_word(summary.outcome);
     let because =

@@ -1,4 +1,4 @@
-//! How long it took.
+//! Console lines about time.
 
 use crate::duration::{duration, percentiles};
 use crate::summary::{Summary, Timing};
@@ -9,14 +9,17 @@ pub(super) fn timing(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     if let Some(solve) = timing.solve_us {
         line("law", percentiles(&solve));
     }
-    if let (Some(cycles), Some(relaxed), Some(backup)) =
-        (timing.cycles, timing.relaxed_cycles, timing.backup_cycles)
-        && relaxed + backup > 0
-    {
-        line("", format!("{relaxed} of {cycles} commands relaxed, {backup} from the backup law"));
+    let counts = [
+        (timing.relaxed_cycles, "commands were relaxed"),
+        (timing.backup_cycles, "commands came from the backup law, not from the law itself"),
+    ];
+    for (count, what) in counts {
+        if let (Some(count @ 1..), Some(cycles)) = (count, timing.cycles) {
+            line("", format!("{count} of {cycles} {what}"));
+        }
     }
     if let Some(planning) = &timing.planning {
-        let took = planning.plan_us.map_or_else(|| "none came".into(), |took| percentiles(&took));
+        let took = planning.plan_us.map_or_else(|| "no plan".into(), |took| percentiles(&took));
         line("planning", format!("{took}, {} of {} late", planning.late, planning.asked));
     }
     if summary.mode == "lockstep" {
@@ -37,7 +40,7 @@ pub(super) fn timing(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
         line("", format!("medians of its parts: {}", parts.join(", ")));
     }
     if let Some(net) = timing.net_reaction_us {
-        line("", format!("without its designed waits {}", percentiles(&net)));
+        line("", format!("software overhead {} (radar latency and waits for the next period removed)", percentiles(&net)));
     }
     if let Some(worst) = timing.worst_chains.first() {
         line("", longest(worst));
@@ -50,8 +53,8 @@ pub(super) fn timing(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     }
 }
 
-/// The three deadlines of one length, each with what missed it: the control cycle's own, the command's at
-/// the plant, the whole way from the radar to the actuators.
+/// Misses of the three deadlines of equal length: the control cycle, the command at the plant, the whole chain
+/// from the radar to the actuators.
 fn deadlines(timing: &Timing) -> Option<String> {
     let cycle = timing.deadline_misses.zip(timing.cycles);
     let plant = timing.missed_at_plant.zip(timing.due_at_plant);
@@ -66,14 +69,14 @@ fn deadlines(timing: &Timing) -> Option<String> {
     let deadline = duration(timing.deadline_us?);
     let disagree = match (timing.deadline_misses, timing.missed_at_plant) {
         (Some(own), Some(at_plant)) if own < at_plant => {
-            "; the plant missed more than the controller says"
+            "; the plant counted more than the controller"
         }
         _ => "",
     };
     (!parts.is_empty()).then(|| format!("{deadline}, missed: {}{disagree}", parts.join(", ")))
 }
 
-/// The longest chain in one line: where its undesigned time went, and what its control cycle met.
+/// The longest chain in one line: its largest avoidable part, and the events of its control cycle.
 fn longest(chain: &WorstChain) -> String {
     let hops = &chain.hops_us;
     let parts = [

@@ -1,4 +1,4 @@
-//! What the emergency brake did.
+//! Figures of the emergency brake.
 
 use runtime::report::{Details, Hops, PlantReport, ServiceReport};
 use runtime::statistics::Percentiles;
@@ -8,29 +8,29 @@ use serde::Serialize;
 /// The emergency brake in a run.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Aebs {
-    /// Whether the scenario has one.
+    /// Whether the scenario has an emergency brake.
     pub enabled: bool,
-    /// Times that it warned the driver, and that it braked; null without one.
+    /// Number of warnings to the driver; null without an emergency brake.
     pub warnings: Option<u64>,
-    /// Times that it braked.
+    /// Number of interventions.
     pub interventions: Option<u64>,
     /// Time for which it braked or held the brakes, s.
     pub braking_s: Option<f64>,
-    /// Time during which there was none or it saw nothing, s.
+    /// Time without an emergency brake or without its radar, s.
     pub unavailable_s: Option<f64>,
     /// Radar acquisition to the first cycle of the brake path that uses it, µs.
     pub reaction_time_us: Option<Percentiles>,
-    /// The parts of that.
+    /// Parts of the reaction time.
     pub hops_us: Hops,
     /// Deadline of its cycle after the scheduled release, µs.
     pub deadline_us: Option<f64>,
     /// Cycles that finished late, and releases left out.
     pub deadline_misses: Option<u64>,
-    /// Time for objects and decision, µs.
+    /// Time to track objects and decide, µs.
     pub decide_us: Option<Percentiles>,
 }
 
-/// How often the emergency brake had to help, in words.
+/// Number of interventions, in words.
 #[must_use]
 pub fn braked(interventions: u64) -> String {
     match interventions {

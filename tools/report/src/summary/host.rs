@@ -15,7 +15,7 @@ pub struct Host {
 }
 
 impl Host {
-    /// This machine, which stays the same.
+    /// This machine.
     pub fn this() -> Self {
         static THIS: OnceLock<Host> = OnceLock::new();
         THIS.get_or_init(Self::read).clone()

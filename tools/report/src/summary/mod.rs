@@ -1,4 +1,4 @@
-//! `summary.json`: stable names for what a run measured. A figure that does not apply is null.
+//! `summary.json`: stable names for the measurements of a run. A figure that does not apply is null.
 
 mod aebs;
 mod host;
@@ -29,30 +29,30 @@ use std::time::Duration;
 /// The summary of one run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
-    /// Version of these keys: it goes up when one changes its name or meaning.
+    /// Version of these keys; it rises when a key changes its name or meaning.
     pub schema_version: u32,
     /// Name of the scenario.
     pub scenario: String,
     /// Name of the control law.
     pub controller: String,
-    /// A word of caution about the law, such as "uncertified"; left out where none is needed.
+    /// A caution about the law, such as "uncertified"; omitted if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub caution: Option<&'static str>,
     /// Clock: `realtime` or `lockstep`.
     pub mode: &'static str,
-    /// What carried the messages.
+    /// Carrier of the messages.
     pub carrier: Carrier,
     /// Seed of every random draw of the run.
     pub seed: u64,
-    /// How the run ended.
+    /// Outcome of the run.
     pub outcome: Outcome,
-    /// Why the outcome is `aborted`.
+    /// Reason of the outcome `aborted`.
     pub aborted_because: Option<String>,
-    /// Run time reached, s: simulated time in lockstep.
+    /// Run time reached, s; simulated time in lockstep.
     pub duration_s: f64,
-    /// Time on the wall clock from the first spawn until all processes were gone, s.
+    /// Wall-clock time from the first spawn until all processes had ended, s.
     pub wall_s: f64,
-    /// From the first spawn until all services were ready, ms.
+    /// Time from the first spawn until all services were ready, ms.
     pub ready_ms: f64,
     /// Simulated time over the wall time since the start instant.
     pub simulated_per_wall: Option<f64>,
@@ -62,21 +62,21 @@ pub struct Summary {
     pub timing: Timing,
     /// Counts of each topic, by its name.
     pub messages: BTreeMap<String, TopicCounts>,
-    /// What the emergency brake did.
+    /// Figures of the emergency brake.
     pub aebs: Aebs,
-    /// How well the radar's tracks matched the traffic.
+    /// Match of the radar's tracks with the traffic.
     pub perception: Option<PerceptionReport>,
-    /// What the on-board unit made of the frames on air; null where signals come as structs.
+    /// Counts of the on-board unit; null where signals come as structs.
     pub radio: Option<ObuReport>,
-    /// What came of the frames between the vehicle and other hosts; null where all units were simulated.
+    /// Counts of the frames between the vehicle and other hosts; null where all units were simulated.
     pub link: Option<LinkReport>,
-    /// What became of the recording; null if none was asked for.
+    /// The recording; null if none was requested.
     pub recording: Option<RecordingSummary>,
-    /// Faults in order of time, with what became of each.
+    /// Faults in order of time, with their effects.
     pub faults: Vec<FaultRecord>,
-    /// The ways of controller and plant on the degradation ladder.
+    /// Degradation levels of controller and plant.
     pub rungs: BTreeMap<&'static str, Levels>,
-    /// What the checks of the controller's inputs found.
+    /// Findings of the controller's plausibility checks.
     pub checks: Vec<CheckReport>,
     /// The processes of the group.
     pub services: Vec<ServiceSummary>,
@@ -87,16 +87,16 @@ pub struct Summary {
 /// Figures of the drive.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Control {
-    /// What the referee measured on ground truth.
+    /// Measurements of the referee on ground truth.
     #[serde(flatten)]
     pub figures: ControlFigures,
     /// Time gaps behind the vehicle ahead.
     #[serde(flatten)]
     pub following: Following,
-    /// The way through the signals.
+    /// The trip through the signals.
     #[serde(flatten)]
     pub trip: Trip,
-    /// Changes of the law's mode; null if the controller made no report.
+    /// Changes of the law's mode; null without the controller's report.
     pub mode_changes: Option<Vec<ModeChange>>,
 }
 
@@ -107,49 +107,49 @@ pub struct Timing {
     pub cycles: Option<u64>,
     /// Deadline of a control cycle after its scheduled release, µs.
     pub deadline_us: Option<f64>,
-    /// Control cycles that ended after their deadline, and releases left out; null in lockstep.
+    /// Control cycles that ended after their deadline, and skipped releases; null in lockstep.
     pub deadline_misses: Option<u64>,
     /// Radar acquisition to the first actuation that uses it, µs.
     pub reaction_time_us: Option<Percentiles>,
     /// Age of the radar data behind every actuation, µs.
     pub data_age_us: Option<Percentiles>,
-    /// Age of the signal timing (`v2x/spat`) behind the control cycles, µs; null where there was none.
+    /// Age of the signal timing (`v2x/spat`) behind the control cycles, µs; null without any.
     pub signal_age_us: Option<Percentiles>,
-    /// Actual minus scheduled begin of the control cycles, µs.
+    /// Actual minus scheduled start of the control cycles, µs.
     pub release_jitter_us: Option<Percentiles>,
     /// Time inside the control law, µs, on the wall clock in both modes.
     pub solve_us: Option<Percentiles>,
-    /// The designed waits of the reaction time, µs.
+    /// Waits of the reaction time that are part of the design, µs.
     pub designed_wait_us: Option<Percentiles>,
-    /// The reaction time without its designed waits, µs.
+    /// Reaction time without these waits, µs.
     pub net_reaction_us: Option<Percentiles>,
-    /// The parts of the reaction time, µs.
+    /// Parts of the reaction time, µs.
     pub hops_us: Hops,
     /// The chains with the longest reaction times, longest first.
     pub worst_chains: Vec<WorstChain>,
-    /// A signal's change to the first actuation that knows of it, µs; null where no signal ahead changed.
+    /// A signal's change to the first actuation that uses it, µs; null if no signal ahead changed.
     pub signal_reaction_us: Option<Percentiles>,
-    /// The parts of that, µs.
+    /// Parts of the signal reaction, µs.
     pub signal_hops_us: SignalHops,
     /// Longest time between two commands that the actuator gateway accepted, µs.
     pub max_command_gap_us: Option<f64>,
-    /// Cycles whose command had to be relaxed.
+    /// Cycles with a relaxed command.
     pub relaxed_cycles: Option<u64>,
-    /// Cycles whose command came from the law's backup.
+    /// Cycles with a command of the law's backup.
     pub backup_cycles: Option<u64>,
-    /// Planning beside the control loop, of laws that do.
+    /// Planning beside the control loop; null for laws without it.
     pub planning: Option<PlanningReport>,
-    /// How the program of a foreign law fared; null for the others.
+    /// Performance of a foreign law's program; null for other laws.
     pub law_program: Option<ProgramReport>,
-    /// Commands that the scenario's misses and jitter kept from the actuators.
+    /// Commands that simulated misses and jitter kept from the actuators.
     pub undelivered_commands: Option<u64>,
-    /// Control periods in which no command was at the plant in time, by the plant's own schedule.
+    /// Control periods without a command at the plant in time, by the plant's own schedule.
     pub missed_at_plant: Option<u64>,
-    /// Control periods that were judged for it.
+    /// Control periods judged for `missed_at_plant`.
     pub due_at_plant: Option<u64>,
-    /// The worse of `deadline_misses` and `missed_at_plant`.
+    /// The larger of `deadline_misses` and `missed_at_plant`.
     pub worst_deadline_misses: Option<u64>,
-    /// Reaction times, end to end, that were longer than the deadline.
+    /// Reaction times longer than the deadline.
     pub late_reactions: Option<u64>,
 }
 
@@ -162,7 +162,7 @@ pub struct TopicCounts {
     pub received: Option<u64>,
     /// Most messages that one of the topic's readers missed.
     pub lost: Option<u64>,
-    /// Messages that each reader missed since it read too late, for those that did.
+    /// Messages that each late reader missed.
     pub lost_by: BTreeMap<&'static str, u64>,
     /// Messages that the topic's readers refused; null if it has no readers.
     pub e2e_errors: Option<u64>,
@@ -177,28 +177,28 @@ pub struct TopicCounts {
 pub struct ServiceSummary {
     /// Name of the service.
     pub name: &'static str,
-    /// Times that another process took its place: one that the supervisor started for it, or its standby.
+    /// Number of replacements of its process, by a restart or by its standby.
     pub restarts: u32,
-    /// In how many of these the standby took over; null without one.
+    /// Number of replacements by its standby; null without one.
     pub take_overs: Option<u32>,
-    /// What its standby costs that stood by at the end; null without one.
+    /// Cost of its last standby; null without one.
     pub standby_cost: Option<StandbyCost>,
     /// Heartbeats that the supervisor received; null in lockstep.
     pub heartbeats: Option<Heartbeats>,
-    /// How its process ended; null if that is not known.
+    /// Exit status or signal of its process; null if unknown.
     pub exit: Option<String>,
     /// Largest resident set, KiB; null without a report.
     pub peak_rss_kib: Option<u64>,
-    /// Allocations of the loop, in programs whose allocator counts; null elsewhere.
+    /// Allocations of the loop, in programs with a counting allocator; null elsewhere.
     pub allocations_in_loop: Option<u64>,
-    /// Scheduling asked for and granted; null without a report.
+    /// Requested and granted scheduling; null without a report.
     pub scheduling: Option<Granted>,
-    /// The program of the user's that was the service, or computed for it; null where it was timegap's own.
+    /// The user's program that was the service, or computed for it; null for timegap's own.
     pub program: Option<Program>,
 }
 
 impl Summary {
-    /// Puts together what the group brought back.
+    /// The summary of a group's run.
     pub fn new(scenario: &Scenario, mode: Mode, group: &GroupOutcome, wall: Duration) -> Self {
         let report = |service| group.reports.get(&service);
         let plant = report(Service::Plant).and_then(plant_details);
@@ -206,7 +206,7 @@ impl Summary {
         let deadline_misses = controller
             .filter(|_| mode == Mode::Realtime)
             .map(|controller| controller.deadline_misses);
-        // Without the plant's word what was heard of it counts.
+        // Without the plant's report its messages count.
         let heard_s = group.drive.steps.last().map_or(0.0, |step| step.time_s);
         let duration_s = plant.map_or(heard_s, |plant| plant.duration_s);
         let ran_s = group.ran_for.as_secs_f64();
@@ -293,8 +293,8 @@ impl Summary {
     }
 }
 
-/// Name of the law that drove: as its process says, else by the program in the controller's place, else the
-/// scenario's.
+/// Name of the law that drove: from its process's report, from the program in the controller's place, or from
+/// the scenario.
 fn law_that_drove(
     scenario: &Scenario,
     group: &GroupOutcome,
@@ -310,7 +310,7 @@ fn law_that_drove(
 }
 
 impl Summary {
-    /// The law that drove, with its caution or the command of a program of the user's.
+    /// The law that drove, with its caution or the command of the user's program.
     #[must_use]
     pub fn driver(&self) -> String {
         match (self.program(), self.caution) {
@@ -320,7 +320,7 @@ impl Summary {
         }
     }
 
-    /// The program of the user's that drove.
+    /// The user's program that drove.
     #[must_use]
     pub fn program(&self) -> Option<&Program> {
         let name = Service::Controller.name();
@@ -332,11 +332,11 @@ fn outcome(ended: &Ended, plant: Option<&PlantReport>) -> (Outcome, Option<Strin
     let reached = plant.map_or(Outcome::Aborted, |plant| plant.outcome);
     match ended {
         Ended::Orderly => (reached, None),
-        // What the referee saw before the end still counts.
+        // The referee's findings before the end still count.
         _ if matches!(reached, Outcome::Collision | Outcome::RedLight) => (reached, None),
         Ended::Interrupted => (Outcome::Aborted, Some("interrupted".into())),
         Ended::Broken { service, how } => {
-            (Outcome::Aborted, Some(format!("{service} ended before its time: {how}")))
+            (Outcome::Aborted, Some(format!("{service} ended early: {how}")))
         }
         Ended::GivenUp { service, restarts } => {
             let why = format!("{service} ended too often, after {restarts} restarts");
@@ -348,7 +348,7 @@ fn outcome(ended: &Ended, plant: Option<&PlantReport>) -> (Outcome, Option<Strin
     }
 }
 
-/// The histograms that the plant brought back, by name; none if it brought no report.
+/// The plant's histograms by name; empty without its report.
 pub fn histograms(group: &GroupOutcome) -> Vec<(String, Latencies)> {
     let plant = group.reports.get(&Service::Plant).and_then(plant_details);
     let histograms = plant.into_iter().flat_map(|plant| &plant.histograms);

@@ -1,10 +1,10 @@
-//! What on-board unit and carrier brought back.
+//! Reports of the on-board unit and the carrier.
 
 use group::GroupOutcome;
 use messages::Service;
 use runtime::report::{Details, LinkReport, ObuReport};
 
-/// What the on-board unit brought back; none where there is none.
+/// The on-board unit's report; `None` without one.
 pub(super) fn unit(group: &GroupOutcome) -> Option<ObuReport> {
     match &group.reports.get(&Service::Obu)?.details {
         Details::Obu(report) => Some((**report).clone()),
@@ -12,7 +12,7 @@ pub(super) fn unit(group: &GroupOutcome) -> Option<ObuReport> {
     }
 }
 
-/// What v2x-sim brought back of its carrier; none where there is none.
+/// The carrier's report from v2x-sim; `None` without one.
 pub(super) fn link(group: &GroupOutcome) -> Option<LinkReport> {
     match &group.reports.get(&Service::V2xSim)?.details {
         Details::Link(report) => Some((**report).clone()),

@@ -1,25 +1,24 @@
-//! Where the age of the signals comes from: the way of the timing behind each command, by the stamps of a
-//! recording.
+//! Origin of the signals' age: the path of the timing behind each command, by the stamps of a recording.
 
 use messages::{Command, Message, Origin, RadioFrames, Spat};
 use recorder::Recording;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// The parts of the way, which add up to the age.
+/// The parts of the path; their sum is the age.
 pub const PARTS: [&str; 5] = [
     "roadside unit: made to sent",
-    "on the way",
+    "network",
     "wait for the vehicle's radio",
     "on-board unit",
     "wait for the controller",
 ];
 
-/// The parts of all commands of a run, ms; none where no frame says when it was sent.
+/// The parts of all commands of a run, ms; empty if no frame states when it was sent.
 pub fn parts_ms(recording: &Path) -> Vec<[f64; 5]> {
     let recording = Recording::open(recording).expect("the run's own recording");
     let mut batches: HashMap<Origin, Batch> = HashMap::new();
-    // Timing by its acquisition: the batch that it came in, and when it was first handed on, ns.
+    // Timing by its acquisition: its batch, and its first forwarding, ns.
     let mut first: HashMap<i64, (Origin, i64)> = HashMap::new();
     let mut parts = Vec::new();
     for record in recording.records_of(&[RadioFrames::TOPIC, Spat::TOPIC, Command::TOPIC]) {
@@ -46,7 +45,7 @@ pub fn parts_ms(recording: &Path) -> Vec<[f64; 5]> {
     parts
 }
 
-/// When a batch of frames was handed on, and when its first frame was sent and received, ns.
+/// Forwarding time of a batch of frames, and sending and receiving time of its first frame, ns.
 struct Batch {
     publish_ns: i64,
     first: Option<(i64, i64)>,

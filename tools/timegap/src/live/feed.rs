@@ -3,8 +3,10 @@
 use group::{FaultRecord, Moment};
 use messages::Diagnostics;
 use messages::level::Level;
+use report::fault;
 use runtime::statistics::{Latencies, Percentiles};
 use serde::Serialize;
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, TrySendError};
 use std::time::{Duration, Instant};
@@ -15,29 +17,33 @@ const PERIOD: Duration = Duration::from_millis(100);
 const END_PATIENCE: Duration = Duration::from_millis(500);
 /// Most points of the drive in one frame.
 const MAX_POINTS: usize = 100;
-/// Steps after which there is a point even without news of the other vehicles.
+/// Steps after which there is a point even without a new message about the other vehicles.
 const STEPS: u64 = 10;
+/// Newest events in a frame.
+const EVENTS: usize = 12;
 
-/// What is new since the last frame.
+/// State of the run, and the part of the drive since the last frame.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Frame {
     /// Run time reached, s.
     pub time_s: f64,
+    /// Length of the run, s.
+    pub duration_s: f64,
     /// The drive, in order of time.
     pub points: Vec<Point>,
     /// Mode of the law.
     pub mode: String,
     /// Quality of its last command.
     pub quality: &'static str,
-    /// Level of the controller on the degradation ladder.
-    pub rung: &'static str,
+    /// Degradation level of the controller.
+    pub level: &'static str,
     /// Radar acquisition to the controller's answer, over the whole run, µs.
     pub answer_us: Option<Percentiles>,
-    /// What went wrong since the last frame.
+    /// Newest faults and degradations, in order of time.
     pub events: Vec<LiveEvent>,
 }
 
-/// The drive at an instant. What is not there is null.
+/// The drive at an instant. A figure that does not apply is null.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Point {
     /// Run time, s.
@@ -54,34 +60,42 @@ pub struct Point {
     pub lead_speed_mps: Option<f64>,
 }
 
-/// Something that happened.
+/// A fault or a degradation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LiveEvent {
-    /// When, s of run time.
+    /// Run time of its begin, s.
     pub t_s: f64,
-    /// What.
+    /// Name, with effect and end once they are known.
     pub what: String,
 }
 
-/// What a view is told.
+/// A message to a view.
 #[derive(Clone, Debug)]
 pub enum Update {
-    /// Something new.
+    /// The next frame.
     Frame(Arc<Frame>),
-    /// The run is over; how, in a line.
+    /// The end of the run: its outcome in a line.
     Ended(Arc<str>),
 }
 
-/// Makes frames of a run and hands them to its views. It never waits: a view that does not keep up
+/// Degradation below the full level.
+struct Degradation {
+    level: Level,
+    from_s: f64,
+    to_s: Option<f64>,
+}
+
+/// Makes frames of a run and sends them to its views. It never waits: a view that does not keep up
 /// misses frames.
 pub struct LiveFeed {
     modes: &'static [&'static str],
+    duration_s: f64,
     views: Vec<SyncSender<Update>>,
     due: Instant,
     step: Option<u64>,
     truth_step: Option<u64>,
     cycle_step: Option<u64>,
-    faults: usize,
+    degradations: VecDeque<Degradation>,
     answers: Latencies,
     last: Point,
     mode: Option<u32>,
@@ -90,16 +104,21 @@ pub struct LiveFeed {
 }
 
 impl LiveFeed {
-    /// A feed for `views` of a law with these modes.
-    pub fn new(modes: &'static [&'static str], views: Vec<SyncSender<Update>>) -> Self {
+    /// A feed for `views` of a run of `duration_s` under a law with these modes.
+    pub fn new(
+        duration_s: f64,
+        modes: &'static [&'static str],
+        views: Vec<SyncSender<Update>>,
+    ) -> Self {
         Self {
             modes,
+            duration_s,
             views,
             due: Instant::now(),
             step: None,
             truth_step: None,
             cycle_step: None,
-            faults: 0,
+            degradations: VecDeque::new(),
             answers: Latencies::default(),
             last: Point::default(),
             mode: None,
@@ -108,7 +127,7 @@ impl LiveFeed {
         }
     }
 
-    /// Looks at the run, which calls this more often than there are frames.
+    /// Sends a frame if one is due. The run calls this more often.
     pub fn look(&mut self, moment: &Moment<'_>) {
         let now = Instant::now();
         if self.views.is_empty() || now < self.due {
@@ -122,7 +141,7 @@ impl LiveFeed {
         });
     }
 
-    /// Tells all views that the run is over, and how.
+    /// Sends the outcome of the run to all views.
     pub fn end(self, how: &str) {
         let how: Arc<str> = how.into();
         let begun = Instant::now();
@@ -146,7 +165,7 @@ impl LiveFeed {
         for cycle in &cycles[first_cycle..] {
             self.answers_of(cycle);
             (self.mode, self.quality) = (Some(cycle.mode), cycle.quality);
-            self.level = Level::by_number(cycle.rung).unwrap_or(self.level);
+            self.enter(Level::by_number(cycle.rung), cycle.header.publish_ns as f64 / 1e9);
         }
         let after = |step: u64| self.step.is_some_and(|last| step <= last);
         let first = steps.partition_point(|ego| after(ego.step));
@@ -161,7 +180,7 @@ impl LiveFeed {
             while let Some(cycle) = requests.next_if(|cycle| cycle.header.step <= step) {
                 self.last.request_mps2 = Some(cycle.request_mps2);
             }
-            // Where a gap is fresh: in between it would be a staircase.
+            // A point where the gap is new: between two of them it would be a staircase.
             let mut fresh = step.is_multiple_of(STEPS);
             while let Some(truth) = truths.next_if(|truth| truth.header.step <= step) {
                 self.truth_step = Some(truth.header.step);
@@ -181,16 +200,15 @@ impl LiveFeed {
         let points = points.into_iter().step_by(stride).collect();
         self.step = steps.last().map(|ego| ego.step).or(self.step);
         self.cycle_step = cycles.last().map(|message| message.header.step).or(self.cycle_step);
-        let events = moment.faults[self.faults..].iter().map(event).collect();
-        self.faults = moment.faults.len();
         Frame {
             time_s: moment.time_ns as f64 / 1e9,
+            duration_s: self.duration_s,
             points,
             mode: self.mode.map_or_else(String::new, |mode| self.mode_name(mode)),
             quality: ["full", "relaxed", "backup", "fall-back"][self.quality.min(3) as usize],
-            rung: self.level.name(),
+            level: self.level.name(),
             answer_us: self.answers.percentiles_us(),
-            events,
+            events: self.events(moment.faults),
         }
     }
 
@@ -201,13 +219,62 @@ impl LiveFeed {
         }
     }
 
+    /// Notes the controller's level at `time_s`.
+    fn enter(&mut self, level: Option<Level>, time_s: f64) {
+        let Some(level) = level.filter(|level| *level != self.level) else { return };
+        if let Some(last) = self.degradations.back_mut() {
+            last.to_s.get_or_insert(time_s);
+        }
+        if level != Level::Full {
+            self.degradations.push_back(Degradation { level, from_s: time_s, to_s: None });
+        }
+        if self.degradations.len() > EVENTS {
+            self.degradations.pop_front();
+        }
+        self.level = level;
+    }
+
+    fn events(&self, faults: &[FaultRecord]) -> Vec<LiveEvent> {
+        let newest = &faults[faults.len().saturating_sub(EVENTS)..];
+        let faults = newest.iter().map(|record| {
+            let (name, outcome) = (fault::name(record), fault::outcome(record));
+            let end = if outcome.is_empty() { outcome } else { format!(": {outcome}") };
+            LiveEvent { t_s: record.t_s, what: name + &end }
+        });
+        let degradations = self.degradations.iter().map(|Degradation { level, from_s, to_s }| {
+            let end = to_s.map_or_else(String::new, |to_s| format!(" for {:.2} s", to_s - from_s));
+            LiveEvent { t_s: *from_s, what: format!("degraded to {}{end}", level.name()) }
+        });
+        let mut events: Vec<_> = faults.chain(degradations).collect();
+        events.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
+        events.split_off(events.len().saturating_sub(EVENTS))
+    }
+
     fn mode_name(&self, mode: u32) -> String {
         let name = self.modes.get(mode as usize);
         name.map_or_else(|| format!("mode {mode}"), ToString::to_string)
     }
 }
 
-fn event(fault: &FaultRecord) -> LiveEvent {
-    let whom = fault.service.map(messages::Service::name).or(fault.topic).unwrap_or_default();
-    LiveEvent { t_s: fault.t_s, what: format!("{} {whom}", fault.kind).trim_end().to_owned() }
+
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_degradation_is_an_event_with_its_end() {
+        let mut feed = LiveFeed::new(20.0, &[], Vec::new());
+        let mut enter = |level, time_s| {
+            feed.enter(Some(level), time_s);
+            feed.events(&[]).into_iter().map(|event| event.what).collect::<Vec<_>>()
+        };
+        assert!(enter(Level::Full, 0.0).is_empty());
+        let begun = enter(Level::LeadPredicted, 2.0);
+        assert_eq!(begun, ["degraded to lead-predicted"]);
+        assert_eq!(enter(Level::LeadPredicted, 2.1), begun, "the same level is no news");
+        let stopped = enter(Level::StopInLane, 3.0);
+        assert_eq!(stopped, ["degraded to lead-predicted for 1.00 s", "degraded to stop-in-lane"]);
+        assert_eq!(enter(Level::Full, 5.5)[1], "degraded to stop-in-lane for 2.50 s");
+    }
 }

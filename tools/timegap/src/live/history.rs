@@ -1,12 +1,10 @@
-//! What a view still shows: the last minute.
+//! The part of a run that a view shows: the last minute.
 
-use super::feed::{Frame, LiveEvent, Point};
+use super::feed::{Frame, Point};
 use std::collections::VecDeque;
 
 /// Run time that a view shows, s.
 pub const WINDOW_S: f64 = 60.0;
-/// Events that a view shows.
-const EVENTS: usize = 8;
 
 /// The last minute of a run.
 #[derive(Clone, Debug, Default)]
@@ -15,31 +13,26 @@ pub struct History {
     pub newest: Frame,
     /// The drive.
     pub points: VecDeque<Point>,
-    /// What went wrong last.
-    pub events: VecDeque<LiveEvent>,
 }
 
 impl History {
-    /// Takes the next frame.
+    /// Adds the next frame.
     pub fn take(&mut self, frame: &Frame) {
         self.points.extend(&frame.points);
         let newest_s = self.points.back().map_or(0.0, |point| point.t_s);
         while self.points.front().is_some_and(|point| point.t_s < newest_s - WINDOW_S) {
             self.points.pop_front();
         }
-        self.events.extend(frame.events.iter().cloned());
-        while self.events.len() > EVENTS {
-            self.events.pop_front();
-        }
+
         self.newest = Frame { points: Vec::new(), ..frame.clone() };
     }
 
-    /// A figure over the window, without the instants at which there was none.
+    /// A figure over the window, without the instants at which it does not apply.
     pub fn series(&self, value: impl Fn(&Point) -> Option<f64>) -> Vec<(f64, f64)> {
         self.points.iter().filter_map(|point| Some((point.t_s, value(point)?))).collect()
     }
 
-    /// The window, s: it moves once the run is longer than it is.
+    /// The window, s. It moves once the run is longer.
     pub fn window(&self) -> (f64, f64) {
         let newest_s = self.points.back().map_or(0.0, |point| point.t_s);
         let from = (newest_s - WINDOW_S).max(0.0);
@@ -56,11 +49,10 @@ mod tests {
         let mut history = History::default();
         for second in 0..200 {
             let point = Point { t_s: f64::from(second), ..Point::default() };
-            let event = LiveEvent { t_s: point.t_s, what: String::new() };
-            history.take(&Frame { points: vec![point], events: vec![event], ..Frame::default() });
+            history.take(&Frame { points: vec![point], ..Frame::default() });
         }
         assert_eq!(history.points.len(), 61);
-        assert_eq!(history.events.len(), EVENTS);
+
         assert_eq!(history.window(), (139.0, 199.0));
         assert!(history.newest.points.is_empty(), "kept once");
     }

@@ -1,4 +1,4 @@
-//! A run while it goes on: in the terminal (`--watch`), in browsers (`--serve`).
+//! Views of a running simulation: in the terminal (`--watch`), in browsers (`--serve`).
 //!
 //! ```text
 //! supervisor ─ Moment ─► LiveFeed ─ bounded channels ─► terminal thread
@@ -10,6 +10,7 @@
 
 mod feed;
 mod history;
+mod http;
 mod server;
 mod terminal;
 
@@ -22,26 +23,26 @@ use std::sync::mpsc::sync_channel;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Frames that wait for a view.
+/// Most frames that wait for a view.
 const BACKLOG: usize = 64;
-/// Time that the terminal gets to be given back.
+/// Time to restore the terminal.
 const TERMINAL_PATIENCE: Duration = Duration::from_secs(1);
 /// Port of `--serve` without a number.
 const PORT: &str = "8170";
 
-/// How a run is looked at while it goes on.
+/// Views of a running simulation.
 #[derive(Clone, Debug, Default, Args)]
 pub struct LiveOptions {
-    /// Show the running simulation in the terminal; q ends it, and so does closing the terminal
+    /// Show the running simulation in this terminal; q, or closing the terminal, ends the run
     #[arg(long)]
     pub watch: bool,
-    /// Show the running simulation to browsers of this machine, on this port (0: any); the address
-    /// that is printed holds a token without which nothing is served
+    /// Serve the running simulation to browsers of this machine on this port (0: any free one); open
+    /// the printed address, which holds an access token
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = PORT)]
     pub serve: Option<u16>,
 }
 
-/// The views of a run.
+/// The open views of a run.
 pub struct Live {
     feed: LiveFeed,
     terminal: Option<JoinHandle<()>>,
@@ -49,11 +50,11 @@ pub struct Live {
 }
 
 impl Live {
-    /// Opens the views that were asked for; `driver` is the law or program that drives.
+    /// Opens the requested views; `driver` is the law or program that drives.
     pub fn open(options: &LiveOptions, scenario: &Scenario, driver: &str) -> Result<Self, Error> {
         let title = format!("{} · {driver}", scenario.name.as_str());
         let mut views = Vec::new();
-        // The server first: it may say where it is before the terminal is taken.
+        // The server first: it prints its address before the terminal view begins.
         let server = match options.serve {
             None => None,
             Some(port) => {
@@ -71,21 +72,22 @@ impl Live {
         } else {
             None
         };
-        let feed = LiveFeed::new(controller::laws::mode_names(scenario), views);
+        let modes = controller::laws::mode_names(scenario);
+        let feed = LiveFeed::new(scenario.duration_s.value(), modes, views);
         Ok(Self { feed, terminal, server })
     }
 
-    /// Shows the run as it is.
+    /// Shows the present state of the run.
     pub fn look(&mut self, moment: &group::Moment<'_>) {
         self.feed.look(moment);
     }
 
-    /// Says how the run ended and waits until the views have shown it.
+    /// Shows the outcome of the run and waits until the views have drawn it.
     pub fn end(self, how: &str) {
         self.feed.end(how);
         if let Some(terminal) = self.terminal {
             let begun = Instant::now();
-            // A terminal that takes no output any more must not hold the results up.
+            // A terminal that takes no more output must not delay the results.
             while !terminal.is_finished() && begun.elapsed() < TERMINAL_PATIENCE {
                 std::thread::sleep(Duration::from_millis(1));
             }

@@ -1,19 +1,18 @@
 //! `--serve`: the run in browsers of this machine.
 //!
-//! Two paths below a token: `/TOKEN/` is the page, `/TOKEN/events` the stream of frames (server-sent
-//! events). Only the loopback interface is listened on, only requests that name it are answered, so that
-//! no page of another origin can read along, and the token keeps other users of this machine out.
+//! A token begins both paths: `/TOKEN/` is the page, `/TOKEN/events` the stream of frames (server-sent
+//! events). The server listens on the loopback interface and answers requests that name it, so that no page of
+//! another origin can read along. The token keeps other users of this machine out.
 //!
-//! Written by hand, since it is less than a library's configuration: two answers, no keep-alive, no
-//! bodies. Everything a client could hold up is bounded: a request by [`REQUEST_TIME`] and
-//! [`MAX_REQUEST`], clients by [`MAX_CLIENTS`], what waits for one by [`BACKLOG`], and the end of the run
-//! by [`END_PATIENCE`], after which all connections are closed.
+//! A browser cannot hold the run up: [`MAX_CLIENTS`], [`BACKLOG`] and the limits of [`super::http`] bound it, and
+//! all connections are closed [`END_PATIENCE`] after the run.
 
 use super::feed::{Frame, Update};
 use super::history::WINDOW_S;
+use super::http::{Request, begin_events, receive, respond};
 use group::{Failure, Status};
 use std::collections::VecDeque;
-use std::io::{ErrorKind, Read, Write};
+use std::io::{Read, Write};
 use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -24,22 +23,14 @@ use std::time::{Duration, Instant};
 const PAGE: &str = include_str!("page.html");
 /// Most browsers at once.
 const MAX_CLIENTS: usize = 16;
-/// Messages that wait for one browser; one that is slower is let go.
+/// Messages that wait for one browser; a slower one is disconnected.
 const BACKLOG: usize = 4096;
-/// Longest request that is read, bytes.
-const MAX_REQUEST: usize = 8192;
-/// Most of the rest of a longer one that is taken before the connection is closed, bytes.
-const MAX_DRAINED: usize = 1 << 20;
-/// Time for a whole request.
-const REQUEST_TIME: Duration = Duration::from_secs(2);
-/// A browser that takes nothing for so long is let go.
-const PATIENCE: Duration = Duration::from_secs(1);
 /// Time after the end of the run in which browsers get the rest.
 const END_PATIENCE: Duration = Duration::from_secs(2);
 /// Bytes of the token.
 const TOKEN_BYTES: usize = 16;
 
-/// The port cannot be served.
+/// A port that cannot be served.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot serve 127.0.0.1:{port}: {reason}")]
 pub struct ServeError {
@@ -56,7 +47,7 @@ impl Failure for ServeError {
 
 /// A served run.
 pub struct Server {
-    /// Where it is.
+    /// Its address.
     pub address: SocketAddr,
     token: Arc<str>,
     feeder: JoinHandle<()>,
@@ -65,7 +56,7 @@ pub struct Server {
 /// What all threads of a server share.
 #[derive(Default)]
 struct Hub {
-    /// Newest frames as messages with their run time, for those who come late.
+    /// Newest frames as messages with their run time, for browsers that connect late.
     past: VecDeque<(f64, Arc<str>)>,
     clients: Vec<SyncSender<Arc<str>>>,
     threads: Vec<(JoinHandle<()>, TcpStream)>,
@@ -109,12 +100,12 @@ impl Server {
 
     /// Waits until every browser knows that the run is over, is gone, or was too slow.
     pub fn finish(self) {
-        // A panic of it has been told where it happened.
+        // A panic was reported where it happened.
         let _ = self.feeder.join();
     }
 }
 
-/// What is served, and to whom.
+/// The page, and the token that opens it.
 #[derive(Clone)]
 struct Served {
     page: Arc<str>,
@@ -136,7 +127,7 @@ fn close(threads: Vec<(JoinHandle<()>, TcpStream)>) {
         std::thread::sleep(Duration::from_millis(1));
     }
     for (thread, stream) in threads {
-        // A thread that waits for its browser gets an error.
+        // A thread that waits for its browser gets an error and ends.
         let _ = stream.shutdown(Shutdown::Both);
         drop(thread.join());
     }
@@ -153,9 +144,9 @@ fn page(title: &str) -> String {
         .replace("/*SCRIPTS*/", &report::html::scripts())
 }
 
-/// Hands the updates to all clients until the run is over.
+/// Passes the updates to all clients until the run is over.
 fn feed(hub: &Mutex<Hub>, updates: &Receiver<Update>) {
-    let mut how: Arc<str> = "the run was broken off".into();
+    let mut how: Arc<str> = "the run was interrupted".into();
     for update in updates {
         match update {
             Update::Frame(frame) => lock(hub).broadcast(&frame),
@@ -182,7 +173,7 @@ impl Hub {
             self.past.pop_front();
         }
         self.past.push_back((frame.time_s, message));
-        // A minute is 600 frames in realtime; a run whose time stands still keeps no more.
+        // A minute is 600 frames in realtime. A run whose time stands still keeps no more than this.
         while self.past.len() > BACKLOG / 2 {
             self.past.pop_front();
         }
@@ -193,21 +184,21 @@ impl Hub {
     }
 }
 
-/// Gives a connection a thread; false when none can be had.
+/// Starts a connection's thread; false when the machine has none left.
 fn admit(hub: &Arc<Mutex<Hub>>, stream: TcpStream, served: &Served) -> bool {
     let mut shared = lock(hub);
     shared.threads.retain(|(thread, _)| !thread.is_finished());
     if shared.threads.len() >= MAX_CLIENTS {
-        // Too many: the connection closes.
+        // Too many: dropping the stream closes it.
         return true;
     }
     let Ok(handle) = stream.try_clone() else { return false };
     let (hub, served) = (Arc::clone(hub), served.clone());
     let thread = std::thread::Builder::new().name("browser".into());
     let thread = thread.spawn(move || {
-        // A browser that went away is no error.
+        // A closed browser is no error.
         let _ = answer(&hub, &stream, &served);
-        // The other handle on it, by which a slow browser is let go, would keep it open.
+        // The second handle, which disconnects a slow browser, would keep it open.
         let _ = stream.shutdown(Shutdown::Both);
     });
     let Ok(thread) = thread else { return false };
@@ -215,73 +206,15 @@ fn admit(hub: &Arc<Mutex<Hub>>, stream: TcpStream, served: &Served) -> bool {
     true
 }
 
-/// Reads a request up to the empty line that ends it; none when it is too long.
-fn request(mut stream: &TcpStream) -> std::io::Result<Option<String>> {
-    let begun = Instant::now();
-    let (mut text, mut chunk) = (Vec::new(), [0; 1024]);
-    while !text.windows(4).any(|end| end == b"\r\n\r\n") {
-        let left = REQUEST_TIME.saturating_sub(begun.elapsed());
-        if left.is_zero() {
-            return Err(ErrorKind::TimedOut.into());
-        }
-        if text.len() > MAX_REQUEST {
-            return Ok(None);
-        }
-        stream.set_read_timeout(Some(left))?;
-        match stream.read(&mut chunk)? {
-            0 => return Err(ErrorKind::UnexpectedEof.into()),
-            count => text.extend_from_slice(&chunk[..count]),
-        }
-    }
-    Ok(Some(String::from_utf8_lossy(&text).into_owned()))
-}
-
-/// Takes the rest of what was sent: a connection that is closed before takes the answer with it.
-fn drain(mut stream: &TcpStream) -> std::io::Result<()> {
-    stream.shutdown(Shutdown::Write)?;
-    stream.set_read_timeout(Some(PATIENCE))?;
-    let mut left = MAX_DRAINED;
-    let mut chunk = [0; 4096];
-    while left > 0 {
-        match stream.read(&mut chunk)? {
-            0 => return Ok(()),
-            count => left = left.saturating_sub(count),
-        }
-    }
-    Ok(())
-}
-
 /// Answers one request.
 fn answer(hub: &Mutex<Hub>, stream: &TcpStream, served: &Served) -> std::io::Result<()> {
-    stream.set_write_timeout(Some(PATIENCE))?;
-    let Some(request) = request(stream)? else {
-        let (status, text) = ("431 Request Header Fields Too Large", "the request is too long\n");
-        respond(stream, status, "text/plain", text, Body::Sent)?;
-        return drain(stream);
-    };
-    let mut lines = request.lines();
-    let first = lines.next().unwrap_or_default();
-    let host = lines
-        .filter_map(|line| line.split_once(':'))
-        .find_map(|(name, value)| name.eq_ignore_ascii_case("host").then(|| value.trim()));
-    let host = host.map(|host| host.rsplit_once(':').map_or(host, |(host, _)| host));
-    let local = host.is_some_and(|host| matches!(host, "127.0.0.1" | "localhost"));
-    let mut words = first.split(' ');
-    let (body, path) = match (words.next(), words.next()) {
-        (Some("GET"), Some(path)) => (Body::Sent, path),
-        (Some("HEAD"), Some(path)) => (Body::Left, path),
-        _ => {
-            let text = "only GET and HEAD are answered\n";
-            return respond(stream, "405 Method Not Allowed", "text/plain", text, Body::Sent);
-        }
-    };
+    let Some(Request { path, host, body }) = receive(stream)? else { return Ok(()) };
+    let is_local = matches!(host.as_deref(), Some("127.0.0.1" | "localhost"));
     let below = path.strip_prefix('/').and_then(|path| path.strip_prefix(&*served.token));
-    match below {
-        Some("/") if local => {
-            respond(stream, "200 OK", "text/html; charset=utf-8", &served.page, body)
-        }
-        Some("/events") if local && body == Body::Sent => stream_events(hub, stream),
-        Some("/events") if local => respond(stream, "200 OK", "text/event-stream", "", body),
+    match below.filter(|_| is_local) {
+        Some("/") => respond(stream, "200 OK", "text/html; charset=utf-8", &served.page, body),
+        Some("/events") if body => stream_events(hub, stream),
+        Some("/events") => respond(stream, "200 OK", "text/event-stream", "", body),
         _ => {
             let text = "open the whole address that the run printed\n";
             respond(stream, "403 Forbidden", "text/plain", text, body)
@@ -289,51 +222,20 @@ fn answer(hub: &Mutex<Hub>, stream: &TcpStream, served: &Served) -> std::io::Res
     }
 }
 
-/// Whether an answer has its text, or only says how long it would be.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Body {
-    Sent,
-    Left,
-}
-
-fn respond(
-    mut stream: &TcpStream,
-    status: &str,
-    kind: &str,
-    text: &str,
-    body: Body,
-) -> std::io::Result<()> {
-    let sent = if body == Body::Sent { text } else { "" };
-    write!(
-        stream,
-        "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {}\r\n\
-         Allow: GET, HEAD\r\nCache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\n\
-         Content-Security-Policy: default-src 'none'; style-src 'unsafe-inline'; \
-         script-src 'unsafe-inline'; connect-src 'self'\r\nConnection: close\r\n\r\n{sent}",
-        text.len()
-    )?;
-    stream.flush()
-}
-
 fn stream_events(hub: &Mutex<Hub>, mut stream: &TcpStream) -> std::io::Result<()> {
     let (sender, messages) = sync_channel(BACKLOG);
     {
         let mut hub = lock(hub);
         for (_, message) in &hub.past {
-            // There is room for all of the past.
+            // The channel has room for the whole past.
             let _ = sender.try_send(Arc::clone(message));
         }
-        if hub.over {
-            // What is left in the channel is the end of the stream.
-            drop(sender);
-        } else {
+        // After the end of the run the channel closes here: the past is all there is to send.
+        if !hub.over {
             hub.clients.push(sender);
         }
     }
-    stream.write_all(
-        b"HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\nCache-Control: no-store\r\n\
-          Connection: close\r\n\r\n",
-    )?;
+    begin_events(stream)?;
     for message in messages {
         stream.write_all(message.as_bytes())?;
     }
@@ -397,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn a_head_has_no_body_and_other_methods_are_told_what_is_answered() {
+    fn a_head_has_no_body_and_other_methods_learn_what_is_answered() {
         let (_sender, updates) = sync_channel(1);
         let server = Server::start("a <run>", 0, updates).expect("a free port");
         let answer_to = |method: &str, path: &str| {
@@ -421,10 +323,10 @@ mod tests {
     }
 
     #[test]
-    fn a_request_that_is_too_long_is_told_so() {
+    fn a_request_that_is_too_long_is_refused() {
         let (_sender, updates) = sync_channel(1);
         let server = Server::start("a run", 0, updates).expect("a free port");
-        let answer = get(server.address, "/", &"x".repeat(20 * MAX_REQUEST));
+        let answer = get(server.address, "/", &"x".repeat(20 * crate::live::http::MAX_REQUEST));
         assert!(answer.starts_with("HTTP/1.1 431 "), "{answer}");
     }
 
@@ -444,7 +346,7 @@ mod tests {
         assert!(refused(&home, "evil.example"), "another origin");
         assert!(refused("/", "localhost") && refused("/events", "localhost"), "no token");
         assert!(refused(&format!("{home}x"), "localhost"), "no such page");
-        // A run that is broken off just ends.
+        // The stream of an interrupted run just ends.
         drop(sender);
         server.finish();
     }
@@ -453,14 +355,14 @@ mod tests {
     fn slow_clients_do_not_hold_up_the_end() {
         let (sender, updates) = sync_channel(1);
         let server = Server::start("run", 0, updates).expect("a free port");
-        // One that never ends its request, and one that takes no events.
+        // One never ends its request, one takes no events.
         let mut slow = TcpStream::connect(server.address).expect("it listens");
         slow.write_all(b"GET / HT").expect("it reads");
         let mut deaf = TcpStream::connect(server.address).expect("it listens");
         write!(deaf, "GET /{}/events HTTP/1.1\r\nHost: localhost\r\n\r\n", server.token)
             .expect("it reads");
         sender.send(Update::Ended("completed".into())).expect("it listens");
-        // The watchdog is the test's own: both clients stay until the server has let them go.
+        // Both clients stay until the server has closed them.
         server.finish();
         let mut rest = Vec::new();
         let _ = slow.read_to_end(&mut rest);

@@ -27,20 +27,20 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// Longest time that a key waits.
+/// Longest time until a key is read.
 const PATIENCE: Duration = Duration::from_millis(50);
 /// Ctrl-C as a byte: a terminal in raw mode sends no signal for it.
 const CONTROL_C: u8 = 3;
-/// First byte of a key that is more than a letter.
+/// First byte of a key's escape sequence.
 const ESCAPE: u8 = 0x1b;
 
 /// Why a run cannot be shown in the terminal.
 #[derive(Debug, thiserror::Error)]
 pub enum WatchError {
-    /// Standard error is none.
+    /// Standard error is not a terminal.
     #[error("--watch needs a terminal")]
     NoTerminal,
-    /// It cannot be used.
+    /// The terminal cannot be used.
     #[error("cannot use the terminal: {0}")]
     Terminal(#[from] std::io::Error),
 }
@@ -54,7 +54,7 @@ impl Failure for WatchError {
     }
 }
 
-/// Starts the view, which ends with its channel, the run or the terminal. It draws on standard error:
+/// Starts the view, which ends with its channel or with the terminal. It draws on standard error:
 /// standard output belongs to the results.
 pub fn watch(title: String, updates: Receiver<Update>) -> Result<JoinHandle<()>, WatchError> {
     if !stderr().is_terminal() {
@@ -66,14 +66,14 @@ pub fn watch(title: String, updates: Receiver<Update>) -> Result<JoinHandle<()>,
     Ok(thread.spawn(move || terminal.follow(&title, &updates, &keys))?)
 }
 
-/// What the terminal's keyboard says.
+/// Request from the terminal's keyboard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Asked {
-    /// Nothing that means anything here.
+    /// No key, or one without a meaning.
     Nothing,
-    /// The run is to end.
+    /// End the run.
     End,
-    /// The terminal is gone, and the run is to end with it.
+    /// The terminal is closed: end the run with it.
     Gone,
 }
 
@@ -88,7 +88,7 @@ impl Keys {
         File::open("/dev/tty").map(|tty| Self(tty.into()))
     }
 
-    /// What was asked since the last time. Never waits.
+    /// The request since the last call. Never waits.
     fn asked(&self) -> Asked {
         let mut fds = [PollFd::new(&self.0, PollFlags::IN)];
         if poll(&mut fds, Some(&Timespec::default())).is_err() {
@@ -101,7 +101,7 @@ impl Keys {
         }
         let mut bytes = [0; 64];
         match rustix::io::read(&self.0, &mut bytes) {
-            // The end of a terminal, which a poll reports as readable for ever.
+            // A closed terminal: a poll reports it as readable for ever.
             Ok(0) => Asked::Gone,
             Ok(count) => meaning(&bytes[..count]),
             Err(Errno::INTR | Errno::AGAIN) => Asked::Nothing,
@@ -116,7 +116,7 @@ fn meaning(bytes: &[u8]) -> Asked {
     if ends { Asked::End } else { Asked::Nothing }
 }
 
-/// The terminal while it is ours; it is given back in every case.
+/// The terminal in raw mode; dropping it restores the terminal.
 struct Held(Terminal<CrosstermBackend<Stderr>>);
 
 impl Held {
@@ -163,12 +163,12 @@ impl Drop for Held {
 }
 
 fn give_back() {
-    // A terminal that cannot be restored is gone.
+    // A terminal that cannot be restored is closed.
     let _ = disable_raw_mode();
     let _ = execute!(stderr(), LeaveAlternateScreen, cursor::Show);
 }
 
-/// One picture of the run.
+/// Draws the run.
 fn draw(screen: &mut Screen<'_>, title: &str, history: &History) {
     let [head, charts, figures, foot] = Layout::vertical([
         Constraint::Length(1),
@@ -178,7 +178,8 @@ fn draw(screen: &mut Screen<'_>, title: &str, history: &History) {
     ])
     .areas(screen.area());
     let bold = Style::default().add_modifier(Modifier::BOLD);
-    let time = format!("  {:.1} s", history.newest.time_s);
+    let newest = &history.newest;
+    let time = format!("  {:.1} of {:.1} s", newest.time_s, newest.duration_s);
     screen.render_widget(Line::from(vec![Span::styled(title, bold), Span::raw(time)]), head);
 
     let [speed, gap, request] = Layout::vertical([Constraint::Ratio(1, 3); 3]).areas(charts);
@@ -207,9 +208,9 @@ fn draw(screen: &mut Screen<'_>, title: &str, history: &History) {
 
     let [left, right] = Layout::horizontal([Constraint::Ratio(1, 2); 2]).areas(figures);
     screen.render_widget(Paragraph::new(state(history)).block(Block::bordered()), left);
-    let events: Vec<Line<'_>> = match history.events.len() {
-        0 => vec![Line::raw("nothing went wrong so far")],
-        _ => (history.events.iter().rev())
+    let events: Vec<Line<'_>> = match newest.events.len() {
+        0 => vec![Line::raw("no faults so far")],
+        _ => (newest.events.iter().rev())
             .map(|event| Line::raw(format!("{:8.3} s  {}", event.t_s, event.what)))
             .collect(),
     };
@@ -234,7 +235,7 @@ fn state(history: &History) -> Vec<Line<'static>> {
     vec![
         Line::raw(format!("{:.1} m/s, gap {gap}", point.speed_mps)),
         Line::raw(format!("mode   {}", newest.mode)),
-        Line::raw(format!("level  {}", newest.rung)),
+        Line::raw(format!("level  {}", newest.level)),
         Line::raw(format!("command {}", newest.quality)),
         Line::raw(answer("radar-command p50", |p| p.p50)),
         Line::raw(answer("              p99", |p| p.p99)),
@@ -298,10 +299,11 @@ mod tests {
         });
         history.take(&Frame {
             time_s: 9.9,
+            duration_s: 20.0,
             points: points.collect(),
             mode: "follow".into(),
             quality: "full",
-            rung: "lead-predicted",
+            level: "lead-predicted",
             events: vec![LiveEvent { t_s: 3.25, what: "kill controller".into() }],
             ..Frame::default()
         });
@@ -318,7 +320,7 @@ mod tests {
     fn the_run_is_on_the_screen() {
         let text = picture(100, 40, &history());
         for part in [
-            "cacc-a · cacc-mpc  9.9 s",
+            "cacc-a · cacc-mpc  9.9 of 20.0 s",
             "speed, m/s  ego  ahead",
             "gap, m",
             "acceleration, m/s²",

@@ -12,14 +12,14 @@ use std::path::{Path, PathBuf};
 /// Name of the file.
 const FILE: &str = "radio.pcap";
 
-/// The frames at the vehicle: those that arrived and those that it sent.
+/// The frames at the vehicle: received and sent ones.
 #[derive(Default)]
 pub struct Capture {
     frames: Vec<(i64, Vec<u8>)>,
 }
 
 impl Capture {
-    /// Takes the frames of a record, if it has some.
+    /// Adds the frames of a record, if it has any.
     pub fn add(&mut self, record: &Record) {
         if let Some(batch) = record.message::<RadioFrames>() {
             let frames = batch.frames().iter();
@@ -31,15 +31,15 @@ impl Capture {
         }
     }
 
-    /// Writes the capture, by the time of the frames; its path and the number of frames.
+    /// Writes the capture in order of the frames' times; returns its path and the number of frames.
     pub fn finish(mut self, directory: &Path) -> Result<(PathBuf, u64), Error> {
         let path = directory.join(FILE);
-        // Stable: frames of one instant stay in the order in which they arrived.
+        // Stable: frames of one instant stay in order of arrival.
         self.frames.sort_by_key(|(unix_ns, _)| *unix_ns);
         let write = || {
             let mut writer = Writer::new(BufWriter::new(File::create(&path)?))?;
             for (unix_ns, frame) in &self.frames {
-                // Of a frame that is not readable the sender is not known.
+                // An unreadable frame has no known sender.
                 let address = Headers::read(frame).map_or(0, |(headers, _)| headers.source.address);
                 writer.write(*unix_ns, address as u32, frame)?;
             }

@@ -1,4 +1,4 @@
-//! `timegap diff`: where two recordings part.
+//! `timegap diff`: the first difference between two recordings.
 
 use super::{open, print_damage};
 use clap::Args;
@@ -15,9 +15,9 @@ use std::process::ExitCode;
 /// Arguments of `diff`.
 #[derive(Debug, Args)]
 pub struct DiffArguments {
-    /// A run's directory of results, or a recording
+    /// First results directory or recording
     pub a: PathBuf,
-    /// Another
+    /// Second results directory or recording
     pub b: PathBuf,
     /// Print the result as JSON, and nothing else, on standard output
     #[arg(long)]
@@ -41,7 +41,7 @@ pub fn run(arguments: &DiffArguments) -> Result<ExitCode, Error> {
     Ok(if comparison.equal { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// Two recordings of which one is damaged before its first message.
+/// A comparison in which one recording has no readable message.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: damaged before its first message, expected a recording with messages", path.display())]
 struct NothingToCompare {
@@ -50,48 +50,48 @@ struct NothingToCompare {
 
 impl Failure for NothingToCompare {}
 
-/// What a comparison found.
+/// Result of a comparison.
 #[derive(Debug, Serialize)]
 struct Comparison {
     schema_version: u32,
     equal: bool,
     /// Messages compared.
     messages: u64,
-    /// What of the first and of the second recording could not be read: it was not compared.
+    /// Unreadable parts of the first and second recording, which were not compared.
     damage: [Vec<String>; 2],
     /// The first divergence in time.
     first: Option<Divergence>,
-    /// How many senders' messages on a topic diverge.
+    /// Number of streams (sender and topic) that diverge.
     diverging_streams: usize,
 }
 
-/// Where one sender's messages on one topic part.
+/// Divergence of one sender's messages on one topic.
 #[derive(Clone, Debug, Serialize)]
 struct Divergence {
     topic: &'static str,
     source: String,
-    /// Which of the sender's messages on the topic, counted from 0.
+    /// Number of the message among its sender's on the topic, from 0.
     index: u64,
-    /// When the message was published, ns of run time.
+    /// Publication time, ns of run time.
     publish_ns: i64,
-    /// The field, by its dotted path; none if one recording has no such message.
+    /// Dotted path of the field; `None` if one recording lacks the message.
     field: Option<String>,
-    /// The field's value in the first recording; none if it has no such message.
+    /// The field's value in the first recording; `None` if it lacks the message.
     a: Option<String>,
-    /// The same in the second.
+    /// The field's value in the second recording.
     b: Option<String>,
 }
 
-/// One sender's messages on one topic. Senders run beside each other: only the order of each one's own
-/// messages means something.
+/// One sender's messages on one topic. Senders run in parallel: only the order of each sender's messages is
+/// defined.
 type Key = (Topic, u32);
 
-/// How far the two recordings' messages of one stream were compared.
+/// Progress of the comparison of one stream.
 #[derive(Default)]
 struct Stream {
     /// Messages of each recording.
     counts: [u64; 2],
-    /// Fingerprints of messages that one recording is ahead with, and which one.
+    /// Fingerprints of messages that one recording is ahead with, and its index.
     ahead: VecDeque<u64>,
     ahead_side: usize,
     /// The first message that differs.
@@ -116,7 +116,7 @@ impl Stream {
         }
     }
 
-    /// The first message that differs, or that only one recording has.
+    /// The first message that differs or that only one recording has.
     fn divergence(&self) -> Option<u64> {
         let [a, b] = self.counts;
         self.diverges_at.or((a != b).then_some(a.min(b)))
@@ -136,7 +136,7 @@ fn compare(a: &Recording, b: &Recording) -> Comparison {
     let messages = streams.values().map(|stream| stream.counts[0].max(stream.counts[1])).sum();
     let diverging: BTreeMap<Key, u64> =
         streams.iter().filter_map(|(key, stream)| Some((*key, stream.divergence()?))).collect();
-    // A second look, at these messages alone.
+    // A second pass for these messages only.
     let [a, b] = [a, b].map(|recording| messages_at(recording, &diverging));
     let found = diverging
         .iter()
@@ -152,8 +152,7 @@ fn compare(a: &Recording, b: &Recording) -> Comparison {
     }
 }
 
-/// Goes through both recordings side by side, as far in time in the one as in the other; returns also what
-/// of each could not be read.
+/// Reads both recordings in parallel by time; also returns the unreadable parts of each.
 fn streams(a: &Recording, b: &Recording) -> (BTreeMap<Key, Stream>, [Vec<Damage>; 2]) {
     let mut streams: BTreeMap<Key, Stream> = BTreeMap::new();
     let mut sides = [a, b].map(Recording::records);
@@ -173,7 +172,7 @@ fn streams(a: &Recording, b: &Recording) -> (BTreeMap<Key, Stream>, [Vec<Damage>
     (streams, sides.map(|side| side.damage().to_vec()))
 }
 
-/// The message of each stream that has the number `wanted`.
+/// The message with the number `wanted` of each stream.
 fn messages_at(recording: &Recording, wanted: &BTreeMap<Key, u64>) -> BTreeMap<Key, Record> {
     let mut found = BTreeMap::new();
     if wanted.is_empty() {
@@ -213,7 +212,7 @@ fn divergence(
             let range = place.offset..place.offset + place.bytes;
             a.bytes()[range.clone()] != b.bytes()[range]
         };
-        // The checksum differs whenever something else does.
+        // The checksum differs with any other field.
         let told = |place: &&messages::Place| !place.path.starts_with("header.protection");
         let place = places.iter().filter(differs).find(told);
         if let Some(place) = place.or_else(|| places.iter().find(differs)) {
@@ -229,7 +228,7 @@ fn as_text(comparison: &Comparison) -> String {
     let Some(first) = &comparison.first else {
         let of_what = match comparison.damage.iter().all(Vec::is_empty) {
             true => "",
-            false => " of what can be read",
+            false => " in the readable parts",
         };
         return format!("equal: {} messages{of_what}, byte for byte\n", comparison.messages);
     };

@@ -19,18 +19,18 @@ use std::process::ExitCode;
 #[command(after_long_help = PANDAS)]
 #[command(group = ArgGroup::new("formats").args(["csv", "pcap"]).required(true).multiple(true))]
 pub struct ExportArguments {
-    /// A run's directory of results, or a recording
+    /// Results directory of a run, or a recording
     pub run: PathBuf,
-    /// One CSV file per topic: a row per message, a column per value, units in the names
+    /// Write a CSV file per topic: a row per message, a column per value, units in the names
     #[arg(long)]
     pub csv: bool,
-    /// The frames that arrived by radio and that the vehicle sent, as a capture for Wireshark, `radio.pcap`
+    /// Write the vehicle's received and sent radio frames as a capture for Wireshark, `radio.pcap`
     #[arg(long)]
     pub pcap: bool,
-    /// Directory for the files [default: csv beside the recording; of a capture alone, the recording's]
+    /// Directory for the files [default: csv beside the recording; for a capture alone, the recording's]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Print what was written as JSON, and nothing else, on standard output
+    /// Print the written files as JSON, and nothing else
     #[arg(long)]
     pub json: bool,
 }
@@ -100,7 +100,7 @@ pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
     Ok(if damage.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// A topic's table while it is written.
+/// A topic's table during writing.
 struct Table {
     topic: Topic,
     path: PathBuf,
@@ -110,13 +110,13 @@ struct Table {
     lists: Vec<List>,
 }
 
-/// A value of the messages and the names of its numbers.
+/// A value of the messages, with the names of its numbers.
 struct Column {
     place: Place,
     names: Option<Names>,
 }
 
-/// Names of numbers: the same in every run, or the law's.
+/// Names of numbers: fixed, or the law's.
 enum Names {
     Fixed(&'static Enumeration),
     OfLaw(Vec<String>),
@@ -171,21 +171,21 @@ impl Table {
     }
 }
 
-/// A value in its cell.
+/// Writes a value into its cell.
 fn cell(file: &mut BufWriter<File>, value: Value) -> std::io::Result<()> {
     match value {
-        // What every reader of CSV takes for a number that is none.
+        // Readers of CSV accept this as not a number.
         Value::Float(value) if value.is_nan() => file.write_all(b",nan"),
         value => write!(file, ",{value}"),
     }
 }
 
-/// A name that the file gives, as one that ends no cell and no line.
+/// A name from the file without characters that end a cell or a line.
 fn text(name: &str) -> String {
     name.chars().map(|c| if matches!(c, ',' | '"') || c.is_control() { '_' } else { c }).collect()
 }
 
-/// An array that is too long for columns: a table of its own, with a row for each valid entry.
+/// An array too long for columns: a table of its own with a row for each valid entry.
 struct List {
     path: PathBuf,
     file: BufWriter<File>,
@@ -194,7 +194,7 @@ struct List {
     sequence: Place,
     /// Scalars of an entry, from its first byte.
     columns: Vec<Place>,
-    /// Where the entries are in the message, bytes.
+    /// Offset of the entries in the message, bytes.
     first: usize,
     each: usize,
     len: usize,
@@ -203,7 +203,7 @@ struct List {
 
 /// Longest array that is written as columns.
 const MOST_IN_COLUMNS: usize = 128;
-/// Bytes that are a number; more are data, such as a frame's.
+/// Most bytes of a number; more are data, such as a frame's.
 const MOST_IN_A_NUMBER: usize = 8;
 
 impl List {

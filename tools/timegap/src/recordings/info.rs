@@ -1,4 +1,4 @@
-//! `timegap info`: what a recording holds.
+//! `timegap info`: the contents of a recording.
 
 use super::{count, in_words, lines, open, printable};
 use clap::Args;
@@ -15,12 +15,12 @@ use std::process::ExitCode;
 /// Arguments of `info`.
 #[derive(Debug, Args)]
 pub struct InfoArguments {
-    /// A run's directory of results, or a recording
+    /// Results directory of a run, or a recording
     pub run: PathBuf,
-    /// Read every message and check every chunk, in place of the file's own statistics
+    /// Read every message and check every chunk instead of trusting the file's statistics
     #[arg(long)]
     pub verify: bool,
-    /// Print it as JSON, and nothing else, on standard output
+    /// Print the contents as JSON, and nothing else
     #[arg(long)]
     pub json: bool,
 }
@@ -102,7 +102,7 @@ fn as_text(recording: &Recording, survey: &Survey) -> String {
         writeln!(text, "  {label:<14} {value}").expect("a string takes all");
     };
     let at = jiff::Timestamp::from_nanosecond(metadata.started_unix_ns.into())
-        .map_or_else(|_| "at a time unknown".into(), |time| time.strftime("%F %T UTC").to_string());
+        .map_or_else(|_| "at an unknown time".into(), |time| time.strftime("%F %T UTC").to_string());
     let started = if metadata.mode == Mode::Lockstep { "in simulated time".into() } else { at };
     line("recorded", format!("{started} by {}", metadata.program));
     if let Some(host) = &metadata.host {
@@ -134,7 +134,7 @@ fn as_text(recording: &Recording, survey: &Survey) -> String {
         ),
     );
     let advised = |damage: &Damage| match damage.can_be_left_out() {
-        true => format!("{damage}: `timegap recover` makes it whole"),
+        true => format!("{damage}: `timegap recover` repairs it"),
         false => damage.to_string(),
     };
     for damage in lines(&survey.damage, in_words(recording, advised)) {

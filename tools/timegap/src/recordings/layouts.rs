@@ -1,4 +1,4 @@
-//! `timegap layouts`: the messages in the languages of those who read them.
+//! `timegap layouts`: the messages for other languages.
 
 use clap::Args;
 use controller::law::Descriptor;
@@ -18,12 +18,12 @@ use std::process::ExitCode;
 pub struct LayoutsArguments {
     #[command(flatten)]
     pub language: Language,
-    /// What a law of your own is asked and answers, in the place of the messages (see docs/tutorial.md)
+    /// The messages between timegap and a law of your own, instead of the topics' (see docs/tutorial.md)
     #[arg(long, conflicts_with = "msg")]
     pub law: bool,
 }
 
-/// In which language.
+/// Output language.
 #[derive(Debug, Args)]
 #[group(required = true, multiple = false)]
 pub struct Language {
@@ -33,10 +33,10 @@ pub struct Language {
     /// A C11 header
     #[arg(long)]
     pub c: bool,
-    /// The layouts as data, with units, meanings and the names of numbers: JSON
+    /// JSON: the layouts with units, meanings and names of numbers
     #[arg(long)]
     pub json: bool,
-    /// A ROS 2 package of .msg files, `timegap_msgs`, written below this directory
+    /// Write a ROS 2 package of .msg files, `timegap_msgs`, below this directory
     #[arg(long, value_name = "DIR")]
     pub msg: Option<PathBuf>,
 }
@@ -124,7 +124,7 @@ fn write(path: &Path, text: &str) -> Result<(), Error> {
     std::fs::write(path, text).map_err(error)
 }
 
-/// What the numbers of a law mean, for each of its formulations.
+/// Meaning of a law's numbers, for each of its formulations.
 fn law(law: &Descriptor) -> Vec<Value> {
     let formulations = law.formulations.iter();
     formulations

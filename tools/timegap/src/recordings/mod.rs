@@ -18,7 +18,7 @@ fn open(path: &Path) -> Result<Recording, Error> {
     Ok(Recording::open(path)?)
 }
 
-/// A result would replace the recording that it is made of.
+/// A result that would overwrite its recording.
 #[derive(Debug, thiserror::Error)]
 #[error("{} is the recording itself, expected another file for the result", .0.display())]
 pub struct OntoItself(PathBuf);
@@ -32,20 +32,20 @@ impl Failure for OntoItself {}
 pub fn expect_another_file(recording: &Recording, out: &Path) -> Result<(), Error> {
     let same = std::fs::canonicalize(out)
         .and_then(|out| Ok(out == std::fs::canonicalize(recording.path())?))
-        // What is not there yet is not the recording.
+        // A missing file is not the recording.
         .unwrap_or(false);
     if same { Err(OntoItself(out.to_owned()).into()) } else { Ok(()) }
 }
 
-/// Says on standard error what of a recording could not be read. The exit status of a command whose result is
-/// not whole then is 1.
+/// Reports unreadable parts of a recording on standard error. A command with an incomplete result then returns
+/// status 1.
 pub fn print_damage(recording: &Recording, damage: &[Damage]) {
     for line in lines(damage, in_words(recording, ToString::to_string)) {
         eprintln!("{}: {line}", recording.path().display());
     }
 }
 
-/// A damage in words: the open end of a recording whose run goes on is none, all else is as `of_damage` says.
+/// A damage in words: the open end of a recording in progress is expected, all else is in the words of `of_damage`.
 fn in_words(
     recording: &Recording,
     of_damage: impl Fn(&Damage) -> String,
@@ -53,22 +53,22 @@ fn in_words(
     let goes_on = is_being_recorded(recording.path());
     move |damage| match damage {
         Damage::CutOff { .. } if goes_on => {
-            "is still being recorded: what comes later is missing".to_owned()
+            "is still being recorded: later messages are missing".to_owned()
         }
         damage => of_damage(damage),
     }
 }
 
-/// True if the run whose recording this is goes on.
+/// Whether the run of this recording is in progress.
 fn is_being_recorded(path: &Path) -> bool {
     let live = std::fs::read_to_string(path.with_file_name("live.json")).unwrap_or_default();
     serde_json::from_str(&live).is_ok_and(|group: Group| is_alive(&group.root))
 }
 
-/// Most damages that are told one by one.
+/// Most damages that are printed one by one.
 const MOST_TOLD: usize = 20;
 
-/// A line for each damage, and one for all beyond the first [`MOST_TOLD`].
+/// A line for each damage up to [`MOST_TOLD`], and one for the rest.
 fn lines(damage: &[Damage], line: impl Fn(&Damage) -> String) -> impl Iterator<Item = String> {
     let rest = damage.len().saturating_sub(MOST_TOLD);
     let rest =
@@ -76,7 +76,7 @@ fn lines(damage: &[Damage], line: impl Fn(&Damage) -> String) -> impl Iterator<I
     damage.iter().take(MOST_TOLD).map(line).collect::<Vec<_>>().into_iter().chain(rest)
 }
 
-/// A text of the file on one line: without what a terminal would obey.
+/// A text of the file on one line, without control characters.
 fn printable(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c }).collect()
 }

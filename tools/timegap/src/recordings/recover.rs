@@ -1,4 +1,4 @@
-//! `timegap recover`: a recording that was cut off, made whole.
+//! `timegap recover`: repairs a truncated recording.
 
 use super::{count, expect_another_file, is_being_recorded, open};
 use clap::Args;
@@ -13,13 +13,12 @@ use std::process::ExitCode;
 /// Arguments of `recover`.
 #[derive(Debug, Args)]
 pub struct RecoverArguments {
-    /// A run's directory of results, or a recording
+    /// Results directory of a run, or a recording
     pub run: PathBuf,
-    /// Where to write the repaired recording [default: in place of the damaged one, which is kept beside
-    /// it as *.broken]
+    /// File for the repaired recording [default: replaces the damaged one, which is kept as *.broken]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Print the result as JSON, and nothing else, on standard output
+    /// Print the result as JSON, and nothing else
     #[arg(long)]
     pub json: bool,
 }
@@ -27,10 +26,10 @@ pub struct RecoverArguments {
 /// Why a recording cannot be recovered.
 #[derive(Debug, thiserror::Error)]
 pub enum RecoverError {
-    /// Its run goes on.
+    /// Its run is in progress.
     #[error("{} is still being recorded: wait for its run's end", .0.display())]
     InProgress(PathBuf),
-    /// It has no message.
+    /// It has no complete message.
     #[error("{} holds no whole message: nothing to recover", .0.display())]
     Empty(PathBuf),
 }
@@ -73,7 +72,7 @@ pub fn run(arguments: &RecoverArguments) -> Result<ExitCode, Error> {
         return Ok(ExitCode::SUCCESS);
     }
     if whole {
-        print::out(&format!("{} is whole: nothing to recover\n", path.display()))?;
+        print::out(&format!("{} is complete: nothing to recover\n", path.display()))?;
         return Ok(ExitCode::SUCCESS);
     }
     let mut text = format!(
@@ -89,7 +88,7 @@ pub fn run(arguments: &RecoverArguments) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes the whole file beside the broken one, then puts it in its place or where it was asked for.
+/// Writes the repaired file beside the broken one, then moves it to its place.
 fn rewrite(broken: &Recording, out: Option<&Path>) -> Result<(PathBuf, recorder::Tally), Error> {
     let place = out.unwrap_or_else(|| broken.path());
     let error = |action, path: &Path| {
@@ -98,7 +97,7 @@ fn rewrite(broken: &Recording, out: Option<&Path>) -> Result<(PathBuf, recorder:
     };
     let part = with_suffix(place, "part");
     let written = write(broken, &part).inspect_err(|_| {
-        // A part of a file is of no use.
+        // A partial file is useless.
         let _ = std::fs::remove_file(&part);
     });
     let recovered = written.map_err(error("write", &part))?;

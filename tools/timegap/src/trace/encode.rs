@@ -10,29 +10,29 @@ use prost::Message;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Track that all others belong to.
+/// Track above all others.
 const RUN: u64 = 1;
-/// Track of incidents that concern no single service.
+/// Track of incidents without a service.
 const INCIDENTS: u64 = 2;
 /// First of the services' tracks.
 const SERVICES: u64 = 10_000;
 /// First of the counters' tracks.
 const COUNTERS: u64 = 20_000;
 
-/// Names of the tracks, and what the run's settings were.
+/// Names of the tracks, and settings of the run.
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
-    /// Name of the whole.
+    /// Title of the trace.
     pub title: String,
     /// Run time 0 in ns since 1970.
     pub started_unix_ns: i64,
-    /// What the kernel granted to each service, in words.
+    /// Scheduling of each service as the kernel granted it, in words.
     pub granted: BTreeMap<Service, String>,
     /// Deadline of the control cycles, ns.
     pub deadline_ns: i64,
 }
 
-/// What a trace begins with: clocks and tracks.
+/// Begin of a trace: clocks and tracks.
 pub fn begin(frame: &Frame) -> Vec<u8> {
     let mut packets = vec![first_packet(frame)];
     packets.extend(
@@ -43,8 +43,8 @@ pub fn begin(frame: &Frame) -> Vec<u8> {
     Trace { packet: packets }.encode_to_vec()
 }
 
-/// What of `timeline` begins in `within`, ns of run time. A trace is what [`begin`] returns and any number of
-/// these, one behind the other.
+/// Events of `timeline` that begin in `within`, ns of run time. A trace is the output of [`begin`] and any
+/// number of these, one after the other.
 pub fn events(timeline: &Timeline, frame: &Frame, within: &Range<i64>) -> Vec<u8> {
     let mut events = cycles(timeline, frame, within);
     events.extend(publications(timeline).into_iter().filter(|event| within.contains(&event.0)));
@@ -67,7 +67,7 @@ pub fn events(timeline: &Timeline, frame: &Frame, within: &Range<i64>) -> Vec<u8
             (*at_ns, track_event)
         }));
     }
-    // Stable: what begins and ends at one instant on one track keeps its order.
+    // Stable: begin and end at one instant on one track keep their order.
     events.sort_by_key(|event| event.0);
     let packets = events.into_iter().map(|(at_ns, track_event)| TracePacket {
         timestamp: Some(at_ns.max(0).unsigned_abs()),
@@ -81,7 +81,7 @@ fn packet() -> TracePacket {
     TracePacket { trusted_packet_sequence_id: Some(1), ..TracePacket::default() }
 }
 
-/// Says how run time and the wall's clock go together.
+/// Relates run time and wall clock.
 fn first_packet(frame: &Frame) -> TracePacket {
     let clock = |id, timestamp: i64| Clock {
         clock_id: Some(id),
@@ -101,7 +101,7 @@ fn service_track(service: Service) -> u64 {
     SERVICES + service.index() as u64
 }
 
-/// The run, and below it: incidents, services in the order of the data's way, figures.
+/// The run, and below it incidents, services in the order of the data flow, and figures.
 fn tracks(frame: &Frame) -> Vec<TrackDescriptor> {
     let mut rank = 0;
     let mut child = |uuid: u64, name: String| {
@@ -159,8 +159,8 @@ fn end(track: u64) -> TrackEvent {
     }
 }
 
-/// A slice for every cycle, with its wait for the start inside where it is known, and the arrows of
-/// the chains as far as they pass through controller and plant.
+/// A slice for every cycle, with its wait for the start inside if known, and the arrows of the chains through
+/// controller and plant.
 fn cycles(timeline: &Timeline, frame: &Frame, within: &Range<i64>) -> Vec<Event> {
     let mut leaving: BTreeMap<usize, Vec<u64>> = BTreeMap::new();
     let mut arriving: BTreeMap<usize, Vec<u64>> = BTreeMap::new();
@@ -174,7 +174,7 @@ fn cycles(timeline: &Timeline, frame: &Frame, within: &Range<i64>) -> Vec<Event>
     let mut last: Option<(Service, i64)> = None;
     for (index, cycle) in timeline.cycles.iter().enumerate() {
         let track = service_track(cycle.service);
-        // A cycle whose predecessor ran over its release begins where that ended.
+        // A cycle whose predecessor overran its release begins at the predecessor's end.
         let free_ns = last.filter(|(service, _)| *service == cycle.service).map(|(_, ns)| ns);
         let begin_ns = cycle.release_ns.max(free_ns.unwrap_or(i64::MIN));
         let finish_ns = cycle.finish_ns.max(begin_ns);
@@ -195,7 +195,7 @@ fn cycles(timeline: &Timeline, frame: &Frame, within: &Range<i64>) -> Vec<Event>
         begin.debug_annotations = annotations(cycle);
         events.push((begin_ns, begin));
         if let Some(start_ns) = started {
-            // Arrows come to where the sample is worked on.
+            // Arrows end at the slice that processes the sample.
             let mut compute = event(EventType::SliceBegin, track, "compute", "compute");
             compute.flow_ids = flows;
             events.push((begin_ns, event(EventType::SliceBegin, track, "wait", "wait")));
@@ -221,7 +221,7 @@ fn annotations(cycle: &Cycle) -> Vec<DebugAnnotation> {
     ]
 }
 
-/// The publication of each radar message that a command was computed from, where its arrows begin.
+/// Publications of the radar messages behind commands, where the arrows begin.
 fn publications(timeline: &Timeline) -> Vec<Event> {
     let mut flows: BTreeMap<(usize, i64), Vec<u64>> = BTreeMap::new();
     for chain in &timeline.chains {

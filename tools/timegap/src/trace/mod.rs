@@ -1,11 +1,10 @@
 //! `timegap trace`: a recorded run for Perfetto (<https://ui.perfetto.dev>).
 //!
-//! One track per service with a slice per cycle, arrows along the chains from radar over controller
-//! to plant, missed deadlines and faults as instants, and the drive's figures. Times are the
-//! messages' own stamps: a slice reaches from the scheduled release of its cycle to the cycle's last
-//! publication. That is response time, waits included, and not use of a processor: messages do not
-//! carry what a processor did, so there is no track for one. An arrow leaves where the radar's message
-//! was published.
+//! One track per service with a slice per cycle, arrows along the chains from radar over controller to plant,
+//! missed deadlines and faults as instants, and the drive's figures. Times are the messages' own stamps. A
+//! slice extends from the scheduled release of its cycle to the cycle's last publication. It is response time
+//! with waits, not processor time, which messages do not carry. An arrow begins at the publication of the
+//! radar's message.
 
 mod encode;
 mod proto;
@@ -31,17 +30,17 @@ use timeline::{Cycle, Incident, Timeline};
 /// Arguments of `trace`.
 #[derive(Debug, Args)]
 pub struct TraceArguments {
-    /// A run's directory of results, or a recording
+    /// Results directory of a run, or a recording
     pub run: PathBuf,
-    /// Where to write the trace [default: trace.pftrace beside the recording]
+    /// File for the trace [default: trace.pftrace beside the recording]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Print what was written as JSON, and nothing else, on standard output
+    /// Print the counts as JSON, and nothing else
     #[arg(long)]
     pub json: bool,
 }
 
-/// What was written.
+/// Counts of the written trace.
 #[derive(Debug, Serialize)]
 struct Written {
     schema_version: u32,
@@ -88,12 +87,12 @@ pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Error> {
     Ok(if damage.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// Length of the parts in which a recording is gone through, ns of run time.
+/// Length of the parts in which a recording is read, ns of run time.
 const PART_NS: i64 = 1_000_000_000;
-/// What of the parts before and behind it a part is seen with: longer than a chain, ns.
+/// Overlap of a part with its neighbours, longer than a chain, ns.
 const MARGIN_NS: i64 = 500_000_000;
 
-/// Writes the trace part by part: what is in memory does not grow with the recording.
+/// Writes the trace part by part, so that memory does not grow with the recording.
 fn write(
     recording: &Recording,
     scenario: &Scenario,
@@ -124,7 +123,7 @@ fn write(
         .find(|ns| *ns >= from_ns)
         .or(next.as_ref().map(|record| record.log_time_ns))
     {
-        // A part begins where there is something, and the first with everything.
+        // A part begins at a message, the first part at the first message.
         let begin_ns = first.div_euclid(PART_NS).saturating_mul(PART_NS).max(from_ns);
         let end_ns = begin_ns.saturating_add(PART_NS);
         let reach_ns = end_ns.saturating_add(MARGIN_NS);
@@ -158,7 +157,7 @@ fn write(
 }
 
 impl Written {
-    /// Counts what of `timeline` begins in `within`.
+    /// Counts events of `timeline` that begin in `within`.
     fn count(&mut self, timeline: &Timeline, frame: &Frame, within: &Range<i64>) {
         let is_here = |cycle: &Cycle| within.contains(&cycle.release_ns);
         let cycles = timeline.cycles.iter().filter(|cycle| is_here(cycle));
@@ -193,7 +192,7 @@ fn frame(recording: &Recording, scenario: &Scenario) -> Frame {
     }
 }
 
-/// The faults that the summary beside the recording tells of; none where there is no summary.
+/// Faults in the summary beside the recording; empty without a summary.
 fn faults(recording: &Path) -> Vec<Incident> {
     let summary = std::fs::read(recording.with_file_name("summary.json")).unwrap_or_default();
     let summary: serde_json::Value = serde_json::from_slice(&summary).unwrap_or_default();

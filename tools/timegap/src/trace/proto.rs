@@ -1,15 +1,15 @@
-//! The part of Perfetto's trace format that is written here, with the field numbers of its public
-//! definitions (protos/perfetto/trace).
+//! The part of Perfetto's trace format in use, with the field numbers of its public definitions
+//! (protos/perfetto/trace).
 
 use prost::{Enumeration, Message};
 
-/// Clock of the packets' timestamps: `BUILTIN_CLOCK_BOOTTIME`, which stands for run time.
+/// Clock of the packets' timestamps: `BUILTIN_CLOCK_BOOTTIME`, used for run time.
 pub const RUN_TIME_CLOCK: u32 = 6;
 /// Wall clock: `BUILTIN_CLOCK_REALTIME`.
 pub const WALL_CLOCK: u32 = 1;
 /// `TrackDescriptor.ChildTracksOrdering.EXPLICIT`: by the children's ranks.
 pub const EXPLICIT: i32 = 3;
-/// `TracePacket.SequenceFlags.SEQ_INCREMENTAL_STATE_CLEARED`: nothing before matters.
+/// `TracePacket.SequenceFlags.SEQ_INCREMENTAL_STATE_CLEARED`: earlier packets are not needed.
 pub const STATE_CLEARED: u32 = 1;
 
 #[derive(Clone, PartialEq, Message)]

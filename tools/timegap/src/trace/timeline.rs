@@ -1,4 +1,4 @@
-//! The times in a recording: the services' cycles, the chains through them, incidents.
+//! Times in a recording: cycles of the services, chains through them, incidents.
 
 use messages::{Command, Header, Message, Odometry, RadarTracks, Service, VehicleTruth};
 use recorder::Record;
@@ -6,7 +6,7 @@ use runtime::Timetable;
 use scenario::Scenario;
 use std::collections::BTreeMap;
 
-/// A run in time, ns of run time.
+/// Events of a run, ns of run time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Timeline {
     /// Cycles of all services, in order of service and time.
@@ -19,7 +19,7 @@ pub struct Timeline {
     pub counters: Vec<Counter>,
 }
 
-/// One cycle, from its scheduled release to the last message that it published.
+/// A cycle, from its scheduled release to its last published message.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cycle {
     /// The service.
@@ -30,40 +30,39 @@ pub struct Cycle {
     pub step: u64,
     /// Scheduled release.
     pub release_ns: i64,
-    /// Start of its work, where the service's messages carry it.
+    /// Start of its work, if the service's messages carry it.
     pub start_ns: Option<i64>,
     /// Last publication.
     pub finish_ns: i64,
 }
 
-/// Cycles that a radar sample went through, as indices into the cycles; each is there if it was
-/// recorded.
+/// Cycles that processed a radar sample, as indices into the cycles; `None` for an unrecorded one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Chain {
-    /// Its number, the same in whichever part of the recording it is met.
+    /// Number, equal in every part of the recording.
     pub flow: u64,
     /// The radar's cycle.
     pub radar: Option<usize>,
-    /// When the radar's message was published.
+    /// Publication of the radar's message.
     pub radar_publish_ns: i64,
-    /// The controller's.
+    /// The controller's cycle.
     pub control: usize,
-    /// The first of the plant's that acted on it.
+    /// The plant's first cycle that acted on it.
     pub plant: Option<usize>,
 }
 
 /// A miss, a fault or a restart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Incident {
-    /// The service concerned; none if no single one is.
+    /// The affected service, if there is one.
     pub service: Option<Service>,
     /// Instant.
     pub at_ns: i64,
-    /// What happened.
+    /// Description.
     pub what: String,
 }
 
-/// A figure over time, that of the same place in [`COUNTERS`].
+/// A figure over time, at its place in [`COUNTERS`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Counter {
     /// (ns of run time, value)
@@ -71,7 +70,7 @@ pub struct Counter {
 }
 
 impl Timeline {
-    /// Of a part of a recording of `scenario`; `carried` are the latest cycles of before.
+    /// Times of a part of a recording of `scenario`; `carried` are the latest cycles before it.
     pub fn of(records: &[Record], carried: &[Cycle], scenario: &Scenario) -> Self {
         let table = Timetable::of(scenario);
         let deadline_ns = i64::from(scenario.controller.deadline().value()) * 1_000_000;
@@ -103,13 +102,13 @@ fn stamps(record: &Record) -> (Header, Option<i64>) {
     (record.header(), command.map(|command| command.start_ns))
 }
 
-/// The cycles behind all messages: those of one service, incarnation and step come from one.
+/// The cycles behind all messages; messages of one service, incarnation and step are of one cycle.
 fn cycles(records: &[Record], carried: &[Cycle]) -> Vec<Cycle> {
     let key = |cycle: &Cycle| (cycle.service.index(), cycle.incarnation, cycle.step);
     let mut cycles: BTreeMap<(usize, u32, u64), Cycle> =
         carried.iter().map(|cycle| (key(cycle), cycle.clone())).collect();
     for record in records {
-        // A heartbeat is not part of a cycle.
+        // Heartbeats do not belong to a cycle.
         if record.topic.sources().is_empty() {
             continue;
         }
@@ -141,7 +140,7 @@ fn chains(records: &[Record], cycles: &[Cycle]) -> Vec<Chain> {
     let cycle_of = |service: Service, header: &Header| {
         index.get(&(service.index(), header.incarnation, header.step)).copied()
     };
-    // A sample is known by when it was published: numbers begin anew after a restart.
+    // A sample is identified by its publication time, since numbers restart with the process.
     let radars: BTreeMap<i64, Option<usize>> = messages::<RadarTracks>(records)
         .map(|radar| radar.header)
         .map(|header| (header.publish_ns, cycle_of(Service::PerceptionSim, &header)))
@@ -163,8 +162,8 @@ fn chains(records: &[Record], cycles: &[Cycle]) -> Vec<Chain> {
         .collect()
 }
 
-/// The plant's cycle in which each radar sample, by its publication, first reached the actuators:
-/// the one before the odometry that first names it.
+/// The plant's cycle in which each radar sample, by its publication, first reached the actuators: the cycle
+/// before the odometry that first names it.
 fn first_actuations(
     records: &[Record],
     cycle_of: impl Fn(Service, &Header) -> Option<usize>,
@@ -196,7 +195,7 @@ fn misses(cycles: &[Cycle], deadline_ns: i64) -> Vec<Incident> {
 }
 
 impl Cycle {
-    /// True for a control cycle that finished later than `deadline_ns` after its release.
+    /// Whether a control cycle finished later than `deadline_ns` after its release.
     pub fn missed(&self, deadline_ns: i64) -> bool {
         self.service == Service::Controller && self.finish_ns - self.release_ns > deadline_ns
     }
@@ -216,7 +215,7 @@ fn left_out(cycles: &[Cycle], table: &Timetable) -> Vec<Incident> {
             incidents.push(Incident {
                 service: Some(before.service),
                 at_ns: i64::try_from(step).map_or(i64::MAX, |step| step * table.step_ns),
-                what: "release left out".into(),
+                what: "release skipped".into(),
             });
             step += stride;
         }

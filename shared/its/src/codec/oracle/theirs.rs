@@ -1,4 +1,4 @@
-//! Decoding by `c-its-parser`'s types and `rasn`, into this crate's messages.
+//! Decoding by the types of `c-its-parser` and `rasn` into this crate's messages.
 
 use crate::cam::{Cam, LowFrequency, Motion};
 use crate::geodesy::Position;
@@ -15,7 +15,7 @@ use c_its_parser::standards::spatem_2_2_1::spatem_pdu_descriptions::SPATEM;
 use dsrc::NodeOffsetPointXY as Offset;
 use rasn::types::FixedBitString;
 
-/// Why a message is refused, in words.
+/// Why a message was refused, in words.
 #[derive(Debug)]
 pub(super) struct Refused(#[expect(dead_code, reason = "shown by a failing test")] String);
 
@@ -48,7 +48,7 @@ fn spatem(SPATEM { header, spat }: &SPATEM) -> Spatem {
     }
 }
 
-/// The minute may stand in the intersection or once in front of all.
+/// The minute is in the intersection, or once for all.
 fn read_state(
     state: &dsrc::IntersectionState,
     minute: Option<&dsrc::MinuteOfTheYear>,
@@ -120,7 +120,7 @@ fn read_intersection(geometry: &dsrc::IntersectionGeometry) -> IntersectionGeome
     }
 }
 
-/// `None` for a lane whose nodes are not read here, and for one that is not for vehicles.
+/// `None` for a lane with unread nodes, and for one that is not for vehicles.
 fn read_lane(lane: &dsrc::GenericLane) -> Option<Lane> {
     if !matches!(lane.lane_attributes.lane_type, dsrc::LaneTypeAttributes::vehicle(_)) {
         return None;

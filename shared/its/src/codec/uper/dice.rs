@@ -1,7 +1,7 @@
-//! Messages by chance: what the decoder asks for is drawn, and written down.
+//! Random messages: each field that the decoder requests is drawn and written.
 //!
-//! So every message that the decoder's tables allow can come, each valid by these tables; another decoder says
-//! whether they are the standard's.
+//! So every message that the decoder's tables allow can occur. Another decoder checks the tables against the
+//! standard.
 
 use super::{Number, Source, Writer};
 use crate::PayloadError;
@@ -17,7 +17,7 @@ impl Dice {
         Self { state: seed, written: Writer::default() }
     }
 
-    /// The message that was drawn.
+    /// The drawn message.
     pub(in crate::codec) fn finish(self) -> Vec<u8> {
         self.written.finish()
     }
@@ -51,7 +51,7 @@ impl Source for Dice {
         (0..bits).try_for_each(|_| self.bit().map(drop))
     }
 
-    /// Few, since lists stand in lists; sometimes the most, where that is not many.
+    /// Mostly few, since lists are nested; sometimes the most, if that is a small number.
     fn count(&mut self, number: Number) -> Result<i64, PayloadError> {
         let Number { least, most, .. } = number;
         let few = (least + self.below(3) as i64).min(most);
@@ -59,7 +59,7 @@ impl Source for Dice {
         Ok(self.write(number, count))
     }
 
-    /// Never: the oracle reads no additions (it does not pass over them).
+    /// Never: the oracle does not skip additions.
     fn extended(&mut self) -> Result<bool, PayloadError> {
         self.written.bit(false);
         Ok(false)

@@ -1,14 +1,14 @@
-//! Unaligned PER (ITU-T X.691), as far as the three messages need it.
+//! Unaligned PER (ITU-T X.691) for the three messages.
 //!
 //! | file | idea |
 //! |---|---|
 //! | `number` | a whole number's name and bounds, one declaration for both directions |
 //! | `writer` | fields to bits |
 //! | `source`, `reader` | fields from bits; the ways in which a type can be extended |
-//! | `part` | parts that are checked and not kept, as tables |
+//! | `part` | parts that are checked and skipped, as tables |
 //!
-//! A frame has at most 1,500 bytes. Every list has a bound of its own, and the tables of `part` contain no
-//! circle: neither memory nor depth can be asked for by a message.
+//! A frame has at most 1,500 bytes. Every list has a bound, and the tables of `part` have no cycle. So a
+//! message cannot demand memory or depth beyond that.
 
 mod number;
 mod part;

@@ -1,7 +1,7 @@
 //! Constrained whole numbers.
 
-/// A constrained whole number (clause 11.5): a field's name and bounds. Also an enumeration, the alternative
-/// of a choice and the entries of a list, by their counts.
+/// A constrained whole number (clause 11.5): a field's name and bounds. It also describes an enumeration, the
+/// alternative of a choice and the count of a list.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::codec) struct Number {
     /// Name in errors.
@@ -16,12 +16,12 @@ impl Number {
         Self { what, least, most }
     }
 
-    /// Bits that hold a number of this range.
+    /// Bits for a number of this range.
     pub(super) const fn bits(self) -> u32 {
         i64::BITS - (self.most - self.least).leading_zeros()
     }
 
-    /// Whether `value` is one of them.
+    /// Whether `value` is within the bounds.
     pub(in crate::codec) const fn contains(self, value: i64) -> bool {
         self.least <= value && value <= self.most
     }

@@ -1,18 +1,18 @@
-//! Parts of messages that are checked and not kept.
+//! Parts of messages that are checked and skipped.
 
 use super::{Number, Source};
 use crate::PayloadError;
 
-/// A part, as the standard describes it. Text is a list of characters, octets are a list of numbers.
+/// A part in the standard's terms. Text is a list of characters, octets are a list of numbers.
 #[derive(Debug)]
 pub(in crate::codec) enum Part {
     /// A number, an enumeration, or a bit string of a fixed size.
     Whole(Number),
-    /// A number that a later version may take out of its bounds.
+    /// A number whose bounds a later version may extend.
     ExtensibleNumber(Number),
-    /// An enumeration to which a later version may add.
+    /// An enumeration that a later version may extend.
     ExtensibleEnumeration(Number),
-    /// A bit string of so many bits, or of another length in a later version.
+    /// A bit string of this many bits; its length may differ in a later version.
     ExtensibleBits(u32),
     /// A list with the bounds of its count.
     List(Number, &'static Part),
@@ -20,7 +20,7 @@ pub(in crate::codec) enum Part {
     Sequence(Form, &'static [Field]),
     /// One of several.
     Choice(Form, &'static [&'static Part]),
-    /// Octets behind their length, as of a regional extension.
+    /// Octets after their length, as in a regional extension.
     Open,
 }
 
@@ -38,12 +38,12 @@ pub(in crate::codec) struct Field {
     part: Part,
 }
 
-/// A field that is always there.
+/// A field that is always present.
 pub(in crate::codec) const fn required(part: Part) -> Field {
     Field { optional: false, part }
 }
 
-/// A field that has a bit.
+/// A field with a presence bit.
 pub(in crate::codec) const fn optional(part: Part) -> Field {
     Field { optional: true, part }
 }
@@ -59,7 +59,7 @@ impl Part {
         Self::whole(what, 0, (1 << size) - 1)
     }
 
-    /// Checks it and passes over it.
+    /// Checks and skips the part.
     pub(super) fn skip(&self, from: &mut impl Source) -> Result<(), PayloadError> {
         match self {
             Self::Whole(number) => from.whole(*number).map(drop),
@@ -92,9 +92,9 @@ impl Part {
     }
 }
 
-/// Skipping of parts by a source.
+/// Skipping of parts of a source.
 pub(in crate::codec) trait Skip: Source {
-    /// Checks a part and keeps nothing of it, if its bit said that it is there.
+    /// Checks and skips a part if its bit marked it as present.
     ///
     /// # Errors
     /// [`PayloadError`].

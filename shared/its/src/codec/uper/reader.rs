@@ -4,16 +4,16 @@ use super::source::out_of_range;
 use super::{Number, Source};
 use crate::PayloadError;
 
-/// The bits of a message, from the first on.
+/// The bits of a message from the first one on.
 #[derive(Debug)]
 pub(in crate::codec) struct Reader<'a> {
     bytes: &'a [u8],
-    /// Bits that were read.
+    /// Number of bits read.
     at: u64,
 }
 
 impl<'a> Reader<'a> {
-    /// A message's bits.
+    /// A reader of a message's bits.
     pub(in crate::codec) fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, at: 0 }
     }
@@ -31,7 +31,7 @@ impl<'a> Reader<'a> {
 
 impl Source for Reader<'_> {
     fn whole(&mut self, number: Number) -> Result<i64, PayloadError> {
-        // The longest number of the standards has 42 bits, which stand in at most seven bytes.
+        // The longest number of the standards has 42 bits, in at most seven bytes.
         let bits = number.bits();
         let (from, end) = self.advance(bits.into())?;
         let bytes = &self.bytes[(from / 8) as usize..end.div_ceil(8) as usize];
@@ -85,13 +85,13 @@ mod tests {
 
     #[test]
     fn what_a_later_version_adds_is_passed_over() {
-        // Extended; no optional part; one bit; two additions known, the second there, of two octets; a 1.
+        // Extended; no optional part; one bit; two known additions, the second present, of two octets; a 1.
         let bytes = [0b1100_0000, 0b1010_0000, 0b0101_0101, 0b0101_0101, 0b0101_0000];
         let sequence = |from: &mut Reader<'_>| from.extensible(|from, []| from.bit());
         let value = read(&bytes, |from| Ok((sequence(from)?, from.bit()?)));
         assert_eq!(value, Ok(((true, true), 36)));
         assert_eq!(read(&bytes[..4], sequence), Err(PayloadError::Ends { bit: 19 }));
-        // 65 additions known, the last there, of no octet.
+        // 65 known additions, the last present, without octets.
         let mut many = [0; 12];
         (many[0], many[1], many[9]) = (0b1010_1000, 0b0010_0000, 0b0001_0000);
         assert_eq!(read(&many, sequence), Ok((false, 84)));

@@ -1,4 +1,4 @@
-//! Fields one after another, and the ways in which a type of the standards can be extended.
+//! Fields in order, and the ways in which a type of the standards can be extended.
 
 use super::Number;
 use crate::PayloadError;
@@ -9,8 +9,8 @@ const SMALL: Number = Number::new("small number", 0, 63);
 const SHORT_LENGTH: Number = Number::new("length", 0, 127);
 const LONG_LENGTH: Number = Number::new("length", 0, 16_383);
 
-/// Fields in the order of the message. A decoder asks for each with its bounds, so that a test can answer in
-/// place of bytes.
+/// Fields in the order of the message. A decoder requests each with its bounds, so that a test can answer
+/// instead of bytes.
 pub(in crate::codec) trait Source: Sized {
     /// A whole number within its bounds.
     ///
@@ -18,16 +18,16 @@ pub(in crate::codec) trait Source: Sized {
     /// [`PayloadError`]: outside its bounds, or the message ends.
     fn whole(&mut self, number: Number) -> Result<i64, PayloadError>;
 
-    /// Passes over bits of any content.
+    /// Skips bits of any content.
     ///
     /// # Errors
     /// [`PayloadError::Ends`].
     fn pass(&mut self, bits: u64) -> Result<(), PayloadError>;
 
-    /// How many entries a list has.
+    /// Number of entries of a list.
     ///
     /// # Errors
-    /// As [`Self::whole`].
+    /// As for [`Self::whole`].
     fn count(&mut self, number: Number) -> Result<i64, PayloadError> {
         self.whole(number)
     }
@@ -43,7 +43,7 @@ pub(in crate::codec) trait Source: Sized {
     /// A length without bounds (clause 11.9), in octets, bits or entries.
     ///
     /// # Errors
-    /// [`PayloadError::Length`]: 16 Ki and more come in fragments, which no frame has room for.
+    /// [`PayloadError::Length`]: lengths from 16 Ki on are fragmented and longer than a frame.
     fn length(&mut self) -> Result<u64, PayloadError> {
         if !self.bit()? {
             return self.number(SHORT_LENGTH);
@@ -54,19 +54,19 @@ pub(in crate::codec) trait Source: Sized {
         Err(PayloadError::Length)
     }
 
-    /// As [`Self::whole`], in the type of the field.
+    /// A whole number in the type of the field.
     ///
     /// # Errors
-    /// As [`Self::whole`].
+    /// As for [`Self::whole`].
     fn number<T: TryFrom<i64>>(&mut self, number: Number) -> Result<T, PayloadError> {
         let value = self.whole(number)?;
         T::try_from(value).map_err(|_| out_of_range(number, value))
     }
 
-    /// A number that is there if its bit said so.
+    /// A number that is present if its bit said so.
     ///
     /// # Errors
-    /// As [`Self::whole`].
+    /// As for [`Self::whole`].
     fn some_number<T: TryFrom<i64>>(
         &mut self,
         there: bool,
@@ -92,10 +92,10 @@ pub(in crate::codec) trait Source: Sized {
         Ok(bits.reverse_bits() >> (u16::BITS - size))
     }
 
-    /// A sequence that cannot be extended, with which of its optional parts are there.
+    /// A sequence that cannot be extended, with the presence of its optional parts.
     ///
     /// # Errors
-    /// What `read` returns, and [`PayloadError::Ends`].
+    /// The error of `read`, and [`PayloadError::Ends`].
     fn sequence<T, const N: usize>(
         &mut self,
         read: impl FnOnce(&mut Self, [bool; N]) -> Result<T, PayloadError>,
@@ -107,10 +107,10 @@ pub(in crate::codec) trait Source: Sized {
         read(self, there)
     }
 
-    /// A sequence that can be extended: what later versions add is passed over.
+    /// A sequence that can be extended: additions of later versions are skipped.
     ///
     /// # Errors
-    /// What `read` returns, and [`PayloadError`] in the additions.
+    /// The error of `read`, and [`PayloadError`] in the additions.
     fn extensible<T, const N: usize>(
         &mut self,
         read: impl FnOnce(&mut Self, [bool; N]) -> Result<T, PayloadError>,
@@ -126,7 +126,7 @@ pub(in crate::codec) trait Source: Sized {
     /// A list.
     ///
     /// # Errors
-    /// What `each` returns, and [`PayloadError`] in the count.
+    /// The error of `each`, and [`PayloadError`] in the count.
     fn list<T>(
         &mut self,
         count: Number,
@@ -136,7 +136,8 @@ pub(in crate::codec) trait Source: Sized {
         (0..count).map(|_| each(self)).collect()
     }
 
-    /// The additions of an extended sequence (clauses 19.7 to 19.9): which there are, and each behind its length.
+    /// The additions of an extended sequence (clauses 19.7 to 19.9): their presence, and each after its
+    /// length.
     ///
     /// # Errors
     /// [`PayloadError`].
@@ -149,7 +150,7 @@ pub(in crate::codec) trait Source: Sized {
         (0..there).try_for_each(|_| self.pass_open())
     }
 
-    /// The number of an enumeration's or choice's alternative of a later version (clause 11.6).
+    /// The number of an alternative that a later version added to an enumeration or choice (clause 11.6).
     ///
     /// # Errors
     /// [`PayloadError`].
@@ -157,7 +158,7 @@ pub(in crate::codec) trait Source: Sized {
         if self.bit()? { self.pass_open() } else { self.whole(SMALL).map(drop) }
     }
 
-    /// An open type, or a number without bounds: octets behind their length.
+    /// An open type, or a number without bounds: octets after their length.
     ///
     /// # Errors
     /// [`PayloadError`].

@@ -3,11 +3,11 @@
 use super::Number;
 use crate::EncodeError;
 
-/// Bits one after another; what is missing to the last byte is 0.
+/// Bits in order; the last byte is filled with 0.
 #[derive(Debug, Default)]
 pub(in crate::codec) struct Writer {
     bytes: Vec<u8>,
-    /// Bits in the last byte that are not used yet.
+    /// Unused bits of the last byte.
     free: u32,
 }
 
@@ -17,7 +17,7 @@ impl Writer {
         self.bytes
     }
 
-    /// A flag: of an extensible type whether it is extended, of an optional part whether it is there.
+    /// A flag: whether an extensible type is extended, or an optional part is present.
     pub(in crate::codec) fn bit(&mut self, bit: bool) {
         if self.free == 0 {
             self.bytes.push(0);
@@ -29,12 +29,12 @@ impl Writer {
         }
     }
 
-    /// The beginning of a sequence or choice that could be extended, and is not.
+    /// The begin of a sequence or choice that could be extended but is not.
     pub(in crate::codec) fn not_extended(&mut self) {
         self.bit(false);
     }
 
-    /// Which of a sequence's optional parts are there.
+    /// Presence of a sequence's optional parts.
     pub(in crate::codec) fn present<const N: usize>(&mut self, parts: [bool; N]) {
         parts.into_iter().for_each(|part| self.bit(part));
     }
@@ -58,7 +58,7 @@ impl Writer {
         Ok(())
     }
 
-    /// As [`Self::number`], of a part that may be missing.
+    /// Like [`Self::number`], for an optional part.
     pub(in crate::codec) fn some_number(
         &mut self,
         number: Number,
@@ -67,7 +67,7 @@ impl Writer {
         value.map_or(Ok(()), |value| self.number(number, value))
     }
 
-    /// The count of a list's entries, and each of them.
+    /// The count of a list, then its entries.
     pub(in crate::codec) fn list<T>(
         &mut self,
         count: Number,

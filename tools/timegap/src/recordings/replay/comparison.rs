@@ -1,4 +1,4 @@
-//! Recorded against replayed, message by message.
+//! Recorded messages compared with replayed ones.
 
 use super::difference::{Difference, not_compared, places};
 use super::{Programs, Table};
@@ -10,7 +10,7 @@ use scenario::Scenario;
 use serde::Serialize;
 use std::collections::VecDeque;
 
-/// What both controllers asked for in one cycle.
+/// Requests of both controllers in one cycle.
 pub(super) struct Row {
     pub(super) incarnation: u32,
     pub(super) step: u64,
@@ -35,38 +35,38 @@ impl Row {
     }
 }
 
-/// What a replay found.
+/// Result of a replay.
 #[derive(Debug, Serialize)]
 pub(super) struct Comparison {
     pub(super) schema_version: u32,
     pub(super) scenario: String,
     pub(super) recorded_controller: String,
     pub(super) replayed_controller: String,
-    /// The programs of the user's that drove; null where timegap's own controller did.
+    /// The user's programs that drove; null for timegap's own controller.
     pub(super) recorded_program: Option<Program>,
     pub(super) replayed_program: Option<Program>,
     /// The recorded run's clock.
     pub(super) mode: &'static str,
-    /// True if the scenario was changed for the replay.
+    /// Whether the scenario was changed for the replay.
     pub(super) changed: bool,
     /// Fields that are not compared.
     pub(super) not_compared: Vec<&'static str>,
     /// Cycles replayed.
     pub(super) cycles: u64,
-    /// Commands among them: in a silent cycle there is none.
+    /// Replayed cycles with a command.
     pub(super) commands: u64,
-    /// Cycles that could not be replayed, and why.
+    /// Reasons why cycles could not be replayed.
     pub(super) cut_short: Vec<String>,
-    /// Commands, and diagnostics, in which every compared byte is the same.
+    /// Commands and diagnostics that are equal in every compared byte.
     pub(super) identical_commands: u64,
     pub(super) identical_diagnostics: u64,
-    /// True if all are.
+    /// Whether all are equal.
     pub(super) identical: bool,
     pub(super) first_difference: Option<Difference>,
     /// Largest and root-mean-square difference of the first requests, m/s².
     pub(super) max_request_difference_mps2: f64,
     pub(super) rms_request_difference_mps2: f64,
-    /// When the largest was, s of run time.
+    /// Run time of the largest difference, s.
     pub(super) max_request_difference_at_s: f64,
     /// Pairs of requests, and the sum of their squared differences.
     #[serde(skip)]
@@ -112,14 +112,14 @@ impl Comparison {
         }
     }
 
-    /// True if every compared byte of the pair is the same; keeps the first other one.
+    /// Whether every compared byte of the pair is equal; keeps the first difference.
     fn is_same<T: Message>(&mut self, places: &[Place], recorded: &T, replayed: &T) -> bool {
         let Some(difference) = Difference::between(places, recorded, replayed) else { return true };
         self.first_difference.get_or_insert(difference);
         false
     }
 
-    /// The values of `T` that are compared.
+    /// The compared values of `T`.
     fn places<T: Message>(&self) -> Vec<Place> {
         places::<T>(&self.not_compared)
     }
@@ -141,7 +141,7 @@ impl Comparison {
     }
 }
 
-/// What was recorded beside what is replayed, while it is.
+/// Recorded messages beside replayed ones during a replay.
 pub(super) struct Pairs<'a, R: Iterator<Item = Cycle>> {
     /// Recorded cycles whose diagnostics were not replayed yet.
     recorded: R,
@@ -158,7 +158,7 @@ impl<'a, R: Iterator<Item = Cycle>> Pairs<'a, R> {
         Self { recorded, waiting: VecDeque::new(), commands: 0, comparison, table, places }
     }
 
-    /// Compares what the controller said with what it said then; returns the cycles up to here.
+    /// Compares replayed with recorded messages of the controller; returns the cycles up to here.
     pub(super) fn add(&mut self, said: Replayed<'_>) -> u64 {
         match said {
             Replayed::Command(replayed) => {
@@ -179,7 +179,7 @@ impl<'a, R: Iterator<Item = Cycle>> Pairs<'a, R> {
                     let is_same = self.comparison.is_same(&self.places[1], &recorded, replayed);
                     self.comparison.identical_diagnostics += u64::from(is_same);
                 }
-                // A listener takes commands before diagnostics: up to a buffer of cycles later.
+                // A listener reads commands before diagnostics, up to a buffer of cycles later.
                 while self.waiting.len() > MOST_WAITING {
                     self.waiting.pop_front();
                 }
@@ -193,14 +193,14 @@ impl<'a, R: Iterator<Item = Cycle>> Pairs<'a, R> {
         while self.waiting.back().is_none_or(|cycle| cycle.diagnostics.header.step < step) {
             self.waiting.push_back(self.recorded.next()?);
         }
-        // One process goes on in the order of its steps.
+        // One process proceeds in the order of its steps.
         let steps = self.waiting.make_contiguous();
         let index =
             steps.binary_search_by_key(&step, |cycle| cycle.diagnostics.header.step).ok()?;
         self.waiting.get(index)
     }
 
-    /// Counts what was to be replayed.
+    /// Counts the messages that should have been replayed.
     pub(super) fn finish(self, take: &Take) {
         self.comparison.commands += take.commands.max(self.commands);
         self.comparison.cut_short.extend(take.cut_short.clone());

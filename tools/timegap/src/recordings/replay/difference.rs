@@ -1,11 +1,11 @@
-//! Where a recorded and a replayed message differ.
+//! The difference between a recorded and a replayed message.
 
 use messages::{Message, Place};
 use runtime::Mode;
 use serde::Serialize;
 use std::fmt;
 
-/// Fields that say how the machine fared when a message was computed.
+/// Fields about the machine's performance.
 const MACHINE: [&str; 7] = [
     "header.protection",
     "header.publish_ns",
@@ -16,7 +16,7 @@ const MACHINE: [&str; 7] = [
     "major_faults",
 ];
 
-/// Fields that are not compared in a run on this clock.
+/// Fields that are not compared in a run with this clock.
 pub(super) fn not_compared(mode: Mode) -> Vec<&'static str> {
     match mode {
         Mode::Lockstep => Vec::new(),
@@ -24,7 +24,7 @@ pub(super) fn not_compared(mode: Mode) -> Vec<&'static str> {
     }
 }
 
-/// The values of `T` that are compared.
+/// The compared values of `T`.
 pub(super) fn places<T: Message>(not_compared: &[&str]) -> Vec<Place> {
     let mut places = T::LAYOUT.scalars();
     places.retain(|place| !not_compared.iter().any(|field| place.path.starts_with(field)));
@@ -51,7 +51,7 @@ impl fmt::Display for Difference {
 }
 
 impl Difference {
-    /// The first of `places` in which the two are not the same byte by byte.
+    /// The first of `places` whose bytes differ.
     pub(super) fn between<T: Message>(
         places: &[Place],
         recorded: &T,
@@ -63,7 +63,7 @@ impl Difference {
             a[range.clone()] != b[range]
         };
         let header = recorded.header();
-        // The checksum differs whenever something else does.
+        // The checksum differs with any other field.
         let telling = places
             .iter()
             .find(|place| differs(place) && !place.path.starts_with("header.protection"));

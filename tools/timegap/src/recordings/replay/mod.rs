@@ -1,18 +1,16 @@
-//! `timegap replay`: a recorded run's inputs into the controller again.
+//! `timegap replay`: feeds a recorded run's inputs to the controller again.
 //!
-//! The controller is the real process on real topics; a replayer stands for all other services and sends
-//! the recorded samples as they were. The controller is released as often as it was, at the recorded
-//! instants, and takes at each release the very samples that its recorded diagnostics name, also
-//! where it then kept silent. Each process of a controller that was restarted is replayed by itself.
+//! The controller is the real process on real topics. A replayer takes the place of all other services and
+//! sends the recorded samples. It releases the controller at the recorded instants. At each release the
+//! controller gets the samples that its recorded diagnostics name, also in silent cycles. Each process of a
+//! restarted controller is replayed separately.
 //!
-//! With the recorded controller the outputs must be the same. What is compared depends on the clock
-//! that the run was recorded on. In lockstep it is every byte of every command and diagnostics
-//! message. In realtime it is every byte but those that say how the machine fared: when the message
-//! was published (and the checksum over it), since when the cycle had waited, and its context
-//! switches and page faults. One thing is not in a recording: when a plan made beside the loop came.
-//! In a replay every plan comes in time; a realtime run whose summary counts late plans may differ.
+//! The recorded controller must give the same outputs. In lockstep every byte of every command and diagnostics
+//! message is compared. In realtime these are left out: publication time and checksum, begin of the cycle's
+//! wait, context switches and page faults. A recording does not hold the arrival of plans made beside the
+//! loop. In a replay every plan is in time, so that a realtime run with late plans may differ.
 //!
-//! With `--of obu` it is the on-board unit that is replayed, from the raw frames.
+//! `--of obu` replays the on-board unit from the raw frames.
 
 mod comparison;
 mod difference;
@@ -38,61 +36,60 @@ use std::process::ExitCode;
 /// Arguments of `replay`.
 #[derive(Debug, Args)]
 pub struct ReplayArguments {
-    /// A run's directory of results, or a recording
+    /// Results directory of a run, or a recording
     pub run: PathBuf,
-    /// Which service to replay: the controller, or `obu` with the raw frames of `radio/frames`, whose signals
-    /// are compared
+    /// Service to replay: the controller, or `obu` (the on-board unit) from the recorded radio frames
     #[arg(long, value_name = "SERVICE", value_enum, default_value_t = Of::Controller)]
     pub of: Of,
-    /// Give the inputs to another control law (see `timegap list`) and compare its commands
+    /// Use another control law (see `timegap list`) and compare its commands
     #[arg(long, value_name = "NAME")]
     pub controller: Option<String>,
-    /// Give the inputs to PROGRAM in the controller's place, as `run --service controller=PROGRAM` does
+    /// Use PROGRAM as the controller, like `run --service controller=PROGRAM`
     #[arg(long, value_name = "controller=PROGRAM", value_parser = service_program)]
     pub service: Option<(Service, PathBuf)>,
-    /// Change any key of the recorded scenario, by its dotted path; may be given again
+    /// Change a key of the recorded scenario, by its dotted path (repeatable)
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
-    /// Where to write both controllers' requests [default: replay.csv beside the recording]
+    /// File for both controllers' requests [default: replay.csv beside the recording]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Print the comparison as JSON, and nothing else, on standard output
+    /// Print the comparison as JSON, and nothing else
     #[arg(long)]
     pub json: bool,
 }
 
-/// What is replayed.
+/// Replayed service.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Of {
-    /// The controller, from the samples that it used.
+    /// The controller, from its recorded samples.
     Controller,
-    /// The on-board unit, from the frames on air.
+    /// The on-board unit, from the recorded frames.
     Obu,
 }
 
 /// Why a recording cannot be replayed.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
-    /// The controller did nothing in it.
+    /// No cycle of the controller is recorded.
     #[error("{} holds no control cycle that could be replayed", .0.display())]
     Empty(PathBuf),
-    /// No on-board unit in it, or none that names the frames that it used.
+    /// No on-board unit is recorded, or none that names its frames.
     #[error(
         "{} holds no frames that an on-board unit decoded: replay a run with v2x.radio = \"frames\", udp://, \
          zenoh or pcap: of this version",
         .0.display()
     )]
     NoFrames(PathBuf),
-    /// An option of the controller's replay.
+    /// An option for the controller only.
     #[error("{0} has no meaning with --of obu")]
     OfTheController(&'static str),
-    /// The program that the law hosts is none.
+    /// The program that the law hosts is not valid.
     #[error("{}", .0.message)]
     Law(#[source] Problem),
-    /// A program for a service that takes no part.
+    /// A program for a service that is not replayed.
     #[error("--service {0}: a replay has the controller alone, expected controller=PROGRAM")]
     NotTheController(Service),
-    /// A program drove, and none is given.
+    /// A program drove the recording, and none is given.
     #[error(
         "{} was driven by the program `{}` (sha256 {}), expected --service controller=PROGRAM, or \
          --controller NAME to compare it with another law",
@@ -103,7 +100,7 @@ pub enum ReplayError {
     Program {
         /// The recording.
         recording: PathBuf,
-        /// Who drove.
+        /// The program that drove.
         program: Program,
     },
 }
@@ -167,7 +164,7 @@ fn replay_controller(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
     Ok(if is_right { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// The recorded scenario, and whether something of it was changed.
+/// The recorded scenario, and whether it was changed.
 fn scenario(recording: &Recording, arguments: &ReplayArguments) -> Result<(Scenario, bool), Error> {
     let mut overrides = Overrides::new();
     if let Some(controller) = &arguments.controller {
@@ -183,14 +180,14 @@ fn scenario(recording: &Recording, arguments: &ReplayArguments) -> Result<(Scena
     Ok((scenario, changed))
 }
 
-/// The program of the user's that drove in the recording, and the one that drives now.
+/// The user's program that drove in the recording, and the one that drives now.
 #[derive(Debug, Default)]
 pub(super) struct Programs {
     recorded: Option<Program>,
     replayed: Option<Program>,
 }
 
-/// Finds out who drove and who will.
+/// Finds the recorded and the present program.
 fn programs(
     recording: &Recording,
     scenario: &Scenario,
@@ -223,7 +220,7 @@ fn programs(
     Ok(Programs { recorded, replayed })
 }
 
-/// Both controllers' requests, a row for each cycle.
+/// Both controllers' requests, a row per cycle.
 struct Table {
     path: PathBuf,
     file: Result<BufWriter<File>, std::io::Error>,
@@ -242,7 +239,7 @@ impl Table {
         Self { path, file }
     }
 
-    /// Adds a row. What goes wrong is kept for the end: the comparison is printed first.
+    /// Adds a row. An error is kept for the end: the comparison is printed first.
     fn add(&mut self, row: &Row) {
         let Ok(file) = &mut self.file else { return };
         let written = writeln!(

@@ -1,8 +1,7 @@
-//! `timegap replay --of obu`: the recorded frames into the on-board unit again.
+//! `timegap replay --of obu`: feeds the recorded frames to the on-board unit again.
 //!
-//! The unit decodes and checks them as it did then, at the recorded instants and with the recorded odometry.
-//! What it hands on, and the vehicle's own frames, are compared byte by byte; of a realtime run all but when a
-//! message was published.
+//! The unit decodes and checks the frames at the recorded instants with the recorded odometry. Its messages
+//! and the vehicle's own frames are compared byte by byte; in a realtime run without publication times.
 
 use super::difference::{Difference, not_compared, places};
 use super::{ReplayArguments, ReplayError, scenario};
@@ -17,32 +16,32 @@ use std::collections::{BTreeMap, VecDeque};
 use std::fmt::Write as _;
 use std::process::ExitCode;
 
-/// Cycles that are kept for what the unit says late in them.
+/// Cycles kept for late messages of the unit.
 const MOST_WAITING: usize = 256;
 
-/// What a replay found.
+/// Result of a replay.
 #[derive(Debug, Serialize)]
 struct Comparison {
     schema_version: u32,
     scenario: String,
-    /// The service that was replayed.
+    /// The replayed service.
     replayed: Service,
     /// The recorded run's clock.
     mode: &'static str,
-    /// True if the scenario was changed for the replay.
+    /// Whether the scenario was changed for the replay.
     changed: bool,
     /// Fields that are not compared.
     not_compared: Vec<&'static str>,
     /// Cycles replayed.
     cycles: u64,
-    /// Why the replay ends before the run did.
+    /// Reason for an early end of the replay.
     cut_short: Option<String>,
-    /// What the unit said, by topic.
+    /// Messages of the unit, by topic.
     topics: BTreeMap<&'static str, Said>,
-    /// True if every compared byte of all messages is the same.
+    /// Whether every compared byte of all messages is equal.
     identical: bool,
     first_difference: Option<Difference>,
-    /// Frames decoded, and what became of them in the replay.
+    /// Decoded frames, and their verdicts in the replay.
     frames: u64,
     verdicts: BTreeMap<String, u64>,
 }
@@ -104,7 +103,7 @@ pub(super) fn run(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
     Ok(if is_right { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// What was recorded beside what is replayed, while it is.
+/// Recorded cycles beside replayed ones during a replay.
 struct Pairs<R: Iterator<Item = UnitCycle>> {
     recorded: R,
     waiting: VecDeque<UnitCycle>,
@@ -114,7 +113,7 @@ struct Pairs<R: Iterator<Item = UnitCycle>> {
     first_difference: Option<Difference>,
 }
 
-/// A topic's messages so far, and what of them is compared.
+/// A topic's messages so far, and the compared parts.
 struct Topic {
     places: Vec<Place>,
     said: Said,
@@ -146,7 +145,7 @@ impl<R: Iterator<Item = UnitCycle>> Pairs<R> {
         }
     }
 
-    /// Compares what the unit said with what it said then; returns the cycles up to here.
+    /// Compares replayed with recorded messages of the unit; returns the cycles up to here.
     fn add(&mut self, said: &UnitSaid<'_>) -> u64 {
         let step = match said {
             UnitSaid::Map(message) => message.header.step,
